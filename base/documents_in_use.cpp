@@ -10,10 +10,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostOfAnswerText = 1024;
-constexpr std::size_t kMostOfAnswerPath = 4096;
+constexpr std::size_t kMaxOfAnswerText = 1024;
+constexpr std::size_t kMaxOfAnswerPath = 4096;
 
-std::string shortened(std::string text, std::size_t most = kMostOfAnswerText) {
+std::string shortened(std::string text, std::size_t most = kMaxOfAnswerText) {
   if (text.size() <= most) return text;
   text.resize(most);
   return text.append("...");
@@ -29,7 +29,7 @@ Json json_of(const DocumentPart& part) {
 Json json_of(const std::vector<DocumentPart>& parts) {
   auto out = Json::array();
   for (const auto& part : parts) {
-    if (out.size() == DocumentsInUse::kMostParts) break;
+    if (out.size() == DocumentsInUse::kMaxParts) break;
     out.push_back(json_of(part));
   }
   return out;
@@ -116,10 +116,10 @@ void DocumentsInUse::forget(std::int64_t identity, std::span<const DocumentKind>
 Json DocumentsInUse::json_of(const std::optional<Refusal>& refusal) {
   if (!refusal) return {};
   return {{"at", to_string(refusal->at)},
-          {"file", shortened(refusal->why.details().document, kMostOfAnswerPath)},
+          {"file", shortened(refusal->why.details().document, kMaxOfAnswerPath)},
           {"code", static_cast<int>(refusal->why.code())},
           {"name", info(refusal->why.code()).name},
-          {"sentence", shortened(refusal->why.to_sentence(), kMostOfAnswerPath)},
+          {"sentence", shortened(refusal->why.to_sentence(), kMaxOfAnswerPath)},
           {"stands", refusal->stands}};
 }
 
@@ -129,10 +129,10 @@ std::string DocumentsInUse::json_of(std::int64_t identity, const Participant& pa
     const auto& parts = document.parts;
     documents.push_back(
         {{"kind", to_string(kind)},
-         {"file", shortened(document.file, kMostOfAnswerPath)},
+         {"file", shortened(document.file, kMaxOfAnswerPath)},
          {"since", to_string(document.since)},
          {"in_force", ddssec::json_of(parts)},
-         {"more", parts.size() - std::min(parts.size(), kMostParts)},
+         {"more", parts.size() - std::min(parts.size(), kMaxParts)},
          {"waiting", document.waiting ? ddssec::json_of(*document.waiting) : Json()},
          {"refused", json_of(document.refusal)}});
   }
@@ -150,7 +150,7 @@ std::string DocumentsInUse::to_json() const {
   std::string all;
   std::size_t left_out = 0;
   for (const auto& [identity, participant] : participants_) {
-    if (all.size() >= kMostOctets) {
+    if (all.size() >= kMaxOctets) {
       ++left_out;
       continue;
     }

@@ -57,9 +57,9 @@ struct DocumentState {
 class DocumentsInUse {
  public:
   /// Parts that the answer has of one document; of more it has the number.
-  static constexpr std::size_t kMostParts = 16;
+  static constexpr std::size_t kMaxParts = 16;
   /// Octets of the answer, about; participants that do not fit are counted.
-  static constexpr std::size_t kMostOctets = 512 * 1024;
+  static constexpr std::size_t kMaxOctets = 512 * 1024;
 
   /// The participant with this identity handle. Empty texts leave what is known.
   void note_participant(std::int64_t identity, std::string guid, std::string subject);
@@ -72,7 +72,7 @@ class DocumentsInUse {
   /// The participant no longer uses documents of these kinds.
   void forget(std::int64_t identity, std::span<const DocumentKind> kinds);
 
-  /// One JSON object in ASCII, at most a little longer than kMostOctets.
+  /// One JSON object in ASCII, at most a little longer than kMaxOctets.
   std::string to_json() const;
 
  private:

@@ -11,20 +11,20 @@ namespace ddssec {
 namespace {
 
 /// The number of octets of a peer's name that a line shows.
-constexpr std::size_t kMostShown = 256;
+constexpr std::size_t kMaxShown = 256;
 // The longest text in an event, in octets. Attackers can choose some of these texts.
-constexpr std::size_t kMostOfAText = 1024;
+constexpr std::size_t kMaxOfAText = 1024;
 
 std::string cut(std::string text) {
-  if (text.size() > kMostOfAText) text.replace(kMostOfAText, text.npos, "...");
+  if (text.size() > kMaxOfAText) text.replace(kMaxOfAText, text.npos, "...");
   return text;
 }
 
 // Replaces quotation marks inside the name, which could end it early.
 std::string in_quotation_marks(std::string_view name) {
-  std::string out = printable(name.substr(0, kMostShown));
+  std::string out = printable(name.substr(0, kMaxShown));
   std::ranges::replace(out, '"', '\'');
-  return '"' + out + (name.size() > kMostShown ? "...\"" : "\"");
+  return '"' + out + (name.size() > kMaxShown ? "...\"" : "\"");
 }
 
 // Attackers can choose parts of a line. No such part may look like the code in brackets at the end
@@ -148,7 +148,7 @@ void RateLimitedSink::raise(const Event& event) {
   auto& share = is_claimed  ? claimed_
                 : is_proven ? share_of(code + "\n" + certificate_of(event), now)
                             : ours_;
-  const auto most = is_claimed ? kMostClaimed : is_proven ? kMostOfAPeer : kMostRemembered;
+  const auto most = is_claimed ? kMaxClaimed : is_proven ? kMaxOfAPeer : kMaxRemembered;
   const bool passes = has_room(share, most, reason, now)
                           ? may_pass(share, reason, now)
                           : may_pass(crowded_out_, code + (is_claimed ? " claimed" : ""), now);
@@ -159,11 +159,11 @@ void RateLimitedSink::raise(const Event& event) {
 RateLimitedSink::Times& RateLimitedSink::share_of(const std::string& peer,
                                                   std::chrono::nanoseconds now) {
   if (const auto known = proven_.find(peer); known != proven_.end()) return known->second;
-  if (proven_.size() >= kMostRemembered) {
+  if (proven_.size() >= kMaxRemembered) {
     for (auto& [_, share] : proven_) forget_old(share, now);
     std::erase_if(proven_, [](const auto& entry) { return entry.second.empty(); });
   }
-  return proven_.size() >= kMostRemembered ? no_share_ : proven_[peer];
+  return proven_.size() >= kMaxRemembered ? no_share_ : proven_[peer];
 }
 
 bool RateLimitedSink::has_room(Times& share, std::size_t most, const std::string& reason,

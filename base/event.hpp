@@ -82,14 +82,14 @@ class EventSink {
 /// Memory is bounded in shares, so that no peer can suppress events about others. There is one
 /// share for the local participant and one for all peers without proof. Each authenticated peer has
 /// one share for each code, because it chooses the names of its topics and partitions. If a share
-/// is full, or there are more than kMostRemembered shares of peers, each code is still passed on
+/// is full, or there are more than kMaxRemembered shares of peers, each code is still passed on
 /// once in each interval.
 class RateLimitedSink final : public EventSink {
  public:
   /// About the local participant; also the number of shares of authenticated peers.
-  static constexpr std::size_t kMostRemembered = 1024;
-  static constexpr std::size_t kMostClaimed = 128;  ///< about all unauthenticated peers together
-  static constexpr std::size_t kMostOfAPeer = 16;   ///< about one authenticated peer, for each code
+  static constexpr std::size_t kMaxRemembered = 1024;
+  static constexpr std::size_t kMaxClaimed = 128;  ///< about all unauthenticated peers together
+  static constexpr std::size_t kMaxOfAPeer = 16;   ///< about one authenticated peer, for each code
 
   RateLimitedSink(EventSink& next, const Clock& clock,
                   std::chrono::seconds interval = std::chrono::seconds(10))

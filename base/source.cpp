@@ -130,9 +130,9 @@ Result<Bytes> load_secret_octets(std::string_view uri, std::string_view property
 bool names_token(std::string_view uri) { return without_blanks(uri).starts_with("pkcs11:"); }
 
 std::string without_pin(std::string_view uri) {
-  constexpr std::size_t kMost = 256;
+  constexpr std::size_t kMax = 256;
   uri = without_blanks(uri);
-  auto end = std::min({uri.find('?'), uri.find(";pin-"), kMost});
+  auto end = std::min({uri.find('?'), uri.find(";pin-"), kMax});
   if (const auto first = uri.find(":pin-"); first != uri.npos) end = std::min(end, first + 1);
   return std::string(uri.substr(0, end));
 }

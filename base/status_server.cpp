@@ -124,7 +124,7 @@ Status StatusServer::listen() {
 
 Status StatusServer::bind_first_free() {
   Status status;
-  for (int i = 1; i <= kMostOfAProcess; ++i) {
+  for (int i = 1; i <= kMaxOfAProcess; ++i) {
     const auto name =
         i == 1 ? fmt::format("ddssec-{}.sock", pid_) : fmt::format("ddssec-{}-{}.sock", pid_, i);
     status = bind_to(name);
@@ -205,18 +205,18 @@ int StatusServer::milliseconds_to_wait() const {
 
 /// False: the server ends.
 bool StatusServer::serve_once() {
-  std::array<pollfd, kMostClients + 2> polled{};
+  std::array<pollfd, kMaxClients + 2> polled{};
   const bool accepts = has_room() && !paused_until_;
   polled[0] = {stop_.number(), POLLIN, 0};
   polled[1] = {accepts ? socket_.number() : -1, POLLIN, 0};
-  for (std::size_t i = 0; i < kMostClients; ++i)
+  for (std::size_t i = 0; i < kMaxClients; ++i)
     polled[i + 2] = {clients_[i].socket.number(), POLLOUT, 0};
   if (::poll(polled.data(), polled.size(), milliseconds_to_wait()) < 0)
     return errno == EINTR || has_time_to_recover();
   if (polled[0].revents != 0) return false;
   const auto now = steady_clock::now();
   if (paused_until_ && now >= *paused_until_) paused_until_.reset();
-  for (std::size_t i = 0; i < kMostClients; ++i) {
+  for (std::size_t i = 0; i < kMaxClients; ++i) {
     if (polled[i + 2].revents != 0) send_to(clients_[i]);
     if (clients_[i].socket && now >= clients_[i].until) clients_[i] = Client();
   }
@@ -247,7 +247,7 @@ void StatusServer::accept_one() {
     second_ = now;
     accepted_ = 0;
   }
-  if (++accepted_ >= kMostPerSecond) paused_until_ = second_ + kSecond;
+  if (++accepted_ >= kMaxPerSecond) paused_until_ = second_ + kSecond;
   if (!is_allowed(socket.number())) return;
   const auto free = std::ranges::find_if(clients_, [](const Client& one) { return !one.socket; });
   if (free == clients_.end()) return;

@@ -17,16 +17,16 @@ namespace ddssec {
 
 /// Answers in a background thread: only that thread waits for clients. Each connection gets the
 /// text of its moment and is closed. What clients send is not read. Root and the user of the
-/// process are answered (SO_PEERCRED). At most kMostClients connections and kMostPerSecond new ones
+/// process are answered (SO_PEERCRED). At most kMaxClients connections and kMaxPerSecond new ones
 /// in a second; the others wait. In the child of a fork() nothing is served.
 class StatusServer {
  public:
-  static constexpr std::size_t kMostClients = 8;
-  static constexpr unsigned kMostPerSecond = 32;
+  static constexpr std::size_t kMaxClients = 8;
+  static constexpr unsigned kMaxPerSecond = 32;
   /// A client that has not taken the whole answer by then is dropped.
   static constexpr std::chrono::seconds kPatience{5};
   /// Libraries of one process that serve, each with a socket of its own.
-  static constexpr int kMostOfAProcess = 8;
+  static constexpr int kMaxOfAProcess = 8;
 
   /// Called in the thread; must be thread-safe, and valid until the server is destroyed.
   using Answer = std::function<std::string()>;
@@ -80,7 +80,7 @@ class StatusServer {
   std::string name_;  ///< of the socket in the folder; empty: there is none
   Descriptor socket_;
   Descriptor stop_;  ///< an eventfd
-  std::array<Client, kMostClients> clients_;
+  std::array<Client, kMaxClients> clients_;
   Time second_ = {};  ///< the start of the second in which `accepted_` counts
   unsigned accepted_ = 0;
   std::optional<Time> paused_until_;  ///< no connection is accepted before

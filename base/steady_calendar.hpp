@@ -21,7 +21,7 @@ class SteadyCalendar final : public Clock {
  public:
   static constexpr std::chrono::seconds kStep{10};
   static constexpr std::chrono::seconds kDefaultGrace{60};
-  static constexpr std::chrono::seconds kLongestGrace{60 * 60};
+  static constexpr std::chrono::seconds kMaxGrace{60 * 60};
 
   /// `clock` must outlive this object.
   explicit SteadyCalendar(const Clock& clock);

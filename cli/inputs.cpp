@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostPassphraseLine = pki::Passphrase::capacity + 2;
+constexpr std::size_t kMaxPassphraseLine = pki::Passphrase::capacity + 2;
 
 std::string uri(const fs::path& path) { return "file://" + path.string(); }
 
@@ -50,7 +50,7 @@ Result<pki::Passphrase> passphrase_from(std::string_view text) {
 
 // Reads one line octet by octet, because the rest of the stream does not belong to this command.
 Result<pki::Passphrase> passphrase_from_stream(int file) {
-  std::array<std::uint8_t, kMostPassphraseLine> line{};
+  std::array<std::uint8_t, kMaxPassphraseLine> line{};
   std::size_t size = 0;
   while (size < line.size() && ::read(file, &line[size], 1) == 1)
     if (line[size++] == '\n') break;
@@ -75,7 +75,7 @@ Result<pki::Passphrase> passphrase_from_file(const std::string& path) {
   if (path == "-") return passphrase_from_stream(STDIN_FILENO);
   std::error_code ignored;
   if (fs::is_fifo(path, ignored)) return passphrase_from_pipe(path);
-  DDSSEC_ASSIGN_OR_RETURN(auto octets, read_file(path, kMostPassphraseLine));
+  DDSSEC_ASSIGN_OR_RETURN(auto octets, read_file(path, kMaxPassphraseLine));
   auto out = passphrase_from(without_line_end(as_text(octets)));
   wipe(octets);
   return out;
@@ -146,7 +146,7 @@ Status check_directory(const fs::path& folder, std::string_view expected) {
 }
 
 Result<pki::Certificate> read_certificate(const fs::path& path) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMostCertificateOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMaxCertificateOctets));
   auto certificate = pki::Certificate::from_pem(octets);
   if (!certificate) return about(certificate.error(), path);
   return certificate;
@@ -234,20 +234,20 @@ pki::Validity validity_of(int days, WallTime now) {
 }
 
 Result<std::string> ocsp_responder(const Arguments& arguments) {
-  constexpr std::size_t kMostOctets = 512;
+  constexpr std::size_t kMaxOctets = 512;
   auto url = arguments.text("--ocsp-responder");
   if (url.empty()) return url;
   const auto address = pki::parse_ocsp_address(url);
-  if (address && url.size() <= kMostOctets) return url;
+  if (address && url.size() <= kMaxOctets) return url;
   return fail(Code::usage,
               {.field = "--ocsp-responder",
-               .expected = fmt::format("an http:// URL of at most {} octets", kMostOctets),
-               .found = url.substr(0, kMostOctets),
+               .expected = fmt::format("an http:// URL of at most {} octets", kMaxOctets),
+               .found = url.substr(0, kMaxOctets),
                .note = address ? "" : address.error().details().note});
 }
 
 Result<pki::Validity> validity(const Arguments& arguments, WallTime now) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto days, arguments.number("--days", 1, kMostDays));
+  DDSSEC_ASSIGN_OR_RETURN(const auto days, arguments.number("--days", 1, kMaxDays));
   return validity_of(days, now);
 }
 
@@ -310,8 +310,8 @@ std::string folder_name(const fs::path& folder) {
 }
 
 Result<std::vector<std::string>> read_topics(const fs::path& file) {
-  constexpr std::size_t kMostOctets = 4 * 1024 * 1024;
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, kMostOctets));
+  constexpr std::size_t kMaxOctets = 4 * 1024 * 1024;
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, kMaxOctets));
   std::vector<std::string> out;
   std::string_view rest = as_text(octets);
   while (!rest.empty()) {
@@ -327,17 +327,17 @@ Result<std::vector<std::string>> read_topics(const fs::path& file) {
 }
 
 Status check_name(std::string_view name, std::string_view any_other) {
-  constexpr std::size_t kMost = 64;  // of a common name, X.520 ub-common-name
+  constexpr std::size_t kMax = 64;  // of a common name, X.520 ub-common-name
   const auto is_letter_or_digit = [](char c) {
     return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || ('0' <= c && c <= '9');
   };
   const auto is_fine = [&](char c) {
     return is_letter_or_digit(c) || c == '.' || c == '_' || c == '-';
   };
-  if (!name.empty() && name.size() <= kMost && is_letter_or_digit(name[0]) &&
+  if (!name.empty() && name.size() <= kMax && is_letter_or_digit(name[0]) &&
       std::ranges::all_of(name, is_fine))
     return {};
-  ErrorDetails details{.found = '"' + std::string(name.substr(0, kMost)) + '"'};
+  ErrorDetails details{.found = '"' + std::string(name.substr(0, kMax)) + '"'};
   if (!any_other.empty()) {
     const auto hint = info(Code::name_unusable).hint;  // its last clause is about --subject
     details.hint = fmt::format("{}; {}", hint.substr(0, hint.rfind("; ")), any_other);

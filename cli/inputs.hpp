@@ -47,7 +47,7 @@ Result<pki::PrivateKey> read_key(const std::filesystem::path& path,
                                  const pki::Passphrase* passphrase);
 
 /// The longest validity of a certificate that can be requested, in days.
-inline constexpr int kMostDays = 36'500;
+inline constexpr int kMaxDays = 36'500;
 
 /// Validity begins this long before now, because clocks differ. Fast DDS reads the dates of a grant
 /// as local time, which is up to 14 hours from UTC.

@@ -19,9 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Entries of one folder, and all entries, that are looked at.
-constexpr int kMostInFolder = 1'000;
-constexpr int kMostLooks = 5'000;
-constexpr std::size_t kMostShown = 4;
+constexpr int kMaxInFolder = 1'000;
+constexpr int kMaxLooks = 5'000;
+constexpr std::size_t kMaxShown = 4;
 
 using Wanted = std::function<bool(const fs::path&)>;
 
@@ -56,7 +56,7 @@ class Search {
     int entries = 0;
     const auto start = folder.empty() ? fs::path(".") : folder;
     for (fs::directory_iterator at(start, error), end; !error && at != end; at.increment(error)) {
-      if (++entries > kMostInFolder || ++looks_ > kMostLooks) return;
+      if (++entries > kMaxInFolder || ++looks_ > kMaxLooks) return;
       std::error_code ignored;
       if (!fs::is_directory(at->symlink_status(ignored))) continue;
       const auto path = folder / at->path().filename();
@@ -75,10 +75,10 @@ class Search {
 std::string listed(std::string_view words, const std::vector<fs::path>& paths) {
   std::vector<std::string> shown;
   for (const auto& path : paths)
-    if (shown.size() < kMostShown) shown.push_back(path.string());
+    if (shown.size() < kMaxShown) shown.push_back(path.string());
   if (shown.empty()) return {};
   return fmt::format("{}{}{}", words, fmt::join(shown, ", "),
-                     paths.size() > kMostShown ? ", ..." : "");
+                     paths.size() > kMaxShown ? ", ..." : "");
 }
 
 bool is_participant(const fs::path& folder) { return is_there(folder / "cert.pem"); }
@@ -138,7 +138,7 @@ Status check_role(const fs::path& given, std::string_view role) {
 }
 
 bool holds_key(const fs::path& file) {
-  const auto text = read_file(file, pki::kMostCertificateOctets);
+  const auto text = read_file(file, pki::kMaxCertificateOctets);
   return text && as_text(*text).contains("PRIVATE KEY-----");
 }
 

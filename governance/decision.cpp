@@ -106,11 +106,11 @@ std::string describe_domain(DomainId domain, std::string_view tag) {
 
 // "0, 5 to 7": the domains of the document, for an error message.
 std::string describe_domains(const Governance& governance) {
-  constexpr std::size_t kMost = 128;
+  constexpr std::size_t kMax = 128;
   std::string out;
   for (const auto& rule : governance.domain_rules)
     for (const auto& range : rule.domains.ranges) {
-      if (out.size() > kMost) return out + ", ...";
+      if (out.size() > kMax) return out + ", ...";
       out += (out.empty() ? "" : ", ") + std::to_string(range.first);
       if (range.first != range.last) out += " to " + std::to_string(range.last);
     }

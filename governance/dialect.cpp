@@ -135,8 +135,8 @@ std::string as_fastdds_reads_it(std::string_view expression) {
 std::optional<Unportable> unportable(std::string_view expression, SetEffort& effort) {
   Unportable out{.reason = reason_against(expression)};
   if (out.reason.empty()) return std::nullopt;
-  constexpr std::size_t kLongest = 256;  // topic names are no longer
-  if (expression.size() > kLongest) return out;
+  constexpr std::size_t kMax = 256;  // topic names are no longer
+  if (expression.size() > kMax) return out;
   out.cyclonedds = difference(as_cyclone_reads_it(expression), expression, effort);
   // Without a backslash Fast DDS reads what the standard says.
   if (expression.find('\\') != expression.npos)

@@ -41,13 +41,13 @@ bool may_be_for(std::string_view text, const pki::SubjectName& subject) {
 
 /// The subjects of the first grants, for comparison in an error message.
 std::string some_subjects(const Permissions& permissions) {
-  constexpr std::size_t kMost = 3;
+  constexpr std::size_t kMax = 3;
   std::string text;
-  for (std::size_t i = 0; i < std::min(kMost, permissions.grants.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMax, permissions.grants.size()); ++i) {
     if (i > 0) text += " | ";
     text += permissions.grants[i].subject_name.substr(0, 200);
   }
-  const auto more = permissions.grants.size() - std::min(kMost, permissions.grants.size());
+  const auto more = permissions.grants.size() - std::min(kMax, permissions.grants.size());
   if (more > 0) text += " | and " + std::to_string(more) + " more";
   return text;
 }
@@ -65,13 +65,14 @@ bool is_for(const Grant& grant, const pki::SubjectName& subject) {
 Status check_validity(const Grant& grant, WallTime now) {
   if (grant.validity.contains(now)) return {};
   const bool early = now < grant.validity.not_before;
-  return fail(early ? Code::grant_not_yet_valid : Code::grant_expired,
-              {.line = grant.line,
-               .field = early ? "<not_before>" : "<not_after>",
-               .expected = early ? "a time from " + ddssec::to_string(grant.validity.not_before) + " on"
-                                 : "a time before " + ddssec::to_string(grant.validity.not_after),
-               .found = ddssec::to_string(now),
-               .note = "grant of " + grant.subject_name.substr(0, 200)});
+  return fail(
+      early ? Code::grant_not_yet_valid : Code::grant_expired,
+      {.line = grant.line,
+       .field = early ? "<not_before>" : "<not_after>",
+       .expected = early ? "a time from " + ddssec::to_string(grant.validity.not_before) + " on"
+                         : "a time before " + ddssec::to_string(grant.validity.not_after),
+       .found = ddssec::to_string(now),
+       .note = "grant of " + grant.subject_name.substr(0, 200)});
 }
 
 Result<const Grant*> find_grant(const Permissions& permissions, const pki::SubjectName& subject,

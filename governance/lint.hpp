@@ -12,7 +12,7 @@ namespace ddssec::governance {
 
 /// The largest number of findings for one rule; the last of them gives the number of those left
 /// out.
-inline constexpr std::size_t kMostFindingsPerRule = 20;
+inline constexpr std::size_t kMaxFindingsPerRule = 20;
 
 /// The intended use of a governance document.
 struct GovernanceUse {

@@ -33,7 +33,7 @@ std::string to_sentence(std::string_view expression, const Unportable& found) {
 }
 
 void Findings::add(Finding finding) {
-  if (++count_[finding.rule] <= kMostFindingsPerRule) all_.push_back(std::move(finding));
+  if (++count_[finding.rule] <= kMaxFindingsPerRule) all_.push_back(std::move(finding));
 }
 
 void Findings::add(ddssec::Rule rule, const Note& note, std::vector<std::string> vendors) {
@@ -93,10 +93,10 @@ void Findings::add_if_cut_short() {
 
 std::vector<Finding> Findings::take() {
   for (const auto& [rule, count] : count_) {
-    if (count <= kMostFindingsPerRule) continue;
+    if (count <= kMaxFindingsPerRule) continue;
     const auto last = std::find_if(all_.rbegin(), all_.rend(),
                                    [rule](const Finding& f) { return f.rule == rule; });
-    last->message += fmt::format(" (and {} more like this)", count - kMostFindingsPerRule);
+    last->message += fmt::format(" (and {} more like this)", count - kMaxFindingsPerRule);
   }
   count_.clear();
   add_if_cut_short();
@@ -109,8 +109,8 @@ std::string matches_nothing(std::string_view expression) {
 }
 
 std::string in_quotes(std::string_view text) {
-  constexpr std::size_t kMost = 80;
-  return fmt::format("\"{}{}\"", text.substr(0, kMost), text.size() > kMost ? "..." : "");
+  constexpr std::size_t kMax = 80;
+  return fmt::format("\"{}{}\"", text.substr(0, kMax), text.size() > kMax ? "..." : "");
 }
 
 std::string rfc2253(const pki::SubjectName& name, bool reverse) {

@@ -26,7 +26,7 @@ class Findings {
   /// For questions about sets of names.
   SetEffort& effort() { return effort_; }
 
-  /// Adds a finding unless its rule has kMostFindingsPerRule.
+  /// Adds a finding unless its rule has kMaxFindingsPerRule.
   void add(Finding finding);
   /// Adds a note of a reader, as a finding of the rule.
   void add(ddssec::Rule rule, const Note& note, std::vector<std::string> vendors);

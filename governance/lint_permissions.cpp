@@ -201,7 +201,7 @@ Finding too_long_for_peers(std::size_t signed_octets) {
       .message = fmt::format("the signed document has {} octets, and ddssec's plugins send, and "
                              "take from a peer, {} at most: a participant with it does not "
                              "start on them, and is not accepted by participants on them",
-                             signed_octets, pki::kMostSentPermissionsOctets)};
+                             signed_octets, pki::kMaxSentPermissionsOctets)};
 }
 
 std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& use) {
@@ -222,7 +222,7 @@ std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& 
     lint_ros(out, place);
   }
   check_repeated_subjects(out, places);
-  if (use.signed_octets > pki::kMostSentPermissionsOctets)
+  if (use.signed_octets > pki::kMaxSentPermissionsOctets)
     out.add(too_long_for_peers(use.signed_octets));
   check_stray_grants(out, permissions, places);
   if (auto finding = missing_node_defaults(permissions)) out.add(*std::move(finding));

@@ -16,8 +16,8 @@ using enum ddssec::Rule;
 
 constexpr SetLimits kLimits{.states = 20'000, .atoms = 5'000, .steps = 20'000'000};
 /// Pairs of expressions, and rules that deny, that are looked at for their effect in one product.
-constexpr int kMostComparisons = 2'000;
-constexpr int kMostDenyRules = 50;
+constexpr int kMaxComparisons = 2'000;
+constexpr int kMaxDenyRules = 50;
 
 std::vector<std::string_view> texts_of(const std::vector<Criteria>& list) {
   std::vector<std::string_view> out;
@@ -167,7 +167,7 @@ void check_denials(Findings& out, const GrantPlace& place) {
   const auto& rules = place.grant().rules;
   int denials = 0;
   for (std::size_t i = 0; i < rules.size(); ++i) {
-    if (rules[i].allow || ++denials > kMostDenyRules) continue;
+    if (rules[i].allow || ++denials > kMaxDenyRules) continue;
     check_half_denied(out, place, i, true);
     check_half_denied(out, place, i, false);
   }
@@ -190,14 +190,14 @@ void check_open_denial(Findings& out, const GrantPlace& place,
   for (const auto& entry : entries) {
     if (entry.rule->allow || entry.criteria->partitions) continue;
     const auto meets = [&](const GrantEntry* other) {
-      if (++comparisons > kMostComparisons) return false;
+      if (++comparisons > kMaxComparisons) return false;
       const std::string_view a[] = {entry.topic->text};
       const std::string_view b[] = {other->topic->text};
       return overlap(a, b, kLimits.sharing(out.effort())).kind == SetAnswer::Kind::yes;
     };
     const auto first = std::ranges::upper_bound(allowed, entry.rule_number, {}, number_of);
     const auto found = std::find_if(first, allowed.end(), meets);
-    if (comparisons > kMostComparisons) return;
+    if (comparisons > kMaxComparisons) return;
     if (found == allowed.end()) continue;
     const auto* later = *found;
     auto finding = place.about(
@@ -251,7 +251,7 @@ void check_denied_partitions(Findings& out, const GrantPlace& place) {
   int denials = 0;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     if (rules[i].allow || !lists_partitions(rules[i])) continue;
-    if (++denials <= kMostDenyRules) check_topic_denied_with_partitions(out, place, i);
+    if (++denials <= kMaxDenyRules) check_topic_denied_with_partitions(out, place, i);
     auto finding = place.about_rule(
         PERM021, i + 1,
         fmt::format("deny_rule {} lists partitions: Fast DDS denies its topics in all of them",
@@ -321,7 +321,7 @@ void check_closed_domains(Findings& out, const GrantPlace& place) {
   const auto& rules = place.grant().rules;
   int denials = 0;
   for (std::size_t i = 0; i < rules.size(); ++i) {
-    if (rules[i].allow || !decides_joining(rules[i]) || ++denials > kMostDenyRules) continue;
+    if (rules[i].allow || !decides_joining(rules[i]) || ++denials > kMaxDenyRules) continue;
     const auto domains = closed_by(place.grant(), rules[i]);
     if (domains.empty()) continue;
     auto finding = place.about_rule(

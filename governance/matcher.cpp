@@ -40,11 +40,11 @@ class NameHashes {
 
 /// Inner parts are cut to a power of two, so that only few lengths must be looked up at every
 /// position.
-constexpr std::size_t kLongestPart = 32;
+constexpr std::size_t kMaxPart = 32;
 
 std::size_t part_length(std::size_t run) {
   std::size_t length = 1;
-  while (length * 2 <= std::min(run, kLongestPart)) length *= 2;
+  while (length * 2 <= std::min(run, kMaxPart)) length *= 2;
   return length;
 }
 

@@ -9,7 +9,7 @@ namespace ddssec::governance {
 
 /// The largest number of domain rules and topic rules of a governance document together, and of
 /// grants, rules, topics, partitions and tags of a permissions document together.
-inline constexpr std::size_t kMostEntries = 500'000;
+inline constexpr std::size_t kMaxEntries = 500'000;
 
 /// Reads a governance document of DDS-Security 1.1 or 1.2. Accepts elements in any order, white
 /// space around values, and booleans as true, false, 1, 0 or in capitals. Anything that other

@@ -62,7 +62,7 @@ class Policies {
   Result<Node> open(const fs::path& file) {
     DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_(file));
     octets_ += octets.size();
-    if (octets_ > kMostXmlOctets) return fail(Code::xml_too_large, {.document = file});
+    if (octets_ > kMaxXmlOctets) return fail(Code::xml_too_large, {.document = file});
     auto document = XmlDocument::parse(octets);
     if (!document) return std::unexpected(document.error().in(file));
     return Node{documents_.emplace_back(*std::move(document)).root(), file};
@@ -99,7 +99,7 @@ class Policies {
   }
 
   Result<std::vector<Node>> includes(const Node& include, int depth) {
-    if (depth >= kMostIncludeDepth || ++count_ > kMostIncludes)
+    if (depth >= kMaxIncludeDepth || ++count_ > kMaxIncludes)
       return refuse(Code::policy_include, include, "files that do not include one another", "");
     const auto href = text_of(include.element.attribute("href"));
     const fs::path path(href);

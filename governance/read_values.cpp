@@ -217,9 +217,9 @@ void note_byte_order_mark(ReadContext& context, BytesView text, XmlElement root)
 }
 
 Status ReadContext::count(XmlElement at) {
-  if (++entries_ <= kMostEntries) return {};
+  if (++entries_ <= kMaxEntries) return {};
   return fail(Code::too_many_rules,
-              {.line = at.line(), .expected = std::to_string(kMostEntries), .found = "more"});
+              {.line = at.line(), .expected = std::to_string(kMaxEntries), .found = "more"});
 }
 
 Result<XmlElement> document_body(const XmlDocument& document, std::string_view name) {

@@ -11,7 +11,7 @@
 
 namespace ddssec::governance {
 
-/// The state of a reader: notes, and a count that is limited by kMostEntries.
+/// The state of a reader: notes, and a count that is limited by kMaxEntries.
 class ReadContext {
  public:
   explicit ReadContext(std::vector<Note>& notes) : notes_(notes) {}

@@ -11,13 +11,13 @@
 namespace ddssec::governance {
 namespace {
 
-constexpr std::size_t kMostNameOctets = 128;  // of a name that is compared with others
-constexpr std::size_t kMostNames = 1000;      // that are compared
-constexpr std::size_t kMostShown = 4;         // partitions in a sentence
+constexpr std::size_t kMaxNameOctets = 128;  // of a name that is compared with others
+constexpr std::size_t kMaxNames = 1000;      // that are compared
+constexpr std::size_t kMaxShown = 4;         // partitions in a sentence
 
 std::string cut_name(std::string_view text) {
-  const bool is_long = text.size() > kMostNameOctets;
-  return fmt::format("\"{}{}\"", text.substr(0, kMostNameOctets), is_long ? "..." : "");
+  const bool is_long = text.size() > kMaxNameOctets;
+  return fmt::format("\"{}{}\"", text.substr(0, kMaxNameOctets), is_long ? "..." : "");
 }
 
 template <class Texts>
@@ -25,7 +25,7 @@ std::string name_list(const Texts& texts) {
   std::string out;
   std::size_t count = 0;
   for (const auto& text : texts) {
-    if (++count > kMostShown) return out + ", ...";
+    if (++count > kMaxShown) return out + ", ...";
     out += (count == 1 ? "" : ", ") + cut_name(text);
   }
   return out;
@@ -127,9 +127,9 @@ class Nearest {
 
   void look_at(const Criteria& criteria) {
     for (const auto& text : criteria.topics) {
-      if (seen_ == kMostNames) return;
+      if (seen_ == kMaxNames) return;
       ++seen_;
-      if (text.text.size() > kMostNameOctets) continue;
+      if (text.text.size() > kMaxNameOctets) continue;
       const auto far = distance_of(text.text);
       if (!far || (name_ && *far >= distance_)) continue;
       distance_ = *far;
@@ -176,7 +176,7 @@ RefusalAdvice advice_on_endpoint(const CompiledGrant& grant, Action action, cons
 }
 
 RefusalAdvice advice_on_name(const CompiledGrant& grant, Action action, std::string_view topic) {
-  if (topic.size() > kMostNameOctets) return {};
+  if (topic.size() > kMaxNameOctets) return {};
   Nearest nearest(topic);
   for (const auto* criteria : grant.allowed(action)) nearest.look_at(*criteria);
   if (!nearest.name()) return {};

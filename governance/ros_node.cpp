@@ -17,7 +17,7 @@ constexpr std::array<std::string_view, 6> kParameterServices = {
     "describe_parameters", "get_parameter_types", "get_parameters",
     "list_parameters",     "set_parameters",      "set_parameters_atomically"};
 constexpr std::string_view kReplies = "rr", kReply = "Reply";
-constexpr std::size_t kMostNodes = 64, kMostNamedNodes = 3, kMostNamedGrants = 3;
+constexpr std::size_t kMaxNodes = 64, kMaxNamedNodes = 3, kMaxNamedGrants = 3;
 
 std::string request_topic(std::string_view node, std::string_view service) {
   return fmt::format("rq{}/{}Request", node, service);
@@ -40,7 +40,7 @@ struct Nodes {
   std::set<std::string> guessed;  ///< an expression may mean it
 
   void add(std::string_view expression) {
-    if (named.size() + guessed.size() >= kMostNodes) return;
+    if (named.size() + guessed.size() >= kMaxNodes) return;
     if (!expression.starts_with("rr/") || !add_name(expression)) add_expression(expression);
   }
 
@@ -123,8 +123,8 @@ std::vector<DomainId> domains_of(const Grant& grant) {
     if (rule.allow && !rule.domains.ranges.empty() &&
         std::ranges::find(out, rule.domains.ranges.front().first) == out.end())
       out.push_back(rule.domains.ranges.front().first);
-  constexpr std::size_t kMostDomains = 8;
-  if (out.size() > kMostDomains) out.resize(kMostDomains);
+  constexpr std::size_t kMaxDomains = 8;
+  if (out.size() > kMaxDomains) out.resize(kMaxDomains);
   return out;
 }
 
@@ -166,7 +166,7 @@ class NodeRights {
     }
     std::size_t incomplete = 0;
     for (const auto& node : nodes.named) {
-      if (may_reply_to_all(node) || ++incomplete > kMostNamedNodes) continue;
+      if (may_reply_to_all(node) || ++incomplete > kMaxNamedNodes) continue;
       for (const auto service : kParameterServices)
         if (!may_reply(node, service)) out.push_back(fmt::format("reply to {}/{}", node, service));
     }
@@ -236,7 +236,7 @@ std::optional<Finding> missing_node_defaults(const Permissions& permissions) {
   for (const auto& grant : permissions.grants) {
     if (!speaks_of_ros(grant)) continue;
     const auto missing = missing_in(grant);
-    if (missing.empty() || ++grants > kMostNamedGrants) continue;
+    if (missing.empty() || ++grants > kMaxNamedGrants) continue;
     if (said.empty()) {
       line = grant.line;
       path = fmt::format("/dds/permissions/grant[{}]", &grant - permissions.grants.data() + 1);
@@ -245,8 +245,8 @@ std::optional<Finding> missing_node_defaults(const Permissions& permissions) {
                         in_quotes(grant.name), fmt::join(missing, ", "));
   }
   if (grants == 0) return std::nullopt;
-  if (grants > kMostNamedGrants)
-    said += fmt::format("; {} more grants lack such rights", grants - kMostNamedGrants);
+  if (grants > kMaxNamedGrants)
+    said += fmt::format("; {} more grants lack such rights", grants - kMaxNamedGrants);
   return Finding{.rule = ddssec::Rule::PERM040,
                  .message = fmt::format("an rclcpp node would not start: {}", said),
                  .line = line,

@@ -45,8 +45,8 @@ struct RosPolicy {
 };
 
 /// Limits for XInclude.
-inline constexpr int kMostIncludeDepth = 8;
-inline constexpr int kMostIncludes = 256;
+inline constexpr int kMaxIncludeDepth = 8;
+inline constexpr int kMaxIncludes = 256;
 
 /// Reads a file; errors name the file.
 using ReadFile = std::function<Result<Bytes>(const std::filesystem::path&)>;

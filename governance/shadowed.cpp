@@ -11,9 +11,9 @@ namespace {
 
 constexpr SetLimits kLimits{.states = 20'000, .steps = 10'000'000};
 /// How often the list of suspects may grow before an expression is let go as alive.
-constexpr int kMostRounds = 16;
+constexpr int kMaxRounds = 16;
 /// Positions with the same text that are asked about.
-constexpr std::size_t kMostTwins = 64;
+constexpr std::size_t kMaxTwins = 64;
 
 /// Some name that the expression matches; nothing if one is not easily found.
 std::optional<std::string> sample(std::string_view expression) {
@@ -60,7 +60,7 @@ class Earlier {
     std::vector<std::uint32_t> suspects;
     const auto name = sample(expressions_[at]);
     if (name && !add_matching(*name, at, suspects)) return {};  // it is the first for this one
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
       const auto answer = within(at, suspects);
       if (answer.kind == SetAnswer::Kind::yes) return {true, fewest(at, suspects)};
       if (answer.kind == SetAnswer::Kind::unknown || !add_matching(answer.witness, at, suspects))
@@ -84,7 +84,7 @@ class Earlier {
 
   std::optional<std::uint32_t> covering(const std::vector<std::uint32_t>& twins,
                                         std::uint32_t at) const {
-    for (std::size_t i = 0; i < std::min(twins.size(), kMostTwins) && twins[i] < at; ++i)
+    for (std::size_t i = 0; i < std::min(twins.size(), kMaxTwins) && twins[i] < at; ++i)
       if (!covers_ || covers_(twins[i], at)) return twins[i];
     return std::nullopt;
   }

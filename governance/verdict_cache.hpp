@@ -15,9 +15,9 @@ template <class Value>
 class VerdictCache {
  public:
   /// The size of one generation; the cache has at most twice as many entries.
-  static constexpr std::size_t kMostPerGeneration = 2048;
+  static constexpr std::size_t kMaxPerGeneration = 2048;
   /// Longer keys, in octets, are not stored.
-  static constexpr std::size_t kLongestKey = 1024;
+  static constexpr std::size_t kMaxKey = 1024;
 
   std::optional<Value> find(const std::string& key) {
     const std::lock_guard lock(mutex_);
@@ -30,7 +30,7 @@ class VerdictCache {
   }
 
   void remember(const std::string& key, Value value) {
-    if (key.size() > kLongestKey) return;
+    if (key.size() > kMaxKey) return;
     const std::lock_guard lock(mutex_);
     insert(key, std::move(value));
   }
@@ -42,7 +42,7 @@ class VerdictCache {
 
  private:
   void insert(const std::string& key, Value value) {
-    if (young_.size() >= kMostPerGeneration) {
+    if (young_.size() >= kMaxPerGeneration) {
       old_ = std::move(young_);
       young_.clear();
     }

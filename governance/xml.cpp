@@ -212,7 +212,7 @@ bool XmlChildren::in_order() const {
 
 void add_note(std::vector<Note>& notes, NoteKind kind, XmlElement at, std::string_view text) {
   auto words = in_brackets(at.name()) + " " + std::string(text);
-  if (notes.size() < kMostNotes) {
+  if (notes.size() < kMaxNotes) {
     notes.push_back(
         {kind, at.line(), at.path(), std::move(words), at.raw_text().value_or(std::string())});
     return;

@@ -114,9 +114,9 @@ class XmlChildren {
 };
 
 /// The largest number of notes for one document.
-inline constexpr std::size_t kMostNotes = 100;
+inline constexpr std::size_t kMaxNotes = 100;
 
-/// Adds a note. Above kMostNotes it only counts the place, in the last note of the same text.
+/// Adds a note. Above kMaxNotes it only counts the place, in the last note of the same text.
 void add_note(std::vector<Note>& notes, NoteKind kind, XmlElement at, std::string_view text);
 
 }  // namespace ddssec::governance

@@ -27,8 +27,8 @@ bool is_name(char c) { return is_name_start(c) || (c >= '0' && c <= '9') || c ==
 
 /// XML 1.0, production 81, of no more characters than the known ones have.
 bool is_encoding(std::string_view name) {
-  constexpr std::size_t kMost = 20;
-  return name.size() <= kMost && std::ranges::all_of(name, [](char c) {
+  constexpr std::size_t kMax = 20;
+  return name.size() <= kMax && std::ranges::all_of(name, [](char c) {
            return static_cast<unsigned char>(c) < 0x80 && c != ':' && is_name(c);
          });
 }
@@ -55,9 +55,9 @@ Utf8 decode_utf8(std::string_view rest) {
     if ((next & 0xC0u) != 0x80) return {0, 0};
     character = (character << 6) | (next & 0x3Fu);
   }
-  constexpr std::array<std::uint32_t, 5> kLeast = {0, 0, 0x80, 0x800, 0x10000};
+  constexpr std::array<std::uint32_t, 5> kMin = {0, 0, 0x80, 0x800, 0x10000};
   const bool surrogate = character >= 0xD800 && character <= 0xDFFF;
-  if (character < kLeast[size] || surrogate || character > 0x10FFFF) return {0, 0};
+  if (character < kMin[size] || surrogate || character > 0x10FFFF) return {0, 0};
   return {size, character};
 }
 
@@ -282,7 +282,7 @@ class MarkupCheck {
         return {};
       }
       if (before == at_) return ill("white space, > or />", shown());
-      if (attributes == kMostXmlAttributes)
+      if (attributes == kMaxXmlAttributes)
         return fail(Code::xml_too_many_attributes,
                     {.line = line(), .expected = std::to_string(attributes), .found = "more"});
       if (auto status = attribute(); !status) return status;
@@ -292,14 +292,14 @@ class MarkupCheck {
   Status open_element() {
     if (depth_ == 0 && had_root_) return ill("one root element", "another");
     had_root_ = true;
-    if (++elements_ > kMostXmlElements) {
+    if (++elements_ > kMaxXmlElements) {
       return fail(Code::xml_too_large, {.line = line(),
-                                        .expected = std::to_string(kMostXmlElements) + " elements",
+                                        .expected = std::to_string(kMaxXmlElements) + " elements",
                                         .found = "more"});
     }
-    if (++depth_ > kMostXmlDepth) {
+    if (++depth_ > kMaxXmlDepth) {
       return fail(Code::xml_too_deep,
-                  {.line = line(), .expected = std::to_string(kMostXmlDepth), .found = "more"});
+                  {.line = line(), .expected = std::to_string(kMaxXmlDepth), .found = "more"});
     }
     return {};
   }
@@ -335,8 +335,8 @@ class MarkupCheck {
 }  // namespace
 
 Status check_xml(std::string_view document) {
-  if (document.size() > kMostXmlOctets) {
-    return fail(Code::xml_too_large, {.expected = std::to_string(kMostXmlOctets) + " octets",
+  if (document.size() > kMaxXmlOctets) {
+    return fail(Code::xml_too_large, {.expected = std::to_string(kMaxXmlOctets) + " octets",
                                       .found = std::to_string(document.size())});
   }
   // UTF-16 and UTF-32 are full of NUL octets or begin with a mark that is not UTF-8.

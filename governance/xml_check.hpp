@@ -11,14 +11,14 @@
 namespace ddssec::governance {
 
 /// The largest document that is read, in octets.
-inline constexpr std::size_t kMostXmlOctets = 16 * 1024 * 1024;
+inline constexpr std::size_t kMaxXmlOctets = 16 * 1024 * 1024;
 /// The largest number of elements in one document.
-inline constexpr std::size_t kMostXmlElements = 1'000'000;
+inline constexpr std::size_t kMaxXmlElements = 1'000'000;
 /// The deepest nesting of elements; a permissions document needs 8.
-inline constexpr int kMostXmlDepth = 32;
+inline constexpr int kMaxXmlDepth = 32;
 
 /// The largest number of attributes of one element; tinyxml2 compares each with all before it.
-inline constexpr int kMostXmlAttributes = 64;
+inline constexpr int kMaxXmlAttributes = 64;
 
 /// Checks the octets of a document for everything that tinyxml2 9 accepts or handles badly: size,
 /// depth, number of elements and attributes, UTF-8, control characters, DOCTYPE and other

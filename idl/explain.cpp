@@ -112,7 +112,7 @@ class Explainer {
   void add_folder(const fs::path& folder) { folders_.push_back(folder); }
 
   void explain(const fs::path& path) {
-    if (seen_.size() >= kMostFiles || std::ranges::find(seen_, path) != seen_.end()) return;
+    if (seen_.size() >= kMaxFiles || std::ranges::find(seen_, path) != seen_.end()) return;
     seen_.push_back(path);
     std::ifstream file(path, std::ios::binary);
     const std::string text((std::istreambuf_iterator<char>(file)), {});
@@ -126,7 +126,7 @@ class Explainer {
   }
 
  private:
-  static constexpr std::size_t kMostFiles = 256;
+  static constexpr std::size_t kMaxFiles = 256;
 
   void explain_includes(const fs::path& path, std::string_view text) {
     for (std::size_t number = 1; !text.empty(); ++number) {

@@ -161,7 +161,7 @@ CertificateTemplate again(const Certificate& old, Validity validity) {
 }
 
 Result<RequestPtr> parsed_request(BytesView pem) {
-  if (pem.size() > kMostCertificateOctets)
+  if (pem.size() > kMaxCertificateOctets)
     return fail(Code::request_invalid, {.note = "it is too long"});
   const BioPtr bio = bio_over(pem);
   RequestPtr request(PEM_read_bio_X509_REQ(bio.get(), nullptr, nullptr, nullptr));
@@ -176,14 +176,14 @@ Result<RequestPtr> parsed_request(BytesView pem) {
 std::string bio_text(const BioPtr& bio) { return std::string(as_text(bio_octets(bio))); }
 
 Result<Asn1IntegerPtr> to_serial(const std::string& hex) {
-  constexpr std::size_t kMostDigits = 64;  // RFC 5280 4.1.2.2 allows 40
+  constexpr std::size_t kMaxDigits = 64;  // RFC 5280 4.1.2.2 allows 40
   BIGNUM* parsed = nullptr;
-  const int digits = hex.size() <= kMostDigits ? BN_hex2bn(&parsed, hex.c_str()) : 0;
+  const int digits = hex.size() <= kMaxDigits ? BN_hex2bn(&parsed, hex.c_str()) : 0;
   const BignumPtr number(parsed);
   Asn1IntegerPtr out(number ? BN_to_ASN1_INTEGER(number.get(), nullptr) : nullptr);
   if (!out || hex.empty() || digits != static_cast<int>(hex.size()))
     return openssl_failure(Code::crl_malformed,
-                           {.field = "serial number", .found = hex.substr(0, kMostDigits)});
+                           {.field = "serial number", .found = hex.substr(0, kMaxDigits)});
   return out;
 }
 

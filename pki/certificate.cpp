@@ -181,8 +181,8 @@ std::string to_string(KeyAlgorithm algorithm) {
 }
 
 Result<Certificate> Certificate::from_der(BytesView octets) {
-  if (octets.size() > kMostCertificateOctets)
-    return std::unexpected(too_large(kMostCertificateOctets, octets.size()));
+  if (octets.size() > kMaxCertificateOctets)
+    return std::unexpected(too_large(kMaxCertificateOctets, octets.size()));
   auto& held = Held::by_anybody();
   if (auto known = held.find(sha256(octets))) return Certificate(std::move(known));
   DDSSEC_ASSIGN_OR_RETURN(auto decoded, decode(octets));
@@ -191,8 +191,8 @@ Result<Certificate> Certificate::from_der(BytesView octets) {
 }
 
 Result<Certificate> Certificate::from_pem(BytesView octets) {
-  if (octets.size() > kMostCertificateOctets)
-    return std::unexpected(too_large(kMostCertificateOctets, octets.size()));
+  if (octets.size() > kMaxCertificateOctets)
+    return std::unexpected(too_large(kMaxCertificateOctets, octets.size()));
   if (!octets.empty() && octets.back() == 0) octets = octets.first(octets.size() - 1);
   const BioPtr bio = bio_over(octets);
   DDSSEC_ASSIGN_OR_RETURN(auto certificate, next_certificate(bio.get()));
@@ -201,17 +201,17 @@ Result<Certificate> Certificate::from_pem(BytesView octets) {
 }
 
 Result<std::vector<Certificate>> Certificate::bundle_from_pem(BytesView octets) {
-  if (octets.size() > kMostBundleOctets)
-    return std::unexpected(too_large(kMostBundleOctets, octets.size()));
+  if (octets.size() > kMaxBundleOctets)
+    return std::unexpected(too_large(kMaxBundleOctets, octets.size()));
   const BioPtr bio = bio_over(octets);
   std::vector<Certificate> out;
   while (true) {
     DDSSEC_ASSIGN_OR_RETURN(auto certificate, next_certificate(bio.get()));
     if (!certificate) break;
 
-    if (out.size() == kMostCertificatesInBundle)
+    if (out.size() == kMaxCertificatesInBundle)
       return fail(Code::certificate_too_large,
-                  {.expected = "at most " + std::to_string(kMostCertificatesInBundle) +
+                  {.expected = "at most " + std::to_string(kMaxCertificatesInBundle) +
                                " certificates in a file"});
     out.push_back(*std::move(certificate));
   }

@@ -31,13 +31,13 @@ struct KeyAlgorithm {
 std::string to_string(KeyAlgorithm algorithm);
 
 /// The largest number of certificates in one file.
-inline constexpr std::size_t kMostCertificatesInBundle = 256;
+inline constexpr std::size_t kMaxCertificatesInBundle = 256;
 /// The largest number of attributes in a subject or issuer name.
-inline constexpr std::size_t kMostNameAttributes = 64;
+inline constexpr std::size_t kMaxNameAttributes = 64;
 
 /// An immutable certificate. Copies share their data, and so do certificates that are read from the
 /// same octets while one exists. A certificate exists only if its form, names and key are allowed:
-/// RSA of at least 2048 bits, EC P-256, EC P-384; no NUL in a name; at most kMostNameAttributes
+/// RSA of at least 2048 bits, EC P-256, EC P-384; no NUL in a name; at most kMaxNameAttributes
 /// attributes in a name. pki/chain.hpp checks whether a CA issued it.
 class Certificate {
  public:
@@ -51,7 +51,7 @@ class Certificate {
   static Result<Certificate> from_der(BytesView octets);
 
   /// All certificates of a CA file, in the file's order. Blocks with other labels are skipped (Fast
-  /// DDS keeps revocation lists in the same file). At least one, at most kMostCertificatesInBundle.
+  /// DDS keeps revocation lists in the same file). At least one, at most kMaxCertificatesInBundle.
   /// Errors as above.
   static Result<std::vector<Certificate>> bundle_from_pem(BytesView octets);
 

@@ -351,7 +351,7 @@ void ChainVerifier::Impl::remember(const ChainValid& proof) {
   const auto& key = proof.certificate().fingerprint();
   if (!remembered.insert_or_assign(key, proof).second) return;
   order.push_back(key);
-  if (order.size() <= kMostRemembered) return;
+  if (order.size() <= kMaxRemembered) return;
   remembered.erase(order.front());
   order.pop_front();
 }

@@ -49,11 +49,11 @@ class ChainValid {
 /// basicConstraints, path length, keyUsage, key sizes, name constraints, critical extensions,
 /// revocation.
 ///
-/// Thread-safe. Remembers up to kMostRemembered positive results with their validity period, so
+/// Thread-safe. Remembers up to kMaxRemembered positive results with their validity period, so
 /// that a certificate already verified costs one lookup.
 class ChainVerifier {
  public:
-  static constexpr std::size_t kMostRemembered = 1024;
+  static constexpr std::size_t kMaxRemembered = 1024;
 
   /// Creates a verifier. Empty `crls`: no revocation check. Errors: not_a_ca if a certificate of
   /// the file is not a CA; internal.

@@ -131,9 +131,9 @@ Result<std::vector<Crl>> from_pem(BytesView octets, Deltas deltas) {
     if (!block) return fail(Code::crl_malformed, block.error().details());
     if (!*block) return out;
     if ((*block)->label != "X509 CRL") continue;
-    if (out.size() == kMostCrlsInFile)
+    if (out.size() == kMaxCrlsInFile)
       return fail(Code::crl_too_large,
-                  {.expected = "at most " + std::to_string(kMostCrlsInFile) + " lists in a file"});
+                  {.expected = "at most " + std::to_string(kMaxCrlsInFile) + " lists in a file"});
     DDSSEC_ASSIGN_OR_RETURN(auto crl, from_der((*block)->der, deltas));
     out.push_back(std::move(crl));
   }
@@ -203,9 +203,9 @@ std::optional<RevocationReason> revocation_reason_from(std::string_view word) {
 namespace {
 
 Result<std::vector<Crl>> lists_from(BytesView octets, Deltas deltas) {
-  if (octets.size() > kMostDocumentOctets)
+  if (octets.size() > kMaxDocumentOctets)
     return fail(Code::crl_too_large,
-                {.expected = "at most " + std::to_string(kMostDocumentOctets) + " octets",
+                {.expected = "at most " + std::to_string(kMaxDocumentOctets) + " octets",
                  .found = std::to_string(octets.size())});
   if (octets.empty() || octets[0] != kDerSequence) return from_pem(octets, deltas);
   DDSSEC_ASSIGN_OR_RETURN(auto crl, from_der(octets, deltas));

@@ -20,7 +20,7 @@
 namespace ddssec::pki {
 
 /// The largest number of revocation lists in one file.
-inline constexpr std::size_t kMostCrlsInFile = 64;
+inline constexpr std::size_t kMaxCrlsInFile = 64;
 
 /// Why a certificate was revoked (RFC 5280 5.3.1), with the numbers of CRLReason.
 enum class RevocationReason : std::uint8_t {

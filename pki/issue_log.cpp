@@ -55,8 +55,8 @@ Result<WallTime> time_of(const Json& object, const char* name) {
 Result<std::string> serial_of(const Json& object) {
   auto serial = text_of(object, "serial");
   const auto is_digit = [](char c) { return ('0' <= c && c <= '9') || ('A' <= c && c <= 'F'); };
-  constexpr std::size_t kMostDigits = 64;
-  if (serial.empty() || serial.size() > kMostDigits || !std::ranges::all_of(serial, is_digit))
+  constexpr std::size_t kMaxDigits = 64;
+  if (serial.empty() || serial.size() > kMaxDigits || !std::ranges::all_of(serial, is_digit))
     return malformed_line("serial is no serial number");
   return serial;
 }

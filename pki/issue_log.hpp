@@ -20,7 +20,7 @@
 namespace ddssec::pki {
 
 /// The longest log that is read, in octets; about 300,000 certificates.
-inline constexpr std::size_t kMostIssueLogOctets = 64 * 1024 * 1024;
+inline constexpr std::size_t kMaxIssueLogOctets = 64 * 1024 * 1024;
 /// The longest line of a CA's log that is read, in octets; a longer one is never written.
 inline constexpr std::size_t kMaxLogLineOctets = 64 * 1024;
 

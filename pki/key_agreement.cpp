@@ -24,8 +24,8 @@ namespace {
 
 constexpr std::size_t kModpOctets = 256;
 // The longest DER INTEGER of 256 octets of value: tag, three octets of length, a leading zero.
-constexpr std::size_t kMostModpDerOctets = kModpOctets + 5;
-constexpr std::size_t kMostSharedOctets = 256;
+constexpr std::size_t kMaxModpDerOctets = kModpOctets + 5;
+constexpr std::size_t kMaxSharedOctets = 256;
 
 bool is_modp(KeyAgreementKind kind) { return kind == KeyAgreementKind::dh_modp_2048_256; }
 
@@ -211,7 +211,7 @@ Result<PeerPublicKey> PeerPublicKey::parse(KeyAgreementKind kind, BytesView octe
     DDSSEC_ASSIGN_OR_RETURN(auto point, parse_point(kind, octets));
     return wrap(PublicKeyEncoding::point, std::move(point));
   }
-  if (octets.size() > kMostModpDerOctets)
+  if (octets.size() > kMaxModpDerOctets)
     return std::unexpected(bad_form("at most 261 octets", std::to_string(octets.size())));
   // Up to 256 octets, both readings are possible for one key in 2^24; the subgroup decides.
   if (const auto value = der_integer_value(octets)) {
@@ -259,7 +259,7 @@ Result<SharedSecret> EphemeralKey::derive(const PeerPublicKey& peer) const {
   if (!context || EVP_PKEY_derive_init(context.get()) != 1 ||
       EVP_PKEY_derive_set_peer_ex(context.get(), peer.impl_->pkey.get(), 0) != 1)
     return openssl_failure(Code::internal);
-  std::array<std::uint8_t, kMostSharedOctets> shared;
+  std::array<std::uint8_t, kMaxSharedOctets> shared;
   std::size_t size = shared.size();
   const bool derived =
       EVP_PKEY_derive(context.get(), shared.data(), &size) == 1 && size <= shared.size();

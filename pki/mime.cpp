@@ -12,13 +12,13 @@
 namespace ddssec::pki {
 namespace {
 
-constexpr std::size_t kMostHeaderOctets = 8 * 1024;
+constexpr std::size_t kMaxHeaderOctets = 8 * 1024;
 // RFC 5322 2.1.1. OpenSSL, by which stock products read, takes a longer line for several.
-constexpr std::size_t kMostHeaderLineOctets = 998;
+constexpr std::size_t kMaxHeaderLineOctets = 998;
 // LF and the CRs before it. OpenSSL cuts a line after 1023 octets, its break included.
-constexpr std::size_t kMostLineBreakOctets = 16;
-constexpr std::size_t kMostHeaders = 32;
-constexpr std::size_t kMostBoundaryOctets = 70;  // RFC 2046 5.1.1
+constexpr std::size_t kMaxLineBreakOctets = 16;
+constexpr std::size_t kMaxHeaders = 32;
+constexpr std::size_t kMaxBoundaryOctets = 70;  // RFC 2046 5.1.1
 
 // A path may point to any file on the machine, including secrets, so unparsed text is never quoted.
 // `found` describes it.
@@ -60,7 +60,7 @@ bool is_header_name(std::string_view name) {
 
 // True if every reader finds the same line here. `whole` is its size with its line break.
 bool is_short_line(std::string_view line, std::size_t whole) {
-  return line.size() <= kMostHeaderLineOctets && whole - line.size() <= kMostLineBreakOctets;
+  return line.size() <= kMaxHeaderLineOctets && whole - line.size() <= kMaxLineBreakOctets;
 }
 
 bool is_plain_text(std::string_view line) {
@@ -86,7 +86,7 @@ Result<std::vector<Header>> take_headers(std::string_view& text) {
     const auto line = take_line(text);
     const bool is_short = is_short_line(line, left - text.size());
     if (line.empty() && is_short) return headers;
-    if (before - text.size() > kMostHeaderOctets || headers.size() == kMostHeaders) break;
+    if (before - text.size() > kMaxHeaderOctets || headers.size() == kMaxHeaders) break;
     if (!is_short || !is_plain_text(line))
       return std::unexpected(header_refusal(number, "at most 998 octets without control characters",
                                             is_short ? "another octet" : "a longer line"));
@@ -153,11 +153,11 @@ std::optional<std::string> take_parameter_value(std::string_view& text) {
 
 // "text/plain" itself; words for anything that is no type.
 std::string shown_type(std::string_view type) {
-  constexpr std::size_t kMost = 127;  // RFC 6838 4.2
+  constexpr std::size_t kMax = 127;  // RFC 6838 4.2
   const auto slash = type.find('/');
   if (type.empty()) return "none";
   const bool is_type =
-      type.size() <= kMost && slash != type.npos && std::ranges::all_of(type, [](char c) {
+      type.size() <= kMax && slash != type.npos && std::ranges::all_of(type, [](char c) {
         return is_header_name({&c, 1}) || c == '/' || c == '-' || c == '+' || c == '.';
       });
   return is_type ? std::string(type) : "another value";
@@ -202,7 +202,7 @@ Result<std::string> boundary_of(const std::vector<Header>& headers) {
     return std::unexpected(refusal(Code::smime_content_type,
                                    "protocol application/x-pkcs7-signature", shown_type(protocol)));
   auto boundary = type.parameter("boundary");
-  if (boundary.empty() || boundary.size() > kMostBoundaryOctets)
+  if (boundary.empty() || boundary.size() > kMaxBoundaryOctets)
     return std::unexpected(refusal(Code::smime_malformed, "a boundary of 1 to 70 characters"));
   return boundary;
 }

@@ -39,9 +39,9 @@ std::unexpected<Error> malformed(std::string note) {
 }
 
 Result<BasicPtr> parse(BytesView octets) {
-  if (octets.size() > kMostOcspOctets)
+  if (octets.size() > kMaxOcspOctets)
     return fail(Code::ocsp_too_large,
-                {.expected = "at most " + std::to_string(kMostOcspOctets) + " octets",
+                {.expected = "at most " + std::to_string(kMaxOcspOctets) + " octets",
                  .found = std::to_string(octets.size()) + " octets"});
   const auto* position = octets.data();
   const ResponsePtr response(
@@ -59,11 +59,10 @@ Result<BasicPtr> parse(BytesView octets) {
 /// RFC 6960 4.4: what is critical and not understood makes a response unusable.
 Status check_extent(OCSP_BASICRESP* basic) {
   const int answers = OCSP_resp_count(basic);
-  if (answers > kMostOcspAnswers ||
-      sk_X509_num(OCSP_resp_get0_certs(basic)) > kMostOcspCertificates)
+  if (answers > kMaxOcspAnswers || sk_X509_num(OCSP_resp_get0_certs(basic)) > kMaxOcspCertificates)
     return fail(Code::ocsp_too_large,
-                {.expected = "at most " + std::to_string(kMostOcspAnswers) + " answers and " +
-                             std::to_string(kMostOcspCertificates) + " certificates",
+                {.expected = "at most " + std::to_string(kMaxOcspAnswers) + " answers and " +
+                             std::to_string(kMaxOcspCertificates) + " certificates",
                  .found = "more"});
   constexpr auto kCritical = "it has a critical extension, which is not understood here";
   if (OCSP_BASICRESP_get_ext_by_critical(basic, 1, -1) >= 0) return malformed(kCritical);

@@ -16,10 +16,10 @@ namespace ddssec::pki {
 /// The longest response that is looked into, in octets. With one certificate of an RSA-4096 key it
 /// has less than 3 KiB. OpenSSL decodes the key of each certificate in it, which a stranger can
 /// make it do: about 2.5 ms of CPU time at this length.
-inline constexpr std::size_t kMostOcspOctets = 4 * 1024;
+inline constexpr std::size_t kMaxOcspOctets = 4 * 1024;
 /// Most answers that a response may hold, and most certificates that may come with it.
-inline constexpr int kMostOcspAnswers = 16;
-inline constexpr int kMostOcspCertificates = 4;
+inline constexpr int kMaxOcspAnswers = 16;
+inline constexpr int kMaxOcspCertificates = 4;
 /// How far the clock of a responder may be off.
 inline constexpr std::chrono::minutes kOcspClockSkew{5};
 /// How long a response counts that does not say until when.

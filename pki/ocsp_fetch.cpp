@@ -24,7 +24,7 @@ std::unexpected<Error> failed(const std::string& url, std::string note) {
 }
 
 /// More than judge_ocsp reads, which then says that it is too much.
-constexpr std::size_t kMostFetched = 64 * 1024;
+constexpr std::size_t kMaxFetched = 64 * 1024;
 
 /// SHA-1 identifies the certificate: it is what every responder understands (RFC 5019).
 Result<BioPtr> request_for(const OcspQuestion& question) {
@@ -53,7 +53,7 @@ Result<HeadersPtr> headers_for(const OcspAddress& address) {
 }
 
 Bytes all_of(BIO* bio) {
-  Bytes out(kMostFetched);
+  Bytes out(kMaxFetched);
   std::size_t size = 0;
   while (size < out.size()) {
     const int count = BIO_read(bio, out.data() + size, static_cast<int>(out.size() - size));
@@ -77,7 +77,7 @@ Result<Bytes> fetch_ocsp(const OcspQuestion& question, const std::string& url,
       OSSL_HTTP_transfer(nullptr, address.host.c_str(), address.port.c_str(), address.path.c_str(),
                          0, "", nullptr, nullptr, nullptr, nullptr, nullptr, 0, headers.get(),
                          "application/ocsp-request", request.get(), "application/ocsp-response", 1,
-                         kMostFetched, static_cast<int>(longest.count()), 0));
+                         kMaxFetched, static_cast<int>(longest.count()), 0));
   if (!answer) {
     const auto reason = take_openssl_reason();
     return failed(url, reason.empty() ? "no answer" : reason);

@@ -95,10 +95,10 @@ std::string describe(EVP_PKEY* key) {
 // A NUL inside a name reads as another, shorter name where it is printed as a C string.
 Status check_name(const X509_NAME* name, const char* which) {
   const int count = X509_NAME_entry_count(name);
-  if (count > static_cast<int>(kMostNameAttributes))
+  if (count > static_cast<int>(kMaxNameAttributes))
     return fail(Code::name_not_allowed,
                 {.field = which,
-                 .expected = "at most " + std::to_string(kMostNameAttributes) + " attributes",
+                 .expected = "at most " + std::to_string(kMaxNameAttributes) + " attributes",
                  .found = std::to_string(count)});
   for (int i = 0; i < count; ++i)
     if (!to_utf8(X509_NAME_ENTRY_get_data(X509_NAME_get_entry(name, i))))
@@ -121,13 +121,13 @@ std::string key_id_text(const ASN1_OCTET_STRING* id) {
 
 Result<KeyAlgorithm> judge_key(EVP_PKEY* key, std::string_view type) {
   constexpr const char* kAllowed = "RSA of 2048 bits or more, EC P-256 or EC P-384";
-  constexpr int kLeastRsaBits = 2048;
-  constexpr int kMostRsaBits = 16384;
+  constexpr int kMinRsaBits = 2048;
+  constexpr int kMaxRsaBits = 16384;
   if (key == nullptr)
     return openssl_failure(Code::key_not_allowed,
                            {.expected = kAllowed, .found = "a key of " + std::string(type)});
   const int bits = EVP_PKEY_get_bits(key);
-  if (EVP_PKEY_is_a(key, "RSA") && bits >= kLeastRsaBits && bits <= kMostRsaBits)
+  if (EVP_PKEY_is_a(key, "RSA") && bits >= kMinRsaBits && bits <= kMaxRsaBits)
     return KeyAlgorithm{KeyKind::rsa, bits};
   if (EVP_PKEY_is_a(key, "EC")) {
     const auto group = group_name(key);
@@ -139,12 +139,12 @@ Result<KeyAlgorithm> judge_key(EVP_PKEY* key, std::string_view type) {
 }
 
 bool is_der(BytesView octets) {
-  constexpr std::uint8_t kSequence = 0x30, kLongForm = 0x80, kMostLengthOctets = 4;
+  constexpr std::uint8_t kSequence = 0x30, kLongForm = 0x80, kMaxLengthOctets = 4;
   constexpr std::size_t kHeader = 2;  // of a short one
   if (octets.size() < kHeader || octets[0] != kSequence) return false;
   const auto length = octets[1];
   return length < kLongForm ? octets.size() == kHeader + length
-                            : length > kLongForm && length <= kLongForm + kMostLengthOctets;
+                            : length > kLongForm && length <= kLongForm + kMaxLengthOctets;
 }
 
 Result<std::optional<PemBlock>> next_pem_block(BIO* bio) {

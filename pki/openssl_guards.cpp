@@ -53,10 +53,10 @@ Status add(const X509* x509, Copies& to) {
 }
 
 Status judge(const Copies& copies) {
-  if (copies.octets <= kMostDistributionPointOctets) return {};
+  if (copies.octets <= kMaxDistributionPointOctets) return {};
   return fail(Code::certificate_distribution_points,
               {.field = "cRLDistributionPoints",
-               .expected = "at most " + std::to_string(kMostDistributionPointOctets) +
+               .expected = "at most " + std::to_string(kMaxDistributionPointOctets) +
                            " octets of issuer names for relative names",
                .found = std::to_string(copies.octets) + " octets for " +
                         std::to_string(copies.points) + " relative names"});

@@ -11,7 +11,7 @@ namespace ddssec::pki {
 /// For each point with a nameRelativeToCRLIssuer it copies the whole name of the issuer. Such a
 /// point is rare and an issuer's name has some 100 octets, so that an honest certificate stays far
 /// below.
-inline constexpr std::size_t kMostDistributionPointOctets = 64 * 1024;
+inline constexpr std::size_t kMaxDistributionPointOctets = 64 * 1024;
 
 /// Success if OpenSSL can safely read the certificate's extensions (CVE-2026-35189: a certificate
 /// of 64 KiB takes hundreds of MiB). Call it before any other function that reads them:

@@ -17,8 +17,8 @@ std::unexpected<Error> malformed(std::string expected, std::string found) {
 }
 
 Status check_room(std::size_t count, std::string_view what) {
-  if (count < kMostRenewals) return {};
-  return malformed("at most " + std::to_string(kMostRenewals) + " " + std::string(what), "more");
+  if (count < kMaxRenewals) return {};
+  return malformed("at most " + std::to_string(kMaxRenewals) + " " + std::string(what), "more");
 }
 
 Status add(RenewalList& out, PemBlock block) {
@@ -32,9 +32,9 @@ Status add(RenewalList& out, PemBlock block) {
     return malformed(std::string(kCertificateLabel) + " or " + std::string(kPermissionsLabel),
                      "a block " + block.label.substr(0, 64));
   DDSSEC_RETURN_IF_ERROR(check_room(out.permissions.size(), "permissions"));
-  if (block.der.size() > kMostSentPermissionsOctets)
+  if (block.der.size() > kMaxSentPermissionsOctets)
     return malformed(
-        "permissions of at most " + std::to_string(kMostSentPermissionsOctets) + " octets",
+        "permissions of at most " + std::to_string(kMaxSentPermissionsOctets) + " octets",
         std::to_string(block.der.size()));
   out.permissions.push_back(std::move(block.der));
   return {};
@@ -43,8 +43,8 @@ Status add(RenewalList& out, PemBlock block) {
 }  // namespace
 
 Result<RenewalList> RenewalList::parse(BytesView file) {
-  if (file.size() > kMostRenewalListOctets)
-    return malformed("at most " + std::to_string(kMostRenewalListOctets) + " octets",
+  if (file.size() > kMaxRenewalListOctets)
+    return malformed("at most " + std::to_string(kMaxRenewalListOctets) + " octets",
                      std::to_string(file.size()));
   const BioPtr bio = bio_over(file);
   RenewalList out;

@@ -11,9 +11,9 @@
 namespace ddssec::pki {
 
 /// The largest renewal list that is read, in octets.
-inline constexpr std::size_t kMostRenewalListOctets = 8 * 1024 * 1024;
+inline constexpr std::size_t kMaxRenewalListOctets = 8 * 1024 * 1024;
 /// Its most certificates, and its most permissions documents.
-inline constexpr std::size_t kMostRenewals = 1024;
+inline constexpr std::size_t kMaxRenewals = 1024;
 
 /// The file is PEM text: blocks CERTIFICATE, and blocks SIGNED PERMISSIONS, each with a signed
 /// permissions file as it is. Nothing is proven about what was read.

@@ -38,7 +38,7 @@ Status RenewalListWatch::judge(Place& place, BytesView file, const Take& take) {
 
 Result<bool> RenewalListWatch::look_at(Place& place, const Take& take) {
   Rollback again([&] { place.watch.look_again(); });
-  const auto file = load(place.watch.uri(), place.path, kMostRenewalListOctets);
+  const auto file = load(place.watch.uri(), place.path, kMaxRenewalListOctets);
   const bool not_yet = !place.content && !file && file.error().code() == Code::file_not_found;
   const auto content = file ? sha256(*file) : Sha256Digest{};
   const bool is_other = file && place.content != content;

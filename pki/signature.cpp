@@ -61,7 +61,7 @@ Result<Bytes> sign(const PrivateKey& key, BytesView message) {
 Result<SignatureValid> verify(const Certificate& signer, BytesView message, BytesView signature) {
   EVP_PKEY* pkey = X509_get0_pubkey(signer.impl().x509.get());
   const KeyKind kind = signer.key_algorithm().kind;
-  if (signature.size() > kMostSignatureOctets)
+  if (signature.size() > kMaxSignatureOctets)
     return fail(Code::signature_invalid, {.note = "it is too long"});
   const PkeyContextPtr context(EVP_PKEY_CTX_new_from_pkey(certificate_context(), pkey, nullptr));
   Digest digest;

@@ -12,7 +12,7 @@
 namespace ddssec::pki {
 
 /// The longest signature, in octets: RSA-16384.
-inline constexpr std::size_t kMostSignatureOctets = 2048;
+inline constexpr std::size_t kMaxSignatureOctets = 2048;
 
 /// Proof that octets were signed with the key of `signer`. Only `verify` creates one.
 class SignatureValid {

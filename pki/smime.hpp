@@ -53,7 +53,7 @@ class DocumentVerifier {
 
   /// `file` is the whole document as stored or as received in c.perm; one trailing NUL is
   /// tolerated. Two MIME parts, a text/plain one and a PKCS#7 signature in base64, LF or CRLF line
-  /// ends, at most kMostDocumentOctets, with little around what is signed (4096 octets, and one
+  /// ends, at most kMaxDocumentOctets, with little around what is signed (4096 octets, and one
   /// more carriage return for each line). Errors: smime_malformed, smime_nul, smime_too_large,
   /// smime_not_multipart (opaque or not signed), smime_part_count, smime_surrounding_text,
   /// smime_content_type, smime_signature_malformed, smime_no_signer, smime_several_signers,

@@ -27,7 +27,7 @@ Bytes read_all(BIO* bio) {
   Bytes out;
   unsigned char block[4096];
   for (int size; (size = BIO_read(bio, block, sizeof block)) > 0;) {
-    if (out.size() + static_cast<std::size_t>(size) > kMostDocumentOctets) break;
+    if (out.size() + static_cast<std::size_t>(size) > kMaxDocumentOctets) break;
     out.insert(out.end(), block, block + size);
   }
   return out;
@@ -91,7 +91,7 @@ Bytes der_of(X509* certificate) {
 void add_signer_certificates(PKCS7* pkcs7, DocumentForm& form) {
   auto* signers = PKCS7_get_signer_info(pkcs7);
   const auto count = signers != nullptr ? sk_PKCS7_SIGNER_INFO_num(signers) : 0;
-  for (int i = 0; i < count && form.signer_certificates.size() < DocumentForm::kMostEmbedded; ++i) {
+  for (int i = 0; i < count && form.signer_certificates.size() < DocumentForm::kMaxEmbedded; ++i) {
     auto* certificate = PKCS7_cert_from_signer_info(pkcs7, sk_PKCS7_SIGNER_INFO_value(signers, i));
     if (certificate == nullptr) continue;
     form.signer_certificates.push_back(der_of(certificate));
@@ -102,7 +102,7 @@ void describe_embedded(PKCS7* pkcs7, DocumentForm& form) {
   if (PKCS7_type_is_signed(pkcs7) == 0 || pkcs7->d.sign == nullptr) return;
   const auto* certificates = pkcs7->d.sign->cert;
   const int count = certificates != nullptr ? sk_X509_num(certificates) : 0;
-  for (int i = 0; i < count && form.embedded.size() < DocumentForm::kMostEmbedded; ++i)
+  for (int i = 0; i < count && form.embedded.size() < DocumentForm::kMaxEmbedded; ++i)
     form.embedded.push_back(name_rfc2253(X509_get_subject_name(sk_X509_value(certificates, i))));
 }
 
@@ -112,10 +112,10 @@ void describe_cms(CMS_ContentInfo* cms, DocumentForm& form) {
   auto* certificates = CMS_get1_certs(cms);
   for (int i = 0; i < sk_X509_num(certificates); ++i) {
     X509* certificate = sk_X509_value(certificates, i);
-    if (form.embedded.size() < DocumentForm::kMostEmbedded)
+    if (form.embedded.size() < DocumentForm::kMaxEmbedded)
       form.embedded.push_back(name_rfc2253(X509_get_subject_name(certificate)));
     for (int at = 0; at < sk_CMS_SignerInfo_num(signers); ++at)
-      if (form.signer_certificates.size() < DocumentForm::kMostEmbedded &&
+      if (form.signer_certificates.size() < DocumentForm::kMaxEmbedded &&
           CMS_SignerInfo_cert_cmp(sk_CMS_SignerInfo_value(signers, at), certificate) == 0)
         form.signer_certificates.push_back(der_of(certificate));
   }
@@ -233,7 +233,7 @@ std::string algorithm_for_fastdds(const X509* certificate) {
 }
 
 Status is_believed(BytesView file, const StorePtr& store) {
-  if (file.size() > kMostDocumentOctets) return fail(Code::smime_too_large);
+  if (file.size() > kMaxDocumentOctets) return fail(Code::smime_too_large);
   const auto parsed = parse_smime(file);
   if (!parsed.pkcs7) return openssl_failure(Code::smime_malformed);
   const BioPtr out(BIO_new(BIO_s_mem()));
@@ -280,7 +280,7 @@ Status check_same_reading(const UnverifiedDocument& ours, BytesView file) {
 
 DocumentForm examine_document(BytesView file) {
   DocumentForm form;
-  if (file.size() > kMostDocumentOctets) return form;
+  if (file.size() > kMaxDocumentOctets) return form;
   if (take_as_plugins_do(file, form)) {
     take_openssl_reason();
     return form;
@@ -310,7 +310,7 @@ Status stock_products_believe(BytesView file, const std::vector<Certificate>& ca
 }
 
 Status stock_products_believe(BytesView file, BytesView ca_file, std::size_t count, WallTime now) {
-  if (ca_file.size() > kMostBundleOctets) return fail(Code::certificate_too_large);
+  if (ca_file.size() > kMaxBundleOctets) return fail(Code::certificate_too_large);
   const auto store = store_of(ca_file, count, now);
   return store ? is_believed(file, store) : fail(Code::certificate_malformed);
 }

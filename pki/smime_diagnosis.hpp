@@ -33,7 +33,7 @@ std::string_view to_string(DocumentWrapping wrapping);
 struct DocumentForm {
   DocumentWrapping wrapping = DocumentWrapping::unknown;
   bool has_text_header = false;  ///< the signed text begins with Content-Type: text/plain
-  /// Subjects of the certificates inside the signature, RFC 2253, at most kMostEmbedded.
+  /// Subjects of the certificates inside the signature, RFC 2253, at most kMaxEmbedded.
   std::vector<std::string> embedded = {};
   /// The claimed signer: issuer (RFC 2253) and serial number of the first signer's certificate;
   /// empty if there is none.
@@ -42,7 +42,7 @@ struct DocumentForm {
   /// Or the identifier of its key, hexadecimal, where the signer is named by that (RFC 5652 5.3),
   /// as by openssl cms -sign -keyid.
   std::string signer_key_id = {};
-  /// The certificates inside the signature that its signers name, DER, at most kMostEmbedded.
+  /// The certificates inside the signature that its signers name, DER, at most kMaxEmbedded.
   std::vector<Bytes> signer_certificates = {};
   /// The document's text without its header; empty if it cannot be found.
   Bytes unverified_text = {};
@@ -56,14 +56,14 @@ struct DocumentForm {
   /// that of check_same_reading.
   std::optional<Error> ambiguous = {};
 
-  static constexpr std::size_t kMostEmbedded = 16;
+  static constexpr std::size_t kMaxEmbedded = 16;
 };
 
 /// The first signer as named in its signature: "serial 1A of CN=CA", or "the key 2B (subject key
 /// identifier)".
 std::string signer_words(const DocumentForm& form);
 
-/// Examines a file of at most kMostDocumentOctets without trusting its content. Never fails.
+/// Examines a file of at most kMaxDocumentOctets without trusting its content. Never fails.
 DocumentForm examine_document(BytesView file);
 
 /// Success if OpenSSL's parser finds the same text and signature in `file` as ddssec's, or nothing

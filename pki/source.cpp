@@ -18,8 +18,8 @@ Result<Bytes> load_certificates(std::string_view uri, std::string_view property,
 Result<std::string> uri_of(const std::filesystem::path& path) {
   const auto file = "file://" + path.string();
   if (path.extension() != ".p11") return file;
-  constexpr std::size_t kMost = 4096;
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, load(file, path.string(), kMost));
+  constexpr std::size_t kMax = 4096;
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, load(file, path.string(), kMax));
   const auto text = as_text(octets);
   auto uri = std::string(text.substr(0, text.find_first_of("\r\n")));
   if (names_token(uri)) return uri;

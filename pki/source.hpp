@@ -11,14 +11,14 @@
 namespace ddssec::pki {
 
 /// The longest identity certificate that is read, in octets.
-inline constexpr std::size_t kMostCertificateOctets = 64 * 1024;
+inline constexpr std::size_t kMaxCertificateOctets = 64 * 1024;
 /// The longest file of certificates, in octets.
-inline constexpr std::size_t kMostBundleOctets = 1024 * 1024;
+inline constexpr std::size_t kMaxBundleOctets = 1024 * 1024;
 /// The longest governance document, permissions document or revocation list, in octets.
-inline constexpr std::size_t kMostDocumentOctets = 16 * 1024 * 1024;
+inline constexpr std::size_t kMaxDocumentOctets = 16 * 1024 * 1024;
 /// The longest signed permissions document, in octets, that ddssec's plugins send or accept from a
 /// peer.
-inline constexpr std::size_t kMostSentPermissionsOctets = 1024 * 1024;
+inline constexpr std::size_t kMaxSentPermissionsOctets = 1024 * 1024;
 
 /// The PEM text of a private key: up to RSA-16384.
 using KeyPem = Secret<struct KeyPemTag, 16 * 1024>;

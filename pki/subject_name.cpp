@@ -34,8 +34,8 @@ std::optional<std::string> canonical_type(std::string_view text) {
     if (nid == NID_undef) return std::nullopt;
     return OBJ_nid2sn(nid);
   };
-  constexpr std::size_t kMostTypeOctets = 64;
-  if (text.empty() || text.size() > kMostTypeOctets) return std::nullopt;
+  constexpr std::size_t kMaxTypeOctets = 64;
+  if (text.empty() || text.size() > kMaxTypeOctets) return std::nullopt;
   const auto capitals = ascii_upper(text);
   if (capitals == "E" || capitals == "EMAIL" || capitals == "EMAILADDRESS")
     return OBJ_nid2sn(NID_pkcs9_emailAddress);
@@ -213,7 +213,7 @@ Result<std::string> unescape_one_line(std::string_view text) {
 }
 
 Error too_many(std::string_view text) {
-  return malformed(fmt::format("there are more than {} attributes", kMostNameAttributes), text);
+  return malformed(fmt::format("there are more than {} attributes", kMaxNameAttributes), text);
 }
 
 struct OneLine {
@@ -226,7 +226,7 @@ Result<OneLine> parse_one_line(std::string_view text) {
   std::size_t at = next_one_line_type(text, 0);
   if (at != 0) return std::unexpected(malformed("it does not begin with /TYPE=", text));
   while (at != text.npos) {
-    if (out.attributes.size() == kMostNameAttributes) return std::unexpected(too_many(text));
+    if (out.attributes.size() == kMaxNameAttributes) return std::unexpected(too_many(text));
     const auto equals = text.find('=', at);
     const auto next = next_one_line_type(text, equals);
     auto type = canonical_type(trimmed(text.substr(at + 1, equals - at - 1), kBlanks));
@@ -244,7 +244,7 @@ Result<OneLine> parse_one_line(std::string_view text) {
 Result<SubjectName> SubjectName::parse(std::string_view text) {
   // Blanks at the end may be escaped: the reader below knows.
   text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
-  if (text.empty() || text.size() > kMostSubjectOctets)
+  if (text.empty() || text.size() > kMaxSubjectOctets)
     return std::unexpected(malformed("it is empty or too long", text));
   SubjectName name;
   if (text.front() == '/') {
@@ -256,7 +256,7 @@ Result<SubjectName> SubjectName::parse(std::string_view text) {
   }
   Rfc4514 reader(text);
   for (char separator = ',';;) {
-    if (name.attributes_.size() == kMostNameAttributes) return std::unexpected(too_many(text));
+    if (name.attributes_.size() == kMaxNameAttributes) return std::unexpected(too_many(text));
     DDSSEC_ASSIGN_OR_RETURN(auto attribute, reader.attribute());
     name.attributes_.push_back(std::move(attribute));
     name.joined_.push_back(separator == '+');

@@ -19,7 +19,7 @@ struct NameAttribute {
 };
 
 /// The longest text of a subject name that is read, in octets.
-inline constexpr std::size_t kMostSubjectOctets = 16 * 1024;
+inline constexpr std::size_t kMaxSubjectOctets = 16 * 1024;
 
 /// The attributes of one relative distinguished name: a set, here sorted (X.501 9.3).
 using Rdn = std::vector<NameAttribute>;

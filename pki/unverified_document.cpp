@@ -13,18 +13,18 @@
 namespace ddssec::pki {
 namespace {
 
-constexpr std::size_t kMostSignatureText = 64 * 1024;
+constexpr std::size_t kMaxSignatureText = 64 * 1024;
 // OpenSSL and ddssec write some 600.
-constexpr std::size_t kMostUnsignedOctets = 4096;
+constexpr std::size_t kMaxUnsignedOctets = 4096;
 
 Result<Bytes> decode_base64(std::string_view text) {
   const auto bad = [] {
     return openssl_failure(Code::smime_signature_malformed, {.field = "base64 text"});
   };
-  if (text.size() > kMostSignatureText)
+  if (text.size() > kMaxSignatureText)
     return fail(Code::smime_signature_malformed,
                 {.field = "base64 text",
-                 .expected = "at most " + std::to_string(kMostSignatureText) + " octets",
+                 .expected = "at most " + std::to_string(kMaxSignatureText) + " octets",
                  .found = std::to_string(text.size())});
   std::string joined;
   joined.reserve(text.size());
@@ -46,9 +46,9 @@ Result<Bytes> decode_base64(std::string_view text) {
 }
 
 Result<BytesView> check_octets(BytesView file) {
-  if (file.size() > kMostDocumentOctets)
+  if (file.size() > kMaxDocumentOctets)
     return fail(Code::smime_too_large,
-                {.expected = "at most " + std::to_string(kMostDocumentOctets) + " octets",
+                {.expected = "at most " + std::to_string(kMaxDocumentOctets) + " octets",
                  .found = std::to_string(file.size())});
   if (!file.empty() && file.back() == 0) file = file.first(file.size() - 1);
   if (as_text(file).find('\0') == std::string_view::npos) return file;
@@ -64,10 +64,10 @@ Result<BytesView> check_octets(BytesView file) {
 Status check_unsigned(BytesView file, BytesView content, BytesView signature) {
   const auto lines = static_cast<std::size_t>(std::ranges::count(content, '\n'));
   const auto base64_size = (signature.size() + 2) / 3 * 4;
-  const auto most = content.size() + base64_size + kMostUnsignedOctets + lines;
+  const auto most = content.size() + base64_size + kMaxUnsignedOctets + lines;
   if (file.size() <= most) return {};
   return fail(Code::smime_unsigned_octets,
-              {.expected = "at most " + std::to_string(kMostUnsignedOctets) + " octets",
+              {.expected = "at most " + std::to_string(kMaxUnsignedOctets) + " octets",
                .found = std::to_string(file.size() - most) + " more"});
 }
 

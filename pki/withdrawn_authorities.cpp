@@ -7,7 +7,7 @@
 namespace ddssec::pki {
 namespace {
 
-constexpr std::size_t kMostDescription = 512;
+constexpr std::size_t kMaxDescription = 512;
 constexpr std::size_t kShownDigits = 16;
 
 std::string describe(const Certificate& ca) {
@@ -31,8 +31,8 @@ Status WithdrawnAuthorities::check(const std::vector<Certificate>& former,
     if (withdrawn_.contains(ca.fingerprint()))
       return fail(Code::ca_put_back, {.expected = "no CA that this participant ceased to trust",
                                       .found = describe(ca)});
-  if (withdrawn_.size() + leaving(former, next).size() > kMostWithdrawn)
-    return fail(Code::ca_put_back, {.expected = "at most " + std::to_string(kMostWithdrawn) +
+  if (withdrawn_.size() + leaving(former, next).size() > kMaxWithdrawn)
+    return fail(Code::ca_put_back, {.expected = "at most " + std::to_string(kMaxWithdrawn) +
                                                 " CAs that leave while the participant runs"});
   return {};
 }
@@ -45,7 +45,7 @@ void WithdrawnAuthorities::note(const std::vector<Certificate>& former,
 std::string describe(const std::vector<Certificate>& authorities) {
   std::string out;
   for (const auto& ca : authorities) out += (out.empty() ? "" : "; ") + describe(ca);
-  return out.substr(0, kMostDescription);
+  return out.substr(0, kMaxDescription);
 }
 
 }  // namespace ddssec::pki

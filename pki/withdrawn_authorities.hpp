@@ -17,7 +17,7 @@ class WithdrawnAuthorities {
  public:
   /// The largest number of certificates that are remembered. With so many, a change that withdraws
   /// another one is refused.
-  static constexpr std::size_t kMostWithdrawn = 256;
+  static constexpr std::size_t kMaxWithdrawn = 256;
 
   /// May `next` take the place of `former`? Error: ca_put_back.
   Status check(const std::vector<Certificate>& former, const std::vector<Certificate>& next) const;

@@ -30,22 +30,22 @@ bool is_of_a_ca(const fs::path& folder) {
 // Returns `words` followed by the participants found, for example "it holds participants:
 // demo/listener, demo/talker". Empty if there are none.
 std::string participants_in(const fs::path& folder, std::string words) {
-  constexpr int kMostLooks = 1'000;
-  constexpr std::size_t kMostShown = 4;
+  constexpr int kMaxLooks = 1'000;
+  constexpr std::size_t kMaxShown = 4;
   std::vector<fs::path> found;
   std::error_code error;
   int looks = 0;
   const auto start = folder.empty() ? fs::path(".") : folder;
   for (fs::directory_iterator at(start, error), end; !error && at != end; at.increment(error)) {
-    if (++looks > kMostLooks) break;
+    if (++looks > kMaxLooks) break;
     const auto path = folder / at->path().filename();
     if (is_participant(path)) found.push_back(path);
   }
   if (found.empty()) return {};
   std::ranges::sort(found);
-  for (std::size_t i = 0; i < std::min(found.size(), kMostShown); ++i)
+  for (std::size_t i = 0; i < std::min(found.size(), kMaxShown); ++i)
     words += (i == 0 ? "" : ", ") + found[i].string();
-  return found.size() > kMostShown ? words + " and more" : words;
+  return found.size() > kMaxShown ? words + " and more" : words;
 }
 
 fs::path without_slash(const fs::path& path) {

@@ -18,8 +18,7 @@ Result<Gap> read_gap(const SubmessageView& view) {
   if (!view.has(kFlagGroup)) return out;
   DDSSEC_ASSIGN_OR_RETURN(const auto first, read_sequence_number(reader));
   DDSSEC_ASSIGN_OR_RETURN(const auto last, read_any_sequence_number(reader));
-  if (last < first.previous() || last > kGreatestSequenceNumber)
-    return fail(Code::rtps_number_invalid);
+  if (last < first.previous() || last > kMaxSequenceNumber) return fail(Code::rtps_number_invalid);
   out.group = {first, last};
   return out;
 }

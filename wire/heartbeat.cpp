@@ -13,8 +13,8 @@ Result<GroupState> read_group(Reader& reader) {
   DDSSEC_ASSIGN_OR_RETURN(out.current, read_any_sequence_number(reader));
   DDSSEC_ASSIGN_OR_RETURN(out.first, read_sequence_number(reader));
   DDSSEC_ASSIGN_OR_RETURN(out.last, read_any_sequence_number(reader));
-  const bool good = out.current.value >= 0 && out.current <= kGreatestSequenceNumber &&
-                    out.last >= out.first.previous() && out.last <= kGreatestSequenceNumber;
+  const bool good = out.current.value >= 0 && out.current <= kMaxSequenceNumber &&
+                    out.last >= out.first.previous() && out.last <= kMaxSequenceNumber;
   if (!good) return fail(Code::rtps_number_invalid);
   if (reader.remaining() == 0) return out;
   for (auto* digest : {&out.writers, &out.secure_writers}) {
@@ -36,7 +36,7 @@ Result<Heartbeat> read_heartbeat(const SubmessageView& view) {
   DDSSEC_ASSIGN_OR_RETURN(out.count, reader.read<std::int32_t>());
   out.is_final = view.has(kHeartbeatFlagFinal);
   out.asserts_liveliness = view.has(kHeartbeatFlagLiveliness);
-  if (out.last < out.first.previous() || out.last > kGreatestSequenceNumber)
+  if (out.last < out.first.previous() || out.last > kMaxSequenceNumber)
     return fail(Code::rtps_number_invalid);
   if (view.has(kHeartbeatFlagGroup)) {
     DDSSEC_ASSIGN_OR_RETURN(out.group, read_group(reader));

@@ -18,8 +18,7 @@ Result<SequenceNumber> read_sequence_number(Reader& reader) {
 
 Result<SequenceNumberSet> read_sequence_number_set(Reader& reader, std::int64_t least_base) {
   DDSSEC_ASSIGN_OR_RETURN(const auto base, read_any_sequence_number(reader));
-  if (base.value < least_base || base > kGreatestSequenceNumber)
-    return fail(Code::rtps_number_invalid);
+  if (base.value < least_base || base > kMaxSequenceNumber) return fail(Code::rtps_number_invalid);
   SequenceNumberSet set(base);
   DDSSEC_RETURN_IF_ERROR(set.read_bits(reader));
   return set;
@@ -28,7 +27,7 @@ Result<SequenceNumberSet> read_sequence_number_set(Reader& reader, std::int64_t 
 Result<FragmentNumberSet> read_fragment_number_set(Reader& reader) {
   DDSSEC_ASSIGN_OR_RETURN(const auto first, reader.read<std::uint32_t>());
   const FragmentNumber base{first};
-  if (base.value < 1 || base.value > std::numeric_limits<std::uint32_t>::max() - kMostBitsPerSet)
+  if (base.value < 1 || base.value > std::numeric_limits<std::uint32_t>::max() - kMaxBitsPerSet)
     return fail(Code::rtps_number_invalid);
   FragmentNumberSet set(base);
   DDSSEC_RETURN_IF_ERROR(set.read_bits(reader));

@@ -22,10 +22,10 @@ struct SequenceNumber {
 
 /// No honest writer reaches this number. Larger ones are refused when they are read, so that no
 /// later addition can overflow.
-inline constexpr SequenceNumber kGreatestSequenceNumber{std::int64_t{1} << 62};
+inline constexpr SequenceNumber kMaxSequenceNumber{std::int64_t{1} << 62};
 
 constexpr bool is_valid(SequenceNumber number) {
-  return number.value >= 1 && number <= kGreatestSequenceNumber;
+  return number.value >= 1 && number <= kMaxSequenceNumber;
 }
 
 /// Compares counts of HEARTBEATs and requests, which wrap around. Any value may arrive from the
@@ -41,7 +41,7 @@ struct FragmentNumber {
   auto operator<=>(const FragmentNumber&) const = default;
 };
 
-inline constexpr std::uint32_t kMostBitsPerSet = 256;
+inline constexpr std::uint32_t kMaxBitsPerSet = 256;
 
 /// The numbers base + i for each bit i that is set; bits are counted from the most significant bit
 /// of the first word. Stores its bits in 40 octets and allocates nothing.
@@ -61,7 +61,7 @@ class NumberSet {
   /// True if `number` is in base .. base + 255.
   bool reaches(Number number) const {
     return number >= base_ &&
-           static_cast<std::uint64_t>(number.value - base_.value) < kMostBitsPerSet;
+           static_cast<std::uint64_t>(number.value - base_.value) < kMaxBitsPerSet;
   }
   /// Adds a number that the set reaches; ignores others and returns false.
   bool insert(Number number) {
@@ -94,7 +94,7 @@ class NumberSet {
   Status read_bits(Reader& reader) {
     const auto bits = reader.read<std::uint32_t>();
     if (!bits) return std::unexpected(bits.error());
-    if (*bits > kMostBitsPerSet) return fail(Code::rtps_set_invalid);
+    if (*bits > kMaxBitsPerSet) return fail(Code::rtps_set_invalid);
     for (std::uint32_t word = 0; word * 32 < *bits; ++word) {
       const auto read = reader.read<std::uint32_t>();
       if (!read) return std::unexpected(read.error());
@@ -113,7 +113,7 @@ class NumberSet {
  private:
   Number base_{};
   std::uint32_t bits_ = 0;
-  std::array<std::uint32_t, kMostBitsPerSet / 32> words_{};
+  std::array<std::uint32_t, kMaxBitsPerSet / 32> words_{};
 };
 
 using SequenceNumberSet = NumberSet<SequenceNumber>;
@@ -121,7 +121,7 @@ using FragmentNumberSet = NumberSet<FragmentNumber>;
 
 /// Accepts any 64 bits; the caller checks the value.
 Result<SequenceNumber> read_any_sequence_number(Reader& reader);
-/// Accepts 1 .. kGreatestSequenceNumber. Errors: truncated, rtps_number_invalid.
+/// Accepts 1 .. kMaxSequenceNumber. Errors: truncated, rtps_number_invalid.
 Result<SequenceNumber> read_sequence_number(Reader& reader);
 /// `least_base`: 0 where a pre-emptive ACKNACK is allowed, otherwise 1. Errors: truncated,
 /// rtps_number_invalid, rtps_set_invalid.

@@ -42,9 +42,9 @@ class ParameterReader {
 /// from it. Cyclone DDS has the same rule.
 class SingleParameters {
  public:
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMax = 64;
 
-  /// A parameter with one value has come. `index`: of its id in a table of at most kMost. Error:
+  /// A parameter with one value has come. `index`: of its id in a table of at most kMax. Error:
   /// rtps_parameter_invalid (it came before).
   Status take(std::size_t index) {
     if (has(index)) return fail(Code::rtps_parameter_invalid);
@@ -54,7 +54,7 @@ class SingleParameters {
   bool has(std::size_t index) const { return taken_[index]; }
 
  private:
-  std::bitset<kMost> taken_;
+  std::bitset<kMax> taken_;
 };
 
 /// Returns the list at the beginning of `octets`, including its sentinel; the length of every

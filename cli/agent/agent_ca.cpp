@@ -199,7 +199,7 @@ Status prove_passphrase(const Arguments& arguments) {
 }
 
 Result<std::vector<pki::Crl>> read_lists(const fs::path& file) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxDocumentOctets));
   return named(pki::Crl::all_from(octets), file);
 }
 

@@ -130,10 +130,10 @@ std::unexpected<Error> ended(End end, const Hook& hook) {
 }  // namespace
 
 Result<Hook> hook_of(const Arguments& arguments) {
-  constexpr int kLongest = 3600;
+  constexpr int kMax = 3600;
   DDSSEC_ASSIGN_OR_RETURN(auto words, words_of(arguments.text("--hook")));
   DDSSEC_ASSIGN_OR_RETURN(auto variables, variables_of(arguments));
-  DDSSEC_ASSIGN_OR_RETURN(const int seconds, arguments.number("--hook-timeout", 1, kLongest));
+  DDSSEC_ASSIGN_OR_RETURN(const int seconds, arguments.number("--hook-timeout", 1, kMax));
   return Hook{std::move(words), std::move(variables), std::chrono::seconds(seconds)};
 }
 

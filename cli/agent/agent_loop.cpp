@@ -25,7 +25,7 @@ using End = ChildProcess::End;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
 
-constexpr seconds kLongestRest{600};   // a folder may be changed by hand, and a clock be set
+constexpr seconds kMaxRest{600};       // a folder may be changed by hand, and a clock be set
 constexpr seconds kTimeForFiles{60};   // a token, or another command that has locked the folder
 constexpr seconds kTimeForOwnCa{120};  // other commands may use the CA; each waits for 20 s
 
@@ -253,8 +253,8 @@ std::string Agent::renewals() const {
 
 // The others get the list with the new certificate soon, if that is not too much work.
 void Agent::look_at_others(const Folder& renewed) {
-  constexpr std::size_t kMost = 64;
-  if (hook_ || folders_.size() > kMost) return;
+  constexpr std::size_t kMax = 64;
+  if (hook_ || folders_.size() > kMax) return;
   const auto soon = context_.clock.since_boot() + seconds(1);
   for (auto& other : folders_)
     if (&other != &renewed && other.failures == 0) other.next = std::min(other.next, soon);
@@ -349,7 +349,7 @@ void Agent::note_success(Folder& folder, Json event) {
   const auto next = time_from(text_in(event, "next"));
   folder.failures = 0;
   const auto now = context_.clock.now();
-  const auto rest = std::clamp(next.value_or(now) - now, seconds(1), kLongestRest);
+  const auto rest = std::clamp(next.value_or(now) - now, seconds(1), kMaxRest);
   folder.next = context_.clock.since_boot() + rest;
   if (name == "renewed") {
     folder.task.known = text_in(event, "sha256");

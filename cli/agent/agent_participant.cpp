@@ -83,7 +83,7 @@ Result<Permissions> verified_permissions(const Participant& self, BytesView octe
 // Permissions that cannot be read are none to extend; `doctor` says what is wrong with them.
 void read_permissions_of(Participant& self) {
   if (!self.task.takes_permissions || !is_there(self.files.permissions)) return;
-  auto octets = read_file(self.files.permissions, pki::kMostSentPermissionsOctets);
+  auto octets = read_file(self.files.permissions, pki::kMaxSentPermissionsOctets);
   if (!octets) return;
   const auto found = verified_permissions(self, *octets);
   if (!found) return;
@@ -317,7 +317,7 @@ Status check_key(const Participant& self) {
 Status check_permissions(const Participant& self) {
   const auto& file = self.files.permissions;
   if (!self.task.takes_permissions || !is_there(file)) return {};
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostSentPermissionsOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxSentPermissionsOctets));
   DDSSEC_ASSIGN_OR_RETURN(const auto permissions, verified_permissions(self, octets));
   const auto end = permissions.grant.validity.not_after;
   if (end > self.now()) return {};

@@ -25,9 +25,9 @@ using std::chrono::steady_clock;
 constexpr std::chrono::seconds kTimeToEnd{2};
 
 int milliseconds_until(Deadline deadline) {
-  constexpr std::chrono::milliseconds kLongest{60'000};  // poll does not count a machine's sleep
+  constexpr std::chrono::milliseconds kMax{60'000};  // poll does not count a machine's sleep
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - steady_clock::now());
-  return static_cast<int>(std::clamp(left, std::chrono::milliseconds(0), kLongest).count());
+  return static_cast<int>(std::clamp(left, std::chrono::milliseconds(0), kMax).count());
 }
 
 std::unexpected<Error> no_process(int error) {

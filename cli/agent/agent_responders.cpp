@@ -7,9 +7,9 @@ void SilentResponders::note(uid_t owner, std::string url, Moment now) {
   const auto has_ended = [&](const auto& one) { return one.second <= now; };
   for (auto& [user, urls] : silent_) std::erase_if(urls, has_ended);
   std::erase_if(silent_, [](const auto& one) { return one.second.empty(); });
-  if (silent_.size() >= kMostOwners && !silent_.contains(owner)) return;
+  if (silent_.size() >= kMaxOwners && !silent_.contains(owner)) return;
   auto& urls = silent_[owner];
-  if (urls.size() < kMostUrls || urls.contains(url)) urls[std::move(url)] = now + kLeftAlone;
+  if (urls.size() < kMaxUrls || urls.contains(url)) urls[std::move(url)] = now + kLeftAlone;
 }
 
 std::vector<std::string> SilentResponders::of(uid_t owner, Moment now) const {

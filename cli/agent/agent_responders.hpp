@@ -17,7 +17,7 @@ class SilentResponders {
   using Moment = std::chrono::nanoseconds;  ///< of Clock::since_boot
   /// Shorter than the time after which a folder's response is tried again.
   static constexpr std::chrono::minutes kLeftAlone{4};
-  static constexpr std::size_t kMostUrls = 16, kMostOwners = 256;
+  static constexpr std::size_t kMaxUrls = 16, kMaxOwners = 256;
 
   void note(uid_t owner, std::string url, Moment now);
   std::vector<std::string> of(uid_t owner, Moment now) const;

@@ -24,8 +24,7 @@ WallTime half_life(const pki::OcspGood& response) {
 }
 
 Result<pki::OcspGood> response_in_place(const ResponseTask& task) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets,
-                          read_file(ocsp_file(task.files), pki::kMostOcspOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(ocsp_file(task.files), pki::kMaxOcspOctets));
   DDSSEC_ASSIGN_OR_RETURN(auto anchors, read_certificates(task.files.identity_ca));
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, pki::ChainVerifier::make(std::move(anchors)));
   return pki::judge_ocsp(octets, task.certificate, verifier, task.now);

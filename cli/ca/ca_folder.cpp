@@ -104,7 +104,7 @@ Result<OpenCa> CaOpener::open(std::string_view role) {
 }
 
 Result<std::vector<pki::Certificate>> read_certificates(const fs::path& path) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMostBundleOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMaxBundleOctets));
   return named(pki::Certificate::bundle_from_pem(octets), path);
 }
 
@@ -118,7 +118,7 @@ Result<pki::IssueLog> read_issue_log(const CaPaths& paths) {
   std::error_code error;
   if (fs::file_size(paths.log, error) == 0 || error == std::errc::no_such_file_or_directory)
     return pki::IssueLog();
-  DDSSEC_ASSIGN_OR_RETURN(const auto text, read_file(paths.log, pki::kMostIssueLogOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, read_file(paths.log, pki::kMaxIssueLogOctets));
   auto log = pki::IssueLog::parse(text);
   std::vector<int> lines;
   for (const auto& line : log.unreadable()) lines.push_back(line.details().line);

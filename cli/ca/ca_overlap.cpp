@@ -48,7 +48,7 @@ std::string overlap_text(const Overlap& overlap) {
 Result<std::optional<Overlap>> read_overlap(const CaPaths& ca) {
   const auto file = overlap_file(ca);
   if (!is_there(file)) return std::nullopt;
-  DDSSEC_ASSIGN_OR_RETURN(const auto text, read_file(file, pki::kMostBundleOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, read_file(file, pki::kMaxBundleOctets));
   const auto json = Json::parse(as_text(text), nullptr, false);
   if (!json.is_object() || !json.contains("until") || !json.contains("former") ||
       !json["until"].is_string() || !json["former"].is_array())
@@ -78,7 +78,7 @@ std::string unreached_text(const std::vector<std::string>& folders) {
 std::vector<std::string> read_unreached(const CaPaths& ca) {
   std::vector<std::string> out;
   const auto file = unreached_file(ca);
-  const auto text = is_there(file) ? read_file(file, pki::kMostDocumentOctets) : Bytes();
+  const auto text = is_there(file) ? read_file(file, pki::kMaxDocumentOctets) : Bytes();
   const auto json = text ? Json::parse(as_text(*text), nullptr, false) : Json();
   if (!json.is_object() || !json.contains("folders") || !json["folders"].is_array()) return out;
   for (const auto& folder : json["folders"])

@@ -29,7 +29,7 @@ Status check_later(const pki::OcspGood& fetched, const ResponseWanted& wanted,
                                      .note = "it may be a recorded answer"});
   };
   if (fetched.until() < now) return refuse("nextUpdate", now, fetched.until());
-  const auto octets = read_file(ocsp_file(wanted.files), pki::kMostOcspOctets);
+  const auto octets = read_file(ocsp_file(wanted.files), pki::kMaxOcspOctets);
   if (!octets) return {};
   const auto present = pki::judge_ocsp(*octets, wanted.certificate, verifier, now);
   if (!present || fetched.this_update() >= present->this_update()) return {};

@@ -95,7 +95,7 @@ class Entries {
     for (const auto& one : certificates_) octets += one.pem().size();
     for (const auto& one : documents_) octets += size_in_list(one.file);
     const auto is_too_long = [&](std::size_t left) {
-      return left > pki::kMostRenewals || octets > pki::kMostRenewalListOctets;
+      return left > pki::kMaxRenewals || octets > pki::kMaxRenewalListOctets;
     };
     std::set<const ListedDocument*> dropped;
     if (is_too_long(documents_.size()))
@@ -106,7 +106,7 @@ class Entries {
         dropped.insert(least);
       }
     std::erase_if(documents_, [&](const auto& one) { return dropped.contains(&one); });
-    while (certificates_.size() > pki::kMostRenewals || octets > pki::kMostRenewalListOctets) {
+    while (certificates_.size() > pki::kMaxRenewals || octets > pki::kMaxRenewalListOctets) {
       const auto least = std::ranges::min_element(certificates_, {}, &pki::Certificate::not_after);
       octets -= least->pem().size();
       left_out_.insert(least->subject());
@@ -168,16 +168,16 @@ Entries entries_of(const pki::RenewalList& former, const pki::RenewalList& next,
 }
 
 Error too_long(const fs::path& file, const std::set<std::string>& left_out) {
-  constexpr std::size_t kMost = 4;
+  constexpr std::size_t kMax = 4;
   std::vector<std::string> shown(left_out.begin(), left_out.end());
-  const auto more = shown.size() > kMost ? shown.size() - kMost : 0;
+  const auto more = shown.size() > kMax ? shown.size() - kMax : 0;
   shown.resize(shown.size() - more);
   return Error(
       Code::file_too_large,
       {.document = file,
        .expected = fmt::format("at most {} certificates, {} permissions documents and {} "
                                "octets, as participants read",
-                               pki::kMostRenewals, pki::kMostRenewals, pki::kMostRenewalListOctets),
+                               pki::kMaxRenewals, pki::kMaxRenewals, pki::kMaxRenewalListOctets),
        .found = fmt::format("more: entries of {}{} were left out", fmt::join(shown, "; "),
                             more == 0 ? "" : fmt::format(" and {} more", more)),
        .hint = "give each participant a document with its own grant only; peers of the "
@@ -198,7 +198,7 @@ Error begun_anew(const fs::path& file, const Error& why) {
 // No entries if the file does not exist.
 Result<pki::RenewalList> read_renewals(const fs::path& file) {
   if (!is_there(file)) return pki::RenewalList{};
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostRenewalListOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxRenewalListOctets));
   return named(pki::RenewalList::parse(octets), file);
 }
 
@@ -329,7 +329,7 @@ Status put_renewals(Replacement& out, const pki::ParticipantFolder& files,
   const auto list = entries.list();
   if (list.is_empty() && !is_there(files.renewals)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto text, list.text());
-  const auto present = read_file(files.renewals, pki::kMostRenewalListOctets);
+  const auto present = read_file(files.renewals, pki::kMaxRenewalListOctets);
   if (present && as_text(*present) == text) return {};
   return out.put_public(files.renewals, text);
 }

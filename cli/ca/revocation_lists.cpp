@@ -45,7 +45,7 @@ std::string number_text(const pki::Crl& list) { return to_string(list.number().v
 
 Result<std::vector<pki::Crl>> read_crls(const fs::path& path) {
   if (!is_there(path)) return std::vector<pki::Crl>();
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMaxDocumentOctets));
   DDSSEC_ASSIGN_OR_RETURN(auto lists, named(pki::Crl::all_from(octets), path));
   if (lists.empty())
     return fail(Code::crl_malformed, {.document = path, .note = "there is no list in it"});

@@ -99,11 +99,10 @@ Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
       add_parts(word, out);
     }
   }
-  const bool is_bad =
-      (arguments.has("--topics") && out.empty()) || out.size() > doctor::kMostTopics;
+  const bool is_bad = (arguments.has("--topics") && out.empty()) || out.size() > doctor::kMaxTopics;
   if (is_bad)
     return fail(Code::usage, {.field = "--topics",
-                              .expected = fmt::format("1 to {} names", doctor::kMostTopics),
+                              .expected = fmt::format("1 to {} names", doctor::kMaxTopics),
                               .found = std::to_string(out.size())});
   return out;
 }

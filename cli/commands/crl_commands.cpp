@@ -66,7 +66,7 @@ std::string after_the_future(const std::string& ca) {
 }
 
 Result<Answer<NewList>> crl_new(const Arguments& arguments, const Context& context) {
-  DDSSEC_ASSIGN_OR_RETURN(const int days, arguments.number("--next-update", 1, kMostDays));
+  DDSSEC_ASSIGN_OR_RETURN(const int days, arguments.number("--next-update", 1, kMaxDays));
   const auto now = context.clock.now();
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
@@ -297,7 +297,7 @@ struct Outcome {
 // older one.
 Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallTime now,
                            const std::vector<fs::path>& folders, bool is_alone) {
-  constexpr int kMostRounds = 16;
+  constexpr int kMaxRounds = 16;
   for (int round = 1;; ++round) {
     DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
     DDSSEC_ASSIGN_OR_RETURN(auto list, list_to_distribute(paths, ca, given, now));
@@ -308,7 +308,7 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
       DDSSEC_ASSIGN_OR_RETURN(present, present_crl(paths));
     }
     if (!present || present->pem() == list.pem()) return Outcome{std::move(list), std::move(done)};
-    if (round == kMostRounds)
+    if (round == kMaxRounds)
       return fail(Code::crl_older,
                   {.document = paths.crl,
                    .expected = fmt::format("number {}", number_text(*present)),

@@ -113,7 +113,7 @@ template <class Kind>
 Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context) {
   const fs::path from = arguments.text("FILE");
   const fs::path to = arguments.has("-o") ? fs::path(arguments.text("-o")) : signed_path(from);
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(from, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(from, pki::kMaxDocumentOctets));
   if (pki::examine_document(octets).wrapping == pki::DocumentWrapping::multipart)
     return fail(Code::usage,
                 {.document = from, .field = "FILE", .note = "it is signed already; give the XML"});
@@ -132,7 +132,7 @@ Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context)
       const auto signed_octets,
       named(ca.authority.sign_document(text.octets, context.clock.now(), context.random), from));
   if (const auto size = signed_octets.size(); std::is_same_v<Kind, PermissionsKind> &&
-                                              size > pki::kMostSentPermissionsOctets &&
+                                              size > pki::kMaxSentPermissionsOctets &&
                                               !arguments.has("--no-lint"))
     return not_signed(from, {governance::too_long_for_peers(size)});
   DDSSEC_RETURN_IF_ERROR(check_result_place(to, arguments));
@@ -214,8 +214,8 @@ struct Beliefs {
 };
 
 Result<Beliefs> beliefs(const fs::path& file, const fs::path& ca, WallTime now) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostDocumentOctets));
-  DDSSEC_ASSIGN_OR_RETURN(const auto file_octets, read_file(ca, pki::kMostBundleOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto file_octets, read_file(ca, pki::kMaxBundleOctets));
   DDSSEC_ASSIGN_OR_RETURN(const Result<std::vector<pki::Certificate>> anchors,
                           named(pki::Certificate::bundle_from_pem(file_octets), ca));
   const auto verifier = named(pki::DocumentVerifier::make(*anchors), ca);

@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kDeepest = 16;
-constexpr std::size_t kMostFiles = 500'000;
+constexpr std::size_t kMaxFiles = 500'000;
 constexpr auto kKinds = "a certificate, a revocation list or permissions";
 constexpr std::string_view kOcspResponse = "OCSP response";
 
@@ -155,9 +155,9 @@ class Search {
                 type == fs::file_type::none ? error.message() : "a link that leads nowhere");
     else
       leave_out(file.path(), "it is no regular file");
-    if (paths_.size() < kMostFiles) return;
+    if (paths_.size() < kMaxFiles) return;
     is_full_ = true;
-    leave_out(file.path(), fmt::format("it is file number {}; no more are read", kMostFiles));
+    leave_out(file.path(), fmt::format("it is file number {}; no more are read", kMaxFiles));
   }
 
   // Keys are readable by their owner only, and do not expire.
@@ -195,7 +195,7 @@ class Search {
       ++hits_;
       return;
     }
-    const auto octets = read_file(file, pki::kMostDocumentOctets);
+    const auto octets = read_file(file, pki::kMaxDocumentOctets);
     const auto before = hits_;
     const auto status = !octets                  ? Status(std::unexpected(octets.error()))
                         : is_ocsp_response(file) ? look_into_response(file, *octets)

@@ -196,12 +196,12 @@ struct Matches {
 
   static constexpr auto fields() { return std::tuple(field<&Matches::matches>({.least = 2})); }
   std::string text() const {
-    constexpr std::size_t kMost = 30;
+    constexpr std::size_t kMax = 30;
     std::string out;
-    for (const auto& one : matches | std::views::take(kMost))
+    for (const auto& one : matches | std::views::take(kMax))
       out += fmt::format("{:<32} {:<5} {}\n", one.name,
                          one.number ? std::to_string(*one.number) : "", one.summary);
-    if (matches.size() > kMost) out += fmt::format("and {} more\n", matches.size() - kMost);
+    if (matches.size() > kMax) out += fmt::format("and {} more\n", matches.size() - kMax);
     return out + "ddssec explain NAME says more of one\n";
   }
 };

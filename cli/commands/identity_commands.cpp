@@ -206,7 +206,7 @@ Result<Answer<SignedRequest>> identity_sign_csr(const Arguments& arguments,
   const auto now = context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, validity(arguments, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto responder, ocsp_responder(arguments));
-  DDSSEC_ASSIGN_OR_RETURN(const auto request, read_file(from, pki::kMostCertificateOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto request, read_file(from, pki::kMaxCertificateOctets));
   DDSSEC_ASSIGN_OR_RETURN(const auto content, named(pki::read_request(request), from));
   DDSSEC_RETURN_IF_ERROR(confirm_request(content, arguments));
   CaOpener opener(arguments);

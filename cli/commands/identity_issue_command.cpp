@@ -42,7 +42,7 @@ Result<Bytes> governance_of(const Arguments& arguments, WallTime now) {
   DDSSEC_RETURN_IF_ERROR(check_signing_ca(arguments.text("--ca"), "permissions"));
   const auto ca = ca_paths(arguments.text("--ca"), "permissions").certificate;
   DDSSEC_RETURN_IF_ERROR(verified(file, ca, now));
-  return read_file(file, pki::kMostDocumentOctets);
+  return read_file(file, pki::kMaxDocumentOctets);
 }
 
 using Findings = std::vector<Finding>;
@@ -82,7 +82,7 @@ Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now, Findin
     return fail(Code::usage,
                 {.field = "--permissions", .note = "not together with --publish or --subscribe"});
   DDSSEC_ASSIGN_OR_RETURN(spec.permissions,
-                          read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
+                          read_file(arguments.text("--permissions"), pki::kMaxDocumentOctets));
   return spec;
 }
 
@@ -244,7 +244,7 @@ class Completion {
       return out_.put(file, octets, mode);
     }
     if (!is_asked_for) return {};
-    DDSSEC_ASSIGN_OR_RETURN(const auto found, read_file(file, pki::kMostDocumentOctets));
+    DDSSEC_ASSIGN_OR_RETURN(const auto found, read_file(file, pki::kMaxDocumentOctets));
     if (std::ranges::equal(found, octets)) return {};
     return in_the_way(file, "it is another one");
   }

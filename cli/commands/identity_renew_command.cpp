@@ -202,13 +202,13 @@ Result<governance::Permissions> put_extended(Replacement& out, const Renewal& jo
 }
 
 std::string topics_in_words(const std::vector<governance::Criteria>& criteria) {
-  constexpr std::size_t kMost = 4;
+  constexpr std::size_t kMax = 4;
   std::vector<std::string> topics;
   for (const auto& one : criteria)
     for (const auto& topic : one.topics) topics.push_back(topic.text);
   auto out = fmt::format(
-      "{}", fmt::join(topics.begin(), topics.begin() + std::min(kMost, topics.size()), ", "));
-  return topics.size() > kMost ? fmt::format("{} and {} more", out, topics.size() - kMost) : out;
+      "{}", fmt::join(topics.begin(), topics.begin() + std::min(kMax, topics.size()), ", "));
+  return topics.size() > kMax ? fmt::format("{} and {} more", out, topics.size() - kMax) : out;
 }
 
 // One line about the document that the CA has just signed.

@@ -278,7 +278,7 @@ std::string_view how_revoked_before(const Doomed& what) {
 Result<Answer<Revoked>> identity_revoke(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto reason, reason_of(arguments));
-  DDSSEC_ASSIGN_OR_RETURN(const int days, arguments.number("--next-update", 1, kMostDays));
+  DDSSEC_ASSIGN_OR_RETURN(const int days, arguments.number("--next-update", 1, kMaxDays));
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
   DDSSEC_RETURN_IF_ERROR(check_list_date(now, ca.paths, arguments));

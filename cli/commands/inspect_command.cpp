@@ -17,7 +17,7 @@ namespace {
 
 using rtps::MeetingState;
 
-constexpr int kLongest = 86'400;
+constexpr int kMax = 86'400;
 
 }  // namespace
 
@@ -327,7 +327,7 @@ Result<Answer<Inspection>> inspect(const Arguments& arguments, const Context&) {
     return fail(Code::usage,
                 {.expected = "a FILE or --listen", .found = is_live ? "both" : "none"});
   const auto source = is_live ? arguments.text("--listen") : file;
-  DDSSEC_ASSIGN_OR_RETURN(const int seconds, arguments.number("--for", 1, kLongest));
+  DDSSEC_ASSIGN_OR_RETURN(const int seconds, arguments.number("--for", 1, kMax));
   DDSSEC_ASSIGN_OR_RETURN(auto capture, is_live ? Capture::listen(source) : Capture::open(source));
   const auto saved = arguments.text("--save");
   if (!saved.empty()) DDSSEC_RETURN_IF_ERROR(capture.save_to(saved));

@@ -151,7 +151,7 @@ Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Rights rig
   spec.takes_other_grants = arguments.has("--other-grants");
   if (arguments.has("--permissions")) {
     DDSSEC_ASSIGN_OR_RETURN(spec.permissions,
-                            read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
+                            read_file(arguments.text("--permissions"), pki::kMaxDocumentOctets));
   }
   if (arguments.has("--policy")) {
     DDSSEC_ASSIGN_OR_RETURN(spec.grant,

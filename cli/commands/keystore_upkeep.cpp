@@ -78,7 +78,7 @@ void check_belongs(const fs::path& keystore, const doctor::LoadedFolder& enclave
   compare_cas(enclave.identity_cas, enclave.paths.identity_ca, "identity");
   compare_cas(enclave.permissions_cas, enclave.paths.permissions_ca, "permissions");
   const auto governance = keystore / "enclaves/governance.p7s";
-  const auto expected = read_file(governance, pki::kMostDocumentOctets);
+  const auto expected = read_file(governance, pki::kMaxDocumentOctets);
   if (enclave.governance.readable && expected && enclave.governance.file != *expected)
     differs(enclave.paths.governance, governance);
 }
@@ -152,7 +152,7 @@ void refuse(Rule rule, const fs::path& file, std::string message, Report& report
 void check_no_key_in_public(const fs::path& keystore, Report& report) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(keystore / "public", error)) {
-    const auto octets = read_file(entry.path(), pki::kMostCertificateOctets);
+    const auto octets = read_file(entry.path(), pki::kMaxCertificateOctets);
     if (octets && as_text(*octets).contains("PRIVATE KEY-----"))
       refuse(Rule::DOC004, entry.path(),
              fmt::format("{} holds a private key, and public/ is for everybody",

@@ -52,7 +52,7 @@ Result<Answer<Linted>> permissions_lint(const Arguments& arguments, const Contex
                             unverified_document<GovernanceKind>(
                                 document_path<GovernanceKind>(arguments.text("--governance"))));
   }
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxDocumentOctets));
   DDSSEC_ASSIGN_OR_RETURN(const auto document, unverified_document<PermissionsKind>(file));
   return linted(file, lint(document, {.now = context.clock.now(),
                                       .certificate = certificate ? &*certificate : nullptr,

@@ -251,7 +251,7 @@ Result<Answer<TrustStatus>> trust_status(const Arguments& arguments, const Conte
         Error(tool_code::status_unanswered,
               {.document = place,
                .note = fmt::format("{} of its sockets were not asked: at most {} are",
-                                   folder.left_out(), StatusFolder::kMostSockets)}));
+                                   folder.left_out(), StatusFolder::kMaxSockets)}));
   if (result.processes.empty() && report.errors.empty()) return nothing_shown(place, pid, wanted);
   report.exit = !report.errors.empty() ? Exit::unreadable : all_well ? Exit::done : Exit::no;
   return answer;

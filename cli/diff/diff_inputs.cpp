@@ -16,9 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kWidth = 100;
-constexpr std::size_t kLongestShown = 48;
-constexpr std::size_t kMostShown = 3;
-constexpr std::size_t kMostDomainsShown = 5;
+constexpr std::size_t kMaxShownLength = 48;
+constexpr std::size_t kMaxShown = 3;
+constexpr std::size_t kMaxDomainsShown = 5;
 
 std::string claimed_signer(const pki::DocumentForm& form) {
   const auto subject = form.embedded.empty() ? std::string() : form.embedded.front() + ", ";
@@ -27,7 +27,7 @@ std::string claimed_signer(const pki::DocumentForm& form) {
 
 Result<DiffSide> read_side(const fs::path& path, const Arguments& arguments, WallTime now) {
   DiffSide side{.path = path};
-  DDSSEC_ASSIGN_OR_RETURN(auto octets, read_file(path, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(auto octets, read_file(path, pki::kMaxDocumentOctets));
   side.octets = octets.size();
   auto form = pki::examine_document(octets);
   side.is_signed = form.wrapping != pki::DocumentWrapping::none &&
@@ -114,31 +114,31 @@ std::string escaped(std::string_view name) {
 std::string shown(std::string_view name) {
   if (name.empty()) return "(empty name)";
   auto text = escaped(name);
-  if (text.size() <= kLongestShown) return text;
+  if (text.size() <= kMaxShownLength) return text;
   // Not within a letter of several octets.
-  std::size_t end = kLongestShown - 3;
+  std::size_t end = kMaxShownLength - 3;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
   return text.substr(0, end) + "...";
 }
 
 std::string shown(const std::vector<std::string>& names) {
   std::string text;
-  for (std::size_t i = 0; i < std::min(kMostShown, names.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxShown, names.size()); ++i) {
     text += (i == 0 ? "" : ", ") + shown(names[i]);
   }
-  if (names.size() > kMostShown) text += fmt::format(" and {} more", names.size() - kMostShown);
+  if (names.size() > kMaxShown) text += fmt::format(" and {} more", names.size() - kMaxShown);
   return text;
 }
 
 std::string shown(const std::vector<governance::DomainRange>& domains) {
   std::string text;
-  for (std::size_t i = 0; i < std::min(kMostDomainsShown, domains.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxDomainsShown, domains.size()); ++i) {
     const auto first = domains[i].first, last = domains[i].last;
     if (i > 0) text += ", ";
     text += first == last ? std::to_string(first) : fmt::format("{}-{}", first, last);
   }
-  if (domains.size() > kMostDomainsShown) {
-    text += fmt::format(" and {} more", domains.size() - kMostDomainsShown);
+  if (domains.size() > kMaxDomainsShown) {
+    text += fmt::format(" and {} more", domains.size() - kMaxDomainsShown);
   }
   const bool one = domains.size() == 1 && domains[0].first == domains[0].last;
   return (one ? "domain " : "domains ") + text;

@@ -11,14 +11,14 @@ namespace {
 
 using governance::NameSet;
 
-constexpr std::size_t kMostWordsShown = 3;
+constexpr std::size_t kMaxWordsShown = 3;
 
 /// "a, b* and 2 more"; the empty name has a word of its own.
 std::string listed(const std::vector<std::string>& names, std::string_view empty_name) {
   std::vector<std::string> words;
   for (const auto& name : names)
     words.push_back(name.empty() ? std::string(empty_name) : shown(name));
-  const auto count = std::min(kMostWordsShown, words.size());
+  const auto count = std::min(kMaxWordsShown, words.size());
   auto text =
       fmt::format("{}", fmt::join(words.begin(), words.begin() + static_cast<long>(count), ", "));
   if (words.size() > count) text += fmt::format(" and {} more", words.size() - count);

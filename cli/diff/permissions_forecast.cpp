@@ -96,10 +96,10 @@ void add_subject(const governance::Subject& subject, WallTime now, Prediction& o
 
 Prediction forecast(const PermissionsChangeOver& change, const DiffSides& sides) {
   Prediction out;
-  if (sides.after.octets > pki::kMostSentPermissionsOctets)
+  if (sides.after.octets > pki::kMaxSentPermissionsOctets)
     out.add(Live::refused,
             fmt::format("it has {} octets, and may have {}", sides.after.octets,
-                        pki::kMostSentPermissionsOctets),
+                        pki::kMaxSentPermissionsOctets),
             0);
   for (const auto& subject : governance::subjects_of(change.before, change.after).all)
     add_subject(subject, change.now, out);

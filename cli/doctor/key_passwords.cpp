@@ -38,7 +38,7 @@ std::string of_cyclonedds(const LoadedFolder& folder) {
 
 std::string of_fastdds(const LoadedFolder& folder) {
   const auto file = folder.paths.folder / "fastdds.xml";
-  const auto octets = ddssec::load("file://" + file.string(), "", pki::kMostDocumentOctets);
+  const auto octets = ddssec::load("file://" + file.string(), "", pki::kMaxDocumentOctets);
   if (!octets) return {};
   const auto properties = doctor::properties_of_profile(as_text(*octets));
   if (!properties) return {};

@@ -196,7 +196,7 @@ bool is_of_every_node(std::string_view topic) {
 
 // "talker publishes to listener: rt/chatter".
 std::string working_topics(const MeetingView& view, int writer) {
-  constexpr std::size_t kMost = 5;
+  constexpr std::size_t kMax = 5;
   std::size_t count = 0;
   std::size_t of_ros = 0;
   std::string names;
@@ -204,11 +204,11 @@ std::string working_topics(const MeetingView& view, int writer) {
     if (!topic.directions[writer].ok) continue;
     if (is_of_every_node(topic.topic)) {
       ++of_ros;
-    } else if (++count <= kMost) {
+    } else if (++count <= kMax) {
       names += fmt::format("{}{}", names.empty() ? "" : ", ", words_of(topic));
     }
   }
-  if (count > kMost) names += fmt::format(" and {} more", count - kMost);
+  if (count > kMax) names += fmt::format(" and {} more", count - kMax);
   if (names.empty()) names = "nothing";
   if (of_ros > 0) names += fmt::format(" (and {} of every ROS 2 node)", counted(of_ros, "topic"));
   return fmt::format("{} publishes to {}: {}", view.names[writer], view.names[1 - writer], names);
@@ -216,17 +216,17 @@ std::string working_topics(const MeetingView& view, int writer) {
 
 // "  not on Circle: listener may not subscribe to it: ...".
 std::string topics_apart(const MeetingView& view) {
-  constexpr std::size_t kMost = 5;
+  constexpr std::size_t kMax = 5;
   std::size_t count = 0;
   std::string out;
   for (const bool is_wanted : {true, false})  // those that both may use come first
     for (const auto& topic : view.meeting.topics) {
       if (!is_idle(topic) || is_kept_apart(topic) != is_wanted || is_of_every_node(topic.topic))
         continue;
-      if (++count <= kMost)
+      if (++count <= kMax)
         out += fmt::format("  not on {}: {}\n", words_of(topic), reason_apart(topic, view));
     }
-  if (count > kMost) out += fmt::format("  nor on {} more\n", counted(count - kMost, "topic"));
+  if (count > kMax) out += fmt::format("  nor on {} more\n", counted(count - kMax, "topic"));
   return out;
 }
 

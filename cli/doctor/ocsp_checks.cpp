@@ -35,7 +35,7 @@ fs::path response_file(const LoadedFolder& folder, const spi::PropertyList& prop
 /// judge_ocsp, or of the parts that it needs.
 Result<pki::OcspGood> response_of(const LoadedFolder& folder, const fs::path& file,
                                   const LoadedFolder& judge, WallTime now) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostOcspOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxOcspOctets));
   if (!folder.certificate) return std::unexpected(folder.certificate.error());
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, judge.chain());
   return pki::judge_ocsp(octets, *folder.certificate, verifier, now);

@@ -172,10 +172,10 @@ std::optional<HostConfiguration> configuration_for(const doctor::LoadedFolder& f
 // The environment may be that of another participant.
 bool is_of(const pki::ParticipantFolder& files, const spi::PropertyList& properties) {
   const auto named = pki::load(spi::property_value(properties, property::kIdentityCertificate), "",
-                               pki::kMostCertificateOctets);
+                               pki::kMaxCertificateOctets);
   const auto own = pki::uri_of(files.certificate);
   if (!named || !own) return false;
-  const auto octets = pki::load(*own, "", pki::kMostCertificateOctets);
+  const auto octets = pki::load(*own, "", pki::kMaxCertificateOctets);
   return octets && *octets == *named;
 }
 

@@ -29,7 +29,7 @@ using doctor::LoadedFolder;
 using doctor::Outcome;
 using governance::Action;
 
-static_assert(pki::kMostSentPermissionsOctets == authentication::kMostPermissionsOctets);
+static_assert(pki::kMaxSentPermissionsOctets == authentication::kMaxPermissionsOctets);
 
 constexpr std::string_view kOfHost = "a Cyclone DDS process on ddssec's plugins";
 

@@ -71,12 +71,12 @@ void look_at_permissions(const LoadedFolder& folder, const pki::RenewalList& lis
 }
 
 std::string in_words(const Reasons& reasons, std::size_t entries) {
-  constexpr std::size_t kMost = 3;
+  constexpr std::size_t kMax = 3;
   auto out = fmt::format("{} of {} entries {} no effect", reasons.size(), entries,
                          reasons.size() == 1 ? "has" : "have");
-  for (std::size_t i = 0; i < std::min(kMost, reasons.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kMax, reasons.size()); ++i)
     out += (i == 0 ? ": " : "; ") + reasons[i];
-  if (reasons.size() > kMost) out += fmt::format("; and {} more", reasons.size() - kMost);
+  if (reasons.size() > kMax) out += fmt::format("; and {} more", reasons.size() - kMax);
   return out;
 }
 
@@ -92,7 +92,7 @@ void check_renewal_list(const LoadedFolder& folder, const doctor::Settings& sett
                   .document = file.string(),
                   .vendors = {doctor::id(doctor::Vendor::ours, settings.lineup)}};
   const auto list = [&]() -> Result<pki::RenewalList> {
-    DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostRenewalListOctets));
+    DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxRenewalListOctets));
     return pki::RenewalList::parse(octets);
   }();
   if (!list) {

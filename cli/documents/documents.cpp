@@ -38,8 +38,8 @@ std::optional<governance::DomainRange> range_from(std::string_view text) {
 }  // namespace
 
 Result<pki::SignedDocument> verified(const fs::path& file, const fs::path& ca, WallTime now) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostDocumentOctets));
-  DDSSEC_ASSIGN_OR_RETURN(const auto file_octets, read_file(ca, pki::kMostBundleOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto file_octets, read_file(ca, pki::kMaxBundleOctets));
   auto anchors = named(pki::Certificate::bundle_from_pem(file_octets), ca);
   DDSSEC_RETURN_IF_ERROR(anchors);
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
@@ -49,7 +49,7 @@ Result<pki::SignedDocument> verified(const fs::path& file, const fs::path& ca, W
 
 // A text that is not a signed form is left to the XML parser, whose error is the most helpful.
 Result<DocumentText> unverified_text(const fs::path& file) {
-  DDSSEC_ASSIGN_OR_RETURN(auto octets, read_file(file, pki::kMostDocumentOctets));
+  DDSSEC_ASSIGN_OR_RETURN(auto octets, read_file(file, pki::kMaxDocumentOctets));
   auto form = pki::examine_document(octets);
   using enum pki::DocumentWrapping;
   if (form.wrapping == none || form.wrapping == unknown) return DocumentText{std::move(octets)};

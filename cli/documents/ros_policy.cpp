@@ -21,10 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string paths_of(const RosPolicy& policy) {
-  constexpr std::size_t kMost = 256;
+  constexpr std::size_t kMax = 256;
   std::string out;
   for (const auto& enclave : policy.enclaves) {
-    if (out.size() > kMost) return out + ", ...";
+    if (out.size() > kMax) return out + ", ...";
     out += (out.empty() ? "" : ", ") + enclave.path;
   }
   return out;
@@ -55,7 +55,7 @@ Result<RosPolicy> read_policy(const std::filesystem::path& file,
                               const std::vector<std::string>& wanted) {
   const auto read = [&](const fs::path& path) -> Result<Bytes> {
     if (path != file) DDSSEC_RETURN_IF_ERROR(check_inside(path, file));
-    return read_file(path, governance::kMostXmlOctets);
+    return read_file(path, governance::kMaxXmlOctets);
   };
   DDSSEC_ASSIGN_OR_RETURN(auto policy, governance::read_ros_policy(file, read));
   if (wanted.empty()) return policy;
@@ -90,11 +90,11 @@ std::vector<Finding> merged_profiles(const RosPolicy& policy) {
 }
 
 std::vector<Finding> prefixed_names(const RosPolicy& policy) {
-  constexpr std::size_t kMost = 16;  // more findings would say nothing new
+  constexpr std::size_t kMax = 16;  // more findings would say nothing new
   std::vector<Finding> out;
   const auto look_at = [&](const RosEnclave& enclave, const RosElement& element) {
     for (const auto& written : element.names)
-      if (out.size() < kMost && has_dds_prefix(trimmed(written)))
+      if (out.size() < kMax && has_dds_prefix(trimmed(written)))
         out.push_back({.rule = Rule::PERM035,
                        .message = fmt::format("enclave {}: \"{}\" begins like a name of DDS; the "
                                               "permissions get a further prefix in front of it",

@@ -89,7 +89,7 @@ Result<pki::SigningLog> read_signing_log(const CaPaths& ca) {
   std::error_code error;
   if (fs::file_size(ca.signed_log, error) == 0 || error == std::errc::no_such_file_or_directory)
     return pki::SigningLog();
-  DDSSEC_ASSIGN_OR_RETURN(const auto text, read_file(ca.signed_log, pki::kMostIssueLogOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, read_file(ca.signed_log, pki::kMaxIssueLogOctets));
   auto log = pki::SigningLog::parse(text);
   notice_unreadable_lines(ca.signed_log, log.unreadable());
   return log;
@@ -119,7 +119,7 @@ Result<DocumentOfCa> document_of_former_key(const fs::path& file, const fs::path
 }
 
 bool is_signed_by(const fs::path& file, std::string_view trust_pem, WallTime now) {
-  const auto octets = read_file(file, pki::kMostDocumentOctets);
+  const auto octets = read_file(file, pki::kMaxDocumentOctets);
   auto anchors = pki::Certificate::bundle_from_pem(as_bytes(trust_pem));
   if (!octets || !anchors || anchors->empty()) return false;
   const auto time = within(anchors->front(), now);

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostEntries = 10'000;
+constexpr std::size_t kMaxEntries = 10'000;
 constexpr std::time_t kDay = 24 * 60 * 60;
 
 /// 0 if it is not known.
@@ -103,7 +103,7 @@ void for_each_entry(const fs::path& folder, Each each) {
   std::error_code error;
   std::size_t count = 0;
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
-    if (++count <= kMostEntries) each(at->path());
+    if (++count <= kMaxEntries) each(at->path());
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ fs::path without_slash(const fs::path& path) {
 }
 
 std::string about_missing(const fs::path& missing) {
-  constexpr std::size_t kMostNames = 1'000;  // that are looked at
+  constexpr std::size_t kMaxNames = 1'000;  // that are looked at
   const auto plain = without_slash(missing);
   const auto folder = plain.has_parent_path() ? plain.parent_path() : fs::path(".");
   std::error_code error;
@@ -30,7 +30,7 @@ std::string about_missing(const fs::path& missing) {
   const auto own = plain.filename().string();
   std::vector<std::string> names;
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    if (names.size() == kMostNames) break;
+    if (names.size() == kMaxNames) break;
     if (auto name = at->path().filename().string(); name != own) names.push_back(std::move(name));
   }
   const auto name = nearest(own, names);

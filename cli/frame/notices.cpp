@@ -25,9 +25,9 @@ void add_notice(Error warning) {
 }
 
 void notice_unreadable_lines(const std::filesystem::path& log, const std::vector<int>& lines) {
-  constexpr std::size_t kMost = 10;
+  constexpr std::size_t kMax = 10;
   if (lines.empty()) return;
-  const auto shown = std::min(kMost, lines.size());
+  const auto shown = std::min(kMax, lines.size());
   auto found = fmt::format("{} {}", lines.size() == 1 ? "line" : "lines",
                            fmt::join(lines.begin(), lines.begin() + static_cast<int>(shown), ", "));
   if (shown < lines.size()) found += fmt::format(" and {} more", lines.size() - shown);

@@ -10,8 +10,8 @@
 namespace ddssec::cli {
 namespace {
 
-constexpr std::size_t kMostGuesses = 4;
-constexpr std::size_t kMostOctets = 64;  // of a word that is compared
+constexpr std::size_t kMaxGuesses = 4;
+constexpr std::size_t kMaxOctets = 64;  // of a word that is compared
 
 // Verbs of other tools, with the corresponding verbs of this tool; the first one that the group has
 // is meant.
@@ -87,7 +87,7 @@ const Command* command_of(std::string_view group, std::string_view name) {
 
 void add(std::vector<std::string>& out, std::string word) {
   const bool is_new = !word.empty() && std::ranges::find(out, word) == out.end();
-  if (is_new && out.size() < kMostGuesses) out.push_back(std::move(word));
+  if (is_new && out.size() < kMaxGuesses) out.push_back(std::move(word));
 }
 
 bool has_group(std::string_view group) {
@@ -131,7 +131,7 @@ bool takes(const Command& command, std::string_view option) {
 }  // namespace
 
 std::string nearest(std::string_view word, const std::vector<std::string>& known) {
-  word = word.substr(0, kMostOctets);
+  word = word.substr(0, kMaxOctets);
   const std::size_t near = word.size() < 7 ? 1 : 2;  // "--foo" is not meant as "--now"
   const auto best = std::ranges::min_element(
       known, {}, [&](const std::string& k) { return edit_distance(word, k); });
@@ -141,8 +141,8 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
 std::vector<std::string> commands_like(std::span<const std::string> words) {
   std::vector<std::string> out;
   if (words.empty()) return out;
-  const auto first = std::string_view(words[0]).substr(0, kMostOctets);
-  const auto second = words.size() > 1 ? std::string_view(words[1]).substr(0, kMostOctets) : "";
+  const auto first = std::string_view(words[0]).substr(0, kMaxOctets);
+  const auto second = words.size() > 1 ? std::string_view(words[1]).substr(0, kMaxOctets) : "";
   if (has_group(first)) {
     if (!second.empty()) add_second_words(out, first, second);
     return out;

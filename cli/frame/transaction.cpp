@@ -25,14 +25,14 @@ namespace fs = std::filesystem;
 // disk. A killed process may have left a draft with the same process number; this happens soon in a
 // container, where each start may have the same number. remove_drafts_of() knows these names.
 Result<fs::path> write_draft(const fs::path& target, BytesView octets, unsigned mode) {
-  constexpr int kMostTries = 100;
+  constexpr int kMaxTries = 100;
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   FilePlace at{folder_descriptor(folder_of(target)), {}};
   if (at.folder < 0) return unwritable(target, errno);
   const auto beginning = fmt::format("{}.{}", target.filename().string(), process_mark());
   at.path = beginning + ".new";
   auto file = open_new(at, mode);
-  for (int i = 1; i < kMostTries && !file && errno == EEXIST; ++i) {
+  for (int i = 1; i < kMaxTries && !file && errno == EEXIST; ++i) {
     at.path = fmt::format("{}.{}.new", beginning, i);
     file = open_new(at, mode);
   }

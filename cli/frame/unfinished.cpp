@@ -69,11 +69,11 @@ bool write_whole(int file, std::string_view text) {
 }
 
 std::string content_of(int file) {
-  constexpr std::size_t kMost = 16 * 1024 * 1024;
+  constexpr std::size_t kMax = 16 * 1024 * 1024;
   std::string out;
   std::array<char, 4096> part{};
   ssize_t size = 0;
-  while (out.size() < kMost && (size = ::read(file, part.data(), part.size())) > 0)
+  while (out.size() < kMax && (size = ::read(file, part.data(), part.size())) > 0)
     out.append(part.data(), static_cast<std::size_t>(size));
   return out;
 }

@@ -78,7 +78,7 @@ Status EnclaveFolder::link(const fs::path& name, const fs::path& to) {
   const auto place = target_ / name;
   const auto fits = check_link_place(place, to);
   if (!fits && existing_ == Existing::replaced && is_anything(place)) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(target_ / to, pki::kMostDocumentOctets));
+    DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(target_ / to, pki::kMaxDocumentOctets));
     return files_->put(place, octets, 0644, Replacement::Links::replaced);
   }
   links_.emplace_back(place, to);

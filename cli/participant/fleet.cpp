@@ -103,7 +103,7 @@ Status read_common(const Table& table, ParticipantSpec& spec, WallTime now) {
   DDSSEC_RETURN_IF_ERROR(table.read("domain", 0, governance::kHighestDomainId, domain));
   if (domain >= 0) spec.domains = {{static_cast<DomainId>(domain), static_cast<DomainId>(domain)}};
   int days = 0;
-  DDSSEC_RETURN_IF_ERROR(table.read("days", 1, kMostDays, days));
+  DDSSEC_RETURN_IF_ERROR(table.read("days", 1, kMaxDays, days));
   if (days > 0) spec.life = validity_of(days, now);
   std::string key;
   DDSSEC_RETURN_IF_ERROR(table.read("key", key));
@@ -138,7 +138,7 @@ Result<ParticipantSpec> participant_of(const toml::table& node, const fs::path& 
   DDSSEC_RETURN_IF_ERROR(table.read("permissions", permissions));
   if (!permissions.empty()) {
     DDSSEC_ASSIGN_OR_RETURN(spec.permissions,
-                            read_file(file.parent_path() / permissions, pki::kMostDocumentOctets));
+                            read_file(file.parent_path() / permissions, pki::kMaxDocumentOctets));
   }
   return spec;
 }
@@ -153,18 +153,18 @@ std::string without_content(std::string_view description) {
 // recursion. Such a key is on one line. In strings dots are counted as well: where a string ends is
 // for the parser to find out.
 Status check_dots(std::string_view text, const fs::path& file) {
-  constexpr int kMostDotsInLine = 512;
+  constexpr int kMaxDotsInLine = 512;
   int line = 1;
   int dots = 0;
   for (const char c : text) {
     if (c == '\n') {
       ++line;
       dots = 0;
-    } else if (c == '.' && ++dots > kMostDotsInLine) {
+    } else if (c == '.' && ++dots > kMaxDotsInLine) {
       return fail(Code::fleet_malformed,
                   {.document = file,
                    .line = line,
-                   .expected = fmt::format("at most {} dots in a line", kMostDotsInLine),
+                   .expected = fmt::format("at most {} dots in a line", kMaxDotsInLine),
                    .hint = "put each part of a long list on a line of its own"});
     }
   }
@@ -184,7 +184,7 @@ Result<toml::table> parsed(std::string_view text, const fs::path& file) {
 
 Result<std::vector<ParticipantSpec>> read_fleet(const fs::path& file,
                                                 const ParticipantSpec& standard, WallTime now) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, kMostFleetOctets));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, kMaxFleetOctets));
   DDSSEC_ASSIGN_OR_RETURN(const auto root, parsed(as_text(octets), file));
   const Table top(root, file);
   DDSSEC_RETURN_IF_ERROR(top.check_keys(
@@ -193,9 +193,9 @@ Result<std::vector<ParticipantSpec>> read_fleet(const fs::path& file,
   DDSSEC_RETURN_IF_ERROR(read_common(top, common, now));
   const auto* node = root.get("participant");
   const auto* list = node != nullptr ? node->as_array() : nullptr;
-  if (list == nullptr || list->empty() || list->size() > kMostParticipants)
+  if (list == nullptr || list->empty() || list->size() > kMaxParticipants)
     return top.wrong("participant",
-                     "1 to " + std::to_string(kMostParticipants) + " tables [[participant]]");
+                     "1 to " + std::to_string(kMaxParticipants) + " tables [[participant]]");
   std::vector<ParticipantSpec> out;
   std::unordered_set<std::string> names;
   for (const auto& element : *list) {

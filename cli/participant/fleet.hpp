@@ -9,9 +9,9 @@
 namespace ddssec::cli {
 
 /// The largest number of participants in one file.
-inline constexpr std::size_t kMostParticipants = 100'000;
+inline constexpr std::size_t kMaxParticipants = 100'000;
 /// The longest file, in octets.
-inline constexpr std::size_t kMostFleetOctets = 32 * 1024 * 1024;
+inline constexpr std::size_t kMaxFleetOctets = 32 * 1024 * 1024;
 
 /// Reads a fleet. The file has tables [[participant]] with name, subject, domain, days, key,
 /// publish, subscribe, permissions (the path of a document, relative to the file's folder). The

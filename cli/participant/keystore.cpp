@@ -36,13 +36,13 @@ fs::path up_to_enclaves(std::string_view name) {
 }  // namespace
 
 Status check_enclave(std::string_view name) {
-  constexpr std::size_t kMostOctets = 255;
+  constexpr std::size_t kMaxOctets = 255;
   const auto wrong = [&] {
     return fail(Code::enclave_name_unusable,
-                {.found = '"' + std::string(name.substr(0, kMostOctets)) + '"'});
+                {.found = '"' + std::string(name.substr(0, kMaxOctets)) + '"'});
   };
   if (name == "/") return {};
-  if (name.size() > kMostOctets || !name.starts_with('/')) return wrong();
+  if (name.size() > kMaxOctets || !name.starts_with('/')) return wrong();
   int depth = 0;
   for (auto rest = name.substr(1);;) {
     const auto slash = std::min(rest.find('/'), rest.size());
@@ -179,7 +179,7 @@ class EnclaveSearch {
   };
 
   void look_into(const fs::path& folder, int depth) {
-    if (out_.names.size() >= kMostEnclaves) return;
+    if (out_.names.size() >= kMaxEnclaves) return;
     std::error_code error;
     auto content = content_of(folder, error);
     // Another user may remove a folder at any time.
@@ -220,8 +220,8 @@ class EnclaveSearch {
     const auto name = name_of(folder);
     out_.names.push_back(name);
     if (!has_key) out_.without_key.push_back(name);
-    if (out_.names.size() == kMostEnclaves)
-      leave_out(root_, fmt::format("there are {} enclaves or more", kMostEnclaves));
+    if (out_.names.size() == kMaxEnclaves)
+      leave_out(root_, fmt::format("there are {} enclaves or more", kMaxEnclaves));
   }
 
   void leave_out(const fs::path& folder, std::string why) {

@@ -39,7 +39,7 @@ governance::Grant grant_from_lists(const ParticipantSpec& spec) {
 // be parsed, counts as another subject.
 Status check_own_grants(const governance::Permissions& document, const pki::SubjectName& own,
                         std::string_view shown) {
-  constexpr std::size_t kMostShown = 8;
+  constexpr std::size_t kMaxShown = 8;
   std::string names;
   std::size_t others = 0;
   int line = 0;
@@ -47,11 +47,11 @@ Status check_own_grants(const governance::Permissions& document, const pki::Subj
     const auto subject = pki::SubjectName::parse(grant.subject_name);
     if (!grant.subject_is_expression && subject && subject->key() == own.key()) continue;
     if (others == 0) line = grant.line;
-    if (++others <= kMostShown)
+    if (++others <= kMaxShown)
       names += fmt::format("{}\"{}\"", others == 1 ? "" : ", ", printable(grant.subject_name));
   }
   if (others == 0) return {};
-  if (others > kMostShown) names += fmt::format(" and {} more", others - kMostShown);
+  if (others > kMaxShown) names += fmt::format(" and {} more", others - kMaxShown);
   return fail(tool_code::foreign_grant, {.line = line,
                                          .field = "<subject_name>",
                                          .expected = fmt::format("\"{}\" alone", shown),
@@ -142,9 +142,9 @@ Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issue
 Result<Bytes> sign_permissions(const pki::Authority& ca, std::string_view xml, WallTime now,
                                Random& random) {
   DDSSEC_ASSIGN_OR_RETURN(auto out, ca.sign_document(as_bytes(xml), now, random));
-  if (out.size() <= pki::kMostSentPermissionsOctets) return out;
+  if (out.size() <= pki::kMaxSentPermissionsOctets) return out;
   return fail(Code::smime_too_large,
-              {.expected = fmt::format("at most {} octets", pki::kMostSentPermissionsOctets),
+              {.expected = fmt::format("at most {} octets", pki::kMaxSentPermissionsOctets),
                .found = fmt::format("{} octets when signed", out.size()),
                .note = "peers on ddssec's plugins do not take longer ones",
                .hint = "give each participant a document with its own grant, and write "

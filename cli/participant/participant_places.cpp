@@ -77,12 +77,12 @@ void add_here(const fs::path& folder, Issuer issuer, ParticipantPlaces& out) {
 }
 
 std::string lines(std::string_view title, const std::vector<std::string>& folders) {
-  constexpr std::size_t kMost = 10;
+  constexpr std::size_t kMax = 10;
   if (folders.empty()) return "";
   auto out = fmt::format("  {}:\n", title);
-  for (std::size_t i = 0; i < std::min(kMost, folders.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kMax, folders.size()); ++i)
     out += fmt::format("    {}\n", folders[i]);
-  if (folders.size() > kMost) out += fmt::format("    and {} more\n", folders.size() - kMost);
+  if (folders.size() > kMax) out += fmt::format("    and {} more\n", folders.size() - kMax);
   return out;
 }
 

@@ -97,7 +97,7 @@ Result<std::vector<ConfigurationFile>> missing_configuration_files(
     if (!is_there(file)) {
       out.push_back(std::move(wanted));
     } else if (wanted.name == kCycloneDdsFile && !dropin.empty()) {
-      DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMostDocumentOctets));
+      DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxDocumentOctets));
       const auto found = as_text(octets);
       if (without_libraries(found) != without_libraries(wanted.text))
         return fail(Code::would_overwrite,
@@ -133,7 +133,7 @@ std::string configuration_lines(std::string_view name, const fs::path& folder) {
 }
 
 bool leaves_libraries_open(const fs::path& folder) {
-  const auto octets = read_file(folder / kCycloneDdsFile, pki::kMostDocumentOctets);
+  const auto octets = read_file(folder / kCycloneDdsFile, pki::kMaxDocumentOctets);
   return octets && as_text(*octets).find("<Library path=\"dds_security_") != std::string_view::npos;
 }
 

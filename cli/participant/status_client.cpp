@@ -32,8 +32,8 @@ using std::chrono::steady_clock;
 
 // For all sockets of a folder together: its owner can put many into it that never answer.
 constexpr std::chrono::seconds kAnswerPatience{10};
-constexpr std::size_t kMostAnswerOctets = 2 * 1024 * 1024;
-constexpr std::size_t kMostOctetsOfAll = 32 * 1024 * 1024;
+constexpr std::size_t kMaxAnswerOctets = 2 * 1024 * 1024;
+constexpr std::size_t kMaxOctetsOfAll = 32 * 1024 * 1024;
 
 std::string errno_text(int error) { return std::generic_category().message(error); }
 
@@ -109,7 +109,7 @@ StatusFolder::StatusFolder(fs::path path, Descriptor folder, uid_t owner)
     : path_(std::move(path)),
       folder_(std::move(folder)),
       owner_(owner),
-      octets_left_(kMostOctetsOfAll) {}
+      octets_left_(kMaxOctetsOfAll) {}
 
 Result<StatusFolder> StatusFolder::open(const fs::path& path) {
   DDSSEC_ASSIGN_OR_RETURN(auto folder, open_guarded(path, O_RDONLY));
@@ -142,8 +142,8 @@ void StatusFolder::list() {
   again.release();
   while (const auto* entry = ::readdir(entries.get())) {
     const auto pid = pid_in(entry->d_name);
-    if (pid && sockets_.size() == kMostSockets) ++left_out_;
-    if (pid && sockets_.size() < kMostSockets) sockets_.push_back({*pid, entry->d_name});
+    if (pid && sockets_.size() == kMaxSockets) ++left_out_;
+    if (pid && sockets_.size() < kMaxSockets) sockets_.push_back({*pid, entry->d_name});
   }
   // ddssec-1.sock before ddssec-1-2.sock.
   std::ranges::sort(sockets_, {}, [](const Socket& one) {
@@ -196,7 +196,7 @@ Status StatusFolder::check_answering(const Socket& socket, int connection) const
 }
 
 Result<std::string> StatusFolder::read_all(const Socket& socket, int connection) {
-  const auto most = std::min(kMostAnswerOctets, octets_left_);
+  const auto most = std::min(kMaxAnswerOctets, octets_left_);
   std::string out;
   std::array<char, 16384> piece;
   while (true) {
@@ -216,8 +216,8 @@ Result<std::string> StatusFolder::read_all(const Socket& socket, int connection)
     if (out.size() <= most) continue;
     octets_left_ -= most;
     return cannot(socket, tool_code::status_unanswered,
-                  most < kMostAnswerOctets ? "the answers of this folder are too long together"
-                                           : "the answer is too long");
+                  most < kMaxAnswerOctets ? "the answers of this folder are too long together"
+                                          : "the answer is too long");
   }
 }
 

@@ -95,9 +95,9 @@ class StatusFolder {
   /// status_folder_untrusted, link_untrusted.
   static Result<StatusFolder> open(const std::filesystem::path& path);
 
-  static constexpr std::size_t kMostSockets = 1024;
+  static constexpr std::size_t kMaxSockets = 1024;
 
-  /// ddssec-PID.sock and ddssec-PID-2.sock to -8.sock, in order; at most kMostSockets.
+  /// ddssec-PID.sock and ddssec-PID-2.sock to -8.sock, in order; at most kMaxSockets.
   const std::vector<Socket>& sockets() const { return sockets_; }
   /// The number of sockets that the folder has besides.
   std::size_t left_out() const { return left_out_; }

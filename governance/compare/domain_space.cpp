@@ -6,7 +6,7 @@ namespace ddssec::governance {
 namespace {
 
 /// More than these tags and tag expressions are not compared.
-constexpr std::size_t kMostTags = 64;
+constexpr std::size_t kMaxTags = 64;
 
 }  // namespace
 
@@ -21,9 +21,9 @@ std::optional<DomainSpace> DomainSpace::of(const std::vector<const DomainSet*>& 
   std::ranges::sort(expressions);
   const auto repeated = std::ranges::unique(expressions);
   expressions.erase(repeated.begin(), repeated.end());
-  if (expressions.size() > kMostTags) return std::nullopt;
+  if (expressions.size() > kMaxTags) return std::nullopt;
   const bool has_tags = std::ranges::any_of(expressions, [](const auto& e) { return !e.empty(); });
-  auto tags = NameKinds::of(std::move(expressions), {.states = 20'000, .atoms = 4 * kMostTags});
+  auto tags = NameKinds::of(std::move(expressions), {.states = 20'000, .atoms = 4 * kMaxTags});
   if (!tags) return std::nullopt;
   DomainSpace out(*std::move(tags));
   out.cuts_ = cuts;

@@ -31,7 +31,7 @@ class Closure {
 
   void begin_with(Having first) { add(std::move(first)); }
 
-  /// False: there are more than kMostContexts, or more than the effort allows.
+  /// False: there are more than kMaxContexts, or more than the effort allows.
   bool run() {
     for (std::uint32_t i = 0; i < singles_.size() && may_go_on(); ++i) add({{i}, singles_[i]});
     for (std::size_t at = 0; at < all_.size() && may_go_on(); ++at) {
@@ -44,7 +44,7 @@ class Closure {
       }
     }
     const bool is_complete = may_go_on();
-    if (all_.size() > kMostContexts) all_.resize(kMostContexts);
+    if (all_.size() > kMaxContexts) all_.resize(kMaxContexts);
     return is_complete;
   }
   std::vector<Having> take() { return std::move(all_); }
@@ -54,7 +54,7 @@ class Closure {
     if (known_.insert(having.meets).second) all_.push_back(std::move(having));
   }
 
-  bool may_go_on() const { return is_paid_ && all_.size() <= kMostContexts; }
+  bool may_go_on() const { return is_paid_ && all_.size() <= kMaxContexts; }
 
   std::vector<Meets> singles_;
   SetEffort& effort_;
@@ -96,7 +96,7 @@ class ContextFinder {
       for (const auto& partitions : with_partitions) {
         const bool is_paid = effort_.take_plain_steps(elements_.size() + 1);
         if (is_paid) add(partitions, tags);
-        if (!is_paid || out_.contexts.size() > kMostContexts) {
+        if (!is_paid || out_.contexts.size() > kMaxContexts) {
           out_.is_exact = false;
           return std::move(out_);
         }

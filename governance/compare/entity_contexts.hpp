@@ -36,11 +36,11 @@ struct EntityContexts {
   /// The contexts; no two have the same elements. The default partition without data tags comes
   /// first.
   std::vector<EntityContext> contexts = {};
-  /// False: there are more than kMostContexts, and not all were found.
+  /// False: there are more than kMaxContexts, and not all were found.
   bool is_exact = true;
 };
 
-inline constexpr std::size_t kMostContexts = 2048;
+inline constexpr std::size_t kMaxContexts = 2048;
 
 /// Computes the contexts. An allow rule must list each of an entity's partitions and data tags, a
 /// deny rule any of them (DDS-Security 1.2, clause 10.4.1.5.3.4). Names of partitions are literal.

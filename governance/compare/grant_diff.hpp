@@ -58,7 +58,7 @@ struct GrantDiff {
   Direction direction = {};
   /// False: some rules that changed are not listed.
   bool is_complete = true;
-  /// False: there are more than kMostContexts kinds of endpoints; direction is unknown then.
+  /// False: there are more than kMaxContexts kinds of endpoints; direction is unknown then.
   bool is_exact = true;
 };
 

@@ -18,7 +18,7 @@ namespace ddssec::governance {
 namespace {
 
 /// Each may take some milliseconds.
-constexpr std::size_t kMostTried = 1'000;
+constexpr std::size_t kMaxTried = 1'000;
 
 /// The constructs of one document, and the line of each one's first occurrence.
 struct Constructs {
@@ -55,7 +55,7 @@ struct Constructs {
     for (const auto& note : all)
       if (note.kind != NoteKind::open_range)
         notes.try_emplace({note.text, note.path, note.value}, note.line);
-    has_all_notes = all.size() < kMostNotes;
+    has_all_notes = all.size() < kMaxNotes;
   }
 };
 
@@ -138,7 +138,7 @@ class Collector {
   }
   void add_expression(const std::string& text, int line, bool is_new) {
     if (!is_suspect(text)) return;
-    if (++tried_ > kMostTried) {
+    if (++tried_ > kMaxTried) {
       out_.is_complete = false;
       return;
     }
@@ -151,7 +151,7 @@ class Collector {
     return text.find_first_of("[]\\") != std::string::npos;
   }
   void put(Reading reading) {
-    if (out_.all.size() < kMostReadings)
+    if (out_.all.size() < kMaxReadings)
       out_.all.push_back(std::move(reading));
     else
       out_.is_complete = false;

@@ -25,11 +25,11 @@ struct Reading {
 struct Readings {
   /// The readings of the new document first, each side by line.
   std::vector<Reading> all = {};
-  /// False: there are more than kMostReadings, or more expressions than could be tried.
+  /// False: there are more than kMaxReadings, or more expressions than could be tried.
   bool is_complete = true;
 };
 
-inline constexpr std::size_t kMostReadings = 100;
+inline constexpr std::size_t kMaxReadings = 100;
 
 /// Finds expressions of topics and partitions that match other names with Cyclone DDS or Fast DDS,
 /// and the readers' notes except those about open ranges. An expression that occurs in both

@@ -35,7 +35,7 @@ std::string domains_of(const DomainScope& scope) {
 }
 
 void put(Readings& readings, Reading reading) {
-  if (readings.all.size() < kMostReadings)
+  if (readings.all.size() < kMaxReadings)
     readings.all.push_back(std::move(reading));
   else
     readings.is_complete = false;

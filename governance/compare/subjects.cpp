@@ -13,9 +13,9 @@ namespace ddssec::governance {
 namespace {
 
 /// Steps of trying a set of grants on a kind of values; beyond that the answer is not exact.
-constexpr std::size_t kMostSteps = 20'000'000;
+constexpr std::size_t kMaxSteps = 20'000'000;
 /// More grants of one shape are not tried.
-constexpr std::size_t kMostForms = 4'000;
+constexpr std::size_t kMaxForms = 4'000;
 
 /// What one text between slashes must match; as only a slash matches a slash (FNM_PATHNAME), the
 /// texts of a value are independent of each other.
@@ -80,7 +80,7 @@ class ShapeSearch {
 
   /// Nothing if there are too many.
   std::optional<std::set<Alive>> run(std::size_t& steps) {
-    if (forms_.size() > kMostForms) return std::nullopt;
+    if (forms_.size() > kMaxForms) return std::nullopt;
     Alive all(forms_.size());
     for (std::uint32_t i = 0; i < forms_.size(); ++i) all[i] = i;
     std::set<Alive> alive = {all};
@@ -91,7 +91,7 @@ class ShapeSearch {
       for (const auto& before : alive) {
         for (const auto& kind : *kinds) {
           steps += before.size() + 1;
-          if (steps > kMostSteps) return std::nullopt;
+          if (steps > kMaxSteps) return std::nullopt;
           Alive both;
           std::ranges::set_intersection(before, kind, std::back_inserter(both));
           if (!both.empty()) next.insert(std::move(both));

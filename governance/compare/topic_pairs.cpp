@@ -13,7 +13,7 @@ namespace {
 /// takes the time that is left.
 constexpr SetLimits kForEachRule = {.states = 50'000, .steps = 50'000'000, .memory = 12'000'000};
 /// As many rules are proved dead one by one.
-constexpr std::size_t kMostProofs = 64;
+constexpr std::size_t kMaxProofs = 64;
 constexpr SetLimits kForOneProof = {.states = 20'000, .steps = 5'000'000};
 
 void add_each_rule(std::vector<RankedExpression>& to, const RuleList& rules, std::uint32_t list) {
@@ -116,7 +116,7 @@ std::optional<TopicPairs> pairs_of_same_rules(const RuleList& old_list, const Ru
     auto name = example_of(Pattern(item.expression), "");
     if (name && pairs.add(std::move(*name)) != item.rule) unproved.push_back(i);
   }
-  if (unproved.size() > kMostProofs || !pairs.is_complete()) return std::nullopt;
+  if (unproved.size() > kMaxProofs || !pairs.is_complete()) return std::nullopt;
   std::vector<std::string_view> earlier;
   for (const auto& item : old_list.items) earlier.push_back(item.expression);
   for (const auto i : unproved) {

@@ -10,8 +10,8 @@ using Rule = std::optional<std::uint32_t>;
 /// Which of two expressions matches less is found out within these.
 constexpr SetLimits kLimits = {.states = 2'000, .steps = 1'000'000};
 /// More earlier rules than these are not looked at for exceptions, and more are not named.
-constexpr std::size_t kMostEarlier = 64;
-constexpr std::size_t kMostExceptions = 3;
+constexpr std::size_t kMaxEarlier = 64;
+constexpr std::size_t kMaxExceptions = 3;
 
 SetLimits limits_with(SetEffort* effort) {
   auto limits = kLimits;
@@ -73,17 +73,17 @@ class Narrator {
     std::size_t looked_at = 0;
     for (const auto& item : list.items) {
       if (rule && item.rule >= *rule) return;
-      if (++looked_at > kMostEarlier || out.more_exceptions) break;
+      if (++looked_at > kMaxEarlier || out.more_exceptions) break;
       if (item.expression == out.expression || item.expression == out.also) continue;
       if (std::ranges::find(out.except, item.expression) != out.except.end()) continue;
       if (!meets(item.expression, out.expression, effort_)) continue;
       if (!out.also.empty() && !meets(item.expression, out.also, effort_)) continue;
-      if (out.except.size() < kMostExceptions)
+      if (out.except.size() < kMaxExceptions)
         out.except.emplace_back(item.expression);
       else
         out.more_exceptions = true;
     }
-    out.more_exceptions = out.more_exceptions || looked_at > kMostEarlier;
+    out.more_exceptions = out.more_exceptions || looked_at > kMaxEarlier;
   }
 
   const RuleList& old_;

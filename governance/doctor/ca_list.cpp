@@ -33,7 +33,7 @@ std::vector<fs::path> places(const pki::ParticipantFolder& folder) {
 std::vector<pki::Crl> lists_in(const fs::path& file) {
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) return {};
-  const auto octets = pki::load("file://" + file.string(), file.string(), pki::kMostDocumentOctets);
+  const auto octets = pki::load("file://" + file.string(), file.string(), pki::kMaxDocumentOctets);
   if (!octets) return {};
   auto lists = pki::Crl::all_from(*octets);
   return lists ? *std::move(lists) : std::vector<pki::Crl>();

@@ -370,7 +370,7 @@ void check_plain_text(const Subject& subject, Diagnosis& out) {
   auto plain = fs::canonical(subject.path, failed).replace_extension("xml");
   if (failed || !fs::is_regular_file(plain, failed)) return;
   const auto octets =
-      pki::load("file://" + plain.string(), plain.string(), pki::kMostDocumentOctets);
+      pki::load("file://" + plain.string(), plain.string(), pki::kMaxDocumentOctets);
   if (!octets || without_revision(plain_lines(*octets)) ==
                      without_revision(plain_lines(subject.form.unverified_text)))
     return;
@@ -397,7 +397,7 @@ void check_one(const LoadedFolder& folder, const Subject& subject, Diagnosis& ou
 
 void check_size_for_fastdds(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   const auto size = handshake_octets(folder);
-  if (size <= kMostFastDdsHandshakeOctets) return out.pass(Rule::DOC110);
+  if (size <= kMaxFastDdsHandshakeOctets) return out.pass(Rule::DOC110);
   out.report(
       {.fastdds = Outcome::late},
       {.rule = Rule::DOC110,
@@ -405,7 +405,7 @@ void check_size_for_fastdds(const LoadedFolder& folder, const Settings& settings
            "the signed permissions have {} octets, with the certificate {}: participants of {} do "
            "not authenticate one for which these are more than about {} octets",
            folder.permissions.file.size(), size, name(Vendor::fastdds, settings.lineup),
-           kMostFastDdsHandshakeOctets),
+           kMaxFastDdsHandshakeOctets),
        .document = folder.paths.permissions});
 }
 
@@ -422,7 +422,7 @@ void check_documents(const LoadedFolder& folder, const Settings& settings, Diagn
             out);
   const auto size = folder.permissions.file.size();
   check_size_for_fastdds(folder, settings, out);
-  if (size <= pki::kMostSentPermissionsOctets) return;
+  if (size <= pki::kMaxSentPermissionsOctets) return;
   auto finding = too_long_for_peers(size);
   finding.document = folder.paths.permissions;
   out.report({.ours = Outcome::fail}, std::move(finding));

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // The most files of a folder that are looked at for keys of a CA.
-constexpr int kMostFiles = 64;
+constexpr int kMaxFiles = 64;
 
 // The reason why `path` does not exist: it may be a dangling link.
 std::string absence(const fs::path& path) {
@@ -186,7 +186,7 @@ void check_strangers(const LoadedFolder& folder, Diagnosis& out) {
   std::error_code error;
   int seen = 0;
   for (const auto& entry : fs::directory_iterator(folder.paths.folder, error)) {
-    if (++seen > kMostFiles) break;
+    if (++seen > kMaxFiles) break;
     const auto& path = entry.path();
     const bool may_be_key = path.extension() == ".pem" || path.extension() == ".key";
     if (!may_be_key || path == folder.paths.key || !entry.is_regular_file(error)) continue;
@@ -274,7 +274,7 @@ bool has_same_octets(const fs::path& one, const fs::path& other) {
   std::error_code ignored;
   if (fs::equivalent(one, other, ignored)) return true;
   const auto load = [](const fs::path& path) {
-    return ddssec::load("file://" + path.string(), "", pki::kMostDocumentOctets);
+    return ddssec::load("file://" + path.string(), "", pki::kMaxDocumentOctets);
   };
   const auto a = load(one), b = load(other);
   return a && b && *a == *b;

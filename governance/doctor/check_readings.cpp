@@ -123,7 +123,7 @@ class Rights {
   }
 
  private:
-  static constexpr std::size_t kMostSamples = 200;
+  static constexpr std::size_t kMaxSamples = 200;
 
   // One name for each way in which both read the expressions; of topics also for each topic_rule,
   // which may leave them open.
@@ -139,8 +139,8 @@ class Rights {
     std::vector<std::string> out;
     const auto found = find_name_atoms(all);
     for (const auto& atom : found.atoms)
-      if (is_name(atom) && out.size() < kMostSamples) out.push_back(atom.witness);
-    is_complete_ = is_complete_ && found.is_complete && out.size() < kMostSamples;
+      if (is_name(atom) && out.size() < kMaxSamples) out.push_back(atom.witness);
+    is_complete_ = is_complete_ && found.is_complete && out.size() < kMaxSamples;
     return out;
   }
 

@@ -59,13 +59,13 @@ std::vector<Candidate> candidates(const Permissions& permissions,
 
 // The grant whose subject is written most like the certificate's.
 const Grant* nearest(const Permissions& permissions, const std::string& subject) {
-  constexpr std::size_t kMostCompared = 1000, kMostOctets = 256;
+  constexpr std::size_t kMaxCompared = 1000, kMaxOctets = 256;
   const Grant* best = nullptr;
   auto least = std::numeric_limits<std::size_t>::max();
-  for (std::size_t i = 0; i < std::min(permissions.grants.size(), kMostCompared); ++i) {
+  for (std::size_t i = 0; i < std::min(permissions.grants.size(), kMaxCompared); ++i) {
     const auto& grant = permissions.grants[i];
     const auto distance =
-        edit_distance(grant.subject_name.substr(0, kMostOctets), subject.substr(0, kMostOctets));
+        edit_distance(grant.subject_name.substr(0, kMaxOctets), subject.substr(0, kMaxOctets));
     if (distance < least) best = &grant, least = distance;
   }
   return best;

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostOctets = 1024 * 1024;
+constexpr std::size_t kMaxOctets = 1024 * 1024;
 constexpr std::string_view kVariable = "CYCLONEDDS_URI";
 constexpr std::string_view kBlanks = " \t\r\n";
 constexpr std::string_view kAfterName = " \t\r\n/>";
@@ -63,7 +63,7 @@ std::optional<std::string> cyclonedds_configuration(std::string_view uri) {
   while (const auto name = next_name(uri)) {
     if (name->starts_with('<')) return out.append(*name);
     if (is_folder(*name)) continue;
-    const auto octets = load_or_empty(with_scheme(*name), kVariable, kMostOctets);
+    const auto octets = load_or_empty(with_scheme(*name), kVariable, kMaxOctets);
     if (!octets) return std::nullopt;
     out.append(octets->begin(), octets->end()).push_back('\n');
   }

@@ -9,7 +9,7 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-constexpr std::size_t kMostShown = 64;
+constexpr std::size_t kMaxShown = 64;
 
 }  // namespace
 
@@ -20,7 +20,7 @@ std::string domain_tag_setting(std::string_view configuration) {
   for (const auto word : values_within(lower, "discovery", "tag"))
     if (!word.empty() && word != "default")
       return text.substr(static_cast<std::size_t>(word.data() - lower.data()),
-                         std::min(word.size(), kMostShown));
+                         std::min(word.size(), kMaxShown));
   return {};
 }
 

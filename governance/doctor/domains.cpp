@@ -9,7 +9,7 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-constexpr std::size_t kMostCharacters = 128;
+constexpr std::size_t kMaxCharacters = 128;
 
 Domains intersection(const Domains& a, const Domains& b) {
   Domains out;
@@ -127,7 +127,7 @@ bool contains(const Domains& domains, DomainId id) {
 std::string in_words(const Domains& domains) {
   std::string out;
   for (const auto& range : domains) {
-    if (out.size() > kMostCharacters) return out + ", ...";
+    if (out.size() > kMaxCharacters) return out + ", ...";
     out += out.empty() ? "" : ", ";
     out += range.first == range.last ? std::to_string(range.first)
                                      : fmt::format("{}-{}", range.first, range.last);

@@ -12,9 +12,9 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-constexpr std::size_t kMostDoubts = 10;
-constexpr int kMostDomain = 232;
-constexpr int kMostNumber = 2147483647;
+constexpr std::size_t kMaxDoubts = 10;
+constexpr int kMaxDomain = 232;
+constexpr int kMaxNumber = 2147483647;
 
 /// What an element holds.
 enum class Form : std::uint8_t {
@@ -99,15 +99,15 @@ bool has_form(std::string_view text, const Element& element) {
     case Form::boolean:
       return text == "true" || text == "false";
     case Form::number:
-      return is_number(text, kMostNumber);
+      return is_number(text, kMaxNumber);
     case Form::octet:
       return is_number(text, 255);
     case Form::port:
       return is_number(text, 65535);
     case Form::domain:
-      return is_number(text, kMostDomain);
+      return is_number(text, kMaxDomain);
     case Form::seconds:
-      return text == "DURATION_INFINITY" || is_number(text, kMostNumber);
+      return text == "DURATION_INFINITY" || is_number(text, kMaxNumber);
     case Form::address:
       return is_address(text);
     default:
@@ -133,7 +133,7 @@ class Forms {
 
  private:
   void doubt(XmlElement at, std::string what) {
-    if (doubts_.size() < kMostDoubts) doubts_.push_back({std::move(what), at.line()});
+    if (doubts_.size() < kMaxDoubts) doubts_.push_back({std::move(what), at.line()});
   }
 
   XmlElement only_profiles(XmlElement root) {

@@ -35,7 +35,7 @@ class Cleaner {
 
  private:
   /// Each moves the rest of the text.
-  static constexpr std::size_t kMostJoined = 1000;
+  static constexpr std::size_t kMaxJoined = 1000;
 
   std::size_t behind(std::size_t from, std::string_view end) const {
     const auto found = text_.find(end, from);
@@ -135,7 +135,7 @@ class Cleaner {
     const auto dashes = text_.find("--", at + kStart);
     if (dashes < end && dashes + 3 < end) blank(at, end, Variant::governance_comment_dashes);
     const bool is_ended = text_.find("-->", at + kStart) != text_.npos;
-    if (!is_ended || !is_in_value(at, end) || ++joined_ > kMostJoined) return at;
+    if (!is_ended || !is_in_value(at, end) || ++joined_ > kMaxJoined) return at;
     join(at, end, {});
     return at == 0 ? 0 : at - 1;
   }
@@ -143,7 +143,7 @@ class Cleaner {
   std::size_t cdata(std::size_t at) {
     constexpr std::size_t kStart = 9, kEnd = 3;
     const auto end = behind(at + kStart, "]]>");
-    if (end == text_.size() || !is_in_value(at, end) || ++joined_ > kMostJoined) return end - 1;
+    if (end == text_.size() || !is_in_value(at, end) || ++joined_ > kMaxJoined) return end - 1;
     const auto inside = text_.substr(at + kStart, end - kEnd - at - kStart);
     if (inside.find_first_of("<&") != inside.npos) return end - 1;
     join(at, end, inside);

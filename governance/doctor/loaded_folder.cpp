@@ -43,7 +43,7 @@ using pki::is_there;
 
 Result<std::vector<pki::Crl>> load_crls(const fs::path& path) {
   if (!is_there(path)) return std::vector<pki::Crl>();
-  auto lists = load_with(path, pki::kMostDocumentOctets, &pki::Crl::all_from);
+  auto lists = load_with(path, pki::kMaxDocumentOctets, &pki::Crl::all_from);
   if (lists && lists->empty()) return fail(Code::crl_file_empty, {.document = path.string()});
   return lists;
 }
@@ -52,13 +52,13 @@ Result<std::vector<pki::Crl>> load_crls(const fs::path& path) {
 std::vector<pki::Crl> load_with_deltas(const fs::path& path,
                                        const Result<std::vector<pki::Crl>>& crls, bool is_der) {
   if (crls || crls.error().code() != Code::crl_is_delta || is_der) return {};
-  return load_with(path, pki::kMostDocumentOctets, &pki::Crl::all_with_deltas_from)
+  return load_with(path, pki::kMaxDocumentOctets, &pki::Crl::all_with_deltas_from)
       .value_or(std::vector<pki::Crl>());
 }
 
 // All of DER that is a list begins with a SEQUENCE.
 bool begins_like_der(const fs::path& path) {
-  const auto octets = ddssec::load(uri(path), "", pki::kMostDocumentOctets);
+  const auto octets = ddssec::load(uri(path), "", pki::kMaxDocumentOctets);
   return octets && octets->front() == 0x30;
 }
 
@@ -76,7 +76,7 @@ template <class Model>
 LoadedDocument<Model> load_document(const fs::path& path, const Trust& trust,
                                     Result<Model> (*read)(BytesView, int), WallTime now) {
   LoadedDocument<Model> out;
-  auto file = pki::load(uri(path), path.string(), pki::kMostDocumentOctets);
+  auto file = pki::load(uri(path), path.string(), pki::kMaxDocumentOctets);
   if (!file) {
     out.readable = about(file.error(), path);
     out.parsed = out.readable;
@@ -110,7 +110,7 @@ Status believes(Vendor judge, BytesView file, const Certificates& cas, BytesView
                 WallTime now) {
   if (!cas && cas.error().code() == Code::key_not_allowed && judge != Vendor::ours)
     return pki::stock_products_believe(
-        file, ca_file, judge == Vendor::cyclonedds ? 1 : pki::kMostCertificatesInBundle, now);
+        file, ca_file, judge == Vendor::cyclonedds ? 1 : pki::kMaxCertificatesInBundle, now);
   if (!cas) return std::unexpected(cas.error());
   if (judge == Vendor::cyclonedds) return pki::stock_products_believe(file, {cas->front()}, now);
   if (judge == Vendor::fastdds) return pki::stock_products_believe(file, *cas, now);
@@ -140,11 +140,10 @@ Result<pki::ChainVerifier> LoadedFolder::chain(Vendor judge) const {
 
 LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now) {
   const auto bundle = [](const fs::path& path) {
-    return load_with(path, pki::kMostBundleOctets, &pki::Certificate::bundle_from_pem);
+    return load_with(path, pki::kMaxBundleOctets, &pki::Certificate::bundle_from_pem);
   };
-  Trust trust{
-      bundle(paths.permissions_ca),
-      ddssec::load(uri(paths.permissions_ca), "", pki::kMostBundleOctets).value_or(Bytes())};
+  Trust trust{bundle(paths.permissions_ca),
+              ddssec::load(uri(paths.permissions_ca), "", pki::kMaxBundleOctets).value_or(Bytes())};
   auto governance = load_document(paths.governance, trust, &read_governance, now);
   auto permissions = load_document(paths.permissions, trust, &read_permissions, now);
   auto crls = load_crls(paths.crl);
@@ -152,8 +151,8 @@ LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now) {
   auto crls_with_deltas = load_with_deltas(paths.crl, crls, is_crl_der);
   return {.paths = paths,
           .identity_cas = bundle(paths.identity_ca),
-          .certificate = load_with(paths.certificate, pki::kMostCertificateOctets,
-                                   &pki::Certificate::from_pem),
+          .certificate =
+              load_with(paths.certificate, pki::kMaxCertificateOctets, &pki::Certificate::from_pem),
           .key = load_key(paths.key),
           .permissions_cas = std::move(trust.cas),
           .permissions_ca_file = std::move(trust.file),

@@ -113,15 +113,15 @@ bool reads_remote_subject(const Grant& grant, const pki::Certificate& certificat
 Status judge_permissions_of(const Party& judge, const Party& subject, WallTime now) {
   const auto& document = subject.folder.permissions;
   if (!document.readable) return document.readable;
-  if (judge.vendor == Vendor::ours && document.file.size() > pki::kMostSentPermissionsOctets)
+  if (judge.vendor == Vendor::ours && document.file.size() > pki::kMaxSentPermissionsOctets)
     return fail(Code::permissions_too_large,
-                {.expected = fmt::format("at most {} octets", pki::kMostSentPermissionsOctets),
+                {.expected = fmt::format("at most {} octets", pki::kMaxSentPermissionsOctets),
                  .found = fmt::format("{} octets", document.file.size())});
   const bool is_fastdds = judge.vendor == Vendor::fastdds && subject.vendor == Vendor::fastdds;
-  if (is_fastdds && handshake_octets(subject.folder) > kMostFastDdsHandshakeOctets)
+  if (is_fastdds && handshake_octets(subject.folder) > kMaxFastDdsHandshakeOctets)
     return fail(Code::permissions_too_large,
                 {.expected = fmt::format("at most {} octets with the certificate",
-                                         kMostFastDdsHandshakeOctets),
+                                         kMaxFastDdsHandshakeOctets),
                  .found = fmt::format("{} octets", handshake_octets(subject.folder)),
                  .note = "Fast DDS does not authenticate a Fast DDS participant with more"});
   DDSSEC_RETURN_IF_ERROR(believes(judge.vendor, document.file, judge.folder.permissions_cas,
@@ -375,14 +375,14 @@ std::string_view verb(Action action) {
 // A name that one side has, and the other one almost: a typo of either. Of the names of one side in
 // one direction at most 100 are compared.
 std::string near_miss(const MeetingScene& scene, int names, Action action) {
-  constexpr std::size_t kMostNames = 100;
+  constexpr std::size_t kMaxNames = 100;
   const int other = 1 - names;
   const auto theirs = action == Action::publish ? Action::subscribe : Action::publish;
   std::size_t count = 0;
   for (const auto* criteria : scene.grants[names]->allowed(action))
     for (const auto& topic : criteria->topics) {
       if (!Pattern(topic.text).is_literal()) continue;
-      if (++count > kMostNames) return {};
+      if (++count > kMaxNames) return {};
       const auto near = advice_on_name(*scene.grants[other], theirs, topic.text).because;
       if (!near.empty())
         return fmt::format("; {} may {} \"{}\", and of {} to {} {}: is one of them misspelt?",

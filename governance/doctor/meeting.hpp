@@ -98,7 +98,7 @@ struct Meeting {
 };
 
 /// The largest number of topics that are checked if none are named.
-inline constexpr std::size_t kMostTopics = 256;
+inline constexpr std::size_t kMaxTopics = 256;
 
 /// Predicts for both in the domain. If `topics` is empty, it checks the topic names in both
 /// documents, and one example for each other way in which their expressions match, if one of the

@@ -453,11 +453,11 @@ std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene) {
   scene.out.topics_complete = found.is_complete;
   std::vector<TopicOfInterest> out;
   // If the search was stopped early there may be many, most of them useless.
-  constexpr std::size_t kMostOfMany = 2'000;
-  const auto most = found.is_complete ? found.atoms.size() : kMostOfMany;
+  constexpr std::size_t kMaxOfMany = 2'000;
+  const auto most = found.is_complete ? found.atoms.size() : kMaxOfMany;
   for (const auto& atom : found.atoms | std::views::take(most)) {
     if (!anybody_may(scene, atom.witness)) continue;
-    if (out.size() == kMostTopics) {
+    if (out.size() == kMaxTopics) {
       scene.out.topics_complete = false;
       break;
     }

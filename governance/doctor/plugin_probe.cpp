@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostMilliseconds = 5000;
-constexpr std::size_t kMostDetail = 1024;
+constexpr int kMaxMilliseconds = 5000;
+constexpr std::size_t kMaxDetail = 1024;
 
 /// The output of a child process before it ends; its first octet is the result.
 std::string ask_child(void (*work)(int, const std::string&, const std::string&),
@@ -32,8 +32,8 @@ std::string ask_child(void (*work)(int, const std::string&, const std::string&),
   ::close(ends[1]);
   std::string out;
   pollfd readable{.fd = ends[0], .events = POLLIN, .revents = 0};
-  std::array<char, kMostDetail> block{};
-  if (child > 0 && ::poll(&readable, 1, kMostMilliseconds) == 1) {
+  std::array<char, kMaxDetail> block{};
+  if (child > 0 && ::poll(&readable, 1, kMaxMilliseconds) == 1) {
     const auto size = ::read(ends[0], block.data(), block.size());
     if (size > 0) out.assign(block.data(), static_cast<std::size_t>(size));
   }
@@ -46,7 +46,7 @@ std::string ask_child(void (*work)(int, const std::string&, const std::string&),
 }
 
 void say(int to, char result, std::string_view detail) {
-  const auto text = fmt::format("{}{}", result, detail.substr(0, kMostDetail - 1));
+  const auto text = fmt::format("{}{}", result, detail.substr(0, kMaxDetail - 1));
   // A failure could not be reported; the parent treats missing output as failure.
   [[maybe_unused]] const auto written = ::write(to, text.data(), text.size());
 }

@@ -26,11 +26,11 @@ std::string to_string(Version version) {
 }
 
 std::optional<Version> version_from(std::string_view text) {
-  constexpr int kMost = 9999;
+  constexpr int kMax = 9999;
   Version out;
   for (int* const part : {&out.major, &out.minor, &out.patch}) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *part);
-    if (error != std::errc() || text.starts_with('-') || *part > kMost) return std::nullopt;
+    if (error != std::errc() || text.starts_with('-') || *part > kMax) return std::nullopt;
     text.remove_prefix(static_cast<std::size_t>(end - text.data()));
     if (text.empty()) return out;
     if (!text.starts_with('.')) return std::nullopt;

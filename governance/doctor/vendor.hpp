@@ -65,7 +65,7 @@ constexpr ProfilePlaces profile_places(Version fastdds) {
 /// The octets of certificate and signed permissions, which one handshake message holds, with which
 /// Fast DDS is known to authenticate another Fast DDS participant. Measured with 2.9.1: it does
 /// with 63,705 octets, and does not with 63,764. What else is in the message varies a little.
-inline constexpr std::size_t kMostFastDdsHandshakeOctets = 63'000;
+inline constexpr std::size_t kMaxFastDdsHandshakeOctets = 63'000;
 
 /// The label of a column: the id, or "ddssec" for `ours`, whose id is part of the JSON contract.
 std::string label(Vendor vendor, const Lineup& lineup = {});

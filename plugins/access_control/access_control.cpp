@@ -30,7 +30,7 @@ class Plugin final : public spi::AccessControl {
       : environment_(environment),
         options_(std::move(options)),
         judgement_(environment_.clock, options_.accept_relays),
-        documents_(options_.partition_match, kMostCachedDocuments, kMostCachedOctets),
+        documents_(options_.partition_match, kMaxCachedDocuments, kMaxCachedOctets),
         handles_(options_.most_handles) {}
 
   Result<PermissionsHandle> validate_local_permissions(spi::IdentityHandle identity,

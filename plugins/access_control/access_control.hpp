@@ -38,8 +38,8 @@ struct Options {
 };
 
 /// How many judged documents, and octets of them, are kept for peers to come.
-inline constexpr std::size_t kMostCachedDocuments = 256;
-inline constexpr std::size_t kMostCachedOctets = 64 * 1024 * 1024;
+inline constexpr std::size_t kMaxCachedDocuments = 256;
+inline constexpr std::size_t kMaxCachedOctets = 64 * 1024 * 1024;
 /// A plugin without any participant yet; `environment` outlives it. Each local participant's own
 /// documents govern what it does and which peers it trusts.
 std::unique_ptr<spi::AccessControl> make_access_control(const Environment& environment,

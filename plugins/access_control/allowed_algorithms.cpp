@@ -13,7 +13,7 @@ using governance::AllowedAlgorithms;
 using List = std::vector<governance::Text>;
 
 /// The longest chain to follow, longer than any chain that is verified.
-constexpr int kMostAuthorities = 16;
+constexpr int kMaxAuthorities = 16;
 
 /// The names that allow a key: those of DDS-Security 1.2, clause 8.2 first, then those of 1.1.
 std::vector<std::string> names_of(pki::KeyAlgorithm key) {
@@ -86,7 +86,7 @@ Status check_identity(const AllowedAlgorithms& allowed, const pki::Certificate& 
   DDSSEC_RETURN_IF_ERROR(check_key(Code::identity_algorithm_not_allowed, allowed.digital_signature,
                                    allowed.line, "<digital_signature>", certificate));
   const auto* below = &certificate;
-  for (int i = 0; i < kMostAuthorities; ++i) {
+  for (int i = 0; i < kMaxAuthorities; ++i) {
     const auto issuer = std::ranges::find_if(
         authorities, [&](const auto& authority) { return below->is_issued_by(authority); });
     if (issuer == authorities.end()) {

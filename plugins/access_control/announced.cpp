@@ -101,7 +101,7 @@ std::size_t AnnouncedEndpoints::Announced::octets() const {
 }
 
 void AnnouncedEndpoints::note(Action action, const spi::EndpointRequest& request) {
-  if (octets_of(request) > kMostOctets) return;
+  if (octets_of(request) > kMaxOctets) return;
   std::list<One> fresh;
   fresh.push_back(std::make_shared<const Announced>(action, request));
   const std::lock_guard lock(mutex_);
@@ -113,7 +113,7 @@ void AnnouncedEndpoints::note(Action action, const spi::EndpointRequest& request
   }
   newest_first_.splice(newest_first_.begin(), fresh);
   octets_ += newest_first_.front()->octets();
-  while (newest_first_.size() > kMost || (newest_first_.size() > 1 && octets_ > kMaxMemory)) {
+  while (newest_first_.size() > kMax || (newest_first_.size() > 1 && octets_ > kMaxMemory)) {
     octets_ -= newest_first_.back()->octets();
     newest_first_.pop_back();
   }

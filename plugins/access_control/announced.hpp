@@ -55,9 +55,9 @@ class PartitionNames {
 /// second question directly follows the first. Thread-safe.
 class AnnouncedEndpoints {
  public:
-  static constexpr std::size_t kMost = 32;
+  static constexpr std::size_t kMax = 32;
   /// Octets of one announcement; a larger one is not remembered.
-  static constexpr std::size_t kMostOctets = 4096;
+  static constexpr std::size_t kMaxOctets = 4096;
   /// Octets of memory for all entries; the newest entry always stays.
   static constexpr std::size_t kMaxMemory = 256 * 1024;
 

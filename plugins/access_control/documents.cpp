@@ -13,7 +13,7 @@ namespace ddssec::access_control {
 Result<std::shared_ptr<const PermissionsCa>> PermissionsCa::load(const std::string& uri) {
   DDSSEC_ASSIGN_OR_RETURN(
       const auto file,
-      pki::load_certificates(uri, spi::property::kPermissionsCa, pki::kMostBundleOctets));
+      pki::load_certificates(uri, spi::property::kPermissionsCa, pki::kMaxBundleOctets));
   DDSSEC_ASSIGN_OR_RETURN(auto bundle, pki::Certificate::bundle_from_pem(file));
   return of(std::move(bundle));
 }
@@ -69,7 +69,7 @@ Grant PermissionsDocument::compiled(const governance::Grant& grant, DomainId dom
                                     const std::string& tag) {
   const std::lock_guard lock(mutex_);
   const std::tuple key(&grant, domain, tag);
-  if (compiled_.size() >= kMostCompiled && !compiled_.contains(key)) compiled_.clear();
+  if (compiled_.size() >= kMaxCompiled && !compiled_.contains(key)) compiled_.clear();
   auto& out = compiled_[key];
   if (!out)
     out = std::make_shared<const governance::CompiledGrant>(permissions_, grant, domain,
@@ -114,10 +114,10 @@ void DocumentCache::add_form(const Sha256Digest& text, const Sha256Digest& form)
   const auto known = by_text_.find(text);
   if (known == by_text_.end() || by_form_.contains(form)) return;
   auto& forms = known->second->forms;
-  forms.reserve(kMostForms + 1);
+  forms.reserve(kMaxForms + 1);
   by_form_[form] = known->second;
   forms.push_back(form);
-  if (forms.size() <= kMostForms) return;
+  if (forms.size() <= kMaxForms) return;
   by_form_.erase(forms.front());
   forms.erase(forms.begin());
 }

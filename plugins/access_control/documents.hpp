@@ -66,7 +66,7 @@ class PermissionsDocument {
 
  private:
   /// The number of compiled grants that are stored; with more subjects, grants are compiled again.
-  static constexpr std::size_t kMostCompiled = 64;
+  static constexpr std::size_t kMaxCompiled = 64;
 
   Grant compiled(const governance::Grant& grant, DomainId domain, const std::string& tag);
 
@@ -101,7 +101,7 @@ class DocumentCache {
   std::size_t size() const;
 
  private:
-  static constexpr std::size_t kMostForms = 4;
+  static constexpr std::size_t kMaxForms = 4;
   struct Entry {
     Sha256Digest text;  ///< with CA and signer
     std::size_t octets;

@@ -6,7 +6,7 @@ namespace ddssec::access_control {
 namespace {
 
 /// Subjects that are remembered; a host has fewer peers.
-constexpr std::size_t kMostSubjects = 4096;
+constexpr std::size_t kMaxSubjects = 4096;
 
 bool say_the_same(const governance::Criteria& a, const governance::Criteria& b) {
   return a.topics == b.topics && a.partitions == b.partitions && a.data_tags == b.data_tags;
@@ -52,7 +52,7 @@ ListedPermissions::Documents ListedPermissions::documents_for(const Presented& p
   std::ranges::copy_if(documents_, std::back_inserter(out), [&](const auto& document) {
     return document->has_grant_for(presented.subject);
   });
-  if (of_subject_.size() >= kMostSubjects) of_subject_.clear();
+  if (of_subject_.size() >= kMaxSubjects) of_subject_.clear();
   of_subject_.emplace(presented.shown, out);
   return out;
 }

@@ -70,7 +70,7 @@ auto certificates_of(const spi::PropertyList& properties, std::string_view prope
 
 Result<pki::Certificate> local_certificate(const spi::PropertyList& properties) {
   return certificates_of(properties, spi::property::kIdentityCertificate,
-                         pki::kMostCertificateOctets, pki::Certificate::from_pem);
+                         pki::kMaxCertificateOctets, pki::Certificate::from_pem);
 }
 
 /// Ours are refused here and not in authentication, which hosts ask before there is a governance.
@@ -80,12 +80,12 @@ Status check_own_algorithms(Basis& basis, const pki::Certificate& certificate,
   if (allowed == nullptr) return {};
   DDSSEC_ASSIGN_OR_RETURN(
       basis.identity_authorities,
-      certificates_of(properties, spi::property::kIdentityCa, pki::kMostBundleOctets,
+      certificates_of(properties, spi::property::kIdentityCa, pki::kMaxBundleOctets,
                       pki::Certificate::bundle_from_pem));
   DDSSEC_RETURN_IF_ERROR(check_identity(*allowed, certificate, basis.identity_authorities));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto signers,
-      certificates_of(properties, spi::property::kPermissionsCa, pki::kMostBundleOctets,
+      certificates_of(properties, spi::property::kPermissionsCa, pki::kMaxBundleOctets,
                       pki::Certificate::bundle_from_pem));
   for (const auto& signer : signers) DDSSEC_RETURN_IF_ERROR(check_authority(*allowed, signer));
   return {};
@@ -130,11 +130,11 @@ bool is_compatible_class(std::string_view class_id) {
 
 /// The handshake sends the document, and takes no longer one. Said here, where the file is known.
 Status check_own_size(const DocumentPlaces& places, BytesView file) {
-  if (file.size() <= pki::kMostSentPermissionsOctets) return {};
+  if (file.size() <= pki::kMaxSentPermissionsOctets) return {};
   return fail(Code::file_too_large,
               {.document = places.permissions_name,
                .expected = fmt::format("at most {} octets, since peers are sent it",
-                                       pki::kMostSentPermissionsOctets),
+                                       pki::kMaxSentPermissionsOctets),
                .found = fmt::format("{}", file.size()),
                .hint = "give each participant a document with its own grant only, and cover topics "
                        "with expressions such as Sensor*"});
@@ -172,13 +172,13 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   auto own = std::make_unique<OwnDocuments>(places, context.options, interval);
   DDSSEC_ASSIGN_OR_RETURN(
       auto governance_file,
-      pki::load(places.governance, spi::property::kGovernance, pki::kMostDocumentOctets));
+      pki::load(places.governance, spi::property::kGovernance, pki::kMaxDocumentOctets));
   DDSSEC_ASSIGN_OR_RETURN(auto basis, first_basis(context, *participant, places, governance_file));
   DDSSEC_RETURN_IF_ERROR(in_document(check_own_algorithms(basis, certificate, properties),
                                      participant->governance_name));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto file,
-      pki::load(places.permissions, spi::property::kPermissions, pki::kMostDocumentOctets));
+      pki::load(places.permissions, spi::property::kPermissions, pki::kMaxDocumentOctets));
   DDSSEC_RETURN_IF_ERROR(check_own_size(places, file));
   own->note_read(std::move(governance_file), file);
   DDSSEC_ASSIGN_OR_RETURN(auto document,

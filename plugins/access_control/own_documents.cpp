@@ -67,15 +67,15 @@ OwnDocuments::OwnDocuments(const DocumentPlaces& places, const Options& options,
                         Code::permissions_ca_renewal_refused, "the CAs read before stay in force"),
                    interval),
       governance_(signed_document(what(places.governance, places.governance_name,
-                                       pki::kMostDocumentOctets, Code::governance_renewal_refused,
+                                       pki::kMaxDocumentOctets, Code::governance_renewal_refused,
                                        "the document read before stays in force")),
                   interval),
       permissions_(
           signed_document(what(places.permissions, places.permissions_name,
-                               pki::kMostSentPermissionsOctets, Code::permissions_renewal_refused,
+                               pki::kMaxSentPermissionsOctets, Code::permissions_renewal_refused,
                                "the permissions read before stay in force")),
           permissions_stay_ ? std::chrono::seconds(0) : interval),
-      identity_authorities_(what(places.identity_ca, places.identity_ca, pki::kMostBundleOctets,
+      identity_authorities_(what(places.identity_ca, places.identity_ca, pki::kMaxBundleOctets,
                                  Code::identity_ca_renewal_refused, ""),
                             interval),
       renewal_list_(places.renewal_list, interval, Code::renewal_list_permissions_refused) {}
@@ -222,8 +222,7 @@ void OwnDocuments::renew_identity_authorities(const Renewal& now) {
       identity_authorities_.look(now.clock.monotonic(), [&](BytesView file) -> Status {
         DDSSEC_ASSIGN_OR_RETURN(auto all, pki::Certificate::bundle_from_pem(file));
         for (const auto& ca : basis.identity_authorities)
-          if (all.size() < pki::kMostCertificatesInBundle &&
-              std::ranges::find(all, ca) == all.end())
+          if (all.size() < pki::kMaxCertificatesInBundle && std::ranges::find(all, ca) == all.end())
             all.push_back(ca);
         basis.identity_authorities = std::move(all);
         return now.participant.set_basis(std::move(basis));

@@ -83,7 +83,7 @@ Result<std::shared_ptr<const Basis>> Participant::basis_for(std::string_view top
   const std::lock_guard lock(mutex_);
   if (topics_in_use_.contains(topic)) return basis_;
   DDSSEC_RETURN_IF_ERROR(check_new_topic(topic));
-  has_more_topics_ = has_more_topics_ || topics_in_use_.size() >= kMostTopicsInUse;
+  has_more_topics_ = has_more_topics_ || topics_in_use_.size() >= kMaxTopicsInUse;
   if (!has_more_topics_) topics_in_use_.emplace(topic);
   return basis_;
 }
@@ -98,9 +98,9 @@ Status Participant::check_new_topic(std::string_view topic) const {
                     std::to_string(pending_->governance->revision()) + " of the document was taken";
     return std::unexpected(Error(Code::governance_change_under_way, std::move(details)));
   };
-  if (topics_in_use_.size() >= kMostTopicsInUse)
+  if (topics_in_use_.size() >= kMaxTopicsInUse)
     return refused({.field = "topics in use",
-                    .expected = "fewer than " + std::to_string(kMostTopicsInUse),
+                    .expected = "fewer than " + std::to_string(kMaxTopicsInUse),
                     .found = "more"});
   const auto* const before = basis_->governance->topic_rule(topic);
   const auto* const after = pending_->governance->topic_rule(topic);
@@ -192,7 +192,7 @@ Result<Participant::Change> Participant::check(const governance::CompiledGoverna
   return fail(Code::governance_renewal_refused,
               {.field = "topic_rule",
                .expected = "further rules after the others: this participant uses more than " +
-                           std::to_string(kMostTopicsInUse) + " topics; restart it",
+                           std::to_string(kMaxTopicsInUse) + " topics; restart it",
                .found = "a rule before another one, or one with other values"});
 }
 

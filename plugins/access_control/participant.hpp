@@ -35,7 +35,7 @@ struct Basis {
 class Participant {
  public:
   /// The largest number of topics that are remembered.
-  static constexpr std::size_t kMostTopicsInUse = 4096;
+  static constexpr std::size_t kMaxTopicsInUse = 4096;
 
   spi::IdentityHandle identity = {};
   DomainId domain = 0;

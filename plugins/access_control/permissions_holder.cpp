@@ -222,8 +222,8 @@ Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, By
   std::string text(as_text(file));
   const std::lock_guard lock(mutex_);
   DDSSEC_RETURN_IF_ERROR(check_follows(renewed));
-  constexpr std::size_t kMostFormer = 8;
-  if (former_.size() == kMostFormer) former_.erase(former_.begin() + 1);
+  constexpr std::size_t kMaxFormer = 8;
+  if (former_.size() == kMaxFormer) former_.erase(former_.begin() + 1);
   former_.push_back({digest_, {std::move(document_), std::move(grant_)}});
   document_ = std::move(document);
   grant_ = std::move(renewed);

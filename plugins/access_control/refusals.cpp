@@ -13,16 +13,16 @@ using governance::Verdict;
 
 /// Keeps names in events short, whatever a peer sends.
 std::string shortened(std::string_view text) {
-  constexpr std::size_t kMost = 256;
-  return text.size() <= kMost ? std::string(text) : std::string(text.substr(0, kMost)) + "...";
+  constexpr std::size_t kMax = 256;
+  return text.size() <= kMax ? std::string(text) : std::string(text.substr(0, kMax)) + "...";
 }
 
 std::string shown(const spi::EndpointRequest& request) {
   std::string text = fmt::format("topic \"{}\"", shortened(request.topic_name));
-  constexpr std::size_t kMost = 8;
+  constexpr std::size_t kMax = 8;
   std::size_t count = 0;
   for (const auto partition : request.partitions) {
-    if (++count > kMost) break;
+    if (++count > kMax) break;
     text += fmt::format("{} \"{}\"", count == 1 ? " in partition" : ",", shortened(partition));
   }
   if (!request.data_tags.empty()) {

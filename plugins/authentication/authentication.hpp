@@ -28,7 +28,7 @@ struct Options {
 
 /// Most handshakes of one pair that were answered or begun and not finished; the oldest gives way
 /// when it has waited for kPendingAge. A host with a judgement of its own returns handles earlier.
-inline constexpr std::size_t kMostPendingPerPair = 40;
+inline constexpr std::size_t kMaxPendingPerPair = 40;
 inline constexpr std::chrono::seconds kPendingAge{5};
 
 /// Every refusal raises one event and changes nothing.
@@ -38,7 +38,7 @@ inline constexpr std::chrono::seconds kPendingAge{5};
 ///   should drop it, go on waiting and go on sending its own last message; Cyclone DDS forgets its
 ///   own last message when process_handshake fails, and relies on the peer to send again.
 /// - A request different from one already answered begins a handshake of its own, with its own
-///   handle, beside the first (kMostPendingPerPair): an attacker who forges a request first does
+///   handle, beside the first (kMaxPendingPerPair): an attacker who forges a request first does
 ///   not keep the honest peer out. A final is tried on each pending handle; those it does not
 ///   belong to refuse it without public-key work.
 /// - The same request gets the same reply, the same reply the same final, without new work.

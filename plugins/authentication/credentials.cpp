@@ -9,7 +9,7 @@
 namespace ddssec::authentication {
 namespace {
 
-constexpr FieldRule kParticipantData{"c.pdata", 1, kMostParticipantDataOctets};
+constexpr FieldRule kParticipantData{"c.pdata", 1, kMaxParticipantDataOctets};
 constexpr FieldRule kSignatureAlgorithm{"c.dsign_algo", 1, 128};
 constexpr FieldRule kKeyAgreementAlgorithm{"c.kagree_algo", 1, 128};
 

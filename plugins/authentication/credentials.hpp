@@ -13,10 +13,10 @@
 namespace ddssec::authentication {
 
 /// The longest c.perm, in octets. It bounds memory for a peer that has not proven anything yet.
-inline constexpr std::size_t kMostPermissionsOctets = 1024 * 1024;
+inline constexpr std::size_t kMaxPermissionsOctets = 1024 * 1024;
 
-inline constexpr FieldRule kCertificate{"c.id", 1, pki::kMostCertificateOctets};
-inline constexpr FieldRule kPermissions{"c.perm", 0, kMostPermissionsOctets};
+inline constexpr FieldRule kCertificate{"c.id", 1, pki::kMaxCertificateOctets};
+inline constexpr FieldRule kPermissions{"c.perm", 0, kMaxPermissionsOctets};
 
 /// The fields as sent or received, borrowed. Algorithm names were checked to be known ones; all
 /// other fields are unproven.

@@ -16,7 +16,7 @@ namespace {
 namespace property = spi::property;
 
 /// Most certificates that a trusted_ca_dir may hold, as in Cyclone DDS.
-constexpr std::size_t kMostTrustedCas = 100;
+constexpr std::size_t kMaxTrustedCas = 100;
 
 /// Says in an error which files the properties name, unless it does already: a folder with the
 /// wrong file in it is found by its path. Never what a property holds itself.
@@ -42,7 +42,7 @@ Result<T> locate(Result<T> result, const spi::PropertyList& properties,
 
 Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::string_view name) {
   DDSSEC_ASSIGN_OR_RETURN(const Bytes octets,
-                          pki::load_certificates(uri, name, pki::kMostBundleOctets));
+                          pki::load_certificates(uri, name, pki::kMaxBundleOctets));
   return in(pki::Certificate::bundle_from_pem(octets), name);
 }
 
@@ -56,19 +56,18 @@ Result<std::vector<pki::Certificate>> load_folder(std::string_view value) {
   for (; !error && entries != std::filesystem::directory_iterator(); entries.increment(error))
     paths.push_back(entries->path().string());
   if (error)
-    return fail(
-        Code::trusted_ca_dir_unreadable,
-        {.document = std::string(kName), .found = folder, .note = error.message()});
+    return fail(Code::trusted_ca_dir_unreadable,
+                {.document = std::string(kName), .found = folder, .note = error.message()});
   std::ranges::sort(paths);
   std::vector<pki::Certificate> found;
   for (const auto& path : paths) {
     const auto bundle = load_bundle("file:" + path, kName);
     if (!bundle) continue;
     std::ranges::copy_if(*bundle, std::back_inserter(found), &pki::Certificate::is_ca);
-    if (found.size() > kMostTrustedCas)
+    if (found.size() > kMaxTrustedCas)
       return fail(Code::trusted_ca_dir_too_many,
                   {.document = std::string(kName),
-                   .expected = "at most " + std::to_string(kMostTrustedCas),
+                   .expected = "at most " + std::to_string(kMaxTrustedCas),
                    .found = folder});
   }
   return found;

@@ -12,7 +12,7 @@ namespace {
 namespace property = spi::property;
 
 Result<Bytes> load_octets(std::string_view uri) {
-  return pki::load_certificates(uri, property::kIdentityCertificate, pki::kMostCertificateOctets);
+  return pki::load_certificates(uri, property::kIdentityCertificate, pki::kMaxCertificateOctets);
 }
 
 Result<pki::PrivateKey> load_key(std::string_view uri, const OwnPassphrase& passphrase) {

@@ -12,7 +12,7 @@ std::vector<ReplyKey> KeptRequests::reply_keys(Pair& pair) {
   for (auto& one : pair.handshakes)
     if (auto* state = std::get_if<AwaitFinal>(&one.state))
       out.push_back({std::move(state->key), std::move(state->transcript)});
-  if (out.size() > kMostReplyKeys) out.erase(out.begin(), out.end() - kMostReplyKeys);
+  if (out.size() > kMaxReplyKeys) out.erase(out.begin(), out.end() - kMaxReplyKeys);
   return out;
 }
 
@@ -38,9 +38,9 @@ void KeptRequests::keep(Pair& pair, MonotonicTime now) {
 
 void KeptRequests::make_room(MonotonicTime now) {
   std::erase_if(all_, [&](const auto& entry) { return now - entry.second.since > kLife; });
-  if (all_.size() < kMost) return;
+  if (all_.size() < kMax) return;
   std::array<std::uint8_t, 2> chance{};
-  static_assert(kMost <= 1u << 8 * chance.size());
+  static_assert(kMax <= 1u << 8 * chance.size());
   if (!random_.fill(chance)) chance = {};
   all_.erase(std::next(all_.begin(), (chance[0] << 8 | chance[1]) % std::ssize(all_)));
 }

@@ -25,14 +25,14 @@ class KeptRequests {
   using MonotonicTime = std::chrono::nanoseconds;
   /// The largest number of entries. If it is exceeded, a random entry is dropped: an attacker can
   /// announce any number of participants, but cannot choose whose entry they displace.
-  static constexpr std::size_t kMost = 512;
+  static constexpr std::size_t kMax = 512;
   /// For how long an ephemeral key waits for its answer, and a challenge for its peer.
   static constexpr MonotonicTime kLife = std::chrono::hours(1);
 
   explicit KeptRequests(Random& random) : random_(random) {}
 
   /// The largest number of reply keys of an entry; the newest count.
-  static constexpr std::size_t kMostReplyKeys = 4;
+  static constexpr std::size_t kMaxReplyKeys = 4;
 
   /// Stores the pair's challenge, a request that waits for its answer, and the keys of replies,
   /// unless a handshake of the pair was established. The pair must already be removed from all

@@ -131,11 +131,11 @@ Status LocalIdentity::set_permissions(const spi::Token& credential) {
                  .found = credential.class_id.substr(0, 64)});
   std::string_view text = *document;
   if (text.ends_with('\0')) text.remove_suffix(1);
-  if (text.size() > kMostPermissionsOctets)
+  if (text.size() > kMaxPermissionsOctets)
     return fail(Code::token_field_length,
                 {.document = "permissions credential token",
                  .field = "dds.perm.cert",
-                 .expected = "at most " + std::to_string(kMostPermissionsOctets) + " octets",
+                 .expected = "at most " + std::to_string(kMaxPermissionsOctets) + " octets",
                  .found = std::to_string(text.size()) + " octets"});
   auto octets = text.empty() ? Bytes(1) : to_bytes(as_bytes(text));
   const std::scoped_lock lock(mutex_);

@@ -10,8 +10,8 @@
 
 namespace ddssec::authentication {
 
-/// A bound for memory; what is longer than pki::kMostOcspOctets counts as unusable.
-inline constexpr FieldRule kOcspStatus{"ocsp_status", 0, kMostUnknownOctets};
+/// A bound for memory; what is longer than pki::kMaxOcspOctets counts as unusable.
+inline constexpr FieldRule kOcspStatus{"ocsp_status", 0, kMaxUnknownOctets};
 
 using spi::OcspPolicy;
 

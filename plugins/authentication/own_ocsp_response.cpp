@@ -59,7 +59,7 @@ Result<bool> OwnOcspResponse::look(std::chrono::nanoseconds monotonic, const Jud
 Result<bool> OwnOcspResponse::read(const Judge& judge) {
   judged_for_ = judge.certificate;
   if (path_.empty()) return false;
-  auto file = load(watch_.uri(), path_, pki::kMostOcspOctets);
+  auto file = load(watch_.uri(), path_, pki::kMaxOcspOctets);
   if (!file && file.error().code() == Code::file_not_found) return false;
   content_ = file ? sha256(*file) : Sha256Digest{};
   if (!file) return refuse(file.error());

@@ -170,7 +170,7 @@ Status check_same_domain(const SignedDomain& peer, const SignedDomain& own) {
 std::vector<spi::UdpAddress> addresses_in_participant_data(BytesView participant_data) {
   Reader reader(participant_data, Endian::big);
   std::vector<spi::UdpAddress> out;
-  while (out.size() < kMostAddresses) {
+  while (out.size() < kMaxAddresses) {
     const auto parameter = next_parameter(reader);
     if (!parameter || !*parameter) break;
     if ((*parameter)->id != pid::kMetatrafficUnicastLocator) continue;

@@ -16,7 +16,7 @@
 namespace ddssec::authentication {
 
 /// The longest ParticipantBuiltinTopicData in a handshake, in octets.
-inline constexpr std::size_t kMostParticipantDataOctets = 64 * 1024;
+inline constexpr std::size_t kMaxParticipantDataOctets = 64 * 1024;
 
 /// PID_PARTICIPANT_GUID of a big-endian parameter list without encapsulation header. Any number of
 /// unknown parameters is skipped, and a missing sentinel is tolerated. Errors:
@@ -47,9 +47,9 @@ SignedDomain domain_in_participant_data(BytesView participant_data);
 /// rtps_domain_differs.
 Status check_same_domain(const SignedDomain& peer, const SignedDomain& own);
 
-/// PID_METATRAFFIC_UNICAST_LOCATORs over UDP of such a list: at most `kMostAddresses`, without
+/// PID_METATRAFFIC_UNICAST_LOCATORs over UDP of such a list: at most `kMaxAddresses`, without
 /// duplicates. Locators that are unreadable or not unicast are left out.
-inline constexpr std::size_t kMostAddresses = 4;
+inline constexpr std::size_t kMaxAddresses = 4;
 std::vector<spi::UdpAddress> addresses_in_participant_data(BytesView participant_data);
 
 }  // namespace ddssec::authentication

@@ -12,18 +12,18 @@ Status check_role(bool is_right, std::string_view call) {
 }
 
 /// Finished handshakes of one pair that stay open to questions.
-constexpr std::size_t kMostFinishedPerPair = 4;
+constexpr std::size_t kMaxFinishedPerPair = 4;
 
 bool is_pending(const PairHandshake& handshake) {
   return !std::holds_alternative<Established>(handshake.state);
 }
 
 Status check_participant_data_size(BytesView participant_data) {
-  if (!participant_data.empty() && participant_data.size() <= kMostParticipantDataOctets) return {};
+  if (!participant_data.empty() && participant_data.size() <= kMaxParticipantDataOctets) return {};
   return fail(Code::token_field_length,
               {.document = "serialized participant data",
                .field = "c.pdata",
-               .expected = "1 to " + std::to_string(kMostParticipantDataOctets) + " octets",
+               .expected = "1 to " + std::to_string(kMaxParticipantDataOctets) + " octets",
                .found = std::to_string(participant_data.size()) + " octets"});
 }
 
@@ -58,11 +58,11 @@ bool PkiDh::may_go_on(const Pair& pair, const PairHandshake& handshake,
 Status PkiDh::check_room(const Pair& pair) const {
   const auto& all = pair.handshakes;
   const auto pending = std::ranges::count_if(all, is_pending);
-  if (static_cast<std::size_t>(pending) < kMostPendingPerPair) return {};
+  if (static_cast<std::size_t>(pending) < kMaxPendingPerPair) return {};
   const auto oldest = std::ranges::find_if(all, is_pending);
   if (environment_.clock.monotonic() - oldest->since >= kPendingAge) return {};
   return fail(Code::too_many_handshakes,
-              {.expected = "at most " + std::to_string(kMostPendingPerPair)});
+              {.expected = "at most " + std::to_string(kMaxPendingPerPair)});
 }
 
 void PkiDh::make_room(Pair& pair) {
@@ -74,9 +74,9 @@ void PkiDh::make_room(Pair& pair) {
     all.erase(first);
   };
   const auto pending = static_cast<std::size_t>(std::ranges::count_if(all, is_pending));
-  if (pending >= kMostPendingPerPair) drop_first(is_pending);
+  if (pending >= kMaxPendingPerPair) drop_first(is_pending);
   // Of finished ones the host keeps what it needs as shared pointers.
-  if (all.size() - pending >= kMostFinishedPerPair) drop_first(std::not_fn(is_pending));
+  if (all.size() - pending >= kMaxFinishedPerPair) drop_first(std::not_fn(is_pending));
 }
 
 PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,
@@ -203,9 +203,9 @@ void PkiDh::drop_excess(HandshakeHandle newest) {
     const Result<void> dropped =
         fail(Code::too_many_handshakes,
              {.document = "handshake request",
-              .expected = "at most " + std::to_string(UnprovenOctets::kMostOfASubject) +
+              .expected = "at most " + std::to_string(UnprovenOctets::kMaxOfASubject) +
                           " octets of a subject in requests that wait for their end, and " +
-                          std::to_string(UnprovenOctets::kMost) + " of all",
+                          std::to_string(UnprovenOctets::kMax) + " of all",
               .found = "more; this handshake is dropped, and begins anew"});
     static_cast<void>(reported(dropped, (*pair)->remote_handle));
   }

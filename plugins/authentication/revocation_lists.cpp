@@ -16,7 +16,7 @@ namespace property = spi::property;
 /// As in sros2's keystores and our own folders.
 constexpr std::string_view kUsualName = "crl.pem";
 /// What an event says of many lists.
-constexpr std::size_t kMostDescription = 512;
+constexpr std::size_t kMaxDescription = 512;
 
 Result<std::vector<pki::Crl>> parse(BytesView octets, std::string_view uri) {
   DDSSEC_ASSIGN_OR_RETURN(auto lists, pki::Crl::all_from(octets));
@@ -153,7 +153,7 @@ Result<RevocationLists> RevocationLists::load(const spi::PropertyList& propertie
 
 /// `name`: what an error calls the file.
 Status RevocationLists::read_first(Place& place, std::string_view name, bool may_come_later) {
-  const auto octets = ddssec::load(place.watch.uri(), name, pki::kMostDocumentOctets);
+  const auto octets = ddssec::load(place.watch.uri(), name, pki::kMaxDocumentOctets);
   if (!octets && may_come_later && octets.error().code() == Code::file_not_found) return {};
   if (!octets) return std::unexpected(octets.error());
   auto lists = parse(*octets, place.watch.uri());
@@ -205,7 +205,7 @@ std::string RevocationLists::description() const {
   std::string text;
   for (const auto& crl : lists_)
     text += (text.empty() ? "" : "; ") + describe(crl) + " by " + signer_of(crl);
-  return text.substr(0, kMostDescription);
+  return text.substr(0, kMaxDescription);
 }
 
 Result<bool> RevocationLists::look(const Clock& clock, const std::vector<pki::Certificate>& anchors,
@@ -229,7 +229,7 @@ Result<bool> RevocationLists::look(const Clock& clock, const std::vector<pki::Ce
 
 Result<bool> RevocationLists::look_at(Place& place, const Question& question) {
   Rollback again([&] { place.watch.look_again(); });
-  const auto octets = ddssec::load(place.watch.uri(), place.path, pki::kMostDocumentOctets);
+  const auto octets = ddssec::load(place.watch.uri(), place.path, pki::kMaxDocumentOctets);
   const bool not_yet =
       place.lists.empty() && !octets && octets.error().code() == Code::file_not_found;
   const auto content = octets ? sha256(*octets) : Sha256Digest{};

@@ -42,7 +42,7 @@ Result<std::optional<spi::Token>> next_offer(const Established& session, const L
   auto own = local.presented();
   if (own == session.own) return std::nullopt;
   const bool is_new = !last || last->documents != own;
-  if (!is_new && last->times >= spi::Authentication::kMostOffers) return std::nullopt;
+  if (!is_new && last->times >= spi::Authentication::kMaxOffers) return std::nullopt;
   const auto certificate = own->certificate.pem();
   const auto octets =
       signed_octets(session, local.guid(), {as_bytes(certificate), own->permissions});

@@ -40,18 +40,18 @@ constexpr std::array<std::string_view, 13> kKnownNames = {
     kSignature.name};
 
 bool fits(const spi::BinaryProperty& property) {
-  if (property.name.size() > kMostTextOctets) return false;
+  if (property.name.size() > kMaxTextOctets) return false;
   const bool known = std::ranges::find(kKnownNames, property.name) != kKnownNames.end();
-  return known || property.value.size() <= kMostUnknownOctets;
+  return known || property.value.size() <= kMaxUnknownOctets;
 }
 
 bool fits(const spi::Property& property) {
-  return property.name.size() <= kMostTextOctets && property.value.size() <= kMostTextOctets;
+  return property.name.size() <= kMaxTextOctets && property.value.size() <= kMaxTextOctets;
 }
 
 bool fits(const spi::Token& token) {
-  return token.properties.size() <= spi::kMostPropertiesPerToken &&
-         token.binary_properties.size() <= spi::kMostPropertiesPerToken &&
+  return token.properties.size() <= spi::kMaxPropertiesPerToken &&
+         token.binary_properties.size() <= spi::kMaxPropertiesPerToken &&
          std::ranges::all_of(token.properties, [](const auto& p) { return fits(p); }) &&
          std::ranges::all_of(token.binary_properties, [](const auto& p) { return fits(p); });
 }

@@ -35,9 +35,9 @@ std::optional<TokenClass> token_class_of(std::string_view class_id);
 std::optional<TokenClass> claimed_class_of(std::string_view class_id);
 
 /// The longest class id, property name or text property, in octets.
-inline constexpr std::size_t kMostTextOctets = 4096;
+inline constexpr std::size_t kMaxTextOctets = 4096;
 /// The longest binary property with an unknown name, in octets.
-inline constexpr std::size_t kMostUnknownOctets = 64 * 1024;
+inline constexpr std::size_t kMaxUnknownOctets = 64 * 1024;
 
 /// A field's name and its allowed length in octets.
 struct FieldRule {

@@ -37,7 +37,7 @@ void TrustStore::remember(BytesView pem, const pki::Certificate& certificate) co
   const std::scoped_lock lock(mutex_);
   // Dropping all entries at once is rare and costs one parse for each. Tracking their age would
   // cost time on every use.
-  if (known_.size() >= kMostRemembered) known_.clear();
+  if (known_.size() >= kMaxRemembered) known_.clear();
   known_.try_emplace(digest, certificate);
 }
 
@@ -55,7 +55,7 @@ Result<pki::OcspGood> TrustStore::ocsp(BytesView response, const pki::Certificat
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto good, pki::judge_ocsp(response, certificate, verifier_, now));
   const std::scoped_lock lock(mutex_);
-  if (known_ocsp_.size() >= kMostRemembered) known_ocsp_.clear();
+  if (known_ocsp_.size() >= kMaxRemembered) known_ocsp_.clear();
   known_ocsp_.insert_or_assign(digest, good);
   return good;
 }

@@ -19,7 +19,7 @@ namespace ddssec::authentication {
 /// verified once, however many handshakes present it. Thread-safe.
 class TrustStore {
  public:
-  static constexpr std::size_t kMostRemembered = 1024;
+  static constexpr std::size_t kMaxRemembered = 1024;
 
   explicit TrustStore(pki::ChainVerifier verifier) : verifier_(std::move(verifier)) {}
 

@@ -84,8 +84,8 @@ std::vector<spi::HandshakeHandle> UnprovenOctets::excess(Random& random,
     const auto known = by_subject_.find(subject);
     return known == by_subject_.end() ? 0 : known->second;
   };
-  while (of_subject() > kMostOfASubject && drop_one(&subject)) continue;
-  while (total_ > kMost && drop_one(nullptr)) continue;
+  while (of_subject() > kMaxOfASubject && drop_one(&subject)) continue;
+  while (total_ > kMax && drop_one(nullptr)) continue;
   return out;
 }
 

@@ -27,8 +27,8 @@ class UnprovenOctets {
   /// The octets of one peer that are not counted: their handshakes are never dropped for room.
   static constexpr std::size_t kFreeOfAPeer = 64 * 1024;
   /// Several requests of the largest size that is accepted (some 1.2 MiB).
-  static constexpr std::size_t kMostOfASubject = 8 * 1024 * 1024;
-  static constexpr std::size_t kMost = 16 * 1024 * 1024;
+  static constexpr std::size_t kMaxOfASubject = 8 * 1024 * 1024;
+  static constexpr std::size_t kMax = 16 * 1024 * 1024;
 
   /// A number of octets; returned at destruction.
   class Share {

@@ -10,7 +10,7 @@ namespace {
 
 std::unexpected<Error> too_much(const BuiltinTopic& topic) {
   return unreadable_name(topic, "its certificate has announced more than " +
-                                    std::to_string(AnnouncedOctets::kMost >> 20) + " MiB");
+                                    std::to_string(AnnouncedOctets::kMax >> 20) + " MiB");
 }
 
 constexpr EntityId kPublications{{0, 0, 3, 0xc2}}, kSecurePublications{{0xff, 0, 3, 0xc2}};
@@ -25,7 +25,7 @@ bool hides_endpoint(const Announcement& announcement) {
 bool AnnouncedOctets::replace(std::size_t before, std::size_t after, Heard heard) {
   const std::lock_guard lock(mutex_);
   auto& sum = sums_.at(std::to_underlying(heard));
-  if (after > before && sum - before + after > kMost) return false;
+  if (after > before && sum - before + after > kMax) return false;
   sum = sum - before + after;
   return true;
 }
@@ -54,7 +54,7 @@ void SkippedNumbers::add(std::uint64_t begin, std::uint64_t end) {
     at = ranges_.erase(at);
   }
   ranges_.emplace(begin, end);
-  if (ranges_.size() <= kMost) return;
+  if (ranges_.size() <= kMax) return;
   const auto first = ranges_.begin(), second = std::next(first);
   first->second = second->second;
   ranges_.erase(second);

@@ -20,7 +20,7 @@ namespace ddssec::cryptography {
 class AnnouncedOctets {
  public:
   /// The limit in octets for all counted announcements, including kOfEach for each.
-  static constexpr std::size_t kMost = std::size_t{64} << 20;
+  static constexpr std::size_t kMax = std::size_t{64} << 20;
   /// The octets that the core stores for an endpoint besides its announcement, approximately.
   static constexpr std::size_t kOfEach = 1024;
 
@@ -59,7 +59,7 @@ class SkippedNumbers {
  private:
   /// The largest number of ranges. If there are more, the two lowest are joined, and the numbers
   /// between them count as skipped.
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMax = 64;
   std::map<std::uint64_t, std::uint64_t> ranges_;  ///< begin and end; disjoint
 };
 

@@ -3,7 +3,7 @@
 namespace ddssec::cryptography {
 
 void AwaitedTokens::await(std::uint64_t exchange, const TokenKey& key, Time now) {
-  if (awaited_.size() < kMost) awaited_.try_emplace({exchange, key}, Waiting{now});
+  if (awaited_.size() < kMax) awaited_.try_emplace({exchange, key}, Waiting{now});
 }
 
 void AwaitedTokens::came(std::uint64_t exchange, const TokenKey& key) {

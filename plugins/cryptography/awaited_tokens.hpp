@@ -29,10 +29,10 @@ class AwaitedTokens {
   /// have been called meanwhile. The second condition exists because a process that was stopped has
   /// not waited.
   static constexpr std::chrono::seconds kPatience{20};
-  static constexpr unsigned kLeastReviews = 10;
+  static constexpr unsigned kMinReviews = 10;
   /// The largest number of entries for all exchanges; further ones are not recorded. If discovery
   /// is not protected, an attacker can invent endpoints.
-  static constexpr std::size_t kMost = 16384;
+  static constexpr std::size_t kMax = 16384;
 
   /// The host has matched the two endpoints in that exchange and has no keys yet.
   void await(std::uint64_t exchange, const TokenKey& key, Time now);
@@ -49,7 +49,7 @@ class AwaitedTokens {
     for (auto at = first_of(exchange); at != awaited_.end() && at->first.first == exchange;) {
       const auto one = at++;
       auto& [since, reviews] = one->second;
-      if (++reviews < kLeastReviews || now - since < kPatience) continue;
+      if (++reviews < kMinReviews || now - since < kPatience) continue;
       if (!is_undecided(one->first.second, since)) awaited_.erase(one);
     }
   }

@@ -93,10 +93,10 @@ Status check_other_inline_qos(BytesView submessage) {
 /// ParticipantMessageData or its key: both begin with the prefix. Fast DDS labels the same octets
 /// as PL_CDR.
 Status check_liveliness(const BuiltinTopic& topic, const Owner& owner, BytesView payload) {
-  constexpr std::uint8_t kGreatestPlain = 3;
+  constexpr std::uint8_t kMaxPlain = 3;
   if (payload.size() < kEncapsulationSize + GuidPrefix::size)
     return unreadable_name(topic, "it is too short");
-  if (payload[0] != 0 || payload[1] > kGreatestPlain)
+  if (payload[0] != 0 || payload[1] > kMaxPlain)
     return unreadable_name(topic, "its encapsulation is not CDR");
   return check_name(topic, owner, "participantGuidPrefix", payload.subspan(kEncapsulationSize));
 }

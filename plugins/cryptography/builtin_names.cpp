@@ -211,7 +211,7 @@ Status ParameterWalk::count_locator(const BuiltinTopic& topic) {
   static_assert(kLocators.size() == kLocatorKinds);
   const auto kind = std::ranges::find(kLocators, id_, &LocatorKind::id);
   if (kind == kLocators.end()) return {};
-  const auto most = kind->is_multicast ? kMostMulticastLocators : kMostLocators;
+  const auto most = kind->is_multicast ? kMaxMulticastLocators : kMaxLocators;
   auto& count = locators_[static_cast<std::size_t>(kind - kLocators.begin())];
   if (++count <= most) return {};
   return unreadable_name(topic, "it has more than " + std::to_string(most) + ' ' + kind->name);

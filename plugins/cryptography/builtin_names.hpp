@@ -45,10 +45,10 @@ bool is_deprecated_address(std::uint16_t parameter_id);
 class ParameterWalk {
  public:
   /// The largest number of locators of each kind: the same as in the embedded participant.
-  static constexpr std::size_t kMostLocators = 16;
+  static constexpr std::size_t kMaxLocators = 16;
   /// Of each kind that is multicast: a writer of Cyclone DDS chooses among those of all its readers
   /// again at each match. With 16 of each of 2,000 readers it stood still for 19 seconds.
-  static constexpr std::size_t kMostMulticastLocators = 4;
+  static constexpr std::size_t kMaxMulticastLocators = 4;
   /// Of all kinds together, as many as an endpoint has on an ordinary machine.
   static constexpr std::size_t kFreeLocators = 4;
   /// What each further one counts in the account of announcements: Cyclone DDS walks the locators

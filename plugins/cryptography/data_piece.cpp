@@ -56,12 +56,12 @@ Endian endian_of(BytesView submessage) {
 
 /// Reads a GAP from after the ids of reader and writer.
 Result<Skipped> read_gap(Reader& in, const EntityId& writer) {
-  constexpr std::uint32_t kMostBits = 256;
+  constexpr std::uint32_t kMaxBits = 256;
   DDSSEC_ASSIGN_OR_RETURN(const auto begin, read_number(in));
   DDSSEC_ASSIGN_OR_RETURN(const auto base, read_number(in));
   Skipped out{writer, {{begin, base}}};
   DDSSEC_ASSIGN_OR_RETURN(const auto number, in.read<std::uint32_t>());
-  const auto bits = std::min(number, kMostBits);
+  const auto bits = std::min(number, kMaxBits);
   for (std::uint32_t word = 0; word < (bits + 31) / 32; ++word) {
     DDSSEC_ASSIGN_OR_RETURN(const auto set, in.read<std::uint32_t>());
     for (std::uint32_t bit = 0; bit < 32; ++bit)

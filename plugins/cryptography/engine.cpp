@@ -12,9 +12,9 @@ namespace {
 
 KeyEnvironment key_environment(const AeadBackend& aead, Graveyard& graveyard, Random& random,
                                const Options& options) {
-  constexpr auto kMost = std::uint64_t{1} << 32;
-  return {aead, graveyard, std::clamp(options.most_blocks_per_session, std::uint64_t{1}, kMost),
-          std::clamp(options.most_sessions_per_key, std::uint64_t{1}, kMost), random};
+  constexpr auto kMax = std::uint64_t{1} << 32;
+  return {aead, graveyard, std::clamp(options.most_blocks_per_session, std::uint64_t{1}, kMax),
+          std::clamp(options.most_sessions_per_key, std::uint64_t{1}, kMax), random};
 }
 
 /// Unpredictable if possible. No security depends on it: these numbers only make handles and key

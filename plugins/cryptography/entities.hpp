@@ -67,8 +67,8 @@ struct LocalParticipant final : Entity {
   KeyLife life;
   std::unique_ptr<SendKey> next_key = {};
   std::unordered_set<std::int64_t> endpoints;
-  std::unordered_set<std::int64_t> matched;                               ///< remote participants
-  ReceiverPlaces receivers{ReceiverPlaces::kMostOfEach, "participants"};  ///< of RTPS messages
+  std::unordered_set<std::int64_t> matched;                              ///< remote participants
+  ReceiverPlaces receivers{ReceiverPlaces::kMaxOfEach, "participants"};  ///< of RTPS messages
 };
 
 /// Success unless the participant was cut off. Error: identity_ended.
@@ -168,8 +168,8 @@ struct LocalEndpoint final : Entity {
   LocalEndpoint(EntityKind kind, LocalParticipant& parent)
       : Entity(kind),
         participant(parent),
-        receivers(spi::is_origin_authenticated(parent.rtps) ? ReceiverPlaces::kMostOfEach
-                                                            : ReceiverPlaces::kMost) {}
+        receivers(spi::is_origin_authenticated(parent.rtps) ? ReceiverPlaces::kMaxOfEach
+                                                            : ReceiverPlaces::kMax) {}
   LocalParticipant& participant;
   spi::ProtectionKind submessage = spi::ProtectionKind::none;
   spi::ProtectionKind payload = spi::ProtectionKind::none;

@@ -28,8 +28,8 @@ void FragmentWalks::Writer::erase(Samples::iterator sample) {
 
 bool FragmentWalks::Writer::is_full(std::uint64_t number, std::size_t fragments_more) const {
   const bool is_highest = samples.empty() || number > samples.rbegin()->first;
-  return samples.size() >= kMostSamples + (is_highest ? 0 : kSpareSamples) ||
-         fragments + fragments_more > kMostFragments + (is_highest ? 0 : kSpareFragments);
+  return samples.size() >= kMaxSamples + (is_highest ? 0 : kSpareSamples) ||
+         fragments + fragments_more > kMaxFragments + (is_highest ? 0 : kSpareFragments);
 }
 
 Result<TypeInformationAt> FragmentWalks::take(const BuiltinTopic& topic, const Owner& owner,
@@ -60,7 +60,7 @@ Result<FragmentWalks::Samples::iterator> FragmentWalks::sample_of(const BuiltinT
     return found;
   }
   const auto count = fragments_of(piece);
-  if (count > kMostOfSample || piece.sample_size > kMostOctets)
+  if (count > kMaxOfSample || piece.sample_size > kMaxOctets)
     return unreadable_name(topic, "it is too large");
   if (piece.number <= writer.forgotten_until || !piece.begins_sample) return early();
   DDSSEC_RETURN_IF_ERROR(make_room(topic, writer, piece.number, count, announced, now));

@@ -33,12 +33,12 @@ namespace ddssec::cryptography {
 /// The checks for one participant. Thread-safe.
 class FragmentWalks {
  public:
-  static constexpr std::size_t kMostOfSample = 384;      ///< fragments: 516 kB with Cyclone DDS
-  static constexpr std::uint32_t kMostOctets = 1 << 20;  ///< of a sample
-  static constexpr std::size_t kMostFragments = 2048;    ///< of a writer: 64 kB of digests
-  static constexpr std::size_t kMostSamples = 512;       ///< of a writer: two windows of an ACKNACK
+  static constexpr std::size_t kMaxOfSample = 384;      ///< fragments: 516 kB with Cyclone DDS
+  static constexpr std::uint32_t kMaxOctets = 1 << 20;  ///< of a sample
+  static constexpr std::size_t kMaxFragments = 2048;    ///< of a writer: 64 kB of digests
+  static constexpr std::size_t kMaxSamples = 512;       ///< of a writer: two windows of an ACKNACK
   /// Additional space for numbers below the highest one: the host needs the lowest first.
-  static constexpr std::size_t kSpareSamples = 64, kSpareFragments = kMostOfSample;
+  static constexpr std::size_t kSpareSamples = 64, kSpareFragments = kMaxOfSample;
   /// For how long the lowest sample is kept, for other participants of this process.
   static constexpr MonotonicTime kKept = std::chrono::seconds(5);
 

@@ -341,7 +341,7 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
     give_back.release();
     return {};
   }
-  if (tokens.empty() || tokens.size() > kMostTokensPerEndpoint)
+  if (tokens.empty() || tokens.size() > kMaxTokensPerEndpoint)
     return fail(Code::crypto_token_count);
   DDSSEC_ASSIGN_OR_RETURN(auto all, read_all(tokens));
   DDSSEC_ASSIGN_OR_RETURN(auto keys, endpoint_keys(endpoint, std::move(all)));

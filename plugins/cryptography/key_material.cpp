@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::string_view kKeyMaterialProperty = "dds.cryp.keymat";
 /// Cyclone DDS writes a NONE material of 24 octets, Fast DDS one of 44; no product writes more.
-constexpr std::size_t kLeastNoneSize = 24;
-constexpr std::size_t kMostNoneSize = 128;
+constexpr std::size_t kMinNoneSize = 24;
+constexpr std::size_t kMaxNoneSize = 128;
 
 /// The first four are ordered by the last octet of the kind, from 1.
 constexpr std::array kKinds = {
@@ -30,7 +30,7 @@ bool all_zero(BytesView octets) {
 }
 
 Result<KeyMaterial> parse_none(BytesView octets) {
-  if (octets.size() < kLeastNoneSize || octets.size() > kMostNoneSize || !all_zero(octets))
+  if (octets.size() < kMinNoneSize || octets.size() > kMaxNoneSize || !all_zero(octets))
     return fail(Code::key_material_length);
   return KeyMaterial{};
 }

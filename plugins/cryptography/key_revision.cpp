@@ -24,8 +24,7 @@ bool revises(const KeyMaterial& next, const KeyMaterial& present) {
 
 void keep_living(RemoteKeys& out, const RemoteKeys& of, std::chrono::nanoseconds now) {
   for (const auto& former : of.former)
-    if (now < former.until && out.former.size() < kMostFormerRevisions)
-      out.former.push_back(former);
+    if (now < former.until && out.former.size() < kMaxFormerRevisions) out.former.push_back(former);
 }
 
 }  // namespace
@@ -172,7 +171,7 @@ Status KeyFactory::activate_key_revision(spi::ParticipantCryptoHandle local, Key
 Status KeyFactory::limit_keys(LocalParticipant& participant, const spi::PropertyList& properties) {
   DDSSEC_ASSIGN_OR_RETURN(const auto limits, spi::key_limits(properties));
   if (limits.any() && !participant.revises_keys) {
-    const auto name = limits.blocks != 0 ? property::kMostBlocksPerKey : property::kKeyLifetime;
+    const auto name = limits.blocks != 0 ? property::kMaxBlocksPerKey : property::kKeyLifetime;
     return fail(Code::key_limits_without_revision, {.field = std::string(name)});
   }
   participant.life = KeyLife(limits);

@@ -29,7 +29,7 @@ bool is_later(KeyRevision revision, KeyRevision than);
 /// messages take time.
 inline constexpr auto kFormerKeyLife = std::chrono::seconds(10);
 /// The largest number of valid revisions besides the newest.
-inline constexpr std::size_t kMostFormerRevisions = 4;
+inline constexpr std::size_t kMaxFormerRevisions = 4;
 
 /// Keeps a remote entity's present keys valid beside `next` if `next` revises them. Keys that do
 /// not revise them replace them at once. Error: key_revision_stale.

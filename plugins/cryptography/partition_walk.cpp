@@ -45,8 +45,8 @@ Status PartitionWalk::take(const BuiltinTopic& topic, std::uint8_t octet) {
 
 Status PartitionWalk::take_word(const BuiltinTopic& topic, std::uint32_t word) {
   if (has_count_) return begin_name(topic, word);
-  if (word > kMostNames)
-    return unreadable_name(topic, "it has more than " + std::to_string(kMostNames) + " partitions");
+  if (word > kMaxNames)
+    return unreadable_name(topic, "it has more than " + std::to_string(kMaxNames) + " partitions");
   has_count_ = true;
   names_ = static_cast<std::uint16_t>(word);
   names_left_ = word;
@@ -55,9 +55,9 @@ Status PartitionWalk::take_word(const BuiltinTopic& topic, std::uint32_t word) {
 
 Status PartitionWalk::begin_name(const BuiltinTopic& topic, std::uint32_t size) {
   if (size == 0 || size > rest_) return lies(topic);
-  if (size > kMostNameOctets + 1)
-    return unreadable_name(topic, "one of its partitions has more than " +
-                                      std::to_string(kMostNameOctets) + " octets");
+  if (size > kMaxNameOctets + 1)
+    return unreadable_name(
+        topic, "one of its partitions has more than " + std::to_string(kMaxNameOctets) + " octets");
   --names_left_;
   name_left_ = size;
   to_pad_ = static_cast<std::uint8_t>((kWordSize - size % kWordSize) % kWordSize);
@@ -78,13 +78,13 @@ Status PartitionWalk::take_character(const BuiltinTopic& topic, char character) 
 
 Status PartitionWalk::count_star(const BuiltinTopic& topic) {
   const auto expression = '"' + std::string(text_.data(), text_size_) + "...\"";
-  if (++stars_ > kMostStarsOfName)
+  if (++stars_ > kMaxStarsOfName)
     return unreadable_name(topic, "its partition expression " + expression + " has more than " +
-                                      std::to_string(kMostStarsOfName) + " '*' before its end");
-  if (++stars_of_all_ > kMostStarsOfSample)
-    return unreadable_name(
-        topic, "its partition expressions, of which " + expression + " is one, have more than " +
-                   std::to_string(kMostStarsOfSample) + " '*' before their ends");
+                                      std::to_string(kMaxStarsOfName) + " '*' before its end");
+  if (++stars_of_all_ > kMaxStarsOfSample)
+    return unreadable_name(topic, "its partition expressions, of which " + expression +
+                                      " is one, have more than " +
+                                      std::to_string(kMaxStarsOfSample) + " '*' before their ends");
   return {};
 }
 

@@ -22,10 +22,10 @@ struct BuiltinTopic;
 /// that it can be copied.
 class PartitionWalk {
  public:
-  static constexpr std::size_t kMostNames = 256;         ///< as access control allows
-  static constexpr std::size_t kMostNameOctets = 1024;   ///< as access control allows
-  static constexpr std::size_t kMostStarsOfName = 2;     ///< that something follows
-  static constexpr std::size_t kMostStarsOfSample = 64;  ///< that something follows
+  static constexpr std::size_t kMaxNames = 256;         ///< as access control allows
+  static constexpr std::size_t kMaxNameOctets = 1024;   ///< as access control allows
+  static constexpr std::size_t kMaxStarsOfName = 2;     ///< that something follows
+  static constexpr std::size_t kMaxStarsOfSample = 64;  ///< that something follows
 
   PartitionWalk() = default;
   PartitionWalk(std::uint16_t length, bool is_little) : is_little_(is_little), rest_(length) {}

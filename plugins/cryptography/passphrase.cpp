@@ -9,9 +9,9 @@
 namespace ddssec::cryptography {
 namespace {
 
-constexpr std::size_t kMostPassphraseOctets = Passphrase::Text::capacity;
-constexpr std::size_t kMostLineOctets = 10 + 1 + kMostPassphraseOctets + 2;
-using Lines = Secret<struct PassphraseLinesTag, kMostLineOctets*(kMostExtraPassphrases + 1)>;
+constexpr std::size_t kMaxPassphraseOctets = Passphrase::Text::capacity;
+constexpr std::size_t kMaxLineOctets = 10 + 1 + kMaxPassphraseOctets + 2;
+using Lines = Secret<struct PassphraseLinesTag, kMaxLineOctets*(kMaxExtraPassphrases + 1)>;
 
 /// The place of a passphrase. Its text is never part of an error.
 struct Place {
@@ -44,8 +44,8 @@ Result<Passphrase> parse_line(std::string_view line, const Place& place) {
   if (colon == line.npos) return place.refuse("ID:PASSPHRASE", "no colon");
   DDSSEC_ASSIGN_OR_RETURN(const auto id, parse_id(line.substr(0, colon), place));
   const auto text = line.substr(colon + 1);
-  if (text.empty() || text.size() > kMostPassphraseOctets)
-    return place.refuse("1 to " + std::to_string(kMostPassphraseOctets) + " characters",
+  if (text.empty() || text.size() > kMaxPassphraseOctets)
+    return place.refuse("1 to " + std::to_string(kMaxPassphraseOctets) + " characters",
                         std::to_string(text.size()));
   if (!std::ranges::all_of(text, is_printable) || text.front() == ' ' || text.back() == ' ')
     return place.refuse("printable ASCII without a blank at either end", "something else");
@@ -112,7 +112,7 @@ Result<std::vector<Passphrase>> PassphraseFiles::load(EventSink& events) const {
   DDSSEC_RETURN_IF_ERROR(cryptography::load(own_.uri(), property::kPskPassphrase, 1, out));
   if (has_extra_)
     DDSSEC_RETURN_IF_ERROR(cryptography::load(extra_.uri(), property::kPskExtraPassphrases,
-                                              kMostExtraPassphrases, out));
+                                              kMaxExtraPassphrases, out));
   warn_if_exposed(own_.uri(), property::kPskPassphrase, events);
   warn_if_exposed(extra_.uri(), property::kPskExtraPassphrases, events);
   return out;

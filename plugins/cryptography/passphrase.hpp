@@ -21,7 +21,7 @@ struct Passphrase {
 };
 
 /// The largest number of passphrases that are accepted only, besides the one to send with.
-inline constexpr std::size_t kMostExtraPassphrases = 15;
+inline constexpr std::size_t kMaxExtraPassphrases = 15;
 
 /// The sources of a participant's passphrases, so that they can be read again.
 class PassphraseFiles {

@@ -199,7 +199,7 @@ Result<std::size_t> PreSharedKeyRing::open_first(const SenderId& id, const Entry
 }
 
 void PreSharedKeyRing::remember(const SenderId& id, std::unique_ptr<ReceiveKey> key) {
-  if (senders_.size() >= kMostSenders)
+  if (senders_.size() >= kMaxSenders)
     senders_.erase(std::ranges::min_element(
         senders_, {}, [](const auto& entry) { return entry.second.last_used; }));
   senders_.emplace(id, Sender{std::move(key), ++time_});

@@ -31,7 +31,7 @@ KeyMaterial derive_pre_shared_material(const Passphrase& passphrase, TransformKi
 /// under them was right, so a sender without a passphrase takes no memory. Not thread-safe.
 class PreSharedKeyRing final : public spi::PreSharedKeys {
  public:
-  static constexpr std::size_t kMostSenders = 1024;
+  static constexpr std::size_t kMaxSenders = 1024;
 
   struct Domain {
     DomainId id;

@@ -49,14 +49,14 @@ class NewestPosition {
 /// may use it.
 ///
 /// The sender, or an attacker, chooses the session id of a message. So a session is remembered only
-/// after a tag under it was right, and at most kMostSessions are remembered. A hit reads
-/// kMostSessions pointers and writes nothing (except once after each new session, for the order of
+/// after a tag under it was right, and at most kMaxSessions are remembered. A hit reads
+/// kMaxSessions pointers and writes nothing (except once after each new session, for the order of
 /// use). A miss costs a derivation and a key expansion. Fast DDS changes its session every 32
 /// messages. So the object of a dropped session is set aside and used again for the next one, and
 /// nothing is allocated.
 class ReceiveKey final : public Retirable {
  public:
-  static constexpr std::size_t kMostSessions = 4;
+  static constexpr std::size_t kMaxSessions = 4;
 
   ReceiveKey(KeyMaterial material, KindTraits traits, const KeyEnvironment& environment)
       : position_(position_of(std::exchange(material.position, std::nullopt))),
@@ -126,7 +126,7 @@ class ReceiveKey final : public Retirable {
   const KeyMaterial material_;
   const KindTraits traits_;
   const KeyEnvironment& environment_;
-  std::array<Published<ReceiveSession>, kMostSessions> sessions_;
+  std::array<Published<ReceiveSession>, kMaxSessions> sessions_;
   std::atomic<std::uint32_t> time_ = 0;  // counts remembered sessions
   std::mutex mutex_;                     // guards aside_ and writing to sessions_
   Aside aside_;

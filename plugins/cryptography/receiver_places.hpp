@@ -19,16 +19,16 @@ namespace ddssec::cryptography {
 class ReceiverPlaces {
  public:
   /// This many MACs leave 3,000 octets of a UDP datagram for the rest.
-  static constexpr std::size_t kMost = 3125;
+  static constexpr std::size_t kMax = 3125;
   /// The limit for readers, and that for participants, if RTPS messages have origin authentication:
   /// a message may then carry MACs of both levels. Both together leave 5,500 octets for the rest.
-  static constexpr std::size_t kMostOfEach = 1500;
+  static constexpr std::size_t kMaxOfEach = 1500;
   /// The limit for one certificate. Each of its participants has a reader for every secure builtin
   /// topic.
   static constexpr std::size_t share_of(std::size_t most) { return most / 5; }
 
   /// `of` names the receivers in events.
-  explicit ReceiverPlaces(std::size_t most = kMost, std::string_view of = "readers of a writer")
+  explicit ReceiverPlaces(std::size_t most = kMax, std::string_view of = "readers of a writer")
       : most_(most), of_(of) {}
 
   /// Takes a place for one more receiver of a certificate's subject. Error: receiver_places_taken.

@@ -16,7 +16,7 @@ Registry::Place& Registry::place(std::uint64_t index) const {
 
 Status Registry::add(std::unique_ptr<Entity> entity) {
   if (free_.empty()) {
-    if (next_ == kChunkSize * kMostChunks) return fail(Code::crypto_too_many_entities);
+    if (next_ == kChunkSize * kMaxChunks) return fail(Code::crypto_too_many_entities);
     auto& chunk = chunks_[next_ / kChunkSize];
     if (chunk.load() == nullptr) {
       free_.reserve(next_ + kChunkSize);  // so that removing needs no memory

@@ -42,7 +42,7 @@ class Entity : public Retirable {
 class Registry {
  public:
   static constexpr std::size_t kChunkSize = 1024;
-  static constexpr std::size_t kMostChunks = 1024;
+  static constexpr std::size_t kMaxChunks = 1024;
 
   explicit Registry(std::uint64_t first_generation)
       : first_generation_(first_generation & kGenerationMask) {}
@@ -84,7 +84,7 @@ class Registry {
   /// The live entity of exactly this handle, or nullptr.
   Entity* at(std::int64_t handle) const noexcept {
     const auto index = static_cast<std::uint64_t>(handle) & kIndexMask;
-    if (handle <= 0 || index >= kChunkSize * kMostChunks) return nullptr;
+    if (handle <= 0 || index >= kChunkSize * kMaxChunks) return nullptr;
     const Chunk* const chunk = chunks_[index / kChunkSize].load(std::memory_order_acquire);
     if (chunk == nullptr) return nullptr;
     Entity* const entity = (*chunk)[index % kChunkSize].entity.load();
@@ -94,7 +94,7 @@ class Registry {
   static std::unexpected<Error> refuse(std::int64_t handle, const Entity* found);
 
   const std::uint64_t first_generation_;
-  std::array<std::atomic<Chunk*>, kMostChunks> chunks_ = {};
+  std::array<std::atomic<Chunk*>, kMaxChunks> chunks_ = {};
   std::vector<std::uint64_t> free_;
   std::uint64_t next_ = 0;
   std::size_t size_ = 0;

@@ -37,7 +37,7 @@ bool SendPosition::is_after(const SendPosition& other) const noexcept {
 
 Bytes serialize(const SendPosition& position) {
   const auto ranges =
-      std::span(position.begun).first(std::min(position.begun.size(), SendPosition::kMostRanges));
+      std::span(position.begun).first(std::min(position.begun.size(), SendPosition::kMaxRanges));
   Writer out(Endian::big, kHeadSize + ranges.size() * kRangeSize);
   out.write(position.suffix);
   out.write(position.session);
@@ -56,7 +56,7 @@ std::optional<SendPosition> parse_send_position(BytesView octets) {
   SendPosition out{*session, *suffix};
   while (!reader.at_end()) {
     const auto first = reader.read<std::uint32_t>(), further = reader.read<std::uint32_t>();
-    if (!first || !further || out.begun.size() >= SendPosition::kMostRanges) return std::nullopt;
+    if (!first || !further || out.begun.size() >= SendPosition::kMaxRanges) return std::nullopt;
     out.begun.push_back({*first, *further});
   }
   return out.begun.empty() ? std::nullopt : std::optional(std::move(out));

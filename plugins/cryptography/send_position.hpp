@@ -32,7 +32,7 @@ IvParts parts_of(const Iv& iv) noexcept;
 struct SendPosition {
   /// The largest number of ranges that are sent; a process has one, and one more for each fork()
   /// before it.
-  static constexpr std::size_t kMostRanges = 8;
+  static constexpr std::size_t kMaxRanges = 8;
 
   std::uint32_t session = 0;             ///< of the next message
   std::uint64_t suffix = 0;              ///< of its IV: greater for each message of a session

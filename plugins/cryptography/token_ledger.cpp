@@ -100,14 +100,14 @@ Status TokenLedger::check_room(const Key& key, const TokenSender& sender) {
   const auto [pending, all] = found == accounts_.end() ? Account{} : found->second;
   const bool waits = key.remote.entity != kEntityIdParticipant && !is_builtin(key.remote.entity) &&
                      !awaited_.contains(sender.exchange, key);
-  const auto of_certificate = waits ? kMostPending : kMostPending + kReserved;
+  const auto of_certificate = waits ? kMaxPending : kMaxPending + kReserved;
   const auto most =
-      sender.is_proven ? of_certificate : std::min(kMostPending, kMostUnproven - unproven_pending_);
+      sender.is_proven ? of_certificate : std::min(kMaxPending, kMaxUnproven - unproven_pending_);
   if (pending >= most)
     return fail(Code::crypto_tokens_crowded, {.document = std::string(kDocument),
                                               .expected = std::to_string(most),
                                               .note = "of " + key.remote.to_string()});
-  if (all >= 2 * kMostPending) forget_used(key, sender);
+  if (all >= 2 * kMaxPending) forget_used(key, sender);
   return {};
 }
 

@@ -92,11 +92,11 @@ class TokenLedger {
   /// The largest number of pending tickets for the participants of one certificate, which are
   /// identified by the first six octets of the prefix (DDS-Security 1.2, clause 10.3.3). Enough for
   /// the 128 readers and 128 writers of two participants.
-  static constexpr std::size_t kMostPending = 16384;
+  static constexpr std::size_t kMaxPending = 16384;
   /// The limit for all senders with an unproven prefix, which can name any prefix. Each has a share
   /// like that of a certificate, but at most as much as is left for others, so that a further
   /// sender finds some space.
-  static constexpr std::size_t kMostUnproven = 4 * kMostPending;
+  static constexpr std::size_t kMaxUnproven = 4 * kMaxPending;
   /// Additional space of a certificate for the few tokens of participants and builtin endpoints,
   /// without which nothing else works.
   static constexpr std::size_t kReserved = 2048;
@@ -130,7 +130,7 @@ class TokenLedger {
   void end(std::uint64_t exchange, std::chrono::nanoseconds now);
 
   /// The host has matched two endpoints and waits for tokens of that exchange. Tokens that come now
-  /// find space beyond kMostPending.
+  /// find space beyond kMaxPending.
   void await(std::uint64_t exchange, const TokenKey& key, std::chrono::nanoseconds now);
 
   /// True if tokens of that exchange, which still goes on, were dropped since the last call. Either

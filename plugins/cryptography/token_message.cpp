@@ -61,9 +61,9 @@ bool are_two_of_a_kind(const TokenMessage& message) {
 }
 
 Result<std::vector<spi::Token>> read_tokens(Reader& in) {
-  constexpr std::size_t kLeastToken = 12;
-  DDSSEC_ASSIGN_OR_RETURN(const auto count, in.read_count(kLeastToken));
-  if (count > spi::kMostTokensPerMessage) return fail(Code::length_out_of_range);
+  constexpr std::size_t kMinToken = 12;
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, in.read_count(kMinToken));
+  if (count > spi::kMaxTokensPerMessage) return fail(Code::length_out_of_range);
   std::vector<spi::Token> tokens;
   std::size_t octets = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -71,7 +71,7 @@ Result<std::vector<spi::Token>> read_tokens(Reader& in) {
     tokens.push_back(std::move(token));
     octets += octets_with_names(tokens.back());
   }
-  if (octets > kMostTokenOctets) return fail(Code::length_out_of_range);
+  if (octets > kMaxTokenOctets) return fail(Code::length_out_of_range);
   return tokens;
 }
 
@@ -120,7 +120,7 @@ Result<std::optional<TokenMessage>> read_generic_message(const DataPiece& piece)
              source_endpoint.entity == kEntityIdParticipant) {
     return fail(Code::malformed);  // without owner, or a participant's tokens as an endpoint's
   }
-  if (piece.number >= kGreatestNumber) return fail(Code::length_out_of_range);
+  if (piece.number >= kMaxNumber) return fail(Code::length_out_of_range);
   message.tokens_at = kEncapsulationSize + in.position();
   DDSSEC_ASSIGN_OR_RETURN(message.tokens, read_tokens(in));
   return message;
@@ -143,7 +143,7 @@ Status check_usable(const TokenMessage& message) {
                  .found = message.remote.to_string() + " for " + message.local.to_string(),
                  .note = "no two such endpoints exchange keys"});
   const bool is_of_participant = message.remote.entity == kEntityIdParticipant;
-  const auto most = is_of_participant ? 1 : kMostTokensPerEndpoint;
+  const auto most = is_of_participant ? 1 : kMaxTokensPerEndpoint;
   if (message.tokens.empty() || message.tokens.size() > most)
     return fail(Code::crypto_token_count, {.document = std::string(kTokenMessage)});
   for (const auto& token : message.tokens) DDSSEC_RETURN_IF_ERROR(read_crypto_token(token));

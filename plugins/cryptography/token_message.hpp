@@ -26,8 +26,8 @@ struct TokenMessage {
 
 /// Parses a piece that passed check_token_source; empty if no tokens begin in it. All tokens must
 /// be in this piece: with fragments, a sender could hide which tokens it sends. Error:
-/// token_source_unreadable, also for tokens of more than kMostTokenOctets, for an endpoint's tokens
-/// that do not name an endpoint of the sender, and for numbers from kGreatestNumber on: Cyclone DDS
+/// token_source_unreadable, also for tokens of more than kMaxTokenOctets, for an endpoint's tokens
+/// that do not name an endpoint of the sender, and for numbers from kMaxNumber on: Cyclone DDS
 /// handles the greatest of all numbers before those that come first.
 Result<std::optional<TokenMessage>> read_token_message(const DataPiece& piece);
 
@@ -37,15 +37,15 @@ Result<std::optional<TokenMessage>> read_token_message(const DataPiece& piece);
 /// crypto_token_count, those of read_crypto_token.
 Status check_usable(const TokenMessage& message);
 
-inline constexpr std::uint64_t kGreatestNumber = std::uint64_t{1} << 62;
+inline constexpr std::uint64_t kMaxNumber = std::uint64_t{1} << 62;
 
 /// The largest number of octets of all tokens of one message, including names and class ids: three
 /// times the size of two keys with receiver keys.
-inline constexpr std::size_t kMostTokenOctets = 1024;
+inline constexpr std::size_t kMaxTokenOctets = 1024;
 
 /// A writer may have one key for both levels, or one key for each (DDS-Security 1.2,
 /// clause 10.5.2.1).
-inline constexpr std::size_t kMostTokensPerEndpoint = 2;
+inline constexpr std::size_t kMaxTokensPerEndpoint = 2;
 
 /// Given to the host instead of key material; the host presents it later.
 struct Ticket {

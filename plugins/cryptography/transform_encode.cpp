@@ -120,7 +120,7 @@ Result<std::size_t> encode_group(const GroupRequest& request, SendKey& key, Muta
 /// filled in.
 Result<std::optional<std::size_t>> check_submessage(BytesView plain) {
   if (plain.size() < kSubmessageHeaderSize || plain.size() % 4 != 0 ||
-      plain.size() > kMostSubmessageContent)
+      plain.size() > kMaxSubmessageContent)
     return fail(Code::plaintext_malformed);
   const auto header = read_submessage_header(plain);
   if (header.length == plain.size() - kSubmessageHeaderSize) return std::nullopt;
@@ -140,7 +140,7 @@ Result<std::optional<std::size_t>> check_submessages(BytesView plain) {
     // Only INFO_TS and PAD can be empty; for others, 0 means "to the end" (RTPS 9.4.5.1.3).
     const bool may_be_empty = header.id == submessage_id::kInfoTimestamp || header.id == 0x01;
     if (header.length == 0 && !may_be_empty && left != 0) {
-      if (left > kMostSubmessageContent) return fail(Code::plaintext_malformed);
+      if (left > kMaxSubmessageContent) return fail(Code::plaintext_malformed);
       return std::optional(position);
     }
     if (header.length > left || header.length % 4 != 0) return fail(Code::plaintext_malformed);
@@ -150,7 +150,7 @@ Result<std::optional<std::size_t>> check_submessages(BytesView plain) {
 }
 
 Status check_receivers(spi::ProtectionKind kind, std::size_t count) {
-  if (is_origin_authenticated(kind) && (count == 0 || count > kMostReceivers))
+  if (is_origin_authenticated(kind) && (count == 0 || count > kMaxReceivers))
     return fail(Code::receiver_count);
   return {};
 }
@@ -276,7 +276,7 @@ Result<GroupRequest> message_request(BytesView plain, Frame frame, bool encrypts
   GroupRequest request{frame, plain.subspan(4, 16), body, std::nullopt, 0};
   if (!encrypts) {
     DDSSEC_ASSIGN_OR_RETURN(request.open_length, check_submessages(body));
-  } else if (body.empty() || 4 + padded(request.size()) > kMostSubmessageContent)
+  } else if (body.empty() || 4 + padded(request.size()) > kMaxSubmessageContent)
     return fail(Code::plaintext_malformed);
   return request;
 }

@@ -24,10 +24,10 @@ inline constexpr std::size_t kSubmessageHeaderSize = 4;
 inline constexpr std::size_t kRtpsHeaderSize = 20;
 inline constexpr std::size_t kInfoSourceSize = 24;
 /// The largest octetsToNextHeader that is a multiple of 4.
-inline constexpr std::size_t kMostSubmessageContent = 65532;
+inline constexpr std::size_t kMaxSubmessageContent = 65532;
 /// The largest number of receivers in a SEC_POSTFIX.
-inline constexpr std::size_t kMostReceivers =
-    (kMostSubmessageContent - kFooterSize) / kReceiverMacSize;
+inline constexpr std::size_t kMaxReceivers =
+    (kMaxSubmessageContent - kFooterSize) / kReceiverMacSize;
 
 namespace submessage_id {
 inline constexpr std::uint8_t kAckNack = 0x06, kHeartbeat = 0x07, kGap = 0x08,

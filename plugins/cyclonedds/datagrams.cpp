@@ -18,7 +18,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-constexpr std::size_t kMostGroups = 64, kMostPorts = 16, kMostInterfaces = 16;
+constexpr std::size_t kMaxGroups = 64, kMaxPorts = 16, kMaxInterfaces = 16;
 
 /// The address for the kernel, with its length. `scope`: the interface of a link-local address.
 std::pair<sockaddr_storage, socklen_t> kernel_address(const spi::UdpAddress& address, int scope) {
@@ -86,7 +86,7 @@ std::optional<Number> number_in(std::string_view text, int base) {
 void add_ipv4(std::vector<JoinedGroup>& out, std::string_view igmp) {
   std::istringstream lines{std::string(igmp)};
   int interface = 0;
-  for (std::string line; std::getline(lines, line) && out.size() < kMostGroups;) {
+  for (std::string line; std::getline(lines, line) && out.size() < kMaxGroups;) {
     std::istringstream words(line);
     std::string word;
     words >> word;
@@ -109,7 +109,7 @@ void add_ipv4(std::vector<JoinedGroup>& out, std::string_view igmp) {
 /// digits.
 void add_ipv6(std::vector<JoinedGroup>& out, std::string_view igmp6) {
   std::istringstream lines{std::string(igmp6)};
-  for (std::string line; std::getline(lines, line) && out.size() < kMostGroups;) {
+  for (std::string line; std::getline(lines, line) && out.size() < kMaxGroups;) {
     std::istringstream words(line);
     std::string index, name, digits;
     words >> index >> name >> digits;
@@ -220,7 +220,7 @@ std::vector<std::uint16_t> shared_ports() {
   (void)each_descriptor([&](int descriptor) {
     const auto port = shared_port(descriptor);
     if (port && std::ranges::find(out, *port) == out.end()) out.push_back(*port);
-    return out.size() < kMostPorts;
+    return out.size() < kMaxPorts;
   });
   return out;
 }
@@ -239,7 +239,7 @@ std::optional<bool> has_bound_udp() {
 std::vector<int> link_local_interfaces(std::string_view if_inet6) {
   std::vector<int> out;
   std::istringstream lines{std::string(if_inet6)};
-  for (std::string line; std::getline(lines, line) && out.size() < kMostInterfaces;) {
+  for (std::string line; std::getline(lines, line) && out.size() < kMaxInterfaces;) {
     std::istringstream words(line);
     std::string address, index, length, scope;
     words >> address >> index >> length >> scope;

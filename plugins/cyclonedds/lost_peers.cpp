@@ -15,11 +15,11 @@ constexpr const char* kOnce = "this is done once; then the handshake waits for t
 }  // namespace
 
 void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revoke& revoke) {
-  constexpr int kMostFarewells = 32;  // per second: attackers can invent peers that never answer
+  constexpr int kMaxFarewells = 32;  // per second: attackers can invent peers that never answer
   int farewells = 0;
   for (const auto& stuck : watch_.give_up(questions_to_cryptography())) {
     if (stop.stop_requested()) return;
-    if (!stuck.lacks_endpoints && ++farewells <= kMostFarewells) say_farewell(stuck.guid);
+    if (!stuck.lacks_endpoints && ++farewells <= kMaxFarewells) say_farewell(stuck.guid);
     if (stuck.is_first) {
       const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(stuck.waited);
       const std::string found = stuck.lacks_endpoints ? "not all of its builtin endpoints"

@@ -39,7 +39,7 @@ void LostSessions::established(IdentityHandle local, const Guid& remote,
   Session session{.sender = sender,
                   .token = spi::derive_reset_token(secret, sender),
                   .to = secret.peer_addresses};
-  if (session.to.size() > kMostAddresses) session.to.resize(kMostAddresses);
+  if (session.to.size() > kMaxAddresses) session.to.resize(kMaxAddresses);
   const Key key{remote, local};
   auto& known = sessions_[key];
   no_longer_lost(key, known);
@@ -64,8 +64,8 @@ void LostSessions::note_lost(const Key& key, Session& session) {
   session.lost = ++losses_;
   session.lost_at = session.next = clock_.monotonic();
   ++local.all_lost;
-  if (of_subject.size() > kMostOfSubject) return forget_first(of_subject);
-  if (local.all_lost <= kMostLost) return;
+  if (of_subject.size() > kMaxOfSubject) return forget_first(of_subject);
+  if (local.all_lost <= kMaxLost) return;
   const auto most_then_first = [](const auto& entry) {
     const auto& sessions = entry.second;
     return std::pair(sessions.size(), sessions.empty() ? 0 : ~sessions.begin()->first);
@@ -129,7 +129,7 @@ std::vector<LostSessions::Due> LostSessions::due(const IsMeeting& is_meeting) {
     const auto& [remote, local] = key;
     const bool meets = is_meeting(local, remote);
     if (!is_due(session, meets, now)) continue;
-    if (!meets && ++unmet > kMostUnmet) continue;
+    if (!meets && ++unmet > kMaxUnmet) continue;
     note_sent(session, meets, now);
     out.push_back({.local = local,
                    .own = session.sender,

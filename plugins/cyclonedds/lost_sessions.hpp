@@ -41,18 +41,18 @@ class LostSessions {
   static constexpr Duration kFirstUnmet = std::chrono::seconds(4);
   static constexpr Duration kSecondUnmet = std::chrono::seconds(32);
   /// The largest number of resets for such peers at once. The others are due the next time.
-  static constexpr unsigned kMostUnmet = 32;
+  static constexpr unsigned kMaxUnmet = 32;
   /// For how long a lost session is remembered. A peer that was out of reach for longer and kept
   /// the session would need a lease of that length.
   static constexpr Duration kMemory = std::chrono::minutes(30);
   /// The largest number of lost sessions for each local participant, and of those with participants
   /// of one certificate: as many as it may have. Beyond the share of a certificate, its oldest lost
-  /// session is dropped. Beyond kMostLost, that of the certificate with the most lost sessions is
+  /// session is dropped. Beyond kMaxLost, that of the certificate with the most lost sessions is
   /// dropped.
-  static constexpr std::size_t kMostLost = 4096;
-  static constexpr std::size_t kMostOfSubject = 625;
+  static constexpr std::size_t kMaxLost = 4096;
+  static constexpr std::size_t kMaxOfSubject = 625;
   /// The largest number of addresses used for one peer.
-  static constexpr std::size_t kMostAddresses = 4;
+  static constexpr std::size_t kMaxAddresses = 4;
 
   explicit LostSessions(const Clock& clock) : clock_(clock) {}
 

@@ -39,7 +39,7 @@ void SharedSecrets::note(spi::HandshakeHandle handshake, spi::IdentityHandle ini
 
 void SharedSecrets::forget_oldest_unfinished(std::vector<Entry>& entries) {
   const auto unfinished = [](const Entry& entry) { return entry.block == nullptr; };
-  if (std::ranges::count_if(entries, unfinished) <= std::ptrdiff_t{kMostUnfinishedPerPair}) return;
+  if (std::ranges::count_if(entries, unfinished) <= std::ptrdiff_t{kMaxUnfinishedPerPair}) return;
   const auto oldest = std::ranges::find_if(entries, unfinished);
   pair_of_.erase(oldest->handshake);
   entries.erase(oldest);

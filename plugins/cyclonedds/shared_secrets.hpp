@@ -22,7 +22,7 @@ class SharedSecrets {
  public:
   /// The largest number of remembered handshakes of a pair without a secret; the oldest is dropped.
   /// Any sender can cause an answer to a request, but only the peer can finish a handshake.
-  static constexpr std::size_t kMostUnfinishedPerPair = 8;
+  static constexpr std::size_t kMaxUnfinishedPerPair = 8;
 
   /// Remembers the two identities of a handshake.
   void note(spi::HandshakeHandle handshake, spi::IdentityHandle initiator,

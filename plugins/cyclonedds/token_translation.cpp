@@ -126,8 +126,8 @@ void free_token(DDS_Security_DataHolder& token) noexcept {
 
 Result<spi::Token> token_from(const DDS_Security_DataHolder* token) {
   if (is_nil(token)) return fail(Code::null_argument);
-  if (token->properties._length > spi::kMostPropertiesPerToken ||
-      token->binary_properties._length > spi::kMostPropertiesPerToken)
+  if (token->properties._length > spi::kMaxPropertiesPerToken ||
+      token->binary_properties._length > spi::kMaxPropertiesPerToken)
     return fail(Code::length_out_of_range);
   spi::Token copy{.class_id = token->class_id};
   DDSSEC_RETURN_IF_ERROR(append_properties(token->properties, copy.properties));
@@ -163,7 +163,7 @@ void free_tokens(DDS_Security_DataHolderSeq& tokens) noexcept {
 
 Result<CryptoTokens> CryptoTokens::from(const DDS_Security_DataHolderSeq* tokens) {
   if (tokens == nullptr) return fail(Code::null_argument);
-  if (tokens->_length > spi::kMostTokensPerMessage) return fail(Code::length_out_of_range);
+  if (tokens->_length > spi::kMaxTokensPerMessage) return fail(Code::length_out_of_range);
   CryptoTokens copy({});
   copy.tokens_.reserve(tokens->_length);
   DDSSEC_ASSIGN_OR_RETURN(const auto elements, elements_of(*tokens));
@@ -180,7 +180,7 @@ CryptoTokens::~CryptoTokens() {
 }
 
 Result<spi::Token> with_text_properties(spi::Token token) {
-  if (token.properties.size() + token.binary_properties.size() > spi::kMostPropertiesPerToken)
+  if (token.properties.size() + token.binary_properties.size() > spi::kMaxPropertiesPerToken)
     return fail(Code::length_out_of_range);
   for (const auto& property : token.binary_properties) {
     const auto text = as_text(property.value);

@@ -24,7 +24,7 @@ inline bool is_nil(const DDS_Security_DataHolder* token) {
 }
 
 /// A copy of a token from the host. Errors: null_argument, length_out_of_range
-/// (kMostPropertiesPerToken).
+/// (kMaxPropertiesPerToken).
 Result<spi::Token> token_from(const DDS_Security_DataHolder* token);
 
 /// The same for sequences of crypto tokens.
@@ -34,7 +34,7 @@ void free_tokens(DDS_Security_DataHolderSeq& tokens) noexcept;
 /// Crypto tokens copied from the host; the keys in them are wiped at destruction.
 class CryptoTokens {
  public:
-  /// Copies the host's tokens. Errors: null_argument, length_out_of_range (kMostTokensPerMessage).
+  /// Copies the host's tokens. Errors: null_argument, length_out_of_range (kMaxTokensPerMessage).
   static Result<CryptoTokens> from(const DDS_Security_DataHolderSeq* tokens);
   /// Takes ownership of an engine's tokens.
   explicit CryptoTokens(std::vector<spi::Token> tokens) : tokens_(std::move(tokens)) {}

@@ -161,7 +161,7 @@ class Authentication {
 
   /// A token that shows the peer of a finished handshake the certificate and the permissions that
   /// the local identity presents now, signed with that certificate's key for this session alone.
-  /// Empty if the peer has them, or has been shown them kMostOffers times. Errors, without an
+  /// Empty if the peer has them, or has been shown them kMaxOffers times. Errors, without an
   /// event: handshake_not_finished, those of pki::sign.
   virtual Result<std::optional<Token>> offer_renewal(HandshakeHandle) { return std::nullopt; }
   /// Judges such a token of the peer and changes nothing. Returns what
@@ -199,7 +199,7 @@ class Authentication {
   /// users of the engine. Nil: all.
   virtual std::vector<IdentityHandle> expire(IdentityHandle local = {}) = 0;
   /// How often the same documents are offered to a peer that does not answer.
-  static constexpr int kMostOffers = 3;
+  static constexpr int kMaxOffers = 3;
 };
 
 inline Result<Token> Authentication::judge_renewal(HandshakeHandle, const Token&) {

@@ -9,7 +9,7 @@ Result<std::chrono::seconds> files_poll_interval(const PropertyList& properties)
   DDSSEC_ASSIGN_OR_RETURN(
       const auto seconds,
       number_property(properties, property::kFilesPollInterval,
-                      {.unit = "seconds", .most = kLongestFilesPollInterval.count()},
+                      {.unit = "seconds", .most = kMaxFilesPollInterval.count()},
                       kDefaultFilesPollInterval.count()));
   return std::chrono::seconds(seconds);
 }

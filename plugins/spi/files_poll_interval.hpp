@@ -8,9 +8,9 @@
 namespace ddssec::spi {
 
 inline constexpr std::chrono::seconds kDefaultFilesPollInterval{5};
-inline constexpr std::chrono::seconds kLongestFilesPollInterval{24 * 60 * 60};
+inline constexpr std::chrono::seconds kMaxFilesPollInterval{24 * 60 * 60};
 
-/// The value of `org.ddssec.files_poll_interval` in seconds, at most kLongestFilesPollInterval;
+/// The value of `org.ddssec.files_poll_interval` in seconds, at most kMaxFilesPollInterval;
 /// kDefaultFilesPollInterval if the property is missing. 0: never check. Error: invalid_property.
 Result<std::chrono::seconds> files_poll_interval(const PropertyList& properties);
 

@@ -8,10 +8,10 @@
 namespace ddssec::spi {
 
 inline constexpr std::chrono::seconds kDefaultGovernanceChangeTime{60};
-inline constexpr std::chrono::seconds kLongestGovernanceChangeTime{60 * 60};
+inline constexpr std::chrono::seconds kMaxGovernanceChangeTime{60 * 60};
 
 /// The value of `org.ddssec.governance_change_time` in seconds, at most
-/// kLongestGovernanceChangeTime; kDefaultGovernanceChangeTime if the property is missing. 0: peers
+/// kMaxGovernanceChangeTime; kDefaultGovernanceChangeTime if the property is missing. 0: peers
 /// are not waited for. Error: invalid_property.
 Result<std::chrono::seconds> governance_change_time(const PropertyList& properties);
 

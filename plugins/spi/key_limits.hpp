@@ -9,8 +9,8 @@
 namespace ddssec::spi {
 
 /// The shortest lifetime: a shorter one would leave no time to revise keys before it ends.
-inline constexpr std::chrono::seconds kShortestKeyLifetime{20};
-inline constexpr std::chrono::seconds kLongestKeyLifetime{std::chrono::hours(24 * 365)};
+inline constexpr std::chrono::seconds kMinKeyLifetime{20};
+inline constexpr std::chrono::seconds kMaxKeyLifetime{std::chrono::hours(24 * 365)};
 
 /// In both fields, 0 means no limit.
 struct KeyLimits {
@@ -20,8 +20,8 @@ struct KeyLimits {
   bool any() const { return lifetime.count() != 0 || blocks != 0; }
 };
 
-/// The values of `org.ddssec.crypto.key_lifetime` (seconds, kShortestKeyLifetime to
-/// kLongestKeyLifetime) and `org.ddssec.crypto.max_blocks_per_key`. A missing property is no limit.
+/// The values of `org.ddssec.crypto.key_lifetime` (seconds, kMinKeyLifetime to
+/// kMaxKeyLifetime) and `org.ddssec.crypto.max_blocks_per_key`. A missing property is no limit.
 /// Limits need a governance that enables key revision; this function does not check that. Error:
 /// invalid_property.
 Result<KeyLimits> key_limits(const PropertyList& properties);

@@ -14,8 +14,8 @@ constexpr std::string_view kBlanks = " \t\r";
 /// Some editors put this before the first line of a UTF-8 text.
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 /// The largest edit distance at which a known name is proposed.
-constexpr std::size_t kMostDifferences = 3;
-constexpr std::size_t kMostNameOctets = 64;
+constexpr std::size_t kMaxDifferences = 3;
+constexpr std::size_t kMaxNameOctets = 64;
 
 bool has_control_character(std::string_view text) {
   return std::ranges::any_of(
@@ -24,8 +24,8 @@ bool has_control_character(std::string_view text) {
 
 /// The known name that is most similar to `name`; empty if none is similar enough.
 std::string_view nearest(std::string_view name) {
-  const auto lower = ascii_lower(name.substr(0, kMostNameOctets));
-  std::size_t least = kMostDifferences + 1;
+  const auto lower = ascii_lower(name.substr(0, kMaxNameOctets));
+  std::size_t least = kMaxDifferences + 1;
   std::string_view best;
   for (const auto known : property::kOfParticipants) {
     const auto differences = edit_distance(lower, known);
@@ -40,12 +40,12 @@ std::string_view nearest(std::string_view name) {
 /// too. So an error quotes only text that looks like a property name.
 std::string quoted(std::string_view name) {
   constexpr std::string_view kBeginnings[] = {"dds.sec.", "org.ddssec.", "org.eclipse.cyclonedds."};
-  const auto lower = ascii_lower(name.substr(0, kMostNameOctets));
+  const auto lower = ascii_lower(name.substr(0, kMaxNameOctets));
   const bool looks_like_one =
       !nearest(name).empty() || std::ranges::any_of(kBeginnings, [&](std::string_view beginning) {
         return lower.starts_with(beginning);
       });
-  return looks_like_one ? std::string(name.substr(0, kMostNameOctets)) : "another name";
+  return looks_like_one ? std::string(name.substr(0, kMaxNameOctets)) : "another name";
 }
 
 Status check_known(std::string_view name, int line) {
@@ -95,7 +95,7 @@ Result<PropertyList> parse_properties(std::string_view text) {
 
 Result<PropertyList> read_property_file(const std::filesystem::path& path) {
   const auto name = path.string();
-  auto octets = load_secret_octets("file://" + name, name, kMostPropertyFileOctets);
+  auto octets = load_secret_octets("file://" + name, name, kMaxPropertyFileOctets);
   if (!octets && octets.error().code() == Code::item_empty) return PropertyList{};
   if (!octets) return std::unexpected(std::move(octets).error());
   const Rollback at_the_end([&] { wipe(*octets); });  // a value may be a passphrase

@@ -10,7 +10,7 @@
 
 namespace ddssec::spi {
 
-inline constexpr std::size_t kMostPropertyFileOctets = 64 * 1024;
+inline constexpr std::size_t kMaxPropertyFileOctets = 64 * 1024;
 
 /// Parses one `name = value` per line. Blanks around both are removed. Empty lines, lines that
 /// begin with #, and a byte order mark at the beginning are skipped. No property propagates.
@@ -19,7 +19,7 @@ inline constexpr std::size_t kMostPropertyFileOctets = 64 * 1024;
 /// character).
 Result<PropertyList> parse_properties(std::string_view text);
 
-/// The properties of a file of at most kMostPropertyFileOctets; none if it is empty. Errors: those
+/// The properties of a file of at most kMaxPropertyFileOctets; none if it is empty. Errors: those
 /// of parse_properties, file_not_found, file_unreadable, file_too_large.
 Result<PropertyList> read_property_file(const std::filesystem::path& path);
 

@@ -40,7 +40,7 @@ inline constexpr std::string_view kSharedMemory = "org.ddssec.shm";
 /// are encrypted.
 inline constexpr std::string_view kTrustKernel = "org.ddssec.shm.trust_kernel";
 /// Ours: limit for the shared memory that a participant makes, in octets.
-inline constexpr std::string_view kMostSharedOctets = "org.ddssec.shm.most_octets";
+inline constexpr std::string_view kMaxSharedOctets = "org.ddssec.shm.most_octets";
 /// Ours: "true" lets samples go through shared memory to processes of other users, too.
 inline constexpr std::string_view kSharedWithOtherUsers = "org.ddssec.shm.other_users";
 
@@ -79,7 +79,7 @@ inline constexpr std::string_view kPskCipher = "dds.sec.crypto.rtps_psk_symmetri
 /// Ours: how long (seconds) and for how much (blocks of 16 octets) keys are used before a
 /// participant revises them; 0: no limit. Only where the governance enables key revision.
 inline constexpr std::string_view kKeyLifetime = "org.ddssec.crypto.key_lifetime";
-inline constexpr std::string_view kMostBlocksPerKey = "org.ddssec.crypto.max_blocks_per_key";
+inline constexpr std::string_view kMaxBlocksPerKey = "org.ddssec.crypto.max_blocks_per_key";
 /// Ours, in Cyclone DDS: "true" passes type information of peers to its core, which any of them can
 /// end by it.
 inline constexpr std::string_view kTrustTypeInformation =
@@ -108,7 +108,7 @@ inline constexpr std::string_view kOfParticipants[] = {kIdentityCa,
                                                        kPskExtraPassphrases,
                                                        kPskCipher,
                                                        kKeyLifetime,
-                                                       kMostBlocksPerKey,
+                                                       kMaxBlocksPerKey,
                                                        kTrustTypeInformation,
                                                        kWarnBeforeEnd,
                                                        kOcsp,
@@ -117,7 +117,7 @@ inline constexpr std::string_view kOfParticipants[] = {kIdentityCa,
                                                        kRenewalList,
                                                        kSharedMemory,
                                                        kTrustKernel,
-                                                       kMostSharedOctets,
+                                                       kMaxSharedOctets,
                                                        kSharedWithOtherUsers};
 
 }  // namespace ddssec::spi::property

@@ -18,10 +18,10 @@ Result<SharedMemory> shared_memory(const PropertyList& properties) {
   DDSSEC_ASSIGN_OR_RETURN(out.trusts_kernel, flag_property(properties, property::kTrustKernel));
   DDSSEC_ASSIGN_OR_RETURN(out.with_other_users,
                           flag_property(properties, property::kSharedWithOtherUsers));
-  constexpr auto kMost = std::uint64_t{1} << 40;
+  constexpr auto kMax = std::uint64_t{1} << 40;
   DDSSEC_ASSIGN_OR_RETURN(const auto most,
-                          number_property(properties, property::kMostSharedOctets,
-                                          {.unit = "octets", .most = kMost}, out.most_octets));
+                          number_property(properties, property::kMaxSharedOctets,
+                                          {.unit = "octets", .most = kMax}, out.most_octets));
   out.most_octets = most;
   return out;
 }

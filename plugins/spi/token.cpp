@@ -19,11 +19,11 @@ void write_propagated(Writer& writer, const List& list, WriteValue&& write_value
 }
 
 /// A property has at least two length fields: the smallest size that bounds a count.
-constexpr std::size_t kLeastPropertySize = 8;
+constexpr std::size_t kMinPropertySize = 8;
 
 Result<std::uint32_t> read_property_count(Reader& reader) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read_count(kLeastPropertySize));
-  if (count > kMostPropertiesPerToken) return fail(Code::length_out_of_range);
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read_count(kMinPropertySize));
+  if (count > kMaxPropertiesPerToken) return fail(Code::length_out_of_range);
   return count;
 }
 

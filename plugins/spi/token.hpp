@@ -56,13 +56,13 @@ std::string_view property_value(const PropertyList& properties, std::string_view
 const Bytes* find_binary_property(const Token& token, std::string_view name);
 
 /// Limits for tokens that a peer sends. A larger number is refused before anything is allocated.
-inline constexpr std::size_t kMostPropertiesPerToken = 64;
-inline constexpr std::size_t kMostTokensPerMessage = 64;
+inline constexpr std::size_t kMaxPropertiesPerToken = 64;
+inline constexpr std::size_t kMaxTokensPerMessage = 64;
 
 /// Appends a token in XCDR1 in the writer's byte order. Leaves out properties that do not
 /// propagate.
 void write_token(Writer& writer, const Token& token);
-/// Reads one token with at most kMostPropertiesPerToken properties of each kind. Errors: truncated,
+/// Reads one token with at most kMaxPropertiesPerToken properties of each kind. Errors: truncated,
 /// malformed, length_out_of_range.
 Result<Token> read_token(Reader& reader);
 

@@ -12,7 +12,7 @@ using Scopes = std::map<std::string, rtps::PresentationScope>;
 using States = std::map<std::string, FinalState>;
 using Representations = std::map<std::string, rtps::DataRepresentation>;
 
-constexpr std::int64_t kMostMilliseconds = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t kMaxMilliseconds = std::numeric_limits<std::int32_t>::max();
 
 template <class T>
 auto at_least(T least) {
@@ -37,7 +37,7 @@ void add_qos(CLI::App& app, Options& o) {
       "-r", [&o] { o.reliable = true; }, "RELIABLE reliability (default)");
   app.add_option("-k", o.history_depth, "history depth; 0: KEEP_ALL")->check(at_least(0));
   app.add_option("-f", o.deadline, "deadline in milliseconds")
-      ->check(CLI::Range(std::int64_t{0}, kMostMilliseconds));
+      ->check(CLI::Range(std::int64_t{0}, kMaxMilliseconds));
   app.add_option("-s", o.ownership_strength, "-1: SHARED (default), else EXCLUSIVE")
       ->check(at_least(-1));
   app.add_option("-p", o.partition, "partition");
@@ -54,9 +54,9 @@ void add_qos(CLI::App& app, Options& o) {
                              {"2", rtps::DataRepresentation::xcdr2}},
              "data representation: XCDR1, XCDR2");
   app.add_option("--time-filter", o.time_filter, "least separation of samples in milliseconds")
-      ->check(CLI::Range(std::int64_t{0}, kMostMilliseconds));
+      ->check(CLI::Range(std::int64_t{0}, kMaxMilliseconds));
   app.add_option("--lifespan", o.lifespan, "lifespan of samples in milliseconds")
-      ->check(CLI::Range(std::int64_t{0}, kMostMilliseconds));
+      ->check(CLI::Range(std::int64_t{0}, kMaxMilliseconds));
   add_choice(app, "--access-scope", o.presentation.scope,
              Scopes{{"i", rtps::PresentationScope::instance},
                     {"t", rtps::PresentationScope::topic},
@@ -97,12 +97,12 @@ void add_timing(CLI::App& app, Options& o) {
       "--take-read", [&o] { o.by_instance = false; },
       "take/read instead of take_next_instance/read_next_instance");
   app.add_option("--write-period", o.write_period, "milliseconds between writes (33)")
-      ->check(CLI::Range(std::int64_t{0}, kMostMilliseconds));
+      ->check(CLI::Range(std::int64_t{0}, kMaxMilliseconds));
   app.add_option("--read-period", o.read_period, "milliseconds between reads (100)")
-      ->check(CLI::Range(std::int64_t{0}, kMostMilliseconds));
+      ->check(CLI::Range(std::int64_t{0}, kMaxMilliseconds));
   app.add_option("--periodic-announcement", o.announcement_period,
                  "milliseconds between participant announcements")
-      ->check(CLI::Range(std::int64_t{1}, kMostMilliseconds));
+      ->check(CLI::Range(std::int64_t{1}, kMaxMilliseconds));
   app.add_option("--datafrag-size", o.fragment_size, "octets of a fragment of large samples")
       ->check(CLI::Range(1u, 65000u));
 }

@@ -163,11 +163,11 @@ Status AnyDataWriter::wait_for_room(std::unique_lock<std::mutex>& lock, const Oc
 
 Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
   // Readers give up larger samples, and the writer would not notice.
-  if (request.payload.size() > StatefulReader::kLargestSample)
+  if (request.payload.size() > StatefulReader::kMaxSample)
     return fail(Code::rtps_sample_too_large,
                 {.document = "writer of topic " + topic_.name(),
                  .field = "serialized size",
-                 .expected = "at most " + std::to_string(StatefulReader::kLargestSample),
+                 .expected = "at most " + std::to_string(StatefulReader::kMaxSample),
                  .found = std::to_string(request.payload.size())});
   auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));

@@ -9,8 +9,8 @@ namespace ddssec::rtps {
 /// Returns kNever if there is no deadline. A period below one millisecond is raised to one
 /// millisecond, to avoid a busy loop.
 inline MonotonicTime deadline_period(Duration period) {
-  constexpr MonotonicTime kShortest = std::chrono::milliseconds(1);
-  return period.is_infinite() ? kNever : std::max(period.to_nanoseconds(), kShortest);
+  constexpr MonotonicTime kMin = std::chrono::milliseconds(1);
+  return period.is_infinite() ? kNever : std::max(period.to_nanoseconds(), kMin);
 }
 
 }  // namespace ddssec::rtps

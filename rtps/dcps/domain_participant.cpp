@@ -9,7 +9,7 @@
 namespace ddssec::rtps {
 namespace {
 
-constexpr DomainId kGreatestDomain = 232;  // the largest for which the ports fit into 16 bits
+constexpr DomainId kMaxDomain = 232;  // the largest for which the ports fit into 16 bits
 
 std::unexpected<Error> bad_option(std::string field, std::string expected, std::string found) {
   return fail(Code::invalid_property, {.document = "participant options",
@@ -22,7 +22,7 @@ Result<std::uint32_t> random_entity(Random& random) {
   std::array<std::uint8_t, 3> octets{};
   DDSSEC_RETURN_IF_ERROR(random.fill(octets));
   const auto number = std::uint32_t{octets[0]} << 16 | std::uint32_t{octets[1]} << 8 | octets[2];
-  return 1 + number % ParticipantConfig::kGreatestFirstEntity;
+  return 1 + number % ParticipantConfig::kMaxFirstEntity;
 }
 
 void raise_joined(const DomainParticipantOptions& options, const ParticipantSockets& sockets,
@@ -84,7 +84,7 @@ Result<ParticipantConfig> config_of(const DomainParticipantOptions& options,
 
 }  // namespace
 
-static_assert(DomainParticipantOptions::kLargestFragment == MessageSender::kLargestFragment);
+static_assert(DomainParticipantOptions::kMaxFragment == MessageSender::kMaxFragment);
 
 detail::ServiceHolder::ServiceHolder(const Environment& environment,
                                      const DomainParticipantOptions& options)
@@ -111,10 +111,10 @@ DomainParticipant::DomainParticipant(DomainParticipantOptions options,
 
 Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
     DomainParticipantOptions wanted, const Environment& environment) {
-  if (wanted.domain_id < 0 || wanted.domain_id > kGreatestDomain)
+  if (wanted.domain_id < 0 || wanted.domain_id > kMaxDomain)
     return bad_option("domain_id", "0 to 232", std::to_string(wanted.domain_id));
   if (wanted.busy_wait < std::chrono::nanoseconds::zero() ||
-      wanted.busy_wait > DomainParticipantOptions::kLongestBusyWait)
+      wanted.busy_wait > DomainParticipantOptions::kMaxBusyWait)
     return bad_option("busy_wait", "0 to 1000000 ns", std::to_string(wanted.busy_wait.count()));
   DDSSEC_ASSIGN_OR_RETURN(auto interfaces, choose_interfaces(wanted.interfaces));
   // RTPS 9.3.1.5: the first two octets name the vendor.

@@ -53,9 +53,9 @@ struct DomainParticipantOptions {
   /// duration.
   std::chrono::nanoseconds announcement_period{};
   /// Samples with a larger payload are sent in fragments of this size. In octets, 1 to
-  /// kLargestFragment; other values count as the nearest of these.
-  static constexpr std::uint32_t kLargestFragment = 14336;
-  std::uint32_t fragment_size = kLargestFragment;
+  /// kMaxFragment; other values count as the nearest of these.
+  static constexpr std::uint32_t kMaxFragment = 14336;
+  std::uint32_t fragment_size = kMaxFragment;
   /// Announces the TypeInformation of types generated from IDL. Cyclone DDS then does not match an
   /// endpoint whose type differs, even if only a bound differs.
   bool announce_types = true;
@@ -64,9 +64,9 @@ struct DomainParticipantOptions {
   std::size_t receive_buffer = std::size_t{4} << 20;
   /// Before a thread sleeps until something arrives, it looks for it again and again for this long.
   /// Takes a processor meanwhile, and saves the time until a sleeping thread runs. At most
-  /// kLongestBusyWait.
+  /// kMaxBusyWait.
   std::chrono::nanoseconds busy_wait{};
-  static constexpr std::chrono::nanoseconds kLongestBusyWait = std::chrono::milliseconds(1);
+  static constexpr std::chrono::nanoseconds kMaxBusyWait = std::chrono::milliseconds(1);
   bool own_thread = true;  ///< false: the application calls poll()
   /// Delivers samples to participants of the same process directly, in the writer's thread, unless
   /// the topic is protected. false: always over the network.

@@ -95,9 +95,9 @@ class Group : public Entity {
   Endpoint* lookup(std::string_view topic_name) const;
 
   /// Sends what the end of these members means to peers, before the members are deleted. Waits for
-  /// acknowledgments for at most kLongestLinger.
+  /// acknowledgments for at most kMaxLinger.
   static void conclude(std::span<const std::unique_ptr<Endpoint>> members);
-  static constexpr std::chrono::milliseconds kLongestLinger{100};
+  static constexpr std::chrono::milliseconds kMaxLinger{100};
 
   DomainParticipant& participant_;
   std::vector<std::unique_ptr<Endpoint>> members_;

@@ -120,7 +120,7 @@ class HeldInstances {
   std::size_t most_samples_of_one() const {
     return shares_samples_ ? max_samples_ / 2 : max_samples_;
   }
-  static constexpr std::size_t kMostOctetsOfOne = kMaxOctets / 2;
+  static constexpr std::size_t kMaxOctetsOfOne = kMaxOctets / 2;
   std::size_t octets() const { return octets_; }
 
   /// Keeps the counts by state correct across any change to an instance. The instance must outlive

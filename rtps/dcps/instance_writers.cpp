@@ -9,7 +9,7 @@ bool InstanceWriters::contains(const Guid& writer, InstanceHandle instance) cons
 
 bool InstanceWriters::has_room(const Guid& writer, InstanceHandle instance,
                                const HeldShareOf& share) const {
-  const auto free = kMost - size_;
+  const auto free = kMax - size_;
   if (free > 0 && (!share || share->joins < free)) return true;
   return contains(writer, instance);
 }

@@ -15,7 +15,7 @@ namespace ddssec::rtps {
 /// more of the places than are free.
 class InstanceWriters {
  public:
-  static constexpr std::size_t kMost = 524288;
+  static constexpr std::size_t kMax = 524288;
 
   /// True if the writer may have the instance, or has it. `share`: of the writer's identity.
   bool has_room(const Guid& writer, InstanceHandle instance, const HeldShareOf& share) const;

@@ -29,7 +29,7 @@ bool WriterLease::check(MonotonicTime now) {
 
 MonotonicTime LivelinessMonitor::Writer::end() const {
   if (lease == kNever) return kNever;
-  return (signal ? std::max(asserted, signal->latest()) : asserted) + std::max(lease, kLeastLease);
+  return (signal ? std::max(asserted, signal->latest()) : asserted) + std::max(lease, kMinLease);
 }
 
 void LivelinessMonitor::schedule(const Guid& guid, Writer& writer) {

@@ -39,7 +39,7 @@ class LivelinessMonitor {
  public:
   /// Shorter leases are treated as this one, because each end of a lease and each return causes
   /// work.
-  static constexpr MonotonicTime kLeastLease = std::chrono::milliseconds(1);
+  static constexpr MonotonicTime kMinLease = std::chrono::milliseconds(1);
 
   /// A matched writer is alive at first.
   void add(const Guid& writer, Duration lease, MonotonicTime now);

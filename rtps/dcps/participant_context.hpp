@@ -180,9 +180,9 @@ class ParticipantContext {
 template <class Ready>
 bool ParticipantContext::wait(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds most,
                               Ready ready, ServingTurn::For reason) {
-  constexpr std::chrono::nanoseconds kLongest = std::chrono::hours(24 * 365);
+  constexpr std::chrono::nanoseconds kMax = std::chrono::hours(24 * 365);
   if (ready()) return true;
-  const auto end = std::chrono::steady_clock::now() + std::min(most, kLongest);
+  const auto end = std::chrono::steady_clock::now() + std::min(most, kMax);
   if (in_callback()) return false;
   if (turn_ != nullptr) return wait_beside_thread(lock, end, ready, reason);
   while (!ready()) {

@@ -136,7 +136,7 @@ void Presenter::forget_empty(std::map<GuidPrefix, Held>::iterator held) {
 // Complete sets that wait for a reader will be taken. A set that grows without end never would be.
 bool Presenter::make_room(const Source& source) {
   const auto held = held_.find(source.identity);
-  if (held == held_.end()) return octets_ < kMostOctets;
+  if (held == held_.end()) return octets_ < kMaxOctets;
   if (!is_over(held->second)) return true;
   if (held->second.ready > 0) return false;
   give_up_largest(source.identity);
@@ -235,7 +235,7 @@ void Presenter::end_set(Source& source, const StreamKey& key, SequenceNumber id,
 
 // A set that is given up cannot become complete: a writer that has ended it does not end it again.
 Presenter::Set& Presenter::set_of(Source& source, SequenceNumber id) {
-  if (source.sets.size() >= kMostSets && !source.sets.contains(id))
+  if (source.sets.size() >= kMaxSets && !source.sets.contains(id))
     forget(source, source.sets.begin());
   const auto [at, is_new] = source.sets.try_emplace(id);
   if (is_new) charge(source, at->second, kPricePerItem);

@@ -44,12 +44,12 @@ class Presenter {
   /// still free, so that there is always room for another identity. If an identity exceeds its
   /// share, its changes are refused for now while complete sets wait for the reader. Otherwise its
   /// largest open sets are given up.
-  static constexpr std::size_t kMostOctets = std::size_t{128} << 20;
+  static constexpr std::size_t kMaxOctets = std::size_t{128} << 20;
   /// Counted for each sample and each open set, in addition to its payload.
   static constexpr std::size_t kPricePerItem = 1024;
   /// Limit for the sets of one publisher that not all of its writers have ended. Beyond it, the
   /// oldest set is given up.
-  static constexpr std::size_t kMostSets = 1024;
+  static constexpr std::size_t kMaxSets = 1024;
   /// How long a gap in a group's sequence numbers delays the samples after it.
   static constexpr MonotonicTime kPatience = std::chrono::milliseconds(200);
 
@@ -142,7 +142,7 @@ class Presenter {
     return kPricePerItem + item.change.payload.size();
   }
   /// True if the identity has used its share, which is as much as is still free.
-  bool is_over(const Held& held) const { return octets_ + held.octets() >= kMostOctets; }
+  bool is_over(const Held& held) const { return octets_ + held.octets() >= kMaxOctets; }
   void charge(const Source& source, Set& set, std::size_t price);
   void refund(const Source& source, Set& set, std::size_t price);
   void charge(const Source& source, const Batch& batch);

@@ -20,8 +20,8 @@ AnyDataWriter* Publisher::lookup_datawriter(std::string_view topic_name) const {
 }
 
 Status Publisher::wait_for_acknowledgments(std::chrono::nanoseconds most) {
-  constexpr std::chrono::nanoseconds kLongest = std::chrono::hours(24 * 365);
-  const auto end = std::chrono::steady_clock::now() + std::min(most, kLongest);
+  constexpr std::chrono::nanoseconds kMax = std::chrono::hours(24 * 365);
+  const auto end = std::chrono::steady_clock::now() + std::min(most, kMax);
   std::vector<AnyDataWriter*> writers;
   {
     const auto held = lock();

@@ -8,10 +8,10 @@ namespace ddssec::rtps {
 namespace {
 
 /// A sample that TIME_BASED_FILTER held back is offered to a full reader no more often than this.
-constexpr std::chrono::milliseconds kLeastPause{10};
+constexpr std::chrono::milliseconds kMinPause{10};
 
 bool is_far_ahead(const std::optional<Time>& time, const Moment& at) {
-  return time && time->to_nanoseconds() - at.wall.to_nanoseconds() > ReaderCache::kMostAhead;
+  return time && time->to_nanoseconds() - at.wall.to_nanoseconds() > ReaderCache::kMaxAhead;
 }
 
 // With source order: true if the change is older than what was already read or taken, or than what
@@ -399,7 +399,7 @@ bool ReaderCache::release(const Moment& at) {
     if (!instance.held_back) continue;
     if (!has_room_for_held_back(held_, instance) && instance.expiry_of_held_back > at.now) {
       // It keeps its place: others may have used the share that it would need for a new one.
-      begin_quiet(instance, at.now, at.now + std::max<MonotonicTime>(separation_, kLeastPause));
+      begin_quiet(instance, at.now, at.now + std::max<MonotonicTime>(separation_, kMinPause));
       continue;
     }
     any = store_held_back(instance, at.now) || any;

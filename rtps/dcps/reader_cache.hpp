@@ -23,7 +23,7 @@ class ReaderCache {
   /// With DESTINATION_ORDER BY_SOURCE_TIMESTAMP: how far a source time may be ahead of our clock. A
   /// later one counts as the time of arrival (DDS 1.4, 2.2.3.17), so that no sample from the far
   /// future ends what others write to its instance.
-  static constexpr std::chrono::seconds kMostAhead{10};
+  static constexpr std::chrono::seconds kMaxAhead{10};
   /// `queries`: see HeldInstances.
   explicit ReaderCache(const Qos& qos, KeyOf key_of = nullptr, const Queries& queries = kNoQueries);
 
@@ -98,7 +98,7 @@ class ReaderCache {
   /// Removes all trace of the instance, if it has ended.
   void forget_ended(const KeyHash& key);
 
-  /// Number of changes whose source time was more than kMostAhead ahead; never reset.
+  /// Number of changes whose source time was more than kMaxAhead ahead; never reset.
   std::uint64_t times_ahead() const { return times_ahead_; }
   const HeldInstances& held() const { return held_; }
   std::size_t samples() const { return held_.samples(); }

@@ -172,7 +172,7 @@ void SampleReception::give_up(const Guid& writer, std::size_t samples, Limit lim
                             ? fmt::format(
                                   "at most {} samples and {} octets, all of which the "
                                   "reader can hold of one identity",
-                                  cache().most_samples_of_one(), HeldInstances::kMostOctetsOfOne)
+                                  cache().most_samples_of_one(), HeldInstances::kMaxOctetsOfOne)
                             : "open sets of one identity that take no more than is free";
   context_.protocol().remote_participants().raise_about(
       Error(Code::rtps_set_given_up,
@@ -193,7 +193,7 @@ void SampleReception::report_time_ahead(const Guid& writer) {
             {.document = "topic " + topic_.name(),
              .field = "source timestamp",
              .expected =
-                 fmt::format("at most {} s ahead of our clock", ReaderCache::kMostAhead.count()),
+                 fmt::format("at most {} s ahead of our clock", ReaderCache::kMaxAhead.count()),
              .found = fmt::format("{} samples that are further ahead so far", count),
              .note = "another event follows when they are twice as many"}),
       reader_.entity, writer);
@@ -246,7 +246,7 @@ void SampleReception::on_dropped(const Guid& writer, std::uint32_t octets) {
       Error(Code::rtps_sample_dropped,
             {.document = "topic " + topic_.name(),
              .field = "serialized size",
-             .expected = fmt::format("at most {}", StatefulReader::kLargestSample),
+             .expected = fmt::format("at most {}", StatefulReader::kMaxSample),
              .found = std::to_string(octets)}),
       reader_.entity, writer);
 }

@@ -67,7 +67,7 @@ void SeenOriginals::note_claim(const Original& original, const Sha256Digest& dig
   const auto [at, is_new] = claims_.insert_or_assign(key, digest);
   if (!is_new) return;
   order_.push_back(key);
-  if (order_.size() <= kMostClaims) return;
+  if (order_.size() <= kMaxClaims) return;
   claims_.erase(order_.front());
   order_.pop_front();
 }
@@ -82,7 +82,7 @@ bool SeenOriginals::heard(const Original& original) const {
 }
 
 void SeenOriginals::hear(const Original& original) {
-  if (writers_.size() >= kMostWriters && !writers_.contains(original.writer)) forget_oldest();
+  if (writers_.size() >= kMaxWriters && !writers_.contains(original.writer)) forget_oldest();
   auto& [ranges, used] = writers_[original.writer];
   used = ++uses_;
   const auto number = original.number.value;
@@ -96,7 +96,7 @@ void SeenOriginals::hear(const Original& original) {
     after->first = number;
   } else {
     ranges.insert(after, {number, number});
-    if (ranges.size() > kMostRanges) ranges.erase(ranges.begin());
+    if (ranges.size() > kMaxRanges) ranges.erase(ranges.begin());
   }
 }
 

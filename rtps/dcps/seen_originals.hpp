@@ -18,9 +18,9 @@ namespace ddssec::rtps {
 /// but none is missed.
 class SeenOriginals {
  public:
-  static constexpr std::size_t kMostWriters = 1024;
-  static constexpr std::size_t kMostRanges = 256;  ///< for each writer
-  static constexpr std::size_t kMostClaims = 65536;
+  static constexpr std::size_t kMaxWriters = 1024;
+  static constexpr std::size_t kMaxRanges = 256;  ///< for each writer
+  static constexpr std::size_t kMaxClaims = 65536;
 
   /// What must be remembered of a change after it has been passed on.
   struct Sighting {

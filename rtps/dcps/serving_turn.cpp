@@ -120,8 +120,8 @@ bool ServingTurn::await() {
 /// Returns true if the timer has fired.
 bool ServingTurn::sleep() const {
   pollfd timer{timer_.value(), POLLIN, 0};
-  constexpr auto kMost = std::chrono::duration_cast<std::chrono::milliseconds>(kLongestServe);
-  if (::poll(&timer, 1, static_cast<int>(kMost.count())) <= 0) return false;
+  constexpr auto kMax = std::chrono::duration_cast<std::chrono::milliseconds>(kMaxServe);
+  if (::poll(&timer, 1, static_cast<int>(kMax.count())) <= 0) return false;
   std::uint64_t expirations = 0;
   return ::read(timer_.value(), &expirations, sizeof expirations) == sizeof expirations;
 }
@@ -145,7 +145,7 @@ bool ServingTurn::take_from_held(Watch& watch, Clock::time_point now) {
 // The system wakes one of the threads that wait for the sockets. If that is the one held up, the
 // participant's thread must look by itself.
 std::chrono::nanoseconds ServingTurn::longest_own() const {
-  return displaced_ > 0 ? kBesideHeld : kLongestOwn;
+  return displaced_ > 0 ? kBesideHeld : kMaxOwn;
 }
 
 bool ServingTurn::yield() {

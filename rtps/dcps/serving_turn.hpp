@@ -42,14 +42,14 @@ class ServingTurn {
   static constexpr std::chrono::nanoseconds kAfterListeners = std::chrono::milliseconds(100);
   /// A thread that serves comes back after this time, even if there is nothing to do. The
   /// participant's thread looks as often.
-  static constexpr std::chrono::nanoseconds kLongestServe = std::chrono::milliseconds(100);
+  static constexpr std::chrono::nanoseconds kMaxServe = std::chrono::milliseconds(100);
   /// After this time without progress, a thread that serves counts as held up.
   static constexpr std::chrono::nanoseconds kHeld = std::chrono::milliseconds(300);
   /// How long the participant's thread keeps the turn after it took it from a thread held up.
   static constexpr std::chrono::nanoseconds kAfterHeld = std::chrono::seconds(1);
   /// How long the participant's thread sleeps at most: usually, and while a thread whose turn it
   /// took may still wait for the same sockets.
-  static constexpr std::chrono::nanoseconds kLongestOwn = std::chrono::seconds(10);
+  static constexpr std::chrono::nanoseconds kMaxOwn = std::chrono::seconds(10);
   static constexpr std::chrono::nanoseconds kBesideHeld = std::chrono::milliseconds(10);
 
   class Waiting;
@@ -88,7 +88,7 @@ class ServingTurn {
     bool serves();
     /// The caller holds no lock.
     void serve(std::chrono::nanoseconds most) {
-      turn_.server_.serve_for_waiting(std::min(most, kLongestServe), *this);
+      turn_.server_.serve_for_waiting(std::min(most, kMaxServe), *this);
     }
     /// False: the participant's thread has taken the turn away. Otherwise it does not until
     /// `end_work`, which must follow.

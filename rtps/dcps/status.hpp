@@ -84,9 +84,9 @@ struct LivelinessChangedStatus {
 };
 
 inline void CountStatus::count(std::int64_t by) {
-  constexpr std::int64_t kMost = 0x7fffffff;
+  constexpr std::int64_t kMax = 0x7fffffff;
   const auto add = [&](std::int32_t& to) {
-    to = static_cast<std::int32_t>(std::min(kMost, to + std::min(by, kMost)));
+    to = static_cast<std::int32_t>(std::min(kMax, to + std::min(by, kMax)));
   };
   add(total_count);
   add(total_count_change);

@@ -9,7 +9,7 @@
 namespace ddssec::rtps {
 
 Status TopicDescriptions::check_name(std::string_view name) {
-  if (!name.empty() && name.size() <= kMostNameLength) return {};
+  if (!name.empty() && name.size() <= kMaxNameLength) return {};
   return fail(Code::rtps_bad_parameter, {.document = "topic " + std::string(name),
                                          .field = "name of topic or type",
                                          .expected = "1 to 256 characters",

@@ -63,8 +63,8 @@ TypeSupport type_support() {
   if constexpr (requires { TypeTraits<T>::type_information; }) {
     support.description = {to_bytes(TypeTraits<T>::type_information),
                            to_bytes(TypeTraits<T>::type_objects)};
-    if (support.description.information.size() > kMostTypeInformation) support.description = {};
-    if (support.description.objects.size() > kMostTypeObjects) support.description.objects.clear();
+    if (support.description.information.size() > kMaxTypeInformation) support.description = {};
+    if (support.description.objects.size() > kMaxTypeObjects) support.description.objects.clear();
   }
   if (!support.with_key) return support;
   support.key_hash = [value = T{}, scratch = Bytes{}](

@@ -8,7 +8,7 @@
 namespace ddssec::rtps {
 namespace {
 
-constexpr std::chrono::nanoseconds kLongestWait = std::chrono::hours(24 * 365);
+constexpr std::chrono::nanoseconds kMaxWait = std::chrono::hours(24 * 365);
 
 }  // namespace
 
@@ -98,7 +98,7 @@ std::vector<Condition*> WaitSet::triggered() const {
 }
 
 Result<std::vector<Condition*>> WaitSet::wait(std::chrono::nanoseconds most) {
-  const auto end = std::chrono::steady_clock::now() + std::min(most, kLongestWait);
+  const auto end = std::chrono::steady_clock::now() + std::min(most, kMaxWait);
   std::unique_lock lock(state_->mutex);
   if (state_->waiting)
     return fail(Code::rtps_precondition_not_met,

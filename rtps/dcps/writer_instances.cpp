@@ -8,7 +8,7 @@ namespace ddssec::rtps {
 
 WriterInstances::WriterInstances(const Qos& qos)
     : most_(qos.resource_limits.max_instances == kLengthUnlimited
-                ? kMostInstances
+                ? kMaxInstances
                 : static_cast<std::size_t>(qos.resource_limits.max_instances)),
       deadline_(deadline_period(qos.deadline)) {}
 

@@ -15,7 +15,7 @@ namespace ddssec::rtps {
 class WriterInstances {
  public:
   /// The limit where RESOURCE_LIMITS.max_instances says "unlimited".
-  static constexpr std::size_t kMostInstances = 65536;
+  static constexpr std::size_t kMaxInstances = 65536;
 
   explicit WriterInstances(const Qos& qos);
 

@@ -28,15 +28,15 @@ Result<std::optional<ContentFilterProperty>> read_content_filter_property(Reader
     if (usable) text = read;
     return {};
   };
-  DDSSEC_RETURN_IF_ERROR(take(out.content_filtered_topic_name, kMostNameLength, true));
-  DDSSEC_RETURN_IF_ERROR(take(out.related_topic_name, kMostNameLength, true));
-  DDSSEC_RETURN_IF_ERROR(take(out.filter_class_name, kMostNameLength, true));
-  DDSSEC_RETURN_IF_ERROR(take(out.filter.expression, Filter::kLongestExpression, true));
+  DDSSEC_RETURN_IF_ERROR(take(out.content_filtered_topic_name, kMaxNameLength, true));
+  DDSSEC_RETURN_IF_ERROR(take(out.related_topic_name, kMaxNameLength, true));
+  DDSSEC_RETURN_IF_ERROR(take(out.filter_class_name, kMaxNameLength, true));
+  DDSSEC_RETURN_IF_ERROR(take(out.filter.expression, Filter::kMaxExpression, true));
   DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read_count(4));
-  usable = usable && count <= Filter::kMostParameters;
+  usable = usable && count <= Filter::kMaxParameters;
   for (std::uint32_t i = 0; i < count && usable; ++i)
     DDSSEC_RETURN_IF_ERROR(
-        take(out.filter.parameters.emplace_back(), Filter::kLongestParameter, false));
+        take(out.filter.parameters.emplace_back(), Filter::kMaxParameter, false));
   if (!usable) return std::nullopt;
   return out;
 }

@@ -62,7 +62,7 @@ template <ParameterId id, auto member>
 constexpr Row text_row(bool required) {
   return {id,
           [](Reader& r, Announced& a) -> Status {
-            DDSSEC_ASSIGN_OR_RETURN(a.data.*member, read_bounded_string(r, kMostNameLength));
+            DDSSEC_ASSIGN_OR_RETURN(a.data.*member, read_bounded_string(r, kMaxNameLength));
             return {};
           },
           [](SpanWriter& w, const Announced& a) {
@@ -135,9 +135,9 @@ Status read_reliability(Reader& r, Announced& a) {
 
 Status read_partition(Reader& r, Announced& a) {
   DDSSEC_ASSIGN_OR_RETURN(const auto count, r.read_count(4));
-  if (count > kMostPartitions) return fail(Code::length_out_of_range);
+  if (count > kMaxPartitions) return fail(Code::length_out_of_range);
   for (std::uint32_t i = 0; i < count; ++i) {
-    DDSSEC_ASSIGN_OR_RETURN(auto bounded_string, read_bounded_string(r, kMostNameLength));
+    DDSSEC_ASSIGN_OR_RETURN(auto bounded_string, read_bounded_string(r, kMaxNameLength));
     a.data.qos.partition.push_back(std::move(bounded_string));
   }
   return {};
@@ -152,10 +152,10 @@ void write_partition(SpanWriter& w, const Announced& a) {
 
 Status read_data_tags(Reader& r, Announced& a) {
   DDSSEC_ASSIGN_OR_RETURN(const auto count, r.read_count(8));
-  if (count > kMostDataTags) return fail(Code::length_out_of_range);
+  if (count > kMaxDataTags) return fail(Code::length_out_of_range);
   for (std::uint32_t i = 0; i < count; ++i) {
-    DDSSEC_ASSIGN_OR_RETURN(auto name, read_bounded_string(r, kMostNameLength));
-    DDSSEC_ASSIGN_OR_RETURN(auto value, read_bounded_string(r, kMostNameLength));
+    DDSSEC_ASSIGN_OR_RETURN(auto name, read_bounded_string(r, kMaxNameLength));
+    DDSSEC_ASSIGN_OR_RETURN(auto value, read_bounded_string(r, kMaxNameLength));
     a.data.qos.data_tags.push_back({std::move(name), std::move(value)});
   }
   return {};
@@ -211,7 +211,7 @@ constexpr std::array<std::uint8_t, 8> kTypeObjectsMark = {'d', 'd', 's', 's', 'e
 
 // An announcement is not refused because its type is malformed: then the names decide.
 Status read_type_information(Reader& r, Announced& a) {
-  if (r.endian() == Endian::little && r.remaining() <= kMostTypeInformation)
+  if (r.endian() == Endian::little && r.remaining() <= kMaxTypeInformation)
     a.data.type.information = to_bytes(r.rest());
   return {};
 }
@@ -219,7 +219,7 @@ Status read_type_information(Reader& r, Announced& a) {
 Status read_type_objects(Reader& r, Announced& a) {
   const auto octets = r.rest();
   const auto mark = kTypeObjectsMark.size();
-  if (octets.size() > mark && octets.size() - mark <= kMostTypeObjects &&
+  if (octets.size() > mark && octets.size() - mark <= kMaxTypeObjects &&
       std::ranges::equal(octets.first(mark), kTypeObjectsMark))
     a.data.type.objects = to_bytes(octets.subspan(mark));
   return {};

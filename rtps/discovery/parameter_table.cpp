@@ -23,13 +23,13 @@ Result<std::string> read_bounded_string(Reader& reader, std::size_t most) {
 
 Result<Bytes> read_opaque(Reader& reader) {
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, reader.read_octet_sequence());
-  if (octets.size() > kMostOpaqueOctets) return fail(Code::length_out_of_range);
+  if (octets.size() > kMaxOpaqueOctets) return fail(Code::length_out_of_range);
   return to_bytes(octets);
 }
 
 Status read_locator_into(Reader& reader, LocatorList& list) {
   DDSSEC_ASSIGN_OR_RETURN(const auto locator, read_locator(reader));
-  if (list.size() >= kMostLocators) return fail(Code::length_out_of_range);
+  if (list.size() >= kMaxLocators) return fail(Code::length_out_of_range);
   list.push_back(locator);
   return {};
 }

@@ -12,9 +12,9 @@
 namespace ddssec::rtps {
 
 /// Limits for announced data; an announcement above a limit is refused before it is stored.
-inline constexpr std::size_t kMostLocators = 16;
-inline constexpr std::size_t kMostProperties = 64;
-inline constexpr std::size_t kMostOpaqueOctets = 4096;
+inline constexpr std::size_t kMaxLocators = 16;
+inline constexpr std::size_t kMaxProperties = 64;
+inline constexpr std::size_t kMaxOpaqueOctets = 4096;
 
 template <class T>
 struct ParameterRow {
@@ -38,7 +38,7 @@ template <class T>
 Result<T> read_parameters(std::span<const ParameterRow<T>> table, BytesView list, Endian endian) {
   T value{};
   SingleParameters single;
-  std::bitset<SingleParameters::kMost> seen;
+  std::bitset<SingleParameters::kMax> seen;
   ParameterReader parameters(list, endian);
   for (;;) {
     const auto parameter = parameters.next();

@@ -11,10 +11,10 @@ using ParticipantRow = ParameterRow<ParticipantData>;
 
 Status read_property_list(Reader& reader, spi::PropertyList& out) {
   DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read_count(8));
-  if (count > kMostProperties) return fail(Code::length_out_of_range);
+  if (count > kMaxProperties) return fail(Code::length_out_of_range);
   for (std::uint32_t i = 0; i < count; ++i) {
-    DDSSEC_ASSIGN_OR_RETURN(auto name, read_bounded_string(reader, kMostOpaqueOctets));
-    DDSSEC_ASSIGN_OR_RETURN(auto value, read_bounded_string(reader, kMostOpaqueOctets));
+    DDSSEC_ASSIGN_OR_RETURN(auto name, read_bounded_string(reader, kMaxOpaqueOctets));
+    DDSSEC_ASSIGN_OR_RETURN(auto value, read_bounded_string(reader, kMaxOpaqueOctets));
     out.push_back({std::move(name), std::move(value)});
   }
   return {};  // binary properties may follow; they are not needed
@@ -35,13 +35,13 @@ void write_property_list(SpanWriter& out, const spi::PropertyList& properties) {
 // The parameter of Cyclone DDS: a version, flags, three words, and "HOST/VERSION/OS/CPU". Any other
 // content is ignored.
 Status read_vendor_version(Reader& reader, ParticipantData& data) {
-  constexpr std::size_t kFixedPart = 20, kMost = 512, kLongest = 32;
+  constexpr std::size_t kFixedPart = 20, kMaxText = 512, kMaxVersion = 32;
   if (!reader.skip(kFixedPart)) return {};
-  const auto text = read_bounded_string(reader, kMost);
+  const auto text = read_bounded_string(reader, kMaxText);
   if (!text) return {};
   const auto begin = text->find('/');
   const auto end = begin == text->npos ? text->npos : text->find('/', begin + 1);
-  if (end != text->npos && end - begin <= kLongest)
+  if (end != text->npos && end - begin <= kMaxVersion)
     data.vendor_version = text->substr(begin + 1, end - begin - 1);
   return {};
 }
@@ -99,7 +99,7 @@ constexpr ParticipantRow kParticipantTable[] = {
      }},
     {pid::kDomainTag,
      [](Reader& r, ParticipantData& d) -> Status {
-       DDSSEC_ASSIGN_OR_RETURN(d.domain_tag, read_bounded_string(r, kMostNameLength));
+       DDSSEC_ASSIGN_OR_RETURN(d.domain_tag, read_bounded_string(r, kMaxNameLength));
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {
@@ -144,7 +144,7 @@ constexpr ParticipantRow kParticipantTable[] = {
      }},
     {pid::kEntityName,
      [](Reader& r, ParticipantData& d) -> Status {
-       DDSSEC_ASSIGN_OR_RETURN(d.entity_name, read_bounded_string(r, kMostNameLength));
+       DDSSEC_ASSIGN_OR_RETURN(d.entity_name, read_bounded_string(r, kMaxNameLength));
        return {};
      },
      [](SpanWriter& w, const ParticipantData& d) {

@@ -11,8 +11,8 @@ namespace {
 
 // A full disk may have room later.
 constexpr std::chrono::milliseconds kRetry{200};
-constexpr std::chrono::seconds kLongestOpen{5};
-constexpr std::uint32_t kMostAlike = 64;
+constexpr std::chrono::seconds kMaxOpen{5};
+constexpr std::uint32_t kMaxAlike = 64;
 
 /// What a commit has to do for a change, in octets. A row that goes costs about as much as one.
 std::size_t work_of(const StoredChange& stored) {
@@ -56,10 +56,9 @@ DurableStore::~DurableStore() {
 template <class Ready>
 Status DurableStore::wait(std::chrono::nanoseconds most, Ready ready) {
   // A time that does not fit the clock is shortened to the longest wait.
-  constexpr std::chrono::nanoseconds kLongest = std::chrono::hours(24 * 365);
+  constexpr std::chrono::nanoseconds kMax = std::chrono::hours(24 * 365);
   std::unique_lock held(mutex_);
-  const bool done =
-      done_.wait_for(held, std::min(most, kLongest), [&] { return ready() || !status_; });
+  const bool done = done_.wait_for(held, std::min(most, kMax), [&] { return ready() || !status_; });
   if (ready()) return {};
   if (done) return status_;
   return fail(Code::rtps_timeout, {.document = store_.path()});
@@ -67,10 +66,10 @@ Status DurableStore::wait(std::chrono::nanoseconds most, Ready ready) {
 
 Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
                                                        const DurabilityService& service, Time now) {
-  std::unique_lock store(store_mutex_, kLongestOpen);
+  std::unique_lock store(store_mutex_, kMaxOpen);
   if (!store) return fail(Code::rtps_timeout, {.document = store_.path()});
   forget_closed();
-  for (key.ordinal = 0; key.ordinal < kMostAlike; ++key.ordinal) {
+  for (key.ordinal = 0; key.ordinal < kMaxAlike; ++key.ordinal) {
     DDSSEC_ASSIGN_OR_RETURN(const auto id, store_.stream(key));
     std::uint64_t before = 0;  // what an earlier writer appended
     {
@@ -86,12 +85,12 @@ Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
   }
   return fail(Code::rtps_store_failed, {.document = store_.path(),
                                         .field = "writers of topic " + key.topic,
-                                        .expected = "at most " + std::to_string(kMostAlike),
+                                        .expected = "at most " + std::to_string(kMaxAlike),
                                         .found = "one more"});
 }
 
 Result<bool> DurableStore::is_empty() {
-  const std::unique_lock store(store_mutex_, kLongestOpen);
+  const std::unique_lock store(store_mutex_, kMaxOpen);
   if (!store) return fail(Code::rtps_timeout, {.document = store_.path()});
   DDSSEC_ASSIGN_OR_RETURN(const auto count, store_.streams());
   return count == 0;
@@ -99,8 +98,8 @@ Result<bool> DurableStore::is_empty() {
 
 Result<DurableStore::Opened> DurableStore::load(StreamId id, const DurabilityService& service,
                                                 std::uint64_t after, Time now) {
-  DDSSEC_RETURN_IF_ERROR(wait(kLongestOpen, [&] { return committed_ >= after; }));
-  const std::unique_lock store(store_mutex_, kLongestOpen);
+  DDSSEC_RETURN_IF_ERROR(wait(kMaxOpen, [&] { return committed_ >= after; }));
+  const std::unique_lock store(store_mutex_, kMaxOpen);
   if (!store) return fail(Code::rtps_timeout, {.document = store_.path()});
   DDSSEC_ASSIGN_OR_RETURN(auto history, store_.load(id));
   const std::lock_guard held(mutex_);
@@ -172,7 +171,7 @@ std::vector<std::int64_t> DurableStore::clean_up(StreamId stream, Time now) {
 bool DurableStore::may_append(const GuidPrefix& identity, std::size_t octets) const {
   const auto own = octets_of_.find(identity);
   return own == octets_of_.end() || own->second == 0 ||
-         (!over() && own->second + octets <= kMostPendingOctetsOfOne);
+         (!over() && own->second + octets <= kMaxPendingOctetsOfOne);
 }
 
 std::uint64_t DurableStore::count_pending(Time now) {

@@ -19,10 +19,10 @@ namespace ddssec::rtps {
 class DurableStore {
  public:
   /// Limits for changes that are appended but not committed. Above them, writers should wait.
-  static constexpr std::size_t kMostPending = 65536;
-  static constexpr std::size_t kMostPendingOctets = std::size_t{16} << 20;
+  static constexpr std::size_t kMaxPending = 65536;
+  static constexpr std::size_t kMaxPendingOctets = std::size_t{16} << 20;
   /// The limit for one identity, whose changes wait above it. One change is always taken.
-  static constexpr std::size_t kMostPendingOctetsOfOne = std::size_t{4} << 20;
+  static constexpr std::size_t kMaxPendingOctetsOfOne = std::size_t{4} << 20;
 
   /// `events` must outlive the store. Errors: those of SampleStore::open, rtps_thread_failed.
   static Result<std::unique_ptr<DurableStore>> open(
@@ -103,8 +103,8 @@ class DurableStore {
   /// The caller holds the store's mutex.
   void forget_closed();
   bool over() const {
-    return pending_.size() + failed_.size() >= kMostPending ||
-           octets_ + failed_octets_ >= kMostPendingOctets;
+    return pending_.size() + failed_.size() >= kMaxPending ||
+           octets_ + failed_octets_ >= kMaxPendingOctets;
   }
   template <class Ready>
   Status wait(std::chrono::nanoseconds most, Ready ready);

@@ -116,7 +116,7 @@ void SampleIndex::PastEnds::add(const KeyHash& key, Time time, Account account) 
   auto& keys = by_account_[account];
   keys.push_back(key);
   undo.release();
-  if (keys.size() <= kMostOfOne) return;
+  if (keys.size() <= kMaxOfOne) return;
   by_key_.erase(keys.front());
   keys.pop_front();
 }

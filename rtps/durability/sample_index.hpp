@@ -17,7 +17,7 @@ namespace ddssec::rtps {
 class SampleIndex {
  public:
   /// Limit for a stream without RESOURCE_LIMITS. Of it, one identity gets no more than is free.
-  static constexpr std::size_t kMostSamples = 1 << 20;
+  static constexpr std::size_t kMaxSamples = 1 << 20;
 
   /// `last_row`: the last one that the store has used.
   explicit SampleIndex(std::int64_t last_row = 0) : last_row_(last_row) {}
@@ -57,7 +57,7 @@ class SampleIndex {
   std::size_t size(StreamId stream) const;
   /// The number of changes that did not fit the limits of DURABILITY_SERVICE; never reset.
   std::uint64_t left_out() const { return left_out_; }
-  /// For tests: another limit than kMostSamples.
+  /// For tests: another limit than kMaxSamples.
   void limit_samples(std::size_t most) { most_samples_ = most; }
 
  private:
@@ -88,7 +88,7 @@ class SampleIndex {
   class PastEnds {
    public:
     /// Of one identity. Beyond, its oldest is forgotten.
-    static constexpr std::size_t kMostOfOne = 1024;
+    static constexpr std::size_t kMaxOfOne = 1024;
     void add(const KeyHash& key, Time time, Account account);
     /// True if another identity ended it later.
     bool has_later(const KeyHash& key, Time time, Account account) const;
@@ -130,7 +130,7 @@ class SampleIndex {
   std::size_t free_ = 0;
   std::int64_t last_row_;
   std::uint64_t left_out_ = 0;
-  std::size_t most_samples_ = kMostSamples;
+  std::size_t most_samples_ = kMaxSamples;
 };
 
 }  // namespace ddssec::rtps

@@ -17,7 +17,7 @@ constexpr std::int64_t kVersion = 4, kOldestVersion = 2;
 constexpr std::size_t kOctetsPerHeard = 1024;
 constexpr std::size_t kPageSize = 4096;
 constexpr std::size_t kSumSize = 8;
-constexpr std::size_t kLargestPayload = 64u << 20;
+constexpr std::size_t kMaxPayload = 64u << 20;
 constexpr std::string_view kWithoutSamples =
     "NOT EXISTS (SELECT 1 FROM sample WHERE sample.stream = stream.id)";
 
@@ -158,7 +158,7 @@ Status SampleStore::prepare(std::size_t most_octets) {
   DDSSEC_ASSIGN_OR_RETURN(insert_heard_, database_.prepare("INSERT INTO heard(stream, writer, "
                                                            "number, time, used) "
                                                            "VALUES(?1, ?2, ?3, ?4, ?5)"));
-  most_heard_ = std::min(kMostHeard, most_octets / kOctetsPerHeard);
+  most_heard_ = std::min(kMaxHeard, most_octets / kOctetsPerHeard);
   DDSSEC_ASSIGN_OR_RETURN(const auto heard, database_.number("SELECT count(*) FROM heard"));
   heard_ = static_cast<std::size_t>(heard);
   DDSSEC_ASSIGN_OR_RETURN(last_use_, database_.number("SELECT coalesce(max(used), 0) FROM heard"));
@@ -236,7 +236,7 @@ Status SampleStore::make_place() {
     if (!has_row)
       return fail(Code::rtps_store_failed, {.document = path_,
                                             .field = "writers",
-                                            .expected = "at most " + std::to_string(kMostStreams),
+                                            .expected = "at most " + std::to_string(kMaxStreams),
                                             .found = "one more"});
     const StreamId id{rows.number(0)};
     if (!streams_.contains(id)) return forget(id);
@@ -294,7 +294,7 @@ Result<StreamId> SampleStore::stream(const StreamKey& key) {
     return *id;
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto stream_count, streams());
-  if (stream_count >= kMostStreams) DDSSEC_RETURN_IF_ERROR(make_place());
+  if (stream_count >= kMaxStreams) DDSSEC_RETURN_IF_ERROR(make_place());
   const StreamId next{last_stream_ + 1};
   streams_.emplace(next, Stream{key});
   last_stream_ = next.value;
@@ -354,7 +354,7 @@ Result<StoredHistory> SampleStore::load(StreamId stream) {
 
     Change change;
     const auto key = rows.octets(1), payload = rows.octets(6), writer = rows.octets(8);
-    if (key.size() != KeyHash{}.size() || payload.size() > kLargestPayload ||
+    if (key.size() != KeyHash{}.size() || payload.size() > kMaxPayload ||
         writer.size() != Guid{}.octets().size())
       return damaged(rows.number(0));
     if (rows.number(2) != 0) std::ranges::copy(key, change.key_hash.emplace().begin());

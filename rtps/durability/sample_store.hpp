@@ -17,9 +17,9 @@ namespace ddssec::rtps {
 /// were not committed leave no trace. One thread at a time; one process for each file.
 class SampleStore {
  public:
-  static constexpr std::size_t kMostStreams = 1024;
+  static constexpr std::size_t kMaxStreams = 1024;
   /// Limit for the writers that are remembered, of all streams. In a small store they are fewer.
-  static constexpr std::size_t kMostHeard = 1 << 18;
+  static constexpr std::size_t kMaxHeard = 1 << 18;
   static constexpr std::size_t kDefaultOctets = std::size_t{4} << 30;
 
   /// An empty path opens a store in memory. A file that is missing or empty becomes a store that
@@ -56,7 +56,7 @@ class SampleStore {
   /// The last row that was used.
   std::int64_t last_row() const { return last_row_; }
   /// The number of streams that have samples or remembered writers, or will have: at most
-  /// kMostStreams.
+  /// kMaxStreams.
   Result<std::size_t> streams();
   const std::string& path() const { return path_; }
 
@@ -98,7 +98,7 @@ class SampleStore {
   std::map<StreamId, Stream> streams_;
   std::size_t most_pages_ = 0;
   std::int64_t last_row_ = 0, last_stream_ = 0, last_use_ = 0;
-  std::size_t heard_ = 0, most_heard_ = kMostHeard;
+  std::size_t heard_ = 0, most_heard_ = kMaxHeard;
 };
 
 }  // namespace ddssec::rtps

@@ -76,13 +76,13 @@ class FilterCompiler {
                                               .expected = "at most " + std::to_string(most),
                                               .found = std::to_string(found)});
     };
-    if (text_.expression.size() > Filter::kLongestExpression)
-      return refuse("length", Filter::kLongestExpression, text_.expression.size());
-    if (text_.parameters.size() > Filter::kMostParameters)
-      return refuse("number of parameters", Filter::kMostParameters, text_.parameters.size());
+    if (text_.expression.size() > Filter::kMaxExpression)
+      return refuse("length", Filter::kMaxExpression, text_.expression.size());
+    if (text_.parameters.size() > Filter::kMaxParameters)
+      return refuse("number of parameters", Filter::kMaxParameters, text_.parameters.size());
     for (const auto& parameter : text_.parameters)
-      if (parameter.size() > Filter::kLongestParameter)
-        return refuse("length of a parameter", Filter::kLongestParameter, parameter.size());
+      if (parameter.size() > Filter::kMaxParameter)
+        return refuse("length of a parameter", Filter::kMaxParameter, parameter.size());
     return {};
   }
 
@@ -337,10 +337,9 @@ class FilterCompiler {
   Status check_pattern(const Filter::Operand& operand, const FilterToken& token) const {
     if (operand.is_leaf) return filter_error(token.position, "a pattern in quotes", token.text);
     const auto size = out_.constants_[operand.index].text.size();
-    if (size <= Filter::kLongestPattern) return {};
+    if (size <= Filter::kMaxPattern) return {};
     return filter_error(token.position,
-                        "a pattern of at most " + std::to_string(Filter::kLongestPattern),
-                        token.text);
+                        "a pattern of at most " + std::to_string(Filter::kMaxPattern), token.text);
   }
 
   const FilterText& text_;

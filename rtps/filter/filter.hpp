@@ -26,11 +26,11 @@ class Filter {
  public:
   // Limits, because expressions come from applications and, for filtering by writers, from remote
   // readers.
-  static constexpr std::size_t kLongestExpression = 4096;
+  static constexpr std::size_t kMaxExpression = 4096;
   static constexpr std::size_t kDeepestNesting = 32;
-  static constexpr std::size_t kMostParameters = 100;
-  static constexpr std::size_t kLongestParameter = 256;
-  static constexpr std::size_t kLongestPattern = 256;  ///< for LIKE
+  static constexpr std::size_t kMaxParameters = 100;
+  static constexpr std::size_t kMaxParameter = 256;
+  static constexpr std::size_t kMaxPattern = 256;  ///< for LIKE
 
   /// Compiles an expression for samples whose view has these leaves. An empty expression is
   /// refused. Errors: rtps_filter_invalid, with the position, what was expected and what was found.

@@ -10,7 +10,7 @@ namespace {
 
 using Kind = FilterToken::Kind;
 
-constexpr std::size_t kMostShown = 40;
+constexpr std::size_t kMaxShown = 40;
 
 // Not those of <cctype>, because the result must not depend on the locale.
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -40,10 +40,10 @@ std::size_t span_of(std::string_view text, bool (*is)(char)) {
 
 std::unexpected<Error> filter_error(std::size_t position, std::string expected,
                                     std::string_view found) {
-  std::string shown(found.substr(0, kMostShown));
+  std::string shown(found.substr(0, kMaxShown));
   for (auto& c : shown)
     if (c < ' ' || c > '~') c = '?';
-  if (found.size() > kMostShown) shown += "...";
+  if (found.size() > kMaxShown) shown += "...";
   return fail(Code::rtps_filter_invalid, {.document = "filter expression",
                                           .field = "character " + std::to_string(position),
                                           .expected = std::move(expected),

@@ -82,7 +82,7 @@ Error no_room(const std::string& topic) {
       {.document = "keeper",
        .field = "topics",
        .expected =
-           fmt::format("at most {}, and of one identity as many as are free", Keeper::kMostTopics),
+           fmt::format("at most {}, and of one identity as many as are free", Keeper::kMaxTopics),
        .found = topic,
        .hint = "stop writers of other durable topics of the same identity, or name the topics to "
                "keep; this one is considered again once a second"});
@@ -252,7 +252,7 @@ Status Keeper::keep(const EndpointData& writer, const std::optional<Guid>& annou
   auto& context = participant_->context_;
   if (is_settled(key, writer)) return {};
   topics_.erase(key);
-  if (announcer ? !make_room(identity) : topics_.size() >= kMostTopics)
+  if (announcer ? !make_room(identity) : topics_.size() >= kMaxTopics)
     return std::unexpected(no_room(writer.topic_name));
   const auto remember = [this, writer, key, announcer] {
     if (announcer)
@@ -315,7 +315,7 @@ bool Keeper::make_room(const GuidPrefix& identity) {
     const std::lock_guard lock(participant_->context_.mutex());
     if (!entry.topic->has_samples()) empty.insert_or_assign(entry.identity, key);
   }
-  if (counts[identity] < kMostTopics - topics_.size()) return true;
+  if (counts[identity] < kMaxTopics - topics_.size()) return true;
   const auto most = std::ranges::max_element(
       empty, {}, [&](const auto& candidate) { return counts[candidate.first]; });
   if (most == empty.end() || counts[most->first] <= counts[identity]) return false;

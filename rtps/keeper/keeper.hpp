@@ -38,7 +38,7 @@ class Keeper final : private DataReaderListener {
  public:
   /// Topics that one identity announced first take no more places than are free, so at most half of
   /// all, and there is always room for another identity.
-  static constexpr std::size_t kMostTopics = 512;
+  static constexpr std::size_t kMaxTopics = 512;
 
   /// Samples of the wanted topics that are already in the store are served at once. Errors: those
   /// of DomainParticipant::create and of DurableStore::open, rtps_store_unusable.

@@ -20,10 +20,10 @@ constexpr MonotonicTime kDeferredLook = std::chrono::milliseconds(100);
 constexpr MonotonicTime kRequest = std::chrono::milliseconds(500);
 // What a late joiner is offered at least, because assertions go to all participants for as long as
 // the topic is kept.
-constexpr Duration kLeastLease{{1, 0}};
+constexpr Duration kMinLease{{1, 0}};
 
 // The policies of the original writer, so that every reader that matches it also matches this
-// writer (unless it requests GROUP scope, or a lease of less than kLeastLease). With OWNERSHIP
+// writer (unless it requests GROUP scope, or a lease of less than kMinLease). With OWNERSHIP
 // EXCLUSIVE, this writer has the lowest strength. It has no limits of its own: DURABILITY_SERVICE
 // limits what is stored, and only that is served.
 Qos serving_qos(const Qos& original) {
@@ -33,7 +33,7 @@ Qos serving_qos(const Qos& original) {
   const auto most = std::numeric_limits<std::int32_t>::max();
   qos.resource_limits = {.max_samples = most, .max_samples_per_instance = most};
   qos.ownership_strength = std::numeric_limits<std::int32_t>::min();
-  qos.liveliness.lease_duration = std::max(qos.liveliness.lease_duration, kLeastLease);
+  qos.liveliness.lease_duration = std::max(qos.liveliness.lease_duration, kMinLease);
   // Each sample by itself, in the order in which it was stored.
   qos.presentation = {
       .scope = PresentationScope::topic, .coherent_access = true, .ordered_access = true};
@@ -342,7 +342,7 @@ void KeptTopic::on_sample_dropped(const Guid& writer, std::uint32_t octets) {
       Error(Code::rtps_sample_dropped,
             {.document = "topic " + like_.topic_name,
              .field = "serialized size",
-             .expected = fmt::format("at most {}", StatefulReader::kLargestSample),
+             .expected = fmt::format("at most {}", StatefulReader::kMaxSample),
              .found = std::to_string(octets)}),
       reader_.entity, writer);
 }

@@ -26,7 +26,7 @@ bool RefusedWriters::add(const Guid& writer, const GuidPrefix& identity) {
     const std::lock_guard held(mutex_);
     if (writers_.contains(writer)) return false;
     const auto own = counts_.find(identity);
-    if ((own == counts_.end() ? 0 : own->second) >= kMost - writers_.size()) return true;
+    if ((own == counts_.end() ? 0 : own->second) >= kMax - writers_.size()) return true;
     writers_.emplace(writer, identity);
     ++counts_[identity];
   }

@@ -18,7 +18,7 @@ namespace ddssec::rtps {
 class RefusedWriters {
  public:
   /// Of these places, one identity gets at most as many as are free.
-  static constexpr std::size_t kMost = 512;
+  static constexpr std::size_t kMax = 512;
 
   /// `again` is called once in each `pause` for each writer, by a thread of its own and without a
   /// lock. It returns false if the writer is refused again.

@@ -19,7 +19,7 @@ namespace {
 
 /// After so long without a turn, the thread counts as held up.
 constexpr MonotonicTime kHeldUp = std::chrono::seconds(1);
-constexpr std::size_t kMostAtOnce = 16;
+constexpr std::size_t kMaxAtOnce = 16;
 
 struct Fetch {
   Offer offer;
@@ -150,7 +150,7 @@ void DescriptorPassing::Shared::wait_for_work(MonotonicTime now) {
 }
 
 void DescriptorPassing::Shared::turn(MonotonicTime now, bool wait) {
-  while (auto next = next_work(requests.size() < kMostAtOnce)) {
+  while (auto next = next_work(requests.size() < kMaxAtOnce)) {
     const auto id = next->id;
     const bool is_fetch = std::holds_alternative<Fetch>(next->what);
     try {
@@ -189,7 +189,7 @@ void DescriptorPassing::Shared::begin(Work next, MonotonicTime now) {
 void DescriptorPassing::Shared::fetch(std::uint64_t id, const Offer& offer, MonotonicTime now) {
   auto sent = DescriptorRequest::send(offer, users);
   if (!sent) return give(fetched, id, Outcome<MappedSegment>(refuse(sent.error())));
-  requests.push_back({id, *std::move(sent), now + kLongestRequest});
+  requests.push_back({id, *std::move(sent), now + kMaxRequest});
 }
 
 bool DescriptorPassing::Shared::look_at(Request& request, MonotonicTime now) {
@@ -239,7 +239,7 @@ DescriptorPassing::~DescriptorPassing() {
   signal(shared_->wake);
   std::unique_lock held(shared_->lock);
   if (!shared_->has_thread) return;
-  if (!shared_->ended.wait_for(held, kLongestEnd, [&] { return shared_->has_ended; })) keep_code();
+  if (!shared_->ended.wait_for(held, kMaxEnd, [&] { return shared_->has_ended; })) keep_code();
 }
 
 void DescriptorPassing::serve(MonotonicTime now) {
@@ -271,7 +271,7 @@ const OpenOffers& DescriptorPassing::offers() const { return shared_->server.off
 
 bool DescriptorPassing::Shared::takes_work() const {
   const std::lock_guard held(lock);
-  return unfinished < kMostWork && !refuses && !is_held_up();
+  return unfinished < kMaxWork && !refuses && !is_held_up();
 }
 
 std::uint64_t DescriptorPassing::Shared::push(decltype(Work::what) what) {

@@ -14,14 +14,14 @@
 
 namespace ddssec::rtps::memory {
 
-/// No call blocks, except the destructor, for at most kLongestEnd. One thread may use it.
+/// No call blocks, except the destructor, for at most kMaxEnd. One thread may use it.
 class DescriptorPassing {
  public:
   /// How long a writer's process may take to answer.
-  static constexpr std::chrono::seconds kLongestRequest{3};
+  static constexpr std::chrono::seconds kMaxRequest{3};
   /// Limit for the work that is not finished.
-  static constexpr std::size_t kMostWork = 64;
-  static constexpr std::chrono::milliseconds kLongestEnd{200};
+  static constexpr std::size_t kMaxWork = 64;
+  static constexpr std::chrono::milliseconds kMaxEnd{200};
 
   /// A descriptor that was fetched.
   struct Fetched {

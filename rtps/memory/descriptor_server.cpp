@@ -82,9 +82,9 @@ void send_descriptor(int socket, int descriptor) {
 // One is expected. The kernel closes those that have no room, which may hold this thread up; but
 // more room would let a peer use up the descriptors of the process.
 struct ManyDescriptors {
-  static constexpr std::size_t kMost = 16;
+  static constexpr std::size_t kMax = 16;
   static constexpr std::size_t kTime = CMSG_SPACE(sizeof(timeval));  // see OutsideSocket
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(kMost * sizeof(int)) + kTime> octets{};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(kMax * sizeof(int)) + kTime> octets{};
 };
 
 std::vector<Descriptor> received_with(msghdr& message) {

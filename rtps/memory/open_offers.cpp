@@ -7,7 +7,7 @@ namespace ddssec::rtps::memory {
 Outcome<void> OpenOffers::add(Offer offer) {
   const std::lock_guard held(lock_);
   const auto of_one = std::ranges::count(offers_, offer.identity, &Offer::identity);
-  if (offers_.size() >= kMost || of_one >= static_cast<std::ptrdiff_t>(kMostOfOne))
+  if (offers_.size() >= kMax || of_one >= static_cast<std::ptrdiff_t>(kMaxOfOne))
     return refuse(Refusal::too_many_tokens);
   offers_.push_back(std::move(offer));
   return {};

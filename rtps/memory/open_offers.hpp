@@ -19,8 +19,8 @@ using Token = Secret<struct DescriptorToken, 32>;
 /// Thread-safe.
 class OpenOffers {
  public:
-  static constexpr std::size_t kMost = 64;
-  static constexpr std::size_t kMostOfOne = 16;  ///< for one identity
+  static constexpr std::size_t kMax = 64;
+  static constexpr std::size_t kMaxOfOne = 16;  ///< for one identity
   static constexpr std::chrono::seconds kLifetime{10};
 
   struct Offer {
@@ -31,7 +31,7 @@ class OpenOffers {
     std::string identity = {};  ///< of the peer
   };
 
-  OpenOffers() { offers_.reserve(kMost); }
+  OpenOffers() { offers_.reserve(kMax); }
   /// Error: too_many_tokens.
   Outcome<void> add(Offer offer);
   void withdraw(std::uint64_t segment);

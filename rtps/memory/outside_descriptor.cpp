@@ -14,11 +14,11 @@
 namespace ddssec::rtps::memory {
 namespace {
 
-constexpr std::size_t kMostWaiting = 512;
+constexpr std::size_t kMaxWaiting = 512;
 constexpr std::size_t kTooMany = 8;
 
 struct Closer {
-  Closer() { waiting.reserve(kMostWaiting); }
+  Closer() { waiting.reserve(kMaxWaiting); }
   std::mutex lock;
   std::vector<int> waiting;
   bool runs = false;  // and closes one that no longer waits
@@ -67,8 +67,8 @@ Front front_of(int socket) {
 // system lets a sender queue, in general 10 to 512. An error stands before them (ECONNRESET), and
 // is told once: nothing may be received before the next look.
 bool is_empty(int socket) {
-  constexpr int kMost = 1024;
-  for (int i = 0; i < kMost; ++i) {
+  constexpr int kMax = 1024;
+  for (int i = 0; i < kMax; ++i) {
     const auto front = front_of(socket);
     if (front == Front::error) continue;
     if (front == Front::descriptors) return false;
@@ -85,7 +85,7 @@ void close_elsewhere(Descriptor descriptor) {
   auto& all = closer();
   const std::lock_guard held(all.lock);
   const int number = descriptor.release();
-  if (number < 0 || all.waiting.size() == kMostWaiting) return;
+  if (number < 0 || all.waiting.size() == kMaxWaiting) return;
   all.waiting.push_back(number);
   if (all.runs) return;
   try {

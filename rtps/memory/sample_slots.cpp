@@ -8,13 +8,13 @@ namespace {
 
 // Four sizes for each power of two, so that at most a quarter of a slot is wasted.
 std::size_t rounded(std::size_t size) {
-  constexpr std::size_t kLeast = 4096;
-  const auto step = std::max(kLeast, std::bit_floor(size) / 4);
+  constexpr std::size_t kMin = 4096;
+  const auto step = std::max(kMin, std::bit_floor(size) / 4);
   return (size + step - 1) / step * step;
 }
 
 std::size_t slots_of(std::size_t size) {
-  return std::clamp(SampleSlots::kOctets / size, SampleSlots::kFewest, SampleSlots::kMost);
+  return std::clamp(SampleSlots::kOctets / size, SampleSlots::kFewest, SampleSlots::kMax);
 }
 
 }  // namespace
@@ -25,7 +25,7 @@ std::size_t SampleSlots::size_for(std::size_t largest) {
 }
 
 Outcome<SampleSlots> SampleSlots::make(std::uint64_t id, std::size_t largest) {
-  if (largest == 0 || largest > kLargestSegment) return refuse(Refusal::bad_shape);
+  if (largest == 0 || largest > kMaxSegment) return refuse(Refusal::bad_shape);
   const auto size = rounded(largest);
   auto segment = Segment::make(id, size, slots_of(size));
   if (!segment) return refuse(segment.error());
@@ -34,7 +34,7 @@ Outcome<SampleSlots> SampleSlots::make(std::uint64_t id, std::size_t largest) {
 
 Outcome<MutableBytes> SampleSlots::begin(SequenceNumber needed_from, MonotonicTime now) {
   while (count_ > 0 && oldest().number < needed_from) release_oldest();
-  if (count_ == used_.size() && now - oldest().since >= kLongestUse) release_oldest();
+  if (count_ == used_.size() && now - oldest().since >= kMaxUse) release_oldest();
   return segment_.begin();
 }
 

@@ -10,14 +10,14 @@
 namespace ddssec::rtps::memory {
 
 /// Samples come with ascending numbers. The slot of a sample is used again when no reader needs the
-/// sample any longer, the oldest one first; or, if no slot is free, kLongestUse after it was
+/// sample any longer, the oldest one first; or, if no slot is free, kMaxUse after it was
 /// written. Then a reader that comes late finds it gone. Allocates only in `make`.
 class SampleSlots {
  public:
-  static constexpr MonotonicTime kLongestUse = std::chrono::milliseconds(200);
+  static constexpr MonotonicTime kMaxUse = std::chrono::milliseconds(200);
   /// How much memory the slots of a segment take together, unless that makes fewer or more of them.
   static constexpr std::size_t kOctets = std::size_t{16} << 20;
-  static constexpr std::size_t kFewest = 4, kMost = 64;
+  static constexpr std::size_t kFewest = 4, kMax = 64;
 
   /// About how much memory `make` takes, in octets.
   static std::size_t size_for(std::size_t largest);

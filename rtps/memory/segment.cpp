@@ -26,7 +26,7 @@ namespace ddssec::rtps::memory {
 namespace {
 
 constexpr int kSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL;
-constexpr std::size_t kMostSlots = std::size_t{1} << 20;
+constexpr std::size_t kMaxSlots = std::size_t{1} << 20;
 
 Descriptor make_memory() {
   constexpr unsigned kFlags = MFD_CLOEXEC | MFD_ALLOW_SEALING;
@@ -61,7 +61,7 @@ std::atomic_ref<std::uint64_t> generation_of(std::uint8_t* slot) {
 }
 
 bool is_shape(std::size_t largest, std::size_t count) {
-  return largest > 0 && largest <= kLargestSegment && count > 0 && count <= kMostSlots;
+  return largest > 0 && largest <= kMaxSegment && count > 0 && count <= kMaxSlots;
 }
 
 MemoryId id_of(const struct stat& info) { return {info.st_dev, info.st_ino}; }
@@ -69,7 +69,7 @@ MemoryId id_of(const struct stat& info) { return {info.st_dev, info.st_ino}; }
 // With all pages there, and no right of the writer to take one away, no access raises SIGBUS or
 // takes memory that counts for the reader. Blocks are no measure: they may be beyond the end.
 bool is_complete(int descriptor, const struct stat& info) {
-  if (info.st_size <= 0 || static_cast<std::uint64_t>(info.st_size) > kLargestSegment) return false;
+  if (info.st_size <= 0 || static_cast<std::uint64_t>(info.st_size) > kMaxSegment) return false;
   return ::lseek(descriptor, 0, SEEK_HOLE) == info.st_size;
 }
 
@@ -82,7 +82,7 @@ Mapping::~Mapping() {
 Outcome<Segment> Segment::make(std::uint64_t id, std::size_t largest, std::size_t count) {
   if (!is_shape(largest, count)) return refuse(Refusal::bad_shape);
   const std::size_t slot_size = kSlotHead + (largest + kSlotHead - 1) / kSlotHead * kSlotHead;
-  if (slot_size > kLargestSegment / count) return refuse(Refusal::bad_shape);
+  if (slot_size > kMaxSegment / count) return refuse(Refusal::bad_shape);
   const std::size_t size = slot_size * count;
   Segment out;
   out.id_ = id;

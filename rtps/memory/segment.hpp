@@ -50,7 +50,7 @@ class Mapping {
 /// The head of a slot, in octets; a payload follows. A cache line, so that slots do not share one.
 inline constexpr std::size_t kSlotHead = 64;
 /// The largest segment that is made or mapped, in octets.
-inline constexpr std::size_t kLargestSegment = std::size_t{1} << 30;
+inline constexpr std::size_t kMaxSegment = std::size_t{1} << 30;
 
 /// The writer's side. Not thread-safe. Allocates only in `make`.
 class Segment {

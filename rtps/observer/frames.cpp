@@ -16,8 +16,8 @@ enum Link : int {
 };
 constexpr std::uint16_t kIpv4 = 0x0800, kIpv6 = 0x86dd, kVlan = 0x8100, kServiceVlan = 0x88a8;
 constexpr std::uint8_t kUdp = 17;
-constexpr std::size_t kLargestPacket = 65535;
-constexpr std::size_t kMostFragments = 64;
+constexpr std::size_t kMaxPacket = 65535;
+constexpr std::size_t kMaxFragments = 64;
 
 std::uint16_t number_at(BytesView octets, std::size_t at) {
   return static_cast<std::uint16_t>(octets[at] << 8 | octets[at + 1]);
@@ -89,11 +89,11 @@ std::optional<Frames::Datagram> Frames::read(int link, BytesView frame) {
 }
 
 std::optional<Frames::Datagram> Frames::read_ipv4(BytesView packet) {
-  constexpr std::size_t kLeast = 20;
-  if (packet.size() < kLeast || packet[9] != kUdp) return std::nullopt;
+  constexpr std::size_t kMin = 20;
+  if (packet.size() < kMin || packet[9] != kUdp) return std::nullopt;
   const std::size_t header = (packet[0] & 0xfu) * 4;
   const std::size_t total = std::min<std::size_t>(number_at(packet, 2), packet.size());
-  if (header < kLeast || total < header) return std::nullopt;
+  if (header < kMin || total < header) return std::nullopt;
   const auto body = packet.subspan(header, total - header);
   auto from = address(AF_INET, packet.data() + 12);
   const auto flags = number_at(packet, 6);
@@ -108,18 +108,18 @@ std::optional<Frames::Datagram> Frames::read_ipv4(BytesView packet) {
 
 // A datagram with overlapping fragments is never reassembled.
 std::optional<Bytes> Frames::reassemble(BytesView key, Fragment fragment, bool is_last) {
-  if (fragment.offset + fragment.octets.size() > kLargestPacket) return std::nullopt;
+  if (fragment.offset + fragment.octets.size() > kMaxPacket) return std::nullopt;
   auto at = std::ranges::find_if(
       partial_, [&](const auto& known) { return std::ranges::equal(known.key, key); });
   if (at == partial_.end()) {
-    if (partial_.size() >= kMostPartial) partial_.pop_front();
+    if (partial_.size() >= kMaxPartial) partial_.pop_front();
     partial_.push_back({to_bytes(key), {}, {}});
     at = std::prev(partial_.end());
   }
   if (is_last) at->size = fragment.offset + fragment.octets.size();
   const bool is_new =
       std::ranges::find(at->fragments, fragment.offset, &Fragment::offset) == at->fragments.end();
-  if (is_new && at->fragments.size() < kMostFragments) at->fragments.push_back(std::move(fragment));
+  if (is_new && at->fragments.size() < kMaxFragments) at->fragments.push_back(std::move(fragment));
   std::ranges::sort(at->fragments, {}, &Fragment::offset);
   Bytes whole;
   for (const auto& part : at->fragments) {

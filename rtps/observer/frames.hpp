@@ -14,7 +14,7 @@ namespace ddssec::rtps {
 class Frames {
  public:
   /// Limit for IPv4 datagrams with missing fragments. Above it, the oldest is forgotten.
-  static constexpr std::size_t kMostPartial = 64;
+  static constexpr std::size_t kMaxPartial = 64;
 
   struct Datagram {
     std::string from;  ///< the IP address

@@ -203,7 +203,7 @@ std::vector<Meeting> meetings_of(const Observer& observer) {
   std::vector<Meeting> out;
   const auto& all = observer.participants();
   for (auto a = all.begin(); a != all.end(); ++a)
-    for (auto b = std::next(a); b != all.end() && out.size() < kMostMeetings; ++b) {
+    for (auto b = std::next(a); b != all.end() && out.size() < kMaxMeetings; ++b) {
       if (!a->second.data || !b->second.data || a->second.domain != b->second.domain) continue;
       Meeting meeting{.a = a->first, .b = b->first};
       meeting.met = std::max(a->second.messages.first, b->second.messages.first);
@@ -218,19 +218,19 @@ std::vector<Meeting> meetings_of(const Observer& observer) {
 }
 
 std::optional<Finding> all_in_different_domains(const Observer& observer) {
-  constexpr std::size_t kMost = 5;
+  constexpr std::size_t kMax = 5;
   std::set<DomainId> domains;
   std::string names;
   for (const auto& [prefix, participant] : observer.participants()) {
     if (!participant.data || participant.domain < 0) continue;
     if (!domains.insert(participant.domain).second) return std::nullopt;
-    if (domains.size() <= kMost)
+    if (domains.size() <= kMax)
       names += fmt::format("{}{} in domain {}", names.empty() ? "" : ", ",
                            name_of(prefix, participant), participant.domain);
   }
   if (domains.size() < 2) return std::nullopt;
   return Finding{Rule::CAP005, fmt::format("no two participants are in the same domain: {}{}",
-                                           names, domains.size() > kMost ? ", ..." : "")};
+                                           names, domains.size() > kMax ? ", ..." : "")};
 }
 
 std::vector<Finding> leaks_of(const Observer& observer) {

@@ -32,8 +32,8 @@ std::string name_of(const GuidPrefix& prefix, const ObservedParticipant& partici
 std::string issuer_of(const ObservedParticipant& participant);
 
 /// Returns every pair of participants of one domain that announced themselves, at most
-/// kMostMeetings.
-inline constexpr std::size_t kMostMeetings = 10'000;
+/// kMaxMeetings.
+inline constexpr std::size_t kMaxMeetings = 10'000;
 std::vector<Meeting> meetings_of(const Observer& observer);
 
 /// Returns CAP005 if several participants announced themselves and each is in a domain of its own,

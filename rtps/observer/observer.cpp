@@ -64,7 +64,7 @@ const HandshakeFlow& Observer::flow(const GuidPrefix& from, const GuidPrefix& to
 ObservedParticipant* Observer::find(const GuidPrefix& prefix) {
   const auto at = participants_.find(prefix);
   if (at != participants_.end()) return &at->second;
-  if (participants_.size() >= kMostParticipants) {
+  if (participants_.size() >= kMaxParticipants) {
     ++left_out_;
     return nullptr;
   }
@@ -73,7 +73,7 @@ ObservedParticipant* Observer::find(const GuidPrefix& prefix) {
 
 HandshakeFlow* Observer::flow_to(const Message& message, const GuidPrefix& to) {
   const std::pair key{message.source, to};
-  if (flows_.size() >= kMostFlows && !flows_.contains(key)) return nullptr;
+  if (flows_.size() >= kMaxFlows && !flows_.contains(key)) return nullptr;
   return &flows_[key];
 }
 
@@ -87,7 +87,7 @@ void Observer::on_datagram(BytesView datagram, const Arrival& arrival) {
   if (message.sender == nullptr) return;
   message.sender->vendor = header.vendor;
   message.sender->messages.note(arrival.at);
-  if (message.sender->addresses.size() < kMostAddressesEach)
+  if (message.sender->addresses.size() < kMaxAddressesEach)
     message.sender->addresses.emplace(arrival.from);
   walk(*reader, message);
 }
@@ -143,7 +143,7 @@ void Observer::on_protected(const SubmessageView& prefix, const Message& message
   const bool whole = prefix.id == SubmessageId::secure_rtps_prefix;
   ++(whole ? sender.protected_messages : sender.protected_submessages);
   const auto kind = kind_in(prefix.body);
-  if (kind && sender.kinds.size() < kMostKindsEach) sender.kinds.insert(*kind);
+  if (kind && sender.kinds.size() < kMaxKindsEach) sender.kinds.insert(*kind);
   if (whole || message.destination.is_zero()) return;
   if (auto* flow = flow_to(message, message.destination))
     flow->at(HandshakeStep::keys).note(message.arrival.at);
@@ -193,7 +193,7 @@ ObservedTopic* Observer::topic_of(ObservedParticipant& sender, const EndpointDat
   const auto octets = kPricePerTopic + endpoint.topic_name.size() + endpoint.type_name.size();
   const auto of_sender = sender.topic_octets - before + octets;
   const auto of_all = topic_octets_ - before + octets;
-  if (known == topics.end() && topics.size() >= kMostTopicsEach) return nullptr;
+  if (known == topics.end() && topics.size() >= kMaxTopicsEach) return nullptr;
   if (of_sender > kTopicOctetsOfEach && of_all > kMaxTopicOctets) return nullptr;
   sender.topic_octets = of_sender;
   topic_octets_ = of_all;

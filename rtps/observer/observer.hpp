@@ -83,16 +83,16 @@ struct ObservedParticipant {
 class Observer {
  public:
   /// Limits. Above them nothing new is stored; what is stored is still counted.
-  static constexpr std::size_t kMostParticipants = 1024;
-  static constexpr std::size_t kMostFlows = 65536;
-  static constexpr std::size_t kMostTopicsEach = 4096;
+  static constexpr std::size_t kMaxParticipants = 1024;
+  static constexpr std::size_t kMaxFlows = 65536;
+  static constexpr std::size_t kMaxTopicsEach = 4096;
   /// Limit for the topics of all participants together. kTopicOctetsOfEach of each participant is
   /// kept whatever others announce.
   static constexpr std::size_t kMaxTopicOctets = std::size_t{32} << 20;
   static constexpr std::size_t kTopicOctetsOfEach = std::size_t{32} << 10;
   static constexpr std::size_t kPricePerTopic = 256;
-  static constexpr std::size_t kMostAddressesEach = 16;
-  static constexpr std::size_t kMostKindsEach = 16;
+  static constexpr std::size_t kMaxAddressesEach = 16;
+  static constexpr std::size_t kMaxKindsEach = 16;
 
   explicit Observer(ReadCertificate read_certificate = {})
       : read_certificate_(std::move(read_certificate)) {}

@@ -62,8 +62,8 @@ MonotonicTime Announcer::period() const {
 void Announcer::answer(const GuidPrefix& participant, std::span<const Locator> metatraffic) {
   const bool room = answers_.take(core_.now);
   if (room) announce(metatraffic, participant);
-  next_ = std::min(next_,
-                   room ? core_.now + kRepeatDelay : std::max(core_.now, last_ + kShortestPeriod));
+  next_ =
+      std::min(next_, room ? core_.now + kRepeatDelay : std::max(core_.now, last_ + kMinPeriod));
 }
 
 void Announcer::announce_again() {
@@ -95,7 +95,7 @@ void Announcer::announce(std::span<const Locator> to, const GuidPrefix& charged)
 }
 
 void Announcer::announce(const ParticipantData& own, const Destination& to) {
-  std::array<std::uint8_t, MessageSender::kLargestMessage> buffer;
+  std::array<std::uint8_t, MessageSender::kMaxMessage> buffer;
   SpanWriter payload(buffer);
   write_payload(payload, own);
   const Data data{kSpdpReader, kSpdpWriter, {1}, {}, PayloadKind::data, payload.view()};
@@ -105,7 +105,7 @@ void Announcer::announce(const ParticipantData& own, const Destination& to) {
 
 void Announcer::announce_securely(bool leaving) {
   if (!core_.security) return;
-  std::array<std::uint8_t, MessageSender::kLargestMessage> buffer;
+  std::array<std::uint8_t, MessageSender::kMaxMessage> buffer;
   SpanWriter payload(buffer);
   const Guid guid{core_.config.prefix, kEntityIdParticipant};
   Change change;

@@ -11,11 +11,11 @@ class Announcer {
  public:
   /// Limit for announcements that are answered at once, in each kAnswerPeriod. The addresses in
   /// them are not proven.
-  static constexpr int kMostAnswers = 100;
+  static constexpr int kMaxAnswers = 100;
   static constexpr MonotonicTime kAnswerPeriod = std::chrono::milliseconds(10);
   /// The shortest time between two announcements to all, when there are more announcements to
   /// answer.
-  static constexpr MonotonicTime kShortestPeriod = std::chrono::milliseconds(250);
+  static constexpr MonotonicTime kMinPeriod = std::chrono::milliseconds(250);
 
   Announcer(ParticipantCore& core, BuiltinEndpoints& builtin);
 
@@ -48,7 +48,7 @@ class Announcer {
 
   ParticipantCore& core_;
   BuiltinEndpoints& builtin_;
-  WorkBudget answers_{kMostAnswers, kAnswerPeriod, {}};
+  WorkBudget answers_{kMaxAnswers, kAnswerPeriod, {}};
   int announcements_ = 0;
   MonotonicTime next_{}, last_{};
 };

@@ -35,7 +35,7 @@ bool DoubtedReaders::look_at(const Pair& pair, Doubt& doubt, MonotonicTime now) 
   }
   if (now >= doubt.end) {
     if (!std::exchange(doubt.ended, true)) host_.on_silent(pair);
-    doubt.interval = std::min(doubt.interval * 2, kLongestInterval);
+    doubt.interval = std::min(doubt.interval * 2, kMaxInterval);
   }
   host_.ask(pair);
   doubt.due = now + doubt.interval;

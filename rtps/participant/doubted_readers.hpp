@@ -21,7 +21,7 @@ class DoubtedReaders {
   static constexpr MonotonicTime kPatience = std::chrono::seconds(4);
   /// How often it is asked: until it counts as ended, and at least afterwards.
   static constexpr MonotonicTime kInterval = std::chrono::seconds(1);
-  static constexpr MonotonicTime kLongestInterval = std::chrono::seconds(32);
+  static constexpr MonotonicTime kMaxInterval = std::chrono::seconds(32);
 
   struct Pair {
     Guid writer, reader;

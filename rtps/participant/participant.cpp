@@ -11,7 +11,7 @@ namespace ddssec::rtps {
 namespace {
 
 /// Size limit of c.pdata; the plugin refuses more.
-constexpr std::size_t kMostOwnData = 16384;
+constexpr std::size_t kMaxOwnData = 16384;
 
 /// Returns false if the source or the local addresses are not known.
 bool is_from_elsewhere(const Locator& source, std::span<const NetworkInterface> own) {
@@ -23,7 +23,7 @@ bool is_from_elsewhere(const Locator& source, std::span<const NetworkInterface> 
 
 /// Sets what the participant signs of itself in handshakes.
 Status describe_own(ParticipantCore& core, const Announcer& announcer) {
-  Bytes octets(kMostOwnData);
+  Bytes octets(kMaxOwnData);
   SpanWriter out(octets, Endian::big);
   write_parameter_list(out, announcer.own_data());
   if (out.overflowed()) return fail(Code::length_out_of_range, {.document = "participant data"});

@@ -26,7 +26,7 @@ namespace ddssec::rtps {
 class Participant {
  public:
   /// Number of batches that are read before due work is done.
-  static constexpr unsigned kMostBacklog = 16;
+  static constexpr unsigned kMaxBacklog = 16;
 
   /// `transport` and `events` are borrowed and must outlive the participant.
   Participant(ParticipantConfig config, Transport& transport, EventSink& events);
@@ -58,7 +58,7 @@ class Participant {
   /// read, or before many batches have been read.
   void note_backlog(bool any) {
     backlog_ = any ? backlog_ + 1 : 0;
-    reads_first_ = backlog_ % kMostBacklog != 0;
+    reads_first_ = backlog_ % kMaxBacklog != 0;
   }
   /// Does what is due: announcements, HEARTBEATs, leases.
   void tick(MonotonicTime now);

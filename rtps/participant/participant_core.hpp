@@ -28,12 +28,12 @@ struct ParticipantConfig {
   /// Time between announcements, after the first few, which follow quickly. 0: derived from the
   /// lease duration.
   std::chrono::nanoseconds announcement_period{};
-  std::uint32_t fragment_size = MessageSender::kLargestFragment;
-  /// The first entity id of writers and readers, at most kGreatestFirstEntity. A random value
+  std::uint32_t fragment_size = MessageSender::kMaxFragment;
+  /// The first entity id of writers and readers, at most kMaxFirstEntity. A random value
   /// prevents a message for one process from being accepted by another: submessage protection
   /// covers entity ids, but not the INFO_DST before them.
   std::uint32_t first_entity = 1;
-  static constexpr std::uint32_t kGreatestFirstEntity = 0x7fffff;
+  static constexpr std::uint32_t kMaxFirstEntity = 0x7fffff;
   /// A random secret (AmplificationLimit::set_secret).
   std::optional<Sha256Digest> address_secret = {};
   /// The members are called without the network where nothing is protected. The caller adds the

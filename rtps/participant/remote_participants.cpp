@@ -32,12 +32,12 @@ MonotonicTime lease_end(const ParticipantCore& core, const ParticipantData& data
 // An announcement may name any address. Only a few are used, and only those that can be sent to.
 LocatorList usable_locators(const LocatorList& announced, const LocatorList& fallback,
                             std::span<const NetworkInterface> own) {
-  constexpr std::size_t kMostUsed = 4;
+  constexpr std::size_t kMaxUsed = 4;
   LocatorList out;
   for (const auto& locator : announced)
     if (locator.is_usable() && !locator.is_multicast()) out.push_back(locator);
   keep_nearest(out, own);
-  if (out.size() > kMostUsed) out.resize(kMostUsed);
+  if (out.size() > kMaxUsed) out.resize(kMaxUsed);
   return out.empty() ? fallback : out;
 }
 
@@ -84,7 +84,7 @@ RemoteEndpoint* RemoteParticipants::find_endpoint(const Guid& guid) {
 }
 
 bool RemoteParticipants::is_full(std::size_t octets) const {
-  return remotes_.size() >= kMostParticipants || (core_.security && !unproven_.has_room(octets));
+  return remotes_.size() >= kMaxParticipants || (core_.security && !unproven_.has_room(octets));
 }
 
 RemoteParticipant& RemoteParticipants::add(ParticipantData data, LocatorList metatraffic,
@@ -132,7 +132,7 @@ void RemoteParticipants::remove(const GuidPrefix& prefix) {
 // send messages in their names, but only from its own addresses.
 std::optional<GuidPrefix> RemoteParticipants::next_to_give_way() {
   if (!core_.security) return std::nullopt;
-  const auto source = unproven_.largest(core_.source, remotes_.size() < kMostParticipants);
+  const auto source = unproven_.largest(core_.source, remotes_.size() < kMaxParticipants);
   if (!source) return std::nullopt;
   const auto is_its = [&](const RemoteParticipant& remote) {
     return remote.unproven && remote.source == *source && !core_.is_authenticated(remote.prefix());
@@ -168,7 +168,7 @@ void RemoteParticipants::on_changed(const RemoteParticipant& remote) {
 void RemoteParticipants::renew_lease(RemoteParticipant& remote, const ParticipantData& data) {
   const auto end = lease_end(core_, data);
   const bool proven = !core_.security || !core_.security->is_authenticating(data.guid.prefix);
-  remote.lease_end = proven ? end : std::max({remote.lease_end, end, core_.now + kLeastLease});
+  remote.lease_end = proven ? end : std::max({remote.lease_end, end, core_.now + kMinLease});
   next_end_ = std::min(next_end_, remote.lease_end);
   if (!core_.security) return;
   remote.next_question = next_time(data, kSilentPartOfLease);
@@ -177,7 +177,7 @@ void RemoteParticipants::renew_lease(RemoteParticipant& remote, const Participan
 
 MonotonicTime RemoteParticipants::next_time(const ParticipantData& data, int share) const {
   const auto lease = lease_of(core_, data);
-  return lease == kNever ? kNever : core_.now + std::max<MonotonicTime>(lease / share, kLeastPause);
+  return lease == kNever ? kNever : core_.now + std::max<MonotonicTime>(lease / share, kMinPause);
 }
 
 void RemoteParticipants::doubt(RemoteParticipant& remote) {
@@ -233,8 +233,8 @@ bool RemoteParticipants::has_room(RemoteParticipant& remote, const EndpointData&
   const auto before = is_new ? 0 : known->second.price;
   const auto of_it = remote.endpoint_octets - before + price;
   const std::size_t old = is_new ? 0 : 1;
-  const bool fits = of_it <= kMostEndpointOctetsPerParticipant &&
-                    (!is_new || remote.endpoints.size() < kMostEndpointsPerParticipant) &&
+  const bool fits = of_it <= kMaxEndpointOctetsPerParticipant &&
+                    (!is_new || remote.endpoints.size() < kMaxEndpointsPerParticipant) &&
                     announced_.has_room(remote.account, {price, 1}, {before, old});
   if (fits || of_it <= kEndpointOctetsOfEach) return true;
   ++core_.counters.refused_discovery;

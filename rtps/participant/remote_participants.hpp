@@ -71,14 +71,14 @@ struct RemoteParticipant {
 /// matching.
 class RemoteParticipants {
  public:
-  static constexpr std::size_t kMostParticipants = 512;
-  static_assert(Handshakes::kMaxAuthenticated < kMostParticipants, "some are left for newcomers");
-  static constexpr std::size_t kMostEndpointsPerParticipant = 16384;
+  static constexpr std::size_t kMaxParticipants = 512;
+  static_assert(Handshakes::kMaxAuthenticated < kMaxParticipants, "some are left for newcomers");
+  static constexpr std::size_t kMaxEndpointsPerParticipant = 16384;
   /// Limit for all participants together. One identity gets no more than is free.
-  static constexpr std::size_t kMostEndpoints = 65536;
+  static constexpr std::size_t kMaxEndpoints = 65536;
   /// Limits for the memory of announcements, including a fixed price for each endpoint; the same.
-  static constexpr std::size_t kMostEndpointOctetsPerParticipant = std::size_t{64} << 20;
-  static constexpr std::size_t kMostEndpointOctets = std::size_t{256} << 20;
+  static constexpr std::size_t kMaxEndpointOctetsPerParticipant = std::size_t{64} << 20;
+  static constexpr std::size_t kMaxEndpointOctets = std::size_t{256} << 20;
   static constexpr std::size_t kPricePerEndpoint = 1024;
   /// This much of each participant is kept whatever the others announce.
   static constexpr std::size_t kEndpointOctetsOfEach = std::size_t{256} << 10;
@@ -86,7 +86,7 @@ class RemoteParticipants {
   /// answers the queries, and one that is gone does not stay for good.
   static constexpr MonotonicTime kMaxLease = std::chrono::minutes(5);
   /// The shortest lease of a peer that is authenticating, whatever is announced in its name.
-  static constexpr MonotonicTime kLeastLease = std::chrono::seconds(10);
+  static constexpr MonotonicTime kMinLease = std::chrono::seconds(10);
   /// An authenticated peer that is silent for a third of its lease is queried. The queries are so
   /// frequent that losing most queries and answers does not end the lease.
   static constexpr int kSilentPartOfLease = 3;
@@ -97,7 +97,7 @@ class RemoteParticipants {
   static constexpr MonotonicTime kDoubt = std::chrono::seconds(4);
   static constexpr MonotonicTime kDoubtInterval = std::chrono::milliseconds(500);
   /// The shortest time between two queries of a peer, however short a lease is announced.
-  static constexpr MonotonicTime kLeastPause = std::chrono::milliseconds(100);
+  static constexpr MonotonicTime kMinPause = std::chrono::milliseconds(100);
   /// How often a participant that is not queried is looked at: it may have authenticated.
   static constexpr MonotonicTime kPauseOfUnproven = std::chrono::seconds(1);
 
@@ -173,7 +173,7 @@ class RemoteParticipants {
   const EndpointData* endpoint(const Guid& guid) const;
 
  private:
-  /// The time after this share of the lease, or after kLeastPause if that is later; kNever if the
+  /// The time after this share of the lease, or after kMinPause if that is later; kNever if the
   /// lease does not end.
   MonotonicTime next_time(const ParticipantData& data, int share) const;
   /// From now on the participant does not count as unproven.
@@ -183,7 +183,7 @@ class RemoteParticipants {
   std::map<GuidPrefix, RemoteParticipant> remotes_;
   RemoteParticipant self_;
   DiscoveryListener* discovery_ = nullptr;
-  AnnouncedShares announced_{{kMostEndpointOctets, kMostEndpoints}};
+  AnnouncedShares announced_{{kMaxEndpointOctets, kMaxEndpoints}};
   UnprovenParticipants unproven_;  ///< only used by a secured participant
   MonotonicTime next_end_ = kNever;
   MonotonicTime next_question_ = kNever;

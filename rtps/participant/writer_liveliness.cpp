@@ -13,10 +13,10 @@ constexpr std::size_t kKeySize = 16;
 
 /// Several assertions fit into the shortest lease, but no lease causes more than one in this time.
 constexpr int kAssertionsPerLease = 3;
-constexpr MonotonicTime kLeastPeriod = std::chrono::milliseconds(1);
+constexpr MonotonicTime kMinPeriod = std::chrono::milliseconds(1);
 
 MonotonicTime period_of(MonotonicTime lease) {
-  return std::max(lease / kAssertionsPerLease, kLeastPeriod);
+  return std::max(lease / kAssertionsPerLease, kMinPeriod);
 }
 
 }  // namespace

@@ -80,11 +80,11 @@ Status check_consistency(const Qos& qos) {
     return inconsistent("DEADLINE.period",
                         "at least TIME_BASED_FILTER, " + to_string(qos.time_based_filter),
                         to_string(qos.deadline));
-  if (qos.partition.size() > kMostPartitions)
-    return inconsistent("PARTITION", fmt::format("at most {} names", kMostPartitions),
+  if (qos.partition.size() > kMaxPartitions)
+    return inconsistent("PARTITION", fmt::format("at most {} names", kMaxPartitions),
                         std::to_string(qos.partition.size()));
-  if (qos.data_tags.size() > kMostDataTags)
-    return inconsistent("DATA_TAGS", fmt::format("at most {} tags", kMostDataTags),
+  if (qos.data_tags.size() > kMaxDataTags)
+    return inconsistent("DATA_TAGS", fmt::format("at most {} tags", kMaxDataTags),
                         std::to_string(qos.data_tags.size()));
   if (qos.data_representation.empty())
     return inconsistent("DATA_REPRESENTATION", "at least one", "none");

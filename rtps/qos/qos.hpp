@@ -125,10 +125,10 @@ inline Qos default_writer_qos() {
 }
 
 /// Limits for the partitions of one endpoint, and for the characters of a name (DDS 1.4, 2.2.3.13).
-inline constexpr std::size_t kMostPartitions = 64;
-inline constexpr std::size_t kMostNameLength = 256;
+inline constexpr std::size_t kMaxPartitions = 64;
+inline constexpr std::size_t kMaxNameLength = 256;
 /// Limit for the data tags of one endpoint.
-inline constexpr std::size_t kMostDataTags = 64;
+inline constexpr std::size_t kMaxDataTags = 64;
 
 /// Refuses a change of a policy that must not change once an entity is enabled (DDS 1.4, 2.2.3,
 /// "changeable"). The error names the policy. Errors: rtps_immutable_policy.

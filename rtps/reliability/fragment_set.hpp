@@ -14,9 +14,9 @@ namespace ddssec::rtps {
 class FragmentSet {
  public:
   static constexpr std::uint32_t kFragmentsPerPage = 4096;
-  static constexpr std::uint32_t kMostFragments = 32 * kFragmentsPerPage;
+  static constexpr std::uint32_t kMaxFragments = 32 * kFragmentsPerPage;
 
-  /// `total`: number of fragments of the whole sample, at most kMostFragments.
+  /// `total`: number of fragments of the whole sample, at most kMaxFragments.
   explicit FragmentSet(std::uint32_t total = 0);
 
   /// Adds fragments first .. first + count - 1, which must not exceed the total. Returns false if
@@ -36,7 +36,7 @@ class FragmentSet {
   std::uint32_t missing_ = 0;
   FragmentNumber first_missing_{1};
   /// Payloads, because their memory is reused: nothing is allocated once samples flow.
-  std::array<Payload, kMostFragments / kFragmentsPerPage> pages_;
+  std::array<Payload, kMaxFragments / kFragmentsPerPage> pages_;
 };
 
 }  // namespace ddssec::rtps

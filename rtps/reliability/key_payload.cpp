@@ -6,7 +6,7 @@ namespace ddssec::rtps {
 namespace {
 
 // The largest payload that Fast DDS interprets as a key hash, including its encapsulation.
-constexpr std::size_t kLongestTakenForHash = 16;
+constexpr std::size_t kMaxTakenForHash = 16;
 
 }  // namespace
 
@@ -24,11 +24,11 @@ BytesView key_payload_for(const KeyReading& readers, BytesView payload, const Ke
   // Readers stop after the key's last member, so the payload may become longer. In XCDR2 the length
   // distinguishes layouts and must not change; Fast DDS 2 knows only XCDR1.
   const bool grows = readers.short_is_hash && opened->encapsulation == Encapsulation::cdr &&
-                     payload.size() <= kLongestTakenForHash;
+                     payload.size() <= kMaxTakenForHash;
   if (!grows) return payload;
   scratch.assign(payload.begin(), payload.end());
   scratch[3] = static_cast<std::uint8_t>(scratch[3] & ~3u);  // the padding is no longer counted
-  scratch.resize(kLongestTakenForHash + 4);
+  scratch.resize(kMaxTakenForHash + 4);
   return scratch;
 }
 

@@ -16,8 +16,8 @@ MessageSender::MessageSender(Transport& transport, const GuidPrefix& prefix)
 
 void MessageSender::protect_with(SendProtection& protection) {
   protection_ = &protection;
-  for (auto* buffer : {&buffer_, &payload_, &plain_}) buffer->resize(kLargestDatagram);
-  slot_size_ = kLargestDatagram;
+  for (auto* buffer : {&buffer_, &payload_, &plain_}) buffer->resize(kMaxDatagram);
+  slot_size_ = kMaxDatagram;
   out_ = SpanWriter(slot(0));
 }
 
@@ -55,11 +55,11 @@ void MessageSender::begin_message(std::span<const Locator> to,
                                   const SendProtection::Levels& levels) {
   const bool here =
       std::ranges::all_of(to, [&](const auto& locator) { return transport_.stays_here(locator); });
-  if (here && protection_ == nullptr) slot_size_ = kLargestDatagram;
+  if (here && protection_ == nullptr) slot_size_ = kMaxDatagram;
   const bool wrapped = is_wrapped(levels.message);
-  auto room = protection_ != nullptr || here ? kLargestDatagram : kLargestMessage;
+  auto room = protection_ != nullptr || here ? kMaxDatagram : kMaxMessage;
   if (wrapped) room -= std::min(room / 2, levels.message_room);
-  full_size_ = !here ? kLargestMessage : protection_ != nullptr ? kFullProtected : room;
+  full_size_ = !here ? kMaxMessage : protection_ != nullptr ? kFullProtected : room;
   out_ = SpanWriter((wrapped ? MutableBytes(buffer_) : slot(waiting_)).first(room));
   write(out_, header_);
 }
@@ -115,7 +115,7 @@ void MessageSender::finish_message() {
     wait_for_more(out_.view());
   }
   out_.rewind(0);
-  if (waiting_ == kMostWaiting || waiting_octets_ + full_size_ > kMostWaitingOctets) send_waiting();
+  if (waiting_ == kMaxWaiting || waiting_octets_ + full_size_ > kMaxWaitingOctets) send_waiting();
 }
 
 void MessageSender::wait_for_more(BytesView message) {

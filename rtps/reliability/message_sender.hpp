@@ -43,12 +43,12 @@ class MessageSender {
  public:
   /// As in Cyclone DDS: a message fits two jumbo frames; larger samples are sent in fragments. In
   /// octets.
-  static constexpr std::size_t kLargestMessage = 14720;
+  static constexpr std::size_t kMaxMessage = 14720;
   /// The largest fragment that fits into such a message, in octets.
-  static constexpr std::uint16_t kLargestFragment = 14336;
+  static constexpr std::uint16_t kMaxFragment = 14336;
   /// The limit of a UDP datagram, in octets: used if all receivers are on this machine, and for
   /// protected messages.
-  static constexpr std::size_t kLargestDatagram = 64000;
+  static constexpr std::size_t kMaxDatagram = 64000;
   /// A protected message of this many octets to receivers on this machine is full: the rest is room
   /// for the last submessage, and for the receivers' MACs (DDS-Security 1.2, clause 10.5.3.3.4)
   /// unless they are many. Then the last submessage begins the next message.
@@ -56,8 +56,8 @@ class MessageSender {
 
   /// Limits for full messages that wait for more of the same sample. They are low because
   /// receivers' buffers are small.
-  static constexpr std::size_t kMostWaiting = 8;
-  static constexpr std::size_t kMostWaitingOctets = std::size_t{128} << 10;
+  static constexpr std::size_t kMaxWaiting = 8;
+  static constexpr std::size_t kMaxWaitingOctets = std::size_t{128} << 10;
 
   MessageSender(Transport& transport, const GuidPrefix& prefix);
 
@@ -105,10 +105,9 @@ class MessageSender {
     MessageSender& sender_;
   };
   /// Samples with more octets than `size` are sent in fragments of that size; at most
-  /// kLargestFragment.
+  /// kMaxFragment.
   void fragment_at(std::uint32_t size) {
-    fragment_size_ =
-        static_cast<std::uint16_t>(std::clamp<std::uint32_t>(size, 1, kLargestFragment));
+    fragment_size_ = static_cast<std::uint16_t>(std::clamp<std::uint32_t>(size, 1, kMaxFragment));
   }
   std::uint16_t fragment_size() const { return fragment_size_; }
   /// True if the writer's submessages are protected but the INFO_TS before them is not.
@@ -191,7 +190,7 @@ class MessageSender {
   bool write_protected_submessage(const EntityId& sender, const Guid& receiver, BytesView plain);
   void begin(const Destination& to, const SendProtection::Levels& levels);
   void begin_message(std::span<const Locator> to, const SendProtection::Levels& levels);
-  /// The message waits for a flush, or until kMostWaiting messages wait.
+  /// The message waits for a flush, or until kMaxWaiting messages wait.
   void finish_message();
   void wait_for_more(BytesView message);
   void send_waiting();
@@ -202,12 +201,12 @@ class MessageSender {
   Header header_;
   SendProtection* protection_ = nullptr;
   Bytes buffer_, payload_, plain_;
-  std::array<Bytes, kMostWaiting> slots_;  ///< the messages in the form in which they are sent
-  std::array<BytesView, kMostWaiting> messages_;  ///< the messages that wait
+  std::array<Bytes, kMaxWaiting> slots_;  ///< the messages in the form in which they are sent
+  std::array<BytesView, kMaxWaiting> messages_;  ///< the messages that wait
   std::size_t waiting_ = 0;
   std::size_t waiting_octets_ = 0;
-  std::size_t slot_size_ = kLargestMessage;
-  std::size_t full_size_ = kLargestMessage;
+  std::size_t slot_size_ = kMaxMessage;
+  std::size_t full_size_ = kMaxMessage;
   SpanWriter out_;  ///< the current message, written into the next slot or protected into it
   std::vector<Locator> to_;  ///< destination of everything that waits
   std::uint8_t dscp_ = 0;    ///< the same
@@ -222,7 +221,7 @@ class MessageSender {
   int gatherings_ = 0;
   bool flush_wanted_ = false;
   std::uint32_t samples_heard_ = 0;
-  std::uint16_t fragment_size_ = kLargestFragment;
+  std::uint16_t fragment_size_ = kMaxFragment;
 };
 
 }  // namespace ddssec::rtps

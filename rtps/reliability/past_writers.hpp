@@ -14,7 +14,7 @@ namespace ddssec::rtps {
 /// is no room, the identity with the most writers loses its oldest.
 class PastWriters {
  public:
-  static constexpr std::size_t kMost = 1024;
+  static constexpr std::size_t kMax = 1024;
   struct Position {
     Sha256Digest keys;
     SequenceNumber next;  ///< everything below it was delivered or given up
@@ -25,7 +25,7 @@ class PastWriters {
     static_cast<void>(take(writer));
     writers_[writer] = {position, identity, ++last_};
     of_[identity][last_] = writer;
-    if (writers_.size() <= kMost) return;
+    if (writers_.size() <= kMax) return;
     auto most = of_.begin();
     for (auto at = of_.begin(); at != of_.end(); ++at)
       if (at->second.size() > most->second.size()) most = at;

@@ -18,23 +18,23 @@ namespace ddssec::rtps {
 namespace {
 
 // Four sizes for each power of two, so at most a quarter of a payload is wasted.
-constexpr std::size_t kSmallest = 64;
+constexpr std::size_t kMin = 64;
 constexpr std::size_t kSteps = 4;
 
 constexpr std::size_t class_of(std::size_t size) {
-  if (size <= kSmallest) return 0;
-  const auto doublings = std::bit_width((size - 1) / kSmallest) - 1u;
-  const auto base = kSmallest << doublings;
+  if (size <= kMin) return 0;
+  const auto doublings = std::bit_width((size - 1) / kMin) - 1u;
+  const auto base = kMin << doublings;
   return kSteps * doublings + (size - base + base / kSteps - 1) / (base / kSteps);
 }
 
 constexpr std::size_t capacity_of(std::size_t size_class) {
-  const auto base = kSmallest << (size_class / kSteps);
+  const auto base = kMin << (size_class / kSteps);
   return base + size_class % kSteps * (base / kSteps);
 }
 
-constexpr std::size_t kClasses = class_of(Payload::kLargestKept) + 1;
-static_assert(capacity_of(kClasses - 1) == Payload::kLargestKept);
+constexpr std::size_t kClasses = class_of(Payload::kMaxKeptOctets) + 1;
+static_assert(capacity_of(kClasses - 1) == Payload::kMaxKeptOctets);
 static_assert(class_of(65) == 1 && capacity_of(1) == 80 && class_of(80) == 1 && class_of(81) == 2);
 static_assert(class_of(128) == 4 && class_of(129) == 5 && capacity_of(4) == 128);
 
@@ -56,7 +56,7 @@ struct Payload::Store {
   bool keep(Block* block) {
     const std::lock_guard lock(mutex);
     const auto capacity = capacity_of(block->size_class);
-    if (octets + capacity > kMostKept) return false;
+    if (octets + capacity > kMaxKept) return false;
     octets += capacity;
     block->next = std::exchange(kept[block->size_class], block);
     return true;
@@ -68,7 +68,7 @@ constinit Payload::Store Payload::Store::shared;
 Payload Payload::uninitialized(std::size_t size) {
   Payload out;
   if (size == 0) return out;
-  const bool kept = size <= kLargestKept;
+  const bool kept = size <= kMaxKeptOctets;
   const auto size_class = kept ? class_of(size) : kClasses;
   const auto capacity = kept ? capacity_of(size_class) : size;
   auto* block = kept ? Store::shared.take(size_class) : nullptr;

@@ -14,9 +14,9 @@ namespace ddssec::rtps {
 /// and it is limited. Once samples flow, a payload costs no allocation. Thread-safe.
 class Payload {
  public:
-  /// Larger payloads, and more octets than kMostKept, are returned to the allocator at once.
-  static constexpr std::size_t kLargestKept = std::size_t{8} << 20;
-  static constexpr std::size_t kMostKept = std::size_t{32} << 20;
+  /// Larger payloads, and more octets than kMaxKept, are returned to the allocator at once.
+  static constexpr std::size_t kMaxKeptOctets = std::size_t{8} << 20;
+  static constexpr std::size_t kMaxKept = std::size_t{32} << 20;
 
   Payload() = default;
   Payload(const Payload& other) noexcept : block_(other.block_) {

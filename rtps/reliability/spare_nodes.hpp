@@ -9,7 +9,7 @@ namespace ddssec::rtps {
 template <class Map>
 class SpareNodes {
  public:
-  static constexpr std::size_t kMost = 256;
+  static constexpr std::size_t kMax = 256;
 
   /// Inserts a key that is not in the map yet. Returns its value.
   typename Map::mapped_type& insert(Map& map, const typename Map::key_type& key) {
@@ -23,7 +23,7 @@ class SpareNodes {
   typename Map::iterator erase(Map& map, typename Map::iterator at) {
     const auto next = std::next(at);
     auto node = map.extract(at);
-    if (spare_.size() < kMost) {
+    if (spare_.size() < kMax) {
       node.mapped() = {};
       spare_.push_back(std::move(node));
     }

@@ -5,8 +5,8 @@
 namespace ddssec::rtps {
 namespace {
 
-static_assert(StatefulReader::kLargestSample / PartialSamples::kMinFragmentSize <=
-              FragmentSet::kMostFragments);
+static_assert(StatefulReader::kMaxSample / PartialSamples::kMinFragmentSize <=
+              FragmentSet::kMaxFragments);
 
 Destination destination_of(const WriterProxy& proxy) {
   return {proxy.writer().guid.prefix, proxy.writer().locators};
@@ -161,7 +161,7 @@ bool StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap) {
   const auto before = std::pair(proxy->next(), proxy->early());
   if (gap.start <= proxy->next() && !proxy->waits_for_heartbeat()) {
     proxy->skip_to(gap.list.base());
-  } else if (gap.list.base().value - gap.start.value <= kMostBitsPerSet) {
+  } else if (gap.list.base().value - gap.start.value <= kMaxBitsPerSet) {
     for (auto number = gap.start; number < gap.list.base(); number = number.next())
       accept(*proxy, number, std::nullopt);
   }

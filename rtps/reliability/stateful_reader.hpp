@@ -17,11 +17,11 @@ namespace ddssec::rtps {
 /// identity with the most loses its latest ones, which are requested again. No clock or lock.
 class StatefulReader final : private Timed {
  public:
-  static constexpr std::uint32_t kLargestSample = 64u << 20;
+  static constexpr std::uint32_t kMaxSample = 64u << 20;
   /// Limits, which can be lowered for readers whose samples are small.
   struct Limits {
     /// Limit for samples in fragments; larger ones are given up.
-    std::uint32_t largest_sample = kLargestSample;
+    std::uint32_t largest_sample = kMaxSample;
     std::size_t held_octets = HeldOctets::kMax;
     std::size_t held_octets_of_one = HeldOctets::kMaxOfOne;
   };
@@ -145,7 +145,7 @@ class StatefulReader final : private Timed {
   Unfinished unfinished_;
   Alive alive_;
   Group on_group_;
-  std::uint32_t largest_sample_ = kLargestSample;
+  std::uint32_t largest_sample_ = kMaxSample;
   bool shares_held_ = false;  ///< with other readers
   WriterProxy::Common common_;
   std::map<Guid, WriterProxy> writers_;

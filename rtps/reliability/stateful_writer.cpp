@@ -50,7 +50,7 @@ StatefulWriter::~StatefulWriter() {
 
 void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   unmatch(reader.guid);
-  if (readers_.filtered() >= kMostFilters) reader.filter = nullptr;
+  if (readers_.filtered() >= kMaxFilters) reader.filter = nullptr;
   const auto next = history_.last().next();
   const bool history = reader.wants_history && qos_.durability >= DurabilityKind::transient_local;
   auto& proxy = readers_.add(std::move(reader), {.first = history ? history_.first() : next,
@@ -118,7 +118,7 @@ void StatefulWriter::set_filter(const Guid& reader, std::shared_ptr<ChangeFilter
   if (proxy == nullptr) return;
   filtered_.send_gap(*proxy, history_.last().next());
   sender_.flush();
-  if (!proxy->reader().filter && readers_.filtered() >= kMostFilters) return;
+  if (!proxy->reader().filter && readers_.filtered() >= kMaxFilters) return;
   readers_.set_filter(*proxy, std::move(filter));
 }
 

@@ -21,7 +21,7 @@ class StatefulWriter final : private Timed {
  public:
   /// Limit for content filters that the writer applies. Further readers get everything and filter
   /// themselves.
-  static constexpr std::size_t kMostFilters = 32;
+  static constexpr std::size_t kMaxFilters = 32;
 
   /// Without timers, the owner must call tick at the time that next_tick returns.
   StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender,

@@ -26,11 +26,11 @@ History kept_by(const Qos& qos) {
 WriterHistory::WriterHistory(const Qos& qos)
     : history_(kept_by(qos)),
       most_changes_(qos.resource_limits.max_samples == kLengthUnlimited
-                        ? kMostChanges
+                        ? kMaxChanges
                         : static_cast<std::size_t>(qos.resource_limits.max_samples)),
       most_per_instance_(
           qos.resource_limits.max_samples_per_instance == kLengthUnlimited
-              ? kMostChanges
+              ? kMaxChanges
               : static_cast<std::size_t>(qos.resource_limits.max_samples_per_instance)),
       by_instance_(history_.kind == HistoryKind::keep_last || most_per_instance_ < most_changes_) {}
 
@@ -40,8 +40,7 @@ bool WriterHistory::has_room(std::size_t payload_size, const KeyHash& instance) 
     const auto held = instances_.find(instance);
     if (held != instances_.end() && held->second.count >= most_per_instance_) return false;
   }
-  return count_ - markers_ < most_changes_ &&
-         (count_ == 0 || octets_ + payload_size <= kMostOctets);
+  return count_ - markers_ < most_changes_ && (count_ == 0 || octets_ + payload_size <= kMaxOctets);
 }
 
 SequenceNumber WriterHistory::add(Change change) {
@@ -99,7 +98,7 @@ void WriterHistory::drop_replaced(std::size_t aim) {
 
 // A late joiner discards a set whose end is forgotten.
 void WriterHistory::keep_marker(SequenceNumber number) {
-  while (!marks_.empty() && (marks_.front() < first() || markers_ > kMostMarkers)) {
+  while (!marks_.empty() && (marks_.front() < first() || markers_ > kMaxMarkers)) {
     drop(marks_.front());
     marks_.pop_front();
   }

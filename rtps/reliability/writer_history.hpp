@@ -14,10 +14,10 @@ namespace ddssec::rtps {
 class WriterHistory {
  public:
   /// The limits where RESOURCE_LIMITS says "unlimited", so that memory stays bounded.
-  static constexpr std::size_t kMostChanges = 65536;
-  static constexpr std::size_t kMostOctets = std::size_t{256} << 20;
+  static constexpr std::size_t kMaxChanges = 65536;
+  static constexpr std::size_t kMaxOctets = std::size_t{256} << 20;
   /// Limit for markers, which end coherent sets.
-  static constexpr std::size_t kMostMarkers = 1024;
+  static constexpr std::size_t kMaxMarkers = 1024;
 
   explicit WriterHistory(const Qos& qos);
 

@@ -108,7 +108,7 @@ bool WriterProxy::forget_refused() {
   if (refused() == 0 || at == forgotten_at_) return false;
   forgotten_at_ = at;
   std::size_t octets = 0;
-  for (std::size_t i = 0; i < kMostForgotten && octets < kMostForgottenOctets; ++i) {
+  for (std::size_t i = 0; i < kMaxForgotten && octets < kMaxForgottenOctets; ++i) {
     if (early_.empty()) break;
     if (const auto& change = early_.front()) octets += change->payload.size();
     early_.erase_first();

@@ -37,7 +37,7 @@ class WriterProxy {
  public:
   static constexpr std::size_t kMaxEarlyChanges = 2048;
   /// What forget_refused() forgets at once; in octets, one change at least.
-  static constexpr std::size_t kMostForgotten = 256, kMostForgottenOctets = std::size_t{256} << 10;
+  static constexpr std::size_t kMaxForgotten = 256, kMaxForgottenOctets = std::size_t{256} << 10;
 
   /// What the proxies of one reader have in common. It must outlive them.
   struct Common {

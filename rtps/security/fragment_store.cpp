@@ -55,7 +55,7 @@ void FragmentStore::Sender::keep(const DataFrag& frag, MonotonicTime now) {
                   frag.count, to_bytes(frag.payload), now});
   price += runs.back().price();
   fragments += frag.count;
-  while (price > kMostOctetsPerSender) drop(runs.begin());
+  while (price > kMaxOctetsPerSender) drop(runs.begin());
 }
 
 void FragmentStore::make_room(const SourceAddress& newcomer) {
@@ -76,7 +76,7 @@ FragmentStore::Sender& FragmentStore::place_for(const GuidPrefix& prefix,
   if (at != senders_.end()) senders_.erase(at);
   while (!sender.runs.empty() && now - sender.runs.front().since >= kLife)
     sender.drop(sender.runs.begin());
-  if (senders_.size() >= kMostSenders) make_room(source);
+  if (senders_.size() >= kMaxSenders) make_room(source);
   return senders_.emplace_back(std::move(sender));
 }
 
@@ -84,7 +84,7 @@ FragmentStore::Sender& FragmentStore::place_for(const GuidPrefix& prefix,
 // or there are only few.
 std::vector<Bytes> FragmentStore::add(const GuidPrefix& prefix, const DataFrag& frag,
                                       MonotonicTime now, const SourceAddress& source) {
-  if (frag.sample_size > kLargestMessage) return {};
+  if (frag.sample_size > kMaxMessage) return {};
   if (frag.fragment_size < kMinFragmentSize && frag.total() > kMaxSmallFragments) return {};
   auto& sender = place_for(prefix, source, now);
   sender.keep(frag, now);
@@ -106,7 +106,7 @@ std::optional<FragmentStore::Forms> FragmentStore::forms_of(const Sender& sender
       // Messages without the new fragment were assembled before.
       const bool is_new =
           index + 1 >= frag.first.value && index + 1 < frag.first.value + frag.count;
-      if (of_one.size() < (is_new ? 1 : kMostForms)) of_one.push_back(run->fragment(index));
+      if (of_one.size() < (is_new ? 1 : kMaxForms)) of_one.push_back(run->fragment(index));
     }
   }
   return missing == 0 ? std::optional(std::move(forms)) : std::nullopt;
@@ -120,7 +120,7 @@ std::vector<Bytes> FragmentStore::messages_of(const Forms& forms, MonotonicTime 
   for (const auto& of_one : forms) limits.push_back(of_one.size());
   const auto most = std::accumulate(limits.begin(), limits.end(), std::size_t{0}) - limits.size();
   Choices choices(std::move(limits), [&](const std::vector<std::size_t>& chosen) {
-    if (!out.empty() && (out.size() == kMostMessages || !more_.take(now))) return false;
+    if (!out.empty() && (out.size() == kMaxMessages || !more_.take(now))) return false;
     auto& message = out.emplace_back();
     for (std::size_t i = 0; i < forms.size(); ++i) {
       const auto octets = forms[i][chosen[i]];

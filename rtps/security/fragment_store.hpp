@@ -14,26 +14,26 @@ namespace ddssec::rtps {
 class FragmentStore {
  public:
   /// Large enough for certificates, permissions and more.
-  static constexpr std::uint32_t kLargestMessage = 256 << 10;
+  static constexpr std::uint32_t kMaxMessage = 256 << 10;
   /// Smaller fragments are accepted only for messages of few fragments: no product sends them
   /// otherwise.
   static constexpr std::uint16_t kMinFragmentSize = 512;
   static constexpr std::uint32_t kMaxSmallFragments = 8;
   /// Limit for the octets of each sender, including a fixed price for each datagram, so that small
   /// datagrams are also limited.
-  static constexpr std::size_t kMostOctetsPerSender = 2 * kLargestMessage;
+  static constexpr std::size_t kMaxOctetsPerSender = 2 * kMaxMessage;
   static constexpr std::size_t kPricePerFragment = 512;
   /// A sender is a participant and the address that sends in its name. The address with the most
   /// senders loses one first.
-  static constexpr std::size_t kMostSenders = 16;
+  static constexpr std::size_t kMaxSenders = 16;
   /// The fragments of a message arrive close together.
   static constexpr MonotonicTime kLife = std::chrono::seconds(2);
   /// Limits for one arriving datagram: the versions of each fragment that are considered, latest
   /// first, and the messages that are assembled from them.
-  static constexpr std::size_t kMostForms = 8;
-  static constexpr std::size_t kMostMessages = 8;
+  static constexpr std::size_t kMaxForms = 8;
+  static constexpr std::size_t kMaxMessages = 8;
   /// Limits for all senders together: messages other than the first one, and large messages.
-  static constexpr int kMostMore = 256;
+  static constexpr int kMaxMore = 256;
   static constexpr MonotonicTime kMorePeriod = std::chrono::microseconds(250);
   static constexpr std::uint32_t kLarge = 16 << 10;
 
@@ -83,7 +83,7 @@ class FragmentStore {
   std::vector<Bytes> messages_of(const Forms& forms, MonotonicTime now);
 
   std::deque<Sender> senders_;  ///< in the order of their latest fragment, latest last
-  WorkBudget more_{kMostMore, kMorePeriod, {}};
+  WorkBudget more_{kMaxMore, kMorePeriod, {}};
 };
 
 }  // namespace ddssec::rtps

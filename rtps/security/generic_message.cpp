@@ -11,7 +11,7 @@ namespace ddssec::rtps {
 namespace {
 
 /// The size of a class id and two counts.
-constexpr std::size_t kLeastTokenSize = 12;
+constexpr std::size_t kMinTokenSize = 12;
 
 void write(Writer& out, const MessageIdentity& identity) {
   out.write_bytes(identity.source.octets());
@@ -74,8 +74,8 @@ Result<GenericMessage> read_generic_message(BytesView payload) {
   DDSSEC_ASSIGN_OR_RETURN(message.destination_endpoint, read_guid(reader));
   DDSSEC_ASSIGN_OR_RETURN(message.source_endpoint, read_guid(reader));
   DDSSEC_ASSIGN_OR_RETURN(message.message_class, reader.read_string());
-  DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read_count(kLeastTokenSize));
-  if (count > spi::kMostTokensPerMessage) return fail(Code::length_out_of_range);
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read_count(kMinTokenSize));
+  if (count > spi::kMaxTokensPerMessage) return fail(Code::length_out_of_range);
   for (std::uint32_t i = 0; i < count; ++i) {
     DDSSEC_ASSIGN_OR_RETURN(auto token, spi::read_token(reader));
     message.data.push_back(std::move(token));

@@ -54,7 +54,7 @@ struct GenericMessage {
 Bytes write_generic_message(const GenericMessage& message);
 
 /// Padding after the last token is allowed. Errors: truncated, malformed, length_out_of_range (more
-/// than spi::kMostTokensPerMessage), rtps_encapsulation_unsupported.
+/// than spi::kMaxTokensPerMessage), rtps_encapsulation_unsupported.
 Result<GenericMessage> read_generic_message(BytesView payload);
 
 }  // namespace ddssec::rtps

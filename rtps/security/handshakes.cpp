@@ -39,9 +39,9 @@ void make_room_for_answer(SecurityCore& core, const HandshakeAccount& account) {
 }
 
 MonotonicTime pause_after_refusal(const Peer& peer) {
-  constexpr int kMostDoublings = 4;
-  const auto pause = Handshakes::kRefusedPause * (1 << std::min(peer.refusals, kMostDoublings));
-  return std::min<MonotonicTime>(pause, Handshakes::kLongestRefusedPause);
+  constexpr int kMaxDoublings = 4;
+  const auto pause = Handshakes::kRefusedPause * (1 << std::min(peer.refusals, kMaxDoublings));
+  return std::min<MonotonicTime>(pause, Handshakes::kMaxRefusedPause);
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ class Handshakes {
 
   /// How long a refused peer waits for another try: first, and at most. Each time twice as long.
   static constexpr MonotonicTime kRefusedPause = std::chrono::seconds(5);
-  static constexpr MonotonicTime kLongestRefusedPause = std::chrono::seconds(60);
+  static constexpr MonotonicTime kMaxRefusedPause = std::chrono::seconds(60);
 
   Handshakes(SecurityCore& core, const Admission& admission, KeyExchange& exchange,
              KeyRevision& revision)

@@ -59,7 +59,7 @@ void KeptMemory::forget_returned() {
 
 bool KeptMemory::is_full(const std::string& identity) const {
   return std::ranges::count(kept_, identity, &Kept::leaver) >=
-         static_cast<std::ptrdiff_t>(kMostOfOne);
+         static_cast<std::ptrdiff_t>(kMaxOfOne);
 }
 
 std::size_t KeptMemory::octets() const {

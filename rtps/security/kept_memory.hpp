@@ -24,7 +24,7 @@ enum class MemoryForm : std::uint8_t { none, plain, authenticated, encrypted };
 class KeptMemory {
  public:
   /// Segments that were given up because participants of one identity left.
-  static constexpr std::size_t kMostOfOne = 4;
+  static constexpr std::size_t kMaxOfOne = 4;
 
   /// Participants that may have a segment.
   using Holders = std::set<GuidPrefix>;

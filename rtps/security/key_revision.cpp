@@ -6,7 +6,7 @@ namespace ddssec::rtps {
 
 void KeyRevision::request(Why why) {
   if (!is_enabled()) return;
-  const auto by = why == Why::trust_lost ? core_.now : core_.now + kMostDelay;
+  const auto by = why == Why::trust_lost ? core_.now : core_.now + kMaxDelay;
   due_by_ = std::min(due_by_.value_or(kNever), by);
 }
 

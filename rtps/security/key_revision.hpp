@@ -15,7 +15,7 @@ class KeyRevision {
   /// Time until the next attempt after creating revised keys failed.
   static constexpr MonotonicTime kRetry = std::chrono::seconds(1);
   /// How long a revision that can wait does so at most, while the governance changes.
-  static constexpr MonotonicTime kMostDelay = std::chrono::seconds(60);
+  static constexpr MonotonicTime kMaxDelay = std::chrono::seconds(60);
   /// Limit for peers that left with the local keys and whose trust is still watched. If there is
   /// one more, keys are revised.
   static constexpr std::size_t kMaxAbsent = 256;

@@ -12,12 +12,12 @@ void MappedMemory::add_reader(const Guid& writer, const EntityId& reader, bool i
 
 // A writer offers its memory when it writes the first large sample.
 void MappedMemory::note_message(const Guid& writer, std::size_t octets, MonotonicTime now) {
-  if (octets < kLeastLarge) return;
+  if (octets < kMinLarge) return;
   const auto at = writers_.find(writer);
   if (at == writers_.end() || !at->second.expects_offer) return;
   auto& it = at->second;
   if (!it.large_since) it.large_since = now;
-  if (now < *it.large_since + kLongestWait) return;
+  if (now < *it.large_since + kMaxWait) return;
   it.expects_offer = false;
   if (not_offered_) not_offered_(writer.prefix);
 }
@@ -53,12 +53,12 @@ void MappedMemory::on_offer(const GuidPrefix& from, MemoryOffer offer, Monotonic
   if (!has_room(from)) return answer(writer, segment, memory::Refusal::no_memory);
   const auto id = passing_.fetch(std::move(offer.offer));
   if (!id) return answer(writer, segment, id.error());
-  it.request = {segment, *id, now + kLongestRequest};
+  it.request = {segment, *id, now + kMaxRequest};
   ++requests_;
 }
 
 bool MappedMemory::has_room(const GuidPrefix& from) const {
-  if (segments_ + requests_ >= kMostSegments) return false;
+  if (segments_ + requests_ >= kMaxSegments) return false;
   std::size_t of_one = 0;
   auto requests_of_one = static_cast<std::size_t>(
       std::ranges::count(abandoned_, from, [](const auto& entry) { return entry.second; }));
@@ -68,7 +68,7 @@ bool MappedMemory::has_room(const GuidPrefix& from) const {
     requests_of_one += it.request ? 1u : 0u;
     of_one += (it.request ? 1u : 0u) + (it.latest ? 1u : 0u) + (it.former ? 1u : 0u);
   }
-  return of_one < kMostOfOne && requests_of_one < kMostRequestsOfOne;
+  return of_one < kMaxOfOne && requests_of_one < kMaxRequestsOfOne;
 }
 
 bool MappedMemory::has_octets_for(const GuidPrefix& from, std::size_t more) const {
@@ -79,7 +79,7 @@ bool MappedMemory::has_octets_for(const GuidPrefix& from, std::size_t more) cons
       all += octets;
       of_one += writer.prefix == from ? octets : 0;
     }
-  return all <= kMostOctets && of_one <= kMostOctetsOfOne;
+  return all <= kMaxOctets && of_one <= kMaxOctetsOfOne;
 }
 
 std::shared_ptr<MappedMemory::Copies> MappedMemory::copies_for(const GuidPrefix& from,
@@ -180,8 +180,7 @@ MonotonicTime MappedMemory::next_tick() const {
 Payload MappedMemory::fetch(const Guid& writer, const MemoryReference& reference,
                             MonotonicTime now) {
   const auto at = writers_.find(writer);
-  if (at == writers_.end() || reference.length == 0 || reference.length > kLargestPayload)
-    return {};
+  if (at == writers_.end() || reference.length == 0 || reference.length > kMaxPayload) return {};
   auto& it = at->second;
   for (const auto* segment : {&it.latest, &it.former}) {
     if (!*segment || (*segment)->id != reference.segment) continue;

@@ -19,27 +19,27 @@ namespace ddssec::rtps {
 class MappedMemory {
  public:
   /// How long a descriptor may take to come.
-  static constexpr MonotonicTime kLongestRequest =
-      memory::DescriptorPassing::kLongestRequest + std::chrono::seconds(1);
+  static constexpr MonotonicTime kMaxRequest =
+      memory::DescriptorPassing::kMaxRequest + std::chrono::seconds(1);
   /// How long large samples may come in messages before the lack of an offer is reported.
-  static constexpr MonotonicTime kLongestWait = std::chrono::seconds(2);
+  static constexpr MonotonicTime kMaxWait = std::chrono::seconds(2);
   /// Samples from this size on are large, in octets.
-  static constexpr std::size_t kLeastLarge = std::size_t{8} << 10;
+  static constexpr std::size_t kMinLarge = std::size_t{8} << 10;
   /// How long the former segment of a writer stays mapped.
   static constexpr MonotonicTime kFormer = std::chrono::seconds(5);
   /// Limits for the segments of all writers, and of those of one participant.
-  static constexpr std::size_t kMostSegments = 512, kMostOfOne = 128;
+  static constexpr std::size_t kMaxSegments = 512, kMaxOfOne = 128;
   /// Limits for their octets: page tables for them count for this process, one in 512.
-  static constexpr std::size_t kMostOctets = std::size_t{4} << 30;
-  static constexpr std::size_t kMostOctetsOfOne = std::size_t{1} << 30;
+  static constexpr std::size_t kMaxOctets = std::size_t{4} << 30;
+  static constexpr std::size_t kMaxOctetsOfOne = std::size_t{1} << 30;
   /// Limit for the octets that are copied for the participants of one identity: in a second, and
   /// at once. A reference costs its sender little, and this participant the copy of a payload.
   static constexpr std::int64_t kCopiedInASecond = std::int64_t{2} << 30;
   static constexpr std::int64_t kCopiedAtOnce = kCopiedInASecond / 4;
   /// Limit for what one participant's offers wait for.
-  static constexpr std::size_t kMostRequestsOfOne = 8;
+  static constexpr std::size_t kMaxRequestsOfOne = 8;
   /// Limit for a payload, in octets, with its protection.
-  static constexpr std::uint32_t kLargestPayload = (std::uint32_t{16} << 20) + 64;
+  static constexpr std::uint32_t kMaxPayload = (std::uint32_t{16} << 20) + 64;
 
   /// Called with the answer to an offer.
   using Answer = std::function<void(const GuidPrefix& to, const MemoryAnswer& answer)>;

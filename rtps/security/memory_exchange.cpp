@@ -116,7 +116,7 @@ void MemoryExchange::on_message(Peer& peer, const spi::Token& token) {
 
 bool MemoryExchange::is_barred(const Peer& peer) const {
   const auto identity = core_.security.proven_subject(peer);
-  return !identity || barred_.contains(*identity) || barred_.size() >= kMostBarred;
+  return !identity || barred_.contains(*identity) || barred_.size() >= kMaxBarred;
 }
 
 // A peer that does not acknowledge is not answered: its offer ends by itself.

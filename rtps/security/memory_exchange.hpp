@@ -59,7 +59,7 @@ class MemoryExchange {
     std::unique_ptr<WrittenMemory> memory;
   };
 
-  static constexpr std::size_t kMostBarred = 256;
+  static constexpr std::size_t kMaxBarred = 256;
 
   MemoryCore core_;
   std::set<std::string> barred_;

@@ -7,7 +7,7 @@
 namespace ddssec::rtps {
 namespace {
 
-constexpr int kMostDoublings = 5;
+constexpr int kMaxDoublings = 5;
 
 using Kind = spi::Authentication::Outline::Kind;
 
@@ -107,7 +107,7 @@ MonotonicTime PeerHandshake::pause() {
   const auto round = repetitions_++;
   if (round == 0) return kFirstResend;
   if (overdue_) return kSlow;
-  return heard_ ? kResend : std::min(kResend * (1 << std::min(round - 1, kMostDoublings)), kSlow);
+  return heard_ ? kResend : std::min(kResend * (1 << std::min(round - 1, kMaxDoublings)), kSlow);
 }
 
 void PeerHandshake::tick(MonotonicTime now, Messages& out) {

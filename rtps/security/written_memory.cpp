@@ -12,8 +12,8 @@ constexpr MonotonicTime kLongPause = std::chrono::seconds(10);
 }  // namespace
 
 void MemoryCore::report(const GuidPrefix& peer, std::string_view why) {
-  constexpr std::size_t kMostReported = 1024;
-  if (reported.size() >= kMostReported) reported.clear();
+  constexpr std::size_t kMaxReported = 1024;
+  if (reported.size() >= kMaxReported) reported.clear();
   if (!reported.insert(peer).second) return;
   security.raise(Error(Code::rtps_memory_unused, {.document = "shared memory",
                                                   .found = std::string(why),
@@ -70,8 +70,8 @@ void WrittenMemory::set_mapped(const GuidPrefix& prefix, Reading& reading) {
   if (std::exchange(reading.used, true)) return;
   core_.security.raise(
       Error(Code::rtps_memory_used, {.document = "writer " + id().to_string(),
-                                     .note = "payloads from " + std::to_string(kLeast) + " to " +
-                                             std::to_string(kMost) + " octets"}),
+                                     .note = "payloads from " + std::to_string(kMin) + " to " +
+                                             std::to_string(kMax) + " octets"}),
       Guid{prefix, kEntityIdParticipant}, Origin::its_keys);
 }
 
@@ -86,7 +86,7 @@ void WrittenMemory::set_waiting(const GuidPrefix& prefix, Reading& reading) {
 void WrittenMemory::note_refusal(const GuidPrefix& prefix, Reading& reading, memory::Refusal why,
                                  MonotonicTime now) {
   set_waiting(prefix, reading);
-  reading.next = now + std::min(kPause * (1 << reading.tries), kLongestPause);
+  reading.next = now + std::min(kPause * (1 << reading.tries), kMaxPause);
   reading.tries = std::min(reading.tries + 1, 6);
   if (!memory::may_pass_by(why) || reading.tries == kReportedTries)
     core_.report(prefix, memory::to_string(why));
@@ -181,7 +181,7 @@ bool WrittenMemory::prepare(std::size_t payload_size, MonotonicTime now) {
   // Doubled, so that growing samples need few segments.
   const auto largest = needed <= largest_
                            ? largest_
-                           : std::max(needed, std::min(2 * largest_, kMost + kProtectionRoom));
+                           : std::max(needed, std::min(2 * largest_, kMax + kProtectionRoom));
   if (const auto asked = request_segment(largest); !asked) {
     // Smaller samples still go through the segment that there is.
     next_segment_ = now + kLongPause;
@@ -265,7 +265,7 @@ void WrittenMemory::offer(const GuidPrefix& prefix, Reading& reading, MonotonicT
 std::optional<MemoryReference> WrittenMemory::store(const Change& change,
                                                     SequenceNumber needed_from, MonotonicTime now) {
   const auto size = change.payload.size();
-  if (readings_.empty() || size < kLeast || size > kMost || !change.is_alive()) return std::nullopt;
+  if (readings_.empty() || size < kMin || size > kMax || !change.is_alive()) return std::nullopt;
   if (!prepare(size, now)) return std::nullopt;
   offer_to_all(now);
   return mapped_ == 0 ? std::nullopt : put(change, needed_from, now);

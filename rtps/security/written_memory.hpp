@@ -39,11 +39,11 @@ class WrittenMemory final : public SampleMemory {
   /// What payload protection adds at most, in octets.
   static constexpr std::size_t kProtectionRoom = 64;
   /// Samples with smaller or larger payloads are sent in messages; in octets.
-  static constexpr std::size_t kLeast = std::size_t{8} << 10;
-  static constexpr std::size_t kMost = (std::size_t{16} << 20) - kProtectionRoom;
+  static constexpr std::size_t kMin = std::size_t{8} << 10;
+  static constexpr std::size_t kMax = (std::size_t{16} << 20) - kProtectionRoom;
   /// How long a participant that refuses is not asked again: at first, and at most.
   static constexpr MonotonicTime kPause = std::chrono::seconds(1);
-  static constexpr MonotonicTime kLongestPause = std::chrono::minutes(1);
+  static constexpr MonotonicTime kMaxPause = std::chrono::minutes(1);
   /// After so many refusals that may pass by, an event says so.
   static constexpr int kReportedTries = 3;
 

@@ -27,11 +27,10 @@ Result<InterfaceWatch> InterfaceWatch::open() {
 
 // A message that had no room in the socket is an error, once: that is a change as well.
 bool InterfaceWatch::drain() const {
-  constexpr int kMost = 64;
+  constexpr int kMax = 64;
   std::array<std::uint8_t, 8192> ignored;
   int count = 0;
-  while (count < kMost &&
-         (::recv(fd(), ignored.data(), ignored.size(), 0) >= 0 || errno == ENOBUFS))
+  while (count < kMax && (::recv(fd(), ignored.data(), ignored.size(), 0) >= 0 || errno == ENOBUFS))
     ++count;
   return count > 0;
 }

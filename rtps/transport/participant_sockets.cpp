@@ -15,7 +15,7 @@ Result<UdpSocket> ParticipantSockets::socket_at(std::span<const NetworkInterface
 
 Result<std::unique_ptr<ParticipantSockets>> ParticipantSockets::open(
     DomainId domain, std::vector<NetworkInterface> interfaces, const Options& options) {
-  for (int index = 0; index < ports::kMostIndexes; ++index) {
+  for (int index = 0; index < ports::kMaxIndexes; ++index) {
     auto metatraffic = socket_at(interfaces, ports::metatraffic(domain, index), options);
     if (!metatraffic && metatraffic.error().code() == Code::rtps_port_taken) continue;
     if (!metatraffic) return std::unexpected(metatraffic.error());

@@ -6,7 +6,7 @@
 namespace ddssec::rtps {
 
 namespace ports {
-inline constexpr int kMostIndexes = 120;
+inline constexpr int kMaxIndexes = 120;
 inline constexpr std::uint32_t kFirst = 7400, kDomainGain = 250;
 constexpr std::uint32_t base(DomainId domain) {
   return kFirst + kDomainGain * static_cast<std::uint32_t>(domain);

@@ -96,7 +96,7 @@ FileDescriptor::~FileDescriptor() {
 }
 
 struct UdpSocket::Batch {
-  std::array<std::array<std::uint8_t, kLargestDatagram + 1>, kBatch> octets;
+  std::array<std::array<std::uint8_t, kMaxDatagram + 1>, kBatch> octets;
   std::array<sockaddr_storage, kBatch> sources;
   std::array<iovec, kBatch> vectors;
   std::array<mmsghdr, kBatch> headers;
@@ -204,7 +204,7 @@ std::size_t UdpSocket::fetch() {
 }
 
 BytesView UdpSocket::datagram(std::size_t index) const {
-  const auto size = std::min<std::size_t>(batch_->headers[index].msg_len, kLargestDatagram);
+  const auto size = std::min<std::size_t>(batch_->headers[index].msg_len, kMaxDatagram);
   return BytesView(batch_->octets[index]).first(size);
 }
 

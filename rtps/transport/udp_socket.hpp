@@ -16,7 +16,7 @@ namespace ddssec::rtps {
 /// Receiving is not thread-safe; sending is safe from any thread.
 class UdpSocket {
  public:
-  static constexpr std::size_t kLargestDatagram = 65507;
+  static constexpr std::size_t kMaxDatagram = 65507;
   static constexpr std::size_t kBatch = 16;
 
   /// The receive buffer that large samples need, in octets: what a writer sends before it waits

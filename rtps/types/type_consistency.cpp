@@ -109,7 +109,7 @@ Result<std::optional<Structure>> read_structure(BytesView object) {
 }
 
 Result<Structures> read_objects(BytesView octets) {
-  if (octets.size() > kMostTypeObjects) return fail(Code::length_out_of_range);
+  if (octets.size() > kMaxTypeObjects) return fail(Code::length_out_of_range);
   Structures out;
   Reader reader(octets, Endian::little);
   DDSSEC_RETURN_IF_ERROR(reader.read<std::uint32_t>());

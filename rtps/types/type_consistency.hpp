@@ -23,8 +23,8 @@ struct TypeDescription {
 };
 
 /// Limits in octets; larger ones are neither announced nor stored.
-inline constexpr std::size_t kMostTypeInformation = 1024;
-inline constexpr std::size_t kMostTypeObjects = 6144;
+inline constexpr std::size_t kMaxTypeInformation = 1024;
+inline constexpr std::size_t kMaxTypeObjects = 6144;
 
 /// Identifies a type in its minimal TypeIdentifier (XTypes 7.3.4.6).
 using EquivalenceHash = std::array<std::uint8_t, 14>;

@@ -23,7 +23,7 @@ void check(const Result<std::vector<Passphrase>>& all) {
   std::set<std::uint32_t> ids;
   for (const auto& passphrase : *all)
     if (!ids.insert(passphrase.id).second || (passphrase.id & 0xff) == 0xff) std::abort();
-  if (all->empty() || all->size() > kMostExtraPassphrases + 1) std::abort();
+  if (all->empty() || all->size() > kMaxExtraPassphrases + 1) std::abort();
 }
 
 }  // namespace

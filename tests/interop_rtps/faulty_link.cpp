@@ -38,8 +38,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using Packet = std::vector<char>;
-constexpr std::size_t kGreatestPacket = 65536;
-constexpr std::size_t kMostWaiting = 4096;  // of a direction; further ones are lost
+constexpr std::size_t kMaxPacket = 65536;
+constexpr std::size_t kMaxWaiting = 4096;  // of a direction; further ones are lost
 
 int refuse(const char* what) {
   std::fprintf(stderr, "faulty_link: %s: %s\n", what, std::strerror(errno));
@@ -80,7 +80,7 @@ class Direction {
 
   void take(const Packet& packet, const Faults& faults, Clock::time_point now) {
     const bool lost = happens(faults.loss), twice = happens(faults.duplicate);
-    if (faults.cut || lost || waiting_.size() >= kMostWaiting) {
+    if (faults.cut || lost || waiting_.size() >= kMaxWaiting) {
       ++counts_.lost;
       return;
     }
@@ -95,7 +95,7 @@ class Direction {
 
   void hold(const Packet& packet) {
     ++counts_.delayed;
-    if (held_.size() < kMostWaiting) held_.push_back(packet);
+    if (held_.size() < kMaxWaiting) held_.push_back(packet);
   }
   void release(Clock::time_point now) {
     for (auto& packet : std::exchange(held_, {})) put(std::move(packet), {}, now);
@@ -214,13 +214,13 @@ bool is_of_kind(const Packet& packet, const std::string& kind) {
 
 /// Takes what arrived at the device of the n-th namespace, a share of it at a time.
 void receive(int device, std::size_t n, std::vector<Direction>& ways, Faults& faults) {
-  static std::array<char, kGreatestPacket> buffer;
-  constexpr std::size_t kDestination = 16, kLeastPacket = 20;
+  static std::array<char, kMaxPacket> buffer;
+  constexpr std::size_t kDestination = 16, kMinPacket = 20;
   const auto now = Clock::now();
   for (int i = 0; i < 64; ++i) {
     const auto size = read(device, buffer.data(), buffer.size());
     if (size <= 0) return;
-    if (static_cast<std::size_t>(size) < kLeastPacket || buffer[0] >> 4 != 4) continue;
+    if (static_cast<std::size_t>(size) < kMinPacket || buffer[0] >> 4 != 4) continue;
     const Packet packet(buffer.data(), buffer.data() + size);
     const auto high = static_cast<unsigned char>(packet[kDestination]);
     const std::size_t last = static_cast<unsigned char>(packet[kDestination + 3]);

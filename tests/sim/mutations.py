@@ -85,7 +85,7 @@ FAULTS = [
      "if (!heartbeats_.take(heartbeat, is_protected)) return false;",
      "if (!heartbeats_.take(heartbeat, is_protected)) return FAULT;"),
     ("the bound on participants", "rtps/participant/remote_participants.cpp",
-     "return remotes_.size() >= kMostParticipants ||", "return (remotes_.size() >= kMostParticipants && !FAULT) ||"),
+     "return remotes_.size() >= kMaxParticipants ||", "return (remotes_.size() >= kMaxParticipants && !FAULT) ||"),
     ("patience with handshakes", "rtps/security/handshakes.cpp",
      "if (core_.now < handshake.next_tick() || !may_tick(peer)) return;",
      "if (core_.now < handshake.next_tick() || !may_tick(peer) || (FAULT && handshake.is_overdue())) return;"),

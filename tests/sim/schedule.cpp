@@ -161,8 +161,8 @@ class Run {
   // Honest nodes keep one of each, which the reunion looks for.
   void change_endpoints(Node& node) {
     if (!node.is_running()) return;
-    constexpr std::size_t kKept = 2 * kTopics.size(), kMost = 40;
-    if (node.endpoints().size() < kMost && dice_.chance(600))
+    constexpr std::size_t kKept = 2 * kTopics.size(), kMax = 40;
+    if (node.endpoints().size() < kMax && dice_.chance(600))
       node.add_endpoint(dice_.of(kTopics), dice_.chance(500));
     else if (node.endpoints().size() > kKept)
       node.remove_endpoint(kKept + dice_.below(node.endpoints().size() - kKept));

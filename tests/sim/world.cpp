@@ -152,7 +152,7 @@ void World::check_tables() {
     const auto& known = node->participant().remote_participants().all();
     const auto& name = node->subject().name;
     if (has_siblings()) check_shares(*node);
-    if (known.size() > RemoteParticipants::kMostParticipants)
+    if (known.size() > RemoteParticipants::kMaxParticipants)
       invariants_.fail(invariant::kMemory,
                        name + " knows " + std::to_string(known.size()) + " participants");
     if (!protection_.hides_strangers) continue;

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kChunk = std::size_t{1} << 16;
 constexpr std::size_t kOverlap = 64;  // more than any needle
 /// Shadow memory of sanitizers and the like is larger.
-constexpr std::size_t kLargestMapping = std::size_t{256} << 20;
+constexpr std::size_t kMaxMapping = std::size_t{256} << 20;
 
 /// Not on the stack, whose remains a deep call would write over.
 std::array<std::uint8_t, kChunk + kOverlap> chunk;
@@ -34,7 +34,7 @@ std::vector<Mapping> writable_mappings() {
     std::string rights, offset, device, inode;
     words >> std::hex >> mapping.begin >> dash >> mapping.end >> rights >> offset >> device >>
         inode >> mapping.name;
-    if (rights.starts_with("rw") && mapping.end - mapping.begin <= kLargestMapping)
+    if (rights.starts_with("rw") && mapping.end - mapping.begin <= kMaxMapping)
       out.push_back(std::move(mapping));
   }
   return out;

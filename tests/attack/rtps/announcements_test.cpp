@@ -182,13 +182,13 @@ TEST(ForgedEndpoint, OfTheSameName_GivesWayToTheSecureOne) {
 TEST(ForgedEndpoint, AsManyAsHaveRoom_GiveWayToASecureOne) {
   Pair pair(kOpenMessages);
   ASSERT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 500));
-  constexpr std::int64_t kMost = RemoteParticipants::kMostEndpointsPerParticipant;
-  for (std::int64_t i = 1; i <= kMost; ++i) {
+  constexpr std::int64_t kMax = RemoteParticipants::kMaxEndpointsPerParticipant;
+  for (std::int64_t i = 1; i <= kMax; ++i) {
     const auto octet = [&](int shift) { return static_cast<std::uint8_t>(i >> shift); };
     const EntityId id{{1, octet(8), octet(0), 2}};
     pair.b->receive(clear_publication({pair.a->prefix(), id}, "Circle", {i}), pair.world.now);
   }
-  const Guid last{pair.a->prefix(), EntityId{{1, kMost >> 8, 0, 2}}};
+  const Guid last{pair.a->prefix(), EntityId{{1, kMax >> 8, 0, 2}}};
   ASSERT_NE(pair.b->remote_participants().endpoint(last), nullptr);
   EXPECT_TRUE(pair.match());
 }

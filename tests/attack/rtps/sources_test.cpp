@@ -69,7 +69,7 @@ TEST_F(Sources, FakesThatSpeak_GiveWayToANewcomerFromElsewhere) {
     send(one_word(fake_prefix(fakes++), pair.a->prefix()));
     if (i % 10 == 9) pair.world.run(1);
   }
-  EXPECT_EQ(pair.a->remote_participants().size(), RemoteParticipants::kMostParticipants);
+  EXPECT_EQ(pair.a->remote_participants().size(), RemoteParticipants::kMaxParticipants);
   const auto took = joined_after([&] {
     for (int i = 0; i < 10; ++i) {
       send(fake_announcement(fakes));

@@ -31,10 +31,10 @@ TEST(AnnouncedEndpoints, TheNewestStayAndWildcardsMeetNames) {
   EXPECT_EQ(meets(other), 1);
   EXPECT_TRUE(announced.of_topic(Action::subscribe, "t").empty());
   EXPECT_TRUE(announced.of_topic(Action::publish, "u").empty());
-  const std::string large(AnnouncedEndpoints::kMostOctets, 'x');
+  const std::string large(AnnouncedEndpoints::kMaxOctets, 'x');
   announced.note(Action::publish, {.topic_name = large, .partitions = a});
   EXPECT_TRUE(announced.of_topic(Action::publish, large).empty());
-  for (std::size_t i = 0; i < AnnouncedEndpoints::kMost; ++i)
+  for (std::size_t i = 0; i < AnnouncedEndpoints::kMax; ++i)
     announced.note(Action::publish, {.topic_name = std::to_string(i)});
   EXPECT_EQ(meets(star), 0);
   EXPECT_EQ(announced.of_topic(Action::publish, "0").size(), 1u);

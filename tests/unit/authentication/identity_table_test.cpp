@@ -70,7 +70,7 @@ TEST(Bounds, PendingRepliesGiveWayToTheHonestOneInTime) {
   Pairing pairing;
   auto& two = pairing.two;
   const auto req = two.request();
-  for (std::uint8_t i = 0; i < kMostPendingPerPair; ++i)
+  for (std::uint8_t i = 0; i < kMaxPendingPerPair; ++i)
     ASSERT_OK(two.reply(forged(*req->message, i)));
   EXPECT_CODE(two.reply(*req->message), too_many_handshakes);
   two.high.engine->clock.advance(kPendingAge);

@@ -77,7 +77,7 @@ TEST_F(KeptRequest, IsNotTheOneThatGivesWayWhenAStrangerInventsOthers) {
   const auto first = request();
   ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
   two.low.engine->clock.advance(1s);
-  invent(KeptRequests::kMost);  // the oldest is not the first to go
+  invent(KeptRequests::kMax);  // the oldest is not the first to go
   const auto again = two.low.discover(two.high);
   ASSERT_OK(again);
   two.high_at_low = again->handle;
@@ -87,7 +87,7 @@ TEST_F(KeptRequest, IsNotTheOneThatGivesWayWhenAStrangerInventsOthers) {
 TEST_F(KeptRequest, IsOneOfABoundedNumber) {
   const auto first = request();
   ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
-  invent(10 * KeptRequests::kMost);
+  invent(10 * KeptRequests::kMax);
   const auto again = two.low.discover(two.high);
   ASSERT_OK(again);
   two.high_at_low = again->handle;

@@ -70,7 +70,7 @@ Response unknown(const pki::Certificate& of) {
 Response of_another(const pki::Certificate&) { return response_about(test_ca().certificate()); }
 Response garbage(const pki::Certificate&) { return Bytes(100, 0x41); }
 Response empty(const pki::Certificate&) { return Bytes(); }
-Response too_long(const pki::Certificate&) { return Bytes(pki::kMostOcspOctets + 1, 0x30); }
+Response too_long(const pki::Certificate&) { return Bytes(pki::kMaxOcspOctets + 1, 0x30); }
 
 TEST_P(Policies, Hard_WantsAGoodResponse) {
   EXPECT_TRUE(meet("hard", good));

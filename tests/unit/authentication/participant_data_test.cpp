@@ -68,7 +68,7 @@ TEST(ParticipantData, HasUnicastAddressesOfDiscovery) {
                           locator(kMetatrafficUnicast, 1, 4, {10, 0, 0, 1}),
                           locator(kMetatrafficUnicast, 1, 5, {10, 0, 0, 1})})
                 .size(),
-            kMostAddresses);
+            kMaxAddresses);
 }
 
 TEST(ParticipantData, HasOneBuiltinEndpointSet) {

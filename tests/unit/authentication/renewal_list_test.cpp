@@ -308,7 +308,7 @@ TEST_F(BadList, Gigabytes) {
 }
 TEST_F(BadList, ThousandsOfEntries) {
   std::string text;
-  for (std::size_t i = 0; i <= pki::kMostRenewals; ++i) text += bob_.certificate.pem();
+  for (std::size_t i = 0; i <= pki::kMaxRenewals; ++i) text += bob_.certificate.pem();
   put(text);
   expect_refused("at most 1024 certificates");
 }

@@ -118,7 +118,7 @@ TEST_F(SessionRenewal, NotAnswered_EndsWithTheFormerCertificateOnBothSides) {
 
 TEST_F(SessionRenewal, TheSameDocuments_AreOfferedAFewTimesOnly) {
   put(renewed(3));
-  for (int i = 0; i < spi::Authentication::kMostOffers; ++i) EXPECT_TRUE(offer());
+  for (int i = 0; i < spi::Authentication::kMaxOffers; ++i) EXPECT_TRUE(offer());
   EXPECT_FALSE(offer());
   put(renewed(4, {kNow + 1s, kNow + days(200)}));
   EXPECT_TRUE(offer());

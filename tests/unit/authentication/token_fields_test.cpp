@@ -22,27 +22,27 @@ TEST(TokenClass, NameAndMajorVersionCount) {
 
 TEST(TokenFields, ToleratesWhatItDoesNotKnowWithinBounds) {
   Token token = sample();
-  token.binary_properties.push_back({"com.example.new", Bytes(kMostUnknownOctets)});
-  token.properties.push_back({"note", std::string(kMostTextOctets, 'x')});
+  token.binary_properties.push_back({"com.example.new", Bytes(kMaxUnknownOctets)});
+  token.properties.push_back({"note", std::string(kMaxTextOctets, 'x')});
   EXPECT_TRUE(read_auth_request(token));
 }
 
 TEST(TokenFields, RefusesWhatIsTooMuch) {
   Token unknown = sample();
-  unknown.binary_properties.push_back({"x", Bytes(kMostUnknownOctets + 1)});
+  unknown.binary_properties.push_back({"x", Bytes(kMaxUnknownOctets + 1)});
   EXPECT_CODE(read_auth_request(unknown), token_too_large);
   Token name = sample();
-  name.binary_properties.push_back({std::string(kMostTextOctets + 1, 'x'), {}});
+  name.binary_properties.push_back({std::string(kMaxTextOctets + 1, 'x'), {}});
   EXPECT_CODE(read_auth_request(name), token_too_large);
   Token text = sample();
-  text.properties.push_back({"x", std::string(kMostTextOctets + 1, 'x')});
+  text.properties.push_back({"x", std::string(kMaxTextOctets + 1, 'x')});
   EXPECT_CODE(read_auth_request(text), token_too_large);
   Token many = sample();
-  for (std::size_t i = 0; i < spi::kMostPropertiesPerToken; ++i)
+  for (std::size_t i = 0; i < spi::kMaxPropertiesPerToken; ++i)
     many.binary_properties.push_back({std::to_string(i), {}});
   EXPECT_CODE(read_auth_request(many), token_too_large);
   Token ocsp = sample();
-  ocsp.binary_properties.push_back({"ocsp_status", Bytes(kMostUnknownOctets + 1)});
+  ocsp.binary_properties.push_back({"ocsp_status", Bytes(kMaxUnknownOctets + 1)});
   EXPECT_CODE(read_auth_request(ocsp), token_too_large);
 }
 

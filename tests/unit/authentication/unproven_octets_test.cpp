@@ -62,7 +62,7 @@ TEST_F(UnprovenOctetsTest, OneAmongMany_IsDroppedOnlyAfterAboutAsMuchAsTheLimit)
     std::size_t sent = 0;
     constexpr int kTurns = 40;
     for (int turn = 0; turn < kTurns; ++turn) {
-      for (std::size_t filled = 0; filled < UnprovenOctets::kMostOfASubject; filled += size)
+      for (std::size_t filled = 0; filled < UnprovenOctets::kMaxOfASubject; filled += size)
         add(1, size);
       add(1, kMany);
       const HandshakeHandle owner{last};
@@ -70,7 +70,7 @@ TEST_F(UnprovenOctetsTest, OneAmongMany_IsDroppedOnlyAfterAboutAsMuchAsTheLimit)
         is_there = std::ranges::count(add(1, size), owner) == 0;
       held.clear();
     }
-    EXPECT_GT(sent / kTurns, UnprovenOctets::kMostOfASubject / 2) << size;
+    EXPECT_GT(sent / kTurns, UnprovenOctets::kMaxOfASubject / 2) << size;
   }
 }
 
@@ -128,10 +128,10 @@ struct LargeDocuments {
 };
 
 TEST(Bounds, OwnerOfLargeDocuments_GetsInWhileAStrangerFillsItsSubject) {
-  for (const std::size_t size : {std::size_t{86'000}, kMostPermissionsOctets}) {
+  for (const std::size_t size : {std::size_t{86'000}, kMaxPermissionsOctets}) {
     LargeDocuments world(size);
     auto stranger = world.stranger();
-    for (int i = 0; i < 12; ++i) ASSERT_OK(stranger.sends(kMostPermissionsOctets));
+    for (int i = 0; i < 12; ++i) ASSERT_OK(stranger.sends(kMaxPermissionsOctets));
     const auto reply = world.pairing.two.reply(*(*world.request)->message);
     ASSERT_OK(reply);
     world.pairing.expect_finish(**world.request, *reply);
@@ -142,12 +142,12 @@ TEST(Bounds, OwnerOfLargeDocuments_GetsInWhileAStrangerFillsItsSubject) {
 TEST(Bounds, OwnerOfLargeDocuments_OutlivesSomeRequestsThatComeAfterIts) {
   int finished = 0;
   for (int turn = 0; turn < 8; ++turn) {
-    LargeDocuments world(kMostPermissionsOctets);
+    LargeDocuments world(kMaxPermissionsOctets);
     auto stranger = world.stranger();
-    for (int i = 0; i < 10 + turn; ++i) ASSERT_OK(stranger.sends(kMostPermissionsOctets));
+    for (int i = 0; i < 10 + turn; ++i) ASSERT_OK(stranger.sends(kMaxPermissionsOctets));
     const auto reply = world.pairing.two.reply(*(*world.request)->message);
     ASSERT_OK(reply);
-    ASSERT_OK(stranger.sends(kMostPermissionsOctets));
+    ASSERT_OK(stranger.sends(kMaxPermissionsOctets));
     const auto final = world.pairing.two.at_low((*world.request)->handle, *reply->message);
     ASSERT_OK(final);
     finished += world.pairing.two.at_high(reply->handle, *final->message).has_value();
@@ -158,7 +158,7 @@ TEST(Bounds, OwnerOfLargeDocuments_OutlivesSomeRequestsThatComeAfterIts) {
 TEST(Bounds, DroppedRequestOfAStranger_IsAnEventWithTheLimits) {
   LargeDocuments world(86'000);
   auto stranger = world.stranger();
-  for (int i = 0; i < 9; ++i) ASSERT_OK(stranger.sends(kMostPermissionsOctets));
+  for (int i = 0; i < 9; ++i) ASSERT_OK(stranger.sends(kMaxPermissionsOctets));
   ASSERT_FALSE(world.events().empty());
   EXPECT_EQ(world.events().back().error.code(), Code::too_many_handshakes);
   EXPECT_THAT(world.events().back().error.to_sentence(),
@@ -172,7 +172,7 @@ TEST(Bounds, LargeDocumentsOfUnprovenPeersTakeNoRoomOfOrdinaryOnes) {
   const auto rep = two.reply(*req->message);
   ASSERT_OK(rep);
   for (std::uint8_t i = 0; i < 30; ++i)
-    ASSERT_OK(two.reply(large(*req->message, i, kMostPermissionsOctets)));
+    ASSERT_OK(two.reply(large(*req->message, i, kMaxPermissionsOctets)));
   pairing.expect_finish(*req, *rep);
 }
 

@@ -130,7 +130,7 @@ TEST_F(Record, ManyPartsAndLongTexts_AreBounded) {
   one.file = std::string(100'000, 'f');
   one.parts.assign(256, {.subject = std::string(100'000, 's')});
   note(one);
-  EXPECT_EQ(first()["in_force"].size(), DocumentsInUse::kMostParts);
+  EXPECT_EQ(first()["in_force"].size(), DocumentsInUse::kMaxParts);
   EXPECT_EQ(first()["more"], 240);
   EXPECT_LT(documents.to_json().size(), 64'000u);
 }
@@ -145,7 +145,7 @@ TEST_F(Record, ManyParticipants_AreCountedWhereTheyDoNotFit) {
   const auto all = answer();
   EXPECT_EQ(all["participants"].size() + all["left_out"].get<std::size_t>(), 256u);
   EXPECT_GT(all["left_out"], 0);
-  EXPECT_LT(documents.to_json().size(), DocumentsInUse::kMostOctets + 100'000);
+  EXPECT_LT(documents.to_json().size(), DocumentsInUse::kMaxOctets + 100'000);
 }
 
 TEST_F(Record, OctetsThatAreNoUtf8_AreReplaced) {

@@ -96,7 +96,7 @@ TEST(RateLimitedSink, InventedPeersCrowdOutNeitherUsNorAuthenticatedPeers) {
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
   for (int i = 0; i < 5'000; ++i) sink.raise(of_peer(i, PeerProof::claimed));
-  EXPECT_LE(recorder.events.size(), RateLimitedSink::kMostClaimed + 1);
+  EXPECT_LE(recorder.events.size(), RateLimitedSink::kMaxClaimed + 1);
   recorder.events.clear();
   for (int i = 0; i < 10; ++i) {
     sink.raise(of_peer(i, PeerProof::authenticated));
@@ -117,7 +117,7 @@ TEST(RateLimitedSink, AnAuthenticatedPeerCrowdsOutNeitherOthersNorItsOtherOffenc
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
   for (int i = 0; i < 5'000; ++i) sink.raise(on_topic(Code::malformed, i, "CN=mallory"));
-  EXPECT_EQ(recorder.events.size(), RateLimitedSink::kMostOfAPeer + 1);
+  EXPECT_EQ(recorder.events.size(), RateLimitedSink::kMaxOfAPeer + 1);
   recorder.events.clear();
   sink.raise(on_topic(Code::usage, 1, "CN=mallory"));
   sink.raise(on_topic(Code::malformed, 1, "CN=eve"));
@@ -145,7 +145,7 @@ TEST(RateLimitedSink, ParticipantsOfOneCertificate_HaveOneShare) {
     return Event(Error(Code::malformed), "", std::move(guid), PeerProof::authenticated);
   };
   for (int i = 1000; i < 6'000; ++i) sink.raise(of_guid("8123456789ab" + std::to_string(i)));
-  EXPECT_LE(recorder.events.size(), RateLimitedSink::kMostOfAPeer + 1);
+  EXPECT_LE(recorder.events.size(), RateLimitedSink::kMaxOfAPeer + 1);
   recorder.events.clear();
   for (int i = 0; i < 3; ++i) sink.raise(of_guid("8123456789a" + std::to_string(i) + "0001"));
   EXPECT_EQ(recorder.events.size(), 3u);
@@ -156,8 +156,8 @@ TEST(RateLimitedSink, AFloodOfDifferentEventsIsBounded) {
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
   for (int i = 0; i < 5'000; ++i) sink.raise(of_peer(i, PeerProof::authenticated));
-  EXPECT_GE(recorder.events.size(), RateLimitedSink::kMostRemembered);
-  EXPECT_LE(recorder.events.size(), RateLimitedSink::kMostRemembered + 1);
+  EXPECT_GE(recorder.events.size(), RateLimitedSink::kMaxRemembered);
+  EXPECT_LE(recorder.events.size(), RateLimitedSink::kMaxRemembered + 1);
 }
 
 TEST(RateLimitedSink, ANewEventPassesAgainAfterAFlood) {

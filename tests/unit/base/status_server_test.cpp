@@ -61,7 +61,7 @@ TEST_F(Server, ClientsThatDoNotRead_AreDroppedAndOthersAnswered) {
   const auto server = start([] { return std::string(1024 * 1024, 'x'); });
   ASSERT_OK(server);
   std::vector<Descriptor> lazy;
-  for (std::size_t i = 0; i < StatusServer::kMostClients; ++i) lazy.push_back(connected(path()));
+  for (std::size_t i = 0; i < StatusServer::kMaxClients; ++i) lazy.push_back(connected(path()));
   const auto begin = steady_clock::now();
   EXPECT_EQ(answer_at(path()).size(), 1024u * 1024);
   EXPECT_LT(steady_clock::now() - begin, 4 * StatusServer::kPatience);
@@ -72,7 +72,7 @@ TEST_F(Server, ManyClients_AreAnsweredAtABoundedRate) {
   const auto server = start([&] { return std::to_string(++asked); });
   ASSERT_OK(server);
   const auto begin = steady_clock::now();
-  const auto count = 2 * StatusServer::kMostPerSecond + 1;
+  const auto count = 2 * StatusServer::kMaxPerSecond + 1;
   for (unsigned i = 0; i < count; ++i) EXPECT_EQ(answer_at(path()), std::to_string(i + 1));
   EXPECT_GT(steady_clock::now() - begin, 1s);
 }

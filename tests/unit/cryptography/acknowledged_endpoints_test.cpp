@@ -10,7 +10,7 @@ using namespace testing;
 
 /// An engine whose host believes any source, and a peer that goes on and on.
 struct AcknowledgedEndpoints : ::testing::Test {
-  static constexpr int kTimes = 2 * AnnouncedOctets::kMost / kUserData;
+  static constexpr int kTimes = 2 * AnnouncedOctets::kMax / kUserData;
 
   void meet(ProtectionKind rtps) {
     two.emplace(rtps, PropertyList{}, Options{.host_checks_sources = false});

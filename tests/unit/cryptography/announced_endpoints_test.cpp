@@ -8,13 +8,13 @@ using namespace testing;
 
 TEST_F(AnnouncedEndpointsTest, AreBoundedByWhatTheyHold) {
   const auto one = announcement(1, kUserData).size() + AnnouncedOctets::kOfEach;
-  EXPECT_EQ(fill(), AnnouncedOctets::kMost / one + 1);
+  EXPECT_EQ(fill(), AnnouncedOctets::kMax / one + 1);
   EXPECT_EQ(announce(next), Code::builtin_source_unreadable);
 }
 
 TEST_F(AnnouncedEndpointsTest, AreBoundedByTheirNumber) {
   for (; announce(next, 0) == Code{}; ++next)
-    ASSERT_LE(next, AnnouncedOctets::kMost / AnnouncedOctets::kOfEach);
+    ASSERT_LE(next, AnnouncedOctets::kMax / AnnouncedOctets::kOfEach);
 }
 
 TEST_F(AnnouncedEndpointsTest, CountOnceByEachWriterWhateverTheyWereBefore) {
@@ -197,7 +197,7 @@ TEST_F(AnnouncedEndpointsTest, ThatComeAgainLaterCountOnceElsewhere) {
 
 // Before: endpoints that had ended counted again, and nothing took them back.
 TEST_F(AnnouncedEndpointsTest, ThatAStrangerRepeatsTakeNoRoomFromNewOnes) {
-  constexpr std::uint32_t kMany = 2 * AnnouncedOctets::kMost / kUserData;
+  constexpr std::uint32_t kMany = 2 * AnnouncedOctets::kMax / kUserData;
   for (std::uint32_t number = 1; number <= 2 * kMany; number += 2) {
     ASSERT_EQ(announce_under(number, number), Code{});
     ASSERT_EQ(dispose_under(number + 1, number, kDisposed), Code{});
@@ -207,7 +207,7 @@ TEST_F(AnnouncedEndpointsTest, ThatAStrangerRepeatsTakeNoRoomFromNewOnes) {
   for (std::uint32_t number = 1; number <= 2 * kMany; number += 2)
     last = announce_under(number, number);
   EXPECT_EQ(last, Code::builtin_source_unreadable) << "these are bounded, too";
-  EXPECT_LE(held_again(), AnnouncedOctets::kMost);
+  EXPECT_LE(held_again(), AnnouncedOctets::kMax);
   EXPECT_EQ(held(), 0u);
   EXPECT_EQ(announce_under(2 * kMany + 1, 1), Code{});
 }
@@ -233,8 +233,8 @@ TEST_F(AnnouncedEndpointsTest, InFragmentsAreBoundedWhileOneBeforeThemIsMissing)
     peers.time += FragmentWalks::kKept;
     ASSERT_LE(++number, 2000u);
   }
-  EXPECT_LE(held(), AnnouncedOctets::kMost);
-  Bytes huge(FragmentWalks::kMostOctets + 1);
+  EXPECT_LE(held(), AnnouncedOctets::kMax);
+  Bytes huge(FragmentWalks::kMaxOctets + 1);
   EXPECT_EQ(fragment(number + 1, huge, 1, 60'000), Code::builtin_source_unreadable);
 }
 
@@ -272,7 +272,7 @@ TEST(SkippedNumbers, OfVeryManyNoneIsMissed) {
 TEST(AnnouncementAccounts, AreSharedByTheParticipantsOfACertificate) {
   const auto& topic = *builtin_topic_of(kPublications);
   AnnouncementAccounts accounts;
-  constexpr auto kHalf = AnnouncedOctets::kMost / 2;
+  constexpr auto kHalf = AnnouncedOctets::kMax / 2;
   const auto announces = [&](AnnouncedEndpoints& endpoints, std::uint64_t number,
                              std::size_t octets) {
     return endpoints

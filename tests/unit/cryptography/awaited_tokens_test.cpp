@@ -143,7 +143,7 @@ TEST(AwaitedTokensTest, AProcessThatWasStoppedHasNotWaited) {
 
 TEST(AwaitedTokensTest, FindRoomWhereACertificateHasNoneLeft) {
   Host host;
-  for (std::uint64_t i = 0; i < TokenLedger::kMostPending; ++i) {
+  for (std::uint64_t i = 0; i < TokenLedger::kMaxPending; ++i) {
     auto other = host.key.remote;
     other.entity = {{static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i), 5, 2}};
     ASSERT_TRUE(host.ledger.note(
@@ -158,7 +158,7 @@ TEST(AwaitedTokensTest, FindRoomWhereACertificateHasNoneLeft) {
 TEST(AwaitedTokensTest, AreBounded) {
   AwaitedTokens awaited;
   TokenKey key{};
-  for (std::size_t i = 0; i <= AwaitedTokens::kMost; ++i) {
+  for (std::size_t i = 0; i <= AwaitedTokens::kMax; ++i) {
     key.remote.entity = {{static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i),
                           static_cast<std::uint8_t>(i >> 16), 2}};
     awaited.await(1, key, {});

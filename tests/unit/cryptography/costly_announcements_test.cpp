@@ -19,7 +19,7 @@ constexpr std::uint16_t kLocators[] = {0x2f, 0x30, 0x31, 0x32, 0x33, 0x48};
 /// The largest number of locators of one kind.
 constexpr std::size_t most_of(std::uint16_t id) {
   const bool is_multicast = id == 0x30 || id == 0x33 || id == 0x48;
-  return is_multicast ? ParameterWalk::kMostMulticastLocators : ParameterWalk::kMostLocators;
+  return is_multicast ? ParameterWalk::kMaxMulticastLocators : ParameterWalk::kMaxLocators;
 }
 
 using Names = std::vector<std::string>;

@@ -19,7 +19,7 @@ using namespace testing;
 constexpr std::uint16_t kUserData = 0x2c, kEndpointGuid = 0x5a, kSentinel = 1;
 constexpr std::uint16_t kFragmentSize = 1344;  // Cyclone DDS
 constexpr EntityId kPublications{{0xff, 0, 3, 0xc2}};
-constexpr auto kMost = static_cast<std::uint32_t>(FragmentWalks::kMostSamples);
+constexpr auto kMax = static_cast<std::uint32_t>(FragmentWalks::kMaxSamples);
 
 void append_parameter(Bytes& out, std::uint16_t id, const Bytes& value, bool little = true) {
   append(out, id, 2, little);
@@ -176,9 +176,9 @@ TEST_F(FragmentWalksTest, NothingThatFollowsLetsASampleBeSpliced) {
   const auto harmless = announcement(kPeer, 3000);
   auto other = harmless;
   other[8] ^= 1;
-  const auto number = kMost + 100;
+  const auto number = kMax + 100;
   ASSERT_EQ(pass_all(harmless, number), Code{});
-  for (std::uint32_t one = 1; one <= 3 * kMost; ++one) {
+  for (std::uint32_t one = 1; one <= 3 * kMax; ++one) {
     (void)pass_all(announcement(kPeer, 1400), number + one);
     acknowledge(number + one + 1);
     if (one % 50 == 0) walks_.time += FragmentWalks::kKept;
@@ -193,17 +193,17 @@ TEST_F(FragmentWalksTest, NothingThatFollowsLetsASampleBeSpliced) {
 
 TEST_F(FragmentWalksTest, TheSameComesAgainAsOftenAsItIsAskedFor) {
   const auto sample = announcement(kPeer, 3000);
-  for (std::uint32_t number = 1; number <= kMost; ++number)
+  for (std::uint32_t number = 1; number <= kMax; ++number)
     ASSERT_EQ(pass_all(sample, number), Code{});
   walks_.time += 100 * FragmentWalks::kKept;
   for (int turn = 0; turn < 2; ++turn)  // for another reader
-    for (std::uint32_t number = 1; number <= kMost; ++number)
+    for (std::uint32_t number = 1; number <= kMax; ++number)
       ASSERT_EQ(pass_all(sample, number), Code{});
 }
 
 TEST_F(FragmentWalksTest, NewSamplesTakeThePlacesOfTheLowest) {
   const auto sample = announcement(kPeer, 20'000);
-  for (std::uint32_t number = 1; number <= 2 * kMost; ++number) {
+  for (std::uint32_t number = 1; number <= 2 * kMax; ++number) {
     walks_.time += std::chrono::milliseconds(100);
     ASSERT_EQ(pass_all(sample, number), Code{}) << number;
     acknowledge(number + 1);
@@ -212,38 +212,38 @@ TEST_F(FragmentWalksTest, NewSamplesTakeThePlacesOfTheLowest) {
 
 TEST_F(FragmentWalksTest, TheLowestStayForFiveSeconds) {
   const auto sample = announcement(kPeer, 3000);
-  for (std::uint32_t number = 2; number < 2 + kMost; ++number)
+  for (std::uint32_t number = 2; number < 2 + kMax; ++number)
     ASSERT_EQ(pass_all(sample, number), Code{});
-  EXPECT_EQ(pass(sample, 1, 2 + kMost), Code::builtin_fragment_early);
+  EXPECT_EQ(pass(sample, 1, 2 + kMax), Code::builtin_fragment_early);
   EXPECT_EQ(pass_all(sample, 1), Code{}) << "the host needs this one first, and there is room";
-  acknowledge(2 + kMost);
-  EXPECT_EQ(pass(sample, 1, 2 + kMost), Code::builtin_fragment_early);
+  acknowledge(2 + kMax);
+  EXPECT_EQ(pass(sample, 1, 2 + kMax), Code::builtin_fragment_early);
   walks_.time += FragmentWalks::kKept;
-  EXPECT_EQ(pass_all(sample, 2 + kMost), Code{});
+  EXPECT_EQ(pass_all(sample, 2 + kMax), Code{});
   EXPECT_EQ(pass(sample, 1, 1), Code::builtin_fragment_early) << "forgotten, and refused for good";
-  EXPECT_EQ(pass_all(sample, 1 + kMost), Code{}) << "known still";
+  EXPECT_EQ(pass_all(sample, 1 + kMax), Code{}) << "known still";
 }
 
 // Before: the lowest of those that came was forgotten, and the host waited for good.
 TEST_F(FragmentWalksTest, OneThatIsLostForLongPassesStill) {
   const auto sample = announcement(kPeer, 3000);
-  for (std::uint32_t number = 2; number < 2 + kMost; ++number)
+  for (std::uint32_t number = 2; number < 2 + kMax; ++number)
     ASSERT_EQ(pass_all(sample, number), Code{});
   walks_.time += 10 * FragmentWalks::kKept;
-  EXPECT_EQ(pass(sample, 1, 2 + kMost), Code::builtin_fragment_early);
+  EXPECT_EQ(pass(sample, 1, 2 + kMax), Code::builtin_fragment_early);
   EXPECT_EQ(pass_all(sample, 1), Code{});
-  acknowledge(2 + kMost);
+  acknowledge(2 + kMax);
   walks_.time += FragmentWalks::kKept;
-  EXPECT_EQ(pass_all(sample, 2 + kMost), Code{});
+  EXPECT_EQ(pass_all(sample, 2 + kMax), Code{});
 }
 
 TEST_F(FragmentWalksTest, UnfinishedOnesAreBounded) {
   const auto sample = announcement(kPeer, 3000);
   constexpr auto kSpare = static_cast<std::uint32_t>(FragmentWalks::kSpareSamples);
   const auto above = 2 * kSpare;
-  for (std::uint32_t number = above; number < above + kMost; ++number)
+  for (std::uint32_t number = above; number < above + kMax; ++number)
     ASSERT_EQ(pass(sample, 1, number), Code{});
-  EXPECT_EQ(pass(sample, 1, above + kMost), Code::builtin_fragment_early);
+  EXPECT_EQ(pass(sample, 1, above + kMax), Code::builtin_fragment_early);
   for (std::uint32_t number = 1; number <= kSpare; ++number)
     ASSERT_EQ(pass(sample, 1, number), Code{}) << "room for lower ones";
   EXPECT_EQ(pass(sample, 1, kSpare + 1), Code::builtin_fragment_early);
@@ -252,7 +252,7 @@ TEST_F(FragmentWalksTest, UnfinishedOnesAreBounded) {
 
 TEST_F(FragmentWalksTest, FragmentsAreBounded) {
   const auto sample = announcement(kPeer, 60'000);
-  const auto most = static_cast<std::uint32_t>(FragmentWalks::kMostFragments) / fragments(sample);
+  const auto most = static_cast<std::uint32_t>(FragmentWalks::kMaxFragments) / fragments(sample);
   for (std::uint32_t number = 1; number <= most; ++number)
     ASSERT_EQ(pass_all(sample, number), Code{});
   EXPECT_EQ(pass(sample, 1, most + 1), Code::builtin_fragment_early);
@@ -264,13 +264,13 @@ TEST_F(FragmentWalksTest, FragmentsAreBounded) {
 // A GAP can let the host go on to the next.
 TEST_F(FragmentWalksTest, AnUnfinishedOneMakesRoomOnceTheHostGoesOn) {
   const auto sample = announcement(kPeer, 3000);
-  for (std::uint32_t number = 1; number <= kMost; ++number)
+  for (std::uint32_t number = 1; number <= kMax; ++number)
     ASSERT_EQ(pass(sample, 1, number), Code{});
-  EXPECT_EQ(pass(sample, 1, 1 + kMost), Code::builtin_fragment_early);
+  EXPECT_EQ(pass(sample, 1, 1 + kMax), Code::builtin_fragment_early);
   walks_.time += FragmentWalks::kKept;
-  EXPECT_EQ(pass(sample, 1, 1 + kMost), Code::builtin_fragment_early);
+  EXPECT_EQ(pass(sample, 1, 1 + kMax), Code::builtin_fragment_early);
   acknowledge(2);
-  EXPECT_EQ(pass_all(sample, 1 + kMost), Code{});
+  EXPECT_EQ(pass_all(sample, 1 + kMax), Code{});
   EXPECT_EQ(pass(sample, 2, 1), Code::builtin_fragment_early) << "it was given up";
   EXPECT_EQ(pass(sample, 2, 2), Code{});
 }
@@ -305,7 +305,7 @@ TEST_F(FragmentWalksTest, AllHonestOnesPassUnderLoss) {
 
 TEST_F(FragmentWalksTest, TooLargeOnesAreRefused) {
   Bytes sample = {0, 3, 0, 0};
-  while (sample.size() <= FragmentWalks::kMostOfSample * kFragmentSize)
+  while (sample.size() <= FragmentWalks::kMaxOfSample * kFragmentSize)
     append_parameter(sample, kUserData, Bytes(60'000, 0x50));
   EXPECT_EQ(pass(sample, 1), Code::builtin_source_unreadable);
   EXPECT_EQ(pass_all(announcement(kPeer, 3000), 2), Code{});

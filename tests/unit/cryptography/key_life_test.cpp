@@ -15,14 +15,14 @@ namespace {
 using namespace std::chrono_literals;
 namespace property = spi::property;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
-constexpr auto kLargest = std::numeric_limits<std::uint64_t>::max();
+constexpr auto kMax = std::numeric_limits<std::uint64_t>::max();
 
 // ---- where in the limits a life ends
 
 TEST(KeyLife, WithoutLimitsNeverEnds) {
   KeyLife life;
   EXPECT_FALSE(life.is_limited());
-  life.begin(5s, kLargest);
+  life.begin(5s, kMax);
   EXPECT_FALSE(life.has_ended(std::chrono::hours(24 * 10'000)));
   EXPECT_FALSE(life.counts_blocks(std::chrono::hours(24 * 10'000)));
 }
@@ -31,9 +31,8 @@ TEST(KeyLife, WithoutLimitsNeverEnds) {
 constexpr auto kMargin = kFormerKeyLife + KeyLife::kAsked;
 
 TEST(KeyLife, EndsInTheLastQuarterOfItsTime) {
-  for (const auto whole : {spi::kShortestKeyLifetime, 3600s, spi::kLongestKeyLifetime}) {
-    for (const std::uint64_t chance :
-         {std::uint64_t{0}, std::uint64_t{1}, kLargest / 3, kLargest}) {
+  for (const auto whole : {spi::kMinKeyLifetime, 3600s, spi::kMaxKeyLifetime}) {
+    for (const std::uint64_t chance : {std::uint64_t{0}, std::uint64_t{1}, kMax / 3, kMax}) {
       KeyLife life({.lifetime = whole});
       life.begin(100s, chance);
       EXPECT_TRUE(life.is_limited());
@@ -59,8 +58,8 @@ TEST(KeyLife, DrawsItsEnd) {
 }
 
 TEST(KeyLife, EndsInTheLastQuarterOfItsBlocks) {
-  for (const std::uint64_t most : {std::uint64_t{1}, std::uint64_t{100}, kLargest})
-    for (const std::uint64_t chance : {std::uint64_t{0}, std::uint64_t{1}, kLargest}) {
+  for (const std::uint64_t most : {std::uint64_t{1}, std::uint64_t{100}, kMax})
+    for (const std::uint64_t chance : {std::uint64_t{0}, std::uint64_t{1}, kMax}) {
       KeyLife life({.blocks = most});
       life.begin(0s, chance);
       EXPECT_FALSE(life.is_used_up(most / 4 * 3 - (most > 3 ? 1 : 0)));
@@ -82,7 +81,7 @@ PropertyList lifetime(std::string value) {
   return {{std::string(property::kKeyLifetime), std::move(value)}};
 }
 PropertyList most_blocks(std::string value) {
-  return {{std::string(property::kMostBlocksPerKey), std::move(value)}};
+  return {{std::string(property::kMaxBlocksPerKey), std::move(value)}};
 }
 
 struct Limited {

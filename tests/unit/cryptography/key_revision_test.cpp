@@ -278,7 +278,7 @@ TEST(FormerKeys, AreWipedOnceTheyCountNoLonger) {
 TEST(FormerKeys, AreFew) {
   Revising r;
   std::vector<Revising::Sent> sent = {r.send()};
-  for (std::size_t i = 0; i <= kMostFormerRevisions; ++i) {
+  for (std::size_t i = 0; i <= kMaxFormerRevisions; ++i) {
     r.revise();
     sent.push_back(r.send());
   }

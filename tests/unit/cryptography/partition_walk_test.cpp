@@ -70,12 +70,12 @@ TEST(PartitionWalk, LengthsThatLie_AreRefused) {
 }
 
 TEST(PartitionWalk, Bounds_AreThoseOfAccessControl) {
-  const std::vector<std::string> most(PartitionWalk::kMostNames, "a");
+  const std::vector<std::string> most(PartitionWalk::kMaxNames, "a");
   EXPECT_EQ(code(walked(value_of(most, true))), Code{});
   auto more = most;
   more.push_back("a");
   EXPECT_EQ(code(walked(value_of(more, true))), Code::builtin_source_unreadable);
-  const std::string longest(PartitionWalk::kMostNameOctets, 'a');
+  const std::string longest(PartitionWalk::kMaxNameOctets, 'a');
   EXPECT_EQ(code(walked(value_of({longest}, true))), Code{});
   EXPECT_EQ(code(walked(value_of({longest + "a"}, true))), Code::builtin_source_unreadable);
 }
@@ -91,7 +91,7 @@ TEST(PartitionWalk, Stars_CountIfSomethingFollows) {
 }
 
 TEST(PartitionWalk, StarsOfAllNames_AreBoundedTogether) {
-  std::vector<std::string> names(PartitionWalk::kMostStarsOfSample / 2, "*a*b");
+  std::vector<std::string> names(PartitionWalk::kMaxStarsOfSample / 2, "*a*b");
   EXPECT_EQ(code(walked(value_of(names, true))), Code{});
   names.push_back("*a");
   EXPECT_EQ(code(walked(value_of(names, true))), Code::builtin_source_unreadable);

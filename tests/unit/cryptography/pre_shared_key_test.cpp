@@ -158,12 +158,12 @@ TEST(PreSharedKey, OnlyWhoKnowsThePassphraseIsRememberedAndOnlySoMany) {
   EXPECT_TRUE(b.decode(first));
   EXPECT_TRUE(ring.remembers(first));
   EXPECT_FALSE(ring.remembers(Bytes(first.begin(), first.begin() + 30)));
-  constexpr auto kMost = static_cast<std::uint32_t>(PreSharedKeyRing::kMostSenders);
-  for (std::uint32_t i = 1; i <= kMost; ++i) {
+  constexpr auto kMax = static_cast<std::uint32_t>(PreSharedKeyRing::kMaxSenders);
+  for (std::uint32_t i = 1; i <= kMax; ++i) {
     EXPECT_TRUE(b.decode(first));  // it is heard all the time
     EXPECT_TRUE(b.decode(a.encode(hello_from(i))));
   }
-  EXPECT_EQ(ring.senders(), kMost);
+  EXPECT_EQ(ring.senders(), kMax);
   EXPECT_TRUE(ring.remembers(first));
   EXPECT_FALSE(ring.remembers(a.encode(hello_from(1))));
   EXPECT_TRUE(b.decode(a.encode(hello_from(1))));

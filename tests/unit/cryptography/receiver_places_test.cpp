@@ -9,9 +9,9 @@ namespace ddssec::cryptography::testing {
 namespace {
 
 constexpr auto kOriginAuthenticated = ProtectionKind::encrypt_with_origin_authentication;
-constexpr auto kShare = ReceiverPlaces::share_of(ReceiverPlaces::kMost);
-constexpr auto kShareOfEach = ReceiverPlaces::share_of(ReceiverPlaces::kMostOfEach);
-constexpr std::size_t kMostInDatagram = 65507;
+constexpr auto kShare = ReceiverPlaces::share_of(ReceiverPlaces::kMax);
+constexpr auto kShareOfEach = ReceiverPlaces::share_of(ReceiverPlaces::kMaxOfEach);
+constexpr std::size_t kMaxInDatagram = 65507;
 
 /// A writer that remote participants of several certificates have readers for.
 struct CrowdedWriter {
@@ -154,7 +154,7 @@ TEST(ReceiverPlaces, AllOfThemFitIntoOneDatagram) {
   EXPECT_EQ(code_of(writer.reader(writer.participant(6, 1))), Code::receiver_places_taken);
   const auto message = writer.message();
   ASSERT_TRUE(message);
-  EXPECT_LE(message->size() + kRtpsHeaderAndTimestamp, kMostInDatagram);
+  EXPECT_LE(message->size() + kRtpsHeaderAndTimestamp, kMaxInDatagram);
 }
 
 TEST(ReceiverPlaces, AllOfBothLevelsFitIntoOneDatagram) {
@@ -165,14 +165,14 @@ TEST(ReceiverPlaces, AllOfBothLevelsFitIntoOneDatagram) {
       all.push_back(one);
       ASSERT_TRUE(writer.reader(one));
     }
-  EXPECT_EQ(all.size(), ReceiverPlaces::kMostOfEach);
+  EXPECT_EQ(all.size(), ReceiverPlaces::kMaxOfEach);
   EXPECT_EQ(code_of(writer.reader(all.front())), Code::receiver_places_taken);
   EXPECT_EQ(code_of(writer.meet(6, 1)), Code::receiver_places_taken);
   const auto submessage = writer.message();
   ASSERT_TRUE(submessage);
   const auto message = writer.rtps_message_for(all, *submessage);
   ASSERT_TRUE(message);
-  EXPECT_LE(message->size(), kMostInDatagram);
+  EXPECT_LE(message->size(), kMaxInDatagram);
 }
 
 TEST(ReceiverPlaces, OneCertificateHasItsShareOfParticipantsWhereMessagesNeedMacs) {
@@ -203,14 +203,14 @@ TEST(ReceiverPlaces, AParticipantThatAuthenticatesAnewKeepsItsPlace) {
 /// They cost no octet.
 TEST(ReceiverPlaces, ParticipantsNeedNoneWithoutOriginAuthenticationOfMessages) {
   CrowdedWriter writer(ProtectionKind::encrypt);
-  for (std::uint16_t number = 1; number <= ReceiverPlaces::kMostOfEach + 1; ++number)
+  for (std::uint16_t number = 1; number <= ReceiverPlaces::kMaxOfEach + 1; ++number)
     ASSERT_TRUE(writer.meet(1, number));
 }
 
 /// Beside a stock authentication nobody knows the certificate. All of them fit nevertheless.
 TEST(ReceiverPlaces, ParticipantsThatProvedNoNameHaveThemTogether) {
   CrowdedWriter writer(kOriginAuthenticated);
-  EXPECT_EQ(writer.participants_of(0).size(), ReceiverPlaces::kMostOfEach);
+  EXPECT_EQ(writer.participants_of(0).size(), ReceiverPlaces::kMaxOfEach);
 }
 
 /// The host lists receivers first and has them encoded for then; one may leave in between.

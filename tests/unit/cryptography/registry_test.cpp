@@ -20,7 +20,7 @@ struct Thing final : Entity {
 
 TEST(Registry, FillsUpAndRefusesMore) {
   Registry registry(42);
-  const auto most = Registry::kChunkSize * Registry::kMostChunks;
+  const auto most = Registry::kChunkSize * Registry::kMaxChunks;
   std::int64_t last = 0;
   for (std::size_t i = 0; i < most; ++i) {
     auto thing = std::make_unique<Thing>();

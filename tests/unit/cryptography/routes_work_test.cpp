@@ -9,7 +9,7 @@ namespace ddssec::cryptography::testing {
 namespace {
 
 constexpr int kMany = 8000;
-constexpr std::int64_t kMostForEntering = 32'000, kMostForLeaving = 1000;  // octets an endpoint
+constexpr std::int64_t kMaxForEntering = 32'000, kMaxForLeaving = 1000;  // octets an endpoint
 
 /// One reader of `b` that many writers of `a` are matched with. To `b` each has a key of its own,
 /// to `a` all matches have the reader's key.
@@ -47,12 +47,12 @@ std::int64_t octets_for_each(F&& f) {
 }
 
 TEST(ManyEndpoints, CostTheSameEachWhenTheyCome) {
-  EXPECT_LE(octets_for_each([] { const Crowd crowd; }), kMostForEntering);
+  EXPECT_LE(octets_for_each([] { const Crowd crowd; }), kMaxForEntering);
 }
 
 TEST(ManyEndpoints, CostTheSameEachWhenTheirParticipantIsDropped) {
   Crowd crowd;
-  EXPECT_LE(octets_for_each([&] { crowd.unregister_participants(); }), kMostForLeaving);
+  EXPECT_LE(octets_for_each([&] { crowd.unregister_participants(); }), kMaxForLeaving);
 }
 
 /// As Cyclone DDS does it.
@@ -62,13 +62,13 @@ TEST(ManyEndpoints, CostTheSameEachWhenTheyAreUnregisteredOneByOne) {
               crowd.unregister_each();
               crowd.unregister_participants();
             }),
-            kMostForLeaving);
+            kMaxForLeaving);
 }
 
 /// Whatever Cyclone's core keeps of them.
 TEST(ManyParticipants, ThatComeAndGoLeaveNothingBehind) {
   constexpr int kRounds = 1000;
-  constexpr std::int64_t kMostEach = 16;
+  constexpr std::int64_t kMaxEach = 16;
   TwoSides two(participant_attributes(ProtectionKind::encrypt_with_origin_authentication), {},
                {.host_checks_sources = false});
   const auto come_and_go = [&] {
@@ -84,7 +84,7 @@ TEST(ManyParticipants, ThatComeAndGoLeaveNothingBehind) {
   come_and_go();
   const auto before = counted_memory::octets();
   come_and_go();
-  EXPECT_LE(counted_memory::octets() - before, kRounds * kMostEach);
+  EXPECT_LE(counted_memory::octets() - before, kRounds * kMaxEach);
 }
 
 }  // namespace

@@ -53,8 +53,8 @@ TEST(SendPosition, SessionsBeforeAForkHavePassed) {
 TEST(SendPosition, IsReadAsItIsWritten) {
   SendPosition position{12, 1000, {{10, 2}, {90, 0}}};
   EXPECT_EQ(parse_send_position(serialize(position)), position);
-  position.begun.resize(SendPosition::kMostRanges + 1);
-  EXPECT_EQ(parse_send_position(serialize(position))->begun.size(), SendPosition::kMostRanges);
+  position.begun.resize(SendPosition::kMaxRanges + 1);
+  EXPECT_EQ(parse_send_position(serialize(position))->begun.size(), SendPosition::kMaxRanges);
   const auto octets = serialize(position);
   for (std::size_t size = 0; size < octets.size(); ++size)
     EXPECT_EQ(parse_send_position(BytesView(octets).first(size)).has_value(),

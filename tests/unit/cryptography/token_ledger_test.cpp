@@ -91,7 +91,7 @@ TEST(TokenLedger, AGreatNumberOpensNothing) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   EXPECT_TRUE(host.use());
-  EXPECT_EQ(host.note(kGreatestNumber - 1), Kind::ticket);
+  EXPECT_EQ(host.note(kMaxNumber - 1), Kind::ticket);
   for (std::uint64_t number = 2; number < 50; ++number)
     EXPECT_EQ(host.note(number), Kind::repeated);
 }
@@ -353,12 +353,12 @@ TEST(TokenLedger, HoldsSoManyOfOneCertificate) {
     return host.ledger.note({host.remote, host.local, number, false, fresh_tokens(), 0, 0}, {1},
                             false, host.now);
   };
-  for (std::size_t i = 1; i <= TokenLedger::kMostPending; ++i) {
+  for (std::size_t i = 1; i <= TokenLedger::kMaxPending; ++i) {
     host.remote.prefix.octets[11] = static_cast<std::uint8_t>(i % 3);  // of several participants
     ASSERT_TRUE(note(i));
   }
-  EXPECT_EQ(code_of(note(TokenLedger::kMostPending + 1)), Code::crypto_tokens_crowded);
-  EXPECT_EQ(host.ledger.size(), TokenLedger::kMostPending);
+  EXPECT_EQ(code_of(note(TokenLedger::kMaxPending + 1)), Code::crypto_tokens_crowded);
+  EXPECT_EQ(host.ledger.size(), TokenLedger::kMaxPending);
   const Guid own{kOurs, kEntityIdParticipant}, peer{kPeer, kEntityIdParticipant};
   EXPECT_TRUE(host.ledger.note({peer, own, 1, false, fresh_tokens(), 0, 0}, {1}, false, host.now))
       << "what everything else depends on has room";
@@ -399,7 +399,7 @@ class Inventor {
 TEST(TokenLedger, HoldsSoManyOfOneThatInventsNames) {
   Host host;
   Inventor inventor(host, 1), honest(host, 2);
-  EXPECT_EQ(inventor.fill(), TokenLedger::kMostPending);
+  EXPECT_EQ(inventor.fill(), TokenLedger::kMaxPending);
   EXPECT_EQ(code_of(inventor.note()), Code::crypto_tokens_crowded);
   EXPECT_TRUE(honest.note());
   host.exchange = 3;
@@ -416,9 +416,9 @@ TEST(TokenLedger, HoldsSoManyOfAllThatInventNames) {
   std::size_t all = 0;
   for (std::uint64_t exchange = 1; exchange <= kInventors; ++exchange) {
     Inventor inventor(host, exchange);
-    const auto free = TokenLedger::kMostUnproven - all;
+    const auto free = TokenLedger::kMaxUnproven - all;
     const auto some = inventor.fill();
-    EXPECT_LE(some, TokenLedger::kMostPending);
+    EXPECT_LE(some, TokenLedger::kMaxPending);
     EXPECT_LT(some, free);
     EXPECT_GT(some, 0u);
     all += some;
@@ -430,7 +430,7 @@ TEST(TokenLedger, HoldsSoManyOfAllThatInventNames) {
 
 /// Four times as many as may wait, each used at once; their senders differ in the octets of `name`.
 void expect_used_ones_to_be_forgotten(Host& host, std::span<std::uint8_t, 3> name, bool is_proven) {
-  for (std::uint64_t i = 1; i <= 4 * TokenLedger::kMostPending; ++i) {
+  for (std::uint64_t i = 1; i <= 4 * TokenLedger::kMaxPending; ++i) {
     name[0] = static_cast<std::uint8_t>(i >> 16);
     name[1] = static_cast<std::uint8_t>(i >> 8);
     name[2] = static_cast<std::uint8_t>(i);
@@ -438,7 +438,7 @@ void expect_used_ones_to_be_forgotten(Host& host, std::span<std::uint8_t, 3> nam
                                           {1, is_proven}, false, host.now);
     ASSERT_EQ(passage->kind, Kind::ticket);
     ASSERT_TRUE(host.use(passage->ticket));
-    ASSERT_LE(host.ledger.size(), 2 * TokenLedger::kMostPending);
+    ASSERT_LE(host.ledger.size(), 2 * TokenLedger::kMaxPending);
   }
 }
 

@@ -11,7 +11,7 @@ namespace ddssec::cryptography::testing {
 namespace {
 
 /// SECURITY.md: for each certificate.
-constexpr std::int64_t kMostOctets = 16'000'000;
+constexpr std::int64_t kMaxOctets = 16'000'000;
 constexpr auto kOriginAuthenticated = ProtectionKind::encrypt_with_origin_authentication;
 
 /// Authenticates as several participants of one certificate, and sends key tokens to `b`.
@@ -19,7 +19,7 @@ struct TokenSender {
   TokenSender() {
     reader = two.endpoints(endpoint_attributes(kOriginAuthenticated, ProtectionKind::encrypt));
     tokens = two.writer_tokens(reader).value();
-    EXPECT_EQ(tokens.size(), kMostTokensPerEndpoint);
+    EXPECT_EQ(tokens.size(), kMaxTokensPerEndpoint);
   }
   /// From now on it is the participant of this number.
   void authenticate(std::uint8_t number) {
@@ -58,12 +58,12 @@ TEST(KeyTokensOfOneCertificate, TakeTheMemoryThatIsPromised) {
   std::uint32_t sent = 1;
   for (std::uint8_t participant = 1; participant <= 4; ++participant) {
     if (participant > 1) sender.authenticate(participant);
-    for (std::size_t i = 0; i < TokenLedger::kMostPending / 4; ++i) sender.send(++sent);
+    for (std::size_t i = 0; i < TokenLedger::kMaxPending / 4; ++i) sender.send(++sent);
   }
   EXPECT_FALSE(sender.send(++sent)) << "that was the bound";
   const auto held = counted_memory::octets() - before;
-  EXPECT_LE(held, kMostOctets);
-  EXPECT_GE(held, kMostOctets / 4) << "they were not kept: this measures nothing";
+  EXPECT_LE(held, kMaxOctets);
+  EXPECT_GE(held, kMaxOctets / 4) << "they were not kept: this measures nothing";
   RecordProperty("octets", static_cast<int>(held));
 }
 
@@ -79,7 +79,7 @@ TEST(KeyTokensOfOneCertificate, AreNotKeptWithWhatNoKeyNeeds) {
   const auto before = counted_memory::octets();
   for (std::uint32_t n = 2; n <= 300; ++n) sender.send(n);
   EXPECT_LE(counted_memory::octets() - before,
-            300 * kMostOctets / std::int64_t{TokenLedger::kMostPending});
+            300 * kMaxOctets / std::int64_t{TokenLedger::kMaxPending});
 }
 
 }  // namespace

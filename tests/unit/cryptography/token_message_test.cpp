@@ -104,13 +104,13 @@ TEST(TokenMessage, WithANumberThatCycloneTakesFirstIsRefused) {
   const auto payload = token_message({kPeer, kWriter}, {kOurs, kReader}, fresh_tokens());
   auto octets = DataMessage{.payload = payload}.octets();
   auto piece = read_data_piece(octets).value();
-  piece.number = kGreatestNumber;
+  piece.number = kMaxNumber;
   EXPECT_EQ(code_of(read_token_message(piece)), Code::token_source_unreadable);
 }
 
 TEST(TokenMessage, WithMoreThanKeysIsRefused) {
   auto tokens = fresh_tokens();
-  tokens[0].binary_properties[0].value.resize(kMostTokenOctets + 1);
+  tokens[0].binary_properties[0].value.resize(kMaxTokenOctets + 1);
   const auto octets =
       DataMessage{.payload = token_message({kPeer, kWriter}, {kOurs, kReader}, tokens)}.octets();
   EXPECT_EQ(code_of(read_token_message(read_data_piece(octets).value())),

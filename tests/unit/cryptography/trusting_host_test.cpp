@@ -219,7 +219,7 @@ TEST(TrustingHost, GetsWhatFollowsWhenTheLedgerIsFull) {
     return out.value()[24 + 104] == 'd';
   };
   std::uint32_t number = 0;
-  while (number < TokenLedger::kMostPending) ASSERT_TRUE(passes(++number, kOfWriter));
+  while (number < TokenLedger::kMaxPending) ASSERT_TRUE(passes(++number, kOfWriter));
   EXPECT_EQ(engine.two.b.events.codes, std::vector<Code>());
   EXPECT_FALSE(passes(++number, kOfWriter));
   EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::crypto_tokens_crowded});

@@ -233,7 +233,7 @@ TEST_F(CryptographyAdapterTest, RefusedParticipantTokensAreToldOnceAndTakenFromT
   EXPECT_EQ(exchange->set_remote_participant_crypto_tokens(exchange, 1, 2, &tokens, &refusal), 0);
   EXPECT_EQ(refusal.reason(), Code::crypto_handle_unknown);
 
-  const auto length = std::exchange(tokens._length, spi::kMostTokensPerMessage + 1);
+  const auto length = std::exchange(tokens._length, spi::kMaxTokensPerMessage + 1);
   EXPECT_EQ(exchange->set_remote_participant_crypto_tokens(exchange, 1, 2, &tokens, nullptr), 1);
   EXPECT_EQ(harness.events.back().error.code(), Code::length_out_of_range);
   tokens._length = length;

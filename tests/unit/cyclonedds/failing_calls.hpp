@@ -36,7 +36,7 @@ class Caller {
   explicit Caller(std::optional<Plan> plan) : plan_(plan) {}
 
   /// A call that succeeds although its notice (an informational event) found no memory.
-  static constexpr long kMostAllocationsOfNotices = 32;
+  static constexpr long kMaxAllocationsOfNotices = 32;
 
   /// OpenSSL can do without some of its allocations: `undo` takes such a success back.
   void operator()(const std::string& name, const Call& call, const Undo& undo) {
@@ -60,7 +60,7 @@ class Caller {
         continue;
       }
       if (plan_->source != Source::c) {
-        EXPECT_LE(++done_without, kMostAllocationsOfNotices)
+        EXPECT_LE(++done_without, kMaxAllocationsOfNotices)
             << "can do without allocation " << number;
       }
       undo();

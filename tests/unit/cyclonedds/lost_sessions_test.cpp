@@ -100,13 +100,13 @@ TEST_F(LostSessionsTest, ArePresentedSeldomWhileThePeerIsNotMet) {
 }
 
 TEST_F(LostSessionsTest, ArePresentedToSoManyUnmetPeersAtOnce) {
-  constexpr std::uint16_t kLost = 3 * LostSessions::kMostUnmet;
+  constexpr std::uint16_t kLost = 3 * LostSessions::kMaxUnmet;
   for (std::uint16_t number = 0; number < kLost; ++number) lose(remote(number));
   clock.advance(LostSessions::kFirstUnmet);
   std::set<Guid> told;
   for (unsigned second = 0; second < 3; ++second, clock.advance(1s)) {
     const auto all = due(false);
-    EXPECT_EQ(all.size(), LostSessions::kMostUnmet);
+    EXPECT_EQ(all.size(), LostSessions::kMaxUnmet);
     for (const auto& one : all) told.insert(one.remote);
   }
   EXPECT_EQ(told.size(), kLost);
@@ -163,64 +163,64 @@ TEST_F(LostSessionsTest, AreForgottenAfterATime) {
 
 TEST_F(LostSessionsTest, OfOneCertificateTheFirstGiveWay) {
   constexpr std::uint16_t kMore = 10;
-  for (std::uint16_t i = 0; i < LostSessions::kMostOfSubject + kMore; ++i) lose(remote(i));
+  for (std::uint16_t i = 0; i < LostSessions::kMaxOfSubject + kMore; ++i) lose(remote(i));
   const auto kept = remembered();
-  EXPECT_EQ(kept.size(), LostSessions::kMostOfSubject);
+  EXPECT_EQ(kept.size(), LostSessions::kMaxOfSubject);
   EXPECT_EQ(std::ranges::min(kept), remote(kMore));
 }
 
 // One certificate may join and leave as often as it likes, and so may several.
 TEST_F(LostSessionsTest, OfOneCertificateDoNotTakeThePlaceOfAnothers) {
-  constexpr std::uint16_t kHostile = 8, kJoins = 2 * LostSessions::kMostOfSubject;
+  constexpr std::uint16_t kHostile = 8, kJoins = 2 * LostSessions::kMaxOfSubject;
   constexpr std::uint16_t kHonest = 1000;
   lose(remote(1, kHonest));
   for (std::uint16_t i = 0; i < kJoins; ++i)
     for (std::uint16_t certificate = 1; certificate <= kHostile; ++certificate)
       lose(remote(i, certificate));
   const auto kept = remembered();
-  EXPECT_EQ(kept.size(), LostSessions::kMostLost);
+  EXPECT_EQ(kept.size(), LostSessions::kMaxLost);
   EXPECT_EQ(std::ranges::count(kept, remote(1, kHonest)), 1);
 }
 
 TEST_F(LostSessionsTest, OfAsManyCertificatesTheFirstGivesWay) {
   constexpr std::uint16_t kMore = 3;
-  for (std::uint16_t i = LostSessions::kMostLost + kMore; i > 0; --i) lose(remote(1, i));
+  for (std::uint16_t i = LostSessions::kMaxLost + kMore; i > 0; --i) lose(remote(1, i));
   const auto kept = remembered();
-  EXPECT_EQ(kept.size(), LostSessions::kMostLost);
-  EXPECT_EQ(std::ranges::max(kept), remote(1, LostSessions::kMostLost));
+  EXPECT_EQ(kept.size(), LostSessions::kMaxLost);
+  EXPECT_EQ(std::ranges::max(kept), remote(1, LostSessions::kMaxLost));
 }
 
 TEST_F(LostSessionsTest, ThatWereMadeAnewOrForgottenLeaveTheirPlace) {
   lose(remote(0));
-  for (std::uint16_t i = 1; i < LostSessions::kMostOfSubject; ++i) lose(remote(i));
-  for (std::uint16_t i = 1; i < LostSessions::kMostOfSubject; ++i) {
+  for (std::uint16_t i = 1; i < LostSessions::kMaxOfSubject; ++i) lose(remote(i));
+  for (std::uint16_t i = 1; i < LostSessions::kMaxOfSubject; ++i) {
     sessions.established(local, remote(i), secret_of(2));
     lose(remote(i));
   }
   EXPECT_EQ(std::ranges::count(remembered(), remote(0)), 1);
   clock.advance(LostSessions::kMemory);
   EXPECT_TRUE(remembered().empty());
-  for (std::uint16_t i = 0; i < LostSessions::kMostOfSubject; ++i) lose(remote(i));
-  EXPECT_EQ(remembered().size(), LostSessions::kMostOfSubject);
+  for (std::uint16_t i = 0; i < LostSessions::kMaxOfSubject; ++i) lose(remote(i));
+  EXPECT_EQ(remembered().size(), LostSessions::kMaxOfSubject);
 }
 
 TEST_F(LostSessionsTest, OfEachLocalParticipantHaveTheirOwnPlaces) {
   sessions.add_local(second, kOwn);
-  for (std::uint16_t i = 0; i < LostSessions::kMostOfSubject + 1; ++i) {
+  for (std::uint16_t i = 0; i < LostSessions::kMaxOfSubject + 1; ++i) {
     sessions.established(second, remote(i), secret_of(1));
     lose(remote(i));
   }
-  EXPECT_EQ(remembered().size(), 2 * LostSessions::kMostOfSubject);
+  EXPECT_EQ(remembered().size(), 2 * LostSessions::kMaxOfSubject);
   sessions.remove_local(second);
-  EXPECT_EQ(remembered().size(), LostSessions::kMostOfSubject);
+  EXPECT_EQ(remembered().size(), LostSessions::kMaxOfSubject);
   lose(remote(5000));
-  EXPECT_EQ(remembered().size(), LostSessions::kMostOfSubject);
+  EXPECT_EQ(remembered().size(), LostSessions::kMaxOfSubject);
 }
 
 TEST_F(LostSessionsTest, AreToldToFewAddresses) {
   sessions.established(local, remote(1), secret_of(1, 9));
   sessions.lost(remote(1));
-  EXPECT_EQ(due().at(0).to.size(), LostSessions::kMostAddresses);
+  EXPECT_EQ(due().at(0).to.size(), LostSessions::kMaxAddresses);
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ Left left_by_a_life(std::optional<Plan> plan) {
 /// How many blocks OpenSSL itself may lose in a life of more than 500 calls that fail. Up
 /// to 3.0.19, CMS_verify loses a BIO of 5 blocks when it cannot start, and a life verifies 6
 /// documents. One certificate or key that our code lost would have more blocks.
-constexpr long kMostLostByOpenssl = 30;
+constexpr long kMaxLostByOpenssl = 30;
 
 class FailingMemory : public testing::TestWithParam<std::tuple<Source, Extent>> {};
 
@@ -80,7 +80,7 @@ TEST_P(FailingMemory, IsToldLeaksNothingAndTheNextCallWorks) {
   const auto [ours_failing, in_openssl_failing] = left_by_a_life(Plan{source, extent});
   EXPECT_EQ(ours_failing, 0);
   EXPECT_GE(in_openssl_failing, 0);
-  EXPECT_LE(in_openssl_failing, source == Source::c ? kMostLostByOpenssl : 0);
+  EXPECT_LE(in_openssl_failing, source == Source::c ? kMaxLostByOpenssl : 0);
 }
 
 TEST(FailingMemoryOfOpenssl, IsCounted) {

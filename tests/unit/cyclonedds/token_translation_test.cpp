@@ -99,13 +99,13 @@ TEST(TokenTranslation, TooManyPropertiesOrTokensAreRefused) {
   std::string class_id = "class";
   DDS_Security_DataHolder holder{};
   holder.class_id = class_id.data();
-  holder.properties._length = spi::kMostPropertiesPerToken + 1;
+  holder.properties._length = spi::kMaxPropertiesPerToken + 1;
   EXPECT_EQ(token_from(&holder).error().code(), Code::length_out_of_range);
   holder.properties._length = 0;
   holder.binary_properties._length = 0xffffffff;
   EXPECT_EQ(token_from(&holder).error().code(), Code::length_out_of_range);
 
-  DDS_Security_DataHolderSeq sequence{0, spi::kMostTokensPerMessage + 1, &holder};
+  DDS_Security_DataHolderSeq sequence{0, spi::kMaxTokensPerMessage + 1, &holder};
   EXPECT_EQ(CryptoTokens::from(&sequence).error().code(), Code::length_out_of_range);
   EXPECT_EQ(CryptoTokens::from(nullptr).error().code(), Code::null_argument);
   sequence = {1, 1, nullptr};
@@ -131,11 +131,11 @@ TEST(TokenTranslation, CredentialsTravelAsTextInTheirOrder) {
 // Found by fuzzing: the host was given more than it may give back.
 TEST(TokenTranslation, TextPropertiesAreAsManyAsATokenHolds) {
   spi::Token token{.class_id = "DDS:Auth:PKI-DH:1.0",
-                   .properties = spi::PropertyList(spi::kMostPropertiesPerToken - 1),
+                   .properties = spi::PropertyList(spi::kMaxPropertiesPerToken - 1),
                    .binary_properties = {{"c.id", {'p'}, true}}};
   const auto text = with_text_properties(token);
   ASSERT_TRUE(text);
-  EXPECT_EQ(text->properties.size(), spi::kMostPropertiesPerToken);
+  EXPECT_EQ(text->properties.size(), spi::kMaxPropertiesPerToken);
   token.binary_properties.push_back({"c.perm", {'x'}, true});
   const auto refused = with_text_properties(token);
   ASSERT_FALSE(refused);

@@ -292,7 +292,7 @@ TEST(GovernanceRules, FirstDomainRuleWins) {
 TEST(VerdictCache, StaysBounded) {
   VerdictCache<int> cache;
   for (int i = 0; i < 20'000; ++i) cache.remember(std::to_string(i), i);
-  EXPECT_LE(cache.size(), 2 * VerdictCache<int>::kMostPerGeneration);
+  EXPECT_LE(cache.size(), 2 * VerdictCache<int>::kMaxPerGeneration);
   EXPECT_EQ(cache.find("19999"), 19999);
   EXPECT_EQ(cache.find("0"), std::nullopt);
   cache.remember(std::string(5000, 'x'), 1);

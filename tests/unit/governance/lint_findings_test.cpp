@@ -24,11 +24,11 @@ TEST(Findings, AreOrderedByLine) {
 
 TEST(Findings, AboveTheLimitOfARule_AreCountedAtItsLastOne) {
   Findings findings(PERM012);
-  const int most = static_cast<int>(kMostFindingsPerRule);
+  const int most = static_cast<int>(kMaxFindingsPerRule);
   for (int line = 1; line <= most + 3; ++line) findings.add(at_line(line));
   findings.add(at_line(1, PERM013));
   const auto all = findings.take();
-  ASSERT_EQ(all.size(), kMostFindingsPerRule + 1);
+  ASSERT_EQ(all.size(), kMaxFindingsPerRule + 1);
   EXPECT_EQ(all.back().message, "line " + std::to_string(most) + " (and 3 more like this)");
   EXPECT_EQ(all.front().message.find("more like this"), std::string::npos);
 }
@@ -41,7 +41,7 @@ TEST(Findings, PlacesOfANoteThatHaveNone_AreCountedToo) {
   EXPECT_EQ(all[0].line, 7);
   EXPECT_EQ(all[0].vendors, std::vector<std::string>{"fastdds"});
   EXPECT_EQ(all[0].message,
-            "no zone (and " + std::to_string(41 - kMostFindingsPerRule) + " more like this)");
+            "no zone (and " + std::to_string(41 - kMaxFindingsPerRule) + " more like this)");
 }
 
 TEST(Findings, ChecksThatWereLeftOut_AreAWarning) {

@@ -6,7 +6,7 @@ namespace {
 
 TEST(ReadDocuments, AreBoundedInRules) {
   std::string topics;
-  for (std::size_t i = 0; i <= kMostEntries; ++i) topics += "<topic>a</topic>";
+  for (std::size_t i = 0; i <= kMaxEntries; ++i) topics += "<topic>a</topic>";
   EXPECT_CODE(permissions_from(replaced(kPermissionsXml, "<topic>Circle</topic>", topics)),
               too_many_rules);
 }

@@ -166,8 +166,8 @@ TEST(XmlCheck, BoundsTheDepth) {
     for (int i = 0; i < depth; ++i) text += "</a>";
     return text;
   };
-  EXPECT_TRUE(parse(nested(kMostXmlDepth)));
-  EXPECT_CODE(parse(nested(kMostXmlDepth + 1)), xml_too_deep);
+  EXPECT_TRUE(parse(nested(kMaxXmlDepth)));
+  EXPECT_CODE(parse(nested(kMaxXmlDepth + 1)), xml_too_deep);
   EXPECT_CODE(parse(nested(52'000)), xml_too_deep);
 }
 
@@ -178,20 +178,20 @@ TEST(XmlCheck, BoundsTheAttributesOfAnElement) {
     for (int i = 0; i < attributes; ++i) text += " xmlns:a" + std::to_string(i) + "='x'";
     return text + "/><c d='e'/></a>";
   };
-  EXPECT_TRUE(parse(with(kMostXmlAttributes)));
-  const auto refused = parse(with(kMostXmlAttributes + 1));
+  EXPECT_TRUE(parse(with(kMaxXmlAttributes)));
+  const auto refused = parse(with(kMaxXmlAttributes + 1));
   EXPECT_CODE(refused, xml_too_many_attributes);
   EXPECT_EQ(refused.error().details().line, 2);
   EXPECT_CODE(parse(with(500'000)), xml_too_many_attributes);
 }
 
 TEST(XmlCheck, BoundsTheSize) {
-  EXPECT_CODE(parse(std::string(kMostXmlOctets + 1, ' ')), xml_too_large);
+  EXPECT_CODE(parse(std::string(kMaxXmlOctets + 1, ' ')), xml_too_large);
 }
 
 TEST(XmlCheck, BoundsTheElements) {
   std::string text = "<a>";
-  for (std::size_t i = 0; i < kMostXmlElements; ++i) text += "<b/>";
+  for (std::size_t i = 0; i < kMaxXmlElements; ++i) text += "<b/>";
   EXPECT_CODE(parse(text + "</a>"), xml_too_large);
 }
 

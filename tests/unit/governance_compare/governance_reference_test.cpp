@@ -16,7 +16,7 @@ using Kind = ProtectionKind;
 
 constexpr DomainId kDomains = 4;  // 0 to 3, and 9 for all others
 constexpr const char* kTags[] = {"", "a", "b", "ab", "c", "aa", "bb"};
-constexpr std::size_t kLongest = 5;
+constexpr std::size_t kMax = 5;
 
 Kind any_kind(words::Dice& dice, std::size_t kinds) { return static_cast<Kind>(dice.below(kinds)); }
 
@@ -410,7 +410,7 @@ class GovernanceReference : public ::testing::TestWithParam<std::uint32_t> {};
 
 // Words of five letters reach whatever two lists of expressions of three parts tell apart.
 TEST_P(GovernanceReference, AgreesOnTenThousandPairs) {
-  static const words::Pool pool(kLongest, 3);
+  static const words::Pool pool(kMax, 3);
   Author author(pool, GetParam());
   std::map<ChangeClass, int> seen;
   for (int round = 0; round < 10'000; ++round) {

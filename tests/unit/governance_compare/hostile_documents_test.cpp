@@ -13,7 +13,7 @@ namespace ddssec::governance {
 namespace {
 
 /// Generous: this also runs without optimisation and on busy machines.
-constexpr double kMostSeconds = 40;
+constexpr double kMaxSeconds = 40;
 
 /// Expressions of one shape, half a megabyte of them.
 struct Shape {
@@ -60,7 +60,7 @@ template <class Document>
 void expect_unknown_soon(const Document& before, const Document& after) {
   const auto start = cpu_seconds();
   const auto verdict = compare(before, after).verdict;
-  EXPECT_LT(cpu_seconds() - start, test::kSlowdown * kMostSeconds) << "of this process alone";
+  EXPECT_LT(cpu_seconds() - start, test::kSlowdown * kMaxSeconds) << "of this process alone";
   EXPECT_EQ(verdict, ChangeClass::unknown) << "no gate lets it pass";
 }
 

@@ -85,10 +85,10 @@ TEST(Readings, OfTheSameKindElsewhere_AreNew) {
 
 TEST(Readings, AreBounded) {
   std::vector<TopicRule> rules;
-  for (std::size_t i = 0; i <= kMostReadings; ++i)
+  for (std::size_t i = 0; i <= kMaxReadings; ++i)
     rules.push_back(topic("a" + std::to_string(i) + "["));
   const auto diff = compare(governance({topic("*")}), governance(rules));
-  EXPECT_THAT(diff.readings.all, SizeIs(kMostReadings));
+  EXPECT_THAT(diff.readings.all, SizeIs(kMaxReadings));
   EXPECT_FALSE(diff.readings.is_complete);
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kRules = 1000;
 /// Generous: this also runs without optimisation and on busy machines.
-constexpr double kMostSeconds = 20;
+constexpr double kMaxSeconds = 20;
 
 /// One shape of expressions, by a rule's number.
 struct Shape {
@@ -83,7 +83,7 @@ void expect_quick(const Document& before, const Document& after) {
   const auto diff = compare(before, after);
   const auto seconds = cpu_seconds() - start;
   EXPECT_EQ(diff.verdict, ChangeClass::mixed);
-  EXPECT_LT(seconds, test::kSlowdown * kMostSeconds);
+  EXPECT_LT(seconds, test::kSlowdown * kMaxSeconds);
   ::testing::Test::RecordProperty("seconds", std::to_string(seconds));
 }
 

@@ -120,9 +120,9 @@ TEST(Certificate, SizesAreBounded) {
   EXPECT_CODE(Certificate::from_pem(as_bytes(std::string(1000000, 'A') + pem)),
               certificate_too_large);
   EXPECT_CODE(Certificate::from_der(Bytes(1000000)), certificate_too_large);
-  EXPECT_CODE(Certificate::bundle_from_pem(Bytes(kMostBundleOctets + 1)), certificate_too_large);
+  EXPECT_CODE(Certificate::bundle_from_pem(Bytes(kMaxBundleOctets + 1)), certificate_too_large);
   std::string many;
-  for (std::size_t i = 0; i <= kMostCertificatesInBundle; ++i) many += pem;
+  for (std::size_t i = 0; i <= kMaxCertificatesInBundle; ++i) many += pem;
   EXPECT_CODE(Certificate::bundle_from_pem(as_bytes(many)), certificate_too_large);
 }
 
@@ -150,8 +150,8 @@ Result<Certificate> with_name(const std::vector<std::pair<std::string, std::stri
 
 TEST(Certificate, NamesAreBoundedAndHoldNoNul) {
   using namespace std::string_literals;
-  EXPECT_EQ(make_ca(attributes(kMostNameAttributes)).certificate().subject(),
-            attributes(kMostNameAttributes));
+  EXPECT_EQ(make_ca(attributes(kMaxNameAttributes)).certificate().subject(),
+            attributes(kMaxNameAttributes));
   const std::vector<std::pair<std::string, std::string>> thousand(1000, {"OU", "x"});
   EXPECT_CODE(with_name(thousand), name_not_allowed);
   EXPECT_CODE(with_name({{"CN", "admin\0.example.org"s}}), name_not_allowed);

@@ -419,7 +419,7 @@ TEST_F(Revocation, FilesHoldSeveralListsAmongOtherBlocks) {
   EXPECT_EQ((*crls)[1].next_update(), kNow + 24h);
   EXPECT_TRUE(Crl::all_from(as_bytes(ca_.certificate().pem()))->empty());
   std::string many;
-  for (std::size_t i = 0; i <= kMostCrlsInFile; ++i) many += list(ca_, {}).pem();
+  for (std::size_t i = 0; i <= kMaxCrlsInFile; ++i) many += list(ca_, {}).pem();
   EXPECT_CODE(Crl::all_from(as_bytes(many)), crl_too_large);
   EXPECT_CODE(Crl::all_from(Bytes(17 * 1024 * 1024)), crl_too_large);
   EXPECT_CODE(Crl::all_from(Bytes{0x30, 0x00}), crl_malformed);
@@ -440,7 +440,7 @@ TEST(ChainCache, RemembersBoundedlyAndFromSeveralThreads) {
     });
   for (auto& thread : threads) thread.join();
   const auto key = *PrivateKey::generate(KeyKind::ec_p256);
-  for (std::size_t i = 0; i < ChainVerifier::kMostRemembered + 10; ++i) {
+  for (std::size_t i = 0; i < ChainVerifier::kMaxRemembered + 10; ++i) {
     const auto many =
         ca.certify({.subject = "CN=" + std::to_string(i), .validity = kYear}, key, test_random());
     ASSERT_TRUE(verifier.verify(*many, kNow));

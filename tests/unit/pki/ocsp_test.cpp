@@ -194,13 +194,13 @@ TEST_F(Ocsp, WithACriticalExtension_IsRefused) {
 }
 
 TEST_F(Ocsp, WithTooMuch_IsRefused) {
-  EXPECT_CODE(judge(Bytes(kMostOcspOctets + 1, 0x30)), ocsp_too_large);
-  content.answers.resize(kMostOcspAnswers, content.answers.front());
+  EXPECT_CODE(judge(Bytes(kMaxOcspOctets + 1, 0x30)), ocsp_too_large);
+  content.answers.resize(kMaxOcspAnswers, content.answers.front());
   EXPECT_TRUE(judge());
   content.answers.push_back(content.answers.front());
   EXPECT_CODE(judge(), ocsp_too_large);
   content.answers.resize(1, content.answers.front());
-  content.sent.assign(kMostOcspCertificates + 1, leaf.certificate);
+  content.sent.assign(kMaxOcspCertificates + 1, leaf.certificate);
   EXPECT_CODE(judge(), ocsp_too_large);
 }
 

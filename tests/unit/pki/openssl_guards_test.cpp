@@ -44,7 +44,7 @@ TEST_F(DistributionPoints, ThatCopyALongIssuerAThousandTimes_AreRefusedWithBothV
 }
 
 TEST_F(DistributionPoints, AreAllowedUpToTheBoundAndNotBeyond) {
-  const auto most = static_cast<int>(kMostDistributionPointOctets / octets(10));
+  const auto most = static_cast<int>(kMaxDistributionPointOctets / octets(10));
   const auto at_most = read(PointName::relative, most, 10);
   EXPECT_TRUE(at_most) << at_most.error().to_sentence();
   EXPECT_CODE(read(PointName::relative, most + 1, 10), certificate_distribution_points);

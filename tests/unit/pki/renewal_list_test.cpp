@@ -68,14 +68,14 @@ TEST(RenewalList, ADamagedCertificate_IsRefused) {
 }
 
 TEST(RenewalList, MoreThanIsRead_IsRefused) {
-  EXPECT_CODE(RenewalList::parse(Bytes(kMostRenewalListOctets + 1, ' ')), renewal_list_malformed);
+  EXPECT_CODE(RenewalList::parse(Bytes(kMaxRenewalListOctets + 1, ' ')), renewal_list_malformed);
   RenewalList list;
-  list.permissions.assign(kMostRenewals + 1, to_bytes(as_bytes("x")));
+  list.permissions.assign(kMaxRenewals + 1, to_bytes(as_bytes("x")));
   EXPECT_CODE(RenewalList::parse(as_bytes(list.text().value())), renewal_list_malformed);
-  list.permissions.assign(1, Bytes(kMostSentPermissionsOctets + 1, 'x'));
+  list.permissions.assign(1, Bytes(kMaxSentPermissionsOctets + 1, 'x'));
   EXPECT_CODE(RenewalList::parse(as_bytes(list.text().value())), renewal_list_malformed);
   list.permissions.clear();
-  list.certificates.assign(kMostRenewals, leaf().certificate);
+  list.certificates.assign(kMaxRenewals, leaf().certificate);
   EXPECT_TRUE(RenewalList::parse(as_bytes(list.text().value())));
 }
 

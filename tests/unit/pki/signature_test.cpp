@@ -57,7 +57,7 @@ TEST_P(Signature, EachChangedOctetAndEachTruncation_MakesItInvalid) {
 
 TEST(SignatureLimit, LongerThanAnyKeyMakes_IsNotEvenVerified) {
   const Signer signer(KeySpec{KeyKind::ec_p256});
-  const auto refused = signer.verify("message", Bytes(kMostSignatureOctets + 1));
+  const auto refused = signer.verify("message", Bytes(kMaxSignatureOctets + 1));
   EXPECT_CODE(refused, signature_invalid);
   EXPECT_EQ(refused.error().details().note, "it is too long");
 }

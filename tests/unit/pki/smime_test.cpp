@@ -335,7 +335,7 @@ TEST_F(Smime, ABinarySignatureIsNamed) {
 }
 
 TEST_F(Smime, SizeIsBounded) {
-  EXPECT_CODE(check(std::string(kMostDocumentOctets + 1, 'x')), smime_too_large);
+  EXPECT_CODE(check(std::string(kMaxDocumentOctets + 1, 'x')), smime_too_large);
 }
 
 TEST_F(Smime, TheSignatureStructureIsChecked) {

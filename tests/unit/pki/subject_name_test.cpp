@@ -109,11 +109,11 @@ TEST(SubjectName, OtherTextsAreRefused) {
         "CN=\"a\"b", "CN=a\"b",   "CN=<",     "CN=\\FF", "CN=#zz",     "CN=#0C05416C", "CN=#020101",
         "CN=a\\00b", "/",         "/x/CN=a",  "/CN",     "/CN=a\\x00", "1.2.x=a"})
     EXPECT_CODE(SubjectName::parse(text), subject_name_malformed);
-  EXPECT_CODE(SubjectName::parse("CN=" + std::string(kMostSubjectOctets, 'x')),
+  EXPECT_CODE(SubjectName::parse("CN=" + std::string(kMaxSubjectOctets, 'x')),
               subject_name_malformed);
   std::string many = "CN=a", slashes;
-  for (std::size_t i = 0; i < kMostNameAttributes; ++i) many += ",CN=a";
-  for (std::size_t i = 0; i <= kMostNameAttributes; ++i) slashes += "/CN=a";
+  for (std::size_t i = 0; i < kMaxNameAttributes; ++i) many += ",CN=a";
+  for (std::size_t i = 0; i <= kMaxNameAttributes; ++i) slashes += "/CN=a";
   EXPECT_CODE(SubjectName::parse(many), subject_name_malformed);
   EXPECT_CODE(SubjectName::parse(slashes), subject_name_malformed);
 }

@@ -110,7 +110,7 @@ TEST_F(Token, WhatIsNotThereIsNamedWithoutThePin) {
     const auto loaded = PrivateKey::load(gone, kProperty);
     EXPECT_CODE(loaded, pkcs11_not_found);
     EXPECT_EQ(loaded.error().to_sentence().find("pin-value"), std::string::npos);
-    EXPECT_CODE(load_certificates(gone, kProperty, kMostBundleOctets), pkcs11_not_found);
+    EXPECT_CODE(load_certificates(gone, kProperty, kMaxBundleOctets), pkcs11_not_found);
   }
 }
 
@@ -158,7 +158,7 @@ TEST_F(Token, HoldsCertificatesToo) {
       "pkcs11-tool --module \"$(find /usr/lib -name libsofthsm2.so | head -n 1)\" --token-label "
       "robot --write-object " +
       path + " --type cert --label ca --login"));
-  const auto pem = load_certificates(uri("ca", ";type=cert"), "", kMostBundleOctets);
+  const auto pem = load_certificates(uri("ca", ";type=cert"), "", kMaxBundleOctets);
   ASSERT_OK(pem);
   EXPECT_EQ(*Certificate::from_pem(*pem), ca.certificate());
 }

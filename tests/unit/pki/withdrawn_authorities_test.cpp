@@ -23,7 +23,7 @@ TEST(WithdrawnAuthorities, MoreThanAreRemembered_AreRefused) {
   const auto ca = make_ca("CN=Root");
   WithdrawnAuthorities withdrawn;
   std::vector present{ca.certificate()};
-  for (std::size_t i = 0; i < WithdrawnAuthorities::kMostWithdrawn; ++i) {
+  for (std::size_t i = 0; i < WithdrawnAuthorities::kMaxWithdrawn; ++i) {
     const std::vector next{ca.renewed(kYear, test_random()).value()};
     ASSERT_TRUE(withdrawn.check(present, next));
     withdrawn.note(present, next);

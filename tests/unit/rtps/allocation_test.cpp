@@ -79,9 +79,9 @@ TEST(Payloads, OnlyABoundedAmountIsKept) {
   for (auto& payload : many) payload = Payload::uninitialized(1 << 20);
   EXPECT_GT(held(), before + (64u << 20));
   many.assign(100, {});
-  EXPECT_LE(held(), before + Payload::kMostKept + (1u << 20));
-  { const auto large = Payload::uninitialized(Payload::kLargestKept + 1); }
-  EXPECT_LE(held(), before + Payload::kMostKept + (1u << 20));
+  EXPECT_LE(held(), before + Payload::kMaxKept + (1u << 20));
+  { const auto large = Payload::uninitialized(Payload::kMaxKeptOctets + 1); }
+  EXPECT_LE(held(), before + Payload::kMaxKept + (1u << 20));
 }
 
 }  // namespace

@@ -78,10 +78,10 @@ TEST(Bounds, AMillionFakeParticipantsTakeABoundedPlace) {
   const auto before = octets();
   for (std::uint32_t i = 0; i < 1'000'000; ++i)
     a.participant.receive(announcement.of(i), seconds(1));
-  EXPECT_EQ(a.participant.remote_participants().size(), RemoteParticipants::kMostParticipants);
+  EXPECT_EQ(a.participant.remote_participants().size(), RemoteParticipants::kMaxParticipants);
   EXPECT_EQ(a.participant.counters().refused_discovery,
-            1'000'000 - RemoteParticipants::kMostParticipants);
-  EXPECT_LT(a.post.sent.size(), 8 * RemoteParticipants::kMostParticipants);
+            1'000'000 - RemoteParticipants::kMaxParticipants);
+  EXPECT_LT(a.post.sent.size(), 8 * RemoteParticipants::kMaxParticipants);
   a.post.sent = {};
   EXPECT_LT(octets() - before, 8 * kMiB);
 }
@@ -153,12 +153,12 @@ TEST_F(Matched, FragmentsThatNeverCompleteTakeABoundedPlace) {
                      {1},
                      1,
                      1024,
-                     StatefulReader::kLargestSample,
+                     StatefulReader::kMaxSample,
                      {},
                      false,
                      fragment});
   const auto most = static_cast<std::int64_t>(HeldOctets::kMaxOfOne);
-  EXPECT_LT(octets() - before, most + static_cast<std::int64_t>(Payload::kMostKept) + kMiB);
+  EXPECT_LT(octets() - before, most + static_cast<std::int64_t>(Payload::kMaxKept) + kMiB);
   EXPECT_GT(octets() - before, most / 2) << "they are kept at all";
   EXPECT_EQ(a.participant.counters().malformed, 0u);
   expect_that_samples_come();
@@ -177,16 +177,8 @@ TEST_F(Matched, FragmentsOfOneOctetOfAHugeSampleAreNotTaken) {
   const Bytes octet(1);
   const auto allocated = counted_memory::octets_ever();
   for (std::int64_t number = 1000; number > 0; --number)
-    forge(DataFrag{{},
-                   writers[0].entity,
-                   {number},
-                   {1},
-                   1,
-                   1,
-                   StatefulReader::kLargestSample,
-                   {},
-                   false,
-                   octet});
+    forge(DataFrag{
+        {}, writers[0].entity, {number}, {1}, 1, 1, StatefulReader::kMaxSample, {}, false, octet});
   EXPECT_LT(counted_memory::octets_ever() - allocated, kMiB);
   expect_that_samples_come();
 }
@@ -194,7 +186,7 @@ TEST_F(Matched, FragmentsOfOneOctetOfAHugeSampleAreNotTaken) {
 // The lowest number takes the place of the highest: each datagram begins a sample anew.
 TEST_F(Matched, WhatAFragmentClaimsIsNotTouchedBeforeItComes) {
   constexpr auto kSize = PartialSamples::kMinFragmentSize;
-  constexpr auto kLast = StatefulReader::kLargestSample / kSize;
+  constexpr auto kLast = StatefulReader::kMaxSample / kSize;
   const Bytes fragment(kSize);
   const auto touched = resident();
   for (std::int64_t number = 1000; number > 0; --number)
@@ -204,7 +196,7 @@ TEST_F(Matched, WhatAFragmentClaimsIsNotTouchedBeforeItComes) {
                    {number % 2 == 0 ? 1 : kLast},
                    1,
                    kSize,
-                   StatefulReader::kLargestSample,
+                   StatefulReader::kMaxSample,
                    {},
                    false,
                    fragment});
@@ -263,9 +255,9 @@ EndpointData large_endpoint(const GuidPrefix& prefix, std::uint32_t number) {
                {{static_cast<std::uint8_t>(number >> 16), static_cast<std::uint8_t>(number >> 8),
                  static_cast<std::uint8_t>(number), 0x02}}};
   data.topic_name = "Topic " + std::to_string(number);
-  data.type_name = std::string(kMostNameLength, 't');
-  data.qos.user_data = data.qos.topic_data = data.qos.group_data = Bytes(kMostOpaqueOctets, 7);
-  data.qos.partition.assign(kMostPartitions, std::string(kMostNameLength, 'p'));
+  data.type_name = std::string(kMaxNameLength, 't');
+  data.qos.user_data = data.qos.topic_data = data.qos.group_data = Bytes(kMaxOpaqueOctets, 7);
+  data.qos.partition.assign(kMaxPartitions, std::string(kMaxNameLength, 'p'));
   return data;
 }
 
@@ -290,7 +282,7 @@ TEST_F(Matched, EndpointsOfOneParticipantTakeABoundedPlace) {
     forge(announced(large_endpoint(b.participant.prefix(), 0x10000 + i), kFirst + i, buffer));
   EXPECT_LT(
       octets() - before,
-      static_cast<std::int64_t>(RemoteParticipants::kMostEndpointOctetsPerParticipant) + 8 * kMiB);
+      static_cast<std::int64_t>(RemoteParticipants::kMaxEndpointOctetsPerParticipant) + 8 * kMiB);
   EXPECT_GT(a.participant.counters().refused_discovery, 0u);
   const auto codes = a.events.codes();
   EXPECT_EQ(std::ranges::count(codes, Code::rtps_too_many_endpoints), 1) << "said once";
@@ -306,7 +298,7 @@ TEST_F(Matched, AnnouncementsThatCameTooEarlyTakeABoundedPlace) {
   for (const auto& topic : {kSubscriptionsWriter, kParticipantMessageWriter})
     for (std::int64_t number = 1000; number < 1004; ++number)
       forge(DataFrag{
-          {}, topic, {number}, {1}, 1, 1024, StatefulReader::kLargestSample, {}, false, claimed});
+          {}, topic, {number}, {1}, 1, 1024, StatefulReader::kMaxSample, {}, false, claimed});
   EXPECT_LT(octets() - before, 24 * kMiB);
   expect_that_samples_come();
 }
@@ -331,8 +323,8 @@ TEST(Bounds, NumbersThatAreSkippedTakeABoundedPlace) {
   MessageSender sender(a.post, a.participant.prefix());
   StatefulReader reader({a.participant.prefix(), testing::kReader}, true, sender,
                         [](Change&) { return true; });
-  constexpr std::size_t kMost = 1 << 20;
-  reader.limit({.held_octets = kMost});
+  constexpr std::size_t kMax = 1 << 20;
+  reader.limit({.held_octets = kMax});
   const auto crowd = GuidPrefix::from(Bytes(12, 0x77));
   const auto writer = [](std::uint8_t i) { return EntityId{{0, 0, i, 0x02}}; };
   for (std::uint8_t i = 0; i < 100; ++i) reader.match({{crowd, writer(i)}, true}, seconds(1));
@@ -343,8 +335,8 @@ TEST(Bounds, NumbersThatAreSkippedTakeABoundedPlace) {
       for (std::int64_t bit = 0; bit < 256; ++bit) irrelevant.insert({number + bit});
       reader.on_gap(crowd, Gap{{}, writer(i), {number}, irrelevant});
     }
-  EXPECT_LT(octets() - before, static_cast<std::int64_t>(kMost) + kMiB / 4);
-  EXPECT_GT(octets() - before, static_cast<std::int64_t>(kMost) / 2) << "they are noted at all";
+  EXPECT_LT(octets() - before, static_cast<std::int64_t>(kMax) + kMiB / 4);
+  EXPECT_GT(octets() - before, static_cast<std::int64_t>(kMax) / 2) << "they are noted at all";
 }
 
 // Four that announce all they can leave room for a fifth.
@@ -365,14 +357,14 @@ TEST(Bounds, WhoAnnouncesMuchTakesNoPlaceFromOthers) {
       a.participant.receive(whole(prefix, announced(data, 1 + i, buffer)), seconds(1));
     }
   };
-  for (std::uint32_t i = 1; i <= 4; ++i) say(i, RemoteParticipants::kMostEndpointsPerParticipant);
-  constexpr auto kFree = RemoteParticipants::kMostEndpointsPerParticipant / 2;
+  for (std::uint32_t i = 1; i <= 4; ++i) say(i, RemoteParticipants::kMaxEndpointsPerParticipant);
+  constexpr auto kFree = RemoteParticipants::kMaxEndpointsPerParticipant / 2;
   EXPECT_EQ(a.participant.remote_participants().endpoints().size(),
-            RemoteParticipants::kMostEndpoints - kFree)
+            RemoteParticipants::kMaxEndpoints - kFree)
       << "the fourth leaves as much free as it takes";
   say(5, 50);
   EXPECT_EQ(a.participant.remote_participants().endpoints().size(),
-            RemoteParticipants::kMostEndpoints - kFree + 50);
+            RemoteParticipants::kMaxEndpoints - kFree + 50);
   EXPECT_EQ(a.events.codes(), std::vector{Code::rtps_too_many_endpoints}) << "about the fourth";
 }
 

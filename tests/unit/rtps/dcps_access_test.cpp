@@ -145,7 +145,7 @@ TEST_P(Access, OctetsGoInAndComeOut) {
 
 // Readers give up what is larger, after having acknowledged it.
 TEST_P(Access, ASampleBeyondTheLargestIsRefusedAtWrite) {
-  Reading large{"a", 1, Bytes(StatefulReader::kLargestSample)};
+  Reading large{"a", 1, Bytes(StatefulReader::kMaxSample)};
   const auto refused = writer.write(large);
   ASSERT_EQ(code_of(refused), Code::rtps_sample_too_large);
   EXPECT_EQ(refused.error().details().expected, "at most 67108864");

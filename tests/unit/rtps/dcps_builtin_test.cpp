@@ -56,8 +56,8 @@ TEST_P(Builtin, ParticipantsComeChangeAndGo) {
 // matched and was heard.
 TEST_P(Builtin, Endpoints_WithLongAnnouncements_AreShownWhole) {
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < kMostPartitions; ++i)
-    names.push_back(std::to_string(i) + std::string(kMostNameLength - 8, 'x'));
+  for (std::size_t i = 0; i < kMaxPartitions; ++i)
+    names.push_back(std::to_string(i) + std::string(kMaxNameLength - 8, 'x'));
   auto* publisher = *a.participant->create_publisher({.partition = names});
   auto* subscriber = *a.participant->create_subscriber({.partition = names});
   auto qos = reliable();

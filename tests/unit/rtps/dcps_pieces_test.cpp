@@ -144,7 +144,7 @@ TEST(LivelinessMonitor, ALeaseThatIsNextToNothingCountsAsTheLeast) {
   const Guid a{GuidPrefix::from(Bytes(12, 1)), {}};
   LivelinessMonitor monitor;
   monitor.add(a, Duration{{0, 1}}, milliseconds(5));
-  EXPECT_EQ(monitor.next_tick(), milliseconds(5) + LivelinessMonitor::kLeastLease);
+  EXPECT_EQ(monitor.next_tick(), milliseconds(5) + LivelinessMonitor::kMinLease);
 }
 
 struct Alarm final : Timed {

@@ -251,8 +251,8 @@ TEST(DiscoveryData, LyingLengthsAreRefusedOrHarmless) {
         octets[at + 3] = high;
         const auto a = read_participant_data(octets);
         const auto b = read_publication_data(octets);
-        EXPECT_LE(a ? a->properties.size() : 0, kMostProperties);
-        EXPECT_LE(b ? b->qos.partition.size() : 0, kMostPartitions);
+        EXPECT_LE(a ? a->properties.size() : 0, kMaxProperties);
+        EXPECT_LE(b ? b->qos.partition.size() : 0, kMaxPartitions);
       }
     }
   }
@@ -260,16 +260,16 @@ TEST(DiscoveryData, LyingLengthsAreRefusedOrHarmless) {
 
 TEST(DiscoveryData, ListsAreBounded) {
   auto data = participant();
-  data.metatraffic_unicast.assign(kMostLocators + 1, *Locator::parse("10.0.0.1", 1));
+  data.metatraffic_unicast.assign(kMaxLocators + 1, *Locator::parse("10.0.0.1", 1));
   EXPECT_EQ(code_of(read_participant_data(payload_of(data))), Code::length_out_of_range);
   auto endpoint = publication();
-  endpoint.qos.partition.assign(kMostPartitions + 1, "p");
+  endpoint.qos.partition.assign(kMaxPartitions + 1, "p");
   EXPECT_EQ(code_of(read_publication_data(payload_of(endpoint))), Code::length_out_of_range);
   endpoint = publication();
-  endpoint.qos.data_tags.assign(kMostDataTags + 1, {"a", "b"});
+  endpoint.qos.data_tags.assign(kMaxDataTags + 1, {"a", "b"});
   EXPECT_EQ(code_of(read_publication_data(payload_of(endpoint))), Code::length_out_of_range);
   endpoint = publication();
-  endpoint.topic_name.assign(kMostNameLength + 1, 't');
+  endpoint.topic_name.assign(kMaxNameLength + 1, 't');
   EXPECT_EQ(code_of(read_publication_data(payload_of(endpoint))), Code::length_out_of_range);
 }
 

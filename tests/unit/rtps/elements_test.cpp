@@ -56,15 +56,15 @@ TEST(NumberSet, HoldsWhatItReaches) {
 }
 
 TEST(Count, BeginsAgainBehindItsGreatest) {
-  constexpr auto kGreatest = std::numeric_limits<std::int32_t>::max();
-  constexpr auto kLeast = std::numeric_limits<std::int32_t>::min();
+  constexpr auto kMax = std::numeric_limits<std::int32_t>::max();
+  constexpr auto kMin = std::numeric_limits<std::int32_t>::min();
   EXPECT_TRUE(is_later(2, 1));
   EXPECT_FALSE(is_later(1, 1));
   EXPECT_FALSE(is_later(1, 2));
-  EXPECT_TRUE(is_later(kLeast, kGreatest));
-  EXPECT_FALSE(is_later(kGreatest, kLeast));
-  EXPECT_TRUE(is_later(-kGreatest, kGreatest - 65535));
-  EXPECT_TRUE(is_later(kGreatest, 1));
+  EXPECT_TRUE(is_later(kMin, kMax));
+  EXPECT_FALSE(is_later(kMax, kMin));
+  EXPECT_TRUE(is_later(-kMax, kMax - 65535));
+  EXPECT_TRUE(is_later(kMax, 1));
 }
 
 TEST(NumberSet, BitsBeyondTheCountAreDropped) {

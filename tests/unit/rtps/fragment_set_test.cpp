@@ -43,9 +43,9 @@ TEST(FragmentSet, Missing_BeginsWithTheFirstAndReaches256) {
 }
 
 TEST(FragmentSet, OneFragmentOfVeryMany_TakesOnePage) {
-  FragmentSet set(FragmentSet::kMostFragments);
+  FragmentSet set(FragmentSet::kMaxFragments);
   EXPECT_EQ(set.octets(), 0u);
-  set.insert({FragmentSet::kMostFragments}, 1);
+  set.insert({FragmentSet::kMaxFragments}, 1);
   EXPECT_EQ(set.octets(), FragmentSet::kFragmentsPerPage / 8);
   EXPECT_EQ(set.first_missing(), FragmentNumber{1});
 }

@@ -92,7 +92,7 @@ TEST(Frames, ForgetsTheOldestThatIsNotWhole) {
   const auto first = to_bytes(BytesView(whole).first(16)),
              second = to_bytes(BytesView(whole).subspan(16));
   Frames frames;
-  for (std::size_t id = 0; id <= Frames::kMostPartial; ++id)
+  for (std::size_t id = 0; id <= Frames::kMaxPartial; ++id)
     EXPECT_FALSE(frames.read(kRaw, ipv4(first, 0, true, id)));
   EXPECT_FALSE(frames.read(kRaw, ipv4(second, 16, false, 0)));
   EXPECT_TRUE(frames.read(kRaw, ipv4(second, 16, false, 5)));

@@ -42,7 +42,7 @@ TEST_F(NetworkTrouble, WhereAllPortsAreTakenIsSaid) {
   const auto octet = [](int shift) { return std::to_string(::getpid() >> shift & 0xff); };
   const auto address = "127.74." + octet(8) + "." + octet(0);
   std::vector<UdpSocket> taken;
-  for (int i = 0; i < ports::kMostIndexes; ++i)
+  for (int i = 0; i < ports::kMaxIndexes; ++i)
     taken.push_back(
         *UdpSocket::bind(*Locator::parse(address, static_cast<std::uint16_t>(ports::user(74, i)))));
   const auto refused = create({.domain_id = 74, .interfaces = {address}});

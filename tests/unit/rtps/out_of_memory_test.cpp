@@ -27,7 +27,7 @@ namespace {
 using namespace testing;
 namespace memory = counted_memory;
 
-constexpr int kMostAllocations = 3000;
+constexpr int kMaxAllocations = 3000;
 
 struct OutOfMemory : Polled {
   /// What arrives from `other` meets an allocation that fails.
@@ -64,7 +64,7 @@ struct OutOfMemory : Polled {
 
 // Before: std::bad_alloc left poll(), and ended the process of a participant with its own thread.
 TEST_P(OutOfMemory, AnyAllocation_WhileEndpointsAppear_EndsNothingElse) {
-  for (std::int64_t after = 0; after < kMostAllocations; after += 1 + after / 16) {
+  for (std::int64_t after = 0; after < kMaxAllocations; after += 1 + after / 16) {
     auto& reader = a.reader(reliable());
     auto& writer = b.writer(reliable());
     ASSERT_TRUE(writer.write({"north", after}));
@@ -79,7 +79,7 @@ TEST_P(OutOfMemory, AnyAllocation_WhileEndpointsAppear_EndsNothingElse) {
 
 TEST_P(OutOfMemory, AnyAllocation_WhileParticipantsAppear_EndsNothingElse) {
   a.reader(reliable());
-  for (std::int64_t after = 0; after < kMostAllocations; after += 1 + after / 8) {
+  for (std::int64_t after = 0; after < kMaxAllocations; after += 1 + after / 8) {
     End other(environment, options());
     ASSERT_TRUE(other.writer(reliable()).write({"north", after}));
     serve_with_failure(other, after);

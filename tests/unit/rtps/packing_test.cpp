@@ -91,8 +91,7 @@ TEST_F(Packing, SmallSamplesInAHurryShareMessages) {
   sender.flush();
   EXPECT_EQ(count(transport.sent, SubmessageId::data), 200u);
   EXPECT_EQ(sender.flush_by(), kNever);
-  for (const auto& octets : transport.sent)
-    EXPECT_LE(octets.size(), MessageSender::kLargestMessage);
+  for (const auto& octets : transport.sent) EXPECT_LE(octets.size(), MessageSender::kMaxMessage);
 }
 
 TEST_F(Packing, WithoutLeaveToLingerEachSampleLeavesAtOnce) {
@@ -205,7 +204,7 @@ TEST_F(Packing, TheFragmentsOfASampleShareCallsOfTheTransport) {
   constexpr std::size_t kFragments = 74;
   EXPECT_EQ(count(transport.sent, SubmessageId::data_frag), kFragments);
   EXPECT_EQ(transport.sent.size(), kFragments);
-  EXPECT_EQ(transport.calls.size(), kFragments / MessageSender::kMostWaiting + 1);
+  EXPECT_EQ(transport.calls.size(), kFragments / MessageSender::kMaxWaiting + 1);
   std::uint32_t last = 0;
   for (const auto& octets : transport.sent)
     for (const auto& view : submessages(octets, SubmessageId::data_frag))
@@ -225,8 +224,7 @@ TEST_F(Packing, ToThisMachineMessagesAreAsLargeAsADatagram) {
   write(1 << 20);
   EXPECT_EQ(transport.sent.size(), 19u) << "four of the 74 fragments in each";
   EXPECT_EQ(transport.calls.size(), 10u) << "no more octets in a call than elsewhere";
-  for (const auto& octets : transport.sent)
-    EXPECT_LE(octets.size(), MessageSender::kLargestDatagram);
+  for (const auto& octets : transport.sent) EXPECT_LE(octets.size(), MessageSender::kMaxDatagram);
 }
 
 /// Protects messages as a plugin that needs a MAC of each of many receivers.

@@ -69,7 +69,7 @@ TEST(Participant, NothingIsDueBeforeABacklogIsRead) {
   a.participant.tick(seconds(1));
   EXPECT_FALSE(a.post.sent.empty()) << "there was nothing more to read";
   a.post.sent.clear();
-  for (unsigned i = 0; i < 2 * Participant::kMostBacklog; ++i) {
+  for (unsigned i = 0; i < 2 * Participant::kMaxBacklog; ++i) {
     a.participant.note_backlog(true);
     a.participant.tick(seconds(2 + i));
   }
@@ -268,22 +268,22 @@ TEST(Participant, OneIdentityMatchesABoundedNumberOfTimesWithOneEndpoint) {
   World world{{&a, &b, &c}};
   ASSERT_TRUE(a.participant.create_writer(square(default_writer_qos()), a.listener, world.now));
   std::vector<Guid> readers;
-  constexpr int kMost = MatchTable::kMaxOfOne;
-  for (int i = 0; i < kMost + 50; ++i)
+  constexpr int kMax = MatchTable::kMaxOfOne;
+  for (int i = 0; i < kMax + 50; ++i)
     readers.push_back(
         *b.participant.create_reader(square(default_reader_qos()), b.listener, world.now));
   for (int i = 0; i < 300; ++i) world.run(1);
-  EXPECT_EQ(a.listener.matched, kMost);
+  EXPECT_EQ(a.listener.matched, kMax);
   EXPECT_EQ(a.participant.counters().refused_discovery, 50u);
   EXPECT_THAT(a.events.codes(), ::testing::ElementsAre(Code::rtps_too_many_endpoints));
   ASSERT_TRUE(c.participant.create_reader(square(default_reader_qos()), c.listener, world.now));
   world.run();
-  EXPECT_EQ(a.listener.matched, kMost + 1) << "another one's";
+  EXPECT_EQ(a.listener.matched, kMax + 1) << "another one's";
   for (int i = 0; i < 10; ++i)
     b.participant.remove(readers[static_cast<std::size_t>(i)], world.now);
   ASSERT_TRUE(b.participant.create_reader(square(default_reader_qos()), b.listener, world.now));
   world.run();
-  EXPECT_EQ(a.listener.matched, kMost + 1 - 10 + 1);
+  EXPECT_EQ(a.listener.matched, kMax + 1 - 10 + 1);
 }
 
 // Datagrams to services of this machine, for whoever can send one announcement.

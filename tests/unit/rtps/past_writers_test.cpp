@@ -27,12 +27,12 @@ TEST(PastWriters, AreTakenOnce) {
 TEST(PastWriters, OfOneIdentityDoNotDisplaceThoseOfOthers) {
   PastWriters past;
   past.add(writer(1, 1), identity(1), position(5));
-  for (std::uint32_t i = 0; i < 3 * PastWriters::kMost; ++i)
+  for (std::uint32_t i = 0; i < 3 * PastWriters::kMax; ++i)
     past.add(writer(2, i), identity(2), position(i));
   EXPECT_TRUE(past.take(writer(1, 1)));
   EXPECT_FALSE(past.take(writer(2, 0))) << "its oldest";
-  EXPECT_TRUE(past.take(writer(2, 3 * PastWriters::kMost - 1)));
-  EXPECT_TRUE(past.take(writer(2, 2 * PastWriters::kMost + 10)));
+  EXPECT_TRUE(past.take(writer(2, 3 * PastWriters::kMax - 1)));
+  EXPECT_TRUE(past.take(writer(2, 2 * PastWriters::kMax + 10)));
 }
 
 }  // namespace

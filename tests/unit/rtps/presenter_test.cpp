@@ -14,7 +14,7 @@ Guid writer(std::uint8_t n) { return {GuidPrefix::from(Bytes(12, n)), EntityId{{
 const Guid kGroup{GuidPrefix::from(Bytes(12, 9)), EntityId{{0, 0, 1, 8}}};
 
 /// More small ones of one identity are not held.
-constexpr auto kMostSamples = Presenter::kMostOctets / 2 / Presenter::kPricePerItem;
+constexpr auto kMaxSamples = Presenter::kMaxOctets / 2 / Presenter::kPricePerItem;
 
 GuidPrefix identity(std::uint8_t n) { return GuidPrefix::from(Bytes(12, n)); }
 
@@ -243,10 +243,10 @@ TEST_F(Coherent, WhatDoesNotFitWaitsAndRefusesMore) {
 }
 
 TEST_F(Coherent, ASetWithoutEndIsGivenUp) {
-  for (std::size_t i = 1; i <= kMostSamples; ++i)
+  for (std::size_t i = 1; i <= kMaxSamples; ++i)
     ASSERT_TRUE(put(static_cast<std::int64_t>(i), 1, 1));
-  EXPECT_EQ(one.lost, kMostSamples);
-  const auto next = static_cast<std::int64_t>(kMostSamples) + 1;
+  EXPECT_EQ(one.lost, kMaxSamples);
+  const auto next = static_cast<std::int64_t>(kMaxSamples) + 1;
   put(next, 0, 0);
   EXPECT_THAT(take(), IsEmpty());
   put(next + 1, 7, 0);
@@ -265,8 +265,8 @@ TEST_F(Coherent, OpenSetsOfAllWritersHaveOneAccount) {
       next.payload = payload;
       ASSERT_TRUE(presenter.on_change(one, next, now));
     }
-  EXPECT_LE(presenter.octets(), Presenter::kMostOctets);
-  EXPECT_GE(one.lost, 4 * kWriters - Presenter::kMostOctets / payload.size());
+  EXPECT_LE(presenter.octets(), Presenter::kMaxOctets);
+  EXPECT_GE(one.lost, 4 * kWriters - Presenter::kMaxOctets / payload.size());
 }
 
 // Many writers of one identity, each below the set of another one. They may be of as many
@@ -290,8 +290,8 @@ TEST_F(Coherent, OpenSetsOfOneIdentityDoNotDisplaceThoseOfAnother) {
 }
 
 TEST_F(Coherent, ASetThatWasGivenUpIsNotSeenWithoutItsBeginning) {
-  for (std::size_t i = 1; i <= kMostSamples; ++i) put(static_cast<std::int64_t>(i), 1, 1);
-  const auto next = static_cast<std::int64_t>(kMostSamples) + 1;
+  for (std::size_t i = 1; i <= kMaxSamples; ++i) put(static_cast<std::int64_t>(i), 1, 1);
+  const auto next = static_cast<std::int64_t>(kMaxSamples) + 1;
   put(next, 1, 1), put(next + 1, 1, 1), put(next + 2, 0, 0);
   EXPECT_THAT(take(), IsEmpty());
   EXPECT_EQ(presenter.octets(), 0u);
@@ -383,7 +383,7 @@ TEST_F(Grouped, OneHoleSpoilsTheSetForAll) {
 }
 
 TEST_F(Grouped, SetsThatNotAllEndAreBounded) {
-  const auto most = static_cast<std::int64_t>(Presenter::kMostSets);
+  const auto most = static_cast<std::int64_t>(Presenter::kMaxSets);
   for (std::int64_t n = 1; n <= most; ++n) put(1, n, 1, n, n, n);
   EXPECT_EQ(one.lost, 0u);
   put(1, most + 1, 1, most + 1, most + 1, most + 1);

@@ -167,7 +167,7 @@ TEST(Qos, ContradictionsAreRefused) {
        "DEADLINE.period"},
       {[](Qos& q) { q.partition.assign(65, "p"); }, "PARTITION"},
       {[](Qos& q) {
-         q.data_tags.assign(kMostDataTags + 1, {"a", "b"});
+         q.data_tags.assign(kMaxDataTags + 1, {"a", "b"});
        },
        "DATA_TAGS"},
       {[](Qos& q) { q.data_representation.clear(); }, "DATA_REPRESENTATION"},

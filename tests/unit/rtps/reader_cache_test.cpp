@@ -254,19 +254,19 @@ TEST_F(ReaderCacheTest, BySourceOrdersAndNeverGoesBack) {
 // One sample from the far future ended what all others wrote to the instance.
 TEST_F(ReaderCacheTest, BySourceATimeFarAheadCountsAsArrival) {
   qos.destination_order = DestinationOrderKind::by_source;
-  constexpr auto kMost = ReaderCache::kMostAhead;
+  constexpr auto kMax = ReaderCache::kMaxAhead;
   put(1, 10, {}, 1, now + std::chrono::hours(100'000));
   EXPECT_EQ(cache().times_ahead(), 1u);
   EXPECT_EQ(take().at(0).info.source_timestamp, Time::from(now));
   now += milliseconds(1);
   EXPECT_EQ(put(1, 11, {}, 2).outcome, Outcome::stored);
-  EXPECT_EQ(put(1, 12, {}, 1, now + kMost).outcome, Outcome::stored) << "as far as is allowed";
+  EXPECT_EQ(put(1, 12, {}, 1, now + kMax).outcome, Outcome::stored) << "as far as is allowed";
   EXPECT_EQ(cache().times_ahead(), 1u);
-  EXPECT_EQ(put(1, 0, kDispose, 2, now + kMost + milliseconds(1)).outcome, Outcome::dropped)
+  EXPECT_EQ(put(1, 0, kDispose, 2, now + kMax + milliseconds(1)).outcome, Outcome::dropped)
       << "it ends nothing that was written later";
   EXPECT_EQ(cache().times_ahead(), 2u);
   EXPECT_THAT(values(take()), ElementsAre(11, 12));
-  now += kMost + milliseconds(1);
+  now += kMax + milliseconds(1);
   EXPECT_EQ(put(1, 13, {}, 2).outcome, Outcome::stored);
 }
 

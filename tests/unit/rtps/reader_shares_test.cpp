@@ -64,7 +64,7 @@ struct Shares : Cache {
 
 // One identity took all octets, and the samples of others were rejected as long as its own stayed.
 TEST_F(Shares, NoIdentityTakesAllOctets) {
-  constexpr auto kHalf = HeldInstances::kMostOctetsOfOne / kLarge;
+  constexpr auto kHalf = HeldInstances::kMaxOctetsOfOne / kLarge;
   EXPECT_EQ(fill(1, kLarge, 20), kHalf);
   EXPECT_EQ(fill(2, kLarge, 2), 0u) << "another participant of the same identity";
   const auto refused = put_octets(1, keys, kLarge);
@@ -94,7 +94,7 @@ TEST_F(Shares, NoIdentityTakesAllOctetsWithKeys) {
   for (const auto i : kTwo) cache().set_writer(writer(i), 0, kDurationInfinite, writer(i).prefix);
   std::size_t stored = 0;
   for (int i = 0; i < 20; ++i, take()) stored += fill(1, 1, 1);
-  EXPECT_LE(stored * kLarge, HeldInstances::kMostOctetsOfOne);
+  EXPECT_LE(stored * kLarge, HeldInstances::kMaxOctetsOfOne);
   EXPECT_GE(stored, 7u);
   EXPECT_GE(fill(3, 1, 4), 3u);
   EXPECT_LE(cache().octets(), HeldInstances::kMaxOctets);
@@ -117,7 +117,7 @@ TEST_F(Shares, NoIdentityTakesAllPlaces) {
   EXPECT_EQ(cache().room_for({kHalf - 20, 1}, writer(1)), Room::now);
   EXPECT_EQ(cache().room_for({kHalf, 1}, writer(1)), Room::later);
   EXPECT_EQ(cache().room_for({kHalf + 1, 1}, writer(1)), Room::never);
-  EXPECT_EQ(cache().room_for({1, HeldInstances::kMostOctetsOfOne + 1}, writer(1)), Room::never);
+  EXPECT_EQ(cache().room_for({1, HeldInstances::kMaxOctetsOfOne + 1}, writer(1)), Room::never);
 }
 
 // What TIME_BASED_FILTER holds back is stored when its writer goes, and still counts for it.
@@ -128,7 +128,7 @@ TEST_F(Shares, WhatIsKeptForLaterCountsForItsWriter) {
   for (const auto i : kTwo) cache().set_writer(writer(i), 0, kDurationInfinite, writer(i).prefix);
   for (std::uint8_t key = 0; key < 20; ++key) put_octets(3, key, 1);
   for (std::uint8_t key = 0; key < 20; ++key) put_octets(1, key, kLarge);
-  EXPECT_LE(cache().octets(), HeldInstances::kMostOctetsOfOne + 100);
+  EXPECT_LE(cache().octets(), HeldInstances::kMaxOctetsOfOne + 100);
   const auto before = cache().octets();
   EXPECT_TRUE(cache().lose_writer(writer(1), true, now));
   EXPECT_EQ(cache().octets(), before);
@@ -292,7 +292,7 @@ TEST_F(Joins, OfOneIdentity_AreBoundedAndLeaveRoomForAnother) {
     cache().set_writer(writer_of(1, w), 0, kDurationInfinite, writer(1).prefix);
     for (std::uint32_t i = 0; i < kInstances; ++i) joined += join(writer_of(1, w), i) ? 1 : 0;
   }
-  EXPECT_EQ(joined, InstanceWriters::kMost / 2);
+  EXPECT_EQ(joined, InstanceWriters::kMax / 2);
   EXPECT_TRUE(join(writer_of(1, 0), 0)) << "it has the instance already";
   EXPECT_FALSE(join(writer_of(1, 0), 2'000'000));
   cache().set_writer(writer(2), 0, kDurationInfinite, writer(2).prefix);

@@ -272,7 +272,7 @@ TEST_F(Served, BusyWait_GetsEverySample) {
 
 TEST_F(Served, BusyWaitOutsideItsLimits_IsRefused) {
   for (const std::chrono::nanoseconds busy :
-       {std::chrono::nanoseconds(-1), DomainParticipantOptions::kLongestBusyWait + 1ns}) {
+       {std::chrono::nanoseconds(-1), DomainParticipantOptions::kMaxBusyWait + 1ns}) {
     const auto created = DomainParticipant::create(options(false, busy), environment);
     ASSERT_FALSE(created.has_value());
     EXPECT_EQ(created.error().code(), Code::invalid_property);

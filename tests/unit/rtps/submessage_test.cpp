@@ -303,8 +303,8 @@ TEST(Submessage, GapRangesAreCheckedAndNeverWalked) {
   EXPECT_EQ(code_of(read_gap(view_of(written(backwards)))), Code::rtps_number_invalid);
   Gap zero{kReader, kWriter, {0}, SequenceNumberSet({1})};
   EXPECT_EQ(code_of(read_gap(view_of(written(zero)))), Code::rtps_number_invalid);
-  Gap wide{kReader, kWriter, {1}, SequenceNumberSet(kGreatestSequenceNumber)};
-  EXPECT_EQ(read_gap(view_of(written(wide)))->list.base(), kGreatestSequenceNumber);
+  Gap wide{kReader, kWriter, {1}, SequenceNumberSet(kMaxSequenceNumber)};
+  EXPECT_EQ(read_gap(view_of(written(wide)))->list.base(), kMaxSequenceNumber);
 }
 
 // CVE-2020-18734: bit counts beyond the bitmap.

@@ -144,17 +144,17 @@ TEST(WriterHistory, TooManyLivingInstances_OldestGoes) {
 
 // A walk through the history for each change took milliseconds.
 TEST(WriterHistory, ManyMoreLivingInstances_CostNoMoreThanOthers) {
-  constexpr std::int32_t kMost = 20'000;
-  WriterHistory history(at_most(kMost));
+  constexpr std::int32_t kMax = 20'000;
+  WriterHistory history(at_most(kMax));
   const auto begin = std::chrono::steady_clock::now();
-  for (std::uint32_t i = 0; i < 5 * kMost; ++i) {
+  for (std::uint32_t i = 0; i < 5 * kMax; ++i) {
     auto change = change_of(1);
     change.key_hash = KeyHash{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8),
                               static_cast<std::uint8_t>(i >> 16)};
     history.add(std::move(change));
   }
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2) * test::kSlowdown);
-  EXPECT_EQ(history.size(), static_cast<std::size_t>(kMost));
+  EXPECT_EQ(history.size(), static_cast<std::size_t>(kMax));
 }
 
 }  // namespace

@@ -113,7 +113,7 @@ TEST_F(DurableStoreTest, IsBehindWhenItsQueueIsFull) {
   const auto stream = *store->open_stream(kMap, keep_last(1), seconds(1000));
   EXPECT_FALSE(store->is_behind());
   Change large = sample(0);
-  large.payload = Payload::copy_of(Bytes(DurableStore::kMostPendingOctets / 4));
+  large.payload = Payload::copy_of(Bytes(DurableStore::kMaxPendingOctets / 4));
   bool behind = false;
   for (int i = 0; i < 8; ++i) {
     store->append(stream.id, large, seconds(0));
@@ -182,12 +182,12 @@ TEST_F(DurableStoreTest, ChangesOfOneIdentity_LeaveRoomInTheQueue) {
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
   const rlimit none{0, before.rlim_max};
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &none), 0);
-  constexpr auto kMost = DurableStore::kMostPendingOctetsOfOne;
-  EXPECT_EQ(append(1, 2 * kMost), stored) << "one is always taken";
+  constexpr auto kMax = DurableStore::kMaxPendingOctetsOfOne;
+  EXPECT_EQ(append(1, 2 * kMax), stored) << "one is always taken";
   EXPECT_EQ(append(1, 10), waits);
   for (std::uint8_t other = 2; other < 20; ++other) {
-    EXPECT_EQ(append(other, kMost / 2), stored);
-    EXPECT_EQ(append(other, kMost), waits);
+    EXPECT_EQ(append(other, kMax / 2), stored);
+    EXPECT_EQ(append(other, kMax), waits);
   }
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
   for (int i = 0; i < 500 && !store->flush(10s); ++i) ::usleep(10'000);

@@ -239,8 +239,8 @@ TEST_P(KeeperPartitionTest, AWriter_ThatChangesItsPartitions_IsKeptInTheNewOnes)
 // Before: the keeper saw no announcement of more than 14,720 octets, so the writer was not kept.
 TEST_P(KeeperPartitionTest, AWriter_WithALongAnnouncement_IsKeptAndRemembered) {
   Names names;
-  for (std::size_t i = 0; i < kMostPartitions; ++i)
-    names.push_back(std::to_string(i) + std::string(kMostNameLength - 8, 'x'));
+  for (std::size_t i = 0; i < kMaxPartitions; ++i)
+    names.push_back(std::to_string(i) + std::string(kMaxNameLength - 8, 'x'));
   auto service = keeper();
   auto& writer = writer_in(names);
   ASSERT_TRUE(keeps(*service, 1));

@@ -231,7 +231,7 @@ TEST_P(KeeperTest, DurabilityServiceSaysHowMuchIsKept) {
 // Beyond 65,536 samples, the next ones were stored and acknowledged, and given to no late joiner.
 TEST_P(KeeperTest, AllThatIsStoredIsServed) {
   if (GetParam() == testing::Way::network) return;  // takes long, and the keeper is the same
-  constexpr std::uint64_t kCount = WriterHistory::kMostChanges + 500;
+  constexpr std::uint64_t kCount = WriterHistory::kMaxChanges + 500;
   auto service = Keeper::create(options(), {}, environment).value();
   auto qos = durable(DurabilityKind::transient, 100);
   qos.durability_service.history.kind = HistoryKind::keep_all;
@@ -306,7 +306,7 @@ TEST_P(KeeperTest, OnlyDurableWritersOfTheWantedTopicsAreKept) {
 
 // 256 topics without a sample filled a keeper for good, and so did its file for the next one.
 TEST_P(KeeperTest, TopicsWithoutSamplesGiveWay) {
-  constexpr std::size_t kJunk = 280, kOfOne = Keeper::kMostTopics / 2;
+  constexpr std::size_t kJunk = 280, kOfOne = Keeper::kMaxTopics / 2;
   {
     const auto service = keeper();
     End crowd(environment, options());
@@ -335,7 +335,7 @@ TEST_P(KeeperTest, TopicsWithoutSamplesGiveWay) {
 
 // Before: a topic that had given way to another of the same identity was never kept again.
 TEST_P(KeeperTest, TopicThatFoundNoRoom_IsKeptWhenThereIs) {
-  constexpr std::size_t kAll = 280, kLeave = 100, kOfOne = Keeper::kMostTopics / 2;
+  constexpr std::size_t kAll = 280, kLeave = 100, kOfOne = Keeper::kMaxTopics / 2;
   const auto service = keeper();
   End crowd(environment, options());
   std::vector<DataWriter<Reading>*> writers;

@@ -54,9 +54,9 @@ TEST(RefusedWritersTest, OneIdentity_LeavesPlacesForAnother) {
   for (int i = 0; i < 2000; ++i)
     refused.add(writer(1, static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8)),
                 identity(1));
-  EXPECT_EQ(refused.size(), RefusedWriters::kMost / 2);
+  EXPECT_EQ(refused.size(), RefusedWriters::kMax / 2);
   EXPECT_TRUE(refused.add(writer(2, 1), identity(2)));
-  EXPECT_EQ(refused.size(), RefusedWriters::kMost / 2 + 1);
+  EXPECT_EQ(refused.size(), RefusedWriters::kMax / 2 + 1);
 }
 
 TEST(RefusedWritersTest, AnException_DoesNotEndTheThread) {

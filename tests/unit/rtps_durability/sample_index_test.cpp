@@ -138,10 +138,10 @@ GuidPrefix identity(std::uint8_t number) {
 
 /// Changes of identities, each ten in a commit.
 struct ShareTest : StoreTest {
-  static constexpr std::size_t kMost = std::size_t{4} << 20;
+  static constexpr std::size_t kMax = std::size_t{4} << 20;
   void open() {
     store.reset();
-    store.emplace(*IndexedStore::open(path, kMost));
+    store.emplace(*IndexedStore::open(path, kMax));
     id = *store->stream(kMap, service);
   }
   /// How many samples of so many octets are kept of those it writes, a commit for each ten.
@@ -173,14 +173,14 @@ TEST_F(ShareTest, OneIdentityLeavesRoomForAnother) {
     std::filesystem::remove(path);
     open();
     const auto cost = StoreShares::cost(octets);
-    const auto most = kMost / cost;
+    const auto most = kMax / cost;
     const auto first = fill(1, octets, most);
-    EXPECT_LT(first * cost, kMost * 3 / 4) << octets;
-    EXPECT_GT(first * cost, kMost / 5) << octets;
+    EXPECT_LT(first * cost, kMax * 3 / 4) << octets;
+    EXPECT_GT(first * cost, kMax / 5) << octets;
     EXPECT_EQ(store->waited, (most + 9) / 10 * 10 - first);
     EXPECT_EQ(fill(1, octets, 10), 0u);
     const auto second = fill(2, octets, most);
-    EXPECT_GT(second * cost, kMost / 12) << octets;
+    EXPECT_GT(second * cost, kMax / 12) << octets;
     EXPECT_EQ(store->left_out(), 0u);
     open();  // it is known of before, too
     EXPECT_EQ(fill(1, octets, 10), 0u) << octets;
@@ -296,8 +296,8 @@ TEST_F(ShareTest, OwnSamplesHaveNoBound) {
 // Before: the first one could take the whole store.
 TEST_F(ShareTest, ALargeSample_LeavesAsMuchRoomAsItTakes) {
   open();
-  EXPECT_EQ(fill(1, kMost * 3 / 4, 10), 0u);
-  EXPECT_EQ(fill(2, kMost / 3, 10, 10), 1u);
+  EXPECT_EQ(fill(1, kMax * 3 / 4, 10), 0u);
+  EXPECT_EQ(fill(2, kMax / 3, 10, 10), 1u);
 }
 
 // Before: what was stored without an identity, by an earlier version, was nobody's room.

@@ -139,10 +139,10 @@ TEST_F(SampleStoreTest, StreamsWithoutSamplesLeaveNothingBehind) {
   auto opened = *IndexedStore::open(path);
   const auto kept = *opened.stream(kMap, keep_all());
   ASSERT_TRUE(opened.commit({{StoredChange{kept, sample(0)}}}, seconds(0)));
-  for (std::size_t i = 1; i < SampleStore::kMostStreams; ++i)
+  for (std::size_t i = 1; i < SampleStore::kMaxStreams; ++i)
     ASSERT_TRUE(opened.stream(junk(i), keep_all()));
   EXPECT_EQ(code_of(opened.stream(junk(0), keep_all())), Code::rtps_store_failed);
-  for (std::size_t i = 1; i < SampleStore::kMostStreams; ++i)
+  for (std::size_t i = 1; i < SampleStore::kMaxStreams; ++i)
     ASSERT_TRUE(opened.close(*opened.stream(junk(i), keep_all())));
   EXPECT_EQ(*opened.store.streams(), 1u);
   // Those that had samples and lost them.
@@ -162,7 +162,7 @@ TEST_F(SampleStoreTest, AStoreThatWasFilledWithEmptyStreamsHasRoomAgain) {
   store(0, 3);
   {
     auto database = *Database::open(path);
-    for (std::size_t i = 1; i < SampleStore::kMostStreams; ++i)
+    for (std::size_t i = 1; i < SampleStore::kMaxStreams; ++i)
       ASSERT_TRUE(
           database.run("INSERT INTO stream(domain, topic, type, partition, ordinal) "
                        "VALUES(1, 'Junk" +
@@ -261,7 +261,7 @@ TEST_F(SampleStoreTest, AStreamWithoutSamples_RemembersItsWritersUntilItsPlaceIs
   }
   auto opened = *IndexedStore::open(path);
   EXPECT_EQ(heard(opened), 1u);
-  for (std::size_t i = 1; i < SampleStore::kMostStreams; ++i)
+  for (std::size_t i = 1; i < SampleStore::kMaxStreams; ++i)
     ASSERT_TRUE(opened.stream(junk(i), keep_all()));
   EXPECT_EQ(heard(opened), 1u);
   EXPECT_TRUE(opened.stream(junk(0), keep_all()));
@@ -270,10 +270,10 @@ TEST_F(SampleStoreTest, AStreamWithoutSamples_RemembersItsWritersUntilItsPlaceIs
 }
 
 TEST_F(SampleStoreTest, WritersThatAreRemembered_AreBounded) {
-  constexpr std::size_t kStore = 512 << 10, kMost = kStore / 1024;
+  constexpr std::size_t kStore = 512 << 10, kMax = kStore / 1024;
   auto opened = *IndexedStore::open(path, kStore);
   const auto id = *opened.stream(kMap, keep_last(1));
-  for (std::uint32_t i = 0; i < 2 * kMost; i += 8) {
+  for (std::uint32_t i = 0; i < 2 * kMax; i += 8) {
     std::vector<StoredChange> group;
     for (auto n = i; n < i + 8; ++n) {
       group.push_back(remembered(id, 1, n + 1));
@@ -283,10 +283,10 @@ TEST_F(SampleStoreTest, WritersThatAreRemembered_AreBounded) {
     ASSERT_TRUE(opened.commit(group, seconds(100)));
   }
   const auto heard = opened.store.load(id)->heard;
-  EXPECT_LE(heard.size(), kMost);
-  EXPECT_GT(heard.size(), kMost / 2);
+  EXPECT_LE(heard.size(), kMax);
+  EXPECT_GT(heard.size(), kMax / 2);
   EXPECT_EQ(std::ranges::max(heard, {}, &HeardWriter::number).number.value,
-            static_cast<std::int64_t>(2 * kMost));
+            static_cast<std::int64_t>(2 * kMax));
 }
 
 TEST_F(SampleStoreTest, ADiskWithoutRoomIsNamedAndNothingStoredIsLost) {

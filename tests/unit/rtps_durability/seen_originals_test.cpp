@@ -51,15 +51,15 @@ TEST(SeenOriginals, KnowsExactlyWhatWasAddedInWhateverOrder) {
 
 TEST(SeenOriginals, ForgetsTheOldestBeyondItsBounds) {
   SeenOriginals seen;
-  for (std::int64_t i = 0; i <= static_cast<std::int64_t>(SeenOriginals::kMostRanges); ++i)
+  for (std::int64_t i = 0; i <= static_cast<std::int64_t>(SeenOriginals::kMaxRanges); ++i)
     add(seen, heard(1, 1 + 2 * i));
   EXPECT_FALSE(seen.contains(heard(1, 1)));
   EXPECT_TRUE(seen.contains(heard(1, 3)));
   SeenOriginals many;
-  for (std::uint32_t i = 0; i < SeenOriginals::kMostWriters; ++i) add(many, heard(i, 1));
+  for (std::uint32_t i = 0; i < SeenOriginals::kMaxWriters; ++i) add(many, heard(i, 1));
   add(many, heard(0, 2));
   add(many, heard(60000, 1));
-  EXPECT_EQ(many.writers(), SeenOriginals::kMostWriters);
+  EXPECT_EQ(many.writers(), SeenOriginals::kMaxWriters);
   EXPECT_TRUE(many.contains(heard(0, 1)));
   EXPECT_FALSE(many.contains(heard(1, 1)));
 }
@@ -137,9 +137,9 @@ TEST(SeenOriginals, ADisposeWithItsUnregistrationIsTheDisposeThatIsKept) {
 
 TEST(SeenOriginals, ClaimsAreBounded) {
   SeenOriginals seen;
-  const auto most = static_cast<std::int64_t>(SeenOriginals::kMostClaims);
+  const auto most = static_cast<std::int64_t>(SeenOriginals::kMaxClaims);
   for (std::int64_t i = 1; i <= most + 1; ++i) add(seen, claimed(2, heard(1, i)));
-  EXPECT_EQ(seen.claims(), SeenOriginals::kMostClaims);
+  EXPECT_EQ(seen.claims(), SeenOriginals::kMaxClaims);
   EXPECT_FALSE(seen.contains(heard(1, 1)));
   EXPECT_TRUE(seen.contains(heard(1, 2)));
   EXPECT_TRUE(seen.contains(heard(1, most + 1)));

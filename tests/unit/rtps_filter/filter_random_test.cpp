@@ -73,7 +73,7 @@ class Maker {
   }
   /// As it is, or as a parameter.
   std::string shown(std::string literal) {
-    if (pick(3) != 0 || parameters.size() == Filter::kMostParameters) return literal;
+    if (pick(3) != 0 || parameters.size() == Filter::kMaxParameters) return literal;
     parameters.push_back(std::move(literal));
     return "%" + std::to_string(parameters.size() - 1);
   }
@@ -142,7 +142,7 @@ TEST(FilterRandomTest, AgreesWithANaiveEvaluator) {
   for (unsigned seed = 0; seed < 4000; ++seed) {
     Maker maker(seed);
     const auto expression = maker.expression(static_cast<int>(seed % 5));
-    if (expression.text.size() > Filter::kLongestExpression) continue;
+    if (expression.text.size() > Filter::kMaxExpression) continue;
     const auto filter = Filter::compile({expression.text, maker.parameters}, view.leaves());
     ASSERT_TRUE(filter) << expression.text << ": " << filter.error().to_sentence();
     for (int i = 0; i < 10; ++i) {

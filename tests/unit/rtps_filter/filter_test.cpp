@@ -142,7 +142,7 @@ TEST_F(FilterTest, LikeKnowsTwoWildcards) {
 TEST_F(FilterTest, PassesWithin_AnExpressionThatTakesMoreSteps_SaysNothing) {
   vehicle.name = std::string(100, 'a');
   std::string expression = "name LIKE '%ab'";
-  while (expression.size() + 20 < Filter::kLongestExpression) expression += " OR name LIKE '%ab'";
+  while (expression.size() + 20 < Filter::kMaxExpression) expression += " OR name LIKE '%ab'";
   const auto expensive = compile(expression), cheap = compile("name LIKE 'a%' AND speed = 30");
   ASSERT_TRUE(expensive && cheap);
   Bytes payload;

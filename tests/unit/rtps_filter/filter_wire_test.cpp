@@ -41,9 +41,8 @@ TEST(ContentFilterPropertyTest, TravelsWithTheReader) {
 
 TEST(ContentFilterPropertyTest, TheLongestFits) {
   auto longest = property();
-  longest.filter.expression = std::string(Filter::kLongestExpression, 'x');
-  longest.filter.parameters.assign(Filter::kMostParameters,
-                                   std::string(Filter::kLongestParameter, '1'));
+  longest.filter.expression = std::string(Filter::kMaxExpression, 'x');
+  longest.filter.parameters.assign(Filter::kMaxParameters, std::string(Filter::kMaxParameter, '1'));
   EXPECT_EQ(read_subscription_data(payload_of(subscription(longest)))->content_filter, longest);
 }
 
@@ -56,8 +55,7 @@ TEST(ContentFilterPropertyTest, WhatIsTooLongOrEmptyIsNone) {
     return read && !read->content_filter;
   };
   EXPECT_FALSE(none([](auto&) {}));
-  EXPECT_TRUE(
-      none([](auto& p) { p.filter.expression.assign(Filter::kLongestExpression + 1, 'x'); }));
+  EXPECT_TRUE(none([](auto& p) { p.filter.expression.assign(Filter::kMaxExpression + 1, 'x'); }));
   EXPECT_TRUE(none([](auto& p) { p.filter.expression.clear(); }));
   EXPECT_TRUE(none([](auto& p) { p.filter_class_name.clear(); }));
   EXPECT_TRUE(none([](auto& p) { p.related_topic_name.clear(); }));

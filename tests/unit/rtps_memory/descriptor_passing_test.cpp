@@ -86,7 +86,7 @@ TEST(DescriptorPassing, ManySilentProcesses_OwnMemoryIsMadeMeanwhile) {
   ASSERT_TRUE(passing.it->make_slots(9, 10'000).has_value());
   const auto prepared = passing.next_prepared();
   EXPECT_TRUE(prepared && prepared->slots);
-  EXPECT_LT(real_now() - begin, DescriptorPassing::kLongestRequest);
+  EXPECT_LT(real_now() - begin, DescriptorPassing::kMaxRequest);
 }
 
 TEST(DescriptorPassing, Wiped_NothingIsLeft) {
@@ -113,9 +113,9 @@ TEST(DescriptorPassing, Wiped_NothingIsLeft) {
 TEST(DescriptorPassing, MuchWork_IsRefused) {
   Passing passing;
   std::size_t taken = 0;
-  for (std::size_t i = 0; i < 2 * DescriptorPassing::kMostWork; ++i)
+  for (std::size_t i = 0; i < 2 * DescriptorPassing::kMaxWork; ++i)
     taken += passing.it->make_slots(i, 100).has_value() ? 1 : 0;
-  EXPECT_EQ(taken, DescriptorPassing::kMostWork);
+  EXPECT_EQ(taken, DescriptorPassing::kMaxWork);
   std::size_t done = 0;
   EXPECT_TRUE(until([&] { return (done += passing.it->take_prepared().size()) == taken; }));
   EXPECT_TRUE(passing.it->takes_work());

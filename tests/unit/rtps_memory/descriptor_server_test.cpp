@@ -153,16 +153,16 @@ TEST_F(DescriptorServerTest, Offers_AboveTheLimit_AreRefusedUntilSomeExpire) {
   const auto offered_to = [&](std::size_t identity, MonotonicTime now) {
     return server_.offer(segment_, random_, now, std::to_string(identity));
   };
-  for (std::size_t i = 0; i < OpenOffers::kMost; ++i) EXPECT_TRUE(offered_to(i, kStart));
+  for (std::size_t i = 0; i < OpenOffers::kMax; ++i) EXPECT_TRUE(offered_to(i, kStart));
   EXPECT_EQ(offered_to(100, kStart).error(), Refusal::too_many_tokens);
   EXPECT_TRUE(offered_to(100, kStart + OpenOffers::kLifetime));
 }
 
 TEST_F(DescriptorServerTest, Offers_OfOneIdentity_LeaveRoomForOthers) {
   std::size_t made = 0;
-  for (std::size_t i = 0; i < OpenOffers::kMost; ++i)
+  for (std::size_t i = 0; i < OpenOffers::kMax; ++i)
     made += server_.offer(segment_, random_, kStart, "CN=carol") ? 1 : 0;
-  EXPECT_EQ(made, OpenOffers::kMostOfOne);
+  EXPECT_EQ(made, OpenOffers::kMaxOfOne);
   EXPECT_TRUE(server_.offer(segment_, random_, kStart, "CN=bob"));
 }
 

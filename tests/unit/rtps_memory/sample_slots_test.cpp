@@ -60,7 +60,7 @@ TEST(SampleSlots, NoneNeeded_EachSlotHasItsTurn) {
 TEST(SampleSlots, NeededForTooLong_UsedAgain) {
   Slots it;
   it.fill();
-  it.now += SampleSlots::kLongestUse - 1ns;
+  it.now += SampleSlots::kMaxUse - 1ns;
   EXPECT_FALSE(it.put(1));
   it.now += 1ns;
   EXPECT_TRUE(it.put(1));
@@ -82,13 +82,13 @@ TEST(SampleSlots, Shapes_AreWithinTheirLimits) {
         std::size_t{5} << 20, (std::size_t{16} << 20) + 64}) {
     const Slots it(largest);
     EXPECT_GE(it.count, SampleSlots::kFewest);
-    EXPECT_LE(it.count, SampleSlots::kMost);
+    EXPECT_LE(it.count, SampleSlots::kMax);
     EXPECT_GE(it.slots.segment().largest_payload(), largest);
     EXPECT_LE(it.slots.segment().largest_payload(), largest + largest / 4 + 4096);
   }
   EXPECT_EQ(SampleSlots::make(1, 0).error(), Refusal::bad_shape);
-  EXPECT_EQ(SampleSlots::make(1, kLargestSegment + 1).error(), Refusal::bad_shape);
-  EXPECT_EQ(SampleSlots::make(1, kLargestSegment).error(), Refusal::bad_shape);
+  EXPECT_EQ(SampleSlots::make(1, kMaxSegment + 1).error(), Refusal::bad_shape);
+  EXPECT_EQ(SampleSlots::make(1, kMaxSegment).error(), Refusal::bad_shape);
 }
 
 }  // namespace

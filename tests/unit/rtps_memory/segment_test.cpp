@@ -94,9 +94,9 @@ TEST(Segment, Payload_Empty_IsCopied) {
 }
 
 TEST(Segment, Shapes_ThatCannotBe_AreRefused) {
-  constexpr auto kMost = std::numeric_limits<std::size_t>::max();
+  constexpr auto kMax = std::numeric_limits<std::size_t>::max();
   for (const auto& [largest, count] : std::vector<std::pair<std::size_t, std::size_t>>{
-           {0, 1}, {1, 0}, {kMost, 1}, {1, kMost}, {kLargestSegment, 1}, {kMost, kMost}}) {
+           {0, 1}, {1, 0}, {kMax, 1}, {1, kMax}, {kMaxSegment, 1}, {kMax, kMax}}) {
     const auto out = Segment::make(kId, largest, count);
     ASSERT_FALSE(out.has_value()) << largest << " " << count;
     EXPECT_EQ(out.error(), Refusal::bad_shape);
@@ -168,9 +168,9 @@ TEST(Segment, Copy_OutsideTheSegment_IsRefused) {
   auto writer = segment(64, 2);
   const auto reader = mapped(writer);
   const auto good = *writer.store(Bytes(64, 1));
-  constexpr auto kMost = std::numeric_limits<std::uint64_t>::max();
+  constexpr auto kMax = std::numeric_limits<std::uint64_t>::max();
   for (const std::uint64_t offset : {std::uint64_t{1}, std::uint64_t{63}, std::uint64_t{256},
-                                     std::uint64_t{1} << 40, kMost, kMost - 63, kMost - 127}) {
+                                     std::uint64_t{1} << 40, kMax, kMax - 63, kMax - 127}) {
     auto reference = good;
     reference.offset = offset;
     EXPECT_EQ(refusal_of(reader, reference), Refusal::outside) << offset;

@@ -88,7 +88,7 @@ TEST(FragmentStore, WhatCameLatestIsTriedFirstAndNotAllOfIt) {
     store.got(frag(2, 1, Bytes(9, i)));
   }
   const auto made = store.got(frag(3));
-  ASSERT_EQ(made.size(), FragmentStore::kMostMessages);
+  ASSERT_EQ(made.size(), FragmentStore::kMaxMessages);
   EXPECT_EQ(made[0], (Bytes{99, 99, 99, 99, 99, 99, 99, 99, 9}));
   EXPECT_EQ(made[1], (Bytes{99, 99, 99, 99, 98, 98, 98, 98, 9}));
   EXPECT_EQ(made[2], (Bytes{98, 98, 98, 98, 99, 99, 99, 99, 9}));
@@ -102,7 +102,7 @@ TEST(FragmentStore, WorkIsRationed) {
     const auto octet = static_cast<std::uint8_t>(i);
     made += store.got(frag(1 + static_cast<std::uint32_t>(i) % 3, 1, Bytes(9, octet))).size();
   }
-  EXPECT_LE(made, 10'000u + FragmentStore::kMostMore);
+  EXPECT_LE(made, 10'000u + FragmentStore::kMaxMore);
   const Bytes large(FragmentStore::kLarge + 1, 1);
   DataFrag one{kStatelessMessageReader, kStatelessMessageWriter, {1}, {1}, 1, 60'000};
   one.sample_size = static_cast<std::uint32_t>(large.size());
@@ -114,15 +114,15 @@ TEST(FragmentStore, WorkIsRationed) {
 TEST(FragmentStore, KeepsLittleAndNotForLong) {
   Store store;
   for (std::int64_t number = 1; number <= 10'000; ++number) store.got(frag(1, number));
-  EXPECT_LE(store.size() * FragmentStore::kPricePerFragment, FragmentStore::kMostOctetsPerSender);
+  EXPECT_LE(store.size() * FragmentStore::kPricePerFragment, FragmentStore::kMaxOctetsPerSender);
   store.got(frag(1), 1s + FragmentStore::kLife);
   EXPECT_EQ(store.size(), 1u);
   for (std::uint8_t i = 0; i < 100; ++i) store.add(named(i), frag(1), 4s);
-  EXPECT_EQ(store.size(), FragmentStore::kMostSenders);
+  EXPECT_EQ(store.size(), FragmentStore::kMaxSenders);
   auto huge = frag(1);
-  huge.sample_size = FragmentStore::kLargestMessage + 1;
+  huge.sample_size = FragmentStore::kMaxMessage + 1;
   EXPECT_TRUE(store.add(named(200), huge, 4s).empty());
-  EXPECT_EQ(store.size(), FragmentStore::kMostSenders);
+  EXPECT_EQ(store.size(), FragmentStore::kMaxSenders);
 }
 
 // Before: 30 ms of CPU for each such datagram.
@@ -140,14 +140,14 @@ TEST(FragmentStore, ADatagram_IsKeptInOnePiece) {
   Store store;
   const Bytes octets(512 * 127, 1);
   DataFrag many{kStatelessMessageReader, kStatelessMessageWriter, {1}, {1}, 127, 512};
-  many.sample_size = FragmentStore::kLargestMessage;
+  many.sample_size = FragmentStore::kMaxMessage;
   many.payload = octets;
   // Before, in fragments of 512 octets: 130,000 comparisons for each of these.
   for (int i = 0; i < 1'000; ++i) {
     many.sequence_number = {i};
     EXPECT_TRUE(store.got(many).empty());
   }
-  EXPECT_LE(store.size() * 512, FragmentStore::kMostOctetsPerSender);
+  EXPECT_LE(store.size() * 512, FragmentStore::kMaxOctetsPerSender);
 }
 
 TEST(FragmentStore, ManyNamesOfOneSource_TakeNoRoomOfAnother) {

@@ -49,7 +49,7 @@ TEST(GenericMessage, HugeCountsAreRefusedBeforeAnythingIsAllocated) {
   auto octets = write_generic_message(message);
   for (std::size_t i = 0; i < 4; ++i) octets[octets.size() - 1 - i] = 0xff;
   EXPECT_EQ(code_of(read_generic_message(octets)), Code::length_out_of_range);
-  message.data.resize(spi::kMostTokensPerMessage + 1);
+  message.data.resize(spi::kMaxTokensPerMessage + 1);
   EXPECT_EQ(code_of(read_generic_message(write_generic_message(message))),
             Code::length_out_of_range);
 }

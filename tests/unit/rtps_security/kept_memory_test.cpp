@@ -91,7 +91,7 @@ TEST(KeptMemory, Returned_IsForgottenAtOnce) {
 // A path can be opened again, and holds the memory.
 TEST(KeptMemory, ReaderKeepsOnlyAPath_StillCounts) {
   Ledger ledger;
-  for (std::uint8_t i = 1; i <= KeptMemory::kMostOfOne; ++i) ledger.keep({i});
+  for (std::uint8_t i = 1; i <= KeptMemory::kMaxOfOne; ++i) ledger.keep({i});
   std::vector<Descriptor> paths;
   for (const auto& [segment, descriptor] : ledger.with_others)
     paths.emplace_back(::open(("/proc/self/fd/" + std::to_string(descriptor.number())).c_str(),
@@ -112,7 +112,7 @@ TEST(KeptMemory, ReaderKeepsOnlyAPath_StillCounts) {
 
 TEST(KeptMemory, IdentityIsFull_UntilMemoryIsReturned) {
   Ledger ledger;
-  for (std::uint8_t i = 1; i <= KeptMemory::kMostOfOne; ++i) {
+  for (std::uint8_t i = 1; i <= KeptMemory::kMaxOfOne; ++i) {
     EXPECT_FALSE(ledger.kept.is_full("CN=carol"));
     ledger.keep({i});
   }
@@ -126,7 +126,7 @@ TEST(KeptMemory, IdentityIsFull_UntilMemoryIsReturned) {
 
 TEST(KeptMemory, NobodyLeft_CountsForNoIdentity) {
   Ledger ledger;
-  for (std::uint8_t i = 0; i < 2 * KeptMemory::kMostOfOne; ++i) ledger.keep({1}, "");
+  for (std::uint8_t i = 0; i < 2 * KeptMemory::kMaxOfOne; ++i) ledger.keep({1}, "");
   EXPECT_FALSE(ledger.kept.is_full("CN=carol"));
 }
 

@@ -16,7 +16,7 @@ spi::PropertyList lifetime(int seconds) {
   return {{std::string(spi::property::kKeyLifetime), std::to_string(seconds), false}};
 }
 spi::PropertyList most_blocks(int blocks) {
-  return {{std::string(spi::property::kMostBlocksPerKey), std::to_string(blocks), false}};
+  return {{std::string(spi::property::kMaxBlocksPerKey), std::to_string(blocks), false}};
 }
 
 /// The plugins' clocks go with the world's.

@@ -86,7 +86,7 @@ TEST(MappedMemory, HostileReference_LeadsNowhere) {
   const auto size = sides.slots.segment().octets();
   EXPECT_EQ(with([](auto& r) { r.length = 0; }), 0u);
   EXPECT_EQ(with([](auto& r) { r.length = ~0u; }), 0u);
-  EXPECT_EQ(with([](auto& r) { r.length = MappedMemory::kLargestPayload + 1; }), 0u);
+  EXPECT_EQ(with([](auto& r) { r.length = MappedMemory::kMaxPayload + 1; }), 0u);
   EXPECT_EQ(with([&](auto& r) { r.length = static_cast<std::uint32_t>(size); }), 0u);
   EXPECT_EQ(with([&](auto& r) { r.offset = size; }), 0u);
   EXPECT_EQ(with([&](auto& r) { r.offset = size - 64; }), 0u);
@@ -133,26 +133,26 @@ struct Waiting : Sides {
 TEST(MappedMemory, LargeSamplesInMessagesAndNoOffer_ReportedOnce) {
   Waiting sides;
   sides.waiting.add_reader(sides.writer, kReader);
-  sides.receive(MappedMemory::kLeastLarge, 2);
+  sides.receive(MappedMemory::kMinLarge, 2);
   EXPECT_EQ(sides.said, 0);
-  sides.receive(MappedMemory::kLeastLarge);
+  sides.receive(MappedMemory::kMinLarge);
   sides.waiting.add_reader(sides.writer, kSecondReader);
-  sides.receive(MappedMemory::kLeastLarge);
+  sides.receive(MappedMemory::kMinLarge);
   EXPECT_EQ(sides.said, 1);
 }
 
 TEST(MappedMemory, SmallSamples_NoOfferIsExpected) {
   Waiting sides;
   sides.waiting.add_reader(sides.writer, kReader);
-  sides.receive(MappedMemory::kLeastLarge - 1);
+  sides.receive(MappedMemory::kMinLarge - 1);
   EXPECT_EQ(sides.said, 0);
 }
 
 TEST(MappedMemory, WriterOfAnotherMachineOrUnmatched_NoOfferIsExpected) {
   Waiting sides;
-  sides.receive(MappedMemory::kLeastLarge);
+  sides.receive(MappedMemory::kMinLarge);
   sides.waiting.add_reader(sides.writer, kReader, false);
-  sides.receive(MappedMemory::kLeastLarge);
+  sides.receive(MappedMemory::kMinLarge);
   EXPECT_EQ(sides.said, 0);
 }
 
@@ -160,7 +160,7 @@ TEST(MappedMemory, Offered_LargeSamplesMayStillComeInMessages) {
   Waiting sides;
   sides.waiting.add_reader(sides.writer, kReader);
   sides.waiting.on_offer(sides.prefix, sides.offer(), sides.now);
-  sides.receive(MappedMemory::kLeastLarge);
+  sides.receive(MappedMemory::kMinLarge);
   EXPECT_EQ(sides.said, 0);
 }
 
@@ -214,7 +214,7 @@ TEST(MappedMemory, LargeSegmentsOfOneParticipant_AreLimited) {
     (sides.answers[0].refusal ? refused : mapped) += 1;
     sides.answers.clear();
   }
-  EXPECT_LE(mapped * all[0].segment().octets(), MappedMemory::kMostOctetsOfOne);
+  EXPECT_LE(mapped * all[0].segment().octets(), MappedMemory::kMaxOctetsOfOne);
   EXPECT_GT(refused, 0u);
 }
 
@@ -246,7 +246,7 @@ std::optional<Refusal> answer_to(F&& change) {
   change(offer.offer, sides);
   sides.mapped.on_offer(sides.prefix, std::move(offer), sides.now);
   sides.exchange();
-  sides.now += MappedMemory::kLongestRequest;
+  sides.now += MappedMemory::kMaxRequest;
   sides.exchange();
   EXPECT_EQ(sides.answers.size(), 1u);
   EXPECT_EQ(sides.mapped.segments(), 0u);
@@ -274,8 +274,8 @@ TEST(MappedMemory, SilentProcess_RequestEndsInTime) {
   Sides sides;
   sides.mapped.on_offer(sides.prefix, sides.offer(), sides.now);
   sides.mapped.serve(sides.now);
-  EXPECT_EQ(sides.mapped.next_tick(), sides.now + MappedMemory::kLongestRequest);
-  sides.now += MappedMemory::kLongestRequest;
+  EXPECT_EQ(sides.mapped.next_tick(), sides.now + MappedMemory::kMaxRequest);
+  sides.now += MappedMemory::kMaxRequest;
   sides.mapped.serve(sides.now);
   ASSERT_EQ(sides.answers.size(), 1u);
   EXPECT_EQ(sides.answers[0].refusal, Refusal::no_answer);
@@ -302,14 +302,14 @@ TEST(MappedMemory, ManySilentRequestsOfOneParticipant_Limited) {
     refused += sides.answers.size();
     sides.answers.clear();
   }
-  EXPECT_EQ(refused, 20 - MappedMemory::kMostRequestsOfOne);
+  EXPECT_EQ(refused, 20 - MappedMemory::kMaxRequestsOfOne);
 }
 
 // The thread that passes descriptors goes on with a request until its time is over.
 TEST(MappedMemory, SilentRequestsReplacedAgainAndAgain_StillLimited) {
   Sides sides;
   const auto offer_all = [&] {
-    for (std::uint8_t i = 0; i < MappedMemory::kMostRequestsOfOne; ++i) {
+    for (std::uint8_t i = 0; i < MappedMemory::kMaxRequestsOfOne; ++i) {
       auto offer = sides.offer();
       offer.writer = {{9, 9, i, 2}};
       sides.mapped.add_reader({sides.prefix, offer.writer}, kReader);
@@ -319,7 +319,7 @@ TEST(MappedMemory, SilentRequestsReplacedAgainAndAgain_StillLimited) {
   };
   EXPECT_EQ(offer_all(), 0u);
   sides.now += 1s;
-  EXPECT_EQ(offer_all(), MappedMemory::kMostRequestsOfOne) << "refused";
+  EXPECT_EQ(offer_all(), MappedMemory::kMaxRequestsOfOne) << "refused";
   sides.exchange();
   sides.answers.clear();
   EXPECT_EQ(offer_all(), 0u) << "the former ones have ended";
@@ -341,8 +341,8 @@ TEST(MappedMemory, ManySegmentsOfOneParticipant_Limited) {
     sides.answers.clear();
     sides.now += memory::OpenOffers::kLifetime;
   }
-  EXPECT_EQ(refused, 200 - MappedMemory::kMostOfOne);
-  EXPECT_EQ(sides.mapped.segments(), MappedMemory::kMostOfOne);
+  EXPECT_EQ(refused, 200 - MappedMemory::kMaxOfOne);
+  EXPECT_EQ(sides.mapped.segments(), MappedMemory::kMaxOfOne);
 }
 
 TEST(MappedMemory, SecondSegment_FormerOneIsStillRead) {

@@ -262,9 +262,9 @@ TEST(Observer, NobodyTakesItsMemory) {
     data.guid.prefix.octets[1] = static_cast<std::uint8_t>(i >> 8);
     observer.on_datagram(announcement(data), {"10.0.0.1", 7400, 1s});
   }
-  EXPECT_EQ(observer.participants().size(), Observer::kMostParticipants);
-  EXPECT_EQ(observer.left_out(), 5000 - Observer::kMostParticipants);
-  EXPECT_EQ(meetings_of(observer).size(), kMostMeetings);
+  EXPECT_EQ(observer.participants().size(), Observer::kMaxParticipants);
+  EXPECT_EQ(observer.left_out(), 5000 - Observer::kMaxParticipants);
+  EXPECT_EQ(meetings_of(observer).size(), kMaxMeetings);
 }
 
 TEST(Observer, AnnouncementsCutAtEachOctet) {

@@ -80,7 +80,7 @@ TEST(PeerEvent, AFloodOfStrangersHidesNothingThatAnAuthenticatedPeerCaused) {
   RateLimitedSink sink(told, pair.b.clock);
   for (const auto& event : pair.b.events.seen) sink.raise(event);
   EXPECT_EQ(told.count(Code::rtps_submessage_overrun),
-            static_cast<int>(RateLimitedSink::kMostClaimed) + 1);
+            static_cast<int>(RateLimitedSink::kMaxClaimed) + 1);
   EXPECT_EQ(told.count(Code::rtps_qos_incompatible), 3);
 }
 

@@ -127,7 +127,7 @@ TEST(SharedMemory, ReaderDeniesToHaveMemory_SeesNothingMore) {
     carols.remove_reader(three.writer, three.readers[1].entity);
     carols.add_reader(three.writer, three.readers[1].entity);
     Change change;
-    change.payload = payload(WrittenMemory::kLeast);
+    change.payload = payload(WrittenMemory::kMin);
     three.a->local_endpoints().writer(three.writer)->write(std::move(change), three.world.now);
     ++three.written;
     three.world.run(20);
@@ -235,8 +235,8 @@ struct Restarts : Churn {
 TEST(SharedMemory, ReadersKeepMemory_OnlySomeOfOneIdentityAreOfferedIt) {
   Restarts churn;
   for (int i = 0; i < 8; ++i) churn.restart();
-  EXPECT_EQ(churn.kept().segments(), KeptMemory::kMostOfOne);
-  EXPECT_LE(octets_in_memory(), (1 + KeptMemory::kMostOfOne) * churn.before);
+  EXPECT_EQ(churn.kept().segments(), KeptMemory::kMaxOfOne);
+  EXPECT_LE(octets_in_memory(), (1 + KeptMemory::kMaxOfOne) * churn.before);
   EXPECT_THAT(churn.a.events.text(), HasSubstr("of matches that ended"));
   Volume volume(churn.world);
   churn.write();
@@ -246,11 +246,11 @@ TEST(SharedMemory, ReadersKeepMemory_OnlySomeOfOneIdentityAreOfferedIt) {
 TEST(SharedMemory, ReadersRestartAgainAndAgain_GetNoMore) {
   Restarts churn;
   for (int round = 0; round < 3; ++round) {
-    for (std::size_t i = 0; i < KeptMemory::kMostOfOne; ++i) churn.restart();
+    for (std::size_t i = 0; i < KeptMemory::kMaxOfOne; ++i) churn.restart();
     churn.end_participants();
-    EXPECT_EQ(churn.kept().segments(), KeptMemory::kMostOfOne) << round;
+    EXPECT_EQ(churn.kept().segments(), KeptMemory::kMaxOfOne) << round;
   }
-  EXPECT_LE(octets_in_memory(), (1 + KeptMemory::kMostOfOne) * churn.before);
+  EXPECT_LE(octets_in_memory(), (1 + KeptMemory::kMaxOfOne) * churn.before);
   churn.mapped.clear();
   churn.world.run(200);
   EXPECT_EQ(churn.kept().segments(), 0u) << "returned";
@@ -270,8 +270,8 @@ TEST(SharedMemory, SegmentUsedAgain_HasNoFormerSamples) {
   churn.readers[1] =
       churn.c->create_reader(square(reading), churn.c.listener, churn.world.now).value();
   ASSERT_TRUE(churn.world.run_until([&] { return churn.a.listener.matched == 2; }));
-  churn.write(WrittenMemory::kLeast, 0x11);
-  churn.write(WrittenMemory::kLeast, 0x11);
+  churn.write(WrittenMemory::kMin, 0x11);
+  churn.write(WrittenMemory::kMin, 0x11);
   EXPECT_EQ(churn.kept().segments(), 1u) << "bob's own one took its place";
   EXPECT_FALSE(segment_of_bob_and_carol.has_needle());
 }
@@ -323,7 +323,7 @@ TEST(SharedMemory, ReaderMatchesLate_IsStillOfferedMemory) {
 
 TEST(SharedMemory, LimitReached_AllGoesByNetworkAndEventSaysSo) {
   auto small = shm();
-  small.push_back({std::string(spi::property::kMostSharedOctets), "1000000", false});
+  small.push_back({std::string(spi::property::kMaxSharedOctets), "1000000", false});
   Shared pair({.data = encrypt}, small, shm());
   EXPECT_FALSE(pair.share());
   EXPECT_TRUE(pair.has_all());
@@ -332,7 +332,7 @@ TEST(SharedMemory, LimitReached_AllGoesByNetworkAndEventSaysSo) {
 
 TEST(SharedMemory, SampleWithoutRoom_GoesByNetworkAndOthersStillThroughMemory) {
   auto small = shm();
-  small.push_back({std::string(spi::property::kMostSharedOctets), "20000000", false});
+  small.push_back({std::string(spi::property::kMaxSharedOctets), "20000000", false});
   Shared pair({.data = encrypt}, small, shm());
   ASSERT_TRUE(pair.share());
   for (const std::size_t size : {std::size_t{10} << 20, kLarge}) {

@@ -137,7 +137,7 @@ TEST(SharedMemory, OffAtTheWriter_ReaderSaysSoOnce) {
 TEST(SharedMemory, SmallSamples_GoInMessages) {
   Shared pair({.data = encrypt});
   for (int i = 0; i < 20; ++i) {
-    pair.write(WrittenMemory::kLeast - 1);
+    pair.write(WrittenMemory::kMin - 1);
     ++pair.written;
     pair.world.run(10);
   }
@@ -161,7 +161,7 @@ TEST(SharedMemory, GrowingSamples_GetLargerMemory) {
     pair.write(size);
     ++pair.written;
     ASSERT_TRUE(pair.has_all());
-    EXPECT_EQ(volume.take() < size / 4, size <= WrittenMemory::kMost) << size;
+    EXPECT_EQ(volume.take() < size / 4, size <= WrittenMemory::kMax) << size;
     pair.world.filter = {};
     pair.b.listener.changes.clear();
     pair.written = 0;
@@ -177,7 +177,7 @@ TEST(SharedMemory, ManyLargeWriters_MemoryOfTheParticipantIsLimited) {
     ASSERT_TRUE(pair.world.run_until([&] { return pair.a.listener.matched >= 1; }));
     pair.world.run(50);
     Change change;
-    change.payload = payload(WrittenMemory::kMost);
+    change.payload = payload(WrittenMemory::kMax);
     pair.a->local_endpoints().writer(writer)->write(std::move(change), pair.world.now);
     pair.world.run(5);
   }

@@ -15,7 +15,7 @@ TEST(FilesPollInterval, IsANumberOfSeconds) {
   EXPECT_EQ(files_poll_interval({}), kDefaultFilesPollInterval);
   EXPECT_EQ(interval("0"), std::chrono::seconds(0));
   EXPECT_EQ(interval("90"), std::chrono::seconds(90));
-  EXPECT_EQ(interval("86400"), kLongestFilesPollInterval);
+  EXPECT_EQ(interval("86400"), kMaxFilesPollInterval);
 }
 
 TEST(FilesPollInterval, IsRefusedIfItIsNothingElse) {

@@ -14,16 +14,16 @@ Result<KeyLimits> limits(std::string_view name, std::string value) {
 TEST(KeyLimits, AreNoneUnlessSomethingIsSaid) {
   EXPECT_FALSE(key_limits({})->any());
   EXPECT_FALSE(limits(property::kKeyLifetime, "0")->any());
-  EXPECT_FALSE(limits(property::kMostBlocksPerKey, "0")->any());
+  EXPECT_FALSE(limits(property::kMaxBlocksPerKey, "0")->any());
 }
 
 TEST(KeyLimits, AreSecondsAndBlocks) {
-  EXPECT_EQ(limits(property::kKeyLifetime, "20")->lifetime, kShortestKeyLifetime);
-  EXPECT_EQ(limits(property::kKeyLifetime, "31536000")->lifetime, kLongestKeyLifetime);
-  EXPECT_EQ(limits(property::kMostBlocksPerKey, "1")->blocks, 1u);
-  EXPECT_EQ(limits(property::kMostBlocksPerKey, "18446744073709551615")->blocks, ~std::uint64_t{0});
+  EXPECT_EQ(limits(property::kKeyLifetime, "20")->lifetime, kMinKeyLifetime);
+  EXPECT_EQ(limits(property::kKeyLifetime, "31536000")->lifetime, kMaxKeyLifetime);
+  EXPECT_EQ(limits(property::kMaxBlocksPerKey, "1")->blocks, 1u);
+  EXPECT_EQ(limits(property::kMaxBlocksPerKey, "18446744073709551615")->blocks, ~std::uint64_t{0});
   EXPECT_TRUE(limits(property::kKeyLifetime, "3600")->any());
-  EXPECT_TRUE(limits(property::kMostBlocksPerKey, "1")->any());
+  EXPECT_TRUE(limits(property::kMaxBlocksPerKey, "1")->any());
 }
 
 TEST(KeyLimits, AreRefusedIfTheyAreNothingElse) {
@@ -34,7 +34,7 @@ TEST(KeyLimits, AreRefusedIfTheyAreNothingElse) {
     EXPECT_EQ(refused.error().details().document, name);
     EXPECT_EQ(refused.error().details().found, value.substr(0, 64));
   };
-  for (const auto name : {property::kKeyLifetime, property::kMostBlocksPerKey})
+  for (const auto name : {property::kKeyLifetime, property::kMaxBlocksPerKey})
     for (const auto& bad : {std::string(), std::string("-1"), std::string("1h"), std::string(" 90"),
                             std::string("1.5"), std::string("18446744073709551616"),
                             std::string("0x20"), std::string(200, '9')})

@@ -90,9 +90,9 @@ TEST(PropertyFile, IsThereReadableAndSmall) {
   const auto refused = read_property_file(file);
   EXPECT_EQ(refused.error().code(), Code::invalid_property);
   EXPECT_EQ(refused.error().details().document, file.string());
-  write("#" + std::string(kMostPropertyFileOctets - 1, 'x'));
+  write("#" + std::string(kMaxPropertyFileOctets - 1, 'x'));
   EXPECT_TRUE(read_property_file(file));
-  write("#" + std::string(kMostPropertyFileOctets, 'x'));
+  write("#" + std::string(kMaxPropertyFileOctets, 'x'));
   EXPECT_EQ(read_property_file(file).error().code(), Code::file_too_large);
   EXPECT_EQ(read_property_file(folder / "other").error().code(), Code::file_not_found);
   EXPECT_EQ(read_property_file(folder).error().code(), Code::file_unreadable);

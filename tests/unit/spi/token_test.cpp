@@ -47,14 +47,14 @@ TEST(Token, LyingCountsAndLengthsAreRefusedBeforeAllocating) {
       for (int i = 0; i < 4; ++i) octets[at + i] = static_cast<std::uint8_t>(lie >> (24 - 8 * i));
       Reader reader(octets);
       const auto token = read_token(reader);
-      EXPECT_LE(token ? token->properties.size() : 0, kMostPropertiesPerToken);
+      EXPECT_LE(token ? token->properties.size() : 0, kMaxPropertiesPerToken);
     }
   }
 }
 
 TEST(Token, MorePropertiesThanTheBoundAreRefused) {
   Token token = sample();
-  token.properties.assign(kMostPropertiesPerToken + 1, {"n", "v"});
+  token.properties.assign(kMaxPropertiesPerToken + 1, {"n", "v"});
   Writer writer;
   write_token(writer, token);
   const auto octets = writer.take();
