@@ -62,7 +62,7 @@ struct OwnReaders::Announcement {
   std::optional<Guid> ended = {};  ///< whose end a carrier carries
 
   void take(const rtps::Parameter& parameter);
-  /// Reads the list up to its end. Of a large announcement only the first fragment is read.
+  /// Reads the list up to its end, or as far as it goes.
   void take(BytesView payload);
 };
 
@@ -85,17 +85,37 @@ void OwnReaders::Announcement::take(BytesView payload) {
   for (auto next = list.next(); next && *next; next = list.next()) take(**next);
 }
 
-std::optional<OwnReaders::Announcement> OwnReaders::read(BytesView submessage) {
+// The host puts the GUID after user data, partitions and the type, so it may be in any fragment.
+std::optional<OwnReaders::Announcement> OwnReaders::read(std::int64_t sender,
+                                                         const rtps::DataFrag& piece) {
+  const std::lock_guard lock(mutex_);
+  if (piece.first.value == 1) {
+    if (begun_.size() >= kMaxBegun && !begun_.contains(sender)) begun_.erase(begun_.begin());
+    begun_[sender] = {.number = piece.sequence_number};
+  }
+  const auto at = begun_.find(sender);
+  if (at == begun_.end()) return std::nullopt;
+  auto& begun = at->second;
+  if (begun.number != piece.sequence_number || begun.next != piece.first.value) return std::nullopt;
+  begun.next += piece.count;
+  begun.octets.insert(begun.octets.end(), piece.payload.begin(), piece.payload.end());
+  Announcement out;
+  out.take(begun.octets);
+  out.is_carrier = false;  // carriers of this process are small
+  const bool is_done = out.reader != Guid{} || begun.next > piece.total();
+  if (is_done || begun.octets.size() > kMaxBegunOctets) begun_.erase(at);
+  return out;
+}
+
+std::optional<OwnReaders::Announcement> OwnReaders::read(std::int64_t sender,
+                                                         BytesView submessage) {
   if (!is_of_subscriptions(submessage)) return std::nullopt;
   const rtps::SubmessageView view{static_cast<rtps::SubmessageId>(submessage[0]), submessage[1],
                                   submessage.subspan(rtps::kSubmessageHeaderSize), submessage};
   Announcement out;
   if (view.id == rtps::SubmessageId::data_frag) {
     const auto piece = rtps::read_data_frag(view);
-    if (!piece || piece->first.value != 1) return std::nullopt;
-    out.take(piece->payload);
-    out.is_carrier = false;  // carriers of this process are small
-    return out;
+    return piece ? read(sender, *piece) : std::nullopt;
   }
   const auto data = rtps::read_data(view);
   if (!data) return std::nullopt;
@@ -106,8 +126,8 @@ std::optional<OwnReaders::Announcement> OwnReaders::read(BytesView submessage) {
   return out;
 }
 
-BytesView OwnReaders::said(BytesView submessage, Room& room) {
-  const auto announcement = read(submessage);
+BytesView OwnReaders::said(std::int64_t sender, BytesView submessage, Room& room) {
+  const auto announcement = read(sender, submessage);
   if (!announcement) return submessage;
   const auto& ended = announcement->ended;
   if (!announcement->is_carrier || !ended || ended->prefix != announcement->reader.prefix) {

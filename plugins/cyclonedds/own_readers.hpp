@@ -22,6 +22,7 @@
 
 #include "base/bytes.hpp"
 #include "base/ids.hpp"
+#include "wire/data_frag.hpp"
 
 namespace ddssec::cyclonedds {
 
@@ -47,8 +48,8 @@ class OwnReaders {
   using Room = std::array<std::uint8_t, 128>;
 
   /// The submessage to send in place of `submessage` of a local writer, before protection: either
-  /// the same, or one that was written into `room`.
-  BytesView said(BytesView submessage, Room& room);
+  /// the same, or one that was written into `room`. `sender`: the writer's handle.
+  BytesView said(std::int64_t sender, BytesView submessage, Room& room);
 
   /// The readers whose end was not announced yet.
   std::vector<Guid> announced() const;
@@ -62,15 +63,26 @@ class OwnReaders {
  private:
   /// One announcement of a reader, or its end.
   struct Announcement;
-  static std::optional<Announcement> read(BytesView submessage);
+  /// The fragments of an announcement that were sent so far.
+  struct Begun {
+    rtps::SequenceNumber number{1};
+    std::uint32_t next = 1;  ///< fragment
+    Bytes octets = {};
+  };
+  static constexpr std::size_t kMaxBegun = 16, kMaxBegunOctets = std::size_t{1} << 18;
+
+  std::optional<Announcement> read(std::int64_t sender, BytesView submessage);
+  std::optional<Announcement> read(std::int64_t sender, const rtps::DataFrag& piece);
   void note(const Announcement& announcement);
   void note_end(const Guid& reader);
   bool has_ended(const Guid& reader) const;
 
   mutable std::mutex mutex_;
   std::set<Guid> announced_;
-  /// The host never drops the announcement of a deleted reader: it repeats all to a participant that
-  /// joins later. So none may be forgotten here while the owner lives, or its end is carried again.
+  std::map<std::int64_t, Begun> begun_;  ///< by sender
+  /// The host never drops the announcement of a deleted reader: it repeats all to a participant
+  /// that joins later. So none may be forgotten here while the owner lives, or its end is carried
+  /// again.
   std::map<GuidPrefix, EntityKeys> ended_;
   std::uint64_t count_ = 0;
 };

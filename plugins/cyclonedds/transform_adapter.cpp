@@ -63,7 +63,7 @@ DDS_Security_boolean encode_datawriter_submessage(
     DDSSEC_RETURN_IF_ERROR(encode_for<spi::DatareaderCryptoHandle>(
         *encoded, plain, list, [&](BytesView octets, auto receivers, MutableBytes room) {
           return adapter.transform().encode_datawriter_submessage(
-              {sender}, receivers, adapter.own_readers().said(octets, end), room);
+              {sender}, receivers, adapter.own_readers().said(sender, octets, end), room);
         }));
     end_loop(index, list);
     return {};

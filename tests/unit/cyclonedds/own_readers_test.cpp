@@ -27,7 +27,7 @@ struct Told {
 
 /// The parameter list of an announcement.
 Bytes list_of(const Told& told) {
-  Bytes octets(512);
+  Bytes octets(512 + told.user_data.size());
   rtps::SpanWriter out(octets, told.endian);
   out.write_bytes(std::array<std::uint8_t, 4>{
       0, static_cast<std::uint8_t>(told.endian == Endian::little ? 3 : 2), 0, 0});
@@ -73,7 +73,7 @@ Bytes carrier_of(const Guid& ended) {
 struct Sender : ::testing::Test {
   Bytes said(BytesView submessage) {
     OwnReaders::Room room;
-    const auto octets = own.said(submessage, room);
+    const auto octets = own.said(1, submessage, room);
     return {octets.begin(), octets.end()};
   }
   OwnReaders own;
@@ -85,8 +85,8 @@ TEST_F(OwnReaders_, AreKnownOnceTheyAreAnnounced) {
     OwnReaders fresh;
     OwnReaders::Room room;
     const auto octets = announcement({.endian = endian});
-    EXPECT_EQ(fresh.said(octets, room).data(), octets.data()) << "sent as it is";
-    EXPECT_EQ(fresh.said(octets, room).data(), octets.data());
+    EXPECT_EQ(fresh.said(1, octets, room).data(), octets.data()) << "sent as it is";
+    EXPECT_EQ(fresh.said(1, octets, room).data(), octets.data());
     EXPECT_EQ(fresh.announced(), std::vector{kReader});
     EXPECT_EQ(fresh.count(), 1u) << "once";
   }
@@ -112,6 +112,42 @@ TEST_F(OwnReaders_, AreKnownByTheFirstFragment) {
   octets.resize(out.size());
   EXPECT_EQ(said(octets), octets);
   EXPECT_EQ(own.announced(), std::vector{kReader});
+}
+
+/// A fragment of 1,000 octets.
+Bytes fragment_of(BytesView whole, std::uint32_t number) {
+  const std::size_t from = (number - 1) * std::size_t{1000};
+  Bytes octets(2048);
+  rtps::SpanWriter out(octets);
+  write(out, rtps::DataFrag{
+                 .reader = rtps::kSubscriptionsSecureReader,
+                 .writer = rtps::kSubscriptionsSecureWriter,
+                 .first = {number},
+                 .fragment_size = 1000,
+                 .sample_size = static_cast<std::uint32_t>(whole.size()),
+                 .payload = whole.subspan(from, std::min<std::size_t>(1000, whole.size() - from))});
+  octets.resize(out.size());
+  return octets;
+}
+
+// Before, readers with much USER_DATA, or of large types, stayed matched after their end.
+TEST_F(OwnReaders_, AreKnownByLaterFragments_OfEachSender) {
+  const Bytes data(2990, 5);
+  const auto one = list_of({.user_data = data}),
+             two = list_of({.reader = kOther, .user_data = data});
+  ASSERT_EQ(one.size(), two.size());
+  OwnReaders::Room room;
+  for (const std::uint32_t number : {1U, 2U, 3U}) {
+    own.said(1, fragment_of(one, number), room);
+    own.said(2, fragment_of(two, number), room);
+  }
+  EXPECT_TRUE(own.announced().empty());
+  own.said(1, fragment_of(one, 4), room);
+  EXPECT_EQ(own.announced(), std::vector{kReader});
+  own.said(2, fragment_of(two, 3), room);  // repeated
+  EXPECT_EQ(own.announced(), std::vector{kReader});
+  for (const std::uint32_t number : {1U, 2U, 3U, 4U}) own.said(2, fragment_of(two, number), room);
+  EXPECT_EQ(own.announced(), (std::vector{kReader, kOther}));
 }
 
 TEST_F(OwnReaders_, EndByWhatIsSentInPlaceOfACarrier) {
@@ -212,7 +248,7 @@ TEST_F(OwnReaders_, AnnouncementsThatEndEarlyAreSentAsTheyAre) {
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const auto cut = BytesView(whole).first(size);
     OwnReaders::Room room;
-    const auto sent = own.said(cut, room);
+    const auto sent = own.said(1, cut, room);
     EXPECT_TRUE(sent.data() == cut.data() || sent.size() <= room.size()) << size;
   }
 }

@@ -71,7 +71,7 @@ struct ReaderEnds_ : ::testing::Test {
                           .kind = rtps::PayloadKind::data,
                           .payload = parameters.view()});
     OwnReaders::Room room;
-    ends.readers().said(out.view(), room);
+    ends.readers().said(1, out.view(), room);
   }
   std::vector<Guid> carried() {
     const std::lock_guard lock(world->mutex);
