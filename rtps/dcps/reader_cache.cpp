@@ -126,6 +126,19 @@ MonotonicTime ReaderCache::expiry_of(const Change& change, const Moment& at) con
   return at.now + span - std::max(age, std::chrono::nanoseconds::zero());
 }
 
+std::optional<ReaderCache::Stored> ReaderCache::rejects_again(const Change& change,
+                                                              MonotonicTime now) const {
+  const auto* instance = held_.find(change.key_hash.value_or(KeyHash{}));
+  if (instance == nullptr ? change.key_octets == 0 && key_of_ : now < instance->quiet_until)
+    return std::nullopt;  // `store` knows
+  const auto& share = writer_of(change.writer).share;
+  const auto [reason, crowded] =
+      held_.rejects(instance, change, share, instance == nullptr ? change.key_octets : 0);
+  if (reason == SampleRejectedReason::not_rejected) return std::nullopt;
+  return Stored{Outcome::rejected, reason,
+                instance == nullptr ? InstanceHandle{} : instance->handle, crowded};
+}
+
 ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
   const auto& share = writer_of(change.writer).share;
   const auto key = change.key_hash.value_or(KeyHash{});

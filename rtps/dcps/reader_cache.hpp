@@ -47,6 +47,8 @@ class ReaderCache {
   /// again. A change is dropped if readers must not see it: its writer is not the owner, or it is
   /// too late or expired.
   Stored store(Change& change, const Moment& at);
+  /// For a change that was rejected: returns its rejection if there is still no room for it.
+  std::optional<Stored> rejects_again(const Change& change, MonotonicTime now) const;
 
   /// Samples are read in the order of their arrival, whatever their instance (ordered access with
   /// TOPIC or GROUP scope). `arrivals` is the counter, which other readers may share.

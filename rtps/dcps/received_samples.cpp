@@ -41,6 +41,9 @@ KeyHash ReceivedSamples::instance_of(const Change& change, const KeyProtection& 
 
 ReceivedSamples::Received ReceivedSamples::take(Change& change, BoundFilter* filter,
                                                 const KeyProtection& keys, const Moment& at) {
+  if (change.is_examined && seen_)  // before the digests of large payloads
+    if (const auto refusal = cache_->rejects_again(change, at.now))
+      return {Outcome::rejected, *refusal};
   const bool is_new = !std::exchange(change.is_examined, false);
   if (is_new && filter != nullptr && change.is_alive() && !passes(change, *filter)) return {};
   if (is_new && !name_instance(change, keys)) {

@@ -108,6 +108,28 @@ TEST_F(ReceivedSamplesTest, RefusedChange_IsNotDeserializedAgain) {
   EXPECT_FALSE(refused.is_examined) << "another reader has to examine it";
 }
 
+// What others keep of a writer is compared by its digest, for which the payload is read.
+TEST_F(ReceivedSamplesTest, RefusedChange_IsNotReadAgainForItsDigest) {
+  qos.resource_limits.max_instances = 1;
+  ReceivedSamples samples(qos, type);
+  samples.expect_history();
+  EXPECT_EQ(take(samples, change("kitchen")), Outcome::stored);
+  auto refused = change("cellar");
+  refused.original = {guid_of(2), {1}};
+  const Moment at{now, Time::from(now)};
+  EXPECT_EQ(samples.take(refused, nullptr, keys, at).outcome, Outcome::rejected);
+  const auto octets = std::exchange(refused.payload, Payload::uninitialized(std::size_t{1} << 30));
+  for (int i = 0; i < 1000; ++i)
+    ASSERT_EQ(samples.take(refused, nullptr, keys, at).outcome, Outcome::rejected);
+  refused.payload = octets;
+  auto end = change("kitchen");
+  end.status = {true, true};
+  EXPECT_EQ(take(samples, end), Outcome::stored);
+  std::vector<OctetSample> out;
+  samples.cache().select({.take = true}, at, out);
+  EXPECT_EQ(samples.take(refused, nullptr, keys, at).outcome, Outcome::stored);
+}
+
 TEST_F(ReceivedSamplesTest, RefusedChange_HasPassedTheFilterOnce) {
   qos.resource_limits.max_instances = 1;
   ReceivedSamples samples(qos, type);
