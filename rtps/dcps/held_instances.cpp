@@ -20,6 +20,14 @@ SourceOrder order_of(const HeldSample& sample) {
   return {sample.change.source_time, sample.change.writer, sample.place};
 }
 
+/// Moves the instance, with its key, to another account. nullptr: to none.
+void charge(HeldInstance& instance, const HeldShareOf& share) {
+  const auto octets = instance.key_value.size();
+  if (share) share->octets += octets, ++share->instances;
+  if (instance.share) instance.share->octets -= octets, --instance.share->instances;
+  instance.share = share;
+}
+
 }  // namespace
 
 void InstanceTime::enter(InstanceTimes& times, MonotonicTime when, HeldInstance& instance) {
@@ -59,16 +67,14 @@ HeldInstance* HeldInstances::find(InstanceHandle handle) {
   return at == instances_.end() ? nullptr : &at->second;
 }
 
-bool HeldInstances::has_room_for_instance(const HeldShareOf& share) const {
+bool HeldInstances::can_pay(const HeldInstance* instance, const HeldShareOf& share) const {
+  if (instance != nullptr && (instance->payers > 0 || share == instance->share || !share))
+    return true;
   const auto free = max_instances_ - instances_.size() + idle_.size();
-  return free > 0 && (!shares_ || !share || share->instances < free);
-}
-
-bool HeldInstances::can_pay(const HeldInstance& instance, const HeldShareOf& share) const {
-  if (instance.payers > 0 || share == instance.share || !share) return true;
-  const auto free = max_instances_ - instances_.size() + idle_.size();
-  const auto octets = instance.key_value.size();
-  return (!shares_ || share->instances < free) && has_room_for_octets(octets, share, {octets, 0});
+  if (instance == nullptr && free == 0) return false;
+  if (shares_ && share && share->instances >= free) return false;
+  const auto octets = instance == nullptr ? 0 : instance->key_value.size();
+  return octets == 0 || has_room_for_octets(octets, share, {octets, 0});
 }
 
 bool HeldInstances::has_room_for_octets(std::size_t octets, const HeldShareOf& share,
@@ -83,10 +89,8 @@ HeldInstances::Rejection HeldInstances::rejects(const HeldInstance* instance, co
                                                 const HeldShareOf& share,
                                                 std::size_t key_octets) const {
   using Reason = SampleRejectedReason;
-  if (instance == nullptr && !has_room_for_instance(share))
-    return {Reason::by_instances_limit, true};
   const bool joins = change.is_alive() || change.status.disposed;
-  if (joins && instance != nullptr && !can_pay(*instance, share))
+  if ((instance == nullptr || joins) && !can_pay(instance, share))
     return {Reason::by_instances_limit, true};
   if (joins && !joined_.has_room(change.writer,
                                  instance == nullptr ? InstanceHandle{} : instance->handle, share))
@@ -317,36 +321,12 @@ std::optional<Change> HeldInstances::take_held_back(HeldInstance& instance) {
   return std::exchange(instance.held_back, std::nullopt);
 }
 
-void HeldInstances::charge(HeldInstance& instance, const HeldShareOf& share) {
-  const auto octets = instance.key_value.size();
-  if (share) share->octets += octets, ++share->instances;
-  if (instance.share) instance.share->octets -= octets, --instance.share->instances;
-  instance.share = share;
-}
-
 void HeldInstances::join(HeldInstance& instance, const Guid& writer, const HeldShareOf& share) {
-  if (!joined_.has_room(writer, instance.handle, share) || !can_pay(instance, share)) return;
+  if (!joined_.has_room(writer, instance.handle, share) || !can_pay(&instance, share)) return;
   if (!joined_.add(writer, instance.handle, share)) return;
   instance.writers.push_back(writer);
   if (instance.payers == 0 && instance.share != share) charge(instance, share);
   if (instance.share == share) ++instance.payers;
-}
-
-void HeldInstances::find_payer(HeldInstance& instance) {
-  const auto share_of = [&](const Guid& writer) -> const HeldShareOf& {
-    return joined_.share_of(writer);
-  };
-  const auto payer = std::ranges::find_if(
-      instance.writers, [&](const Guid& writer) { return can_pay(instance, share_of(writer)); });
-  if (payer == instance.writers.end()) {
-    for (const auto& writer : instance.writers) joined_.remove(writer, instance.handle);
-    instance.writers.clear();
-    instance.owner.reset();
-    return;
-  }
-  charge(instance, share_of(*payer));
-  instance.payers = static_cast<std::size_t>(std::ranges::count_if(
-      instance.writers, [&](const Guid& writer) { return share_of(writer) == instance.share; }));
 }
 
 bool HeldInstances::leave(HeldInstance& instance, const Guid& writer) {
@@ -354,7 +334,18 @@ bool HeldInstances::leave(HeldInstance& instance, const Guid& writer) {
   if (std::erase(instance.writers, writer) == 0) return false;
   const bool paid = joined_.share_of(writer) == instance.share;
   joined_.remove(writer, instance.handle);
-  if (paid && --instance.payers == 0 && !instance.writers.empty()) find_payer(instance);
+  auto& others = instance.writers;
+  if (!paid || --instance.payers > 0 || others.empty()) return true;
+  const auto pays = [&](const Guid& other) { return can_pay(&instance, joined_.share_of(other)); };
+  if (const auto payer = std::ranges::find_if(others, pays); payer != others.end()) {
+    charge(instance, joined_.share_of(*payer));
+    instance.payers = static_cast<std::size_t>(std::ranges::count_if(
+        others, [&](const Guid& other) { return joined_.share_of(other) == instance.share; }));
+    return true;
+  }
+  for (const auto& other : others) joined_.remove(other, instance.handle);
+  others.clear();
+  instance.owner.reset();
   return true;
 }
 

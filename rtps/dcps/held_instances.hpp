@@ -141,12 +141,10 @@ class HeldInstances {
 
  private:
   void count(const HeldInstance& instance, int sign);
-  bool has_room_for_instance(const HeldShareOf& share) const;
   Room room_for_instances(const WantedRoom& wanted, const HeldShareOf& share) const;
-  /// Whether the instance can count for this identity, if no writer of another pays for it.
-  bool can_pay(const HeldInstance& instance, const HeldShareOf& share) const;
-  void charge(HeldInstance& instance, const HeldShareOf& share);
-  void find_payer(HeldInstance& instance);
+  /// Whether the instance can count for this identity, or already does for another one that has it.
+  /// nullptr: a new instance, whose key is not counted.
+  bool can_pay(const HeldInstance* instance, const HeldShareOf& share) const;
   /// `freed`: octets that go at the same time; `own`: those of them of the same share.
   struct Freed {
     std::size_t octets = 0, own = 0;
