@@ -2,6 +2,7 @@
 // both, and the other goes on.
 #include <unistd.h>
 
+#include "secured/engines.hpp"
 #include "secured/participant.hpp"
 #include "tests/support/silent.hpp"
 #include "tests/unit/rtps_security/fixture.hpp"
