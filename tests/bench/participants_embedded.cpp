@@ -3,6 +3,7 @@
 #include "bench/participants.h"
 #include "peer_types.hpp"
 #include "rtps/dcps/wait_set.hpp"
+#include "secured/engines.hpp"
 #include "secured/participant.hpp"
 
 namespace {
