@@ -425,7 +425,7 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
                         if (!stop.stop_requested()) revoke(this, remote.value);
                       const auto end = [&](std::int64_t remote) { revoke(this, remote); };
                       revoke_stuck(stop, end);
-                      revoke_reset(stop, end);
+                      follow_resets(stop, end);
                       revoke_stranded(stop, end);
                       send_resets();
                     },

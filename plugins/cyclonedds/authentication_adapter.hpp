@@ -52,7 +52,9 @@ class AuthenticationAdapter final : public dds_security_authentication {
   /// Makes a peer that does not answer begin again too.
   void say_farewell(const Guid& peer);
   /// Makes the host begin again with peers that have lost their session with a local participant.
-  void revoke_reset(const std::stop_token& stop, const Revoke& revoke);
+  void follow_resets(const std::stop_token& stop, const Revoke& revoke);
+  /// Once. Returns true if there was any such peer.
+  bool revoke_reset(const std::stop_token& stop, const Revoke& revoke);
   /// Makes the host begin again with peers that have endpoints whose keys only a new session
   /// brings.
   void revoke_stranded(const std::stop_token& stop, const Revoke& revoke);

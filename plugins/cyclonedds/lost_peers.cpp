@@ -1,5 +1,6 @@
 // What the authentication adapter does about peers that have lost their session, or never got one.
 #include <dlfcn.h>
+#include <thread>
 
 #include "plugins/cyclonedds/authentication_adapter.hpp"
 #include "plugins/cyclonedds/datagrams.hpp"
@@ -55,19 +56,36 @@ void AuthenticationAdapter::say_farewell(const Guid& peer) {
   }
 }
 
-void AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revoke& revoke) {
+// A reset ends the sessions of all local participants with that peer, and these reset the peer in
+// turn. All of that has to be over before new sessions begin, or it ends those as well.
+void AuthenticationAdapter::follow_resets(const std::stop_token& stop, const Revoke& revoke) {
+  constexpr int kMaxTurns = 20;
+  constexpr std::chrono::milliseconds kPause{50};
+  if (!revoke_reset(stop, revoke)) return;
+  for (int turn = 0; turn < kMaxTurns && !stop.stop_requested(); ++turn) {
+    send_resets();
+    std::this_thread::sleep_for(kPause);
+    revoke_reset(stop, revoke);
+  }
+}
+
+bool AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revoke& revoke) {
   // Without libddssec_cryptography no peer can prove that it lost its session.
   void* const symbol = dlsym(RTLD_DEFAULT, kTakeSessionResetSymbol);
-  if (symbol == nullptr) return;
+  if (symbol == nullptr) return false;
+  bool any = false;
   for (const auto& [remote, guid] : remotes_.all()) {
-    if (stop.stop_requested()) return;
+    if (stop.stop_requested()) return any;
     const auto reset = reinterpret_cast<TakeSessionReset*>(symbol)(remote.value);
     if (reset == SessionReset::none) continue;
     if (reset == SessionReset::of_unused_session && !watch_.follows_unused_reset(guid)) continue;
     host_->notice(
         Event(Error(Code::session_reset_by_peer), {}, guid.to_string(), PeerProof::authenticated));
+    lost_sessions_.about_to_drop(guid);
     revoke(remote.value);
+    any = true;
   }
+  return any;
 }
 
 void AuthenticationAdapter::revoke_stranded(const std::stop_token& stop, const Revoke& revoke) {

@@ -57,6 +57,12 @@ void LostSessions::lost(const Guid& remote) {
   }
 }
 
+void LostSessions::about_to_drop(const Guid& remote) {
+  const std::lock_guard lock(mutex_);
+  auto at = sessions_.lower_bound({remote, IdentityHandle{INT64_MIN}});
+  for (; at != sessions_.end() && at->first.first == remote; ++at) at->second.is_urgent = true;
+}
+
 void LostSessions::note_lost(const Key& key, Session& session) {
   auto& local = locals_.at(key.second);
   auto& of_subject = local.lost[subject_of(key)];
@@ -98,13 +104,14 @@ void LostSessions::forget_lost_before(Duration time) {
   }
 }
 
-LostSessions::Duration LostSessions::unmet_wait(unsigned sent) {
-  return sent == 0 ? kFirstUnmet : kSecondUnmet * (1 << (sent - 1));
+LostSessions::Duration LostSessions::unmet_wait(const Session& session) {
+  if (session.sent_unmet > 0) return kSecondUnmet * (1 << (session.sent_unmet - 1));
+  return session.is_urgent ? Duration{} : kFirstUnmet;
 }
 
 bool LostSessions::is_due(const Session& session, bool is_meeting, Duration now) {
   if (session.lost == 0) return false;
-  return is_meeting ? session.next <= now : session.lost_at + unmet_wait(session.sent_unmet) <= now;
+  return is_meeting ? session.next <= now : session.lost_at + unmet_wait(session) <= now;
 }
 
 void LostSessions::note_sent(Session& session, bool is_meeting, Duration now) {

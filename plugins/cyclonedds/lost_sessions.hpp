@@ -67,6 +67,10 @@ class LostSessions {
   void established(spi::IdentityHandle local, const Guid& remote, const spi::SharedSecret& secret);
   /// The host has dropped the remote participant.
   void lost(const Guid& remote);
+  /// The host is about to drop it for all local participants, since one of its sessions was reset.
+  /// The others are reset at once: if new ones began before, these would end with the former ones,
+  /// and the two processes could go on resetting each other without end.
+  void about_to_drop(const Guid& remote);
 
   /// The addresses of a peer; empty if there is no session with it.
   std::vector<spi::UdpAddress> addresses_of(const Guid& remote);
@@ -94,6 +98,7 @@ class LostSessions {
     Duration next{};
     unsigned sent = 0;
     unsigned sent_unmet = 0;
+    bool is_urgent = false;  ///< the first reset for a peer that is not met is sent at once
   };
   using Key = std::pair<Guid, spi::IdentityHandle>;  ///< remote, local
   /// The first half of a proven prefix, which is bound to the subject of the remote participant's
@@ -109,7 +114,7 @@ class LostSessions {
   using Sessions = std::map<Key, Session>;
 
   static Subject subject_of(const Key& key);
-  static Duration unmet_wait(unsigned sent);
+  static Duration unmet_wait(const Session& session);
   static bool is_due(const Session& session, bool is_meeting, Duration now);
   static void note_sent(Session& session, bool is_meeting, Duration now);
   void note_lost(const Key& key, Session& session);

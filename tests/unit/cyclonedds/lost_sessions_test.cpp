@@ -99,6 +99,24 @@ TEST_F(LostSessionsTest, ArePresentedSeldomWhileThePeerIsNotMet) {
   EXPECT_EQ(sent, (std::vector<std::chrono::nanoseconds>{4s, 32s, 64s, 128s, 256s, 512s, 1024s}));
 }
 
+// Two processes of two participants each reset one another every 4 to 8 s without end.
+TEST_F(LostSessionsTest, OfAPeerThatIsDroppedForAReset_ArePresentedAtOnce) {
+  sessions.established(local, remote(1), secret_of(1));
+  sessions.established(local, remote(2), secret_of(2));
+  sessions.about_to_drop(remote(1));
+  EXPECT_TRUE(due(false).empty()) << "not yet dropped";
+  sessions.lost(remote(1));
+  sessions.lost(remote(2));
+  const auto at_once = due(false);
+  ASSERT_EQ(at_once.size(), 1u);
+  EXPECT_EQ(at_once[0].remote, remote(1));
+  EXPECT_TRUE(due(false).empty());
+  clock.advance(4s);
+  ASSERT_EQ(due(false).size(), 1u);
+  clock.advance(28s);
+  EXPECT_EQ(due(false).size(), 2u);
+}
+
 TEST_F(LostSessionsTest, ArePresentedToSoManyUnmetPeersAtOnce) {
   constexpr std::uint16_t kLost = 3 * LostSessions::kMaxUnmet;
   for (std::uint16_t number = 0; number < kLost; ++number) lose(remote(number));
