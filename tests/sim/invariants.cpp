@@ -39,6 +39,9 @@ void Invariants::on_matched(const End& local, const Guid& remote) {
 }
 
 void Invariants::on_unmatched(const End& local, const Guid& remote) {
+  // A durable reader gets the history anew in a new session. Above the endpoints, which are not
+  // simulated, a DataReader drops what it has (SeenOriginals).
+  if (local.durable && !local.writes) latest_.erase({local.guid, remote});
   const auto* own = ledger_.life(local.guid.prefix);
   const auto* life = ledger_.life(remote.prefix);
   const auto lives = [](const Life* one) {
