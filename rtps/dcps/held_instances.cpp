@@ -305,6 +305,7 @@ bool HeldInstances::hold_back(HeldInstance& instance, Change& change, const Held
   Freed freed;
   if (instance.held_back) freed.octets = instance.held_back->payload.size();
   if (instance.share_of_held_back == share) freed.own = freed.octets;
+  if (!can_pay(&instance, share)) return false;
   if (!has_room_for_octets(change.payload.size(), share, freed)) return false;
   take_held_back(instance);
   hold(share, change.payload.size());
@@ -346,6 +347,7 @@ bool HeldInstances::leave(HeldInstance& instance, const Guid& writer) {
   for (const auto& other : others) joined_.remove(other, instance.handle);
   others.clear();
   instance.owner.reset();
+  take_held_back(instance);  // of one of them: it would keep the instance in the former account
   return true;
 }
 

@@ -99,7 +99,7 @@ class HeldInstances {
   void join(HeldInstance& instance, const Guid& writer, const HeldShareOf& share);
   /// Returns false if the writer was not one of the instance's writers. If no other writer of its
   /// identity has the instance, the instance counts for the identity of one that stays. If none of
-  /// these has room for it, they leave as well.
+  /// these has room for it, they leave as well, and what the instance holds back is dropped.
   bool leave(HeldInstance& instance, const Guid& writer);
   /// The instances that the writer has joined.
   std::vector<InstanceHandle> joined_by(const Guid& writer) const {

@@ -16,7 +16,8 @@ bool is_far_ahead(const std::optional<Time>& time, const Moment& at) {
 
 // With source order: true if the change is older than what was already read or taken, or than what
 // is held back. Also true if it ends the instance but is older than a later sample, or if a full
-// history would drop it first. What is far ahead at `at` came before our clock was set back.
+// history would drop it first. Source times that are far ahead of our clock at `at` do not count:
+// it was set back after they came.
 bool is_too_old(const HeldInstances& all, const HeldInstance& instance, const Change& change,
                 const std::optional<Moment>& at = std::nullopt) {
   if (!change.source_time) return false;

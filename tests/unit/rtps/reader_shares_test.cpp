@@ -235,6 +235,28 @@ TEST_F(Left, WhoHasNoRoomForAnInstance_LeavesItWithTheLastOneThatHas) {
   EXPECT_EQ(put_many(3, 1'000'000), Outcome::stored);
 }
 
+TEST_F(Left, WhatIsKeptForLater_KeepsNoInstanceInTheAccountOfAnother) {
+  qos.time_based_filter = Duration::from(std::chrono::seconds(1));
+  qos.reliability.kind = ReliabilityKind::reliable;
+  made.reset();
+  for (const std::uint8_t i : {1, 3})
+    cache().set_writer(writer(i), 0, kDurationInfinite, writer(i).prefix);
+  for (std::uint32_t key = 0; key < kHalf; ++key) {
+    ASSERT_EQ(put_many(3, key), Outcome::stored);
+    if (key % 1000 == 0) take();
+  }
+  take();
+  ASSERT_EQ(put_many(1, 1'000'000), Outcome::stored);
+  take();
+  EXPECT_EQ(put_many(3, 1'000'000), Outcome::dropped) << "kept for later";
+  EXPECT_EQ(put_many(1, 1'000'000, kUnregister), Outcome::stored);
+  take();
+  EXPECT_EQ(cache().instances(), kHalf) << "it has ended";
+  ASSERT_EQ(put_many(1, 2'000'000), Outcome::stored);
+  EXPECT_EQ(put_many(1, 2'000'000, kUnregister), Outcome::stored);
+  EXPECT_EQ(put_many(3, 2'000'000), Outcome::rejected) << "not even kept for later";
+}
+
 TEST_F(ReaderCacheTest, MemoryIsBoundedWhateverTheLimits) {
   const auto large = [&](std::uint8_t key) {
     Change change;
