@@ -10,7 +10,7 @@
 
 namespace ddssec::authentication {
 
-/// A bound for memory; what is longer than pki::kMaxOcspOctets counts as unusable.
+/// Limits memory. A response that is longer than pki::kMaxOcspOctets counts as unusable.
 inline constexpr FieldRule kOcspStatus{"ocsp_status", 0, kMaxUnknownOctets};
 
 using spi::OcspPolicy;

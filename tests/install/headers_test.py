@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Installs the headers and compiles each public one alone, as the only #include of a file, with nothing else of
-ddssec in reach. What is installed must be exactly the lists of cmake/public_headers.cmake.
+ddssec in reach. The installed headers must be those of the lists in cmake/public_headers.cmake, and no others.
 Usage: headers_test.py SOURCE BUILD"""
 
 import concurrent.futures

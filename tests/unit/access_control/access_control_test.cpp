@@ -9,12 +9,12 @@ namespace {
 using Handles = AccessControlTest;
 
 TEST_F(Handles, OfNobodyAreRefusedEverywhere) {
-  const spi::PermissionsHandle nobody{42};
-  EXPECT_REFUSED(plugin->check_create_participant(nobody, 0), unknown_permissions_handle);
+  const spi::PermissionsHandle unknown{42};
+  EXPECT_REFUSED(plugin->check_create_participant(unknown, 0), unknown_permissions_handle);
   EXPECT_REFUSED(plugin->check_remote_datawriter({}, 0, {}), unknown_permissions_handle);
-  EXPECT_REFUSED(plugin->permissions_token(nobody), unknown_permissions_handle);
-  EXPECT_REFUSED(plugin->participant_sec_attributes(nobody), unknown_permissions_handle);
-  EXPECT_CODE(plugin->return_permissions_handle(nobody), unknown_permissions_handle);
+  EXPECT_REFUSED(plugin->permissions_token(unknown), unknown_permissions_handle);
+  EXPECT_REFUSED(plugin->participant_sec_attributes(unknown), unknown_permissions_handle);
+  EXPECT_CODE(plugin->return_permissions_handle(unknown), unknown_permissions_handle);
 }
 
 TEST_F(Handles, AreReturnedOnce) {
