@@ -76,6 +76,8 @@ def said(build, folder, plugins, what):
                                          errors="replace", stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                          stderr=subprocess.STDOUT))
         return "".join(log.communicate(timeout=4 * TIMEOUT)[0] for log in logs)
+    except subprocess.TimeoutExpired:
+        raise RuntimeError(f"{what}, {plugins}: a peer did not end within {4 * TIMEOUT} s") from None
     finally:
         for log in logs:
             if log.poll() is None:
