@@ -150,6 +150,7 @@ set(DDSSEC_CARRIED_HEADERS
   rtps/participant/neighbourhood.hpp
   rtps/reliability/change.hpp
   rtps/reliability/held_octets.hpp
+  rtps/reliability/moment.hpp
   rtps/reliability/payload.hpp
   rtps/reliability/timer_queue.hpp
   rtps/reliability/writer_group.hpp

@@ -53,6 +53,7 @@ Result<Guid> AnyDataWriter::create(EndpointRequest request) {
   const auto guid = context_.protocol().create_writer(std::move(request), *this, now);
   if (guid) publisher().admit(*context_.protocol().local_endpoints().writer(*guid), now);
   if (guid) liveliness_.start(qos_.liveliness, now);
+  if (guid) call_at(next_work(now));
   return guid;
 }
 
@@ -63,19 +64,17 @@ Status AnyDataWriter::restore(EndpointRequest& request) {
                 .topic = request.topic_name,
                 .type = request.type_name,
                 .partition = request.qos.partition};
-  const auto [now, wall] = context_.moment();
-  DDSSEC_ASSIGN_OR_RETURN(
-      auto history, durability_.open(*store, std::move(key), request.qos.durability_service, wall));
-  for (auto& change : history) {
-    const auto age = wall.to_nanoseconds() - change.source_time.value_or(wall).to_nanoseconds();
-    if (WriterLifespan::is_over(qos_.lifespan, age)) continue;
+  DDSSEC_ASSIGN_OR_RETURN(auto opened,
+                          durability_.open(*store, std::move(key), request.qos.durability_service,
+                                           context_.moment(), qos_.lifespan));
+  for (std::size_t i = 0; i < opened.history.size(); ++i) {
+    auto& change = opened.history[i];
     instances_->enter(change.key_hash.value_or(KeyHash{}), [&] {
       const auto& serialized_key = topic_.type().serialized_key;
       return serialized_key ? serialized_key(change) : Bytes{};
     });
     request.history.push_back(std::move(change));
-    const SequenceNumber number{static_cast<std::int64_t>(request.history.size())};
-    lifespan_.add(number, qos_.lifespan, now, age);
+    lifespan_.add({static_cast<std::int64_t>(request.history.size())}, opened.expires[i]);
   }
   return {};
 }
@@ -87,12 +86,19 @@ std::shared_ptr<ChangeFilter> AnyDataWriter::filter_for(const EndpointData& read
 
 void AnyDataWriter::on_time(MonotonicTime now) {
   instances_->check_deadlines(now, [&](InstanceHandle instance) { miss_deadline(instance); });
+  durability_.clean_up(context_.moment());
   lifespan_.expire(now, [&](SequenceNumber change) { protocol().discard(change); });
-  call_at(std::min(instances_->next_deadline(), lifespan_.next_tick()));
+  call_at(next_work(now));
   context_.notify();  // discarded changes may have made room
 }
 
+MonotonicTime AnyDataWriter::next_work(MonotonicTime now) const {
+  return std::min(
+      {instances_->next_deadline(), lifespan_.next_tick(), durability_.next_clean_up(now)});
+}
+
 void AnyDataWriter::on_own_qos(const Qos& before) {
+  durability_.set_lifespan(qos_.lifespan);
   if (!enabled()) {
     instances_.emplace(qos_);
     return;
@@ -187,7 +193,7 @@ Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
   change.payload = Payload::copy_of(request.payload);
   const auto next = protocol().history().last().next();
   if (publisher().presents_) change.coherence = publisher().stamp(set_begin_, next);
-  durability_.append(change, guid_, next, wall);
+  durability_.append(change, guid_, next, {now, wall});
   const auto number = protocol().write(std::move(change), now);
   after_write(request.key.value_or(KeyHash{}), status, number, now);
   context_.reschedule();
@@ -204,7 +210,7 @@ void AnyDataWriter::after_write(const KeyHash& key, StatusInfo status, SequenceN
   if (status.unregistered) instances_->remove(key);
   if (alive) lifespan_.add(number, qos_.lifespan, now);
   lifespan_.forget_dropped(protocol().history());
-  call_at(std::min(instances_->next_deadline(), lifespan_.next_tick()));
+  call_at(next_work(now));
   liveliness_.assert_at(now, false);
 }
 

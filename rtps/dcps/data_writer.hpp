@@ -111,6 +111,8 @@ class AnyDataWriter : public Endpoint, private Timed {
   Result<InstanceHandle> instance_of(const OctetWrite& change);
   Status wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change);
   void after_write(const KeyHash& key, StatusInfo status, SequenceNumber number, MonotonicTime now);
+  /// When on_time has something to do.
+  MonotonicTime next_work(MonotonicTime now) const;
   void end_set(Coherence marker, MonotonicTime now);
   StatefulWriter& protocol() const;
   bool has_listener(StatusKind kind) const override {

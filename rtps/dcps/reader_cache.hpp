@@ -6,14 +6,9 @@
 #include <functional>
 
 #include "rtps/dcps/sample_selection.hpp"
+#include "rtps/reliability/moment.hpp"
 
 namespace ddssec::rtps {
-
-/// The same moment on both clocks.
-struct Moment {
-  MonotonicTime now{};
-  Time wall{};
-};
 
 class ReaderCache {
  public:

@@ -9,6 +9,7 @@
 #include "base/result.hpp"
 #include "rtps/durability/stored_change.hpp"
 #include "rtps/qos/qos.hpp"
+#include "rtps/reliability/moment.hpp"
 
 namespace ddssec::rtps {
 
@@ -24,14 +25,26 @@ class WriterDurability {
   WriterDurability(const WriterDurability&) = delete;
   WriterDurability& operator=(const WriterDurability&) = delete;
 
+  /// What an earlier writer left, and when each sample of it expires. kNever: it does not.
+  struct Restored {
+    std::vector<Change> history;
+    std::vector<MonotonicTime> expires;
+  };
   /// Returns the samples that an earlier writer left in the stream. `store` must outlive this
-  /// object. `now`: calendar time. Errors: those of DurableStore::open_stream.
-  Result<std::vector<Change>> open(DurableStore& store, StreamKey key,
-                                   const DurabilityService& service, Time now);
+  /// object. `lifespan`: that of the writer, whose samples live no longer. Errors: those of
+  /// DurableStore::open_stream.
+  Result<Restored> open(DurableStore& store, StreamKey key, const DurabilityService& service,
+                        const Moment& now, Duration lifespan = kDurationInfinite);
   bool is_open() const { return store_ != nullptr; }
 
+  /// The LIFESPAN of what is appended from now on.
+  void set_lifespan(Duration lifespan) { lifespan_ = lifespan; }
   /// Stores the change with sequence number `number` of `writer`. Never waits.
-  void append(Change& change, const Guid& writer, SequenceNumber number, Time now);
+  void append(Change& change, const Guid& writer, SequenceNumber number, const Moment& now);
+  /// Removes from the store what has expired, if anything has. Never waits.
+  void clean_up(const Moment& now);
+  /// When clean_up is to be called next. kNever: there is nothing to remove.
+  MonotonicTime next_clean_up(MonotonicTime now) const;
   /// If too much is waiting to be stored, releases `lock` and waits. Errors: those of
   /// DurableStore::status and DurableStore::wait_for_room.
   Status wait_for_room(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds most);
@@ -42,6 +55,7 @@ class WriterDurability {
  private:
   DurableStore* store_ = nullptr;
   StreamId stream_;
+  Duration lifespan_ = kDurationInfinite;
 };
 
 }  // namespace ddssec::rtps

@@ -10,10 +10,13 @@ constexpr std::size_t kFew = 64;
 
 }  // namespace
 
-void WriterLifespan::add(SequenceNumber change, Duration lifespan, MonotonicTime now,
-                         std::chrono::nanoseconds age) {
-  if (lifespan.is_infinite()) return;
-  expiring_.emplace_back(now + lifespan.to_nanoseconds() - age, change);
+void WriterLifespan::add(SequenceNumber change, Duration lifespan, MonotonicTime now) {
+  add(change, lifespan.is_infinite() ? kNever : now + lifespan.to_nanoseconds());
+}
+
+void WriterLifespan::add(SequenceNumber change, MonotonicTime at) {
+  if (at == kNever) return;
+  expiring_.emplace_back(at, change);
   std::ranges::push_heap(expiring_, std::greater());
 }
 

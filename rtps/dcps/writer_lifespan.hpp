@@ -15,13 +15,10 @@ class WriterHistory;
 /// Tracks when each change of a writer expires.
 class WriterLifespan {
  public:
-  /// True if a sample of that age has already expired.
-  static bool is_over(Duration lifespan, std::chrono::nanoseconds age) {
-    return !lifespan.is_infinite() && age >= lifespan.to_nanoseconds();
-  }
-  /// Adds a change that is `age` old at `now`.
-  void add(SequenceNumber change, Duration lifespan, MonotonicTime now,
-           std::chrono::nanoseconds age = {});
+  /// Adds a change that is written now.
+  void add(SequenceNumber change, Duration lifespan, MonotonicTime now);
+  /// Adds a change that expires at `at`. kNever: it does not.
+  void add(SequenceNumber change, MonotonicTime at);
   /// Calls `expired` once for each change that has expired.
   void expire(MonotonicTime now, const std::function<void(SequenceNumber)>& expired);
   /// Forgets changes that are not in the history any more, once there are more of them than of the

@@ -22,8 +22,8 @@ std::size_t work_of(const StoredChange& stored) {
 }  // namespace
 
 Result<std::unique_ptr<DurableStore>> DurableStore::open(const std::string& path, EventSink& events,
-                                                         std::size_t most_octets) {
-  DDSSEC_ASSIGN_OR_RETURN(auto store, SampleStore::open(path, most_octets));
+                                                         std::size_t most_octets, Time now) {
+  DDSSEC_ASSIGN_OR_RETURN(auto store, SampleStore::open(path, most_octets, now));
   std::unique_ptr<DurableStore> out(new DurableStore(std::move(store), events));
   DDSSEC_RETURN_IF_ERROR(out->start());
   return out;
@@ -65,7 +65,8 @@ Status DurableStore::wait(std::chrono::nanoseconds most, Ready ready) {
 }
 
 Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
-                                                       const DurabilityService& service, Time now) {
+                                                       const DurabilityService& service,
+                                                       const Moment& now, Duration lifespan) {
   std::unique_lock store(store_mutex_, kMaxOpen);
   if (!store) return fail(Code::rtps_timeout, {.document = store_.path()});
   forget_closed();
@@ -79,7 +80,7 @@ Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
       if (const auto last = last_.find(id); last != last_.end()) before = last->second;
     }
     store.unlock();
-    auto opened = load(id, service, before, now);
+    auto opened = load(id, service, before, now, lifespan);
     if (!opened) close_stream(id);
     return opened;
   }
@@ -97,14 +98,24 @@ Result<bool> DurableStore::is_empty() {
 }
 
 Result<DurableStore::Opened> DurableStore::load(StreamId id, const DurabilityService& service,
-                                                std::uint64_t after, Time now) {
+                                                std::uint64_t after, const Moment& now,
+                                                Duration lifespan) {
   DDSSEC_RETURN_IF_ERROR(wait(kMaxOpen, [&] { return committed_ >= after; }));
   const std::unique_lock store(store_mutex_, kMaxOpen);
   if (!store) return fail(Code::rtps_timeout, {.document = store_.path()});
   DDSSEC_ASSIGN_OR_RETURN(auto history, store_.load(id));
   const std::lock_guard held(mutex_);
-  index_.open(id, service, history, now);
-  return Opened{id, std::move(history.changes), std::move(history.rows), std::move(history.heard)};
+  const auto expires = index_.open(id, service, history, now, lifespan);
+  const auto removed = clean_up(id, now, history.rows.size());
+  const std::set<std::int64_t> gone(removed.begin(), removed.end());
+  Opened out{.id = id, .history = {}, .rows = {}, .heard = std::move(history.heard)};
+  for (std::size_t i = 0; i < history.rows.size(); ++i) {
+    if (gone.contains(history.rows[i])) continue;
+    out.history.push_back(std::move(history.changes[i]));
+    out.rows.push_back(history.rows[i]);
+    out.expires.push_back(expires[i]);
+  }
+  return out;
 }
 
 void DurableStore::close_stream(StreamId stream) {
@@ -134,7 +145,7 @@ void DurableStore::forget_closed() {
   }
 }
 
-DurableStore::Appended DurableStore::append(StoredChange change, Time now) {
+DurableStore::Appended DurableStore::append(StoredChange change, const Moment& now) {
   const std::lock_guard held(mutex_);
   const auto identity = change.identity;
   if (identity && !may_append(*identity, change.change.payload.size())) return {};
@@ -146,7 +157,7 @@ DurableStore::Appended DurableStore::append(StoredChange change, Time now) {
     Appended out{index_.add(stored, now)};
     if (out.outcome.verdict != SampleIndex::Verdict::waits) {
       undo.release();
-      out.number = count_pending(now);
+      out.number = count_pending(now.wall);
       return out;
     }
   }
@@ -156,15 +167,26 @@ DurableStore::Appended DurableStore::append(StoredChange change, Time now) {
   return {.outcome = {}, .has_no_share = identity && octets_of_.find(*identity)->second == 0};
 }
 
-std::vector<std::int64_t> DurableStore::clean_up(StreamId stream, Time now) {
+std::vector<std::int64_t> DurableStore::clean_up(StreamId stream, const Moment& now) {
   const std::lock_guard held(mutex_);
+  return clean_up(stream, now, SampleIndex::kMaxRemoved);
+}
+
+MonotonicTime DurableStore::next_due(StreamId stream) const {
+  const std::lock_guard held(mutex_);
+  return index_.next_due(stream);
+}
+
+std::vector<std::int64_t> DurableStore::clean_up(StreamId stream, const Moment& now,
+                                                 std::size_t most) {
+  if (index_.next_due(stream) > now.now) return {};
   last_.try_emplace(stream);
   auto& stored = pending_.emplace_back(StoredChange{stream});
   Rollback undo([&] { pending_.pop_back(); });
-  auto removed = index_.clean_up(stored, now);
+  auto removed = index_.clean_up(stored, now.now, most);
   if (removed.empty()) return removed;
   undo.release();
-  count_pending(now);
+  count_pending(now.wall);
   return removed;
 }
 
@@ -274,6 +296,25 @@ Status DurableStore::write(std::span<const StoredChange> group, Time now) {
   }
 }
 
+// A row that was removed has no later change that needs it. A removal whose row is not stored yet
+// has no effect now, and is repeated in its turn.
+std::vector<StoredChange> DurableStore::removals_before(
+    std::vector<StoredChange>& group) const noexcept try {
+  std::vector<StoredChange> out;
+  std::set<std::int64_t> gone;
+  for (const auto* changes : {&std::as_const(group), &pending_})
+    for (const auto& stored : *changes) {
+      if (stored.row != 0 || !stored.change.is_alive() || stored.removed.empty()) continue;
+      gone.insert(stored.removed.begin(), stored.removed.end());
+      out.push_back({.stream = stored.stream, .removed = stored.removed});
+    }
+  for (auto& stored : group)
+    if (gone.contains(stored.row)) stored.row = 0;
+  return out;
+} catch (const std::exception&) {
+  return {};
+}
+
 /// Empty: there was no memory to find out.
 std::optional<std::size_t> DurableStore::room_now() noexcept try {
   const auto room = store_.room();
@@ -294,12 +335,14 @@ void DurableStore::commit(std::unique_lock<std::mutex>& held) {
   const bool is_again = !failed_.empty();
   group.swap(is_again ? failed_ : pending_);
   const auto octets = std::exchange(is_again ? failed_octets_ : octets_, 0);
+  const auto removals = is_again ? removals_before(group) : std::vector<StoredChange>{};
   const auto now = now_;
   const auto left_out = index_.left_out();
   const auto refusals = index_.shares().take_news();
   held.unlock();
   std::unique_lock store(store_mutex_);
-  auto written = write(group, now);
+  auto written = write(removals, now);
+  if (written) written = write(group, now);
   const auto room = room_now();
   store.unlock();
   report(!written && status_ ? &written.error() : nullptr, left_out, refusals);

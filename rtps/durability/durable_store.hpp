@@ -24,10 +24,11 @@ class DurableStore {
   /// The limit for one identity, whose changes wait above it. One change is always taken.
   static constexpr std::size_t kMaxPendingOctetsOfOne = std::size_t{4} << 20;
 
-  /// `events` must outlive the store. Errors: those of SampleStore::open, rtps_thread_failed.
+  /// `events` must outlive the store. Samples that have expired at `now`, a calendar time, are
+  /// removed. Errors: those of SampleStore::open, rtps_thread_failed.
   static Result<std::unique_ptr<DurableStore>> open(
       const std::string& path, EventSink& events,
-      std::size_t most_octets = SampleStore::kDefaultOctets);
+      std::size_t most_octets = SampleStore::kDefaultOctets, Time now = {});
   /// Commits what was appended, if possible.
   ~DurableStore();
 
@@ -36,12 +37,15 @@ class DurableStore {
     std::vector<Change> history;
     std::vector<std::int64_t> rows;  ///< identify the samples of `history`
     std::vector<HeardWriter> heard = {};
+    std::vector<MonotonicTime> expires = {};  ///< when each of `history` does; kNever: it does not
   };
   /// Opens the first stream of `key` that no other writer has open; its ordinal is chosen here.
   /// A stream to which nothing is appended that is not committed can be opened on a full disk.
-  /// `now`: calendar time; later source timestamps of stored samples overtake nothing.
-  /// Errors: those of SampleStore, and those of flush.
-  Result<Opened> open_stream(StreamKey key, const DurabilityService& service, Time now);
+  /// Source timestamps of stored samples that are later than `now` overtake nothing. `lifespan`
+  /// limits how long the samples live, besides what is stored with each; those that have expired
+  /// are removed. Errors: those of SampleStore, and those of flush.
+  Result<Opened> open_stream(StreamKey key, const DurabilityService& service, const Moment& now,
+                             Duration lifespan = kDurationInfinite);
   /// Once everything that was appended to the stream is committed, a stream without samples is
   /// removed.
   void close_stream(StreamId stream);
@@ -52,14 +56,16 @@ class DurableStore {
     /// It waits although nothing else of its identity is being stored: it may wait for long.
     bool has_no_share = false;
   };
-  /// Never waits for a disk. What has the verdict `waits` was not appended: try again later.
-  /// `now`: calendar time.
-  Appended append(StoredChange change, Time now);
-  void append(StreamId stream, const Change& change, Time now) {
+  /// Never waits for a disk. What has the verdict `waits` was not appended: try again later. Call
+  /// clean_up before it, so that samples that have expired use no room.
+  Appended append(StoredChange change, const Moment& now);
+  void append(StreamId stream, const Change& change, const Moment& now) {
     append({.stream = stream, .change = change}, now);
   }
-  /// Removes the disposed instances whose service_cleanup_delay is over, and returns their samples.
-  std::vector<std::int64_t> clean_up(StreamId stream, Time now);
+  /// See SampleIndex::clean_up. Returns the rows that go: not all at once, if they are many.
+  std::vector<std::int64_t> clean_up(StreamId stream, const Moment& now);
+  /// See SampleIndex::next_due.
+  MonotonicTime next_due(StreamId stream) const;
   /// The number of appended changes that are stored, in the order of append.
   std::uint64_t committed() const;
   /// The number of appended changes that are not stored yet.
@@ -89,6 +95,11 @@ class DurableStore {
   Status start();
   void run();
   Status write(std::span<const StoredChange> group, Time now);
+  /// What clean_up removes, for a group that failed: it goes first, because the group may need its
+  /// room. What it removes of the group itself is not stored any more.
+  std::vector<StoredChange> removals_before(std::vector<StoredChange>& group) const noexcept;
+  /// The caller holds the mutex.
+  std::vector<std::int64_t> clean_up(StreamId stream, const Moment& now, std::size_t most);
   void commit(std::unique_lock<std::mutex>& held);
   /// False: the identity has enough that is not committed yet.
   bool may_append(const GuidPrefix& identity, std::size_t octets) const;
@@ -99,7 +110,8 @@ class DurableStore {
   void report(const Error* failure, std::uint64_t beyond_limits,
               const std::vector<StoreShares::Refusals>& refusals) noexcept;
   /// `after`: the change that must be committed before.
-  Result<Opened> load(StreamId id, const DurabilityService& service, std::uint64_t after, Time now);
+  Result<Opened> load(StreamId id, const DurabilityService& service, std::uint64_t after,
+                      const Moment& now, Duration lifespan);
   /// The caller holds the store's mutex.
   void forget_closed();
   bool over() const {

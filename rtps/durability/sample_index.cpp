@@ -14,11 +14,31 @@ std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
 
 KeyHash key_of(const Change& change) { return change.key_hash.value_or(KeyHash{}); }
 
-/// When a disposed instance is removed: calendar time in nanoseconds. Empty: never.
-std::optional<std::int64_t> end_of(const Change& change, const DurabilityService& service,
-                                   Time since) {
-  if (!change.status.disposed || service.cleanup_delay.is_infinite()) return std::nullopt;
-  return (since.to_nanoseconds() + service.cleanup_delay.to_nanoseconds()).count();
+/// What is left of `most` for something that began at `since`: not more than `most`, however far
+/// ahead `since` is. Not above 0: it is over. kNever: it never is. No sum overflows, because
+/// durations and ages stay below 2^32 s.
+MonotonicTime left_of(Duration most, Time since, Time now) {
+  if (most.is_infinite()) return kNever;
+  const auto age = now.to_nanoseconds() - since.to_nanoseconds();
+  return most.to_nanoseconds() - std::max(age, MonotonicTime::zero());
+}
+
+// SampleStore has checked that both numbers are times.
+MonotonicTime left_of(const std::optional<StoredExpiry>& stored, Time now) {
+  if (!stored) return kNever;
+  const auto left = stored->at - now.to_nanoseconds().count();
+  return MonotonicTime(std::min(left, stored->lifespan));
+}
+
+MonotonicTime later_by(MonotonicTime left, MonotonicTime now) {
+  return left == kNever ? kNever : now + left;
+}
+
+/// When a disposed instance is removed. kNever: never, or it is alive.
+MonotonicTime end_of(const Change& change, const DurabilityService& service, Time since,
+                     const Moment& now) {
+  if (!change.status.disposed) return kNever;
+  return later_by(left_of(service.cleanup_delay, since, now.wall), now.now);
 }
 
 }  // namespace
@@ -28,24 +48,30 @@ SampleIndex::Account SampleIndex::account_of(StoreShares& shares,
   return identity ? shares.account(*identity) : StoreShares::kNone;
 }
 
-void SampleIndex::open(StreamId stream, const DurabilityService& service,
-                       const StoredHistory& history, Time now) {
+std::vector<MonotonicTime> SampleIndex::open(StreamId stream, const DurabilityService& service,
+                                             const StoredHistory& history, const Moment& now,
+                                             Duration lifespan) {
   Stream opened;
   opened.service = service;
+  std::vector<MonotonicTime> out;
   for (std::size_t i = 0; i < history.changes.size(); ++i) {
     const auto& change = history.changes[i];
     const auto account = account_of(shares_, history.identities[i]);
     const auto octets = StoreShares::cost(change.payload.size());
     const auto time = change.source_time.value_or(Time{});
-    insert(
-        opened, key_of(change),
-        {history.rows[i], static_cast<std::uint32_t>(octets), account, time <= now ? time : Time{}},
-        end_of(change, service, time));
+    const auto left =
+        std::min(left_of(history.expiries[i], now.wall), left_of(lifespan, time, now.wall));
+    out.push_back(change.is_alive() ? later_by(left, now.now) : kNever);
+    insert(opened, key_of(change),
+           {history.rows[i], static_cast<std::uint32_t>(octets), account,
+            time <= now.wall ? time : Time{}, out.back()},
+           end_of(change, service, time, now));
   }
   streams_.insert_or_assign(stream, std::move(opened));
+  return out;
 }
 
-SampleIndex::Outcome SampleIndex::add(StoredChange& entry, Time now) {
+SampleIndex::Outcome SampleIndex::add(StoredChange& entry, const Moment& now) {
   using enum Verdict;
   const auto& change = entry.change;
   const auto found = streams_.find(entry.stream);
@@ -55,7 +81,9 @@ SampleIndex::Outcome SampleIndex::add(StoredChange& entry, Time now) {
   if (!change.is_alive() && !change.status.disposed) return {ended};
   const auto account = account_of(shares_, entry.identity);
   const auto octets = StoreShares::cost(change.payload.size());
-  const auto time = std::min(change.source_time.value_or(now), now);
+  const auto time = std::min(change.source_time.value_or(now.wall), now.wall);
+  const auto left = change.is_alive() ? left_of(entry.lifespan, time, now.wall) : kNever;
+  if (left <= MonotonicTime::zero()) return {ended};
   if (entry.is_late && is_overtaken(stream, key, time, account)) return {overtaken};
   const bool is_kept = !change.status.disposed || stream.service.cleanup_delay != kDurationZero;
   const auto held = stream.instances.find(key);
@@ -75,9 +103,13 @@ SampleIndex::Outcome SampleIndex::add(StoredChange& entry, Time now) {
   }
   Outcome out{stored, last_row_ + 1};
   if (count > 0) entry.removed = out.removed = oldest(held->second, count);
-  insert(stream, key, {out.row, static_cast<std::uint32_t>(octets), account, time},
-         end_of(change, stream.service, now));
+  insert(stream, key,
+         {out.row, static_cast<std::uint32_t>(octets), account, time, later_by(left, now.now)},
+         end_of(change, stream.service, now.wall, now));
   entry.row = ++last_row_;
+  if (left != kNever)
+    entry.expiry = StoredExpiry{(now.wall.to_nanoseconds() + left).count(),
+                                entry.lifespan.to_nanoseconds().count()};
   erase_oldest(stream, key, count);
   shares_.add(account, octets);
   free_ -= std::min(free_, 2 * octets);
@@ -86,7 +118,7 @@ SampleIndex::Outcome SampleIndex::add(StoredChange& entry, Time now) {
 
 std::vector<std::int64_t> SampleIndex::oldest(const Rows& rows, std::size_t count) {
   std::vector<std::int64_t> out;
-  for (std::size_t i = 0; i < count; ++i) out.push_back(rows[i].id);
+  for (auto at = rows.begin(); out.size() < count; ++at) out.push_back(at->first);
   return out;
 }
 
@@ -103,7 +135,7 @@ bool SampleIndex::is_overtaken(const Stream& stream, const KeyHash& key, Time ti
   if (stream.past_ends.has_later(key, time, account)) return true;
   const auto held = stream.instances.find(key);
   if (held == stream.instances.end()) return false;
-  const auto& newest = held->second.back();
+  const auto& newest = held->second.rbegin()->second;
   if (newest.account == account || newest.time <= time) return false;
   return stream.service.history.kind == HistoryKind::keep_last || stream.ended.contains(key);
 }
@@ -132,12 +164,14 @@ bool SampleIndex::has_share(const Stream& stream, const KeyHash& key, Account ac
                             std::size_t octets) const {
   if (account == StoreShares::kNone) return true;
   std::size_t freed = 0, own_freed = 0, own_replaced = 0;
-  if (const auto held = stream.instances.find(key); held != stream.instances.end())
-    for (std::size_t i = 0; i < replaced(stream, held->second); ++i) {
-      const auto& row = held->second[i];
+  if (const auto held = stream.instances.find(key); held != stream.instances.end()) {
+    auto at = held->second.begin();
+    for (auto count = replaced(stream, held->second); count > 0; --count, ++at) {
+      const auto& row = at->second;
       freed += row.octets;
       if (row.account == account) own_freed += row.octets, ++own_replaced;
     }
+  }
   if (octets > freed && shares_.octets(account) - own_freed + octets + octets - freed > free_)
     return false;
   if (own_replaced > 0 || stream.service.limits.max_samples != kLengthUnlimited) return true;
@@ -156,26 +190,30 @@ bool SampleIndex::has_room(const Stream& stream, const KeyHash& key, std::size_t
 
 // Does nothing if an allocation fails.
 void SampleIndex::insert(Stream& stream, const KeyHash& key, const Row& row,
-                         std::optional<std::int64_t> ends_at) {
+                         MonotonicTime ends_at) {
   auto& own = stream.samples_of[row.account];
   const auto [at, is_new] = stream.instances.try_emplace(key);
   Rollback undo_instance([&] {
     if (is_new) stream.instances.erase(at);
   });
   auto& rows = at->second;
-  rows.push_back(row);
-  Rollback undo_row([&] { rows.pop_back(); });
-  if (ends_at)
-    stream.ended.add(key, *ends_at);
+  rows.emplace(row.id, row);
+  Rollback undo_row([&] { rows.erase(row.id); });
+  if (row.expires != kNever) stream.expiring.emplace(row.expires, row.id, key);
+  Rollback undo_expiry([&] { stream.expiring.erase({row.expires, row.id, key}); });
+  if (ends_at != kNever)
+    stream.ended.add(key, ends_at);
   else
     stream.ended.remove(key);
+  undo_expiry.release();
   undo_row.release();
   undo_instance.release();
   ++stream.samples;
   ++own;
 }
 
-void SampleIndex::erase(Stream& stream, const Row& row) {
+void SampleIndex::erase(Stream& stream, const KeyHash& key, const Row& row) {
+  if (row.expires != kNever) stream.expiring.erase({row.expires, row.id, key});
   shares_.remove(row.account, row.octets);
   --stream.samples;
   if (const auto own = stream.samples_of.find(row.account); --own->second == 0)
@@ -186,30 +224,56 @@ void SampleIndex::erase_oldest(Stream& stream, const KeyHash& key, std::size_t c
   if (count == 0) return;
   auto& rows = stream.instances.at(key);
   for (; count > 0; --count) {
-    erase(stream, rows.front());
-    rows.pop_front();
+    erase(stream, key, rows.begin()->second);
+    rows.erase(rows.begin());
   }
 }
 
 void SampleIndex::erase_instance(Stream& stream, const KeyHash& key) {
   const auto held = stream.instances.find(key);
   if (held == stream.instances.end()) return;
-  for (const auto& row : held->second) erase(stream, row);
+  for (const auto& [id, row] : held->second) erase(stream, key, row);
   stream.instances.erase(held);
   stream.ended.remove(key);
 }
 
-std::vector<std::int64_t> SampleIndex::clean_up(StoredChange& entry, Time now) {
+// The rest of an instance that has many samples goes with the next calls, oldest first.
+std::vector<std::int64_t> SampleIndex::clean_up(StoredChange& entry, MonotonicTime now,
+                                                std::size_t most) {
   const auto found = streams_.find(entry.stream);
   if (found == streams_.end()) return {};
   auto& stream = found->second;
-  const auto due = stream.ended.due(now.to_nanoseconds().count());
+  std::vector<std::pair<KeyHash, std::int64_t>> gone;
+  for (const auto& [at, row, key] : stream.expiring) {
+    if (at > now || gone.size() >= most) break;
+    gone.emplace_back(key, row);
+  }
+  for (const auto& key : stream.ended.due(now, most - gone.size()))
+    for (const auto& [id, row] : stream.instances.at(key)) {
+      if (gone.size() >= most) break;
+      if (row.expires > now) gone.emplace_back(key, id);
+    }
   std::vector<std::int64_t> removed;
-  for (const auto& key : due)
-    for (const auto& row : stream.instances.at(key)) removed.push_back(row.id);
+  for (const auto& [key, row] : gone) removed.push_back(row);
   entry.removed = removed;
-  for (const auto& key : due) erase_instance(stream, key);
+  for (const auto& [key, row] : gone) erase_row(stream, key, row);
   return removed;
+}
+
+void SampleIndex::erase_row(Stream& stream, const KeyHash& key, std::int64_t row) {
+  const auto held = stream.instances.find(key);
+  const auto at = held->second.find(row);
+  erase(stream, key, at->second);
+  held->second.erase(at);
+  if (held->second.empty()) erase_instance(stream, key);
+}
+
+MonotonicTime SampleIndex::next_due(StreamId stream) const {
+  const auto found = streams_.find(stream);
+  if (found == streams_.end()) return kNever;
+  const auto& held = found->second;
+  const auto ends = held.ended.next_due();
+  return held.expiring.empty() ? ends : std::min(ends, std::get<0>(*held.expiring.begin()));
 }
 
 std::size_t SampleIndex::size(StreamId stream) const {
@@ -217,7 +281,7 @@ std::size_t SampleIndex::size(StreamId stream) const {
   return found == streams_.end() ? 0 : found->second.samples;
 }
 
-void SampleIndex::Ended::add(const KeyHash& key, std::int64_t due) {
+void SampleIndex::Ended::add(const KeyHash& key, MonotonicTime due) {
   const auto at = by_time_.emplace(due, key).first;
   Rollback undo([&] { by_time_.erase(at); });
   const auto [known, is_new] = by_key_.try_emplace(key, due);
@@ -233,10 +297,10 @@ void SampleIndex::Ended::remove(const KeyHash& key) {
   by_key_.erase(at);
 }
 
-std::vector<KeyHash> SampleIndex::Ended::due(std::int64_t now) const {
+std::vector<KeyHash> SampleIndex::Ended::due(MonotonicTime now, std::size_t most) const {
   std::vector<KeyHash> out;
   for (const auto& [at, key] : by_time_) {
-    if (at > now) break;
+    if (at > now || out.size() >= most) break;
     out.push_back(key);
   }
   return out;

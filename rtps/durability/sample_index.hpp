@@ -1,16 +1,19 @@
 // What is stored of each stream, in memory: decides whether a change is stored, and what it
-// replaces (DURABILITY_SERVICE: DDS 1.4, 2.2.3.5; shares of identities). No I/O, clock or lock.
+// replaces (DURABILITY_SERVICE: DDS 1.4, 2.2.3.5; LIFESPAN: 2.2.3.16; shares of identities). No
+// I/O, clock or lock.
 #pragma once
 
 #include <deque>
 #include <map>
 #include <optional>
 #include <set>
+#include <tuple>
 #include <vector>
 
 #include "rtps/durability/store_shares.hpp"
 #include "rtps/durability/stored_change.hpp"
 #include "rtps/qos/qos.hpp"
+#include "rtps/reliability/moment.hpp"
 
 namespace ddssec::rtps {
 
@@ -23,15 +26,18 @@ class SampleIndex {
   explicit SampleIndex(std::int64_t last_row = 0) : last_row_(last_row) {}
 
   /// From now on the stream holds `history`, which the shares include already, and `service`
-  /// determines how much of it is kept. `now`: calendar time; when a sample arrived that has a
-  /// later source timestamp is not known, and it overtakes nothing.
-  void open(StreamId stream, const DurabilityService& service, const StoredHistory& history,
-            Time now);
+  /// determines how much of it is kept. When a sample arrived that has a later source timestamp
+  /// than `now` is not known, and it overtakes nothing. `lifespan` limits how long the samples
+  /// live, besides what is stored with each. Returns when each of them expires (kNever: it does
+  /// not). Removes nothing: see clean_up.
+  std::vector<MonotonicTime> open(StreamId stream, const DurabilityService& service,
+                                  const StoredHistory& history, const Moment& now,
+                                  Duration lifespan = kDurationInfinite);
   void close(StreamId stream) { streams_.erase(stream); }
 
   enum class Verdict : std::uint8_t {
     stored,     ///< in `row`
-    ended,      ///< no row: it ends an instance, or says nothing that is stored
+    ended,      ///< no row: it ends an instance, has expired, or says nothing that is stored
     left_out,   ///< above the limits of DURABILITY_SERVICE, and counted
     overtaken,  ///< it is late, and another identity wrote or ended its instance later
     waits,      ///< above the share of its identity, in octets or in samples of the stream
@@ -41,14 +47,20 @@ class SampleIndex {
     std::int64_t row = 0;
     std::vector<std::int64_t> removed = {};
   };
-  /// `entry.stream`, `change`, `identity` and `is_late` are given; sets `row` and `removed`, and
-  /// returns them as well. With KEEP_LAST it replaces the oldest of its instance. The end of an
-  /// instance that has no room removes the instance. What waits or is left out changes nothing, nor
-  /// does an exception (std::bad_alloc). `now`: calendar time.
-  Outcome add(StoredChange& entry, Time now);
-  /// Removes the disposed instances of `entry.stream` whose service_cleanup_delay is over. Sets
-  /// `removed`, and returns it as well.
-  std::vector<std::int64_t> clean_up(StoredChange& entry, Time now);
+  /// `entry.stream`, `change`, `identity`, `is_late` and `lifespan` are given; sets `row`, `expiry`
+  /// and `removed`, and returns the row and `removed` as well. With KEEP_LAST it replaces the
+  /// oldest of its instance. The end of an instance that has no room removes the instance. What
+  /// waits or is left out changes nothing, nor does an exception (std::bad_alloc).
+  Outcome add(StoredChange& entry, const Moment& now);
+  /// Limit for the rows that one call of clean_up removes.
+  static constexpr std::size_t kMaxRemoved = 256;
+  /// Removes samples of `entry.stream` that have expired, and of disposed instances whose
+  /// service_cleanup_delay is over. Sets `removed`, and returns it as well. The steps of the
+  /// calendar have no effect. An exception (std::bad_alloc) changes nothing.
+  std::vector<std::int64_t> clean_up(StoredChange& entry, MonotonicTime now,
+                                     std::size_t most = kMaxRemoved);
+  /// When clean_up next has something to do. kNever: nothing is due by itself.
+  MonotonicTime next_due(StreamId stream) const;
 
   StoreShares& shares() { return shares_; }
   /// The number of octets that are free in the store, as long as nothing is added.
@@ -67,22 +79,24 @@ class SampleIndex {
     std::uint32_t octets;
     Account account;
     Time time;  ///< of the source, at most that of arrival
+    MonotonicTime expires = kNever;
   };
-  using Rows = std::deque<Row>;
+  /// By id, which is the order in which they were stored. Any of them may expire first.
+  using Rows = std::map<std::int64_t, Row>;
   /// The disposed instances that have not been removed yet. Each costs the same, however many there
   /// are.
   class Ended {
    public:
-    /// `due`: calendar time in nanoseconds.
-    void add(const KeyHash& key, std::int64_t due);
+    void add(const KeyHash& key, MonotonicTime due);
     void remove(const KeyHash& key);
     bool contains(const KeyHash& key) const { return by_key_.contains(key); }
-    /// Those that are due at `now`.
-    std::vector<KeyHash> due(std::int64_t now) const;
+    /// Those that are due at `now`, of too many the first.
+    std::vector<KeyHash> due(MonotonicTime now, std::size_t most) const;
+    MonotonicTime next_due() const { return by_time_.empty() ? kNever : by_time_.begin()->first; }
 
    private:
-    std::map<KeyHash, std::int64_t> by_key_;
-    std::set<std::pair<std::int64_t, KeyHash>> by_time_;
+    std::map<KeyHash, MonotonicTime> by_key_;
+    std::set<std::pair<MonotonicTime, KeyHash>> by_time_;
   };
   /// The last ends of instances that left no row, by source timestamp.
   class PastEnds {
@@ -101,11 +115,14 @@ class SampleIndex {
     std::map<KeyHash, End> by_key_;
     std::map<Account, std::deque<KeyHash>> by_account_;
   };
+  /// When a row expires, its id and its instance.
+  using Expiring = std::tuple<MonotonicTime, std::int64_t, KeyHash>;
   struct Stream {
     DurabilityService service;
     std::map<KeyHash, Rows> instances;
     Ended ended;
     PastEnds past_ends;
+    std::set<Expiring> expiring;
     std::size_t samples = 0;
     std::map<Account, std::size_t> samples_of;
   };
@@ -119,11 +136,13 @@ class SampleIndex {
                  std::size_t octets) const;
   /// `replaced`: number of rows that go before.
   bool has_room(const Stream& stream, const KeyHash& key, std::size_t replaced) const;
-  void insert(Stream& stream, const KeyHash& key, const Row& row,
-              std::optional<std::int64_t> ends_at);
-  void erase(Stream& stream, const Row& row);
+  /// `ends_at`: when the disposed instance is removed. kNever: it is alive, or stays.
+  void insert(Stream& stream, const KeyHash& key, const Row& row, MonotonicTime ends_at);
+  void erase(Stream& stream, const KeyHash& key, const Row& row);
   void erase_oldest(Stream& stream, const KeyHash& key, std::size_t count);
   void erase_instance(Stream& stream, const KeyHash& key);
+  /// With the last one of its rows, the instance goes as well.
+  void erase_row(Stream& stream, const KeyHash& key, std::int64_t row);
 
   std::map<StreamId, Stream> streams_;
   StoreShares shares_;

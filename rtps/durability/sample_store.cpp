@@ -4,44 +4,18 @@
 
 #include <fmt/format.h>
 
-#include "base/hash.hpp"
+#include "rtps/durability/sample_row.hpp"
 #include "rtps/durability/store_file.hpp"
+#include "rtps/durability/store_schema.hpp"
 
 namespace ddssec::rtps {
 namespace {
 
-constexpr std::int64_t kApplicationId = 0x44445353;  // "DDSS"
-// Version 2 did not store the sender of a sample, version 3 not up to where a writer was heard.
-constexpr std::int64_t kVersion = 4, kOldestVersion = 2;
 // One of so many octets may be used for each remembered writer.
 constexpr std::size_t kOctetsPerHeard = 1024;
 constexpr std::size_t kPageSize = 4096;
-constexpr std::size_t kSumSize = 8;
-constexpr std::size_t kMaxPayload = 64u << 20;
 constexpr std::string_view kWithoutSamples =
     "NOT EXISTS (SELECT 1 FROM sample WHERE sample.stream = stream.id)";
-
-constexpr std::string_view kSchema[] = {
-    "CREATE TABLE stream(id INTEGER PRIMARY KEY, domain INTEGER NOT NULL, topic TEXT NOT NULL, "
-    "type TEXT NOT NULL, partition BLOB NOT NULL, ordinal INTEGER NOT NULL, "
-    "UNIQUE(domain, topic, type, partition, ordinal))",
-    "CREATE TABLE sample(id INTEGER PRIMARY KEY, stream INTEGER NOT NULL, key BLOB NOT NULL, "
-    "keyed INTEGER NOT NULL, disposed INTEGER NOT NULL, seconds INTEGER NOT NULL, "
-    "fraction INTEGER NOT NULL, writer BLOB NOT NULL, number INTEGER NOT NULL, "
-    "payload BLOB NOT NULL, sum BLOB NOT NULL, identity BLOB)",
-    "CREATE INDEX sample_of_stream ON sample(stream, id)",
-    "CREATE TABLE heard(stream INTEGER NOT NULL, writer BLOB NOT NULL, number INTEGER NOT NULL, "
-    "time INTEGER NOT NULL, used INTEGER NOT NULL, PRIMARY KEY(stream, writer)) WITHOUT ROWID"};
-
-constexpr std::string_view kSinceVersion3 = ", identity BLOB";
-
-/// Returns the text as SQLite stores it, which is how it was written.
-std::string schema_of(std::int64_t version, std::string_view sql) {
-  std::string out(sql);
-  if (const auto at = out.find(kSinceVersion3); version < 3 && at != std::string::npos)
-    out.erase(at, kSinceVersion3.size());
-  return out;
-}
 
 /// Includes the length of each name, so that different lists never give the same octets.
 Bytes partition_octets(const std::vector<std::string>& names) {
@@ -72,31 +46,6 @@ SqlStatement& bind_key(SqlStatement& statement, const StreamKey& key, BytesView 
       .bind(5, std::int64_t{key.ordinal});
 }
 
-/// SQLite detects damage to its own structures, but not to their contents.
-std::array<std::uint8_t, kSumSize> sum_of(std::int64_t row, StreamId stream, const Change& change) {
-  const auto key = change.key_hash.value_or(KeyHash{});
-  const auto time = change.source_time.value_or(Time{});
-  const auto origin = change.origin();
-  Bytes head(key.begin(), key.end());
-  std::ranges::copy(origin.writer.octets(), std::back_inserter(head));
-  for (const std::int64_t number : {row, stream.value, std::int64_t{time.seconds},
-                                    std::int64_t{time.fraction}, origin.number.value})
-    for (int shift = 0; shift < 64; shift += 8)
-      head.push_back(static_cast<std::uint8_t>(static_cast<std::uint64_t>(number) >> shift));
-  head.push_back(
-      static_cast<std::uint8_t>((change.key_hash ? 1 : 0) | (change.status.disposed ? 2 : 0)));
-  const auto digest = sha256({head, change.payload.view()});
-  std::array<std::uint8_t, kSumSize> out{};
-  std::ranges::copy_n(digest.begin(), kSumSize, out.begin());
-  return out;
-}
-
-/// Empty: no limit applies, or an earlier version stored the sample.
-std::optional<GuidPrefix> identity_from(BytesView octets) {
-  if (octets.size() != GuidPrefix{}.octets.size()) return std::nullopt;
-  return GuidPrefix::from(octets);
-}
-
 std::unexpected<Error> unusable(const std::string& path, std::string expected, std::string found) {
   return fail(Code::rtps_store_unusable,
               {.document = path, .expected = std::move(expected), .found = std::move(found)});
@@ -104,16 +53,16 @@ std::unexpected<Error> unusable(const std::string& path, std::string expected, s
 
 }  // namespace
 
-Result<SampleStore> SampleStore::open(const std::string& path, std::size_t most_octets) {
+Result<SampleStore> SampleStore::open(const std::string& path, std::size_t most_octets, Time now) {
   if (!path.empty()) DDSSEC_RETURN_IF_ERROR(make_store_file(path));
   DDSSEC_ASSIGN_OR_RETURN(auto database, Database::open(path));
   SampleStore store(std::move(database), path);
-  DDSSEC_RETURN_IF_ERROR(store.prepare(most_octets));
+  DDSSEC_RETURN_IF_ERROR(store.prepare(most_octets, now));
   return store;
 }
 
 // Only reads at first, so that a file of another kind is not changed before it is refused.
-Status SampleStore::prepare(std::size_t most_octets) {
+Status SampleStore::prepare(std::size_t most_octets, Time now) {
   // EXCLUSIVE must be set before anything is read. Then the write-ahead log of a process that was
   // killed is recovered in memory, without another file next to it, even on a full disk.
   for (const auto* pragma :
@@ -139,18 +88,18 @@ Status SampleStore::prepare(std::size_t most_octets) {
     DDSSEC_RETURN_IF_ERROR(transaction.commit());
   }
   DDSSEC_ASSIGN_OR_RETURN(
-      insert_, database_.prepare("INSERT INTO sample(stream, key, keyed, disposed, seconds, "
-                                 "fraction, payload, sum, id, writer, number, identity) "
-                                 "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
+      insert_,
+      database_.prepare("INSERT INTO sample(stream, key, keyed, disposed, seconds, "
+                        "fraction, payload, sum, id, writer, number, identity, expires, lifespan) "
+                        "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
+  DDSSEC_ASSIGN_OR_RETURN(erase_, database_.prepare("DELETE FROM sample WHERE id = ?"));
   DDSSEC_ASSIGN_OR_RETURN(last_row_, database_.number("SELECT coalesce(max(id), 0) FROM sample"));
-  // Without room, the empty streams stay until there is some.
-  if (auto erased = erase_unused_streams();
-      !erased && erased.error().code() != Code::rtps_store_failed)
-    return erased;
+  // Without room, what has expired and the empty streams stay until there is some.
+  for (const auto& erased : {erase_expired(now), erase_unused_streams()})
+    if (!erased && erased.error().code() != Code::rtps_store_failed) return erased;
   DDSSEC_ASSIGN_OR_RETURN(last_stream_,
                           database_.number("SELECT max(coalesce((SELECT max(id) FROM stream), 0), "
                                            "coalesce((SELECT max(stream) FROM sample), 0))"));
-  DDSSEC_ASSIGN_OR_RETURN(erase_, database_.prepare("DELETE FROM sample WHERE id = ?"));
   DDSSEC_ASSIGN_OR_RETURN(renew_heard_,
                           database_.prepare("UPDATE heard SET number = max(number, ?3), "
                                             "time = max(time, ?4), used = ?5 "
@@ -210,11 +159,31 @@ Status SampleStore::create_schema() {
 
 Status SampleStore::renew_schema(std::int64_t version) {
   if (version == kVersion) return {};
-  if (version < 3)
-    DDSSEC_RETURN_IF_ERROR(database_.run("ALTER TABLE sample ADD COLUMN " +
-                                         std::string(kSinceVersion3.substr(sizeof(", ") - 1))));
-  DDSSEC_RETURN_IF_ERROR(database_.run(kSchema[std::size(kSchema) - 1]));
+  for (const auto& [since, column] : kAddedColumns)
+    if (version < since)
+      DDSSEC_RETURN_IF_ERROR(database_.run("ALTER TABLE sample ADD COLUMN " + std::string(column)));
+  if (version < 4) DDSSEC_RETURN_IF_ERROR(database_.run(kSchema[std::size(kSchema) - 1]));
   return database_.run("PRAGMA user_version=" + std::to_string(kVersion));
+}
+
+// A row that is damaged may say anything. It stays, and is refused when its stream is loaded.
+Status SampleStore::erase_expired(Time now) {
+  std::vector<std::int64_t> expired;
+  {
+    DDSSEC_ASSIGN_OR_RETURN(auto rows,
+                            database_.prepare(std::string(kSelectSamples) + "WHERE expires <= ?"));
+    rows.bind(1, now.to_nanoseconds().count());
+    while (true) {
+      DDSSEC_ASSIGN_OR_RETURN(const auto has_row, rows.step());
+      if (!has_row) break;
+      const auto sample = read_row(rows);
+      if (sample && sample->expiry) expired.push_back(rows.number(0));
+    }
+  }
+  if (expired.empty()) return {};
+  DDSSEC_ASSIGN_OR_RETURN(auto transaction, Database::Transaction::begin(database_));
+  for (const auto row : expired) DDSSEC_RETURN_IF_ERROR(erase_.bind(1, row).run());
+  return transaction.commit();
 }
 
 Status SampleStore::erase_unused_streams() {
@@ -343,33 +312,19 @@ std::unexpected<Error> SampleStore::damaged(std::int64_t row) const {
 
 Result<StoredHistory> SampleStore::load(StreamId stream) {
   DDSSEC_ASSIGN_OR_RETURN(
-      auto rows,
-      database_.prepare("SELECT id, key, keyed, disposed, seconds, fraction, payload, sum, "
-                        "writer, number, identity FROM sample WHERE stream = ? ORDER BY id"));
+      auto rows, database_.prepare(std::string(kSelectSamples) + "WHERE stream = ? ORDER BY id"));
   rows.bind(1, stream.value);
   StoredHistory out;
   while (true) {
     DDSSEC_ASSIGN_OR_RETURN(const auto has_row, rows.step());
     if (!has_row) break;
 
-    Change change;
-    const auto key = rows.octets(1), payload = rows.octets(6), writer = rows.octets(8);
-    if (key.size() != KeyHash{}.size() || payload.size() > kMaxPayload ||
-        writer.size() != Guid{}.octets().size())
-      return damaged(rows.number(0));
-    if (rows.number(2) != 0) std::ranges::copy(key, change.key_hash.emplace().begin());
-    change.status.disposed = rows.number(3) != 0;
-    change.key_only = change.status.disposed;
-    change.source_time = Time{
-        {static_cast<std::int32_t>(rows.number(4)), static_cast<std::uint32_t>(rows.number(5))}};
-    change.original = {{GuidPrefix::from(writer.first(12)), EntityId::from(writer.subspan(12))},
-                       {rows.number(9)}};
-    change.payload = Payload::copy_of(payload);
-    if (!std::ranges::equal(sum_of(rows.number(0), stream, change), rows.octets(7)))
-      return damaged(rows.number(0));
-    out.changes.push_back(std::move(change));
+    auto sample = read_row(rows);
+    if (!sample) return damaged(rows.number(0));
+    out.changes.push_back(std::move(sample->change));
     out.rows.push_back(rows.number(0));
-    out.identities.push_back(identity_from(rows.octets(10)));
+    out.identities.push_back(sample->identity);
+    out.expiries.push_back(sample->expiry);
   }
   DDSSEC_RETURN_IF_ERROR(load_heard(stream, out.heard));
   return out;
@@ -463,7 +418,7 @@ Status SampleStore::insert(const StoredChange& stored, Time now) {
   const auto time = change.source_time.value_or(now);
   change.source_time = time;
   change.status.unregistered = false;
-  const auto sum = sum_of(stored.row, stored.stream, change);
+  const auto sum = sum_of(stored.row, stored.stream, change, stored.expiry);
   const auto origin = change.origin();
   const auto writer = origin.writer.octets();
   insert_.bind(1, stored.stream.value)
@@ -478,6 +433,7 @@ Status SampleStore::insert(const StoredChange& stored, Time now) {
       .bind(10, BytesView(writer))
       .bind(11, origin.number.value);
   if (stored.identity) insert_.bind(12, BytesView(stored.identity->octets));
+  if (stored.expiry) insert_.bind(13, stored.expiry->at).bind(14, stored.expiry->lifespan);
   DDSSEC_RETURN_IF_ERROR(insert_.run());
   last_row_ = std::max(last_row_, stored.row);
   return {};

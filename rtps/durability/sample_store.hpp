@@ -25,10 +25,11 @@ class SampleStore {
   /// An empty path opens a store in memory. A file that is missing or empty becomes a store that
   /// only its owner can read. Any other file is checked: it must be a store of this version,
   /// undamaged, not in use by another process, and readable only by the user of this one, as must
-  /// be SQLite's files next to it. A file that fails the check is not changed.
+  /// be SQLite's files next to it. A file that fails the check is not changed. Samples that have
+  /// expired at `now`, a calendar time, are removed.
   /// Errors: rtps_store_unusable, rtps_store_failed.
-  static Result<SampleStore> open(const std::string& path,
-                                  std::size_t most_octets = kDefaultOctets);
+  static Result<SampleStore> open(const std::string& path, std::size_t most_octets = kDefaultOctets,
+                                  Time now = {});
   SampleStore(SampleStore&&) noexcept = default;
 
   /// Returns the stream of a writer: a new one, or the existing one with its samples. A new stream
@@ -68,12 +69,14 @@ class SampleStore {
 
   SampleStore(Database database, std::string path)
       : database_(std::move(database)), path_(std::move(path)) {}
-  Status prepare(std::size_t most_octets);
+  Status prepare(std::size_t most_octets, Time now);
   Status check_origin();
   Status check_schema(std::int64_t version);
   Status create_schema();
   /// Upgrades the schema of an earlier version.
   Status renew_schema(std::int64_t version);
+  /// Of all streams. The caller holds none of them.
+  Status erase_expired(Time now);
   /// Removes all streams without samples and remembered writers.
   Status erase_unused_streams();
   /// Forgets the stream without samples that was not heard on for the longest time.

@@ -14,9 +14,10 @@ std::string_view in_words(bool is_secured) {
 }  // namespace
 
 Status check_store_security(DurableStore& store, bool is_secured, Time now) {
+  const Moment moment{.wall = now};
   DDSSEC_ASSIGN_OR_RETURN(const bool is_empty, store.is_empty());
   DDSSEC_ASSIGN_OR_RETURN(const auto opened,
-                          store.open_stream({.topic = "", .type = "security"}, {}, now));
+                          store.open_stream({.topic = "", .type = "security"}, {}, moment));
   std::string_view found = in_words(is_empty ? is_secured : true);
   if (!opened.history.empty()) found = as_text(opened.history.back().payload.view());
   const auto wanted = in_words(is_secured);
@@ -29,7 +30,7 @@ Status check_store_security(DurableStore& store, bool is_secured, Time now) {
   if (!opened.history.empty()) return {};
   Change mark;
   mark.payload = Payload::copy_of(as_bytes(wanted));
-  store.append(opened.id, mark, now);
+  store.append(opened.id, mark, moment);
   return {};
 }
 

@@ -28,6 +28,14 @@ struct StreamId {
   auto operator<=>(const StreamId&) const = default;
 };
 
+/// LIFESPAN (DDS 1.4, 2.2.3.16) of a stored sample, in nanoseconds. For the next process: while one
+/// runs, its monotonic clock decides.
+struct StoredExpiry {
+  std::int64_t at;        ///< calendar time
+  std::int64_t lifespan;  ///< greater than 0: the longest time that is left when a store is opened
+  bool operator==(const StoredExpiry&) const = default;
+};
+
 /// What a commit does for one change.
 struct StoredChange {
   StreamId stream = {};
@@ -41,8 +49,11 @@ struct StoredChange {
   bool is_late = false;
   /// The store remembers that it has this change of its original writer, stored or not.
   bool is_remembered = false;
-  std::int64_t row = 0;                    ///< where it is stored; 0: nowhere
-  std::vector<std::int64_t> removed = {};  ///< rows that go
+  /// The LIFESPAN of its writer. A sample that has expired is not stored.
+  Duration lifespan = kDurationInfinite;
+  std::int64_t row = 0;                     ///< where it is stored; 0: nowhere
+  std::optional<StoredExpiry> expiry = {};  ///< follows from its source timestamp and lifespan
+  std::vector<std::int64_t> removed = {};   ///< rows that go
 };
 
 /// Up to which change, and which source timestamp, a writer was heard.
@@ -52,11 +63,12 @@ struct HeardWriter {
   Time time;
 };
 
-/// The samples of a stream. The first three lists have the same length.
+/// The samples of a stream. The first four lists have the same length.
 struct StoredHistory {
   std::vector<Change> changes;
   std::vector<std::int64_t> rows;
   std::vector<std::optional<GuidPrefix>> identities;
+  std::vector<std::optional<StoredExpiry>> expiries;
   std::vector<HeardWriter> heard;
 };
 

@@ -94,7 +94,8 @@ Result<std::unique_ptr<Keeper>> Keeper::create(DomainParticipantOptions options,
                                                KeeperOptions keeps,
                                                const Environment& environment) {
   DDSSEC_ASSIGN_OR_RETURN(auto store,
-                          DurableStore::open(keeps.store, environment.events, keeps.store_octets));
+                          DurableStore::open(keeps.store, environment.events, keeps.store_octets,
+                                             Time::from(environment.clock.wall())));
   DDSSEC_RETURN_IF_ERROR(check_store_security(*store, options.security.has_value(),
                                               Time::from(environment.clock.wall())));
   auto domain_tag = options.domain_tag;
@@ -123,7 +124,7 @@ Status Keeper::start() {
   DDSSEC_ASSIGN_OR_RETURN(
       auto known,
       store_->open_stream(stream_of_announcements(participant_->domain_id(), domain_tag_),
-                          DurabilityService{}, participant_->context_.moment().wall));
+                          DurabilityService{}, participant_->context_.moment()));
   known_ = known.id;
   refused_ = std::make_unique<RefusedWriters>([this](const Guid& writer) { return retry(writer); });
   for (const auto& change : known.history) keep_known(change);
@@ -256,12 +257,12 @@ Status Keeper::keep(const EndpointData& writer, const std::optional<Guid>& annou
     return std::unexpected(no_room(writer.topic_name));
   const auto remember = [this, writer, key, announcer] {
     if (announcer)
-      store_->append(known_, announcement(writer, key), participant_->context_.moment().wall);
+      store_->append(known_, announcement(writer, key), participant_->context_.moment());
   };
   auto topic = std::make_unique<KeptTopic>(context, *store_, held_, writer, remember);
   DDSSEC_RETURN_IF_ERROR(topic->open(participant_->domain_id(), domain_tag_));
   if (!announcer && !has_samples(*topic)) {
-    store_->append(known_, end_of_announcement(key), context.moment().wall);
+    store_->append(known_, end_of_announcement(key), context.moment());
     return {};
   }
   topics_[key] = {std::move(topic), identity, announcer.value_or(Guid{})};

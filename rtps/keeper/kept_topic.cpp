@@ -12,8 +12,6 @@ namespace {
 
 // A commit takes about this long.
 constexpr MonotonicTime kLook = std::chrono::milliseconds(5);
-// How often samples are looked for that the store removes later.
-constexpr MonotonicTime kRareLook = std::chrono::seconds(1);
 // How often changes are offered again that wait for an owner to come back.
 constexpr MonotonicTime kDeferredLook = std::chrono::milliseconds(100);
 // How often a sample is requested again that its writer may have replaced.
@@ -60,6 +58,12 @@ std::vector<std::string> scope_of(const std::string& domain_tag, const spi::Prop
   return out;
 }
 
+/// The LIFESPAN that the writer announces now.
+Duration lifespan_of(const ParticipantContext& context, const Guid& writer) {
+  const auto* announced = context.protocol().remote_participants().endpoint(writer);
+  return announced == nullptr ? kDurationInfinite : announced->qos.lifespan;
+}
+
 }  // namespace
 
 KeptTopic::KeptTopic(ParticipantContext& context, DurableStore& store,
@@ -90,7 +94,7 @@ Status KeptTopic::open(DomainId domain, const std::string& domain_tag) {
                 .scope = scope_of(domain_tag, like_.qos.data_tags)};
   DDSSEC_ASSIGN_OR_RETURN(
       auto opened,
-      store_.open_stream(std::move(key), like_.qos.durability_service, context_.moment().wall));
+      store_.open_stream(std::move(key), like_.qos.durability_service, context_.moment()));
   stream_ = opened.id;
   const std::lock_guard held(context_.mutex());
   has_samples_ = !opened.history.empty();
@@ -182,18 +186,21 @@ bool KeptTopic::was_heard(const Change& change) const {
 }
 
 bool KeptTopic::keep(Change& change) {
-  const auto [now, wall] = context_.moment();
+  const auto moment = context_.moment();
+  const auto [now, wall] = moment;
   change.original = change.origin();
   change.coherence = {};
   if (!change.source_time) change.source_time = wall;
   const auto writer = change.writer;
   const auto original = change.sequence_number;
+  discard(store_.clean_up(*stream_, moment));
   const auto kept = store_.append({.stream = *stream_,
                                    .change = change,
                                    .identity = identity_of(writer.prefix),
                                    .is_late = have_waited_.contains(writer),
-                                   .is_remembered = change.original.writer == writer},
-                                  wall);
+                                   .is_remembered = change.original.writer == writer,
+                                   .lifespan = lifespan_of(context_, writer)},
+                                  moment);
   if (kept.outcome.verdict == SampleIndex::Verdict::waits) {
     have_waited_.insert(writer);
     if (kept.has_no_share) without_share_.insert(writer);
@@ -279,15 +286,11 @@ void KeptTopic::discard(const std::vector<std::int64_t>& rows) {
     if (const auto gone = rows_.extract(row)) server().discard(gone.mapped());
 }
 
-// What is disposed is removed from the store after service_cleanup_delay.
 void KeptTopic::look_again(MonotonicTime now) {
   auto next = liveliness_.next_tick();
   if (deferred_) next = std::min(next, now + kDeferredLook);
-  if (!unstored_.empty())
-    next = std::min(next, now + kLook);
-  else if (has_delayed_ends())
-    next = std::min(next, now + kRareLook);
-  call_at(next);
+  const auto due = unstored_.empty() ? store_.next_due(*stream_) : now;
+  call_at(std::min(next, std::max(due, now + kLook)));
 }
 
 void KeptTopic::on_time(MonotonicTime now) {
@@ -295,7 +298,7 @@ void KeptTopic::on_time(MonotonicTime now) {
     if (signal != nullptr) signal->notify(*this, writer);
     owners_->lose(writer);
   });
-  if (has_delayed_ends()) discard(store_.clean_up(*stream_, context_.moment().wall));
+  discard(store_.clean_up(*stream_, context_.moment()));
   const bool has_news = acknowledge_stored();
   auto* reader = context_.protocol().local_endpoints().reader(reader_);
   look_at_waiting(now);
@@ -312,11 +315,6 @@ void KeptTopic::look_at_waiting(MonotonicTime now) {
     const auto* const proxy = reader->writer(writer);
     return proxy == nullptr || proxy->has_caught_up();
   });
-}
-
-bool KeptTopic::has_delayed_ends() const {
-  const auto delay = like_.qos.durability_service.cleanup_delay;
-  return !rows_.empty() && delay != kDurationZero && !delay.is_infinite();
 }
 
 bool KeptTopic::acknowledge_stored() {

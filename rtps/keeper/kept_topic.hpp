@@ -73,7 +73,6 @@ class KeptTopic final : private EndpointListener, private Timed {
   /// Acknowledges what was stored. Returns false if nothing was.
   bool acknowledge_stored();
   void look_at_waiting(MonotonicTime now);
-  bool has_delayed_ends() const;
   /// Lets the writer offer the change again later.
   bool defer(MonotonicTime now);
   void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override;

@@ -23,7 +23,7 @@ int run(const std::string& path, std::uint32_t count) {
   if (!store) return std::fprintf(stderr, "%s\n", store.error().to_sentence().c_str()), 1;
   DurabilityService service;
   service.history = {HistoryKind::keep_all, 1};
-  const auto stream = (*store)->open_stream({.topic = "Bench", .type = "Bench"}, service, Time{});
+  const auto stream = (*store)->open_stream({.topic = "Bench", .type = "Bench"}, service, Moment{});
   if (!stream) return 1;
   Change change;
   change.key_hash.emplace();
@@ -32,7 +32,7 @@ int run(const std::string& path, std::uint32_t count) {
   const auto begin = std::chrono::steady_clock::now();
   for (std::uint32_t i = 0; i < count; ++i) {
     if ((*store)->is_behind() && !(*store)->wait_for_room(kLong)) return 1;
-    (*store)->append(stream->id, change, Time{});
+    (*store)->append(stream->id, change, Moment{});
   }
   if (!(*store)->flush(kLong)) return 1;
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;

@@ -23,24 +23,24 @@ struct DurableStoreTest : StoreTest {
 TEST_F(DurableStoreTest, WhatFlushWaitedForIsThere) {
   {
     auto store = open();
-    const auto stream = *store->open_stream(kMap, keep_all(), seconds(1000));
+    const auto stream = *store->open_stream(kMap, keep_all(), at(1000));
     EXPECT_TRUE(stream.history.empty());
-    for (std::uint32_t i = 0; i < 1000; ++i) store->append(stream.id, sample(i), seconds(0));
+    for (std::uint32_t i = 0; i < 1000; ++i) store->append(stream.id, sample(i), at(0));
     ASSERT_TRUE(store->flush(10s));
     EXPECT_LT(store->groups(), 1000u);
   }
-  EXPECT_EQ(open()->open_stream(kMap, keep_all(), seconds(1000))->history.size(), 1000u);
+  EXPECT_EQ(open()->open_stream(kMap, keep_all(), at(1000))->history.size(), 1000u);
 }
 
 TEST_F(DurableStoreTest, ANextWriterGetsWhatTheOneBeforeLeft) {
   auto store = open();
-  const auto first = *store->open_stream(kMap, keep_all(), seconds(1000));
-  const auto alike = *store->open_stream(kMap, keep_all(), seconds(1000));
+  const auto first = *store->open_stream(kMap, keep_all(), at(1000));
+  const auto alike = *store->open_stream(kMap, keep_all(), at(1000));
   EXPECT_NE(first.id, alike.id);
-  store->append(first.id, sample(1), seconds(0));
-  store->append(alike.id, sample(2), seconds(0));
+  store->append(first.id, sample(1), at(0));
+  store->append(alike.id, sample(2), at(0));
   store->close_stream(first.id);
-  const auto next = *store->open_stream(kMap, keep_all(), seconds(1000));
+  const auto next = *store->open_stream(kMap, keep_all(), at(1000));
   EXPECT_EQ(next.id, first.id);
   EXPECT_EQ(numbers(next.history), std::vector<std::uint32_t>{1});
 }
@@ -49,15 +49,15 @@ TEST_F(DurableStoreTest, ANextWriterGetsWhatTheOneBeforeLeft) {
 TEST_F(DurableStoreTest, WithoutRoomItSaysSoAndGoesOnWhenThereIsSome) {
   std::signal(SIGXFSZ, SIG_IGN);
   auto store = open();
-  const auto stream = *store->open_stream(kMap, keep_all(), seconds(1000));
+  const auto stream = *store->open_stream(kMap, keep_all(), at(1000));
   std::uint32_t next = 0;
-  for (; next < 100; ++next) store->append(stream.id, sample(next), seconds(0));
+  for (; next < 100; ++next) store->append(stream.id, sample(next), at(0));
   ASSERT_TRUE(store->flush(10s));
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
   const rlimit tight{64 << 10, before.rlim_max};
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &tight), 0);
-  for (; next < 5000; ++next) store->append(stream.id, sample(next), seconds(0));
+  for (; next < 5000; ++next) store->append(stream.id, sample(next), at(0));
   const auto failed = store->flush(10s);
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
   ASSERT_EQ(code_of(failed), Code::rtps_store_failed);
@@ -73,7 +73,7 @@ TEST_F(DurableStoreTest, WithoutRoomItSaysSoAndGoesOnWhenThereIsSome) {
   for (int i = 0; i < 100 && !(status = store->flush(100ms)); ++i) ::usleep(20'000);
   EXPECT_TRUE(status);
   store = nullptr;
-  const auto history = open()->open_stream(kMap, keep_all(), seconds(1000))->history;
+  const auto history = open()->open_stream(kMap, keep_all(), at(1000))->history;
   ASSERT_EQ(history.size(), 5000u);
   for (std::uint32_t i = 0; i < 5000; ++i) ASSERT_EQ(number_of(history[i]), i);
 }
@@ -84,39 +84,39 @@ TEST_F(DurableStoreTest, AStream_OpenedWithoutRoom_IsStoredWhenThereIsSome) {
   auto store = open();
   auto other = kMap;
   other.topic = "Other";
-  const auto first = *store->open_stream(kMap, keep_all(), seconds(1000));
+  const auto first = *store->open_stream(kMap, keep_all(), at(1000));
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
   const rlimit none{0, before.rlim_max};
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &none), 0);
-  store->append(first.id, sample(1), seconds(0));
+  store->append(first.id, sample(1), at(0));
   EXPECT_EQ(code_of(store->flush(10s)), Code::rtps_store_failed);
-  const auto second = store->open_stream(other, keep_all(), seconds(1000));
+  const auto second = store->open_stream(other, keep_all(), at(1000));
   store->close_stream(first.id);
-  const auto again = store->open_stream(kMap, keep_all(), seconds(1000));
+  const auto again = store->open_stream(kMap, keep_all(), at(1000));
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
   ASSERT_TRUE(second) << second.error().to_sentence();
   EXPECT_EQ(code_of(again), Code::rtps_store_failed) << "its history is not complete yet";
-  store->append(second->id, sample(2), seconds(0));
+  store->append(second->id, sample(2), at(0));
   for (int i = 0; i < 500 && !store->flush(10s); ++i) ::usleep(10'000);
-  const auto complete = store->open_stream(kMap, keep_all(), seconds(1000));
+  const auto complete = store->open_stream(kMap, keep_all(), at(1000));
   ASSERT_TRUE(complete);
   EXPECT_EQ(complete->id, first.id);
   EXPECT_EQ(numbers(complete->history), std::vector<std::uint32_t>{1});
   store.reset();
-  EXPECT_EQ(numbers(open()->open_stream(other, keep_all(), seconds(1000))->history),
+  EXPECT_EQ(numbers(open()->open_stream(other, keep_all(), at(1000))->history),
             std::vector<std::uint32_t>{2});
 }
 
 TEST_F(DurableStoreTest, IsBehindWhenItsQueueIsFull) {
   auto store = open();
-  const auto stream = *store->open_stream(kMap, keep_last(1), seconds(1000));
+  const auto stream = *store->open_stream(kMap, keep_last(1), at(1000));
   EXPECT_FALSE(store->is_behind());
   Change large = sample(0);
   large.payload = Payload::copy_of(Bytes(DurableStore::kMaxPendingOctets / 4));
   bool behind = false;
   for (int i = 0; i < 8; ++i) {
-    store->append(stream.id, large, seconds(0));
+    store->append(stream.id, large, at(0));
     behind = behind || store->is_behind();
   }
   EXPECT_TRUE(behind);
@@ -128,8 +128,8 @@ TEST_F(DurableStoreTest, LimitsThatAreReachedAreAnEvent) {
   auto service = keep_all();
   service.limits.max_samples = 1;
   auto store = open();
-  const auto stream = *store->open_stream(kMap, service, seconds(1000));
-  for (std::uint32_t i = 0; i < 3; ++i) store->append(stream.id, sample(i), seconds(0));
+  const auto stream = *store->open_stream(kMap, service, at(1000));
+  for (std::uint32_t i = 0; i < 3; ++i) store->append(stream.id, sample(i), at(0));
   ASSERT_TRUE(store->flush(10s));
   const std::lock_guard held(events.mutex);
   ASSERT_FALSE(events.seen.empty());
@@ -148,9 +148,9 @@ TEST_F(DurableStoreTest, ASinkThatThrows_DoesNotEndTheThread) {
   auto store = *DurableStore::open(path, throws);
   auto service = keep_all();
   service.limits.max_samples = 1;
-  const auto stream = *store->open_stream(kMap, service, seconds(1000));
+  const auto stream = *store->open_stream(kMap, service, at(1000));
   for (std::uint32_t i = 0; i < 3; ++i) {
-    store->append(stream.id, sample(i), seconds(0));
+    store->append(stream.id, sample(i), at(0));
     ASSERT_TRUE(store->flush(10s));
   }
   EXPECT_EQ(throws.calls, 2);
@@ -159,22 +159,22 @@ TEST_F(DurableStoreTest, ASinkThatThrows_DoesNotEndTheThread) {
 
 TEST_F(DurableStoreTest, InMemoryItLastsAsLongAsItself) {
   auto store = *DurableStore::open("", events);
-  const auto stream = *store->open_stream(kMap, keep_all(), seconds(1000));
-  store->append(stream.id, sample(1), seconds(0));
+  const auto stream = *store->open_stream(kMap, keep_all(), at(1000));
+  store->append(stream.id, sample(1), at(0));
   store->close_stream(stream.id);
-  EXPECT_EQ(store->open_stream(kMap, keep_all(), seconds(1000))->history.size(), 1u);
+  EXPECT_EQ(store->open_stream(kMap, keep_all(), at(1000))->history.size(), 1u);
 }
 
 // Before: an insider that wrote as fast as the disk takes kept all others from being stored for 8
 // s.
 TEST_F(DurableStoreTest, ChangesOfOneIdentity_LeaveRoomInTheQueue) {
   auto store = open();
-  const auto stream = *store->open_stream(kMap, keep_last(1), seconds(1000));
+  const auto stream = *store->open_stream(kMap, keep_last(1), at(1000));
   const auto append = [&](std::uint8_t identity, std::size_t octets) {
     StoredChange change{stream.id, sample(identity, 200)};
     change.change.payload = Payload::copy_of(Bytes(octets));
     change.identity.emplace().octets[0] = identity;
-    return store->append(std::move(change), seconds(0)).outcome.verdict;
+    return store->append(std::move(change), at(0)).outcome.verdict;
   };
   using enum SampleIndex::Verdict;
   std::signal(SIGXFSZ, SIG_IGN);

@@ -20,12 +20,12 @@ constexpr std::uint32_t kInstances = 3;
   Events events;
   auto store = DurableStore::open(path, events);
   if (!store) ::_exit(2);
-  const auto stream = (*store)->open_stream(kMap, service, seconds(1000));
+  const auto stream = (*store)->open_stream(kMap, service, at(1000));
   if (!stream) ::_exit(3);
   std::mt19937 random(next);
   for (;;) {
     for (auto count = 1 + random() % 50; count > 0; --count)
-      (*store)->append(stream->id, sample(next++, kInstances), seconds(0));
+      (*store)->append(stream->id, sample(next++, kInstances), at(0));
     if (!(*store)->flush(10s)) ::_exit(4);
     if (::write(out, &next, sizeof next) != sizeof next) ::_exit(5);
   }
@@ -65,7 +65,7 @@ TEST_P(KillTest, NothingThatWasStoredIsLostAndNothingIsHalfThere) {
     Events events;
     auto store = DurableStore::open(path, events);
     ASSERT_TRUE(store) << store.error().to_sentence();
-    const auto stream = (*store)->open_stream(kMap, GetParam(), seconds(1000));
+    const auto stream = (*store)->open_stream(kMap, GetParam(), at(1000));
     ASSERT_TRUE(stream) << stream.error().to_sentence();
     const auto held = numbers(stream->history, kInstances);
     ASSERT_FALSE(held.empty());

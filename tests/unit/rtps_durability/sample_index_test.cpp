@@ -390,7 +390,7 @@ TEST_F(LateTest, ATimestampFromTheFuture_CountsAsTheTimeOfArrival) {
 TEST_F(LateTest, AStoredTimestampFromTheFuture_OvertakesNothing) {
   put(sample(0), 5000);
   ASSERT_TRUE(store.close(id));
-  store.opened_at = seconds(50);
+  store.opened_at = at(50);
   id = *store.stream(kMap, service);
   EXPECT_EQ(put(sample(0), 40, true), Verdict::stored);
 }

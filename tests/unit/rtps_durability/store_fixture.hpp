@@ -21,6 +21,11 @@ struct StoreTest : ::testing::Test {
   const std::string path = folder / "samples";
 };
 
+inline Time seconds(std::int32_t count) { return Time{{count, 0}}; }
+/// Both clocks show the same.
+inline Moment on_both(Time time) { return {time.to_nanoseconds(), time}; }
+inline Moment at(std::int32_t count) { return on_both(seconds(count)); }
+
 /// A store with its index, as DurableStore has them, without its thread.
 class IndexedStore {
  public:
@@ -45,7 +50,7 @@ class IndexedStore {
   }
   /// Stores the changes, except those that wait for room. After an error they are stored by the
   /// next call.
-  Status commit(const std::vector<StoredChange>& changes, Time now) {
+  Status commit(const std::vector<StoredChange>& changes, const Moment& now) {
     for (const auto& change : changes) {
       pending.push_back(change);
       try {
@@ -57,18 +62,23 @@ class IndexedStore {
         throw;
       }
     }
-    return write(now);
+    return write(now.wall);
   }
+  Status commit(const std::vector<StoredChange>& changes, Time now) {
+    return commit(changes, on_both(now));
+  }
+  /// Everything that is due at `now` on both clocks.
   Status clean_up(StreamId stream, Time now) {
-    pending.push_back({stream});
-    index.clean_up(pending.back(), now);
+    do {
+      pending.push_back({stream});
+    } while (!index.clean_up(pending.back(), on_both(now).now).empty());
     return write(now);
   }
   std::size_t size(StreamId stream) const { return index.size(stream); }
   std::uint64_t left_out() const { return index.left_out(); }
 
   SampleStore store;
-  Time opened_at{{1000, 0}};
+  Moment opened_at = at(1000);
   SampleIndex index{store.last_row()};
   std::vector<StoredChange> pending = {};
   std::vector<SampleIndex::Outcome> outcomes = {};
@@ -97,8 +107,6 @@ inline DurabilityService keep_last(std::int32_t depth) {
   service.history.depth = depth;
   return service;
 }
-
-inline Time seconds(std::int32_t count) { return Time{{count, 0}}; }
 
 /// The n-th sample: of instance n % instances, with octets that follow from n.
 inline Change sample(std::uint32_t number, std::uint32_t instances = 1) {

@@ -23,7 +23,7 @@ TEST_F(WriterDurabilityTest, NotOpened_NothingHappens) {
   std::mutex mutex;
   std::unique_lock lock(mutex);
   auto change = sample(1);
-  durability.append(change, writer, {1}, seconds(0));
+  durability.append(change, writer, {1}, at(0));
   EXPECT_FALSE(durability.is_open());
   EXPECT_EQ(change.original.number.value, 0);
   EXPECT_TRUE(durability.wait_for_room(lock, 0ns));
@@ -35,25 +35,24 @@ TEST_F(WriterDurabilityTest, NextWriter_GetsWhatTheOneBeforeLeft_WithItsName) {
   auto& store = **stores.of(DurabilityKind::persistent);
   {
     WriterDurability first;
-    EXPECT_TRUE(first.open(store, kMap, keep_all(), seconds(1000))->empty());
+    EXPECT_TRUE(first.open(store, kMap, keep_all(), at(1000))->history.empty());
     auto change = sample(7);
-    first.append(change, writer, {41}, seconds(0));
+    first.append(change, writer, {41}, at(0));
     EXPECT_EQ(change.original.number.value, 0);  // what is sent names no other writer
     ASSERT_TRUE(first.flush(10s));
     WriterDurability beside_it;
-    EXPECT_TRUE(beside_it.open(store, kMap, keep_all(), seconds(1000))->empty());
+    EXPECT_TRUE(beside_it.open(store, kMap, keep_all(), at(1000))->history.empty());
   }
   WriterDurability next;
-  const auto history = next.open(store, kMap, keep_all(), seconds(1000));
-  ASSERT_TRUE(history);
-  ASSERT_EQ(numbers(*history), std::vector<std::uint32_t>{7});
-  EXPECT_EQ(history->front().original.writer, writer);
+  const auto opened = next.open(store, kMap, keep_all(), at(1000));
+  ASSERT_TRUE(opened);
+  ASSERT_EQ(numbers(opened->history), std::vector<std::uint32_t>{7});
+  EXPECT_EQ(opened->history.front().original.writer, writer);
 }
 
 TEST_F(WriterDurabilityTest, StoreWithRoom_IsNotWaitedFor) {
   WriterDurability durability;
-  ASSERT_TRUE(
-      durability.open(**stores.of(DurabilityKind::transient), kMap, keep_all(), seconds(1000)));
+  ASSERT_TRUE(durability.open(**stores.of(DurabilityKind::transient), kMap, keep_all(), at(1000)));
   std::mutex mutex;
   std::unique_lock lock(mutex);
   EXPECT_TRUE(durability.wait_for_room(lock, 0ns));

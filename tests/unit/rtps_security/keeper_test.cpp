@@ -221,7 +221,7 @@ TEST_F(SecuredKeeper, AStore_OfASecuredParticipantOrOfUnknownOrigin_IsRefusedWit
   {
     const auto unknown = DurableStore::open(store, process.events).value();
     const auto stream =
-        unknown->open_stream({.topic = "Sensors", .type = "Sensor"}, {}, Time{}).value();
+        unknown->open_stream({.topic = "Sensors", .type = "Sensor"}, {}, Moment{}).value();
     Change change;
     change.payload = Payload::copy_of(as_bytes(std::string_view("sample")));
     unknown->append(stream.id, change, {});

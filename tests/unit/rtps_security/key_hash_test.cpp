@@ -48,7 +48,7 @@ KeyHash hash_under(const Rules& rules) {
         (*store)->open_stream({.domain = static_cast<std::uint32_t>(Secured::kDomain),
                                .topic = "Sensors",
                                .type = "Sensor"},
-                              {}, Time{});
+                              {}, Moment{});
     EXPECT_TRUE(stream && stream->history.size() == 1);
     if (stream && !stream->history.empty()) out = stream->history[0].key_hash.value_or(KeyHash{});
   }

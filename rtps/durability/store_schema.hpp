@@ -1,0 +1,46 @@
+// The tables of a store of samples, in this version and in earlier ones.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace ddssec::rtps {
+
+constexpr std::int64_t kApplicationId = 0x44445353;  // "DDSS"
+// Version 2 did not store the sender of a sample, version 3 not up to where a writer was heard,
+// version 4 not when a sample expires.
+constexpr std::int64_t kVersion = 5, kOldestVersion = 2;
+
+constexpr std::string_view kSchema[] = {
+    "CREATE TABLE stream(id INTEGER PRIMARY KEY, domain INTEGER NOT NULL, topic TEXT NOT NULL, "
+    "type TEXT NOT NULL, partition BLOB NOT NULL, ordinal INTEGER NOT NULL, "
+    "UNIQUE(domain, topic, type, partition, ordinal))",
+    "CREATE TABLE sample(id INTEGER PRIMARY KEY, stream INTEGER NOT NULL, key BLOB NOT NULL, "
+    "keyed INTEGER NOT NULL, disposed INTEGER NOT NULL, seconds INTEGER NOT NULL, "
+    "fraction INTEGER NOT NULL, writer BLOB NOT NULL, number INTEGER NOT NULL, "
+    "payload BLOB NOT NULL, sum BLOB NOT NULL, identity BLOB, expires INTEGER, lifespan INTEGER)",
+    "CREATE INDEX sample_of_stream ON sample(stream, id)",
+    "CREATE TABLE heard(stream INTEGER NOT NULL, writer BLOB NOT NULL, number INTEGER NOT NULL, "
+    "time INTEGER NOT NULL, used INTEGER NOT NULL, PRIMARY KEY(stream, writer)) WITHOUT ROWID"};
+
+struct AddedColumn {
+  std::int64_t since;     ///< the first version that has it
+  std::string_view text;  ///< as it stands in the table
+};
+/// The last columns of the table of samples, in their order.
+constexpr AddedColumn kAddedColumns[] = {
+    {3, "identity BLOB"}, {5, "expires INTEGER"}, {5, "lifespan INTEGER"}};
+
+/// Returns the text as SQLite stores it, which is how it was written.
+inline std::string schema_of(std::int64_t version, std::string_view sql) {
+  std::string out(sql);
+  for (const auto& [since, column] : kAddedColumns) {
+    const auto text = ", " + std::string(column);
+    if (const auto at = out.find(text); version < since && at != std::string::npos)
+      out.erase(at, text.size());
+  }
+  return out;
+}
+
+}  // namespace ddssec::rtps
