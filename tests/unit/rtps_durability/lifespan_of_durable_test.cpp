@@ -77,6 +77,21 @@ TEST_P(DurableLifespanTest, DisposedInstances_LeaveTheStoreWhenTheirDelayIsOver)
             1);
 }
 
+TEST_P(DurableLifespanTest, AChangedLifespan_CountsInTheStoreFromThenOn) {
+  {
+    End end(environment, with_store());
+    auto& writer = end.writer(living(kDurationInfinite));
+    ASSERT_TRUE(writer.write({"north", 1}));
+    ASSERT_TRUE(writer.set_qos(living()));
+    ASSERT_TRUE(writer.write({"north", 2}));
+    ASSERT_TRUE(writer.wait_for_acknowledgments(10s));
+  }
+  clock.advance(11s);
+  End end(environment, with_store());
+  end.writer(living(kDurationInfinite));
+  EXPECT_EQ(all_of(end, b.reader(late(DurabilityKind::persistent)), 1), (Values{1}));
+}
+
 INSTANTIATE_TEST_SUITE_P(Over, DurableLifespanTest,
                          ::testing::Values(Way::network, Way::in_process), name_of);
 
@@ -122,6 +137,24 @@ TEST_P(KeeperLifespanTest, EachWriter_HasItsOwnLifespan) {
   both(*service);
   EXPECT_EQ(service->served(), 1u);
   EXPECT_EQ(service->topics(), 1u);
+}
+
+TEST_P(KeeperLifespanTest, WhatHasExpired_LeavesRoomForTheNextSample) {
+  auto service = keeper();
+  auto qos = living();
+  qos.durability_service.limits.max_samples = 1;
+  auto& writer = a.writer(qos);
+  ASSERT_TRUE(keeps(*service, 1));
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(writer.write({"north", i}));
+    both(*service);
+    EXPECT_EQ(service->served(), 1u);
+    clock.advance(11s);
+  }
+  ASSERT_TRUE(writer.write({"north", 3}));
+  run();  // it arrives before a timer has run
+  both(*service);
+  EXPECT_EQ(late_joiner(*service, b, 1), Values{3});
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, KeeperLifespanTest, ::testing::Values(Way::network, Way::in_process),

@@ -136,6 +136,18 @@ TEST_F(StoredLifespanTest, ManyThatExpireAtOnce_GoInSeveralSteps) {
   }
 }
 
+TEST_F(StoredLifespanTest, WhatExpiresAndEndsAtOnce_GoesOnce) {
+  auto opened = *IndexedStore::open("");
+  auto service = keep_all();
+  service.cleanup_delay = kTenSeconds;
+  const auto id = *opened.stream(kMap, service);
+  ASSERT_TRUE(opened.commit({living(id, 0), {id, dispose(0)}, living(id, 0)}, seconds(0)));
+  ASSERT_TRUE(opened.commit({{id, dispose(0)}}, seconds(0)));
+  StoredChange removal{id};
+  EXPECT_THAT(opened.index.clean_up(removal, 10s), ::testing::UnorderedElementsAre(1, 2, 3, 4));
+  EXPECT_EQ(opened.size(id), 0u);
+}
+
 TEST_F(StoredLifespanTest, AStepOfTheCalendar_NeitherRemovesNorKeeps) {
   for (const auto step : {-1'000'000, 1'000'000}) {
     std::filesystem::remove(path);
@@ -203,23 +215,28 @@ TEST_F(StoredLifespanTest, WhatExpires_FreesTheShareOfItsIdentity) {
 
 // Once a group did not fit, nothing was ever stored again.
 TEST_F(StoredLifespanTest, AFullStore_GoesOnWhenItsSamplesExpire) {
-  auto store = open();
-  const auto id = store->open_stream(kMap, keep_all(), at(0))->id;
-  for (int i = 0; i < 300; ++i) store->append(large(id, 1), at(1));
-  EXPECT_FALSE(store->flush(10s));
-  std::size_t removed = 0;
-  for (std::size_t count = 1; count > 0; removed += count)
-    count = store->clean_up(id, at(11)).size();
-  EXPECT_EQ(removed, 300u);
-  for (int i = 0; i < 200 && !store->flush(100ms); ++i) std::this_thread::sleep_for(20ms);
-  ASSERT_TRUE(store->status()) << store->status().error().to_sentence();
-  for (std::int32_t i = 11; i < 200; ++i) {
-    store->clean_up(id, at(i));
-    store->append(large(id, static_cast<std::uint32_t>(i)), at(i));
-    ASSERT_TRUE(store->flush(10s)) << i;
+  for (const bool fails_before : {true, false}) {  // otherwise what is removed is in the same group
+    std::filesystem::remove(path);
+    auto store = open();
+    const auto id = store->open_stream(kMap, keep_all(), at(0))->id;
+    for (int i = 0; i < 300; ++i) store->append(large(id, 1), at(1));
+    if (fails_before) {
+      EXPECT_FALSE(store->flush(10s));
+    }
+    std::size_t removed = 0;
+    for (std::size_t count = 1; count > 0; removed += count)
+      count = store->clean_up(id, at(11)).size();
+    EXPECT_EQ(removed, 300u);
+    for (int i = 0; i < 200 && !store->flush(100ms); ++i) std::this_thread::sleep_for(20ms);
+    ASSERT_TRUE(store->status()) << store->status().error().to_sentence();
+    for (std::int32_t i = 11; i < 200; ++i) {
+      store->clean_up(id, at(i));
+      store->append(large(id, static_cast<std::uint32_t>(i)), at(i));
+      ASSERT_TRUE(store->flush(10s)) << i;
+    }
+    store.reset();
+    EXPECT_LE(rows(), 10);
   }
-  store.reset();
-  EXPECT_LE(rows(), 10);
 }
 
 TEST_F(StoredLifespanTest, ARestart_RemovesWhatHasExpired) {

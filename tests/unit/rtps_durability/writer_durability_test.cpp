@@ -50,6 +50,20 @@ TEST_F(WriterDurabilityTest, NextWriter_GetsWhatTheOneBeforeLeft_WithItsName) {
   EXPECT_EQ(opened->history.front().original.writer, writer);
 }
 
+// Otherwise it would not fit, and would be left out for good.
+TEST_F(WriterDurabilityTest, Append_MakesRoomOfWhatHasExpired) {
+  auto& store = **stores.of(DurabilityKind::transient);
+  auto service = keep_all();
+  service.limits.max_samples = 1;
+  WriterDurability durability;
+  ASSERT_TRUE(durability.open(store, kMap, service, at(0), Duration{{10, 0}}));
+  for (const auto i : {1, 12}) {
+    auto change = sample(static_cast<std::uint32_t>(i));
+    durability.append(change, writer, {i}, at(i));
+  }
+  EXPECT_EQ(store.left_out(), 0u);
+}
+
 TEST_F(WriterDurabilityTest, StoreWithRoom_IsNotWaitedFor) {
   WriterDurability durability;
   ASSERT_TRUE(durability.open(**stores.of(DurabilityKind::transient), kMap, keep_all(), at(1000)));
