@@ -1,4 +1,6 @@
 // Documents that were read before: what is kept of them, for whom, and how much.
+#include "plugins/access_control/documents.hpp"
+
 #include "tests/unit/access_control/fixture.hpp"
 
 namespace ddssec::access_control {

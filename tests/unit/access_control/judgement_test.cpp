@@ -1,3 +1,5 @@
+#include "plugins/access_control/judgement.hpp"
+
 #include "tests/unit/access_control/decisions.hpp"
 #include "tests/unit/access_control/fixture.hpp"
 

@@ -1,11 +1,12 @@
 // Permissions of peers that a renewal list extends.
-#include "tests/unit/access_control/listed_peers.hpp"
+#include "plugins/access_control/listed_peers.hpp"
 
 #include <gmock/gmock.h>
 
 #include "pki/renewal_list.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/listed_peers.hpp"
 
 namespace ddssec::access_control {
 namespace {

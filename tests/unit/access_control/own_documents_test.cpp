@@ -1,4 +1,6 @@
 // Permissions that are renewed while a participant runs.
+#include "plugins/access_control/own_documents.hpp"
+
 #include <sys/stat.h>
 
 #include <gmock/gmock.h>

@@ -1,7 +1,8 @@
 // Governance documents with another protection of topics in use, and revisions.
+#include "plugins/access_control/participant.hpp"
+
 #include <gmock/gmock.h>
 
-#include "plugins/access_control/participant.hpp"
 #include "tests/support/recorded_document.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/access_control/fixture.hpp"
