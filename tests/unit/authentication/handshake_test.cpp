@@ -11,6 +11,7 @@ constexpr KeySpec kSpecs[] = {
     {KeyKind::ec_p256}, {KeyKind::ec_p384}, {KeyKind::rsa, 2048}, {KeyKind::rsa, 3072}};
 
 class KeysOfBoth : public testing::TestWithParam<std::tuple<KeySpec, KeySpec>> {};
+
 INSTANTIATE_TEST_SUITE_P(Keys, KeysOfBoth,
                          testing::Combine(testing::ValuesIn(kSpecs), testing::ValuesIn(kSpecs)),
                          [](const auto& info) {
@@ -46,92 +47,6 @@ TEST(Handshake, RequestHasTheStandardsFieldsInOrderWithoutNuls) {
   EXPECT_EQ(field(*request->message, "dh1").size(), 65u);
   EXPECT_EQ(field(*request->message, "dh1")[0], 4);
   EXPECT_EQ(field(*request->message, "c.perm"), Bytes(1));
-}
-
-TEST(Handshake, PermissionsTravelBothWays) {
-  Pairing pairing;
-  const Token credential{"DDS:Access:PermissionsCredential",
-                         {{"dds.perm.cert", std::string("MIME text\0", 10)}}};
-  for (auto* p : {&pairing.a, &pairing.b})
-    ASSERT_OK((*p->engine)->set_permissions_credential_and_token(p->handle, credential, {}));
-  const auto req = pairing.two.request();
-  ASSERT_OK(req);
-  EXPECT_EQ(as_text(field(*req->message, "c.perm")), "MIME text");
-  const auto rep = pairing.two.reply(*req->message);
-  ASSERT_OK(rep);
-  pairing.expect_finish(*req, *rep);
-  const auto at_low = (*pairing.two.low.engine)->authenticated_peer_credential_token(req->handle);
-  const auto at_high = (*pairing.two.high.engine)->authenticated_peer_credential_token(rep->handle);
-  ASSERT_OK(at_low);
-  ASSERT_OK(at_high);
-  EXPECT_EQ(at_low->class_id, "DDS:Auth:PKI-DH:1.0");
-  EXPECT_TRUE((*pairing.two.low.engine)->authenticated_subject(req->handle).starts_with("CN="));
-  for (const auto& token : {*at_low, *at_high})
-    EXPECT_EQ(as_text(field(token, "c.perm")), "MIME text");
-  EXPECT_EQ(field(*at_high, "c.id"), field(*req->message, "c.id"));
-  EXPECT_EQ(field(*at_low, "c.id"), field(*rep->message, "c.id"));
-}
-
-TEST(Handshake, TheCredentialIsDroppedOnceItWasGivenOut) {
-  Pairing pairing;
-  const auto req = pairing.two.request();
-  const auto rep = pairing.two.reply(*req->message);
-  ASSERT_OK(rep);
-  pairing.expect_finish(*req, *rep);
-  auto& low = *pairing.two.low.engine;
-  low->expire();  // not before
-  EXPECT_TRUE(low->authenticated_peer_credential_token(req->handle));
-  EXPECT_TRUE(low->authenticated_peer_credential_token(req->handle));
-  low->expire();
-  EXPECT_CODE(low->authenticated_peer_credential_token(req->handle), credential_given_out);
-  EXPECT_TRUE(low->shared_secret(req->handle));
-  // That of another handshake is another.
-  const auto again = pairing.two.request();
-  const auto answer = pairing.two.reply(*again->message);
-  pairing.expect_finish(*again, *answer);
-  EXPECT_TRUE(low->authenticated_peer_credential_token(again->handle));
-}
-
-/// The ciphers that each side holds the other able to decrypt, after a handshake in which
-/// discovery's tokens were replaced by `announced`, if there is one.
-std::pair<spi::CipherMask, spi::CipherMask> ciphers_after(const Token* announced) {
-  Engine first{1}, second{2};
-  Participant able(first, make_identity(test_ca(), "CN=alice,O=Example"), 1, spi::kAllCiphers);
-  Participant plain(second, make_identity(test_ca(), "CN=bob,O=Example", {}, kYear, 1), 2);
-  if (announced != nullptr) able.token = *announced;
-  Two two(able, plain);
-  const auto req = two.request();
-  const auto rep = two.reply(*req->message);
-  const auto fin = two.at_low(req->handle, *rep->message);
-  EXPECT_TRUE(two.at_high(rep->handle, *fin->message));
-  const auto at = [&](Participant& one) {
-    const auto handle = &one == &two.low ? req->handle : rep->handle;
-    return (*one.engine)->shared_secret(handle).value()->peer_ciphers;
-  };
-  return {at(plain), at(able)};
-}
-
-TEST(Handshake, TellsEachSideWhatTheOtherCanDecrypt) {
-  const std::pair right{spi::kAllCiphers, spi::kStandardCiphers};
-  EXPECT_EQ(ciphers_after(nullptr), right);
-  // Nobody vouches for what discovery brought: it neither takes away nor adds.
-  const Token bare{std::string(spi::class_id::kIdentity)};
-  EXPECT_EQ(ciphers_after(&bare), right);
-}
-
-TEST(Handshake, SecretOutlivesTheHandle) {
-  Pairing pairing;
-  const auto req = pairing.two.request();
-  const auto rep = pairing.two.reply(*req->message);
-  const auto fin = pairing.two.at_low(req->handle, *rep->message);
-  ASSERT_OK(fin);
-  auto& engine = *pairing.two.low.engine;
-  const auto secret = engine->shared_secret(req->handle);
-  ASSERT_OK(secret);
-  ASSERT_OK(engine->return_handshake_handle(req->handle));
-  EXPECT_CODE(engine->shared_secret(req->handle), unknown_handshake);
-  ASSERT_OK(engine->return_identity_handle(pairing.two.high_at_low));
-  EXPECT_EQ((*secret)->secret.size(), 32u);
 }
 
 // ---- a peer played by hand
@@ -185,6 +100,7 @@ const StyleCase kInitiators[] = {
 };
 
 class InitiatorStyle : public testing::TestWithParam<StyleCase> {};
+
 INSTANTIATE_TEST_SUITE_P(Styles, InitiatorStyle, testing::ValuesIn(kInitiators),
                          [](const auto& info) { return info.param.name; });
 
@@ -237,6 +153,7 @@ const StyleCase kRepliers[] = {
 };
 
 class ReplierStyle : public testing::TestWithParam<StyleCase> {};
+
 INSTANTIATE_TEST_SUITE_P(Styles, ReplierStyle, testing::ValuesIn(kRepliers),
                          [](const auto& info) { return info.param.name; });
 

@@ -1,30 +1,10 @@
 // Hashes and signature inputs, against the vectors of the reference.
 #include "plugins/authentication/transcript.hpp"
 
-#include "plugins/authentication/credentials.hpp"
 #include "tests/unit/authentication/fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {
-
-Credentials vector_a() {
-  static const Bytes id = bytes("-----BEGIN"), permissions = bytes("P"), data = {0, 1, 0, 0},
-                     signature = bytes("ECDSA-SHA256"), agreement = bytes("ECDH+prime256v1-CEUM");
-  return {id, permissions, data, signature, agreement, {}};
-}
-
-TEST(Hashes, HaveTheReferenceValue) {
-  EXPECT_EQ(to_hex(vector_a().hash()),
-            "f436fdded2a5dbcbf37a027eb2f6cc06eb9c4aeefdc47b9cdfd47847fd3222d7");
-}
-
-TEST(Hashes, AbsentPermissionsAreNotEmptyPermissions) {
-  auto absent = vector_a();
-  absent.permissions.reset();
-  auto empty = vector_a();
-  empty.permissions = BytesView();
-  EXPECT_NE(absent.hash(), empty.hash());
-}
 
 TEST(SignatureInput, NamesTheSixValuesInTheStandardsOrder) {
   const Transcript transcript{.dh1 = {1}, .dh2 = {2}};

@@ -1,4 +1,6 @@
 // Where a revocation list is looked for, and how often.
+#include "plugins/authentication/revocation_lists.hpp"
+
 #include <gmock/gmock.h>
 
 #include "tests/support/recorded_document.hpp"

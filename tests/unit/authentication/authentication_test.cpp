@@ -1,0 +1,67 @@
+// Remote identities: which are refused, and what an event says of them.
+#include "plugins/authentication/authentication.hpp"
+
+#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/forgeries.hpp"
+
+namespace ddssec::authentication::forgeries {
+namespace {
+
+TEST(RemoteIdentity, Refusals) {
+  Pairing pairing;
+  auto& a = pairing.a;
+  auto& engine = *a.engine;
+  Token wrong = pairing.b.token;
+  wrong.class_id = "DDS:Auth:PKI-DH:2.0";
+  EXPECT_CODE(engine->validate_remote_identity(a.handle, {}, wrong, candidate(0x85)),
+              token_class_wrong);
+  EXPECT_CODE(engine->validate_remote_identity(a.handle, {}, pairing.b.token, candidate(0x05)),
+              guid_not_adjusted);
+  EXPECT_CODE(engine->validate_remote_identity(a.handle, {}, pairing.b.token, a.guid),
+              remote_guid_is_local);
+  EXPECT_CODE(engine->validate_remote_identity({99}, {}, pairing.b.token, pairing.b.guid),
+              unknown_identity);
+}
+
+TEST(RemoteIdentity, AnotherTokenIsRefusedOnlyAfterSomebodyAuthenticated) {
+  Pairing pairing;
+  auto& two = pairing.two;
+  auto& engine = *two.low.engine;
+  Token other = two.high.token;
+  other.properties[0].value = "/CN=forged";
+  const auto replaced = engine->validate_remote_identity(two.low.handle, {}, other, two.high.guid);
+  ASSERT_OK(replaced);
+  EXPECT_EQ(replaced->handle, two.high_at_low);
+  ASSERT_OK(two.low.discover(two.high));
+  pairing.expect_success();
+  EXPECT_CODE(engine->validate_remote_identity(two.low.handle, {}, other, two.high.guid),
+              identity_token_changed);
+  // The same one still is the same one; after it left, a restarted peer may come with another.
+  ASSERT_OK(two.low.discover(two.high));
+  ASSERT_OK(engine->return_identity_handle(two.high_at_low));
+  const auto fresh = engine->validate_remote_identity(two.low.handle, {}, other, two.high.guid);
+  ASSERT_OK(fresh);
+  EXPECT_NE(fresh->handle, two.high_at_low);
+}
+
+TEST(RemoteIdentity, OfAnotherCaIsRefused) {
+  static const pki::Authority other_ca = make_ca("CN=Other CA");
+  Pairing pairing(make_identity(test_ca(), "CN=alice"),
+                  make_identity(other_ca, "CN=bob", {}, kYear, 1));
+  const auto req = pairing.two.request();
+  EXPECT_CODE(pairing.two.reply(*req->message), issuer_unknown);
+}
+
+// The subject's text is on the event as soon as it is proven.
+TEST(RemoteIdentity, EventsNameThePeer) {
+  Pairing pairing;
+  pairing.expect_success();
+  auto& two = pairing.two;
+  EXPECT_CODE(two.reply(Token{"DDS:Auth:PKI-DH:1.0+Req"}), token_field_missing);
+  const auto& event = two.high.engine->events.events.back();
+  EXPECT_EQ(event.peer_subject, &two.low == &pairing.a ? "CN=alice,O=Example" : "CN=bob,O=Example");
+  EXPECT_EQ(event.guid, two.low.guid.to_string());
+}
+
+}  // namespace
+}  // namespace ddssec::authentication::forgeries

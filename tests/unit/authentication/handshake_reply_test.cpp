@@ -1,0 +1,90 @@
+// Replies that must be refused, each with exactly its code, and without harm to the honest one.
+#include "plugins/authentication/handshake_reply.hpp"
+
+#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/forgeries.hpp"
+
+namespace ddssec::authentication::forgeries {
+namespace {
+
+std::vector<Forgery> of_reply() {
+  auto all = of_credentials();
+  for (const auto* name : {"dh2", "challenge1", "challenge2", "signature"}) {
+    all.push_back(lacks(name));
+    all.push_back(repeats(name));
+    all.push_back(resizes(name, 0));
+    all.push_back(resizes(name, 2049));
+  }
+  for (const auto* name : {"dh1", "hash_c1", "hash_c2", "challenge1"})
+    all.push_back(flips(name, Code::token_field_differs));
+  for (const auto* name : {"challenge2", "signature"})
+    all.push_back(flips(name, Code::signature_invalid));
+  all.push_back(unhashed(flips("c.perm", Code::signature_invalid)));
+  all.push_back(flips("dh2", Code::public_key_not_in_group));
+  all.push_back(sets("OtherKeyAgreement", "c.kagree_algo", bytes("DH+MODP-2048-256"),
+                     Code::key_agreement_algorithm_changed));
+  all.push_back(unhashed(
+      sets("OtherName", "c.kagree_algo", bytes("ECDHE-CEUM+P256"), Code::signature_invalid)));
+  all.push_back(unhashed(sets("OtherSignatureName", "c.dsign_algo", bytes("RSASSA-PSS-SHA256"),
+                              Code::signature_invalid)));
+  all.push_back({"AsRequest", Code::token_field_length, [](Token t) {
+                   return with(renamed(std::move(t), "DDS:Auth:PKI-DH:1.0+Req"), "dh1", {});
+                 }});
+  return all;
+}
+
+class ForgedReply : public testing::TestWithParam<Forgery> {};
+
+INSTANTIATE_TEST_SUITE_P(Each, ForgedReply, testing::ValuesIn(of_reply()), kName);
+
+TEST_P(ForgedReply, IsRefusedAndTheHonestOneSucceeds) {
+  Pairing pairing;
+  auto& events = pairing.two.low.engine->events.events;
+  const auto req = pairing.two.request();
+  const auto rep = pairing.two.reply(*req->message);
+  ASSERT_OK(rep);
+  const auto refused = pairing.two.at_low(req->handle, GetParam().change(*rep->message));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code(), GetParam().code) << refused.error().to_sentence();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].error.code(), GetParam().code);
+  EXPECT_CODE((*pairing.two.low.engine)->shared_secret(req->handle), handshake_not_finished);
+  pairing.expect_finish(*req, *rep);
+}
+
+TEST(FlippedBit, AnywhereInAReplyIsRefused) {
+  Pairing pairing;
+  const auto req = pairing.two.request();
+  const auto rep = pairing.two.reply(*req->message);
+  ASSERT_OK(rep);
+  for (const auto& property : rep->message->binary_properties) {
+    const std::size_t step = property.value.size() > 200 ? 7 : 1;
+    for (std::size_t at = 0; at < property.value.size(); at += step)
+      EXPECT_FALSE(pairing.two.at_low(
+          req->handle, with(*rep->message, property.name, flipped(property.value, at))))
+          << property.name << " " << at;
+  }
+  pairing.expect_finish(*req, *rep);
+}
+
+// Without the hashes the signature alone must notice.
+TEST(FlippedBit, AnywhereInAReplyWithoutOptionalFieldsIsRefused) {
+  Pairing pairing;
+  const auto req = pairing.two.request();
+  const auto rep = pairing.two.reply(*req->message);
+  ASSERT_OK(rep);
+  const Token bare = without(without(without(*rep->message, "hash_c1"), "hash_c2"), "dh1");
+  for (const auto& property : bare.binary_properties) {
+    const std::size_t step = property.value.size() > 200 ? 7 : 1;
+    for (std::size_t at = 0; at < property.value.size(); at += step)
+      EXPECT_FALSE(
+          pairing.two.at_low(req->handle, with(bare, property.name, flipped(property.value, at))))
+          << property.name << " " << at;
+  }
+  const auto fin = pairing.two.at_low(req->handle, bare);
+  ASSERT_OK(fin);
+  ASSERT_OK(pairing.two.at_high(rep->handle, *fin->message));
+}
+
+}  // namespace
+}  // namespace ddssec::authentication::forgeries

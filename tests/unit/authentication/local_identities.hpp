@@ -1,0 +1,33 @@
+// Identities made of properties, and what must refuse them.
+#pragma once
+
+#include "tests/unit/authentication/fixture.hpp"
+
+namespace ddssec::authentication::local_identities {
+
+namespace property = spi::property;
+
+inline Result<spi::Authentication::LocalIdentity> create(const PropertyList& properties,
+                                                         Engine& engine) {
+  return engine->validate_local_identity(0, properties, candidate(1));
+}
+
+inline Result<spi::Authentication::LocalIdentity> create(const PropertyList& properties) {
+  Engine engine;
+  return create(properties, engine);
+}
+
+/// Exactly this code, about exactly this property.
+inline void expect_refused(const PropertyList& properties, Code code, std::string_view document) {
+  Engine engine;
+  const auto result = create(properties, engine);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code(), code) << result.error().to_sentence();
+  EXPECT_EQ(result.error().details().document, document) << result.error().to_sentence();
+  ASSERT_EQ(engine.events.events.size(), 1u);
+  EXPECT_EQ(engine.events.events[0].error.code(), code);
+  EXPECT_TRUE(engine.events.events[0].is_returned);
+  EXPECT_FALSE(engine->next_expiry());
+}
+
+}  // namespace ddssec::authentication::local_identities

@@ -1,0 +1,149 @@
+// Messages in a wrong state, repeated ones, and challenges that were announced before.
+#include "plugins/authentication/pki_dh.hpp"
+#include "tests/support/hostile_pki.hpp"
+#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/forgeries.hpp"
+
+namespace ddssec::authentication::forgeries {
+namespace {
+
+// ---- wrong state
+
+TEST(WrongState, EveryMessageThatDoesNotFitIsRefused) {
+  Pairing pairing;
+  const auto req = pairing.two.request();
+  const auto rep = pairing.two.reply(*req->message);
+  const auto fin = pairing.two.at_low(req->handle, *rep->message);
+  ASSERT_OK(fin);
+  const auto req2 = Pairing().two.request();
+  // Established, initiator.
+  EXPECT_CODE(pairing.two.at_low(req->handle, *req->message), unexpected_message);
+  EXPECT_CODE(pairing.two.at_low(req->handle, *fin->message), unexpected_message);
+  EXPECT_CODE(pairing.two.at_low(req->handle, with(*rep->message, "signature", Bytes(70))),
+              unexpected_message);
+  // Waiting for a final.
+  EXPECT_CODE(pairing.two.at_high(rep->handle, *rep->message), unexpected_message);
+  EXPECT_CODE(pairing.two.at_high(rep->handle, *req2->message), unexpected_message);
+  ASSERT_OK(pairing.two.at_high(rep->handle, *fin->message));
+  // Established, replier.
+  EXPECT_CODE(pairing.two.at_high(rep->handle, *req->message), unexpected_message);
+  EXPECT_CODE(pairing.two.at_high(rep->handle, *rep->message), unexpected_message);
+  EXPECT_CODE(pairing.two.at_high(rep->handle, with(*fin->message, "signature", Bytes(70))),
+              unexpected_message);
+  EXPECT_CODE(pairing.two.reply(*req->message), unexpected_message);
+}
+
+TEST(WrongState, AnInitiatorWaitingForAReplyTakesNothingElse) {
+  Pairing pairing, other;
+  const auto req = pairing.two.request();
+  const auto rep = pairing.two.reply(*req->message);
+  const auto req2 = other.two.request();
+  const auto rep2 = other.two.reply(*req2->message);
+  const auto fin2 = other.two.at_low(req2->handle, *rep2->message);
+  ASSERT_OK(fin2);
+  EXPECT_CODE(pairing.two.at_low(req->handle, *req->message), unexpected_message);
+  EXPECT_CODE(pairing.two.at_low(req->handle, *fin2->message), unexpected_message);
+  EXPECT_CODE(pairing.two.at_low(req->handle, {"DDS:Auth:PKI-DH:1.0"}), token_class_wrong);
+  EXPECT_CODE(pairing.two.at_low(req->handle, {"DDS:Auth:PKI-DH:1.0+AuthReq"}), token_class_wrong);
+  pairing.expect_finish(*req, *rep);
+}
+
+TEST(WrongState, RolesAreDecidedByTheGuids) {
+  Pairing pairing;
+  auto& two = pairing.two;
+  EXPECT_CODE(
+      (*two.high.engine)->begin_handshake_request(two.high.handle, two.low_at_high, two.high.data),
+      handshake_role_wrong);
+  const auto req = two.request();
+  EXPECT_CODE(
+      (*two.low.engine)
+          ->begin_handshake_reply(*req->message, two.high_at_low, two.low.handle, two.low.data),
+      handshake_role_wrong);
+}
+
+TEST(WrongState, OwnParticipantDataMustFit) {
+  Pairing pairing;
+  auto& two = pairing.two;
+  for (const std::size_t size : {0u, 64u * 1024 + 1})
+    EXPECT_CODE(
+        (*two.low.engine)->begin_handshake_request(two.low.handle, two.high_at_low, Bytes(size)),
+        token_field_length);
+  EXPECT_CODE((*two.high.engine)->begin_handshake_reply({}, two.low_at_high, two.high.handle, {}),
+              token_field_length);
+}
+
+// ---- repetitions
+
+TEST(Repetition, GetsTheSameAnswerWithoutNewKeys) {
+  Pairing pairing;
+  const auto req = pairing.two.request();
+  const auto again = pairing.two.request();
+  ASSERT_OK(again);
+  EXPECT_EQ(again->handle, req->handle);
+  EXPECT_EQ(again->message, req->message);
+  const auto rep = pairing.two.reply(*req->message);
+  const auto rep_again = pairing.two.reply(*req->message);
+  ASSERT_OK(rep_again);
+  EXPECT_EQ(rep_again->handle, rep->handle);
+  EXPECT_EQ(rep_again->message, rep->message);
+  const auto by_process = pairing.two.at_high(rep->handle, *req->message);
+  ASSERT_OK(by_process);
+  EXPECT_EQ(by_process->message, rep->message);
+  EXPECT_EQ(by_process->result, ValidationResult::pending_handshake_message);
+  const auto fin = pairing.two.at_low(req->handle, *rep->message);
+  const auto fin_again = pairing.two.at_low(req->handle, *rep->message);
+  ASSERT_OK(fin_again);
+  EXPECT_EQ(fin_again->message, fin->message);
+  EXPECT_EQ(fin_again->result, ValidationResult::ok_final_message);
+  ASSERT_OK(pairing.two.at_high(rep->handle, *fin->message));
+  const auto end_again = pairing.two.at_high(rep->handle, *fin->message);
+  ASSERT_OK(end_again);
+  EXPECT_EQ(end_again->result, ValidationResult::ok);
+}
+
+// ---- announced challenges
+
+TEST(FutureChallenge, BindsTheHandshake) {
+  Pairing pairing;
+  auto& two = pairing.two;
+  const auto of_low = two.low.discover(two.high);
+  const auto of_high = two.high.discover(two.low);
+  ASSERT_TRUE(of_low->local_auth_request && of_high->local_auth_request);
+  const auto told_low = two.low.discover(two.high, of_high->local_auth_request);
+  const auto told_high = two.high.discover(two.low, of_low->local_auth_request);
+  ASSERT_OK(told_low);
+  ASSERT_OK(told_high);
+  EXPECT_FALSE(told_low->local_auth_request);
+  EXPECT_EQ(told_low->handle, of_low->handle);
+  const auto req = two.request();
+  EXPECT_EQ(field(*req->message, "challenge1"),
+            field(*of_low->local_auth_request, "future_challenge"));
+  pairing.expect_success();
+}
+
+TEST(FutureChallenge, AnotherOneIsRefusedInBothRoles) {
+  Pairing pairing;
+  auto& two = pairing.two;
+  const Token forged{.class_id = "DDS:Auth:PKI-DH:1.0+AuthReq",
+                     .binary_properties = {{"future_challenge", Bytes(32, 9)}}};
+  ASSERT_OK(two.high.discover(two.low, forged));
+  const auto req = two.request();
+  EXPECT_CODE(two.reply(*req->message), challenge_not_announced);
+  // The honest announcement mends it.
+  ASSERT_OK(two.high.discover(two.low, two.low.discover(two.high)->local_auth_request));
+  const auto rep = two.reply(*req->message);
+  ASSERT_OK(rep);
+  ASSERT_OK(two.low.discover(two.high, forged));
+  EXPECT_CODE(two.at_low(req->handle, *rep->message), challenge_not_announced);
+  ASSERT_OK(two.low.discover(two.high, two.high.discover(two.low)->local_auth_request));
+  pairing.expect_finish(*req, *rep);
+}
+
+TEST(FutureChallenge, AMalformedOneIsRefused) {
+  Pairing pairing;
+  EXPECT_CODE(pairing.a.discover(pairing.b, Token{"DDS:Auth:PKI-DH:1.0+AuthReq"}),
+              token_field_missing);
+}
+
+}  // namespace
+}  // namespace ddssec::authentication::forgeries

@@ -1,0 +1,44 @@
+// What a finished handshake gives out, and how long.
+#include "plugins/authentication/pki_dh.hpp"
+#include "tests/unit/authentication/fixture.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+TEST(Handshake, TheCredentialIsDroppedOnceItWasGivenOut) {
+  Pairing pairing;
+  const auto req = pairing.two.request();
+  const auto rep = pairing.two.reply(*req->message);
+  ASSERT_OK(rep);
+  pairing.expect_finish(*req, *rep);
+  auto& low = *pairing.two.low.engine;
+  low->expire();  // not before
+  EXPECT_TRUE(low->authenticated_peer_credential_token(req->handle));
+  EXPECT_TRUE(low->authenticated_peer_credential_token(req->handle));
+  low->expire();
+  EXPECT_CODE(low->authenticated_peer_credential_token(req->handle), credential_given_out);
+  EXPECT_TRUE(low->shared_secret(req->handle));
+  // That of another handshake is another.
+  const auto again = pairing.two.request();
+  const auto answer = pairing.two.reply(*again->message);
+  pairing.expect_finish(*again, *answer);
+  EXPECT_TRUE(low->authenticated_peer_credential_token(again->handle));
+}
+
+TEST(Handshake, SecretOutlivesTheHandle) {
+  Pairing pairing;
+  const auto req = pairing.two.request();
+  const auto rep = pairing.two.reply(*req->message);
+  const auto fin = pairing.two.at_low(req->handle, *rep->message);
+  ASSERT_OK(fin);
+  auto& engine = *pairing.two.low.engine;
+  const auto secret = engine->shared_secret(req->handle);
+  ASSERT_OK(secret);
+  ASSERT_OK(engine->return_handshake_handle(req->handle));
+  EXPECT_CODE(engine->shared_secret(req->handle), unknown_handshake);
+  ASSERT_OK(engine->return_identity_handle(pairing.two.high_at_low));
+  EXPECT_EQ((*secret)->secret.size(), 32u);
+}
+
+}  // namespace
+}  // namespace ddssec::authentication
