@@ -12,7 +12,6 @@ namespace ddssec::cryptography::testing {
 namespace {
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
-constexpr auto kNone = ProtectionKind::none;
 
 struct Thing final : Entity {
   Thing() : Entity(EntityKind::local_writer) {}
@@ -223,53 +222,6 @@ TEST(TwoLocals, WithAnIdentityForEachPairGiveTheRemoteBackEachForItself) {
     EXPECT_EQ(first_reads(two, e), second_gives);
     EXPECT_EQ(second.reads(), !second_gives);
   }
-}
-
-TEST(Unregistering, AParticipantTakesItsOwnWithIt) {
-  TwoSides two(kEncrypt);
-  const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
-  const auto encoded = encode_payload(two, e, Bytes(8)).value();
-  ASSERT_TRUE(two.b.factory().unregister_participant(two.b.remote));
-  EXPECT_EQ(code_of(decode_payload(two, e, encoded)), Code::crypto_handle_unknown);
-  EXPECT_EQ(code_of(two.b.factory().unregister_datawriter(e.remote_writer)),
-            Code::crypto_handle_unknown);
-  ASSERT_TRUE(two.a.factory().unregister_participant(two.a.participant));
-  EXPECT_EQ(code_of(encode_payload(two, e, Bytes(8))), Code::crypto_handle_unknown);
-  EXPECT_EQ(code_of(two.a.factory().unregister_datareader(e.remote_reader)),
-            Code::crypto_handle_unknown);
-  Bytes out(100);
-  EXPECT_EQ(code_of(two.a.transform().preprocess_secure_submessage({}, two.a.remote, out)),
-            Code::secure_group_malformed)
-      << "the remote participant is still there";
-  EXPECT_TRUE(two.a.factory().unregister_participant(two.a.remote));
-}
-
-TEST(Tokens, ComingAgainReplaceTheKeys) {
-  TwoSides two(kEncrypt);
-  auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
-  const auto encoded = encode_submessage(two, e, data_submessage(8)).value();
-  two.exchange_participant_tokens();
-  for (int i = 0; i < 3; ++i) {
-    const auto tokens = two.writer_tokens(e).value();
-    ASSERT_TRUE(two.take_writer(e, tokens));
-    EXPECT_TRUE(decode_submessage(two, e, encoded));
-  }
-  const auto other = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
-  const auto others = two.writer_tokens(other).value();
-  ASSERT_TRUE(two.take_writer(e, others));
-  EXPECT_EQ(code_of(decode_submessage(two, e, encoded)), Code::transform_key_id_mismatch);
-}
-
-TEST(Sessions, OldOnesStayReadableWhileNewOnesCome) {
-  TwoSides two(kNone, {}, {.most_blocks_per_session = 1});
-  const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
-  std::vector<Bytes> encoded;
-  for (std::uint8_t i = 0; i < 40; ++i)
-    encoded.push_back(encode_payload(two, e, Bytes(20, i)).value());
-  for (int round = 0; round < 3; ++round)
-    for (std::uint8_t i = 0; i < 40; ++i)
-      EXPECT_EQ(decode_payload(two, e, encoded[static_cast<std::size_t>(39 - i)]).value(),
-                Bytes(20, static_cast<std::uint8_t>(39 - i)));
 }
 
 TEST(Scale, TheFourThousandthRemoteCostsAsMuchAsTheFirst) {

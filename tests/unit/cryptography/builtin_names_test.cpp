@@ -1,10 +1,11 @@
 // Announcements that would cost Cyclone's core more time than honest ones.
+#include "plugins/cryptography/builtin_names.hpp"
+
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "plugins/cryptography/builtin_names.hpp"
 #include "tests/unit/cryptography/data_message.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 

@@ -1,0 +1,21 @@
+// An engine as its options make it.
+#include "plugins/cryptography/engine.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace ddssec::cryptography::testing {
+namespace {
+
+constexpr auto kSign = ProtectionKind::sign;
+
+TEST(Backends, AMissingOneIsReplacedWithAnEvent) {
+  Side side(Options{.aead = static_cast<AeadChoice>(200)});
+  EXPECT_EQ(side.events.codes, std::vector{Code::aead_backend_unavailable});
+  EXPECT_TRUE(side.factory().register_local_participant({}, {}, {}, participant_attributes(kSign)));
+  EXPECT_TRUE(Side().events.codes.empty());
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography::testing
