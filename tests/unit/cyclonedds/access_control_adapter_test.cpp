@@ -8,52 +8,16 @@
 #include "plugins/cyclonedds/endpoint_scope.hpp"
 #include "plugins/cyclonedds/match_gate.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
-#include "tests/support/code_of.hpp"
+#include "tests/unit/cyclonedds/access_control_adapters.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
-namespace ddssec::cyclonedds {
+namespace ddssec::cyclonedds::access_control_adapters {
 namespace {
 
-using test::code_of;
 using testing::_;
-using testing::Field;
 using testing::Return;
+
 using Handle = spi::PermissionsHandle;
-
-/// What make_scope makes of a reader of "Square".
-spi::PropertyList scope_of(std::uint64_t adapter) {
-  DDS_Security_PropertySeq properties{};
-  const std::vector<std::string_view> partitions = {"p", "q"};
-  const spi::PropertyList tags = {{"colour", "red"}};
-  EXPECT_TRUE(make_scope(
-      adapter, {.topic_name = "Square", .partitions = partitions, .data_tags = tags}, properties));
-  auto list = properties_from(properties).value();
-  free_scope(properties);
-  return list;
-}
-
-struct AccessControlAdapterTest : testing::Test {
-  AccessControlAdapterTest() {
-    EXPECT_TRUE(copy_token(sample_token(), token));
-    publication.topic_name = topic.data();
-    subscription.topic_name = topic.data();
-    topic_data.name = topic.data();
-  }
-  ~AccessControlAdapterTest() override { free_token(token); }
-
-  auto asks_for_topic() { return Field(&spi::EndpointRequest::topic_name, "Square"); }
-
-  Harness<AccessControlAdapter, MockAccessControl, spi::AccessControl> harness;
-  dds_security_access_control* c = &harness.adapter;
-  MockAccessControl& engine = *harness.engine;
-  Refusal refusal;
-  DDS_Security_Qos qos{};
-  DDS_Security_DataHolder token{};
-  std::string topic = "Square";
-  DDS_Security_PublicationBuiltinTopicDataSecure publication{};
-  DDS_Security_SubscriptionBuiltinTopicDataSecure subscription{};
-  DDS_Security_TopicBuiltinTopicData topic_data{};
-};
 
 TEST_F(AccessControlAdapterTest, TableIsCompleteAndTheDomainIsInIt) {
   EXPECT_EQ(c->gv, harness.domain());
@@ -83,43 +47,6 @@ TEST_F(AccessControlAdapterTest, AnAnnouncement_WithoutPermissionsToken_IsOfAnot
     EXPECT_EQ(refusal.reason(), Code::permissions_token_class);
     refusal.clear();
   }
-}
-
-// Our authentication asks, in another library.
-TEST_F(AccessControlAdapterTest, SaysWhatTheGovernanceOfALocalParticipantAllows) {
-  constexpr spi::IdentityHandle kOpen{1}, kClosed{2};
-  ON_CALL(engine, validate_local_permissions(kOpen, _, _, _)).WillByDefault(Return(Handle{8}));
-  ON_CALL(engine, validate_local_permissions(kClosed, _, _, _)).WillByDefault(Return(Handle{9}));
-  ON_CALL(engine, participant_sec_attributes).WillByDefault([](Handle handle) {
-    return spi::ParticipantSecurityAttributes{.allow_unauthenticated_participants =
-                                                  handle == Handle{8}};
-  });
-  for (const auto local : {kOpen, kClosed})
-    EXPECT_NE(c->validate_local_permissions(c, nullptr, local.value, 5, &qos, nullptr), 0);
-  const auto facts = &AccessControlAdapter::governance_facts_of;
-  EXPECT_TRUE(has(facts(kOpen), GovernanceFact::allows_unauthenticated));
-  EXPECT_FALSE(has(facts(kClosed), GovernanceFact::allows_unauthenticated));
-  EXPECT_EQ(c->return_permissions_handle(c, 8, nullptr), 1);
-  EXPECT_EQ(facts(kOpen), 0u);
-}
-
-TEST_F(AccessControlAdapterTest, RenewedPermissions_AreTold_OnceForEachRenewal) {
-  constexpr spi::IdentityHandle kLocal{1}, kOther{2};
-  ON_CALL(engine, validate_local_permissions).WillByDefault(Return(Handle{8}));
-  ON_CALL(engine, permissions_credential_token(Handle{8}))
-      .WillByDefault(Return(spi::Token{.class_id = "c", .properties = {{"dds.perm.cert", "new"}}}));
-  EXPECT_NE(c->validate_local_permissions(c, nullptr, kLocal.value, 5, &qos, nullptr), 0);
-  const auto renewed = &AccessControlAdapter::renewed_permissions;
-  EXPECT_FALSE(renewed(kLocal, 0));
-  ON_CALL(engine, renewals(Handle{8})).WillByDefault(Return(2));
-  EXPECT_FALSE(renewed(kOther, 0));
-  const auto told = renewed(kLocal, 1);
-  ASSERT_TRUE(told);
-  EXPECT_EQ(told->times, 2u);
-  EXPECT_EQ(told->text, "new");
-  EXPECT_FALSE(renewed(kLocal, 2));
-  EXPECT_EQ(c->return_permissions_handle(c, 8, nullptr), 1);
-  EXPECT_FALSE(renewed(kLocal, 1));
 }
 
 TEST_F(AccessControlAdapterTest, ChecksPassTheQuestionAndTheAnswer) {
@@ -170,69 +97,6 @@ TEST_F(AccessControlAdapterTest, ClosesTheReadersOfClearDiscoveryAndNoWriter) {
   EXPECT_EQ(c->return_datareader_sec_attributes(c, &reader, nullptr), 1);
 }
 
-// What access control says of an endpoint, and what cryptography asks with it.
-TEST_F(AccessControlAdapterTest, CryptographyAsksAboutTheEndpointItself) {
-  spi::EndpointSecurityAttributes endpoint;
-  endpoint.topic.is_read_protected = true;
-  endpoint.payload = ProtectionKind::encrypt;
-  ON_CALL(engine, datareader_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
-  std::string first = "p", second = "q", tag = "colour", value = "red";
-  char* names[] = {first.data(), second.data()};
-  const DDS_Security_PartitionQosPolicy partition{{2, 2, names}};
-  DDS_Security_Tag tag_of_it{tag.data(), value.data()};
-  const DDS_Security_DataTags tags{{1, 1, &tag_of_it}};
-  DDS_Security_EndpointSecurityAttributes attributes{};
-  ASSERT_EQ(
-      c->get_datareader_sec_attributes(c, 8, "Square", &partition, &tags, &attributes, nullptr), 1);
-  const auto gate = MatchGate::of(attributes.ac_endpoint_properties);
-  ASSERT_TRUE(gate && *gate);
-  EXPECT_EQ(c->return_datareader_sec_attributes(c, &attributes, nullptr), 1);
-  EXPECT_FALSE(is_scope(attributes.ac_endpoint_properties));
-  EXPECT_EQ(c->return_datareader_sec_attributes(c, &attributes, nullptr), 1);  // once is enough
-
-  const auto scope = scope_of(harness.adapter.id());
-  const MatchGate asks(scope, AccessControlAdapter::judge);
-  const GuidPrefix prefix{{1, 2, 3}};
-  EXPECT_CALL(engine, check_remote_match(Handle{9}, _))
-      .WillOnce([&](Handle, const spi::AccessControl::Match& match) -> Status {
-        EXPECT_TRUE(match.remote_writes);
-        EXPECT_EQ(match.remote, prefix);
-        EXPECT_EQ(match.local.topic_name, "Square");
-        EXPECT_EQ(match.local.partitions.size(), 2u);
-        EXPECT_EQ(match.local.partitions[1], "q");
-        EXPECT_EQ(match.local.data_tags.size(), 1u);
-        EXPECT_EQ(match.local.data_tags[0].value, "red");
-        return {};
-      })
-      .WillOnce(Return(fail(Code::match_not_permitted)));
-  EXPECT_TRUE(asks.check({{9}, prefix, true}));
-  EXPECT_EQ(code_of(asks.check({{9}, {}, false})), Code::keys_not_permitted);
-  ASSERT_EQ(harness.events.size(), 1u);
-  EXPECT_EQ(harness.events[0].error.code(), Code::match_not_permitted);
-}
-
-TEST_F(AccessControlAdapterTest, EachAdapterIsAskedAboutItsOwnAndNoneThatIsGone) {
-  std::uint64_t gone = 0;
-  {
-    Harness<AccessControlAdapter, MockAccessControl, spi::AccessControl> other;
-    gone = other.adapter.id();
-    EXPECT_NE(gone, harness.adapter.id());
-    EXPECT_CALL(*other.engine, check_remote_match(_, _));
-    EXPECT_CALL(engine, check_remote_match(_, _)).Times(0);
-    EXPECT_TRUE(MatchGate(scope_of(gone), AccessControlAdapter::judge).check({}));
-  }
-  EXPECT_EQ(code_of(MatchGate(scope_of(gone), AccessControlAdapter::judge).check({})),
-            Code::access_control_missing);
-  auto broken = scope_of(harness.adapter.id());
-  broken[0].value += "x";
-  EXPECT_EQ(code_of(MatchGate(broken, AccessControlAdapter::judge).check({})),
-            Code::access_control_missing);
-  EXPECT_EQ(AccessControlAdapter::judge(nullptr), MatchVerdict::unknown_access_control);
-  // No library of this process exports it.
-  EXPECT_EQ(code_of(MatchGate(scope_of(harness.adapter.id())).check({})),
-            Code::access_control_missing);
-}
-
 TEST_F(AccessControlAdapterTest, OnlyEndpointsUnderAccessControlHaveAScope) {
   spi::EndpointSecurityAttributes endpoint;
   ON_CALL(engine, datawriter_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
@@ -253,71 +117,6 @@ TEST_F(AccessControlAdapterTest, OnlyEndpointsUnderAccessControlHaveAScope) {
   EXPECT_TRUE(has_scope());
   endpoint.is_builtin = true;
   EXPECT_FALSE(has_scope());
-}
-
-// Cyclone never asks about endpoints of unauthenticated participants.
-TEST_F(AccessControlAdapterTest, AnEndpointThatUnauthenticatedPeersWouldReachIsRefused) {
-  spi::EndpointSecurityAttributes endpoint;
-  bool allow_unauthenticated = true;
-  ON_CALL(engine, check_create_datawriter).WillByDefault([](auto&&...) { return Status{}; });
-  ON_CALL(engine, check_create_datareader).WillByDefault([](auto&&...) { return Status{}; });
-  ON_CALL(engine, participant_sec_attributes).WillByDefault([&](auto&&...) {
-    return spi::ParticipantSecurityAttributes{.allow_unauthenticated_participants =
-                                                  allow_unauthenticated};
-  });
-  ON_CALL(engine, datawriter_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
-  ON_CALL(engine, datareader_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
-  const auto may_write = [&] {
-    return c->check_create_datawriter(c, 8, 5, "Square", &qos, nullptr, nullptr, &refusal) != 0;
-  };
-  const auto may_read = [&] {
-    Refusal unread;
-    return c->check_create_datareader(c, 8, 5, "Square", &qos, nullptr, nullptr, &unread) != 0;
-  };
-  EXPECT_TRUE(may_write());
-  EXPECT_TRUE(may_read());
-  endpoint.topic.is_read_protected = true;
-  EXPECT_FALSE(may_write());
-  EXPECT_EQ(refusal.reason(), Code::unauthenticated_peers_unstoppable);
-  EXPECT_TRUE(may_read());
-  endpoint.topic.is_write_protected = true;
-  EXPECT_FALSE(may_read());
-  endpoint.payload = ProtectionKind::encrypt;
-  EXPECT_TRUE(may_write());
-  EXPECT_TRUE(may_read());
-  endpoint.payload = ProtectionKind::none;
-  allow_unauthenticated = false;
-  Refusal unguarded;
-  EXPECT_EQ(c->check_create_datawriter(c, 8, 5, "Square", &qos, nullptr, nullptr, &unguarded), 0);
-  EXPECT_EQ(unguarded.reason(), Code::controlled_topic_unguarded);
-  EXPECT_THAT(harness.events.back().error.to_sentence(), testing::HasSubstr("Square"));
-  EXPECT_FALSE(may_read());
-  endpoint.submessage = ProtectionKind::sign;
-  EXPECT_TRUE(may_write());
-  EXPECT_TRUE(may_read());
-}
-
-// The core takes what such a participant sends without protection, whatever governance protects.
-TEST_F(AccessControlAdapterTest, AReaderThatOnlyMessageProtectionCoversIsRefusedWithGuests) {
-  spi::EndpointSecurityAttributes endpoint;
-  spi::ParticipantSecurityAttributes participant{.allow_unauthenticated_participants = true,
-                                                 .rtps = ProtectionKind::encrypt};
-  ON_CALL(engine, check_create_datawriter).WillByDefault([](auto&&...) { return Status{}; });
-  ON_CALL(engine, check_create_datareader).WillByDefault([](auto&&...) { return Status{}; });
-  ON_CALL(engine, participant_sec_attributes).WillByDefault([&](auto&&...) { return participant; });
-  ON_CALL(engine, datawriter_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
-  ON_CALL(engine, datareader_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
-  const auto may_read = [&] {
-    return c->check_create_datareader(c, 8, 5, "Square", &qos, nullptr, nullptr, &refusal) != 0;
-  };
-  EXPECT_FALSE(may_read());
-  EXPECT_EQ(refusal.reason(), Code::unauthenticated_peers_unstoppable);
-  EXPECT_EQ(c->check_create_datawriter(c, 8, 5, "Square", &qos, nullptr, nullptr, nullptr), 1);
-  endpoint.payload = ProtectionKind::sign;
-  EXPECT_TRUE(may_read());
-  endpoint.payload = ProtectionKind::none;
-  participant.allow_unauthenticated_participants = false;
-  EXPECT_TRUE(may_read());
 }
 
 TEST_F(AccessControlAdapterTest, RelayOnlyIsAlwaysSet) {
@@ -494,4 +293,4 @@ TEST_F(AccessControlAdapterTest, ExpiredPermissionsAreRevokedThroughTheListener)
 }
 
 }  // namespace
-}  // namespace ddssec::cyclonedds
+}  // namespace ddssec::cyclonedds::access_control_adapters

@@ -2,16 +2,11 @@
 
 #include <stdexcept>
 
+#include "tests/unit/cyclonedds/boundaries.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
-namespace ddssec::cyclonedds {
+namespace ddssec::cyclonedds::boundaries {
 namespace {
-
-struct Boundary : testing::Test {
-  std::vector<Event> events;
-  Host host{std::make_unique<Recorder>(events)};
-  Refusal refusal;
-};
 
 TEST_F(Boundary, SuccessTouchesNothing) {
   EXPECT_EQ(allowed_at_c_boundary(host, &refusal, [] { return Status{}; }), 1);
@@ -89,25 +84,5 @@ TEST_F(Boundary, ThrownExceptionsDeny) {
   EXPECT_EQ(thread.reason(), Code::out_of_memory);
 }
 
-TEST_F(Boundary, AnEnginesOwnEventIsNotRepeated) {
-  const auto raise_and_refuse = [&]() -> Status {
-    host.environment().events.raise(Event(Error(Code::malformed), "CN=peer"));
-    return fail(Code::malformed);
-  };
-  EXPECT_EQ(allowed_at_c_boundary(host, &refusal, raise_and_refuse), 0);
-  ASSERT_EQ(events.size(), 1u);
-  EXPECT_EQ(events[0].peer_subject, "CN=peer");
-}
-
-TEST_F(Boundary, ASinkThatThrowsDoesNotLetAnythingThrough) {
-  struct Throwing final : EventSink {
-    void raise(const Event&) override { throw std::bad_alloc(); }
-  };
-  Host broken(std::make_unique<Throwing>());
-  EXPECT_EQ(
-      allowed_at_c_boundary(broken, &refusal, []() -> Status { return fail(Code::malformed); }), 0);
-  EXPECT_EQ(refusal.reason(), Code::malformed);
-}
-
 }  // namespace
-}  // namespace ddssec::cyclonedds
+}  // namespace ddssec::cyclonedds::boundaries

@@ -78,9 +78,9 @@ struct Sender : ::testing::Test {
   }
   OwnReaders own;
 };
-using OwnReaders_ = Sender;
+using OwnReadersTest = Sender;
 
-TEST_F(OwnReaders_, AreKnownOnceTheyAreAnnounced) {
+TEST_F(OwnReadersTest, AreKnownOnceTheyAreAnnounced) {
   for (const auto endian : {Endian::little, Endian::big}) {
     OwnReaders fresh;
     OwnReaders::Room room;
@@ -92,14 +92,14 @@ TEST_F(OwnReaders_, AreKnownOnceTheyAreAnnounced) {
   }
 }
 
-TEST_F(OwnReaders_, AreNoneOfOtherWriters) {
+TEST_F(OwnReadersTest, AreNoneOfOtherWriters) {
   for (const auto& writer :
        {rtps::kSubscriptionsWriter, rtps::kPublicationsSecureWriter, EntityId{{0, 0, 1, 2}}})
     said(announcement({.writer = writer}));
   EXPECT_TRUE(own.announced().empty());
 }
 
-TEST_F(OwnReaders_, AreKnownByTheFirstFragment) {
+TEST_F(OwnReadersTest, AreKnownByTheFirstFragment) {
   Bytes octets(2048);
   rtps::SpanWriter out(octets);
   const auto whole = list_of({});
@@ -131,7 +131,7 @@ Bytes fragment_of(BytesView whole, std::uint32_t number) {
 }
 
 // Before, readers with much USER_DATA, or of large types, stayed matched after their end.
-TEST_F(OwnReaders_, AreKnownByLaterFragments_OfEachSender) {
+TEST_F(OwnReadersTest, AreKnownByLaterFragments_OfEachSender) {
   const Bytes data(2990, 5);
   const auto one = list_of({.user_data = data}),
              two = list_of({.reader = kOther, .user_data = data});
@@ -150,7 +150,7 @@ TEST_F(OwnReaders_, AreKnownByLaterFragments_OfEachSender) {
   EXPECT_EQ(own.announced(), (std::vector{kReader, kOther}));
 }
 
-TEST_F(OwnReaders_, EndByWhatIsSentInPlaceOfACarrier) {
+TEST_F(OwnReadersTest, EndByWhatIsSentInPlaceOfACarrier) {
   said(announcement({}));
   const auto sent = said(carrier_of(kReader));
   const rtps::SubmessageView view{static_cast<rtps::SubmessageId>(sent[0]), sent[1],
@@ -169,7 +169,7 @@ TEST_F(OwnReaders_, EndByWhatIsSentInPlaceOfACarrier) {
 }
 
 // An application can make such a reader: it says nothing of others by that.
-TEST_F(OwnReaders_, OfOtherParticipantsDoNotEnd) {
+TEST_F(OwnReadersTest, OfOtherParticipantsDoNotEnd) {
   auto strange = kReader;
   strange.prefix.octets[0] ^= 1;
   const auto octets = carrier_of(strange);
@@ -178,7 +178,7 @@ TEST_F(OwnReaders_, OfOtherParticipantsDoNotEnd) {
   EXPECT_EQ(said(unnamed), unnamed);
 }
 
-TEST_F(OwnReaders_, ThatEndedAreNotAnnouncedAgain) {
+TEST_F(OwnReadersTest, ThatEndedAreNotAnnouncedAgain) {
   said(announcement({}));
   said(announcement({.reader = kOther}));
   own.ended(kReader);
@@ -193,7 +193,7 @@ Guid reader_with_key(std::uint32_t key) {
 }
 
 // The host keeps their announcements, and repeats them to each participant that joins later.
-TEST_F(OwnReaders_, OwnReaders_OneHundredThousandDeleted_TakeABitEachAndStayEnded) {
+TEST_F(OwnReadersTest, OneHundredThousandDeleted_TakeABitEachAndStayEnded) {
   constexpr std::uint32_t kDeleted = 100'000;
   const auto before = ::mallinfo2().uordblks;
   for (std::uint32_t key = 1; key <= kDeleted; ++key) {
@@ -209,7 +209,7 @@ TEST_F(OwnReaders_, OwnReaders_OneHundredThousandDeleted_TakeABitEachAndStayEnde
   EXPECT_EQ(own.announced(), std::vector{reader_with_key(kDeleted + 1)});
 }
 
-TEST_F(OwnReaders_, OwnReaders_LargestKeyDeleted_OthersStayAnnounced) {
+TEST_F(OwnReadersTest, LargestKeyDeleted_OthersStayAnnounced) {
   const auto last = reader_with_key(0xffffff);
   said(announcement({}));
   said(announcement({.reader = last}));
@@ -218,7 +218,7 @@ TEST_F(OwnReaders_, OwnReaders_LargestKeyDeleted_OthersStayAnnounced) {
   EXPECT_EQ(own.announced(), std::vector{kReader});
 }
 
-TEST_F(OwnReaders_, AreForgottenWithTheirParticipant) {
+TEST_F(OwnReadersTest, AreForgottenWithTheirParticipant) {
   said(announcement({}));
   own.ended(kReader);
   said(announcement({.reader = kOther}));
@@ -229,7 +229,7 @@ TEST_F(OwnReaders_, AreForgottenWithTheirParticipant) {
 }
 
 // A later version of the host.
-TEST_F(OwnReaders_, EndAlsoWhenTheHostSaysIt) {
+TEST_F(OwnReadersTest, EndAlsoWhenTheHostSaysIt) {
   said(announcement({}));
   Bytes octets(256);
   rtps::SpanWriter out(octets);
@@ -243,7 +243,7 @@ TEST_F(OwnReaders_, EndAlsoWhenTheHostSaysIt) {
   EXPECT_TRUE(own.announced().empty());
 }
 
-TEST_F(OwnReaders_, AnnouncementsThatEndEarlyAreSentAsTheyAre) {
+TEST_F(OwnReadersTest, AnnouncementsThatEndEarlyAreSentAsTheyAre) {
   const auto whole = carrier_of(kReader);
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const auto cut = BytesView(whole).first(size);

@@ -55,7 +55,7 @@ class FakeHost final : public HostEntities {
   std::shared_ptr<World> world_;
 };
 
-struct ReaderEnds_ : ::testing::Test {
+struct ReaderEndsTest : ::testing::Test {
   void announce(const Guid& guid) {
     Bytes list(64), octets(128);
     rtps::SpanWriter parameters(list);
@@ -83,7 +83,7 @@ struct ReaderEnds_ : ::testing::Test {
   ReaderEnds ends{[this] { return std::make_unique<FakeHost>(world); }};
 };
 
-TEST_F(ReaderEnds_, AreSaidOnceAfterTwoLooks) {
+TEST_F(ReaderEndsTest, AreSaidOnceAfterTwoLooks) {
   announce(reader(1));
   announce(reader(2));
   world->alive = {reader(1)};
@@ -95,7 +95,7 @@ TEST_F(ReaderEnds_, AreSaidOnceAfterTwoLooks) {
   EXPECT_EQ(carried().size(), 1u);
 }
 
-TEST_F(ReaderEnds_, AreNotSaidOfAReaderThatIsThereAgain) {
+TEST_F(ReaderEndsTest, AreNotSaidOfAReaderThatIsThereAgain) {
   announce(reader(1));
   EXPECT_TRUE(ends.look(host));
   world->alive = {reader(1)};
@@ -105,7 +105,7 @@ TEST_F(ReaderEnds_, AreNotSaidOfAReaderThatIsThereAgain) {
   EXPECT_TRUE(carried().empty());
 }
 
-TEST_F(ReaderEnds_, AreTriedAgainWhenTheHostRefuses) {
+TEST_F(ReaderEndsTest, AreTriedAgainWhenTheHostRefuses) {
   announce(reader(1));
   world->refuses = true;
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(ends.look(host));
@@ -114,7 +114,7 @@ TEST_F(ReaderEnds_, AreTriedAgainWhenTheHostRefuses) {
   EXPECT_EQ(carried(), std::vector{reader(1)});
 }
 
-TEST_F(ReaderEnds_, AreNotSaidOfAParticipantThatIsGone) {
+TEST_F(ReaderEndsTest, AreNotSaidOfAParticipantThatIsGone) {
   announce(reader(1));
   announce(reader(2));
   world->has_participant = false;
@@ -124,7 +124,7 @@ TEST_F(ReaderEnds_, AreNotSaidOfAParticipantThatIsGone) {
   EXPECT_TRUE(carried().empty());
 }
 
-TEST_F(ReaderEnds_, AreFoundAfterAHint) {
+TEST_F(ReaderEndsTest, AreFoundAfterAHint) {
   announce(reader(1));
   announce(reader(2));
   world->alive = {reader(2)};
@@ -134,7 +134,7 @@ TEST_F(ReaderEnds_, AreFoundAfterAHint) {
 }
 
 // Of a reader that ended before anybody was there the host tells whoever comes.
-TEST_F(ReaderEnds_, AreFoundOfReadersThatAreAnnouncedLater) {
+TEST_F(ReaderEndsTest, AreFoundOfReadersThatAreAnnouncedLater) {
   ends.look_soon();
   announce(reader(1));
   EXPECT_TRUE(eventually([&] { return !carried().empty(); }));
@@ -147,7 +147,7 @@ TEST_F(ReaderEnds_, AreFoundOfReadersThatAreAnnouncedLater) {
   EXPECT_EQ(looks(), before) << "the host is left alone while nothing is new";
 }
 
-TEST_F(ReaderEnds_, AreNotLookedForWhereTheHostLacksAFunction) {
+TEST_F(ReaderEndsTest, AreNotLookedForWhereTheHostLacksAFunction) {
   ReaderEnds without([] { return nullptr; });
   without.look_soon();
   without.look_soon();

@@ -6,14 +6,13 @@
 #include <unistd.h>
 
 #include "plugins/cyclonedds/access_control_adapter.hpp"
-#include "plugins/cyclonedds/loaded_symbols.hpp"
 #include "plugins/spi/process_properties.hpp"
-#include "plugins/spi/property_names.hpp"
 #include "tests/support/expect_code.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/cyclonedds/psmx_library.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
-namespace ddssec::cyclonedds {
+namespace ddssec::cyclonedds::psmx_library {
 namespace {
 
 using testing::HasSubstr;
@@ -37,20 +36,6 @@ class Mapping {
   void* address_;
 };
 
-/// The library of a PSMX instance, loaded as Cyclone DDS 11 loads it.
-class PsmxLibrary {
- public:
-  PsmxLibrary() : handle_(dlopen(DDSSEC_PSMX_LIKE, RTLD_GLOBAL | RTLD_NOW)) {
-    EXPECT_NE(handle_, nullptr) << dlerror();
-  }
-  ~PsmxLibrary() { dlclose(handle_); }
-  PsmxLibrary(const PsmxLibrary&) = delete;
-  PsmxLibrary& operator=(const PsmxLibrary&) = delete;
-
- private:
-  void* handle_;
-};
-
 TEST(IceoryxSegment, IsKnownByItsName) {
   const std::string before =
       "7f00-7f01 r-xp 0000 08:01 11  /usr/lib/x86_64-linux-gnu/libiceoryx_posh.so.2.0.3\n"
@@ -68,25 +53,6 @@ TEST(IceoryxSegment, IsKnownByItsName) {
   EXPECT_EQ(iceoryx_segment("7f04-7f05 rw-s 0000 00:19 5  /home/me/not_iceoryx_mgmt"),
             std::nullopt);
   EXPECT_EQ(iceoryx_segment(""), std::nullopt);
-}
-
-TEST(LoadedSymbol, IsFoundInTheLibraryThatDefinesIt) {
-  EXPECT_EQ(find_loaded_symbol("_create_psmx"), std::nullopt);
-  const PsmxLibrary library;
-  const auto found = find_loaded_symbol("_create_psmx");
-  ASSERT_TRUE(found);
-  EXPECT_EQ(found->name, "example_create_psmx");
-  EXPECT_EQ(found->library, DDSSEC_PSMX_LIKE);
-  EXPECT_EQ(find_loaded_symbol("example_create_psmx"), std::nullopt) << "no type before it";
-}
-
-TEST(LoadedSymbol, IsFoundWhereItIsDefinedAndNotWhereItIsUsed) {
-  // This program uses it, under no name that is longer.
-  const auto found = find_loaded_symbol("lose");
-  ASSERT_TRUE(found);
-  EXPECT_THAT(found->name, testing::EndsWith("lose"));
-  EXPECT_THAT(found->library, HasSubstr(".so"));
-  EXPECT_EQ(find_loaded_symbol("no_such_function_anywhere"), std::nullopt);
 }
 
 TEST(FindBypass, FindsNothingInAnOrdinaryProcess) {
@@ -306,4 +272,4 @@ TEST_F(AdapterWithSharedMemory, TheFileOfPropertiesAllowsItWhereTheHostSaysNothi
 }
 
 }  // namespace
-}  // namespace ddssec::cyclonedds
+}  // namespace ddssec::cyclonedds::psmx_library
