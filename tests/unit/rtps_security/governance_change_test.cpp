@@ -1,139 +1,15 @@
 // A governance document that protects a topic more, while participants exchange data.
-#include <random>
-
 #include "plugins/spi/governance_change_time.hpp"
 #include "tests/support/expect_code.hpp"
 #include "tests/unit/rtps_security/document_files.hpp"
+#include "tests/unit/rtps_security/governance_changes.hpp"
 #include "tests/unit/rtps_security/segments.hpp"
 #include "tests/unit/rtps_security/trio.hpp"
 
-namespace ddssec::rtps {
+namespace ddssec::rtps::governance_changes {
 namespace {
 
 using namespace testing;
-
-constexpr auto kNone = ProtectionKind::none, kSign = ProtectionKind::sign,
-               kEncrypt = ProtectionKind::encrypt;
-
-Rules rules_of(ProtectionKind metadata, ProtectionKind data, ProtectionKind rtps = kSign) {
-  return {.rtps = rtps, .discovery = kSign, .metadata = metadata, .data = data};
-}
-
-std::string governance(const Rules& rules, std::uint32_t revision) {
-  auto document = rules.document();
-  document.revision = revision;
-  return std::string(as_text(*Authorities::shared().permissions_ca.sign_document(
-      as_bytes(governance::to_xml(document)), pki::kNow, pki::test_random())));
-}
-
-/// Its governance is in a file.
-struct Member {
-  Member(std::uint8_t n, const std::string& name, const Rules& rules, const std::string& seconds)
-      : path(folder.write("governance.p7s", governance(rules, 1))),
-        node(n, properties(name, rules, seconds), 4) {}
-  spi::PropertyList properties(const std::string& name, const Rules& rules,
-                               const std::string& seconds) const {
-    auto out = properties_of("CN=" + name + ",O=Example", rules);
-    for (auto& one : out)
-      if (one.name == spi::property::kGovernance) one.value = "file:" + path;
-    out.push_back({std::string(spi::property::kFilesPollInterval), "1", false});
-    out.push_back({std::string(spi::property::kGovernanceChangeTime), seconds, false});
-    out.push_back({std::string(spi::property::kSharedMemory), "on", false});
-    return out;
-  }
-  const test::TemporaryFolder folder;
-  const std::string path;
-  Node node;
-};
-
-/// Alice writes to bob and carol; bob answers on another topic.
-struct Fleet {
-  explicit Fleet(const Rules& former, const std::string& seconds = "30", bool has_carol = true)
-      : a(1, "alice", former, seconds),
-        b(2, "bob", former, seconds),
-        c(3, "carol", former, seconds) {
-    world.nodes = {&a.node, &b.node};
-    if (has_carol) world.nodes.push_back(&c.node);
-    world.filter = [this](const Node&, Bytes datagram) {
-      if (watches) sent.push_back(datagram);
-      return is_lossy && random() % 100 < loss ? std::vector<Bytes>{} : one(std::move(datagram));
-    };
-    auto qos = default_writer_qos();
-    qos.history.kind = HistoryKind::keep_all;
-    auto reading = default_reader_qos();
-    reading.reliability.kind = ReliabilityKind::reliable;
-    reading.history.kind = HistoryKind::keep_all;
-    writer = a.node->create_writer(square(qos), a.node.listener, world.now).value();
-    for (auto* node : world.nodes)
-      if (node != &a.node) {
-        EXPECT_TRUE((*node)->create_reader(square(reading), node->listener, world.now));
-      }
-    const auto count = static_cast<int>(world.nodes.size()) - 1;
-    EXPECT_TRUE(world.run_until([&] {
-      return a.node.listener.matched == count && std::ranges::all_of(world.nodes, [&](Node* node) {
-               return node == &a.node || node->listener.matched == 1;
-             });
-    })) << text();
-  }
-  void put(std::initializer_list<Member*> members, const Rules& rules, std::uint32_t revision) {
-    for (auto* member : members)
-      member->folder.replace("governance.p7s", governance(rules, revision));
-  }
-  void write() {
-    Change change;
-    change.payload = Payload::copy_of(marked());
-    a.node->local_endpoints().writer(writer)->write(std::move(change), world.now);
-    ++written;
-  }
-  /// A sample whose text is found on the network if nothing encrypts it.
-  Bytes marked() const {
-    Bytes octets{0, 1, 0, 0};
-    for (const char c : kMark) octets.push_back(static_cast<std::uint8_t>(c));
-    octets.resize(octets.size() + more, 0x5a);
-    return octets;
-  }
-  /// Writes all the time; the plugins look at their files once a second.
-  void run(int seconds) {
-    for (int i = 0; i < seconds; ++i) {
-      for (auto* node : world.nodes) node->clock.advance(1s);
-      for (int j = 0; j < 10; ++j) {
-        write();
-        world.run(10);
-      }
-    }
-  }
-  bool has_all(Node& node) {
-    return world.run_until([&] { return node.listener.changes.size() == written; }, 3000);
-  }
-  bool is_whole(const Node& node) const {
-    return std::ranges::all_of(node.listener.changes, [this](const Change& change) {
-      return std::ranges::equal(change.payload.view(), marked());
-    });
-  }
-  bool is_readable_on_the_network() {
-    sent.clear();
-    watches = true;
-    run(2);
-    watches = false;
-    return std::ranges::any_of(sent, [](const Bytes& datagram) {
-      return as_text(datagram).find(kMark) != std::string_view::npos;
-    });
-  }
-  static int unmatched(const Node& node) { return node.listener.unmatched; }
-  std::string text() const {
-    return "A " + a.node.events.text() + "B " + b.node.events.text() + "C " + c.node.events.text();
-  }
-
-  static constexpr std::string_view kMark = "what everyone could read before.";
-  Member a, b, c;
-  World world;
-  Guid writer;
-  std::size_t written = 0, more = 0;  ///< more: octets of each sample after the text
-  bool watches = false, is_lossy = false;
-  unsigned loss = 20;  ///< of 100
-  std::vector<Bytes> sent;
-  std::minstd_rand random{7};
-};
 
 const Event* last(const Events& events, Code code) {
   const Event* out = nullptr;
@@ -263,29 +139,6 @@ TEST(GovernanceChange, APeerThatStaysBehind_NoLongerMatchesAndBothSidesSaySo) {
   EXPECT_GT(fleet.c.node.listener.changes.size(), before);
 }
 
-TEST(GovernanceChange, EndpointsMadeMeanwhile_MatchAndKeepTheirSamples) {
-  Fleet fleet(rules_of(kSign, kSign));
-  fleet.put({&fleet.a, &fleet.b}, rules_of(kEncrypt, kEncrypt), 2);
-  fleet.run(4);  // carol is waited for
-  auto reading = default_reader_qos();
-  reading.reliability.kind = ReliabilityKind::reliable;
-  reading.history.kind = HistoryKind::keep_all;
-  Listener late;
-  ASSERT_TRUE(fleet.b.node->create_reader(square(reading), late, fleet.world.now));
-  ASSERT_TRUE(fleet.world.run_until([&] { return late.matched == 1; })) << fleet.text();
-  const auto before = fleet.written;
-  fleet.run(2);
-  fleet.put({&fleet.c}, rules_of(kEncrypt, kEncrypt), 2);
-  fleet.run(8);
-  EXPECT_TRUE(
-      fleet.world.run_until([&] { return late.changes.size() == fleet.written - before; }, 3000))
-      << late.changes.size() << " of " << fleet.written - before << fleet.text();
-  EXPECT_TRUE(fleet.c.node.events.has(Code::governance_renewed));
-  EXPECT_EQ(late.unmatched, 0);
-  EXPECT_TRUE(fleet.has_all(fleet.c.node))
-      << fleet.c.node.listener.changes.size() << " of " << fleet.written << fleet.text();
-}
-
 TEST(GovernanceChange, TwoChangesAfterOneAnother_AreBothTaken) {
   Fleet fleet(rules_of(kNone, kNone));
   fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kSign, kSign), 2);
@@ -393,14 +246,6 @@ TEST(GovernanceChange, AFloodOfDocuments_IsTakenOneAtATime) {
   for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) expect_in_force(fleet, *member);
 }
 
-TEST(GovernanceChange, WithoutTimeToWait_TheNewProtectionCountsAtOnce) {
-  Fleet fleet(rules_of(kSign, kSign), "0");
-  fleet.put({&fleet.a}, rules_of(kEncrypt, kEncrypt), 2);
-  fleet.run(4);
-  EXPECT_EQ(fleet.a.node.listener.matched, 0) << fleet.text();
-  EXPECT_FALSE(fleet.is_readable_on_the_network());
-}
-
 TEST(GovernanceChangeTime, ANumberOfSecondsOrNone) {
   const auto value = [](std::string text) {
     return spi::governance_change_time(
@@ -438,4 +283,4 @@ TEST(RaisedInMemory, FormerSegmentOfSignedData_IsGivenUpWithItsPlaintext) {
 }
 
 }  // namespace
-}  // namespace ddssec::rtps
+}  // namespace ddssec::rtps::governance_changes

@@ -1,25 +1,18 @@
 // What is not protected as its reader or writer requires changes nothing.
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "tests/unit/rtps_security/keyrings.hpp"
 #include "wire/acknack.hpp"
 #include "wire/gap.hpp"
 #include "wire/heartbeat.hpp"
 #include "wire/info_source.hpp"
 
-namespace ddssec::rtps {
+namespace ddssec::rtps::keyrings {
 namespace {
 
 using namespace testing;
 
 constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
-
-struct Protected : Pair {
-  explicit Protected(const Rules& rules) : Pair(rules) { EXPECT_TRUE(match()); }
-  Data data(std::int64_t number) const {
-    static const Bytes octets(8);
-    return {kEntityIdUnknown, writer.entity, {number}, {}, PayloadKind::data, octets};
-  }
-};
 
 TEST(KeyringTransform, ClearSubmessagesOfProtectedEndpointsAreDroppedAndCounted) {
   for (const auto& rules : {Rules{.metadata = kSign}, Rules{.rtps = kSign}}) {
@@ -85,35 +78,6 @@ TEST(KeyringTransform, ADisposeWithoutAPayloadWherePayloadsAreProtectedIsDropped
   }
 }
 
-TEST(KeyringTransform, InfoSourceInAClearMessageGivesNobodysRights) {
-  Protected pair({.metadata = kSign});
-  InfoSource source;
-  source.source.prefix = pair.a->prefix();
-  pair.b->receive(forged(GuidPrefix::from(Bytes(12, 9)), source, pair.data(1)), pair.world.now);
-  EXPECT_TRUE(pair.b.listener.changes.empty());
-}
-
-TEST(KeyringTransform, AProtectedMessageWithOneOctetChangedOrCutIsNothing) {
-  for (const auto& rules : {everything(kSign), everything(kEncrypt),
-                            everything(ProtectionKind::encrypt_with_origin_authentication)}) {
-    Protected pair(rules);
-    pair.world.run(200);
-    pair.a.post.sent.clear();
-    pair.write();
-    ASSERT_FALSE(pair.a.post.sent.empty());
-    const auto sent = pair.a.post.sent.front().second;
-    for (std::size_t i = 0; i < sent.size(); ++i) {
-      auto broken = sent;
-      broken[i] ^= 0x40;
-      pair.b->receive(broken, pair.world.now);
-      pair.b->receive(BytesView(sent).first(i), pair.world.now);
-    }
-    EXPECT_TRUE(pair.b.listener.changes.empty());
-    pair.b->receive(sent, pair.world.now);
-    EXPECT_EQ(pair.b.listener.changes.size(), 1u);
-  }
-}
-
 // A message of an unknown sender may only be early: it is counted, without an event for each.
 TEST(KeyringTransform, GroupOfAnUnknownSender_IsCountedWithoutAnEvent) {
   Protected pair({.metadata = kSign});
@@ -132,4 +96,4 @@ TEST(KeyringTransform, GroupOfAnUnknownSender_IsCountedWithoutAnEvent) {
 }
 
 }  // namespace
-}  // namespace ddssec::rtps
+}  // namespace ddssec::rtps::keyrings

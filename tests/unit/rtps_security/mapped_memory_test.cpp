@@ -6,59 +6,13 @@
 #include <gtest/gtest.h>
 
 #include "rtps/memory/sample_slots.hpp"
-#include "tests/support/code_of.hpp"
+#include "tests/unit/rtps_security/mapped.hpp"
 
-namespace ddssec::rtps {
+namespace ddssec::rtps::mapped {
 namespace {
 
 using memory::Refusal;
 using namespace std::chrono_literals;
-
-constexpr EntityId kWriter{{1, 2, 3, 2}}, kReader{{1, 2, 3, 7}}, kSecondReader{{1, 2, 4, 7}};
-
-/// A writer's side and a reader's side in one process.
-struct Sides {
-  Sides() { mapped.add_reader(writer, kReader); }
-  MemoryOffer offer() {
-    return {kWriter, passing->offer(slots.segment(), random, now, std::to_string(++peers)).value()};
-  }
-  /// Lets the descriptor come over.
-  void exchange() {
-    for (int i = 0; i < 5; ++i) {
-      passing->serve(now);
-      mapped.serve(now);
-    }
-  }
-  void share() {
-    mapped.on_offer(prefix, offer(), now);
-    exchange();
-    ASSERT_EQ(answers, (std::vector<MemoryAnswer>{{kWriter, slots.segment().id(), {}}}));
-    answers.clear();
-  }
-  MemoryReference put(std::size_t size = 5000) {
-    const auto place = slots.begin({1}, now).value();
-    std::ranges::fill(place.first(size), std::uint8_t{7});
-    return slots.end({1}, size, now);
-  }
-  std::size_t fetched(const MemoryReference& reference) {
-    return mapped.fetch(writer, reference, now).size();
-  }
-
-  SystemRandom random;
-  MonotonicTime now = 100s;
-  const GuidPrefix prefix = GuidPrefix::from(Bytes(12, 9));
-  const Guid writer{prefix, kWriter};
-  // Without a thread, so that each step is seen.
-  std::unique_ptr<memory::DescriptorPassing> passing =
-      memory::DescriptorPassing::make(random).value();
-  memory::SampleSlots slots = memory::SampleSlots::make(77, 10'000).value();
-  std::vector<MemoryAnswer> answers;
-  int peers = 0;  // so that no limit of one is reached
-  MappedMemory mapped{*passing, [this](const GuidPrefix& to, const MemoryAnswer& answer) {
-                        EXPECT_EQ(to, prefix);
-                        answers.push_back(answer);
-                      }};
-};
 
 TEST(MappedMemory, Offered_PayloadsAreFetched) {
   Sides sides;
@@ -379,58 +333,5 @@ TEST(MappedMemory, DescriptorComes_ReadinessSaysSo) {
   EXPECT_EQ(sides.mapped.segments(), 1u);
 }
 
-// ---- messages
-
-TEST(MemoryMessages, Offer_ComesAsItWasSent) {
-  Sides sides;
-  const auto offer = sides.offer();
-  const auto read = offer_in(token_of(offer));
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->writer, kWriter);
-  EXPECT_EQ(read->offer.name, offer.offer.name);
-  EXPECT_TRUE(read->offer.token == offer.offer.token);
-  EXPECT_EQ(read->offer.process, offer.offer.process);
-  EXPECT_EQ(read->offer.segment, offer.offer.segment);
-  EXPECT_EQ(read->offer.memory, offer.offer.memory);
-  EXPECT_FALSE(answer_in(token_of(offer)));
-}
-
-TEST(MemoryMessages, Answer_ComesAsItWasSent) {
-  const MemoryAnswer mapped{kWriter, 77, {}};
-  EXPECT_EQ(answer_in(token_of(mapped)), mapped);
-  EXPECT_FALSE(offer_in(token_of(mapped)));
-  for (std::uint32_t i = 0; i < memory::kRefusals; ++i) {
-    const MemoryAnswer refused{kWriter, 77, static_cast<Refusal>(i)};
-    EXPECT_EQ(answer_in(token_of(refused)), refused);
-    EXPECT_NE(memory::to_string(*refused.refusal), "unknown");
-  }
-}
-
-TEST(MemoryMessages, CutAnywhereOrLonger_Refused) {
-  Sides sides;
-  for (const auto& whole : {token_of(sides.offer()), token_of(MemoryAnswer{kWriter, 77, {}})}) {
-    auto token = whole;
-    auto& content = token.binary_properties[0].value;
-    content.push_back(0);
-    EXPECT_FALSE(offer_in(token) || answer_in(token));
-    for (content.pop_back(); !content.empty();) {
-      content.pop_back();
-      EXPECT_FALSE(offer_in(token) || answer_in(token));
-    }
-    token = whole;
-    token.class_id += "x";
-    EXPECT_FALSE(offer_in(token) || answer_in(token));
-    EXPECT_FALSE(offer_in({.class_id = whole.class_id}) || answer_in({.class_id = whole.class_id}));
-  }
-}
-
-TEST(MemoryMessages, UnknownReason_IsARefusal) {
-  auto token = token_of(MemoryAnswer{kWriter, 77, Refusal::full});
-  token.binary_properties[0].value[12] = 0xff;
-  const auto read = answer_in(token);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->refusal, Refusal::no_answer);
-}
-
 }  // namespace
-}  // namespace ddssec::rtps
+}  // namespace ddssec::rtps::mapped

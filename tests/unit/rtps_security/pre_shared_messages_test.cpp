@@ -1,5 +1,7 @@
 // A domain whose bootstrapping messages are protected by a pre-shared key (T62 of the catalogue of
 // attacks): who joins, and what others see.
+#include "rtps/security/pre_shared_messages.hpp"
+
 #include "plugins/spi/files_poll_interval.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
@@ -19,6 +21,7 @@ spi::PropertyList phrase(std::string_view text, std::string_view extra = {}) {
     out.push_back({std::string(spi::property::kPskExtraPassphrases), data_uri(extra), false});
   return out;
 }
+
 constexpr std::string_view kText = "5632:castle super radar denial";
 const spi::PropertyList kPhrase = phrase(kText);
 
@@ -234,21 +237,6 @@ TEST(PreSharedKey, IsChangedWhileParticipantsTalkAndNothingIsLost) {
   EXPECT_EQ(domain.b->protection_counters().undecodable, 0u) << domain.b.events.text();
   EXPECT_GT(seen, 200);
   EXPECT_EQ(read, 0) << "by who knows the old passphrase alone";
-}
-
-TEST(PreSharedKey, WithoutAPassphraseThereIsNoParticipant) {
-  Node node(9);
-  const Environment environment{node.clock, node.random, node.events};
-  const auto authentication = authentication::make_authentication(environment);
-  const auto access_control =
-      access_control::make_access_control(environment, {.host_has_pre_shared_keys = true});
-  const auto cryptography = cryptography::make_cryptography(environment);
-  const auto refused = OwnSecurity::create({{*authentication, *access_control, *cryptography},
-                                            properties_of("CN=alice,O=Example", kHidden)},
-                                           0, Node::candidate(9));
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code(), Code::missing_property);
-  EXPECT_NE(refused.error().to_sentence().find(spi::property::kPskPassphrase), std::string::npos);
 }
 
 TEST(PreSharedKey, NothingThatWasChangedOrCutOffIsHeard) {

@@ -1,4 +1,6 @@
 // Who reads shared memory, until when, and what a peer may keep of it.
+#include "rtps/security/written_memory.hpp"
+
 #include <dirent.h>
 #include <fcntl.h>
 #include <map>

@@ -1,4 +1,6 @@
 // A participant's host gets other addresses while it talks.
+#include "rtps/participant/remote_addresses.hpp"
+
 #include <algorithm>
 
 #include "tests/unit/rtps_security/attacker.hpp"

@@ -1,5 +1,7 @@
 // A handshake request is larger than three announcements: how a peer earns it
 // (AmplificationLimit).
+#include "rtps/security/handshake_sender.hpp"
+
 #include "rtps/security/peer_handshake.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"

@@ -1,5 +1,7 @@
 // Fast DDS announces DCPSParticipantsSecure. Up to 2.9 it does not have it; since 2.10 it waits for
 // our data from there before it takes part in anything else.
+#include "rtps/participant/builtin_matcher.hpp"
+
 #include <gtest/gtest.h>
 
 #include "tests/unit/rtps_security/fixture.hpp"

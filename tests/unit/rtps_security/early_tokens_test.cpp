@@ -1,0 +1,62 @@
+// Key tokens that come before their endpoints are announced: how many are kept, and how long.
+#include "rtps/security/early_tokens.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace std::chrono_literals;
+
+Guid endpoint(std::uint8_t number) { return {{{1}}, {{0, 0, number, 7}}}; }
+
+/// Of the pair of endpoints with that number.
+GenericMessage tokens(std::uint8_t number) {
+  GenericMessage out;
+  out.destination_endpoint = endpoint(number);
+  out.source_endpoint = {{{2}}, {{0, 0, number, 2}}};
+  return out;
+}
+
+struct EarlyTokensTest : ::testing::Test {
+  bool keep(std::uint8_t number, std::size_t octets = 100) {
+    return early.keep(tokens(number), octets, now);
+  }
+  int taken(std::uint8_t number) {
+    int count = 0;
+    const auto message = tokens(number);
+    const bool any = early.take(message.destination_endpoint, message.source_endpoint,
+                                [&](const GenericMessage&) { ++count; });
+    EXPECT_EQ(any, count > 0) << "it says if there was any";
+    return count;
+  }
+
+  EarlyTokens early;
+  MonotonicTime now = 100s;
+};
+
+TEST_F(EarlyTokensTest, OfAPair_AreTakenOnce) {
+  EXPECT_TRUE(keep(1));
+  EXPECT_TRUE(keep(2));
+  EXPECT_EQ(taken(3), 0);
+  EXPECT_EQ(taken(1), 1);
+  EXPECT_EQ(taken(1), 0);
+  EXPECT_EQ(early.size(), 1u) << "those of the other pair stay";
+}
+
+TEST_F(EarlyTokensTest, OfOnePair_OnlyTheLatestStay) {
+  for (std::size_t i = 0; i < EarlyTokens::kMaxOfPair + 3; ++i) (void)keep(1);
+  EXPECT_EQ(early.size(), EarlyTokens::kMaxOfPair);
+}
+
+TEST_F(EarlyTokensTest, WithoutRoom_AreRefusedUntilTheOldestHasWaited) {
+  EXPECT_TRUE(keep(1, EarlyTokens::kMaxOctets));
+  EXPECT_FALSE(keep(2));
+  now += EarlyTokens::kPatience + 1s;
+  EXPECT_TRUE(keep(2));
+  EXPECT_EQ(taken(1), 0) << "the oldest gave way";
+  EXPECT_EQ(taken(2), 1);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
