@@ -11,7 +11,7 @@ FOLDERS = {
                "unit/base", "unit/cryptography", "unit/governance", "unit/governance_compare", "unit/governance_doctor", "unit/pki",
                "unit/spi", "vectors"),
     "Cyclone DDS": ("attack/cyclonedds", "unit/cyclonedds"),
-    "Embedded": ("attack/rtps", "unit/rtps", "unit/rtps_durability", "unit/rtps_filter", "unit/rtps_security", "unit/secured"),
+    "Embedded": ("attack/rtps", "unit/rtps", "unit/rtps_durability", "unit/rtps_filter", "unit/rtps_security", "unit/secured", "unit/wire"),
     "Tool": ("unit/cli",),
     "Open": ("",),
 }

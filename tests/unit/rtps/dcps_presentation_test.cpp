@@ -4,32 +4,17 @@
 
 #include "tests/support/succeeds.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"
+#include "tests/unit/rtps/presenting.hpp"
 
-namespace ddssec::rtps {
+namespace ddssec::rtps::presenting {
 namespace {
 
 using namespace std::chrono_literals;
 using test::succeeds;
-using testing::code_of;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using testing::reliable;
 using testing::taken;
-
-struct Presenting : testing::Polled {
-  DataWriter<Reading>& writer_on(Topic& topic, Publisher& publisher) {
-    return **publisher.create_datawriter<Reading>(topic, reliable());
-  }
-  DataReader<Reading>& reader_on(Topic& topic, Subscriber& subscriber) {
-    return **subscriber.create_datareader<Reading>(topic, reliable());
-  }
-  Publisher& publisher(const Presentation& presentation) {
-    return **a.participant->create_publisher({.presentation = presentation});
-  }
-  Subscriber& subscriber(const Presentation& presentation) {
-    return **b.participant->create_subscriber({.presentation = presentation});
-  }
-};
 
 TEST_P(Presenting, ACoherentSetComesAsAWhole) {
   for (const auto scope : {PresentationScope::instance, PresentationScope::topic}) {
@@ -172,29 +157,6 @@ TEST_P(Presenting, AReaderThatComesInTheMiddleOfASetGetsTheNext) {
   EXPECT_THAT(taken(late), ElementsAre(3));
 }
 
-// A writer's GAPs would be holes.
-TEST_P(Presenting, AFilteredReaderGetsWhatPassesOfAWholeSetOrGroup) {
-  auto* large = *b.participant->create_contentfilteredtopic("large", *b.topic, {"value >= 2", {}});
-  for (const auto& access : {Presentation{PresentationScope::topic, true, false},
-                             Presentation{PresentationScope::group, false, true}}) {
-    auto& pub = publisher(access);
-    auto& writer = writer_on(*a.topic, pub);
-    auto& sub = subscriber(access);
-    auto& reader = **sub.create_datareader<Reading>(*large, reliable());
-    ASSERT_TRUE(match(writer, reader));
-    ASSERT_TRUE(succeeds(pub.begin_coherent_changes()));
-    for (int i = 0; i < 5; ++i) ASSERT_TRUE(succeeds(writer.write({"a", i % 4})));
-    ASSERT_TRUE(succeeds(pub.end_coherent_changes()));
-    run(20ms);
-    ASSERT_TRUE(succeeds(sub.begin_access()));
-    EXPECT_THAT(taken(reader), ElementsAre(2, 3));
-    ASSERT_TRUE(succeeds(sub.end_access()));
-    ASSERT_TRUE(succeeds(pub.delete_contained_entities()));
-    ASSERT_TRUE(succeeds(sub.delete_contained_entities()));
-    run(50ms);
-  }
-}
-
 TEST_P(Presenting, AWriterThatEndsInTheMiddleOfASetLeavesNothing) {
   const Presentation access{PresentationScope::topic, true, false};
   auto& pub = publisher(access);
@@ -210,102 +172,6 @@ TEST_P(Presenting, AWriterThatEndsInTheMiddleOfASetLeavesNothing) {
   run(50ms);
   EXPECT_THAT(taken(reader), IsEmpty());
   EXPECT_EQ(reader.sample_lost_status().total_count, 1);
-}
-
-TEST_P(Presenting, AGroupsSetComesAsAWholeToAllReaders) {
-  const Presentation access{PresentationScope::group, true, true};
-  auto& pub = publisher(access);
-  auto& sub = subscriber(access);
-  auto& other_a = **a.participant->create_topic<Reading>("Others");
-  auto& other_b = **b.participant->create_topic<Reading>("Others");
-  auto& one = writer_on(*a.topic, pub);
-  auto& two = writer_on(other_a, pub);
-  auto& of_one = reader_on(*b.topic, sub);
-  auto& of_two = reader_on(other_b, sub);
-  ASSERT_TRUE(match(one, of_one));
-  ASSERT_TRUE(match(two, of_two));
-  EXPECT_FALSE(of_one.take_next_sample());
-  Samples<Reading> samples;
-  EXPECT_EQ(code_of(of_one.take(samples)), Code::rtps_precondition_not_met);
-  const auto take_all = [&] {
-    std::vector<std::int64_t> out;
-    EXPECT_TRUE(succeeds(sub.begin_access()));
-    for (auto* reader : sub.datareaders()) {
-      auto& typed = *static_cast<DataReader<Reading>*>(reader);
-      EXPECT_EQ(typed.take(samples, 1), 1u);
-      if (samples[0].info.valid_data) out.push_back(samples[0].data.value);
-    }
-    EXPECT_TRUE(succeeds(sub.end_access()));
-    return out;
-  };
-  ASSERT_TRUE(succeeds(pub.begin_coherent_changes()));
-  ASSERT_TRUE(succeeds(one.write({"a", 1})));
-  ASSERT_TRUE(succeeds(two.write({"a", 2})));
-  ASSERT_TRUE(succeeds(one.write({"b", 3})));
-  ASSERT_TRUE(succeeds(two.write({"b", 4})));
-  run(20ms);
-  EXPECT_THAT(take_all(), IsEmpty());
-  ASSERT_TRUE(succeeds(pub.end_coherent_changes()));
-  run(20ms);
-  EXPECT_THAT(take_all(), ElementsAre(1, 2, 3, 4));
-  ASSERT_TRUE(succeeds(pub.begin_coherent_changes()));
-  ASSERT_TRUE(succeeds(two.write({"a", 5})));  // the other one has nothing in this set
-  ASSERT_TRUE(succeeds(pub.end_coherent_changes()));
-  ASSERT_TRUE(succeeds(one.write({"a", 6})));  // and this is in none
-  run(20ms);
-  EXPECT_THAT(take_all(), ElementsAre(5, 6));
-}
-
-// Each scope but GROUP has presenters of its own.
-TEST_P(Presenting, NothingOfACoherentSetIsSeenDuringAnAccessAtAnyScope) {
-  for (const auto scope :
-       {PresentationScope::instance, PresentationScope::topic, PresentationScope::group}) {
-    const Presentation access{scope, true, false};
-    auto& pub = publisher(access);
-    auto& sub = subscriber(access);
-    auto& writer = writer_on(*a.topic, pub);
-    auto& reader = reader_on(*b.topic, sub);
-    ASSERT_TRUE(match(writer, reader));
-    ASSERT_TRUE(succeeds(sub.begin_access()));
-    ASSERT_TRUE(succeeds(sub.begin_access()));
-    auto& late = reader_on(*b.topic, sub);
-    ASSERT_TRUE(match(writer, late));
-    ASSERT_TRUE(succeeds(pub.begin_coherent_changes()));
-    ASSERT_TRUE(succeeds(writer.write({"a", 1})));
-    ASSERT_TRUE(succeeds(writer.write({"a", 2})));
-    ASSERT_TRUE(succeeds(pub.end_coherent_changes()));
-    run(20ms);
-    ASSERT_TRUE(succeeds(sub.end_access()));
-    EXPECT_THAT(taken(reader), IsEmpty());
-    EXPECT_THAT(taken(late), IsEmpty());
-    ASSERT_TRUE(succeeds(sub.end_access()));
-    run(20ms);
-    ASSERT_TRUE(succeeds(sub.begin_access()));
-    EXPECT_THAT(taken(reader), ElementsAre(1, 2));
-    EXPECT_THAT(taken(late), ElementsAre(1, 2));
-    ASSERT_TRUE(succeeds(sub.end_access()));
-    ASSERT_TRUE(succeeds(pub.delete_contained_entities()));
-    ASSERT_TRUE(succeeds(sub.delete_contained_entities()));
-    run(50ms);
-  }
-}
-
-TEST_P(Presenting, NothingNewIsSeenDuringAnAccess) {
-  const Presentation access{PresentationScope::group, false, true};
-  auto& pub = publisher(access);
-  auto& sub = subscriber(access);
-  auto& writer = writer_on(*a.topic, pub);
-  auto& reader = reader_on(*b.topic, sub);
-  ASSERT_TRUE(match(writer, reader));
-  ASSERT_TRUE(succeeds(sub.begin_access()));
-  ASSERT_TRUE(succeeds(writer.write({"a", 1})));
-  run(20ms);
-  EXPECT_THAT(taken(reader), IsEmpty());
-  ASSERT_TRUE(succeeds(sub.end_access()));
-  ASSERT_TRUE(succeeds(sub.begin_access()));
-  EXPECT_THAT(taken(reader), ElementsAre(1));
-  ASSERT_TRUE(succeeds(sub.end_access()));
-  EXPECT_EQ(code_of(sub.end_access()), Code::rtps_precondition_not_met);
 }
 
 TEST_P(Presenting, OrderedByTopicSamplesOfAllInstancesComeInOrder) {
@@ -324,21 +190,6 @@ TEST_P(Presenting, OrderedByTopicSamplesOfAllInstancesComeInOrder) {
   EXPECT_EQ(samples[3].info.sample_rank, 0);
   EXPECT_THAT(taken(ordered), ElementsAre(0, 1, 2, 3, 4, 5));
   EXPECT_THAT(taken(plain), ElementsAre(0, 2, 4, 1, 3, 5));
-}
-
-TEST_P(Presenting, SuspendedPublicationsComeWhenTheyAreResumed) {
-  auto& writer = a.writer(reliable());
-  auto& reader = b.reader(reliable());
-  ASSERT_TRUE(match(writer, reader));
-  ASSERT_TRUE(succeeds(a.publisher->suspend_publications()));
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(succeeds(writer.write({"a", i})));
-  run();
-  EXPECT_THAT(taken(reader), IsEmpty());
-  ASSERT_TRUE(succeeds(a.publisher->resume_publications()));
-  run(20ms);
-  EXPECT_THAT(taken(reader), ElementsAre(0, 1, 2));
-  EXPECT_EQ(code_of(a.publisher->resume_publications()), Code::rtps_precondition_not_met);
-  EXPECT_EQ(code_of(a.publisher->end_coherent_changes()), Code::rtps_precondition_not_met);
 }
 
 // Two topics that are written in one set, by one thread and read by another: no access sees one
@@ -405,4 +256,4 @@ INSTANTIATE_TEST_SUITE_P(Over, Presenting,
                          testing::name_of);
 
 }  // namespace
-}  // namespace ddssec::rtps
+}  // namespace ddssec::rtps::presenting

@@ -137,7 +137,7 @@ TEST_P(HostileInlineQos, ADisposeWhoseKeyCannotBeReadIsReportedAndChangesNothing
   EXPECT_EQ(report->guid, writer.guid().to_string());
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, HostileInlineQos, ::testing::Values(Way::network), name_of);
+INSTANTIATE_TEST_SUITE_P(Over, HostileInlineQos, ::testing::Values(Way::network), testing::name_of);
 
 }  // namespace
 }  // namespace ddssec::rtps

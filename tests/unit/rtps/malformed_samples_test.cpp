@@ -162,7 +162,7 @@ TEST_P(MalformedSamples, InAFullReader_GiveTheirPlaces) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Ways, MalformedSamples, ::testing::Values(Way::network, Way::in_process),
-                         name_of);
+                         testing::name_of);
 
 }  // namespace
 }  // namespace ddssec::rtps

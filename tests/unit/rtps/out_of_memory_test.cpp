@@ -89,7 +89,7 @@ TEST_P(OutOfMemory, AnyAllocation_WhileParticipantsAppear_EndsNothingElse) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, OutOfMemory, ::testing::Values(Way::network, Way::in_process),
-                         name_of);
+                         testing::name_of);
 
 TEST_F(StoreTest, AnyAllocationThatFailsWhileStoring_LeavesAStoreThatGoesOn) {
   auto store = IndexedStore::open(path);

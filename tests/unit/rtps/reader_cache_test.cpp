@@ -5,6 +5,7 @@ namespace ddssec::rtps {
 namespace {
 
 using namespace testing;
+
 using ReaderCacheTest = Cache;
 
 // Before, the instance ended with a keeper that had sent its sample first.
@@ -63,32 +64,6 @@ TEST_F(ReaderCacheTest, ReadKeepsAndTakeRemoves) {
   EXPECT_EQ(cache().instances(), 1u);  // its writer lives
 }
 
-TEST_F(ReaderCacheTest, SamplesOfAnInstanceStandTogetherAndMostIsKept) {
-  put(1, 10), put(2, 20), put(1, 11), put(2, 21);
-  EXPECT_THAT(values(read()), ElementsAre(10, 11, 20, 21));
-  EXPECT_THAT(values(select({.most = 3, .take = true})), ElementsAre(10, 11, 20));
-  EXPECT_THAT(values(take()), ElementsAre(21));
-}
-
-TEST_F(ReaderCacheTest, ByInstanceAndByNextInstance) {
-  put(1, 10), put(2, 20), put(3, 30);
-  const auto second = cache().lookup(KeyHash{2});
-  using Scope = Query::Scope;
-  EXPECT_THAT(values(select({.scope = Scope::instance, .instance = second})), ElementsAre(20));
-  EXPECT_THAT(values(select({.scope = Scope::next_instance})), ElementsAre(10));
-  EXPECT_THAT(values(select({.scope = Scope::next_instance, .instance = second})), ElementsAre(30));
-  EXPECT_THAT(select({.scope = Scope::next_instance, .instance = cache().lookup(KeyHash{3})}),
-              IsEmpty());
-  EXPECT_THAT(select({.scope = Scope::instance, .instance = {99}}), IsEmpty());
-  EXPECT_THAT(
-      values(select({.states = {.sample = SampleState::not_read}, .scope = Scope::next_instance})),
-      IsEmpty());
-  put(3, 31);
-  EXPECT_THAT(
-      values(select({.states = {.sample = SampleState::not_read}, .scope = Scope::next_instance})),
-      ElementsAre(31));
-}
-
 TEST_F(ReaderCacheTest, AnInstanceEndsAndComesBackAsANewGeneration) {
   put(1, 10), put(1, 0, kDispose);
   auto samples = read();
@@ -120,14 +95,6 @@ TEST_F(ReaderCacheTest, AnInstanceEndsAndComesBackAsANewGeneration) {
   EXPECT_EQ(samples[0].info.absolute_generation_rank, 2);
 }
 
-TEST_F(ReaderCacheTest, RanksCountTheCollectionAndTheReader) {
-  put(1, 10), put(1, 0, kDispose), put(1, 11), put(1, 0, kDispose), put(1, 12);
-  const auto first = select({.most = 2});
-  EXPECT_EQ(first[0].info.sample_rank, 1);
-  EXPECT_EQ(first[0].info.generation_rank, 1);
-  EXPECT_EQ(first[0].info.absolute_generation_rank, 2);
-}
-
 TEST_F(ReaderCacheTest, AnInstanceWithoutWritersSaysSoAndIsForgottenOnceTaken) {
   put(1, 10, {}, 1), put(1, 11, {}, 2), put(2, 20, {}, 2);
   EXPECT_FALSE(cache().lose_writer(writer(1), true, now));
@@ -147,136 +114,6 @@ TEST_F(ReaderCacheTest, DisposedAndUnregisteredAtOnceIsDisposed) {
   EXPECT_EQ(cache().instances(), 0u);
   EXPECT_EQ(put(7, 0, kUnregister).outcome, Outcome::dropped);  // never heard of
   EXPECT_EQ(cache().instances(), 0u);
-}
-
-TEST_F(ReaderCacheTest, AnyKnowsWhatSelectWouldFind) {
-  const States fresh{.sample = SampleState::not_read}, ended{.instance = kNotAlive};
-  EXPECT_FALSE(cache().any({}));
-  put(1, 10);
-  EXPECT_TRUE(cache().any(fresh));
-  EXPECT_FALSE(cache().any(ended));
-  read();
-  EXPECT_FALSE(cache().any(fresh));
-  EXPECT_TRUE(cache().any({.sample = SampleState::read, .view = ViewState::not_new}));
-  put(1, 0, kDispose);
-  EXPECT_TRUE(cache().any(fresh) && cache().any(ended));
-  take();
-  EXPECT_FALSE(cache().any({}));
-}
-
-TEST_F(ReaderCacheTest, KeepLastReplacesTheOldestOfItsInstance) {
-  qos.history = {HistoryKind::keep_last, 2};
-  for (std::uint8_t i = 0; i < 5; ++i) put(1, i), put(2, i);
-  EXPECT_THAT(values(take()), ElementsAre(3, 4, 3, 4));
-}
-
-TEST_F(ReaderCacheTest, EachLimitRejectsByItsNameAndChangesNothing) {
-  qos.resource_limits = {.max_samples = 3, .max_instances = 2, .max_samples_per_instance = 2};
-  put(1, 10), put(1, 11);
-  EXPECT_EQ(put(1, 12).reason, Reason::by_samples_per_instance_limit);
-  put(2, 20);
-  const auto rejected = put(2, 21);
-  EXPECT_EQ(rejected.reason, Reason::by_samples_limit);
-  EXPECT_EQ(rejected.instance, cache().lookup(KeyHash{2}));
-  EXPECT_EQ(put(3, 30).reason, Reason::by_instances_limit);
-  EXPECT_EQ(cache().samples(), 3u);
-  EXPECT_THAT(values(take()), ElementsAre(10, 11, 20));
-  EXPECT_EQ(put(2, 21).outcome, Outcome::stored);
-  // A limit of samples is none for what says that an instance ended.
-  put(1, 12), put(1, 13);
-  EXPECT_EQ(put(1, 0, kDispose).outcome, Outcome::stored);
-}
-
-TEST_F(ReaderCacheTest, AnEndedInstanceMakesRoomForANewOne) {
-  qos.resource_limits.max_instances = 2;
-  put(1, 10), put(2, 20), put(1, 0, kDispose);
-  EXPECT_EQ(put(3, 30).reason, Reason::by_instances_limit);
-  take();
-  EXPECT_EQ(put(3, 30).outcome, Outcome::stored);
-  EXPECT_TRUE(cache().lookup(KeyHash{1}).is_nil());
-}
-
-TEST_F(ReaderCacheTest, TheStrongestWriterOwnsAnInstance) {
-  qos.ownership = OwnershipKind::exclusive;
-  cache().set_writer(writer(1), 5, kDurationInfinite);
-  cache().set_writer(writer(2), 10, kDurationInfinite);
-  put(1, 10, {}, 1);
-  put(1, 20, {}, 2);
-  EXPECT_EQ(put(1, 11, {}, 1).outcome, Outcome::dropped);
-  EXPECT_EQ(put(1, 0, kDispose, 1).outcome, Outcome::dropped);
-  put(2, 12, {}, 1);  // nobody stronger writes this one
-  EXPECT_THAT(values(take()), ElementsAre(10, 20, 12));
-  cache().set_writer(writer(1), 11, kDurationInfinite);
-  put(1, 13, {}, 1);
-  EXPECT_EQ(put(1, 21, {}, 2).outcome, Outcome::dropped);
-  EXPECT_THAT(values(take()), ElementsAre(13));
-}
-
-TEST_F(ReaderCacheTest, EquallyStrongWritersAreDecidedByTheirGuid) {
-  qos.ownership = OwnershipKind::exclusive;
-  put(1, 20, {}, 2), put(1, 10, {}, 1), put(1, 21, {}, 2);
-  EXPECT_THAT(values(take()), ElementsAre(20, 10));
-}
-
-TEST_F(ReaderCacheTest, OwnershipPassesOnWhenItsOwnerGoesUnregistersOrIsLate) {
-  qos.ownership = OwnershipKind::exclusive;
-  qos.deadline = Duration::from(milliseconds(100));
-  cache().set_writer(writer(1), 1, kDurationInfinite);
-  cache().set_writer(writer(2), 2, kDurationInfinite);
-  const auto weak_is_heard = [&] {
-    const auto outcome = put(1, 10, {}, 1).outcome;
-    put(1, 20, {}, 2);
-    return outcome == Outcome::stored;
-  };
-  EXPECT_TRUE(weak_is_heard());
-  EXPECT_FALSE(weak_is_heard());
-  cache().lose_writer(writer(2), false, now);
-  EXPECT_TRUE(weak_is_heard());
-  put(1, 0, kUnregister, 2);
-  EXPECT_TRUE(weak_is_heard());
-  now += milliseconds(150);
-  cache().check_deadlines(now, [](InstanceHandle) {});
-  EXPECT_TRUE(weak_is_heard());
-  EXPECT_THAT(take({.instance = kNotAlive}), IsEmpty());  // a weaker writer was there all the time
-}
-
-TEST_F(ReaderCacheTest, BySourceOrdersAndNeverGoesBack) {
-  qos.destination_order = DestinationOrderKind::by_source;
-  put(1, 12, {}, 1, milliseconds(2)), put(1, 11, {}, 2, milliseconds(1));
-  EXPECT_THAT(values(take()), ElementsAre(11, 12));
-  EXPECT_EQ(put(1, 10, {}, 2, milliseconds(1)).outcome, Outcome::dropped);
-  put(1, 15, {}, 1, milliseconds(5));
-  EXPECT_EQ(put(1, 0, kDispose, 2, milliseconds(4)).outcome, Outcome::dropped);
-  put(1, 14, {}, 2, milliseconds(4));
-  EXPECT_THAT(values(take()), ElementsAre(14, 15));
-}
-
-// One sample from the far future ended what all others wrote to the instance.
-TEST_F(ReaderCacheTest, BySourceATimeFarAheadCountsAsArrival) {
-  qos.destination_order = DestinationOrderKind::by_source;
-  constexpr auto kMax = ReaderCache::kMaxAhead;
-  put(1, 10, {}, 1, now + std::chrono::hours(100'000));
-  EXPECT_EQ(cache().times_ahead(), 1u);
-  EXPECT_EQ(take().at(0).info.source_timestamp, Time::from(now));
-  now += milliseconds(1);
-  EXPECT_EQ(put(1, 11, {}, 2).outcome, Outcome::stored);
-  EXPECT_EQ(put(1, 12, {}, 1, now + kMax).outcome, Outcome::stored) << "as far as is allowed";
-  EXPECT_EQ(cache().times_ahead(), 1u);
-  EXPECT_EQ(put(1, 0, kDispose, 2, now + kMax + milliseconds(1)).outcome, Outcome::dropped)
-      << "it ends nothing that was written later";
-  EXPECT_EQ(cache().times_ahead(), 2u);
-  EXPECT_THAT(values(take()), ElementsAre(11, 12));
-  now += kMax + milliseconds(1);
-  EXPECT_EQ(put(1, 13, {}, 2).outcome, Outcome::stored);
-}
-
-TEST_F(ReaderCacheTest, BySourceAFullHistoryKeepsTheNewest) {
-  qos.destination_order = DestinationOrderKind::by_source;
-  qos.history = {HistoryKind::keep_last, 2};
-  put(1, 12, {}, 1, milliseconds(2)), put(1, 13, {}, 1, milliseconds(3));
-  EXPECT_EQ(put(1, 11, {}, 2, milliseconds(1)).outcome, Outcome::dropped);
-  put(1, 14, {}, 2, milliseconds(4));
-  EXPECT_THAT(values(take()), ElementsAre(13, 14));
 }
 
 TEST_F(ReaderCacheTest, LifespanEndsSamplesFromTheirSourceTimeOn) {
@@ -336,14 +173,6 @@ TEST_F(ReaderCacheTest, DeadlinesAreOfEachInstance) {
   EXPECT_NE(missed.back(), two);
 }
 
-TEST_F(ReaderCacheTest, TheKeyIsKnownWhileTheInstanceIs) {
-  put(5, 50);
-  const auto instance = cache().lookup(KeyHash{5});
-  ASSERT_NE(cache().key_value(instance), nullptr);
-  EXPECT_EQ(cache().key_value(instance)->view()[0], 5);
-  EXPECT_EQ(cache().key_value({99}), nullptr);
-}
-
 TEST_F(ReaderCacheTest, AMillionSamplesThroughAFewInstancesGrowNothing) {
   for (int i = 0; i < 20'000; ++i) {
     put(static_cast<std::uint8_t>(i % 7), 1);
@@ -352,40 +181,6 @@ TEST_F(ReaderCacheTest, AMillionSamplesThroughAFewInstancesGrowNothing) {
   take();
   EXPECT_EQ(cache().octets(), 7u);  // the keys
   EXPECT_FALSE(cache().any({}));
-}
-
-TEST_F(ReaderCacheTest, WhatEndedIsPurgedAfterItsDelay) {
-  qos.reader_data_lifecycle = {Duration::from(milliseconds(100)), Duration::from(milliseconds(50))};
-  put(1, 10), put(2, 20), put(3, 30);
-  put(1, 1, kDispose), put(2, 2, kUnregister);
-  EXPECT_EQ(cache().next_tick(), now + milliseconds(50));
-  now += milliseconds(50);
-  EXPECT_TRUE(cache().expire(now));
-  EXPECT_THAT(values(read()), ElementsAre(20, 2, 30));
-  put(2, 21);  // comes back in time
-  now += milliseconds(100);
-  EXPECT_FALSE(cache().expire(now));
-  EXPECT_EQ(cache().next_tick(), kNever);
-  cache().lose_writer(writer(1), true, now);
-  now += milliseconds(100);
-  EXPECT_TRUE(cache().expire(now));
-  EXPECT_THAT(read(), IsEmpty());
-  EXPECT_EQ(cache().instances(), 0u);
-  EXPECT_EQ(cache().octets(), 0u);
-  EXPECT_FALSE(cache().any({}));
-}
-
-TEST_F(ReaderCacheTest, ADisposedInstanceThatLosesItsWritersIsPurgedAsDisposed) {
-  qos.reader_data_lifecycle = {Duration::from(milliseconds(10)), Duration::from(milliseconds(50))};
-  put(1, 10), put(1, 1, kDispose);
-  cache().lose_writer(writer(1), true, now);
-  now += milliseconds(20);
-  EXPECT_FALSE(cache().expire(now));
-  qos.reader_data_lifecycle = {};
-  cache().set_lifecycle(qos.reader_data_lifecycle);  // for later ends
-  now += milliseconds(30);
-  EXPECT_TRUE(cache().expire(now));
-  EXPECT_EQ(cache().instances(), 0u);
 }
 
 }  // namespace

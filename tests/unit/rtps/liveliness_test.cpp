@@ -1,0 +1,103 @@
+// Leases, and who lives.
+#include "rtps/dcps/liveliness.hpp"
+
+#include <barrier>
+#include <memory>
+
+#include <gmock/gmock.h>
+
+#include "rtps/dcps/writer_instances.hpp"
+#include "rtps/reliability/timer_queue.hpp"
+#include "tests/unit/rtps/wire_helpers.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::ElementsAre;
+
+TEST(WriterLease, IsLostOnceAndComesBack) {
+  const Duration second{{1, 0}};
+  WriterLease lease({LivelinessKind::manual_by_topic, second}, milliseconds(0));
+  EXPECT_FALSE(lease.check(milliseconds(999)));
+  EXPECT_TRUE(lease.check(milliseconds(1000)));
+  EXPECT_FALSE(lease.check(milliseconds(5000)));
+  EXPECT_EQ(lease.next_tick(), kNever);
+  lease.assert_at(milliseconds(5000));
+  EXPECT_EQ(lease.next_tick(), milliseconds(6000));
+  EXPECT_TRUE(lease.check(milliseconds(6000)));
+  WriterLease automatic({LivelinessKind::automatic, second}, milliseconds(0));
+  EXPECT_FALSE(automatic.check(std::chrono::hours(1)));
+}
+
+TEST(LivelinessMonitor, CountsWhoLives) {
+  const Guid a{GuidPrefix::from(Bytes(12, 1)), {}}, b{GuidPrefix::from(Bytes(12, 2)), {}};
+  LivelinessMonitor monitor;
+  monitor.add(a, Duration{{1, 0}}, milliseconds(0));
+  monitor.add(b, kDurationInfinite, milliseconds(0));
+  EXPECT_TRUE(monitor.take_changed());
+  EXPECT_FALSE(monitor.take_changed());
+  EXPECT_EQ(monitor.next_tick(), milliseconds(1000));
+  monitor.alive(a, milliseconds(500));
+  std::vector<Guid> ended;
+  const auto check = [&](MonotonicTime now) {
+    monitor.check(now, [&](const Guid& guid, LivelinessSignal*) { ended.push_back(guid); });
+  };
+  check(milliseconds(1400));
+  EXPECT_THAT(ended, ::testing::IsEmpty());
+  check(milliseconds(1500));
+  check(milliseconds(1600));
+  EXPECT_THAT(ended, ElementsAre(a));
+  EXPECT_FALSE(monitor.is_alive(a));
+  EXPECT_EQ(monitor.status().alive_count, 1);
+  EXPECT_EQ(monitor.status().not_alive_count, 1);
+  EXPECT_EQ(monitor.status().last_publication_handle, a);
+  monitor.reset_changes();
+  monitor.alive(a, milliseconds(2000));
+  EXPECT_EQ(monitor.status().alive_count_change, 1);
+  EXPECT_EQ(monitor.status().not_alive_count_change, -1);
+  monitor.remove(a);
+  monitor.remove(a);
+  EXPECT_EQ(monitor.status().alive_count, 1);
+  EXPECT_EQ(monitor.status().not_alive_count, 0);
+  monitor.alive(a, milliseconds(2000));  // not ours any more
+  EXPECT_EQ(monitor.next_tick(), kNever);
+}
+
+TEST(LivelinessMonitor, ASignalAssertsAllThatFollowIt) {
+  const Guid a{GuidPrefix::from(Bytes(12, 1)), {}}, b{GuidPrefix::from(Bytes(12, 2)), {}};
+  const auto signal = std::make_shared<LivelinessSignal>(milliseconds(0));
+  LivelinessMonitor monitor;
+  for (const auto& guid : {a, b}) {
+    monitor.add(guid, Duration{{1, 0}}, milliseconds(0));
+    monitor.follow(guid, signal);
+  }
+  std::vector<Guid> ended;
+  const auto check = [&](MonotonicTime now) {
+    monitor.check(now, [&](const Guid& guid, LivelinessSignal* of) {
+      EXPECT_EQ(of, signal.get());
+      ended.push_back(guid);
+    });
+  };
+  for (int time = 900; time <= 2700; time += 900) {
+    signal->assert_at(milliseconds(time));
+    check(milliseconds(time + 500));
+  }
+  EXPECT_THAT(ended, ::testing::IsEmpty());
+  monitor.alive(a, milliseconds(3000));  // by itself
+  check(milliseconds(3700));
+  EXPECT_THAT(ended, ElementsAre(b));
+  check(milliseconds(4000));
+  EXPECT_THAT(ended, ElementsAre(b, a));
+  EXPECT_EQ(monitor.next_tick(), kNever);
+}
+
+TEST(LivelinessMonitor, ALeaseThatIsNextToNothingCountsAsTheLeast) {
+  const Guid a{GuidPrefix::from(Bytes(12, 1)), {}};
+  LivelinessMonitor monitor;
+  monitor.add(a, Duration{{0, 1}}, milliseconds(5));
+  EXPECT_EQ(monitor.next_tick(), milliseconds(5) + LivelinessMonitor::kMinLease);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps

@@ -1,0 +1,71 @@
+// Participants of one process: who finds whom, and which endpoints may go without the network.
+#include "rtps/participant/neighbourhood.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec::rtps {
+namespace {
+
+constexpr EntityId kOpenWriter{{0, 0, 1, 2}}, kProtectedWriter{{0, 0, 2, 2}};
+constexpr EntityId kReader{{0, 0, 1, 7}};
+
+struct Member final : Neighbour {
+  explicit Member(std::uint8_t number, bool secured = true) : secured_(secured) {
+    prefix_.octets.fill(number);
+  }
+  const GuidPrefix& prefix() const override { return prefix_; }
+  bool is_secured() const override { return secured_; }
+  bool is_open(const EntityId& endpoint) const override { return endpoint != kProtectedWriter; }
+  StatefulWriter* writer(const Guid&) const override { return nullptr; }
+  StatefulReader* reader(const Guid&) const override { return nullptr; }
+
+ private:
+  GuidPrefix prefix_;
+  bool secured_;
+};
+
+TEST(Neighbourhood, OfOneDomainAndTag_IsTheSameWhileItIsUsed) {
+  const auto first = Neighbourhood::of(3, "tag");
+  EXPECT_EQ(Neighbourhood::of(3, "tag"), first);
+  EXPECT_NE(Neighbourhood::of(3, "other"), first);
+  EXPECT_NE(Neighbourhood::of(4, "tag"), first);
+  EXPECT_EQ(first.use_count(), 1) << "the table keeps none alive";
+}
+
+TEST(Neighbourhood, Member_IsFoundUntilItLeaves) {
+  Neighbourhood all;
+  const Member member(1);
+  all.enter(member);
+  EXPECT_EQ(all.find(member.prefix()), &member);
+  EXPECT_EQ(all.find(Member(2).prefix()), nullptr);
+  all.leave(member);
+  EXPECT_EQ(all.find(member.prefix()), nullptr);
+}
+
+TEST(Neighbourhood, PairOfOpenEndpoints_NeedsNoNetwork) {
+  Neighbourhood all;
+  const Member own(1), other(2);
+  all.enter(own), all.enter(other);
+  EXPECT_EQ(neighbour_of(own, &all, kReader, {other.prefix(), kOpenWriter}), &other);
+  EXPECT_EQ(neighbour_of(own, &all, kProtectedWriter, {own.prefix(), kReader}), &own)
+      << "nothing leaves the participant";
+}
+
+TEST(Neighbourhood, ProtectedEndpoint_UsesTheNetwork) {
+  Neighbourhood all;
+  const Member own(1), other(2);
+  all.enter(own), all.enter(other);
+  EXPECT_EQ(neighbour_of(own, &all, kReader, {other.prefix(), kProtectedWriter}), nullptr);
+  EXPECT_EQ(neighbour_of(own, &all, kProtectedWriter, {other.prefix(), kReader}), nullptr);
+}
+
+TEST(Neighbourhood, OneSideIsNotSecured_UsesTheNetwork) {
+  Neighbourhood all;
+  const Member own(1), plain(2, false);
+  all.enter(own), all.enter(plain);
+  EXPECT_EQ(neighbour_of(own, &all, kReader, {plain.prefix(), kOpenWriter}), nullptr);
+  EXPECT_EQ(neighbour_of(own, nullptr, kReader, {plain.prefix(), kOpenWriter}), nullptr);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps

@@ -1,0 +1,239 @@
+// Samples as they come: their keys, filters, writers and owners.
+#include "rtps/dcps/received_samples.hpp"
+
+#include <gmock/gmock.h>
+
+#include "rtps/dcps/data_reader_listeners.hpp"
+#include "rtps/dcps/read_conditions.hpp"
+#include "tests/unit/rtps/dcps_fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+using Outcome = ReceivedSamples::Outcome;
+
+Guid guid_of(std::uint8_t n) { return {GuidPrefix::from(Bytes(12, n)), EntityId{{0, 0, 1, 2}}}; }
+
+struct ReceivedSamplesTest : ::testing::Test {
+  const TypeSupport type = type_support<Reading>();
+  Qos qos = reliable();
+  KeyProtection keys;
+  MonotonicTime now = std::chrono::seconds(100);
+  std::int64_t next = 1;
+
+  Change change(const std::string& sensor, std::int64_t value = 0) {
+    Bytes octets;
+    serialize(Reading{.sensor = sensor, .value = value}, octets);
+    Change out;
+    out.writer = guid_of(1);
+    out.sequence_number = {next++};
+    out.payload = Payload::copy_of(octets);
+    return out;
+  }
+  static Change unnamed_dispose(const Bytes& payload) {
+    Change out;
+    out.writer = guid_of(1);
+    out.status.disposed = true;
+    out.key_only = true;
+    out.payload = Payload::copy_of(payload);
+    return out;
+  }
+  Outcome take(ReceivedSamples& samples, Change change, BoundFilter* filter = nullptr) {
+    return samples.take(change, filter, keys, {now, Time::from(now)}).outcome;
+  }
+  BoundFilter filter(const std::string& expression) const {
+    return *BoundFilter::compile({expression, {}}, type.view());
+  }
+};
+
+TEST_F(ReceivedSamplesTest, KeyedSample_WithoutHash_GetsItFromItsPayload) {
+  ReceivedSamples samples(qos, type);
+  auto one = change("kitchen");
+  EXPECT_EQ(samples.take(one, nullptr, keys, {now, Time::from(now)}).outcome, Outcome::stored);
+  ASSERT_TRUE(one.key_hash);
+  EXPECT_FALSE(samples.cache().lookup(*one.key_hash).is_nil());
+}
+
+TEST_F(ReceivedSamplesTest, ProvenPayload_IsBelievedMoreThanTheHashBesideIt) {
+  ReceivedSamples samples(qos, type);
+  const KeyHash forged{9, 9, 9};
+  for (const bool proven : {false, true}) {
+    keys.proven = proven;
+    auto one = change("kitchen");
+    one.key_hash = forged;
+    EXPECT_EQ(take(samples, one), Outcome::stored);
+    EXPECT_EQ(samples.cache().instances(), proven ? 2u : 1u);
+  }
+}
+
+// Each HEARTBEAT of its writer made the reader deserialize a refused sample of 60 MB twice.
+TEST_F(ReceivedSamplesTest, RefusedChange_IsNotDeserializedAgain) {
+  std::size_t hashes = 0, serialized = 0;
+  auto counted = type;
+  counted.key_hash = [&](const Change& of, bool hidden) {
+    ++hashes;
+    return type.key_hash(of, hidden);
+  };
+  counted.serialized_key = [&](const Change& of) {
+    ++serialized;
+    return type.serialized_key(of);
+  };
+  qos.resource_limits.max_instances = 1;
+  keys.proven = true;
+  ReceivedSamples samples(qos, counted);
+  EXPECT_EQ(take(samples, change("kitchen")), Outcome::stored);
+  auto refused = change("cellar");
+  const auto offer = [&] {
+    return samples.take(refused, nullptr, keys, {now, Time::from(now)}).outcome;
+  };
+  EXPECT_EQ(offer(), Outcome::rejected);
+  const auto before = std::pair(hashes, serialized);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(offer(), Outcome::rejected);
+  EXPECT_EQ(std::pair(hashes, serialized), before);
+  auto end = change("kitchen");
+  end.status = {true, true};
+  EXPECT_EQ(take(samples, end), Outcome::stored);
+  std::vector<OctetSample> out;
+  samples.cache().select({.take = true}, {now, Time::from(now)}, out);
+  EXPECT_EQ(offer(), Outcome::stored);
+  EXPECT_FALSE(refused.is_examined) << "another reader has to examine it";
+}
+
+// What others keep of a writer is compared by its digest, for which the payload is read.
+TEST_F(ReceivedSamplesTest, RefusedChange_IsNotReadAgainForItsDigest) {
+  qos.resource_limits.max_instances = 1;
+  ReceivedSamples samples(qos, type);
+  samples.expect_history();
+  EXPECT_EQ(take(samples, change("kitchen")), Outcome::stored);
+  auto refused = change("cellar");
+  refused.original = {guid_of(2), {1}};
+  const Moment at{now, Time::from(now)};
+  EXPECT_EQ(samples.take(refused, nullptr, keys, at).outcome, Outcome::rejected);
+  const auto octets = std::exchange(refused.payload, Payload::uninitialized(std::size_t{1} << 30));
+  for (int i = 0; i < 1000; ++i)
+    ASSERT_EQ(samples.take(refused, nullptr, keys, at).outcome, Outcome::rejected);
+  refused.payload = octets;
+  auto end = change("kitchen");
+  end.status = {true, true};
+  EXPECT_EQ(take(samples, end), Outcome::stored);
+  std::vector<OctetSample> out;
+  samples.cache().select({.take = true}, at, out);
+  EXPECT_EQ(samples.take(refused, nullptr, keys, at).outcome, Outcome::stored);
+}
+
+TEST_F(ReceivedSamplesTest, RefusedChange_HasPassedTheFilterOnce) {
+  qos.resource_limits.max_instances = 1;
+  ReceivedSamples samples(qos, type);
+  auto above = filter("value > 10");
+  EXPECT_EQ(take(samples, change("kitchen", 11), &above), Outcome::stored);
+  auto refused = change("cellar", 11);
+  const Moment at{now, Time::from(now)};
+  EXPECT_EQ(samples.take(refused, &above, keys, at).outcome, Outcome::rejected);
+  auto below = filter("value < 10");
+  EXPECT_EQ(samples.take(refused, &below, keys, at).outcome, Outcome::rejected);
+}
+
+TEST_F(ReceivedSamplesTest, UnreadableKey_IsCounted_AndReportedForAnEnd) {
+  ReceivedSamples samples(qos, type);
+  auto broken = change("kitchen");
+  broken.payload = Payload::copy_of(Bytes{0, 1, 0, 0, 9});
+  EXPECT_EQ(take(samples, broken), Outcome::unseen);
+  EXPECT_EQ(take(samples, unnamed_dispose({0, 1, 0, 0, 9})), Outcome::unreadable_key);
+  EXPECT_EQ(samples.malformed(), 2u);
+}
+
+TEST_F(ReceivedSamplesTest, ContentFilter_KeepsOutSamplesAndTheEndsOfTheirInstances) {
+  ReceivedSamples samples(qos, type);
+  auto above = filter("value > 10");
+  EXPECT_EQ(take(samples, change("low", 10), &above), Outcome::unseen);
+  EXPECT_EQ(take(samples, change("high", 11), &above), Outcome::stored);
+  auto end = change("low");
+  end.status.disposed = true;
+  EXPECT_EQ(take(samples, end, &above), Outcome::unseen);
+  end = change("high");
+  end.status.disposed = true;
+  EXPECT_EQ(take(samples, end, &above), Outcome::stored);
+  EXPECT_EQ(samples.cache().instances(), 1u);
+  EXPECT_EQ(samples.malformed(), 0u);
+}
+
+TEST_F(ReceivedSamplesTest, WithHistory_ASampleOfTwoWriters_IsTakenOnce) {
+  for (const bool expects : {false, true}) {
+    ReceivedSamples samples(qos, type);
+    if (expects) samples.expect_history();
+    auto first = change("kitchen", 1), again = first;
+    again.writer = guid_of(2);
+    again.original = {first.writer, first.sequence_number};
+    EXPECT_EQ(take(samples, first), Outcome::stored);
+    EXPECT_EQ(take(samples, again), expects ? Outcome::unseen : Outcome::stored);
+  }
+}
+
+// A durability service (3) gives what the strong writer (1) wrote, in its name.
+struct ExclusiveSamplesTest : ReceivedSamplesTest {
+  ExclusiveSamplesTest() {
+    qos.ownership = OwnershipKind::exclusive;
+    samples.emplace(qos, type);
+    samples->expect_history();
+    samples->cache().set_writer(guid_of(1), 10, kDurationInfinite, {});
+    samples->cache().set_writer(guid_of(2), 5, kDurationInfinite, {});
+    samples->cache().set_writer(guid_of(3), std::numeric_limits<std::int32_t>::min(),
+                                kDurationInfinite, {});
+  }
+  static Change kept(Change change) {
+    change.original = {change.writer, change.sequence_number};
+    change.writer = guid_of(3);
+    return change;
+  }
+  Change of_weak(std::int64_t value) {
+    auto out = change("kitchen", value);
+    out.writer = guid_of(2);
+    return out;
+  }
+  std::optional<ReceivedSamples> samples;
+};
+
+TEST_F(ExclusiveSamplesTest, OwnerOfAKeptSample_SendsItItself_OwnsItsInstance) {
+  const auto strong = change("kitchen", 1);
+  EXPECT_EQ(take(*samples, kept(strong)), Outcome::stored);
+  EXPECT_EQ(take(*samples, strong), Outcome::unseen) << "it is there already";
+  EXPECT_EQ(take(*samples, of_weak(2)), Outcome::unseen) << "a stronger writer owns the instance";
+  samples->cache().lose_writer(guid_of(1), true, now);
+  EXPECT_EQ(take(*samples, of_weak(3)), Outcome::stored) << "the owner is gone";
+}
+
+TEST_F(ExclusiveSamplesTest, KeptSamplesThatAWeakerWriterReplaced_ComeAgainFromTheirWriter) {
+  const auto first = change("kitchen", 1), second = change("kitchen", 2);
+  EXPECT_EQ(take(*samples, kept(first)), Outcome::stored);
+  EXPECT_EQ(take(*samples, kept(second)), Outcome::stored);
+  EXPECT_EQ(take(*samples, of_weak(3)), Outcome::stored) << "no stronger writer is known to live";
+  EXPECT_EQ(take(*samples, first), Outcome::stored);
+  EXPECT_EQ(take(*samples, second), Outcome::stored);
+  EXPECT_EQ(take(*samples, second), Outcome::unseen);
+  EXPECT_EQ(take(*samples, of_weak(4)), Outcome::unseen);
+}
+
+TEST_F(ReceivedSamplesTest, NoRoom_IsRejected_AndTakenWhenThereIsSome) {
+  qos.resource_limits.max_samples = 1;
+  ReceivedSamples samples(qos, type);
+  samples.expect_history();
+  EXPECT_EQ(take(samples, change("a")), Outcome::stored);
+  const auto second = change("a");
+  EXPECT_EQ(take(samples, second), Outcome::rejected);
+  std::vector<OctetSample> out;
+  samples.cache().select({.take = true}, {now, Time::from(now)}, out);
+  EXPECT_EQ(take(samples, second), Outcome::stored);
+}
+
+TEST_F(ReceivedSamplesTest, Reset_OtherPolicies_Count) {
+  ReceivedSamples samples(qos, type);
+  qos.resource_limits.max_samples = 1;
+  samples.reset(qos);
+  EXPECT_EQ(take(samples, change("a")), Outcome::stored);
+  EXPECT_EQ(take(samples, change("a")), Outcome::rejected);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps

@@ -1,0 +1,20 @@
+// HEARTBEAT_FRAG.
+#include "wire/heartbeat_frag.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/unit/wire/submessages.hpp"
+#include "tests/unit/rtps/wire_helpers.hpp"
+
+namespace ddssec::rtps::submessages {
+namespace {
+
+using testing::kReader;
+using testing::kWriter;
+
+TEST(Submessage, HeartbeatFrag) {
+  expect_round_trip(HeartbeatFrag{kReader, kWriter, {3}, {4}, 5}, read_heartbeat_frag);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps::submessages

@@ -1,0 +1,45 @@
+// Parameter lists: walked to their end, or refused.
+#include "wire/parameter_list.hpp"
+
+#include "tests/unit/wire/parameters.hpp"
+#include "tests/unit/rtps/wire_helpers.hpp"
+#include "wire/numbers.hpp"
+
+namespace ddssec::rtps::parameters {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::code_of;
+
+const Bytes kSentinel = {0, 1, 0, 0};
+
+TEST(ParameterList, WalksToItsSentinelAndOverPadding) {
+  const auto octets = list({{0, 0, 0, 4, 9, 9, 9, 9}, {0, 5, 0, 0}, kSentinel, {1, 2, 3}});
+  ParameterReader reader(octets, Endian::big);
+  EXPECT_EQ((*reader.next())->id, 5);
+  EXPECT_FALSE(*reader.next());
+  EXPECT_FALSE(*reader.next());
+  EXPECT_EQ(parameter_list_prefix(octets, Endian::big)->size(), octets.size() - 3);
+}
+
+// Cyclone DDS #1555: the scan for a list's end.
+TEST(ParameterList, EveryTruncationIsRefused) {
+  const auto octets =
+      list({{0, 5, 0, 4, 1, 2, 3, 4}, {0x40, 0, 0, 8, 1, 2, 3, 4, 5, 6, 7, 8}, kSentinel});
+  for (std::size_t size = 0; size < octets.size(); ++size)
+    EXPECT_EQ(code_of(parameter_list_prefix(BytesView(octets).first(size), Endian::big)),
+              Code::truncated);
+}
+
+TEST(ParameterList, OddAndLyingLengthsAreRefused) {
+  for (std::uint8_t length : {1, 2, 3, 5})
+    EXPECT_EQ(code_of(parameter_list_prefix(
+                  list({{0, 5, 0, length, 1, 2, 3, 4, 5, 6, 7, 8}, kSentinel}), Endian::big)),
+              Code::rtps_parameter_invalid);
+  EXPECT_EQ(code_of(parameter_list_prefix(list({{0, 5, 0xff, 0xfc, 1, 2, 3, 4}, kSentinel}),
+                                          Endian::big)),
+            Code::truncated);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps::parameters
