@@ -7,38 +7,14 @@
 
 #include <gtest/gtest.h>
 
-namespace ddssec::governance::doctor {
+#include "tests/unit/governance_doctor/configurations.hpp"
+
+namespace ddssec::governance::doctor::configurations {
 namespace {
 
 using Place = ConfigurationPlace;
 
-constexpr const char* kAuthentication =
-    "<Authentication><Library path=\"dds_security_auth\" initFunction=\"init_authentication\" "
-    "finalizeFunction=\"finalize_authentication\"/><IdentityCA>file:/a/ca</IdentityCA>"
-    "<IdentityCertificate>file:/a/cert</IdentityCertificate><PrivateKey>file:/a/key</PrivateKey>"
-    "</Authentication>";
-constexpr const char* kAccessControl =
-    "<AccessControl><PermissionsCA>file:/a/pca</PermissionsCA><Governance>file:/a/g</Governance>"
-    "<Permissions>file:/a/p</Permissions></AccessControl>";
-
 const std::string kGeneral = "<General><Transport>udp</Transport></General>";
-
-std::string security() {
-  return std::string("<Security>") + kAuthentication + "<Cryptographic/>" + kAccessControl +
-         "</Security>";
-}
-std::string domain(const std::string& inside, const std::string& attributes = "") {
-  return "<Domain" + attributes + ">" + inside + "</Domain>";
-}
-std::string document(const std::string& inside) {
-  return "<CycloneDDS>" + inside + "</CycloneDDS>";
-}
-std::string replaced(const std::string& from, const std::string& to) {
-  auto text = document(domain(security()));
-  const auto at = text.find(from);
-  EXPECT_NE(at, text.npos) << from;
-  return text.replace(at, from.size(), to);
-}
 
 std::string replaced_both(const std::string& name, const std::string& other) {
   auto text = replaced("<" + name + ">", "<" + other + ">");
@@ -46,12 +22,14 @@ std::string replaced_both(const std::string& name, const std::string& other) {
   EXPECT_NE(at, text.npos) << name;
   return text.replace(at + 2, name.size(), other);
 }
+
 std::string with_switch(const std::string& value) {
   return replaced("<IdentityCA>",
                   "<IncludeOptionalFields>" + value + "</IncludeOptionalFields><IdentityCA>");
 }
 
 const std::string kIPv4 = "<General><UseIPv6>false</UseIPv6></General>";
+
 std::string with(const std::string& sections) { return document(domain(sections + security())); }
 
 TEST(EffectiveSecurity, Complete_IsReadWithAllValues) {
@@ -62,13 +40,6 @@ TEST(EffectiveSecurity, Complete_IsReadWithAllValues) {
   EXPECT_EQ(read.authentication->value("privatekey")->text, "file:/a/key");
   EXPECT_EQ(read.access_control->value("governance")->text, "file:/a/g");
   EXPECT_EQ(read.access_control->value("crl"), nullptr);
-}
-
-TEST(EffectiveSecurity, References_AreReadAsUtf8) {
-  const auto text = replaced("file:/a/g", "file:&amp;&#x2f;&#233;&#x20AC;&#x1F916;");
-  const auto read = effective_security(text, 0, Place::file);
-  ASSERT_TRUE(read.access_control);
-  EXPECT_EQ(read.access_control->value("governance")->text, "file:&/\u00e9\u20ac\U0001F916");
 }
 
 // Only in the variable itself end tags may be missing or have no name.
@@ -91,11 +62,13 @@ struct Row {
 };
 
 class Started : public testing::TestWithParam<Row> {};
+
 TEST_P(Started, IsSecuredAsMeasured) {
   const auto read = effective_security(GetParam().text, 0, GetParam().place);
   for (const auto& problem : read.problems) ADD_FAILURE() << problem.line << ' ' << problem.text;
   EXPECT_EQ(read.is_there, GetParam().is_there);
 }
+
 INSTANTIATE_TEST_SUITE_P(
     Table, Started,
     testing::Values(
@@ -196,9 +169,11 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& row) { return row.param.name; });
 
 class NotStarted : public testing::TestWithParam<Row> {};
+
 TEST_P(NotStarted, HasAProblem) {
   EXPECT_FALSE(effective_security(GetParam().text, 0, GetParam().place).problems.empty());
 }
+
 INSTANTIATE_TEST_SUITE_P(
     Table, NotStarted,
     testing::Values(
@@ -309,59 +284,6 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"CommentWithoutEnd", replaced("<Security>", "<!--<Security>"), false}),
     [](const auto& row) { return row.param.name; });
 
-TEST(EffectiveSecurity, UnknownOption_IsADoubt) {
-  const auto of = [](const std::string& inside, Place place = Place::file) {
-    return effective_security(place == Place::file ? document(domain(inside + security())) : inside,
-                              0, place);
-  };
-  for (const auto* section : {"General", "Discovery", "Internal", "Unsupported", "Tracing"}) {
-    const auto begin = std::string("<") + section + ">";
-    const auto read = of(begin + "\n<Foo>1</Foo></" + section + ">");
-    ASSERT_EQ(read.doubts.size(), 1U) << section;
-    EXPECT_EQ(read.doubts.front().line, 2);
-    EXPECT_TRUE(read.problems.empty());
-  }
-  EXPECT_EQ(of("<General><Foo>1</>", Place::variable).doubts.size(), 1U);
-  EXPECT_TRUE(of("<General><ALLOWMULTICAST>true</ALLOWMULTICAST></General>").doubts.empty());
-  EXPECT_TRUE(of("<Discovery><Peers><Peer address=\"::1\"/></Peers></Discovery>").doubts.empty());
-}
-
-TEST(EffectiveSecurity, UnknownDeeper_IsADoubt) {
-  for (const auto* text :
-       {"<Discovery><Peers><Foo><Bar/></Foo></Peers></Discovery>",
-        "<Discovery><Peers><Peer Address='::1' foo='1'/></Peers></Discovery>",
-        "<Discovery><Peers><Peer Address='::1'><Foo/></Peer></Peers></Discovery>",
-        "<Discovery><Ports><Foo>1</Foo></Ports></Discovery>",
-        "<Threads><Thread Name='recv'><Foo/></Thread></Threads>",
-        "<Threads><Thread Name='recv' foo='1'/></Threads>",
-        "<Threads><Thread Name='recv'><Scheduling><Foo>1</Foo></Scheduling></Thread></Threads>",
-        "<General><Interfaces><Foo/></Interfaces></General>",
-        "<General><Interfaces><NetworkInterface name='lo' foo='1'/></Interfaces></General>",
-        "<General><MaxMessageSize foo='1'>1400B</MaxMessageSize></General>",
-        "<Partitioning><NetworkPartitions><Foo/></NetworkPartitions></Partitioning>",
-        "<Internal><Watermarks><Foo>1</Foo></Watermarks></Internal>",
-        "<Unsupported><BurstSize><Foo>1</Foo></BurstSize></Unsupported>",
-        "<Internal><SocketReceiveBufferSize foo='1MB'/></Internal>"}) {
-    const auto read = effective_security(with(text), 0, Place::file);
-    EXPECT_EQ(read.doubts.size(), 1U) << text;
-    EXPECT_TRUE(read.problems.empty()) << text;
-    EXPECT_TRUE(
-        effective_security(document(domain(text, " Id='5'") + domain(security())), 0, Place::file)
-            .doubts.empty())
-        << text;
-  }
-  for (const auto* text :
-       {"<General><Interfaces><NetworkInterface name='lo' "
-        "priority='default'/></Interfaces></General>",
-        "<Threads><Thread "
-        "Name='recv'><Scheduling><Class>default</Class></Scheduling></Thread></Threads>",
-        "<Internal><Watermarks><WhcHigh>1MB</WhcHigh></Watermarks></Internal>",
-        "<Internal><HeartbeatInterval min='5ms'>100ms</HeartbeatInterval></Internal>",
-        "<Partitioning><IgnoredPartitions><IgnoredPartition DCPSPartitionTopic='a.b'/>"
-        "</IgnoredPartitions></Partitioning>"})
-    EXPECT_TRUE(effective_security(with(text), 0, Place::file).doubts.empty()) << text;
-}
-
 TEST(EffectiveSecurity, OldIdOfOtherDomain_IsNamed) {
   const auto text = document(domain("<Id>7</Id>" + security()));
   EXPECT_EQ(effective_security(text, 0, Place::file).other_domain, "7");
@@ -374,21 +296,5 @@ TEST(EffectiveSecurity, OtherDomain_IsNamed) {
   EXPECT_TRUE(effective_security(text, 7, Place::file).is_there);
 }
 
-TEST(EffectiveSecurity, ValueInPieces_IsJoinedAsCycloneDdsDoes) {
-  for (const auto* value :
-       {" file:/a/g\n", "fi<!-- x -->le:/a/g", "<![CDATA[file:/a/g]]>", "file:/&#97;/&#x67;"}) {
-    const auto read = effective_security(replaced("file:/a/g", value), 0, Place::file);
-    ASSERT_TRUE(read.access_control) << value;
-    EXPECT_EQ(read.access_control->value("governance")->text, "file:/a/g");
-  }
-}
-
-// Truncation at every octet.
-TEST(EffectiveSecurity, CutAnywhere_IsNotSecuredWithoutAProblem) {
-  const auto text = document(domain(security()));
-  for (std::size_t size = 1; size < text.size(); ++size)
-    EXPECT_FALSE(effective_security(text.substr(0, size), 0, Place::file).problems.empty()) << size;
-}
-
 }  // namespace
-}  // namespace ddssec::governance::doctor
+}  // namespace ddssec::governance::doctor::configurations

@@ -1,4 +1,6 @@
 // Which grants of two documents are for the same participants.
+#include "governance/compare/subjects.hpp"
+
 #include <algorithm>
 
 #include <gmock/gmock.h>

@@ -1,0 +1,90 @@
+// Which topics two participants exchange.
+#include <algorithm>
+
+#include <gmock/gmock.h>
+
+#include "fixture.hpp"
+#include "governance/doctor/meeting.hpp"
+#include "tests/unit/governance_doctor/meetings.hpp"
+
+namespace ddssec::governance::doctor::meetings {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST_F(MeetingTest, EveryElementOfTheTopicRuleThatDiffersIsSaidOnce) {
+  auto governance = strict_governance();
+  governance.domain_rules[0].topic_rules[0].enable_discovery_protection = false;
+  governance.domain_rules[0].topic_rules[0].metadata_protection_kind = ProtectionKind::sign;
+  sign(listener_.governance, to_xml(governance));
+  const auto out = meeting({"Square", "Circle"});
+  EXPECT_EQ(std::ranges::count(findings(out), Rule::DOC084), 2);
+  EXPECT_FALSE(out.topics[0].directions[0].ok);
+}
+
+TEST_F(MeetingTest, TopicsThatAreNamedAreExplained) {
+  EXPECT_THAT(findings(meeting({"Circle"})),
+              ElementsAre(Rule::DOC086, Rule::DOC086, Rule::DOC086, Rule::DOC086));
+  sign(listener_.permissions, to_xml(Permissions{.grants = {grant_for("CN=listener", "Circle")}}));
+  EXPECT_THAT(findings(meeting()), ElementsAre(Rule::DOC086));
+}
+
+TEST_F(MeetingTest, FastDdsDoesNotActOnDefaultAllow) {
+  auto grant = grant_for("CN=listener", "Circle");
+  grant.default_allow = true;
+  sign(listener_.permissions, to_xml(Permissions{.grants = {grant}}));
+  EXPECT_TRUE(meeting({"Square"}).topics[0].directions[0].ok);
+  EXPECT_FALSE(meeting({"Square"}, Vendor::ours, Vendor::fastdds).topics[0].directions[0].ok);
+}
+
+// Measured (grant-deny-one-way): Cyclone DDS 0.10 refuses that topic and uses the others.
+TEST_F(MeetingTest, ATopicThatCycloneDdsRefusesLeavesTheOthers) {
+  auto grant = grant_for("CN=talker", "*");
+  governance::Rule deny{.allow = false, .domains = {.ranges = {{0, 0}}}};
+  deny.subscribe.push_back({.topics = {{"Circle"}}});
+  grant.rules.insert(grant.rules.begin(), {{.allow = true, .domains = deny.domains}, deny});
+  sign(talker_.permissions, to_xml(Permissions{.grants = {grant}}));
+  sign(listener_.permissions, to_xml(Permissions{.grants = {grant_for("CN=listener", "*")}}));
+  const auto a = load_folder(talker_, kNow), b = load_folder(listener_, kNow);
+  const auto with = [&](Vendor vendor, Version version) {
+    return meet({a, vendor, "talker", {.cyclonedds = version}}, {b, Vendor::cyclonedds, "listener"},
+                {.now = kNow}, {"Square", "Circle"});
+  };
+  const auto old = with(Vendor::cyclonedds, {0, 10, 5});
+  EXPECT_TRUE(old.joined());
+  EXPECT_TRUE(old.topics[0].directions[0].ok);
+  EXPECT_FALSE(old.topics[1].directions[0].ok);
+  EXPECT_THAT(old.topics[1].directions[0].obstacle.reason,
+              HasSubstr("refuses to create the topic"));
+  EXPECT_THAT(findings(old), ElementsAre(Rule::DOC086, Rule::DOC053));
+  for (const auto& out : {with(Vendor::cyclonedds, {11, 0, 1}), with(Vendor::ours, {})}) {
+    EXPECT_TRUE(out.topics[1].directions[0].ok);
+    EXPECT_FALSE(out.topics[1].directions[1].ok);
+  }
+}
+
+TEST_F(MeetingTest, PayloadProtectionAloneStopsAFastDdsWriterBeforeACycloneReader) {
+  auto governance = strict_governance();
+  governance.domain_rules[0].topic_rules[0].metadata_protection_kind = ProtectionKind::none;
+  for (const auto& folder : {talker_, listener_}) sign(folder.governance, to_xml(governance));
+  const auto out = meeting({}, Vendor::fastdds, Vendor::cyclonedds);
+  EXPECT_FALSE(out.topics[0].directions[0].ok);
+  EXPECT_THAT(out.topics[0].directions[0].obstacle.reason, HasSubstr("ENCRYPT"));
+  EXPECT_THAT(findings(out), testing::Contains(Rule::DOC085));
+  EXPECT_THAT(out.topics[0].directions[1].obstacle.reason, IsEmpty());
+}
+
+TEST_F(MeetingTest, ManyTopicsAreCutAndSaidToBe) {
+  auto grant = grant_for("CN=talker");
+  auto& topics = grant.rules[0].publish[0].topics;
+  for (int i = 0; i < 300; ++i) topics.push_back({"topic" + std::to_string(i)});
+  sign(talker_.permissions, to_xml(Permissions{.grants = {grant}}));
+  const auto out = meeting();
+  EXPECT_EQ(out.topics.size(), kMaxTopics);
+  EXPECT_FALSE(out.topics_complete);
+}
+
+}  // namespace
+}  // namespace ddssec::governance::doctor::meetings

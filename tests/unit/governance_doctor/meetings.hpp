@@ -1,0 +1,34 @@
+// Two participants that would meet.
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include "fixture.hpp"
+#include "governance/doctor/meeting.hpp"
+
+namespace ddssec::governance::doctor::meetings {
+
+class MeetingTest : public Folders {
+ protected:
+  MeetingTest() : talker_(participant("talker")), listener_(participant("listener")) {}
+
+  Meeting meeting(const std::vector<std::string>& topics = {}, Vendor a = Vendor::ours,
+                  Vendor b = Vendor::ours) const {
+    const auto first = load_folder(talker_, kNow);
+    const auto second = load_folder(listener_, kNow);
+    auto out = meet({first, a, "talker"}, {second, b, "listener"}, {.now = kNow}, topics);
+    // They point into the folders.
+    for (auto& rule : out.rules) rule = nullptr;
+    return out;
+  }
+  std::vector<Rule> findings(const Meeting& meeting) const {
+    std::vector<Rule> out;
+    for (const auto& finding : meeting.findings) out.push_back(finding.rule);
+    return out;
+  }
+
+  pki::ParticipantFolder talker_;
+  pki::ParticipantFolder listener_;
+};
+
+}  // namespace ddssec::governance::doctor::meetings
