@@ -1,10 +1,11 @@
 // Keys and certificates in a PKCS#11 token: SoftHSM's, with keys imported into it and a
 // certificate.
+#include "pki/pkcs11.hpp"
+
 #include <cstdlib>
 #include <filesystem>
 
 #include "fixture.hpp"
-#include "pki/pkcs11.hpp"
 #include "pki/signature.hpp"
 #include "pki/smime.hpp"
 #include "tests/support/temporary_folder.hpp"
