@@ -85,9 +85,9 @@ TEST(Decision, ActionsAreApart) {
     return grant.judge(action, {topic}).allowed;
   };
   for (const auto action : {Action::publish, Action::subscribe, Action::relay}) {
-    EXPECT_EQ(may(action, "p"), action == Action::publish);
-    EXPECT_EQ(may(action, "s"), action == Action::subscribe);
-    EXPECT_EQ(may(action, "r"), action == Action::relay);
+    EXPECT_EQ(may(action, "p"), action == Action::publish) << to_string(action);
+    EXPECT_EQ(may(action, "s"), action == Action::subscribe) << to_string(action);
+    EXPECT_EQ(may(action, "r"), action == Action::relay) << to_string(action);
   }
 }
 
@@ -204,12 +204,12 @@ TEST(DataTags, OfDenyRulesHitAny) {
 TEST(Decision, RemembersWhatDiffers) {
   const auto grant = compiled({rule(true, {criteria({"t"}, {{"p", "pq"}}, {{{"n", "v"}}})})});
   for (int i = 0; i < 2; ++i) {
-    EXPECT_TRUE(may_publish(grant, "t", {"p", "pq"}));
-    EXPECT_FALSE(may_publish(grant, "t", {"ppq"}));
-    EXPECT_TRUE(may_publish(grant, "t", {"p"}, {{"n", "v"}}));
-    EXPECT_FALSE(may_publish(grant, "t", {"p"}, {{"nv", ""}}));
-    EXPECT_FALSE(may_publish(grant, "tp", {"q"}));
-    EXPECT_FALSE(grant.judge(Action::subscribe, {"t", Names{"p"}, {}}).allowed);
+    EXPECT_TRUE(may_publish(grant, "t", {"p", "pq"})) << "time " << i;
+    EXPECT_FALSE(may_publish(grant, "t", {"ppq"})) << "time " << i;
+    EXPECT_TRUE(may_publish(grant, "t", {"p"}, {{"n", "v"}})) << "time " << i;
+    EXPECT_FALSE(may_publish(grant, "t", {"p"}, {{"nv", ""}})) << "time " << i;
+    EXPECT_FALSE(may_publish(grant, "tp", {"q"})) << "time " << i;
+    EXPECT_FALSE(grant.judge(Action::subscribe, {"t", Names{"p"}, {}}).allowed) << "time " << i;
   }
 }
 
@@ -266,8 +266,8 @@ TEST(GovernanceRules, FirstTopicRuleWins) {
   const auto compiled = CompiledGovernance::make(governance, 5);
   ASSERT_TRUE(compiled);
   for (int i = 0; i < 2; ++i) {
-    EXPECT_EQ((*compiled)->topic_rule("ab")->line, 1);
-    EXPECT_EQ((*compiled)->topic_rule("b")->line, 4);
+    EXPECT_EQ((*compiled)->topic_rule("ab")->line, 1) << "time " << i;
+    EXPECT_EQ((*compiled)->topic_rule("b")->line, 4) << "time " << i;
   }
   const auto none = CompiledGovernance::make(governance, 6);
   EXPECT_CODE(none, domain_not_covered);
