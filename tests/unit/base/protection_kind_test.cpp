@@ -35,7 +35,8 @@ TEST(ProtectionKind, SaysWhatItProtects) {
     EXPECT_TRUE(is_protected(kind));
   for (const auto kind : {none, sign, sign_with_origin_authentication})
     EXPECT_FALSE(is_encrypted(kind)) << to_string(kind);
-  EXPECT_TRUE(is_encrypted(encrypt) && is_encrypted(encrypt_with_origin_authentication));
+  EXPECT_TRUE(is_encrypted(encrypt));
+  EXPECT_TRUE(is_encrypted(encrypt_with_origin_authentication));
   for (const auto kind : {none, sign, encrypt})
     EXPECT_FALSE(is_origin_authenticated(kind)) << to_string(kind);
   EXPECT_TRUE(is_origin_authenticated(sign_with_origin_authentication));

@@ -278,12 +278,14 @@ TEST(ChangedPassphrases, AreUsedStepByStepWithoutAGap) {
   EXPECT_EQ(running.after(), Codes{kChanged});
   EXPECT_NE(running.said().find("1 to send with, understood are 1, 2"), std::string::npos);
   EXPECT_TRUE(old.decode(running.member.encode(hello())));
-  EXPECT_TRUE(understands(old, 1) && understands(fresh, 1));
+  EXPECT_TRUE(understands(old, 1));
+  EXPECT_TRUE(understands(fresh, 1));
   running.put("own", "2:new");
   EXPECT_EQ(running.after(), Codes{kChanged});
   EXPECT_EQ(code_of(old.decode(running.member.encode(hello()))), Code::psk_passphrase_unknown);
   EXPECT_TRUE(fresh.decode(running.member.encode(hello())));
-  EXPECT_TRUE(understands(old, 1) && understands(fresh, 1));
+  EXPECT_TRUE(understands(old, 1));
+  EXPECT_TRUE(understands(fresh, 1));
   running.put("extra", "2:new");
   EXPECT_EQ(running.after(), Codes{kChanged});
   EXPECT_FALSE(running.member.keys->remembers(old.encode(hello_from(1))));

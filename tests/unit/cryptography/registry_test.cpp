@@ -181,7 +181,8 @@ TEST(TwoLocals, OfOneRemoteHaveKeysOfTheirOwn) {
     const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
     SecondReader second(two, identity);
     EXPECT_EQ(second.remote == two.b.remote, identity == IdentityHandle{7});
-    EXPECT_TRUE(first_reads(two, e) && second.reads());
+    EXPECT_TRUE(first_reads(two, e));
+    EXPECT_TRUE(second.reads());
     // Neither reads as the other, nor takes the other's tokens.
     const auto& ends = second.ends;
     const auto encoded = encode_payload(two, ends, Bytes(8)).value();
@@ -194,7 +195,8 @@ TEST(TwoLocals, OfOneRemoteHaveKeysOfTheirOwn) {
     EXPECT_EQ(code_of(two.b.exchange().set_remote_datawriter_crypto_tokens(
                   e.reader, ends.remote_writer, *tokens)),
               Code::crypto_not_matched);
-    EXPECT_TRUE(first_reads(two, e) && second.reads());
+    EXPECT_TRUE(first_reads(two, e));
+    EXPECT_TRUE(second.reads());
   }
 }
 

@@ -25,7 +25,9 @@ TEST(Profiles, MeetTheSchemaAndAreReadBack) {
     ASSERT_TRUE(again) << again.error().to_sentence();
     EXPECT_EQ(to_xml(*again), xml);
     EXPECT_TRUE(again->notes.empty());
-    EXPECT_TRUE(again->find(3) && again->find(7) && !again->find(6));
+    EXPECT_TRUE(again->find(3));
+    EXPECT_TRUE(again->find(7));
+    EXPECT_FALSE(again->find(6));
   }
 }
 

@@ -90,7 +90,8 @@ TEST(RosPolicies, OfSeveralProfilesAreMergedAndDenialsWin) {
   EXPECT_EQ(grant.subject_name, "CN=/e");
   ASSERT_EQ(grant.rules.size(), 4u);
   EXPECT_TRUE(grant.rules[0].allow) << "the first rule decides about joining";
-  EXPECT_TRUE(grant.rules[0].publish.empty() && grant.rules[0].subscribe.empty());
+  EXPECT_TRUE(grant.rules[0].publish.empty());
+  EXPECT_TRUE(grant.rules[0].subscribe.empty());
   EXPECT_FALSE(grant.rules[1].allow);
   EXPECT_EQ(names(grant.rules[1].publish), std::vector<std::string>{"rt/a"});
   EXPECT_EQ(names(grant.rules[2].publish), (std::vector<std::string>{"rt/a", "rt/n/b"}));

@@ -33,7 +33,8 @@ TEST(StockChanges, RangeThatBecomesOpen_IsWeakerToStockProductsAlone) {
     return one.sentence.contains("data_protection_kind ENCRYPT -> NONE in domain 1-230");
   });
   ASSERT_NE(found, diff.readings.all.end());
-  EXPECT_TRUE(found->is_new && found->widens);
+  EXPECT_TRUE(found->is_new);
+  EXPECT_TRUE(found->widens);
   EXPECT_THAT(found->sentence, StartsWith("with Cyclone DDS and Fast DDS: "));
 }
 

@@ -96,7 +96,9 @@ TEST_P(Entities, WhatIsNotEnabledIsSilentAndItsContainerComesFirst) {
   EXPECT_EQ(code_of(c.participant->assert_liveliness()), Code::rtps_not_enabled);
   EXPECT_TRUE(writer.guid().prefix.is_zero());
   EXPECT_TRUE(c.participant->enable());
-  EXPECT_TRUE(c.topic->is_enabled() && c.publisher->is_enabled() && writer.is_enabled());
+  EXPECT_TRUE(c.topic->is_enabled());
+  EXPECT_TRUE(c.publisher->is_enabled());
+  EXPECT_TRUE(writer.is_enabled());
   EXPECT_TRUE(writer.enable());
   EXPECT_TRUE(writer.write({"a", 1}));
   EXPECT_EQ(writer.guid().prefix, c.participant->guid().prefix);
@@ -108,7 +110,8 @@ TEST_P(Entities, AChangedPartitionMatchesAnew) {
   ASSERT_TRUE(match(writer, reader));
   EXPECT_TRUE(a.publisher->set_qos({.partition = {"room1"}}));
   run(100ms);
-  EXPECT_TRUE(writer.matched_subscriptions().empty() && reader.matched_publications().empty());
+  EXPECT_TRUE(writer.matched_subscriptions().empty());
+  EXPECT_TRUE(reader.matched_publications().empty());
   EXPECT_TRUE(b.subscriber->set_qos({.partition = {"room*"}}));
   run(100ms);
   EXPECT_TRUE(match(writer, reader));

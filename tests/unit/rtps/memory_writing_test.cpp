@@ -105,25 +105,29 @@ TEST(MemoryWriting, BothRead_NoPayloadIsSent) {
   Writing it;
   it.writer.memory().set_reading(kC, true);
   it.write();
-  EXPECT_TRUE(it.came_as_reference(kHere.port) && it.came_as_reference(kThere.port));
+  EXPECT_TRUE(it.came_as_reference(kHere.port));
+  EXPECT_TRUE(it.came_as_reference(kThere.port));
   it.writer.memory().set_reading(kC, false);
   it.clear();
   it.write();
-  EXPECT_TRUE(it.came_as_reference(kHere.port) && it.came_whole(kThere.port));
+  EXPECT_TRUE(it.came_as_reference(kHere.port));
+  EXPECT_TRUE(it.came_whole(kThere.port));
 }
 
 TEST(MemoryWriting, MemoryIsFull_AllGetPayloads) {
   Writing it;
   it.memory.is_full = true;
   it.write();
-  EXPECT_TRUE(it.came_whole(kHere.port) && it.came_whole(kThere.port));
+  EXPECT_TRUE(it.came_whole(kHere.port));
+  EXPECT_TRUE(it.came_whole(kThere.port));
 }
 
 TEST(MemoryWriting, NoLongerUsed_AllGetPayloads) {
   Writing it;
   it.writer.memory().use(nullptr);
   it.write();
-  EXPECT_TRUE(it.came_whole(kHere.port) && it.came_whole(kThere.port));
+  EXPECT_TRUE(it.came_whole(kHere.port));
+  EXPECT_TRUE(it.came_whole(kThere.port));
   EXPECT_TRUE(it.memory.stored.empty());
 }
 

@@ -36,7 +36,8 @@ TEST_P(ReadConditionsTest, Update_TriggersThoseThatFindSomething) {
   change.payload = Payload::copy_of(octets);
   samples.take(change, nullptr, {}, {clock.monotonic(), {}});
   conditions.update(samples.cache());
-  EXPECT_TRUE(any.trigger_value() && every.trigger_value());
+  EXPECT_TRUE(any.trigger_value());
+  EXPECT_TRUE(every.trigger_value());
   EXPECT_FALSE(high.trigger_value());
   EXPECT_TRUE(any.check_reader(reader));
   EXPECT_EQ(code_of(any.check_reader(b.reader(reliable()))), Code::rtps_precondition_not_met);

@@ -61,7 +61,8 @@ TEST_F(ReaderPresentationTest, Coherent_SetComesWhenItIsWhole) {
   presentation.start(policy(PresentationScope::topic, true, false), nullptr, false, now);
   ASSERT_TRUE(presentation.holds_back());
   presentation.add_writer(guid_of(1), {}, guid_of(1).prefix);
-  EXPECT_TRUE(put(1, 1) && put(2, 1));
+  EXPECT_TRUE(put(1, 1));
+  EXPECT_TRUE(put(2, 1));
   EXPECT_THAT(reader.seen, IsEmpty());
   EXPECT_TRUE(put(3, 0));
   EXPECT_THAT(reader.seen, ElementsAre(1, 2));
@@ -70,7 +71,8 @@ TEST_F(ReaderPresentationTest, Coherent_SetComesWhenItIsWhole) {
 TEST_F(ReaderPresentationTest, StartedBetweenBeginAndEndAccess_WaitsForItsEnd) {
   presentation.start(policy(PresentationScope::topic, true, false), nullptr, true, now);
   presentation.add_writer(guid_of(1), {}, guid_of(1).prefix);
-  EXPECT_TRUE(put(1, 1) && put(2, 0));
+  EXPECT_TRUE(put(1, 1));
+  EXPECT_TRUE(put(2, 0));
   EXPECT_THAT(reader.seen, IsEmpty());
   presentation.pause(false, now);
   presentation.release(now);

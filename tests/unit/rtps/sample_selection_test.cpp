@@ -54,7 +54,8 @@ TEST_F(ReaderCacheTest, AnyKnowsWhatSelectWouldFind) {
   EXPECT_FALSE(cache().any(fresh));
   EXPECT_TRUE(cache().any({.sample = SampleState::read, .view = ViewState::not_new}));
   put(1, 0, kDispose);
-  EXPECT_TRUE(cache().any(fresh) && cache().any(ended));
+  EXPECT_TRUE(cache().any(fresh));
+  EXPECT_TRUE(cache().any(ended));
   take();
   EXPECT_FALSE(cache().any({}));
 }

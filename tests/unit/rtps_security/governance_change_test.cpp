@@ -39,9 +39,12 @@ TEST_P(Raised, NothingIsLostAndNoMatchEnds) {
   fleet.run(3);
   fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kinds.metadata, kinds.data, kinds.rtps), 2);
   fleet.run(12);
-  EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node))
+  EXPECT_TRUE(fleet.has_all(fleet.b.node))
       << fleet.b.node.listener.changes.size() << " of " << fleet.written << fleet.text();
-  EXPECT_TRUE(fleet.is_whole(fleet.b.node) && fleet.is_whole(fleet.c.node));
+  EXPECT_TRUE(fleet.has_all(fleet.c.node))
+      << fleet.b.node.listener.changes.size() << " of " << fleet.written << fleet.text();
+  EXPECT_TRUE(fleet.is_whole(fleet.b.node));
+  EXPECT_TRUE(fleet.is_whole(fleet.c.node));
   for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) expect_in_force(fleet, *member);
   const bool is_encrypted = kinds.metadata == kEncrypt || kinds.data == kEncrypt;
   EXPECT_EQ(fleet.is_readable_on_the_network(), !is_encrypted && kinds.rtps != kEncrypt);
@@ -63,7 +66,8 @@ TEST(GovernanceChange, OnALossyNetwork_NothingIsLost) {
   fleet.run(2);
   fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kEncrypt, kEncrypt), 2);
   fleet.run(20);
-  EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << fleet.text();
+  EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
+  EXPECT_TRUE(fleet.has_all(fleet.c.node)) << fleet.text();
   for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) expect_in_force(fleet, *member);
 }
 
@@ -80,7 +84,8 @@ TEST(GovernanceChange, OnAVeryLossyNetwork_NobodyParts) {
     fleet.is_lossy = false;
     for (const auto* member : {&fleet.a, &fleet.b, &fleet.c})
       EXPECT_EQ(Fleet::unmatched(member->node), 0) << seed << fleet.text();
-    EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << seed;
+    EXPECT_TRUE(fleet.has_all(fleet.b.node)) << seed;
+    EXPECT_TRUE(fleet.has_all(fleet.c.node)) << seed;
   }
 }
 
@@ -95,8 +100,10 @@ TEST(GovernanceChange, SamplesInFragments_AreWholeOnALossyNetworkToo) {
     fleet.put({&fleet.a, &fleet.b, &fleet.c}, next, 2);
     fleet.run(10);
     fleet.is_lossy = false;
-    EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << fleet.text();
-    EXPECT_TRUE(fleet.is_whole(fleet.b.node) && fleet.is_whole(fleet.c.node));
+    EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
+    EXPECT_TRUE(fleet.has_all(fleet.c.node)) << fleet.text();
+    EXPECT_TRUE(fleet.is_whole(fleet.b.node));
+    EXPECT_TRUE(fleet.is_whole(fleet.c.node));
     EXPECT_TRUE(fleet.b.node.events.has(Code::governance_renewed));
   }
 }
@@ -110,7 +117,8 @@ TEST(GovernanceChange, DocumentsThatComeOneAfterTheOther_AreWaitedFor) {
     fleet.run(5);
   }
   fleet.run(5);
-  EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << fleet.text();
+  EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
+  EXPECT_TRUE(fleet.has_all(fleet.c.node)) << fleet.text();
   for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) expect_in_force(fleet, *member);
   EXPECT_FALSE(fleet.is_readable_on_the_network());
 }
@@ -145,7 +153,8 @@ TEST(GovernanceChange, TwoChangesAfterOneAnother_AreBothTaken) {
   fleet.run(10);
   fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kEncrypt, kEncrypt), 3);
   fleet.run(10);
-  EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << fleet.text();
+  EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
+  EXPECT_TRUE(fleet.has_all(fleet.c.node)) << fleet.text();
   for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) {
     EXPECT_EQ(member->node.events.count(Code::governance_renewed), 2) << fleet.text();
     EXPECT_EQ(Fleet::unmatched(member->node), 0) << fleet.text();
@@ -242,7 +251,8 @@ TEST(GovernanceChange, AFloodOfDocuments_IsTakenOneAtATime) {
     fleet.run(1);
   }
   fleet.run(10);
-  EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << fleet.text();
+  EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
+  EXPECT_TRUE(fleet.has_all(fleet.c.node)) << fleet.text();
   for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) expect_in_force(fleet, *member);
 }
 
@@ -269,8 +279,10 @@ void expect_former_segment_is_given_up(ProtectionKind data) {
   fleet.run(1);
   fleet.world.run(600);  // until readers have unmapped it
   EXPECT_FALSE(is_in_memory(as_bytes(Fleet::kMark)));
-  EXPECT_TRUE(fleet.has_all(fleet.b.node) && fleet.has_all(fleet.c.node)) << fleet.text();
-  EXPECT_TRUE(fleet.is_whole(fleet.b.node) && fleet.is_whole(fleet.c.node));
+  EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
+  EXPECT_TRUE(fleet.has_all(fleet.c.node)) << fleet.text();
+  EXPECT_TRUE(fleet.is_whole(fleet.b.node));
+  EXPECT_TRUE(fleet.is_whole(fleet.c.node));
   expect_in_force(fleet, fleet.a);
 }
 
