@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/rollback.hpp"
 #include "rtps/durability/durable_store.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"
 
@@ -53,14 +54,13 @@ class IndexedStore {
   Status commit(const std::vector<StoredChange>& changes, const Moment& now) {
     for (const auto& change : changes) {
       pending.push_back(change);
-      try {
-        using enum SampleIndex::Verdict;
-        outcomes.push_back(index.add(pending.back(), now));
-        if (outcomes.back().verdict == waits) pending.pop_back(), ++waited;
-      } catch (const std::bad_alloc&) {
-        pending.pop_back();
-        throw;
-      }
+      Rollback undo([&] { pending.pop_back(); });
+      const auto outcome = index.add(pending.back(), now);
+      if (outcome.verdict == SampleIndex::Verdict::waits)
+        ++waited;
+      else
+        undo.release();
+      outcomes.push_back(outcome);
     }
     return write(now.wall);
   }
