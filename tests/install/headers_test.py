@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Installs the headers and compiles each public one alone, as the only #include of a file, with nothing else of
-ddssec in reach. The installed headers must be those of the lists in cmake/public_headers.cmake, and no others.
-Usage: headers_test.py SOURCE BUILD"""
+"""Installs the headers and compiles the public ones with nothing else of ddssec in reach: all of them, first to last and
+last to first; with --alone, each as the only #include of a file. The installed headers must be those of the lists in
+cmake/public_headers.cmake, and no others.
+Usage: headers_test.py SOURCE BUILD [--alone]"""
 
 import concurrent.futures
 import os
@@ -18,14 +19,16 @@ COMPILE = [os.environ.get("CXX", "c++"), "-std=c++23", "-fsyntax-only", "-Wall",
            "-Werror", "-x", "c++", "-"]
 
 
-def refusal(include, header):
-    """What the compiler says of a file that includes the header alone; empty if it compiles."""
-    run = subprocess.run([*COMPILE, f"-I{include}"], input=f"#include <{header}>\n", capture_output=True, text=True)
-    return "" if run.returncode == 0 else f"<{header}> does not compile alone:\n{run.stderr}"
+def refusal(include, headers):
+    """What the compiler says of a file that includes the headers; empty if it compiles."""
+    lines = "".join(f"#include <{header}>\n" for header in headers)
+    run = subprocess.run([*COMPILE, f"-I{include}"], input=lines, capture_output=True, text=True)
+    return "" if run.returncode == 0 else f"<{headers[0]}> first: does not compile:\n{run.stderr}"
 
 
 def main():
-    source, build = (pathlib.Path(path).resolve() for path in sys.argv[1:])
+    source, build = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
+    is_alone = sys.argv[3:] == ["--alone"]
     of_cmake = lists((source / "cmake/public_headers.cmake").read_text(encoding="utf-8"))
     public, carried = of_cmake["DDSSEC_PUBLIC_HEADERS"], of_cmake["DDSSEC_CARRIED_HEADERS"]
     with tempfile.TemporaryDirectory() as prefix:
@@ -36,8 +39,10 @@ def main():
         found = [f"installed, but in no list: {name}" for name in sorted(installed - {*public, *carried})]
         found += [f"in a list, but not installed: {name}" for name in sorted({*public, *carried} - installed)]
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-            found += filter(None, pool.map(lambda header: refusal(include, header), public))
-    print("\n".join(found) if found else f"{len(public)} public headers compile alone, with {len(carried)} others")
+            files = [[header] for header in public] if is_alone else [public, public[::-1]]
+            found += filter(None, pool.map(lambda headers: refusal(include, headers), files))
+    print("\n".join(found) if found else f"{len(public)} public headers compile in {len(files)} files, "
+          f"with {len(carried)} others in reach")
     return 1 if found or not public else 0
 
 
