@@ -22,16 +22,23 @@ void add_notes(Findings& out, const Governance& document) {
       case NoteKind::order:
         out.add(GOV001, note, {kFastDds});
         break;
-      case NoteKind::open_range:
+      case NoteKind::no_min:
+      case NoteKind::no_max:
         out.add(GOV004, note, stock_vendors());
         break;
       case NoteKind::refused_spelling:
-        out.add(note.text.contains("blanks") ? GOV005 : GOV023, note, {kFastDds});
+        out.add(GOV023, note, {kFastDds});
         break;
       case NoteKind::padding:
+      case NoteKind::refused_padding:
         out.add(GOV005, note, {kFastDds});
         break;
-      case NoteKind::extension:
+      case NoteKind::byte_order_mark:
+      case NoteKind::passed_over:
+      case NoteKind::newer_element:
+      case NoteKind::default_namespace:
+      case NoteKind::other_attribute:
+      case NoteKind::no_algorithms:
         out.add(GOV006, note, stock_vendors());
         break;
       case NoteKind::end_tag_blank:
@@ -40,8 +47,16 @@ void add_notes(Findings& out, const Governance& document) {
       case NoteKind::boolean_spelling:
         out.add(GOV023, note, {});
         break;
-      default:
+      case NoteKind::kind_spelling:
         out.add(GOV024, note, stock_vendors());
+        break;
+      case NoteKind::accepted_order:
+      case NoteKind::no_zone:
+      case NoteKind::fraction:
+      case NoteKind::no_name:
+      case NoteKind::no_default:
+      case NoteKind::tag_of_rule:
+        break;  // of permissions
     }
   }
 }

@@ -33,23 +33,36 @@ void add_notes(Findings& out, const Permissions& document) {
                  .hint = "write whole seconds",
                  .severity = Severity::informational});
         break;
-      case NoteKind::open_range:
+      case NoteKind::no_min:
+      case NoteKind::no_max:
         out.add(PERM004, note, stock);
         break;
-      case NoteKind::refused_spelling:
-        out.add(note.text.contains("blanks") ? PERM005 : PERM001, note, {kFastDds});
-        break;
       case NoteKind::padding:
+      case NoteKind::refused_padding:
         out.add(PERM005, note, {kFastDds});
         break;
-      case NoteKind::extension:
+      case NoteKind::byte_order_mark:
+      case NoteKind::passed_over:
+      case NoteKind::newer_element:
+      case NoteKind::tag_of_rule:
+      case NoteKind::default_namespace:
+      case NoteKind::other_attribute:
         out.add(PERM006, note, stock);
         break;
       case NoteKind::end_tag_blank:
         out.add(PERM001, note, {kCyclone});
         break;
-      default:  // order, no_name, no_default
+      case NoteKind::order:
+      case NoteKind::accepted_order:
+      case NoteKind::no_name:
+      case NoteKind::no_default:
+      case NoteKind::refused_spelling:
         out.add(PERM001, note, {kFastDds});
+        break;
+      case NoteKind::boolean_spelling:
+      case NoteKind::kind_spelling:
+      case NoteKind::no_algorithms:
+        break;  // of governance
     }
   }
 }

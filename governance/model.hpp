@@ -17,19 +17,33 @@ inline constexpr DomainId kHighestDomainId = 230;
 
 /// Reasons why other products may read something differently.
 enum class NoteKind : std::uint8_t {
-  order,             ///< elements are not in the schema's order
-  boolean_spelling,  ///< TRUE, 1
-  kind_spelling,     ///< a protection kind not in capitals
-  padding,           ///< blanks around a value
-  open_range,        ///< an id_range without <min> or <max>
-  no_zone,           ///< a time without a zone, or with one other than UTC
-  fraction,          ///< a time with a fraction of a second
-  no_name,           ///< a grant without a name
-  no_default,        ///< a grant without <default>
-  refused_spelling,  ///< a value that Fast DDS refuses: blanks around a boolean, 24:00:00
-  end_tag_blank,     ///< blanks before the '>' of an end tag
-  extension,         ///< elements or attributes that DDS-Security 1.1 does not have
+  order,              ///< elements are not in the schema's order, and Fast DDS refuses them
+  accepted_order,     ///< elements are not in the schema's order, and Fast DDS accepts them
+  boolean_spelling,   ///< TRUE, 1
+  kind_spelling,      ///< a protection kind not in capitals
+  padding,            ///< blanks around a value
+  refused_padding,    ///< blanks around a value, for which Fast DDS refuses the document
+  no_min,             ///< an id_range without <min>
+  no_max,             ///< an id_range without <max>
+  no_zone,            ///< a time without a zone, or with one other than UTC
+  fraction,           ///< a time with a fraction of a second
+  no_name,            ///< a grant without a name
+  no_default,         ///< a grant without <default>
+  refused_spelling,   ///< a value that Fast DDS refuses, such as 24:00:00
+  end_tag_blank,      ///< blanks before the '>' of an end tag
+  byte_order_mark,    ///< a mark before the text, with which Cyclone DDS refuses the document
+  passed_over,        ///< an unknown element that may be passed over (must_interpret="false")
+  newer_element,      ///< an element that DDS-Security 1.1 does not have
+  tag_of_rule,        ///< a domain tag in a rule of permissions: Cyclone DDS passes over it
+  default_namespace,  ///< the attribute xmlns
+  other_attribute,    ///< another attribute that DDS-Security 1.1 does not have
+  no_algorithms,      ///< a list of allowed algorithms is absent, and its schema requires it
 };
+
+/// True if stock products read another range of domains.
+constexpr bool is_open_range(NoteKind kind) {
+  return kind == NoteKind::no_min || kind == NoteKind::no_max;
+}
 
 /// A construct that is accepted but that other products may read differently; for lint.
 struct Note {

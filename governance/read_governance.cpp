@@ -67,7 +67,7 @@ struct AlgorithmList {
 Result<std::vector<Text>> read_algorithm_list(ReadContext& context, XmlElement section,
                                               XmlElement element, const AlgorithmList& list) {
   if (element) return read_texts(context, element, "algorithm");
-  context.note(NoteKind::extension, section,
+  context.note(NoteKind::no_algorithms, section,
                fmt::format("has no <{}>: every algorithm of DDS-Security 1.2 is allowed; a product "
                            "that follows the schema, which requires it, refuses the document",
                            list.name));

@@ -118,7 +118,7 @@ void note_order(ReadContext& context, XmlElement rule, const XmlChildren& childr
   if (children.all().front().first != 0)
     context.note(NoteKind::order, rule, "does not begin with <domains>: Fast DDS refuses it");
   else if (!children.in_order())
-    context.note(NoteKind::order, rule,
+    context.note(NoteKind::accepted_order, rule,
                  "is not in the schema's order: Fast DDS takes it, others may not");
 }
 

@@ -109,13 +109,13 @@ Result<DomainRange> read_range(ReadContext& context, XmlElement element) {
   if (max) {
     DDSSEC_ASSIGN_OR_RETURN(range.last, read_domain_id(max));
   }
-  const auto note = [&](std::string_view text) {
-    context.note(NoteKind::open_range, element, text);
-  };
   if (!max)
-    note("has no <max>: it has no end, but Cyclone DDS and Fast DDS read domain " +
-         std::to_string(range.first) + " alone; write both");
-  if (!min) note("has no <min>: it begins with domain 0, but Cyclone DDS refuses it; write both");
+    context.note(NoteKind::no_max, element,
+                 "has no <max>: it has no end, but Cyclone DDS and Fast DDS read domain " +
+                     std::to_string(range.first) + " alone; write both");
+  if (!min)
+    context.note(NoteKind::no_min, element,
+                 "has no <min>: it begins with domain 0, but Cyclone DDS refuses it; write both");
   if (range.first > range.last) {
     return fail(Code::domain_range_reversed,
                 {.line = element.line(),
@@ -137,7 +137,7 @@ void note_padding(ReadContext& context, XmlElement element) {
 
 void note_refused_padding(ReadContext& context, XmlElement element) {
   if (element.is_padded())
-    context.note(NoteKind::refused_spelling, element,
+    context.note(NoteKind::refused_padding, element,
                  "has blanks around its value: Fast DDS refuses the document");
 }
 
@@ -146,6 +146,13 @@ namespace {
 bool is_of_permissions(XmlElement element) {
   const auto rule = element.parent();
   return rule && (rule.name() == "allow_rule" || rule.name() == "deny_rule");
+}
+
+void note_tag(ReadContext& context, XmlElement tag, bool is_of_rule) {
+  if (!is_of_rule) return context.note(NoteKind::newer_element, tag, "came with DDS-Security 1.2");
+  context.note(NoteKind::tag_of_rule, tag,
+               "came with DDS-Security 1.2: Cyclone DDS passes over it, and takes the rule for "
+               "participants without the tag, too");
 }
 
 // The first "</name >" outside of comments and CDATA.
@@ -184,26 +191,22 @@ void note_extensions(ReadContext& context, XmlElement element) {
                                          "allowed_crypto_algorithms", "subject_name_expression",
                                          "tag_expression"};
   if (std::ranges::find(kNewer, element.name()) != std::end(kNewer))
-    context.note(NoteKind::extension, element, "came with DDS-Security 1.2");
+    context.note(NoteKind::newer_element, element, "came with DDS-Security 1.2");
   const bool is_grant = element.name() == "grant";
   for (const auto name : element.attribute_names()) {
     const bool is_usual = name == "xmlns:xsi" || name == "xsi:noNamespaceSchemaLocation" ||
                           (is_grant && name == "name");
     if (!is_usual)
       context.note(
-          NoteKind::extension, element,
+          name == "xmlns" ? NoteKind::default_namespace : NoteKind::other_attribute, element,
           "has the attribute " + std::string(name) + ", which DDS-Security 1.1 does not have");
   }
   const bool holds_domains = element.name() == "domains";
   for (auto child = element.first_child(); child; child = child.next_sibling()) {
     if (holds_domains && child.name() == "tag")
-      context.note(NoteKind::extension, child,
-                   is_of_permissions(element)
-                       ? "came with DDS-Security 1.2: Cyclone DDS passes over it, and takes the "
-                         "rule for participants without the tag, too"
-                       : "came with DDS-Security 1.2");
+      note_tag(context, child, is_of_permissions(element));
     if (child.may_be_ignored() && !std::ranges::binary_search(kElements, child.name()))
-      context.note(NoteKind::extension, child,
+      context.note(NoteKind::passed_over, child,
                    "is passed over, as must_interpret=\"false\" says; Cyclone DDS and Fast DDS "
                    "refuse the document");
     note_extensions(context, child);
@@ -212,7 +215,7 @@ void note_extensions(ReadContext& context, XmlElement element) {
 
 void note_byte_order_mark(ReadContext& context, BytesView text, XmlElement root) {
   if (as_text(text).starts_with("\xEF\xBB\xBF"))
-    context.note(NoteKind::extension, root,
+    context.note(NoteKind::byte_order_mark, root,
                  "comes after a byte order mark, with which Cyclone DDS refuses the document");
 }
 

@@ -40,7 +40,7 @@ bool is_narrower_to_others(const governance::Readings& readings) {
 void warn_of_open_ranges(Report& report, Rule rule, const std::vector<governance::Note>& notes,
                          const std::filesystem::path& file) {
   for (const auto& note : notes) {
-    if (note.kind != governance::NoteKind::open_range) continue;
+    if (!governance::is_open_range(note.kind)) continue;
     Finding finding{.rule = rule,
                     .message = note.text,
                     .document = file,

@@ -53,7 +53,7 @@ struct Constructs {
   void add(const std::vector<Note>& all) {
     // An open range is more than another reading: the comparison says it of either document.
     for (const auto& note : all)
-      if (note.kind != NoteKind::open_range)
+      if (!is_open_range(note.kind))
         notes.try_emplace({note.text, note.path, note.value}, note.line);
     has_all_notes = all.size() < kMaxNotes;
   }

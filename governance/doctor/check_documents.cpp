@@ -242,10 +242,8 @@ void check_belief(const LoadedFolder& folder, const Subject& subject, Diagnosis&
 
 // The variant for a note of the parser.
 std::optional<Variant> variant_of(const Note& note) {
-  const auto says = [&](std::string_view words) { return note.text.find(words) != note.text.npos; };
   switch (note.kind) {
     case NoteKind::order:
-      if (says("Fast DDS takes it")) return std::nullopt;
       return Variant::governance_order;
     case NoteKind::no_name:
       return Variant::grant_without_name;
@@ -253,20 +251,35 @@ std::optional<Variant> variant_of(const Note& note) {
       return Variant::grant_without_default;
     case NoteKind::kind_spelling:
       return Variant::governance_small_letters;
-    case NoteKind::open_range:
-      return says("has no <min>") ? Variant::governance_no_min : Variant::governance_no_max;
+    case NoteKind::no_min:
+      return Variant::governance_no_min;
+    case NoteKind::no_max:
+      return Variant::governance_no_max;
     case NoteKind::end_tag_blank:
       return Variant::governance_end_tag_blank;
-    case NoteKind::extension:
-      return says("passes over it, and takes")    ? Variant::permissions_domain_tag
-             : says("is passed over")             ? Variant::governance_unknown_element
-             : says("byte order mark")            ? Variant::governance_bom
-             : says("the attribute xmlns,")       ? Variant::governance_default_namespace
-             : says("came with DDS-Security 1.2") ? Variant::governance_key_revision
-                                                  : Variant::governance_must_interpret;
-    default:
+    case NoteKind::byte_order_mark:
+      return Variant::governance_bom;
+    case NoteKind::passed_over:
+      return Variant::governance_unknown_element;
+    case NoteKind::newer_element:
+      return Variant::governance_key_revision;
+    case NoteKind::tag_of_rule:
+      return Variant::permissions_domain_tag;
+    case NoteKind::default_namespace:
+      return Variant::governance_default_namespace;
+    case NoteKind::other_attribute:
+    case NoteKind::no_algorithms:
+      return Variant::governance_must_interpret;
+    case NoteKind::accepted_order:
+    case NoteKind::boolean_spelling:
+    case NoteKind::padding:
+    case NoteKind::refused_padding:
+    case NoteKind::refused_spelling:
+    case NoteKind::no_zone:
+    case NoteKind::fraction:
       return std::nullopt;
   }
+  return std::nullopt;
 }
 
 // The outcome with stock products for a text that ddssec does not parse.
@@ -315,7 +328,8 @@ void report_notes(const Subject& subject, Diagnosis& out) {
     if (count == 0) continue;
     const auto variant = variant_of(note);
     auto who = variant ? measured(*variant, subject.lineup) : Outcomes();
-    if (note.kind == NoteKind::refused_spelling) who.fastdds = Outcome::fail;
+    if (note.kind == NoteKind::refused_spelling || note.kind == NoteKind::refused_padding)
+      who.fastdds = Outcome::fail;
     const auto more =
         count > 1 ? fmt::format(" (and at {} other place{})", count - 1, count > 2 ? "s" : "")
                   : std::string();

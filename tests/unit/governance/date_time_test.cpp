@@ -63,9 +63,9 @@ TEST(DateTime, CycloneDdsHasNoMidnightOf24NoFarZonesAndNoLateYears) {
                            "2026-11-21T00:00:00+12:00", "2026-11-21T00:00:00-12:00",
                            "2262-04-11T23:47:15Z", "1970-01-01T00:00:00Z"})
     EXPECT_TRUE(is_for_cyclone(text)) << text;
-  for (const auto* text : {"2026-11-21T24:00:00Z", "2026-11-21T00:00:00+14:00",
-                           "2026-11-21T00:00:00-12:01", "2262-04-11T23:47:17Z",
-                           "9999-12-31T23:59:59Z"})
+  for (const auto* text :
+       {"2026-11-21T24:00:00Z", "2026-11-21T00:00:00+14:00", "2026-11-21T00:00:00-12:01",
+        "2262-04-11T23:47:17Z", "9999-12-31T23:59:59Z"})
     EXPECT_FALSE(is_for_cyclone(text)) << text;
 }
 

@@ -57,7 +57,7 @@ TEST(ReadPermissions, NotesSayWhatAndWhere) {
                "<id>9</id>", "<id>9</id><tag>red</tag>"));
   ASSERT_TRUE(document);
   ASSERT_EQ(document->notes.size(), 2u);
-  EXPECT_EQ(document->notes[0].kind, NoteKind::extension);
+  EXPECT_EQ(document->notes[0].kind, NoteKind::tag_of_rule);
   EXPECT_EQ(document->notes[0].path, "/dds/permissions/grant/deny_rule/domains/tag");
   EXPECT_EQ(document->notes[0].line, 22);
   EXPECT_EQ(document->notes[1].kind, NoteKind::padding);

@@ -67,7 +67,7 @@ TEST(WritePermissions, IsReadBackTheSame) {
   ASSERT_TRUE(again) << again.error().to_sentence();
   EXPECT_EQ(to_xml(*again), xml);
   ASSERT_EQ(again->notes.size(), 1u);  // subject_name_expression
-  EXPECT_EQ(again->notes[0].kind, NoteKind::extension);
+  EXPECT_EQ(again->notes[0].kind, NoteKind::newer_element);
 }
 
 TEST(Revision, IsWrittenAndReadBack) {

@@ -52,7 +52,7 @@ Permissions permissions(std::vector<Rule> rules) {
 TEST(Readings, OfGovernanceAreExpressionsAndNotes) {
   const auto before = governance({topic("rt/a", 4), topic("*", 5)});
   auto after = governance({topic("rt/\\a", 6), topic("*", 7)});
-  after.notes = {{NoteKind::open_range, 2, "/dds", "<id_range> has no <max>"},
+  after.notes = {{NoteKind::no_max, 2, "/dds", "<id_range> has no <max>"},
                  {NoteKind::padding, 3, "/dds", "<id> has blanks"}};
   const auto diff = compare(before, after);
   EXPECT_EQ(diff.verdict, neutral);
