@@ -2,8 +2,12 @@
 
 #include <arpa/inet.h>
 #include <bit>
+#include <fcntl.h>
 #include <limits>
+#include <optional>
+#include <unistd.h>
 
+#include "base/descriptor.hpp"
 #include "plugins/cyclonedds/core_handshake.hpp"
 #include "plugins/cyclonedds/host_entities.hpp"
 
@@ -18,6 +22,20 @@ CoreGuid core_guid(const DDS_Security_GUID_t& guid) {
   return out;
 }
 
+/// What lies at an address, or nothing if it cannot be read. The kernel reads it, and returns an
+/// error where the process itself would be ended.
+template <class T>
+std::optional<T> read_memory(const void* from) {
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) return std::nullopt;
+  const Descriptor reading(ends[0]), writing(ends[1]);
+  constexpr auto kOctets = static_cast<ssize_t>(sizeof(T));
+  T out;
+  if (::write(writing.number(), from, sizeof(T)) != kOctets) return std::nullopt;
+  if (::read(reading.number(), &out, sizeof(T)) != kOctets) return std::nullopt;
+  return out;
+}
+
 }  // namespace
 
 CoreTimer CoreTimer::of_host(const void* code) noexcept {
@@ -28,15 +46,16 @@ CoreTimer CoreTimer::of_host(const void* code) noexcept {
 bool CoreTimer::stop(const Call& call) const noexcept {
   if (set_timeout_ == nullptr) return false;
   const auto* const member = reinterpret_cast<const std::byte*>(call.local_auth_request);
-  const auto& handshake =
-      *reinterpret_cast<const CoreHandshake*>(member - offsetof(CoreHandshake, local_auth_request));
-  // Other software would have other values at these places.
-  if (handshake.plugin != call.plugin || handshake.domain != call.plugin->gv ||
-      handshake.remote != core_guid(*call.remote) || handshake.machine == nullptr ||
-      handshake.machine->argument != &handshake)
+  const auto* const at = member - offsetof(CoreHandshake, local_auth_request);
+  // Other software would have other values at these places, or nothing.
+  const auto handshake = read_memory<CoreHandshake>(at);
+  if (!handshake || handshake->plugin != call.plugin || handshake->domain != call.plugin->gv ||
+      handshake->remote != core_guid(*call.remote))
     return false;
+  const auto machine = read_memory<CoreStateMachine>(handshake->machine);
+  if (!machine || machine->argument != at) return false;
   // The core calls the plugin without the lock that this function takes.
-  set_timeout_(handshake.machine, nullptr, kNever);
+  set_timeout_(handshake->machine, nullptr, kNever);
   return true;
 }
 

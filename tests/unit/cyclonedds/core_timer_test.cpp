@@ -2,6 +2,8 @@
 
 #include <limits>
 #include <memory>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 
@@ -67,6 +69,26 @@ TEST_F(CoreTimerTest, OtherLayout_NothingIsCalled) {
   refuses([&] { machine.argument = &domain; });
   EXPECT_EQ(stopped.times, 0);
   EXPECT_TRUE(stop());
+}
+
+// Another core may pass the address of something that has nothing in front of it.
+TEST_F(CoreTimerTest, NothingBeforeTheArgument_NothingIsReadOrCalled) {
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  void* const pages =
+      ::mmap(nullptr, 2 * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(pages, MAP_FAILED);
+  EXPECT_EQ(::mprotect(pages, page, PROT_NONE), 0);
+  const auto* const argument =
+      reinterpret_cast<const DDS_Security_DataHolder*>(static_cast<const std::byte*>(pages) + page);
+  EXPECT_FALSE(CoreTimer(set_timeout).stop({&plugin, argument, &kRemote}));
+  EXPECT_EQ(stopped.times, 0);
+  ::munmap(pages, 2 * page);
+}
+
+TEST_F(CoreTimerTest, MachineThatCannotBeRead_NothingIsCalled) {
+  handshake->machine = reinterpret_cast<CoreStateMachine*>(8);
+  EXPECT_FALSE(stop());
+  EXPECT_EQ(stopped.times, 0);
 }
 
 TEST_F(CoreTimerTest, HostWithoutTheFunction_NothingIsRead) {
