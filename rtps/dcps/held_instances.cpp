@@ -20,6 +20,19 @@ SourceOrder order_of(const HeldSample& sample) {
   return {sample.change.source_time, sample.change.writer, sample.place};
 }
 
+/// Where a sample belongs among those of its instance.
+HeldSamples::iterator place_of(HeldInstance& instance, const HeldSample& sample, bool is_indexed) {
+  auto before = instance.held.end();
+  if (!sample.by_source) return before;
+  if (is_indexed) {
+    const auto next = instance.by_source.upper_bound(order_of(sample));
+    return next == instance.by_source.end() ? before : next->second;
+  }
+  const auto order = order_of(sample);
+  while (before != instance.held.begin() && order < order_of(*std::prev(before))) --before;
+  return before;
+}
+
 /// Moves the instance, with its key, to another account. nullptr: to none.
 void charge(HeldInstance& instance, const HeldShareOf& share) {
   const auto octets = instance.key_value.size();
@@ -215,7 +228,7 @@ void HeldInstances::forget(HeldInstance& instance) {
 void HeldInstances::insert(HeldInstance& instance, HeldSample held) {
   held.place = ++places_;
   held.by_source = by_source_ && held.valid && held.change.source_time;
-  const auto before = place_of(instance, held);
+  const auto before = place_of(instance, held, indexes_sources_);
   ++instance.unread;
   if (arrivals_ != nullptr) held.arrival = ++*arrivals_;
   hold(held.share, held.change.payload.size());
@@ -240,19 +253,6 @@ void HeldInstances::insert(HeldInstance& instance, HeldSample held) {
   for (auto* query : queries_) query->add(instance, at);
   stored.release();
   if (!instance.ready.linked()) instance.ready.append_to(ready_);
-}
-
-HeldSamples::iterator HeldInstances::place_of(HeldInstance& instance,
-                                              const HeldSample& sample) const {
-  auto before = instance.held.end();
-  if (!sample.by_source) return before;
-  if (indexes_sources_) {
-    const auto next = instance.by_source.upper_bound(order_of(sample));
-    return next == instance.by_source.end() ? before : next->second;
-  }
-  const auto order = order_of(sample);
-  while (before != instance.held.begin() && order < order_of(*std::prev(before))) --before;
-  return before;
 }
 
 void HeldInstances::insert_invalid(HeldInstance& instance, const Guid& writer,
@@ -300,13 +300,17 @@ void HeldInstances::erase_all(HeldInstance& instance) {
   for (auto at = instance.held.begin(); at != instance.held.end();) at = erase(instance, at);
 }
 
-bool HeldInstances::hold_back(HeldInstance& instance, Change& change, const HeldShareOf& share,
-                              MonotonicTime expires) {
+bool HeldInstances::can_hold_back(const HeldInstance& instance, const Change& change,
+                                  const HeldShareOf& share) const {
   Freed freed;
   if (instance.held_back) freed.octets = instance.held_back->payload.size();
   if (instance.share_of_held_back == share) freed.own = freed.octets;
-  if (!can_pay(&instance, share)) return false;
-  if (!has_room_for_octets(change.payload.size(), share, freed)) return false;
+  return can_pay(&instance, share) && has_room_for_octets(change.payload.size(), share, freed);
+}
+
+bool HeldInstances::hold_back(HeldInstance& instance, Change& change, const HeldShareOf& share,
+                              MonotonicTime expires) {
+  if (!can_hold_back(instance, change, share)) return false;
   take_held_back(instance);
   hold(share, change.payload.size());
   instance.held_back = std::move(change);

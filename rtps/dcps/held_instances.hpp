@@ -89,6 +89,9 @@ class HeldInstances {
   MonotonicTime next_expiry() const;
   void erase_all(HeldInstance& instance);
   void mark_read(HeldInstance& instance, HeldSample& sample);
+  /// Whether `hold_back` finds room.
+  bool can_hold_back(const HeldInstance& instance, const Change& change,
+                     const HeldShareOf& share) const;
   /// Keeps a change for later, instead of the one kept before. Until then, the instance is not
   /// forgotten. Returns false if there is no room: then nothing has changed.
   bool hold_back(HeldInstance& instance, Change& change, const HeldShareOf& share = {},
@@ -153,8 +156,6 @@ class HeldInstances {
   void hold(const HeldShareOf& share, std::size_t octets);
   void let_go(const HeldShareOf& share, std::size_t octets);
   void count_sample(const HeldSample& sample, int sign);
-  /// Where a sample belongs among those of its instance.
-  HeldSamples::iterator place_of(HeldInstance& instance, const HeldSample& sample) const;
 
   const History history_;
   const std::size_t max_samples_, max_instances_, max_per_instance_;

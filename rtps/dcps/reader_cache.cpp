@@ -46,6 +46,11 @@ bool holds_back(const HeldInstance& instance, const Guid& writer) {
   return instance.held_back && instance.held_back->writer == writer;
 }
 
+/// TIME_BASED_FILTER: the reader must not see the change yet.
+bool waits(const HeldInstance& instance, const Change& change, const Moment& at) {
+  return change.is_alive() && at.now < instance.quiet_until;
+}
+
 bool has_room_for_held_back(const HeldInstances& all, const HeldInstance& instance) {
   return all.rejects(&instance, *instance.held_back, instance.share_of_held_back, 0).reason ==
          SampleRejectedReason::not_rejected;
@@ -116,23 +121,22 @@ void ReaderCache::limit_source_time(Change& change, const Moment& at) {
   ++times_ahead_;
 }
 
-// LIFESPAN counts from the source time. If the writer's clock is ahead of the local one, its
-// samples still get no more than the lifespan.
 MonotonicTime ReaderCache::expiry_of(const Change& change, const Moment& at) const {
-  const auto writer = writers_.find(change.writer);
-  if (writer == writers_.end() || writer->second.lifespan.is_infinite()) return kNever;
-  const auto span = writer->second.lifespan.to_nanoseconds();
-  if (!change.source_time) return at.now + span;
-  const auto age = at.wall.to_nanoseconds() - change.source_time->to_nanoseconds();
-  return at.now + span - std::max(age, std::chrono::nanoseconds::zero());
+  return change.is_alive() ? end_of_life(change.source_time, writer_of(change.writer).lifespan, at)
+                           : kNever;
 }
 
 std::optional<ReaderCache::Stored> ReaderCache::rejects_again(const Change& change,
-                                                              MonotonicTime now) const {
+                                                              const Moment& at) const {
+  if (expiry_of(change, at) <= at.now) return std::nullopt;
   const auto* instance = held_.find(change.key_hash.value_or(KeyHash{}));
-  if (instance == nullptr ? change.key_octets == 0 && key_of_ : now < instance->quiet_until)
-    return std::nullopt;  // `store` knows
+  if (instance == nullptr && change.key_octets == 0 && key_of_) return std::nullopt;
   const auto& share = writer_of(change.writer).share;
+  if (instance != nullptr && waits(*instance, change, at)) {
+    if (held_.can_hold_back(*instance, change, share)) return std::nullopt;
+    return Stored{Outcome::rejected, SampleRejectedReason::by_samples_limit, instance->handle,
+                  true};
+  }
   const auto [reason, crowded] =
       held_.rejects(instance, change, share, instance == nullptr ? change.key_octets : 0);
   if (reason == SampleRejectedReason::not_rejected) return std::nullopt;
@@ -147,7 +151,7 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
   const auto handle = instance == nullptr ? InstanceHandle{} : instance->handle;
   const Stored dropped{Outcome::dropped, {}, handle};
   limit_source_time(change, at);
-  const auto expires = change.is_alive() ? expiry_of(change, at) : kNever;
+  const auto expires = expiry_of(change, at);
   const bool of_nobody = instance == nullptr && !change.is_alive() && !change.status.disposed;
   if (expires <= at.now || of_nobody) return dropped;
   if (instance != nullptr && !may_own(*instance, change.writer)) {
@@ -163,7 +167,7 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
     const bool ends = change.status.unregistered && leave(*instance, change.writer, at.now);
     return ends ? Stored{Outcome::stored, {}, handle} : dropped;
   }
-  if (instance != nullptr && at.now < instance->quiet_until && change.is_alive()) {
+  if (instance != nullptr && waits(*instance, change, at)) {
     if (!reliable_) return dropped;
     const auto origin = change.origin();
     const auto writer = change.writer;

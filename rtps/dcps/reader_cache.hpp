@@ -31,6 +31,9 @@ class ReaderCache {
   /// any state changed.
   bool lose_writer(const Guid& writer, bool unmatched, MonotonicTime now);
 
+  /// When the LIFESPAN of its writer ends the change. kNever: never.
+  MonotonicTime expiry_of(const Change& change, const Moment& at) const;
+
   enum class Outcome : std::uint8_t { stored, dropped, rejected };
   struct Stored {
     Outcome outcome = Outcome::stored;
@@ -43,7 +46,7 @@ class ReaderCache {
   /// too late or expired.
   Stored store(Change& change, const Moment& at);
   /// For a change that was rejected: returns its rejection if there is still no room for it.
-  std::optional<Stored> rejects_again(const Change& change, MonotonicTime now) const;
+  std::optional<Stored> rejects_again(const Change& change, const Moment& at) const;
 
   /// Samples are read in the order of their arrival, whatever their instance (ordered access with
   /// TOPIC or GROUP scope). `arrivals` is the counter, which other readers may share.
@@ -115,7 +118,6 @@ class ReaderCache {
   const Writer& writer_of(const Guid& guid) const;
   bool may_own(const Instance& instance, const Guid& writer) const;
   void limit_source_time(Change& change, const Moment& at);
-  MonotonicTime expiry_of(const Change& change, const Moment& at) const;
   void store_alive(Instance& instance, HeldSample sample, MonotonicTime now);
   void store_end(Instance& instance, const Change& change, MonotonicTime now);
   /// Moves what the instance holds back to its samples. Returns false if it was dropped instead.

@@ -42,7 +42,7 @@ KeyHash ReceivedSamples::instance_of(const Change& change, const KeyProtection& 
 ReceivedSamples::Received ReceivedSamples::take(Change& change, BoundFilter* filter,
                                                 const KeyProtection& keys, const Moment& at) {
   if (change.is_examined && seen_)  // before the digests of large payloads
-    if (const auto refusal = cache_->rejects_again(change, at.now))
+    if (const auto refusal = cache_->rejects_again(change, at))
       return {Outcome::rejected, *refusal};
   const bool is_new = !std::exchange(change.is_examined, false);
   if (is_new && filter != nullptr && change.is_alive() && !passes(change, *filter)) return {};
@@ -50,11 +50,12 @@ ReceivedSamples::Received ReceivedSamples::take(Change& change, BoundFilter* fil
     count_malformed();
     return {change.is_alive() ? Outcome::unseen : Outcome::unreadable_key};
   }
-  if (seen_ && seen_->contains(change) && !cache_->is_wanted_again(change)) return {};
+  const auto expires = cache_->expiry_of(change, at);
+  if (seen_ && seen_->contains(change, expires) && !cache_->is_wanted_again(change)) return {};
   // The end of an instance is not reported if none of its samples passed the filter.
   const auto key = change.key_hash.value_or(KeyHash{});
   if (filter != nullptr && !change.is_alive() && cache_->lookup(key).is_nil()) return {};
-  const auto sighting = seen_ ? SeenOriginals::of(change) : SeenOriginals::Sighting{};
+  const auto sighting = seen_ ? SeenOriginals::of(change, expires) : SeenOriginals::Sighting{};
   const auto stored = cache_->store(change, at);
   if (stored.outcome == ReaderCache::Outcome::rejected) {
     change.is_examined = true;

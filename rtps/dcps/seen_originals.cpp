@@ -8,6 +8,9 @@
 namespace ddssec::rtps {
 namespace {
 
+// Copies of a sample that arrive one after the other end at about the same time.
+constexpr std::chrono::milliseconds kSameTime{10};
+
 bool is_claim(const Change& change) {
   return change.original.number.value > 0 && change.original.writer != change.writer;
 }
@@ -41,30 +44,31 @@ bool says(const Change& change, const Sha256Digest& claim) {
 
 }  // namespace
 
-SeenOriginals::Sighting SeenOriginals::of(const Change& change) {
-  Sighting out{change.origin(), std::nullopt};
+SeenOriginals::Sighting SeenOriginals::of(const Change& change, MonotonicTime expires) {
+  Sighting out{change.origin(), std::nullopt, expires};
   if (is_claim(change)) out.claim = digest_of(change);
   return out;
 }
 
-bool SeenOriginals::contains(const Change& change) const {
+bool SeenOriginals::contains(const Change& change, MonotonicTime expires) const {
   const auto origin = change.origin();
   if (heard(origin)) return true;
   if (claims_.empty()) return false;
   const auto claim = claims_.find({origin.writer, origin.number});
-  return claim != claims_.end() && says(change, claim->second);
+  if (claim == claims_.end() || expires - kSameTime > claim->second.expires) return false;
+  return says(change, claim->second.digest);
 }
 
 void SeenOriginals::add(const Sighting& sighting) {
   if (sighting.claim)
-    note_claim(sighting.origin, *sighting.claim);
+    note_claim(sighting.origin, {*sighting.claim, sighting.expires});
   else
     hear(sighting.origin);
 }
 
-void SeenOriginals::note_claim(const Original& original, const Sha256Digest& digest) {
+void SeenOriginals::note_claim(const Original& original, const Claim& claim) {
   const std::pair key(original.writer, original.number);
-  const auto [at, is_new] = claims_.insert_or_assign(key, digest);
+  const auto [at, is_new] = claims_.insert_or_assign(key, claim);
   if (!is_new) return;
   order_.push_back(key);
   if (order_.size() <= kMaxClaims) return;

@@ -13,9 +13,9 @@ namespace ddssec::rtps {
 
 /// Stores ranges of sequence numbers for each writer whose own samples were received. If only other
 /// writers sent a sample of a writer, it is stored as a claim. A claim counts as already received
-/// only for a sample with the same contents, so that no writer of a topic can suppress samples of
-/// others. If a limit is exceeded, the oldest entry is forgotten: then a sample may arrive twice,
-/// but none is missed.
+/// only for a sample with the same contents that lives no longer, so that no writer of a topic can
+/// suppress samples of others. If a limit is exceeded, the oldest entry is forgotten: then a sample
+/// may arrive twice, but none is missed.
 class SeenOriginals {
  public:
   static constexpr std::size_t kMaxWriters = 1024;
@@ -27,10 +27,11 @@ class SeenOriginals {
     Original origin;
     /// Digest of the contents, if the change does not come from its own writer.
     std::optional<Sha256Digest> claim;
+    MonotonicTime expires;  ///< when the LIFESPAN of the change's writer ends it
   };
-  static Sighting of(const Change& change);
+  static Sighting of(const Change& change, MonotonicTime expires = kNever);
 
-  bool contains(const Change& change) const;
+  bool contains(const Change& change, MonotonicTime expires = kNever) const;
   void add(const Sighting& sighting);
   std::size_t writers() const { return writers_.size(); }
   std::size_t claims() const { return claims_.size(); }
@@ -45,12 +46,16 @@ class SeenOriginals {
   };
   bool heard(const Original& original) const;
   void hear(const Original& original);
-  void note_claim(const Original& original, const Sha256Digest& digest);
+  struct Claim {
+    Sha256Digest digest;
+    MonotonicTime expires;
+  };
+  void note_claim(const Original& original, const Claim& claim);
   void forget_oldest();
 
   std::map<Guid, Writer> writers_;
   std::uint64_t uses_ = 0;
-  std::map<std::pair<Guid, SequenceNumber>, Sha256Digest> claims_;
+  std::map<std::pair<Guid, SequenceNumber>, Claim> claims_;
   std::deque<std::pair<Guid, SequenceNumber>> order_;  ///< of claims, oldest first
 };
 

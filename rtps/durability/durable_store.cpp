@@ -167,6 +167,12 @@ DurableStore::Appended DurableStore::append(StoredChange change, const Moment& n
   return {.outcome = {}, .has_no_share = identity && octets_of_.find(*identity)->second == 0};
 }
 
+void DurableStore::refuse(const GuidPrefix& identity) {
+  const std::lock_guard held(mutex_);
+  index_.shares().refuse(identity);
+  if (index_.shares().has_news()) work_.notify_one();
+}
+
 std::vector<std::int64_t> DurableStore::clean_up(StreamId stream, const Moment& now) {
   const std::lock_guard held(mutex_);
   return clean_up(stream, now, SampleIndex::kMaxRemoved);
@@ -278,7 +284,7 @@ void DurableStore::report(const Error* failure, std::uint64_t left_out,
          .field = "share of the participants whose GUIDs begin with " +
                   to_hex(BytesView(identity.octets).first(6)),
          .expected = "at most as many octets as are free in the store, and as many samples of "
-                     "a topic as are free in it",
+                     "a topic, or with OWNERSHIP EXCLUSIVE instances, as are free in it",
          .found =
              "a sample more, offered " + std::to_string(times) + (times == 1 ? " time" : " times"),
          .note = "it is not acknowledged and waits with its writer until there is room; another "

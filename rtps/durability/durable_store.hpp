@@ -62,6 +62,9 @@ class DurableStore {
   void append(StreamId stream, const Change& change, const Moment& now) {
     append({.stream = stream, .change = change}, now);
   }
+  /// A sample of the identity has no room for another reason. It is counted and reported as those
+  /// are that wait for room in the store.
+  void refuse(const GuidPrefix& identity);
   /// See SampleIndex::clean_up. Returns the rows that go: not all at once, if they are many.
   std::vector<std::int64_t> clean_up(StreamId stream, const Moment& now);
   /// See SampleIndex::next_due.

@@ -286,16 +286,15 @@ Status SampleStore::read_shares(StoreShares& shares) {
   DDSSEC_ASSIGN_OR_RETURN(
       auto rows,
       database_.prepare(
-          "SELECT identity, count(*), sum(length(payload)) FROM sample GROUP BY identity"));
+          "SELECT identity, length(payload), count(*) FROM sample GROUP BY identity, 2"));
   while (true) {
     DDSSEC_ASSIGN_OR_RETURN(const auto has_row, rows.step());
     if (!has_row) return {};
 
     const auto identity = identity_from(rows.octets(0));
-    const auto count = static_cast<std::size_t>(rows.number(1));
-    if (identity)
-      shares.add(shares.account(*identity),
-                 static_cast<std::size_t>(rows.number(2)) + count * StoreShares::cost(0));
+    const auto cost = StoreShares::cost(static_cast<std::size_t>(rows.number(1)));
+    const auto count = static_cast<std::size_t>(rows.number(2));
+    if (identity) shares.add(shares.account(*identity), count * cost);
   }
 }
 

@@ -3,6 +3,7 @@
 // for another identity.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <utility>
 #include <vector>
@@ -29,7 +30,10 @@ class StoreShares {
   Account account(const GuidPrefix& identity);
   std::size_t octets(Account account) const { return shares_[account].octets; }
   void add(Account account, std::size_t octets) { shares_[account].octets += octets; }
-  void remove(Account account, std::size_t octets) { shares_[account].octets -= octets; }
+  void remove(Account account, std::size_t octets) {
+    auto& own = shares_[account].octets;
+    own -= std::min(own, octets);
+  }
 
   struct Refusals {
     GuidPrefix identity;

@@ -6,6 +6,11 @@ void InstanceOwners::set_writer(const Guid& writer, std::int32_t strength,
                                 const std::optional<GuidPrefix>& identity) {
   const auto [at, is_new] = writers_.try_emplace(writer, strength, identity);
   at->second.strength = strength;  // its identity does not change while it is matched
+  if (!is_new || !identity) return;
+  // What it was only expected to own counts for its identity from now on.
+  for (auto owned = owned_.lower_bound({writer, {}});
+       owned != owned_.end() && owned->first == writer; ++owned)
+    ++of_identity_[*identity];
 }
 
 void InstanceOwners::remove_writer(const Guid& writer) {
@@ -30,12 +35,18 @@ bool InstanceOwners::is_stronger(const Guid& writer, const Guid& owner) const {
   return own > other || (own == other && writer < owner);
 }
 
-bool InstanceOwners::has_room(const Guid& writer) const {
-  const auto free = kMaxInstances - owners_.size();
+std::optional<GuidPrefix> InstanceOwners::identity_of(const Guid& writer) const {
   const auto known = writers_.find(writer);
-  if (known == writers_.end() || !known->second.identity) return free > 0;
-  const auto own = of_identity_.find(*known->second.identity);
-  return free > 0 && (own == of_identity_.end() || own->second < free);
+  return known == writers_.end() ? std::nullopt : known->second.identity;
+}
+
+bool InstanceOwners::has_room(const Guid& writer, const Guid* replaced) const {
+  const auto free = kMaxInstances - owners_.size() + (replaced == nullptr ? 0 : 1);
+  const auto identity = identity_of(writer);
+  const auto own = identity ? of_identity_.find(*identity) : of_identity_.end();
+  if (free == 0 || own == of_identity_.end()) return free > 0;
+  const bool replaces_own = replaced != nullptr && identity_of(*replaced) == identity;
+  return own->second - (replaces_own ? 1 : 0) < free;
 }
 
 InstanceOwners::Claim InstanceOwners::claim(const KeyHash& instance, const Guid& writer,
@@ -49,8 +60,8 @@ InstanceOwners::Claim InstanceOwners::claim(const KeyHash& instance, const Guid&
   if (at->second == writer) return Claim::owned;
   if (!writers_.contains(at->second) && now < expects_until_) return Claim::later;
   if (!is_stronger(writer, at->second)) return Claim::refused;
+  if (!has_room(writer, &at->second)) return Claim::no_room;
   leave(at);
-  if (!has_room(writer)) return Claim::no_room;
   enter(instance, writer);
   return Claim::owned;
 }
@@ -63,16 +74,12 @@ void InstanceOwners::release(const KeyHash& instance, const Guid& writer) {
 void InstanceOwners::enter(const KeyHash& instance, const Guid& writer) {
   owners_.emplace(instance, writer);
   owned_.emplace(writer, instance);
-  const auto known = writers_.find(writer);
-  if (known != writers_.end() && known->second.identity) ++of_identity_[*known->second.identity];
+  if (const auto identity = identity_of(writer)) ++of_identity_[*identity];
 }
 
 void InstanceOwners::leave(Owners::iterator at) {
-  const auto known = writers_.find(at->second);
-  if (known != writers_.end() && known->second.identity)
-    if (const auto own = of_identity_.find(*known->second.identity);
-        own != of_identity_.end() && --own->second == 0)
-      of_identity_.erase(own);
+  if (const auto identity = identity_of(at->second))
+    if (const auto own = of_identity_.find(*identity); --own->second == 0) of_identity_.erase(own);
   owned_.erase({at->second, at->first});
   owners_.erase(at);
 }

@@ -56,7 +56,9 @@ class InstanceOwners {
   using Owners = std::map<KeyHash, Guid>;
 
   bool is_stronger(const Guid& writer, const Guid& owner) const;
-  bool has_room(const Guid& writer) const;
+  /// `replaced`: an owner that loses an instance to the writer.
+  bool has_room(const Guid& writer, const Guid* replaced = nullptr) const;
+  std::optional<GuidPrefix> identity_of(const Guid& writer) const;
   void enter(const KeyHash& instance, const Guid& writer);
   void leave(Owners::iterator at);
 
@@ -64,7 +66,7 @@ class InstanceOwners {
   std::map<Guid, Writer> writers_;
   Owners owners_;
   std::set<std::pair<Guid, KeyHash>> owned_;       ///< the same by owner
-  std::map<GuidPrefix, std::size_t> of_identity_;  ///< number of instances
+  std::map<GuidPrefix, std::size_t> of_identity_;  ///< number of instances of matched writers
 };
 
 }  // namespace ddssec::rtps

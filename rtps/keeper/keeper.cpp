@@ -354,7 +354,7 @@ std::uint64_t Keeper::sum(Count count) const {
 
 std::uint64_t Keeper::without_key() const { return sum(&KeptTopic::without_key); }
 std::uint64_t Keeper::dropped() const { return sum(&KeptTopic::dropped); }
-std::uint64_t Keeper::left_out() const { return store_->left_out() + sum(&KeptTopic::left_out); }
+std::uint64_t Keeper::left_out() const { return store_->left_out(); }
 
 std::uint64_t Keeper::abandoned() const { return sum(&KeptTopic::abandoned); }
 

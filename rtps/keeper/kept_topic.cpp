@@ -24,8 +24,9 @@ constexpr Duration kMinLease{{1, 0}};
 // writer (unless it requests GROUP scope, or a lease of less than kMinLease). With OWNERSHIP
 // EXCLUSIVE, this writer has the lowest strength. It has no limits of its own: DURABILITY_SERVICE
 // limits what is stored, and only that is served.
-Qos serving_qos(const Qos& original) {
+Qos serving_qos(const Qos& original, Duration lifespan = kDurationInfinite) {
   auto qos = original;
+  qos.lifespan = lifespan;
   qos.reliability.kind = ReliabilityKind::reliable;
   qos.history.kind = HistoryKind::keep_all;
   const auto most = std::numeric_limits<std::int32_t>::max();
@@ -55,6 +56,20 @@ std::vector<std::string> scope_of(const std::string& domain_tag, const spi::Prop
   if (domain_tag.empty() && tags.empty()) return {};
   std::vector<std::string> out{domain_tag};
   for (const auto& tag : tags) out.insert(out.end(), {tag.name, tag.value});
+  return out;
+}
+
+/// The LIFESPAN after which none of these samples is older than its own.
+Duration lifespan_of(const DurableStore::Opened& opened, const Moment& at) {
+  auto out = kDurationZero;
+  for (std::size_t i = 0; i < opened.history.size(); ++i) {
+    const auto& change = opened.history[i];
+    if (!change.is_alive()) continue;
+    if (opened.expires[i] == kNever) return kDurationInfinite;
+    const auto age =
+        at.wall.to_nanoseconds() - change.source_time.value_or(at.wall).to_nanoseconds();
+    out = std::max(out, Duration::from(opened.expires[i] - at.now + age));
+  }
   return out;
 }
 
@@ -92,9 +107,11 @@ Status KeptTopic::open(DomainId domain, const std::string& domain_tag) {
                 .type = like_.type_name,
                 .partition = like_.qos.partition,
                 .scope = scope_of(domain_tag, like_.qos.data_tags)};
-  DDSSEC_ASSIGN_OR_RETURN(
-      auto opened,
-      store_.open_stream(std::move(key), like_.qos.durability_service, context_.moment()));
+  const auto moment = context_.moment();
+  DDSSEC_ASSIGN_OR_RETURN(auto opened,
+                          store_.open_stream(std::move(key), like_.qos.durability_service, moment));
+  longest_lifespan_ = std::max(like_.qos.lifespan, lifespan_of(opened, moment));
+  announced_lifespan_ = longest_lifespan_;
   stream_ = opened.id;
   const std::lock_guard held(context_.mutex());
   has_samples_ = !opened.history.empty();
@@ -103,7 +120,7 @@ Status KeptTopic::open(DomainId domain, const std::string& domain_tag) {
   for (const auto& heard : opened.heard) heard_.emplace(heard.writer, heard);
   for (std::size_t i = 0; i < opened.rows.size(); ++i)
     rows_[opened.rows[i]] = {static_cast<std::int64_t>(i) + 1};
-  auto serving = request(serving_qos(like_.qos));
+  auto serving = request(serving_qos(like_.qos, longest_lifespan_));
   serving.history = std::move(opened.history);
   serving.history_only = true;
   const auto now = context_.now();
@@ -154,7 +171,9 @@ bool KeptTopic::has_scope_of(const EndpointData& writer) const {
 bool KeptTopic::on_change(Change& change) {
   using Claim = InstanceOwners::Claim;
   if (change.is_marker() || !writers_.contains(change.writer)) return true;
-  if (seen_.contains(change) || was_heard(change)) {
+  const auto expires =
+      end_of_life(change.source_time, lifespan_of(context_, change.writer), context_.moment());
+  if (seen_.contains(change, expires) || was_heard(change)) {
     // The owner of a stored instance came back.
     if (change.origin().writer == change.writer) claim(change);
     return true;
@@ -165,10 +184,18 @@ bool KeptTopic::on_change(Change& change) {
   }
   if (!identity_of(change.writer.prefix) && store_.is_behind()) return defer(context_.now());
   const auto claimed = claim(change);
-  if (claimed == Claim::no_room) ++left_out_;
-  if (claimed == Claim::later || (claimed == Claim::owned && !keep(change)))
-    return defer(context_.now());
-  return true;
+  if (claimed == Claim::no_room) {
+    if (const auto identity = identity_of(change.writer.prefix)) store_.refuse(*identity);
+    return wait_for_room(change.writer, true);
+  }
+  if (claimed == Claim::later) return defer(context_.now());
+  return claimed == Claim::refused || keep(change);
+}
+
+bool KeptTopic::wait_for_room(const Guid& writer, bool has_no_share) {
+  have_waited_.insert(writer);
+  if (has_no_share) without_share_.insert(writer);
+  return defer(context_.now());
 }
 
 bool KeptTopic::defer(MonotonicTime now) {
@@ -193,20 +220,19 @@ bool KeptTopic::keep(Change& change) {
   if (!change.source_time) change.source_time = wall;
   const auto writer = change.writer;
   const auto original = change.sequence_number;
+  const auto lifespan = lifespan_of(context_, writer);
+  serve_as_long_as(lifespan);
   discard(store_.clean_up(*stream_, moment));
   const auto kept = store_.append({.stream = *stream_,
                                    .change = change,
                                    .identity = identity_of(writer.prefix),
                                    .is_late = have_waited_.contains(writer),
                                    .is_remembered = change.original.writer == writer,
-                                   .lifespan = lifespan_of(context_, writer)},
+                                   .lifespan = lifespan},
                                   moment);
-  if (kept.outcome.verdict == SampleIndex::Verdict::waits) {
-    have_waited_.insert(writer);
-    if (kept.has_no_share) without_share_.insert(writer);
-    return false;
-  }
-  seen_.add(SeenOriginals::of(change));
+  if (kept.outcome.verdict == SampleIndex::Verdict::waits)
+    return wait_for_room(writer, kept.has_no_share);
+  seen_.add(SeenOriginals::of(change, end_of_life(change.source_time, lifespan, moment)));
   if (!std::exchange(has_samples_, true)) on_first_sample_();
   if (owners_ && change.status.unregistered)
     owners_->release(change.key_hash.value_or(KeyHash{}), writer);
@@ -229,11 +255,18 @@ void KeptTopic::on_matched(const EndpointData& remote) {
   if (!is_writer(remote.guid.entity)) return;
   if (!has_scope_of(remote)) return on_unmatched(remote.guid);
   writers_.insert(remote.guid);
+  serve_as_long_as(remote.qos.lifespan);
   if (!owners_) return;
   owners_->set_writer(remote.guid, remote.qos.ownership_strength, identity_of(remote.guid.prefix));
   const auto now = context_.now();
   liveliness_.add(remote.guid, remote.qos.liveliness.lease_duration, now);
   look_again(now);
+}
+
+void KeptTopic::serve_as_long_as(Duration lifespan) {
+  if (lifespan <= longest_lifespan_) return;
+  longest_lifespan_ = lifespan;
+  look_again(context_.now());
 }
 
 void KeptTopic::on_unmatched(const Guid& remote) {
@@ -290,10 +323,17 @@ void KeptTopic::look_again(MonotonicTime now) {
   auto next = liveliness_.next_tick();
   if (deferred_) next = std::min(next, now + kDeferredLook);
   const auto due = unstored_.empty() ? store_.next_due(*stream_) : now;
+  if (announced_lifespan_ != longest_lifespan_) next = now;
   call_at(std::min(next, std::max(due, now + kLook)));
 }
 
 void KeptTopic::on_time(MonotonicTime now) {
+  // Not while endpoints are being matched. Nothing refuses it: LIFESPAN is neither matched nor
+  // immutable.
+  if (std::exchange(announced_lifespan_, longest_lifespan_) != longest_lifespan_) {
+    [[maybe_unused]] const auto changed =
+        context_.protocol().change_qos(writer_, serving_qos(like_.qos, longest_lifespan_), now);
+  }
   liveliness_.check(now, [&](const Guid& writer, LivelinessSignal* signal) {
     if (signal != nullptr) signal->notify(*this, writer);
     owners_->lose(writer);

@@ -40,8 +40,6 @@ class KeptTopic final : private EndpointListener, private Timed {
   /// The caller holds the lock:
   std::uint64_t without_key() const { return without_key_; }
   std::uint64_t dropped() const { return dropped_; }
-  /// Number of samples whose instances found no place among the owned ones.
-  std::uint64_t left_out() const { return left_out_; }
   /// Number of samples that wait for room, or until it is known who owns their instance.
   std::uint64_t waiting() const;
   /// Number of those that waited when their writers left.
@@ -83,6 +81,11 @@ class KeptTopic final : private EndpointListener, private Timed {
   InstanceOwners::Claim claim(const Change& change);
   /// Returns false if there is no room.
   bool keep(Change& change);
+  /// The change waits until its identity has room.
+  bool wait_for_room(const Guid& writer, bool has_no_share);
+  /// Readers end samples when the LIFESPAN that is announced to them ends: the longest one of those
+  /// whose samples they get.
+  void serve_as_long_as(Duration lifespan);
   bool was_heard(const Change& change) const;
   /// False: the writer reaches other readers, or needs other permissions.
   bool has_scope_of(const EndpointData& writer) const;
@@ -98,9 +101,10 @@ class KeptTopic final : private EndpointListener, private Timed {
   Guid reader_, writer_;
   SeenOriginals seen_;
   std::map<Guid, HeardWriter> heard_;  ///< before the topic was opened
-  std::uint64_t without_key_ = 0, dropped_ = 0, left_out_ = 0;
+  std::uint64_t without_key_ = 0, dropped_ = 0;
   std::function<void()> on_first_sample_;
   bool has_samples_ = false;
+  Duration longest_lifespan_, announced_lifespan_;
   std::set<Guid> writers_;                ///< that matched the reader, and whose samples are kept
   std::optional<InstanceOwners> owners_;  ///< only with OWNERSHIP EXCLUSIVE
   LivelinessMonitor liveliness_;          ///< the same: owners that are not alive own nothing

@@ -68,6 +68,26 @@ TEST_F(ReceivedSamplesTest, ProvenPayload_IsBelievedMoreThanTheHashBesideIt) {
   }
 }
 
+// An insider's copy of a sample of another writer, with a short LIFESPAN, ended unread, and the
+// sample itself had been dropped.
+TEST_F(ReceivedSamplesTest, CopyWithAShorterLifespan_TakesNoPlaceOfTheSample) {
+  using std::chrono::seconds;
+  ReceivedSamples samples(qos, type);
+  samples.expect_history();
+  samples.cache().set_writer(guid_of(1), 0, kDurationInfinite);
+  samples.cache().set_writer(guid_of(2), 0, Duration{{1, 0}});
+  auto sample = change("kitchen", 5);
+  sample.source_time = Time::from(now);
+  auto copy = sample;
+  copy.original = sample.origin();
+  copy.writer = guid_of(2);
+  EXPECT_EQ(take(samples, copy), Outcome::stored);
+  EXPECT_EQ(take(samples, sample), Outcome::stored);
+  now += seconds(2);
+  samples.cache().expire(now);
+  EXPECT_EQ(samples.cache().samples(), 1u);
+}
+
 // Each HEARTBEAT of its writer made the reader deserialize a refused sample of 60 MB twice.
 TEST_F(ReceivedSamplesTest, RefusedChange_IsNotDeserializedAgain) {
   std::size_t hashes = 0, serialized = 0;

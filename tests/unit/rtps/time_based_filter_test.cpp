@@ -57,6 +57,28 @@ TEST_F(TimeBasedFilter, SetToZeroInAFullReader_ReleaseEndsAndKeepsTheSample) {
   EXPECT_EQ(cache.next_tick(), kNever);
 }
 
+// Each take() made the reader compute the digest of a refused sample of 66 MB again.
+TEST_F(TimeBasedFilter, RefusedInTheQuietTime_IsRefusedAgainAtOnceUntilThereIsRoom) {
+  const Guid writer{GuidPrefix::from(Bytes(12, 1)), EntityId{{0, 0, 1, 2}}};
+  cache.set_writer(writer, 0, Duration::from(seconds(2)), writer.prefix);
+  ASSERT_EQ(put(10), Outcome::stored);
+  Change large;
+  large.writer = writer;
+  large.key_hash = KeyHash{1};
+  large.source_time = Time::from(now);
+  large.payload = Payload::uninitialized(HeldInstances::kMaxOctets + 1);
+  ASSERT_EQ(cache.store(large, moment()).outcome, Outcome::rejected);
+  const auto again = cache.rejects_again(large, moment());
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->reason, SampleRejectedReason::by_samples_limit);
+  EXPECT_TRUE(again->crowded);
+  now += seconds(2);
+  EXPECT_FALSE(cache.rejects_again(large, moment())) << "its LIFESPAN has ended";
+  large.source_time = Time::from(now);
+  large.payload = Payload::copy_of(Bytes{12});
+  EXPECT_FALSE(cache.rejects_again(large, moment())) << "it can be held back now";
+}
+
 TEST_F(TimeBasedFilter, VeryShortInAFullReader_IsOfferedAtABoundedRate) {
   ASSERT_EQ(put(10), Outcome::stored);
   ASSERT_EQ(put(11), Outcome::dropped);

@@ -67,6 +67,26 @@ TEST_F(InstanceOwnersTest, ExpectedOwner_MakesOthersWait_ThenCountsOrIsReplaced)
   EXPECT_EQ(claim(9), Claim::owned);
 }
 
+// What it was expected to own did not count for it, but was taken off when it left.
+TEST_F(InstanceOwnersTest, ExpectedOwner_OnceItComes_HasUsedItsShare) {
+  constexpr std::uint32_t kHalf = InstanceOwners::kMaxInstances / 2;
+  for (std::uint32_t i = 0; i < kHalf; ++i) owners.expect(instance(i), writer(4));
+  owners.set_writer(writer(4), 0, GuidPrefix::from(Bytes(12, 4)));
+  EXPECT_EQ(claim(4, kHalf), Claim::no_room);
+  EXPECT_EQ(claim(1, kHalf), Claim::owned);
+  owners.remove_writer(writer(4));
+  EXPECT_EQ(owners.size(), 1u);
+}
+
+TEST_F(InstanceOwnersTest, StrongerWriterWithoutRoom_TakesNothingFromTheOwner) {
+  owners.set_writer(writer(4), 20, GuidPrefix::from(Bytes(12, 4)));
+  std::uint32_t count = 0;
+  while (claim(4, count) == Claim::owned) ++count;
+  EXPECT_EQ(claim(1, count), Claim::owned);
+  EXPECT_EQ(claim(4, count), Claim::no_room);
+  EXPECT_EQ(claim(2, count), Claim::refused) << "a stronger one still owns it";
+}
+
 TEST_F(InstanceOwnersTest, OneIdentity_LeavesRoomForAnother) {
   owners.set_writer(writer(4), 0, GuidPrefix::from(Bytes(12, 4)));
   owners.set_writer(writer(5), 0, GuidPrefix::from(Bytes(12, 5)));

@@ -139,6 +139,30 @@ TEST_P(KeeperLifespanTest, EachWriter_HasItsOwnLifespan) {
   EXPECT_EQ(service->topics(), 1u);
 }
 
+// A late joiner applied the LIFESPAN of the topic's first writer to the samples of all, and got
+// nothing of a writer whose samples are kept for longer.
+TEST_P(KeeperLifespanTest, FirstWriterWithAShortLifespan_LateJoiner_GetsTheSamplesOfOthers) {
+  auto service = keeper();
+  auto& first = a.writer(living(Duration{{2, 0}}));
+  ASSERT_TRUE(keeps(*service, 1));
+  auto& other = a.writer(living(Duration{{100, 0}}));
+  both(*service);
+  ASSERT_TRUE(first.write({"north", 1}));
+  ASSERT_TRUE(other.write({"north", 2}));
+  both(*service);
+  ASSERT_TRUE(service->flush(10s));
+  both(*service);
+  ASSERT_TRUE(a.publisher->delete_contained_entities());
+  clock.advance(3s);
+  both(*service);
+  EXPECT_EQ(late_joiner(*service, b, 1), Values{2});
+  service.reset();
+  clock.advance(3s);
+  service = keeper();
+  both(*service);
+  EXPECT_EQ(late_joiner(*service, b, 1), Values{2}) << "after a restart";
+}
+
 TEST_P(KeeperLifespanTest, WhatHasExpired_LeavesRoomForTheNextSample) {
   auto service = keeper();
   auto qos = living();

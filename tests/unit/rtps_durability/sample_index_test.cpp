@@ -188,6 +188,23 @@ TEST_F(ShareTest, OneIdentityLeavesRoomForAnother) {
   }
 }
 
+// A restarted store counted less for a sample than is given back when the sample goes. The share
+// then wrapped around, and its identity had no room for anything.
+TEST_F(ShareTest, ReopenedStore_CountsAsMuchAsBefore) {
+  for (const std::size_t octets : {0uz, 1000uz, 1889uz, 2000uz, 5000uz}) {
+    std::filesystem::remove(path);
+    open();
+    ASSERT_EQ(fill(1, octets, 20), 20u);
+    const auto share = [&] {
+      auto& shares = store->index.shares();
+      return shares.octets(shares.account(identity(1)));
+    };
+    const auto before = share();
+    open();
+    EXPECT_EQ(share(), before) << octets;
+  }
+}
+
 // One identity filled a stream with a million small samples. Samples of others were acknowledged
 // and not stored.
 TEST_F(ShareTest, OneIdentityLeavesPlacesOfAStreamForAnother) {

@@ -64,6 +64,20 @@ TEST(SeenOriginals, ForgetsTheOldestBeyondItsBounds) {
   EXPECT_FALSE(many.contains(heard(1, 1)));
 }
 
+// A copy with a short LIFESPAN took the place of the sample, and ended unread.
+TEST(SeenOriginals, ClaimThatEndsEarlier_IsNoReasonToDropALaterCopy) {
+  using std::chrono::milliseconds;
+  SeenOriginals seen;
+  const auto sample = heard(1, 5);
+  seen.add(SeenOriginals::of(claimed(2, sample), milliseconds(1000)));
+  EXPECT_TRUE(seen.contains(claimed(3, sample), milliseconds(900)));
+  EXPECT_TRUE(seen.contains(claimed(3, sample), milliseconds(1001))) << "at about the same time";
+  EXPECT_FALSE(seen.contains(claimed(3, sample), milliseconds(1100)));
+  EXPECT_FALSE(seen.contains(sample));
+  seen.add(SeenOriginals::of(claimed(3, sample)));
+  EXPECT_TRUE(seen.contains(sample));
+}
+
 TEST(SeenOriginals, WhatTheWriterSaidItselfNobodySaysAgain) {
   SeenOriginals seen;
   add(seen, heard(1, 5));
