@@ -12,6 +12,8 @@ namespace {
 // A full disk may have room later.
 constexpr std::chrono::milliseconds kRetry{200};
 constexpr std::chrono::seconds kMaxOpen{5};
+// While something waits for room: other programs may have freed some of the disk.
+constexpr std::chrono::seconds kRoomLook{1};
 constexpr std::uint32_t kMaxAlike = 64;
 
 /// What a commit has to do for a change, in octets. A row that goes costs about as much as one.
@@ -163,7 +165,11 @@ DurableStore::Appended DurableStore::append(StoredChange change, const Moment& n
   }
   // What is being stored counts twice until it is stored: then there may be room.
   if (identity && pending_.empty() && appended_ == committed_) index_.shares().refuse(*identity);
-  if (index_.shares().has_news()) work_.notify_one();
+  if (now.now >= look_at_room_at_) {
+    look_at_room_at_ = now.now + kRoomLook;
+    looks_at_room_ = true;
+  }
+  if (looks_at_room_ || index_.shares().has_news()) work_.notify_one();
   return {.outcome = {}, .has_no_share = identity && octets_of_.find(*identity)->second == 0};
 }
 
@@ -258,7 +264,7 @@ Status DurableStore::wait_for_room(std::chrono::nanoseconds most) {
 void DurableStore::run() {
   std::unique_lock held(mutex_);
   const auto has_work = [&] {
-    return !pending_.empty() || !failed_.empty() || index_.shares().has_news();
+    return !pending_.empty() || !failed_.empty() || looks_at_room_ || index_.shares().has_news();
   };
   for (;;) {
     work_.wait(held, [&] { return stopping_ || has_work(); });
@@ -345,6 +351,7 @@ void DurableStore::commit(std::unique_lock<std::mutex>& held) {
   const auto now = now_;
   const auto left_out = index_.left_out();
   const auto refusals = index_.shares().take_news();
+  looks_at_room_ = false;
   held.unlock();
   std::unique_lock store(store_mutex_);
   auto written = write(removals, now);
@@ -358,7 +365,7 @@ void DurableStore::commit(std::unique_lock<std::mutex>& held) {
     for (const auto& stored : group)
       if (stored.identity) octets_of_.find(*stored.identity)->second -= work_of(stored);
     committed_ += group.size();
-    ++groups_;
+    groups_ += group.empty() ? 0 : 1;
     if (room) room_ = *room;
   } else {
     failed_.swap(group);

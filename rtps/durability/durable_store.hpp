@@ -139,6 +139,8 @@ class DurableStore {
   Status status_;
   SampleIndex index_;
   std::size_t room_ = 0;  ///< octets that were free after the last commit
+  MonotonicTime look_at_room_at_{};
+  bool looks_at_room_ = false;
   std::set<StreamId> open_;
   std::map<StreamId, std::uint64_t> last_;  ///< the number of the last change appended to each
   std::set<StreamId> closed_;               ///< not open any more, and not forgotten yet

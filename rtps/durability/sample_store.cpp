@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "rtps/durability/sample_row.hpp"
+#include "rtps/durability/store_disk.hpp"
 #include "rtps/durability/store_file.hpp"
 #include "rtps/durability/store_schema.hpp"
 
@@ -64,9 +65,10 @@ Result<SampleStore> SampleStore::open(const std::string& path, std::size_t most_
 // Only reads at first, so that a file of another kind is not changed before it is refused.
 Status SampleStore::prepare(std::size_t most_octets, Time now) {
   // EXCLUSIVE must be set before anything is read. Then the write-ahead log of a process that was
-  // killed is recovered in memory, without another file next to it, even on a full disk.
-  for (const auto* pragma :
-       {"PRAGMA trusted_schema=OFF", "PRAGMA cell_size_check=ON", "PRAGMA locking_mode=EXCLUSIVE"})
+  // killed is recovered in memory, without another file next to it, even on a full disk. What is
+  // removed is not overwritten: that would take as much room in the log.
+  for (const auto* pragma : {"PRAGMA trusted_schema=OFF", "PRAGMA cell_size_check=ON",
+                             "PRAGMA secure_delete=FAST", "PRAGMA locking_mode=EXCLUSIVE"})
     DDSSEC_RETURN_IF_ERROR(database_.run(pragma));
   DDSSEC_RETURN_IF_ERROR(check_origin());
   most_pages_ = std::max<std::size_t>(most_octets / kPageSize, 16);
@@ -94,6 +96,7 @@ Status SampleStore::prepare(std::size_t most_octets, Time now) {
                         "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
   DDSSEC_ASSIGN_OR_RETURN(erase_, database_.prepare("DELETE FROM sample WHERE id = ?"));
   DDSSEC_ASSIGN_OR_RETURN(last_row_, database_.number("SELECT coalesce(max(id), 0) FROM sample"));
+  [[maybe_unused]] const auto shortened = shorten_log();
   // Without room, what has expired and the empty streams stay until there is some.
   for (const auto& erased : {erase_expired(now), erase_unused_streams()})
     if (!erased && erased.error().code() != Code::rtps_store_failed) return erased;
@@ -298,11 +301,42 @@ Status SampleStore::read_shares(StoreShares& shares) {
   }
 }
 
-Result<std::size_t> SampleStore::room() {
+Result<SampleStore::Pages> SampleStore::pages() {
   DDSSEC_ASSIGN_OR_RETURN(const auto page_count, database_.number("PRAGMA page_count"));
   DDSSEC_ASSIGN_OR_RETURN(const auto freelist_count, database_.number("PRAGMA freelist_count"));
-  const auto pages = page_count - freelist_count;
-  return (most_pages_ - std::min(static_cast<std::size_t>(pages), most_pages_)) * kPageSize;
+  return Pages{static_cast<std::size_t>(page_count - freelist_count),
+               static_cast<std::size_t>(freelist_count)};
+}
+
+Result<std::size_t> SampleStore::room() {
+  DDSSEC_ASSIGN_OR_RETURN(const auto count, pages());
+  const auto within_limit = (most_pages_ - std::min(count.used, most_pages_)) * kPageSize;
+  if (path_.empty()) return within_limit;
+  const auto on_disk = room_on_disk(path_, (count.used + count.unused) * kPageSize);
+  return std::min(within_limit, on_disk + count.unused * kPageSize);
+}
+
+Status SampleStore::shorten_log() { return database_.run("PRAGMA wal_checkpoint(TRUNCATE)"); }
+
+// Each octet is written to the log, and from there to a page of the file.
+Status SampleStore::check_disk(std::span<const StoredChange> changes) {
+  std::size_t wanted = 0;
+  for (const auto& stored : changes)
+    if (stored.row != 0) wanted += StoreShares::cost(stored.change.payload.size());
+  if (wanted == 0 || path_.empty()) return {};
+  std::size_t free = 0;
+  for (const bool is_again : {false, true}) {
+    if (is_again) DDSSEC_RETURN_IF_ERROR(shorten_log());
+    DDSSEC_ASSIGN_OR_RETURN(const auto count, pages());
+    const auto reused = std::min(wanted, count.unused * kPageSize);
+    free = room_on_disk(path_, (count.used + count.unused) * kPageSize);
+    if (free >= 2 * wanted - reused) return {};
+  }
+  return fail(Code::rtps_store_failed,
+              {.document = path_,
+               .field = "its disk",
+               .expected = std::to_string(2 * wanted) + " octets, beside those that are kept free",
+               .found = std::to_string(free)});
 }
 
 std::unexpected<Error> SampleStore::damaged(std::int64_t row) const {
@@ -329,7 +363,17 @@ Result<StoredHistory> SampleStore::load(StreamId stream) {
   return out;
 }
 
+// What another program wrote may have filled the disk. The log is what can be given back then.
 Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
+  DDSSEC_RETURN_IF_ERROR(check_disk(changes));
+  auto written = write(changes, now);
+  if (!written && written.error().code() == Code::rtps_store_failed) {
+    [[maybe_unused]] const auto shortened = shorten_log();
+  }
+  return written;
+}
+
+Status SampleStore::write(std::span<const StoredChange> changes, Time now) {
   std::vector<Stream*> made;
   {
     DDSSEC_ASSIGN_OR_RETURN(auto transaction, Database::Transaction::begin(database_));

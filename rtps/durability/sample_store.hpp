@@ -52,7 +52,8 @@ class SampleStore {
 
   /// Adds the samples of all streams to the shares. Errors: rtps_store_failed, rtps_store_unusable.
   Status read_shares(StoreShares& shares);
-  /// The number of octets that are free. Errors: rtps_store_failed, rtps_store_unusable.
+  /// The number of octets that are free, in the store and on its disk. Errors: rtps_store_failed,
+  /// rtps_store_unusable.
   Result<std::size_t> room();
   /// The last row that was used.
   std::int64_t last_row() const { return last_row_; }
@@ -89,6 +90,15 @@ class SampleStore {
   Result<std::optional<StreamId>> find(const StreamKey& key);
   Status insert_row(StreamId id, const StreamKey& key);
   Status insert(const StoredChange& stored, Time now);
+  Status write(std::span<const StoredChange> changes, Time now);
+  /// Fails if there is no room on the disk for what the changes store.
+  Status check_disk(std::span<const StoredChange> changes);
+  /// Copies the write-ahead log into the file, and gives its room back.
+  Status shorten_log();
+  struct Pages {
+    std::size_t used, unused;  ///< of those that the file has, or will have
+  };
+  Result<Pages> pages();
   Status remember(StreamId stream, const HeardWriter& heard);
   Status remember_all(std::span<const StoredChange> changes);
   Status forget_longest_unheard();
