@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "plugins/cryptography/key_material.hpp"
 #include "tests/support/code_of.hpp"
 
 namespace ddssec::cryptography {

@@ -1,5 +1,6 @@
 #include "rtps/cdr/cdr_reader.hpp"
 
+#include "rtps/cdr/cdr_writer.hpp"
 #include "tests/unit/rtps/cdr_types.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 

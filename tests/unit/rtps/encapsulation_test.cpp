@@ -2,12 +2,13 @@
 #include "rtps/cdr/encapsulation.hpp"
 
 #include "rtps/cdr/cdr_reader.hpp"
+#include "tests/support/code_of.hpp"
 #include "tests/unit/rtps/cdr_types.hpp"
 
 namespace ddssec::rtps {
 namespace {
 
-using testing::code_of;
+using test::code_of;
 
 TEST(Cdr, OtherEncapsulationsAreRefused) {
   for (std::uint8_t id : {0x04, 0x05, 0x0c, 0x20, 0xff})

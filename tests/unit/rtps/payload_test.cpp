@@ -1,6 +1,8 @@
 // The memory of payloads: used again, wiped, bounded.
 #include "rtps/reliability/payload.hpp"
 
+#include "tests/support/counted_memory.hpp"
+
 namespace ddssec::rtps {
 namespace {
 

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "tests/support/code_of.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
-using testing::code_of;
+using test::code_of;
 
 TEST(Qos, ContradictionsAreRefused) {
   const std::pair<std::function<void(Qos&)>, std::string> rows[] = {

@@ -1,6 +1,8 @@
 // How often a reader that is said to have ended is asked.
 #include "rtps/participant/doubted_readers.hpp"
 
+#include "tests/unit/rtps_security/fixture.hpp"
+
 namespace ddssec::rtps {
 namespace {
 

@@ -3,6 +3,7 @@
 #include <functional>
 #include <unistd.h>
 
+#include "rtps/durability/durable_store.hpp"
 #include "tests/unit/rtps_security/secured_dcps.hpp"
 
 namespace ddssec::rtps {

@@ -1,6 +1,8 @@
 // What makes no participant.
 #include "rtps/security/own_security.hpp"
 
+#include "tests/unit/rtps_security/fixture.hpp"
+
 namespace ddssec::rtps {
 namespace {
 

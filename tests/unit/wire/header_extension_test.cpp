@@ -3,8 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/unit/wire/submessages.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
+#include "tests/unit/wire/submessages.hpp"
 
 namespace ddssec::rtps::submessages {
 namespace {

@@ -1,8 +1,8 @@
 // What inline QoS says, and what is refused in it.
 #include "wire/inline_qos.hpp"
 
-#include "tests/unit/wire/parameters.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
+#include "tests/unit/wire/parameters.hpp"
 #include "wire/numbers.hpp"
 #include "wire/time.hpp"
 

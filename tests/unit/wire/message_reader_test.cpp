@@ -7,6 +7,7 @@
 #include "tests/support/test_data.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 #include "wire/acknack.hpp"
+#include "wire/data.hpp"
 #include "wire/gap.hpp"
 #include "wire/heartbeat.hpp"
 #include "wire/info_destination.hpp"

@@ -1,8 +1,8 @@
 // Parameter lists: walked to their end, or refused.
 #include "wire/parameter_list.hpp"
 
-#include "tests/unit/wire/parameters.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
+#include "tests/unit/wire/parameters.hpp"
 #include "wire/numbers.hpp"
 
 namespace ddssec::rtps::parameters {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/unit/rtps/wire_helpers.hpp"
+#include "wire/numbers.hpp"
 
 namespace ddssec::rtps::submessages {
 
