@@ -22,7 +22,8 @@ void sha256(std::initializer_list<BytesView> parts, std::span<std::uint8_t, 32> 
 /// HMAC-SHA256 over the concatenation of `parts`.
 Sha256Digest hmac_sha256(BytesView key, std::initializer_list<BytesView> parts);
 
-/// MD5, only for RTPS KEY_HASH (RTPS 9.6.4.8).
+/// MD5, only where RTPS has it: KEY_HASH (9.6.4.8), signatures of content filters, and digests of
+/// a publisher's writers.
 Md5Digest md5(BytesView octets);
 
 /// Overwrites with zeros. The compiler cannot optimize the call away.

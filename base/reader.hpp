@@ -24,7 +24,6 @@ class Reader {
   bool at_end() const { return remaining() == 0; }
   BytesView rest() const { return octets_.subspan(position_); }
   Endian endian() const { return endian_; }
-  void set_endian(Endian endian) { endian_ = endian; }
 
   /// An unsigned or signed integer of 1, 2, 4 or 8 octets, without alignment. Error: truncated.
   template <std::integral T>

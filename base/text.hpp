@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace ddssec {
 
@@ -40,6 +41,9 @@ struct Printing {
 /// control sequence, imitate a line of the program, or change the order of the text beside them.
 std::string printable(std::string_view text, Printing as_is);
 inline std::string printable(std::string_view text) { return printable(text, {}); }
+
+/// Pointers into the texts, with a null pointer at the end: what programs are started with.
+std::vector<char*> argument_pointers(std::vector<std::string>& texts);
 
 /// The number of characters to insert, remove or change, or of neighbours to swap, to get from one
 /// text to the other (optimal string alignment). The time is proportional to the product of the

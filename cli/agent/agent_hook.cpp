@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "base/tool_code.hpp"
 
 namespace ddssec::cli {
@@ -91,13 +92,6 @@ Status check_file(const fs::path& file, Code unsafe, Code unreadable) {
                                             status.st_mode & 07777)});
 }
 
-std::vector<char*> pointers_to(std::vector<std::string>& texts) {
-  std::vector<char*> out;
-  for (auto& text : texts) out.push_back(text.data());
-  out.push_back(nullptr);
-  return out;
-}
-
 int become_hook(Hook hook, const fs::path& program, const HookRequest& request, int in, int out) {
   constexpr rlimit kNoCore = {.rlim_cur = 0, .rlim_max = 0};
   auto variables = std::move(hook.variables);
@@ -111,7 +105,8 @@ int become_hook(Hook hook, const fs::path& program, const HookRequest& request, 
     return kNotStarted;
   ::close(in);
   ::close(out);
-  ::execve(program.c_str(), pointers_to(hook.words).data(), pointers_to(variables).data());
+  ::execve(program.c_str(), argument_pointers(hook.words).data(),
+           argument_pointers(variables).data());
   return kNotStarted;
 }
 

@@ -13,6 +13,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/text.hpp"
+
 namespace ddssec::governance::doctor {
 namespace {
 
@@ -46,13 +48,6 @@ std::vector<std::string> environment_of_question() {
   return out;
 }
 
-std::vector<char*> pointers_to(std::vector<std::string>& texts) {
-  std::vector<char*> out;
-  for (auto& text : texts) out.push_back(text.data());
-  out.push_back(nullptr);
-  return out;
-}
-
 // The loader with standard error at `to`; 0 if it does not start.
 pid_t start_loader(const std::string& loader, const std::string& program, int to) {
   std::vector<std::string> words{loader, "--list", program};
@@ -62,8 +57,9 @@ pid_t start_loader(const std::string& loader, const std::string& program, int to
   ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   ::posix_spawn_file_actions_adddup2(&actions, to, STDERR_FILENO);
   pid_t child = 0;
-  const auto error = ::posix_spawn(&child, loader.c_str(), &actions, nullptr,
-                                   pointers_to(words).data(), pointers_to(environment).data());
+  const auto error =
+      ::posix_spawn(&child, loader.c_str(), &actions, nullptr, argument_pointers(words).data(),
+                    argument_pointers(environment).data());
   ::posix_spawn_file_actions_destroy(&actions);
   return error == 0 ? child : 0;
 }

@@ -1,5 +1,7 @@
 #include "rtps/dcps/builtin_topics.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "base/hash.hpp"
@@ -17,7 +19,10 @@ Payload payload_of(const Data& data) {
 
 KeyHash topic_key(const EndpointData& data) {
   const auto text = data.topic_name + '\0' + data.type_name;
-  return md5(as_bytes(text));
+  const auto digest = sha256(as_bytes(text));
+  KeyHash out;
+  std::ranges::copy_n(digest.begin(), out.size(), out.begin());
+  return out;
 }
 
 Result<EndpointData> read_endpoint(BytesView payload) {

@@ -119,7 +119,10 @@ void Presenter::refund(const Source& source, Set& set, std::size_t price) {
 
 void Presenter::charge(const Source& source, const Batch& batch) {
   auto& held = held_[source.identity];
-  for (const auto& item : batch.items) octets_ += price_of(item), held.ready += price_of(item);
+  for (const auto& item : batch.items) {
+    octets_ += price_of(item);
+    held.ready += price_of(item);
+  }
 }
 
 void Presenter::refund(const Source& source, std::size_t price) {
@@ -175,8 +178,10 @@ void Presenter::give_up(Batch& batch, const Source& source, PresentedReader::Lim
   for (const auto& [reader, its] : batch.wanted) {
     const bool is_cause = limit != PresentedReader::Limit::samples ||
                           reader->room_for(its.room, its.writer) == Room::never;
-    is_cause ? reader->give_up(its.writer, its.room.samples, limit)
-             : reader->lose(its.room.samples);
+    if (is_cause)
+      reader->give_up(its.writer, its.room.samples, limit);
+    else
+      reader->lose(its.room.samples);
   }
 }
 
@@ -269,8 +274,12 @@ void Presenter::drop(const Source& source, Set& set, std::optional<PresentedRead
   Batch batch{.items = std::exchange(set.items, {}), .last = {}};
   note_wanted(batch);
   for (const auto& item : batch.items) refund(source, set, price_of(item));
-  for (const auto& [reader, its] : batch.wanted)
-    limit ? reader->give_up(its.writer, its.room.samples, *limit) : reader->lose(its.room.samples);
+  for (const auto& [reader, its] : batch.wanted) {
+    if (limit)
+      reader->give_up(its.writer, its.room.samples, *limit);
+    else
+      reader->lose(its.room.samples);
+  }
 }
 
 // The Presenter does not wait for a reader that could never hold the batch. Nothing after it would

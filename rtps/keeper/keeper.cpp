@@ -25,7 +25,11 @@ KeyHash key_of(const EndpointData& writer) {
   for (const auto& tag : tags) text += tag.name + '\0' + tag.value + '\0';
   text += writer.topic_name + '\0' + writer.type_name;
   for (const auto& name : writer.qos.partition) text += '\0' + name;
-  return md5(as_bytes(text));
+  // Peers choose the names, so two topics must not have the same digest.
+  const auto digest = sha256(as_bytes(text));
+  KeyHash out;
+  std::ranges::copy_n(digest.begin(), out.size(), out.begin());
+  return out;
 }
 
 /// A stream that no writer can have, because topic names are not empty.

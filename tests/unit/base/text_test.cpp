@@ -76,5 +76,14 @@ TEST(Text, DistanceCountsInsertionsRemovalsChangesAndSwaps) {
   EXPECT_EQ(edit_distance("abcd", "badc"), 2u);
 }
 
+TEST(ArgumentPointers, OfTexts_PointIntoThemAndEndWithNull) {
+  std::vector<std::string> texts{"one", ""};
+  const auto pointers = argument_pointers(texts);
+  ASSERT_EQ(pointers.size(), 3U);
+  EXPECT_EQ(pointers[0], texts[0].data());
+  EXPECT_STREQ(pointers[1], "");
+  EXPECT_EQ(pointers[2], nullptr);
+}
+
 }  // namespace
 }  // namespace ddssec
