@@ -34,9 +34,9 @@ Character first_character(std::string_view text) {
     if ((octet(i) & 0xc0) != 0x80) return {};
     value = value << 6 | (octet(i) & 0x3fu);
   }
-  constexpr std::array<char32_t, 5> kLowest = {0, 0, 0x80, 0x800, 0x10000};
+  constexpr std::array<char32_t, 5> kMinCodePoints = {0, 0, 0x80, 0x800, 0x10000};
   const bool is_surrogate = 0xd800 <= value && value <= 0xdfff;
-  if (value < kLowest.at(length) || value > 0x10ffff || is_surrogate) return {};
+  if (value < kMinCodePoints.at(length) || value > 0x10ffff || is_surrogate) return {};
   return {value, length, true};
 }
 

@@ -276,7 +276,7 @@ void check_default(Findings& out, const GrantPlace& place) {
 /// Where the first rule is a denial of topics, the default denies and a later rule lets join.
 std::vector<DomainRange> domains_that_begin_with_denials(const Grant& grant) {
   std::vector<DomainRange> out;
-  for (DomainId id = 0; id <= kHighestDomainId; ++id) {
+  for (DomainId id = 0; id <= kMaxDomainId; ++id) {
     const auto is_for = [id](const Rule& rule) { return rule.domains.contains(id); };
     const auto first = std::ranges::find_if(grant.rules, is_for);
     if (first == grant.rules.end() || decides_joining(*first)) continue;
@@ -304,7 +304,7 @@ void check_joining(Findings& out, const GrantPlace& place) {
 /// participant join by some allow_rule (doctor: judge_participant_as).
 std::vector<DomainRange> closed_by(const Grant& grant, const Rule& denial) {
   std::vector<DomainRange> out;
-  for (DomainId id = 0; id <= kHighestDomainId; ++id) {
+  for (DomainId id = 0; id <= kMaxDomainId; ++id) {
     const auto decides = std::ranges::find_if(grant.rules, [id](const Rule& rule) {
       return decides_joining(rule) && rule.domains.contains(id);
     });

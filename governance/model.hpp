@@ -13,7 +13,7 @@
 namespace ddssec::governance {
 
 /// The highest domain id that RTPS's port formula allows (RTPS 9.6.1.1).
-inline constexpr DomainId kHighestDomainId = 230;
+inline constexpr DomainId kMaxDomainId = 230;
 
 /// Reasons why other products may read something differently.
 enum class NoteKind : std::uint8_t {

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDeepest = 16;
+constexpr int kMaxFolderDepth = 16;
 constexpr std::size_t kMaxFiles = 500'000;
 constexpr auto kKinds = "a certificate, a revocation list or permissions";
 constexpr std::string_view kOcspResponse = "OCSP response";
@@ -113,8 +113,9 @@ class Search {
 
   // Does not follow symbolic links to folders: one may lead to the root of the file system.
   void collect(const fs::path& folder, int depth) {
-    if (depth > kDeepest)
-      return leave_out(folder, fmt::format("folders deeper than {} are not searched", kDeepest));
+    if (depth > kMaxFolderDepth)
+      return leave_out(folder,
+                       fmt::format("folders deeper than {} are not searched", kMaxFolderDepth));
     std::error_code error, ignored;
     searched_.insert(fs::weakly_canonical(folder, ignored).string());
     fs::directory_iterator at(folder, error);

@@ -17,7 +17,7 @@
 namespace ddssec::cli {
 namespace {
 
-constexpr std::size_t kFewestOfAPart = 4;  // characters
+constexpr std::size_t kMinPartLength = 4;  // characters
 
 /// A row of either table.
 struct Row {
@@ -159,9 +159,9 @@ Explained about(const Row& row) {
 
 /// The codes and rules that match a part of a name or number.
 std::vector<Row> like(const std::string& wanted) {
-  constexpr std::size_t kFewest = 2;  // characters of a part
+  constexpr std::size_t kMinSearchedPart = 2;  // characters of a part
   std::vector<Row> out;
-  if (wanted.size() < kFewest) return out;
+  if (wanted.size() < kMinSearchedPart) return out;
   const bool is_number = std::ranges::all_of(wanted, [](char c) { return '0' <= c && c <= '9'; });
   for (const auto& code : all_codes()) {
     const auto number = static_cast<int>(code.code);
@@ -263,7 +263,7 @@ std::vector<std::string> names_like(const std::string& wanted) {
   std::vector<std::string> parts, all;
   const auto look = [&](std::string_view name) {
     all.push_back(bones(name));
-    if (meant.size() >= kFewestOfAPart && all.back().contains(meant)) parts.emplace_back(name);
+    if (meant.size() >= kMinPartLength && all.back().contains(meant)) parts.emplace_back(name);
   };
   for (const auto& code : all_codes()) look(code.name);
   for (const auto& rule : all_rules()) look(rule.id);

@@ -31,7 +31,7 @@ std::optional<governance::DomainRange> range_from(std::string_view text) {
     }(std::from_chars(at + 1, end, range.last));
   const bool is_whole = error == std::errc() && at == end;
   const bool is_sound =
-      0 <= range.first && range.first <= range.last && range.last <= governance::kHighestDomainId;
+      0 <= range.first && range.first <= range.last && range.last <= governance::kMaxDomainId;
   return is_whole && is_sound ? std::optional(range) : std::nullopt;
 }
 
@@ -116,7 +116,7 @@ Result<governance::Profile> profile_option(const Arguments& arguments) {
 
 Result<DomainId> domain_of(const Arguments& arguments) {
   DDSSEC_ASSIGN_OR_RETURN(const auto domain,
-                          arguments.number("--domain", 0, governance::kHighestDomainId));
+                          arguments.number("--domain", 0, governance::kMaxDomainId));
   return static_cast<DomainId>(domain);
 }
 

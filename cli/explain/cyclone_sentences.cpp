@@ -108,9 +108,9 @@ bool is_in(std::string_view sentence, std::string_view line) {
 std::span<const CycloneSentence> cyclone_sentences() { return kSentences; }
 
 std::vector<CycloneSentence> cyclone_sentences_like(std::string_view text) {
-  constexpr std::size_t kFewest = 4;
+  constexpr std::size_t kMinSentencePart = 4;
   std::vector<CycloneSentence> out;
-  if (text.size() < kFewest) return out;
+  if (text.size() < kMinSentencePart) return out;
   const auto wanted = ascii_upper(text);
   std::ranges::copy_if(kSentences, std::back_inserter(out), [&](const CycloneSentence& row) {
     const auto sentence = ascii_upper(row.sentence);

@@ -46,7 +46,7 @@ Status check_enclave(std::string_view name) {
   int depth = 0;
   for (auto rest = name.substr(1);;) {
     const auto slash = std::min(rest.find('/'), rest.size());
-    if (!is_token(rest.substr(0, slash)) || ++depth > kDeepestEnclave) return wrong();
+    if (!is_token(rest.substr(0, slash)) || ++depth > kMaxEnclaveDepth) return wrong();
     if (slash == rest.size()) return {};
     rest.remove_prefix(slash + 1);
   }
@@ -187,8 +187,8 @@ class EnclaveSearch {
     if (content.has_key || content.has_other_file) add(folder, content.has_key);
     if (content.is_empty && !error && depth > 0) out_.empty.push_back(name_of(folder));
     for (const auto& link : content.links) leave_out(link, "a link to a folder is not followed");
-    if (depth == kDeepestEnclave && !content.folders.empty())
-      return leave_out(folder, fmt::format("there are folders deeper than {}", kDeepestEnclave));
+    if (depth == kMaxEnclaveDepth && !content.folders.empty())
+      return leave_out(folder, fmt::format("there are folders deeper than {}", kMaxEnclaveDepth));
     std::ranges::sort(content.folders);
     for (const auto& inner : content.folders) look_into(inner, depth + 1);
   }

@@ -59,7 +59,7 @@ struct Enclaves {
 };
 
 /// Finds all folders below enclaves/ with a private key, a certificate or permissions. Entries in
-/// `unseen`: folders that cannot be read or are deeper than kDeepestEnclave, links to folders,
+/// `unseen`: folders that cannot be read or are deeper than kMaxEnclaveDepth, links to folders,
 /// which are not followed, and everything after kMaxEnclaves. The search continues with all other
 /// folders.
 Enclaves enclaves_of(const std::filesystem::path& keystore);
@@ -67,7 +67,7 @@ Enclaves enclaves_of(const std::filesystem::path& keystore);
 /// Reports folders of a keystore that were not searched; the command then ends with at least
 /// Exit::unreadable.
 void add_unseen(const Enclaves& enclaves, Report& report);
-inline constexpr int kDeepestEnclave = 16;
+inline constexpr int kMaxEnclaveDepth = 16;
 inline constexpr std::size_t kMaxEnclaves = 100'000;
 
 /// Makes a private key readable by its owner only; true if it was not. In a dry run it changes

@@ -10,7 +10,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kHighest = 18;  ///< folders above: the deepest enclave, enclaves/ and the keystore
+constexpr int kMaxFoldersAbove =
+    18;  ///< folders above: the deepest enclave, enclaves/ and the keystore
 
 // Places of CA lists relative to a folder with participants: keystore, init, ca create.
 constexpr const char* kPlaces[] = {"public/identity_ca.crl.pem", "ca/identity/crl.pem",
@@ -23,7 +24,7 @@ std::vector<fs::path> places(const pki::ParticipantFolder& folder) {
   const auto ca = fs::canonical(folder.identity_ca, error);
   if (!error) out.push_back(ca.parent_path() / "identity_ca.crl.pem");
   auto at = fs::weakly_canonical(folder.folder, error);
-  for (int i = 0; !error && i < kHighest && at.has_relative_path(); ++i) {
+  for (int i = 0; !error && i < kMaxFoldersAbove && at.has_relative_path(); ++i) {
     at = at.parent_path();
     for (const auto* place : kPlaces) out.push_back(at / place);
   }

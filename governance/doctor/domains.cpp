@@ -39,14 +39,13 @@ Domains common(const Domains& governed, const Domains& granted) {
 
 void append(Domains& out, const DomainSet& domains) {
   for (const auto& range : domains.ranges)
-    out.push_back(
-        {std::clamp(range.first, 0, kHighestDomainId), std::min(range.last, kHighestDomainId)});
+    out.push_back({std::clamp(range.first, 0, kMaxDomainId), std::min(range.last, kMaxDomainId)});
 }
 
 Domains granted(const LoadedFolder& folder, WallTime now) {
   const auto* grant = grant_of(folder, now);
   if (grant == nullptr) return {};
-  if (grant->default_allow) return {{0, kHighestDomainId}};
+  if (grant->default_allow) return {{0, kMaxDomainId}};
   Domains out;
   for (const auto& rule : grant->rules)
     if (rule.allow) append(out, rule.domains);

@@ -5,7 +5,7 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-constexpr int kDeepest = 16;
+constexpr int kMaxExpansionDepth = 16;
 
 std::optional<std::string> expanded(std::string_view text, DomainId domain, int depth);
 
@@ -62,7 +62,7 @@ std::optional<std::string> take_expansion(std::string_view& text, DomainId domai
 }
 
 std::optional<std::string> expanded(std::string_view text, DomainId domain, int depth) {
-  if (depth == kDeepest) return std::nullopt;
+  if (depth == kMaxExpansionDepth) return std::nullopt;
   std::string out;
   for (;;) {
     const auto at = text.find("${");

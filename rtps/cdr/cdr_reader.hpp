@@ -43,7 +43,7 @@ std::size_t least_size() {
 class CdrReader {
  public:
   /// Types can be nested through sequences; deeper nesting is refused.
-  static constexpr int kDeepestNesting = 32;
+  static constexpr int kMaxNesting = 32;
 
   CdrReader(BytesView octets, XcdrVersion version, Endian endian)
       : reader_(octets, endian), end_(octets.size()), version_(version) {}
@@ -182,7 +182,7 @@ class CdrReader {
   template <bool limited = false, DdsType T>
   void take_struct(T& value, [[maybe_unused]] std::size_t most = kUnbounded) {
     constexpr bool appendable = TypeTraits<T>::extensibility == Extensibility::appendable;
-    if (depth_ >= kDeepestNesting) return refuse(Code::length_out_of_range);
+    if (depth_ >= kMaxNesting) return refuse(Code::length_out_of_range);
     ++depth_;
     const Delimited delimited(*this, appendable);
     [[maybe_unused]] std::size_t taken = 0;

@@ -127,7 +127,7 @@ Status SampleStore::check_origin() {
   if (id != kApplicationId)
     return unusable(path_, "a store of samples", "a database of another application");
   DDSSEC_ASSIGN_OR_RETURN(const auto version, database_.number("PRAGMA user_version"));
-  if (version < kOldestVersion || version > kVersion)
+  if (version < kMinVersion || version > kVersion)
     return unusable(path_, "version " + std::to_string(kVersion),
                     "version " + std::to_string(version));
   DDSSEC_RETURN_IF_ERROR(check_schema(version));

@@ -10,7 +10,7 @@ namespace ddssec::rtps {
 constexpr std::int64_t kApplicationId = 0x44445353;  // "DDSS"
 // Version 2 did not store the sender of a sample, version 3 not up to where a writer was heard,
 // version 4 not when a sample expires.
-constexpr std::int64_t kVersion = 5, kOldestVersion = 2;
+constexpr std::int64_t kVersion = 5, kMinVersion = 2;
 
 constexpr std::string_view kSchema[] = {
     "CREATE TABLE stream(id INTEGER PRIMARY KEY, domain INTEGER NOT NULL, topic TEXT NOT NULL, "

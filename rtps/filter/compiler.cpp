@@ -117,8 +117,8 @@ class FilterCompiler {
   }
 
   Status condition(std::size_t depth) {
-    if (depth >= Filter::kDeepestNesting)
-      return expected("at most " + std::to_string(Filter::kDeepestNesting) + " levels of nesting");
+    if (depth >= Filter::kMaxNesting)
+      return expected("at most " + std::to_string(Filter::kMaxNesting) + " levels of nesting");
     if (token_.kind == Kind::not_) {
       DDSSEC_RETURN_IF_ERROR(advance());
       DDSSEC_RETURN_IF_ERROR(condition(depth + 1));
@@ -300,8 +300,8 @@ class FilterCompiler {
     if (hex) text.remove_prefix(2);
     std::uint64_t value = 0;
     const auto read = std::from_chars(text.data(), text.data() + text.size(), value, hex ? 16 : 10);
-    constexpr auto kLowest = std::uint64_t{1} << 63;
-    if (read.ec != std::errc{} || (negative && value > kLowest))
+    constexpr auto kMaxNegatedInt64 = std::uint64_t{1} << 63;
+    if (read.ec != std::errc{} || (negative && value > kMaxNegatedInt64))
       return filter_error(literal.position, "an integer of 64 bits", literal.text);
     if (negative) return Filter::Constant{.integer = {false, -value}};
     return Filter::Constant{.integer = Filter::Integer::of(value)};

@@ -27,7 +27,7 @@ class Filter {
   // Limits, because expressions come from applications and, for filtering by writers, from remote
   // readers.
   static constexpr std::size_t kMaxExpression = 4096;
-  static constexpr std::size_t kDeepestNesting = 32;
+  static constexpr std::size_t kMaxNesting = 32;
   static constexpr std::size_t kMaxParameters = 100;
   static constexpr std::size_t kMaxParameter = 256;
   static constexpr std::size_t kMaxPattern = 256;  ///< for LIKE

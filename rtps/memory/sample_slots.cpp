@@ -14,7 +14,7 @@ std::size_t rounded(std::size_t size) {
 }
 
 std::size_t slots_of(std::size_t size) {
-  return std::clamp(SampleSlots::kOctets / size, SampleSlots::kFewest, SampleSlots::kMax);
+  return std::clamp(SampleSlots::kOctets / size, SampleSlots::kMin, SampleSlots::kMax);
 }
 
 }  // namespace

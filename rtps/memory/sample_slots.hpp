@@ -17,7 +17,7 @@ class SampleSlots {
   static constexpr MonotonicTime kMaxUse = std::chrono::milliseconds(200);
   /// How much memory the slots of a segment take together, unless that makes fewer or more of them.
   static constexpr std::size_t kOctets = std::size_t{16} << 20;
-  static constexpr std::size_t kFewest = 4, kMax = 64;
+  static constexpr std::size_t kMin = 4, kMax = 64;
 
   /// About how much memory `make` takes, in octets.
   static std::size_t size_for(std::size_t largest);

@@ -14,7 +14,7 @@ constexpr std::uint8_t kMinimal = 0xf1, kStructure = 0x51, kString8Small = 0x70,
 constexpr std::uint32_t kMinimalMember = 0x1001;
 constexpr std::uint16_t kFinal = 1, kExtensibility = 7;
 constexpr std::uint16_t kOptional = 0x08, kKey = 0x20;
-constexpr int kDeepest = 16;
+constexpr int kMaxTypeDepth = 16;
 
 Status align(Reader& reader) { return reader.skip(-reader.position() & 3u); }
 
@@ -150,7 +150,7 @@ class Comparison {
     if (writer == reader) return true;
     const auto from = writer_.find(writer);
     const auto to = reader_.find(reader);
-    return depth < kDeepest && from != writer_.end() && to != reader_.end() &&
+    return depth < kMaxTypeDepth && from != writer_.end() && to != reader_.end() &&
            assignable(from->second, to->second, depth);
   }
   std::string_view refused_by() const { return refused_by_; }
@@ -206,7 +206,7 @@ class Comparison {
     DDSSEC_ASSIGN_OR_RETURN(const auto room, read_bound(to, read));
     const bool same = std::ranges::equal(from.rest(), to.rest());
     if (!same) {
-      if (depth >= kDeepest) return false;
+      if (depth >= kMaxTypeDepth) return false;
       DDSSEC_ASSIGN_OR_RETURN(const auto elements, assignable_but_for_bounds(from, to, depth + 1));
       if (!elements.value_or(false)) return false;
     }

@@ -22,7 +22,8 @@ RULES = [
     (re.compile(r"\b(TODO|FIXME|XXX)\b"), "a left-over mark", lambda name: True),
     (re.compile(r"(?<!std::)\bget_[a-z]"), "get_ says nothing: name what it is",
      lambda name: not name.startswith("plugins/cyclonedds/")),
-    (re.compile(r"\bk(Most|Longest|Largest|Greatest|Least|Smallest|Shortest)([A-Z]|\b)"),
+    (re.compile(r"\bk(Most|Longest|Largest|Greatest|Highest|Deepest|Newest|"
+                r"Least|Fewest|Smallest|Shortest|Lowest|Oldest)([A-Z]|\b)"),
      "a bound is called kMax or kMin", lambda name: True),
     (re.compile(r"\bthrow\b"), "we throw nothing", lambda name: True),
     (re.compile(r"\bstd::j?thread\s*[({]|\bpthread_create\b|\bstd::async\b"),

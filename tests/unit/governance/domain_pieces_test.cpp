@@ -14,16 +14,16 @@ Ranges pieces_of(std::initializer_list<Ranges> documents) {
 }
 
 TEST(DomainCuts, WithoutARange_AreOnePiece) {
-  EXPECT_EQ(pieces_of({}), (Ranges{{0, kHighestDomainId}}));
-  EXPECT_EQ(pieces_of({{{0, kHighestDomainId}}}), (Ranges{{0, kHighestDomainId}}));
+  EXPECT_EQ(pieces_of({}), (Ranges{{0, kMaxDomainId}}));
+  EXPECT_EQ(pieces_of({{{0, kMaxDomainId}}}), (Ranges{{0, kMaxDomainId}}));
 }
 
 TEST(DomainCuts, EachRange_BeginsAndEndsAPiece) {
-  EXPECT_EQ(pieces_of({{{3, 5}}}), (Ranges{{0, 2}, {3, 5}, {6, kHighestDomainId}}));
+  EXPECT_EQ(pieces_of({{{3, 5}}}), (Ranges{{0, 2}, {3, 5}, {6, kMaxDomainId}}));
   EXPECT_EQ(pieces_of({{{3, 5}}, {{5, 7}}}),
-            (Ranges{{0, 2}, {3, 4}, {5, 5}, {6, 7}, {8, kHighestDomainId}}));
-  EXPECT_EQ(pieces_of({{{0, 0}, {kHighestDomainId, kHighestDomainId}}}),
-            (Ranges{{0, 0}, {1, kHighestDomainId - 1}, {kHighestDomainId, kHighestDomainId}}));
+            (Ranges{{0, 2}, {3, 4}, {5, 5}, {6, 7}, {8, kMaxDomainId}}));
+  EXPECT_EQ(pieces_of({{{0, 0}, {kMaxDomainId, kMaxDomainId}}}),
+            (Ranges{{0, 0}, {1, kMaxDomainId - 1}, {kMaxDomainId, kMaxDomainId}}));
 }
 
 TEST(Joined, RangesThatTouchOrOverlap_AreOne) {

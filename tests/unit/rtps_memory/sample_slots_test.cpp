@@ -81,7 +81,7 @@ TEST(SampleSlots, Shapes_AreWithinTheirLimits) {
        {std::size_t{1}, std::size_t{4096}, std::size_t{70'000}, std::size_t{1} << 20,
         std::size_t{5} << 20, (std::size_t{16} << 20) + 64}) {
     const Slots it(largest);
-    EXPECT_GE(it.count, SampleSlots::kFewest);
+    EXPECT_GE(it.count, SampleSlots::kMin);
     EXPECT_LE(it.count, SampleSlots::kMax);
     EXPECT_GE(it.slots.segment().largest_payload(), largest);
     EXPECT_LE(it.slots.segment().largest_payload(), largest + largest / 4 + 4096);
