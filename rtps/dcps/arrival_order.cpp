@@ -21,11 +21,12 @@ void ArrivalOrder::clear() {
   read_.clear();
 }
 
-std::vector<ArrivalOrder::Entry> ArrivalOrder::first(const States& states, std::size_t most) const {
+std::vector<ArrivalOrder::Entry> ArrivalOrder::first(const States& states,
+                                                     std::size_t max_samples) const {
   std::vector<Entry> out;
   auto unread = states.sample.contains(SampleState::not_read) ? unread_.begin() : unread_.end();
   auto read = states.sample.contains(SampleState::read) ? read_.begin() : read_.end();
-  while (out.size() < most && (unread != unread_.end() || read != read_.end())) {
+  while (out.size() < max_samples && (unread != unread_.end() || read != read_.end())) {
     const bool take_read =
         unread == unread_.end() || (read != read_.end() && read->first < unread->first);
     const auto& entry = (take_read ? read++ : unread++)->second;

@@ -24,7 +24,7 @@ class ArrivalOrder {
   void mark_read(const HeldSample& sample);
   void clear();
   /// Returns the first samples that are in these states, at most so many.
-  std::vector<Entry> first(const States& states, std::size_t most) const;
+  std::vector<Entry> first(const States& states, std::size_t max_samples) const;
 
  private:
   using Entries = std::map<std::uint64_t, Entry>;  ///< by arrival

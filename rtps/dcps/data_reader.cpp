@@ -154,7 +154,7 @@ void AnyDataReader::delete_contained_entities() {
   conditions_.clear();
 }
 
-Status AnyDataReader::wait_for_historical_data(std::chrono::nanoseconds most) {
+Status AnyDataReader::wait_for_historical_data(std::chrono::nanoseconds timeout) {
   auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
   if (qos_.durability == DurabilityKind::volatile_) return {};
@@ -164,17 +164,17 @@ Status AnyDataReader::wait_for_historical_data(std::chrono::nanoseconds most) {
     const auto* reader = context_.protocol().local_endpoints().reader(guid_);
     return reader == nullptr || reader->has_history();
   };
-  for (auto left = most;; left -= kStep) {
+  for (auto left = timeout;; left -= kStep) {
     if (context_.wait(held, std::min(left, kStep), complete)) return {};
     if (left <= kStep || context_.in_callback()) break;
   }
   return fail(Code::rtps_timeout, {.document = "reader " + guid_.to_string()});
 }
 
-bool AnyDataReader::wait_for_unread(std::chrono::nanoseconds most) {
+bool AnyDataReader::wait_for_unread(std::chrono::nanoseconds timeout) {
   auto held = lock();
   return context_.wait(
-      held, most, [&] { return reception_.cache().any({.sample = SampleState::not_read}); },
+      held, timeout, [&] { return reception_.cache().any({.sample = SampleState::not_read}); },
       ServingTurn::For::data);
 }
 

@@ -59,11 +59,11 @@ class AnyDataReader : public Endpoint {
 
   /// Waits until the samples that the matched reliable writers held when they matched have arrived.
   /// Returns at once if DURABILITY is VOLATILE. Errors: rtps_timeout, rtps_not_enabled.
-  Status wait_for_historical_data(std::chrono::nanoseconds most);
-  /// Waits until the reader holds unread samples. Returns false if there are none after `most`, and
-  /// at once within a listener if there are none. A waiting thread may serve the participant's
+  Status wait_for_historical_data(std::chrono::nanoseconds timeout);
+  /// Waits until the reader holds unread samples. Returns false if there are none after `timeout`,
+  /// and at once within a listener if there are none. A waiting thread may serve the participant's
   /// sockets meanwhile.
-  bool wait_for_unread(std::chrono::nanoseconds most);
+  bool wait_for_unread(std::chrono::nanoseconds timeout);
 
   /// The statuses of DDS 1.4, 2.2.4.1. Reading one resets its change counts.
   DeadlineMissedStatus requested_deadline_missed_status() { return read_deadline_status(); }
@@ -171,10 +171,10 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
   // removed, so their number is bounded.
   Result<std::size_t> fill(Query query, Samples<T>& out) {
     out.size_ = 0;
-    const auto wanted = query.most;
+    const auto wanted = query.max_samples;
     std::size_t discarded = 0;
     while (discarded < HeldInstances::kMaxSamples) {
-      query.most = wanted - out.size();
+      query.max_samples = wanted - out.size();
       if (auto found = access(query, out.raw_); !found && discarded == 0) return found;
       const auto malformed = out.append_raw();
       if (malformed.empty()) break;
@@ -197,7 +197,7 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
   }
   std::optional<Sample<T>> next(bool take) {
     Samples<T> one;
-    const Query query{.states = {.sample = SampleState::not_read}, .most = 1, .take = take};
+    const Query query{.states = {.sample = SampleState::not_read}, .max_samples = 1, .take = take};
     if (!fill(query, one) || one.empty()) return std::nullopt;
     return std::move(one[0]);
   }

@@ -156,14 +156,14 @@ Result<InstanceHandle> AnyDataWriter::instance_of(const OctetWrite& change) {
 
 Status AnyDataWriter::wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change) {
   const auto key = change.key.value_or(KeyHash{});
-  const auto most = qos_.reliability.max_blocking_time.to_nanoseconds();
+  const auto timeout = qos_.reliability.max_blocking_time.to_nanoseconds();
   // Slow down gently: samples that do not fit in the receiver's buffers would have to be sent
   // twice.
   const auto may_go_on = [&] { return !protocol().is_ahead(context_.now()); };
-  if (!may_go_on()) context_.wait(lock, std::min(most, kBrake), may_go_on);
+  if (!may_go_on()) context_.wait(lock, std::min(timeout, kBrake), may_go_on);
   // Last, because other threads write while this one waits.
   const auto room = [&] { return protocol().has_room(change.payload.size(), key); };
-  if (context_.wait(lock, most, room)) return {};
+  if (context_.wait(lock, timeout, room)) return {};
   return fail(Code::rtps_history_full, {.document = "writer " + guid_.to_string()});
 }
 
@@ -259,13 +259,13 @@ Result<Bytes> AnyDataWriter::octets_of_key(InstanceHandle instance) const {
   return bad_parameter("handle", "a registered instance", "none");
 }
 
-Status AnyDataWriter::wait_for_acknowledgments(std::chrono::nanoseconds most) {
+Status AnyDataWriter::wait_for_acknowledgments(std::chrono::nanoseconds timeout) {
   auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
   protocol().ask_for_acknowledgments();
-  if (context_.wait(held, most, [&] { return protocol().all_acknowledged(); })) {
+  if (context_.wait(held, timeout, [&] { return protocol().all_acknowledged(); })) {
     held.unlock();
-    return durability_.flush(most);
+    return durability_.flush(timeout);
   }
   return fail(Code::rtps_timeout, {.document = "writer " + guid_.to_string()});
 }

@@ -72,7 +72,7 @@ class AnyDataWriter : public Endpoint, private Timed {
   /// Waits until all matched reliable readers have acknowledged everything. With DURABILITY
   /// PERSISTENT also waits until everything is stored. Errors: rtps_timeout, rtps_not_enabled; from
   /// the store rtps_store_failed, rtps_store_unusable and out_of_memory.
-  Status wait_for_acknowledgments(std::chrono::nanoseconds most);
+  Status wait_for_acknowledgments(std::chrono::nanoseconds timeout);
   /// Says that the writer is alive (DDS 1.4, 2.2.2.4.2.22), for LIVELINESS MANUAL_BY_PARTICIPANT or
   /// MANUAL_BY_TOPIC. A write says it too. Errors: rtps_not_enabled.
   Status assert_liveliness();

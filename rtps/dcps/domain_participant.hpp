@@ -257,12 +257,12 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   /// Ignores a remote writer, or a remote reader. Errors: rtps_not_enabled.
   Status ignore_publication(const Guid& writer) { return discovered_.ignore_endpoint(writer); }
   Status ignore_subscription(const Guid& reader) { return discovered_.ignore_endpoint(reader); }
-  /// Returns a topic of this participant. Otherwise waits up to `most` until a remote endpoint uses
-  /// the name, and creates a topic of octets with the type that this endpoint announces. A topic
-  /// must be deleted as often as it was created or found. Errors: rtps_timeout, those of
+  /// Returns a topic of this participant. Otherwise waits up to `timeout` until a remote endpoint
+  /// uses the name, and creates a topic of octets with the type that this endpoint announces. A
+  /// topic must be deleted as often as it was created or found. Errors: rtps_timeout, those of
   /// create_topic.
-  Result<Topic*> find_topic(const std::string& name, std::chrono::nanoseconds most) {
-    return topics_.find(name, most);
+  Result<Topic*> find_topic(const std::string& name, std::chrono::nanoseconds timeout) {
+    return topics_.find(name, timeout);
   }
 
   /// Asserts the liveliness of its writers with LIVELINESS MANUAL_BY_PARTICIPANT. Errors:

@@ -27,7 +27,7 @@ void ParticipantContext::adopt(std::unique_ptr<Participant> protocol) {
 
 void ParticipantContext::leave() { neighbourhood_->leave(protocol_->local_endpoints()); }
 
-MonotonicTime ParticipantContext::tick(std::chrono::nanoseconds most) {
+MonotonicTime ParticipantContext::tick(std::chrono::nanoseconds timeout) {
   woken_ = false;
   const auto time = now();
   if (protocol_->next_tick() <= time) protocol_->tick(time);
@@ -36,7 +36,7 @@ MonotonicTime ParticipantContext::tick(std::chrono::nanoseconds most) {
   // less than a call of wake for every sample, whose HEARTBEAT is due later and is not needed once
   // the sample is acknowledged.
   const auto kept = waiting_until_ > time ? waiting_until_ : kNever;
-  waiting_until_ = std::min(time + most, kept);
+  waiting_until_ = std::min(time + timeout, kept);
   return next();
 }
 

@@ -29,7 +29,7 @@ class ParticipantContext {
     virtual ~Server() = default;
     /// Ends a wait in serve(). May be called from any thread.
     virtual void wake() = 0;
-    virtual void serve(std::chrono::nanoseconds most) = 0;
+    virtual void serve(std::chrono::nanoseconds timeout) = 0;
   };
 
   /// `turn`: nullptr if the participant has no thread of its own.
@@ -53,8 +53,8 @@ class ParticipantContext {
   void leave();
   bool has_protocol() const { return protocol_ != nullptr; }
   TimerQueue& timers() { return timers_; }
-  /// Does what is due. Returns the time of the next work, at most `most` from now.
-  MonotonicTime tick(std::chrono::nanoseconds most);
+  /// Does what is due. Returns the time of the next work, at most `timeout` from now.
+  MonotonicTime tick(std::chrono::nanoseconds timeout);
   /// Returns the time of the next work, after callbacks that may have changed it.
   MonotonicTime next();
   /// Must be called after something that changes when tick() must run, or that listeners must be
@@ -76,7 +76,7 @@ class ParticipantContext {
   /// own is served meanwhile. Does not wait in a callback, because no other thread could change
   /// anything. A thread that waits for data may serve a participant that has a thread.
   template <class Ready>
-  bool wait(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds most, Ready ready,
+  bool wait(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds timeout, Ready ready,
             ServingTurn::For reason = ServingTurn::For::other);
   bool has_pending() const { return !pending_.empty(); }
   /// The entity has a status for which its listeners must be called.
@@ -178,11 +178,11 @@ class ParticipantContext {
 };
 
 template <class Ready>
-bool ParticipantContext::wait(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds most,
+bool ParticipantContext::wait(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds timeout,
                               Ready ready, ServingTurn::For reason) {
   constexpr std::chrono::nanoseconds kMax = std::chrono::hours(24 * 365);
   if (ready()) return true;
-  const auto end = std::chrono::steady_clock::now() + std::min(most, kMax);
+  const auto end = std::chrono::steady_clock::now() + std::min(timeout, kMax);
   if (in_callback()) return false;
   if (turn_ != nullptr) return wait_beside_thread(lock, end, ready, reason);
   while (!ready()) {

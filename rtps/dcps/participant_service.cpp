@@ -118,14 +118,14 @@ void ParticipantService::wake() {
   if (turn_ == nullptr || !turn_->take_over()) sockets_->loop().wake();
 }
 
-std::optional<MonotonicTime> ParticipantService::tick(std::chrono::nanoseconds most) {
+std::optional<MonotonicTime> ParticipantService::tick(std::chrono::nanoseconds timeout) {
   std::optional<MonotonicTime> until;
   const bool ticked = caught_.run("timers", [&] {
     context_.serve([&] {
-      if (started_) until = context_.tick(most);
+      if (started_) until = context_.tick(timeout);
     });
   });
-  if (!ticked) until = context_.now() + std::min<MonotonicTime>(most, kRetry);
+  if (!ticked) until = context_.now() + std::min<MonotonicTime>(timeout, kRetry);
   return until;
 }
 
@@ -137,8 +137,8 @@ bool ParticipantService::dispatch() {
   return any;
 }
 
-void ParticipantService::serve(std::chrono::nanoseconds most) {
-  auto until = tick(most);
+void ParticipantService::serve(std::chrono::nanoseconds timeout) {
+  auto until = tick(timeout);
   if (!until) return;
   if (dispatch()) {
     const std::lock_guard held(context_.mutex());
@@ -149,25 +149,25 @@ void ParticipantService::serve(std::chrono::nanoseconds most) {
 }
 
 // A thread that is cancelled in a system call would leave the participant half way.
-void ParticipantService::serve_for_waiting(std::chrono::nanoseconds most,
+void ParticipantService::serve_for_waiting(std::chrono::nanoseconds timeout,
                                            ServingTurn::Waiting& waiting) {
   {
     int state = 0;
     ::pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &state);
     const Rollback restored([&] { ::pthread_setcancelstate(state, nullptr); });
-    serve_once_for_waiting(most, waiting);
+    serve_once_for_waiting(timeout, waiting);
   }
   ::pthread_testcancel();
 }
 
-void ParticipantService::serve_once_for_waiting(std::chrono::nanoseconds most,
+void ParticipantService::serve_once_for_waiting(std::chrono::nanoseconds timeout,
                                                 ServingTurn::Waiting& waiting) {
   const auto has_pending = [&] {
     const std::lock_guard held(context_.mutex());
     return context_.has_pending();
   };
   if (!waiting.begin_work()) return;
-  const auto until = tick(most);
+  const auto until = tick(timeout);
   const bool may_look = until && !has_pending();
   waiting.end_work();
   EventLoop::Readable readable;

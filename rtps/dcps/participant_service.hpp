@@ -43,18 +43,18 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
   /// Ends the thread. Work that is due after that is not done.
   void stop();
 
-  /// Serves for at most `most`.
-  void serve(std::chrono::nanoseconds most) override;
+  /// Serves for at most `timeout`.
+  void serve(std::chrono::nanoseconds timeout) override;
 
  private:
   void wake() override;
-  void serve_for_waiting(std::chrono::nanoseconds most, ServingTurn::Waiting& waiting) override;
-  void serve_once_for_waiting(std::chrono::nanoseconds most, ServingTurn::Waiting& waiting);
+  void serve_for_waiting(std::chrono::nanoseconds timeout, ServingTurn::Waiting& waiting) override;
+  void serve_once_for_waiting(std::chrono::nanoseconds timeout, ServingTurn::Waiting& waiting);
   void end_serving() override { sockets_->loop().wake(); }
   void notify_waiting() override { context_.notify_waiting(); }
   ServingTurn::Server& turn_server() { return *this; }
   /// Does what is due. Returns the time until which to wait for the sockets; empty: not started.
-  std::optional<MonotonicTime> tick(std::chrono::nanoseconds most);
+  std::optional<MonotonicTime> tick(std::chrono::nanoseconds timeout);
   bool dispatch();
   void run();
   void receive(UdpSocket& socket);

@@ -19,9 +19,9 @@ AnyDataWriter* Publisher::lookup_datawriter(std::string_view topic_name) const {
   return static_cast<AnyDataWriter*>(lookup(topic_name));
 }
 
-Status Publisher::wait_for_acknowledgments(std::chrono::nanoseconds most) {
+Status Publisher::wait_for_acknowledgments(std::chrono::nanoseconds timeout) {
   constexpr std::chrono::nanoseconds kMax = std::chrono::hours(24 * 365);
-  const auto end = std::chrono::steady_clock::now() + std::min(most, kMax);
+  const auto end = std::chrono::steady_clock::now() + std::min(timeout, kMax);
   std::vector<AnyDataWriter*> writers;
   {
     const auto held = lock();

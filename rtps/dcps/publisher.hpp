@@ -68,7 +68,7 @@ class Publisher final : public Group {
   Status resume_publications();
   /// Waits until the samples of all its writers are acknowledged. Errors: rtps_timeout,
   /// rtps_not_enabled (one of the writers), rtps_store_failed.
-  Status wait_for_acknowledgments(std::chrono::nanoseconds most);
+  Status wait_for_acknowledgments(std::chrono::nanoseconds timeout);
 
  private:
   friend class AnyDataWriter;

@@ -73,8 +73,8 @@ class Samples {
 /// replaces the contents of the collection.
 ///
 /// All calls replace the contents of `out` and return the number of samples found: 0 if there are
-/// none (NO_DATA), at most `most`. None of them waits. A read marks samples as read, a take removes
-/// them from the reader. Errors: rtps_not_enabled, rtps_bad_parameter (no such instance),
+/// none (NO_DATA), at most `max_samples`. None of them waits. A read marks samples as read, a take
+/// removes them from the reader. Errors: rtps_not_enabled, rtps_bad_parameter (no such instance),
 /// rtps_precondition_not_met (the condition belongs to another reader, or GROUP access without
 /// begin_access).
 template <class Reader, class Collection>
@@ -83,67 +83,73 @@ class SampleAccess {
   using Count = Result<std::size_t>;
 
   /// Selects the samples in these states, of all instances.
-  Count read(Collection& out, std::int32_t most = kLengthUnlimited, const States& states = {}) {
-    return find(out, most, {.states = states});
+  Count read(Collection& out, std::int32_t max_samples = kLengthUnlimited,
+             const States& states = {}) {
+    return find(out, max_samples, {.states = states});
   }
   /// The same, and removes them.
-  Count take(Collection& out, std::int32_t most = kLengthUnlimited, const States& states = {}) {
-    return find(out, most, {.states = states, .take = true});
+  Count take(Collection& out, std::int32_t max_samples = kLengthUnlimited,
+             const States& states = {}) {
+    return find(out, max_samples, {.states = states, .take = true});
   }
   /// Selects the samples for which the condition is triggered.
   Count read_w_condition(Collection& out, const ReadCondition& condition,
-                         std::int32_t most = kLengthUnlimited) {
-    return find(out, most, {}, &condition);
+                         std::int32_t max_samples = kLengthUnlimited) {
+    return find(out, max_samples, {}, &condition);
   }
   /// The same, and removes them.
   Count take_w_condition(Collection& out, const ReadCondition& condition,
-                         std::int32_t most = kLengthUnlimited) {
-    return find(out, most, {.take = true}, &condition);
+                         std::int32_t max_samples = kLengthUnlimited) {
+    return find(out, max_samples, {.take = true}, &condition);
   }
   /// Selects the samples of one instance.
   Count read_instance(Collection& out, InstanceHandle instance,
-                      std::int32_t most = kLengthUnlimited, const States& states = {}) {
-    return find(out, most, {.states = states, .scope = Scope::instance, .instance = instance});
+                      std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
+    return find(out, max_samples,
+                {.states = states, .scope = Scope::instance, .instance = instance});
   }
   /// The same, and removes them.
   Count take_instance(Collection& out, InstanceHandle instance,
-                      std::int32_t most = kLengthUnlimited, const States& states = {}) {
-    return find(out, most,
+                      std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
+    return find(out, max_samples,
                 {.states = states, .take = true, .scope = Scope::instance, .instance = instance});
   }
   /// Selects the next instance after `previous` that has such samples; HANDLE_NIL selects the first
   /// one.
   Count read_next_instance(Collection& out, InstanceHandle previous,
-                           std::int32_t most = kLengthUnlimited, const States& states = {}) {
-    return find(out, most, {.states = states, .scope = Scope::next_instance, .instance = previous});
+                           std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
+    return find(out, max_samples,
+                {.states = states, .scope = Scope::next_instance, .instance = previous});
   }
   /// The same, and removes them.
   Count take_next_instance(Collection& out, InstanceHandle previous,
-                           std::int32_t most = kLengthUnlimited, const States& states = {}) {
+                           std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
     return find(
-        out, most,
+        out, max_samples,
         {.states = states, .take = true, .scope = Scope::next_instance, .instance = previous});
   }
   /// Selects the next instance after `previous` for whose samples the condition is triggered.
   Count read_next_instance_w_condition(Collection& out, InstanceHandle previous,
                                        const ReadCondition& condition,
-                                       std::int32_t most = kLengthUnlimited) {
-    return find(out, most, {.scope = Scope::next_instance, .instance = previous}, &condition);
+                                       std::int32_t max_samples = kLengthUnlimited) {
+    return find(out, max_samples, {.scope = Scope::next_instance, .instance = previous},
+                &condition);
   }
   /// The same, and removes them.
   Count take_next_instance_w_condition(Collection& out, InstanceHandle previous,
                                        const ReadCondition& condition,
-                                       std::int32_t most = kLengthUnlimited) {
-    return find(out, most, {.take = true, .scope = Scope::next_instance, .instance = previous},
-                &condition);
+                                       std::int32_t max_samples = kLengthUnlimited) {
+    return find(out, max_samples,
+                {.take = true, .scope = Scope::next_instance, .instance = previous}, &condition);
   }
 
  private:
   using Scope = Query::Scope;
-  Count find(Collection& out, std::int32_t most, Query query,
+  Count find(Collection& out, std::int32_t max_samples, Query query,
              const ReadCondition* condition = nullptr) {
     auto& reader = static_cast<Reader&>(*this);
-    if (most != kLengthUnlimited) query.most = static_cast<std::size_t>(std::max(most, 0));
+    if (max_samples != kLengthUnlimited)
+      query.max_samples = static_cast<std::size_t>(std::max(max_samples, 0));
     if (condition != nullptr) {
       if (auto own = condition->check_reader(reader); !own) return std::unexpected(own.error());
       query.states = condition->states();

@@ -48,39 +48,40 @@ HeldSamples::iterator hand_out(HeldInstances& instances, HeldInstance& instance,
 
 // The samples of one instance that the query finds, at most so many.
 std::vector<HeldSamples::iterator> find_matching(const HeldInstance& instance, const Query& query,
-                                                 std::size_t most) {
+                                                 std::size_t max_samples) {
   std::vector<HeldSamples::iterator> out;
   const auto* passing = query.matching->of(instance.handle);
   if (passing == nullptr) return out;
   for (const auto& [place, at] : passing->samples) {
-    if (out.size() == most) break;
+    if (out.size() == max_samples) break;
     if (query.states.sample.contains(state_of(at->is_read))) out.push_back(at);
   }
   return out;
 }
 
 void hand_out_of(HeldInstances& instances, HeldInstance& instance, const Query& query,
-                 std::size_t most, std::vector<OctetSample>& out) {
+                 std::size_t max_samples, std::vector<OctetSample>& out) {
   if (query.matching != nullptr) {
-    for (const auto at : find_matching(instance, query, most))
+    for (const auto at : find_matching(instance, query, max_samples))
       hand_out(instances, instance, at, query.take, out);
     return;
   }
   const auto begin = out.size();
-  for (auto at = instance.held.begin(); at != instance.held.end() && out.size() - begin < most;)
+  for (auto at = instance.held.begin();
+       at != instance.held.end() && out.size() - begin < max_samples;)
     at = query.states.sample.contains(state_of(at->is_read))
              ? hand_out(instances, instance, at, query.take, out)
              : std::next(at);
 }
 
 void select_from(HeldInstances& instances, HeldInstance& instance, const Query& query,
-                 std::size_t most, std::vector<OctetSample>& out) {
-  if (instance.held.empty() || most == 0 || !has_states(instance, query.states)) return;
+                 std::size_t max_samples, std::vector<OctetSample>& out) {
+  if (instance.held.empty() || max_samples == 0 || !has_states(instance, query.states)) return;
   const auto begin = out.size();
   const auto newest = instance.held.back().generations();
   {
     const HeldInstances::Recount recount(instances, instance);
-    hand_out_of(instances, instance, query, most, out);
+    hand_out_of(instances, instance, query, max_samples, out);
     if (out.size() > begin) instance.view = ViewState::not_new;
   }
   for (auto i = begin; i < out.size(); ++i) {
@@ -106,7 +107,7 @@ void rank(std::span<SampleInfo* const> infos) {
 void select_ordered(HeldInstances& instances, const Query& query, std::vector<OctetSample>& out) {
   const auto begin = out.size();
   const auto& order = query.matching == nullptr ? instances.order() : query.matching->order();
-  const auto found = order.first(query.states, query.most);
+  const auto found = order.first(query.states, query.max_samples);
   std::map<InstanceHandle, std::int32_t> newest;
   {
     std::list<HeldInstances::Recount> recounts;
@@ -133,7 +134,7 @@ void select(HeldInstances& instances, const Query& query, std::vector<OctetSampl
   if (query.scope == Query::Scope::all && instances.is_ordered())
     return select_ordered(instances, query, out);
   const auto begin = out.size();
-  const auto left = [&] { return query.most - (out.size() - begin); };
+  const auto left = [&] { return query.max_samples - (out.size() - begin); };
   const auto from = [&](HeldInstance& instance) {
     select_from(instances, instance, query, left(), out);
   };

@@ -10,7 +10,7 @@ namespace ddssec::rtps {
 /// The arguments of one read or take.
 struct Query {
   States states = {};
-  std::size_t most = ~std::size_t{0};
+  std::size_t max_samples = ~std::size_t{0};
   bool take = false;
   enum class Scope : std::uint8_t { all, instance, next_instance } scope = Scope::all;
   /// For `instance`; for `next_instance` the instance before the wanted one.

@@ -56,10 +56,10 @@ class ServingTurn {
   class Server {
    public:
     virtual ~Server() = default;
-    /// Waits for sockets and timers once, for at most `most`, and serves them. All work is done
+    /// Waits for sockets and timers once, for at most `timeout`, and serves them. All work is done
     /// between `waiting.begin_work()`, if that returns true, and `waiting.end_work()`. Calls no
     /// listener.
-    virtual void serve_for_waiting(std::chrono::nanoseconds most, Waiting& waiting) = 0;
+    virtual void serve_for_waiting(std::chrono::nanoseconds timeout, Waiting& waiting) = 0;
     /// Ends a call of serve_for_waiting, from any thread.
     virtual void end_serving() = 0;
     /// Makes the threads that wait in calls of the participant check again.
@@ -87,8 +87,8 @@ class ServingTurn {
     /// in vain.
     bool serves();
     /// The caller holds no lock.
-    void serve(std::chrono::nanoseconds most) {
-      turn_.server_.serve_for_waiting(std::min(most, kMaxServe), *this);
+    void serve(std::chrono::nanoseconds timeout) {
+      turn_.server_.serve_for_waiting(std::min(timeout, kMaxServe), *this);
     }
     /// False: the participant's thread has taken the turn away. Otherwise it does not until
     /// `end_work`, which must follow.

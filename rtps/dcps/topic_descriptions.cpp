@@ -73,12 +73,12 @@ ContentFilteredTopic* TopicDescriptions::lookup_filtered(std::string_view name) 
 
 // DDS 1.4, 2.2.2.2.1.11: returns a topic of this participant, or creates one of octets with the
 // type that remote endpoints use.
-Result<Topic*> TopicDescriptions::find(const std::string& name, std::chrono::nanoseconds most) {
+Result<Topic*> TopicDescriptions::find(const std::string& name, std::chrono::nanoseconds timeout) {
   std::optional<EndpointData> remote;
   {
     std::unique_lock held(context_.mutex());
     Topic* own = nullptr;
-    const bool found = context_.wait(held, most, [&] {
+    const bool found = context_.wait(held, timeout, [&] {
       own = topics_.named(name);
       remote = context_.protocol().endpoint_on(name);
       return own != nullptr || remote;

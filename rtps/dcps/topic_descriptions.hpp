@@ -30,7 +30,7 @@ class TopicDescriptions {
   Topic* lookup(std::string_view name) const;
   ContentFilteredTopic* lookup_filtered(std::string_view name) const;
   /// See DomainParticipant::find_topic. Errors: rtps_timeout, those of create.
-  Result<Topic*> find(const std::string& name, std::chrono::nanoseconds most);
+  Result<Topic*> find(const std::string& name, std::chrono::nanoseconds timeout);
   /// Errors: rtps_precondition_not_met (the topic is in use or belongs to another participant, or
   /// the call is made from within a callback).
   Status remove(Topic& topic);

@@ -97,8 +97,8 @@ std::vector<Condition*> WaitSet::triggered() const {
   return out;
 }
 
-Result<std::vector<Condition*>> WaitSet::wait(std::chrono::nanoseconds most) {
-  const auto end = std::chrono::steady_clock::now() + std::min(most, kMaxWait);
+Result<std::vector<Condition*>> WaitSet::wait(std::chrono::nanoseconds timeout) {
+  const auto end = std::chrono::steady_clock::now() + std::min(timeout, kMaxWait);
   std::unique_lock lock(state_->mutex);
   if (state_->waiting)
     return fail(Code::rtps_precondition_not_met,

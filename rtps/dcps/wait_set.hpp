@@ -56,11 +56,11 @@ class WaitSet {
   /// The attached conditions. They belong to their owners.
   std::vector<Condition*> conditions() const;
 
-  /// Waits until a condition is triggered, for at most `most`. Returns the triggered conditions, at
-  /// least one. The application must not use a returned
-  /// pointer after it has deleted the condition; the same holds for conditions(). Errors:
-  /// rtps_timeout, rtps_precondition_not_met (another thread is already waiting).
-  Result<std::vector<Condition*>> wait(std::chrono::nanoseconds most);
+  /// Waits until a condition is triggered, for at most `timeout`. Returns the triggered conditions,
+  /// at least one. The application must not use a returned pointer after it has deleted the
+  /// condition; the same holds for conditions(). Errors: rtps_timeout, rtps_precondition_not_met
+  /// (another thread is already waiting).
+  Result<std::vector<Condition*>> wait(std::chrono::nanoseconds timeout);
 
  private:
   std::vector<Condition*> triggered() const;

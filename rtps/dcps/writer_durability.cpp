@@ -44,18 +44,18 @@ MonotonicTime WriterDurability::next_clean_up(MonotonicTime now) const {
 }
 
 Status WriterDurability::wait_for_room(std::unique_lock<std::mutex>& lock,
-                                       std::chrono::nanoseconds most) {
+                                       std::chrono::nanoseconds timeout) {
   if (!is_open()) return {};
   DDSSEC_RETURN_IF_ERROR(store_->status());
   if (!store_->is_behind()) return {};
   lock.unlock();
-  auto room = store_->wait_for_room(most);
+  auto room = store_->wait_for_room(timeout);
   lock.lock();
   return room;
 }
 
-Status WriterDurability::flush(std::chrono::nanoseconds most) {
-  return is_open() ? store_->flush(most) : Status{};
+Status WriterDurability::flush(std::chrono::nanoseconds timeout) {
+  return is_open() ? store_->flush(timeout) : Status{};
 }
 
 }  // namespace ddssec::rtps

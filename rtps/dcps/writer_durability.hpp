@@ -47,10 +47,10 @@ class WriterDurability {
   MonotonicTime next_clean_up(MonotonicTime now) const;
   /// If too much is waiting to be stored, releases `lock` and waits. Errors: those of
   /// DurableStore::status and DurableStore::wait_for_room.
-  Status wait_for_room(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds most);
+  Status wait_for_room(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds timeout);
   /// Waits until everything is stored. The caller does not hold the lock. Errors: those of
   /// DurableStore::flush.
-  Status flush(std::chrono::nanoseconds most);
+  Status flush(std::chrono::nanoseconds timeout);
 
  private:
   DurableStore* store_ = nullptr;

@@ -22,9 +22,9 @@ FilterSignature signature_of(const ContentFilterProperty& property) {
 Result<std::optional<ContentFilterProperty>> read_content_filter_property(Reader& reader) {
   ContentFilterProperty out;
   bool usable = true;
-  const auto take = [&](std::string& text, std::size_t most, bool required) -> Status {
+  const auto take = [&](std::string& text, std::size_t max_length, bool required) -> Status {
     DDSSEC_ASSIGN_OR_RETURN(const auto read, reader.read_string());
-    usable = usable && read.size() <= most && !(required && read.empty());
+    usable = usable && read.size() <= max_length && !(required && read.empty());
     if (usable) text = read;
     return {};
   };

@@ -15,9 +15,9 @@ Result<SerializedPayload> open_pl_cdr(BytesView payload) {
   return opened;
 }
 
-Result<std::string> read_bounded_string(Reader& reader, std::size_t most) {
+Result<std::string> read_bounded_string(Reader& reader, std::size_t max_length) {
   DDSSEC_ASSIGN_OR_RETURN(const auto text, reader.read_string());
-  if (text.size() > most) return fail(Code::length_out_of_range);
+  if (text.size() > max_length) return fail(Code::length_out_of_range);
   return std::string(text);
 }
 

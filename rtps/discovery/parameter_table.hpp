@@ -71,7 +71,7 @@ void write_parameters(std::span<const ParameterRow<T>> table, SpanWriter& out, c
 }
 
 // Values that occur in more than one table:
-Result<std::string> read_bounded_string(Reader& reader, std::size_t most);
+Result<std::string> read_bounded_string(Reader& reader, std::size_t max_length);
 Result<Bytes> read_opaque(Reader& reader);
 Status read_locator_into(Reader& reader, LocatorList& list);
 void write_text(SpanWriter& out, std::string_view text);

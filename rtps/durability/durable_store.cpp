@@ -56,11 +56,12 @@ DurableStore::~DurableStore() {
 }
 
 template <class Ready>
-Status DurableStore::wait(std::chrono::nanoseconds most, Ready ready) {
+Status DurableStore::wait(std::chrono::nanoseconds timeout, Ready ready) {
   // A time that does not fit the clock is shortened to the longest wait.
   constexpr std::chrono::nanoseconds kMax = std::chrono::hours(24 * 365);
   std::unique_lock held(mutex_);
-  const bool done = done_.wait_for(held, std::min(most, kMax), [&] { return ready() || !status_; });
+  const bool done =
+      done_.wait_for(held, std::min(timeout, kMax), [&] { return ready() || !status_; });
   if (ready()) return {};
   if (done) return status_;
   return fail(Code::rtps_timeout, {.document = store_.path()});
@@ -190,12 +191,12 @@ MonotonicTime DurableStore::next_due(StreamId stream) const {
 }
 
 std::vector<std::int64_t> DurableStore::clean_up(StreamId stream, const Moment& now,
-                                                 std::size_t most) {
+                                                 std::size_t max_samples) {
   if (index_.next_due(stream) > now.now) return {};
   last_.try_emplace(stream);
   auto& stored = pending_.emplace_back(StoredChange{stream});
   Rollback undo([&] { pending_.pop_back(); });
-  auto removed = index_.clean_up(stored, now.now, most);
+  auto removed = index_.clean_up(stored, now.now, max_samples);
   if (removed.empty()) return removed;
   undo.release();
   count_pending(now.wall);
@@ -248,17 +249,17 @@ std::uint64_t DurableStore::groups() const {
   return groups_;
 }
 
-Status DurableStore::flush(std::chrono::nanoseconds most) {
+Status DurableStore::flush(std::chrono::nanoseconds timeout) {
   std::uint64_t until = 0;
   {
     const std::lock_guard held(mutex_);
     until = appended_;
   }
-  return wait(most, [&] { return committed_ >= until; });
+  return wait(timeout, [&] { return committed_ >= until; });
 }
 
-Status DurableStore::wait_for_room(std::chrono::nanoseconds most) {
-  return wait(most, [&] { return !over(); });
+Status DurableStore::wait_for_room(std::chrono::nanoseconds timeout) {
+  return wait(timeout, [&] { return !over(); });
 }
 
 void DurableStore::run() {

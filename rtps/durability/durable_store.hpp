@@ -82,9 +82,9 @@ class DurableStore {
   Status status() const;
   /// Waits until everything that was appended before is committed. Errors: rtps_timeout,
   /// out_of_memory, those of SampleStore::commit.
-  Status flush(std::chrono::nanoseconds most);
+  Status flush(std::chrono::nanoseconds timeout);
   /// Waits until the queue is shorter. Errors: as for flush.
-  Status wait_for_room(std::chrono::nanoseconds most);
+  Status wait_for_room(std::chrono::nanoseconds timeout);
 
   /// True if it holds no stream. Errors: those of SampleStore, rtps_timeout.
   Result<bool> is_empty();
@@ -102,7 +102,7 @@ class DurableStore {
   /// room. What it removes of the group itself is not stored any more.
   std::vector<StoredChange> removals_before(std::vector<StoredChange>& group) const noexcept;
   /// The caller holds the mutex.
-  std::vector<std::int64_t> clean_up(StreamId stream, const Moment& now, std::size_t most);
+  std::vector<std::int64_t> clean_up(StreamId stream, const Moment& now, std::size_t max_samples);
   void commit(std::unique_lock<std::mutex>& held);
   /// False: the identity has enough that is not committed yet.
   bool may_append(const GuidPrefix& identity, std::size_t octets) const;
@@ -122,7 +122,7 @@ class DurableStore {
            octets_ + failed_octets_ >= kMaxPendingOctets;
   }
   template <class Ready>
-  Status wait(std::chrono::nanoseconds most, Ready ready);
+  Status wait(std::chrono::nanoseconds timeout, Ready ready);
 
   mutable std::mutex mutex_;      ///< protects everything but store_
   std::timed_mutex store_mutex_;  ///< protects store_; locked first

@@ -14,13 +14,13 @@ std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
 
 KeyHash key_of(const Change& change) { return change.key_hash.value_or(KeyHash{}); }
 
-/// What is left of `most` for something that began at `since`: not more than `most`, however far
-/// ahead `since` is. Not above 0: it is over. kNever: it never is. No sum overflows, because
+/// What is left of `period` for something that began at `since`: not more than `period`, however
+/// far ahead `since` is. Not above 0: it is over. kNever: it never is. No sum overflows, because
 /// durations and ages stay below 2^32 s.
-MonotonicTime left_of(Duration most, Time since, Time now) {
-  if (most.is_infinite()) return kNever;
+MonotonicTime left_of(Duration period, Time since, Time now) {
+  if (period.is_infinite()) return kNever;
   const auto age = now.to_nanoseconds() - since.to_nanoseconds();
-  return most.to_nanoseconds() - std::max(age, MonotonicTime::zero());
+  return period.to_nanoseconds() - std::max(age, MonotonicTime::zero());
 }
 
 // SampleStore has checked that both numbers are times.
@@ -176,16 +176,16 @@ bool SampleIndex::has_share(const Stream& stream, const KeyHash& key, Account ac
     return false;
   if (own_replaced > 0 || stream.service.limits.max_samples != kLengthUnlimited) return true;
   const auto own = stream.samples_of.find(account);
-  return own == stream.samples_of.end() || own->second + stream.samples < most_samples_;
+  return own == stream.samples_of.end() || own->second + stream.samples < max_samples_;
 }
 
 bool SampleIndex::has_room(const Stream& stream, const KeyHash& key, std::size_t replaced) const {
   const auto& limits = stream.service.limits;
   const auto held = stream.instances.find(key);
-  if (stream.samples - replaced >= limit_of(limits.max_samples, most_samples_)) return false;
+  if (stream.samples - replaced >= limit_of(limits.max_samples, max_samples_)) return false;
   if (held == stream.instances.end())
-    return stream.instances.size() < limit_of(limits.max_instances, most_samples_);
-  return held->second.size() - replaced < limit_of(limits.max_samples_per_instance, most_samples_);
+    return stream.instances.size() < limit_of(limits.max_instances, max_samples_);
+  return held->second.size() - replaced < limit_of(limits.max_samples_per_instance, max_samples_);
 }
 
 // Does nothing if an allocation fails.
@@ -239,18 +239,18 @@ void SampleIndex::erase_instance(Stream& stream, const KeyHash& key) {
 
 // The rest of an instance that has many samples goes with the next calls, oldest first.
 std::vector<std::int64_t> SampleIndex::clean_up(StoredChange& entry, MonotonicTime now,
-                                                std::size_t most) {
+                                                std::size_t max_samples) {
   const auto found = streams_.find(entry.stream);
   if (found == streams_.end()) return {};
   auto& stream = found->second;
   std::vector<std::pair<KeyHash, std::int64_t>> gone;
   for (const auto& [at, row, key] : stream.expiring) {
-    if (at > now || gone.size() >= most) break;
+    if (at > now || gone.size() >= max_samples) break;
     gone.emplace_back(key, row);
   }
-  for (const auto& key : stream.ended.due(now, most - gone.size()))
+  for (const auto& key : stream.ended.due(now, max_samples - gone.size()))
     for (const auto& [id, row] : stream.instances.at(key)) {
-      if (gone.size() >= most) break;
+      if (gone.size() >= max_samples) break;
       if (row.expires > now) gone.emplace_back(key, id);
     }
   std::vector<std::int64_t> removed;
@@ -297,10 +297,10 @@ void SampleIndex::Ended::remove(const KeyHash& key) {
   by_key_.erase(at);
 }
 
-std::vector<KeyHash> SampleIndex::Ended::due(MonotonicTime now, std::size_t most) const {
+std::vector<KeyHash> SampleIndex::Ended::due(MonotonicTime now, std::size_t max_samples) const {
   std::vector<KeyHash> out;
   for (const auto& [at, key] : by_time_) {
-    if (at > now || out.size() >= most) break;
+    if (at > now || out.size() >= max_samples) break;
     out.push_back(key);
   }
   return out;

@@ -58,7 +58,7 @@ class SampleIndex {
   /// service_cleanup_delay is over. Sets `removed`, and returns it as well. The steps of the
   /// calendar have no effect. An exception (std::bad_alloc) changes nothing.
   std::vector<std::int64_t> clean_up(StoredChange& entry, MonotonicTime now,
-                                     std::size_t most = kMaxRemoved);
+                                     std::size_t max_samples = kMaxRemoved);
   /// When clean_up next has something to do. kNever: nothing is due by itself.
   MonotonicTime next_due(StreamId stream) const;
 
@@ -70,7 +70,7 @@ class SampleIndex {
   /// The number of changes that did not fit the limits of DURABILITY_SERVICE; never reset.
   std::uint64_t left_out() const { return left_out_; }
   /// For tests: another limit than kMaxSamples.
-  void limit_samples(std::size_t most) { most_samples_ = most; }
+  void limit_samples(std::size_t max_samples) { max_samples_ = max_samples; }
 
  private:
   using Account = StoreShares::Account;
@@ -91,7 +91,7 @@ class SampleIndex {
     void remove(const KeyHash& key);
     bool contains(const KeyHash& key) const { return by_key_.contains(key); }
     /// Those that are due at `now`, of too many the first.
-    std::vector<KeyHash> due(MonotonicTime now, std::size_t most) const;
+    std::vector<KeyHash> due(MonotonicTime now, std::size_t max_samples) const;
     MonotonicTime next_due() const { return by_time_.empty() ? kNever : by_time_.begin()->first; }
 
    private:
@@ -149,7 +149,7 @@ class SampleIndex {
   std::size_t free_ = 0;
   std::int64_t last_row_;
   std::uint64_t left_out_ = 0;
-  std::size_t most_samples_ = kMaxSamples;
+  std::size_t max_samples_ = kMaxSamples;
 };
 
 }  // namespace ddssec::rtps

@@ -67,7 +67,7 @@ class Keeper final : private DataReaderListener {
   /// have them.
   std::uint64_t unstored() const;
   /// Waits until everything that arrived before is stored. Errors: those of DurableStore::flush.
-  Status flush(std::chrono::nanoseconds most) { return store_->flush(most); }
+  Status flush(std::chrono::nanoseconds timeout) { return store_->flush(timeout); }
   /// See DomainParticipant.
   void poll(std::chrono::nanoseconds timeout) { participant_->poll(timeout); }
 

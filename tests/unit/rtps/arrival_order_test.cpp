@@ -39,19 +39,20 @@ struct ArrivalOrderTest : Cache {
 };
 
 TEST_F(ArrivalOrderTest, TakingOneByOne_CostsTheSameForAnyNumberHeld) {
-  expect_linear({.states = {.sample = SampleState::not_read}, .most = 1, .take = true});
+  expect_linear({.states = {.sample = SampleState::not_read}, .max_samples = 1, .take = true});
 }
 
 TEST_F(ArrivalOrderTest, ReadingOneByOne_CostsTheSameForAnyNumberHeld) {
-  expect_linear({.states = {.sample = SampleState::not_read}, .most = 1});
+  expect_linear({.states = {.sample = SampleState::not_read}, .max_samples = 1});
 }
 
 TEST_F(ArrivalOrderTest, ReadAndUnreadSamples_ComeInOneOrder) {
   put(1, 10), put(2, 20), put(1, 11), put(2, 21), put(3, 30);
-  EXPECT_THAT(values(select({.most = 2})), ElementsAre(10, 20));
+  EXPECT_THAT(values(select({.max_samples = 2})), ElementsAre(10, 20));
   put(1, 12);
-  EXPECT_THAT(values(select({.states = {.view = ViewState::new_}, .most = 1})), ElementsAre(30));
-  EXPECT_THAT(values(select({.states = {.sample = SampleState::not_read}, .most = 2})),
+  EXPECT_THAT(values(select({.states = {.view = ViewState::new_}, .max_samples = 1})),
+              ElementsAre(30));
+  EXPECT_THAT(values(select({.states = {.sample = SampleState::not_read}, .max_samples = 2})),
               ElementsAre(11, 21));
   EXPECT_THAT(values(read({.sample = SampleState::read})), ElementsAre(10, 20, 11, 21, 30));
   EXPECT_THAT(rtps::arrivals(cache().held(), {}), ElementsAre(1, 2, 3, 4, 5, 6));
@@ -66,7 +67,7 @@ TEST_F(ArrivalOrderTest, EndsOfInstances_HaveTheirPlace) {
   put(2, 21);
   EXPECT_THAT(values(read()), ElementsAre(10, 20, 1, 21));
   put(1, 11);  // what reported the end has been read
-  EXPECT_THAT(values(select({.most = 3, .take = true})), ElementsAre(10, 20, 21));
+  EXPECT_THAT(values(select({.max_samples = 3, .take = true})), ElementsAre(10, 20, 21));
   EXPECT_THAT(values(take()), ElementsAre(11));
 }
 

@@ -13,7 +13,7 @@ using ReaderCacheTest = Cache;
 TEST_F(ReaderCacheTest, SamplesOfAnInstanceStandTogetherAndMostIsKept) {
   put(1, 10), put(2, 20), put(1, 11), put(2, 21);
   EXPECT_THAT(values(read()), ElementsAre(10, 11, 20, 21));
-  EXPECT_THAT(values(select({.most = 3, .take = true})), ElementsAre(10, 11, 20));
+  EXPECT_THAT(values(select({.max_samples = 3, .take = true})), ElementsAre(10, 11, 20));
   EXPECT_THAT(values(take()), ElementsAre(21));
 }
 
@@ -38,7 +38,7 @@ TEST_F(ReaderCacheTest, ByInstanceAndByNextInstance) {
 
 TEST_F(ReaderCacheTest, RanksCountTheCollectionAndTheReader) {
   put(1, 10), put(1, 0, kDispose), put(1, 11), put(1, 0, kDispose), put(1, 12);
-  const auto first = select({.most = 2});
+  const auto first = select({.max_samples = 2});
   EXPECT_EQ(first[0].info.sample_rank, 1);
   EXPECT_EQ(first[0].info.generation_rank, 1);
   EXPECT_EQ(first[0].info.absolute_generation_rank, 2);
