@@ -10,7 +10,9 @@ DocumentWatch::DocumentWatch(What what, std::chrono::seconds interval)
   if (auto path = file_named_by(watch_.uri())) what_.name = *std::move(path);
 }
 
-Result<Bytes> DocumentWatch::read() const { return load(watch_.uri(), what_.name, what_.most); }
+Result<Bytes> DocumentWatch::read() const {
+  return load(watch_.uri(), what_.name, what_.max_octets);
+}
 
 Result<bool> DocumentWatch::look(std::chrono::nanoseconds now, const Take& take) {
   if (!watch_.may_have_changed(now)) return false;

@@ -18,7 +18,7 @@ class DocumentWatch {
   struct What {
     std::string uri;
     std::string name;        ///< of the property, for a document that stands there
-    std::size_t most;        ///< octets that are read
+    std::size_t max_octets;  ///< octets that are read
     Code refused;            ///< the event's code
     std::string_view stays;  ///< what is still in force then
     /// The event gives the remedy of its reason, because the document itself must be written anew.

@@ -13,9 +13,9 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMaxOfAnswerText = 1024;
 constexpr std::size_t kMaxOfAnswerPath = 4096;
 
-std::string shortened(std::string text, std::size_t most = kMaxOfAnswerText) {
-  if (text.size() <= most) return text;
-  text.resize(most);
+std::string shortened(std::string text, std::size_t max_size = kMaxOfAnswerText) {
+  if (text.size() <= max_size) return text;
+  text.resize(max_size);
   return text.append("...");
 }
 

@@ -148,8 +148,8 @@ void RateLimitedSink::raise(const Event& event) {
   auto& share = is_claimed  ? claimed_
                 : is_proven ? share_of(code + "\n" + certificate_of(event), now)
                             : ours_;
-  const auto most = is_claimed ? kMaxClaimed : is_proven ? kMaxOfAPeer : kMaxRemembered;
-  const bool passes = has_room(share, most, reason, now)
+  const auto limit = is_claimed ? kMaxClaimed : is_proven ? kMaxOfAPeer : kMaxRemembered;
+  const bool passes = has_room(share, limit, reason, now)
                           ? may_pass(share, reason, now)
                           : may_pass(crowded_out_, code + (is_claimed ? " claimed" : ""), now);
   if (passes) next_.raise(event);
@@ -166,12 +166,12 @@ RateLimitedSink::Times& RateLimitedSink::share_of(const std::string& peer,
   return proven_.size() >= kMaxRemembered ? no_share_ : proven_[peer];
 }
 
-bool RateLimitedSink::has_room(Times& share, std::size_t most, const std::string& reason,
+bool RateLimitedSink::has_room(Times& share, std::size_t limit, const std::string& reason,
                                std::chrono::nanoseconds now) const {
   if (&share == &no_share_) return false;
-  if (share.contains(reason) || share.size() < most) return true;
+  if (share.contains(reason) || share.size() < limit) return true;
   forget_old(share, now);
-  return share.size() < most;
+  return share.size() < limit;
 }
 
 bool RateLimitedSink::may_pass(Times& share, const std::string& reason,

@@ -100,7 +100,7 @@ class RateLimitedSink final : public EventSink {
   using Times = std::unordered_map<std::string, std::chrono::nanoseconds>;
 
   Times& share_of(const std::string& peer, std::chrono::nanoseconds now);
-  bool has_room(Times& share, std::size_t most, const std::string& reason,
+  bool has_room(Times& share, std::size_t limit, const std::string& reason,
                 std::chrono::nanoseconds now) const;
   bool may_pass(Times& share, const std::string& reason, std::chrono::nanoseconds now) const;
   void forget_old(Times& share, std::chrono::nanoseconds now) const;

@@ -45,10 +45,10 @@ Result<std::string_view> Reader::read_string() {
   return text;
 }
 
-Result<std::uint32_t> Reader::read_count(std::size_t least_element_size) {
+Result<std::uint32_t> Reader::read_count(std::size_t min_element_size) {
   const auto start = position_;
   DDSSEC_ASSIGN_OR_RETURN(const auto count, read_aligned<std::uint32_t>());
-  if (count > remaining() / std::max<std::size_t>(1, least_element_size)) {
+  if (count > remaining() / std::max<std::size_t>(1, min_element_size)) {
     position_ = start;
     return fail(Code::length_out_of_range);
   }

@@ -67,10 +67,10 @@ class Reader {
   /// the end).
   Result<std::string_view> read_string();
 
-  /// CDR sequence length for elements of at least `least_element_size` octets. Fails if the
+  /// CDR sequence length for elements of at least `min_element_size` octets. Fails if the
   /// remaining octets cannot hold that many, so that a false length causes no allocation. Errors:
   /// truncated, length_out_of_range.
-  Result<std::uint32_t> read_count(std::size_t least_element_size);
+  Result<std::uint32_t> read_count(std::size_t min_element_size);
 
   /// Success if no octets are left. Error: trailing_octets.
   Status finish() const;

@@ -81,15 +81,16 @@ Result<Uri> parse_uri(std::string_view uri) {
                                       .found = pasted ? "PEM text without data:," : start});
 }
 
-Error too_large(std::size_t most, std::size_t found) {
-  return Error(Code::file_too_large, {.expected = "at most " + std::to_string(most) + " octets",
-                                      .found = std::to_string(found)});
+Error too_large(std::size_t max_octets, std::size_t found) {
+  return Error(Code::file_too_large,
+               {.expected = "at most " + std::to_string(max_octets) + " octets",
+                .found = std::to_string(found)});
 }
 
-Result<Bytes> load_file(const std::string& path, std::size_t most) {
+Result<Bytes> load_file(const std::string& path, std::size_t max_octets) {
   const File file(path);
   DDSSEC_ASSIGN_OR_RETURN(const std::size_t size, file_size(file, path));
-  if (size > most) return std::unexpected(too_large(most, size));
+  if (size > max_octets) return std::unexpected(too_large(max_octets, size));
   Bytes octets(size);
   const auto read = read_up_to(file, path, octets);
   if (!read) {
@@ -101,25 +102,25 @@ Result<Bytes> load_file(const std::string& path, std::size_t most) {
   return octets;
 }
 
-Result<Bytes> load_unnamed(std::string_view text, std::size_t most) {
+Result<Bytes> load_unnamed(std::string_view text, std::size_t max_octets) {
   DDSSEC_ASSIGN_OR_RETURN(const Uri uri, parse_uri(text));
-  if (uri.scheme == Scheme::file) return load_file(std::string(uri.rest), most);
+  if (uri.scheme == Scheme::file) return load_file(std::string(uri.rest), max_octets);
   if (uri.rest.empty()) return fail(Code::item_empty);
-  if (uri.rest.size() > most) return std::unexpected(too_large(most, uri.rest.size()));
+  if (uri.rest.size() > max_octets) return std::unexpected(too_large(max_octets, uri.rest.size()));
   return to_bytes(as_bytes(uri.rest));
 }
 
 }  // namespace
 
-Result<Bytes> load(std::string_view uri, std::string_view property, std::size_t most) {
-  auto octets = load_unnamed(uri, most);
+Result<Bytes> load(std::string_view uri, std::string_view property, std::size_t max_octets) {
+  auto octets = load_unnamed(uri, max_octets);
   if (octets) return octets;
   return std::unexpected(octets.error().in(std::string(property)));
 }
 
 Result<Bytes> load_secret_octets(std::string_view uri, std::string_view property,
-                                 std::size_t most) {
-  auto octets = load(uri, property, most);
+                                 std::size_t max_octets) {
+  auto octets = load(uri, property, max_octets);
   // A secret pasted without "data:," must not reach a log.
   if (octets || octets.error().code() != Code::unsupported_uri) return octets;
   return fail(Code::unsupported_uri, {.document = std::string(property),

@@ -17,12 +17,13 @@ namespace ddssec {
 /// leading blanks. TEXT is taken literally (no percent decoding), as peers do. Errors name
 /// `property` as their document. Octets that were read are in the result only. Errors:
 /// missing_property (empty URI), unsupported_uri, pkcs11_unsupported, file_not_found,
-/// file_unreadable, file_too_large (more than `most` octets), item_empty.
-Result<Bytes> load(std::string_view uri, std::string_view property, std::size_t most);
+/// file_unreadable, file_too_large (more than `max_octets` octets), item_empty.
+Result<Bytes> load(std::string_view uri, std::string_view property, std::size_t max_octets);
 
 /// The same for secret octets, which the caller must wipe. No error repeats a part of `uri` that
 /// may be a secret.
-Result<Bytes> load_secret_octets(std::string_view uri, std::string_view property, std::size_t most);
+Result<Bytes> load_secret_octets(std::string_view uri, std::string_view property,
+                                 std::size_t max_octets);
 
 /// The same into a Secret, at most as much as it holds. No copy stays in memory.
 template <class S>

@@ -13,9 +13,9 @@ namespace ddssec {
 /// Appends to its own buffer. CDR alignment counts from the first octet written. Not thread-safe.
 class Writer {
  public:
-  /// `most`: octets to reserve, 0 for none; up to that size the buffer does not grow.
-  explicit Writer(Endian endian = Endian::big, std::size_t most = 0) : endian_(endian) {
-    octets_.reserve(most);
+  /// `capacity`: octets to reserve, 0 for none; up to that size the buffer does not grow.
+  explicit Writer(Endian endian = Endian::big, std::size_t capacity = 0) : endian_(endian) {
+    octets_.reserve(capacity);
   }
 
   /// An integer of 1, 2, 4 or 8 octets, without alignment.

@@ -121,8 +121,8 @@ Result<pki::Passphrase> typed_passphrase(const char* prompt) {
 
 }  // namespace
 
-Result<Bytes> read_file(const fs::path& path, std::size_t most) {
-  auto octets = pki::load(uri(as_held(path)), "", most);
+Result<Bytes> read_file(const fs::path& path, std::size_t max_octets) {
+  auto octets = pki::load(uri(as_held(path)), "", max_octets);
   if (!octets) return about(octets.error(), path);
   return octets;
 }

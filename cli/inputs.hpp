@@ -11,7 +11,7 @@
 namespace ddssec::cli {
 
 /// A whole file. Errors: those of pki::load, with the path.
-Result<Bytes> read_file(const std::filesystem::path& path, std::size_t most);
+Result<Bytes> read_file(const std::filesystem::path& path, std::size_t max_octets);
 
 /// The first certificate of a PEM file. Errors: those of read_file and Certificate::from_pem.
 Result<pki::Certificate> read_certificate(const std::filesystem::path& path);

@@ -59,7 +59,7 @@ bool is_ros_name_of(std::string_view allowed, std::string_view topic) {
 
 // How many edits are a typo: `length` is that of the name, or of an expression's longest part
 // without a wildcard.
-std::size_t most_edits(std::size_t length) { return length < 4 ? 0 : length < 7 ? 1 : 2; }
+std::size_t max_edits(std::size_t length) { return length < 4 ? 0 : length < 7 ? 1 : 2; }
 
 // The distance of two names; empty if they are too different to be a typo.
 std::optional<std::size_t> distance(std::string_view allowed, std::string_view topic) {
@@ -67,7 +67,7 @@ std::optional<std::size_t> distance(std::string_view allowed, std::string_view t
   const auto lower = ascii_lower(allowed);
   const auto wanted = ascii_lower(topic);
   if (lower == wanted) return 0;
-  const auto most = most_edits(topic.size());
+  const auto most = max_edits(topic.size());
   const auto [shorter, longer] = std::minmax({lower.size(), wanted.size()});
   if (longer - shorter > most) return std::nullopt;
   const auto out = edit_distance(lower, wanted);
@@ -117,7 +117,7 @@ std::optional<std::size_t> distance_to_expression(std::string_view allowed,
   const auto plain = std::string_view(wanted).substr(wanted.starts_with('/') ? 1 : 0);
   const auto out = std::min(edits_to_match(expression, wanted),
                             edits_to_match(expression, "rt/" + std::string(plain)));
-  return out <= most_edits(longest_part(expression)) ? std::optional(out) : std::nullopt;
+  return out <= max_edits(longest_part(expression)) ? std::optional(out) : std::nullopt;
 }
 
 /// Finds the allowed name nearest to one that is not.

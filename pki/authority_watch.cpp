@@ -15,7 +15,7 @@ bool have_the_same(const AuthorityWatch::Authorities& a, const AuthorityWatch::A
 }
 
 DocumentWatch::What of_bundle(DocumentWatch::What what) {
-  what.most = kMaxBundleOctets;
+  what.max_octets = kMaxBundleOctets;
   return what;
 }
 

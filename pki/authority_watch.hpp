@@ -14,7 +14,7 @@ namespace ddssec::pki {
 /// Not thread-safe.
 class AuthorityWatch {
  public:
-  /// Before the file is read for the first time. `what.most` is set here.
+  /// Before the file is read for the first time. `what.max_octets` is set here.
   AuthorityWatch(DocumentWatch::What what, std::chrono::seconds interval);
 
   using Authorities = std::vector<Certificate>;

@@ -148,10 +148,10 @@ Error no_pem_block(BytesView octets) {
   return malformed("there is no PEM block CERTIFICATE");
 }
 
-Error too_large(std::size_t most, std::size_t found) {
-  return Error(
-      Code::certificate_too_large,
-      {.expected = "at most " + std::to_string(most) + " octets", .found = std::to_string(found)});
+Error too_large(std::size_t max_octets, std::size_t found) {
+  return Error(Code::certificate_too_large,
+               {.expected = "at most " + std::to_string(max_octets) + " octets",
+                .found = std::to_string(found)});
 }
 
 // The next certificate of a PEM text; nothing at its end.

@@ -5,8 +5,9 @@
 
 namespace ddssec::pki {
 
-Result<Bytes> load_certificates(std::string_view uri, std::string_view property, std::size_t most) {
-  if (!names_token(uri)) return load(uri, property, most);
+Result<Bytes> load_certificates(std::string_view uri, std::string_view property,
+                                std::size_t max_octets) {
+  if (!names_token(uri)) return load(uri, property, max_octets);
   const auto held = token_certificate(uri);
   if (!held) return std::unexpected(held.error().in(std::string(property)));
   const BioPtr bio(BIO_new(BIO_s_mem()));

@@ -27,7 +27,8 @@ using ddssec::load;
 
 /// Certificates in PEM, by their URI: like load(), and for `pkcs11:` (RFC 7512) the certificate in
 /// a token. Errors: those of load(); pkcs11_unavailable, pkcs11_not_found.
-Result<Bytes> load_certificates(std::string_view uri, std::string_view property, std::size_t most);
+Result<Bytes> load_certificates(std::string_view uri, std::string_view property,
+                                std::size_t max_octets);
 
 /// The URI of the key or certificate at `path`: that of the file, or, if its name is *.p11 as in
 /// keystores of ROS 2, the `pkcs11:` URI in it. Errors: those of load(); unsupported_uri.

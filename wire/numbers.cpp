@@ -16,9 +16,9 @@ Result<SequenceNumber> read_sequence_number(Reader& reader) {
   return number;
 }
 
-Result<SequenceNumberSet> read_sequence_number_set(Reader& reader, std::int64_t least_base) {
+Result<SequenceNumberSet> read_sequence_number_set(Reader& reader, std::int64_t min_base) {
   DDSSEC_ASSIGN_OR_RETURN(const auto base, read_any_sequence_number(reader));
-  if (base.value < least_base || base > kMaxSequenceNumber) return fail(Code::rtps_number_invalid);
+  if (base.value < min_base || base > kMaxSequenceNumber) return fail(Code::rtps_number_invalid);
   SequenceNumberSet set(base);
   DDSSEC_RETURN_IF_ERROR(set.read_bits(reader));
   return set;

@@ -123,9 +123,9 @@ using FragmentNumberSet = NumberSet<FragmentNumber>;
 Result<SequenceNumber> read_any_sequence_number(Reader& reader);
 /// Accepts 1 .. kMaxSequenceNumber. Errors: truncated, rtps_number_invalid.
 Result<SequenceNumber> read_sequence_number(Reader& reader);
-/// `least_base`: 0 where a pre-emptive ACKNACK is allowed, otherwise 1. Errors: truncated,
+/// `min_base`: 0 where a pre-emptive ACKNACK is allowed, otherwise 1. Errors: truncated,
 /// rtps_number_invalid, rtps_set_invalid.
-Result<SequenceNumberSet> read_sequence_number_set(Reader& reader, std::int64_t least_base);
+Result<SequenceNumberSet> read_sequence_number_set(Reader& reader, std::int64_t min_base);
 Result<FragmentNumberSet> read_fragment_number_set(Reader& reader);
 
 template <class Out>

@@ -38,14 +38,14 @@ pki::ParticipantFolder files_in(const fs::path& folder) {
 }
 
 /// A file that is to be replaced keeps its mode, apart from rights that no document needs.
-Result<unsigned> mode_of(const fs::path& file, unsigned most) {
+Result<unsigned> mode_of(const fs::path& file, unsigned mask) {
   struct stat status {};
   const int folder = folder_descriptor(file.parent_path());
   if (::fstatat(folder, file.filename().c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0)
     return unwritable(file, errno);
   if (!S_ISREG(status.st_mode))
     return fail(Code::would_overwrite, {.document = file, .note = "it is not a plain file"});
-  return (status.st_mode & most) | 0600U;
+  return (status.st_mode & mask) | 0600U;
 }
 
 /// A participant as its folder has it.

@@ -142,7 +142,7 @@ void ChildProcess::end_input() {
 }
 
 // `done`: there is more than before in the buffer.
-End ChildProcess::fill(std::size_t most, Deadline deadline) {
+End ChildProcess::fill(std::size_t max_octets, Deadline deadline) {
   std::array<char, 4096> part{};
   while (true) {
     const auto woken = signals_.wait(out_, POLLIN, deadline);
@@ -152,24 +152,24 @@ End ChildProcess::fill(std::size_t most, Deadline deadline) {
     if (size < 0 && (errno == EAGAIN || errno == EINTR)) continue;
     if (size <= 0) return End::closed;
     buffer_.append(part.data(), static_cast<std::size_t>(size));
-    return buffer_.size() > most ? End::too_long : End::done;
+    return buffer_.size() > max_octets ? End::too_long : End::done;
   }
 }
 
-End ChildProcess::read_line(std::string& line, std::size_t most, Deadline deadline) {
+End ChildProcess::read_line(std::string& line, std::size_t max_octets, Deadline deadline) {
   while (true) {
     if (const auto end = buffer_.find('\n'); end != buffer_.npos) {
       line = buffer_.substr(0, end);
       buffer_.erase(0, end + 1);
       return End::done;
     }
-    if (const auto end = fill(most, deadline); end != End::done) return end;
+    if (const auto end = fill(max_octets, deadline); end != End::done) return end;
   }
 }
 
-End ChildProcess::read_all(std::string& text, std::size_t most, Deadline deadline) {
+End ChildProcess::read_all(std::string& text, std::size_t max_octets, Deadline deadline) {
   while (true) {
-    const auto end = fill(most, deadline);
+    const auto end = fill(max_octets, deadline);
     if (end == End::done) continue;
     text = std::move(buffer_);
     return end == End::closed ? End::done : end;

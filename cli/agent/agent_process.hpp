@@ -63,9 +63,9 @@ class ChildProcess {
   /// No more comes to the child's `in`.
   void end_input();
   /// Reads up to the next line end, which is not part of `line`.
-  End read_line(std::string& line, std::size_t most, Deadline deadline);
+  End read_line(std::string& line, std::size_t max_octets, Deadline deadline);
   /// Reads all until the child closes its `out`.
-  End read_all(std::string& text, std::size_t most, Deadline deadline);
+  End read_all(std::string& text, std::size_t max_octets, Deadline deadline);
   /// Waits until the process has ended of its own accord; what it left running in its group is
   /// killed.
   End wait(Deadline deadline);
@@ -81,7 +81,7 @@ class ChildProcess {
  private:
   ChildProcess(HeldSignals& signals, pid_t pid, int in, int out)
       : signals_(signals), pid_(pid), in_(in), out_(out) {}
-  End fill(std::size_t most, Deadline deadline);
+  End fill(std::size_t max_octets, Deadline deadline);
   void signal_group(int signal) const;
   void end_group();
   HeldSignals& signals_;

@@ -22,9 +22,9 @@ namespace {
 // The way to the responder is not protected, so an answer may be a recorded one.
 Status check_later(const pki::OcspGood& fetched, const ResponseWanted& wanted,
                    const pki::ChainVerifier& verifier, WallTime now) {
-  const auto refuse = [&](const char* field, WallTime least, WallTime found) {
+  const auto refuse = [&](const char* field, WallTime earliest, WallTime found) {
     return fail(Code::ocsp_expired, {.field = field,
-                                     .expected = "not before " + to_string(least),
+                                     .expected = "not before " + to_string(earliest),
                                      .found = to_string(found),
                                      .note = "it may be a recorded answer"});
   };

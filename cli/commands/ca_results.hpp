@@ -36,7 +36,7 @@ struct CreatedCas {
 
   static constexpr auto fields() {
     return std::tuple(field<&CreatedCas::dir>(), field<&CreatedCas::encrypted>(),
-                      field<&CreatedCas::cas>({.least = 1, .most = 2}));
+                      field<&CreatedCas::cas>({.min = 1, .max = 2}));
   }
   std::string text() const {
     auto out = fmt::format("created {}{}\n", dir.string(),
@@ -137,7 +137,7 @@ struct ShownCas {
                           std::tuple(field<&ShownCas::others>(
                               {.note = "the same of the folder's other CA, without --role",
                                .same = true,
-                               .most = 1})));
+                               .max = 1})));
   }
   std::string text() const {
     if (others.empty()) return first.text();

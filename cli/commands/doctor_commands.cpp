@@ -139,7 +139,7 @@ struct ShownDiagnosis {
         field<&T::vendors>(
             {.note = "with the version that is predicted: the named or the installed one",
              .def = "product",
-             .least = 1}),
+             .min = 1}),
         field<&T::checks>(),
         made<T>("verdicts",
                 [](const T& one) { return verdicts_json(one.diagnosis.outcomes(), one.products); },

@@ -347,7 +347,7 @@ struct ExpiryEntry {
         field<&Self::state>({.words = "ok|soon|expired|not yet|revoked"}),
         field<&Self::kind>({.words = "CA|certificate|OCSP response|permissions|revocation list"}),
         field<&Self::subject>(), field<&Self::not_after>(), field<&Self::days_left>(),
-        field<&Self::file>(), field<&Self::places>({.note = "how many files have it", .least = 1}));
+        field<&Self::file>(), field<&Self::places>({.note = "how many files have it", .min = 1}));
   }
   std::string text() const {
     return fmt::format("{:<8} {:<16} {}  {:>6} d  {}  {}{}\n", state, kind, date(not_after),

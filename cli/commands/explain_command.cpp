@@ -194,7 +194,7 @@ struct Matches {
   static constexpr std::string_view kWhen = "of a part that several codes and rules have";
   std::vector<Match> matches = {};
 
-  static constexpr auto fields() { return std::tuple(field<&Matches::matches>({.least = 2})); }
+  static constexpr auto fields() { return std::tuple(field<&Matches::matches>({.min = 2})); }
   std::string text() const {
     constexpr std::size_t kMax = 30;
     std::string out;
@@ -219,7 +219,7 @@ struct Sentences {
   static constexpr std::string_view kWhen = "of a sentence of Cyclone DDS";
   std::vector<Sentence> sentences = {};
 
-  static constexpr auto fields() { return std::tuple(field<&Sentences::sentences>({.least = 1})); }
+  static constexpr auto fields() { return std::tuple(field<&Sentences::sentences>({.min = 1})); }
   std::string text() const {
     std::string out;
     for (const auto& one : sentences)

@@ -140,9 +140,9 @@ struct Initialised {
 
   static constexpr auto fields() {
     using Self = Initialised;
-    return std::tuple(field<&Self::dir>(), field<&Self::cas>({.least = 2, .most = 2}),
+    return std::tuple(field<&Self::dir>(), field<&Self::cas>({.min = 2, .max = 2}),
                       field<&Self::profile>({.words = "open|balanced|strict"}),
-                      field<&Self::participants>({.least = 1}),
+                      field<&Self::participants>({.min = 1}),
                       field<&Self::snippets>({"of the first participant"}));
   }
   std::string text() const {

@@ -22,7 +22,7 @@ struct CreatedKeystore {
 
   static constexpr auto fields() {
     return std::tuple(field<&CreatedKeystore::dir>(), field<&CreatedKeystore::encrypted>(),
-                      field<&CreatedKeystore::cas>({.least = 2, .most = 2}));
+                      field<&CreatedKeystore::cas>({.min = 2, .max = 2}));
   }
   std::string text() const {
     auto out = fmt::format("created {}{}\n", dir.string(),

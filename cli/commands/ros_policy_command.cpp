@@ -41,7 +41,7 @@ struct PolicyPermissions {
 
   static constexpr auto fields() {
     return std::tuple(field<&PolicyPermissions::file>(),
-                      field<&PolicyPermissions::grants>({.least = 1}));
+                      field<&PolicyPermissions::grants>({.min = 1}));
   }
   std::string text() const {
     return fmt::format("{}: {}\n", file.string(), counted(grants.size(), "grant"));

@@ -131,7 +131,7 @@ struct ShownGovernance {
   static constexpr auto fields() {
     using Self = ShownGovernance;
     return std::tuple(
-        field<&Self::file>(), field<&Self::domain_rules>({.least = 1}),
+        field<&Self::file>(), field<&Self::domain_rules>({.min = 1}),
         field<&Self::revision>({.note = "if it has one", .def = "revision", .absent = true}));
   }
   std::string text() const {

@@ -156,7 +156,7 @@ struct Process {
   std::vector<Participant> participants = {};
 
   static constexpr auto fields() {
-    return std::tuple(field<&Process::pid>({.least = 1}), field<&Process::participants>());
+    return std::tuple(field<&Process::pid>({.min = 1}), field<&Process::participants>());
   }
 };
 

@@ -27,7 +27,7 @@ struct Listed<governance::NameSet> {
                   return kForms[static_cast<std::size_t>(set.form)];
                 },
                 {.words = "every|every_but|listed|some"}),
-        field<&T::expressions>(), field<&T::examples>({.least = 1}));
+        field<&T::expressions>(), field<&T::examples>({.min = 1}));
   }
 };
 

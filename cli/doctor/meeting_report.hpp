@@ -146,7 +146,7 @@ struct ShownTopic {
               const auto& [a, b] = one.by->directions;
               return std::vector<ShownDirection>{{one.view, one.by, &a}, {one.view, one.by, &b}};
             },
-            {.apart = true, .least = 2, .most = 2}));
+            {.apart = true, .min = 2, .max = 2}));
   }
 };
 
@@ -162,7 +162,7 @@ struct ShownJoin {
     return std::tuple(field<&T::domain>(), field<&T::ok>(),
                       field<&T::judgements>({.note = "as `start`", .same = true}),
                       field<&T::differences>(),
-                      field<&T::masks>({.def = "masks", .least = 2, .most = 2}));
+                      field<&T::masks>({.def = "masks", .min = 2, .max = 2}));
   }
 };
 

@@ -51,8 +51,8 @@ struct Shown {
   std::string_view pattern = {};  ///< the regular expression that a text matches
   bool same = false;              ///< `note` says of which struct the members are
   bool apart = false;             ///< the README has a row of its own for the members
-  std::size_t least = 0;          ///< elements of a list; the lowest number (not of std::int64_t)
-  std::size_t most = 0;           ///< 0: any number
+  std::size_t min = 0;            ///< elements of a list; the lowest number (not of std::int64_t)
+  std::size_t max = 0;            ///< 0: any number
   bool absent = false;            ///< an empty std::optional is left out; otherwise it is null
 };
 
@@ -281,8 +281,8 @@ Json text_schema(const Shown& shown) {
 template <class T>
 Json list_schema(const Shown& shown) {
   Json out = {{"type", "array"}, {"items", schema_of<typename T::value_type>(shown)}};
-  if (shown.least > 0) out["minItems"] = shown.least;
-  if (shown.most > 0) out["maxItems"] = shown.most;
+  if (shown.min > 0) out["minItems"] = shown.min;
+  if (shown.max > 0) out["maxItems"] = shown.max;
   return out;
 }
 
@@ -310,7 +310,7 @@ Json schema_of(const Shown& shown) {
     else if constexpr (std::same_as<T, std::int64_t>)
       return {{"type", "integer"}};
     else if constexpr (std::integral<T>)
-      return {{"type", "integer"}, {"minimum", shown.least}};
+      return {{"type", "integer"}, {"minimum", shown.min}};
     else if constexpr (std::floating_point<T>)
       return {{"type", "number"}};
     else if constexpr (std::same_as<T, Json>)

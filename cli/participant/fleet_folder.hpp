@@ -50,7 +50,7 @@ struct IssuedFleet {
   static constexpr auto fields() {
     return std::tuple(
         field<&IssuedFleet::dir>(),
-        field<&IssuedFleet::participants>({.note = "each: the same", .same = true, .least = 1}));
+        field<&IssuedFleet::participants>({.note = "each: the same", .same = true, .min = 1}));
   }
   std::string text() const {
     std::string out;

@@ -94,11 +94,12 @@ class Narrator {
 }  // namespace
 
 TopicSet topics_in_words(const RuleList& old_list, const RuleList& new_list,
-                         std::span<const TopicPair> pairs, SetEffort* effort, std::size_t most) {
+                         std::span<const TopicPair> pairs, SetEffort* effort,
+                         std::size_t max_pairs) {
   TopicSet out;
   const Narrator narrator(old_list, new_list, effort);
   for (const auto& pair : pairs) {
-    if (out.words.size() == most) {
+    if (out.words.size() == max_pairs) {
       ++out.others;
       continue;
     }

@@ -32,6 +32,6 @@ struct TopicSet {
 /// put into words.
 TopicSet topics_in_words(const RuleList& old_list, const RuleList& new_list,
                          std::span<const TopicPair> pairs, SetEffort* effort = nullptr,
-                         std::size_t most = 3);
+                         std::size_t max_pairs = 3);
 
 }  // namespace ddssec::governance

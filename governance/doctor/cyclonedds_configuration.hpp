@@ -27,7 +27,7 @@ std::filesystem::path folder_named_by(std::string_view uri);
 
 /// The content of the file; no octets for an empty file: Cyclone DDS starts with it, without
 /// security. Errors: those of ddssec::load, except item_empty.
-Result<Bytes> load_or_empty(std::string_view uri, std::string_view name, std::size_t most);
+Result<Bytes> load_or_empty(std::string_view uri, std::string_view name, std::size_t max_octets);
 
 /// The text without XML comments.
 std::string without_comments(std::string_view text);

@@ -67,11 +67,11 @@ bool may_repeat(Form form) {
          form == Form::transport;
 }
 
-bool is_number(std::string_view text, int most) {
+bool is_number(std::string_view text, int limit) {
   int value = 0;
   const auto* const end = text.data() + text.size();
   const auto read = std::from_chars(text.data(), end, value);
-  return !text.starts_with('-') && read.ec == std::errc() && read.ptr == end && value <= most;
+  return !text.starts_with('-') && read.ec == std::errc() && read.ptr == end && value <= limit;
 }
 
 bool is_address(std::string_view text) {

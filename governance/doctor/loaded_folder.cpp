@@ -25,11 +25,11 @@ Result<T> named(Result<T> result, const fs::path& path) {
 }
 
 template <class Parse>
-auto load_with(const fs::path& path, std::size_t most, Parse parse)
+auto load_with(const fs::path& path, std::size_t max_octets, Parse parse)
     -> decltype(parse(BytesView())) {
   const auto uri = pki::uri_of(path);
   if (!uri) return about(uri.error(), path);
-  const auto octets = pki::load_certificates(*uri, path.string(), most);
+  const auto octets = pki::load_certificates(*uri, path.string(), max_octets);
   if (!octets) return about(octets.error(), path);
   return named(parse(*octets), path);
 }

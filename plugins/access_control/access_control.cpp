@@ -31,7 +31,7 @@ class Plugin final : public spi::AccessControl {
         options_(std::move(options)),
         judgement_(environment_.clock, options_.accept_relays),
         documents_(options_.partition_match, kMaxCachedDocuments, kMaxCachedOctets),
-        handles_(options_.most_handles) {}
+        handles_(options_.max_handles) {}
 
   Result<PermissionsHandle> validate_local_permissions(spi::IdentityHandle identity,
                                                        DomainId domain_id,

@@ -14,9 +14,9 @@ namespace ddssec::access_control {
 /// What an integrator may choose; the defaults refuse.
 struct Options {
   /// The largest permissions document that is taken from a peer, in octets.
-  std::size_t most_permissions_octets = 16 * 1024 * 1024;
+  std::size_t max_permissions_octets = 16 * 1024 * 1024;
   /// How many permissions handles may be out at a time.
-  std::size_t most_handles = 65536;
+  std::size_t max_handles = 65536;
   /// `one` is the "legacy" mode of DDS-Security 1.2.
   governance::PartitionMatch partition_match = governance::PartitionMatch::all;
   /// Answer relay_only to a reader that only a relay element lets in. Set it only if the

@@ -19,11 +19,11 @@ bool is_wildcard(std::string_view partition) {
   return partition.find_first_of("*?[") != partition.npos;
 }
 
-Status at_most(std::size_t most, std::size_t found, std::string_view what, std::string_view unit) {
-  if (found <= most) return {};
+Status at_most(std::size_t limit, std::size_t found, std::string_view what, std::string_view unit) {
+  if (found <= limit) return {};
   return fail(Code::length_out_of_range,
               {.field = std::string(what),
-               .expected = "at most " + std::to_string(most) + ' ' + std::string(unit),
+               .expected = "at most " + std::to_string(limit) + ' ' + std::string(unit),
                .found = std::to_string(found),
                .hint = "give the peer's endpoint shorter names and fewer partitions"});
 }

@@ -130,7 +130,7 @@ void DocumentCache::insert(Entry entry) {
   by_text_[entries_.front().text] = entries_.begin();
   forget.release();
   octets_ += entries_.front().octets;
-  while (entries_.size() > most_documents_ || (octets_ > most_octets_ && entries_.size() > 1))
+  while (entries_.size() > max_documents_ || (octets_ > max_octets_ && entries_.size() > 1))
     drop_oldest();
 }
 

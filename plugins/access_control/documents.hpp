@@ -87,11 +87,9 @@ class PermissionsDocument {
 /// one text share one entry, which remembers few of them. Thread-safe.
 class DocumentCache {
  public:
-  DocumentCache(governance::PartitionMatch partition_match, std::size_t most_documents,
-                std::size_t most_octets)
-      : partition_match_(partition_match),
-        most_documents_(most_documents),
-        most_octets_(most_octets) {}
+  DocumentCache(governance::PartitionMatch partition_match, std::size_t max_documents,
+                std::size_t max_octets)
+      : partition_match_(partition_match), max_documents_(max_documents), max_octets_(max_octets) {}
 
   /// Verifies and parses `file`, or returns the cached document. Errors: those of
   /// pki::DocumentVerifier::verify and governance::read_permissions; for a cached document those of
@@ -116,8 +114,8 @@ class DocumentCache {
   void drop_oldest();
 
   const governance::PartitionMatch partition_match_;
-  const std::size_t most_documents_;
-  const std::size_t most_octets_;
+  const std::size_t max_documents_;
+  const std::size_t max_octets_;
   mutable std::mutex mutex_;
   Entries entries_;  ///< most recently used first
   Places by_form_;

@@ -20,11 +20,11 @@ using Entries = std::vector<std::pair<spi::PermissionsHandle, Holder>>;
 /// Thread-safe; looking up does not keep others from looking up.
 class HandleTable {
  public:
-  explicit HandleTable(std::size_t most) : most_(most) {}
+  explicit HandleTable(std::size_t max_handles) : max_(max_handles) {}
 
   Result<spi::PermissionsHandle> add(Holder holder) {
     const std::unique_lock lock(mutex_);
-    if (holders_.size() >= most_) return fail(Code::too_many_permissions_handles);
+    if (holders_.size() >= max_) return fail(Code::too_many_permissions_handles);
     const spi::PermissionsHandle handle{++last_};
     const auto added = holders_.emplace(handle.value, std::move(holder)).first;
     Rollback forget([&] { holders_.erase(added); });
@@ -63,7 +63,7 @@ class HandleTable {
   }
 
  private:
-  const std::size_t most_;
+  const std::size_t max_;
   mutable std::shared_mutex mutex_;
   std::unordered_map<std::int64_t, Holder> holders_;
   std::unordered_map<std::int64_t, std::int64_t> local_of_;  ///< identity -> permissions

@@ -61,10 +61,10 @@ Result<DocumentPlaces> places_of(const spi::PropertyList& properties) {
 /// What `read` makes of the certificates that a property names.
 template <class Read>
 auto certificates_of(const spi::PropertyList& properties, std::string_view property,
-                     std::size_t most, Read&& read) -> decltype(read(BytesView())) {
+                     std::size_t max_octets, Read&& read) -> decltype(read(BytesView())) {
   const auto* uri = spi::find_property(properties, property);
   if (!uri || uri->empty()) return fail(Code::missing_property, {.field = std::string(property)});
-  DDSSEC_ASSIGN_OR_RETURN(const auto file, pki::load_certificates(*uri, property, most));
+  DDSSEC_ASSIGN_OR_RETURN(const auto file, pki::load_certificates(*uri, property, max_octets));
   return in_document(read(file), document_name(property, *uri));
 }
 
@@ -226,10 +226,10 @@ Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& con
   auto file = octets_of(credential, "c.perm");
   if (!file) file = octets_of(credential, "dds.perm.cert");
   if (!file) return fail(Code::permissions_missing, {.field = "c.perm"});
-  if (file->size() > context.options.most_permissions_octets) {
+  if (file->size() > context.options.max_permissions_octets) {
     return fail(Code::permissions_too_large,
                 {.field = "c.perm",
-                 .expected = std::to_string(context.options.most_permissions_octets) + " octets",
+                 .expected = std::to_string(context.options.max_permissions_octets) + " octets",
                  .found = std::to_string(file->size())});
   }
   DDSSEC_ASSIGN_OR_RETURN(auto document,

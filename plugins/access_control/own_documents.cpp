@@ -13,9 +13,9 @@
 namespace ddssec::access_control {
 namespace {
 
-DocumentWatch::What what(const std::string& uri, const std::string& name, std::size_t most,
+DocumentWatch::What what(const std::string& uri, const std::string& name, std::size_t max_octets,
                          Code refused, std::string_view stays) {
-  return {.uri = uri, .name = name, .most = most, .refused = refused, .stays = stays};
+  return {.uri = uri, .name = name, .max_octets = max_octets, .refused = refused, .stays = stays};
 }
 
 /// With the remedy of what is wrong with the document: a restart with it would fail.

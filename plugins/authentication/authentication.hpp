@@ -18,12 +18,12 @@ struct Options {
   /// Of each local identity: so many that have authenticated, and as many that have not. More are
   /// refused until some have left, so that announcements use up neither memory nor the room for
   /// those who can prove who they are.
-  std::size_t most_remote_identities = 10'000;
+  std::size_t max_remote_identities = 10'000;
   /// How many of those that have authenticated one subject may have, and never more than are free.
   /// A sixteenth: participants that share a certificate are few hundred, and an insider that wants
   /// to keep newcomers out needs many certificates.
-  std::size_t most_identities_of_a_subject = 625;
-  std::size_t most_local_identities = 256;
+  std::size_t max_identities_of_a_subject = 625;
+  std::size_t max_local_identities = 256;
 };
 
 /// Most handshakes of one pair that were answered or begun and not finished; the oldest gives way

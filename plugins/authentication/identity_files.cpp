@@ -103,7 +103,7 @@ Result<pki::AuthorityWatch> watch_authorities(const spi::PropertyList& propertie
   const auto uri = spi::property_value(properties, kName);
   return pki::AuthorityWatch({.uri = std::string(uri),
                               .name = std::string(kName),
-                              .most = 0,
+                              .max_octets = 0,
                               .refused = Code::identity_ca_renewal_refused,
                               .stays = "the CAs read before stay in force"},
                              interval);

@@ -60,9 +60,9 @@ void IdentityTable::note_renewed(spi::IdentityHandle handle, const pki::ChainVal
 Result<spi::IdentityHandle> IdentityTable::add_local(std::shared_ptr<LocalIdentity> identity,
                                                      const pki::ChainValid& chain) {
   const std::unique_lock lock(mutex_);
-  if (locals_.size() >= most_local_)
+  if (locals_.size() >= max_local_)
     return fail(Code::too_many_local_identities,
-                {.expected = "at most " + std::to_string(most_local_)});
+                {.expected = "at most " + std::to_string(max_local_)});
   const auto handle = next_handle();
   auto& local = locals_[handle];
   Rollback forget([&] { locals_.erase(handle); });

@@ -63,8 +63,8 @@ inline Event event_about(const PeerName& name, const Error& error) {
 /// same participant, it has its own remote identity, handle, handshakes and expiry. Thread-safe.
 class IdentityTable {
  public:
-  IdentityTable(std::size_t most_local, const RemoteLimits& remote_limits)
-      : most_local_(most_local), remote_limits_(remote_limits) {}
+  IdentityTable(std::size_t max_local, const RemoteLimits& remote_limits)
+      : max_local_(max_local), remote_limits_(remote_limits) {}
 
   /// Adds a local identity that expires with `chain`. Error: too_many_local_identities.
   Result<spi::IdentityHandle> add_local(std::shared_ptr<LocalIdentity> identity,
@@ -216,7 +216,7 @@ class IdentityTable {
   Result<const Local*> live_local(spi::IdentityHandle handle) const;
   Result<const Remote*> live_remote(spi::IdentityHandle handle) const;
 
-  const std::size_t most_local_;
+  const std::size_t max_local_;
   const RemoteLimits remote_limits_;
   mutable std::shared_mutex mutex_;
   std::unordered_map<std::int64_t, Local> locals_;

@@ -28,10 +28,10 @@ class PkiDh final : public spi::Authentication {
   PkiDh(const Environment& environment, const Options& options)
       : environment_(environment),
         stores_(options.crl_policy),
-        table_(options.most_local_identities,
-               {.most_claimed = options.most_remote_identities,
-                .most_authenticated = options.most_remote_identities,
-                .most_of_a_subject = options.most_identities_of_a_subject}) {}
+        table_(options.max_local_identities,
+               {.max_claimed = options.max_remote_identities,
+                .max_authenticated = options.max_remote_identities,
+                .max_of_a_subject = options.max_identities_of_a_subject}) {}
 
   Result<LocalIdentity> validate_local_identity(DomainId domain_id,
                                                 const spi::PropertyList& properties,

@@ -5,9 +5,9 @@
 namespace ddssec::authentication {
 namespace {
 
-std::unexpected<Error> too_many(std::size_t most, std::string_view of_what) {
+std::unexpected<Error> too_many(std::size_t limit, std::string_view of_what) {
   return fail(Code::too_many_remote_identities,
-              {.expected = "at most " + std::to_string(most) + " that " + std::string(of_what),
+              {.expected = "at most " + std::to_string(limit) + " that " + std::string(of_what),
                .found = "one more"});
 }
 
@@ -20,24 +20,23 @@ RemoteCounts::Half RemoteCounts::half_of(const Guid& guid) {
 }
 
 Status RemoteCounts::check_claim(const Guid& guid, const RemoteLimits& limits) const {
-  if (claimed_ >= limits.most_claimed)
-    return too_many(limits.most_claimed, "have not authenticated");
+  if (claimed_ >= limits.max_claimed) return too_many(limits.max_claimed, "have not authenticated");
   return check_authenticated(guid, limits);
 }
 
 Status RemoteCounts::check_authenticated(const Guid& guid, const RemoteLimits& limits) const {
-  if (authenticated_ >= limits.most_authenticated)
-    return too_many(limits.most_authenticated, "have authenticated");
+  if (authenticated_ >= limits.max_authenticated)
+    return too_many(limits.max_authenticated, "have authenticated");
   const auto known = subjects_.find(half_of(guid));
   if (known == subjects_.end()) return {};
   const auto& subject = known->second;
-  const auto free = limits.most_authenticated - authenticated_;
-  const auto most = std::min(limits.most_of_a_subject, free);
-  if (subject.count < most) return {};
-  const bool is_crowded = most < limits.most_of_a_subject;
+  const auto free = limits.max_authenticated - authenticated_;
+  const auto limit = std::min(limits.max_of_a_subject, free);
+  if (subject.count < limit) return {};
+  const bool is_crowded = limit < limits.max_of_a_subject;
   return fail(Code::too_many_identities_of_subject,
               {.document = "the certificate of " + subject.name,
-               .expected = "at most " + std::to_string(most) + " participants" +
+               .expected = "at most " + std::to_string(limit) + " participants" +
                            (is_crowded ? ", as many as places are free" : ""),
                .found = "one more than " + std::to_string(subject.count)});
 }

@@ -14,9 +14,9 @@ namespace ddssec::authentication {
 
 /// Limits for each local identity.
 struct RemoteLimits {
-  std::size_t most_claimed;        ///< identities that have not authenticated
-  std::size_t most_authenticated;  ///< identities that have authenticated
-  std::size_t most_of_a_subject;   ///< of these, identities of one subject
+  std::size_t max_claimed;        ///< identities that have not authenticated
+  std::size_t max_authenticated;  ///< identities that have authenticated
+  std::size_t max_of_a_subject;   ///< of these, identities of one subject
 };
 
 /// Counts the remote identities of one local identity.

@@ -59,8 +59,8 @@ bool fits(const spi::Token& token) {
 std::string octets(std::size_t count) { return std::to_string(count) + " octets"; }
 
 std::string range(const FieldRule& rule) {
-  return rule.least == rule.most ? octets(rule.least)
-                                 : std::to_string(rule.least) + " to " + octets(rule.most);
+  return rule.min == rule.max ? octets(rule.min)
+                              : std::to_string(rule.min) + " to " + octets(rule.max);
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ Result<std::optional<BytesView>> TokenFields::optional(const FieldRule& rule) co
                   {.document = document, .field = std::string(rule.name)});
     found = BytesView(property.value);
   }
-  if (found && (found->size() < rule.least || found->size() > rule.most))
+  if (found && (found->size() < rule.min || found->size() > rule.max))
     return fail(Code::token_field_length, {.document = document,
                                            .field = std::string(rule.name),
                                            .expected = range(rule),

@@ -42,8 +42,8 @@ inline constexpr std::size_t kMaxUnknownOctets = 64 * 1024;
 /// A field's name and its allowed length in octets.
 struct FieldRule {
   std::string_view name;
-  std::size_t least;
-  std::size_t most;
+  std::size_t min;
+  std::size_t max;
 };
 
 /// Checked access to a token of a known class. Everything is borrowed from the token.

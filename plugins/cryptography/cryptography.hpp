@@ -31,9 +31,9 @@ struct Options {
   bool host_checks_sources = true;
   /// The number of AES blocks under one session key before the next session begins
   /// (DDS-Security 1.2, clause 10.5.3.3.4); 1 to 2^32.
-  std::uint64_t most_blocks_per_session = std::uint64_t{1} << 32;
+  std::uint64_t max_blocks_per_session = std::uint64_t{1} << 32;
   /// The number of sessions under one key before it refuses to encode; 1 to 2^32.
-  std::uint64_t most_sessions_per_key = std::uint64_t{1} << 32;
+  std::uint64_t max_sessions_per_key = std::uint64_t{1} << 32;
 };
 
 /// The ciphers that an engine made with `choice` can decrypt.

@@ -13,8 +13,8 @@ namespace {
 KeyEnvironment key_environment(const AeadBackend& aead, Graveyard& graveyard, Random& random,
                                const Options& options) {
   constexpr auto kMax = std::uint64_t{1} << 32;
-  return {aead, graveyard, std::clamp(options.most_blocks_per_session, std::uint64_t{1}, kMax),
-          std::clamp(options.most_sessions_per_key, std::uint64_t{1}, kMax), random};
+  return {aead, graveyard, std::clamp(options.max_blocks_per_session, std::uint64_t{1}, kMax),
+          std::clamp(options.max_sessions_per_key, std::uint64_t{1}, kMax), random};
 }
 
 /// Unpredictable if possible. No security depends on it: these numbers only make handles and key

@@ -12,7 +12,7 @@ namespace {
 struct Shape {
   std::string_view field;
   std::size_t sender_at;
-  std::size_t least_size;
+  std::size_t min_size;
 };
 
 Shape shape_of(std::uint8_t id) {
@@ -48,7 +48,7 @@ Status check_speaker(const RemoteEndpoint& sender, BytesView plain) {
   const auto shape = shape_of(header.id);
   // With length 0 the host continues to read after the group, so all fields must be inside the
   // group.
-  const auto least = header.length == 0 ? shape.least_size : shape.sender_at + EntityId::size;
+  const auto least = header.length == 0 ? shape.min_size : shape.sender_at + EntityId::size;
   if (plain.size() < least)
     return fail(Code::secure_group_malformed, {.document = "a protected submessage",
                                                .expected = std::to_string(least) + " octets",

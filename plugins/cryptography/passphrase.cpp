@@ -64,7 +64,7 @@ Status add(Passphrase passphrase, const Place& place, std::vector<Passphrase>& o
   return {};
 }
 
-Status parse_lines(std::string_view text, std::string_view property, std::size_t most,
+Status parse_lines(std::string_view text, std::string_view property, std::size_t limit,
                    std::vector<Passphrase>& out) {
   constexpr std::string_view kEnds = "\r\n";
   std::size_t found = 0;
@@ -72,8 +72,8 @@ Status parse_lines(std::string_view text, std::string_view property, std::size_t
     const auto size = std::min(text.find_first_of(kEnds), text.size());
     const Place place{property, line};
     if (size > 0) {
-      if (++found > most)
-        return place.refuse("at most " + std::to_string(most) + (most == 1 ? " line" : " lines"),
+      if (++found > limit)
+        return place.refuse("at most " + std::to_string(limit) + (limit == 1 ? " line" : " lines"),
                             "more");
       DDSSEC_ASSIGN_OR_RETURN(auto passphrase, parse_line(text.substr(0, size), place));
       DDSSEC_RETURN_IF_ERROR(add(std::move(passphrase), place, out));
@@ -85,11 +85,11 @@ Status parse_lines(std::string_view text, std::string_view property, std::size_t
   return {};
 }
 
-Status load(std::string_view uri, std::string_view property, std::size_t most,
+Status load(std::string_view uri, std::string_view property, std::size_t limit,
             std::vector<Passphrase>& out) {
   DDSSEC_ASSIGN_OR_RETURN(const auto lines, load_secret<Lines>(uri, property));
   return lines.expose(
-      [&](BytesView octets) { return parse_lines(as_text(octets), property, most, out); });
+      [&](BytesView octets) { return parse_lines(as_text(octets), property, limit, out); });
 }
 
 void warn_if_exposed(std::string_view uri, std::string_view property, EventSink& events) {

@@ -4,17 +4,17 @@
 
 namespace ddssec::cryptography {
 
-std::unexpected<Error> ReceiverPlaces::refuse(std::size_t most, std::string_view whose) const {
+std::unexpected<Error> ReceiverPlaces::refuse(std::size_t limit, std::string_view whose) const {
   return fail(Code::receiver_places_taken,
               {.document = "origin authentication",
                .field = std::string(of_),
-               .expected = "at most " + std::to_string(most) + std::string(whose)});
+               .expected = "at most " + std::to_string(limit) + std::string(whose)});
 }
 
 Status ReceiverPlaces::take(std::uint64_t subject) {
-  if (all_ >= most_) return refuse(most_, "");
+  if (all_ >= max_) return refuse(max_, "");
   auto& count = of_subject_[subject];
-  if (count >= share_of(most_)) return refuse(share_of(most_), " of one certificate");
+  if (count >= share_of(max_)) return refuse(share_of(max_), " of one certificate");
   ++count, ++all_;
   return {};
 }

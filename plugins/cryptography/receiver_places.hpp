@@ -25,11 +25,11 @@ class ReceiverPlaces {
   static constexpr std::size_t kMaxOfEach = 1500;
   /// The limit for one certificate. Each of its participants has a reader for every secure builtin
   /// topic.
-  static constexpr std::size_t share_of(std::size_t most) { return most / 5; }
+  static constexpr std::size_t share_of(std::size_t limit) { return limit / 5; }
 
   /// `of` names the receivers in events.
-  explicit ReceiverPlaces(std::size_t most = kMax, std::string_view of = "readers of a writer")
-      : most_(most), of_(of) {}
+  explicit ReceiverPlaces(std::size_t limit = kMax, std::string_view of = "readers of a writer")
+      : max_(limit), of_(of) {}
 
   /// Takes a place for one more receiver of a certificate's subject. Error: receiver_places_taken.
   Status take(std::uint64_t subject);
@@ -40,9 +40,9 @@ class ReceiverPlaces {
   }
 
  private:
-  std::unexpected<Error> refuse(std::size_t most, std::string_view whose) const;
+  std::unexpected<Error> refuse(std::size_t limit, std::string_view whose) const;
 
-  std::size_t most_;
+  std::size_t max_;
   std::string_view of_;
   std::unordered_map<std::uint64_t, std::size_t> of_subject_;
   std::size_t all_ = 0;

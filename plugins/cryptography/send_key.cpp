@@ -101,7 +101,7 @@ Result<SendKey::Reservation> SendKey::reserve(std::size_t size) {
     if (session != nullptr && session->generation == environment_.generation.peek()) [[likely]] {
       const auto first = session->used.fetch_add(wanted, std::memory_order_relaxed);
       // A message larger than a whole session may be the only one of it.
-      if (first == 0 || first + wanted <= environment_.most_blocks_per_session) [[likely]]
+      if (first == 0 || first + wanted <= environment_.max_blocks_per_session) [[likely]]
         return Reservation{session, iv_from(session->id, session->suffix + first)};
     }
     DDSSEC_RETURN_IF_ERROR(roll_over(session));
@@ -129,7 +129,7 @@ SendPosition SendKey::position() const {
 std::uint64_t SendKey::blocks_used() const {
   const auto* const session = current_.read();
   if (session == nullptr) return 0;
-  const auto most = environment_.most_blocks_per_session;
+  const auto most = environment_.max_blocks_per_session;
   const auto of_session = std::min(session->used.load(std::memory_order_relaxed), most);
   const auto before = session->number * most;  // below 2^64
   return before + std::min(of_session, std::numeric_limits<std::uint64_t>::max() - before);
@@ -138,7 +138,7 @@ std::uint64_t SendKey::blocks_used() const {
 Status SendKey::roll_over(const SendSession* former) {
   const std::lock_guard lock(mutex_);
   if (current_.read() != former) return {};
-  if (former != nullptr && former->number + 1 >= environment_.most_sessions_per_key)
+  if (former != nullptr && former->number + 1 >= environment_.max_sessions_per_key)
     return fail(Code::session_ids_exhausted);
   auto next = former != nullptr ? session_after(*former) : first_session();
   DDSSEC_RETURN_IF_ERROR(next);

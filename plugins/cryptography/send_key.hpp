@@ -20,8 +20,8 @@ namespace ddssec::cryptography {
 struct KeyEnvironment {
   const AeadBackend& aead;
   Graveyard& graveyard;
-  std::uint64_t most_blocks_per_session;  ///< at least 1
-  std::uint64_t most_sessions_per_key;    ///< at least 1, at most 2^32
+  std::uint64_t max_blocks_per_session;  ///< at least 1
+  std::uint64_t max_sessions_per_key;    ///< at least 1, at most 2^32
   Random& random;
   ForkGeneration& generation = ForkGeneration::of_process();
 };
@@ -52,10 +52,10 @@ struct SendSession final : Retirable {
 ///
 /// No IV is used twice under one session key. A message of n blocks reserves n numbers of the
 /// session by one atomic addition; its suffix is the start plus the first of them. Two messages
-/// never reserve the same number. At most most_blocks_per_session numbers are ever given out (plus
+/// never reserve the same number. At most max_blocks_per_session numbers are ever given out (plus
 /// one unused addition per thread), far below the 2^64 after which suffixes would repeat. No
 /// session id is used twice under one master key: ids count up and stop after
-/// most_sessions_per_key.
+/// max_sessions_per_key.
 ///
 /// The first session is expanded for the first message: a reader has a key for each participant
 /// that writes its topic, and a best-effort reader never uses them.

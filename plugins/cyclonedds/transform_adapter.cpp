@@ -100,11 +100,11 @@ DDS_Security_boolean encode_rtps_message(Instance* instance, Octets* encoded, co
 
 /// The result must fit where the host copies it without a check, and end at a multiple of 4 where
 /// submessages follow one another.
-Status check_decoded(Octets& decoded, std::size_t most, std::size_t alignment) {
-  if (decoded._length <= most && decoded._length % alignment == 0) return {};
+Status check_decoded(Octets& decoded, std::size_t max_octets, std::size_t alignment) {
+  if (decoded._length <= max_octets && decoded._length % alignment == 0) return {};
   wipe({decoded._buffer, decoded._length});
   std::free(decoded._buffer);
-  const auto code = decoded._length > most ? Code::result_exceeds_buffer : Code::malformed;
+  const auto code = decoded._length > max_octets ? Code::result_exceeds_buffer : Code::malformed;
   decoded = {};
   return fail(code);
 }

@@ -10,7 +10,7 @@ Result<std::chrono::seconds> clock_step_grace(const PropertyList& properties) {
   DDSSEC_ASSIGN_OR_RETURN(
       const auto seconds,
       number_property(properties, property::kClockStepGrace,
-                      {.unit = "seconds", .most = SteadyCalendar::kMaxGrace.count()},
+                      {.unit = "seconds", .max = SteadyCalendar::kMaxGrace.count()},
                       SteadyCalendar::kDefaultGrace.count()));
   return std::chrono::seconds(seconds);
 }

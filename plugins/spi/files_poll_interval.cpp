@@ -6,11 +6,10 @@
 namespace ddssec::spi {
 
 Result<std::chrono::seconds> files_poll_interval(const PropertyList& properties) {
-  DDSSEC_ASSIGN_OR_RETURN(
-      const auto seconds,
-      number_property(properties, property::kFilesPollInterval,
-                      {.unit = "seconds", .most = kMaxFilesPollInterval.count()},
-                      kDefaultFilesPollInterval.count()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto seconds,
+                          number_property(properties, property::kFilesPollInterval,
+                                          {.unit = "seconds", .max = kMaxFilesPollInterval.count()},
+                                          kDefaultFilesPollInterval.count()));
   return std::chrono::seconds(seconds);
 }
 

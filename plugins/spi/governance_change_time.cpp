@@ -9,7 +9,7 @@ Result<std::chrono::seconds> governance_change_time(const PropertyList& properti
   DDSSEC_ASSIGN_OR_RETURN(
       const auto seconds,
       number_property(properties, property::kGovernanceChangeTime,
-                      {.unit = "seconds", .most = kMaxGovernanceChangeTime.count()},
+                      {.unit = "seconds", .max = kMaxGovernanceChangeTime.count()},
                       kDefaultGovernanceChangeTime.count()));
   return std::chrono::seconds(seconds);
 }

@@ -6,8 +6,8 @@ namespace ddssec::spi {
 namespace {
 
 std::string in_words(const NumberRange& range) {
-  return std::string(range.unit) + " from " + std::to_string(range.least) + " to " +
-         std::to_string(range.most) + ", or 0";
+  return std::string(range.unit) + " from " + std::to_string(range.min) + " to " +
+         std::to_string(range.max) + ", or 0";
 }
 
 }  // namespace
@@ -20,7 +20,7 @@ Result<std::uint64_t> number_property(const PropertyList& properties, std::strin
   const auto* const end = text->data() + text->size();
   const auto [stopped, error] = std::from_chars(text->data(), end, number);
   const bool is_one = error == std::errc() && stopped == end;
-  if (is_one && (number == 0 || (number >= range.least && number <= range.most))) return number;
+  if (is_one && (number == 0 || (number >= range.min && number <= range.max))) return number;
   return fail(
       Code::invalid_property,
       {.document = std::string(name), .expected = in_words(range), .found = text->substr(0, 64)});

@@ -12,7 +12,7 @@ namespace ddssec::spi {
 /// allowed.
 struct NumberRange {
   std::string_view unit;
-  std::uint64_t least = 1, most = 0;
+  std::uint64_t min = 1, max = 0;
 };
 
 /// The value of the property, or `otherwise` if it is missing. Error: invalid_property (no decimal

@@ -40,7 +40,7 @@ inline constexpr std::string_view kSharedMemory = "org.ddssec.shm";
 /// are encrypted.
 inline constexpr std::string_view kTrustKernel = "org.ddssec.shm.trust_kernel";
 /// Ours: limit for the shared memory that a participant makes, in octets.
-inline constexpr std::string_view kMaxSharedOctets = "org.ddssec.shm.most_octets";
+inline constexpr std::string_view kMaxSharedOctets = "org.ddssec.shm.max_octets";
 /// Ours: "true" lets samples go through shared memory to processes of other users, too.
 inline constexpr std::string_view kSharedWithOtherUsers = "org.ddssec.shm.other_users";
 

@@ -21,8 +21,8 @@ Result<SharedMemory> shared_memory(const PropertyList& properties) {
   constexpr auto kMax = std::uint64_t{1} << 40;
   DDSSEC_ASSIGN_OR_RETURN(const auto most,
                           number_property(properties, property::kMaxSharedOctets,
-                                          {.unit = "octets", .most = kMax}, out.most_octets));
-  out.most_octets = most;
+                                          {.unit = "octets", .max = kMax}, out.max_octets));
+  out.max_octets = most;
   return out;
 }
 

@@ -11,14 +11,14 @@ struct SharedMemory {
   /// encrypted.
   bool trusts_kernel = false;
   /// Limit for the memory that a participant makes.
-  std::size_t most_octets = std::size_t{256} << 20;
+  std::size_t max_octets = std::size_t{256} << 20;
   /// Processes of other users take part.
   bool with_other_users = false;
   bool operator==(const SharedMemory&) const = default;
 };
 
 /// The values of `org.ddssec.shm` ("on" or "off"), `org.ddssec.shm.trust_kernel` and
-/// `org.ddssec.shm.other_users` ("true" or "false"), and `org.ddssec.shm.most_octets` (at most 1
+/// `org.ddssec.shm.other_users` ("true" or "false"), and `org.ddssec.shm.max_octets` (at most 1
 /// TiB); off, false and 256 MiB if they are missing. Error: invalid_property.
 Result<SharedMemory> shared_memory(const PropertyList& properties);
 

@@ -15,8 +15,8 @@ using Representations = std::map<std::string, rtps::DataRepresentation>;
 constexpr std::int64_t kMaxMilliseconds = std::numeric_limits<std::int32_t>::max();
 
 template <class T>
-auto at_least(T least) {
-  return CLI::Range(least, std::numeric_limits<T>::max());
+auto at_least(T min) {
+  return CLI::Range(min, std::numeric_limits<T>::max());
 }
 
 // CLI11's own support for enumerations also lists numbers.

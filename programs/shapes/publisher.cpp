@@ -13,25 +13,25 @@ std::int32_t below(Random& random, std::int32_t end) {
   return (octets[0] << 8 | octets[1]) % end;
 }
 
-/// One coordinate: moves, and turns at 0 and at `most`.
+/// One coordinate: moves, and turns at 0 and at `limit`.
 class Coordinate {
  public:
-  Coordinate(Random& random, std::int32_t most)
-      : at_(below(random, most)),
+  Coordinate(Random& random, std::int32_t limit)
+      : at_(below(random, limit)),
         speed_((below(random, 5) + 1) * (below(random, 2) == 0 ? 1 : -1)),
-        most_(most) {}
+        max_(limit) {}
 
   std::int32_t move() {
     at_ += speed_;
-    if (at_ < 0 || at_ > most_) {
-      at_ = at_ < 0 ? 0 : most_;
+    if (at_ < 0 || at_ > max_) {
+      at_ = at_ < 0 ? 0 : max_;
       speed_ = -speed_;
     }
     return at_;
   }
 
  private:
-  std::int32_t at_, speed_, most_;
+  std::int32_t at_, speed_, max_;
 };
 
 template <class T>

@@ -29,15 +29,15 @@ class AnnouncedShares {
     bool operator==(const Amount&) const = default;
   };
 
-  explicit AnnouncedShares(const Amount& most) : most_(most) {}
+  explicit AnnouncedShares(const Amount& max) : max_(max) {}
 
   /// True if there is room for `more` of the identity once `less` of it has gone.
   bool has_room(const GuidPrefix& identity, const Amount& more, const Amount& less) const {
     auto own = of(identity), all = all_;
     (own += more) -= less;
     (all += more) -= less;
-    return own.octets + all.octets <= most_.octets &&
-           own.endpoints + all.endpoints <= most_.endpoints;
+    return own.octets + all.octets <= max_.octets &&
+           own.endpoints + all.endpoints <= max_.endpoints;
   }
   void add(const GuidPrefix& identity, const Amount& more) {
     of_identity_[identity] += more;
@@ -56,7 +56,7 @@ class AnnouncedShares {
   }
 
  private:
-  const Amount most_;
+  const Amount max_;
   Amount all_;
   std::map<GuidPrefix, Amount> of_identity_;
 };

@@ -15,19 +15,19 @@ namespace detail {
 /// The smallest number of octets that a value of T takes. Counts are checked against it before
 /// anything is allocated.
 template <class T>
-std::size_t least_size() {
+std::size_t min_size() {
   if constexpr (Primitive<T>) {
     return sizeof(T);
   } else if constexpr (std::is_enum_v<T>) {
     return sizeof(typename EnumOnWire<T>::type);
   } else if constexpr (Array<T>) {
-    return std::tuple_size_v<T> * least_size<typename T::value_type>();
+    return std::tuple_size_v<T> * min_size<typename T::value_type>();
   } else if constexpr (DdsType<T>) {
     static const std::size_t size = [] {
       std::size_t sum = 0;
       T value{};
       for_each_member(value, [&](const auto& member) {
-        sum += least_size<std::remove_cvref_t<decltype(member.value)>>();
+        sum += min_size<std::remove_cvref_t<decltype(member.value)>>();
       });
       return sum;
     }();
@@ -109,8 +109,8 @@ class CdrReader {
   }
 
   bool align(std::size_t size) {
-    const auto most = version_ == XcdrVersion::xcdr1 ? std::size_t{8} : std::size_t{4};
-    const auto padding = -reader_.position() & (std::min(size, most) - 1);
+    const auto max_alignment = version_ == XcdrVersion::xcdr1 ? std::size_t{8} : std::size_t{4};
+    const auto padding = -reader_.position() & (std::min(size, max_alignment) - 1);
     if (padding > remaining() || !reader_.skip(padding)) refuse(Code::truncated);
     return status_.has_value();
   }
@@ -140,16 +140,16 @@ class CdrReader {
 
   void take_text(std::string& value, std::size_t bound);
 
-  std::uint32_t take_count(std::size_t least_element, std::size_t bound) {
+  std::uint32_t take_count(std::size_t min_element_size, std::size_t bound) {
     const auto count = take_bits<std::uint32_t>();
-    if (count > bound || count > remaining() / least_element) refuse(Code::length_out_of_range);
+    if (count > bound || count > remaining() / min_element_size) refuse(Code::length_out_of_range);
     return status_ ? count : 0;
   }
 
   template <class E>
   void take_sequence(std::vector<E>& value, std::size_t bound, std::size_t element_bound) {
     const Delimited delimited(*this, !detail::kNeedsNoHeader<E>);
-    const auto count = take_count(detail::least_size<E>(), bound);
+    const auto count = take_count(detail::min_size<E>(), bound);
     if (!status_) return;
     if constexpr (std::is_same_v<E, std::uint8_t>) {
       const auto octets = *reader_.read_bytes(count);
@@ -180,7 +180,7 @@ class CdrReader {
   }
 
   template <bool limited = false, DdsType T>
-  void take_struct(T& value, [[maybe_unused]] std::size_t most = kUnbounded) {
+  void take_struct(T& value, [[maybe_unused]] std::size_t max_count = kUnbounded) {
     constexpr bool appendable = TypeTraits<T>::extensibility == Extensibility::appendable;
     if (depth_ >= kMaxNesting) return refuse(Code::length_out_of_range);
     ++depth_;
@@ -190,7 +190,7 @@ class CdrReader {
     // defaults.
     detail::for_each_member(value, [&](const auto& member) {
       if constexpr (limited)
-        if (taken++ >= most) return;
+        if (taken++ >= max_count) return;
       if (appendable && remaining() == 0)
         ended_early_ = true;
       else

@@ -82,8 +82,8 @@ class CdrWriter {
   }
 
   void align(std::size_t size) {
-    const auto most = version_ == XcdrVersion::xcdr1 ? std::size_t{8} : std::size_t{4};
-    const auto alignment = std::min(size, most);
+    const auto max_alignment = version_ == XcdrVersion::xcdr1 ? std::size_t{8} : std::size_t{4};
+    const auto alignment = std::min(size, max_alignment);
     const auto offset = out_.size() - origin_;
     const auto padding = -offset & (alignment - 1);
     if (padding != 0) out_.resize(out_.size() + padding);

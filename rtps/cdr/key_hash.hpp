@@ -11,7 +11,7 @@ namespace detail {
 
 /// The largest position after the key of T if it begins at `offset`, or kUnbounded.
 template <class T, XcdrVersion version>
-std::size_t most_key_size(std::size_t offset, std::size_t bound, bool keys_only) {
+std::size_t max_key_size(std::size_t offset, std::size_t bound, bool keys_only) {
   const auto aligned = [](std::size_t at, std::size_t size) {
     const auto to = std::min<std::size_t>(size, version == XcdrVersion::xcdr1 ? 8 : 4);
     return (at + to - 1) & ~(to - 1);
@@ -19,12 +19,12 @@ std::size_t most_key_size(std::size_t offset, std::size_t bound, bool keys_only)
   if constexpr (Primitive<T>) {
     return aligned(offset, sizeof(T)) + sizeof(T);
   } else if constexpr (std::is_enum_v<T>) {
-    return most_key_size<typename EnumOnWire<T>::type, version>(offset, bound, keys_only);
+    return max_key_size<typename EnumOnWire<T>::type, version>(offset, bound, keys_only);
   } else if constexpr (std::is_same_v<T, std::string>) {
     return bound == kUnbounded ? kUnbounded : aligned(offset, 4) + 4 + bound + 1;
   } else if constexpr (Array<T>) {
     for (std::size_t i = 0; i < std::tuple_size_v<T> && offset != kUnbounded; ++i)
-      offset = most_key_size<typename T::value_type, version>(offset, bound, keys_only);
+      offset = max_key_size<typename T::value_type, version>(offset, bound, keys_only);
     return offset;
   } else if constexpr (DdsType<T>) {
     T value{};
@@ -32,7 +32,7 @@ std::size_t most_key_size(std::size_t offset, std::size_t bound, bool keys_only)
     for_each_member(value, [&](const auto& member) {
       using M = std::remove_cvref_t<decltype(member.value)>;
       if (offset != kUnbounded && (member.is_key || all))
-        offset = most_key_size<M, version>(offset, member.bound, keys_only);
+        offset = max_key_size<M, version>(offset, member.bound, keys_only);
     });
     return offset;
   } else {
@@ -50,8 +50,8 @@ KeyHash key_hash_of(BytesView big_endian_key, bool always_md5);
 template <DdsType T>
 KeyHash key_hash(const T& value, Bytes& scratch, bool always_md5 = false,
                  XcdrVersion version = XcdrVersion::xcdr1) {
-  static const bool fits1 = detail::most_key_size<T, XcdrVersion::xcdr1>(0, kUnbounded, true) <= 16;
-  static const bool fits2 = detail::most_key_size<T, XcdrVersion::xcdr2>(0, kUnbounded, true) <= 16;
+  static const bool fits1 = detail::max_key_size<T, XcdrVersion::xcdr1>(0, kUnbounded, true) <= 16;
+  static const bool fits2 = detail::max_key_size<T, XcdrVersion::xcdr2>(0, kUnbounded, true) <= 16;
   scratch.clear();
   CdrWriter(scratch, version, Endian::big).put_key(value);
   return detail::key_hash_of(scratch,

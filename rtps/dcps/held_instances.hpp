@@ -120,7 +120,7 @@ class HeldInstances {
   bool any(const States& states) const { return counts_.any(states); }
   std::size_t samples() const { return samples_; }
   /// The most samples and octets that one identity can have, if no other has any.
-  std::size_t most_samples_of_one() const {
+  std::size_t max_samples_of_one() const {
     return shares_samples_ ? max_samples_ / 2 : max_samples_;
   }
   static constexpr std::size_t kMaxOctetsOfOne = kMaxOctets / 2;

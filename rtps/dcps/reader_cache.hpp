@@ -61,7 +61,7 @@ class ReaderCache {
   /// change must be stored again, because the owner replaced it in the meantime.
   bool is_wanted_again(const Change& change);
   /// The largest number of samples that it can hold of one identity.
-  std::size_t most_samples_of_one() const { return held_.most_samples_of_one(); }
+  std::size_t max_samples_of_one() const { return held_.max_samples_of_one(); }
   /// Appends the samples that match the query to `out`; samples of one instance are adjacent.
   void select(const Query& query, const Moment& at, std::vector<OctetSample>& out);
   /// True if a select with these states, and with this query if it is not nullptr, would find

@@ -172,7 +172,7 @@ void SampleReception::give_up(const Guid& writer, std::size_t samples, Limit lim
                             ? fmt::format(
                                   "at most {} samples and {} octets, all of which the "
                                   "reader can hold of one identity",
-                                  cache().most_samples_of_one(), HeldInstances::kMaxOctetsOfOne)
+                                  cache().max_samples_of_one(), HeldInstances::kMaxOctetsOfOne)
                             : "open sets of one identity that take no more than is free";
   context_.protocol().remote_participants().raise_about(
       Error(Code::rtps_set_given_up,

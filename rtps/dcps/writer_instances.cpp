@@ -7,15 +7,15 @@
 namespace ddssec::rtps {
 
 WriterInstances::WriterInstances(const Qos& qos)
-    : most_(qos.resource_limits.max_instances == kLengthUnlimited
-                ? kMaxInstances
-                : static_cast<std::size_t>(qos.resource_limits.max_instances)),
+    : max_(qos.resource_limits.max_instances == kLengthUnlimited
+               ? kMaxInstances
+               : static_cast<std::size_t>(qos.resource_limits.max_instances)),
       deadline_(deadline_period(qos.deadline)) {}
 
 InstanceHandle WriterInstances::enter(const KeyHash& key,
                                       const std::function<Bytes()>& serialized_key) {
   if (const auto known = lookup(key); !known.is_nil()) return known;
-  if (by_key_.size() >= most_) return {};
+  if (by_key_.size() >= max_) return {};
   auto& instance = by_key_[key];
   instance.handle = {next_handle_++};
   if (serialized_key) instance.key_value = serialized_key();

@@ -47,7 +47,7 @@ class WriterInstances {
     Link<Instance> due{this};
   };
 
-  const std::size_t most_;
+  const std::size_t max_;
   MonotonicTime deadline_ = kNever;  ///< period
   LinkedList<Instance> due_;         ///< in the order of deadlines; must outlive the instances
   std::map<KeyHash, Instance> by_key_;

@@ -24,8 +24,8 @@ std::size_t work_of(const StoredChange& stored) {
 }  // namespace
 
 Result<std::unique_ptr<DurableStore>> DurableStore::open(const std::string& path, EventSink& events,
-                                                         std::size_t most_octets, Time now) {
-  DDSSEC_ASSIGN_OR_RETURN(auto store, SampleStore::open(path, most_octets, now));
+                                                         std::size_t max_octets, Time now) {
+  DDSSEC_ASSIGN_OR_RETURN(auto store, SampleStore::open(path, max_octets, now));
   std::unique_ptr<DurableStore> out(new DurableStore(std::move(store), events));
   DDSSEC_RETURN_IF_ERROR(out->start());
   return out;

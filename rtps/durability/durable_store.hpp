@@ -28,7 +28,7 @@ class DurableStore {
   /// removed. Errors: those of SampleStore::open, rtps_thread_failed.
   static Result<std::unique_ptr<DurableStore>> open(
       const std::string& path, EventSink& events,
-      std::size_t most_octets = SampleStore::kDefaultOctets, Time now = {});
+      std::size_t max_octets = SampleStore::kDefaultOctets, Time now = {});
   /// Commits what was appended, if possible.
   ~DurableStore();
 

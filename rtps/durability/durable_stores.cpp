@@ -4,9 +4,9 @@
 
 namespace ddssec::rtps {
 
-Status DurableStores::open_file(const std::string& path, std::size_t most_octets, bool is_secured,
+Status DurableStores::open_file(const std::string& path, std::size_t max_octets, bool is_secured,
                                 Time now) {
-  DDSSEC_ASSIGN_OR_RETURN(persistent_, DurableStore::open(path, events_, most_octets, now));
+  DDSSEC_ASSIGN_OR_RETURN(persistent_, DurableStore::open(path, events_, max_octets, now));
   return check_store_security(*persistent_, is_secured, now);
 }
 

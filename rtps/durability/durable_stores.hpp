@@ -15,7 +15,7 @@ class DurableStores {
 
   /// Opens the file for PERSISTENT. `is_secured`: what the participant is; `now`: the calendar
   /// time. Errors: those of DurableStore::open and of check_store_security.
-  Status open_file(const std::string& path, std::size_t most_octets, bool is_secured, Time now);
+  Status open_file(const std::string& path, std::size_t max_octets, bool is_secured, Time now);
   /// Returns the store for writers of this kind, TRANSIENT or PERSISTENT. Without a file,
   /// PERSISTENT samples are kept in memory, which an event reports. Errors: those of
   /// DurableStore::open.

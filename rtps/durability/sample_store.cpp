@@ -54,16 +54,16 @@ std::unexpected<Error> unusable(const std::string& path, std::string expected, s
 
 }  // namespace
 
-Result<SampleStore> SampleStore::open(const std::string& path, std::size_t most_octets, Time now) {
+Result<SampleStore> SampleStore::open(const std::string& path, std::size_t max_octets, Time now) {
   if (!path.empty()) DDSSEC_RETURN_IF_ERROR(make_store_file(path));
   DDSSEC_ASSIGN_OR_RETURN(auto database, Database::open(path));
   SampleStore store(std::move(database), path);
-  DDSSEC_RETURN_IF_ERROR(store.prepare(most_octets, now));
+  DDSSEC_RETURN_IF_ERROR(store.prepare(max_octets, now));
   return store;
 }
 
 // Only reads at first, so that a file of another kind is not changed before it is refused.
-Status SampleStore::prepare(std::size_t most_octets, Time now) {
+Status SampleStore::prepare(std::size_t max_octets, Time now) {
   // EXCLUSIVE must be set before anything is read. Then the write-ahead log of a process that was
   // killed is recovered in memory, without another file next to it, even on a full disk. What is
   // removed is not overwritten: that would take as much room in the log.
@@ -71,11 +71,11 @@ Status SampleStore::prepare(std::size_t most_octets, Time now) {
                              "PRAGMA secure_delete=FAST", "PRAGMA locking_mode=EXCLUSIVE"})
     DDSSEC_RETURN_IF_ERROR(database_.run(pragma));
   DDSSEC_RETURN_IF_ERROR(check_origin());
-  most_pages_ = std::max<std::size_t>(most_octets / kPageSize, 16);
+  max_pages_ = std::max<std::size_t>(max_octets / kPageSize, 16);
   for (const auto& pragma :
        {std::string("PRAGMA journal_mode=WAL"), std::string("PRAGMA synchronous=FULL"),
         std::string("PRAGMA journal_size_limit=16777216"),
-        "PRAGMA max_page_count=" + std::to_string(most_pages_)})
+        "PRAGMA max_page_count=" + std::to_string(max_pages_)})
     DDSSEC_RETURN_IF_ERROR(database_.run(pragma));
   {
     DDSSEC_ASSIGN_OR_RETURN(auto transaction, Database::Transaction::begin(database_));
@@ -110,7 +110,7 @@ Status SampleStore::prepare(std::size_t most_octets, Time now) {
   DDSSEC_ASSIGN_OR_RETURN(insert_heard_, database_.prepare("INSERT INTO heard(stream, writer, "
                                                            "number, time, used) "
                                                            "VALUES(?1, ?2, ?3, ?4, ?5)"));
-  most_heard_ = std::min(kMaxHeard, most_octets / kOctetsPerHeard);
+  max_heard_ = std::min(kMaxHeard, max_octets / kOctetsPerHeard);
   DDSSEC_ASSIGN_OR_RETURN(const auto heard, database_.number("SELECT count(*) FROM heard"));
   heard_ = static_cast<std::size_t>(heard);
   DDSSEC_ASSIGN_OR_RETURN(last_use_, database_.number("SELECT coalesce(max(used), 0) FROM heard"));
@@ -310,7 +310,7 @@ Result<SampleStore::Pages> SampleStore::pages() {
 
 Result<std::size_t> SampleStore::room() {
   DDSSEC_ASSIGN_OR_RETURN(const auto count, pages());
-  const auto within_limit = (most_pages_ - std::min(count.used, most_pages_)) * kPageSize;
+  const auto within_limit = (max_pages_ - std::min(count.used, max_pages_)) * kPageSize;
   if (path_.empty()) return within_limit;
   const auto on_disk = room_on_disk(path_, (count.used + count.unused) * kPageSize);
   return std::min(within_limit, on_disk + count.unused * kPageSize);
@@ -406,7 +406,7 @@ Status SampleStore::remember_all(std::span<const StoredChange> changes) {
     heard.time = std::max(heard.time, time);
   }
   for (const auto& [key, heard] : latest) DDSSEC_RETURN_IF_ERROR(remember(key.first, heard));
-  return heard_ > most_heard_ ? forget_longest_unheard() : Status{};
+  return heard_ > max_heard_ ? forget_longest_unheard() : Status{};
 }
 
 Status SampleStore::remember(StreamId stream, const HeardWriter& heard) {
@@ -429,7 +429,7 @@ Status SampleStore::remember(StreamId stream, const HeardWriter& heard) {
 
 // Several at once, because it looks at all of them.
 Status SampleStore::forget_longest_unheard() {
-  const auto surplus = std::to_string(heard_ - most_heard_ + most_heard_ / 16);
+  const auto surplus = std::to_string(heard_ - max_heard_ + max_heard_ / 16);
   DDSSEC_RETURN_IF_ERROR(database_.run(
       "DELETE FROM heard WHERE used <= (SELECT used FROM heard ORDER BY used LIMIT 1 OFFSET " +
       surplus + ")"));

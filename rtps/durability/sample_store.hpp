@@ -28,7 +28,7 @@ class SampleStore {
   /// be SQLite's files next to it. A file that fails the check is not changed. Samples that have
   /// expired at `now`, a calendar time, are removed.
   /// Errors: rtps_store_unusable, rtps_store_failed.
-  static Result<SampleStore> open(const std::string& path, std::size_t most_octets = kDefaultOctets,
+  static Result<SampleStore> open(const std::string& path, std::size_t max_octets = kDefaultOctets,
                                   Time now = {});
   SampleStore(SampleStore&&) noexcept = default;
 
@@ -70,7 +70,7 @@ class SampleStore {
 
   SampleStore(Database database, std::string path)
       : database_(std::move(database)), path_(std::move(path)) {}
-  Status prepare(std::size_t most_octets, Time now);
+  Status prepare(std::size_t max_octets, Time now);
   Status check_origin();
   Status check_schema(std::int64_t version);
   Status create_schema();
@@ -109,9 +109,9 @@ class SampleStore {
   std::string path_;
   SqlStatement insert_, erase_, renew_heard_, insert_heard_;
   std::map<StreamId, Stream> streams_;
-  std::size_t most_pages_ = 0;
+  std::size_t max_pages_ = 0;
   std::int64_t last_row_ = 0, last_stream_ = 0, last_use_ = 0;
-  std::size_t heard_ = 0, most_heard_ = kMaxHeard;
+  std::size_t heard_ = 0, max_heard_ = kMaxHeard;
 };
 
 }  // namespace ddssec::rtps

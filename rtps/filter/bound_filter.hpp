@@ -23,9 +23,9 @@ class BoundFilter {
     return filter_.passes(*view_);
   }
   /// Empty: the sample cannot be read, or takes more than this many steps (Filter::passes_within).
-  std::optional<bool> passes_within(std::size_t most_steps, BytesView payload) {
+  std::optional<bool> passes_within(std::size_t max_steps, BytesView payload) {
     if (!view_->decode(payload, filter_.members())) return std::nullopt;
-    return filter_.passes_within(most_steps, *view_);
+    return filter_.passes_within(max_steps, *view_);
   }
 
  private:

@@ -70,10 +70,10 @@ class FilterCompiler {
   using Domain = Filter::Domain;
 
   Status check_sizes() const {
-    const auto refuse = [](std::string field, std::size_t most, std::size_t found) {
+    const auto refuse = [](std::string field, std::size_t limit, std::size_t found) {
       return fail(Code::rtps_filter_invalid, {.document = "filter expression",
                                               .field = std::move(field),
-                                              .expected = "at most " + std::to_string(most),
+                                              .expected = "at most " + std::to_string(limit),
                                               .found = std::to_string(found)});
     };
     if (text_.expression.size() > Filter::kMaxExpression)

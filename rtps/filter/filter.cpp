@@ -33,9 +33,9 @@ bool Filter::passes(const SampleView& view) const {
   return passes_within(kNoLimit, view).value_or(false);
 }
 
-std::optional<bool> Filter::passes_within(std::size_t most_steps, const SampleView& view) const {
+std::optional<bool> Filter::passes_within(std::size_t max_steps, const SampleView& view) const {
   bool value = true;
-  auto left = most_steps;
+  auto left = max_steps;
   for (std::size_t at = 0; at < steps_.size(); ++at) {
     const auto& step = steps_[at];
     switch (step.kind) {

@@ -40,7 +40,7 @@ class Filter {
   bool passes(const SampleView& view) const;
   /// The same with at most this many steps. A comparison takes one step, one for each eight octets
   /// of text, and one for each character that LIKE examines. Empty: it takes more.
-  std::optional<bool> passes_within(std::size_t most_steps, const SampleView& view) const;
+  std::optional<bool> passes_within(std::size_t max_steps, const SampleView& view) const;
   /// The number of members that it needs: for SampleView::decode.
   std::size_t members() const { return members_; }
 

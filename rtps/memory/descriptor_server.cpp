@@ -213,8 +213,8 @@ void DescriptorServer::accept_waiting(MonotonicTime now) {
 
 // The oldest one leaves: of the process, of the user, or of all.
 void DescriptorServer::keep(Connection connection) {
-  const auto leave_at = [&](std::size_t most, auto&& counts) {
-    if (std::ranges::count_if(connections_, counts) < static_cast<std::ptrdiff_t>(most)) return;
+  const auto leave_at = [&](std::size_t limit, auto&& counts) {
+    if (std::ranges::count_if(connections_, counts) < static_cast<std::ptrdiff_t>(limit)) return;
     const auto oldest = std::ranges::find_if(connections_, counts);
     connections_.erase(oldest);
   };

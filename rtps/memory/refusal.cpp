@@ -48,7 +48,7 @@ std::string_view to_string(Refusal why) {
     case Refusal::not_matched:
       return "the reader has not matched the writer";
     case Refusal::limit_reached:
-      return "the limit is reached that the property org.ddssec.shm.most_octets sets";
+      return "the limit is reached that the property org.ddssec.shm.max_octets sets";
     case Refusal::other_user:
       return "the processes are of different users: if both are to share memory, set the property "
              "org.ddssec.shm.other_users to true in both";

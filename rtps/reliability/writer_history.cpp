@@ -25,22 +25,22 @@ History kept_by(const Qos& qos) {
 
 WriterHistory::WriterHistory(const Qos& qos)
     : history_(kept_by(qos)),
-      most_changes_(qos.resource_limits.max_samples == kLengthUnlimited
-                        ? kMaxChanges
-                        : static_cast<std::size_t>(qos.resource_limits.max_samples)),
-      most_per_instance_(
+      max_changes_(qos.resource_limits.max_samples == kLengthUnlimited
+                       ? kMaxChanges
+                       : static_cast<std::size_t>(qos.resource_limits.max_samples)),
+      max_per_instance_(
           qos.resource_limits.max_samples_per_instance == kLengthUnlimited
               ? kMaxChanges
               : static_cast<std::size_t>(qos.resource_limits.max_samples_per_instance)),
-      by_instance_(history_.kind == HistoryKind::keep_last || most_per_instance_ < most_changes_) {}
+      by_instance_(history_.kind == HistoryKind::keep_last || max_per_instance_ < max_changes_) {}
 
 bool WriterHistory::has_room(std::size_t payload_size, const KeyHash& instance) const {
   if (history_.kind == HistoryKind::keep_last) return true;
   if (by_instance_) {
     const auto held = instances_.find(instance);
-    if (held != instances_.end() && held->second.count >= most_per_instance_) return false;
+    if (held != instances_.end() && held->second.count >= max_per_instance_) return false;
   }
-  return count_ - markers_ < most_changes_ && (count_ == 0 || octets_ + payload_size <= kMaxOctets);
+  return count_ - markers_ < max_changes_ && (count_ == 0 || octets_ + payload_size <= kMaxOctets);
 }
 
 SequenceNumber WriterHistory::add(Change change) {
@@ -55,21 +55,21 @@ SequenceNumber WriterHistory::add(Change change) {
   if (by_instance_ && !marker) join_instance(added);
   trim_front();
   forget_dropped();
-  if (count_ - markers_ > most_changes_) make_room();
+  if (count_ - markers_ > max_changes_) make_room();
   return last();
 }
 
 /// A late joiner needs the last samples of living instances most.
 void WriterHistory::make_room() {
   if (by_instance_ && may_drop_) {
-    drop_ended_instances(most_changes_ - most_changes_ / 8);
-    drop_replaced(most_changes_ - most_changes_ / 64);
+    drop_ended_instances(max_changes_ - max_changes_ / 8);
+    drop_replaced(max_changes_ - max_changes_ / 64);
     trim_front();
     forget_dropped();
     // If nothing was found, there is nothing to look for until such a change comes.
-    may_drop_ = count_ - markers_ <= most_changes_ || find(last())->status.unregistered;
+    may_drop_ = count_ - markers_ <= max_changes_ || find(last())->status.unregistered;
   }
-  while (count_ - markers_ > most_changes_) remove_through(first());
+  while (count_ - markers_ > max_changes_) remove_through(first());
 }
 
 /// The writer has unregistered them. Until no more than `aim` changes are left.
@@ -91,7 +91,7 @@ void WriterHistory::drop_instance(SequenceNumber number) {
 
 /// Those that a later change of the same instance follows.
 void WriterHistory::drop_replaced(std::size_t aim) {
-  if (count_ - markers_ <= most_changes_) return;
+  if (count_ - markers_ <= max_changes_) return;
   for (std::size_t i = 0; i < changes_.size() && count_ - markers_ > aim; ++i)
     if (changes_[i].change && changes_[i].next.value > 0) drop(changes_[i].number);
 }

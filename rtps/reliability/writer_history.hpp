@@ -82,8 +82,8 @@ class WriterHistory {
   void forget_dropped();
 
   const History history_;
-  const std::size_t most_changes_;
-  const std::size_t most_per_instance_;
+  const std::size_t max_changes_;
+  const std::size_t max_per_instance_;
   const bool by_instance_;  ///< instances are counted
   /// Sorted by sequence number. Not many more than are held, however old the first of them is.
   Ring<Slot> changes_;

@@ -26,16 +26,16 @@ Result<MessageIdentity> read_identity(Reader& reader) {
 }
 
 /// Upper bound for the name, the value and their lengths, each aligned and terminated by NUL.
-std::size_t most_size_of(const auto& property) {
+std::size_t max_size_of(const auto& property) {
   return property.name.size() + property.value.size() + 16;
 }
 
-std::size_t most_size_of(const GenericMessage& message) {
+std::size_t max_size_of(const GenericMessage& message) {
   std::size_t size = 192 + message.message_class.size();
   for (const auto& token : message.data) {
     size += token.class_id.size() + 24;
-    for (const auto& property : token.properties) size += most_size_of(property);
-    for (const auto& property : token.binary_properties) size += most_size_of(property);
+    for (const auto& property : token.properties) size += max_size_of(property);
+    for (const auto& property : token.binary_properties) size += max_size_of(property);
   }
   return size;
 }
@@ -44,7 +44,7 @@ std::size_t most_size_of(const GenericMessage& message) {
 
 Bytes write_generic_message(const GenericMessage& message) {
   // Reserved at once, so that no reallocation leaves an unwiped block with keys behind.
-  Writer out(Endian::little, most_size_of(message));
+  Writer out(Endian::little, max_size_of(message));
   write(out, message.identity);
   write(out, message.related);
   for (const auto* guid :

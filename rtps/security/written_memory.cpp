@@ -194,7 +194,7 @@ memory::Outcome<void> WrittenMemory::request_segment(std::size_t largest) {
   std::array<std::uint8_t, sizeof(std::uint64_t)> octets{};
   const auto size = memory::SampleSlots::size_for(largest);
   core_.kept.forget_returned();
-  if (core_.octets + core_.kept.octets() + size > core_.settings.most_octets)
+  if (core_.octets + core_.kept.octets() + size > core_.settings.max_octets)
     return memory::refuse(memory::Refusal::limit_reached);
   if (!core_.random.fill(octets)) return memory::refuse(memory::Refusal::no_memory);
   const auto asked = core_.passing->make_slots(std::bit_cast<std::uint64_t>(octets), largest);

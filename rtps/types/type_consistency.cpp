@@ -194,15 +194,15 @@ class Comparison {
     DDSSEC_ASSIGN_OR_RETURN(const auto written, from.read<std::uint8_t>());
     DDSSEC_ASSIGN_OR_RETURN(const auto read, to.read<std::uint8_t>());
     if (is_string(written) && is_string(read)) {
-      DDSSEC_ASSIGN_OR_RETURN(const auto most, read_bound(from, written));
+      DDSSEC_ASSIGN_OR_RETURN(const auto bound, read_bound(from, written));
       DDSSEC_ASSIGN_OR_RETURN(const auto room, read_bound(to, read));
-      return fits(most, room) ||
+      return fits(bound, room) ||
              allowed(policy_.ignore_string_bounds, "ignore_string_bounds = false");
     }
     if (!is_sequence(written) || !is_sequence(read)) return std::optional<bool>();
     DDSSEC_RETURN_IF_ERROR(skip_collection_header(from));
     DDSSEC_RETURN_IF_ERROR(skip_collection_header(to));
-    DDSSEC_ASSIGN_OR_RETURN(const auto most, read_bound(from, written));
+    DDSSEC_ASSIGN_OR_RETURN(const auto bound, read_bound(from, written));
     DDSSEC_ASSIGN_OR_RETURN(const auto room, read_bound(to, read));
     const bool same = std::ranges::equal(from.rest(), to.rest());
     if (!same) {
@@ -210,12 +210,12 @@ class Comparison {
       DDSSEC_ASSIGN_OR_RETURN(const auto elements, assignable_but_for_bounds(from, to, depth + 1));
       if (!elements.value_or(false)) return false;
     }
-    return fits(most, room) ||
+    return fits(bound, room) ||
            allowed(policy_.ignore_sequence_bounds, "ignore_sequence_bounds = false");
   }
 
-  static bool fits(std::uint32_t most, std::uint32_t room) {
-    return room == 0 || (most != 0 && most <= room);
+  static bool fits(std::uint32_t bound, std::uint32_t room) {
+    return room == 0 || (bound != 0 && bound <= room);
   }
   bool allowed(bool is_allowed, std::string_view setting) {
     if (!is_allowed) refused_by_ = setting;

@@ -110,7 +110,7 @@ void message_decode(benchmark::State& state, ProtectionKind kind) {
 
 /// A new session every message: the worst a sender can do to its receiver.
 void payload_decode_new_session(benchmark::State& state) {
-  TwoSides two(kNone, {}, {.most_blocks_per_session = 1});
+  TwoSides two(kNone, {}, {.max_blocks_per_session = 1});
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   std::vector<Bytes> encoded;
   for (int i = 0; i < 64; ++i) encoded.push_back(encode_payload(two, e, Bytes(64, 7)).value());

@@ -50,7 +50,7 @@ std::size_t sessions(const std::vector<Nonce>& nonces) {
 class Nonces : public ::testing::TestWithParam<std::tuple<std::uint64_t, std::string_view>> {
  protected:
   static std::uint64_t limit() { return std::get<0>(GetParam()); }
-  static Options options() { return {.most_blocks_per_session = limit()}; }
+  static Options options() { return {.max_blocks_per_session = limit()}; }
   static PropertyList properties() { return cipher(std::get<1>(GetParam()), true); }
   static constexpr int kMessages = 3000;
 };
@@ -114,7 +114,7 @@ INSTANTIATE_TEST_SUITE_P(Ciphers, Sessions,
                          ::testing::Values(spi::kAes256Name, spi::kChaCha20Poly1305Name));
 
 TEST_P(Sessions, RollOverAtTheLimitAndNotBefore) {
-  TwoSides two(kNone, cipher(GetParam()), {.most_blocks_per_session = 12});
+  TwoSides two(kNone, cipher(GetParam()), {.max_blocks_per_session = 12});
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   std::vector<Nonce> nonces;
   for (int i = 0; i < 7; ++i)  // 4 blocks each: 3 a session
@@ -125,7 +125,7 @@ TEST_P(Sessions, RollOverAtTheLimitAndNotBefore) {
 }
 
 TEST_P(Sessions, AMessageLargerThanASessionIsAloneInIt) {
-  TwoSides two(kNone, cipher(GetParam()), {.most_blocks_per_session = 4});
+  TwoSides two(kNone, cipher(GetParam()), {.max_blocks_per_session = 4});
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   std::vector<Nonce> nonces;
   for (int i = 0; i < 3; ++i) {
@@ -137,8 +137,7 @@ TEST_P(Sessions, AMessageLargerThanASessionIsAloneInIt) {
 }
 
 TEST_P(Sessions, EndWithAnErrorRatherThanComeAgain) {
-  TwoSides two(kNone, cipher(GetParam()),
-               {.most_blocks_per_session = 2, .most_sessions_per_key = 3});
+  TwoSides two(kNone, cipher(GetParam()), {.max_blocks_per_session = 2, .max_sessions_per_key = 3});
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   std::set<Nonce> nonces;
   for (int i = 0; i < 3; ++i) nonces.insert(nonce_at(encode_payload(two, e, Bytes(8)).value(), 0));

@@ -26,7 +26,7 @@ TEST_F(Handles, AreReturnedOnce) {
 }
 
 TEST_F(Handles, AreBounded) {
-  make({.most_handles = 2});
+  make({.max_handles = 2});
   ASSERT_TRUE(local(open_permissions(kTalker)));
   const auto document = open_permissions(kListener);
   const auto peer = remote(document);

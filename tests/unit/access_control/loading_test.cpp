@@ -187,7 +187,7 @@ TEST_F(RemotePermissions, NeedThePeersCertificate) {
 }
 
 TEST_F(RemotePermissions, AreBoundedInSize) {
-  make({.most_permissions_octets = 100});
+  make({.max_permissions_octets = 100});
   ASSERT_TRUE(local(open_permissions(kTalker)));
   EXPECT_REFUSED(remote(open_permissions(kListener)), permissions_too_large);
 }

@@ -59,7 +59,7 @@ TEST(Handles, ARemoteThatWasNotValidatedForThisLocalIsUnknown) {
 // ---- bounds
 
 TEST(Bounds, LocalIdentities) {
-  Engine engine(1, {.most_local_identities = 1});
+  Engine engine(1, {.max_local_identities = 1});
   const auto identity = make_identity(test_ca(), "CN=ours");
   Participant us(engine, identity, 1);
   EXPECT_CODE(engine->validate_local_identity(0, identity.properties, candidate(2)),

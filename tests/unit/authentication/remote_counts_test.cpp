@@ -5,7 +5,7 @@ namespace ddssec::authentication {
 namespace {
 
 TEST(Bounds, RemoteIdentities) {
-  Engine engine(1, {.most_remote_identities = 3});
+  Engine engine(1, {.max_remote_identities = 3});
   Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
   const Token token{"DDS:Auth:PKI-DH:1.0"};
   for (std::uint8_t i = 0; i < 3; ++i)
@@ -45,7 +45,7 @@ struct Fleet {
 };
 
 TEST(Bounds, ACertificateThatFillsItsShareLeavesRoomForAnother) {
-  Engine engine(1, {.most_remote_identities = 8, .most_identities_of_a_subject = 3});
+  Engine engine(1, {.max_remote_identities = 8, .max_identities_of_a_subject = 3});
   Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
   Fleet greedy("CN=greedy", 2), honest("CN=honest", 3);
   IdentityHandle last;
@@ -67,7 +67,7 @@ TEST(Bounds, ACertificateThatFillsItsShareLeavesRoomForAnother) {
 }
 
 TEST(Bounds, NoSubjectTakesTheLastPlaces) {
-  Engine engine(1, {.most_remote_identities = 8});
+  Engine engine(1, {.max_remote_identities = 8});
   Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
   std::vector<int> joined;
   for (std::uint64_t number = 2; number < 8; ++number) {
@@ -81,7 +81,7 @@ TEST(Bounds, NoSubjectTakesTheLastPlaces) {
 }
 
 TEST(Bounds, InventedParticipantsAreCountedApart) {
-  Engine engine(1, {.most_remote_identities = 4, .most_identities_of_a_subject = 4});
+  Engine engine(1, {.max_remote_identities = 4, .max_identities_of_a_subject = 4});
   Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
   Fleet fleet("CN=fleet", 2);
   std::vector<IdentityHandle> invented;
@@ -106,7 +106,7 @@ TEST(Bounds, InventedParticipantsAreCountedApart) {
 }
 
 TEST(Bounds, AShareIsCheckedAgainWhenAClaimIsProven) {
-  Engine engine(1, {.most_identities_of_a_subject = 1});
+  Engine engine(1, {.max_identities_of_a_subject = 1});
   Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
   Fleet fleet("CN=fleet", 2);
   Participant first(fleet.engine, fleet.identity, 1), second(fleet.engine, fleet.identity, 2);

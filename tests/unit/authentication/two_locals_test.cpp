@@ -214,7 +214,7 @@ TEST(TwoLocals, OneThatEndsLeavesTheOthersRemote) {
 }
 
 TEST(TwoLocals, ACrowdOfStrangersAtTheOneLeavesTheOtherItsRoom) {
-  TwoLocals world(kYear, kYear, {.most_remote_identities = 2});
+  TwoLocals world(kYear, kYear, {.max_remote_identities = 2});
   const auto discover = [&](const Participant& by, std::uint8_t number) {
     return world.ours->validate_remote_identity(by.handle, {}, {"DDS:Auth:PKI-DH:1.0"},
                                                 candidate(number));

@@ -16,7 +16,7 @@ class DocumentWatchTest : public testing::Test {
   DocumentWatch watch_of(std::string uri, bool gives_remedy = false) const {
     return DocumentWatch({.uri = std::move(uri),
                           .name = "the.property",
-                          .most = 100,
+                          .max_octets = 100,
                           .refused = Code::permissions_renewal_refused,
                           .stays = "the former stays",
                           .gives_remedy_of_reason = gives_remedy},

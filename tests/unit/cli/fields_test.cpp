@@ -45,7 +45,7 @@ struct Folder {
         fields_within(&Folder::authority),
         std::tuple(field("dir", &Folder::dir),
                    field("role", &Folder::role, {.words = "identity|not due"}),
-                   field("others", &Folder::others, {.least = 1, .most = 2}),
+                   field("others", &Folder::others, {.min = 1, .max = 2}),
                    field("key", &Folder::key, {"null: not here"}), field("line", &Folder::line)));
   }
   std::string text() const { return dir.string() + " of " + authority.subject + "\n"; }

@@ -57,7 +57,7 @@ TEST(Allocations, NoneOnTheMessagePath) {
 /// A sender that changes its session often (Fast DDS: every 32 messages) costs its receiver no
 /// allocation either, once the memory of its sessions is full.
 TEST(Allocations, NoneForNewSessionsOfASender) {
-  TwoSides two(ProtectionKind::none, {}, {.most_blocks_per_session = 1});
+  TwoSides two(ProtectionKind::none, {}, {.max_blocks_per_session = 1});
   const auto e = two.endpoints(endpoint_attributes(ProtectionKind::none, kEncrypt));
   std::vector<Bytes> encoded;
   for (int i = 0; i < 200; ++i) encoded.push_back(encode_payload(two, e, Bytes(16)).value());

@@ -18,7 +18,7 @@ constexpr EntityId kPublications{{0xff, 0, 3, 0xc2}};
 constexpr std::uint16_t kPartition = 0x29, kEndpointGuid = 0x5a, kSentinel = 1;
 constexpr std::uint16_t kLocators[] = {0x2f, 0x30, 0x31, 0x32, 0x33, 0x48};
 /// The largest number of locators of one kind.
-constexpr std::size_t most_of(std::uint16_t id) {
+constexpr std::size_t max_of(std::uint16_t id) {
   const bool is_multicast = id == 0x30 || id == 0x33 || id == 0x48;
   return is_multicast ? ParameterWalk::kMaxMulticastLocators : ParameterWalk::kMaxLocators;
 }
@@ -187,7 +187,7 @@ TEST(CostlyPartitions, WhatPassesIsCheapToAMatcherThatTriesAll) {
 TEST(CostlyLocators, SixteenUnicastAndFourMulticastOfEachKindPass) {
   List list;
   for (const auto id : kLocators)
-    for (std::size_t i = 0; i < most_of(id); ++i) list.add(id, Bytes(24, 1));
+    for (std::size_t i = 0; i < max_of(id); ++i) list.add(id, Bytes(24, 1));
   for (const auto piece : kPieces) EXPECT_EQ(code_of(read(list, piece)), Code{}) << piece;
   for (const auto id : kLocators) {
     auto more = list;
@@ -201,7 +201,7 @@ TEST(CostlyLocators, ThoseBeyondFourCountAsFourKibibytesEach) {
   const auto cost = [](std::size_t each) {
     List list;
     for (const auto id : kLocators)
-      for (std::size_t i = 0; i < std::min(each, most_of(id)); ++i) list.add(id, Bytes(24, 1));
+      for (std::size_t i = 0; i < std::min(each, max_of(id)); ++i) list.add(id, Bytes(24, 1));
     const auto octets = list.ended();
     ParameterWalk walk;
     EXPECT_TRUE(walk.read(*builtin_topic_of(kPublications), kPeer, octets));

@@ -200,7 +200,7 @@ TEST(KeyLimits, CountWhatAReaderSaysToAParticipant) {
 }
 
 TEST(KeyLimits, CountFinishedSessionsToo) {
-  Limited limited(most_blocks("4000"), {.most_blocks_per_session = 500});
+  Limited limited(most_blocks("4000"), {.max_blocks_per_session = 500});
   limited.two.a.clock.advance(kFormerKeyLife);
   const auto message = rtps_message({data_submessage(1024)});
   int sent = 0;

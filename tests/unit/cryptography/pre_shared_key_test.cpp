@@ -175,7 +175,7 @@ TEST(PreSharedKey, NoIvComesTwiceNotEvenAfterARestartOrANewSession) {
   };
   std::set<std::string> seen;
   for (int restart = 0; restart < 4; ++restart) {
-    Member a(passphrase("1:Open Sesame"), kEncrypt, 7, "", {.most_blocks_per_session = 20});
+    Member a(passphrase("1:Open Sesame"), kEncrypt, 7, "", {.max_blocks_per_session = 20});
     Member b(passphrase("1:Open Sesame"));
     for (int i = 0; i < 10; ++i) {
       const auto encoded = a.encode(hello());

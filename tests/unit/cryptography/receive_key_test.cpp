@@ -14,7 +14,7 @@ constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kNone = ProtectionKind::none;
 
 TEST(Sessions, OldOnesStayReadableWhileNewOnesCome) {
-  TwoSides two(kNone, {}, {.most_blocks_per_session = 1});
+  TwoSides two(kNone, {}, {.max_blocks_per_session = 1});
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   std::vector<Bytes> encoded;
   for (std::uint8_t i = 0; i < 40; ++i)

@@ -98,7 +98,7 @@ TEST(Volatile, ComesBackBothWaysBeforeAnyToken) {
 }
 
 TEST(Volatile, OurOwnSentBackIsNotTheOthers) {
-  TwoSides two(kNone, {}, {.most_blocks_per_session = 8});
+  TwoSides two(kNone, {}, {.max_blocks_per_session = 8});
   const auto e = two.volatile_endpoints();
   std::vector<Bytes> said;
   for (int i = 0; i < 20; ++i)  // several sessions

@@ -32,10 +32,10 @@ struct KnownExpression {
 
 /// Every expression of at most so many parts.
 inline std::vector<KnownExpression> all_expressions(const std::vector<std::string>& words,
-                                                    std::size_t most_parts) {
+                                                    std::size_t max_parts) {
   static constexpr std::string_view kParts[] = {"a", "b", "*", "?", "[ab]", "[!a]"};
   std::vector<std::string> texts = {""};
-  for (std::size_t from = 0, parts = 0; parts < most_parts; ++parts) {
+  for (std::size_t from = 0, parts = 0; parts < max_parts; ++parts) {
     const std::size_t to = texts.size();
     for (; from < to; ++from) {
       for (const auto part : kParts) texts.push_back(texts[from] + std::string(part));
@@ -65,8 +65,8 @@ class Dice {
 /// Expressions by their text, with the words that they match.
 class Pool {
  public:
-  Pool(std::size_t longest, std::size_t most_parts)
-      : words_(all_words("abc", longest)), all_(all_expressions(words_, most_parts)) {
+  Pool(std::size_t longest, std::size_t max_parts)
+      : words_(all_words("abc", longest)), all_(all_expressions(words_, max_parts)) {
     for (std::size_t i = 0; i < all_.size(); ++i) by_text_[all_[i].text] = i;
   }
   const std::vector<std::string>& words() const { return words_; }

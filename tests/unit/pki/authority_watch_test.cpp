@@ -31,7 +31,7 @@ class AuthorityWatchTest : public testing::Test {
   const test::TemporaryFolder folder_;
   AuthorityWatch watch_{{.uri = "file:" + folder_.write("ca.pem", pem(in_force_)),
                          .name = "the.property",
-                         .most = 0,
+                         .max_octets = 0,
                          .refused = Code::identity_renewal_refused,
                          .stays = "the former CAs stay"},
                         5s};

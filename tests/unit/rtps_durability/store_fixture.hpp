@@ -31,8 +31,8 @@ inline Moment at(std::int32_t count) { return on_both(seconds(count)); }
 class IndexedStore {
  public:
   static Result<IndexedStore> open(const std::string& path,
-                                   std::size_t most_octets = SampleStore::kDefaultOctets) {
-    DDSSEC_ASSIGN_OR_RETURN(auto store, SampleStore::open(path, most_octets));
+                                   std::size_t max_octets = SampleStore::kDefaultOctets) {
+    DDSSEC_ASSIGN_OR_RETURN(auto store, SampleStore::open(path, max_octets));
     IndexedStore out(std::move(store));
     DDSSEC_RETURN_IF_ERROR(out.store.read_shares(out.index.shares()));
     DDSSEC_ASSIGN_OR_RETURN(const auto room, out.store.room());

@@ -121,7 +121,7 @@ TEST(KeyLimits, OfWhoStartTogetherEndApart) {
     return out;
   };
   std::vector<seconds> first;
-  int most_at_once = 0;
+  int max_at_once = 0;
   for (seconds now{1}; now <= kLifetime; ++now) {
     const auto before = revisions();
     live(world, 1s);
@@ -132,13 +132,13 @@ TEST(KeyLimits, OfWhoStartTogetherEndApart) {
       at_once += after[n] - before[n];
       if (before[n] == 0 && after[n] > 0) first.push_back(now);
     }
-    most_at_once = std::max(most_at_once, at_once);
+    max_at_once = std::max(max_at_once, at_once);
   }
   ASSERT_EQ(first.size(), static_cast<std::size_t>(kMembers)) << "each in time";
   EXPECT_GE(first.front(), kLifetime * 3 / 4 - 11s);
   EXPECT_LE(first.back(), kLifetime - 10s);
   EXPECT_GE(first.back() - first.front(), 10s) << "spread over a quarter of the time";
-  EXPECT_LE(most_at_once, 3);
+  EXPECT_LE(max_at_once, 3);
   for (const auto& one : members)
     EXPECT_FALSE(one->events.has(Code::rtps_key_revision_unacknowledged)) << one->events.text();
 }

@@ -123,8 +123,8 @@ TEST(SharedMemory, ManyLargeWriters_MemoryOfTheParticipantIsLimited) {
     if (line.find(" rw-s ") != std::string::npos)
       octets += std::stoull(line.substr(line.find('-') + 1), nullptr, 16) -
                 std::stoull(line, nullptr, 16);
-  EXPECT_GT(octets, spi::SharedMemory{}.most_octets / 2);
-  EXPECT_LE(octets, spi::SharedMemory{}.most_octets);
+  EXPECT_GT(octets, spi::SharedMemory{}.max_octets / 2);
+  EXPECT_LE(octets, spi::SharedMemory{}.max_octets);
   EXPECT_TRUE(pair.a.events.has(Code::rtps_memory_unused));
 }
 

@@ -329,7 +329,7 @@ TEST(SharedMemory, LimitReached_AllGoesByNetworkAndEventSaysSo) {
   Shared pair({.data = encrypt}, small, shm());
   EXPECT_FALSE(pair.share());
   EXPECT_TRUE(pair.has_all());
-  EXPECT_THAT(pair.a.events.text(), HasSubstr("org.ddssec.shm.most_octets"));
+  EXPECT_THAT(pair.a.events.text(), HasSubstr("org.ddssec.shm.max_octets"));
 }
 
 TEST(SharedMemory, SampleWithoutRoom_GoesByNetworkAndOthersStillThroughMemory) {

@@ -7,7 +7,7 @@ namespace ddssec::spi {
 namespace {
 
 constexpr std::string_view kName = "org.ddssec.test";
-constexpr NumberRange kRange{.unit = "seconds", .least = 5, .most = 20};
+constexpr NumberRange kRange{.unit = "seconds", .min = 5, .max = 20};
 
 Result<std::uint64_t> number(std::string value) {
   return number_property({{std::string(kName), std::move(value), false}}, kName, kRange, 7);

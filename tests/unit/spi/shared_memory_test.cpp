@@ -32,8 +32,8 @@ TEST(SharedMemory, AnythingElse_Refused) {
 }
 
 TEST(SharedMemory, MostOctets_IsANumber) {
-  EXPECT_EQ(shared_memory({})->most_octets, std::size_t{256} << 20);
-  EXPECT_EQ(shared_memory(with(property::kMaxSharedOctets, "1000000"))->most_octets, 1'000'000u);
+  EXPECT_EQ(shared_memory({})->max_octets, std::size_t{256} << 20);
+  EXPECT_EQ(shared_memory(with(property::kMaxSharedOctets, "1000000"))->max_octets, 1'000'000u);
   for (const char* const bad : {"", "-1", "1M", "1099511627777"}) {
     const auto refused = shared_memory(with(property::kMaxSharedOctets, bad));
     ASSERT_FALSE(refused) << bad;
