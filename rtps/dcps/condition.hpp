@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,36 +16,25 @@ namespace ddssec::rtps {
 class AnyDataReader;
 class Entity;
 class ServingTurn;
-struct WaitSetState;
-
-/// The state that a condition shares with the wait sets it is attached to. It outlives both, so
-/// that a condition and a wait set may be destroyed at the same time in different threads.
-struct ConditionState {
-  explicit ConditionState(std::shared_ptr<ServingTurn> of) : turn(std::move(of)) {}
-  /// Of the participant whose entity triggers the condition; nullptr: the application triggers it,
-  /// or the participant has no thread of its own.
-  const std::shared_ptr<ServingTurn> turn;
-  std::atomic<bool> trigger = false;
-  std::mutex mutex;
-  std::vector<std::shared_ptr<WaitSetState>> sets;
-};
+struct ConditionState;
 
 /// An object with a trigger value. Its destructor detaches it from all wait sets. Thread-safe. It
 /// may be destroyed while a wait set is destroyed, but not while it is being attached or detached.
 class Condition {
  public:
-  explicit Condition(std::shared_ptr<ServingTurn> turn = {})
-      : state_(std::make_shared<ConditionState>(std::move(turn))) {}
   virtual ~Condition();
   Condition(const Condition&) = delete;
   Condition& operator=(const Condition&) = delete;
 
   /// True while it is triggered.
-  bool trigger_value() const { return state_->trigger; }
+  bool trigger_value() const;
 
  protected:
+  /// `turn`: of the participant whose entity triggers it; empty if the application does.
+  explicit Condition(std::shared_ptr<ServingTurn> turn);
+  /// With true, wakes the threads that wait for it.
   void trigger(bool value);
-  const std::shared_ptr<ServingTurn>& turn() const { return state_->turn; }
+  const std::shared_ptr<ServingTurn>& turn() const;
 
  private:
   friend class WaitSet;
@@ -56,19 +44,18 @@ class Condition {
 /// Triggered by the application, which creates and owns it.
 class GuardCondition final : public Condition {
  public:
+  /// Not triggered.
+  GuardCondition() : Condition(nullptr) {}
+
   /// With true, wakes the threads that wait for it. It stays triggered until it is set to false.
   /// May be called by any thread.
   void set_trigger_value(bool value) { trigger(value); }
 };
 
 /// Triggered while one of the enabled communication statuses of its entity has changed and has not
-/// been read. All statuses are enabled at first.
+/// been read. All statuses are enabled at first. Its entity creates and owns it.
 class StatusCondition final : public Condition {
  public:
-  /// Made by its entity, which owns it.
-  StatusCondition(Entity& entity, std::shared_ptr<ServingTurn> turn)
-      : Condition(std::move(turn)), entity_(entity) {}
-
   Entity& entity() const { return entity_; }
   /// The statuses that trigger it.
   StatusMask enabled_statuses() const { return StatusMask::from(enabled_); }
@@ -78,6 +65,8 @@ class StatusCondition final : public Condition {
  private:
   friend class ReadCondition;
   friend class StatusChanges;
+  StatusCondition(Entity& entity, std::shared_ptr<ServingTurn> turn)
+      : Condition(std::move(turn)), entity_(entity) {}
   void update();
 
   Entity& entity_;

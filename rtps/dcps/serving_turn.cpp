@@ -4,7 +4,7 @@
 #include <sys/timerfd.h>
 #include <unistd.h>
 
-#include "rtps/dcps/wait_set.hpp"
+#include "rtps/dcps/condition_state.hpp"
 
 namespace ddssec::rtps {
 

@@ -4,6 +4,7 @@
 #include <list>
 
 #include "base/rollback.hpp"
+#include "rtps/dcps/condition_state.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -11,6 +12,13 @@ namespace {
 constexpr std::chrono::nanoseconds kMaxWait = std::chrono::hours(24 * 365);
 
 }  // namespace
+
+Condition::Condition(std::shared_ptr<ServingTurn> turn)
+    : state_(std::make_shared<ConditionState>(std::move(turn))) {}
+
+bool Condition::trigger_value() const { return state_->trigger; }
+
+const std::shared_ptr<ServingTurn>& Condition::turn() const { return state_->turn; }
 
 // Only trigger() holds both mutexes, and locks the condition's first. Every other function empties
 // its own list before it removes itself from the lists of the others.
@@ -39,6 +47,51 @@ void WaitSetState::notify() {
   const std::lock_guard held(mutex);
   changed.notify_all();
   if (served != nullptr && ::pthread_equal(serving, ::pthread_self()) == 0) served->wake();
+}
+
+std::vector<Condition*> WaitSetState::triggered() const {
+  std::vector<Condition*> out;
+  for (const auto& attached : conditions)
+    if (attached.state->trigger) out.push_back(attached.condition);
+  return out;
+}
+
+// Each participant of the conditions must know that a thread waits. The thread serves the
+// participant if there is only one. If that is deleted meanwhile, its turn is closed but remains.
+void WaitSetState::wait_until(std::unique_lock<std::mutex>& lock, TimePoint end) {
+  turns.clear();
+  for (const auto& attached : conditions)
+    if (attached.state->turn && std::ranges::find(turns, attached.state->turn) == turns.end())
+      turns.push_back(attached.state->turn);
+  if (turns.size() == 1) {
+    ServingTurn::Waiting place(*turns.front(), ServingTurn::For::data, shared_from_this());
+    return wait_until(lock, end, &place);
+  }
+  std::list<ServingTurn::Waiting> places;
+  for (const auto& turn : turns)
+    places.emplace_back(*turn, ServingTurn::For::other, shared_from_this());
+  wait_until(lock, end, nullptr);
+}
+
+void WaitSetState::wait_until(std::unique_lock<std::mutex>& lock, TimePoint end,
+                              ServingTurn::Waiting* own) {
+  const auto any = [](const auto& attached) { return attached.state->trigger.load(); };
+  while (std::ranges::none_of(conditions, any)) {
+    const auto left = end - std::chrono::steady_clock::now();
+    if (left <= std::chrono::nanoseconds::zero()) return;
+    if (own == nullptr || !own->serves()) {
+      changed.wait_until(lock, end);
+      continue;
+    }
+    served = turns.front().get();
+    serving = ::pthread_self();
+    lock.unlock();
+    const Rollback is_served([&] {
+      lock.lock();
+      served = nullptr;
+    });
+    own->serve(left);
+  }
 }
 
 WaitSet::WaitSet() : state_(std::make_shared<WaitSetState>()) {}
@@ -90,13 +143,6 @@ std::vector<Condition*> WaitSet::conditions() const {
   return out;
 }
 
-std::vector<Condition*> WaitSet::triggered() const {
-  std::vector<Condition*> out;
-  for (const auto& attached : state_->conditions)
-    if (attached.state->trigger) out.push_back(attached.condition);
-  return out;
-}
-
 Result<std::vector<Condition*>> WaitSet::wait(std::chrono::nanoseconds timeout) {
   const auto end = std::chrono::steady_clock::now() + std::min(timeout, kMaxWait);
   std::unique_lock lock(state_->mutex);
@@ -106,53 +152,13 @@ Result<std::vector<Condition*>> WaitSet::wait(std::chrono::nanoseconds timeout) 
   state_->waiting = true;
   // Also when the thread is cancelled.
   const Rollback is_over([&] { state_->waiting = false; });
-  auto out = triggered();
+  auto out = state_->triggered();
   if (out.empty()) {
-    wait_until(lock, end);
-    out = triggered();
+    state_->wait_until(lock, end);
+    out = state_->triggered();
   }
   if (out.empty()) return fail(Code::rtps_timeout, {.document = "wait set"});
   return out;
-}
-
-// Each participant of the conditions must know that a thread waits. The thread serves the
-// participant if there is only one. If that is deleted meanwhile, its turn is closed but remains.
-void WaitSet::wait_until(std::unique_lock<std::mutex>& lock,
-                         std::chrono::steady_clock::time_point end) {
-  auto& turns = state_->turns;
-  turns.clear();
-  for (const auto& attached : state_->conditions)
-    if (attached.state->turn && std::ranges::find(turns, attached.state->turn) == turns.end())
-      turns.push_back(attached.state->turn);
-  if (turns.size() == 1) {
-    ServingTurn::Waiting waiting(*turns.front(), ServingTurn::For::data, state_);
-    return wait_until(lock, end, &waiting);
-  }
-  std::list<ServingTurn::Waiting> waiting;
-  for (const auto& turn : turns) waiting.emplace_back(*turn, ServingTurn::For::other, state_);
-  wait_until(lock, end, nullptr);
-}
-
-/// `own`: the thread's place among those that wait for the only participant; otherwise nullptr.
-void WaitSet::wait_until(std::unique_lock<std::mutex>& lock,
-                         std::chrono::steady_clock::time_point end, ServingTurn::Waiting* own) {
-  const auto any = [](const auto& attached) { return attached.state->trigger.load(); };
-  while (std::ranges::none_of(state_->conditions, any)) {
-    const auto left = end - std::chrono::steady_clock::now();
-    if (left <= std::chrono::nanoseconds::zero()) return;
-    if (own == nullptr || !own->serves()) {
-      state_->changed.wait_until(lock, end);
-      continue;
-    }
-    state_->served = state_->turns.front().get();
-    state_->serving = ::pthread_self();
-    lock.unlock();
-    const Rollback is_served([&] {
-      lock.lock();
-      state_->served = nullptr;
-    });
-    own->serve(left);
-  }
 }
 
 }  // namespace ddssec::rtps

@@ -1,0 +1,65 @@
+// The states that conditions and wait sets share.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <pthread.h>
+#include <utility>
+#include <vector>
+
+#include "rtps/dcps/serving_turn.hpp"
+
+namespace ddssec::rtps {
+
+class Condition;
+struct WaitSetState;
+
+/// The state that a condition shares with the wait sets it is attached to. It outlives both, so
+/// that a condition and a wait set may be destroyed at the same time in different threads.
+struct ConditionState {
+  explicit ConditionState(std::shared_ptr<ServingTurn> of) : turn(std::move(of)) {}
+  /// Of the participant whose entity triggers the condition; nullptr: the application triggers it,
+  /// or the participant has no thread of its own.
+  const std::shared_ptr<ServingTurn> turn;
+  std::atomic<bool> trigger = false;
+  std::mutex mutex;
+  std::vector<std::shared_ptr<WaitSetState>> sets;
+};
+
+/// A condition and the state that it shares with the wait set.
+struct AttachedCondition {
+  Condition* condition;
+  std::shared_ptr<ConditionState> state;
+};
+
+/// The state that a wait set shares with the conditions attached to it.
+struct WaitSetState : std::enable_shared_from_this<WaitSetState> {
+  using TimePoint = std::chrono::steady_clock::time_point;
+
+  std::mutex mutex;
+  std::condition_variable changed;
+  /// Never contains a destroyed condition. Without this mutex only a condition's state may be used.
+  std::vector<AttachedCondition> conditions;
+  bool waiting = false;
+  /// What the waiting thread serves; nullptr: it waits for `changed`.
+  ServingTurn* served = nullptr;
+  pthread_t serving{};  ///< valid if `served` is set
+  /// Those of the participants whose conditions the thread waits for; for that thread alone.
+  std::vector<std::shared_ptr<ServingTurn>> turns;
+
+  /// Makes the waiting thread check its conditions. The caller does not hold the mutex.
+  void notify();
+  /// The triggered conditions. The caller holds the mutex.
+  std::vector<Condition*> triggered() const;
+  /// Waits until a condition is triggered or the time is over. `lock` holds the mutex.
+  void wait_until(std::unique_lock<std::mutex>& lock, TimePoint end);
+
+ private:
+  /// `own`: the thread's place among those that wait for the only participant; otherwise nullptr.
+  void wait_until(std::unique_lock<std::mutex>& lock, TimePoint end, ServingTurn::Waiting* own);
+};
+
+}  // namespace ddssec::rtps
