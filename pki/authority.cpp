@@ -123,7 +123,7 @@ Result<Certificate> build(const CertificateTemplate& content, Subject subject,
                           const Certificate* issuer, const PrivateKey& signing_key,
                           Random& random) {
   const X509Ptr x509(X509_new());
-  X509* by = issuer != nullptr ? issuer->impl().x509.get() : x509.get();
+  X509* by = issuer != nullptr ? impl_of(*issuer).x509.get() : x509.get();
   DDSSEC_ASSIGN_OR_RETURN(const auto from, encoded(content.validity.not_before));
   DDSSEC_ASSIGN_OR_RETURN(const auto until, encoded(content.validity.not_after));
   if (!x509 || X509_set_version(x509.get(), X509_VERSION_3) != 1 ||
@@ -137,7 +137,7 @@ Result<Certificate> build(const CertificateTemplate& content, Subject subject,
   DDSSEC_RETURN_IF_ERROR(add_extensions(x509.get(), by, content));
   unsigned char* der = nullptr;
   const bool signed_ok =
-      X509_sign(x509.get(), signing_key.impl().pkey.get(), digest_of(signing_key)) > 0;
+      X509_sign(x509.get(), impl_of(signing_key).pkey.get(), digest_of(signing_key)) > 0;
   const int size = signed_ok ? i2d_X509(x509.get(), &der) : -1;
   const OpensslMemory owner(der);
   if (size <= 0) return openssl_failure(Code::internal);
@@ -227,10 +227,11 @@ Result<Bytes> detached_signature(const Credential& signer, BytesView content, Wa
   const CmsPtr cms(CMS_sign(nullptr, nullptr, nullptr, nullptr, kFlags | CMS_PARTIAL));
   const BioPtr data = bio_over(content);
   DDSSEC_ASSIGN_OR_RETURN(const auto signing_time, encoded(time));
-  CMS_SignerInfo* info = cms ? CMS_add1_signer(cms.get(), signer.certificate.impl().x509.get(),
-                                               signer.key.impl().pkey.get(), digest_of(signer.key),
-                                               kFlags | CMS_PARTIAL | CMS_NOSMIMECAP)
-                             : nullptr;
+  CMS_SignerInfo* info =
+      cms ? CMS_add1_signer(cms.get(), impl_of(signer.certificate).x509.get(),
+                            impl_of(signer.key).pkey.get(), digest_of(signer.key),
+                            kFlags | CMS_PARTIAL | CMS_NOSMIMECAP)
+          : nullptr;
   if (info == nullptr || !data ||
       CMS_signed_add1_attr_by_NID(info, NID_pkcs9_signingTime, ASN1_STRING_type(signing_time.get()),
                                   signing_time.get(), -1) != 1 ||
@@ -266,7 +267,7 @@ namespace {
 
 Result<std::string> request_for(const PrivateKey& key, const X509_NAME* name) {
   const RequestPtr request(X509_REQ_new());
-  EVP_PKEY* pkey = key.impl().pkey.get();
+  EVP_PKEY* pkey = impl_of(key).pkey.get();
   const BioPtr bio(BIO_new(BIO_s_mem()));
   if (!request || !bio || X509_REQ_set_version(request.get(), 0) != 1 ||
       X509_REQ_set_subject_name(request.get(), name) != 1 ||
@@ -285,13 +286,13 @@ Result<std::string> make_request(const PrivateKey& key, std::string_view subject
 }
 
 Result<std::string> make_request(const PrivateKey& key, const Certificate& old) {
-  return request_for(key, X509_get_subject_name(old.impl().x509.get()));
+  return request_for(key, X509_get_subject_name(impl_of(old).x509.get()));
 }
 
 Result<Credential> self_sign(const CertificateTemplate& content, PrivateKey key, Random& random) {
   DDSSEC_ASSIGN_OR_RETURN(const auto name, make_name(content.subject));
-  DDSSEC_ASSIGN_OR_RETURN(
-      auto certificate, build(content, {name.get(), key.impl().pkey.get()}, nullptr, key, random));
+  DDSSEC_ASSIGN_OR_RETURN(auto certificate, build(content, {name.get(), impl_of(key).pkey.get()},
+                                                  nullptr, key, random));
   return Credential{std::move(certificate), std::move(key)};
 }
 
@@ -352,20 +353,21 @@ Result<Credential> Authority::issue(std::string_view subject, KeySpec key, Valid
 Result<Certificate> Authority::certify(const CertificateTemplate& content, const PrivateKey& key,
                                        Random& random) const {
   DDSSEC_ASSIGN_OR_RETURN(const auto name, make_name(content.subject));
-  return build(content, {name.get(), key.impl().pkey.get()}, &self_.certificate, self_.key, random);
+  return build(content, {name.get(), impl_of(key).pkey.get()}, &self_.certificate, self_.key,
+               random);
 }
 
 Result<Certificate> Authority::reissue(const Certificate& old, Validity validity, Random& random,
                                        const PrivateKey* key) const {
-  X509* x509 = old.impl().x509.get();
+  X509* x509 = impl_of(old).x509.get();
   return build(again(old, validity),
                {X509_get_subject_name(x509),
-                key != nullptr ? key->impl().pkey.get() : X509_get0_pubkey(x509)},
+                key != nullptr ? impl_of(*key).pkey.get() : X509_get0_pubkey(x509)},
                &self_.certificate, self_.key, random);
 }
 
 Result<Certificate> Authority::renewed(Validity validity, Random& random) const {
-  X509* x509 = self_.certificate.impl().x509.get();
+  X509* x509 = impl_of(self_.certificate).x509.get();
   return build(again(self_.certificate, validity),
                {X509_get_subject_name(x509), X509_get0_pubkey(x509)}, nullptr, self_.key, random);
 }
@@ -392,7 +394,7 @@ Result<RequestContent> read_request(BytesView request_pem) {
 
 Result<Crl> Authority::make_crl(const CrlTemplate& content) const {
   const CrlPtr crl(X509_CRL_new());
-  X509* issuer = self_.certificate.impl().x509.get();
+  X509* issuer = impl_of(self_.certificate).x509.get();
   DDSSEC_ASSIGN_OR_RETURN(const auto this_update, encoded(content.this_update));
   DDSSEC_ASSIGN_OR_RETURN(const auto next_update, encoded(content.next_update));
   if (!crl || X509_CRL_set_version(crl.get(), X509_CRL_VERSION_2) != 1 ||
@@ -410,7 +412,7 @@ Result<Crl> Authority::make_crl(const CrlTemplate& content) const {
   DDSSEC_RETURN_IF_ERROR(add_crl_extensions(crl.get(), issuer, content.number));
   X509_CRL_sort(crl.get());
   const BioPtr bio(BIO_new(BIO_s_mem()));
-  if (!bio || X509_CRL_sign(crl.get(), self_.key.impl().pkey.get(), digest_of(self_.key)) <= 0 ||
+  if (!bio || X509_CRL_sign(crl.get(), impl_of(self_.key).pkey.get(), digest_of(self_.key)) <= 0 ||
       i2d_X509_CRL_bio(bio.get(), crl.get()) != 1)
     return openssl_failure(Code::internal);
   DDSSEC_ASSIGN_OR_RETURN(auto crls, Crl::all_from(bio_octets(bio)));

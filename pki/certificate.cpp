@@ -74,8 +74,8 @@ std::string_view key_type(const X509* x509) {
 }
 
 // Computes all values once, because a certificate is used many times.
-Result<std::unique_ptr<const Certificate::Impl>> finish(X509Ptr x509, BytesView der) {
-  auto out = std::make_unique<Certificate::Impl>();
+Result<std::unique_ptr<const PkiAccess::CertificateImpl>> finish(X509Ptr x509, BytesView der) {
+  auto out = std::make_unique<PkiAccess::CertificateImpl>();
   const X509_NAME* subject = X509_get_subject_name(x509.get());
   const X509_NAME* issuer = X509_get_issuer_name(x509.get());
   DDSSEC_RETURN_IF_ERROR(check_name(subject, "subject"));
@@ -109,18 +109,20 @@ class Held {
     return *all;
   }
 
-  std::shared_ptr<const Certificate::Impl> find(const Sha256Digest& fingerprint) {
+  std::shared_ptr<const PkiAccess::CertificateImpl> find(const Sha256Digest& fingerprint) {
     const std::scoped_lock lock(mutex_);
     const auto known = known_.find(fingerprint);
     return known == known_.end() ? nullptr : known->second.lock();
   }
 
   /// The last holder to release it removes it from the list.
-  std::shared_ptr<const Certificate::Impl> share(std::unique_ptr<const Certificate::Impl> made) {
-    const std::shared_ptr<const Certificate::Impl> out(made.release(), [this](const auto* last) {
-      forget(last->fingerprint);
-      delete last;
-    });
+  std::shared_ptr<const PkiAccess::CertificateImpl> share(
+      std::unique_ptr<const PkiAccess::CertificateImpl> made) {
+    const std::shared_ptr<const PkiAccess::CertificateImpl> out(made.release(),
+                                                                [this](const auto* last) {
+                                                                  forget(last->fingerprint);
+                                                                  delete last;
+                                                                });
     const std::scoped_lock lock(mutex_);
     known_.insert_or_assign(out->fingerprint, out);
     return out;
@@ -135,7 +137,7 @@ class Held {
   }
 
   std::mutex mutex_;
-  std::map<Sha256Digest, std::weak_ptr<const Certificate::Impl>> known_;
+  std::map<Sha256Digest, std::weak_ptr<const PkiAccess::CertificateImpl>> known_;
 };
 
 // Of a file without a certificate in PEM. Products read PEM only, and DER begins with a SEQUENCE.
@@ -184,10 +186,10 @@ Result<Certificate> Certificate::from_der(BytesView octets) {
   if (octets.size() > kMaxCertificateOctets)
     return std::unexpected(too_large(kMaxCertificateOctets, octets.size()));
   auto& held = Held::by_anybody();
-  if (auto known = held.find(sha256(octets))) return Certificate(std::move(known));
+  if (auto known = held.find(sha256(octets))) return PkiAccess::make<Certificate>(std::move(known));
   DDSSEC_ASSIGN_OR_RETURN(auto decoded, decode(octets));
   DDSSEC_ASSIGN_OR_RETURN(auto checked, finish(std::move(decoded), octets));
-  return Certificate(held.share(std::move(checked)));
+  return PkiAccess::make<Certificate>(held.share(std::move(checked)));
 }
 
 Result<Certificate> Certificate::from_pem(BytesView octets) {
@@ -261,7 +263,7 @@ bool Certificate::is_self_issued() const {
 }
 
 bool Certificate::is_issued_by(const Certificate& ca) const {
-  X509* issuer = ca.impl().x509.get();
+  X509* issuer = impl_of(ca).x509.get();
   const bool is_by =
       X509_NAME_cmp(X509_get_issuer_name(impl_->x509.get()), X509_get_subject_name(issuer)) == 0 &&
       X509_verify(impl_->x509.get(), X509_get0_pubkey(issuer)) == 1;

@@ -100,13 +100,11 @@ class Certificate {
     return a.fingerprint() == b.fingerprint();
   }
 
+ private:
+  friend struct PkiAccess;
   struct Impl;
-  /// For pki/ only.
-  const Impl& impl() const { return *impl_; }
-  /// For pki/ only.
   explicit Certificate(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
- private:
   std::shared_ptr<const Impl> impl_;
 };
 

@@ -115,7 +115,7 @@ std::string same_name_other_key(const X509* x509, const std::vector<Certificate>
   const auto issuer = name_rfc2253(X509_get_issuer_name(x509));
   for (const auto& anchor : anchors) {
     if (anchor.subject() != issuer) continue;
-    const auto held = key_id_text(X509_get0_subject_key_id(anchor.impl().x509.get()));
+    const auto held = key_id_text(X509_get0_subject_key_id(impl_of(anchor).x509.get()));
     if (named.empty() || held.empty() || named == held) continue;
     return "the CA of that name that is configured has another key: the certificate names the "
            "key " +
@@ -166,7 +166,7 @@ Error explain(X509_STORE_CTX* context, const std::vector<Certificate>& anchors, 
 // RFC 5280 4.2.1.3: with a keyUsage extension, signatures need digitalSignature. Peers' S/MIME
 // purpose check wants the same.
 Status check_key_usage(const Certificate& certificate) {
-  const auto usage = X509_get_key_usage(certificate.impl().x509.get());
+  const auto usage = X509_get_key_usage(impl_of(certificate).x509.get());
   if (usage == UINT32_MAX || (usage & KU_DIGITAL_SIGNATURE) != 0) return {};
   return fail(Code::key_usage_forbids, {.field = certificate.subject(),
                                         .expected = "keyUsage with digitalSignature",
@@ -208,7 +208,7 @@ void ChainVerifier::Impl::drop_superseded() {
     return std::ranges::any_of(anchors, [&](const auto& ca) { return crl.is_signed_by(ca); });
   };
   const auto takes_place_of = [&](const Crl& crl, const Crl& former) {
-    return &crl.impl() != &former.impl() && crl.supersedes(former) && !former.supersedes(crl) &&
+    return !crl.is_copy_of(former) && crl.supersedes(former) && !former.supersedes(crl) &&
            is_genuine(crl) && (have_common_signer(crl, former, anchors) || !is_genuine(former));
   };
   const auto all = crls;
@@ -225,11 +225,11 @@ Status ChainVerifier::Impl::fill_store(CrlPolicy policy) {
     if (!anchor.can_be_anchor())
       return fail(Code::not_a_ca,
                   {.field = anchor.subject(), .expected = "basicConstraints CA:TRUE"});
-    if (X509_STORE_add_cert(store.get(), anchor.impl().x509.get()) != 1)
+    if (X509_STORE_add_cert(store.get(), impl_of(anchor).x509.get()) != 1)
       return openssl_failure(Code::internal);
   }
   for (const auto& crl : crls) {
-    if (X509_STORE_add_crl(store.get(), crl.impl().crl.get()) != 1)
+    if (X509_STORE_add_crl(store.get(), impl_of(crl).crl.get()) != 1)
       return openssl_failure(Code::internal);
     crls_from = std::max(crls_from.value_or(crl.this_update()), crl.this_update());
     if (const auto next = crl.next_update())
@@ -248,7 +248,8 @@ Status ChainVerifier::Impl::fill_store(CrlPolicy policy) {
 bool ChainVerifier::Impl::is_listed(const Certificate& certificate) const {
   return std::ranges::any_of(crls, [&](const Crl& crl) {
     X509_REVOKED* entry = nullptr;
-    return X509_CRL_get0_by_cert(crl.impl().crl.get(), &entry, certificate.impl().x509.get()) != 0;
+    return X509_CRL_get0_by_cert(impl_of(crl).crl.get(), &entry, impl_of(certificate).x509.get()) !=
+           0;
   });
 }
 
@@ -257,7 +258,7 @@ bool ChainVerifier::Impl::is_in_force(const Crl& crl, const X509* issuer, WallTi
   const bool is_of_this_time =
       crl.this_update() <= now && (!crl.next_update() || now < *crl.next_update());
   return is_of_this_time && std::ranges::any_of(anchors, [&](const Certificate& anchor) {
-           return X509_cmp(anchor.impl().x509.get(), issuer) == 0 && crl.is_signed_by(anchor);
+           return X509_cmp(impl_of(anchor).x509.get(), issuer) == 0 && crl.is_signed_by(anchor);
          });
 }
 
@@ -270,7 +271,7 @@ Status ChainVerifier::Impl::check_every_list(X509_STORE_CTX* context, WallTime n
     const X509* const issuer = sk_X509_value(chain, std::min(i + 1, sk_X509_num(chain) - 1));
     for (const auto& crl : crls) {
       X509_REVOKED* entry = nullptr;
-      auto* const list = crl.impl().crl.get();
+      auto* const list = impl_of(crl).crl.get();
       if (X509_CRL_get0_by_cert(list, &entry, x509) == 0 || !is_in_force(crl, issuer, now))
         continue;
       return fail(Code::certificate_revoked,
@@ -306,8 +307,8 @@ ChainValid ChainVerifier::Impl::prove(const Certificate& certificate,
 Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificate, WallTime now,
                                                    unsigned long flags) const {
   const StoreContextPtr context(X509_STORE_CTX_new());
-  if (!context ||
-      X509_STORE_CTX_init(context.get(), store.get(), certificate.impl().x509.get(), nullptr) != 1)
+  if (!context || X509_STORE_CTX_init(context.get(), store.get(), impl_of(certificate).x509.get(),
+                                      nullptr) != 1)
     return openssl_failure(Code::internal);
   auto* parameters = X509_STORE_CTX_get0_param(context.get());
   // Not X509_V_FLAG_USE_DELTAS: Crl reads complete lists only.

@@ -74,7 +74,7 @@ Result<Crl> from_der(BytesView der, Deltas deltas) {
   if (!crl) return openssl_failure(Code::crl_malformed);
   if (position != der.data() + der.size())
     return fail(Code::crl_malformed, {.note = "octets follow the list"});
-  auto out = std::make_shared<Crl::Impl>();
+  auto out = std::make_shared<PkiAccess::CrlImpl>();
   out->issuer = name_rfc2253(X509_CRL_get_issuer(crl.get()));
   const bool is_delta_list = is_delta(crl.get());
   if (is_delta_list && deltas == Deltas::refused)
@@ -90,7 +90,7 @@ Result<Crl> from_der(BytesView der, Deltas deltas) {
     out->next_update = *next_update;
   }
   out->crl = std::move(crl);
-  return Crl(std::move(out));
+  return PkiAccess::make<Crl>(std::move(out));
 }
 
 struct ReasonWord {
@@ -157,7 +157,7 @@ std::unexpected<Error> not_signed_by(const Crl& crl, const Certificate& ca) {
   ErrorDetails details{.expected = "a list signed by " + ca.subject(),
                        .found = "a list of " + crl.issuer()};
   const auto named = crl.authority_key_id();
-  const auto held = key_id_text(X509_get0_subject_key_id(ca.impl().x509.get()));
+  const auto held = key_id_text(X509_get0_subject_key_id(impl_of(ca).x509.get()));
   if (!crl.is_named_after(ca) || named.empty() || held.empty() || named == held)
     return openssl_failure(Code::crl_signature_invalid, std::move(details));
   details.expected += " with the key " + held;
@@ -270,11 +270,11 @@ bool Crl::seems_of_same_ca(const Crl& other) const {
 
 bool Crl::is_named_after(const Certificate& ca) const {
   return X509_NAME_cmp(X509_CRL_get_issuer(impl_->crl.get()),
-                       X509_get_subject_name(ca.impl().x509.get())) == 0;
+                       X509_get_subject_name(impl_of(ca).x509.get())) == 0;
 }
 
 bool Crl::is_signed_by(const Certificate& issuer) const {
-  X509* x509 = issuer.impl().x509.get();
+  X509* x509 = impl_of(issuer).x509.get();
   return is_named_after(issuer) && (X509_get_key_usage(x509) & KU_CRL_SIGN) != 0 &&
          X509_CRL_verify(impl_->crl.get(), X509_get0_pubkey(x509)) == 1;
 }

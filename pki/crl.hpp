@@ -102,17 +102,18 @@ class Crl {
   /// True if `issuer` may sign lists and signed this one. May leave errors in OpenSSL's queue.
   bool is_signed_by(const Certificate& issuer) const;
 
+  /// True if both are copies of one object, so that they were read from the same octets at once.
+  bool is_copy_of(const Crl& other) const { return impl_ == other.impl_; }
+
   /// Success if `issuer` signed the list and may do so, and the list is valid at `now`. Errors:
   /// crl_signature_invalid, crl_not_yet_valid, crl_expired.
   Status check(const Certificate& issuer, WallTime now) const;
 
+ private:
+  friend struct PkiAccess;
   struct Impl;
-  /// For pki/ only.
-  const Impl& impl() const { return *impl_; }
-  /// For pki/ only.
   explicit Crl(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
- private:
   std::shared_ptr<const Impl> impl_;
 };
 

@@ -34,11 +34,10 @@ class PeerPublicKey {
   /// The encoding that the peer used; answer with the same.
   PublicKeyEncoding encoding() const { return encoding_; }
 
-  /// For pki/ only.
-  struct Impl;
-
  private:
   friend class EphemeralKey;
+  friend struct KnownKey;
+  struct Impl;
   PeerPublicKey(KeyAgreementKind kind, PublicKeyEncoding encoding, std::shared_ptr<const Impl> impl)
       : kind_(kind), encoding_(encoding), impl_(std::move(impl)) {}
   KeyAgreementKind kind_;

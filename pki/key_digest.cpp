@@ -81,7 +81,7 @@ std::vector<std::string> encodings(const EVP_PKEY* key, KeyKind kind) {
 }  // namespace
 
 KeyDigests::KeyDigests(const Certificate& certificate) {
-  X509* x509 = certificate.impl().x509.get();
+  X509* x509 = impl_of(certificate).x509.get();
   all_ = encodings(X509_get0_pubkey(x509), certificate.key_algorithm().kind);
   ERR_clear_error();
   // An encoding that none of these is, such as RSA without parameters.

@@ -101,7 +101,7 @@ bool is_about(const OCSP_SINGLERESP* answer, const Certificate& certificate,
   const int digest = OBJ_obj2nid(algorithm);
   if (digest != NID_sha1 && !is_strong(digest)) return false;
   const CertificateIdPtr wanted(OCSP_cert_to_id(
-      EVP_get_digestbynid(digest), certificate.impl().x509.get(), ca.impl().x509.get()));
+      EVP_get_digestbynid(digest), impl_of(certificate).x509.get(), impl_of(ca).x509.get()));
   return wanted && OCSP_id_cmp(wanted.get(), id) == 0;
 }
 
@@ -172,7 +172,7 @@ Result<std::vector<Answer>> OcspJudge::answers_with(const Certificate& ca) const
 bool OcspJudge::names_as_signer(const Certificate& candidate) const {
   const ASN1_OCTET_STRING* key = nullptr;
   const X509_NAME* name = nullptr;
-  auto* const x509 = candidate.impl().x509.get();
+  auto* const x509 = impl_of(candidate).x509.get();
   if (OCSP_resp_get0_id(basic.get(), &key, &name) != 1) return false;
   if (name != nullptr) return X509_NAME_cmp(name, X509_get_subject_name(x509)) == 0;
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
@@ -185,7 +185,7 @@ bool OcspJudge::names_as_signer(const Certificate& candidate) const {
 
 /// RFC 6960 4.2.2.2: the CA itself certifies the responders that may answer for it.
 Result<Signer> OcspJudge::delegate(const Certificate& candidate, const Certificate& ca) const {
-  auto* const x509 = candidate.impl().x509.get();
+  auto* const x509 = impl_of(candidate).x509.get();
   const bool may_sign = (X509_get_extension_flags(x509) & EXFLAG_XKUSAGE) != 0 &&
                         (X509_get_extended_key_usage(x509) & XKU_OCSP_SIGN) != 0;
   if (!may_sign)
@@ -226,7 +226,7 @@ Result<Signer> OcspJudge::signer(const Certificate& ca) const {
 
 Status OcspJudge::check_signature(const Signer& signer) const {
   const CertificateStack signers(sk_X509_new_null());
-  auto* const x509 = signer.certificate.impl().x509.get();
+  auto* const x509 = impl_of(signer.certificate).x509.get();
   if (!signers || sk_X509_push(signers.get(), x509) == 0) return fail(Code::out_of_memory);
   // The signer was judged above, so OpenSSL is to look at no other certificate.
   if (OCSP_basic_verify(basic.get(), signers.get(), nullptr, OCSP_NOINTERN | OCSP_TRUSTOTHER) == 1)

@@ -27,7 +27,7 @@ bool is_plain(std::string_view url) {
 }  // namespace
 
 std::string ocsp_responder_of(const Certificate& certificate) {
-  const TextsPtr urls(X509_get1_ocsp(certificate.impl().x509.get()));
+  const TextsPtr urls(X509_get1_ocsp(impl_of(certificate).x509.get()));
   for (int i = 0; i < sk_OPENSSL_STRING_num(urls.get()); ++i) {
     const std::string url = sk_OPENSSL_STRING_value(urls.get(), i);
     if (url.starts_with("http://") && is_plain(url)) return url;

@@ -29,8 +29,8 @@ constexpr std::size_t kMaxFetched = 64 * 1024;
 /// SHA-1 identifies the certificate: it is what every responder understands (RFC 5019).
 Result<BioPtr> request_for(const OcspQuestion& question) {
   const OcspRequestPtr request(OCSP_REQUEST_new());
-  OCSP_CERTID* const id = OCSP_cert_to_id(EVP_sha1(), question.certificate.impl().x509.get(),
-                                          question.ca.impl().x509.get());
+  OCSP_CERTID* const id = OCSP_cert_to_id(EVP_sha1(), impl_of(question.certificate).x509.get(),
+                                          impl_of(question.ca).x509.get());
   if (!request || id == nullptr || OCSP_request_add0_id(request.get(), id) == nullptr) {
     OCSP_CERTID_free(id);
     return openssl_failure(Code::internal);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <openssl/asn1.h>
 #include <openssl/bio.h>
@@ -94,6 +95,22 @@ struct Crl::Impl {
   WallTime this_update;
   std::optional<WallTime> next_update;
 };
+
+/// The way to what the classes hold inside.
+struct PkiAccess {
+  using CertificateImpl = Certificate::Impl;
+  using CrlImpl = Crl::Impl;
+  using PrivateKeyImpl = PrivateKey::Impl;
+  static const CertificateImpl& of(const Certificate& it) { return *it.impl_; }
+  static const CrlImpl& of(const Crl& it) { return *it.impl_; }
+  static const PrivateKeyImpl& of(const PrivateKey& it) { return *it.impl_; }
+  /// An object that holds `impl`, which is not nullptr.
+  template <class T>
+  static T make(std::shared_ptr<const typename T::Impl> impl) {
+    return T(std::move(impl));
+  }
+};
+const auto& impl_of(const auto& it) { return PkiAccess::of(it); }
 
 /// OpenSSL's own last reason (its queue is empty afterwards); "" if there is none.
 std::string take_openssl_reason();

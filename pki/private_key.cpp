@@ -35,7 +35,8 @@ int give_passphrase(char* out, int room, int /*writing*/, void* user) {
 
 Result<PrivateKey> finish(PkeyPtr pkey) {
   DDSSEC_ASSIGN_OR_RETURN(const auto algorithm, judge_key(pkey.get()));
-  return PrivateKey(std::make_shared<PrivateKey::Impl>(std::move(pkey), algorithm));
+  return PkiAccess::make<PrivateKey>(
+      std::make_shared<PkiAccess::PrivateKeyImpl>(std::move(pkey), algorithm));
 }
 
 // The key of an engine does not report the name of its curve. Its public half, decoded again, does.
@@ -51,7 +52,8 @@ Result<KeyAlgorithm> judge_token_key(EVP_PKEY* key) {
 Result<PrivateKey> from_token(std::string_view uri, const Passphrase* pin) {
   DDSSEC_ASSIGN_OR_RETURN(auto pkey, token_private_key(uri, pin));
   DDSSEC_ASSIGN_OR_RETURN(const auto algorithm, judge_token_key(pkey.get()));
-  return PrivateKey(std::make_shared<PrivateKey::Impl>(std::move(pkey), algorithm, true));
+  return PkiAccess::make<PrivateKey>(
+      std::make_shared<PkiAccess::PrivateKeyImpl>(std::move(pkey), algorithm, true));
 }
 
 Result<PrivateKey> from_uri(std::string_view uri, const Passphrase* passphrase) {
@@ -127,7 +129,7 @@ Status PrivateKey::matches(const Certificate& certificate) const {
   const ErrorDetails details{.field = "private key for " + certificate.subject(),
                              .expected = to_string(certificate.key_algorithm()),
                              .found = to_string(algorithm()) + " of another pair"};
-  EVP_PKEY* expected = X509_get0_pubkey(certificate.impl().x509.get());
+  EVP_PKEY* expected = X509_get0_pubkey(impl_of(certificate).x509.get());
   if (EVP_PKEY_eq(impl_->pkey.get(), expected) != 1)
     return openssl_failure(Code::key_mismatch, details);
   // A key file may contain the right public half with a wrong private half.

@@ -48,13 +48,11 @@ class PrivateKey {
   /// a signature made with this key verifies with the certificate's. Error: key_mismatch.
   Status matches(const Certificate& certificate) const;
 
+ private:
+  friend struct PkiAccess;
   struct Impl;
-  /// For pki/ only.
-  const Impl& impl() const { return *impl_; }
-  /// For pki/ only.
   explicit PrivateKey(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
- private:
   std::shared_ptr<const Impl> impl_;
 };
 

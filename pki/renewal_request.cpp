@@ -21,7 +21,7 @@ Status check_renewal_request(BytesView request_pem, const Certificate& old, Requ
   const BioPtr bio = bio_over(request_pem);
   const RequestPtr request(PEM_read_bio_X509_REQ(bio.get(), nullptr, nullptr, nullptr));
   if (!request) return openssl_failure(Code::request_invalid);
-  X509* certificate = old.impl().x509.get();
+  X509* certificate = impl_of(old).x509.get();
   const auto wanted = name_octets(X509_get_subject_name(certificate));
   if (wanted.empty() ||
       !std::ranges::equal(wanted, name_octets(X509_REQ_get_subject_name(request.get()))))

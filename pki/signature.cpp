@@ -40,7 +40,7 @@ bool set_up(EVP_PKEY_CTX* context, KeyKind kind, int salt) {
 }  // namespace
 
 Result<Bytes> sign(const PrivateKey& key, BytesView message) {
-  EVP_PKEY* pkey = key.impl().pkey.get();
+  EVP_PKEY* pkey = impl_of(key).pkey.get();
   const KeyKind kind = key.algorithm().kind;
   const PkeyContextPtr context(EVP_PKEY_CTX_new_from_pkey(nullptr, pkey, nullptr));
   Digest digest;
@@ -59,7 +59,7 @@ Result<Bytes> sign(const PrivateKey& key, BytesView message) {
 }
 
 Result<SignatureValid> verify(const Certificate& signer, BytesView message, BytesView signature) {
-  EVP_PKEY* pkey = X509_get0_pubkey(signer.impl().x509.get());
+  EVP_PKEY* pkey = X509_get0_pubkey(impl_of(signer).x509.get());
   const KeyKind kind = signer.key_algorithm().kind;
   if (signature.size() > kMaxSignatureOctets)
     return fail(Code::signature_invalid, {.note = "it is too long"});

@@ -97,7 +97,7 @@ bool is_of_other_key(CMS_SignerInfo* signer, const std::vector<Certificate>& cas
     return false;
   return std::ranges::any_of(cas, [&](const auto& ca) {
     return ca.is_self_issued() &&
-           X509_NAME_cmp(issuer, X509_get_subject_name(ca.impl().x509.get())) == 0;
+           X509_NAME_cmp(issuer, X509_get_subject_name(impl_of(ca).x509.get())) == 0;
   });
 }
 
@@ -106,7 +106,7 @@ Result<std::vector<Certificate>> candidates(CMS_SignerInfo* signer,
                                             const std::vector<Certificate>& cas) {
   std::vector<Certificate> out;
   for (const auto& ca : cas)
-    if (CMS_SignerInfo_cert_cmp(signer, ca.impl().x509.get()) == 0) out.push_back(ca);
+    if (CMS_SignerInfo_cert_cmp(signer, impl_of(ca).x509.get()) == 0) out.push_back(ca);
   if (!out.empty()) return out;
   std::string listed;
   for (const auto& ca : cas) listed += (listed.empty() ? "" : " or ") + ca.subject();
@@ -129,7 +129,7 @@ Status verify_with(const Certificate& ca, CMS_ContentInfo* cms, BytesView conten
   const CertificateStack trusted(sk_X509_new_null());
   const BioPtr bio = bio_over(content);
   constexpr unsigned kFlags = CMS_NOINTERN | CMS_NO_SIGNER_CERT_VERIFY | CMS_BINARY;
-  if (!trusted || !bio || sk_X509_push(trusted.get(), ca.impl().x509.get()) <= 0)
+  if (!trusted || !bio || sk_X509_push(trusted.get(), impl_of(ca).x509.get()) <= 0)
     return openssl_failure(Code::internal);
   return verify_cms(cms, trusted.get(), bio.get(), kFlags, "signer " + ca.subject());
 }

@@ -203,7 +203,7 @@ StorePtr empty_store(WallTime now) {
 StorePtr store_of(const std::vector<Certificate>& cas, WallTime now) {
   auto store = empty_store(now);
   if (!store) return nullptr;
-  for (const auto& ca : cas) X509_STORE_add_cert(store.get(), ca.impl().x509.get());
+  for (const auto& ca : cas) X509_STORE_add_cert(store.get(), impl_of(ca).x509.get());
   return store;
 }
 

@@ -270,7 +270,7 @@ Result<SubjectName> SubjectName::parse(std::string_view text) {
 SubjectName SubjectName::of(const Certificate& certificate) {
   SubjectName name;
   name.root_first_ = true;
-  const X509_NAME* subject = X509_get_subject_name(certificate.impl().x509.get());
+  const X509_NAME* subject = X509_get_subject_name(impl_of(certificate).x509.get());
   int last_set = -1;
   for (int i = 0; i < X509_NAME_entry_count(subject); ++i) {
     const X509_NAME_ENTRY* entry = X509_NAME_get_entry(subject, i);
@@ -320,7 +320,7 @@ bool SubjectName::matches(const SubjectName& other) const {
 
 std::string subject_in_utf8(const Certificate& certificate) {
   constexpr unsigned long kWithoutEscapes = XN_FLAG_RFC2253 & ~ASN1_STRFLGS_ESC_MSB;
-  const auto* subject = X509_get_subject_name(certificate.impl().x509.get());
+  const auto* subject = X509_get_subject_name(impl_of(certificate).x509.get());
   const BioPtr bio(BIO_new(BIO_s_mem()));
   if (!bio || X509_NAME_print_ex(bio.get(), subject, 0, kWithoutEscapes) < 0) return {};
   return std::string(as_text(bio_octets(bio)));

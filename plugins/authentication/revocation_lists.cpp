@@ -174,7 +174,7 @@ std::vector<pki::Crl> RevocationLists::together(const std::vector<pki::Certifica
 std::string RevocationLists::path() const {
   if (places_.empty()) return {};
   const auto is_in_force = [&](const pki::Crl& crl) {
-    return std::ranges::any_of(lists_, [&](const auto& one) { return &one.impl() == &crl.impl(); });
+    return std::ranges::any_of(lists_, [&](const auto& one) { return one.is_copy_of(crl); });
   };
   std::string paths;
   for (const auto& place : places_)

@@ -12,10 +12,10 @@ namespace ddssec::test {
 /// `list` of `ca` with the extension `nid`, signed again, as PEM.
 inline std::string with_extension(const pki::Crl& list, const pki::Authority& ca, int nid,
                                   void* value, bool is_critical) {
-  const pki::CrlPtr crl(X509_CRL_dup(list.impl().crl.get()));
+  const pki::CrlPtr crl(X509_CRL_dup(impl_of(list).crl.get()));
   const pki::BioPtr bio(BIO_new(BIO_s_mem()));
   if (X509_CRL_add1_ext_i2d(crl.get(), nid, value, is_critical ? 1 : 0, 0) != 1 ||
-      X509_CRL_sign(crl.get(), ca.key().impl().pkey.get(), EVP_sha256()) <= 0 ||
+      X509_CRL_sign(crl.get(), impl_of(ca.key()).pkey.get(), EVP_sha256()) <= 0 ||
       PEM_write_bio_X509_CRL(bio.get(), crl.get()) != 1)
     return {};
   return std::string(as_text(pki::bio_octets(bio)));
@@ -24,11 +24,11 @@ inline std::string with_extension(const pki::Crl& list, const pki::Authority& ca
 /// `list` of `ca` with the extension `nid` in its first entry, signed again, as PEM.
 inline std::string with_entry_extension(const pki::Crl& list, const pki::Authority& ca, int nid,
                                         void* value, bool is_critical) {
-  const pki::CrlPtr crl(X509_CRL_dup(list.impl().crl.get()));
+  const pki::CrlPtr crl(X509_CRL_dup(impl_of(list).crl.get()));
   const pki::BioPtr bio(BIO_new(BIO_s_mem()));
   auto* const entry = sk_X509_REVOKED_value(X509_CRL_get_REVOKED(crl.get()), 0);
   if (X509_REVOKED_add1_ext_i2d(entry, nid, value, is_critical ? 1 : 0, X509V3_ADD_REPLACE) != 1 ||
-      X509_CRL_sign(crl.get(), ca.key().impl().pkey.get(), EVP_sha256()) <= 0 ||
+      X509_CRL_sign(crl.get(), impl_of(ca.key()).pkey.get(), EVP_sha256()) <= 0 ||
       PEM_write_bio_X509_CRL(bio.get(), crl.get()) != 1)
     return {};
   return std::string(as_text(pki::bio_octets(bio)));

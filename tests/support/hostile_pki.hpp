@@ -45,7 +45,7 @@ inline DIST_POINT* distribution_point(PointName form, const X509_NAME* issuer) {
 /// `count` CRL distribution points; signed again by its own key, so that only its form is right.
 inline std::string with_distribution_points(const pki::Credential& who, PointName form, int count,
                                             int entries) {
-  const pki::X509Ptr x509(X509_dup(who.certificate.impl().x509.get()));
+  const pki::X509Ptr x509(X509_dup(impl_of(who.certificate).x509.get()));
   const std::unique_ptr<X509_NAME, pki::Deleter<X509_NAME_free>> issuer(X509_NAME_new());
   for (int i = 0; i < entries; ++i)
     X509_NAME_add_entry_by_NID(issuer.get(), NID_organizationalUnitName, MBSTRING_ASC,
@@ -57,7 +57,7 @@ inline std::string with_distribution_points(const pki::Credential& who, PointNam
     sk_DIST_POINT_push(points.get(), distribution_point(form, issuer.get()));
   const pki::BioPtr bio(BIO_new(BIO_s_mem()));
   if (X509_add1_ext_i2d(x509.get(), NID_crl_distribution_points, points.get(), 0, 0) != 1 ||
-      X509_sign(x509.get(), who.key.impl().pkey.get(), EVP_sha256()) <= 0 ||
+      X509_sign(x509.get(), impl_of(who.key).pkey.get(), EVP_sha256()) <= 0 ||
       PEM_write_bio_X509(bio.get(), x509.get()) != 1)
     return {};
   return std::string(as_text(pki::bio_octets(bio)));
@@ -68,8 +68,8 @@ using Pkcs7Ptr = std::unique_ptr<PKCS7, pki::Deleter<PKCS7_free>>;
 /// `text` signed by `who` as PKCS#7, detached, with signed attributes.
 inline Pkcs7Ptr pkcs7_of(const pki::Credential& who, std::string_view text, int flags) {
   const pki::BioPtr data = pki::bio_over(as_bytes(text));
-  return Pkcs7Ptr(PKCS7_sign(who.certificate.impl().x509.get(), who.key.impl().pkey.get(), nullptr,
-                             data.get(), flags));
+  return Pkcs7Ptr(PKCS7_sign(impl_of(who.certificate).x509.get(), impl_of(who.key).pkey.get(),
+                             nullptr, data.get(), flags));
 }
 
 /// As the S/MIME file that signs `text`. Signs it again: changes to `pkcs7` come after this.

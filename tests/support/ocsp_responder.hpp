@@ -40,8 +40,8 @@ inline pki::Asn1TimePtr ocsp_time(WallTime time) {
 }
 
 inline void add_answer(OCSP_BASICRESP* basic, const OcspAnswer& answer, WallTime now) {
-  OCSP_CERTID* const id = OCSP_cert_to_id(answer.id_digest, answer.certificate.impl().x509.get(),
-                                          answer.ca.impl().x509.get());
+  OCSP_CERTID* const id = OCSP_cert_to_id(answer.id_digest, impl_of(answer.certificate).x509.get(),
+                                          impl_of(answer.ca).x509.get());
   const auto this_update = ocsp_time(now + answer.this_update);
   const auto next = answer.next_update ? ocsp_time(now + *answer.next_update) : nullptr;
   const auto revoked = ocsp_time(now - std::chrono::hours(1));
@@ -58,9 +58,9 @@ inline void add_answer(OCSP_BASICRESP* basic, const OcspAnswer& answer, WallTime
 inline Bytes ocsp_response(const OcspContent& content) {
   OCSP_BASICRESP* const basic = OCSP_BASICRESP_new();
   for (const auto& answer : content.answers) add_answer(basic, answer, content.now);
-  for (const auto& one : content.sent) OCSP_basic_add1_cert(basic, one.impl().x509.get());
+  for (const auto& one : content.sent) OCSP_basic_add1_cert(basic, impl_of(one).x509.get());
   const unsigned long flags = OCSP_NOCERTS | (content.by_key ? OCSP_RESPID_KEY : 0);
-  if (OCSP_basic_sign(basic, content.signer.impl().x509.get(), content.key.impl().pkey.get(),
+  if (OCSP_basic_sign(basic, impl_of(content.signer).x509.get(), impl_of(content.key).pkey.get(),
                       content.digest, nullptr, flags) != 1) {
     OCSP_BASICRESP_free(basic);
     return {};
@@ -92,11 +92,11 @@ inline pki::Credential ocsp_delegate(const pki::Authority& ca, pki::Validity val
       ca.certify({.subject = "CN=OCSP responder,O=Example", .validity = validity}, key, random)
           .value();
   if (!usage) return {plain, std::move(key)};
-  const pki::X509Ptr x509(X509_dup(plain.impl().x509.get()));
+  const pki::X509Ptr x509(X509_dup(impl_of(plain).x509.get()));
   const pki::ExtensionPtr extension(
       X509V3_EXT_conf_nid(nullptr, nullptr, NID_ext_key_usage, "OCSPSigning"));
   X509_add_ext(x509.get(), extension.get(), -1);
-  X509_sign(x509.get(), ca.key().impl().pkey.get(), EVP_sha256());
+  X509_sign(x509.get(), impl_of(ca.key()).pkey.get(), EVP_sha256());
   unsigned char* octets = nullptr;
   const int size = i2d_X509(x509.get(), &octets);
   const pki::OpensslMemory owner(octets);

@@ -34,8 +34,8 @@ TEST(Certificate, WhoReadsOneThatIsHeldSharesIt) {
   {
     const auto held = Certificate::from_pem(as_bytes(pem)).value();
     const auto again = Certificate::from_der(held.der()).value();
-    EXPECT_EQ(&held.impl(), &again.impl());
-    EXPECT_NE(&held.impl(), &ca.certificate().impl());
+    EXPECT_EQ(&impl_of(held), &impl_of(again));
+    EXPECT_NE(&impl_of(held), &impl_of(ca.certificate()));
   }
   // Nobody held it any longer, so it was read anew; however many come, each is right.
   for (int i = 0; i < 200; ++i) {
@@ -49,7 +49,7 @@ TEST(Certificate, WhoReadsOneThatIsHeldSharesIt) {
 TEST(Certificate, SubjectDigestIsOverTheDerName) {
   // CN=abc as PrintableString would differ from UTF8String: take the DER as the library encodes it.
   const auto ca = make_ca("CN=abc");
-  const auto* name = X509_get_subject_name(ca.certificate().impl().x509.get());
+  const auto* name = X509_get_subject_name(impl_of(ca.certificate()).x509.get());
   unsigned char digest[32];
   ASSERT_EQ(X509_NAME_digest(name, EVP_sha256(), digest, nullptr), 1);
   EXPECT_EQ(to_hex(ca.certificate().subject_digest()), to_hex(digest));
@@ -135,13 +135,13 @@ std::string attributes(int count) {
 // Names that our own issuing refuses: built with OpenSSL directly.
 Result<Certificate> with_name(const std::vector<std::pair<std::string, std::string>>& entries) {
   const auto ca = make_ca();
-  const X509Ptr x509(X509_dup(ca.certificate().impl().x509.get()));
+  const X509Ptr x509(X509_dup(impl_of(ca.certificate()).x509.get()));
   const NamePtr name(X509_NAME_new());
   for (const auto& [type, value] : entries)
     X509_NAME_add_entry_by_txt(name.get(), type.c_str(), V_ASN1_UTF8STRING, as_bytes(value).data(),
                                static_cast<int>(value.size()), -1, 0);
   X509_set_subject_name(x509.get(), name.get());
-  X509_sign(x509.get(), ca.key().impl().pkey.get(), EVP_sha256());
+  X509_sign(x509.get(), impl_of(ca.key()).pkey.get(), EVP_sha256());
   unsigned char* raw = nullptr;
   const int size = i2d_X509(x509.get(), &raw);
   const OpensslMemory owner(raw);
@@ -163,10 +163,10 @@ TEST(Certificate, NamesAreBoundedAndHoldNoNul) {
 // Its key is of a type that certificates are read without decoders for.
 TEST(Certificate, AKeyOfAnotherTypeIsNamed) {
   const auto ca = make_ca();
-  const X509Ptr x509(X509_dup(ca.certificate().impl().x509.get()));
+  const X509Ptr x509(X509_dup(impl_of(ca.certificate()).x509.get()));
   const PkeyPtr key(EVP_PKEY_Q_keygen(nullptr, nullptr, "ED25519"));
   ASSERT_EQ(X509_set_pubkey(x509.get(), key.get()), 1);
-  ASSERT_GT(X509_sign(x509.get(), ca.key().impl().pkey.get(), EVP_sha256()), 0);
+  ASSERT_GT(X509_sign(x509.get(), impl_of(ca.key()).pkey.get(), EVP_sha256()), 0);
   unsigned char* raw = nullptr;
   const int size = i2d_X509(x509.get(), &raw);
   const OpensslMemory owner(raw);

@@ -16,8 +16,8 @@ Credential odd_leaf(const Authority& ca, const CertificateTemplate& content) {
 
 // A copy of `certificate` signed again with SHA-1, which our own issuing never does.
 Certificate with_sha1(const Certificate& certificate, const PrivateKey& key) {
-  const X509Ptr x509(X509_dup(certificate.impl().x509.get()));
-  X509_sign(x509.get(), key.impl().pkey.get(), EVP_sha1());
+  const X509Ptr x509(X509_dup(impl_of(certificate).x509.get()));
+  X509_sign(x509.get(), impl_of(key).pkey.get(), EVP_sha1());
   unsigned char* raw = nullptr;
   const int size = i2d_X509(x509.get(), &raw);
   const OpensslMemory owner(raw);
@@ -26,10 +26,10 @@ Certificate with_sha1(const Certificate& certificate, const PrivateKey& key) {
 
 // As `openssl x509 -req` without an extension file makes it.
 Certificate as_version_1(const Certificate& certificate, const PrivateKey& key) {
-  const X509Ptr x509(X509_dup(certificate.impl().x509.get()));
+  const X509Ptr x509(X509_dup(impl_of(certificate).x509.get()));
   while (X509_get_ext_count(x509.get()) > 0) X509_EXTENSION_free(X509_delete_ext(x509.get(), 0));
   X509_set_version(x509.get(), X509_VERSION_1);
-  X509_sign(x509.get(), key.impl().pkey.get(), EVP_sha256());
+  X509_sign(x509.get(), impl_of(key).pkey.get(), EVP_sha256());
   unsigned char* raw = nullptr;
   const int size = i2d_X509(x509.get(), &raw);
   const OpensslMemory owner(raw);
@@ -200,12 +200,12 @@ TEST(Chain, Sha1CountsOnlyAsAnAnchorsSignatureOnItself) {
 
 TEST(Chain, UnknownCriticalExtensionsAreRefused) {
   const auto ca = make_ca();
-  const X509Ptr x509(X509_dup(make_leaf(ca).certificate.impl().x509.get()));
+  const X509Ptr x509(X509_dup(impl_of(make_leaf(ca).certificate).x509.get()));
   const Asn1ObjectPtr type(OBJ_txt2obj("1.2.3.4.5", 1));
   const Asn1String value(ASN1_OCTET_STRING_new());
   const ExtensionPtr extension(X509_EXTENSION_create_by_OBJ(nullptr, type.get(), 1, value.get()));
   X509_add_ext(x509.get(), extension.get(), -1);
-  X509_sign(x509.get(), ca.key().impl().pkey.get(), EVP_sha256());
+  X509_sign(x509.get(), impl_of(ca.key()).pkey.get(), EVP_sha256());
   unsigned char* raw = nullptr;
   const int size = i2d_X509(x509.get(), &raw);
   const OpensslMemory owner(raw);
@@ -324,10 +324,10 @@ TEST_F(Revocation, AForgedNewerListTakesNoListsPlace) {
 
 // `list` without the identifier of the key that signed it.
 Crl without_key_id(const Crl& list, const Authority& by) {
-  const CrlPtr crl(X509_CRL_dup(list.impl().crl.get()));
+  const CrlPtr crl(X509_CRL_dup(impl_of(list).crl.get()));
   X509_EXTENSION_free(X509_CRL_delete_ext(
       crl.get(), X509_CRL_get_ext_by_NID(crl.get(), NID_authority_key_identifier, -1)));
-  X509_CRL_sign(crl.get(), by.key().impl().pkey.get(), EVP_sha256());
+  X509_CRL_sign(crl.get(), impl_of(by.key()).pkey.get(), EVP_sha256());
   const BioPtr bio(BIO_new(BIO_s_mem()));
   i2d_X509_CRL_bio(bio.get(), crl.get());
   return Crl::all_from(bio_octets(bio))->front();
@@ -361,10 +361,10 @@ TEST_F(Revocation, AForgedListIsRefusedUnderEitherPolicy) {
   const auto twin = make_ca("CN=Root");
   auto der = list(ca_, {});
   // Same name, another key; and without the key identifier that would give it away early.
-  const CrlPtr forged(X509_CRL_dup(list(twin, {}).impl().crl.get()));
+  const CrlPtr forged(X509_CRL_dup(impl_of(list(twin, {})).crl.get()));
   X509_EXTENSION_free(X509_CRL_delete_ext(
       forged.get(), X509_CRL_get_ext_by_NID(forged.get(), NID_authority_key_identifier, -1)));
-  X509_CRL_sign(forged.get(), twin.key().impl().pkey.get(), EVP_sha256());
+  X509_CRL_sign(forged.get(), impl_of(twin.key()).pkey.get(), EVP_sha256());
   const BioPtr bio(BIO_new(BIO_s_mem()));
   i2d_X509_CRL_bio(bio.get(), forged.get());
   const auto crls = *Crl::all_from(bio_octets(bio));
@@ -456,7 +456,7 @@ TEST(Requests, JunkAndForgedOnesAreRefused) {
   const BioPtr bio = bio_over(as_bytes(pem));
   const RequestPtr request(PEM_read_bio_X509_REQ(bio.get(), nullptr, nullptr, nullptr));
   const auto other = *PrivateKey::generate(KeyKind::ec_p256);
-  X509_REQ_sign(request.get(), other.impl().pkey.get(), EVP_sha256());
+  X509_REQ_sign(request.get(), impl_of(other).pkey.get(), EVP_sha256());
   const BioPtr out(BIO_new(BIO_s_mem()));
   PEM_write_bio_X509_REQ(out.get(), request.get());
   EXPECT_CODE(ca.sign_request(bio_octets(out), kYear, test_random()), request_invalid);

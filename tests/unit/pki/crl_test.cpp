@@ -289,7 +289,7 @@ TEST(DeltaCrl, IsRefusedWhereListsAreRead) {
 TEST(DeltaCrl, ACompleteListThatNamesDeltaListsIsRead) {
   const auto crls = Crl::all_from(data_file("nist-pkits/crls/deltaCRLCA1CRL.crl"));
   ASSERT_TRUE(crls) << crls.error().to_sentence();
-  EXPECT_GE(X509_CRL_get_ext_by_NID(crls->front().impl().crl.get(), NID_freshest_crl, -1), 0);
+  EXPECT_GE(X509_CRL_get_ext_by_NID(impl_of(crls->front()).crl.get(), NID_freshest_crl, -1), 0);
 }
 
 TEST(CrlSupersedes, OnlyAboutTheSameCertificates) {

@@ -8,7 +8,7 @@ namespace {
 
 Bytes encoded_key(const Certificate& certificate) {
   unsigned char* der = nullptr;
-  const int size = i2d_X509_PUBKEY(X509_get_X509_PUBKEY(certificate.impl().x509.get()), &der);
+  const int size = i2d_X509_PUBKEY(X509_get_X509_PUBKEY(impl_of(certificate).x509.get()), &der);
   const OpensslMemory owner(der);
   return Bytes(der, der + size);
 }
@@ -33,7 +33,7 @@ Certificate compressed(const Certificate& certificate, std::size_t width) {
   const auto der = compressed(encoded_key(certificate), width);
   const auto* position = der.data();
   const PkeyPtr key(d2i_PUBKEY(nullptr, &position, static_cast<long>(der.size())));
-  const X509Ptr x509(X509_dup(certificate.impl().x509.get()));
+  const X509Ptr x509(X509_dup(impl_of(certificate).x509.get()));
   EXPECT_EQ(X509_set_pubkey(x509.get(), key.get()), 1);
   EXPECT_GT(i2d_re_X509_tbs(x509.get(), nullptr), 0);  // not as it was read
   unsigned char* octets = nullptr;

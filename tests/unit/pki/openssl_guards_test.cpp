@@ -28,7 +28,7 @@ class DistributionPoints : public Test {
     const auto pem = test::with_distribution_points(make_leaf(ca), PointName::full, 1, entries);
     const auto certificate = Certificate::from_pem(as_bytes(pem)).value();
     return static_cast<std::size_t>(
-        i2d_X509_NAME(X509_get_issuer_name(certificate.impl().x509.get()), nullptr));
+        i2d_X509_NAME(X509_get_issuer_name(impl_of(certificate).x509.get()), nullptr));
   }
 
   Credential leaf_ = make_leaf(make_ca());

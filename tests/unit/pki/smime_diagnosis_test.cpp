@@ -18,7 +18,7 @@ class OddDocument {
  public:
   OddDocument(const Credential& signer, int flags) {
     const BioPtr data = bio_over(as_bytes(kDocument));
-    pkcs7_.reset(PKCS7_sign(signer.certificate.impl().x509.get(), signer.key.impl().pkey.get(),
+    pkcs7_.reset(PKCS7_sign(impl_of(signer.certificate).x509.get(), impl_of(signer.key).pkey.get(),
                             nullptr, data.get(), flags));
     EXPECT_TRUE(pkcs7_) << take_openssl_reason();
     const BioPtr again = bio_over(as_bytes(kDocument));
@@ -129,8 +129,8 @@ TEST_F(SmimeDiagnosis, ASignerNamedByItsKey_IsReadAsThePluginsDo) {
   const auto ca = make_ca();
   constexpr unsigned kFlags = CMS_DETACHED | CMS_TEXT | CMS_USE_KEYID | CMS_STREAM;
   const BioPtr data = bio_over(as_bytes(kDocument)), again = bio_over(as_bytes(kDocument));
-  const CmsPtr cms(CMS_sign(ca.certificate().impl().x509.get(), ca.key().impl().pkey.get(), nullptr,
-                            data.get(), kFlags));
+  const CmsPtr cms(CMS_sign(impl_of(ca.certificate()).x509.get(), impl_of(ca.key()).pkey.get(),
+                            nullptr, data.get(), kFlags));
   const BioPtr out(BIO_new(BIO_s_mem()));
   ASSERT_EQ(SMIME_write_CMS(out.get(), cms.get(), again.get(), kFlags), 1);
   const auto form = examine(as_text(bio_octets(out)));

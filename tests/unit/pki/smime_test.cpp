@@ -35,8 +35,8 @@ Bytes odd_signature(const std::vector<Credential>& signers, const EVP_MD* digest
   const auto content = bytes("Content-Type: text/plain\r\n\r\n<dds>\r\n</dds>\r\n");
   const CmsPtr cms(CMS_sign(nullptr, nullptr, nullptr, nullptr, flags | CMS_BINARY | CMS_PARTIAL));
   for (const auto& signer : signers)
-    CMS_add1_signer(cms.get(), signer.certificate.impl().x509.get(), signer.key.impl().pkey.get(),
-                    digest, flags | CMS_BINARY | CMS_PARTIAL);
+    CMS_add1_signer(cms.get(), impl_of(signer.certificate).x509.get(),
+                    impl_of(signer.key).pkey.get(), digest, flags | CMS_BINARY | CMS_PARTIAL);
   const BioPtr data = bio_over(content);
   // Without signers this reports a failure and leaves a structure that can be encoded.
   EXPECT_EQ(CMS_final(cms.get(), data.get(), nullptr, flags | CMS_BINARY), signers.empty() ? 0 : 1)

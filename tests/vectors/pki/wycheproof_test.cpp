@@ -21,11 +21,11 @@ Result<Certificate> certificate_for(const PkeyPtr& key) {
   static const auto ca = make_ca();
   const X509Ptr x509(X509_new());
   ASN1_INTEGER_set(X509_get_serialNumber(x509.get()), 1);
-  X509_set_issuer_name(x509.get(), X509_get_subject_name(ca.certificate().impl().x509.get()));
+  X509_set_issuer_name(x509.get(), X509_get_subject_name(impl_of(ca.certificate()).x509.get()));
   X509_time_adj_ex(X509_getm_notBefore(x509.get()), 0, 0, nullptr);
   X509_time_adj_ex(X509_getm_notAfter(x509.get()), 1, 0, nullptr);
   X509_set_pubkey(x509.get(), key.get());
-  X509_sign(x509.get(), ca.key().impl().pkey.get(), EVP_sha256());
+  X509_sign(x509.get(), impl_of(ca.key()).pkey.get(), EVP_sha256());
   unsigned char* raw = nullptr;
   const int size = i2d_X509(x509.get(), &raw);
   const OpensslMemory owner(raw);
