@@ -243,16 +243,17 @@ Result<EphemeralKey> KnownKey::from_private(KeyAgreementKind kind, BytesView num
   return EphemeralKey(kind, std::make_shared<const EphemeralKey::Impl>(std::move(pair)));
 }
 
-Bytes EphemeralKey::public_octets(PublicKeyEncoding encoding) const {
+Result<Bytes> EphemeralKey::public_octets(PublicKeyEncoding encoding) const {
   unsigned char* raw = nullptr;
   const std::size_t size = EVP_PKEY_get1_encoded_public_key(impl_->pkey.get(), &raw);
   const OpensslMemory owner(raw);
+  if (size == 0) return fail(Code::internal, {.note = "the public key cannot be written"});
   const BytesView encoded(raw, size);
   if (!is_modp(kind_)) return to_bytes(encoded);
   return encoding == PublicKeyEncoding::der_integer ? der_integer(encoded) : minimal(encoded);
 }
 
-Result<SharedSecret> EphemeralKey::derive(const PeerPublicKey& peer) const {
+Result<AgreedSecret> EphemeralKey::derive(const PeerPublicKey& peer) const {
   if (peer.kind() != kind_) return fail(Code::key_agreement_mismatch);
   const PkeyContextPtr context(EVP_PKEY_CTX_new_from_pkey(nullptr, impl_->pkey.get(), nullptr));
   // The peer's key was checked when it was parsed: no second check here.
@@ -263,13 +264,13 @@ Result<SharedSecret> EphemeralKey::derive(const PeerPublicKey& peer) const {
   std::size_t size = shared.size();
   const bool derived =
       EVP_PKEY_derive(context.get(), shared.data(), &size) == 1 && size <= shared.size();
-  auto secret = derived ? SharedSecret::digest_of(BytesView(shared.data(), size))
-                        : Result<SharedSecret>(openssl_failure(Code::internal));
+  auto secret = derived ? AgreedSecret::digest_of(BytesView(shared.data(), size))
+                        : Result<AgreedSecret>(openssl_failure(Code::internal));
   wipe(shared);
   return secret;
 }
 
-Result<SharedSecret> EphemeralKey::derive(BytesView peer_octets) const {
+Result<AgreedSecret> EphemeralKey::derive(BytesView peer_octets) const {
   DDSSEC_ASSIGN_OR_RETURN(const auto peer_public_key, PeerPublicKey::parse(kind_, peer_octets));
   return derive(peer_public_key);
 }

@@ -20,7 +20,7 @@ enum class KeyAgreementKind : std::uint8_t { ecdh_p256, ecdh_p384, dh_modp_2048_
 enum class PublicKeyEncoding : std::uint8_t { point, plain_integer, der_integer };
 
 /// SHA-256 of what both sides computed (DDS-Security 1.2, clause 10.3.2.5.2).
-using SharedSecret = Secret<struct SharedSecretTag, 32>;
+using AgreedSecret = Secret<struct AgreedSecretTag, 32>;
 
 /// A peer's public key that passed every check: on the curve, or in the subgroup of order q.
 class PeerPublicKey {
@@ -54,15 +54,16 @@ class EphemeralKey {
   KeyAgreementKind kind() const { return kind_; }
 
   /// The public half: an uncompressed point for EC (the encoding asked for does not count), the
-  /// integer of minimal length, or its DER INTEGER, for MODP. Empty if there is no memory for it.
-  Bytes public_octets(PublicKeyEncoding encoding = PublicKeyEncoding::plain_integer) const;
+  /// integer of minimal length, or its DER INTEGER, for MODP. Error: internal if
+  /// there is no memory for it.
+  Result<Bytes> public_octets(PublicKeyEncoding encoding = PublicKeyEncoding::plain_integer) const;
 
   /// SHA-256(Z). Z is the X coordinate at full length for ECDH; for MODP it is without leading
   /// zero octets, as Cyclone and Fast DDS compute it. Error: key_agreement_mismatch if the peer's
   /// key is of another kind.
-  Result<SharedSecret> derive(const PeerPublicKey& peer) const;
+  Result<AgreedSecret> derive(const PeerPublicKey& peer) const;
   /// Parses and derives in one step.
-  Result<SharedSecret> derive(BytesView peer_octets) const;
+  Result<AgreedSecret> derive(BytesView peer_octets) const;
 
  private:
   friend struct KnownKey;

@@ -41,14 +41,6 @@ Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(const pki::Epheme
                         .peer_addresses = peer.addresses()});
 }
 
-/// Fails rather than returning no octets: the peer would refuse a message without a key, and it
-/// would be retransmitted again and again.
-Result<Bytes> public_octets(const pki::EphemeralKey& key, pki::PublicKeyEncoding encoding) {
-  auto octets = key.public_octets(encoding);
-  if (octets.empty()) return fail(Code::internal, {.note = "the public key cannot be written"});
-  return octets;
-}
-
 Status check_announced(const HandshakeContext& context, const spi::Challenge& challenge,
                        std::string_view name) {
   if (!context.announced_challenge || *context.announced_challenge == challenge) return {};
@@ -218,7 +210,7 @@ Result<HandshakeOutcome> start_request(const HandshakeContext& context,
   auto own = context.local.presented();
   const auto credentials =
       own_credentials(*own, participant_data, as_bytes(key_agreement_name(kKind)));
-  DDSSEC_ASSIGN_OR_RETURN(auto dh1, public_octets(key, pki::PublicKeyEncoding::point));
+  DDSSEC_ASSIGN_OR_RETURN(auto dh1, key.public_octets(pki::PublicKeyEncoding::point));
   Transcript transcript{.hash_c1 = context.local.hash_of(own, credentials),
                         .challenge1 = context.own_challenge,
                         .dh1 = std::move(dh1)};
@@ -248,7 +240,7 @@ Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi:
   const auto credentials = own_credentials(*own, participant_data, name);
   transcript.hash_c2 = context.local.hash_of(own, credentials);
   transcript.challenge2 = context.own_challenge;
-  DDSSEC_ASSIGN_OR_RETURN(transcript.dh2, public_octets(key, peer_key.encoding()));
+  DDSSEC_ASSIGN_OR_RETURN(transcript.dh2, key.public_octets(peer_key.encoding()));
   DDSSEC_ASSIGN_OR_RETURN(auto reply, HandshakeReply::write(credentials, transcript, own->key));
   HandshakeOutcome outcome{ValidationResult::pending_handshake_message,
                            with_ocsp_response(reply, context.local, *own, context.now)};

@@ -222,8 +222,9 @@ TEST(SpoofLockOut, AForgedRequestFirstDoesNotKeepTheHonestOneOut) {
   const auto req = two.request();
   // The attacker copies certificate and data off the wire and puts in a key of its own.
   const auto key = pki::EphemeralKey::generate(pki::KeyAgreementKind::ecdh_p256).value();
-  const Token forged = without(
-      with(with(*req->message, "dh1", key.public_octets()), "challenge1", Bytes(32, 7)), "hash_c1");
+  const Token forged =
+      without(with(with(*req->message, "dh1", *key.public_octets()), "challenge1", Bytes(32, 7)),
+              "hash_c1");
   const auto trap = two.reply(forged);
   ASSERT_OK(trap);
   const auto rep = two.reply(*req->message);

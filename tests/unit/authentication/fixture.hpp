@@ -318,7 +318,7 @@ class HandMadePeer {
     Token token{"DDS:Auth:PKI-DH:1.0+Req"};
     add_credentials(token);
     hash_c1_ = hash(token);
-    dh1_ = key_->public_octets(encoding);
+    dh1_ = *key_->public_octets(encoding);
     challenge1_ = Bytes(challenge_.begin(), challenge_.end());
     add(token, {{"hash_c1", hash_c1_, true}, {"dh1", dh1_}, {"challenge1", challenge1_}});
     return token;
@@ -355,7 +355,7 @@ class HandMadePeer {
     Token token{"DDS:Auth:PKI-DH:1.0+Reply"};
     add_credentials(token);
     hash_c2_ = hash(token);
-    dh2_ = key_->public_octets(pki::PublicKeyEncoding::plain_integer);
+    dh2_ = *key_->public_octets(pki::PublicKeyEncoding::plain_integer);
     challenge2_ = Bytes(challenge_.begin(), challenge_.end());
     add(token, {{"dh2", dh2_},
                 {"challenge1", challenge1_},
@@ -433,7 +433,7 @@ class HandMadePeer {
   std::optional<pki::EphemeralKey> key_;
   pki::PublicKeyEncoding encoding_{};
   Bytes hash_c1_, challenge1_, dh1_, hash_c2_, challenge2_, dh2_;
-  pki::SharedSecret secret_;
+  pki::AgreedSecret secret_;
 };
 
 }  // namespace ddssec::authentication

@@ -93,8 +93,8 @@ TEST_P(Agreement, BothSidesDeriveTheSame) {
   const auto b = EphemeralKey::generate(GetParam());
   ASSERT_TRUE(a && b);
   for (const auto encoding : {PublicKeyEncoding::plain_integer, PublicKeyEncoding::der_integer}) {
-    const auto secret_a = a->derive(b->public_octets(encoding));
-    const auto secret_b = b->derive(a->public_octets(encoding));
+    const auto secret_a = a->derive(*b->public_octets(encoding));
+    const auto secret_b = b->derive(*a->public_octets(encoding));
     ASSERT_TRUE(secret_a) << secret_a.error().to_sentence();
     ASSERT_TRUE(secret_b);
     EXPECT_EQ(*secret_a, *secret_b);

@@ -19,7 +19,7 @@ INSTANTIATE_TEST_SUITE_P(Curves, Elliptic, testing::Values(kP256, kP384));
 // T48.
 TEST_P(Elliptic, OnlyPointsOfTheCurveAtFullLengthAreTaken) {
   const auto key = *EphemeralKey::generate(GetParam());
-  auto point = key.public_octets();
+  auto point = *key.public_octets();
   ASSERT_EQ(point.size(), GetParam() == kP256 ? 65u : 97u);
   EXPECT_EQ(PeerPublicKey::parse(GetParam(), point)->encoding(), PublicKeyEncoding::point);
   for (std::size_t size = 0; size < point.size(); ++size)
@@ -40,14 +40,14 @@ TEST_P(Elliptic, OnlyPointsOfTheCurveAtFullLengthAreTaken) {
   EXPECT_CODE(PeerPublicKey::parse(GetParam(), hybrid), public_key_malformed);
   EXPECT_CODE(PeerPublicKey::parse(GetParam(), Bytes{0}), public_key_not_in_group);
   const auto other = *EphemeralKey::generate(GetParam() == kP256 ? kP384 : kP256);
-  EXPECT_CODE(PeerPublicKey::parse(GetParam(), other.public_octets()), public_key_malformed);
+  EXPECT_CODE(PeerPublicKey::parse(GetParam(), *other.public_octets()), public_key_malformed);
   EXPECT_CODE(PeerPublicKey::parse(GetParam(), Bytes(point.size(), 0)), public_key_malformed);
 }
 
 TEST(KeyAgreement, KindsDoNotMix) {
   const auto a = *EphemeralKey::generate(kP256);
   const auto b = *EphemeralKey::generate(kP384);
-  EXPECT_CODE(a.derive(*PeerPublicKey::parse(kP384, b.public_octets())), key_agreement_mismatch);
+  EXPECT_CODE(a.derive(*PeerPublicKey::parse(kP384, *b.public_octets())), key_agreement_mismatch);
 }
 
 BignumPtr parameter(const char* name) {
@@ -104,8 +104,8 @@ TEST(Modp, ValuesOutsideTheSubgroupAreRefusedInBothEncodings) {
 
 TEST(Modp, BothEncodingsAreWrittenAndRecognised) {
   const auto key = *EphemeralKey::generate(kModp);
-  const auto plain = key.public_octets(PublicKeyEncoding::plain_integer);
-  const auto der = key.public_octets(PublicKeyEncoding::der_integer);
+  const auto plain = *key.public_octets(PublicKeyEncoding::plain_integer);
+  const auto der = *key.public_octets(PublicKeyEncoding::der_integer);
   EXPECT_EQ(der, der_of(plain));
   EXPECT_EQ(PeerPublicKey::parse(kModp, plain)->encoding(), PublicKeyEncoding::plain_integer);
   EXPECT_EQ(PeerPublicKey::parse(kModp, der)->encoding(), PublicKeyEncoding::der_integer);
@@ -120,7 +120,7 @@ TEST(Modp, BothEncodingsAreWrittenAndRecognised) {
 TEST(Modp, SharedValuesWithLeadingZerosAreHashedWithoutThem) {
   const auto p = parameter(OSSL_PKEY_PARAM_FFC_P);
   const auto mine = *KnownKey::from_private(kModp, Bytes{0x12, 0x34, 0x56, 0x78});
-  const auto base = mine.public_octets();
+  const auto base = *mine.public_octets();
   const BignumPtr y(BN_bin2bn(base.data(), static_cast<int>(base.size()), nullptr));
   const BignumPtr z(BN_new());
   const std::unique_ptr<BN_CTX, Deleter<BN_CTX_free>> context(BN_CTX_new());
@@ -133,8 +133,8 @@ TEST(Modp, SharedValuesWithLeadingZerosAreHashedWithoutThem) {
     if (expected.size() >= 256 && i > 3) continue;
     short_ones += expected.size() < 256 ? 1 : 0;
     const auto other = *KnownKey::from_private(kModp, octets_of(exponent));
-    EXPECT_EQ(*mine.derive(other.public_octets()), *SharedSecret::copy_of(sha256(expected)));
-    EXPECT_EQ(*other.derive(base), *SharedSecret::copy_of(sha256(expected)));
+    EXPECT_EQ(*mine.derive(*other.public_octets()), *AgreedSecret::copy_of(sha256(expected)));
+    EXPECT_EQ(*other.derive(base), *AgreedSecret::copy_of(sha256(expected)));
   }
   EXPECT_EQ(short_ones, 2);
 }
@@ -143,7 +143,7 @@ TEST(Modp, APublicValueWithLeadingZerosIsWrittenWithoutThem) {
   for (unsigned i = 1; i < 5000; ++i) {
     const auto key = *KnownKey::from_private(
         kModp, Bytes{static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i), 7});
-    const auto plain = key.public_octets();
+    const auto plain = *key.public_octets();
     ASSERT_NE(plain[0], 0);
     if (plain.size() == 256) continue;
     auto padded = plain;

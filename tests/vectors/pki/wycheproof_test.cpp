@@ -89,7 +89,7 @@ TEST_P(Points, ValidOnesGiveTheSharedSecretAndInvalidOnesAreRefused) {
         continue;
       }
       ASSERT_TRUE(secret) << test.dump();
-      EXPECT_EQ(*secret, *SharedSecret::copy_of(sha256(octets(test["shared"])))) << test.dump();
+      EXPECT_EQ(*secret, *AgreedSecret::copy_of(sha256(octets(test["shared"])))) << test.dump();
       ++valid;
     }
   }
