@@ -83,7 +83,7 @@ class BuiltinDataReader final
   friend class SampleAccess<BuiltinDataReader<T>, std::vector<BuiltinSample<T>>>;
   using AnyDataReader::AnyDataReader;
 
-  Result<Guid> create(EndpointRequest) override {
+  Result<Guid> create(EndpointDescription) override {
     return Guid{context_.prefix(), BuiltinTopicOf<T>::reader};
   }
   Status check_unused() const override {

@@ -42,7 +42,7 @@ void AnyDataReader::on_retired() {
 
 Subscriber& AnyDataReader::subscriber() const { return static_cast<Subscriber&>(group_); }
 
-Result<Guid> AnyDataReader::create(EndpointRequest request) {
+Result<Guid> AnyDataReader::create(EndpointDescription request) {
   reception_.start(request.qos, {subscriber().presenter(request.qos.presentation),
                                  subscriber().arrivals_, subscriber().is_accessing()});
   request.content_filter = filter_.property();

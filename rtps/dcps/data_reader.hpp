@@ -112,7 +112,7 @@ class AnyDataReader : public Endpoint {
   void offer_again();
 
   void on_retired() override;
-  Result<Guid> create(EndpointRequest request) override;
+  Result<Guid> create(EndpointDescription request) override;
   void on_own_qos(const Qos& before) override { reception_.change_qos(before, qos_, enabled()); }
   Status check_unused() const override;
   bool has_listener(StatusKind kind) const override { return listeners_.has(kind); }

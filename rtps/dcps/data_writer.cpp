@@ -45,7 +45,7 @@ void AnyDataWriter::on_retired() {
 
 Publisher& AnyDataWriter::publisher() const { return static_cast<Publisher&>(group_); }
 
-Result<Guid> AnyDataWriter::create(EndpointRequest request) {
+Result<Guid> AnyDataWriter::create(EndpointDescription request) {
   const auto now = context_.now();
   if (qos_.durability >= DurabilityKind::transient) DDSSEC_RETURN_IF_ERROR(restore(request));
   request.group = publisher().group_guid();
@@ -57,7 +57,7 @@ Result<Guid> AnyDataWriter::create(EndpointRequest request) {
   return guid;
 }
 
-Status AnyDataWriter::restore(EndpointRequest& request) {
+Status AnyDataWriter::restore(EndpointDescription& request) {
   auto& participant = publisher().participant();
   DDSSEC_ASSIGN_OR_RETURN(auto* store, participant.stores_->of(qos_.durability));
   StreamKey key{.domain = static_cast<std::uint32_t>(participant.domain_id()),

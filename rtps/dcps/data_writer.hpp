@@ -100,9 +100,9 @@ class AnyDataWriter : public Endpoint, private Timed {
   std::shared_ptr<ChangeFilter> filter_for(const EndpointData& reader) override;
   void on_time(MonotonicTime now) override;
 
-  Result<Guid> create(EndpointRequest request) override;
+  Result<Guid> create(EndpointDescription request) override;
   /// Loads the samples that an earlier writer left in the store into the history of the new writer.
-  Status restore(EndpointRequest& request);
+  Status restore(EndpointDescription& request);
   void on_retired() override;
   void on_own_qos(const Qos& before) override;
   void conclude() override;

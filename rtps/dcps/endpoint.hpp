@@ -41,7 +41,7 @@ class Endpoint : public Entity, protected EndpointListener {
   // The caller holds the lock:
   /// Called once, after the endpoint left the protocol.
   virtual void on_retired() = 0;
-  virtual Result<Guid> create(EndpointRequest request) = 0;
+  virtual Result<Guid> create(EndpointDescription request) = 0;
   /// Called after the endpoint's own policies changed.
   virtual void on_own_qos(const Qos& before) = 0;
   /// Called before the endpoint is deleted: sends what its end means to peers.

@@ -137,7 +137,7 @@ Status KeptTopic::open(DomainId domain, const std::string& domain_tag) {
   return {};
 }
 
-EndpointRequest KeptTopic::request(Qos qos) const {
+EndpointDescription KeptTopic::request(Qos qos) const {
   return {.topic_name = like_.topic_name,
           .type_name = like_.type_name,
           .qos = std::move(qos),

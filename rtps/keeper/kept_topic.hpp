@@ -76,7 +76,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override;
   void on_alive(const Guid& writer) override;
   void on_acknowledged() override {}
-  EndpointRequest request(Qos qos) const;
+  EndpointDescription request(Qos qos) const;
   void expect_owners(const std::vector<Change>& history);
   InstanceOwners::Claim claim(const Change& change);
   /// Returns false if there is no room.

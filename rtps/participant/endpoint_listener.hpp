@@ -54,7 +54,7 @@ class EndpointListener {
 };
 
 /// The data that is announced of a new endpoint.
-struct EndpointRequest {
+struct EndpointDescription {
   std::string topic_name;
   std::string type_name;
   Qos qos;

@@ -20,7 +20,7 @@ Guid LocalEndpoints::create_group() {
   return {prefix(), next_id(kWriterGroup)};
 }
 
-EndpointData LocalEndpoints::data_of(EndpointRequest request, EndpointKind kind) {
+EndpointData LocalEndpoints::data_of(EndpointDescription request, EndpointKind kind) {
   EndpointData data;
   data.guid = {prefix(), next_id(static_cast<std::uint8_t>(kind))};
   data.topic_name = std::move(request.topic_name);
@@ -46,7 +46,7 @@ Status LocalEndpoints::secure(EndpointData& data, EndpointListener& listener) {
   return {};
 }
 
-Result<LocalWriter*> LocalEndpoints::create_writer(EndpointRequest request,
+Result<LocalWriter*> LocalEndpoints::create_writer(EndpointDescription request,
                                                    EndpointListener& listener) {
   DDSSEC_RETURN_IF_ERROR(check_consistency(request.qos));
   const auto kind = request.with_key ? EndpointKind::writer_with_key : EndpointKind::writer_no_key;
@@ -65,7 +65,7 @@ Result<LocalWriter*> LocalEndpoints::create_writer(EndpointRequest request,
   return &(writers_[id] = {std::move(data), &listener, std::move(protocol), {}});
 }
 
-Result<LocalReader*> LocalEndpoints::create_reader(EndpointRequest request,
+Result<LocalReader*> LocalEndpoints::create_reader(EndpointDescription request,
                                                    EndpointListener& listener) {
   DDSSEC_RETURN_IF_ERROR(check_consistency(request.qos));
   const auto kind = request.with_key ? EndpointKind::reader_with_key : EndpointKind::reader_no_key;

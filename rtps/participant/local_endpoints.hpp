@@ -39,8 +39,8 @@ class LocalEndpoints final : public Neighbour {
   /// Creates an endpoint, which is not announced yet. It exists until it is removed; the listener
   /// must live as long. Errors: rtps_qos_inconsistent, and for a secured participant those of
   /// access control.
-  Result<LocalWriter*> create_writer(EndpointRequest request, EndpointListener& listener);
-  Result<LocalReader*> create_reader(EndpointRequest request, EndpointListener& listener);
+  Result<LocalWriter*> create_writer(EndpointDescription request, EndpointListener& listener);
+  Result<LocalReader*> create_reader(EndpointDescription request, EndpointListener& listener);
   /// Announces a local endpoint, or its changes.
   void publish(const EndpointData& data);
   /// Removes the endpoint and its announcement. It must not be matched any more.
@@ -68,7 +68,7 @@ class LocalEndpoints final : public Neighbour {
 
  private:
   EntityId next_id(std::uint8_t kind);
-  EndpointData data_of(EndpointRequest request, EndpointKind kind);
+  EndpointData data_of(EndpointDescription request, EndpointKind kind);
   /// Asks access control for permission, and announces the resulting attributes.
   Status secure(EndpointData& data, EndpointListener& listener);
   void unpublish(const Guid& endpoint);

@@ -115,7 +115,7 @@ MonotonicTime Participant::next_tick() const {
   return core_.security ? std::min(next, core_.security->next_tick()) : next;
 }
 
-Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListener& listener,
+Result<Guid> Participant::create_writer(EndpointDescription request, EndpointListener& listener,
                                         MonotonicTime now) {
   const auto call = calls_.enter();
   core_.now = now;
@@ -129,7 +129,7 @@ Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListene
   return writer.data.guid;
 }
 
-Result<Guid> Participant::create_reader(EndpointRequest request, EndpointListener& listener,
+Result<Guid> Participant::create_reader(EndpointDescription request, EndpointListener& listener,
                                         MonotonicTime now) {
   const auto call = calls_.enter();
   core_.now = now;

@@ -67,9 +67,9 @@ class Participant {
   void leave() { announcer_.leave(remotes_); }
 
   /// Errors: rtps_qos_inconsistent, and for a secured participant those of access control.
-  Result<Guid> create_writer(EndpointRequest request, EndpointListener& listener,
+  Result<Guid> create_writer(EndpointDescription request, EndpointListener& listener,
                              MonotonicTime now);
-  Result<Guid> create_reader(EndpointRequest request, EndpointListener& listener,
+  Result<Guid> create_reader(EndpointDescription request, EndpointListener& listener,
                              MonotonicTime now);
   /// Removes the endpoint and its announcement.
   void remove(const Guid& endpoint, MonotonicTime now);

@@ -19,7 +19,7 @@ class CountedAuthentication final : public testing::ForwardingAuthentication {
   std::size_t& begun_;
 };
 
-EndpointRequest request_of(const End& end) {
+EndpointDescription request_of(const End& end) {
   Qos qos = end.writes ? default_writer_qos() : default_reader_qos();
   qos.reliability.kind = end.reliable ? ReliabilityKind::reliable : ReliabilityKind::best_effort;
   qos.history.kind = HistoryKind::keep_all;

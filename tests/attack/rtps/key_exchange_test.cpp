@@ -9,7 +9,7 @@ namespace {
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-EndpointRequest topic(int number) {
+EndpointDescription topic(int number) {
   auto qos = default_reader_qos();
   qos.reliability.kind = ReliabilityKind::reliable;
   return {"Square" + std::to_string(number), "ShapeType", qos, true};

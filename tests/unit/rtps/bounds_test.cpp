@@ -107,7 +107,7 @@ struct Matched : ::testing::Test {
 
   void SetUp() override {
     const auto request = [](Qos qos) {
-      return EndpointRequest{"Topic", "Type", std::move(qos), true};
+      return EndpointDescription{"Topic", "Type", std::move(qos), true};
     };
     auto wanted = default_reader_qos();
     wanted.reliability.kind = ReliabilityKind::reliable;

@@ -15,7 +15,7 @@ using testing::written;
 using testing::socketless::Node;
 using testing::socketless::World;
 
-EndpointRequest square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
+EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
 TEST(Participant, FindsOthersMatchesAndDelivers) {
   Node a(1), b(2);

@@ -13,7 +13,7 @@ using testing::code_of;
 using testing::socketless::Node;
 using testing::socketless::World;
 
-EndpointRequest square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
+EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
 TEST(Participant, ChangedPoliciesAreAnnouncedAndMatchedAnew) {
   Node a(1), b(2);

@@ -12,7 +12,7 @@ namespace {
 using testing::code_of;
 using testing::socketless::Node;
 
-EndpointRequest square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
+EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
 TEST(Participant, InconsistentQosIsRefused) {
   Node a(1);

@@ -13,7 +13,7 @@ using testing::written;
 using testing::socketless::Node;
 using testing::socketless::World;
 
-EndpointRequest square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
+EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
 // What waits to be read may be the answer.
 TEST(Participant, NothingIsDueBeforeABacklogIsRead) {

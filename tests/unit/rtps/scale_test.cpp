@@ -33,7 +33,7 @@ struct Pairs {
   void create(int count) {
     for (int i = 0; i < count; ++i) {
       const auto request = [&](const Qos& qos) {
-        return EndpointRequest{"Topic" + std::to_string(i), "Type", qos, true};
+        return EndpointDescription{"Topic" + std::to_string(i), "Type", qos, true};
       };
       writers.push_back(
           *a.participant.create_writer(request(default_writer_qos()), a.listener, world.now));
@@ -151,7 +151,7 @@ CrowdWork work_of_a_crowd(int count) {
   auto offered = default_writer_qos();
   offered.liveliness = {LivelinessKind::automatic, Duration{{100, 0}}};
   const auto request = [](const char* topic, const Qos& qos) {
-    return EndpointRequest{topic, "Type", qos, true};
+    return EndpointDescription{topic, "Type", qos, true};
   };
   EXPECT_TRUE(a.participant.create_writer(request("Down", default_writer_qos()), own, world.now));
   EXPECT_TRUE(a.participant.create_reader(request("Up", default_reader_qos()), own, world.now));

@@ -12,11 +12,11 @@ namespace {
 using testing::socketless::Node;
 using testing::socketless::World;
 
-EndpointRequest square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
+EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
 TEST(Participant, OtherTypesAndKeysAreNamed) {
-  for (auto other : {EndpointRequest{"Square", "Other", default_reader_qos(), true},
-                     EndpointRequest{"Square", "ShapeType", default_reader_qos(), false}}) {
+  for (auto other : {EndpointDescription{"Square", "Other", default_reader_qos(), true},
+                     EndpointDescription{"Square", "ShapeType", default_reader_qos(), false}}) {
     Node a(1), b(2);
     World world{{&a, &b}};
     ASSERT_TRUE(a.participant.create_writer(square(default_writer_qos()), a.listener, world.now));

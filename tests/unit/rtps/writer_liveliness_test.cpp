@@ -12,7 +12,7 @@ namespace {
 using testing::socketless::Node;
 using testing::socketless::World;
 
-EndpointRequest square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
+EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
 struct ParticipantLiveliness : ::testing::Test {
   Node a{1}, b{2};

@@ -321,7 +321,7 @@ struct World {
   }
 };
 
-inline EndpointRequest square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
+inline EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 inline Payload payload(std::size_t size = 8) {
   Bytes octets(size, 0x5a);
   octets[0] = 0;
