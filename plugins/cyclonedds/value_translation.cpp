@@ -106,17 +106,23 @@ spi::ParticipantSecurityAttributes attributes_from(
       .allow_unauthenticated_participants = a.allow_unauthenticated_participants != 0,
       .is_access_protected = a.is_access_protected != 0,
       .rtps = spi::protection_kind(
-          a.is_rtps_protected,
-          has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_RTPS_ENCRYPTED),
-          has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_RTPS_AUTHENTICATED)),
+          {.is_protected = a.is_rtps_protected != 0,
+           .is_encrypted =
+               has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_RTPS_ENCRYPTED),
+           .is_origin_authenticated =
+               has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_RTPS_AUTHENTICATED)}),
       .discovery = spi::protection_kind(
-          a.is_discovery_protected,
-          has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_DISCOVERY_ENCRYPTED),
-          has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_DISCOVERY_AUTHENTICATED)),
+          {.is_protected = a.is_discovery_protected != 0,
+           .is_encrypted =
+               has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_DISCOVERY_ENCRYPTED),
+           .is_origin_authenticated = has(
+               mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_DISCOVERY_AUTHENTICATED)}),
       .liveliness = spi::protection_kind(
-          a.is_liveliness_protected,
-          has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_LIVELINESS_ENCRYPTED),
-          has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_LIVELINESS_AUTHENTICATED)),
+          {.is_protected = a.is_liveliness_protected != 0,
+           .is_encrypted =
+               has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_LIVELINESS_ENCRYPTED),
+           .is_origin_authenticated = has(
+               mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_LIVELINESS_AUTHENTICATED)}),
       .allowed_ciphers = has(a.ac_endpoint_properties, kStandardCiphersOnly) ? spi::kStandardCiphers
                                                                              : spi::kAllCiphers};
 }
@@ -124,19 +130,23 @@ spi::ParticipantSecurityAttributes attributes_from(
 spi::EndpointSecurityAttributes attributes_from(const DDS_Security_EndpointSecurityAttributes& a) {
   if (has(a.ac_endpoint_properties, kClosedReader)) return {};
   const auto mask = valid_or_nothing(a.plugin_endpoint_attributes);
-  return {.topic = {.is_read_protected = a.is_read_protected != 0,
-                    .is_write_protected = a.is_write_protected != 0,
-                    .is_discovery_protected = a.is_discovery_protected != 0,
-                    .is_liveliness_protected = a.is_liveliness_protected != 0},
-          .submessage = spi::protection_kind(
-              a.is_submessage_protected,
-              has(mask, DDS_SECURITY_PLUGIN_ENDPOINT_ATTRIBUTES_FLAG_IS_SUBMESSAGE_ENCRYPTED),
-              has(mask,
-                  DDS_SECURITY_PLUGIN_ENDPOINT_ATTRIBUTES_FLAG_IS_SUBMESSAGE_ORIGIN_AUTHENTICATED)),
-          .payload = spi::protection_kind(
-              a.is_payload_protected,
-              has(mask, DDS_SECURITY_PLUGIN_ENDPOINT_ATTRIBUTES_FLAG_IS_PAYLOAD_ENCRYPTED), false),
-          .is_builtin = has(a.ac_endpoint_properties, kBuiltinEndpoint)};
+  return {
+      .topic = {.is_read_protected = a.is_read_protected != 0,
+                .is_write_protected = a.is_write_protected != 0,
+                .is_discovery_protected = a.is_discovery_protected != 0,
+                .is_liveliness_protected = a.is_liveliness_protected != 0},
+      .submessage = spi::protection_kind(
+          {.is_protected = a.is_submessage_protected != 0,
+           .is_encrypted =
+               has(mask, DDS_SECURITY_PLUGIN_ENDPOINT_ATTRIBUTES_FLAG_IS_SUBMESSAGE_ENCRYPTED),
+           .is_origin_authenticated = has(
+               mask,
+               DDS_SECURITY_PLUGIN_ENDPOINT_ATTRIBUTES_FLAG_IS_SUBMESSAGE_ORIGIN_AUTHENTICATED)}),
+      .payload = spi::protection_kind(
+          {.is_protected = a.is_payload_protected != 0,
+           .is_encrypted =
+               has(mask, DDS_SECURITY_PLUGIN_ENDPOINT_ATTRIBUTES_FLAG_IS_PAYLOAD_ENCRYPTED)}),
+      .is_builtin = has(a.ac_endpoint_properties, kBuiltinEndpoint)};
 }
 
 Result<EndpointQuestion> EndpointQuestion::from(const char* topic_name,

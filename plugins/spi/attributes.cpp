@@ -7,7 +7,7 @@ constexpr std::uint32_t bit(bool value, unsigned position) {
   return static_cast<std::uint32_t>(value) << position;
 }
 
-bool compatible(std::uint32_t local, std::uint32_t remote) {
+bool is_compatible(std::uint32_t local, std::uint32_t remote) {
   return local == remote || (local & remote & kMaskIsValid) == 0;
 }
 
@@ -50,28 +50,31 @@ std::optional<ParticipantSecurityAttributes> attributes_in(const SecurityInfo& i
     return (mask >> position & 1) != 0;
   };
   const auto kind = [&](unsigned position) {
-    return protection_kind(has(info.mask, position), has(info.plugin_mask, position),
-                           has(info.plugin_mask, position + 3));
+    return protection_kind({.is_protected = has(info.mask, position),
+                            .is_encrypted = has(info.plugin_mask, position),
+                            .is_origin_authenticated = has(info.plugin_mask, position + 3)});
   };
   ParticipantSecurityAttributes out;
   out.rtps = kind(0);
   out.discovery = kind(1);
   out.liveliness = kind(2);
-  out.rtps_psk = protection_kind(has(info.mask, 4), has(info.plugin_mask, 6), false);
+  out.rtps_psk = protection_kind(
+      {.is_protected = has(info.mask, 4), .is_encrypted = has(info.plugin_mask, 6)});
   out.is_key_revision_enabled = (info.mask & kKeyRevisionBit) != 0;
   return out;
 }
 
-ProtectionKind protection_kind(bool is_protected, bool is_encrypted, bool is_origin_authenticated) {
-  if (!is_protected) return ProtectionKind::none;
-  if (is_origin_authenticated)
-    return is_encrypted ? ProtectionKind::encrypt_with_origin_authentication
-                        : ProtectionKind::sign_with_origin_authentication;
-  return is_encrypted ? ProtectionKind::encrypt : ProtectionKind::sign;
+ProtectionKind protection_kind(ProtectionFlags flags) {
+  if (!flags.is_protected) return ProtectionKind::none;
+  if (flags.is_origin_authenticated)
+    return flags.is_encrypted ? ProtectionKind::encrypt_with_origin_authentication
+                              : ProtectionKind::sign_with_origin_authentication;
+  return flags.is_encrypted ? ProtectionKind::encrypt : ProtectionKind::sign;
 }
 
-bool compatible(const SecurityInfo& local, const SecurityInfo& remote) {
-  return compatible(local.mask, remote.mask) && compatible(local.plugin_mask, remote.plugin_mask);
+bool is_compatible(const SecurityInfo& local, const SecurityInfo& remote) {
+  return is_compatible(local.mask, remote.mask) &&
+         is_compatible(local.plugin_mask, remote.plugin_mask);
 }
 
 }  // namespace ddssec::spi

@@ -100,13 +100,20 @@ std::optional<ParticipantSecurityAttributes> attributes_in(const SecurityInfo& i
 std::uint32_t plugin_mask(const ParticipantSecurityAttributes& attributes);
 std::uint32_t plugin_mask(const EndpointSecurityAttributes& attributes);
 
-/// The kind from a host's attributes: `is_protected` is its boolean, the other two come from the
-/// plugin mask. A mask without the valid bit means plain signing (DDS-Security 1.2,
-/// clause 10.4.2.4).
-ProtectionKind protection_kind(bool is_protected, bool is_encrypted, bool is_origin_authenticated);
+/// What a host's attributes say about one kind of protection: the first is their boolean, the other
+/// two come from the plugin mask.
+struct ProtectionFlags {
+  bool is_protected = false;
+  bool is_encrypted = false;
+  bool is_origin_authenticated = false;
+};
+
+/// The kind from a host's attributes. A mask without the valid bit means plain signing
+/// (DDS-Security 1.2, clause 10.4.2.4).
+ProtectionKind protection_kind(ProtectionFlags flags);
 
 /// True if both masks are equal, or one of a pair lacks the valid bit (DDS-Security 1.2,
 /// clause 7.3.23).
-bool compatible(const SecurityInfo& local, const SecurityInfo& remote);
+bool is_compatible(const SecurityInfo& local, const SecurityInfo& remote);
 
 }  // namespace ddssec::spi

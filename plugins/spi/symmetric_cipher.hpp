@@ -47,7 +47,7 @@ struct SymmetricCipherInfo {
 
 /// True if all required ciphers are supported; in compatibility mode, any one of them suffices
 /// (DDS-Security 1.2, clause 7.3.9).
-constexpr bool understands(CipherMask supported, CipherMask required) {
+constexpr bool is_supported_by(CipherMask required, CipherMask supported) {
   constexpr CipherMask kCompatibilityMode = CipherMask{1} << 31;
   if ((required & kCompatibilityMode) != 0) return (supported & required) != 0;
   return (supported & required) == required;

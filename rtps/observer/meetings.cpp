@@ -88,7 +88,7 @@ std::optional<Finding> contradiction(const Side& a, const Side& b) {
   const auto info = [](const Side& side) {
     return side.participant.data->security_info.value_or(spi::SecurityInfo{});
   };
-  if (!spi::compatible(info(a), info(b)))
+  if (!spi::is_compatible(info(a), info(b)))
     return Finding{Rule::CAP004,
                    fmt::format("{} announces {}; {} announces {}", a.name(),
                                protection(a.participant), b.name(), protection(b.participant))};

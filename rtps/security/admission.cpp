@@ -79,7 +79,7 @@ Status Admission::check_participant(const ParticipantData& data) const {
   const auto own_info = spi::security_info(core_.own->attributes());
   const auto info = data.security_info.value_or(spi::SecurityInfo{});
   DDSSEC_RETURN_IF_ERROR(check_key_revision(data, own_info, info));
-  if (!spi::compatible(own_info, info)) return mismatch(data, own_info);
+  if (!spi::is_compatible(own_info, info)) return mismatch(data, own_info);
   if (!data.ciphers) return {};
   DDSSEC_RETURN_IF_ERROR(check_ciphers(data.vendor, data.ciphers->builtin_required));
   return check_ciphers(data.vendor, data.ciphers->key_exchange_required);
@@ -114,7 +114,7 @@ Status Admission::check_domain(const ParticipantData& proven) const {
 Status Admission::check_ciphers(VendorId vendor, spi::CipherMask required) const {
   auto supported = core_.own->ciphers().supported;
   if (vendor != kVendorDdssec) supported &= spi::kStandardCiphers;
-  if (spi::understands(supported, required)) return {};
+  if (spi::is_supported_by(required, supported)) return {};
   return fail(Code::rtps_cipher_unsupported,
               {.field = "symmetric_cipher", .expected = hex(supported), .found = hex(required)});
 }
@@ -219,7 +219,7 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
                 permission && may_as_well(is_reader(local), *permission, remote));
   second.note_announced(
       local, remote.guid,
-      permission && !spi::compatible(spi::security_info(*attributes), remote.info));
+      permission && !spi::is_compatible(spi::security_info(*attributes), remote.info));
   return permission;
 }
 
@@ -289,9 +289,9 @@ Status Admission::check_protection(const Local& local, const Endpoint& remote,
   if (remote.required_ciphers)
     DDSSEC_RETURN_IF_ERROR(check_ciphers(peer.data.vendor, *remote.required_ciphers));
   const auto own = spi::security_info(attributes);
-  if (spi::compatible(own, remote.info)) return {};
+  if (spi::is_compatible(own, remote.info)) return {};
   if (local.other != nullptr && peer.state.association()->governance.takes_part &&
-      spi::compatible(spi::security_info(*local.other), remote.info))
+      spi::is_compatible(spi::security_info(*local.other), remote.info))
     return {};
   return fail(
       Code::rtps_security_info_mismatch,

@@ -19,9 +19,9 @@ TEST(ProtectionKind, NamesGoBothWaysAndNothingElseIsRead) {
 TEST(ProtectionKind, IsRecoveredFromTheFlagsOfAMask) {
   for (auto kind : kAll)
     EXPECT_EQ(
-        protection_kind(is_protected(kind), is_encrypted(kind), is_origin_authenticated(kind)),
+        protection_kind({is_protected(kind), is_encrypted(kind), is_origin_authenticated(kind)}),
         kind);
-  EXPECT_EQ(protection_kind(false, true, true), none);
+  EXPECT_EQ(protection_kind({.is_encrypted = true, .is_origin_authenticated = true}), none);
 }
 
 TEST(SecurityInfo, ParticipantMasksAsTheStandardNumbersThem) {
@@ -50,11 +50,11 @@ TEST(SecurityInfo, EndpointMasksAsTheStandardNumbersThem) {
 
 TEST(SecurityInfo, ComparesOnlyWhereBothAreValid) {
   const SecurityInfo a{0x80000001u, 0x80000001u};
-  EXPECT_TRUE(compatible(a, a));
-  EXPECT_FALSE(compatible(a, {0x80000003u, 0x80000001u}));
-  EXPECT_FALSE(compatible(a, {0x80000001u, 0x80000000u}));
-  EXPECT_TRUE(compatible(a, {0x00000003u, 0x80000001u}));
-  EXPECT_TRUE(compatible(a, {0, 0}));
+  EXPECT_TRUE(is_compatible(a, a));
+  EXPECT_FALSE(is_compatible(a, {0x80000003u, 0x80000001u}));
+  EXPECT_FALSE(is_compatible(a, {0x80000001u, 0x80000000u}));
+  EXPECT_TRUE(is_compatible(a, {0x00000003u, 0x80000001u}));
+  EXPECT_TRUE(is_compatible(a, {0, 0}));
 }
 
 }  // namespace

@@ -25,12 +25,12 @@ TEST(SymmetricCipher, AListMayNameWhatWeDoNotKnow) {
 // DDS-Security 1.2, clause 7.3.9
 TEST(SymmetricCipher, AllThatIsRequiredOrAnyInCompatibilityMode) {
   constexpr CipherMask kCompatible = CipherMask{1} << 31;
-  EXPECT_TRUE(understands(0x3, 0x2));
-  EXPECT_TRUE(understands(0x3, 0x0));
-  EXPECT_FALSE(understands(0x2, 0x3));
-  EXPECT_FALSE(understands(kStandardCiphers, kChaCha20Poly1305Bit));
-  EXPECT_TRUE(understands(0x2, kCompatible | 0x3));
-  EXPECT_FALSE(understands(0x4, kCompatible | 0x3));
+  EXPECT_TRUE(is_supported_by(0x2, 0x3));
+  EXPECT_TRUE(is_supported_by(0x0, 0x3));
+  EXPECT_FALSE(is_supported_by(0x3, 0x2));
+  EXPECT_FALSE(is_supported_by(kChaCha20Poly1305Bit, kStandardCiphers));
+  EXPECT_TRUE(is_supported_by(kCompatible | 0x3, 0x2));
+  EXPECT_FALSE(is_supported_by(kCompatible | 0x3, 0x4));
 }
 
 }  // namespace
