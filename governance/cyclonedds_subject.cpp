@@ -26,7 +26,7 @@ std::optional<NamedSubject> subject_of(const Grant& grant) {
   if (grant.subject_is_expression) return std::nullopt;
   const auto name = pki::SubjectName::parse(grant.subject_name);
   if (!name) return std::nullopt;
-  return NamedSubject{rfc2253(*name, name->root_first()), name->key()};
+  return NamedSubject{rfc2253(*name, name->is_root_first()), name->key()};
 }
 
 }  // namespace

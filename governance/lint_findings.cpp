@@ -123,7 +123,7 @@ std::string rfc2253(const pki::SubjectName& name, bool reverse) {
       if (is_special(value[at]) || is_edge_blank || (at == 0 && value[at] == '#')) part += '\\';
       part += value[at];
     }
-    if (name.joined(i) && !parts.empty())
+    if (name.is_joined(i) && !parts.empty())
       parts.back() += "+" + part;
     else
       parts.push_back(std::move(part));

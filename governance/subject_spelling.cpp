@@ -14,7 +14,7 @@
 namespace ddssec::governance {
 namespace {
 
-bool is_root_first(const pki::SubjectName& name) {
+bool seems_root_first(const pki::SubjectName& name) {
   constexpr std::string_view kRoots[] = {"C", "O", "DC"};
   const auto& all = name.attributes();
   return all.size() > 1 && all.back().type == "CN" &&
@@ -49,14 +49,14 @@ std::string with_escapes(std::string_view text) {
 }
 
 std::string text_in_certificate(const pki::SubjectName& name) {
-  return rfc2253(name, name.root_first() || is_root_first(name));
+  return rfc2253(name, name.is_root_first() || seems_root_first(name));
 }
 
 std::string why_not_recognised(const Grant& grant, const pki::SubjectName& name) {
   const auto& text = grant.subject_name;
-  if (name.root_first())
+  if (name.is_root_first())
     return in_quotes(text) + " is in the form with slashes, which Fast DDS does not read";
-  if (is_root_first(name))
+  if (seems_root_first(name))
     return in_quotes(text) +
            " begins with the country or organisation: Fast DDS does not recognise a certificate "
            "by it";

@@ -19,20 +19,20 @@ const EVP_MD* digest_of(const PrivateKey& key) {
   return key.algorithm().kind == KeyKind::ec_p384 ? EVP_sha384() : EVP_sha256();
 }
 
-bool add_attribute(X509_NAME* name, const NameAttribute& attribute, bool joined) {
+bool add_attribute(X509_NAME* name, const NameAttribute& attribute, bool is_joined) {
   const auto value = as_bytes(attribute.value);
   return X509_NAME_add_entry_by_txt(name, attribute.type.c_str(), MBSTRING_UTF8, value.data(),
-                                    static_cast<int>(value.size()), -1, joined ? -1 : 0) == 1;
+                                    static_cast<int>(value.size()), -1, is_joined ? -1 : 0) == 1;
 }
 
 // The attributes' indexes in the order of the DER name: RDN by RDN from the root.
 std::vector<std::vector<std::size_t>> rdns_from_root(const SubjectName& subject) {
   std::vector<std::vector<std::size_t>> rdns;
   for (std::size_t i = 0; i < subject.attributes().size(); ++i) {
-    if (!subject.joined(i)) rdns.emplace_back();
+    if (!subject.is_joined(i)) rdns.emplace_back();
     rdns.back().push_back(i);
   }
-  if (!subject.root_first()) std::ranges::reverse(rdns);
+  if (!subject.is_root_first()) std::ranges::reverse(rdns);
   return rdns;
 }
 

@@ -40,9 +40,9 @@ class SubjectName {
   /// In the text's order.
   const std::vector<NameAttribute>& attributes() const { return attributes_; }
   /// attributes() in RDNs: true if the attribute is in one RDN with the one before it.
-  bool joined(std::size_t index) const { return joined_.at(index); }
+  bool is_joined(std::size_t index) const { return joined_.at(index); }
   /// True if the text was in the one-line form, where the first RDN comes first.
-  bool root_first() const { return root_first_; }
+  bool is_root_first() const { return root_first_; }
 
   /// The RDNs in the text's order.
   std::vector<Rdn> rdns() const;

@@ -95,8 +95,8 @@ TEST(SubjectName, EscapesAndMultiValuedRdnsSurviveTheCertificate) {
   const auto joined = make_ca("CN=a+OU=b,O=c").certificate();
   EXPECT_NE(joined.subject().find('+'), std::string::npos);
   const auto of = SubjectName::of(joined);
-  EXPECT_TRUE(of.joined(2));
-  EXPECT_TRUE(of.root_first());
+  EXPECT_TRUE(of.is_joined(2));
+  EXPECT_TRUE(of.is_root_first());
   EXPECT_TRUE(name("OU=b+CN=a,O=c").matches(joined));
   EXPECT_FALSE(name("OU=b,CN=a,O=c").matches(joined));
   EXPECT_TRUE(name("/O=c/CN=a+OU=b").matches(joined));
