@@ -48,7 +48,7 @@ void LivelinessMonitor::count(const Guid& writer, int alive, int not_alive) {
   status_.alive_count_change += alive;
   status_.not_alive_count += not_alive;
   status_.not_alive_count_change += not_alive;
-  status_.last_publication_handle = writer;
+  status_.last_remote = writer;
   changed_ = true;
 }
 

@@ -65,14 +65,14 @@ struct IncompatibleQosStatus : CountStatus {
   QosPolicyId last_policy_id = QosPolicyId::invalid;
   std::map<QosPolicyId, std::int32_t> policies;  ///< how often each policy was the reason
   QosMismatch last;                              ///< the policy and both values, as text
-  Guid last_remote;
+  Guid last_remote;                              ///< the endpoint that did not match
 };
 
 /// PUBLICATION_MATCHED and SUBSCRIPTION_MATCHED.
 struct MatchedStatus : CountStatus {
   std::int32_t current_count = 0;
   std::int32_t current_count_change = 0;
-  Guid last_remote;
+  Guid last_remote;  ///< the endpoint that came or left (last_publication_handle, DDS 1.4)
 };
 
 struct LivelinessChangedStatus {
@@ -80,7 +80,7 @@ struct LivelinessChangedStatus {
   std::int32_t not_alive_count = 0;
   std::int32_t alive_count_change = 0;
   std::int32_t not_alive_count_change = 0;
-  Guid last_publication_handle;
+  Guid last_remote;  ///< the writer whose liveliness changed (last_publication_handle, DDS 1.4)
 };
 
 inline void CountStatus::count(std::int64_t by) {

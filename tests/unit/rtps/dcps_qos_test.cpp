@@ -146,7 +146,7 @@ TEST_P(Policies, ManualLivelinessIsLostAndComesBack) {
   EXPECT_EQ(writer.liveliness_lost_status().total_count, 0);
   auto status = reader.liveliness_changed_status();
   EXPECT_EQ(std::pair(status.alive_count, status.not_alive_count), std::pair(1, 0));
-  EXPECT_EQ(status.last_publication_handle, writer.guid());
+  EXPECT_EQ(status.last_remote, writer.guid());
   run(100ms);
   EXPECT_EQ(writer.liveliness_lost_status().total_count, 1);
   status = reader.liveliness_changed_status();

@@ -51,7 +51,7 @@ TEST(LivelinessMonitor, CountsWhoLives) {
   EXPECT_FALSE(monitor.is_alive(a));
   EXPECT_EQ(monitor.status().alive_count, 1);
   EXPECT_EQ(monitor.status().not_alive_count, 1);
-  EXPECT_EQ(monitor.status().last_publication_handle, a);
+  EXPECT_EQ(monitor.status().last_remote, a);
   monitor.reset_changes();
   monitor.alive(a, milliseconds(2000));
   EXPECT_EQ(monitor.status().alive_count_change, 1);
