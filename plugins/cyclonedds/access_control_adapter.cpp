@@ -36,9 +36,9 @@ spi::PermissionsHandle permissions(CPermissions handle) { return {handle}; }
 /// As is_carrier_topic, for that local participant.
 Result<bool> is_carriers(Adapter& adapter, CPermissions handle, std::string_view name) {
   if (name != kCarrierTopic) return false;
-  DDSSEC_ASSIGN_OR_RETURN(const auto participant_sec_attributes,
+  DDSSEC_ASSIGN_OR_RETURN(const auto participant,
                           adapter.engine().participant_sec_attributes(permissions(handle)));
-  return is_carrier_topic(name, participant_sec_attributes);
+  return is_carrier_topic(name, participant);
 }
 
 CPermissions validate_local_permissions(Instance* instance, const dds_security_authentication*,
@@ -51,20 +51,20 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
     DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
     DDSSEC_ASSIGN_OR_RETURN(const auto properties,
                             spi::with_process_properties(std::move(property_list)));
-    DDSSEC_ASSIGN_OR_RETURN(const auto clock_step_grace, spi::clock_step_grace(properties));
-    adapter.host().calendar().set_grace(clock_step_grace);
+    DDSSEC_ASSIGN_OR_RETURN(const auto grace, spi::clock_step_grace(properties));
+    adapter.host().calendar().set_grace(grace);
     DDSSEC_ASSIGN_OR_RETURN(const bool allow_shared_memory,
                             SharedMemoryGuard::is_allowed_by(properties));
-    DDSSEC_ASSIGN_OR_RETURN(const auto flag_property,
+    DDSSEC_ASSIGN_OR_RETURN(const bool trusts_type_information,
                             spi::flag_property(properties, spi::property::kTrustTypeInformation));
-    if (flag_property) adapter.trust_type_information();
+    if (trusts_type_information) adapter.trust_type_information();
     DDSSEC_ASSIGN_OR_RETURN(const auto handle, adapter.engine().validate_local_permissions(
                                                    {identity}, domain_id, properties));
     Rollback give_back([&] { (void)adapter.engine().return_permissions_handle(handle); });
     if (allow_shared_memory) adapter.shared_memory().allow(handle);
-    DDSSEC_ASSIGN_OR_RETURN(const auto participant_sec_attributes,
+    DDSSEC_ASSIGN_OR_RETURN(const auto participant,
                             adapter.engine().participant_sec_attributes(handle));
-    adapter.facts().note(handle, {identity}, participant_sec_attributes);
+    adapter.facts().note(handle, {identity}, participant);
     give_back.release();
     return handle;
   });
@@ -269,9 +269,9 @@ DDS_Security_boolean get_participant_sec_attributes(
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_RETURN_IF_ERROR(require(attributes));
     *attributes = {};
-    DDSSEC_ASSIGN_OR_RETURN(const auto participant_sec_attributes,
+    DDSSEC_ASSIGN_OR_RETURN(const auto participant,
                             adapter.engine().participant_sec_attributes(permissions(handle)));
-    *attributes = to_c(participant_sec_attributes);
+    *attributes = to_c(participant);
     return {};
   });
 }
@@ -283,9 +283,9 @@ DDS_Security_boolean get_topic_sec_attributes(Instance* instance, const CPermiss
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_RETURN_IF_ERROR(require(topic_name, attributes));
     *attributes = {};
-    DDSSEC_ASSIGN_OR_RETURN(const auto topic_sec_attributes,
+    DDSSEC_ASSIGN_OR_RETURN(const auto topic,
                             adapter.engine().topic_sec_attributes(permissions(handle), topic_name));
-    *attributes = to_c(topic_sec_attributes);
+    *attributes = to_c(topic);
     return {};
   });
 }

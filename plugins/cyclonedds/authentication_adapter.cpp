@@ -77,8 +77,8 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
     DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
     DDSSEC_ASSIGN_OR_RETURN(const auto properties,
                             spi::with_process_properties(std::move(property_list)));
-    DDSSEC_ASSIGN_OR_RETURN(const auto clock_step_grace, spi::clock_step_grace(properties));
-    adapter.host().calendar().set_grace(clock_step_grace);
+    DDSSEC_ASSIGN_OR_RETURN(const auto grace, spi::clock_step_grace(properties));
+    adapter.host().calendar().set_grace(grace);
     DDSSEC_ASSIGN_OR_RETURN(const auto local,
                             adapter.engine().validate_local_identity(domain_id, properties,
                                                                      guid_from(*candidate_guid)));

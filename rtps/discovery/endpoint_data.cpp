@@ -137,8 +137,8 @@ Status read_partition(Reader& r, Announced& a) {
   DDSSEC_ASSIGN_OR_RETURN(const auto count, r.read_count(4));
   if (count > kMaxPartitions) return fail(Code::length_out_of_range);
   for (std::uint32_t i = 0; i < count; ++i) {
-    DDSSEC_ASSIGN_OR_RETURN(auto bounded_string, read_bounded_string(r, kMaxNameLength));
-    a.data.qos.partition.push_back(std::move(bounded_string));
+    DDSSEC_ASSIGN_OR_RETURN(auto name, read_bounded_string(r, kMaxNameLength));
+    a.data.qos.partition.push_back(std::move(name));
   }
   return {};
 }
