@@ -3,6 +3,7 @@
 #include <atomic>
 #include <optional>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -95,6 +96,39 @@ DDS_Security_boolean check_create_participant(Instance* instance, const CPermiss
   });
 }
 
+struct WriterCalls {
+  static constexpr auto kCheck = &spi::AccessControl::check_create_datawriter;
+  static constexpr auto kAttributes = &spi::AccessControl::datawriter_sec_attributes;
+  static constexpr auto kDirection = Direction::writes;
+};
+struct ReaderCalls {
+  static constexpr auto kCheck = &spi::AccessControl::check_create_datareader;
+  static constexpr auto kAttributes = &spi::AccessControl::datareader_sec_attributes;
+  static constexpr auto kDirection = Direction::reads;
+};
+
+/// What the host's call says about a local endpoint, besides its question.
+struct LocalEndpoint {
+  spi::PermissionsHandle local;
+  CDomain domain_id;
+  const DDS_Security_Qos* qos;
+};
+
+template <class Calls>
+Status check_create_endpoint(Adapter& adapter, const LocalEndpoint& endpoint,
+                             const spi::EndpointRequest& request) {
+  const auto local = endpoint.local;
+  DDSSEC_RETURN_IF_ERROR(adapter.facts().check(local));
+  auto& engine = adapter.engine();
+  DDSSEC_RETURN_IF_ERROR((engine.*Calls::kCheck)(local, endpoint.domain_id, request));
+  DDSSEC_ASSIGN_OR_RETURN(const auto attributes, (engine.*Calls::kAttributes)(local, request));
+  constexpr bool kIsWriter = Calls::kDirection == Direction::writes;
+  DDSSEC_RETURN_IF_ERROR(
+      refuse_what_nothing_guards(adapter, local, request, attributes, kIsWriter));
+  return refuse_what_shared_memory_exposes(adapter, local, request.topic_name, endpoint.qos,
+                                           attributes, Calls::kDirection);
+}
+
 DDS_Security_boolean check_create_datawriter(Instance* instance, const CPermissions handle,
                                              const CDomain domain_id, const char* topic_name,
                                              const DDS_Security_Qos* qos,
@@ -103,16 +137,8 @@ DDS_Security_boolean check_create_datawriter(Instance* instance, const CPermissi
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_ASSIGN_OR_RETURN(const auto question,
                             EndpointQuestion::from(topic_name, partition, tags));
-    const auto local = permissions(handle);
-    DDSSEC_RETURN_IF_ERROR(adapter.facts().check(local));
-    auto& engine = adapter.engine();
-    DDSSEC_RETURN_IF_ERROR(engine.check_create_datawriter(local, domain_id, question.request()));
-    DDSSEC_ASSIGN_OR_RETURN(const auto writer,
-                            engine.datawriter_sec_attributes(local, question.request()));
-    DDSSEC_RETURN_IF_ERROR(
-        refuse_what_nothing_guards(adapter, local, question.request(), writer, true));
-    return refuse_what_shared_memory_exposes(adapter, local, topic_name, qos, writer,
-                                             Direction::writes);
+    return check_create_endpoint<WriterCalls>(adapter, {permissions(handle), domain_id, qos},
+                                              question.request());
   });
 }
 
@@ -124,20 +150,12 @@ DDS_Security_boolean check_create_datareader(Instance* instance, const CPermissi
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_ASSIGN_OR_RETURN(const auto question,
                             EndpointQuestion::from(topic_name, partition, tags));
-    if (reads_local_builtin_topic(question.request())) return {};
-    DDSSEC_ASSIGN_OR_RETURN(const auto carriers,
-                            is_carriers(adapter, handle, question.request().topic_name));
+    const auto request = question.request();
+    if (reads_local_builtin_topic(request)) return {};
+    DDSSEC_ASSIGN_OR_RETURN(const bool carriers, is_carriers(adapter, handle, request.topic_name));
     if (carriers) return {};
-    const auto local = permissions(handle);
-    DDSSEC_RETURN_IF_ERROR(adapter.facts().check(local));
-    auto& engine = adapter.engine();
-    DDSSEC_RETURN_IF_ERROR(engine.check_create_datareader(local, domain_id, question.request()));
-    DDSSEC_ASSIGN_OR_RETURN(const auto reader,
-                            engine.datareader_sec_attributes(local, question.request()));
-    DDSSEC_RETURN_IF_ERROR(
-        refuse_what_nothing_guards(adapter, local, question.request(), reader, false));
-    return refuse_what_shared_memory_exposes(adapter, local, topic_name, qos, reader,
-                                             Direction::reads);
+    return check_create_endpoint<ReaderCalls>(adapter, {permissions(handle), domain_id, qos},
+                                              request);
   });
 }
 
@@ -206,47 +224,13 @@ DDS_Security_boolean check_remote_topic(Instance* instance, const CPermissions h
   });
 }
 
-// Cyclone's core matches local endpoints without asking and has no checks of instances, so the six
-// functions below have no caller. The standard's builtin plugin allows all of them
+// Cyclone's core matches local endpoints without asking and has no checks of instances, so six
+// functions of the table below have no caller. The standard's builtin plugin allows all of them
 // (DDS-Security 1.2, clause 10.4.3), because creation and remote matching were checked already.
-DDS_Security_boolean allow(Instance* instance, Exception* ex) noexcept {
+template <class... Arguments>
+DDS_Security_boolean allow(Instance* instance, Arguments... arguments) noexcept {
+  Exception* const ex = std::get<sizeof...(arguments) - 1>(std::tuple(arguments...));
   return ask<Adapter>(instance, ex, [](Adapter&) -> Status { return {}; });
-}
-DDS_Security_boolean check_local_datawriter_register_instance(Instance* instance,
-                                                              const CPermissions,
-                                                              const DDS_Security_Entity*,
-                                                              const DDS_Security_DynamicData*,
-                                                              Exception* ex) {
-  return allow(instance, ex);
-}
-DDS_Security_boolean check_local_datawriter_dispose_instance(Instance* instance, const CPermissions,
-                                                             const DDS_Security_Entity*,
-                                                             const DDS_Security_DynamicData,
-                                                             Exception* ex) {
-  return allow(instance, ex);
-}
-DDS_Security_boolean check_local_datawriter_match(
-    Instance* instance, const CPermissions, const CPermissions,
-    const DDS_Security_PublicationBuiltinTopicDataSecure*,
-    const DDS_Security_SubscriptionBuiltinTopicDataSecure*, Exception* ex) {
-  return allow(instance, ex);
-}
-DDS_Security_boolean check_local_datareader_match(
-    Instance* instance, const CPermissions, const CPermissions,
-    const DDS_Security_SubscriptionBuiltinTopicDataSecure*,
-    const DDS_Security_PublicationBuiltinTopicDataSecure*, Exception* ex) {
-  return allow(instance, ex);
-}
-DDS_Security_boolean check_remote_datawriter_register_instance(
-    Instance* instance, const CPermissions, const DDS_Security_Entity*,
-    const DDS_Security_InstanceHandle, const DDS_Security_DynamicData,
-    const DDS_Security_InstanceHandle, Exception* ex) {
-  return allow(instance, ex);
-}
-DDS_Security_boolean check_remote_datawriter_dispose_instance(
-    Instance* instance, const CPermissions, const DDS_Security_Entity*,
-    const DDS_Security_InstanceHandle, const DDS_Security_DynamicData, Exception* ex) {
-  return allow(instance, ex);
 }
 
 DDS_Security_boolean get_permissions_token(Instance* instance, CToken* token,
@@ -399,16 +383,16 @@ constexpr dds_security_access_control kTable = {
     .check_create_datawriter = check_create_datawriter,
     .check_create_datareader = check_create_datareader,
     .check_create_topic = check_create_topic,
-    .check_local_datawriter_register_instance = check_local_datawriter_register_instance,
-    .check_local_datawriter_dispose_instance = check_local_datawriter_dispose_instance,
+    .check_local_datawriter_register_instance = allow,
+    .check_local_datawriter_dispose_instance = allow,
     .check_remote_participant = check_remote_participant,
     .check_remote_datawriter = check_remote_datawriter,
     .check_remote_datareader = check_remote_datareader,
     .check_remote_topic = check_remote_topic,
-    .check_local_datawriter_match = check_local_datawriter_match,
-    .check_local_datareader_match = check_local_datareader_match,
-    .check_remote_datawriter_register_instance = check_remote_datawriter_register_instance,
-    .check_remote_datawriter_dispose_instance = check_remote_datawriter_dispose_instance,
+    .check_local_datawriter_match = allow,
+    .check_local_datareader_match = allow,
+    .check_remote_datawriter_register_instance = allow,
+    .check_remote_datawriter_dispose_instance = allow,
     .get_permissions_token = get_permissions_token,
     .get_permissions_credential_token = get_permissions_credential_token,
     .set_listener = set_listener<Adapter>,
