@@ -62,6 +62,12 @@ bool is_for(const Grant& grant, const pki::SubjectName& subject) {
   return grant.subject_is_expression ? expression_matches(*name, subject) : name->matches(subject);
 }
 
+const Grant* valid_at(std::span<const Grant* const> grants, WallTime time) {
+  const auto found =
+      std::ranges::find_if(grants, [&](const Grant* one) { return one->validity.contains(time); });
+  return found == grants.end() ? nullptr : *found;
+}
+
 Status check_validity(const Grant& grant, WallTime now) {
   if (grant.validity.contains(now)) return {};
   const bool early = now < grant.validity.not_before;

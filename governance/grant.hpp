@@ -1,6 +1,9 @@
 // Finds the grant of a subject in a permissions document.
 #pragma once
 
+#include <span>
+#include <string_view>
+
 #include "base/clock.hpp"
 #include "base/result.hpp"
 #include "governance/model.hpp"
@@ -17,6 +20,9 @@ Result<const Grant*> find_grant(const Permissions& permissions, const pki::Subje
 
 /// True if the grant is for the subject, whatever its validity.
 bool is_for(const Grant& grant, const pki::SubjectName& subject);
+
+/// The first of `grants` that is valid at `time`; nullptr if none is.
+const Grant* valid_at(std::span<const Grant* const> grants, WallTime time);
 
 /// Success while the grant is valid. Errors: grant_expired, grant_not_yet_valid.
 Status check_validity(const Grant& grant, WallTime now);

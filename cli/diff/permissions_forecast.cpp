@@ -6,6 +6,7 @@
 
 #include "cli/diff/forecast.hpp"
 #include "governance/compare/subjects.hpp"
+#include "governance/grant.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::cli {
@@ -45,12 +46,6 @@ std::string_view live_word(Live live) {
 
 using Prediction = Forecast<Live>;
 
-const Grant* valid_at(const Grants& grants, WallTime now) {
-  const auto found =
-      std::ranges::find_if(grants, [&](const Grant* one) { return one->validity.contains(now); });
-  return found == grants.end() ? nullptr : *found;
-}
-
 const Grant* begins_after(const Grants& grants, WallTime now) {
   const auto found = std::ranges::find_if(
       grants, [&](const Grant* one) { return one->validity.not_before > now; });
@@ -59,7 +54,7 @@ const Grant* begins_after(const Grants& grants, WallTime now) {
 
 /// As find_grant and check_follows judge it for a participant of this subject.
 void add_subject(const governance::Subject& subject, WallTime now, Prediction& out) {
-  const auto* const in_force = valid_at(subject.old_grants, now);
+  const auto* const in_force = governance::valid_at(subject.old_grants, now);
   if (subject.old_grants.empty()) return;
   const auto& name = governance::spelling_of(subject).subject_name;
   if (in_force == nullptr) {
@@ -73,7 +68,7 @@ void add_subject(const governance::Subject& subject, WallTime now, Prediction& o
   }
   if (subject.new_grants.empty())
     return out.add(Live::refused, fmt::format("there is no grant for {} any more", name), 0);
-  const auto* const next = valid_at(subject.new_grants, now);
+  const auto* const next = governance::valid_at(subject.new_grants, now);
   if (next == nullptr) {
     if (const auto* const later = begins_after(subject.new_grants, now))
       return out.add(Live::live_later,

@@ -11,15 +11,10 @@
 #include "governance/compare/stock_changes.hpp"
 #include "governance/compare/subjects.hpp"
 #include "governance/cyclonedds_subject.hpp"
+#include "governance/grant.hpp"
 
 namespace ddssec::governance {
 namespace {
-
-const Grant* valid_at(const Grants& grants, WallTime time) {
-  const auto grant =
-      std::ranges::find_if(grants, [&](const Grant* g) { return g->validity.contains(time); });
-  return grant == grants.end() ? nullptr : *grant;
-}
 
 /// The grants that apply at the same times.
 struct GrantPairs {

@@ -84,6 +84,16 @@ TEST(FindGrant, ValidityBeginsWithNotBeforeAndEndsBeforeNotAfter) {
   EXPECT_CODE(at(kNow + 1h), grant_expired);
 }
 
+TEST(ValidAt, TakesTheFirstThatIsValid) {
+  const Grant early{.validity = {WallTime{10s}, WallTime{20s}}};
+  const Grant late{.validity = {WallTime{15s}, WallTime{30s}}};
+  const std::vector<const Grant*> grants = {&early, &late};
+  EXPECT_EQ(valid_at(grants, WallTime{9s}), nullptr);
+  EXPECT_EQ(valid_at(grants, WallTime{15s}), &early);
+  EXPECT_EQ(valid_at(grants, WallTime{20s}), &late);
+  EXPECT_EQ(valid_at(grants, WallTime{30s}), nullptr);
+}
+
 TEST(FindGrant, SaysWhoseGrantsThereAre) {
   Permissions document;
   for (int i = 0; i < 5; ++i) document.grants.push_back(grant_for("CN=p" + std::to_string(i)));
