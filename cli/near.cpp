@@ -81,15 +81,8 @@ std::string listed(std::string_view words, const std::vector<fs::path>& paths) {
                      paths.size() > kMaxShown ? ", ..." : "");
 }
 
-bool is_participant(const fs::path& folder) { return is_there(folder / "cert.pem"); }
-
 std::string participants_inside(const fs::path& folder, std::string_view words) {
-  return listed(words, Search(is_participant).around(folder, {}));
-}
-
-// As ca create and init make it, or one of its two halves.
-bool is_of_a_ca(const fs::path& folder) {
-  return is_there(folder / "ca.pem") || is_there(folder / "identity" / "ca.pem");
+  return listed(words, Search(pki::is_participant_folder).around(folder, {}));
 }
 
 // "a" of "a/b" and "a/b/", and "" of "b"; "a" of "a/ca/identity" too.
@@ -147,7 +140,7 @@ bool holds_key(const fs::path& file) {
 std::string participants_near(const fs::path& missing) {
   const auto name = without_slash(missing).filename();
   return listed("participants here: ",
-                Search(is_participant).around(nearest_folder(missing), name));
+                Search(pki::is_participant_folder).around(nearest_folder(missing), name));
 }
 
 Status check_participant_folder(const fs::path& given) {
@@ -162,7 +155,7 @@ Status check_participant_folder(const fs::path& given) {
     return fail(Code::file_not_found, {.document = files.certificate,
                                        .note = fmt::format("{} is a keystore", given.string()),
                                        .hint = std::move(words)});
-  if (is_of_a_ca(given))
+  if (pki::is_ca_folder(given))
     return fail(Code::file_not_found,
                 {.document = files.certificate,
                  .note = fmt::format("{} is the folder of a CA", given.string()),
@@ -176,9 +169,9 @@ Status check_participant_folder(const fs::path& given) {
 }
 
 Status check_not_above_participants(const fs::path& given, std::string_view name) {
-  if (is_participant(given)) return {};
+  if (pki::is_participant_folder(given)) return {};
   const auto inside = participants_inside(given, "it holds participants: ");
-  const bool has_ca = is_of_a_ca(given) || is_of_a_ca(given / "ca");
+  const bool has_ca = pki::is_ca_folder(given) || pki::is_ca_folder(given / "ca");
   if (inside.empty() && !has_ca) return {};
   return fail(Code::would_overwrite,
               {.document = given,
@@ -215,7 +208,7 @@ Status check_ca_folder(const fs::path& given, std::string_view role) {
       details.hint = fmt::format("name the folder: {}", given.parent_path().string());
     return fail(Code::file_unreadable, std::move(details));
   }
-  if (is_participant(given))
+  if (pki::is_participant_folder(given))
     details.note = "it is a participant's folder";
   else if (fs::exists(given, ignored))
     details.note = fmt::format("there is no {} CA in it", role);

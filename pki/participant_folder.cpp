@@ -4,11 +4,29 @@
 
 namespace ddssec::pki {
 namespace fs = std::filesystem;
+namespace {
+
+bool is_seen(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(fs::symlink_status(path, ignored));
+}
+
+}  // namespace
 
 bool is_there(const fs::path& path) {
   std::error_code error;
   const auto type = fs::symlink_status(path, error).type();
   return type != fs::file_type::not_found && error != std::errc::filename_too_long;
+}
+
+bool is_participant_folder(const fs::path& folder) {
+  const auto files = participant_folder(folder);
+  return is_seen(files.certificate) || is_seen(files.identity_ca);
+}
+
+bool is_ca_folder(const fs::path& folder) {
+  return is_seen(folder / "ca.pem") || is_seen(folder / "ca.key.pem") ||
+         is_seen(folder / "identity/ca.pem");
 }
 
 fs::path or_in_token(const fs::path& file) {

@@ -34,6 +34,15 @@ struct ParticipantFolder {
 /// absent, and reading it reports what is wrong.
 bool is_there(const std::filesystem::path& path);
 
+/// True if the folder looks like one of a participant: it has a certificate or an identity CA. For
+/// hints and the choice of a sentence, so unlike is_there false for a folder that cannot be
+/// searched.
+bool is_participant_folder(const std::filesystem::path& folder);
+
+/// True if the folder looks like one of a CA, as `ca create` and `init` make it: it has a CA's
+/// certificate or key, or the certificate of an identity CA in identity/. As is_participant_folder.
+bool is_ca_folder(const std::filesystem::path& folder);
+
 /// The path of a key or certificate: `file`, or if it does not exist, the *.p11 file in its place
 /// that names the object in a token.
 std::filesystem::path or_in_token(const std::filesystem::path& file);

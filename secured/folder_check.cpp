@@ -11,22 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// For hints and for the choice of a sentence. So, unlike pki::is_there, false for a folder that
-// cannot be searched: an unreadable folder beside the one that is meant is no participant.
-bool is_seen(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(fs::symlink_status(path, ignored));
-}
-
-bool is_participant(const fs::path& folder) {
-  const auto files = pki::participant_folder(folder);
-  return is_seen(files.certificate) || is_seen(files.identity_ca);
-}
-
-bool is_of_a_ca(const fs::path& folder) {
-  return is_seen(folder / "ca.key.pem") || is_seen(folder / "identity/ca.pem");
-}
-
 // Returns `words` followed by the participants found, for example "it holds participants:
 // demo/listener, demo/talker". Empty if there are none.
 std::string participants_in(const fs::path& folder, std::string words) {
@@ -39,7 +23,7 @@ std::string participants_in(const fs::path& folder, std::string words) {
   for (fs::directory_iterator at(start, error), end; !error && at != end; at.increment(error)) {
     if (++looks > kMaxLooks) break;
     const auto path = folder / at->path().filename();
-    if (is_participant(path)) found.push_back(path);
+    if (pki::is_participant_folder(path)) found.push_back(path);
   }
   if (found.empty()) return {};
   std::ranges::sort(found);
@@ -60,19 +44,19 @@ Status check_is_participant(const fs::path& given) {
   if (!fs::is_directory(given, error)) {
     const auto near = participants_in(folder.parent_path(), "participants here: ");
     return fail(
-        is_seen(given) ? Code::file_unreadable : Code::file_not_found,
+        fs::exists(fs::symlink_status(given, error)) ? Code::file_unreadable : Code::file_not_found,
         {.document = given.string(),
          .expected = "a participant's folder",
          .hint = near.empty() ? "name a folder that ddssec init or identity issue made" : near});
   }
-  if (is_participant(given)) return {};
+  if (pki::is_participant_folder(given)) return {};
   const auto refuse = [&](const char* what, std::string hint) {
     return fail(Code::file_not_found,
                 {.document = pki::participant_folder(given).certificate.string(),
                  .note = given.string() + what,
                  .hint = std::move(hint)});
   };
-  if (is_of_a_ca(given)) {
+  if (pki::is_ca_folder(given)) {
     auto near = participants_in(folder.parent_path(), "participants of it may be ");
     if (near.empty())
       near = participants_in(folder.parent_path().parent_path(), "participants of it may be ");

@@ -46,6 +46,29 @@ TEST_F(Folder, ABrokenLinkCountsAndFlatNamesWin) {
   EXPECT_EQ(participant_folder(at_).layout, FolderLayout::flat);
 }
 
+TEST_F(Folder, OneFileOfItsOwn_TellsAParticipantsFolder) {
+  EXPECT_FALSE(is_participant_folder(at_));
+  for (const auto* const name : {"cert.pem", "identity_ca.pem", "identity_ca.cert.pem"}) {
+    touch(name);
+    EXPECT_TRUE(is_participant_folder(at_)) << name;
+    fs::remove(at_ / name);
+  }
+  touch("ca.pem");
+  EXPECT_FALSE(is_participant_folder(at_));
+}
+
+TEST_F(Folder, ACertificateOrAKeyOfACa_TellsACasFolder) {
+  EXPECT_FALSE(is_ca_folder(at_));
+  fs::create_directory(at_ / "identity");
+  for (const auto* const name : {"ca.pem", "ca.key.pem", "identity/ca.pem"}) {
+    touch(name);
+    EXPECT_TRUE(is_ca_folder(at_)) << name;
+    fs::remove(at_ / name);
+  }
+  touch("identity_ca.pem");
+  EXPECT_FALSE(is_ca_folder(at_));
+}
+
 // A document that cannot be reached must not count as one that was never put there.
 TEST_F(Folder, OnlyAFileThatCannotExistIsAbsent) {
   touch("crl.pem");
