@@ -93,7 +93,6 @@ set(DDSSEC_CARRIED_HEADERS
   base/reader.hpp
   base/source.hpp
   base/writer.hpp
-  governance/partition_match.hpp
   pki/crl_number.hpp
   pki/source.hpp
   # writers and readers are made for each type where the application is compiled: serialization

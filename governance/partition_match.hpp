@@ -1,4 +1,4 @@
-// An option of access control.
+// How an allow rule is compared with the partitions of an entity.
 #pragma once
 
 #include <cstdint>

@@ -30,7 +30,9 @@ class Plugin final : public spi::AccessControl {
       : environment_(environment),
         options_(std::move(options)),
         judgement_(environment_.clock, options_.accept_relays),
-        documents_(options_.partition_match, kMaxCachedDocuments, kMaxCachedOctets),
+        documents_(options_.one_partition_suffices ? governance::PartitionMatch::one
+                                                   : governance::PartitionMatch::all,
+                   kMaxCachedDocuments, kMaxCachedOctets),
         handles_(options_.max_handles) {}
 
   Result<PermissionsHandle> validate_local_permissions(spi::IdentityHandle identity,

@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "base/event.hpp"
-#include "governance/partition_match.hpp"
 #include "plugins/spi/access_control.hpp"
 
 namespace ddssec::access_control {
@@ -17,8 +16,9 @@ struct Options {
   std::size_t max_permissions_octets = 16 * 1024 * 1024;
   /// How many permissions handles may be out at a time.
   std::size_t max_handles = 65536;
-  /// `one` is the "legacy" mode of DDS-Security 1.2.
-  governance::PartitionMatch partition_match = governance::PartitionMatch::all;
+  /// The "legacy" mode of DDS-Security 1.2, clause 10.4.1.5.3.4.1.4: an allow rule must list one of
+  /// an entity's partitions, not all of them.
+  bool one_partition_suffices = false;
   /// Answer relay_only to a reader that only a relay element lets in. Set it only if the
   /// cryptography then keeps the payload key to itself; otherwise such a reader could read.
   bool accept_relays = false;
@@ -37,7 +37,7 @@ struct Options {
   std::function<bool()> presents_renewed_permissions = [] { return true; };
 };
 
-/// How many judged documents, and octets of them, are kept for peers to come.
+/// How many judged documents, and octets of them, are kept for later peers.
 inline constexpr std::size_t kMaxCachedDocuments = 256;
 inline constexpr std::size_t kMaxCachedOctets = 64 * 1024 * 1024;
 /// A plugin without any participant yet; `environment` outlives it. Each local participant's own

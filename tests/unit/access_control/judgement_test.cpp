@@ -92,7 +92,7 @@ TEST_F(Decisions, PartitionsAndTagsOfPeersCount) {
   EXPECT_REFUSED(check(both, {}), announced_writer_not_allowed);
   EXPECT_REFUSED(check({}, {}), announced_writer_not_allowed);
   EXPECT_REFUSED(check(right, blue), announced_writer_not_allowed);
-  make({.partition_match = governance::PartitionMatch::one});
+  make({.one_partition_suffices = true});
   local_ = {};
   const auto legacy = peer_with({allowed});
   EXPECT_TRUE(
