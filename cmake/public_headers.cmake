@@ -70,6 +70,7 @@ set(DDSSEC_PUBLIC_HEADERS
   base/event_log.hpp
   base/hash.hpp
   base/ids.hpp
+  base/property.hpp
   base/result.hpp
   base/secret.hpp)
 

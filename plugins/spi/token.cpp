@@ -29,22 +29,7 @@ Result<std::uint32_t> read_property_count(Reader& reader) {
 
 }  // namespace
 
-Property::~Property() {
-  void* const octets = value.data();
-  wipe({static_cast<std::uint8_t*>(octets), value.size()});
-}
-
 BinaryProperty::~BinaryProperty() { wipe(value); }
-
-const std::string* find_property(const PropertyList& properties, std::string_view name) {
-  const auto found = std::ranges::find(properties, name, &Property::name);
-  return found == properties.end() ? nullptr : &found->value;
-}
-
-std::string_view property_value(const PropertyList& properties, std::string_view name) {
-  const auto* const value = find_property(properties, name);
-  return value == nullptr ? std::string_view() : std::string_view(*value);
-}
 
 const Bytes* find_binary_property(const Token& token, std::string_view name) {
   const auto found = std::ranges::find(token.binary_properties, name, &BinaryProperty::name);

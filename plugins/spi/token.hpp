@@ -11,21 +11,17 @@
 #include <vector>
 
 #include "base/bytes.hpp"
+#include "base/property.hpp"
 #include "base/reader.hpp"
 #include "base/result.hpp"
 #include "base/writer.hpp"
 
 namespace ddssec::spi {
 
-/// Property_t (DDS-Security 1.2, clause 7.3.2). `propagate` says whether it goes on the wire.
-struct Property {
-  std::string name;
-  std::string value;
-  bool propagate = true;
-  bool operator==(const Property&) const = default;
-  /// Wipes the value, which may be a passphrase. (There is no move: copies wipe themselves too.)
-  ~Property();
-};
+using ddssec::find_property;
+using ddssec::Property;
+using ddssec::property_value;
+using ddssec::PropertyList;
 
 /// BinaryProperty_t (DDS-Security 1.2, clause 7.3.3).
 struct BinaryProperty {
@@ -38,8 +34,6 @@ struct BinaryProperty {
   ~BinaryProperty();
 };
 
-using PropertyList = std::vector<Property>;
-
 /// DataHolder (DDS-Security 1.2, clause 7.3.4); every token of the standard has this type.
 struct Token {
   std::string class_id = {};
@@ -48,10 +42,6 @@ struct Token {
   bool operator==(const Token&) const = default;
 };
 
-/// The value of the first property with that name, or nullptr. Owned by `properties`.
-const std::string* find_property(const PropertyList& properties, std::string_view name);
-/// The same as a view; empty if there is none. Valid as long as `properties`.
-std::string_view property_value(const PropertyList& properties, std::string_view name);
 /// The value of the first binary property with that name, or nullptr. Owned by `token`.
 const Bytes* find_binary_property(const Token& token, std::string_view name);
 

@@ -9,7 +9,7 @@ namespace {
 
 using ParticipantRow = ParameterRow<ParticipantData>;
 
-Status read_property_list(Reader& reader, spi::PropertyList& out) {
+Status read_property_list(Reader& reader, PropertyList& out) {
   DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read_count(8));
   if (count > kMaxProperties) return fail(Code::length_out_of_range);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -20,8 +20,8 @@ Status read_property_list(Reader& reader, spi::PropertyList& out) {
   return {};  // binary properties may follow; they are not needed
 }
 
-void write_property_list(SpanWriter& out, const spi::PropertyList& properties) {
-  const auto count = std::ranges::count_if(properties, &spi::Property::propagate);
+void write_property_list(SpanWriter& out, const PropertyList& properties) {
+  const auto count = std::ranges::count_if(properties, &Property::propagate);
   if (count == 0) return;
   const ParameterScope scope(out, pid::kPropertyList);
   out.write(static_cast<std::uint32_t>(count));

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/ids.hpp"
+#include "base/property.hpp"
 #include "plugins/spi/attributes.hpp"
 #include "plugins/spi/token.hpp"
 #include "rtps/discovery/parameter_table.hpp"
@@ -28,7 +29,7 @@ struct ParticipantData {
   std::int32_t manual_liveliness_count = 0;
   std::string entity_name = {};
   Bytes user_data = {};
-  spi::PropertyList properties = {};
+  PropertyList properties = {};
   // Only of a secured participant:
   std::optional<spi::Token> identity_token = {}, permissions_token = {};
   std::optional<spi::SecurityInfo> security_info = {};

@@ -52,7 +52,7 @@ Qos reading_qos(const Qos& original) {
 }
 
 /// What separates streams besides their partitions. Empty: nothing.
-std::vector<std::string> scope_of(const std::string& domain_tag, const spi::PropertyList& tags) {
+std::vector<std::string> scope_of(const std::string& domain_tag, const PropertyList& tags) {
   if (domain_tag.empty() && tags.empty()) return {};
   std::vector<std::string> out{domain_tag};
   for (const auto& tag : tags) out.insert(out.end(), {tag.name, tag.value});

@@ -11,6 +11,7 @@
 #include "rtps/dcps/seen_originals.hpp"
 #include "rtps/durability/durable_store.hpp"
 #include "rtps/keeper/instance_owners.hpp"
+#include "rtps/participant/endpoint_listener.hpp"
 
 namespace ddssec::rtps {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/bytes.hpp"
-#include "plugins/spi/token.hpp"
+#include "base/property.hpp"
 #include "wire/time.hpp"
 
 namespace ddssec::rtps {
@@ -102,10 +102,10 @@ struct Qos {
   TypeConsistency type_consistency;  ///< readers only
   Bytes user_data, topic_data, group_data;
   /// PROPERTY (DDS-Security 1.2, clause 7.3.21), for the plugins of ddssec; not announced.
-  spi::PropertyList properties;
+  PropertyList properties;
   /// DATA_TAGS (DDS-Security 1.2, clause 7.3.21), to which <data_tags> in the permissions refer.
   /// Announced only if discovery of the topic is protected.
-  spi::PropertyList data_tags;
+  PropertyList data_tags;
   ReaderDataLifecycle reader_data_lifecycle;  ///< not announced
   /// WRITER_DATA_LIFECYCLE: unregistering an instance, or deleting the writer, also disposes the
   /// instance. Not announced.

@@ -23,7 +23,7 @@ ARROWS = {
     "rtps/memory": ["base", "wire"],
     "rtps/cdr": ["base", "wire"],
     "rtps/filter": ["base", "rtps/cdr"],
-    "rtps/qos": ["base", "wire", "plugins/spi"],
+    "rtps/qos": ["base", "wire"],
     "rtps/types": ["base", "rtps/qos"],
     "rtps/reliability": ["base", "wire", "rtps/budget", "rtps/cdr", "rtps/qos", "rtps/transport"],
     "rtps/discovery": ["base", "wire", "plugins/spi", "rtps/cdr", "rtps/filter", "rtps/qos", "rtps/types"],
