@@ -50,8 +50,8 @@ class AmplificationLimit {
   /// receiver there can repeat it. Empty: there is no secret.
   Bytes challenge(const GuidPrefix& participant, const Locator& host) const;
   /// The participant repeated a challenge. If it is that of one of its addresses, the participant
-  /// can be reached there, whatever the source of the datagram, which can be forged. Returns true if it
-  /// is one.
+  /// can be reached there, whatever the source of the datagram, which can be forged. Returns true
+  /// if it is one.
   bool prove(const GuidPrefix& participant, BytesView repeated);
   /// The participant is limited and proved this very address, whatever its port. An IPv6 address
   /// proves no other one, although both pay for what is sent to either.
@@ -74,7 +74,7 @@ class AmplificationLimit {
     /// The sources that announced an address, and the addresses themselves.
     std::vector<Source> sources = {};
     LocatorList proven = {};  ///< of the addresses, without ports
-    std::size_t turn = 0;  ///< of the addresses that other sources pay for
+    std::size_t turn = 0;     ///< of the addresses that other sources pay for
 
     Source* find(const SourceAddress& address);
     void add(const SourceAddress& address);

@@ -10,9 +10,9 @@
 
 namespace ddssec::rtps {
 
-/// Where anything of a topic is protected, another participant may receive its keys some time after the local
-/// participant. What a volatile writer sends before that is lost to the reader. So a reliable
-/// reader counts as matched when the first message from it arrives, or after kPatience.
+/// Where anything of a topic is protected, another participant may receive its keys some time after
+/// the local participant. What a volatile writer sends before that is lost to the reader. So a
+/// reliable reader counts as matched when the first message from it arrives, or after kPatience.
 class ReadinessQueue {
  public:
   static constexpr MonotonicTime kPatience = std::chrono::seconds(1);

@@ -22,8 +22,9 @@ struct Change {
   Payload payload;        ///< with its encapsulation
   Coherence coherence = {};
   Original original = {};
-  /// Set by a DataReader that has no room for the change: `key_hash` names its instance for certain,
-  /// and it passed the content filter. Offering it again then costs the same for every length.
+  /// Set by a DataReader that has no room for the change: `key_hash` names its instance for
+  /// certain, and it passed the content filter. Offering it again then costs the same for every
+  /// length.
   bool is_examined = false;
   std::uint32_t key_octets = 0;  ///< if it is examined: length of the key that would be stored
 

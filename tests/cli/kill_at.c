@@ -3,7 +3,8 @@
 // writes. From the n-th write on, every one finds the disk full (FULL_AT=n). At the first rename,
 // a participant's owner removes the drafts in its folder (REMOVE_DRAFTS=pattern) or runs a command
 // (AT_RENAME=command). A command runs just before the n-th call (AT_CALL=command, CALL=n), or after
-// the n-th lock (AT_LOCK=command, LOCK=n), or after the links of a path were resolved (AT_RESOLVED).
+// the n-th lock (AT_LOCK=command, LOCK=n), or after the links of a path were resolved
+// (AT_RESOLVED).
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -19,8 +20,8 @@
 #include <sys/types.h>
 #include <unistd.h>
 
-// The agent's workers do not inherit these variables, so those of the parent count, too. It is read at
-// the start: a worker that has become another user may not read it.
+// The agent's workers do not inherit these variables, so those of the parent count, too. It is read
+// at the start: a worker that has become another user may not read it.
 static char parents[1 << 16];
 
 __attribute__((constructor)) static void read_parents_variables(void) {

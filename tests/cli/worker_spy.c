@@ -1,6 +1,8 @@
-// Preloaded by agent_worker_test.py: just before a process of the agent becomes another user, writes into
-// ./loot what code of that user could find in it: variables, open files, the terminal, and whether its memory
-// has the text of ./needle (which is there in reverse, so that this code does not have it itself).
+// Preloaded by agent_worker_test.py: just before a process of the agent becomes another user,
+// writes into
+// ./loot what code of that user could find in it: variables, open files, the terminal, and whether
+// its memory has the text of ./needle (which is there in reverse, so that this code does not have
+// it itself).
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -41,7 +43,8 @@ static int memory_has_needle(void) {
   while (maps != NULL && fgets(line, sizeof line, maps) != NULL) {
     unsigned long begin = 0, end = 0;
     char mode[8] = "";
-    if (sscanf(line, "%lx-%lx %7s", &begin, &end, mode) != 3 || strncmp(mode, "rw", 2) != 0) continue;
+    if (sscanf(line, "%lx-%lx %7s", &begin, &end, mode) != 3 || strncmp(mode, "rw", 2) != 0)
+      continue;
     if (end - begin > (64UL << 20)) continue;
     char* copy = malloc(end - begin);
     const ssize_t got = copy == NULL ? -1 : pread(memory, copy, end - begin, (off_t)begin);
@@ -73,6 +76,7 @@ static void write_loot(void) {
 
 __attribute__((visibility("default"))) int setresuid(uid_t real, uid_t effective, uid_t saved) {
   write_loot();
-  int (*const next)(uid_t, uid_t, uid_t) = (int (*)(uid_t, uid_t, uid_t))dlsym(RTLD_NEXT, "setresuid");
+  int (*const next)(uid_t, uid_t, uid_t) =
+      (int (*)(uid_t, uid_t, uid_t))dlsym(RTLD_NEXT, "setresuid");
   return next(real, effective, saved);
 }

@@ -1,5 +1,5 @@
-// A shapes program on Cyclone DDS in its default configuration: -P|-S DOMAIN TOPIC [all]. With `all`
-// the writer and the reader keep all samples.
+// A shapes program on Cyclone DDS in its default configuration: -P|-S DOMAIN TOPIC [all]. With
+// `all` the writer and the reader keep all samples.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -103,8 +103,8 @@ void set_security(fdds::DomainParticipantQos& qos, const peer_options& options) 
 template <class Qos>
 void set_reliable(Qos& qos, const peer_options& options) {
   qos.reliability().kind = fdds::RELIABLE_RELIABILITY_QOS;
-  qos.durability().kind = options.is_volatile ? fdds::VOLATILE_DURABILITY_QOS
-                                              : fdds::TRANSIENT_LOCAL_DURABILITY_QOS;
+  qos.durability().kind =
+      options.is_volatile ? fdds::VOLATILE_DURABILITY_QOS : fdds::TRANSIENT_LOCAL_DURABILITY_QOS;
   qos.history().kind = fdds::KEEP_ALL_HISTORY_QOS;
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   qos.data_sharing().off();

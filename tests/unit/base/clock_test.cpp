@@ -1,8 +1,9 @@
 // Clocks, how a time is written, and the reproducible random source of the tests.
 #include "base/clock.hpp"
-#include "base/seeded_random.hpp"
 
 #include <gtest/gtest.h>
+
+#include "base/seeded_random.hpp"
 
 namespace ddssec {
 namespace {

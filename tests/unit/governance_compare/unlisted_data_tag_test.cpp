@@ -18,11 +18,12 @@ std::string deny(const std::string& topic) {
 }
 
 Permissions permissions(const std::string& rules, const std::string& default_action) {
-  const auto xml = "<dds><permissions><grant name='g'><subject_name>CN=a</subject_name><validity>"
-                   "<not_before>2026-01-01T00:00:00</not_before><not_after>2027-01-01T00:00:00"
-                   "</not_after></validity>" +
-                   std::string(kAllowEverythingUntagged) + rules + "<default>" + default_action +
-                   "</default></grant></permissions></dds>";
+  const auto xml =
+      "<dds><permissions><grant name='g'><subject_name>CN=a</subject_name><validity>"
+      "<not_before>2026-01-01T00:00:00</not_before><not_after>2027-01-01T00:00:00"
+      "</not_after></validity>" +
+      std::string(kAllowEverythingUntagged) + rules + "<default>" + default_action +
+      "</default></grant></permissions></dds>";
   return read_permissions(as_bytes(xml)).value();
 }
 

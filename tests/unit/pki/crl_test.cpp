@@ -112,10 +112,10 @@ TEST(CrlCheck, RefusesOtherSigners) {
 
 TEST(CrlCheck, RefusesACaThatMayNotSignLists) {
   auto self = self_sign({.subject = "CN=Root",
-                                    .validity = kYear,
-                                    .is_ca = true,
-                                    .key_usage = "critical,digitalSignature,keyCertSign"},
-                                   *PrivateKey::generate(KeyKind::ec_p256), test_random());
+                         .validity = kYear,
+                         .is_ca = true,
+                         .key_usage = "critical,digitalSignature,keyCertSign"},
+                        *PrivateKey::generate(KeyKind::ec_p256), test_random());
   ASSERT_TRUE(self);
   const auto ca = Authority::load(self->certificate, self->key);
   ASSERT_TRUE(ca);

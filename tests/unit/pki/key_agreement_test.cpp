@@ -1,9 +1,8 @@
-#include "pki/known_key.hpp"
-
 #include <openssl/core_names.h>
 #include <openssl/dh.h>
 
 #include "fixture.hpp"
+#include "pki/known_key.hpp"
 #include "pki/openssl.hpp"
 
 namespace ddssec::pki {

@@ -186,8 +186,9 @@ TEST(Idl, TheHeaderSaysWhatTheFileSays) {
   EXPECT_EQ(TypeTraits<rich::inner::Id>::type_name, "rich::inner::Id");
   std::vector<std::string_view> names;
   detail::for_each_member(fresh, [&](const auto& member) { names.push_back(member.name); });
-  EXPECT_THAT(names, testing::ElementsAre("id", "name", "level", "primitives", "collections", "nested",
-                                          "tiny", "with_default", "switched", "class", "last"));
+  EXPECT_THAT(names,
+              testing::ElementsAre("id", "name", "level", "primitives", "collections", "nested",
+                                   "tiny", "with_default", "switched", "class", "last"));
 }
 
 // Every bound that the file names, one above it.
