@@ -1,5 +1,6 @@
 #include "rtps/dcps/data_writer.hpp"
 
+#include "rtps/dcps/count_status.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 #include "rtps/dcps/writer_filter.hpp"
 #include "rtps/durability/durable_stores.hpp"
@@ -32,7 +33,7 @@ AnyDataWriter::AnyDataWriter(Group& publisher, ParticipantContext& context, Topi
       listeners_(this->publisher().listening_, publisher.participant().listening_),
       instances_(qos_),
       liveliness_(context.timers(), publisher.participant().manual_liveliness_, [this] {
-        liveliness_lost_.count();
+        add_to(liveliness_lost_);
         changes_.note(StatusKind::liveliness_lost);
       }) {}
 

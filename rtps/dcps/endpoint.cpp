@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rtps/dcps/count_status.hpp"
 #include "rtps/dcps/group.hpp"
 #include "rtps/participant/participant.hpp"
 #include "rtps/participant/partition_change.hpp"
@@ -85,7 +86,7 @@ Status Endpoint::regroup(const GroupQos& group) {
 
 void Endpoint::on_matched(const EndpointData& remote) {
   if (!remotes_.insert(remote.guid).second) return;
-  matched_.count();
+  add_to(matched_);
   ++matched_.current_count;
   ++matched_.current_count_change;
   matched_.last_remote = remote.guid;
@@ -101,7 +102,7 @@ void Endpoint::on_unmatched(const Guid& remote) {
 }
 
 void Endpoint::on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) {
-  incompatible_.count();
+  add_to(incompatible_);
   incompatible_.last_policy_id = mismatch.id;
   ++incompatible_.policies[mismatch.id];
   incompatible_.last = mismatch;
@@ -112,7 +113,7 @@ void Endpoint::on_incompatible_qos(const Guid& remote, const QosMismatch& mismat
 void Endpoint::on_inconsistent_topic(const EndpointData&) { topic_.on_inconsistent(); }
 
 void Endpoint::miss_deadline(InstanceHandle instance) {
-  deadline_missed_.count();
+  add_to(deadline_missed_);
   deadline_missed_.last_instance_handle = instance;
   changes_.note(side_.deadline_missed);
 }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "rtps/dcps/count_status.hpp"
 #include "rtps/participant/participant.hpp"
 
 namespace ddssec::rtps {
@@ -136,7 +137,7 @@ void SampleReception::reject(const Change& change, const ReaderCache::Stored& st
   refused_ = true;
   const std::pair which(change.writer, change.sequence_number);
   if (std::exchange(last_rejected_, which) == which || !is_new) return;
-  rejected_.count();
+  add_to(rejected_);
   rejected_.last_reason = stored.reason;
   rejected_.last_instance_handle = stored.instance;
   reports_.of_reader.note(StatusKind::sample_rejected);
@@ -236,7 +237,7 @@ void SampleReception::note_data() {
 }
 
 void SampleReception::on_lost(std::int64_t count) {
-  lost_.count(count);
+  add_to(lost_, count);
   reports_.of_reader.note(StatusKind::sample_lost);
 }
 

@@ -36,8 +36,6 @@ inline constexpr StatusMask kAnyStatus = StatusMask::any();
 struct CountStatus {
   std::int32_t total_count = 0;
   std::int32_t total_count_change = 0;
-  /// Adds to both counts, which stop at 2^31 - 1.
-  void count(std::int64_t by = 1);
 };
 
 struct InconsistentTopicStatus : CountStatus {};
@@ -82,14 +80,5 @@ struct LivelinessChangedStatus {
   std::int32_t not_alive_count_change = 0;
   Guid last_remote;  ///< the writer whose liveliness changed (last_publication_handle, DDS 1.4)
 };
-
-inline void CountStatus::count(std::int64_t by) {
-  constexpr std::int64_t kMax = 0x7fffffff;
-  const auto add = [&](std::int32_t& to) {
-    to = static_cast<std::int32_t>(std::min(kMax, to + std::min(by, kMax)));
-  };
-  add(total_count);
-  add(total_count_change);
-}
 
 }  // namespace ddssec::rtps

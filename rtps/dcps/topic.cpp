@@ -1,5 +1,6 @@
 #include "rtps/dcps/topic.hpp"
 
+#include "rtps/dcps/count_status.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 
 namespace ddssec::rtps {
@@ -50,7 +51,7 @@ TopicListener* Topic::listener_for(StatusKind kind) const {
 }
 
 void Topic::on_inconsistent() {
-  inconsistent_.count();
+  add_to(inconsistent_);
   changes_.note(StatusKind::inconsistent_topic);
 }
 
