@@ -322,7 +322,7 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
 }
 
 void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote, bool stays) {
-  if (core_.security) core_.security->keyring().part(writer.data.guid.entity, remote, stays);
+  if (core_.security) core_.security->keyring().separate(writer.data.guid.entity, remote, stays);
   presence_.forget(writer, remote);
   if (!writer.matched.remove(remote)) return;
   writer.protocol->unmatch(remote);
@@ -332,7 +332,7 @@ void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote, bool stays
 
 void EndpointMatcher::forget(LocalReader& reader, const Guid& remote, bool stays) {
   const auto keys = core_.keys_of(reader.data.guid.entity, remote);
-  if (core_.security) core_.security->keyring().part(reader.data.guid.entity, remote, stays);
+  if (core_.security) core_.security->keyring().separate(reader.data.guid.entity, remote, stays);
   if (!reader.matched.remove(remote)) return;
   if (auto* participant = remotes_.find_or_self(remote.prefix))
     participant->stop_watching(*reader.listener, remote);

@@ -162,7 +162,8 @@ Status Participant::change_qos(const Guid& endpoint, Qos qos, MonotonicTime now)
   const auto apply = [&](auto* local) {
     if (local == nullptr) return;
     local->data.qos = qos;
-    if constexpr (requires { local->protocol->hurry_as(qos); }) local->protocol->hurry_as(qos);
+    if constexpr (requires { local->protocol->set_urgency(qos); })
+      local->protocol->set_urgency(qos);
     local_.publish(local->data);
     matcher_.match_all(*local);
   };

@@ -28,7 +28,7 @@ StatefulWriter::StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& 
       retransmissions_(history_, messages_, evaluations_),
       local_(guid, history_, readers_),
       piggyback_(qos) {
-  hurry_as(qos);
+  set_urgency(qos);
 }
 
 void StatefulWriter::join(const WriterGroup& group) {
@@ -36,7 +36,7 @@ void StatefulWriter::join(const WriterGroup& group) {
   local_.join(group);
 }
 
-void StatefulWriter::hurry_as(const Qos& qos) {
+void StatefulWriter::set_urgency(const Qos& qos) {
   pace_.set_budget(qos.latency_budget);
   readers_.set_dscp(static_cast<std::uint8_t>(std::clamp(qos.transport_priority, 0, 63)));
 }

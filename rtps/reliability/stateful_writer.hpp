@@ -57,7 +57,7 @@ class StatefulWriter final : private Timed {
   /// Small samples may wait for more (see WritePace), if the sender allows it.
   SequenceNumber write(Change change, MonotonicTime now);
   /// Applies LATENCY_BUDGET and TRANSPORT_PRIORITY; a priority of 0 to 63 is the DSCP of messages.
-  void hurry_as(const Qos& qos);
+  void set_urgency(const Qos& qos);
   /// Requests acknowledgments, for a caller that waits for them: readers do not acknowledge each
   /// sample, but answer such HEARTBEATs. `even_if_none_is_missing`: also checks whether the readers
   /// still answer.

@@ -83,7 +83,8 @@ Status EndpointKeys::add(Locals& to, const EntityId& id, LocalKeys local) {
 void EndpointKeys::remove(Locals& from, const EntityId& id) {
   const auto at = from.find(id);
   if (at == from.end()) return;
-  while (!at->second.pairs.empty()) part(from, id, Guid(at->second.pairs.begin()->first), false);
+  while (!at->second.pairs.empty())
+    separate(from, id, Guid(at->second.pairs.begin()->first), false);
   const auto handle = at->second.handle;
   from.erase(at);
   if (handle == 0) return;
@@ -136,7 +137,7 @@ Result<Introduction> EndpointKeys::introduce(const EntityId& id, LocalKeys& loca
   return out;
 }
 
-void EndpointKeys::part(Locals& from, const EntityId& id, const Guid& remote, bool may_return) {
+void EndpointKeys::separate(Locals& from, const EntityId& id, const Guid& remote, bool may_return) {
   const auto at = from.find(id);
   if (at == from.end()) return;
   const auto pair = at->second.pairs.find(remote);
@@ -159,7 +160,7 @@ void EndpointKeys::part_all(Locals& from, const GuidPrefix& remote) {
   for (auto& [id, local] : from)
     for (auto at = local.pairs.lower_bound({remote, {}});
          at != local.pairs.end() && at->first.prefix == remote;)
-      part(from, id, Guid((at++)->first), false);
+      separate(from, id, Guid((at++)->first), false);
 }
 
 const EndpointKeys::Endpoint* EndpointKeys::endpoint_of(std::int64_t handle) const {
@@ -225,10 +226,10 @@ void SecondProtections::remove(const EntityId& id) {
   keys_.remove(others_, id);
 }
 
-void SecondProtections::part(const EntityId& id, const Guid& remote) {
+void SecondProtections::separate(const EntityId& id, const Guid& remote) {
   forget(permitted_, id, remote);
   forget(announced_with_second_, id, remote);
-  keys_.part(others_, id, remote, false);
+  keys_.separate(others_, id, remote, false);
 }
 
 void SecondProtections::part_all(const GuidPrefix& remote) {

@@ -74,7 +74,7 @@ class EndpointKeys {
   Result<Introduction> introduce(const EntityId& id, LocalKeys& local, const Guid& remote,
                                  bool relay_only);
   /// See Keyring::part.
-  void part(Locals& from, const EntityId& id, const Guid& remote, bool may_return);
+  void separate(Locals& from, const EntityId& id, const Guid& remote, bool may_return);
   /// Parts all endpoints of the participant.
   void part_all(Locals& from, const GuidPrefix& remote);
   Result<std::vector<spi::Token>> tokens_for(const EntityId& id, const LocalKeys& local,
@@ -117,7 +117,7 @@ class SecondProtections {
   void swap() noexcept;
   void remove_all();
   void remove(const EntityId& id);
-  void part(const EntityId& id, const Guid& remote);
+  void separate(const EntityId& id, const Guid& remote);
   void part_all(const GuidPrefix& remote);
 
   /// The first protection; 0: unknown endpoint.

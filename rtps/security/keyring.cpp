@@ -112,15 +112,15 @@ Result<Introduction> Keyring::introduce(const EntityId& id, const Guid& remote, 
       local.list(id, pair);
       return Introduction{pair.ready, true, std::move(tokens)};
     }
-    part(id, remote);
+    separate(id, remote);
   }
   return keys_.introduce(id, local, remote, relay_only);
 }
 
 // A suspended pair gets its second protection again when it returns.
-void Keyring::part(const EntityId& id, const Guid& remote, bool may_return) {
-  second_.part(id, remote);
-  keys_.part(locals_, id, remote, may_return);
+void Keyring::separate(const EntityId& id, const Guid& remote, bool may_return) {
+  second_.separate(id, remote);
+  keys_.separate(locals_, id, remote, may_return);
 }
 
 Keyring::PairKind Keyring::kind_of(const EntityId& id, const Guid& remote) const {

@@ -63,7 +63,7 @@ class Keyring final : public SendProtection {
   /// `may_return`: the pair is suspended. It may be introduced again, and the remote endpoint,
   /// which need not know of that, does not send its keys again then. Nothing is protected for it
   /// meanwhile.
-  void part(const EntityId& local, const Guid& remote, bool may_return = false);
+  void separate(const EntityId& local, const Guid& remote, bool may_return = false);
   enum class PairKind : std::uint8_t { unknown, ordinary, relay_only, suspended };
   PairKind kind_of(const EntityId& local, const Guid& remote) const;
   /// False for a pair that is suspended.

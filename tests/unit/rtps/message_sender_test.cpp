@@ -317,12 +317,12 @@ TEST_F(Unhurried, SmallSamplesWaitForOthersWithinTheLatencyBudget) {
 TEST_F(Unhurried, ABudgetMayChangeAndIsNeverLong) {
   auto changed = qos();
   changed.latency_budget = kDurationInfinite;
-  writer.hurry_as(changed);
+  writer.set_urgency(changed);
   write();
   EXPECT_EQ(sender.flush_by(), now + WritePace::kMaxBudget);
   sender.flush();
   changed.latency_budget = kDurationZero;
-  writer.hurry_as(changed);
+  writer.set_urgency(changed);
   now += milliseconds(1);
   write();
   EXPECT_EQ(transport.sent.size(), 2u);
@@ -331,14 +331,14 @@ TEST_F(Unhurried, ABudgetMayChangeAndIsNeverLong) {
 TEST_F(Packing, ThePriorityOfAWriterGoesWithItsMessages) {
   auto urgent = keep_all();
   urgent.transport_priority = 46;
-  writer.hurry_as(urgent);
+  writer.set_urgency(urgent);
   StatefulWriter plain({kA, testing::kWriter}, keep_all(), sender);
   plain.match({{kB, testing::kReader}, true, false, {kHere}}, now);
   transport.calls.clear();
   write();
   plain.write({}, now);
   urgent.transport_priority = 1000;
-  writer.hurry_as(urgent);
+  writer.set_urgency(urgent);
   write();
   EXPECT_THAT(transport.calls, ::testing::ElementsAre(46, 0, 63));
 }
