@@ -12,7 +12,7 @@ EventLog::EventLog(const char* path) : lost_(std::make_unique<std::atomic<std::u
   path_ = path;
   file_ = std::make_unique<EventFile>(path);
   if (file_->is_open()) return;
-  trouble_ = about_the_file("a file, a FIFO with a reader, or a terminal", file_->why_not());
+  write_failure_ = about_the_file("a file, a FIFO with a reader, or a terminal", file_->why_not());
   file_.reset();
 }
 
@@ -40,7 +40,7 @@ Event EventLog::about_the_file(std::string expected, std::string found) const {
 }
 
 LoggedEvents::LoggedEvents(EventSink& next, EventLog log) : next_(next), log_(std::move(log)) {
-  if (log_.trouble()) next_.raise(*log_.trouble());
+  if (log_.write_failure()) next_.raise(*log_.write_failure());
 }
 
 void LoggedEvents::raise(const Event& event) {

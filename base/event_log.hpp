@@ -21,7 +21,7 @@ class EventLog {
   static EventLog of_environment();
 
   /// If there is a path, and the file cannot be written: an event that says so.
-  const std::optional<Event>& trouble() const { return trouble_; }
+  const std::optional<Event>& write_failure() const { return write_failure_; }
 
   /// Writes the event with the present time. A full disk or a slow reader must not stop a refusal:
   /// the first line that is lost, and the number of lost ones when lines can be written again, are
@@ -33,7 +33,7 @@ class EventLog {
 
   std::string path_;
   std::unique_ptr<EventFile> file_;  ///< null: no events are written
-  std::optional<Event> trouble_;
+  std::optional<Event> write_failure_;
   std::unique_ptr<std::atomic<std::uint64_t>> lost_;  ///< events, since lines went in
 };
 

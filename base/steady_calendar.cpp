@@ -48,7 +48,7 @@ void SteadyCalendar::set_grace(std::chrono::seconds grace) {
   grace_ = grace;
 }
 
-std::optional<Error> SteadyCalendar::news() {
+std::optional<Error> SteadyCalendar::take_report() {
   static_cast<void>(wall());
   const std::lock_guard lock(mutex_);
   return std::exchange(news_, std::nullopt);

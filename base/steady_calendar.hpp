@@ -36,7 +36,7 @@ class SteadyCalendar final : public Clock {
 
   /// The latest change since the last call, for an event: clock_stepped, clock_step_undone or
   /// clock_step_followed, with both times. Reads the calendar first.
-  std::optional<Error> news();
+  std::optional<Error> take_report();
 
  private:
   using Nanoseconds = std::chrono::nanoseconds;

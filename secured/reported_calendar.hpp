@@ -15,7 +15,7 @@ class ReportedCalendar final : public Clock {
 
   WallTime now() const override {
     const auto out = calendar_.now();
-    if (auto news = calendar_.news()) events_.raise(Event(*std::move(news)));
+    if (auto report = calendar_.take_report()) events_.raise(Event(*std::move(report)));
     return out;
   }
   std::chrono::nanoseconds wall() const override { return calendar_.wall(); }

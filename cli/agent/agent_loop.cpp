@@ -134,7 +134,7 @@ Status Agent::prove_ca() {
 Answer<AgentRun> Agent::run_once() {
   if (const auto proven = prove_ca(); !proven) return {{}, report_of(proven.error())};
   for (auto& folder : folders_)
-    if (!signals_.is_stopped()) tend(folder);
+    if (!signals_.is_stopped()) renew(folder);
   if (signals_.is_stopped()) errors_.emplace_back(Code::interrupted);
   Report out{.exit = errors_.empty() ? Exit::done : exit_of(errors_.front().code()), .text = {}};
   out.errors = std::move(errors_);
@@ -151,7 +151,7 @@ Answer<AgentRun> Agent::run() {
     auto& folder = *std::ranges::min_element(folders_, {}, &Folder::next);
     const auto rest = folder.next - context_.clock.since_boot();
     if (rest.count() <= 0)
-      tend(folder);
+      renew(folder);
     else
       signals_.wait(-1, 0, steady_clock::now() + std::min<Moment>(rest, seconds(60)), true);
     errors_.clear();
@@ -173,14 +173,14 @@ void Agent::look_at_all_now() {
   silent_responders_.clear();
 }
 
-void Agent::tend(Folder& folder) {
-  auto event = try_to_tend(folder);
+void Agent::renew(Folder& folder) {
+  auto event = try_to_renew(folder);
   if (event) return note_success(folder, *std::move(event));
   if (event.error().code() != Code::interrupted || !signals_.is_stopped())
     note_failure(folder, event.error());
 }
 
-Result<Json> Agent::try_to_tend(Folder& folder) {
+Result<Json> Agent::try_to_renew(Folder& folder) {
   const auto& path = folder.task.folder;
   if (folder.lock && !folder.lock->is_in_place(path)) folder.lock.reset();
   if (!folder.lock && !folder.task.is_dry_run) {

@@ -46,8 +46,8 @@ class Agent {
     bool is_paused = false;
   };
 
-  void tend(Folder& folder);
-  Result<Json> try_to_tend(Folder& folder);
+  void renew(Folder& folder);
+  Result<Json> try_to_renew(Folder& folder);
   RespondersAsked responders_for(const Folder& folder) const;
   /// Until when the process for a folder must have answered.
   std::chrono::steady_clock::time_point time_for(const Folder& folder) const;

@@ -17,7 +17,7 @@ LogFunction as_log_function(void* symbol) { return reinterpret_cast<LogFunction>
 class HostLog final : public EventSink {
  public:
   HostLog(LogFunction log, const char* json_path) : log_(log), json_(json_path) {
-    if (json_.trouble()) log_line(*json_.trouble());
+    if (json_.write_failure()) log_line(*json_.write_failure());
   }
 
   void raise(const Event& event) override {

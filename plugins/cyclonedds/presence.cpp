@@ -91,8 +91,8 @@ std::optional<Event> transport_warning(std::optional<bool> has_udp) {
 }
 
 void say_clock_steps(Host& host, PluginKind own) noexcept {
-  const auto news = host.calendar().news();
-  if (news && speaks_for_all(own)) host.notice(Event(*news));
+  const auto report = host.calendar().take_report();
+  if (report && speaks_for_all(own)) host.notice(Event(*report));
 }
 
 void say_plugins_in_use(Host& host, PluginKind own, std::string (*openssl)()) noexcept {

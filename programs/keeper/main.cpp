@@ -14,7 +14,7 @@ using namespace ddssec;
 
 enum Exit : int { kDone = 0, kBadArguments = 1, kNotInitialised = 2, kNotStored = 3 };
 
-constexpr auto kLastWords = std::chrono::seconds(5);
+constexpr auto kMaxFlush = std::chrono::seconds(5);
 
 struct Options {
   std::int32_t domain = 0;
@@ -62,7 +62,7 @@ int refused(const Error& error) {
 /// Prints the numbers of samples that were received but not stored. If there are none, the file has
 /// everything that was acknowledged.
 int finish(rtps::Keeper& keeper, EventSink& events) {
-  const auto stored = keeper.flush(kLastWords);
+  const auto stored = keeper.flush(kMaxFlush);
   const auto topics = keeper.topics();
   const auto unstored = keeper.unstored();
   if (const auto count = keeper.without_key(); count > 0)

@@ -5,7 +5,7 @@ namespace ddssec::shapes {
 namespace {
 
 constexpr std::int32_t kWidth = 240, kHeight = 270;
-constexpr auto kLastWords = std::chrono::seconds(1);
+constexpr auto kMaxAcknowledgmentWait = std::chrono::seconds(1);
 
 std::int32_t below(Random& random, std::int32_t end) {
   std::array<std::uint8_t, 2> octets{};
@@ -103,7 +103,8 @@ class PublisherRun {
       else if (options_.final_state == FinalState::unregistered)
         static_cast<void>(writer.unregister_instance(shape_));
     });
-    if (options_.reliable) static_cast<void>(writer.wait_for_acknowledgments(kLastWords));
+    if (options_.reliable)
+      static_cast<void>(writer.wait_for_acknowledgments(kMaxAcknowledgmentWait));
   }
 
   void next_shape() {

@@ -52,7 +52,7 @@ TEST_F(EventLogTest, EachEvent_IsALineWithItsTime) {
 TEST_F(EventLogTest, WithoutAPath_NothingIsWrittenAndNothingIsWrong) {
   for (const char* path : {static_cast<const char*>(nullptr), ""}) {
     EventLog log(path);
-    EXPECT_FALSE(log.trouble());
+    EXPECT_FALSE(log.write_failure());
     EXPECT_FALSE(log.append(event()));
   }
 }
@@ -68,10 +68,10 @@ TEST_F(EventLogTest, FileOfTheEnvironment_IsTheOneThatItNamesNow) {
 TEST_F(EventLogTest, FileThatCannotBeOpened_IsReportedWithTheReason) {
   const auto folder = folder_.path();
   EventLog log(folder.c_str());
-  ASSERT_TRUE(log.trouble());
-  EXPECT_EQ(log.trouble()->error.code(), Code::event_log_unwritable);
-  EXPECT_EQ(log.trouble()->error.details().document, folder);
-  EXPECT_FALSE(log.trouble()->error.details().found.empty());
+  ASSERT_TRUE(log.write_failure());
+  EXPECT_EQ(log.write_failure()->error.code(), Code::event_log_unwritable);
+  EXPECT_EQ(log.write_failure()->error.details().document, folder);
+  EXPECT_FALSE(log.write_failure()->error.details().found.empty());
   EXPECT_FALSE(log.append(event()));
 }
 

@@ -14,7 +14,7 @@ struct Calendar : testing::Test {
   SteadyCalendar calendar{clock};
 
   std::optional<Code> news() {
-    const auto error = calendar.news();
+    const auto error = calendar.take_report();
     return error ? std::optional(error->code()) : std::nullopt;
   }
   /// As a host looks, once a second.
@@ -91,7 +91,7 @@ TEST_F(Calendar, GraceOfZero_FollowsAtOnceWithoutAWord) {
 
 TEST_F(Calendar, Step_SaysBothTimes) {
   clock.set(kStart + 24h);
-  const auto error = calendar.news();
+  const auto error = calendar.take_report();
   ASSERT_TRUE(error);
   EXPECT_EQ(error->details().expected, "2026-01-01T00:00:00Z");
   EXPECT_EQ(error->details().found, "2026-01-02T00:00:00Z");
@@ -110,7 +110,7 @@ TEST(SleepingMachine, Wakes_TheTimeOfItsSleepHasPassed) {
   SteadyCalendar calendar(clock);
   clock.slept = 100h;
   EXPECT_EQ(calendar.now(), kStart + 100h);
-  EXPECT_FALSE(calendar.news());
+  EXPECT_FALSE(calendar.take_report());
 }
 
 TEST(SystemClock, SinceBoot_GoesOn) {
