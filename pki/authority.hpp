@@ -91,6 +91,10 @@ Result<Bytes> sign_document(const Credential& signer, BytesView document, WallTi
                             Random& random);
 
 /// A certificate authority that can sign.
+///
+/// Five calls give a certificate. Which one to take: `issue` for a new participant whose key is made
+/// here; `sign_request` for one that keeps its key and sends a request; `certify` for a key of the
+/// caller and a template; `reissue` to renew a certificate of this CA; `renewed` for the CA's own.
 class Authority {
  public:
   /// A new self-signed CA.
@@ -103,7 +107,7 @@ class Authority {
   static Result<Authority> create_root(std::string_view subject, KeySpec key, Validity validity,
                                        Random& random);
 
-  /// The same with a key that is there already.
+  /// The same with the caller's key. Errors: those of create.
   static Result<Authority> create_root(std::string_view subject, PrivateKey key, Validity validity,
                                        Random& random);
 
@@ -114,7 +118,7 @@ class Authority {
   Result<Authority> subordinate(std::string_view subject, KeySpec key, Validity validity,
                                 Random& random) const;
 
-  /// The same with a key that is there already.
+  /// The same with the caller's key. Errors: those of create.
   Result<Authority> subordinate(std::string_view subject, PrivateKey key, Validity validity,
                                 Random& random) const;
 

@@ -67,8 +67,10 @@ class AccessControl {
   /// under the same handle. `credential`: from Authentication::judge_renewal. Errors, which leave
   /// the former permissions in force: those of validate_remote_permissions,
   /// permissions_renewal_refused (they begin earlier than the former, or the peer has ended).
-  virtual Status renew_remote_permissions(PermissionsHandle, const Token& permissions_token,
-                                          const Token& credential);
+  virtual Status renew_remote_permissions(PermissionsHandle, const Token& /*permissions_token*/,
+                                          const Token& /*credential*/) {
+    return fail(Code::unknown_permissions_handle);
+  }
   /// The peer has seen renewed permissions of the local identity: its session no longer ends with
   /// the former. `facts`: from Authentication::note_renewal_taken.
   virtual Status note_presented(PermissionsHandle, const SessionFacts&) { return {}; }
@@ -204,10 +206,5 @@ class AccessControl {
   /// Nil: all.
   virtual std::vector<PermissionsHandle> expire(PermissionsHandle local = {}) = 0;
 };
-
-inline Status AccessControl::renew_remote_permissions(PermissionsHandle, const Token&,
-                                                      const Token&) {
-  return fail(Code::unknown_permissions_handle);
-}
 
 }  // namespace ddssec::spi

@@ -168,14 +168,20 @@ class Authentication {
   /// AccessControl::renew_remote_permissions takes. Errors: handshake_not_finished, those of the
   /// token's form, those of the peer's certificate, guid_not_bound_to_subject (another subject),
   /// signature_invalid.
-  virtual Result<Token> judge_renewal(HandshakeHandle, const Token& offer);
+  virtual Result<Token> judge_renewal(HandshakeHandle, const Token& /*offer*/) {
+    return fail(Code::unknown_handshake);
+  }
   /// Judges it again. From now on the session ends with the renewed certificate. Returns the token
   /// that tells the peer. Errors as of judge_renewal.
-  virtual Result<Token> take_renewal(HandshakeHandle, const Token& offer);
+  virtual Result<Token> take_renewal(HandshakeHandle, const Token& /*offer*/) {
+    return fail(Code::unknown_handshake);
+  }
   /// The peer has taken an offer: the session no longer ends with what the peer had seen before.
   /// Returns what AccessControl::note_presented takes. Errors: those of the token's form,
   /// unexpected_message (no such offer).
-  virtual Result<SessionFacts> note_renewal_taken(HandshakeHandle, const Token& answer);
+  virtual Result<SessionFacts> note_renewal_taken(HandshakeHandle, const Token& /*answer*/) {
+    return fail(Code::unknown_handshake);
+  }
 
   /// Drops a handshake. Error: unknown_handshake.
   virtual Status return_handshake_handle(HandshakeHandle handshake) = 0;
@@ -201,15 +207,5 @@ class Authentication {
   /// How often the same documents are offered to a peer that does not answer.
   static constexpr int kMaxOffers = 3;
 };
-
-inline Result<Token> Authentication::judge_renewal(HandshakeHandle, const Token&) {
-  return fail(Code::unknown_handshake);
-}
-inline Result<Token> Authentication::take_renewal(HandshakeHandle, const Token&) {
-  return fail(Code::unknown_handshake);
-}
-inline Result<SessionFacts> Authentication::note_renewal_taken(HandshakeHandle, const Token&) {
-  return fail(Code::unknown_handshake);
-}
 
 }  // namespace ddssec::spi

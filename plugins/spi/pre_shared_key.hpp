@@ -46,7 +46,11 @@ class PreSharedKeys {
 /// True if the message claims this protection: flag P of an SRTPS_PREFIX directly after the RTPS
 /// header.
 constexpr bool has_pre_shared_key_flag(BytesView message) {
-  return message.size() > 21 && message[20] == 0x33 && (message[21] & 0x04) != 0;
+  constexpr std::size_t kHeaderSize = 20;       // RTPS 8.3.3
+  constexpr std::uint8_t kSrtpsPrefix = 0x33;   // DDS-Security 1.2, clause 7.4.7.8
+  constexpr std::uint8_t kPreSharedKey = 0x04;  // flag P
+  return message.size() > kHeaderSize + 1 && message[kHeaderSize] == kSrtpsPrefix &&
+         (message[kHeaderSize + 1] & kPreSharedKey) != 0;
 }
 
 }  // namespace ddssec::spi
