@@ -136,7 +136,7 @@ TEST_F(ReaderCacheTest, SamplesExpireInAnyOrderAndWhenTheyAreTaken) {
   for (int i = 0; i < 10; ++i)
     put(static_cast<std::uint8_t>(i % 2), static_cast<std::uint8_t>(i), {}, 1,
         now - milliseconds(10 * (i * 7 % 10)));
-  (void)select({.most = 3, .take = true});
+  (void)select({.max_samples = 3, .take = true});
   std::size_t left = cache().samples();
   for (; left > 0; --left) {
     const auto next = cache().next_tick();
