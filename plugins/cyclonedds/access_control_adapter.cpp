@@ -333,7 +333,8 @@ DDS_Security_boolean get_datareader_sec_attributes(
       return {};
     }
     if (is_carrier_topic(request.topic_name, participant)) {
-      *attributes = to_c(carrier_attributes());
+      *attributes = closed_reader_attributes();
+      attributes->is_discovery_protected = true;
       return {};
     }
     return tell_attributes<&spi::AccessControl::datareader_sec_attributes>(adapter, handle, request,

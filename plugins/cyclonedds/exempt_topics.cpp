@@ -23,10 +23,4 @@ bool is_carrier_topic(std::string_view name,
   return name == kCarrierTopic && participant.is_discovery_protected();
 }
 
-spi::EndpointSecurityAttributes carrier_attributes() {
-  spi::EndpointSecurityAttributes attributes;
-  attributes.topic.is_discovery_protected = true;
-  return attributes;
-}
-
 }  // namespace ddssec::cyclonedds

@@ -19,11 +19,8 @@ bool is_local_builtin_topic(std::string_view name);
 bool reads_local_builtin_topic(const spi::EndpointRequest& request);
 
 /// True for a carrier's topic (own_readers.hpp), as long as discovery is protected: then its
-/// announcement is never sent as such. No remote participant may write such a topic: for that,
-/// documents are consulted.
+/// announcement is never sent as such. It is closed like the readers of closed_readers.hpp: without
+/// keys, no writer matches it.
 bool is_carrier_topic(std::string_view name, const spi::ParticipantSecurityAttributes& participant);
-
-/// The attributes of a carrier: only its announcement is protected.
-spi::EndpointSecurityAttributes carrier_attributes();
 
 }  // namespace ddssec::cyclonedds

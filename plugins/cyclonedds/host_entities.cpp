@@ -1,8 +1,10 @@
 #include "plugins/cyclonedds/host_entities.hpp"
 
+#include <array>
 #include <dlfcn.h>
 #include <memory>
 #include <string>
+#include <sys/random.h>
 
 #include <dds/dds.h>
 
@@ -17,7 +19,19 @@ struct Functions {
   decltype(&dds_get_guid) get_guid = nullptr;
   decltype(&dds_create_qos) create_qos = nullptr;
   decltype(&dds_qset_userdata) set_user_data = nullptr;
+  decltype(&dds_qset_partition1) set_partition = nullptr;
   decltype(&dds_delete_qos) delete_qos = nullptr;
+  decltype(&dds_create_listener) create_listener = nullptr;
+  decltype(&dds_delete_listener) delete_listener = nullptr;
+  decltype(&dds_lset_data_available) set_data_available = nullptr;
+  decltype(&dds_lset_data_on_readers) set_data_on_readers = nullptr;
+  decltype(&dds_lset_inconsistent_topic) set_inconsistent_topic = nullptr;
+  decltype(&dds_lset_liveliness_changed) set_liveliness_changed = nullptr;
+  decltype(&dds_lset_requested_deadline_missed) set_requested_deadline_missed = nullptr;
+  decltype(&dds_lset_requested_incompatible_qos) set_requested_incompatible_qos = nullptr;
+  decltype(&dds_lset_sample_lost) set_sample_lost = nullptr;
+  decltype(&dds_lset_sample_rejected) set_sample_rejected = nullptr;
+  decltype(&dds_lset_subscription_matched) set_subscription_matched = nullptr;
   decltype(&dds_create_topic) create_topic = nullptr;
   decltype(&dds_create_reader) create_reader = nullptr;
   decltype(&dds_delete) delete_entity = nullptr;
@@ -34,7 +48,19 @@ bool find_all(Functions& host, const void* code) {
          find(host.get_guid, code, "dds_get_guid") &&
          find(host.create_qos, code, "dds_create_qos") &&
          find(host.set_user_data, code, "dds_qset_userdata") &&
+         find(host.set_partition, code, "dds_qset_partition1") &&
          find(host.delete_qos, code, "dds_delete_qos") &&
+         find(host.create_listener, code, "dds_create_listener") &&
+         find(host.delete_listener, code, "dds_delete_listener") &&
+         find(host.set_data_available, code, "dds_lset_data_available") &&
+         find(host.set_data_on_readers, code, "dds_lset_data_on_readers") &&
+         find(host.set_inconsistent_topic, code, "dds_lset_inconsistent_topic") &&
+         find(host.set_liveliness_changed, code, "dds_lset_liveliness_changed") &&
+         find(host.set_requested_deadline_missed, code, "dds_lset_requested_deadline_missed") &&
+         find(host.set_requested_incompatible_qos, code, "dds_lset_requested_incompatible_qos") &&
+         find(host.set_sample_lost, code, "dds_lset_sample_lost") &&
+         find(host.set_sample_rejected, code, "dds_lset_sample_rejected") &&
+         find(host.set_subscription_matched, code, "dds_lset_subscription_matched") &&
          find(host.create_topic, code, "dds_create_topic") &&
          find(host.create_reader, code, "dds_create_reader") &&
          find(host.delete_entity, code, "dds_delete");
@@ -60,6 +86,38 @@ const dds_topic_descriptor_t& carrier_type() {
   return type;
 }
 
+/// A name that contains a wildcard matches only names without one, and no peer can guess this one.
+std::string partition_of_carrier() {
+  std::array<std::uint8_t, 16> random{};
+  if (::getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size()))
+    return "*";
+  return to_hex(random) + "*";
+}
+
+template <class Callback>
+struct Nothing;
+template <class... Arguments>
+struct Nothing<void (*)(Arguments...)> {
+  static void call(Arguments...) {}
+};
+template <class Callback>
+void ignore(void (*set)(dds_listener_t*, Callback), dds_listener_t* listener) {
+  set(listener, &Nothing<Callback>::call);
+}
+
+/// Otherwise an entity inherits the listener of its participant, which knows nothing of a carrier.
+void ignore_all(const Functions& host, dds_listener_t* listener) {
+  ignore(host.set_data_available, listener);
+  ignore(host.set_data_on_readers, listener);
+  ignore(host.set_inconsistent_topic, listener);
+  ignore(host.set_liveliness_changed, listener);
+  ignore(host.set_requested_deadline_missed, listener);
+  ignore(host.set_requested_incompatible_qos, listener);
+  ignore(host.set_sample_lost, listener);
+  ignore(host.set_sample_rejected, listener);
+  ignore(host.set_subscription_matched, listener);
+}
+
 class Entities final : public HostEntities {
  public:
   explicit Entities(const Functions& host) : host_(host) {}
@@ -78,16 +136,20 @@ class Entities final : public HostEntities {
   }
 
   bool carry_end(const Participant& participant, const Guid& ended) const override {
-    const std::string name(kCarrierTopic);
+    const std::string name(kCarrierTopic), partition = partition_of_carrier();
+    const std::unique_ptr<dds_listener_t, decltype(&dds_delete_listener)> listener(
+        host_.create_listener(nullptr), host_.delete_listener);
+    ignore_all(host_, listener.get());
     const Owned topic(host_, host_.create_topic(participant.handle, &carrier_type(), name.c_str(),
-                                                nullptr, nullptr));
+                                                nullptr, listener.get()));
     if (topic.handle < 0) return false;
     const std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)> qos(host_.create_qos(),
                                                                     host_.delete_qos);
     const auto octets = ended.octets();
     host_.set_user_data(qos.get(), octets.data(), octets.size());
-    const Owned reader(host_,
-                       host_.create_reader(participant.handle, topic.handle, qos.get(), nullptr));
+    host_.set_partition(qos.get(), partition.c_str());
+    const Owned reader(
+        host_, host_.create_reader(participant.handle, topic.handle, qos.get(), listener.get()));
     return reader.handle >= 0;
   }
 

@@ -5,6 +5,7 @@
 
 #include "plugins/cyclonedds/access_control_adapter.hpp"
 #include "plugins/cyclonedds/own_readers.hpp"
+#include "plugins/cyclonedds/value_translation.hpp"
 #include "tests/unit/cyclonedds/mocks.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
@@ -56,7 +57,9 @@ TEST_F(Carriers, AreOrdinaryReadersWhereTheirAnnouncementsAreNot) {
   EXPECT_FALSE(may_create(topic));
 }
 
-TEST_F(Carriers, HaveProtectedAnnouncementsUnderAnyGovernance) {
+// Before, an insider without any right matched them, and the listeners of the application's
+// participant got its samples.
+TEST_F(Carriers, AreClosedAndHaveProtectedAnnouncementsUnderAnyGovernance) {
   use(ProtectionKind::sign);
   ON_CALL(engine, datareader_sec_attributes)
       .WillByDefault([](auto&&...) -> Result<spi::EndpointSecurityAttributes> {
@@ -67,8 +70,10 @@ TEST_F(Carriers, HaveProtectedAnnouncementsUnderAnyGovernance) {
       c->get_datareader_sec_attributes(c, 8, topic.c_str(), nullptr, nullptr, &attributes, nullptr),
       1);
   EXPECT_TRUE(attributes.is_discovery_protected);
-  EXPECT_FALSE(attributes.is_submessage_protected);
-  EXPECT_FALSE(attributes.is_payload_protected);
+  const auto closed = closed_reader_attributes();
+  EXPECT_TRUE(attributes.is_submessage_protected);
+  EXPECT_EQ(attributes.plugin_endpoint_attributes, closed.plugin_endpoint_attributes);
+  EXPECT_EQ(attributes.ac_endpoint_properties._length, closed.ac_endpoint_properties._length);
   EXPECT_EQ(c->return_datareader_sec_attributes(c, &attributes, nullptr), 1);
 }
 

@@ -37,10 +37,6 @@ TEST(ExemptTopics, Carrier_NeedsProtectedDiscovery) {
   EXPECT_FALSE(is_carrier_topic("Square", participant));
   participant.discovery = ProtectionKind::none;
   EXPECT_FALSE(is_carrier_topic(kCarrierTopic, participant));
-  const auto attributes = carrier_attributes();
-  EXPECT_TRUE(attributes.topic.is_discovery_protected);
-  EXPECT_FALSE(attributes.topic.is_read_protected || attributes.topic.is_write_protected);
-  EXPECT_FALSE(attributes.is_submessage_protected() || attributes.is_payload_protected());
 }
 
 }  // namespace
