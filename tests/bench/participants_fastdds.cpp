@@ -46,7 +46,7 @@ class BlobType final : public TypeOf<Blob> {
     auto& blob = *static_cast<Blob*>(sample);
     cdr >> blob.seq >> blob.pad >> blob.t_ns >> blob.data;
   }
-  std::uint32_t max_octets(const void* sample) const override {
+  std::uint32_t most_octets(const void* sample) const override {
     return kOverhead + static_cast<const Blob*>(sample)->length;
   }
 };
