@@ -12,8 +12,8 @@ enum class FolderLayout : std::uint8_t {
   sros2,  ///< identity_ca.cert.pem, permissions_ca.cert.pem: an enclave of a ROS 2 keystore
 };
 
-/// The paths of a participant's files; none of the files must exist. Keys and certificates end in
-/// .pem, or in .p11 if only a file of that name exists, which names the object in a token (see
+/// The paths of a participant's files; none of the files needs to exist. Keys and certificates end
+/// in .pem, or in .p11 if only a file of that name exists, which names the object in a token (see
 /// uri_of).
 struct ParticipantFolder {
   FolderLayout layout;
