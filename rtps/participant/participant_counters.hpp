@@ -5,9 +5,9 @@
 
 namespace ddssec::rtps {
 
-/// Counts of what was dropped; never reset.
+/// Counts of what was received, and of what was dropped; never reset.
 struct ParticipantCounters {
-  std::uint64_t messages = 0;
+  std::uint64_t messages = 0;           ///< datagrams received, also those that were dropped
   std::uint64_t malformed = 0;          ///< messages with a part that could not be read
   std::uint64_t refused_discovery = 0;  ///< announcements that were not trusted or had no room
 };
