@@ -368,8 +368,7 @@ void Handshakes::note_key_exchange(Peer& peer) {
 
 // ---- time
 
-// A peer may be removed meanwhile.
-// What is due may remove peers. In a flood of announcements, few of them are due.
+// Handling what is due may remove peers. In a flood of announcements, few of them are due.
 void Handshakes::tick() {
   if (core_.now < next_) return;
   next_ = kNever;
