@@ -87,7 +87,7 @@ class DescriptorServer {
 };
 
 /// The reader's side: one request for the descriptor of an offer. The other side may pass whatever
-/// it likes, so this, too, belongs into a thread of its own.
+/// it likes, so this, too, needs a thread of its own.
 class DescriptorRequest {
  public:
   /// Connects and shows the token, unless another process listens. Errors: no_socket,
