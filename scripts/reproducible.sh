@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the Debian packages twice, in two folders with different names, time zones, locales and masks, without a compiler cache,
-# and compares them byte by byte.
+# Builds the Debian packages twice, in two folders with different names, time zones, locales and masks, without a
+# compiler cache, and compares them byte by byte.
 # Usage: scripts/reproducible.sh [FOLDER]     default build/reproducible; about twice the time of a build
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
