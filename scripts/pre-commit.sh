@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Checks what is about to be committed: the format of changed lines (clang-format 14, .clang-format), changed shell scripts
-# (shellcheck), and the lint tests on the tree. Takes a few seconds; changes nothing.
+# (shellcheck), and the lint tests on the tree. Takes ten seconds; changes nothing.
 # Usage: scripts/pre-commit.sh     By itself, or as git's hook pre-commit.
 set -euo pipefail
 cd "$(git rev-parse --show-toplevel)"
@@ -31,8 +31,9 @@ if [ ${#scripts[@]} -gt 0 ]; then
   fi
 fi
 
-# The same list as ctest's.
-read -r -a lints < <(sed -n 's/^foreach(lint \(.*\))$/\1/p' tests/lint/CMakeLists.txt)
+# The same list as ctest's, which may go over several lines.
+mapfile -t lints < <(tr '\n' ' ' < tests/lint/CMakeLists.txt | sed -n 's/.*foreach(lint \([^)]*\)).*/\1/p' | xargs -n 1)
+[ ${#lints[@]} -gt 0 ] || { printf 'pre-commit.sh: tests/lint/CMakeLists.txt has no list of lint tests\n' >&2; exit 1; }
 for lint in "${lints[@]}"; do
   said=$(python3 "tests/lint/$lint.py" . 2>&1) || { printf '%s\n' "$said"; fails "lint.$lint"; }
 done
