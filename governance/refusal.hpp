@@ -14,8 +14,7 @@ struct RefusalAdvice {
 };
 
 /// Where an allowing element holds, as a clause: "only in \"yard*\"", "only without a partition (or
-/// in
-/// \"\")"; empty if in every partition.
+/// in \"\")"; empty if in every partition.
 std::string partitions_of(const Criteria& criteria);
 
 /// Advice for an endpoint that `verdict` refuses: whether an allow_rule has its topic, and only its
@@ -26,8 +25,7 @@ RefusalAdvice advice_on_endpoint(const CompiledGrant& grant, Action action, cons
 
 /// Advice for a topic that no rule names: whether its name is similar to one in an allow_rule, or
 /// to names that an expression of "*" and "?" there matches (a typo in either, another case, the
-/// prefix of ROS 2 missing). It compares many names, so do not call it for
-/// a peer's request.
+/// prefix of ROS 2 missing). It compares many names, so do not call it for a peer's request.
 RefusalAdvice advice_on_name(const CompiledGrant& grant, Action action, std::string_view topic);
 
 /// Both: the second if the first is empty and no rule decided.

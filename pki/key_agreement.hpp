@@ -54,8 +54,8 @@ class EphemeralKey {
   KeyAgreementKind kind() const { return kind_; }
 
   /// The public half: an uncompressed point for EC (the encoding asked for does not count), the
-  /// integer of minimal length, or its DER INTEGER, for MODP. Error: internal if
-  /// there is no memory for it.
+  /// integer of minimal length, or its DER INTEGER, for MODP. Error: internal if there is no memory
+  /// for it.
   Result<Bytes> public_octets(PublicKeyEncoding encoding = PublicKeyEncoding::plain_integer) const;
 
   /// SHA-256(Z). Z is the X coordinate at full length for ECDH; for MODP it is without leading

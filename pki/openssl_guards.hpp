@@ -28,9 +28,9 @@ Status verify_cms(CMS_ContentInfo* cms, STACK_OF(X509) * trusted, BIO* content, 
 /// Success if PKCS7_verify accepts the signature over `content` (nullptr: over the content inside)
 /// with a chain to `store`; what was signed is written to `out`. Errors: smime_digest_missing (an
 /// empty set of digest algorithms made PKCS7_verify free `content`, CVE-2026-45447),
-/// smime_message_digest (read without regard to its type, CVE-2026-22796),
-/// those of check_distribution_points for certificates inside, smime_signature_invalid with
-/// OpenSSL's reason.
+/// smime_message_digest (read without regard to its type, CVE-2026-22796), those of
+/// check_distribution_points for certificates inside, smime_signature_invalid with OpenSSL's
+/// reason.
 Status verify_pkcs7(PKCS7* pkcs7, X509_STORE* store, BIO* content, BIO* out, int flags);
 
 }  // namespace ddssec::pki

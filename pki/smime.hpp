@@ -58,8 +58,8 @@ class DocumentVerifier {
   /// smime_not_multipart (opaque or not signed), smime_part_count, smime_surrounding_text,
   /// smime_content_type, smime_signature_malformed, smime_no_signer, smime_several_signers,
   /// smime_signer_not_permissions_ca, smime_digest_too_weak, smime_signature_invalid,
-  /// smime_unsigned_octets, and those of
-  /// ChainVerifier::verify for the signer. The caller names the document with Error::in.
+  /// smime_unsigned_octets, and those of ChainVerifier::verify for the signer. The caller names the
+  /// document with Error::in.
   Result<SignedDocument> verify(BytesView file, WallTime now) const;
 
   /// The certificates of the file, in its order. Valid as long as this object.

@@ -91,10 +91,9 @@ Result<WrittenFile> write_link(const std::filesystem::path& target,
 
 /// Appends whole lines to a log of JSON objects, created with mode 0644 if it does not exist. They
 /// are on the disk when this returns. A last line that an earlier crash cut short is removed first;
-/// one that is whole and only lacks its line end gets one. Safe
-/// against other processes that do the same with the same `lock`, a file that only its owner can
-/// open: every user who can read the text file could hold a lock on it. Errors: those of
-/// FileLock::of, file_unwritable, interrupted.
+/// one that is whole and only lacks its line end gets one. Safe against other processes that do the
+/// same with the same `lock`, a file that only its owner can open: every user who can read the text
+/// file could hold a lock on it. Errors: those of FileLock::of, file_unwritable, interrupted.
 Status append_lines(const std::filesystem::path& target, std::string_view lines,
                     const std::filesystem::path& lock);
 

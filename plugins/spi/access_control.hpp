@@ -124,9 +124,9 @@ class AccessControl {
   /// endpoint? Yes if the peer announced an endpoint of that topic that was allowed, is still
   /// allowed, and has partitions that meet those of the local endpoint; but not if it hides
   /// endpoints, since the match may be with one of those. Otherwise the peer is judged as if it
-  /// were in the local endpoint's partitions. Once the local participant's
-  /// permissions were renewed, they must allow the local endpoint, too. Errors:
-  /// match_not_permitted; for the local endpoint publish_not_allowed or subscribe_not_allowed.
+  /// were in the local endpoint's partitions. Once the local participant's permissions were
+  /// renewed, they must allow the local endpoint, too. Errors: match_not_permitted; for the local
+  /// endpoint publish_not_allowed or subscribe_not_allowed.
   virtual Status check_remote_match(PermissionsHandle remote, const Match& match) = 0;
   /// May a peer create the topic (DDS-Security 1.2, clause 9.4.2.9.12)? Errors:
   /// length_out_of_range, topic_not_covered, topic_not_allowed, peer_has_no_permissions, those of
@@ -198,12 +198,11 @@ class AccessControl {
   /// First takes other permissions CAs, a changed governance and renewed permissions of local
   /// participants from the files that their properties name, if they have changed; no other call
   /// reads files later on. Then raises the events for permissions that ended or whose CA has left
-  /// the file, and returns their handles, each once. The host
-  /// then revokes them. As with Authentication::expire, a local participant's handle is followed by
-  /// those of its peers. Excepted are peers for whose remote identity another local participant has
-  /// permissions too: a host that gives all its participants one remote identity (Cyclone DDS) can
-  /// only remove such a peer for all of them. `local`: only that handle and those of its peers.
-  /// Nil: all.
+  /// the file, and returns their handles, each once. The host then revokes them. As with
+  /// Authentication::expire, a local participant's handle is followed by those of its peers.
+  /// Excepted are peers for whose remote identity another local participant has permissions too: a
+  /// host that gives all its participants one remote identity (Cyclone DDS) can only remove such a
+  /// peer for all of them. `local`: only that handle and those of its peers. Nil: all.
   virtual std::vector<PermissionsHandle> expire(PermissionsHandle local = {}) = 0;
 };
 

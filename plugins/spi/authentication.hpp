@@ -185,9 +185,8 @@ class Authentication {
 
   /// Drops a handshake. Error: unknown_handshake.
   virtual Status return_handshake_handle(HandshakeHandle handshake) = 0;
-  /// Drops an identity: a remote one with the pair's handshakes and
-  /// secrets, or a local one with all its remote ones. The caller need not return these any more.
-  /// Error: unknown_identity.
+  /// Drops an identity: a remote one with the pair's handshakes and secrets, or a local one with
+  /// all its remote ones. The caller need not return these any more. Error: unknown_identity.
   virtual Status return_identity_handle(IdentityHandle identity) = 0;
 
   /// When the next certificate in use expires; empty if none does. The host calls `expire` at that
@@ -195,12 +194,12 @@ class Authentication {
   /// renewed.
   virtual std::optional<WallTime> next_expiry() = 0;
   /// First takes other identity CAs of a local identity, and a renewed certificate: handshakes that
-  /// begin later go by them. A peer whose CA has left the file is revoked.
-  /// Raises the events for identities that expired or were revoked, and returns their handles, each
-  /// once. A remote identity expires also with the local certificate that it has seen, because the
-  /// peer then ends the session; after a renewal both sides authenticate again. The host then
-  /// revokes them. A local identity is followed by all its remote ones: a host may keep the writers
-  /// of a participant that it removed (Cyclone DDS does), and no peer may remain that receives from
+  /// begin later go by them. A peer whose CA has left the file is revoked. Raises the events for
+  /// identities that expired or were revoked, and returns their handles, each once. A remote
+  /// identity expires also with the local certificate that it has seen, because the peer then ends
+  /// the session; after a renewal both sides authenticate again. The host then revokes them. A
+  /// local identity is followed by all its remote ones: a host may keep the writers of a
+  /// participant that it removed (Cyclone DDS does), and no peer may remain that receives from
   /// them. `local`: only that identity and its remote ones, for a host that must not touch other
   /// users of the engine. Nil: all.
   virtual std::vector<IdentityHandle> expire(IdentityHandle local = {}) = 0;

@@ -1,8 +1,11 @@
 #!/usr/bin/env python3
-"""Holds the lines of C++ sources and of pages to 120 columns. Exit 1 and a line for each longer one.
+"""Holds the lines of C++ sources and of pages to 120 columns, and comments to their wrapping.
+
+Exit 1 and a line for each fault.
 
 Exempt are rows of tables, commands and output (between ```), lines of one link or one command, and what others wrote
-(tests/data).
+(tests/data). A comment is wrapped badly if a line of it ends inside a sentence although the next word has room within
+90 columns. The layout has 100, so a short line is what an edit left behind. "clause 9.8" counts as one word.
 Usage: columns.py ROOT [--write]     --write wraps the paragraphs of pages instead of complaining.
 """
 
@@ -13,11 +16,31 @@ import sys
 import textwrap
 
 MOST_COLUMNS = 120
+COMMENT_COLUMNS = 90
 CODE = {".cpp", ".hpp", ".c", ".h"}
 LEFT_OUT = ("tests/data/", "LICENSES/")
 
 BLOCK = re.compile(r"\s*([-*+] |\d+\. |[|#>]|```|<!--|\[\^)")  # the start of a block, after any line
 ALONE = re.compile(r"\s*([-*] )?(\[[^\]]*\]\(\S+\)|`[^`]+`)[.,;]?$|    ")  # one link or command, or shown text
+
+
+COMMENT = re.compile(r"(.*?)(//[/<]*) (\S.*)$")
+# The end of a sentence or of a line of its own, such as one of a synopsis.
+END = re.compile(r"[.:;?!\])\"'`]$")
+# A list, a command of Doxygen, a directive of a tool, or a word of a synopsis (KEY=VALUE, A|B, [OPTION]).
+OWN_LINE = re.compile(r"[-*+|@\[] ?|\d+\. |NOLINT|clang-format|\S*[=|]")
+WORD = re.compile(r"(?:(?:clauses?|and) (?=\d))?\S+")
+
+
+def short_comments(lines):
+    """The places of lines in comments that end inside a sentence and too early, from 0."""
+    for place, (line, following) in enumerate(zip(lines, lines[1:])):
+        first, second = COMMENT.match(line), COMMENT.match(following)
+        if not first or not second or second[1].strip() or len(first[1]) != len(second[1]) or first[2] != second[2]:
+            continue
+        if not END.search(first[3]) and not OWN_LINE.match(second[3]):
+            if len(line) + 1 + len(WORD.match(second[3])[0]) <= COMMENT_COLUMNS:
+                yield place
 
 
 def long_lines(lines, is_page):
@@ -65,7 +88,10 @@ def main():
         for place in long_lines(lines, is_page):
             print(f"{name}:{place + 1}: {len(lines[place])} columns, more than {MOST_COLUMNS}")
             faults += 1
-    print(f"{faults} lines are too long" if faults else f"no line has more than {MOST_COLUMNS} columns")
+        for place in short_comments(lines) if path.suffix in CODE else ():
+            print(f"{name}:{place + 1}: the comment is wrapped badly: the next word has room")
+            faults += 1
+    print(f"{faults} lines are too long or too short" if faults else f"no line has more than {MOST_COLUMNS} columns")
     return 1 if faults else 0
 
 

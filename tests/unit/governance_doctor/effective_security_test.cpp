@@ -1,6 +1,6 @@
 // Every row was measured with Cyclone DDS 0.10.2 (those of <Id>, texts and unknown
-// elements with 0.10.5, too): ddsperf -i 0 with the configuration in
-// CYCLONEDDS_URI, and whether it starts and loads the security plugins.
+// elements with 0.10.5, too): ddsperf -i 0 with the configuration in CYCLONEDDS_URI, and whether it
+// starts and loads the security plugins.
 #include "governance/doctor/effective_security.hpp"
 
 #include <string>
