@@ -12,6 +12,7 @@
 
 namespace ddssec::authentication {
 
+/// What a host may choose.
 struct Options {
   /// What a missing or outdated revocation list means where one is configured.
   pki::CrlPolicy crl_policy = pki::CrlPolicy::hard_fail;

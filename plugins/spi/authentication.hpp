@@ -49,10 +49,12 @@ inline bool refusal_passes(Code code) {
 /// functions.
 class Authentication {
  public:
+  /// A local identity that was validated, and the GUID that its participant must use.
   struct LocalIdentity {
     IdentityHandle handle;
     Guid adjusted_guid;
   };
+  /// A peer as one local identity sees it, and what the host has to do next.
   struct RemoteIdentity {
     /// The handle of the pair. Until it is returned, the same local identity and remote GUID get
     /// the same handle. Another local identity gets another handle, and is refused with this one.
@@ -61,6 +63,7 @@ class Authentication {
     /// To be sent as dds.sec.auth_request; empty if the peer's own auth request was passed in.
     std::optional<Token> local_auth_request;
   };
+  /// A handshake after a step of it, and what the host has to do next.
   struct HandshakeStep {
     HandshakeHandle handle;
     ValidationResult result;

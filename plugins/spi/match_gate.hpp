@@ -15,6 +15,7 @@ class MatchGate {
  public:
   virtual ~MatchGate() = default;
 
+  /// The remote side of a match.
   struct Peer {
     PermissionsHandle permissions;  ///< of the remote participant
     /// Of the remote participant; empty if authentication did not provide it.

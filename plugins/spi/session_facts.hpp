@@ -9,6 +9,7 @@
 
 namespace ddssec::spi {
 
+/// The facts about one peer. They hold for the session that the handshake began.
 struct SessionFacts {
   /// SHA-256 of the permissions document that this handshake presented to the peer. Empty with
   /// another vendor's authentication.

@@ -15,6 +15,8 @@
 
 namespace ddssec::rtps {
 
+/// Whether further members may be added to a type (XTypes 1.3, 7.2.2.4.2). MUTABLE is not
+/// supported.
 enum class Extensibility : std::uint8_t { final_type, appendable };
 
 /// The layout of a key alone in XCDR2. With a DHEADER for appendable types, like their samples
@@ -119,10 +121,12 @@ constexpr Member<T> as_member(Member<T>&& member) {
   return member;
 }
 
+/// True for a sequence of IDL, which is a std::vector.
 template <class T>
 struct IsVector : std::false_type {};
 template <class T>
 struct IsVector<std::vector<T>> : std::true_type {};
+/// True for an array of IDL, which is a std::array.
 template <class T>
 struct IsArray : std::false_type {};
 template <class T, std::size_t N>

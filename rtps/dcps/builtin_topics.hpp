@@ -17,9 +17,11 @@
 
 namespace ddssec::rtps {
 
-// The keys are GUIDs. For a disposed instance only the key is available.
+/// A remote participant. The key is its GUID. For a disposed instance only the key is available.
 struct ParticipantBuiltinTopicData : ParticipantData {};
+/// A remote writer. Its key is as above.
 struct PublicationBuiltinTopicData : EndpointData {};
+/// A remote reader. Its key is as above.
 struct SubscriptionBuiltinTopicData : EndpointData {};
 /// A topic on which a remote writer or reader was found. The participant's own topics are not
 /// reported.

@@ -47,6 +47,7 @@ class DataWriterListener {
   virtual void on_publication_matched(AnyDataWriter&, const MatchedStatus&) {}
 };
 
+/// For a publisher: it is called for its writers.
 class PublisherListener : public virtual DataWriterListener {};
 
 /// For a reader; at a subscriber or participant for all of its readers.
@@ -79,6 +80,7 @@ class SubscriberListener : public virtual DataReaderListener {
   virtual void on_data_on_readers(Subscriber&) {}
 };
 
+/// For a participant: it is called for its topics, and for all of its writers and readers.
 class DomainParticipantListener : public virtual TopicListener,
                                   public virtual PublisherListener,
                                   public virtual SubscriberListener {};

@@ -38,16 +38,21 @@ struct CountStatus {
   std::int32_t total_count_change = 0;
 };
 
+/// INCONSISTENT_TOPIC: remote topics of the same name with another type.
 struct InconsistentTopicStatus : CountStatus {};
+/// SAMPLE_LOST: samples that will never arrive.
 struct SampleLostStatus : CountStatus {};
+/// LIVELINESS_LOST: how often the writer did not assert its liveliness within its lease.
 struct LivelinessLostStatus : CountStatus {};
 
+/// The limit of RESOURCE_LIMITS that a sample exceeded.
 enum class SampleRejectedReason : std::uint8_t {
   not_rejected,
   by_instances_limit,
   by_samples_limit,
   by_samples_per_instance_limit
 };
+/// SAMPLE_REJECTED: samples that had no room within RESOURCE_LIMITS.
 struct SampleRejectedStatus : CountStatus {
   SampleRejectedReason last_reason = SampleRejectedReason::not_rejected;
   InstanceHandle last_instance_handle;
@@ -73,6 +78,7 @@ struct MatchedStatus : CountStatus {
   Guid last_remote;  ///< the endpoint that came or left (last_publication_handle, DDS 1.4)
 };
 
+/// LIVELINESS_CHANGED: the matched writers that are alive, and those that are not.
 struct LivelinessChangedStatus {
   std::int32_t alive_count = 0;
   std::int32_t not_alive_count = 0;

@@ -11,11 +11,12 @@
 
 namespace ddssec::rtps {
 
+/// A named set of policies. HISTORY is KEEP_LAST.
 struct QosPreset {
   std::string_view name;
   ReliabilityKind reliability;
   DurabilityKind durability;
-  std::int32_t depth;         ///< of HISTORY KEEP_LAST
+  std::int32_t depth;         ///< of HISTORY
   std::int32_t lifespan = 0;  ///< seconds; 0: infinite
 };
 

@@ -13,7 +13,8 @@
 
 namespace ddssec::rtps {
 
-// Numbers as on the wire (RTPS 9.6.3.2).
+/// The kinds of the policies of DDS 1.4, 2.2.3, and of XTypes 1.3, 7.6.3. The numbers are those on
+/// the wire (RTPS 9.6.3.2).
 enum class ReliabilityKind : std::uint32_t { best_effort = 1, reliable = 2 };
 enum class DurabilityKind : std::uint32_t { volatile_, transient_local, transient, persistent };
 enum class HistoryKind : std::uint32_t { keep_last, keep_all };
@@ -26,27 +27,33 @@ enum class DataRepresentation : std::int16_t { xcdr1 = 0, xml = 1, xcdr2 = 2 };
 
 inline constexpr std::int32_t kLengthUnlimited = -1;
 
+/// RELIABILITY. A reliable writer that cannot keep a sample waits for at most max_blocking_time.
 struct Reliability {
   ReliabilityKind kind = ReliabilityKind::best_effort;
   Duration max_blocking_time{{0, 0x1999999a}};  // 100 ms
   bool operator==(const Reliability&) const = default;
 };
+/// LIVELINESS: how a writer asserts that it is alive, and how often at least.
 struct Liveliness {
   LivelinessKind kind = LivelinessKind::automatic;
   Duration lease_duration = kDurationInfinite;
   bool operator==(const Liveliness&) const = default;
 };
+/// HISTORY: how many samples of each instance are kept. `depth` counts for KEEP_LAST only.
 struct History {
   HistoryKind kind = HistoryKind::keep_last;
   std::int32_t depth = 1;
   bool operator==(const History&) const = default;
 };
+/// RESOURCE_LIMITS: how much a writer or a reader may hold.
 struct ResourceLimits {
   std::int32_t max_samples = kLengthUnlimited;
   std::int32_t max_instances = kLengthUnlimited;
   std::int32_t max_samples_per_instance = kLengthUnlimited;
   bool operator==(const ResourceLimits&) const = default;
 };
+/// DURABILITY_SERVICE: what a service keeps of a TRANSIENT or PERSISTENT writer (ddssec-keeper),
+/// and how long it keeps an instance that is disposed and has no writers.
 struct DurabilityService {
   Duration cleanup_delay = kDurationZero;
   History history;
@@ -59,6 +66,8 @@ struct ReaderDataLifecycle {
   Duration autopurge_disposed_samples_delay = kDurationInfinite;
   bool operator==(const ReaderDataLifecycle&) const = default;
 };
+/// PRESENTATION: whether sets of samples become visible together (coherent_access) and in order
+/// (ordered_access), and within which scope.
 struct Presentation {
   PresentationScope scope = PresentationScope::instance;
   bool coherent_access = false;

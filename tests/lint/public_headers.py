@@ -6,6 +6,8 @@
 - A public header has a comment at its top, and a /// comment at each function that is not obvious: not at
   constructors, destructors, operators, overrides, friends, or functions that return a member or a constant.
   A comment counts for the functions that follow it without an empty line.
+- Each public class, struct and enumeration has one, too, but for declarations and specializations. It counts for the
+  types of one line each that follow it without an empty line.
 Exit 1 and a line for each that does not.
 """
 
@@ -17,6 +19,8 @@ SET = re.compile(r"set\((DDSSEC_\w+_HEADERS)\n(.*?)\)\n", re.S)
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.M)
 FUNCTION = re.compile(r"^(?:  )?(?! |return|using|friend|explicit|typedef|#|static_assert|if|for|while)"
                       r"[\w:<>,&*\[\] ]+?[ &*](\w+)\(")
+TYPE = re.compile(r"^(?:  )?(?:struct|class|enum|enum class) (?:\[\[\w+\]\] )?(\w+)(?![\w<]).*[^;]$"
+                  r"|^(?:  )?(?:struct|class|enum|enum class) (?:\[\[\w+\]\] )?(\w+)(?![\w<]).*\};$")
 HIDDEN = re.compile(r"^ (private|protected):")
 SHOWN = re.compile(r"^ public:|^(class|struct|enum|template)\b")
 
@@ -49,6 +53,30 @@ def uncommented(text):
             yield number, found[1]
 
 
+def uncommented_types(text):
+    """The line and name of each public type without a comment of its group."""
+    hidden, commented, nested = False, False, False
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.startswith("namespace detail"):
+            nested = True
+        elif line.startswith("}  // namespace detail"):
+            nested = False
+        elif HIDDEN.match(line):
+            hidden = True
+        elif SHOWN.match(line):
+            hidden = False
+        stripped = line.strip()
+        found = TYPE.match(line)
+        if stripped.startswith("///"):
+            commented = True
+        elif found:
+            if not (commented or hidden or nested):
+                yield number, found[1] or found[2]
+            commented = commented and stripped.endswith("};")
+        elif not stripped.startswith(("template", "typename")):
+            commented = False
+
+
 def trivial(line, name):
     return ("override" in line or "operator" in line or "= delete" in line or "~" in line or name.isupper()
             or re.search(r"const( noexcept)? \{ return [^(){}]*(\(\))?; \}$", line) is not None
@@ -76,6 +104,8 @@ def complaints(root):
                 yield f"{name}:1: no comment says what the header is for"
             for line, function in uncommented(text):
                 yield f"{name}:{line}: no /// comment: {function}"
+            for line, kind in uncommented_types(text):
+                yield f"{name}:{line}: no /// comment for the type: {kind}"
     for name in carried:
         if name not in included:
             yield f"cmake/public_headers.cmake: no installed header includes {name}"
