@@ -92,9 +92,10 @@ Result<Bytes> sign_document(const Credential& signer, BytesView document, WallTi
 
 /// A certificate authority that can sign.
 ///
-/// Five calls give a certificate. Which one to take: `issue` for a new participant whose key is made
-/// here; `sign_request` for one that keeps its key and sends a request; `certify` for a key of the
-/// caller and a template; `reissue` to renew a certificate of this CA; `renewed` for the CA's own.
+/// Five calls give a certificate. Which one to take: `issue` for a new participant whose key is
+/// made here; `sign_request` for one that keeps its key and sends a request; `certify` for a key of
+/// the caller and a template; `reissue` to renew a certificate of this CA; `renewed` for the CA's
+/// own.
 class Authority {
  public:
   /// A new self-signed CA.
