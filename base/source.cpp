@@ -1,6 +1,7 @@
 #include "base/source.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <fcntl.h>
 #include <filesystem>
@@ -110,6 +111,25 @@ Result<Bytes> load_unnamed(std::string_view text, std::size_t max_octets) {
   return to_bytes(as_bytes(uri.rest));
 }
 
+// Attributes of RFC 7512 that tell where an object is. Anything else, such as a misspelt pin-value,
+// may be a secret.
+bool is_shown(std::string_view attribute) {
+  constexpr std::array<std::string_view, 13> kShown = {"token",
+                                                       "manufacturer",
+                                                       "serial",
+                                                       "model",
+                                                       "library-manufacturer",
+                                                       "library-version",
+                                                       "library-description",
+                                                       "object",
+                                                       "type",
+                                                       "id",
+                                                       "slot-manufacturer",
+                                                       "slot-description",
+                                                       "slot-id"};
+  return std::ranges::find(kShown, attribute) != kShown.end();
+}
+
 }  // namespace
 
 Result<Bytes> load(std::string_view uri, std::string_view property, std::size_t max_octets) {
@@ -132,10 +152,23 @@ bool names_token(std::string_view uri) { return without_blanks(uri).starts_with(
 
 std::string without_pin(std::string_view uri) {
   constexpr std::size_t kMax = 256;
+  constexpr std::string_view kScheme = "pkcs11:";
   uri = without_blanks(uri);
-  auto end = std::min({uri.find('?'), uri.find(";pin-"), kMax});
-  if (const auto first = uri.find(":pin-"); first != uri.npos) end = std::min(end, first + 1);
-  return std::string(uri.substr(0, end));
+  if (!uri.starts_with(kScheme)) return {};
+  std::string out(kScheme);
+  auto rest = uri.substr(kScheme.size());
+  while (!rest.empty() && out.size() < kMax) {
+    const auto attribute = rest.substr(0, rest.find_first_of(";?&"));
+    rest.remove_prefix(std::min(attribute.size() + 1, rest.size()));
+    const auto name = attribute.substr(0, attribute.find('='));
+    if (name == attribute || !is_shown(name)) continue;
+    if (!out.ends_with(':')) out += ';';
+    // A value with another "=" may hold the next attribute after a wrong separator.
+    const auto value = attribute.substr(name.size() + 1);
+    out.append(name).append("=").append(value.substr(0, value.find('=')));
+  }
+  out.resize(std::min(out.size(), kMax));
+  return out;
 }
 
 std::optional<std::string> file_named_by(std::string_view text) {

@@ -38,7 +38,9 @@ Result<S> load_secret(std::string_view uri, std::string_view property) {
 /// True if `uri` names an object of a PKCS#11 token (RFC 7512); pki reads those.
 bool names_token(std::string_view uri);
 
-/// The part of a PKCS#11 URI that may be shown: without its query and anything that may be a PIN.
+/// The part of a PKCS#11 URI that may be shown, at most 256 characters: the attributes of RFC 7512
+/// that say where the object is. All others are left out, since a misspelt one may hold a PIN.
+/// Empty if it is no such URI.
 std::string without_pin(std::string_view uri);
 
 /// The path that `uri` names; empty if it names no file.

@@ -107,9 +107,19 @@ TEST(TokenUri, PinAndQuery_AreNotShown) {
   EXPECT_TRUE(names_token(" pkcs11:object=key"));
   EXPECT_FALSE(names_token("PKCS11:object=key"));
   EXPECT_EQ(without_pin("pkcs11:object=key?pin-value=1234"), "pkcs11:object=key");
-  EXPECT_EQ(without_pin("pkcs11:object=key;pin-value=1234;id=1"), "pkcs11:object=key");
-  EXPECT_EQ(without_pin("pkcs11:pin-value=1234;object=key"), "pkcs11:");
-  EXPECT_EQ(without_pin("pkcs11:" + std::string(1000, 'x')).size(), 256u);
+  EXPECT_EQ(without_pin("pkcs11:object=key;pin-value=1234;id=1"), "pkcs11:object=key;id=1");
+  EXPECT_EQ(without_pin("pkcs11:pin-value=1234;object=key"), "pkcs11:object=key");
+  EXPECT_EQ(without_pin("pkcs11:object=" + std::string(1000, 'x')).size(), 256u);
+  EXPECT_EQ(without_pin("file:/1234"), "");
+}
+
+TEST(TokenUri, MisspeltPin_IsNotShown) {
+  for (const auto* pin : {";PIN-VALUE=1234", "&pin-value=1234", "?pin_value=1234", ";pn-value=1234",
+                          ";1234", ";pin-value 1234", ";=1234", ";;pin=1234&", "?=1234"})
+    EXPECT_EQ(without_pin(std::string("pkcs11:token=t;object=key") + pin),
+              "pkcs11:token=t;object=key")
+        << pin;
+  EXPECT_EQ(without_pin("pkcs11:object=key,pin-value=1234"), "pkcs11:object=key,pin-value");
 }
 
 TEST(FileUri, OtherUris_NameNoFile) {
