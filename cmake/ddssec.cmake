@@ -131,7 +131,7 @@ set(ddssec_common_headers <algorithm> <array> <atomic> <bitset> <chrono> <cstdin
 set(DDSSEC_BATCH 8 CACHE STRING "Files that are compiled as one; 1 compiles each by itself")
 # The same for tests: most of their time is that of GoogleTest's and the product's templates. A batch of 24 files
 # needs up to 2 GB of memory.
-set(DDSSEC_TEST_BATCH 24 CACHE STRING "Test files that are compiled as one; 1 compiles each by itself")
+set(DDSSEC_TEST_BATCH 48 CACHE STRING "Test files that are compiled as one; 1 compiles each by itself")
 
 # ddssec_join_files(TARGET SOURCES...): compiles files of one folder together, so that the templates which
 # many of them use are compiled once. Their unnamed namespaces become one: names in them must differ.
