@@ -186,7 +186,7 @@ Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner
     return TypeInformationAt{};
   }
   DDSSEC_ASSIGN_OR_RETURN(auto at, check_payload(*topic, owner, *piece, ending, peer, peers.now()));
-  if (at) *at += static_cast<std::uint32_t>(piece->payload.data() - submessage.data());
+  if (at) at->at += static_cast<std::uint32_t>(piece->payload.data() - submessage.data());
   return at;
 }
 

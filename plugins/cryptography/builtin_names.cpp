@@ -116,6 +116,9 @@ Status ParameterWalk::read(const BuiltinTopic& topic, const Owner& owner, BytesV
     position_ += static_cast<std::uint32_t>(skipped + taken);
     if (filled_ == wanted_) DDSSEC_RETURN_IF_ERROR(take(topic, owner));
   }
+  // The host gets this piece before the rest of the header has come.
+  if (state_ == State::header && filled_ >= sizeof(id_) && word(0) == pid::kTypeInformation)
+    return note_type_information(topic, position_ - static_cast<std::uint32_t>(filled_));
   return {};
 }
 
@@ -175,7 +178,9 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   if (length_ % 4 != 0) return unreadable_name(topic, "its parameters have lengths that lie");
   if (is_deprecated_address(id_))
     return unreadable_name(topic, "it has an address in the form of RTPS 1");
-  if (id_ == pid::kTypeInformation) DDSSEC_RETURN_IF_ERROR(note_type_information(topic));
+  if (id_ == pid::kTypeInformation)
+    DDSSEC_RETURN_IF_ERROR(
+        note_type_information(topic, position_ - static_cast<std::uint32_t>(kHeaderSize)));
   if (id_ == pid::kPartition) return begin_partitions(topic);
   DDSSEC_RETURN_IF_ERROR(count_locator(topic));
   if (id_ == pid::kPropertyList || id_ == pid::kAdlinkSubscriptionKeys) properties_ += length_;
@@ -234,12 +239,20 @@ Result<std::size_t> ParameterWalk::read_partitions(const BuiltinTopic& topic, By
   return part.size();
 }
 
-Status ParameterWalk::note_type_information(const BuiltinTopic& topic) {
-  if (type_information_) return unreadable_name(topic, "its type information comes twice");
-  const auto at = position_ - static_cast<std::uint32_t>(kHeaderSize);
-  if (position_ < piece_begins_ + kHeaderSize)
-    return unreadable_name(topic, "its type information begins in two fragments");
-  type_information_ = at;
+Status ParameterWalk::note_type_information(const BuiltinTopic& topic, std::uint32_t header) {
+  if (type_information_)
+    return header == type_information_header_
+               ? Status()
+               : unreadable_name(topic, "its type information comes twice");
+  type_information_header_ = header;
+  // Where the host has the first octet of the id already, the second makes it an id that does not
+  // exist: 0x8075 of a vendor, or PID_PAD.
+  constexpr std::uint8_t kOfVendor = 0x80;
+  if (header >= piece_begins_)
+    type_information_ = {.at = header};
+  else
+    type_information_ = {
+        .at = header + 1, .octets = 1, .value = is_little_ ? kOfVendor : std::uint8_t{0}};
   return {};
 }
 

@@ -12,6 +12,7 @@
 #include "base/ids.hpp"
 #include "base/result.hpp"
 #include "plugins/cryptography/partition_walk.hpp"
+#include "plugins/cryptography/type_information.hpp"
 
 namespace ddssec::cryptography {
 
@@ -65,9 +66,9 @@ class ParameterWalk {
   Status read(const BuiltinTopic& topic, const Owner& owner, BytesView octets);
   /// Success if the list has ended and has named its subject. Error: builtin_source_unreadable.
   Status check_end(const BuiltinTopic& topic) const;
-  /// The position of the parameter id of the type information, counted from the encapsulation. Both
-  /// of its octets came in one piece.
-  std::optional<std::uint32_t> type_information() const { return type_information_; }
+  /// The place of the type information, counted from the encapsulation. Its octets came in one
+  /// piece.
+  const TypeInformationAt& type_information() const { return type_information_; }
   /// What a list of that many octets counts in the account of announcements.
   std::size_t cost(std::size_t octets) const;
   /// True if the list has nothing but names, none of them twice. The end of an endpoint says no
@@ -89,7 +90,8 @@ class ParameterWalk {
   Status begin_partitions(const BuiltinTopic& topic);
   /// The number of octets that belong to the partitions.
   Result<std::size_t> read_partitions(const BuiltinTopic& topic, BytesView octets);
-  Status note_type_information(const BuiltinTopic& topic);
+  /// `header`: the position of its first octet.
+  Status note_type_information(const BuiltinTopic& topic, std::uint32_t header);
   std::uint16_t word(std::size_t at) const;
 
   enum class State : std::uint8_t {
@@ -120,7 +122,8 @@ class ParameterWalk {
   std::size_t wanted_ = kHeaderSize;
   std::uint32_t position_ = 0;      ///< octets read
   std::uint32_t piece_begins_ = 0;  ///< position_ before the present piece
-  std::optional<std::uint32_t> type_information_ = {};
+  TypeInformationAt type_information_ = {};
+  std::uint32_t type_information_header_ = 0;
   EntityId entity_ = {};
   std::array<std::uint8_t, kGuidSize> part_ = {};  ///< the octets that the present state collects
   std::array<std::uint8_t, kLocatorKinds> locators_ = {};

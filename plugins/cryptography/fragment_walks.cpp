@@ -15,8 +15,9 @@ std::size_t fragments_of(const DataPiece& piece) {
 /// Converts a position in the sample to one in the payload of this piece.
 TypeInformationAt within(const DataPiece& piece, TypeInformationAt at) {
   const auto begin = std::size_t{piece.first_fragment - 1} * piece.fragment_size;
-  if (!at || *at < begin || *at >= begin + piece.payload.size()) return {};
-  return static_cast<std::uint32_t>(*at - begin);
+  if (!at || at->at < begin || at->at >= begin + piece.payload.size()) return {};
+  at->at -= static_cast<std::uint32_t>(begin);
+  return at;
 }
 
 }  // namespace

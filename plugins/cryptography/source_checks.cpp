@@ -121,7 +121,8 @@ SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, Discovery
       end(std::move(found).error());
       break;
     } else if (*found && here != signed_at) {
-      part.types.push_back(static_cast<std::uint32_t>(here) + **found);
+      part.types.push_back(**found);
+      part.types.back().at += static_cast<std::uint32_t>(here);
     }
     if (is_type_lookup(rest.first(*size))) part.lookups.push_back(here);
     if (begins_signed_group(rest, *size)) signed_at = here + *size;

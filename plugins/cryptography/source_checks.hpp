@@ -22,9 +22,8 @@ struct SenderPart {
   std::optional<GuidPrefix> named = {};  ///< the participant named by the INFO_SRC that ended it
   /// Positions of discovery fragments that must come again: the host must not see them.
   std::vector<std::size_t> early = {};
-  /// Positions of the parameter ids of type information (type_information.hpp), except inside
-  /// groups that are signed separately.
-  std::vector<std::uint32_t> types = {};
+  /// The places of type information, except inside groups that are signed separately.
+  std::vector<TypeInformationPlace> types = {};
   /// Positions of type lookup requests and replies.
   std::vector<std::size_t> lookups = {};
 };

@@ -389,7 +389,7 @@ std::size_t Transform::keep_part_of_sender(spi::ParticipantCryptoHandle receiver
   for (const auto at : part.early) hide_submessage(content, at, part);
   const auto local = shared_.local_participant(receiver);
   if (!local || !(*local)->trusts_type_information) {
-    for (const auto at : part.types) hide_type_information(content, at);
+    for (const auto& place : part.types) hide_type_information(content, place);
     for (const auto at : part.lookups) hide_submessage(content, at, part);
   }
   if (part.size < content.size()) [[unlikely]]

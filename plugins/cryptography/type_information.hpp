@@ -7,6 +7,7 @@
 // endpoints by the name of their type, as with vendors that announce none.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -14,13 +15,19 @@
 
 namespace ddssec::cryptography {
 
-/// The position of the parameter id, if there is one.
-using TypeInformationAt = std::optional<std::uint32_t>;
+/// Where the parameter id is, and what hides it.
+struct TypeInformationPlace {
+  std::uint32_t at;
+  std::uint8_t octets = 2;  ///< 1: the first octet of the id came in an earlier fragment
+  std::uint8_t value = 0;   ///< of each octet
+};
+/// Empty if there is none.
+using TypeInformationAt = std::optional<TypeInformationPlace>;
 
-/// Replaces the parameter id by PID_PAD (RTPS 9.6.3.2.1), so that the receiver ignores the
-/// parameter. The octets that follow stay in place.
-inline void hide_type_information(MutableBytes octets, std::uint32_t at) {
-  octets[at] = octets[at + 1] = 0;
+/// Replaces the parameter id by one that the receiver ignores: PID_PAD (RTPS 9.6.3.2.1), or one of
+/// a vendor. The octets that follow stay in place.
+inline void hide_type_information(MutableBytes octets, const TypeInformationPlace& place) {
+  std::ranges::fill(octets.subspan(place.at, place.octets), place.value);
 }
 
 }  // namespace ddssec::cryptography
