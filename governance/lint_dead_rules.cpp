@@ -28,6 +28,18 @@ bool within(const DomainSet& inner, const DomainSet& outer) {
   });
 }
 
+SetLimits limits_of_pair(SetEffort& effort) {
+  return {.states = 2'000, .steps = 1'000'000, .shared = &effort};
+}
+
+bool meets(const DomainSet& a, const DomainSet& b) {
+  return within(a, b) || std::ranges::any_of(a.ranges, [&](const DomainRange& one) {
+           return std::ranges::any_of(b.ranges, [&](const DomainRange& other) {
+             return one.first <= other.last && other.first <= one.last;
+           });
+         });
+}
+
 std::vector<std::string_view> partitions_of(const Criteria& criteria) {
   if (!criteria.partitions) return {""};
   std::vector<std::string_view> out;
@@ -51,8 +63,7 @@ bool partitions_cover(const GrantEntry& earlier, const GrantEntry& later, SetEff
   if (!later.rule->allow && (earlier.rule->allow || !later.criteria->partitions)) return false;
   const auto inner = partitions_of(*later.criteria);
   const auto outer = partitions_of(*earlier.criteria);
-  return contained(inner, outer, {.states = 2'000, .steps = 1'000'000, .shared = &effort}).kind ==
-         SetAnswer::Kind::yes;
+  return contained(inner, outer, limits_of_pair(effort)).kind == SetAnswer::Kind::yes;
 }
 
 bool tags_cover(const GrantEntry& earlier, const GrantEntry& later) {
@@ -70,11 +81,52 @@ bool covers(const GrantEntry& earlier, const GrantEntry& later, bool with_condit
   return tags_cover(earlier, later) && partitions_cover(earlier, later, effort);
 }
 
-/// A dead expression, and the expressions that make it dead.
+// A denial without partitions is for all of them.
+std::vector<std::string_view> denied_partitions(const GrantEntry& denial) {
+  if (!denial.criteria->partitions) return {"*"};
+  return partitions_of(*denial.criteria);
+}
+
+// True if an earlier rule allows something that the denial names.
+bool allows_before(const GrantEntry& earlier, const GrantEntry& denial, SetEffort& effort) {
+  return earlier.rule->allow && !denial.rule->allow &&
+         meets(denial.rule->domains, earlier.rule->domains) &&
+         overlap(denied_partitions(denial), partitions_of(*earlier.criteria),
+                 limits_of_pair(effort))
+                 .kind == SetAnswer::Kind::yes;
+}
+
+// True if an allow rule is for each domain and partition of the denial. One without partitions is
+// for the partition "" alone, but a denial beside it that names none either may mean just that.
+bool allows_everywhere(const GrantEntry& allowed, const GrantEntry& denial, SetEffort& effort) {
+  if (!within(denial.rule->domains, allowed.rule->domains)) return false;
+  if (!allowed.criteria->partitions && !denial.criteria->partitions) return true;
+  return contained(denied_partitions(denial), partitions_of(*allowed.criteria),
+                   limits_of_pair(effort))
+             .kind == SetAnswer::Kind::yes;
+}
+
+// A denial that neither a later rule nor the default would allow without it.
+bool denies_nothing_else(const Grant& grant, std::span<const GrantEntry> entries, std::size_t at,
+                         SetEffort& effort) {
+  if (grant.default_allow || entries[at].rule->allow) return false;
+  const std::string_view denied[] = {entries[at].topic->text};
+  return std::ranges::none_of(entries.subspan(at + 1), [&](const GrantEntry& later) {
+    const std::string_view allowed[] = {later.topic->text};
+    return later.rule->allow &&
+           overlap(denied, allowed, limits_of_pair(effort)).kind != SetAnswer::Kind::no;
+  });
+}
+
+/// An expression without effect, and the expressions that take its effect.
 struct Dead {
   GrantEntry entry;
   std::vector<GrantEntry> by;
   std::string_view action;
+  /// A denial that can apply, where all is denied without it: earlier rules allow what it names, in
+  /// their domains and partitions.
+  bool is_void = false;
+  bool is_void_everywhere = false;  ///< these are all domains and partitions of the denial
 };
 
 std::vector<Dead> dead_entries(const GrantPlace& place, SetEffort& effort) {
@@ -87,18 +139,28 @@ std::vector<Dead> dead_entries(const GrantPlace& place, SetEffort& effort) {
     const auto found = shadows(texts, effort, [&](std::uint32_t a, std::uint32_t b) {
       return covers(entries[a], entries[b], with_conditions, effort);
     });
+    const auto anywhere = shadows(texts, effort, [&](std::uint32_t a, std::uint32_t b) {
+      return allows_before(entries[a], entries[b], effort);
+    });
     for (std::size_t i = 0; i < found.size(); ++i) {
-      if (!found[i].is_dead) continue;
-      Dead dead{entries[i], {}, kActionNames[action]};
-      for (const auto by : found[i].by) dead.by.push_back(entries[by]);
+      const bool is_void = !found[i].is_dead && anywhere[i].is_dead && !anywhere[i].by.empty() &&
+                           denies_nothing_else(place.grant(), entries, i, effort);
+      if (!found[i].is_dead && !is_void) continue;
+      Dead dead{entries[i], {}, kActionNames[action], is_void};
+      for (const auto by : is_void ? anywhere[i].by : found[i].by) dead.by.push_back(entries[by]);
+      dead.is_void_everywhere = is_void && std::ranges::all_of(dead.by, [&](const auto& by) {
+                                  return allows_everywhere(by, entries[i], effort);
+                                });
       out.push_back(std::move(dead));
     }
   }
   return out;
 }
 
-// It is an error if something that was to be denied is allowed. A repetition is harmless.
+// It is an error if something that was to be denied is allowed. A repetition is harmless. A denial
+// of what an earlier rule allows in some partitions may be meant for the others.
 Severity severity_of(const Dead& dead) {
+  if (dead.is_void) return dead.is_void_everywhere ? Severity::error : Severity::warning;
   const bool same = !dead.by.empty() && std::ranges::all_of(dead.by, [&](const GrantEntry& by) {
     return by.rule->allow == dead.entry.rule->allow;
   });
@@ -120,11 +182,16 @@ std::string reason(const Dead& dead) {
         fmt::format("{} ({}, line {})", in_quotes(by.topic->text), rule_name(by), by.topic->line));
   const bool is_for_all = std::ranges::none_of(
       dead.by, [](const GrantEntry& by) { return is_read_as_less(by.rule->domains); });
-  return fmt::format("{} already decide{} for every name it matches{}", fmt::join(names, ", "),
+  return fmt::format("{} already decide{} for every name it matches{}{}", fmt::join(names, ", "),
                      names.size() == 1 ? "s" : "",
+                     dead.is_void ? " in its domains and partitions" : "",
                      is_for_all ? ""
                                 : "; but not with Cyclone DDS and Fast DDS, which read an "
                                   "<id_range> without <max> as one domain");
+}
+
+std::string_view fault(const Dead& dead) {
+  return dead.is_void ? "denies nothing that would be allowed without it" : "can never apply";
 }
 
 // How many expressions each rule has, by its number.
@@ -139,7 +206,7 @@ void add_rule(Findings& out, const GrantPlace& place, const std::vector<const De
   const auto& first = *all.front();
   auto finding = place.about_rule(
       PERM012, first.entry.rule_number,
-      fmt::format("{} can never apply: to {} {}, {}", rule_name(first.entry), first.action,
+      fmt::format("{} {}: to {} {}, {}", rule_name(first.entry), fault(first), first.action,
                   in_quotes(first.entry.topic->text), reason(first)));
   finding.severity = Severity::informational;
   if (first.by.empty()) finding.hint = kUnmatchableHint;
@@ -162,8 +229,8 @@ void lint_dead_rules(Findings& out, const GrantPlace& place) {
     for (const auto* one : all) {
       auto finding = place.about(
           PERM012, one->entry,
-          fmt::format("to {} {} can never apply in {}: {}", one->action,
-                      in_quotes(one->entry.topic->text), rule_name(one->entry), reason(*one)));
+          fmt::format("to {} {} {} in {}: {}", one->action, in_quotes(one->entry.topic->text),
+                      fault(*one), rule_name(one->entry), reason(*one)));
       finding.severity = severity_of(*one);
       if (one->by.empty()) finding.hint = kUnmatchableHint;
       out.add(std::move(finding));

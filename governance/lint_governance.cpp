@@ -196,16 +196,38 @@ bool is_plain(const TopicRule& rule) {
   return !is_protected(rule.metadata_protection_kind) && !is_protected(rule.data_protection_kind);
 }
 
-void check_domain_kinds(Findings& out, const DomainPlace& place) {
+bool protects_anything(const DomainRule& rule) {
+  const auto is_protected_topic = [](const TopicRule& topic) {
+    return is_protected(topic.metadata_protection_kind) || is_protected(topic.data_protection_kind);
+  };
+  return is_protected(rule.rtps_protection_kind) || is_protected(rule.discovery_protection_kind) ||
+         is_protected(rule.liveliness_protection_kind) ||
+         std::ranges::any_of(rule.topic_rules, is_protected_topic);
+}
+
+void check_strangers(Findings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
-  if (rule.allow_unauthenticated_participants && is_protected(rule.rtps_protection_kind))
-    out.add(place.about(
+  if (!rule.allow_unauthenticated_participants || !protects_anything(rule)) return;
+  if (is_protected(rule.rtps_protection_kind))
+    return out.add(place.about(
         GOV022,
         fmt::format(
             "allow_unauthenticated_participants is true and rtps_protection_kind "
             "is {}: strangers can read no message and send none to endpoints of "
             "ddssec; other products take theirs on topics without a protection of their own",
             to_string(rule.rtps_protection_kind))));
+  auto finding = place.about(GOV047,
+                             "allow_unauthenticated_participants is true beside kinds that "
+                             "protect: a stranger's announcement can make "
+                             "Cyclone DDS take a participant for an unauthenticated one, so that "
+                             "two participants stay apart for good");
+  finding.vendors = {kCyclone};
+  out.add(std::move(finding));
+}
+
+void check_domain_kinds(Findings& out, const DomainPlace& place) {
+  const auto& rule = place.rule;
+  check_strangers(out, place);
   for (const auto& [name, kind] :
        {std::pair("discovery_protection_kind", rule.discovery_protection_kind),
         std::pair("liveliness_protection_kind", rule.liveliness_protection_kind),
@@ -330,22 +352,34 @@ void check_origin(Findings& out, const DomainPlace& place) {
                   fmt::join(names, ", "), more)));
 }
 
-// Cyclone's core trusts unprotected announcements in the name of every authenticated peer. ddssec's
-// plugins stop them only where no honest peer sends any.
-void check_clear_discovery(Findings& out, const DomainPlace& place) {
+Finding of_clear_discovery(const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
+  if (!is_protected(place.rule.discovery_protection_kind))
+    return place.about(
+        GOV045,
+        "discovery_protection_kind is NONE beside other kinds that protect: under Cyclone DDS a "
+        "stranger can announce and remove endpoints in the name of any participant, and one "
+        "datagram can end the flow of protected samples for good");
   const auto is_closed = &TopicRule::enable_discovery_protection;
   const auto first = std::ranges::find_if_not(rules, is_closed);
-  const bool is_mixed = first != rules.end() && std::ranges::any_of(rules, is_closed);
-  if (!is_protected(place.rule.discovery_protection_kind) || !is_mixed) return;
   const auto others = std::ranges::count(rules, false, is_closed) - 1;
-  auto finding = place.about(
+  return place.about(
       GOV045, static_cast<std::size_t>(first - rules.begin()),
       fmt::format("{}{}: enable_discovery_protection is false, so that clear discovery stays open "
                   "for the whole domain: under Cyclone DDS a stranger can announce and remove "
                   "endpoints of the protected topics, too, in the name of any participant",
                   in_quotes(first->topic_expression),
                   others > 0 ? fmt::format(" and {} more", others) : ""));
+}
+
+// Cyclone's core trusts unprotected announcements in the name of every authenticated peer. ddssec's
+// plugins stop them only where no honest peer sends any.
+void check_clear_discovery(Findings& out, const DomainPlace& place) {
+  const auto& rules = place.rule.topic_rules;
+  const bool is_closed = is_protected(place.rule.discovery_protection_kind) &&
+                         std::ranges::all_of(rules, &TopicRule::enable_discovery_protection);
+  if (is_closed || !protects_anything(place.rule)) return;
+  auto finding = of_clear_discovery(place);
   finding.vendors = {kCyclone};
   out.add(std::move(finding));
 }

@@ -100,6 +100,11 @@ std::string key_of(const Grant& grant) {
   return "name " + name->key();
 }
 
+bool overlap_in_time(const Grant& one, const Grant& other) {
+  return one.validity.not_before < other.validity.not_after &&
+         other.validity.not_before < one.validity.not_after;
+}
+
 // Successive grants are a renewal, but Cyclone DDS knows only the first.
 void check_repeated_subjects(Findings& out, const std::vector<GrantPlace>& places) {
   std::map<std::string, const GrantPlace*> first;
@@ -107,17 +112,38 @@ void check_repeated_subjects(Findings& out, const std::vector<GrantPlace>& place
     const auto [entry, is_new] = first.try_emplace(key_of(place.grant()), &place);
     if (is_new) continue;
     const auto& earlier = entry->second->grant();
-    const auto& own = place.grant().validity;
-    const bool is_renewal = own.not_before >= earlier.validity.not_after ||
-                            earlier.validity.not_before >= own.not_after;
     auto finding = place.about(
         PERM010, fmt::format("the grant for {} is dead: there is one in line {} already",
                              in_quotes(place.grant().subject_name), earlier.line));
-    if (is_renewal) {
+    if (!overlap_in_time(earlier, place.grant())) {
       finding.severity = Severity::warning;
       finding.vendors = {kCyclone};
     }
     out.add(std::move(finding));
+  }
+}
+
+// An expression for many subjects before the grant of one of them. Each comparison takes
+// microseconds, and a document may hold thousands of grants.
+void check_matched_subjects(Findings& out, const std::vector<GrantPlace>& places) {
+  constexpr std::size_t kMaxExpressions = 64;
+  std::vector<const Grant*> expressions;
+  for (const auto& place : places) {
+    const auto& own = place.grant();
+    if (own.subject_is_expression) {
+      if (expressions.size() < kMaxExpressions) expressions.push_back(&own);
+      continue;
+    }
+    const auto name = pki::SubjectName::parse(own.subject_name);
+    if (!name) continue;
+    const auto earlier = std::ranges::find_if(expressions, [&](const Grant* one) {
+      return overlap_in_time(*one, own) && is_for(*one, *name);
+    });
+    if (earlier == expressions.end()) continue;
+    out.add(place.about(
+        PERM010, fmt::format("the grant for {} is dead: {} in line {} matches this subject, too",
+                             in_quotes(own.subject_name), in_quotes((*earlier)->subject_name),
+                             (*earlier)->line)));
   }
 }
 
@@ -235,6 +261,7 @@ std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& 
     lint_ros(out, place);
   }
   check_repeated_subjects(out, places);
+  check_matched_subjects(out, places);
   if (use.signed_octets > pki::kMaxSentPermissionsOctets)
     out.add(too_long_for_peers(use.signed_octets));
   check_stray_grants(out, permissions, places);

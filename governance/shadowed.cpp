@@ -32,7 +32,7 @@ std::optional<std::string> sample(std::string_view expression) {
 // prefix.
 bool is_plainly_within(std::string_view inner, std::string_view outer) {
   if (inner == outer) return true;
-  constexpr std::string_view kSpecial = "*?[";
+  constexpr std::string_view kSpecial = "*?[\\";
   if (!outer.ends_with('*') || outer.find_first_of(kSpecial) != outer.size() - 1) return false;
   const auto beginning = outer.substr(0, outer.size() - 1);
   return inner.starts_with(beginning);

@@ -22,6 +22,7 @@
 #include "governance/doctor/lint_checks.hpp"
 #include "governance/doctor/ros.hpp"
 #include "governance/doctor/shell_word.hpp"
+#include "governance/doctor/writable_places.hpp"
 #include "pki/key_digest.hpp"
 #include "pki/source.hpp"
 
@@ -162,15 +163,15 @@ void check_no_key_in_public(const fs::path& keystore, Report& report) {
 }
 
 // The folders of enclaves are looked at with the rest of them.
-void check_folder_modes(const fs::path& keystore, Report& report) {
-  for (const auto* name : {"", "private", "public", "enclaves"}) {
-    const auto folder = *name == '\0' ? keystore : keystore / name;
-    struct stat status {};
-    if (::stat(folder.c_str(), &status) == 0 && (status.st_mode & S_IWOTH) != 0)
-      refuse(Rule::DOC104, folder,
-             fmt::format("{} can be written by every user of this machine (mode {:03o})",
-                         folder.string(), status.st_mode & 0777U),
-             report);
+void check_writable_places(const fs::path& keystore, Report& report) {
+  struct stat status {};
+  if (::stat(keystore.c_str(), &status) != 0) return;
+  doctor::WritablePlaces places(status.st_uid);
+  places.add_with_way(keystore);
+  for (const auto* name : {"private", "public", "enclaves"}) places.add(keystore / name);
+  for (const auto& finding : places.findings()) {
+    if (finding.severity == Severity::error) report.exit = Exit::no;
+    report.findings.push_back(finding);
   }
 }
 
@@ -187,6 +188,10 @@ void add_empty(const fs::path& keystore, const Enclaves& enclaves, Report& repor
 void add_findings_of(const doctor::Diagnosis& diagnosis, Report& report) {
   for (const auto& check : diagnosis.checks())
     for (auto finding : check.findings) {
+      // A folder above several enclaves.
+      if (std::ranges::find(report.findings, finding.message, &Finding::message) !=
+          report.findings.end())
+        continue;
       if (finding.rule == Rule::DOC004) {
         finding.severity = Severity::error;
         report.exit = Exit::no;
@@ -212,7 +217,7 @@ Result<Answer<VerifiedKeystore>> keystore_verify(const Arguments& arguments,
       report.errors.emplace_back(Code::key_readable_by_others, ErrorDetails{.document = key});
   }
   check_no_key_in_public(keystore, report);
-  check_folder_modes(keystore, report);
+  check_writable_places(keystore, report);
   add_empty(keystore, enclaves, report);
   Report domains;
   Copies copies(keystore);

@@ -1,4 +1,5 @@
 // Checks that the files exist, have the right kind and are not accessible for other users.
+#include <algorithm>
 #include <array>
 #include <sys/stat.h>
 #include <system_error>
@@ -9,6 +10,7 @@
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured.hpp"
 #include "governance/doctor/stock_spelling.hpp"
+#include "governance/doctor/writable_places.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::governance::doctor {
@@ -223,19 +225,35 @@ void check_layouts(const LoadedFolder& folder, Diagnosis& out) {
   }
 }
 
-// A user who can write there can replace the key and the CA files; a sticky bit protects only files
-// of other users.
-void check_folder_mode(const LoadedFolder& folder, Diagnosis& out) {
+// What a participant or its tools read from the folder.
+bool is_read(const fs::path& path) {
+  constexpr std::array kExtensions = {".pem",        ".p7s", ".der", ".xml",
+                                      ".properties", ".p11", ".key"};
+  return std::ranges::find(kExtensions, path.extension()) != kExtensions.end();
+}
+
+/// The owner of the key, who can do what the participant can; else of the folder.
+uid_t owner_of(const pki::ParticipantFolder& paths) {
   struct stat status {};
-  const auto& path = folder.paths.folder;
-  if (::stat(path.c_str(), &status) != 0) return;
-  if ((status.st_mode & S_IWOTH) == 0) return;
-  out.report(
-      Outcomes::all(Outcome::unsafe),
-      {.rule = Rule::DOC104,
-       .message = fmt::format("{} can be written by every user of this machine (mode {:03o})",
-                              path.string(), status.st_mode & 0777U),
-       .document = path});
+  if (::stat(paths.key.c_str(), &status) != 0) ::stat(paths.folder.c_str(), &status);
+  return status.st_uid;
+}
+
+void check_writable_places(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+  WritablePlaces places(owner_of(folder.paths));
+  const auto add = [&](const fs::path& path) {
+    settings.may_run_elsewhere ? places.add(path) : places.add_with_way(path);
+  };
+  add(folder.paths.folder);
+  std::error_code error;
+  int seen = 0;
+  for (const auto& entry : fs::directory_iterator(folder.paths.folder, error)) {
+    if (++seen > kMaxFiles) break;
+    if (is_read(entry.path())) add(entry.path());
+  }
+  for (const auto& finding : places.findings())
+    out.report(finding.severity == Severity::error ? Outcomes::all(Outcome::unsafe) : Outcomes(),
+               finding);
 }
 
 }  // namespace
@@ -286,7 +304,7 @@ void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis
   check_tokens(folder, out);
   check_mode(folder.paths.key, out);
   check_owner(folder.paths.key, out);
-  check_folder_mode(folder, out);
+  check_writable_places(folder, settings, out);
   check_strangers(folder, out);
   check_layouts(folder, out);
   check_configurations(folder, settings, out);

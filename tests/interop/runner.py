@@ -85,10 +85,19 @@ def verdict(case, outcome):
     return "KNOWN" if outcome.word in dict(case.known) else "FAIL"
 
 
+def may_start_again(case, outcome):
+    """A Fast DDS that joins second sometimes meets no Cyclone DDS within 15 s, on stock plugins too: 4 of 200 pairs on two
+    busy cores, and 4 of 360 with plugins of ours (2026-11-29)."""
+    return case.publisher == "fast" and outcome.word == scenarios.NONE and verdict(case, outcome) == "FAIL"
+
+
 def attempt(numbered, programs, pki):
     number, case = numbered
     try:
         outcome = run(case, programs, pki, number)
+        if may_start_again(case, outcome):
+            print(f"AGAIN {outcome.word:8} {outcome.seconds:5.2f} s {'':10} {case.name}  {case.pair}", flush=True)
+            outcome = run(case, programs, pki, number)
     except (RuntimeError, OSError) as error:
         print(f"runner.py: {case.name} {case.pair}: {error}", file=sys.stderr, flush=True)
         return case, None

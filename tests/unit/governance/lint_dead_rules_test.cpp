@@ -58,11 +58,61 @@ TEST(LintPermissions, PartitionsOfDeadRules) {
   EXPECT_TRUE(dead({}, true, {"x"}, false));
   EXPECT_TRUE(dead({"x*"}, true, {"xy", "xz"}, true));
   EXPECT_FALSE(dead({"x*"}, true, {"xy", "z"}, true));
-  EXPECT_FALSE(dead({"x*"}, true, {"xy"}, false));
+  EXPECT_TRUE(dead({"x*"}, true, {"xy"}, false));
+  EXPECT_TRUE(dead({"x*"}, true, {}, false));
   EXPECT_TRUE(dead({"x*"}, false, {"xy"}, true));
   EXPECT_TRUE(dead({"x*"}, false, {"xy"}, false));
   EXPECT_FALSE(dead({"x*"}, false, {}, true));
   EXPECT_FALSE(dead({"x*"}, false, {}, false));
+}
+
+using Partitions = std::optional<std::vector<Text>>;
+constexpr auto kUnlisted = std::nullopt;
+
+Partitions in(std::initializer_list<const char*> names) {
+  Partitions out(std::in_place);
+  for (const auto* name : names) out->push_back({name, 0});
+  return out;
+}
+
+/// The severity of "deny_rule 2 denies nothing" of `allow *; deny Secret`, and further rules.
+std::optional<Severity> of_denial(Partitions allowed, Partitions denied,
+                                  const std::vector<Rule>& later = {}, bool by_default = false) {
+  std::vector<Rule> rules = {rule(true, {"*"}), rule(false, {"Secret"})};
+  rules[0].publish[0].partitions = std::move(allowed);
+  rules[1].publish[0].partitions = std::move(denied);
+  rules.insert(rules.end(), later.begin(), later.end());
+  auto document = with_rules(std::move(rules));
+  document.grants[0].default_allow = by_default;
+  for (const auto& found : lint(document))
+    if (found.rule == ddssec::Rule::PERM012 &&
+        found.message.starts_with("deny_rule 2 denies nothing"))
+      return found.severity;
+  return std::nullopt;
+}
+
+TEST(LintPermissions, DenialOfWhatIsAllowedInPartitions_IsReportedIfNothingElseIsAllowed) {
+  auto in_partition = rule(true, {"X"});
+  in_partition.publish[0].partitions = in({"A"});
+  EXPECT_EQ(of_denial(in({"*"}), kUnlisted), Severity::error);
+  EXPECT_EQ(of_denial(in({"A", "B*"}), in({"Bx", "A"})), Severity::error);
+  EXPECT_EQ(of_denial(in({"A"}), kUnlisted), Severity::warning);
+  EXPECT_EQ(of_denial(kUnlisted, kUnlisted, {in_partition}), Severity::error) << "of another rule";
+  EXPECT_EQ(of_denial(in({"A"}), in({"B"})), std::nullopt) << "what no rule allows";
+  EXPECT_EQ(of_denial(in({"A"}), kUnlisted, {rule(true, {"S*"})}), std::nullopt) << "limits it";
+  EXPECT_EQ(of_denial(in({"A"}), kUnlisted, {rule(true, {"T*"})}), Severity::warning);
+  EXPECT_EQ(of_denial(in({"*"}), kUnlisted, {}, true), std::nullopt) << "endpoints with data tags";
+}
+
+TEST(LintPermissions, DenialInMoreDomainsThanItsTopicIsAllowedIn_IsReported) {
+  auto allowed = rule(true, {"*"}), denied = rule(false, {"Secret"});
+  allowed.domains.ranges = {{0, 0}};
+  denied.domains.ranges = {{0, 230}};
+  const auto found = only(with_rules({allowed, denied}));
+  EXPECT_EQ(found.rule, ddssec::Rule::PERM012);
+  EXPECT_EQ(found.severity, Severity::warning);
+  denied.domains.ranges = {{1, 230}};
+  EXPECT_TRUE(lint_but_joining(with_rules({allowed, denied})).empty());
 }
 
 TEST(LintPermissions, ExpressionsThatMatchNoName) {

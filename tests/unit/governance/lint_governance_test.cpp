@@ -149,7 +149,7 @@ TEST(LintGovernance, NamesOfRos) {
 
 TEST(LintGovernance, FlagsWithoutAKind) {
   const auto document = changed([](DomainRule& rule) { rule.discovery_protection_kind = none; });
-  EXPECT_EQ(only(document).rule, ddssec::Rule::GOV020);
+  EXPECT_EQ(of(ddssec::Rule::GOV020, document).size(), 1u);
   EXPECT_EQ(only(changed([](DomainRule& rule) { rule.liveliness_protection_kind = none; })).message,
             "\"*\": enable_liveliness_protection is true while liveliness_protection_kind is NONE");
 }
@@ -256,8 +256,52 @@ TEST(LintGovernance, ClearDiscoveryBesideProtectedTopics) {
       "\"t1\" and 1 more: enable_discovery_protection is false, so that clear discovery stays "));
   EXPECT_TRUE(mixed[0].path.ends_with("topic_rule[2]"));
   EXPECT_TRUE(of_flags({true, true}).empty());
-  EXPECT_TRUE(of_flags({false, false}).empty()) << "nothing of it is protected";
-  EXPECT_TRUE(of_flags({true, false}, none).empty()) << "GOV020 says so";
+  EXPECT_EQ(of_flags({false, false}).size(), 1u);
+}
+
+TEST(LintGovernance, WithoutProtectedDiscovery_ReportsItOnlyBesideWhatIsProtected) {
+  const auto of_kinds = [](ProtectionKind rtps, ProtectionKind liveliness, ProtectionKind metadata,
+                           ProtectionKind data) {
+    return of(ddssec::Rule::GOV045, changed([&](DomainRule& rule) {
+                rule.discovery_protection_kind = none;
+                rule.rtps_protection_kind = rtps;
+                rule.liveliness_protection_kind = liveliness;
+                rule.topic_rules = {strict("Square")};
+                rule.topic_rules[0].metadata_protection_kind = metadata;
+                rule.topic_rules[0].data_protection_kind = data;
+              }));
+  };
+  EXPECT_TRUE(of_kinds(none, none, none, none).empty());
+  for (const auto& found :
+       {of_kinds(encrypt, none, none, none), of_kinds(none, sign, none, none),
+        of_kinds(none, none, encrypt, none), of_kinds(none, none, none, encrypt)}) {
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_TRUE(found[0].message.starts_with("discovery_protection_kind is NONE beside "));
+    EXPECT_EQ(found[0].vendors, std::vector<std::string>{"cyclonedds"});
+  }
+}
+
+TEST(LintGovernance, StrangersBesideWhatIsProtected_AreReported) {
+  const auto of_kinds = [](bool strangers, ProtectionKind discovery, ProtectionKind metadata,
+                           ProtectionKind rtps) {
+    return of(ddssec::Rule::GOV047, changed([&](DomainRule& rule) {
+                rule.allow_unauthenticated_participants = strangers;
+                rule.discovery_protection_kind = discovery;
+                rule.liveliness_protection_kind = none;
+                rule.rtps_protection_kind = rtps;
+                rule.topic_rules = {strict("Square")};
+                rule.topic_rules[0].metadata_protection_kind = metadata;
+                rule.topic_rules[0].data_protection_kind = none;
+              }));
+  };
+  const auto found = of_kinds(true, none, sign, none);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].severity, Severity::warning);
+  EXPECT_EQ(found[0].vendors, std::vector<std::string>{"cyclonedds"});
+  EXPECT_EQ(of_kinds(true, encrypt, none, none).size(), 1u);
+  EXPECT_TRUE(of_kinds(false, encrypt, sign, none).empty());
+  EXPECT_TRUE(of_kinds(true, none, none, none).empty()) << "GOV040 says so";
+  EXPECT_TRUE(of_kinds(true, encrypt, sign, encrypt).empty()) << "GOV022 says so";
 }
 
 TEST(LintGovernance, MessagesThatAnAttackerCanRedirect) {

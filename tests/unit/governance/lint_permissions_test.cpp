@@ -53,6 +53,27 @@ TEST(LintPermissions, ASecondGrantIsDead) {
   EXPECT_TRUE(lint_but_joining(read_again({.grants = {grant, other}})).empty());
 }
 
+TEST(LintPermissions, GrantAfterAnExpressionForItsSubject_IsDead) {
+  auto many = grant_for(rights({"a"}));
+  const auto one = many;
+  many.subject_is_expression = true;
+  const auto dead = [&](std::string expression) {
+    many.subject_name = std::move(expression);
+    auto found = lint(read_again({.grants = {many, one}}));
+    std::erase_if(found, [](const Finding& f) { return f.rule != ddssec::Rule::PERM010; });
+    return found;
+  };
+  const auto found = dead("CN=talke?, O=*, C=DE");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].severity, Severity::error);
+  EXPECT_EQ(found[0].path, "/dds/permissions/grant[2]");
+  EXPECT_NE(found[0].message.find("\"CN=talke?, O=*, C=DE\" in line"), std::string::npos)
+      << found[0].message;
+  EXPECT_TRUE(dead("CN=listene?, O=*, C=DE").empty());
+  many.validity = {one.validity.not_after, one.validity.not_after + std::chrono::hours(1)};
+  EXPECT_TRUE(dead("CN=talke?, O=*, C=DE").empty());
+}
+
 TEST(LintPermissions, ARenewedGrantIsDeadForCycloneOnly) {
   auto grant = grant_for(rights({"a"}));
   auto next = grant;

@@ -40,6 +40,7 @@ TEST(Shadows, OneThatMatchesMoreIsAlive) {
   EXPECT_EQ(by({"[ab]", "[abc]"}), By{});
   EXPECT_EQ(by({"?*", "*"}), By{});
   EXPECT_EQ(by({"*"}), By{});
+  EXPECT_EQ(by({"a\\*", "a\\**"}), By{}) << "the first is one name";
 }
 
 TEST(Shadows, SeveralTogetherCanDoIt) {

@@ -1,0 +1,129 @@
+#include "governance/doctor/writable_places.hpp"
+
+#include <algorithm>
+#include <array>
+#include <grp.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+namespace ddssec::governance::doctor {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMaxLinks = 40;  // as Linux
+constexpr std::size_t kMaxEntry = 65'536;
+
+std::string name_of_user(uid_t user) {
+  passwd entry{};
+  passwd* found = nullptr;
+  std::array<char, kMaxEntry> buffer;
+  if (::getpwuid_r(user, &entry, buffer.data(), buffer.size(), &found) == 0 && found != nullptr)
+    return found->pw_name;
+  return std::to_string(user);
+}
+
+struct Group {
+  std::string name;
+  bool has_others = true;  ///< members besides `user`, as far as /etc/group says
+};
+
+Group group_of(gid_t id, std::string_view user) {
+  group entry{};
+  group* found = nullptr;
+  std::array<char, kMaxEntry> buffer;
+  if (::getgrgid_r(id, &entry, buffer.data(), buffer.size(), &found) != 0 || found == nullptr)
+    return {.name = std::to_string(id)};
+  Group out{.name = found->gr_name, .has_others = false};
+  for (auto member = found->gr_mem; *member != nullptr; ++member) out.has_others |= *member != user;
+  return out;
+}
+
+bool is_sticky(const struct stat& status) { return (status.st_mode & S_ISVTX) != 0; }
+
+bool is_open(const struct stat& status) { return (status.st_mode & (S_IWGRP | S_IWOTH)) != 0; }
+
+}  // namespace
+
+WritablePlaces::WritablePlaces(uid_t owner) : owner_(owner) {}
+
+void WritablePlaces::add(const fs::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0) judge(path, status);
+}
+
+void WritablePlaces::add_with_way(const fs::path& path) {
+  add(path);
+  add_way(path, kMaxLinks);
+}
+
+void WritablePlaces::add_way(const fs::path& path, int links_left) {
+  std::error_code error;
+  const auto absolute = fs::absolute(path, error);
+  if (error) return;
+  fs::path name;
+  for (const auto& part : absolute) {
+    name /= part;
+    if (links_left == 0 || !fs::is_symlink(fs::symlink_status(name, error))) continue;
+    add_folders_above(name);
+    const auto target = fs::read_symlink(name, error);
+    if (!error) add_way(name.parent_path() / target, --links_left);
+  }
+  const auto real = fs::canonical(absolute, error);
+  if (!error) add_folders_above(real);
+}
+
+void WritablePlaces::add_folders_above(const fs::path& name) {
+  struct stat below {};
+  if (::lstat(name.c_str(), &below) != 0) return;
+  std::error_code error;
+  for (auto folder = fs::canonical(name.parent_path(), error); !error;
+       folder = folder.parent_path()) {
+    struct stat status {};
+    if (::stat(folder.c_str(), &status) != 0) return;
+    const bool is_held = is_sticky(status) && is_trusted(below.st_uid);
+    if (!is_held || !is_trusted(status.st_uid)) judge(folder, status);
+    if (!folder.has_relative_path()) return;
+    below = status;
+  }
+}
+
+void WritablePlaces::judge(const fs::path& path, const struct stat& status) {
+  const unsigned mode = status.st_mode & 07777U;
+  if (!is_trusted(status.st_uid))
+    return report(path,
+                  fmt::format("{} belongs to the user {}, and the participant to {}", path.string(),
+                              name_of_user(status.st_uid), name_of_user(owner_)),
+                  Severity::warning);
+  if ((mode & S_IWOTH) != 0)
+    return report(path,
+                  fmt::format("{} can be written by every user of this machine (mode {:03o})",
+                              path.string(), mode),
+                  Severity::error);
+  if (!is_open(status) || status.st_gid == 0) return;
+  const auto user = name_of_user(status.st_uid);
+  const auto group = group_of(status.st_gid, user);
+  if (group.name == user && !group.has_others) return;
+  report(path,
+         fmt::format("{} can be written by the group {} (mode {:03o})", path.string(), group.name,
+                     mode),
+         Severity::warning);
+}
+
+bool WritablePlaces::is_trusted(uid_t user) const {
+  return user == 0 || user == owner_ || user == ::geteuid();
+}
+
+void WritablePlaces::report(const fs::path& path, std::string message, Severity severity) {
+  if (std::ranges::find(findings_, message, &Finding::message) != findings_.end()) return;
+  findings_.push_back({.rule = Rule::DOC104,
+                       .message = std::move(message),
+                       .document = path.string(),
+                       .severity = severity});
+}
+
+}  // namespace ddssec::governance::doctor

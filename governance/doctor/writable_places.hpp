@@ -1,0 +1,43 @@
+// Finds what users other than root and the participant's own could replace.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <sys/types.h>
+#include <vector>
+
+#include "base/finding.hpp"
+
+struct stat;
+
+namespace ddssec::governance::doctor {
+
+/// Collects DOC104: a file or folder that every user of this machine can write (an error), or that
+/// belongs to another user or can be written by a group (a warning). A group does not count if it
+/// is root's, or if it has the name of its owner and no further member.
+class WritablePlaces {
+ public:
+  /// `owner` is the participant's user. It is trusted, as are root and the user of this process.
+  explicit WritablePlaces(uid_t owner);
+
+  /// Looks at what `path` leads to alone.
+  void add(const std::filesystem::path& path);
+  /// Looks at it, at all folders above it, and at all links on the way and what is above them. In a
+  /// folder with the sticky bit, such as /tmp, it suffices that a name belongs to a trusted user.
+  void add_with_way(const std::filesystem::path& path);
+
+  /// In the order in which they were found, each once.
+  const std::vector<Finding>& findings() const { return findings_; }
+
+ private:
+  void add_way(const std::filesystem::path& path, int links_left);
+  void add_folders_above(const std::filesystem::path& name);
+  void judge(const std::filesystem::path& path, const struct stat& status);
+  bool is_trusted(uid_t user) const;
+  void report(const std::filesystem::path& path, std::string message, Severity severity);
+
+  uid_t owner_;
+  std::vector<Finding> findings_;
+};
+
+}  // namespace ddssec::governance::doctor
