@@ -43,13 +43,20 @@ class Page(AgentTest):
         (self.at / "identity").mkdir()
         shell, option, script = spec["initContainers"][0]["command"]
         subprocess.run([shell, option, self.here(script)], check=True, timeout=60)
-        hook = pathlib.Path(self.signing_hook())
-        (self.at / "dir").mkdir()
-        hook.rename(self.at / "dir/ask-the-ca")
-        (self.at / "dir").rename(self.at / "hook")
         agent, = [one for one in spec["containers"] if one["name"] == "agent"]
+        mounted, = [one for one in agent["volumeMounts"] if one["name"] == "hook"]
+        self.assertEqual(mounted["mountPath"], f"/hook/{mounted['subPath']}")  # the folder is the container runtime's
+        hook = self.at / "hook/ask-the-ca"
+        signing = pathlib.Path(self.signing_hook())
+        (self.at / "dir").mkdir(mode=0o755)
+        signing.rename(self.at / "dir/ask-the-ca")
+        (self.at / "dir").rename(hook.parent)
         program, command, folder, *words = map(self.here, agent["command"])
         self.assertEqual((program, command), ("ddssec", "agent"))
+        self.assertEqual(words, ["--hook", str(hook)])
+        hook.parent.chmod(0o777)  # as kubelet makes the folder of a volume
+        self.refused("hook_unsafe", *words, *self.LATER, folder=folder, exit=4)
+        hook.parent.chmod(0o755)
         event, = self.once(*words, *self.LATER, folder=folder)
         self.assertEqual(event["event"], "renewed")
         shutil.rmtree(self.at / "secret")
