@@ -20,6 +20,7 @@ WAIT = 60.0   # seconds until an event on a loaded machine
 OUT = 2.0     # seconds after its end until a participant that is not renewed is out
 LONG = 3600   # seconds that documents last which must not end
 SLOW = 8.0    # seconds that a loaded machine may add to it
+QUIET = 1.0   # the load before a run whose times count
 LEFT = "e6"   # the participant that is not renewed
 NARROWED = "e5"
 EMBEDDED = [f"e{i}" for i in range(1, 7)]
@@ -62,7 +63,7 @@ class Story:
         self.is_short, self.peers, self.agent, self.renewer, self.space = is_short, {}, None, None, None
         self.form = "short" if is_short else "long"
         self.quiet_seconds, self.duration = (12, 110) if is_short else (15, 600)
-        self.figures, self.steps, self.began = {}, [], time.time()
+        self.figures, self.steps, self.began, self.load = {}, [], time.time(), os.getloadavg()[0]
         self.renewed = [name for name in EMBEDDED + CYCLONE if name != LEFT]
 
     def start(self, build, at):
@@ -396,9 +397,21 @@ def judge(story):
         outlived = [event for event in story.peers[name].events("session_outlived_documents")
                     if event["peer_subject"].removeprefix("CN=") in EMBEDDED]
         check(f"{name} ended a session with an embedded one: {outlived[:2]}", not outlived)
-    trip, gap = (streams(story.changing, *where) for where in (("e1", "Pong"), ("e3", "Video")))
-    check(f"round trips of seconds: {trip}", trip["e4"]["p99_ms"] < 1000)
-    check(f"a gap of seconds: {gap}", gap["e2"]["worst_gap_ms"] < 5000)
+    check_times(story)
+
+
+def check_times(story):
+    """What a change may cost is measured on a machine that does nothing else; on others, nothing may take seconds."""
+    quiet, changing = (streams(report, "e1", "Pong")["e4"]["p99_ms"] for report in (story.quiet, story.changing))
+    gap = streams(story.changing, "e3", "Video")["e2"]["worst_gap_ms"]
+    out = story.figures["out"]
+    is_quiet = story.load < QUIET
+    limits = (2 * quiet, 50, 2) if is_quiet else (1000, 5000, 10)
+    print(f"load {story.load:.1f} at the start, so the limits are those of a {'quiet' if is_quiet else 'busy'} machine: round "
+          f"trip, 99 % {limits[0]:.1f} ms, gap {limits[1]} ms, out within {limits[2]} s")
+    check(f"99 % of the round trips within {changing} ms, without changes {quiet} ms", changing <= limits[0])
+    check(f"a gap of {gap} ms between embedded participants", gap <= limits[1])
+    check(f"{LEFT} was out {out} s after its end", out <= limits[2])
 
 
 def run(build, at, is_short):
