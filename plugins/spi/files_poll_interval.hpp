@@ -7,7 +7,7 @@
 
 namespace ddssec::spi {
 
-inline constexpr std::chrono::seconds kDefaultFilesPollInterval{5};
+inline constexpr std::chrono::seconds kDefaultFilesPollInterval{1};
 inline constexpr std::chrono::seconds kMaxFilesPollInterval{24 * 60 * 60};
 
 /// The value of `org.ddssec.files_poll_interval` in seconds, at most kMaxFilesPollInterval;
