@@ -42,6 +42,16 @@ void BuiltinMatcher::unmatch(const RemoteParticipant& remote) {
   });
 }
 
+// A new match begins with the first announcement that the writer keeps.
+void BuiltinMatcher::read_again(RemoteParticipant& remote) {
+  for (const auto& info : kBuiltinTopics) {
+    if (info.topic != BuiltinTopic::publications && info.topic != BuiltinTopic::subscriptions)
+      continue;
+    builtin_.find_reader(info.reader)->unmatch({remote.prefix(), info.writer});
+    match(info, remote, false);
+  }
+}
+
 void BuiltinMatcher::readdress(const RemoteParticipant& remote, MonotonicTime now) {
   builtin_.each([&](const auto& info, auto& writer, auto& reader) {
     writer.readdress({remote.prefix(), info.reader}, remote.metatraffic, now);

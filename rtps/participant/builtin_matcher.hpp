@@ -16,6 +16,8 @@ class BuiltinMatcher {
   /// Called when the keys for that participant and the local endpoint have arrived.
   void match(const EntityId& local, RemoteParticipant& remote);
   void unmatch(const RemoteParticipant& remote);
+  /// Requests all plain announcements of the participant's endpoints again.
+  void read_again(RemoteParticipant& remote);
   /// The addresses that are used for the participant may have changed.
   void readdress(const RemoteParticipant& remote, MonotonicTime now);
   /// Called when a message from the participant's endpoints of DCPSParticipantsSecure has arrived.

@@ -70,21 +70,6 @@ LocatorList where_to_answer(const LocatorList& metatraffic, const SourceAddress&
   return out;
 }
 
-/// Makes room for a securely announced endpoint: removes the unprotected announcement of the same
-/// endpoint and, if there is still no room, all unprotected ones. Any host may have sent those.
-void remove_clear(const Discovery::Parts& parts, RemoteParticipant& remote,
-                  const EndpointData& secure) {
-  const auto id = secure.guid.entity;
-  const auto known = remote.endpoints.find(id);
-  if (known != remote.endpoints.end() && !known->second.data.by_secure_discovery)
-    parts.matcher.remove(remote, id);
-  if (parts.remotes.has_room(remote, secure)) return;
-  std::vector<EntityId> clear;
-  for (const auto& [other, endpoint] : remote.endpoints)
-    if (!endpoint.data.by_secure_discovery) clear.push_back(other);
-  for (const auto& other : clear) parts.matcher.remove(remote, other);
-}
-
 /// Takes over the data that the peer signed but that no handshake needs. For Cyclone DDS this is
 /// its version, which determines how it lays out keys. ddssec also signs its name and user data,
 /// unless DCPSParticipantsSecure carries them. For other vendors, name and user data stay as
@@ -146,7 +131,10 @@ void note_earned(ParticipantCore& core, const GuidPrefix& source) {
 }  // namespace
 
 Discovery::Discovery(ParticipantCore& core, const Parts& parts)
-    : core_(core), parts_(parts), builtin_(core, parts.local.builtin()) {}
+    : core_(core),
+      parts_(parts),
+      builtin_(core, parts.local.builtin()),
+      clear_(core, parts.remotes, parts.matcher, builtin_) {}
 
 // ---- participants that are found
 
@@ -355,7 +343,10 @@ void Discovery::on_endpoint(const Change& change, bool publications, bool secure
     const auto key = change.key_hash ? Guid::from(*change.key_hash)
                                      : read_endpoint_key(change.payload.view()).value_or(Guid{});
     if (key.prefix != remote->prefix()) return;
-    if (may_change(key.entity)) return parts_.matcher.remove(*remote, key.entity);
+    if (may_change(key.entity)) {
+      clear_.note_ended(*remote, key.entity, secure);
+      return parts_.matcher.remove(*remote, key.entity);
+    }
     ++core_.counters.refused_discovery;
     return parts_.matcher.doubt(*remote, key.entity);
   }
@@ -372,7 +363,8 @@ void Discovery::on_endpoint(const Change& change, bool publications, bool secure
     ++core_.counters.refused_discovery;
     return;
   }
-  if (secure) remove_clear(parts_, *remote, *data);
+  if (secure) clear_.give_way(*remote, *data);
+  if (!clear_.note_announced(*remote, *data)) return;
   parts_.matcher.add(*remote, std::move(*data));
 }
 

@@ -4,9 +4,8 @@
 #pragma once
 
 #include "rtps/participant/announcer.hpp"
-#include "rtps/participant/builtin_matcher.hpp"
+#include "rtps/participant/clear_announcements.hpp"
 #include "rtps/participant/endpoint_lookup.hpp"
-#include "rtps/participant/endpoint_matcher.hpp"
 #include "rtps/participant/writer_liveliness.hpp"
 
 namespace ddssec::rtps {
@@ -73,6 +72,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   ParticipantCore& core_;
   const Parts parts_;
   BuiltinMatcher builtin_;
+  ClearAnnouncements clear_;
   std::vector<GuidPrefix> gone_;
 };
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "base/rollback.hpp"
 #include "rtps/participant/endpoint_compatibility.hpp"
 #include "rtps/participant/remote_addresses.hpp"
@@ -22,6 +20,25 @@ bool contains(const auto& list, const auto& value) {
   return std::ranges::find(list, value) != list.end();
 }
 
+/// Access control is checked first, so that a participant that may not use the topic cannot change
+/// a local status. Empty: they do not match.
+std::optional<Admission::Permission> judge(ParticipantCore& core, const EndpointData& local,
+                                           EndpointListener& listener, const EndpointData& remote) {
+  const bool is_secured = core.security && remote.guid.prefix != core.config.prefix;
+  std::optional permission = Admission::Permission();
+  if (is_secured)
+    permission = core.security->admit(local.guid.entity, Admission::Endpoint::of(remote));
+  if (!permission || !is_compatible(local, remote, listener, core)) return std::nullopt;
+  return permission;
+}
+
+/// Returns false if the keys of the pair have not arrived yet.
+bool introduce(ParticipantCore& core, const EntityId& local, const Guid& remote,
+               const Admission::Permission& permission) {
+  if (!core.security || remote.prefix == core.config.prefix) return true;
+  return core.security->introduce(local, remote, permission.relay_only);
+}
+
 }  // namespace
 
 EndpointMatcher::EndpointMatcher(ParticipantCore& core, LocalEndpoints& local,
@@ -29,7 +46,8 @@ EndpointMatcher::EndpointMatcher(ParticipantCore& core, LocalEndpoints& local,
     : core_(core),
       local_(local),
       remotes_(remotes),
-      presence_(core, local, remotes,
+      places_(core, local, [this](const EntityId& own, const Guid& remote) { match(own, remote); }),
+      presence_(core, local, remotes, places_,
                 [this](const EntityId& writer, const Guid& reader) { match(writer, reader); }) {}
 
 // ---- local endpoints
@@ -190,11 +208,14 @@ void EndpointMatcher::remove_all(RemoteParticipant& remote) {
 }
 
 void EndpointMatcher::readdress(RemoteParticipant& remote) {
+  remote.clear_addresses.clear();
   for (const auto& [id, endpoint] : remote.endpoints) {
     const auto& data = endpoint.data;
+    const auto& writers = topics_[data.topic_name].writers;
+    const auto is_used = [&](const auto* writer) { return writer->matched.contains(data.guid); };
+    if (endpoint.readers.empty() && std::ranges::none_of(writers, is_used)) continue;
     const auto addresses = addresses_of(core_, remote, data);
-    for (auto* writer : topics_[data.topic_name].writers)
-      writer->protocol->readdress(data.guid, addresses, core_.now);
+    for (auto* writer : writers) writer->protocol->readdress(data.guid, addresses, core_.now);
     for (auto* reader : endpoint.readers) reader->readdress(data.guid, addresses);
   }
 }
@@ -216,39 +237,14 @@ std::optional<EndpointData> EndpointMatcher::endpoint_on(const std::string& topi
 
 // ---- both
 
-bool EndpointMatcher::has_place(const EntityId& local, const MatchTable& matched,
-                                RemoteParticipant& remote, const EndpointData& endpoint) {
-  if (&remote == &remotes_.self()) return true;
-  const bool has_macs = core_.security && core_.security->keyring().levels(local).receiver_macs;
-  if (matched.has_room(core_.identity_of(remote.prefix()), has_macs)) return true;
-  ++core_.counters.refused_discovery;
-  if (std::exchange(remote.exceeds_matches, true)) return false;
-  auto expected = fmt::format("at most {} endpoints of one identity that match one of ours",
-                              MatchTable::kMaxOfOne);
-  if (has_macs)
-    expected += fmt::format(
-        ", and with origin authentication at most {} of all, and of one identity no more than "
-        "places are free",
-        MatchTable::kMaxWithMacs);
-  core_.raise_about(
-      Error(Code::rtps_too_many_endpoints, {.expected = std::move(expected), .found = "more"}),
-      endpoint);
-  return false;
-}
-
-EndpointMatcher::Verdict EndpointMatcher::judge(const EndpointData& local,
-                                                EndpointListener& listener,
-                                                const EndpointData& remote) {
-  const bool is_secured = core_.security && remote.guid.prefix != local_.prefix();
-  std::optional<Admission::Permission> permission;
-  if (is_secured)
-    permission = core_.security->admit(local.guid.entity, Admission::Endpoint::of(remote));
-  if (is_secured && !permission) return Verdict::refused;
-  if (!is_compatible(local, remote, listener, core_)) return Verdict::refused;
-  if (!is_secured) return Verdict::ready;
-  return core_.security->introduce(local.guid.entity, remote.guid, permission->relay_only)
-             ? Verdict::ready
-             : Verdict::awaits_keys;
+template <class Local>
+void EndpointMatcher::take_place(Local& local, const EndpointData& endpoint) {
+  const MatchPlaces::Local of(local);
+  if (const auto other = places_.in_the_way(of, endpoint)) {
+    forget(local, *other, true);
+    places_.note_displaced(of, *other);
+  }
+  places_.take(of, endpoint);
 }
 
 void EndpointMatcher::match(const EntityId& local, const Guid& remote) {
@@ -263,10 +259,11 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
                             const EndpointData& data) {
   if (!is_reader(data.guid.entity)) return;
   const bool known = writer.matched.contains(data.guid);
-  if (!known && !has_place(writer.data.guid.entity, writer.matched, remote, data)) return;
-  const auto verdict = judge(writer.data, *writer.listener, data);
-  if (verdict == Verdict::refused) return forget(writer, data.guid, true);
-  if (verdict == Verdict::awaits_keys || writer.silent.contains(data.guid)) return;
+  const auto permission = judge(core_, writer.data, *writer.listener, data);
+  if (!permission) return forget(writer, data.guid, true);
+  const bool is_silent = writer.silent.contains(data.guid);
+  if (!known && !is_silent && !places_.has_place(MatchPlaces::Local(writer), remote, data)) return;
+  if (!introduce(core_, writer.data.guid.entity, data.guid, *permission) || is_silent) return;
   // A reader in this process gets each sample directly and filters by itself.
   const auto* near =
       neighbour_of(local_, core_.config.neighbourhood.get(), writer.data.guid.entity, data.guid);
@@ -277,7 +274,7 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
     if (!writer.unready.contains(data.guid)) writer.listener->on_matched(data);
     return;
   }
-  writer.matched.add(data.guid, core_.identity_of(data.guid.prefix));
+  take_place(writer, data);
   const bool waits = presence_.awaits(writer, data);
   const bool history = data.qos.durability >= DurabilityKind::transient_local;
   const auto locators = in_process ? LocatorList{} : addresses_of(core_, remote, data);
@@ -296,17 +293,17 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
   auto& matched = remote.endpoints.find(data.guid.entity)->second.readers;
   const bool known = contains(matched, reader.protocol.get());
   if (known) remote.stop_watching(*reader.listener, data.guid);
-  if (!known && !has_place(own.entity, reader.matched, remote, data)) return;
-  const auto verdict = judge(reader.data, *reader.listener, data);
-  if (verdict == Verdict::refused) return forget(reader, data.guid, true);
-  if (verdict == Verdict::awaits_keys) return;
+  const auto permission = judge(core_, reader.data, *reader.listener, data);
+  if (!permission) return forget(reader, data.guid, true);
+  if (!known && !places_.has_place(MatchPlaces::Local(reader), remote, data)) return;
+  if (!introduce(core_, own.entity, data.guid, *permission)) return;
   if (known) {
     reader.listener->on_matched(data);
     return remote.watch(*reader.listener, data, core_.now);
   }
+  take_place(reader, data);
   matched.push_back(reader.protocol.get());
   const auto identity = core_.identity_of(data.guid.prefix);
-  reader.matched.add(data.guid, identity);
   const auto* near = neighbour_of(local_, core_.config.neighbourhood.get(), own.entity, data.guid);
   const bool in_process = near != nullptr;
   const bool history =
@@ -324,15 +321,18 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
 void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote, bool stays) {
   if (core_.security) core_.security->keyring().separate(writer.data.guid.entity, remote, stays);
   presence_.forget(writer, remote);
+  writer.waiting.remove(remote);
   if (!writer.matched.remove(remote)) return;
   writer.protocol->unmatch(remote);
   note_reader_gone(core_, writer.data.guid.entity, remote);
   writer.listener->on_unmatched(remote);
+  places_.note_room(MatchPlaces::Local(writer));
 }
 
 void EndpointMatcher::forget(LocalReader& reader, const Guid& remote, bool stays) {
   const auto keys = core_.keys_of(reader.data.guid.entity, remote);
   if (core_.security) core_.security->keyring().separate(reader.data.guid.entity, remote, stays);
+  reader.waiting.remove(remote);
   if (!reader.matched.remove(remote)) return;
   if (auto* participant = remotes_.find_or_self(remote.prefix))
     participant->stop_watching(*reader.listener, remote);
@@ -341,6 +341,7 @@ void EndpointMatcher::forget(LocalReader& reader, const Guid& remote, bool stays
   reader.protocol->unmatch(remote, keys);
   note_writer_gone(core_, reader.data.guid.entity, remote);
   reader.listener->on_unmatched(remote);
+  places_.note_room(MatchPlaces::Local(reader));
 }
 
 }  // namespace ddssec::rtps

@@ -60,15 +60,9 @@ class EndpointMatcher {
     std::set<Guid> remotes;
     bool empty() const { return writers.empty() && readers.empty() && remotes.empty(); }
   };
-  enum class Verdict { refused, awaits_keys, ready };
-
-  /// Returns false if the identity of `remote` has reached its limit of matches with this endpoint.
-  /// This is counted, and an event is raised once.
-  bool has_place(const EntityId& local, const MatchTable& matched, RemoteParticipant& remote,
-                 const EndpointData& endpoint);
-  /// Access control is checked first, so that a participant that may not use the topic cannot
-  /// change a local status.
-  Verdict judge(const EndpointData& local, EndpointListener& listener, const EndpointData& remote);
+  /// Adds the endpoint to those that matched. If there is no room, another one gives way.
+  template <class Local>
+  void take_place(Local& local, const EndpointData& endpoint);
   void match(LocalWriter& writer, RemoteParticipant& remote, const EndpointData& data);
   void match(LocalReader& reader, RemoteParticipant& remote, const EndpointData& data);
   /// Matches two local endpoints.
@@ -87,6 +81,7 @@ class EndpointMatcher {
   LocalEndpoints& local_;
   RemoteParticipants& remotes_;
   std::map<std::string, TopicEnds> topics_;
+  MatchPlaces places_;
   ReaderPresence presence_;
 };
 

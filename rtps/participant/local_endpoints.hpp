@@ -9,6 +9,7 @@
 #include "rtps/participant/endpoint_listener.hpp"
 #include "rtps/participant/match_table.hpp"
 #include "rtps/participant/participant_core.hpp"
+#include "rtps/participant/waiting_matches.hpp"
 
 namespace ddssec::rtps {
 
@@ -21,6 +22,7 @@ struct LocalWriter {
   /// Not matched any more because they stayed silent (DoubtedReaders), with their answers until
   /// then. They match again when they are heard.
   std::map<Guid, RecentMessages<AckNack>> silent = {};
+  WaitingMatches waiting = {};
 };
 
 struct LocalReader {
@@ -28,6 +30,7 @@ struct LocalReader {
   EndpointListener* listener = nullptr;
   std::unique_ptr<StatefulReader> protocol;
   MatchTable matched = {};
+  WaitingMatches waiting = {};
 };
 
 /// Knows remote endpoints only by GUID, as EndpointMatcher matched them.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "base/ids.hpp"
@@ -9,7 +10,8 @@
 namespace ddssec::rtps {
 
 /// Each entry includes the identity that the endpoint belonged to when it matched
-/// (ParticipantCore::identity_of).
+/// (ParticipantCore::identity_of), and whether its announcement is proven: only its participant can
+/// have sent it.
 class MatchTable {
  public:
   /// Limit for the endpoints of one identity.
@@ -23,32 +25,58 @@ class MatchTable {
 
   /// `has_macs`: its submessages carry a MAC for each match.
   bool has_room(const GuidPrefix& identity, bool has_macs = false) const {
-    const auto known = counts_.find(identity);
-    const auto own = known == counts_.end() ? 0 : known->second;
-    if (own >= kMaxOfOne) return false;
-    return !has_macs || (matched_.size() < kMaxWithMacs && own < kMaxWithMacs - matched_.size());
+    return fits(count(identity), matched_.size(), has_macs);
   }
-  void add(const Guid& remote, const GuidPrefix& identity) {
-    if (matched_.try_emplace(remote, identity).second) ++counts_[identity];
+  /// Returns the endpoint of the identity that matched last of those that are not proven. Empty if
+  /// there is none, or if without it there is still no room.
+  std::optional<Guid> replaceable(const GuidPrefix& identity, bool has_macs) const {
+    const auto at = shares_.find(identity);
+    if (at == shares_.end() || at->second.unproven.empty()) return std::nullopt;
+    if (!fits(at->second.count - 1, matched_.size() - 1, has_macs)) return std::nullopt;
+    return at->second.unproven.rbegin()->second;
+  }
+  void add(const Guid& remote, const GuidPrefix& identity, bool is_proven = true) {
+    if (!matched_.try_emplace(remote, Entry{identity, ++last_}).second) return;
+    auto& share = shares_[identity];
+    ++share.count;
+    if (!is_proven) share.unproven.emplace(last_, remote);
   }
   /// Returns false if the endpoint was not in the table.
   bool remove(const Guid& remote) {
     const auto at = matched_.find(remote);
     if (at == matched_.end()) return false;
-    const auto count = counts_.find(at->second);
-    if (--count->second == 0) counts_.erase(count);
+    const auto share = shares_.find(at->second.identity);
+    share->second.unproven.erase(at->second.number);
+    if (--share->second.count == 0) shares_.erase(share);
     matched_.erase(at);
     return true;
   }
   std::vector<Guid> guids() const {
     std::vector<Guid> out;
-    for (const auto& [guid, identity] : matched_) out.push_back(guid);
+    for (const auto& [guid, entry] : matched_) out.push_back(guid);
     return out;
   }
 
  private:
-  std::map<Guid, GuidPrefix> matched_;
-  std::map<GuidPrefix, std::size_t> counts_;
+  struct Entry {
+    GuidPrefix identity;
+    std::uint64_t number;  ///< in the order of their matches
+  };
+  struct Share {
+    std::size_t count = 0;
+    std::map<std::uint64_t, Guid> unproven = {};  ///< by their numbers
+  };
+  static bool fits(std::size_t own, std::size_t all, bool has_macs) {
+    return own < kMaxOfOne && (!has_macs || (all < kMaxWithMacs && own < kMaxWithMacs - all));
+  }
+  std::size_t count(const GuidPrefix& identity) const {
+    const auto at = shares_.find(identity);
+    return at == shares_.end() ? 0 : at->second.count;
+  }
+
+  std::map<Guid, Entry> matched_;
+  std::map<GuidPrefix, Share> shares_;
+  std::uint64_t last_ = 0;
 };
 
 }  // namespace ddssec::rtps

@@ -90,6 +90,11 @@ struct ParticipantCore {
     return security ? security->core().origin_of_announcement(endpoint, by_secure_discovery)
                     : Origin::anyone;
   }
+  /// Only its participant can have announced the endpoint.
+  bool is_proven(const EndpointData& announced) const {
+    return origin_of_announcement(announced.guid, announced.by_secure_discovery) ==
+           Origin::its_keys;
+  }
   /// The governance's attributes of the domain. Without security: nothing is protected.
   const spi::ParticipantSecurityAttributes& attributes() const {
     static const spi::ParticipantSecurityAttributes kNone;

@@ -87,6 +87,7 @@ void ReaderPresence::on_silent(const DoubtedReaders::Pair& pair) {
   writer->silent.emplace(pair.reader, proxy->acknacks);
   writer->protocol->unmatch(pair.reader);
   writer->listener->on_unmatched(pair.reader);
+  places_.note_room(MatchPlaces::Local(*writer));
   core_.raise_about(Error(Code::rtps_reader_silent, {.field = data->topic_name}), *data);
 }
 

@@ -4,9 +4,8 @@
 #include <functional>
 
 #include "rtps/participant/doubted_readers.hpp"
-#include "rtps/participant/local_endpoints.hpp"
+#include "rtps/participant/match_places.hpp"
 #include "rtps/participant/readiness_queue.hpp"
-#include "rtps/participant/remote_participants.hpp"
 
 namespace ddssec::rtps {
 
@@ -15,8 +14,13 @@ class ReaderPresence final : private DoubtedReaders::Host {
  public:
   /// `match_again`: called when a reader that counted as ended is heard.
   ReaderPresence(ParticipantCore& core, LocalEndpoints& local, RemoteParticipants& remotes,
+                 MatchPlaces& places,
                  std::function<void(const EntityId& writer, const Guid& reader)> match_again)
-      : core_(core), local_(local), remotes_(remotes), match_again_(std::move(match_again)) {}
+      : core_(core),
+        local_(local),
+        remotes_(remotes),
+        places_(places),
+        match_again_(std::move(match_again)) {}
 
   /// The reader matches from now on. Returns true if that is not yet to be reported to the writer's
   /// owner (ReadinessQueue).
@@ -42,6 +46,7 @@ class ReaderPresence final : private DoubtedReaders::Host {
   ParticipantCore& core_;
   LocalEndpoints& local_;
   RemoteParticipants& remotes_;
+  MatchPlaces& places_;
   const std::function<void(const EntityId&, const Guid&)> match_again_;
   ReadinessQueue readiness_;
   DoubtedReaders doubted_{*this};

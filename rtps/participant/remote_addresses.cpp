@@ -105,6 +105,41 @@ void report_unproven(ParticipantCore& core, RemoteParticipant& remote,
       endpoint);
 }
 
+void report_too_many(ParticipantCore& core, RemoteParticipant& remote, const EndpointData& endpoint,
+                     const Locator& address) {
+  if (std::exchange(remote.exceeds_addresses, true)) return;
+  core.raise_about(
+      Error(Code::rtps_too_many_addresses,
+            {.document = "topic " + endpoint.topic_name,
+             .field = "unicast locator of " + endpoint.guid.to_string(),
+             .expected = fmt::format("at most {} addresses beside those of its participant",
+                                     ClearAddresses::kMax),
+             .found = to_string(address),
+             .note = "no further event about the addresses of this participant follows"}),
+      endpoint);
+}
+
+bool is_own(const RemoteParticipant& remote, const Locator& address) {
+  const auto has = [&](const LocatorList& list) {
+    return std::ranges::find(list, address) != list.end();
+  };
+  return has(remote.user) || has(remote.metatraffic) || has(remote.signed_user) ||
+         has(remote.signed_metatraffic);
+}
+
+/// Those of the addresses that the endpoint may use although anyone can have announced it.
+LocatorList within_limit(ParticipantCore& core, RemoteParticipant& remote,
+                         const EndpointData& endpoint, const LocatorList& addresses) {
+  LocatorList out;
+  for (const auto& address : addresses) {
+    if (is_own(remote, address) || remote.clear_addresses.use(address, endpoint.guid.entity))
+      out.push_back(address);
+    else
+      report_too_many(core, remote, endpoint, address);
+  }
+  return out;
+}
+
 }  // namespace
 
 bool adopt_signed_addresses(ParticipantCore& core, RemoteParticipant& remote,
@@ -176,7 +211,9 @@ LocatorList addresses_of(ParticipantCore& core, RemoteParticipant& remote,
     if (is_at_its_hosts(core, remote, locator)) out.push_back(locator);
   }
   if (any && out.empty()) report_unproven(core, remote, endpoint);
-  return usable_locators(out, remote.user, own);
+  auto used = usable_locators(out, {}, own);
+  if (core.security && !core.is_proven(endpoint)) used = within_limit(core, remote, endpoint, used);
+  return used.empty() ? remote.user : used;
 }
 
 }  // namespace ddssec::rtps

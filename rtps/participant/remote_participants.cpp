@@ -271,6 +271,7 @@ void RemoteParticipants::remove(RemoteParticipant& remote, const EntityId& id) {
   remote.endpoint_octets -= known->second.price;
   announced_.remove(remote.account, {known->second.price, 1});
   remote.endpoints.erase(known);
+  remote.clear_addresses.release(id);
 }
 
 void RemoteParticipants::listen(DiscoveryListener* listener) {

@@ -6,9 +6,11 @@
 
 #include "rtps/budget/announced_shares.hpp"
 #include "rtps/discovery/discovery_listener.hpp"
+#include "rtps/participant/clear_addresses.hpp"
 #include "rtps/participant/endpoint_listener.hpp"
 #include "rtps/participant/participant_core.hpp"
 #include "rtps/participant/proven_hosts.hpp"
+#include "rtps/participant/second_reading.hpp"
 #include "rtps/participant/unproven_participants.hpp"
 
 namespace ddssec::rtps {
@@ -54,6 +56,11 @@ struct RemoteParticipant {
   bool exceeds_matches = false;
   /// It announced an endpoint at hosts that are not proven, and the event was raised.
   bool has_unproven_endpoints = false;
+  SecondReading second_reading = {};
+  /// What its clear announcements add to its own addresses.
+  ClearAddresses clear_addresses = {};
+  /// They would have added more, and the event was raised.
+  bool exceeds_addresses = false;
 
   const GuidPrefix& prefix() const { return data.guid.prefix; }
   /// nullptr: none of its writers of this kind with a finite lease is matched. Not for

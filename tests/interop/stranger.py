@@ -317,12 +317,17 @@ class Network:
             datagram = packet[(packet[0] & 15) * 4 + 8:]
             if packet[9] != socket.IPPROTO_UDP or datagram[:4] != b"RTPS":
                 continue
-            if port := unicast_port(datagram):
-                if packet[16] == 239:
-                    self.group = destination(packet)
-                self.ports.setdefault(datagram[8:20], port)
-                self.announcements.setdefault(datagram[8:20], datagram)
+            if self.note(datagram) and packet[16] == 239:
+                self.group = destination(packet)
         return sorted(self.ports)  # the lower begins
+
+    def note(self, message):
+        """Remembers where its participant is, if it is an announcement."""
+        port = unicast_port(message)
+        if port:
+            self.ports.setdefault(message[8:20], port)
+            self.announcements.setdefault(message[8:20], message)
+        return port
 
     def heard(self, seconds):
         """Destination and octets of all RTPS messages for so long."""

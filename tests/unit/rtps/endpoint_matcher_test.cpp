@@ -62,11 +62,34 @@ TEST(Participant, OneIdentityMatchesABoundedNumberOfTimesWithOneEndpoint) {
   ASSERT_TRUE(c.participant.create_reader(square(default_reader_qos()), c.listener, world.now));
   world.run();
   EXPECT_EQ(a.listener.matched, kMax + 1) << "another one's";
-  for (int i = 0; i < 10; ++i)
-    b.participant.remove(readers[static_cast<std::size_t>(i)], world.now);
-  ASSERT_TRUE(b.participant.create_reader(square(default_reader_qos()), b.listener, world.now));
+}
+
+// Before the fix, a reader that found no place never matched.
+TEST(Participant, WhereOneIdentityHasNoPlaceLeft_ItsEndpointsWaitForOne) {
+  Node a{1}, b{2};
+  World world{{&a, &b}};
+  const auto writer =
+      *a.participant.create_writer(square(default_writer_qos()), a.listener, world.now);
+  std::vector<Guid> readers;
+  constexpr std::size_t kMax = MatchTable::kMaxOfOne;
+  for (std::size_t i = 0; i < kMax + 50; ++i)
+    readers.push_back(
+        *b.participant.create_reader(square(default_reader_qos()), b.listener, world.now));
+  for (int i = 0; i < 300; ++i) world.run(1);
+  const auto matches = [&](const Guid& reader) {
+    const auto matched = a.participant.local_endpoints().matched(writer);
+    return std::ranges::find(matched, reader) != matched.end();
+  };
+  const auto first = std::ranges::find_if_not(readers, matches);
+  ASSERT_EQ(readers.end() - first, 50);
+  b.participant.remove(readers[0], world.now);
   world.run();
-  EXPECT_EQ(a.listener.matched, kMax + 1 - 10 + 1);
+  EXPECT_TRUE(matches(*first));
+  EXPECT_FALSE(matches(*std::next(first))) << "there is one place";
+  b.participant.remove(*std::next(first), world.now);
+  for (std::size_t i = 1; i < 60; ++i) b.participant.remove(readers[i], world.now);
+  world.run();
+  EXPECT_EQ(a.listener.matched, static_cast<int>(readers.size() - 61));
 }
 
 }  // namespace

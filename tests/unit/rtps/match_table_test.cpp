@@ -37,5 +37,28 @@ TEST(MatchTableTest, WithMacs_IdentitiesLeaveRoomForAnother) {
   EXPECT_TRUE(table.has_room(identity(9), true));
 }
 
+TEST(MatchTableTest, LastOneThatAnyoneCanHaveAnnounced_IsReplaceable) {
+  MatchTable table;
+  const auto guid = [](std::uint8_t number) { return Guid{identity(1), {{0, 0, number, 7}}}; };
+  table.add(guid(9), identity(1), true);
+  EXPECT_EQ(table.replaceable(identity(1), false), std::nullopt);
+  for (const int number : {3, 5, 4})
+    table.add(guid(static_cast<std::uint8_t>(number)), identity(1), false);
+  EXPECT_EQ(table.replaceable(identity(1), false), guid(4));
+  EXPECT_EQ(table.replaceable(identity(2), false), std::nullopt);
+  table.remove(guid(4));
+  EXPECT_EQ(table.replaceable(identity(1), false), guid(5));
+}
+
+// Its identity has more than its share since others came.
+TEST(MatchTableTest, WhereOneLessLeavesNoRoom_NoneIsReplaceable) {
+  MatchTable table;
+  table.add({identity(1), {{1, 0, 0, 7}}}, identity(1), false);
+  fill(table, 1, true);
+  EXPECT_NE(table.replaceable(identity(1), true), std::nullopt);
+  fill(table, 2, true);
+  EXPECT_EQ(table.replaceable(identity(1), true), std::nullopt);
+}
+
 }  // namespace
 }  // namespace ddssec::rtps

@@ -95,7 +95,8 @@ struct Rules {
   bool revises_keys = false;
   /// An expression: which partitions the permissions allow. nullptr: only the default partition.
   const char* partitions = nullptr;
-  bool only_aes = false;  ///< <allowed_crypto_algorithms> without ChaCha20-Poly1305
+  bool clear_topics = false;  ///< discovery is protected, but not that of the topics
+  bool only_aes = false;      ///< <allowed_crypto_algorithms> without ChaCha20-Poly1305
 
   governance::Governance document() const {
     governance::DomainRule rule;
@@ -108,7 +109,7 @@ struct Rules {
     rule.discovery_protection_kind = discovery;
     rule.liveliness_protection_kind = liveliness;
     governance::TopicRule topic{.topic_expression = "*"};
-    topic.enable_discovery_protection = is_protected(discovery);
+    topic.enable_discovery_protection = is_protected(discovery) && !clear_topics;
     topic.enable_liveliness_protection = is_protected(liveliness);
     topic.enable_read_access_control = topic.enable_write_access_control = access_control;
     topic.metadata_protection_kind = metadata;

@@ -1,0 +1,60 @@
+// Which endpoints of an identity have a place among the matches of a local endpoint, and which wait
+// for one.
+#pragma once
+
+#include <functional>
+
+#include "rtps/participant/local_endpoints.hpp"
+#include "rtps/participant/remote_participants.hpp"
+
+namespace ddssec::rtps {
+
+/// EndpointMatcher asks it before each match, and reports the end of each.
+class MatchPlaces final : private Timed {
+ public:
+  /// How many waiting endpoints are tried at a time for one local endpoint, and the pause after
+  /// that.
+  static constexpr int kMaxTries = 32;
+  static constexpr MonotonicTime kPause = std::chrono::milliseconds(1);
+
+  /// `match_again`: called for an endpoint that need not wait any more.
+  MatchPlaces(ParticipantCore& core, LocalEndpoints& local,
+              std::function<void(const EntityId& local, const Guid& remote)> match_again)
+      : Timed(core.timers), core_(core), local_(local), match_again_(std::move(match_again)) {}
+
+  /// A local endpoint.
+  struct Local {
+    template <class T>
+    explicit Local(T& endpoint)
+        : id(endpoint.data.guid.entity), matched(endpoint.matched), waiting(endpoint.waiting) {}
+    const EntityId& id;
+    MatchTable& matched;
+    WaitingMatches& waiting;
+  };
+  /// Returns false if the identity of `remote` has reached its limit of matches with this endpoint,
+  /// and no match gives way (in_the_way). Then the remote endpoint waits. This is counted, and an
+  /// event is raised once.
+  bool has_place(const Local& local, RemoteParticipant& remote, const EndpointData& endpoint);
+  /// Returns the endpoint whose match must end before this one can match: there is no room, and
+  /// anyone can have announced that one, but not this one.
+  std::optional<Guid> in_the_way(const Local& local, const EndpointData& endpoint) const;
+  /// The match of that endpoint has ended.
+  void note_displaced(const Local& local, const Guid& remote);
+  /// The endpoint matches.
+  void take(const Local& local, const EndpointData& endpoint);
+  /// A match has ended.
+  void note_room(const Local& local);
+
+ private:
+  void on_time(MonotonicTime now) override;
+  /// Matches some that wait.
+  void fill(const Local& local);
+  bool has_macs(const EntityId& local) const;
+
+  ParticipantCore& core_;
+  LocalEndpoints& local_;
+  const std::function<void(const EntityId&, const Guid&)> match_again_;
+  std::set<EntityId> with_room_;  ///< the local endpoints that may have room for waiting endpoints
+};
+
+}  // namespace ddssec::rtps

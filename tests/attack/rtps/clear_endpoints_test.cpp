@@ -1,0 +1,205 @@
+// Where neither the discovery of a topic nor RTPS messages are protected, an attacker announces
+// endpoints in the name of an authenticated participant (T60).
+#include "rtps/discovery/serialized.hpp"
+#include "tests/unit/rtps_security/attacker.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+constexpr std::size_t kMaxMatches = MatchTable::kMaxOfOne;
+constexpr std::uint32_t kFirstPort = 20000;  ///< of those that the attacker names
+
+Locator at(std::uint32_t port) {
+  return *Locator::parse("127.0.0.1", static_cast<std::uint16_t>(port));
+}
+
+/// a writes, b reads.
+struct ClearEndpoints : ::testing::Test {
+  ClearEndpoints() : pair({.discovery = ProtectionKind::encrypt, .clear_topics = true}) {
+    EXPECT_TRUE(pair.match());
+    pair.world.run(100);
+    pair.world.attack = [this](World::Traffic& traffic) {
+      for (const auto& [port, octets] : traffic)
+        if (port >= kFirstPort) ports.insert(port);
+    };
+  }
+  EndpointData forged_reader(std::uint32_t number) const {
+    auto out = *pair.a.participant->remote_participants().endpoint(pair.reader);
+    out.guid.entity.octets = {0x40, static_cast<std::uint8_t>(number >> 8),
+                              static_cast<std::uint8_t>(number), 7};
+    return out;
+  }
+  void send(PayloadKind kind, BytesView payload, InlineQos qos = {}) {
+    pair.a->receive(forged(pair.b->prefix(), Data{kSubscriptionsReader,
+                                                  kSubscriptionsWriter,
+                                                  {next++},
+                                                  std::move(qos),
+                                                  kind,
+                                                  payload}),
+                    pair.world.now, at(7000));
+  }
+  void announce(const EndpointData& data) {
+    Bytes buffer(4096);
+    SpanWriter out(buffer);
+    write_payload(out, data);
+    send(PayloadKind::data, out.view());
+  }
+  void dispose(const Guid& guid) {
+    Bytes buffer(64);
+    SpanWriter out(buffer);
+    write_endpoint_key(out, guid);
+    InlineQos qos;
+    qos.status = {true, true};
+    send(PayloadKind::key, out.view(), std::move(qos));
+  }
+  void announce_at_many_ports(std::uint32_t readers) {
+    for (std::uint32_t i = 0; i < readers; ++i) {
+      auto data = forged_reader(i);
+      for (std::uint32_t j = 0; j < 4; ++j) data.unicast.push_back(at(kFirstPort + 4 * i + j));
+      announce(data);
+    }
+    pair.world.run(10);
+  }
+  bool matches(const Guid& reader) const {
+    const auto matched = pair.a.participant->local_endpoints().matched(pair.writer);
+    return std::ranges::find(matched, reader) != matched.end();
+  }
+  std::size_t matched() const {
+    return pair.a.participant->local_endpoints().matched(pair.writer).size();
+  }
+  /// b announces a reader under its keys.
+  void announce_securely(const EndpointData& data) {
+    Change change;
+    change.key_hash = data.guid.octets();
+    change.payload = Payload::copy_of(serialized(data));
+    auto& local = const_cast<LocalEndpoints&>(pair.b->local_endpoints());
+    local.builtin()
+        .writer(BuiltinTopic::subscriptions_secure)
+        .write(std::move(change), pair.world.now);
+    pair.world.run(10);
+  }
+
+  Pair pair;
+  std::set<std::uint32_t> ports;  ///< of the attacker's, to which anything was sent
+  std::int64_t next = 2;  ///< the next number of an announcement: b has announced one reader
+};
+
+// Before the fix: to all 800 ports.
+TEST_F(ClearEndpoints, AtManyPorts_GetMessagesAtFewOfThem) {
+  announce_at_many_ports(200);
+  ASSERT_EQ(matched(), 201u);
+  pair.write();
+  pair.world.run(300);
+  EXPECT_EQ(ports.size(), ClearAddresses::kMax);
+  EXPECT_EQ(pair.b.listener.changes.size(), 1u);
+  EXPECT_EQ(pair.a.events.count(Code::rtps_too_many_addresses), 1) << pair.a.events.text();
+}
+
+TEST_F(ClearEndpoints, AtManyPortsAgainAndAgain_GetMessagesAtFewOfThem) {
+  auto data = forged_reader(0);
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    data.unicast = {at(kFirstPort + i)};
+    announce(data);
+    pair.a->create_writer(square(default_writer_qos()), pair.a.listener, pair.world.now).value();
+  }
+  pair.world.run(300);
+  EXPECT_LE(ports.size(), ClearAddresses::kMax);
+}
+
+// What has ended takes no room.
+TEST_F(ClearEndpoints, AtAPortOfItsOwn_IsUsedAfterOthersHaveEnded) {
+  announce_at_many_ports(10);
+  for (std::uint32_t i = 0; i < 10; ++i) dispose(forged_reader(i).guid);
+  auto data = forged_reader(100);
+  data.unicast = {at(30000)};
+  announce(data);
+  pair.world.run(10);
+  ports.clear();
+  pair.write();
+  pair.world.run(10);
+  EXPECT_EQ(ports, std::set{30000u});
+}
+
+// Before the fix, only a new announcement matched.
+TEST_F(ClearEndpoints, ThatUseUpThePlaces_KeepAnotherOutOnlyUntilOneEnds) {
+  for (std::uint32_t i = 1; i < kMaxMatches; ++i) announce(forged_reader(i));
+  ASSERT_EQ(matched(), kMaxMatches);
+  const auto honest = forged_reader(5000);
+  announce(honest);
+  pair.world.run(10);
+  ASSERT_FALSE(matches(honest.guid));
+  dispose(forged_reader(7).guid);
+  pair.world.run(10);
+  EXPECT_TRUE(matches(honest.guid));
+  EXPECT_EQ(matched(), kMaxMatches);
+}
+
+TEST_F(ClearEndpoints, ThatUseUpThePlaces_GiveWayToOneAnnouncedSecurely) {
+  for (std::uint32_t i = 1; i < kMaxMatches + 9; ++i) announce(forged_reader(i));
+  ASSERT_EQ(matched(), kMaxMatches);
+  const auto honest = forged_reader(5000);
+  announce_securely(honest);
+  EXPECT_TRUE(matches(honest.guid));
+  EXPECT_TRUE(matches(pair.reader)) << "the last one gives way";
+  EXPECT_FALSE(matches(forged_reader(kMaxMatches - 1).guid));
+  EXPECT_EQ(matched(), kMaxMatches);
+}
+
+// Before the fix, the two had parted for good.
+TEST_F(ClearEndpoints, ThatAreSaidToHaveEnded_MatchAgain) {
+  for (int i = 0; i < 3; ++i) {
+    dispose(pair.reader);
+    ASSERT_EQ(pair.a.listener.matched, 0);
+    EXPECT_TRUE(pair.world.run_until([&] { return matches(pair.reader); }, 2500)) << i;
+    next = 2;
+  }
+  pair.write();
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 300));
+}
+
+TEST_F(ClearEndpoints, ThatAreSaidToHaveOtherPolicies_MatchAgain) {
+  auto data = forged_reader(0);
+  data.guid = pair.reader;
+  data.qos.partition = {"elsewhere"};
+  announce(data);
+  ASSERT_EQ(pair.a.listener.matched, 0);
+  EXPECT_TRUE(pair.world.run_until([&] { return matches(pair.reader); }, 1000));
+}
+
+TEST_F(ClearEndpoints, ThatHaveEnded_DoNotComeBack) {
+  pair.b->remove(pair.reader, pair.world.now);
+  pair.world.run(100);
+  ASSERT_EQ(pair.a.listener.unmatched, 1);
+  pair.world.run(2000);
+  EXPECT_EQ(pair.a.listener.matched, 0);
+  EXPECT_EQ(pair.a.listener.unmatched, 1);
+}
+
+// What is read again and has not changed is not reported again.
+TEST_F(ClearEndpoints, ThatStay_NoticeNothingWhenAnotherIsReadAgain) {
+  announce(forged_reader(1));
+  dispose(forged_reader(1).guid);
+  const auto before = pair.a.listener.unmatched;
+  pair.world.run(1000);
+  EXPECT_EQ(pair.a.listener.unmatched, before);
+  EXPECT_TRUE(matches(pair.reader));
+}
+
+// The limit is for what anyone can have announced.
+TEST_F(ClearEndpoints, AnnouncedSecurelyAtManyPorts_GetMessagesAtAllOfThem) {
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    auto data = forged_reader(i);
+    data.unicast = {at(kFirstPort + i)};
+    announce_securely(data);
+  }
+  ports.clear();
+  pair.write();
+  pair.world.run(10);
+  EXPECT_EQ(ports.size(), 20u);
+  EXPECT_TRUE(pair.a.events.is_quiet()) << pair.a.events.text();
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
