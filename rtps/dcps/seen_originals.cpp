@@ -95,18 +95,30 @@ void SeenOriginals::hear(const Original& original) {
   const bool joins_after = after != ranges.end() && after->first == number + 1;
   if (after != ranges.begin() && std::prev(after)->last == number - 1) {
     std::prev(after)->last = joins_after ? after->last : number;
-    if (joins_after) ranges.erase(after);
+    if (joins_after) ranges.erase(after), --ranges_;
   } else if (joins_after) {
     after->first = number;
   } else {
     ranges.insert(after, {number, number});
-    if (ranges.size() > kMaxRanges) ranges.erase(ranges.begin());
+    if (++ranges_ > kMaxRanges) forget_oldest_ranges();
   }
 }
 
 void SeenOriginals::forget_oldest() {
-  writers_.erase(
-      std::ranges::min_element(writers_, {}, [](const auto& entry) { return entry.second.used; }));
+  const auto oldest =
+      std::ranges::min_element(writers_, {}, [](const auto& entry) { return entry.second.used; });
+  ranges_ -= oldest->second.ranges.size();
+  writers_.erase(oldest);
+}
+
+// Several at once, because it looks at all writers.
+void SeenOriginals::forget_oldest_ranges() {
+  auto& most = std::ranges::max_element(writers_, {}, [](const auto& entry) {
+                 return entry.second.ranges.size();
+               })->second.ranges;
+  const auto count = static_cast<std::ptrdiff_t>(most.size() / 64 + 1);
+  most.erase(most.begin(), most.begin() + count);
+  ranges_ -= static_cast<std::size_t>(count);
 }
 
 }  // namespace ddssec::rtps

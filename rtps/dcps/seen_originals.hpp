@@ -4,7 +4,6 @@
 
 #include <deque>
 #include <map>
-#include <vector>
 
 #include "base/hash.hpp"
 #include "rtps/reliability/change.hpp"
@@ -15,11 +14,14 @@ namespace ddssec::rtps {
 /// writers sent a sample of a writer, it is stored as a claim. A claim counts as already received
 /// only for a sample with the same contents that lives no longer, so that no writer of a topic can
 /// suppress samples of others. If a limit is exceeded, the oldest entry is forgotten: then a sample
-/// may arrive twice, but none is missed.
+/// may arrive twice, but none is missed. A number between two ranges may be that of a sample that
+/// only a durability service still has, so ranges are never joined across it.
 class SeenOriginals {
  public:
   static constexpr std::size_t kMaxWriters = 1024;
-  static constexpr std::size_t kMaxRanges = 256;  ///< for each writer
+  /// Of all writers. Beyond, the writer with the most ranges loses its oldest ones, so 256 of each
+  /// are never lost.
+  static constexpr std::size_t kMaxRanges = 262144;
   static constexpr std::size_t kMaxClaims = 65536;
 
   /// What must be remembered of a change after it has been passed on.
@@ -34,6 +36,7 @@ class SeenOriginals {
   bool contains(const Change& change, MonotonicTime expires = kNever) const;
   void add(const Sighting& sighting);
   std::size_t writers() const { return writers_.size(); }
+  std::size_t ranges() const { return ranges_; }
   std::size_t claims() const { return claims_.size(); }
 
  private:
@@ -41,7 +44,7 @@ class SeenOriginals {
     std::int64_t first, last;
   };
   struct Writer {
-    std::vector<Range> ranges;  ///< ascending, not adjacent
+    std::deque<Range> ranges;  ///< ascending, not adjacent
     std::uint64_t used = 0;
   };
   bool heard(const Original& original) const;
@@ -52,8 +55,11 @@ class SeenOriginals {
   };
   void note_claim(const Original& original, const Claim& claim);
   void forget_oldest();
+  /// Of the writer with the most ranges.
+  void forget_oldest_ranges();
 
   std::map<Guid, Writer> writers_;
+  std::size_t ranges_ = 0;  ///< of all writers
   std::uint64_t uses_ = 0;
   std::map<std::pair<Guid, SequenceNumber>, Claim> claims_;
   std::deque<std::pair<Guid, SequenceNumber>> order_;  ///< of claims, oldest first

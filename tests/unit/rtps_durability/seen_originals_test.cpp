@@ -50,11 +50,6 @@ TEST(SeenOriginals, KnowsExactlyWhatWasAddedInWhateverOrder) {
 }
 
 TEST(SeenOriginals, ForgetsTheOldestBeyondItsBounds) {
-  SeenOriginals seen;
-  for (std::int64_t i = 0; i <= static_cast<std::int64_t>(SeenOriginals::kMaxRanges); ++i)
-    add(seen, heard(1, 1 + 2 * i));
-  EXPECT_FALSE(seen.contains(heard(1, 1)));
-  EXPECT_TRUE(seen.contains(heard(1, 3)));
   SeenOriginals many;
   for (std::uint32_t i = 0; i < SeenOriginals::kMaxWriters; ++i) add(many, heard(i, 1));
   add(many, heard(0, 2));
@@ -62,6 +57,43 @@ TEST(SeenOriginals, ForgetsTheOldestBeyondItsBounds) {
   EXPECT_EQ(many.writers(), SeenOriginals::kMaxWriters);
   EXPECT_TRUE(many.contains(heard(0, 1)));
   EXPECT_FALSE(many.contains(heard(1, 1)));
+}
+
+/// One range for each number.
+void add_apart(SeenOriginals& seen, std::uint32_t writer, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i)
+    add(seen, heard(writer, static_cast<std::int64_t>(1 + 2 * i)));
+}
+std::size_t count_known(const SeenOriginals& seen, std::uint32_t writer, std::size_t count) {
+  std::size_t out = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    out += seen.contains(heard(writer, static_cast<std::int64_t>(1 + 2 * i))) ? 1 : 0;
+    EXPECT_FALSE(seen.contains(heard(writer, static_cast<std::int64_t>(2 + 2 * i))));
+  }
+  return out;
+}
+
+// Before: of a history with more than 256 gaps, the samples before the last 256 came again from a
+// durability service.
+TEST(SeenOriginals, AHistoryWithManyGaps_WithinTheBound_IsKnownCompletely) {
+  constexpr std::size_t kMany = 100'000;
+  SeenOriginals seen;
+  add_apart(seen, 1, kMany);
+  EXPECT_EQ(count_known(seen, 1, kMany), kMany);
+}
+
+TEST(SeenOriginals, BeyondTheBoundOfRanges_TheWriterWithTheMostLosesItsOldest) {
+  SeenOriginals seen;
+  add_apart(seen, 2, 256);
+  add_apart(seen, 1, SeenOriginals::kMaxRanges);
+  EXPECT_LE(seen.ranges(), SeenOriginals::kMaxRanges);
+  EXPECT_EQ(count_known(seen, 2, 256), 256u);
+  const auto known = count_known(seen, 1, SeenOriginals::kMaxRanges);
+  EXPECT_EQ(known, seen.ranges() - 256);
+  EXPECT_GT(known, SeenOriginals::kMaxRanges * 9 / 10);
+  EXPECT_TRUE(seen.contains(heard(1, 2 * SeenOriginals::kMaxRanges - 1)));
+  for (std::uint32_t i = 3; i < 1026; ++i) add(seen, heard(i, 1));  // forgets writers as well
+  EXPECT_LE(seen.ranges(), SeenOriginals::kMaxRanges);
 }
 
 // A copy with a short LIFESPAN took the place of the sample, and ended unread.
