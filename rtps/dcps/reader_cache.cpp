@@ -31,6 +31,18 @@ bool is_too_old(const HeldInstances& all, const HeldInstance& instance, const Ch
   return all.is_full(instance) && is_before(instance.oldest()->change.source_time);
 }
 
+/// A durability service sends what it still has. It would replace a sample that the original writer
+/// wrote later. A writer that was restarted with the same GUID has lower numbers and later
+/// timestamps.
+bool was_replaced(const HeldInstances& all, const HeldInstance& instance, const Change& change) {
+  const auto origin = change.origin();
+  if (origin.writer == change.writer || !all.is_full(instance)) return false;
+  const auto& oldest = instance.oldest()->change;
+  const auto other = oldest.origin();
+  return other.writer == origin.writer && origin.number < other.number &&
+         change.source_time <= oldest.source_time;
+}
+
 // DDS 1.4, 2.2.2.5.1.5: an instance that returns starts a new generation and has the view state
 // NEW.
 void revive(HeldInstance& instance) {
@@ -162,7 +174,8 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
     return dropped;
   }
   if (instance != nullptr && is_far_ahead(instance->seen_until, at)) instance->seen_until.reset();
-  if (by_source_ && instance != nullptr && is_too_old(held_, *instance, change, at)) {
+  if (instance != nullptr && (by_source_ ? is_too_old(held_, *instance, change, at)
+                                         : was_replaced(held_, *instance, change))) {
     // Whenever it says so, the writer has left. Otherwise the instance would never end.
     const bool ends = change.status.unregistered && leave(*instance, change.writer, at.now);
     return ends ? Stored{Outcome::stored, {}, handle} : dropped;

@@ -8,6 +8,9 @@
 namespace ddssec::rtps {
 namespace {
 
+/// The most rows of an instance that a relayed change is compared with, latest first.
+constexpr std::size_t kMaxCompared = 64;
+
 std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
   return value == kLengthUnlimited ? otherwise : static_cast<std::size_t>(value);
 }
@@ -62,10 +65,15 @@ std::vector<MonotonicTime> SampleIndex::open(StreamId stream, const DurabilitySe
     const auto left =
         std::min(left_of(history.expiries[i], now.wall), left_of(lifespan, time, now.wall));
     out.push_back(change.is_alive() ? later_by(left, now.now) : kNever);
-    insert(opened, key_of(change),
-           {history.rows[i], static_cast<std::uint32_t>(octets), account,
-            time <= now.wall ? time : Time{}, out.back()},
-           end_of(change, service, time, now));
+    const Row row{history.rows[i], static_cast<std::uint32_t>(octets),
+                  account,         time <= now.wall ? time : Time{},
+                  out.back(),      change.origin()};
+    const auto key = key_of(change);
+    auto place = place_of(opened, key, row);
+    if (const auto held = opened.instances.find(key);
+        held != opened.instances.end() && held->second.contains(place))
+      place.base = row.id;
+    insert(opened, key, place, row, end_of(change, service, time, now));
   }
   streams_.insert_or_assign(stream, std::move(opened));
   return out;
@@ -85,6 +93,12 @@ SampleIndex::Outcome SampleIndex::add(StoredChange& entry, const Moment& now) {
   const auto left = change.is_alive() ? left_of(entry.lifespan, time, now.wall) : kNever;
   if (left <= MonotonicTime::zero()) return {ended};
   if (entry.is_late && is_overtaken(stream, key, time, account)) return {overtaken};
+  const Row row{
+      last_row_ + 1,  static_cast<std::uint32_t>(octets), account, time, later_by(left, now.now),
+      change.origin()};
+  const auto place = entry.relay_order == RelayOrder::number ? place_of(stream, key, row)
+                                                             : Place{row.id, row.origin.number};
+  if (is_outdated(stream, entry, time, place)) return {overtaken};
   const bool is_kept = !change.status.disposed || stream.service.cleanup_delay != kDurationZero;
   const auto held = stream.instances.find(key);
   const std::size_t all = held == stream.instances.end() ? 0 : held->second.size();
@@ -101,11 +115,9 @@ SampleIndex::Outcome SampleIndex::add(StoredChange& entry, const Moment& now) {
     erase_instance(stream, key);
     return out;
   }
-  Outcome out{stored, last_row_ + 1};
+  Outcome out{stored, row.id};
   if (count > 0) entry.removed = out.removed = oldest(held->second, count);
-  insert(stream, key,
-         {out.row, static_cast<std::uint32_t>(octets), account, time, later_by(left, now.now)},
-         end_of(change, stream.service, now.wall, now));
+  insert(stream, key, place, row, end_of(change, stream.service, now.wall, now));
   entry.row = ++last_row_;
   if (left != kNever)
     entry.expiry = StoredExpiry{(now.wall.to_nanoseconds() + left).count(),
@@ -118,7 +130,7 @@ SampleIndex::Outcome SampleIndex::add(StoredChange& entry, const Moment& now) {
 
 std::vector<std::int64_t> SampleIndex::oldest(const Rows& rows, std::size_t count) {
   std::vector<std::int64_t> out;
-  for (auto at = rows.begin(); out.size() < count; ++at) out.push_back(at->first);
+  for (auto at = rows.begin(); out.size() < count; ++at) out.push_back(at->second.id);
   return out;
 }
 
@@ -140,6 +152,48 @@ bool SampleIndex::is_overtaken(const Stream& stream, const KeyHash& key, Time ti
   return stream.service.history.kind == HistoryKind::keep_last || stream.ended.contains(key);
 }
 
+// Rows of one writer are in the order of its numbers. A writer that was restarted with the same
+// GUID has lower numbers and later timestamps.
+SampleIndex::Place SampleIndex::place_of(const Stream& stream, const KeyHash& key, const Row& row) {
+  Place out{row.id, row.origin.number};
+  const auto held = stream.instances.find(key);
+  if (held == stream.instances.end() || stream.service.history.kind == HistoryKind::keep_all)
+    return out;
+  std::size_t compared = 0;
+  for (auto at = held->second.rbegin(); at != held->second.rend(); ++at, ++compared) {
+    const auto& [place, other] = *at;
+    if (compared == kMaxCompared) break;
+    if (other.origin.writer != row.origin.writer) continue;
+    if (other.origin.number < row.origin.number || other.time < row.time) break;
+    out.base = place.base;
+    if (other.origin.number == row.origin.number) break;
+  }
+  return out;
+}
+
+// Another durability service may have missed what was written since.
+bool SampleIndex::is_outdated(const Stream& stream, const StoredChange& entry, Time time,
+                              const Place& place) {
+  if (entry.relay_order == RelayOrder::direct) return false;
+  const auto key = key_of(entry.change);
+  if (stream.past_ends.has_later(key, time)) return true;
+  const auto held = stream.instances.find(key);
+  if (held == stream.instances.end()) return false;
+  const auto& rows = held->second;
+  const bool has_ended = stream.ended.contains(key);
+  if (stream.service.history.kind == HistoryKind::keep_all && !has_ended) return false;
+  const auto& [last_place, last] = *rows.rbegin();
+  if (last_place < place) {
+    const bool is_next = entry.relay_order == RelayOrder::number &&
+                         last.origin.writer == entry.change.origin().writer;
+    return !is_next && time < last.time;
+  }
+  // Before the last one, it ends and revives nothing.
+  const bool is_first = place < rows.begin()->first;
+  return has_ended || !entry.change.is_alive() || rows.contains(place) ||
+         (is_first && replaced(stream, rows) > 0);
+}
+
 void SampleIndex::PastEnds::add(const KeyHash& key, Time time, Account account) {
   const auto [at, is_new] = by_key_.try_emplace(key, End{time, account});
   if (at->second.time < time) at->second = {time, account};
@@ -156,6 +210,11 @@ void SampleIndex::PastEnds::add(const KeyHash& key, Time time, Account account) 
 bool SampleIndex::PastEnds::has_later(const KeyHash& key, Time time, Account account) const {
   const auto at = by_key_.find(key);
   return at != by_key_.end() && at->second.account != account && at->second.time > time;
+}
+
+bool SampleIndex::PastEnds::has_later(const KeyHash& key, Time time) const {
+  const auto at = by_key_.find(key);
+  return at != by_key_.end() && at->second.time > time;
 }
 
 // What needs no more room than what it replaces is always taken. Anything else must leave as much
@@ -189,7 +248,7 @@ bool SampleIndex::has_room(const Stream& stream, const KeyHash& key, std::size_t
 }
 
 // Does nothing if an allocation fails.
-void SampleIndex::insert(Stream& stream, const KeyHash& key, const Row& row,
+void SampleIndex::insert(Stream& stream, const KeyHash& key, const Place& place, const Row& row,
                          MonotonicTime ends_at) {
   auto& own = stream.samples_of[row.account];
   const auto [at, is_new] = stream.instances.try_emplace(key);
@@ -197,10 +256,10 @@ void SampleIndex::insert(Stream& stream, const KeyHash& key, const Row& row,
     if (is_new) stream.instances.erase(at);
   });
   auto& rows = at->second;
-  rows.emplace(row.id, row);
-  Rollback undo_row([&] { rows.erase(row.id); });
-  if (row.expires != kNever) stream.expiring.emplace(row.expires, row.id, key);
-  Rollback undo_expiry([&] { stream.expiring.erase({row.expires, row.id, key}); });
+  rows.emplace(place, row);
+  Rollback undo_row([&] { rows.erase(place); });
+  if (row.expires != kNever) stream.expiring.emplace(row.expires, place, key);
+  Rollback undo_expiry([&] { stream.expiring.erase({row.expires, place, key}); });
   if (ends_at != kNever)
     stream.ended.add(key, ends_at);
   else
@@ -212,8 +271,9 @@ void SampleIndex::insert(Stream& stream, const KeyHash& key, const Row& row,
   ++own;
 }
 
-void SampleIndex::erase(Stream& stream, const KeyHash& key, const Row& row) {
-  if (row.expires != kNever) stream.expiring.erase({row.expires, row.id, key});
+void SampleIndex::erase(Stream& stream, const KeyHash& key, const Rows::value_type& held) {
+  const auto& [place, row] = held;
+  if (row.expires != kNever) stream.expiring.erase({row.expires, place, key});
   shares_.remove(row.account, row.octets);
   --stream.samples;
   if (const auto own = stream.samples_of.find(row.account); --own->second == 0)
@@ -224,7 +284,7 @@ void SampleIndex::erase_oldest(Stream& stream, const KeyHash& key, std::size_t c
   if (count == 0) return;
   auto& rows = stream.instances.at(key);
   for (; count > 0; --count) {
-    erase(stream, key, rows.begin()->second);
+    erase(stream, key, *rows.begin());
     rows.erase(rows.begin());
   }
 }
@@ -232,7 +292,7 @@ void SampleIndex::erase_oldest(Stream& stream, const KeyHash& key, std::size_t c
 void SampleIndex::erase_instance(Stream& stream, const KeyHash& key) {
   const auto held = stream.instances.find(key);
   if (held == stream.instances.end()) return;
-  for (const auto& [id, row] : held->second) erase(stream, key, row);
+  for (const auto& row : held->second) erase(stream, key, row);
   stream.instances.erase(held);
   stream.ended.remove(key);
 }
@@ -243,27 +303,27 @@ std::vector<std::int64_t> SampleIndex::clean_up(StoredChange& entry, MonotonicTi
   const auto found = streams_.find(entry.stream);
   if (found == streams_.end()) return {};
   auto& stream = found->second;
-  std::vector<std::pair<KeyHash, std::int64_t>> gone;
-  for (const auto& [at, row, key] : stream.expiring) {
+  std::vector<std::pair<KeyHash, Place>> gone;
+  for (const auto& [at, place, key] : stream.expiring) {
     if (at > now || gone.size() >= max_samples) break;
-    gone.emplace_back(key, row);
+    gone.emplace_back(key, place);
   }
   for (const auto& key : stream.ended.due(now, max_samples - gone.size()))
-    for (const auto& [id, row] : stream.instances.at(key)) {
+    for (const auto& [place, row] : stream.instances.at(key)) {
       if (gone.size() >= max_samples) break;
-      if (row.expires > now) gone.emplace_back(key, id);
+      if (row.expires > now) gone.emplace_back(key, place);
     }
   std::vector<std::int64_t> removed;
-  for (const auto& [key, row] : gone) removed.push_back(row);
+  for (const auto& [key, place] : gone) removed.push_back(stream.instances.at(key).at(place).id);
   entry.removed = removed;
-  for (const auto& [key, row] : gone) erase_row(stream, key, row);
+  for (const auto& [key, place] : gone) erase_row(stream, key, place);
   return removed;
 }
 
-void SampleIndex::erase_row(Stream& stream, const KeyHash& key, std::int64_t row) {
+void SampleIndex::erase_row(Stream& stream, const KeyHash& key, const Place& place) {
   const auto held = stream.instances.find(key);
-  const auto at = held->second.find(row);
-  erase(stream, key, at->second);
+  const auto at = held->second.find(place);
+  erase(stream, key, *at);
   held->second.erase(at);
   if (held->second.empty()) erase_instance(stream, key);
 }

@@ -39,7 +39,7 @@ class SampleIndex {
     stored,     ///< in `row`
     ended,      ///< no row: it ends an instance, has expired, or says nothing that is stored
     left_out,   ///< above the limits of DURABILITY_SERVICE, and counted
-    overtaken,  ///< it is late, and another identity wrote or ended its instance later
+    overtaken,  ///< it is late or was relayed, and its instance was written or ended later
     waits,      ///< above the share of its identity, in octets or in samples of the stream
   };
   struct Outcome {
@@ -47,10 +47,10 @@ class SampleIndex {
     std::int64_t row = 0;
     std::vector<std::int64_t> removed = {};
   };
-  /// `entry.stream`, `change`, `identity`, `is_late` and `lifespan` are given; sets `row`, `expiry`
-  /// and `removed`, and returns the row and `removed` as well. With KEEP_LAST it replaces the
-  /// oldest of its instance. The end of an instance that has no room removes the instance. What
-  /// waits or is left out changes nothing, nor does an exception (std::bad_alloc).
+  /// `entry.stream`, `change`, `identity`, `is_late`, `relay_order` and `lifespan` are given; sets
+  /// `row`, `expiry` and `removed`, and returns the row and `removed` as well. With KEEP_LAST it
+  /// replaces the oldest of its instance. The end of an instance that has no room removes the
+  /// instance. What waits or is left out changes nothing, nor does an exception (std::bad_alloc).
   Outcome add(StoredChange& entry, const Moment& now);
   /// Limit for the rows that one call of clean_up removes.
   static constexpr std::size_t kMaxRemoved = 256;
@@ -80,9 +80,17 @@ class SampleIndex {
     Account account;
     Time time;  ///< of the source, at most that of arrival
     MonotonicTime expires = kNever;
+    Original origin = {};
   };
-  /// By id, which is the order in which they were stored. Any of them may expire first.
-  using Rows = std::map<std::int64_t, Row>;
+  /// Where a row belongs among those of its instance: after those that were stored before. What was
+  /// relayed too late has the `base` of the later row of its writer.
+  struct Place {
+    std::int64_t base = 0;  ///< a row
+    SequenceNumber number;  ///< of the original writer
+    auto operator<=>(const Place&) const = default;
+  };
+  /// Oldest first. Any of them may expire first.
+  using Rows = std::map<Place, Row>;
   /// The disposed instances that have not been removed yet. Each costs the same, however many there
   /// are.
   class Ended {
@@ -106,6 +114,7 @@ class SampleIndex {
     void add(const KeyHash& key, Time time, Account account);
     /// True if another identity ended it later.
     bool has_later(const KeyHash& key, Time time, Account account) const;
+    bool has_later(const KeyHash& key, Time time) const;
 
    private:
     struct End {
@@ -115,8 +124,8 @@ class SampleIndex {
     std::map<KeyHash, End> by_key_;
     std::map<Account, std::deque<KeyHash>> by_account_;
   };
-  /// When a row expires, its id and its instance.
-  using Expiring = std::tuple<MonotonicTime, std::int64_t, KeyHash>;
+  /// When a row expires, its place and its instance.
+  using Expiring = std::tuple<MonotonicTime, Place, KeyHash>;
   struct Stream {
     DurabilityService service;
     std::map<KeyHash, Rows> instances;
@@ -132,17 +141,24 @@ class SampleIndex {
   static std::size_t replaced(const Stream& stream, const Rows& rows);
   static std::vector<std::int64_t> oldest(const Rows& rows, std::size_t count);
   static bool is_overtaken(const Stream& stream, const KeyHash& key, Time time, Account account);
+  /// A change that was relayed is older than what is stored, and has no place before it. `place`:
+  /// its place.
+  static bool is_outdated(const Stream& stream, const StoredChange& entry, Time time,
+                          const Place& place);
+  /// The place of the row that is stored next.
+  static Place place_of(const Stream& stream, const KeyHash& key, const Row& row);
   bool has_share(const Stream& stream, const KeyHash& key, Account account,
                  std::size_t octets) const;
   /// `replaced`: number of rows that go before.
   bool has_room(const Stream& stream, const KeyHash& key, std::size_t replaced) const;
   /// `ends_at`: when the disposed instance is removed. kNever: it is alive, or stays.
-  void insert(Stream& stream, const KeyHash& key, const Row& row, MonotonicTime ends_at);
-  void erase(Stream& stream, const KeyHash& key, const Row& row);
+  void insert(Stream& stream, const KeyHash& key, const Place& place, const Row& row,
+              MonotonicTime ends_at);
+  void erase(Stream& stream, const KeyHash& key, const Rows::value_type& row);
   void erase_oldest(Stream& stream, const KeyHash& key, std::size_t count);
   void erase_instance(Stream& stream, const KeyHash& key);
   /// With the last one of its rows, the instance goes as well.
-  void erase_row(Stream& stream, const KeyHash& key, std::int64_t row);
+  void erase_row(Stream& stream, const KeyHash& key, const Place& place);
 
   std::map<StreamId, Stream> streams_;
   StoreShares shares_;

@@ -36,6 +36,14 @@ struct StoredExpiry {
   bool operator==(const StoredExpiry&) const = default;
 };
 
+/// What decides whether a change that its original writer did not send itself is newer than what is
+/// stored of its instance. Between different writers, source timestamps always decide.
+enum class RelayOrder : std::uint8_t {
+  direct,       ///< its original writer sent it: the order of arrival decides
+  number,       ///< the sequence numbers of its original writer
+  source_time,  ///< source timestamps (DESTINATION_ORDER BY_SOURCE_TIMESTAMP)
+};
+
 /// What a commit does for one change.
 struct StoredChange {
   StreamId stream = {};
@@ -49,6 +57,7 @@ struct StoredChange {
   bool is_late = false;
   /// The store remembers that it has this change of its original writer, stored or not.
   bool is_remembered = false;
+  RelayOrder relay_order = RelayOrder::direct;
   /// The LIFESPAN of its writer. A sample that has expired is not stored.
   Duration lifespan = kDurationInfinite;
   std::int64_t row = 0;                     ///< where it is stored; 0: nowhere

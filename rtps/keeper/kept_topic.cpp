@@ -73,6 +73,12 @@ Duration lifespan_of(const DurableStore::Opened& opened, const Moment& at) {
   return out;
 }
 
+RelayOrder relay_order(const Change& change, const Qos& qos) {
+  if (change.origin().writer == change.writer) return RelayOrder::direct;
+  return qos.destination_order == DestinationOrderKind::by_source ? RelayOrder::source_time
+                                                                  : RelayOrder::number;
+}
+
 /// The LIFESPAN that the writer announces now.
 Duration lifespan_of(const ParticipantContext& context, const Guid& writer) {
   const auto* announced = context.protocol().remote_participants().endpoint(writer);
@@ -204,12 +210,14 @@ bool KeptTopic::defer(MonotonicTime now) {
   return false;
 }
 
-/// Before the keeper was restarted. A writer that was restarted and has the same GUID begins again
-/// with the number 1, and later timestamps.
+/// Before the keeper was restarted: from the writer itself, which offered all that it still had. So
+/// what another keeper has of it was replaced or ended here. A writer that was restarted and has
+/// the same GUID begins again with the number 1, and later timestamps.
 bool KeptTopic::was_heard(const Change& change) const {
-  const auto at = heard_.find(change.writer);
-  return at != heard_.end() && change.origin().writer == change.writer && change.source_time &&
-         change.sequence_number <= at->second.number && *change.source_time <= at->second.time;
+  const auto origin = change.origin();
+  const auto at = heard_.find(origin.writer);
+  return at != heard_.end() && change.source_time && origin.number <= at->second.number &&
+         *change.source_time <= at->second.time;
 }
 
 bool KeptTopic::keep(Change& change) {
@@ -228,6 +236,7 @@ bool KeptTopic::keep(Change& change) {
                                    .identity = identity_of(writer.prefix),
                                    .is_late = have_waited_.contains(writer),
                                    .is_remembered = change.original.writer == writer,
+                                   .relay_order = relay_order(change, like_.qos),
                                    .lifespan = lifespan},
                                   moment);
   if (kept.outcome.verdict == SampleIndex::Verdict::waits)

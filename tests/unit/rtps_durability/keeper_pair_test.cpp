@@ -1,0 +1,141 @@
+// Two keepers of one topic, each of which misses what was written while it was down.
+#include "tests/unit/rtps_durability/keeper_fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+struct KeeperPairTest : KeeperTest {
+  /// Each has a store of its own.
+  void start(std::size_t which) {
+    auto made = Keeper::create(options(), {.store = folder / ("kept" + std::to_string(which))},
+                               environment);
+    ASSERT_TRUE(made) << made.error().to_sentence();
+    keepers.at(which) = *std::move(made);
+  }
+  void stop(std::size_t which) { keepers.at(which).reset(); }
+  void serve(int rounds = 60) {
+    for (int i = 0; i < rounds; ++i) {
+      for (const auto& keeper : keepers)
+        if (keeper) keeper->poll(0ms);
+      run(10ms);
+    }
+    for (const auto& keeper : keepers)
+      if (keeper) {
+        ASSERT_TRUE(keeper->flush(10s));
+      }
+  }
+  void gone() {
+    ASSERT_TRUE(a.publisher->delete_contained_entities());
+    serve();
+  }
+  /// What a late joiner gets of this keeper alone.
+  Values of(std::size_t which, std::size_t count) {
+    for (std::size_t i = 0; i < keepers.size(); ++i)
+      if (i != which) stop(i);
+    serve();
+    return late_joiner(*keepers.at(which), b, count);
+  }
+  DataWriter<Reading>& writer_of(const Qos& qos) {
+    auto& out = a.writer(qos);
+    serve();
+    return out;
+  }
+  std::vector<std::unique_ptr<Keeper>> keepers{2};
+};
+
+// Before: after its restart, the keeper that missed nothing served what the other still had.
+TEST_P(KeeperPairTest, AfterARestart_TheLatestSampleWins) {
+  for (const std::size_t which : {0u, 1u}) start(which);
+  auto& writer = writer_of(durable(DurabilityKind::transient, 1));
+  for (int i = 1; i <= 3; ++i) ASSERT_TRUE(writer.write({"north", i}));
+  serve();
+  stop(1);
+  serve();
+  for (int i = 4; i <= 5; ++i) ASSERT_TRUE(writer.write({"north", i}));
+  serve();
+  gone();
+  stop(0);
+  start(1);
+  serve();
+  start(0);
+  serve(150);
+  EXPECT_EQ(keepers[0]->served(), 1u);
+  EXPECT_EQ(keepers[1]->served(), 1u);
+  EXPECT_EQ(of(0, 1), (Values{5}));
+}
+
+TEST_P(KeeperPairTest, AfterARestart_TheOneThatMissedSamplesGetsThem) {
+  for (const std::size_t which : {0u, 1u}) start(which);
+  auto& writer = writer_of(durable(DurabilityKind::transient, 3));
+  for (int i = 1; i <= 3; ++i) ASSERT_TRUE(writer.write({"north", i}));
+  serve();
+  stop(1);
+  serve();
+  for (int i = 4; i <= 5; ++i) ASSERT_TRUE(writer.write({"north", i}));
+  serve();
+  gone();
+  stop(0);
+  start(1);
+  serve();
+  start(0);
+  serve(150);
+  EXPECT_EQ(of(1, 3), (Values{3, 4, 5}));
+}
+
+// Before: the instance was back.
+TEST_P(KeeperPairTest, AfterARestart_WhatWasDisposedStaysSo) {
+  for (const std::size_t which : {0u, 1u}) start(which);
+  auto qos = durable(DurabilityKind::transient, 1);
+  qos.durability_service.cleanup_delay = kDurationZero;
+  auto& writer = writer_of(qos);
+  ASSERT_TRUE(writer.write({"north", 1}));
+  ASSERT_TRUE(writer.write({"south", 2}));
+  serve();
+  stop(1);
+  serve();
+  ASSERT_TRUE(writer.dispose({"north"}));
+  serve();
+  gone();
+  stop(0);
+  start(1);
+  serve();
+  start(0);
+  serve(150);
+  EXPECT_EQ(of(0, 1), (Values{2}));
+}
+
+// Before: it kept 5, 1, 2, 3, 4 in this order, so the next sample replaced 5.
+TEST_P(KeeperPairTest, AKeeper_ThatHearsTheLatestFirst_KeepsTheOrderOfTheWriter) {
+  start(0);
+  auto qos = durable(DurabilityKind::transient, 5);
+  qos.history.depth = 1;
+  auto& writer = writer_of(qos);
+  for (int i = 1; i <= 5; ++i) {
+    ASSERT_TRUE(writer.write({"north", i}));
+    serve();
+  }
+  stop(0);
+  start(1);
+  serve();
+  start(0);
+  serve(150);
+  EXPECT_EQ(keepers[1]->served(), 5u);
+  for (int i = 6; i <= 8; ++i) {
+    ASSERT_TRUE(writer.write({"north", i}));
+    serve();
+  }
+  gone();
+  stop(1);
+  start(1);
+  auto values = of(1, 5);
+  std::ranges::sort(values);
+  EXPECT_EQ(values, (Values{4, 5, 6, 7, 8}));
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, KeeperPairTest, ::testing::Values(Way::network, Way::in_process),
+                         name_of);
+
+}  // namespace
+}  // namespace ddssec::rtps
