@@ -14,8 +14,8 @@ namespace {
 constexpr MonotonicTime kLook = std::chrono::milliseconds(5);
 // How often changes are offered again that wait for an owner to come back.
 constexpr MonotonicTime kDeferredLook = std::chrono::milliseconds(100);
-// How often a sample is requested again that its writer may have replaced.
-constexpr MonotonicTime kRequest = std::chrono::milliseconds(500);
+// How often writers are looked for that have caught up.
+constexpr MonotonicTime kLateLook = std::chrono::milliseconds(500);
 // What a late joiner is offered at least, because assertions go to all participants for as long as
 // the topic is kept.
 constexpr Duration kMinLease{{1, 0}};
@@ -357,9 +357,15 @@ void KeptTopic::on_time(MonotonicTime now) {
 
 void KeptTopic::look_at_waiting(MonotonicTime now) {
   auto* reader = context_.protocol().local_endpoints().reader(reader_);
-  if (now < request_at_ || reader == nullptr) return;
-  request_at_ = now + kRequest;
-  for (const auto& writer : std::exchange(without_share_, {})) reader->request_refused(writer);
+  if (reader == nullptr) return;
+  if (!without_share_.empty() && pace_.is_due(now)) {
+    std::size_t octets = 0;
+    for (const auto& writer : std::exchange(without_share_, {}))
+      octets += reader->request_refused(writer);
+    pace_.note_requested(octets, now);
+  }
+  if (now < look_at_late_at_) return;
+  look_at_late_at_ = now + kLateLook;
   std::erase_if(have_waited_, [&](const Guid& writer) {
     const auto* const proxy = reader->writer(writer);
     return proxy == nullptr || proxy->has_caught_up();

@@ -11,6 +11,7 @@
 #include "rtps/dcps/seen_originals.hpp"
 #include "rtps/durability/durable_store.hpp"
 #include "rtps/keeper/instance_owners.hpp"
+#include "rtps/keeper/request_pace.hpp"
 #include "rtps/participant/endpoint_listener.hpp"
 
 namespace ddssec::rtps {
@@ -115,7 +116,8 @@ class KeptTopic final : private EndpointListener, private Timed {
   /// Writers: the next change of each has no share of the store. It is requested again, because
   /// nothing needs to wait for what its writer has replaced.
   std::set<Guid> without_share_;
-  MonotonicTime request_at_{};
+  RequestPace pace_;
+  MonotonicTime look_at_late_at_{};
   /// A change that is being stored.
   struct Unstored {
     std::uint64_t number;  ///< see DurableStore::append

@@ -198,9 +198,11 @@ void StatefulReader::offer_again() {
   }
 }
 
-void StatefulReader::request_refused(const Guid& writer) {
+std::size_t StatefulReader::request_refused(const Guid& writer) {
   auto* const proxy = find(writer);
-  if (proxy != nullptr && proxy->forget_refused()) acknowledge(*proxy, proxy->announced());
+  const auto octets = proxy == nullptr ? std::nullopt : proxy->forget_refused();
+  if (octets) acknowledge(*proxy, proxy->announced());
+  return octets.value_or(0);
 }
 
 StatefulReader::Refused StatefulReader::refused() const {

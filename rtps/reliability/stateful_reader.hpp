@@ -103,8 +103,9 @@ class StatefulReader final : private Timed {
 
   /// There is room again: offers what was refused for now, and acknowledges it if it is taken.
   void offer_again();
-  /// Requests again what was refused for now: that writer may have replaced it.
-  void request_refused(const Guid& writer);
+  /// Requests again what was refused for now: that writer may have replaced it. Returns the octets
+  /// of the samples that will be sent again if it has not.
+  std::size_t request_refused(const Guid& writer);
   struct Refused {
     std::uint64_t waiting = 0;    ///< changes that wait behind one that was refused for now
     std::uint64_t abandoned = 0;  ///< that waited when their writers left; never reset

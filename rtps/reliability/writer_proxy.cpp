@@ -64,8 +64,10 @@ std::uint64_t WriterProxy::refused() const {
 void WriterProxy::note_lost(SequenceNumber until) {
   const bool counts = std::exchange(started_, true) && until > next_ && common_.lost;
   if (!counts) return;
-  if (const auto lost = until.value - next_.value - early_.count_below(until); lost > 0)
-    common_.lost(lost);
+  const auto from = std::max(next_, lost_until_);
+  const auto held = early_.count_below(until) - early_.count_below(from);
+  if (const auto lost = until.value - from.value - held; lost > 0) common_.lost(lost);
+  lost_until_ = std::max(lost_until_, until);
 }
 
 // Without protection, the HEARTBEAT that ends a wait may have been recorded before, or a forged one
@@ -103,9 +105,9 @@ void WriterProxy::skip_to(SequenceNumber number) {
   advance();
 }
 
-bool WriterProxy::forget_refused() {
+std::optional<std::size_t> WriterProxy::forget_refused() {
   const std::pair at(announced_, next_);
-  if (refused() == 0 || at == forgotten_at_) return false;
+  if (refused() == 0 || at == forgotten_at_) return std::nullopt;
   forgotten_at_ = at;
   std::size_t octets = 0;
   for (std::size_t i = 0; i < kMaxForgotten && octets < kMaxForgottenOctets; ++i) {
@@ -113,7 +115,7 @@ bool WriterProxy::forget_refused() {
     if (const auto& change = early_.front()) octets += change->payload.size();
     early_.erase_first();
   }
-  return true;
+  return octets;
 }
 
 bool WriterProxy::misses_any(SequenceNumber last) const {

@@ -91,9 +91,10 @@ class WriterProxy {
   /// Delivers what is held below `number`, and gives up what is missing there.
   void skip_to(SequenceNumber number);
   /// Forgets the next change if it was refused for now, and some that follow, so that they are
-  /// requested again: the writer may have replaced them. Does nothing, and returns false, if since
-  /// this was called before the writer has announced nothing and nothing was taken or given up.
-  bool forget_refused();
+  /// requested again: the writer may have replaced them. Returns their octets, or nothing if there
+  /// are none. Does nothing, and returns nothing, if since this was called before the writer has
+  /// announced nothing and nothing was taken or given up.
+  std::optional<std::size_t> forget_refused();
   /// Delivers what was refused for now. Returns false if nothing was taken.
   bool offer_again();
   PartialSamples& partial() { return partial_; }
@@ -137,7 +138,8 @@ class WriterProxy {
   bool started_ = false;  ///< a change of it arrived, or a HEARTBEAT gave its position
   /// For a HEARTBEAT; until then all changes are kept.
   bool waits_ = false;
-  SequenceNumber former_;  ///< position before the wait
+  SequenceNumber former_;      ///< position before the wait
+  SequenceNumber lost_until_;  ///< what is missing below was counted as lost
   RecentMessages<Heartbeat> heartbeats_;
   SequenceNumber next_{1};
   SequenceNumber announced_;
