@@ -1,6 +1,9 @@
 #include "rtps/dcps/reader_cache.hpp"
 
 #include <algorithm>
+#include <map>
+#include <set>
+#include <tuple>
 
 #include "rtps/dcps/deadline.hpp"
 
@@ -297,20 +300,28 @@ bool ReaderCache::purge(MonotonicTime now) {
   return any;
 }
 
-bool ReaderCache::discard(const OctetSample& sample) {
-  auto* instance = held_.find(sample.info.instance_handle);
-  if (instance == nullptr) return false;
-  const auto at = std::ranges::find_if(instance->held, [&](const HeldSample& held) {
-    return held.valid != sample.key_only && held.change.sequence_number == sample.number &&
-           held.change.writer == sample.info.publication_handle;
-  });
-  if (at == instance->held.end()) return false;
-  {
-    const Recount recount(held_, *instance);
-    held_.erase(*instance, at);
+std::size_t ReaderCache::discard(std::span<const OctetSample> samples) {
+  using Which = std::tuple<Guid, SequenceNumber, bool>;
+  std::map<InstanceHandle, std::set<Which>> wanted;
+  for (const auto& sample : samples)
+    wanted[sample.info.instance_handle].emplace(sample.info.publication_handle, sample.number,
+                                                !sample.key_only);
+  std::size_t out = 0;
+  for (auto& [handle, which] : wanted) {
+    auto* instance = held_.find(handle);
+    if (instance == nullptr) continue;
+    {
+      const Recount recount(held_, *instance);
+      for (auto at = instance->held.begin(); at != instance->held.end() && !which.empty();) {
+        const bool goes =
+            which.erase({at->change.writer, at->change.sequence_number, at->valid}) > 0;
+        out += goes ? 1 : 0;
+        at = goes ? held_.erase(*instance, at) : std::next(at);
+      }
+    }
+    held_.settle(*instance);
   }
-  held_.settle(*instance);
-  return true;
+  return out;
 }
 
 std::size_t ReaderCache::octets_of(const KeyHash& key) const {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 
 #include "rtps/dcps/sample_selection.hpp"
 #include "rtps/reliability/moment.hpp"
@@ -91,8 +92,9 @@ class ReaderCache {
   /// Returns the serialized key, or nullptr if the instance is not known.
   const Payload* key_value(InstanceHandle instance) const;
 
-  /// Removes a sample that was selected before. Returns false if it is no longer held.
-  bool discard(const OctetSample& sample);
+  /// Removes samples that were selected before, if they are still held. Looks once at each sample
+  /// of their instances. Returns how many it removed.
+  std::size_t discard(std::span<const OctetSample> samples);
   /// The octets of one instance.
   std::size_t octets_of(const KeyHash& key) const;
   /// Removes all trace of the instance, if it has ended.

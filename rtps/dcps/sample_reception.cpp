@@ -261,8 +261,8 @@ bool SampleReception::select(const Query& query, std::vector<OctetSample>& out) 
 }
 
 bool SampleReception::discard_malformed(std::span<const OctetSample> samples) {
+  samples_.cache().discard(samples);
   for (const auto& sample : samples) {
-    samples_.cache().discard(sample);
     samples_.count_malformed();
     report_malformed(sample);
   }

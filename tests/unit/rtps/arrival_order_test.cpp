@@ -78,7 +78,7 @@ TEST_F(ArrivalOrderTest, ReplacedAndDiscardedSamples_HaveNone) {
   put(1, 10), put(2, 20), put(1, 11);
   const auto both = read();
   EXPECT_THAT(values(both), ElementsAre(20, 11));
-  EXPECT_TRUE(cache().discard(both[0]));
+  EXPECT_EQ(cache().discard({both.data(), 1}), 1u);
   EXPECT_THAT(values(take()), ElementsAre(11));
 }
 
