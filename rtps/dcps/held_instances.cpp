@@ -33,6 +33,26 @@ HeldSamples::iterator place_of(HeldInstance& instance, const HeldSample& sample,
   return before;
 }
 
+/// How many places samples that belong together take, beside those that are held, and alone.
+struct Places {
+  std::size_t now = 0, alone = 0;
+};
+
+/// With KEEP_LAST, only as many samples of each instance as its history has. If the instances are
+/// not known, all samples may replace others.
+Places places_for(const WantedRoom& wanted, const History& history, const HeldInstances& held) {
+  if (history.kind == HistoryKind::keep_all) return {wanted.samples, wanted.samples};
+  const auto depth = static_cast<std::size_t>(history.depth);
+  Places out;
+  for (const auto& [key, samples] : wanted.instances) {
+    const auto* const instance = held.find(key);
+    const auto valid = std::min(instance == nullptr ? 0 : instance->valid(), depth);
+    out.now += std::min(samples, depth - valid);
+    out.alone += std::min(samples, depth);
+  }
+  return out;
+}
+
 /// Moves the instance, with its key, to another account. nullptr: to none.
 void charge(HeldInstance& instance, const HeldShareOf& share) {
   const auto octets = instance.key_value.size();
@@ -158,17 +178,17 @@ Room HeldInstances::room_for_instances(const WantedRoom& wanted, const HeldShare
 // If they are stored one after the other, the last one is within the share if all of them together
 // are no more than what is free afterwards.
 Room HeldInstances::room_for(const WantedRoom& wanted, const HeldShareOf& share) const {
-  const bool replaces = history_.kind == HistoryKind::keep_last;
-  const auto fits = [&](const HeldShare& all, const HeldShare& own) {
-    const HeldShare then{all.samples + wanted.samples, all.octets + wanted.octets};
-    if (then.octets > kMaxOctets || (!replaces && then.samples > max_samples_)) return false;
+  const auto places = places_for(wanted, history_, *this);
+  const auto fits = [&](const HeldShare& all, const HeldShare& own, std::size_t added) {
+    const HeldShare then{all.samples + added, all.octets + wanted.octets};
+    if (then.octets > kMaxOctets || then.samples > max_samples_) return false;
     if (!share) return true;
     const bool has_places =
-        replaces || !shares_samples_ || own.samples + wanted.samples <= max_samples_ - then.samples;
+        added == 0 || !shares_samples_ || own.samples + added <= max_samples_ - then.samples;
     return has_places && own.octets + wanted.octets <= kMaxOctets - then.octets;
   };
-  if (!fits({}, {})) return Room::never;
-  const bool fits_now = fits({samples_, octets_}, share ? *share : HeldShare{});
+  if (!fits({}, {}, places.alone)) return Room::never;
+  const bool fits_now = fits({samples_, octets_}, share ? *share : HeldShare{}, places.now);
   return std::max(fits_now ? Room::now : Room::later, room_for_instances(wanted, share));
 }
 

@@ -77,6 +77,45 @@ TEST_P(Presenting, ASetWaitsForRoomInItsInstances) {
   EXPECT_EQ(reader.sample_rejected_status().total_count, 0);
 }
 
+// Before: it was seen bit by bit, for as long as the reader took them: 20,000 samples for a minute.
+TEST_P(Presenting, ASetThatAKeepLastReaderCanNeverHold_IsGivenUpAtOnce) {
+  for (const auto scope : {PresentationScope::topic, PresentationScope::group}) {
+    const Presentation access{scope, true, true};
+    auto& pub = publisher(access);
+    auto& sub = subscriber(access);
+    auto qos = reliable();
+    qos.history = {.kind = HistoryKind::keep_all};
+    auto& writer = **pub.create_datawriter<Reading>(*a.topic, qos);
+    qos.history = {.kind = HistoryKind::keep_last, .depth = 1};
+    qos.resource_limits.max_samples = 3;
+    auto& reader = **sub.create_datareader<Reading>(*b.topic, qos);
+    ASSERT_TRUE(match(writer, reader));
+    const auto write_set = [&](int samples) {
+      ASSERT_TRUE(succeeds(pub.begin_coherent_changes()));
+      for (int i = 0; i < samples; ++i) ASSERT_TRUE(succeeds(writer.write({std::to_string(i), i})));
+      ASSERT_TRUE(succeeds(pub.end_coherent_changes()));
+      run(20ms);
+    };
+    const auto seen = [&] {
+      EXPECT_TRUE(succeeds(sub.begin_access()));
+      auto out = taken(reader);
+      EXPECT_TRUE(succeeds(sub.end_access()));
+      return out;
+    };
+    write_set(3);
+    EXPECT_THAT(seen(), ElementsAre(0, 1, 2));
+    write_set(4);
+    EXPECT_THAT(seen(), IsEmpty());
+    EXPECT_EQ(reader.sample_lost_status().total_count, 4);
+    EXPECT_EQ(reader.sample_rejected_status().total_count, 0);
+    write_set(2);
+    EXPECT_THAT(seen(), ElementsAre(0, 1));
+    ASSERT_TRUE(succeeds(pub.delete_contained_entities()));
+    ASSERT_TRUE(succeeds(sub.delete_contained_entities()));
+    run(50ms);
+  }
+}
+
 // It has been told that they have arrived.
 TEST_P(Presenting, SetsThatWaitForRoomComeAfterTheirWriterHasLeft) {
   const Presentation access{PresentationScope::topic, true, false};

@@ -1,4 +1,6 @@
 // What a reader holds, by itself: states, generations, ranks, limits, ownership, time.
+#include <ctime>
+
 #include "tests/unit/rtps/reader_cache_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -19,6 +21,75 @@ TEST_F(ReaderCacheTest, AWriter_WhoseSampleCameFromAnotherFirst_KeepsItsInstance
   const auto samples = read();
   ASSERT_FALSE(samples.empty());
   EXPECT_EQ(samples.back().info.instance_state, InstanceState::alive);
+}
+
+/// What a durability service sends of another writer.
+Change relayed(std::uint8_t relay, std::uint8_t from, std::int64_t number, std::uint8_t value) {
+  Change change;
+  change.writer = writer(relay);
+  change.original = {writer(from), {number}};
+  change.key_hash = KeyHash{1};
+  change.source_time = Time{{static_cast<std::int32_t>(number), 0}};
+  change.payload = Payload::copy_of(Bytes{value});
+  return change;
+}
+
+// Before: the late joiner ended with what the other durability service had missed an update of.
+TEST_F(ReaderCacheTest, KeepLast_AnOlderSampleOfTheSameWriter_ReplacesNoLaterOne) {
+  qos.history = {HistoryKind::keep_last, 1};
+  const auto store = [&](Change change) { return cache().store(change, moment()).outcome; };
+  EXPECT_EQ(store(relayed(8, 1, 7, 70)), Outcome::stored);
+  EXPECT_EQ(store(relayed(9, 1, 5, 50)), Outcome::dropped);
+  EXPECT_THAT(values(read()), ElementsAre(70));
+  auto restarted = relayed(9, 1, 2, 20);
+  restarted.source_time = Time{{100, 0}};
+  EXPECT_EQ(store(restarted), Outcome::stored) << "with the same GUID";
+  EXPECT_EQ(store(relayed(9, 2, 1, 10)), Outcome::stored) << "of another writer";
+  EXPECT_THAT(values(take()), ElementsAre(10));
+}
+
+// Before: a set that the reader could never hold was seen bit by bit.
+TEST_F(ReaderCacheTest, KeepLast_RoomForASet_IsThatOfItsHistory) {
+  qos.history = {HistoryKind::keep_last, 2};
+  qos.resource_limits.max_samples = 4;
+  const auto room = [&](std::map<KeyHash, std::size_t> instances) {
+    WantedRoom wanted;
+    for (const auto& [key, samples] : instances) wanted.samples += samples;
+    wanted.octets = wanted.samples;
+    wanted.instances = std::move(instances);
+    return cache().room_for(wanted, writer(1));
+  };
+  EXPECT_EQ(room({{{1}, 2}, {{2}, 100}}), Room::now);
+  EXPECT_EQ(room({{{1}, 2}, {{2}, 2}, {{3}, 1}}), Room::never);
+  put(1, 10), put(1, 11), put(2, 20);
+  EXPECT_EQ(room({{{1}, 9}, {{2}, 9}}), Room::now);
+  EXPECT_EQ(room({{{1}, 9}, {{2}, 9}, {{3}, 1}}), Room::never);
+  EXPECT_EQ(room({{{1}, 9}, {{3}, 2}}), Room::later);
+  take();
+  EXPECT_EQ(room({{{1}, 9}, {{3}, 2}}), Room::now);
+}
+
+// Before: for each of them, all valid samples before it were looked at.
+TEST_F(ReaderCacheTest, ManyMalformedSamples_BesideValidOnes_CostEachTheirOwn) {
+  constexpr int kMany = 30'000;
+  std::int64_t number = 0;
+  const auto store = [&](std::uint8_t value) {
+    Change change;
+    change.writer = writer(1);
+    change.sequence_number = {++number};
+    change.key_hash = KeyHash{1};
+    change.payload = Payload::copy_of(Bytes{value});
+    ASSERT_EQ(cache().store(change, moment()).outcome, Outcome::stored);
+  };
+  for (int i = 0; i < kMany; ++i) store(1);
+  for (int i = 0; i < kMany; ++i) store(2);
+  auto all = read();
+  std::erase_if(all, [](const auto& sample) { return sample.payload.view()[0] == 1; });
+  const auto start = std::clock();
+  EXPECT_EQ(cache().discard(all), static_cast<std::size_t>(kMany));
+  EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC / 2);
+  EXPECT_EQ(cache().samples(), static_cast<std::size_t>(kMany));
+  EXPECT_EQ(cache().discard(all), 0u);
 }
 
 // A clock that was an hour ahead for a moment: its writer goes on with the last timestamp, and all
