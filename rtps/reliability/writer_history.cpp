@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace ddssec::rtps {
 namespace {
@@ -61,14 +62,14 @@ SequenceNumber WriterHistory::add(Change change) {
 
 /// A late joiner needs the last samples of living instances most.
 void WriterHistory::make_room() {
-  if (by_instance_ && may_drop_) {
+  if (may_have_ended_) {
     drop_ended_instances(max_changes_ - max_changes_ / 8);
-    drop_replaced(max_changes_ - max_changes_ / 64);
-    trim_front();
-    forget_dropped();
     // If nothing was found, there is nothing to look for until such a change comes.
-    may_drop_ = count_ - markers_ <= max_changes_ || find(last())->status.unregistered;
+    may_have_ended_ = count_ - markers_ <= max_changes_ || find(last())->status.unregistered;
   }
+  drop_replaced(max_changes_ - max_changes_ / 64);
+  trim_front();
+  forget_dropped();
   while (count_ - markers_ > max_changes_) remove_through(first());
 }
 
@@ -92,8 +93,25 @@ void WriterHistory::drop_instance(SequenceNumber number) {
 /// Those that a later change of the same instance follows.
 void WriterHistory::drop_replaced(std::size_t aim) {
   if (count_ - markers_ <= max_changes_) return;
-  for (std::size_t i = 0; i < changes_.size() && count_ - markers_ > aim; ++i)
-    if (changes_[i].change && changes_[i].next.value > 0) drop(changes_[i].number);
+  for (; !replaced_.empty() && count_ - markers_ > aim; replaced_.pop_front())
+    if (is_replaced(replaced_.front())) drop(replaced_.front());
+}
+
+bool WriterHistory::is_replaced(SequenceNumber number) const {
+  const auto place = place_of(number);
+  return place && changes_[*place].change && changes_[*place].next.value > 0;
+}
+
+/// Forgets those that were dropped, once they are more than half.
+void WriterHistory::note_replaced(SequenceNumber number) {
+  constexpr std::size_t kFew = 64;
+  replaced_.push_back(number);
+  if (replaced_.size() <= 2 * count_ + kFew) return;
+  for (auto left = replaced_.size(); left > 0; --left) {
+    const auto oldest = replaced_.front();
+    replaced_.pop_front();
+    if (is_replaced(oldest)) replaced_.push_back(oldest);
+  }
 }
 
 // A late joiner discards a set whose end is forgotten.
@@ -112,12 +130,14 @@ void WriterHistory::join_instance(Slot& added) {
   const auto known = instances_.find(key);
   auto& instance = known == instances_.end() ? spare_.insert(instances_, key) : known->second;
   added.previous = instance.last;
-  may_drop_ |= (instance.count > 0 && history_.depth > 1) || added.change->status.unregistered;
+  may_have_ended_ |= added.change->status.unregistered;
+  const bool replaces = instance.count > 0 && history_.depth > 1;
   if (instance.count++ == 0)
     instance.first = number;
   else
     slot(instance.last).next = number;
-  instance.last = number;
+  const auto before = std::exchange(instance.last, number);
+  if (replaces) note_replaced(before);
   if (history_.kind == HistoryKind::keep_last &&
       instance.count > static_cast<std::size_t>(history_.depth))
     drop(instance.first);

@@ -77,6 +77,8 @@ class WriterHistory {
   void drop_ended_instances(std::size_t aim);
   void drop_instance(SequenceNumber number);  // of its last change
   void drop_replaced(std::size_t aim);
+  bool is_replaced(SequenceNumber number) const;
+  void note_replaced(SequenceNumber number);
   void keep_marker(SequenceNumber number);
   void trim_front();
   void forget_dropped();
@@ -92,8 +94,11 @@ class WriterHistory {
   std::size_t markers_ = 0;  ///< number of markers, which do not count for any limit
   Ring<SequenceNumber> marks_;
   std::size_t octets_ = 0;
-  bool may_drop_ = false;  ///< make_room may find changes that are not the last of living instances
-  Instances instances_;    ///< if by_instance_
+  bool may_have_ended_ = false;  ///< make_room may find changes of instances that have ended
+  /// With KEEP_LAST and a depth above 1: those that others of the same instance follow, and some
+  /// that were dropped.
+  Ring<SequenceNumber> replaced_;
+  Instances instances_;  ///< if by_instance_
   SpareNodes<Instances> spare_;
 };
 

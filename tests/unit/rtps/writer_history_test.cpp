@@ -157,5 +157,35 @@ TEST(WriterHistory, ManyMoreLivingInstances_CostNoMoreThanOthers) {
   EXPECT_EQ(history.size(), static_cast<std::size_t>(kMax));
 }
 
+// Before: each of these changes cost a walk through the history, to find one that was replaced.
+TEST(WriterHistory, DeepHistoriesOfVeryMany_CostNoMoreThanOthers) {
+  constexpr std::uint32_t kMax = WriterHistory::kMaxChanges, kMore = 20'000;
+  WriterHistory history(at_most(static_cast<std::int32_t>(kMax), 2));
+  const auto add = [&](std::uint32_t i) {
+    auto change = change_of(1);
+    change.key_hash = KeyHash{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8),
+                              static_cast<std::uint8_t>(i >> 16)};
+    return history.add(std::move(change));
+  };
+  for (std::uint32_t i = 0; i < kMax; ++i) add(i);
+  const auto begin = std::chrono::steady_clock::now();
+  std::vector<SequenceNumber> last;
+  for (std::uint32_t i = 0; i < kMore; ++i) last.push_back(add(i));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1) * test::kSlowdown);
+  EXPECT_EQ(history.size(), kMax);
+  for (const auto number : last) ASSERT_NE(history.find(number), nullptr);
+  EXPECT_EQ(history.find({1}), nullptr) << "it was replaced";
+  EXPECT_NE(history.find({kMore + 1}), nullptr) << "the last of its instance";
+}
+
+// What is remembered of the changes that were replaced does not grow with the changes.
+TEST(WriterHistory, ADeepHistory_ThatIsReplacedForLong_HoldsItsLatest) {
+  WriterHistory history(at_most(1000, 2));
+  for (int i = 0; i < 100'000; ++i) history.add(change_of(static_cast<std::uint8_t>(i % 3)));
+  EXPECT_EQ(history.size(), 6U);
+  EXPECT_THAT(held(history),
+              ::testing::ElementsAre(99'995, 99'996, 99'997, 99'998, 99'999, 100'000));
+}
+
 }  // namespace
 }  // namespace ddssec::rtps
