@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/rollback.hpp"
 #include "rtps/durability/sample_row.hpp"
 #include "rtps/durability/store_disk.hpp"
 #include "rtps/durability/store_file.hpp"
@@ -375,6 +376,11 @@ Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
 
 Status SampleStore::write(std::span<const StoredChange> changes, Time now) {
   std::vector<Stream*> made;
+  // What was remembered is forgotten with the transaction.
+  Rollback undo([this, heard = heard_, last_use = last_use_] {
+    heard_ = heard;
+    last_use_ = last_use;
+  });
   {
     DDSSEC_ASSIGN_OR_RETURN(auto transaction, Database::Transaction::begin(database_));
     for (const auto& stored : changes) {
@@ -391,6 +397,7 @@ Status SampleStore::write(std::span<const StoredChange> changes, Time now) {
     DDSSEC_RETURN_IF_ERROR(remember_all(changes));
     DDSSEC_RETURN_IF_ERROR(transaction.commit());
   }
+  undo.release();
   for (auto* stream : made) stream->has_row = true;
   return {};
 }

@@ -86,7 +86,7 @@ TEST_F(WriterProxyTest, ARefusedChange_IsRequestedAgainWheneverTheWriterSaidMore
   refuses_from = 2;
   for (const std::int64_t number : {1, 2, 3}) add(reliable, number);
   reliable.on_heartbeat(heartbeat(1, 3, 1));
-  EXPECT_TRUE(reliable.forget_refused());
+  EXPECT_EQ(reliable.forget_refused(), 0u);
   EXPECT_THAT(missing(reliable, 3), ElementsAre(2, 3));
   EXPECT_FALSE(reliable.forget_refused()) << "nothing was refused";
   for (const std::int64_t number : {2, 3}) add(reliable, number);
@@ -116,6 +116,21 @@ TEST_F(WriterProxyTest, WhatTheWriterNoLongerHas_IsLostAfterItsFirstHeartbeat) {
   reliable.on_heartbeat(heartbeat(6, 6, 2));
   EXPECT_EQ(lost, 2);
   EXPECT_THAT(delivered, ElementsAre(5));
+}
+
+// Before: they were counted with each HEARTBEAT.
+TEST_F(WriterProxyTest, WhatIsLostBehindARefusedChange_IsCountedOnce) {
+  reliable.on_heartbeat(heartbeat(1, 5, 1));
+  refuses_from = 1;
+  add(reliable, 1);
+  for (int count = 2; count < 5; ++count) reliable.on_heartbeat(heartbeat(4, 5, count));
+  EXPECT_EQ(lost, 2);
+  reliable.on_heartbeat(heartbeat(6, 6, 5));
+  EXPECT_EQ(lost, 4);
+  refuses_from = 10;
+  reliable.on_heartbeat(heartbeat(6, 6, 6));
+  EXPECT_EQ(lost, 4);
+  EXPECT_THAT(delivered, ElementsAre(1));
 }
 
 // A full reader took some of what it held, not all: that is over.

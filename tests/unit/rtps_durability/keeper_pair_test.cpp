@@ -106,34 +106,6 @@ TEST_P(KeeperPairTest, AfterARestart_WhatWasDisposedStaysSo) {
   EXPECT_EQ(of(0, 1), (Values{2}));
 }
 
-// Before: it kept 5, 1, 2, 3, 4 in this order, so the next sample replaced 5.
-TEST_P(KeeperPairTest, AKeeper_ThatHearsTheLatestFirst_KeepsTheOrderOfTheWriter) {
-  start(0);
-  auto qos = durable(DurabilityKind::transient, 5);
-  qos.history.depth = 1;
-  auto& writer = writer_of(qos);
-  for (int i = 1; i <= 5; ++i) {
-    ASSERT_TRUE(writer.write({"north", i}));
-    serve();
-  }
-  stop(0);
-  start(1);
-  serve();
-  start(0);
-  serve(150);
-  EXPECT_EQ(keepers[1]->served(), 5u);
-  for (int i = 6; i <= 8; ++i) {
-    ASSERT_TRUE(writer.write({"north", i}));
-    serve();
-  }
-  gone();
-  stop(1);
-  start(1);
-  auto values = of(1, 5);
-  std::ranges::sort(values);
-  EXPECT_EQ(values, (Values{4, 5, 6, 7, 8}));
-}
-
 INSTANTIATE_TEST_SUITE_P(Over, KeeperPairTest, ::testing::Values(Way::network, Way::in_process),
                          name_of);
 

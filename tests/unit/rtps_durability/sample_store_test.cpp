@@ -292,6 +292,32 @@ TEST_F(SampleStoreTest, WritersThatAreRemembered_AreBounded) {
             static_cast<std::int64_t>(2 * kMax));
 }
 
+// Before: those of a commit that failed counted each time, until writers were forgotten without
+// need.
+TEST_F(SampleStoreTest, ACommitThatFails_RemembersNoWriter) {
+  constexpr std::size_t kStore = 64 << 10, kMax = kStore / 1024;
+  auto opened = *IndexedStore::open(path, kStore);
+  const auto id = *opened.stream(kMap, keep_last(1));
+  const auto hear = [&](std::uint8_t which) {
+    auto heard = remembered(id, 1, which + 1);
+    heard.change.writer.prefix.octets[1] = which;
+    return opened.store.commit({{heard}}, seconds(100));
+  };
+  for (std::uint8_t i = 0; i < kMax / 2; ++i) ASSERT_TRUE(hear(i));
+  struct rlimit before;
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const struct rlimit none = {0, before.rlim_max};
+  const auto signal = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &none), 0);
+  int failed = 0;
+  for (std::uint8_t i = 0; i < kMax * 5 / 8; ++i) failed += hear(100 + i) ? 0 : 1;
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, signal);
+  EXPECT_EQ(failed, kMax * 5 / 8);
+  ASSERT_TRUE(hear(200));
+  EXPECT_EQ(opened.store.load(id)->heard.size(), kMax / 2 + 1);
+}
+
 TEST_F(SampleStoreTest, ADiskWithoutRoomIsNamedAndNothingStoredIsLost) {
   store(0, 10);
   std::uint32_t next = 10;
