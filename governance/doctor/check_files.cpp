@@ -9,6 +9,7 @@
 #include "base/source.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured.hpp"
+#include "governance/doctor/secret_in_text.hpp"
 #include "governance/doctor/stock_spelling.hpp"
 #include "governance/doctor/writable_places.hpp"
 #include "pki/source.hpp"
@@ -154,6 +155,22 @@ void check_mode(const fs::path& key, Diagnosis& out) {
                                          "change it; it should have 0600",
                                          name_of(key), status.st_mode & 07777),
                   .document = key});
+}
+
+void check_configuration_modes(const pki::ParticipantFolder& paths, Diagnosis& out) {
+  for (const auto& path :
+       {paths.folder / "cyclonedds.xml", paths.folder / "fastdds.xml", paths.properties}) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0 || (status.st_mode & 077) == 0) continue;
+    const auto text = ddssec::load("file:" + path.string(), "", pki::kMaxDocumentOctets);
+    if (!text || !holds_secret(as_text(*text))) continue;
+    out.report({}, {.rule = Rule::DOC003,
+                    .message = fmt::format(
+                        "{} holds a password or a private key and has mode {:04o}: others than its "
+                        "owner can read it; it should have 0600",
+                        name_of(path), status.st_mode & 07777),
+                    .document = path});
+  }
 }
 
 // The folder's owner is the participant's user as a rule, and must be able to read the key.
@@ -303,6 +320,7 @@ void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis
   check_loaded(folder, settings, out);
   check_tokens(folder, out);
   check_mode(folder.paths.key, out);
+  check_configuration_modes(folder.paths, out);
   check_owner(folder.paths.key, out);
   check_writable_places(folder, settings, out);
   check_strangers(folder, out);
