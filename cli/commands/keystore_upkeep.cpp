@@ -189,8 +189,9 @@ void add_findings_of(const doctor::Diagnosis& diagnosis, Report& report) {
   for (const auto& check : diagnosis.checks())
     for (auto finding : check.findings) {
       // A folder above several enclaves.
-      if (std::ranges::find(report.findings, finding.message, &Finding::message) !=
-          report.findings.end())
+      if (finding.rule == Rule::DOC104 &&
+          std::ranges::find(report.findings, finding.message, &Finding::message) !=
+              report.findings.end())
         continue;
       if (finding.rule == Rule::DOC004) {
         finding.severity = Severity::error;

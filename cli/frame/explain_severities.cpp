@@ -27,6 +27,7 @@ constexpr OtherSeverity kOthers[] = {
     {"DOC094", error, "where --vendor names two versions that do not find each other"},
     {"DOC101", warning, "where the environment names no configuration, or one for another purpose"},
     {"DOC093 DOC103", warning, "where the embedded participant may be meant"},
+    {"DOC104", warning, "for a group that can write, or another owner"},
     {"DOC107", warning, "for products that --vendor of check does not name"},
     {"GOV010", warning, "where the rules before it protect alike"},
     {"GOV012 PERM013", note, "where Cyclone DDS and Fast DDS agree"},

@@ -336,7 +336,7 @@ TEST_F(AuthorityRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
     clock.advance(100ms);
     plugin->expire();
   }
-  EXPECT_LE(log.events.size(), 1u);
+  EXPECT_LE(log.events.size(), 5u);
 }
 
 // ---- governance

@@ -408,7 +408,7 @@ TEST_F(AuthorityRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
     engine().clock.advance(100ms);
     engine()->expire();
   }
-  EXPECT_LE(events().size(), 1u);
+  EXPECT_LE(events().size(), 5u);
 }
 
 TEST_F(AuthorityRenewal, CasThatComeAndGo_AreBounded) {

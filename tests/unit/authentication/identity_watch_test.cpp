@@ -138,7 +138,7 @@ TEST_F(Renewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
     engine().clock.advance(100ms);
     engine()->expire();
   }
-  EXPECT_LE(events().size(), 1u);
+  EXPECT_LE(events().size(), 5u);
 }
 
 }  // namespace
