@@ -18,7 +18,7 @@ void BuiltinMatcher::match(const EntityId& local, RemoteParticipant& remote) {
 }
 
 void BuiltinMatcher::match(const BuiltinTopicInfo& info, RemoteParticipant& remote,
-                           bool with_writer) {
+                           bool with_writer, bool again) {
   if (info.topic == BuiltinTopic::participants_secure && remote.data.vendor == kVendorFastDds &&
       !remote.heard_participants_secure)
     return;
@@ -31,7 +31,12 @@ void BuiltinMatcher::match(const BuiltinTopicInfo& info, RemoteParticipant& remo
   if (with_writer)
     builtin_.writer(info.topic).match({other, true, true, remote.metatraffic}, core_.now);
   else
-    builtin_.find_reader(own)->match({other, true, remote.metatraffic}, core_.now);
+    builtin_.find_reader(own)->match(
+        {.guid = other,
+         .reliable = true,
+         .locators = remote.metatraffic,
+         .begins_at_zero = again && remote.data.vendor == kVendorFastDds},
+        core_.now);
 }
 
 void BuiltinMatcher::unmatch(const RemoteParticipant& remote) {
@@ -48,7 +53,7 @@ void BuiltinMatcher::read_again(RemoteParticipant& remote) {
     if (info.topic != BuiltinTopic::publications && info.topic != BuiltinTopic::subscriptions)
       continue;
     builtin_.find_reader(info.reader)->unmatch({remote.prefix(), info.writer});
-    match(info, remote, false);
+    match(info, remote, false, true);
   }
 }
 

@@ -24,7 +24,8 @@ class BuiltinMatcher {
   void note_participants_secure(RemoteParticipant& remote);
 
  private:
-  void match(const BuiltinTopicInfo& info, RemoteParticipant& remote, bool with_writer);
+  void match(const BuiltinTopicInfo& info, RemoteParticipant& remote, bool with_writer,
+             bool again = false);
 
   ParticipantCore& core_;
   BuiltinEndpoints& builtin_;

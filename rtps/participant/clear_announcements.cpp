@@ -20,14 +20,21 @@ bool ClearAnnouncements::note_announced(RemoteParticipant& remote, const Endpoin
       !is_doubtful(remote, endpoint.guid.entity, endpoint.by_secure_discovery))
     return true;
   if (known->second.data == endpoint) return false;
-  read_again_later(remote);
+  if (known->second.data.topic_name != endpoint.topic_name)
+    remove(remote, endpoint.guid.entity, endpoint.by_secure_discovery);
+  remote.second_reading.note_change(core_.now);
+  call_at(remote.second_reading.due());
   return true;
 }
 
-void ClearAnnouncements::note_ended(RemoteParticipant& remote, const EntityId& endpoint,
-                                    bool secure) {
-  if (remote.endpoints.contains(endpoint) && is_doubtful(remote, endpoint, secure))
-    read_again_later(remote);
+// The participant sends the keys of an endpoint only once, as long as nothing ends for it.
+void ClearAnnouncements::remove(RemoteParticipant& remote, const EntityId& endpoint, bool secure) {
+  bool may_return = false;
+  if (remote.endpoints.contains(endpoint) && is_doubtful(remote, endpoint, secure)) {
+    may_return = remote.second_reading.note_end(endpoint, core_.now);
+    call_at(remote.second_reading.due());
+  }
+  matcher_.remove(remote, endpoint, may_return);
 }
 
 bool ClearAnnouncements::is_doubtful(const RemoteParticipant& remote, const EntityId& endpoint,
@@ -36,17 +43,27 @@ bool ClearAnnouncements::is_doubtful(const RemoteParticipant& remote, const Enti
          core_.origin_of_announcement({remote.prefix(), endpoint}, secure) == Origin::anyone;
 }
 
-void ClearAnnouncements::read_again_later(RemoteParticipant& remote) {
-  remote.second_reading.note_change(core_.now);
-  call_at(remote.second_reading.due());
+void ClearAnnouncements::give_up(const RemoteParticipant& remote, std::span<const EntityId> ended) {
+  if (!core_.security) return;
+  auto& keyring = core_.security->keyring();
+  for (const auto& endpoint : ended) {
+    if (remote.endpoints.contains(endpoint)) continue;
+    const Guid guid{remote.prefix(), endpoint};
+    if (is_reader(endpoint))
+      for (const auto& [id, writer] : local_.writers()) keyring.separate(id, guid);
+    else
+      for (const auto& [id, reader] : local_.readers()) keyring.separate(id, guid);
+  }
 }
 
 void ClearAnnouncements::on_time(MonotonicTime now) {
   auto next = kNever;
   for (const auto& [prefix, known] : remotes_.all()) {
     auto& remote = *remotes_.find(prefix);
-    if (remote.second_reading.take_due(now)) builtin_.read_again(remote);
-    next = std::min(next, remote.second_reading.due());
+    auto& reading = remote.second_reading;
+    give_up(remote, reading.take_read(now));
+    if (reading.take_due(now)) builtin_.read_again(remote);
+    next = std::min(next, reading.next());
   }
   call_at(next);
 }

@@ -134,7 +134,7 @@ Discovery::Discovery(ParticipantCore& core, const Parts& parts)
     : core_(core),
       parts_(parts),
       builtin_(core, parts.local.builtin()),
-      clear_(core, parts.remotes, parts.matcher, builtin_) {}
+      clear_(core, parts.local, parts.remotes, parts.matcher, builtin_) {}
 
 // ---- participants that are found
 
@@ -343,10 +343,7 @@ void Discovery::on_endpoint(const Change& change, bool publications, bool secure
     const auto key = change.key_hash ? Guid::from(*change.key_hash)
                                      : read_endpoint_key(change.payload.view()).value_or(Guid{});
     if (key.prefix != remote->prefix()) return;
-    if (may_change(key.entity)) {
-      clear_.note_ended(*remote, key.entity, secure);
-      return parts_.matcher.remove(*remote, key.entity);
-    }
+    if (may_change(key.entity)) return clear_.remove(*remote, key.entity, secure);
     ++core_.counters.refused_discovery;
     return parts_.matcher.doubt(*remote, key.entity);
   }

@@ -156,14 +156,14 @@ void EndpointMatcher::add(RemoteParticipant& remote, EndpointData data) {
   for (auto* reader : ends.readers) match(*reader, remote, stored);
 }
 
-void EndpointMatcher::remove(RemoteParticipant& remote, const EntityId& id) {
+void EndpointMatcher::remove(RemoteParticipant& remote, const EntityId& id, bool may_return) {
   const auto known = remote.endpoints.find(id);
   if (known == remote.endpoints.end()) return;
   const auto& data = known->second.data;
   const auto topic_name = data.topic_name;
   auto& ends = topics_[topic_name];
-  for (auto* writer : ends.writers) forget(*writer, data.guid);
-  for (auto* reader : ends.readers) forget(*reader, data.guid);
+  for (auto* writer : ends.writers) forget(*writer, data.guid, may_return);
+  for (auto* reader : ends.readers) forget(*reader, data.guid, may_return);
   ends.remotes.erase(data.guid);
   remotes_.remove(remote, id);
   forget_if_empty(topic_name);

@@ -30,7 +30,8 @@ class EndpointMatcher {
   // Remote endpoints:
   /// Stores what was announced, if there is room, and matches it.
   void add(RemoteParticipant& remote, EndpointData data);
-  void remove(RemoteParticipant& remote, const EntityId& id);
+  /// `may_return`: the keys that its participant has sent for it are kept.
+  void remove(RemoteParticipant& remote, const EntityId& id, bool may_return = false);
   /// Something that proves nothing says that the endpoint has ended. Counts only for readers
   /// (ReaderPresence).
   void doubt(RemoteParticipant& remote, const EntityId& id);

@@ -212,10 +212,12 @@ StatefulReader::Refused StatefulReader::refused() const {
 }
 
 // Neither final nor with anything missing: all known vendors answer with a HEARTBEAT. (Fast DDS
-// itself queries with base 0, which Cyclone DDS considers malformed.)
+// itself queries with base 0, which Cyclone DDS considers malformed. If it is queried in that way,
+// it forgets what the reader has acknowledged.)
 void StatefulReader::ask(WriterProxy& proxy, MonotonicTime now) {
-  messages_.acknack(destination_of(proxy), proxy.writer().guid.entity,
-                    SequenceNumberSet(proxy.next()), false);
+  const auto base = proxy.writer().begins_at_zero ? SequenceNumber{0} : proxy.next();
+  messages_.acknack(destination_of(proxy), proxy.writer().guid.entity, SequenceNumberSet(base),
+                    false);
   sender_.flush();
   proxy.question.note_asked(now);
   call_at(proxy.question.due());

@@ -28,6 +28,8 @@ struct MatchedWriter {
   std::optional<Sha256Digest> keys = {};
   /// The identity whose share of the limits it uses; empty: that of its participant.
   std::optional<GuidPrefix> identity = {};
+  /// The writer sends what it keeps once more only to a reader that begins with number 0.
+  bool begins_at_zero = false;
   GuidPrefix owner() const { return identity.value_or(guid.prefix); }
 };
 

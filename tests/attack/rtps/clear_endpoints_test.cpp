@@ -159,6 +159,55 @@ TEST_F(ClearEndpoints, ThatAreSaidToHaveEnded_MatchAgain) {
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 300));
 }
 
+/// a writes, b reads, with keys for the topic.
+struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {};
+
+// The writer sends its keys only once.
+TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatIsSaidToHaveEnded_MatchAgain) {
+  Pair pair(GetParam());
+  ASSERT_TRUE(pair.match());
+  pair.world.run(100);
+  Bytes buffer(64);
+  SpanWriter key(buffer);
+  write_endpoint_key(key, pair.writer);
+  InlineQos qos;
+  qos.status = {true, true};
+  pair.b->receive(
+      forged(
+          pair.a->prefix(),
+          Data{kPublicationsReader, kPublicationsWriter, {2}, qos, PayloadKind::key, key.view()}),
+      pair.world.now, at(7000));
+  ASSERT_EQ(pair.b.listener.matched, 0);
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == 1; }, 1000));
+  pair.world.run(1000);
+  pair.write();
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 300));
+  EXPECT_TRUE(pair.b.events.is_quiet()) << pair.b.events.text();
+}
+
+// They are not kept for good.
+TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatHasEnded_AreForgotten) {
+  Pair pair(GetParam());
+  ASSERT_TRUE(pair.match());
+  pair.world.run(100);
+  const auto knows_keys = [&] {
+    const auto& core = pair.b->remote_participants().core();
+    return core.security->keyring().kind_of(pair.reader.entity, pair.writer) !=
+           Keyring::PairKind::unknown;
+  };
+  ASSERT_TRUE(knows_keys());
+  pair.a->remove(pair.writer, pair.world.now);
+  pair.world.run(100);
+  ASSERT_EQ(pair.b.listener.matched, 0);
+  EXPECT_TRUE(knows_keys());
+  pair.world.run(1000);
+  EXPECT_FALSE(knows_keys());
+}
+
+INSTANTIATE_TEST_SUITE_P(Rules, ClearEndpointsWithKeys,
+                         ::testing::Values(Rules{.data = ProtectionKind::encrypt},
+                                           Rules{.metadata = ProtectionKind::encrypt}));
+
 TEST_F(ClearEndpoints, ThatAreSaidToHaveOtherPolicies_MatchAgain) {
   auto data = forged_reader(0);
   data.guid = pair.reader;

@@ -43,5 +43,23 @@ TEST(SecondReadingTest, AfterALongRest_PauseIsShortAgain) {
   EXPECT_EQ(reading.due(), later + SecondReading::kMinPause);
 }
 
+TEST(SecondReadingTest, EndpointsThatEnded_AreReturnedWhenTheReadingIsOver) {
+  const auto endpoint = [](int number) {
+    return EntityId{{0, 0, static_cast<std::uint8_t>(number), 7}};
+  };
+  SecondReading reading;
+  EXPECT_TRUE(reading.note_end(endpoint(1), kStart));
+  EXPECT_TRUE(reading.take_read(kStart + SecondReading::kMinPause).empty());
+  ASSERT_TRUE(reading.take_due(kStart + SecondReading::kMinPause));
+  const auto over = kStart + SecondReading::kMinPause + SecondReading::kPatience;
+  EXPECT_EQ(reading.next(), over);
+  EXPECT_TRUE(reading.note_end(endpoint(2), over));
+  EXPECT_EQ(reading.take_read(over), std::vector{endpoint(1)});
+  EXPECT_EQ(reading.next(), reading.due()) << "the second one is not read yet";
+  std::size_t more = 0;
+  while (reading.note_end(endpoint(3), over)) ++more;
+  EXPECT_EQ(more + 1, SecondReading::kMaxEnded);
+}
+
 }  // namespace
 }  // namespace ddssec::rtps
