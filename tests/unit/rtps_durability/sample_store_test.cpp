@@ -310,12 +310,12 @@ TEST_F(SampleStoreTest, ACommitThatFails_RemembersNoWriter) {
   const auto signal = std::signal(SIGXFSZ, SIG_IGN);
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &none), 0);
   int failed = 0;
-  for (std::uint8_t i = 0; i < kMax * 5 / 8; ++i) failed += hear(100 + i) ? 0 : 1;
+  for (std::uint8_t i = 0; i < 30; ++i) failed += hear(100 + i) ? 0 : 1;
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
   std::signal(SIGXFSZ, signal);
-  EXPECT_EQ(failed, kMax * 5 / 8);
-  ASSERT_TRUE(hear(200));
-  EXPECT_EQ(opened.store.load(id)->heard.size(), kMax / 2 + 1);
+  EXPECT_EQ(failed, 30);
+  for (std::uint8_t i = 0; i < 3; ++i) ASSERT_TRUE(hear(200 + i));
+  EXPECT_EQ(opened.store.load(id)->heard.size(), kMax / 2 + 3);
 }
 
 TEST_F(SampleStoreTest, ADiskWithoutRoomIsNamedAndNothingStoredIsLost) {

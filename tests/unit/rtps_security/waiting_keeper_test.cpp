@@ -89,8 +89,9 @@ TEST_F(ExclusiveSecuredKeeper, BeyondAnIdentitysInstances_SamplesWait_AndAreNotA
   write(greedy, 0, kShare);
   ASSERT_TRUE(stored_all_of(greedy));
   EXPECT_EQ(keeper->served(), static_cast<std::uint64_t>(kShare));
-  ASSERT_TRUE(greedy.write({1'000'000, 1}));
-  EXPECT_FALSE(stored_all_of(greedy, 100));
+  auto& more = writer_of(*mallory, 20);
+  ASSERT_TRUE(more.write({1'000'000, 1}));
+  EXPECT_FALSE(stored_all_of(more, 100));
   EXPECT_EQ(keeper->served(), static_cast<std::uint64_t>(kShare));
   EXPECT_GT(keeper->unstored(), 0u);
   EXPECT_TRUE(process.events.has(Code::rtps_store_failed)) << process.events.text();
