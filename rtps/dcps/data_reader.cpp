@@ -87,9 +87,9 @@ Result<std::size_t> AnyDataReader::access(const Query& query, std::vector<OctetS
   return out.size() - before;
 }
 
-void AnyDataReader::discard_malformed(std::span<const OctetSample> samples) {
+void AnyDataReader::discard_malformed(std::span<const OctetSample> samples, bool taken) {
   const auto held = lock();
-  if (reception_.discard_malformed(samples)) offer_again();
+  if (reception_.discard_malformed(samples, taken)) offer_again();
   reception_.after_access(true);
 }
 

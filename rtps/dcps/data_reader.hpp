@@ -88,8 +88,9 @@ class AnyDataReader : public Endpoint {
   AnyDataReader(Group& subscriber, ParticipantContext& context, Topic& topic, Qos qos);
   /// Counts a sample that could not be deserialized as the type.
   void count_malformed() { reception_.samples().count_malformed(); }
-  /// Removes the samples, which could not be deserialized as the type, and counts them.
-  void discard_malformed(std::span<const OctetSample> samples);
+  /// Removes the samples, which could not be deserialized as the type, and counts them. `taken`:
+  /// they are not held any more.
+  void discard_malformed(std::span<const OctetSample> samples, bool taken);
 
  private:
   friend class QueryCondition;
@@ -178,7 +179,7 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
       if (auto found = access(query, out.raw_); !found && discarded == 0) return found;
       const auto malformed = out.append_raw();
       if (malformed.empty()) break;
-      discard_malformed(malformed);
+      discard_malformed(malformed, query.take);
       discarded += malformed.size();
       if (!has_more(query, out)) break;
     }

@@ -72,8 +72,9 @@ struct HeldInstance {
   std::int32_t disposed_generations = 0, no_writers_generations = 0;
   HeldSamples held;
   std::size_t unread = 0;
-  std::size_t invalid = 0;           ///< 0 or 1
-  HeldSamples::iterator invalid_at;  ///< only if there is one
+  HeldSamples::iterator unread_from = held.end();  ///< all before it were read
+  std::size_t invalid = 0;                         ///< 0 or 1
+  HeldSamples::iterator invalid_at;                ///< only if there is one
   /// With DESTINATION_ORDER BY_SOURCE_TIMESTAMP and a long history: the samples in that order.
   std::map<SourceOrder, HeldSamples::iterator> by_source;
   /// Of the identity for which the instance and its key count. One of its writers has the instance,

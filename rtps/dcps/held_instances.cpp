@@ -33,6 +33,16 @@ HeldSamples::iterator place_of(HeldInstance& instance, const HeldSample& sample,
   return before;
 }
 
+/// A new sample, which is unread, has its place. Once it is not the last one, the first unread one
+/// must be searched for.
+void note_unread(HeldInstance& instance, HeldSamples::iterator at) {
+  auto& first = instance.unread_from;
+  if (first == instance.held.end() || std::next(at) == first)
+    first = at;
+  else if (std::next(at) != instance.held.end())
+    first = instance.held.begin();
+}
+
 /// How many places samples that belong together take, beside those that are held, and alone.
 struct Places {
   std::size_t now = 0, alone = 0;
@@ -264,6 +274,7 @@ void HeldInstances::insert(HeldInstance& instance, HeldSample held) {
     instance.held.splice(before, spare_, spare_.begin());
   }
   const auto at = std::prev(before);
+  note_unread(instance, at);
   if (indexes_sources_) instance.by_source.emplace(order_of(*at), at);
   if (!at->valid) instance.invalid_at = at;
   if (at->expires != kNever)
@@ -299,6 +310,7 @@ HeldSamples::iterator HeldInstances::erase(HeldInstance& instance, HeldSamples::
   if (at->expires != kNever) expiring_.erase({at->expires, at->expiry});
   if (indexes_sources_) instance.by_source.erase(order_of(*at));
   const auto next = instance.held.erase(at, at);  // converts the const_iterator to an iterator
+  if (instance.unread_from == next) ++instance.unread_from;
   if (spare_.size() >= kMaxSpare) return instance.held.erase(next);
   next->change.payload = {};
   next->share.reset();

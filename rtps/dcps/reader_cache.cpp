@@ -310,17 +310,20 @@ std::size_t ReaderCache::discard(std::span<const OctetSample> samples) {
   for (auto& [handle, which] : wanted) {
     auto* instance = held_.find(handle);
     if (instance == nullptr) continue;
-    {
-      const Recount recount(held_, *instance);
-      for (auto at = instance->held.begin(); at != instance->held.end() && !which.empty();) {
+    const Recount recount(held_, *instance);
+    const auto discard_from = [&](HeldSamples::iterator at) {
+      while (at != instance->held.end() && !which.empty()) {
         const bool goes =
             which.erase({at->change.writer, at->change.sequence_number, at->valid}) > 0;
         out += goes ? 1 : 0;
         at = goes ? held_.erase(*instance, at) : std::next(at);
       }
-    }
-    held_.settle(*instance);
+    };
+    discard_from(instance->unread_from);  // what was just read begins there
+    discard_from(instance->held.begin());
   }
+  for (const auto& [handle, which] : wanted)
+    if (auto* instance = held_.find(handle)) held_.settle(*instance);
   return out;
 }
 

@@ -260,8 +260,8 @@ bool SampleReception::select(const Query& query, std::vector<OctetSample>& out) 
   return query.take && std::exchange(refused_, false);
 }
 
-bool SampleReception::discard_malformed(std::span<const OctetSample> samples) {
-  samples_.cache().discard(samples);
+bool SampleReception::discard_malformed(std::span<const OctetSample> samples, bool taken) {
+  if (!taken) samples_.cache().discard(samples);
   for (const auto& sample : samples) {
     samples_.count_malformed();
     report_malformed(sample);

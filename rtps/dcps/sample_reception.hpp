@@ -61,8 +61,9 @@ class SampleReception final : private PresentedReader, private Timed {
   /// afterwards.
   bool select(const Query& query, std::vector<OctetSample>& out);
   void after_access(bool taken);
-  /// Removes samples that cannot be deserialized as the type. Returns as `select` does.
-  bool discard_malformed(std::span<const OctetSample> samples);
+  /// Removes samples that cannot be deserialized as the type, unless they were taken. Returns as
+  /// `select` does.
+  bool discard_malformed(std::span<const OctetSample> samples, bool taken);
   /// See ReaderPresentation::pause.
   void pause(bool paused, MonotonicTime now);
   /// Schedules a call of the Presenter at the time that it asks for.

@@ -59,6 +59,12 @@ std::vector<HeldSamples::iterator> find_matching(const HeldInstance& instance, c
   return out;
 }
 
+HeldSamples::iterator first_unread(HeldInstance& instance) {
+  auto& first = instance.unread_from;
+  while (first != instance.held.end() && first->is_read) ++first;
+  return first;
+}
+
 void hand_out_of(HeldInstances& instances, HeldInstance& instance, const Query& query,
                  std::size_t max_samples, std::vector<OctetSample>& out) {
   if (query.matching != nullptr) {
@@ -67,8 +73,10 @@ void hand_out_of(HeldInstances& instances, HeldInstance& instance, const Query& 
     return;
   }
   const auto begin = out.size();
-  for (auto at = instance.held.begin();
-       at != instance.held.end() && out.size() - begin < max_samples;)
+  const bool unread_only = !query.states.sample.contains(SampleState::read);
+  for (auto at = unread_only ? first_unread(instance) : instance.held.begin();
+       at != instance.held.end() && out.size() - begin < max_samples &&
+       !(unread_only && instance.unread == 0);)
     at = query.states.sample.contains(state_of(at->is_read))
              ? hand_out(instances, instance, at, query.take, out)
              : std::next(at);

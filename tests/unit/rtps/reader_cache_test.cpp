@@ -1,6 +1,8 @@
 // What a reader holds, by itself: states, generations, ranks, limits, ownership, time.
 #include <ctime>
+#include <random>
 
+#include "tests/support/slowdown.hpp"
 #include "tests/unit/rtps/reader_cache_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -87,9 +89,68 @@ TEST_F(ReaderCacheTest, ManyMalformedSamples_BesideValidOnes_CostEachTheirOwn) {
   std::erase_if(all, [](const auto& sample) { return sample.payload.view()[0] == 1; });
   const auto start = std::clock();
   EXPECT_EQ(cache().discard(all), static_cast<std::size_t>(kMany));
-  EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC / 2);
+  EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC / 2 * test::kSlowdown);
   EXPECT_EQ(cache().samples(), static_cast<std::size_t>(kMany));
   EXPECT_EQ(cache().discard(all), 0u);
+}
+
+// Before: each call looked at all samples that were read before.
+TEST_F(ReaderCacheTest, SamplesThatAreTakenOneByOne_BesideReadOnes_CostEachTheirOwn) {
+  constexpr int kMany = 30'000;
+  for (int i = 0; i < kMany; ++i) put(1, 1);
+  read();
+  for (int i = 0; i < kMany; ++i) put(1, 2);
+  const Query next{.states = {.sample = SampleState::not_read}, .max_samples = 1, .take = true};
+  const auto start = std::clock();
+  for (int i = 0; i < kMany; ++i) ASSERT_THAT(values(select(next)), ElementsAre(2));
+  EXPECT_THAT(select(next), IsEmpty());
+  EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC * test::kSlowdown);
+}
+
+// Whatever was read, taken and inserted in between, a search for unread samples finds all of them.
+TEST_F(ReaderCacheTest, UnreadSamples_InAnyOrder_AreFound) {
+  struct Expected {
+    std::int64_t stamp;
+    int value;
+    bool is_read = false;
+  };
+  for (const bool by_source : {false, true}) {
+    qos.destination_order =
+        by_source ? DestinationOrderKind::by_source : DestinationOrderKind::by_reception;
+    made.reset();
+    std::mt19937 random(by_source ? 5 : 7);
+    std::vector<Expected> model;
+    std::int64_t seen_until = 0;
+    for (int i = 0; i < 20'000; ++i) {
+      const auto dice = random() % 8;
+      if (dice < 4) {
+        const std::int64_t stamp = i + static_cast<std::int64_t>(random() % 20);
+        const int value = static_cast<int>(random() % 256);
+        put(1, static_cast<std::uint8_t>(value), {}, 1, milliseconds(stamp));
+        if (by_source && stamp < seen_until) continue;
+        auto at = model.end();
+        while (by_source && at != model.begin() && stamp < std::prev(at)->stamp) --at;
+        model.insert(at, {stamp, value});
+        continue;
+      }
+      const bool unread_only = dice != 4, takes = dice > 5;
+      const std::size_t most = 1 + random() % 3;
+      std::vector<int> expected;
+      for (auto at = model.begin(); at != model.end() && expected.size() < most;) {
+        if (unread_only && at->is_read) {
+          ++at;
+          continue;
+        }
+        expected.push_back(at->value);
+        seen_until = std::max(seen_until, at->stamp);
+        at->is_read = true;
+        at = takes ? model.erase(at) : std::next(at);
+      }
+      Query query{.max_samples = most, .take = takes};
+      if (unread_only) query.states.sample = SampleState::not_read;
+      ASSERT_EQ(values(select(query)), expected) << i;
+    }
+  }
 }
 
 // A clock that was an hour ahead for a moment: its writer goes on with the last timestamp, and all

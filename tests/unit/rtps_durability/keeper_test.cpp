@@ -59,6 +59,31 @@ TEST_P(KeeperTest, NothingComesTwiceWhileTheWriterIsThere) {
   EXPECT_EQ(late_joiner(*service, b, 6), (Values{0, 1, 2, 3, 4, 5}));
 }
 
+// Before: the late joiner knew the last 256 of such samples, and got the others again.
+TEST_P(KeeperTest, NothingComesTwice_OfAHistoryWithManyGaps) {
+  constexpr std::int64_t kMany = 600;
+  auto& writer = a.writer(durable(DurabilityKind::transient, 1));
+  for (std::int64_t i = 0; i < kMany; ++i) {
+    ASSERT_TRUE(writer.write({std::to_string(i), i}));
+    ASSERT_TRUE(writer.write({"replaced", kMany}));
+  }
+  auto& reader = b.reader(late(DurabilityKind::transient));
+  Values got;
+  const auto look = [&](Keeper* keeper) {
+    for (int i = 0; i < 100; ++i) {
+      if (keeper != nullptr) keeper->poll(0ms);
+      run(10ms);
+      for (const auto value : taken(reader)) got.push_back(value);
+    }
+  };
+  look(nullptr);
+  EXPECT_EQ(got.size(), kMany + 1u);
+  const auto service = keeper();
+  look(service.get());
+  EXPECT_EQ(service->served(), kMany + 1u);
+  EXPECT_EQ(got.size(), kMany + 1u);
+}
+
 TEST_P(KeeperTest, WhatIsKeptOutlivesTheKeeper) {
   {
     const auto service = keeper();
