@@ -19,6 +19,13 @@ bool is_over(const Grant& grant, const PermissionsDocument& document, WallTime n
   return now >= grant->grant().validity.not_after || now > document.signer_not_after();
 }
 
+/// One that was valid has not ended because the clock goes back.
+Status check_not_over(const GrantOfDocument& one, WallTime now) {
+  if (!is_over(one.grant, *one.document, now)) return {};
+  DDSSEC_RETURN_IF_ERROR(governance::check_validity(one.grant->grant(), now));
+  return one.document->check_signer(now);
+}
+
 }  // namespace
 
 void PermissionsHolder::set_own(std::string text, std::unique_ptr<OwnDocuments> documents) {
@@ -85,13 +92,10 @@ Result<Grant> PermissionsHolder::presented_grant(WallTime now) {
   return grant_;
 }
 
-/// The lock is held. One that was valid has not ended because the clock goes back.
+/// The lock is held.
 Status PermissionsHolder::check_extension(WallTime now) const {
-  const auto& [document, grant] = *extension_;
-  DDSSEC_RETURN_IF_ERROR(check_signer(*document));
-  if (!is_over(grant, *document, now)) return {};
-  DDSSEC_RETURN_IF_ERROR(governance::check_validity(grant->grant(), now));
-  return document->check_signer(now);
+  DDSSEC_RETURN_IF_ERROR(check_signer(*extension_->document));
+  return check_not_over(*extension_, now);
 }
 
 /// The lock is held. The extension gives the same, so either may allow what the peer does.
@@ -268,15 +272,16 @@ std::optional<Error> PermissionsHolder::outlived(WallTime now) {
     reads_lists = reads_lists_;
   }
   if (!own || !seen || own->document() == seen->document) return std::nullopt;
-  const auto still = own->grant_in(*seen->document, now);
-  if (still) return std::nullopt;
+  const auto status = check_not_over(*seen, now);
+  // Another grant of the document may have taken over.
+  if (status || own->grant_in(*seen->document, now)) return std::nullopt;
   // The peer goes on by its list. If it has no such list, it ends the session, and we follow.
   if (auto extended = reads_lists ? own->extension_of(seen->grant, now) : std::nullopt) {
     const std::lock_guard lock(mutex_);
     seen_ = std::move(extended);
     return std::nullopt;
   }
-  auto details = still.error().details();
+  auto details = status.error().details();
   details.document = own->document_name_;
   details.hint.clear();
   return Error(Code::session_outlived_documents, std::move(details));

@@ -92,7 +92,7 @@ class PermissionsHolder {
   std::optional<WallTime> ends() const;
   /// The error why nothing is valid now, if that was not reported. Of a peer also
   /// session_outlived_documents: what it has seen of us has ended and was renewed since, so it ends
-  /// the session, too.
+  /// the session, too. A clock that goes back to a time before it began ends nothing.
   std::optional<Error> newly_ended(WallTime now);
   /// permissions_end_soon, once for each time that the participant's properties ask for. Nothing
   /// if another grant of the document takes over.

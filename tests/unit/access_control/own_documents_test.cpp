@@ -304,6 +304,37 @@ TEST_F(RenewalWithPeers, Session_EndsWithTheDocumentThatThePeerHasSeen) {
   EXPECT_THAT(look(), IsEmpty()) << "ended twice";
 }
 
+// Before, a time before the former document began counted as its end.
+TEST_F(RenewalWithPeers, ClockThatGoesBackAfterARenewal_EndsNoSession) {
+  const auto handle = peer(that_presented(first_));
+  renew(second_);
+  clock.set(kNow - 30 * 24h);
+  EXPECT_THAT(look(), IsEmpty());
+  clock.set(kNow - 9000 * 24h);
+  EXPECT_THAT(look(), IsEmpty()) << "also before the permissions CA began";
+  clock.set(kNow + 23h);
+  EXPECT_THAT(look(), IsEmpty());
+  clock.advance(1h);
+  EXPECT_THAT(look(), ElementsAre(handle)) << "the end counts as before";
+}
+
+TEST_F(RenewalWithPeers, FormerGrantThatEnded_CountsBesideOneThatHasNotBegun) {
+  auto later = grant(kTalker, {rule(true)}), brief = later;
+  later.validity = {kNow + 50h, kNow + 60h};
+  brief.validity = {kNow - 1h, kNow + 24h};
+  const auto both = signed_permissions({later, brief});
+  renew(both);
+  const auto handle = peer(that_presented(both));
+  renew(second_);
+  clock.set(kNow + 23h);
+  EXPECT_THAT(look(), IsEmpty());
+  clock.advance(1h);
+  log.events.clear();
+  EXPECT_THAT(look(), ElementsAre(handle));
+  ASSERT_EQ(log.events.size(), 1u);
+  EXPECT_EQ(log.events.front().error.details().field, "<not_after>");
+}
+
 TEST_F(Renewal, Warnings_FollowTheNewEnd) {
   folder_.replace("permissions.p7s", document({"t"}, 0s, 24h * 10));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
