@@ -279,9 +279,10 @@ Result<Json> Agent::converse(Folder& folder, ChildProcess& worker) {
   const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
   const auto asked_lifetime = std::max(seconds(1), request.lifetime);
   if (is_own) folder.lifetime = asked_lifetime;
-  DDSSEC_ASSIGN_OR_RETURN(const auto answer, ask_ca(folder, request));
+  DDSSEC_ASSIGN_OR_RETURN(auto answer, ask_ca(folder, request));
   folder.lifetime = asked_lifetime;  // the CA knows the certificate
-  const auto sent = worker.write(to_line(to_json(answer)) + '\n', time_for(folder));
+  answer.renewals = renewals();      // with the new certificate
+  const auto sent = worker.write(answer_line(answer), time_for(folder));
   if (sent != End::done) return worker_ended(folder, sent);
   if (const auto end = read(); end != End::done) return worker_ended(folder, end);
   DDSSEC_ASSIGN_OR_RETURN(auto json_value, json_from(line));

@@ -70,12 +70,22 @@ Result<RenewalRequest> request_from(const Json& json) {
 Json to_json(const RenewalAnswer& answer) {
   Json out = {{"certificate", answer.certificate}, {"permissions", to_hex(answer.permissions)}};
   if (answer.problem) out["problem"] = error_to_json(*answer.problem);
+  if (!answer.renewals.empty()) out["renewals"] = answer.renewals;
   return out;
+}
+
+std::string answer_line(RenewalAnswer& answer) {
+  auto out = to_line(to_json(answer)) + '\n';
+  if (out.size() <= kMaxAgentLine || answer.renewals.empty()) return out;
+  answer.renewals.clear();
+  return to_line(to_json(answer)) + '\n';
 }
 
 Result<RenewalAnswer> answer_from(const Json& json) {
   DDSSEC_ASSIGN_OR_RETURN(auto permissions, octets_in(json, "permissions"));
-  RenewalAnswer out{text_in(json, "certificate"), std::move(permissions)};
+  RenewalAnswer out{.certificate = text_in(json, "certificate"),
+                    .permissions = std::move(permissions),
+                    .renewals = text_in(json, "renewals")};
   if (json.contains("problem")) out.problem = error_from(json["problem"]);
   return out;
 }

@@ -28,6 +28,8 @@ struct RenewalAnswer {
   std::string certificate;            ///< PEM
   Bytes permissions = {};             ///< signed; empty: those in place stay
   std::optional<Error> problem = {};  ///< why permissions could not be extended
+  /// The CA's renewal list with this certificate; empty: none, or too long for a line.
+  std::string renewals = {};
 };
 
 /// One line without its end. Errors of reading: internal.
@@ -42,6 +44,8 @@ Json error_line(const Error& error);
 Json to_json(const RenewalRequest& request);
 Result<RenewalRequest> request_from(const Json& json);
 Json to_json(const RenewalAnswer& answer);
+/// The answer as one line with its end. Takes the renewal list out of an answer that is too long.
+std::string answer_line(RenewalAnswer& answer);
 Result<RenewalAnswer> answer_from(const Json& json);
 
 /// An error with all of its details. One whose code is unknown is read as `internal`.

@@ -261,8 +261,8 @@ WallTime renewal_from(const pki::Certificate& renewed, WallTime now) {
   return std::max(renewal_time(renewed), now + (renewed.not_after() - now) * 2 / 3);
 }
 
-Status put_list_of_ca(const Participant& self) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto list, pki::RenewalList::parse(as_bytes(self.task.renewals)));
+Status put_list_of_ca(const Participant& self, const std::string& renewals) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto list, pki::RenewalList::parse(as_bytes(renewals)));
   Replacement out;
   DDSSEC_RETURN_IF_ERROR(put_renewals(out, self.files, {list, {}, {}, self.now()}));
   DDSSEC_RETURN_IF_ERROR(out.commit_each());
@@ -270,9 +270,9 @@ Status put_list_of_ca(const Participant& self) {
 }
 
 // A list that cannot be put there does not undo a renewal.
-void keep_renewals(const Participant& self, Json& event) {
-  if (self.task.renewals.empty()) return;
-  const auto status = put_list_of_ca(self);
+void keep_renewals(const Participant& self, const std::string& renewals, Json& event) {
+  if (renewals.empty()) return;
+  const auto status = put_list_of_ca(self, renewals);
   if (!status && !event.contains("problem")) event["problem"] = error_to_json(status.error());
 }
 
@@ -303,7 +303,7 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
   event["sha256"] = to_hex(renewed.fingerprint());
   if (answer.problem) event["problem"] = error_to_json(*answer.problem);
   keep_response({self.files, renewed, self.now(), self.task.responders}, event);
-  keep_renewals(self, event);
+  keep_renewals(self, answer.renewals.empty() ? self.task.renewals : answer.renewals, event);
   return event;
 }
 
@@ -357,13 +357,13 @@ Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, cons
     auto event = not_renewed(self, due);
     if (task.is_dry_run) return event;
     keep_response({self.files, self.certificate, self.now(), task.responders}, event);
-    keep_renewals(self, event);
+    keep_renewals(self, task.renewals, event);
     return event;
   }
   if (task.is_dry_run) return not_renewed(self, due);
   auto event = renew(self, ask);
   // The list keeps sessions with others, which were renewed. The event has the greater problem.
-  if (!event && !task.renewals.empty()) std::ignore = put_list_of_ca(self);
+  if (!event && !task.renewals.empty()) std::ignore = put_list_of_ca(self, task.renewals);
   return event;
 }
 

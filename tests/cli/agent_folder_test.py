@@ -160,10 +160,13 @@ class Folders(AgentTest):
 
     @NEEDS_ROOT
     def test_a_folder_of_root_keeps_the_owners_of_its_files(self):
-        for path in self.talker.iterdir():
+        before = list(self.talker.iterdir())
+        for path in before:
             os.chown(path, OTHER, OTHER)
         self.once("--ca", "demo", "--rekey", *self.LATER)
-        self.assertEqual({p.stat().st_uid for p in self.talker.iterdir()}, {OTHER})
+        self.assertEqual({p.stat().st_uid for p in before}, {OTHER})
+        self.assertEqual({p.name for p in self.talker.iterdir() if p not in before}, {"renewed.pem"})
+        self.assertEqual((self.talker / "renewed.pem").stat().st_mode & 0o777, 0o644)
 
     @NEEDS_ROOT
     def test_a_user_keeps_no_folder_of_another(self):

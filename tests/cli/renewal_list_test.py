@@ -4,8 +4,9 @@
 import base64
 import datetime
 import re
+import signal
 
-from agent_folders import checked_events
+from agent_folders import Running, checked_events
 from transcript import Transcript, main
 
 PEM = re.compile(r"-----BEGIN ([A-Z ]+)-----.*?-----END \1-----\n", re.DOTALL)
@@ -376,6 +377,20 @@ class RenewalList(Transcript):
         self.run_program("agent", "demo/talker", "demo/listener", "--ca", "demo", "--once", "--now", "+300d")
         for name in ("talker", "listener"):
             self.assertEqual(self.labels(f"demo/{name}/renewed.pem"), [CERTIFICATE] * 2 + [PERMISSIONS] * 2)
+
+    # Before, this folder had the entry up to ten minutes later.
+    def test_TheAgent_PutsItsOwnEntryIntoTheFolderThatItRenewed(self):
+        begin = datetime.datetime.now(datetime.timezone.utc) - datetime.timedelta(hours=20)
+        self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--days", "1", "--now", f"{begin:%FT%TZ}")
+        self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "Square", "--sign", "--ca", "demo",
+                         "--replace", "-o", "demo/talker/permissions.xml")
+        agent = Running(self.at, "demo/talker", "--ca", "demo", "--permissions")
+        self.addCleanup(agent.end, signal.SIGKILL)
+        self.assertTrue(agent.wait_for("renewed")["permissions_extended"])
+        self.assertEqual(agent.end(), 0)
+        certificate = (self.at / "demo/talker/cert.pem").read_text()
+        self.assertIn(certificate, (self.at / "demo/talker/renewed.pem").read_text())
+        self.assertEqual(self.labels("demo/talker/renewed.pem"), [CERTIFICATE, PERMISSIONS])
 
     def test_TheAgent_PutsTheListIntoAFolderWhoseRenewalFails(self):
         self.renew("talker", "--permissions")
