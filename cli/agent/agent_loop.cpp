@@ -135,6 +135,7 @@ Answer<AgentRun> Agent::run_once() {
   if (const auto proven = prove_ca(); !proven) return {{}, report_of(proven.error())};
   for (auto& folder : folders_)
     if (!signals_.is_stopped()) renew(folder);
+  complete_lists();
   if (signals_.is_stopped()) errors_.emplace_back(Code::interrupted);
   Report out{.exit = errors_.empty() ? Exit::done : exit_of(errors_.front().code()), .text = {}};
   out.errors = std::move(errors_);
@@ -173,8 +174,24 @@ void Agent::look_at_all_now() {
   silent_responders_.clear();
 }
 
-void Agent::renew(Folder& folder) {
-  auto event = try_to_renew(folder);
+// A folder lacks what was renewed after it. The error of a folder that failed is reported already.
+void Agent::complete_lists() {
+  const auto list = renewals();
+  if (list.empty()) return;
+  for (auto& folder : folders_) {
+    if (signals_.is_stopped()) return;
+    if (!folder.lock || folder.task.renewals == list) continue;
+    folder.task.is_only_for_list = true;
+    auto event = try_to_renew(folder);
+    folder.task.is_only_for_list = false;
+    const bool is_known = folder.failures > 0 || folder.has_problem;
+    if (!is_known && (!event || event->contains("problem"))) note(folder, std::move(event));
+  }
+}
+
+void Agent::renew(Folder& folder) { note(folder, try_to_renew(folder)); }
+
+void Agent::note(Folder& folder, Result<Json> event) {
   if (event) return note_success(folder, *std::move(event));
   if (event.error().code() != Code::interrupted || !signals_.is_stopped())
     note_failure(folder, event.error());
@@ -285,8 +302,10 @@ Result<Json> Agent::converse(Folder& folder, ChildProcess& worker) {
   const auto sent = worker.write(answer_line(answer), time_for(folder));
   if (sent != End::done) return worker_ended(folder, sent);
   if (const auto end = read(); end != End::done) return worker_ended(folder, end);
-  DDSSEC_ASSIGN_OR_RETURN(auto json_value, json_from(line));
-  return event_from(std::move(json_value));
+  DDSSEC_ASSIGN_OR_RETURN(const auto json_value, json_from(line));
+  DDSSEC_ASSIGN_OR_RETURN(auto event, event_from(json_value));
+  if (!answer.renewals.empty()) folder.task.renewals = std::move(answer.renewals);
+  return event;
 }
 
 Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
@@ -361,7 +380,8 @@ void Agent::note_success(Folder& folder, Json event) {
   const bool is_news =
       name != "current" || event.contains("problem") || folder.told != text_in(event, "serial");
   folder.told = text_in(event, "serial");
-  if (event.contains("problem")) {
+  folder.has_problem = event.contains("problem");
+  if (folder.has_problem) {
     const auto problem = error_from(event["problem"]);
     errors_.push_back(problem);
     event["problem"] = event_members(problem);

@@ -44,9 +44,12 @@ class Agent {
     std::chrono::seconds lifetime{std::chrono::days(1)};
     std::string told = {};  ///< the certificate that was reported as current
     bool is_paused = false;
+    bool has_problem = false;  ///< said the last event about it
   };
 
   void renew(Folder& folder);
+  void note(Folder& folder, Result<Json> event);
+  void complete_lists();
   Result<Json> try_to_renew(Folder& folder);
   RespondersAsked responders_for(const Folder& folder) const;
   /// Until when the process for a folder must have answered.

@@ -353,6 +353,11 @@ Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, cons
   ::umask(022);
   DDSSEC_ASSIGN_OR_RETURN(const auto self, read_participant(task, locked, context));
   const auto due = due_time(self);
+  if (task.is_only_for_list) {
+    auto event = event_of("current", self.certificate, due);
+    keep_renewals(self, task.renewals, event);
+    return event;
+  }
   if (due > self.now()) {
     auto event = not_renewed(self, due);
     if (task.is_dry_run) return event;

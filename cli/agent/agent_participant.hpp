@@ -26,7 +26,8 @@ struct AgentTask {
   std::string known = {};
   WallTime known_renewal = {};
   RespondersAsked responders = {};
-  std::string renewals = {};  ///< the CA's renewal list, to be put into the folder; empty: none
+  std::string renewals = {};      ///< the CA's renewal list, to be put into the folder; empty: none
+  bool is_only_for_list = false;  ///< nothing but the renewal list is to be put there
 };
 
 /// Asks the CA; the answer is not yet checked.

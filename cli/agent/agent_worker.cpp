@@ -101,7 +101,8 @@ Result<Order> receive_order() {
                      .known = text_in(json, "known"),
                      .known_renewal = time_in(json, "known_renewal"),
                      .responders = responders_from(json),
-                     .renewals = text_in(json, "renewals")}};
+                     .renewals = text_in(json, "renewals"),
+                     .is_only_for_list = is_set(json, "only_list")}};
   if (json.contains("now")) out.now = time_in(json, "now");
   if (json.contains("locked")) out.locked = locked_from(json["locked"]);
   return out;
@@ -171,7 +172,8 @@ std::string order_line(const AgentTask& task, const LockedFolder* locked,
               {"cas_from", task.responders.of_cas_from},
               {"ask_none", int(task.responders.none)},
               {"not_now", task.responders.not_now},
-              {"renewals", task.renewals}};
+              {"renewals", task.renewals},
+              {"only_list", int(task.is_only_for_list)}};
   if (now) out["now"] = now->time_since_epoch().count();
   if (locked != nullptr)
     out["locked"] = {{"user", locked->owner.user},

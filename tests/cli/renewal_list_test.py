@@ -374,9 +374,16 @@ class RenewalList(Transcript):
         out = self.run_program("agent", "demo/talker", "demo/listener", "--ca", "demo", "--permissions", "--once",
                                "--now", "+300d").stdout
         self.assertEqual([event["event"] for event in checked_events(out)], ["renewed"] * 2)
-        self.run_program("agent", "demo/talker", "demo/listener", "--ca", "demo", "--once", "--now", "+300d")
         for name in ("talker", "listener"):
             self.assertEqual(self.labels(f"demo/{name}/renewed.pem"), [CERTIFICATE] * 2 + [PERMISSIONS] * 2)
+
+    def test_TheAgent_WithAListThatItCannotWriteLater_SaysSoOnce(self):
+        words = ("agent", "demo/talker", "demo/listener", "--ca", "demo", "--once", "--now", "+300d")
+        (self.at / "demo/talker/renewed.pem").mkdir()
+        events = checked_events(self.run_program(*words, exit=4).stdout)
+        self.assertEqual([(event["event"], "problem" in event) for event in events],
+                         [("renewed", True), ("renewed", False)])
+        self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE] * 2)
 
     # Before, this folder had the entry up to ten minutes later.
     def test_TheAgent_PutsItsOwnEntryIntoTheFolderThatItRenewed(self):
