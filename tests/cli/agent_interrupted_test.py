@@ -9,6 +9,7 @@ import subprocess
 import time
 
 from agent_folders import AgentTest, Running, ShortLived
+from interrupted_test import is_whole
 from transcript import PROGRAM, library_path, main
 
 LIBRARY = PROGRAM.parent.parent / "lib/kill_at.so"
@@ -20,9 +21,30 @@ class Interrupted(AgentTest):
         self.run_program("doctor", "demo/talker", *now)
         self.assertEqual(self.public_key(), self.openssl("pkey", "-in", self.talker / "key.pem", "-pubout"))
 
+    def lists(self):
+        """The renewal list of the folder, with an entry of a former renewal, and those of the CAs."""
+        return {path: path.read_text() for path in (self.talker / "renewed.pem", self.ca / "renewed.pem",
+                                                    self.ca.parent / "permissions/renewed.pem")}
+
+    def check_lists(self, former):
+        """Each is there and whole. That of the folder is the former one, or has what the CA issued last: true if so."""
+        lists = self.lists()
+        for path, text in lists.items():
+            self.assertTrue(is_whole(path.name, text.encode()), path)
+            self.assertEqual(text.count("-----BEGIN "), former[path].count("-----BEGIN "), path)
+        text = lists[self.talker / "renewed.pem"]
+        is_new = text != former[self.talker / "renewed.pem"]
+        if is_new:
+            self.assertIn(lists[self.ca / "renewed.pem"].strip(), text)
+        return is_new
+
     def everywhere(self, *words, owner=os.geteuid()):
         """Each process of the agent counts its own writes: the one that keeps the folder, the one of the CA, and the agent
         itself, which makes the lock."""
+        self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--permissions", "--days", "400")
+        self.run_program("crl", "distribute", "--ca", "demo")
+        os.chown(self.talker / "renewed.pem", owner, owner)
+        former = self.lists()
         base = self.at.parent / (self.at.name + "-base")
         subprocess.run(["cp", "-a", self.at, base], check=True)
         self.addCleanup(shutil.rmtree, base, True)
@@ -37,9 +59,13 @@ class Interrupted(AgentTest):
                                        "KILL_AT": str(number)})
             killed = done.returncode != 0
             self.assertEqual(killed, '"event":"renewed"' not in done.stdout, done.stdout)
+            self.check_lists(former)
             again = self.once(*words, *self.LATER)
             self.assertIn(again[0]["event"], ("renewed", "current"), f"{words} at {number}")
             self.is_well("--now", "+301d")
+            self.assertEqual(self.check_lists(former), "--ca" in words, "a CA behind a hook has no list here")
+            if "--ca" in words:
+                self.assertIn((self.talker / "cert.pem").read_text(), (self.talker / "renewed.pem").read_text())
             self.assertEqual({p.stat().st_uid for p in self.talker.iterdir()}, {owner})
             self.assertEqual([p.name for p in self.talker.iterdir() if p.name.endswith(".new") or ".ddssec" in p.name], [])
         self.assertGreater(number, 3)
