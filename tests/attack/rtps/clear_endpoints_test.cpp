@@ -204,9 +204,13 @@ TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatHasEnded_AreForgotten) {
   EXPECT_FALSE(knows_keys());
 }
 
-INSTANTIATE_TEST_SUITE_P(Rules, ClearEndpointsWithKeys,
+INSTANTIATE_TEST_SUITE_P(Protected, ClearEndpointsWithKeys,
                          ::testing::Values(Rules{.data = ProtectionKind::encrypt},
-                                           Rules{.metadata = ProtectionKind::encrypt}));
+                                           Rules{.metadata = ProtectionKind::encrypt}),
+                         [](const auto& info) {
+                           return info.param.data == ProtectionKind::none ? "submessages"
+                                                                          : "payloads";
+                         });
 
 TEST_F(ClearEndpoints, ThatAreSaidToHaveOtherPolicies_MatchAgain) {
   auto data = forged_reader(0);
