@@ -6,6 +6,7 @@
 
 #include "pki/openssl.hpp"
 #include "pki/openssl_guards.hpp"
+#include "pki/signing_time.hpp"
 #include "pki/source.hpp"
 #include "pki/unverified_document.hpp"
 
@@ -134,19 +135,25 @@ Status verify_with(const Certificate& ca, CMS_ContentInfo* cms, BytesView conten
   return verify_cms(cms, trusted.get(), bio.get(), kFlags, "signer " + ca.subject());
 }
 
-Result<Certificate> verified_signer(const std::vector<Certificate>& cas, BytesView signature,
-                                    BytesView content) {
+struct Verified {
+  Certificate signer;
+  std::optional<WallTime> signing_time;
+};
+
+Result<Verified> verified_signer(const std::vector<Certificate>& cas, BytesView signature,
+                                 BytesView content) {
   DDSSEC_ASSIGN_OR_RETURN(CmsPtr cms, decode_signature(signature));
   DDSSEC_ASSIGN_OR_RETURN(auto* signer, only_signer(cms.get()));
   DDSSEC_RETURN_IF_ERROR(check_digest(signer));
   DDSSEC_ASSIGN_OR_RETURN(const auto possible, candidates(signer, cas));
+  const auto time = signing_time_of(signer);
   Status status = verify_with(possible.front(), cms.get(), content);
-  if (status) return possible.front();
+  if (status) return Verified{possible.front(), time};
   for (std::size_t i = 1; i < possible.size(); ++i) {
     // A structure remembers the certificate it was tried with: each further one gets a fresh one.
     DDSSEC_ASSIGN_OR_RETURN(cms, decode_signature(signature));
     status = verify_with(possible[i], cms.get(), content);
-    if (status) return possible[i];
+    if (status) return Verified{possible[i], time};
   }
   return std::unexpected(status.error());
 }
@@ -160,11 +167,13 @@ Result<DocumentVerifier> DocumentVerifier::make(std::vector<Certificate> permiss
 
 Result<SignedDocument> DocumentVerifier::verify(BytesView file, WallTime now) const {
   DDSSEC_ASSIGN_OR_RETURN(auto document, read_document(file));
-  DDSSEC_ASSIGN_OR_RETURN(const auto signer, verified_signer(permissions_cas(), document.signature,
-                                                             document.signed_octets));
-  DDSSEC_ASSIGN_OR_RETURN(auto proof, chain_.verify(signer, now));
-  return SignedDocument(std::move(document.signed_octets), document.header_octets,
-                        document.first_line, std::move(proof));
+  DDSSEC_ASSIGN_OR_RETURN(const auto by, verified_signer(permissions_cas(), document.signature,
+                                                         document.signed_octets));
+  DDSSEC_ASSIGN_OR_RETURN(auto proof, chain_.verify(by.signer, now));
+  SignedDocument out(std::move(document.signed_octets), document.header_octets, document.first_line,
+                     std::move(proof));
+  out.signing_time_ = by.signing_time;
+  return out;
 }
 
 }  // namespace ddssec::pki

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -27,6 +28,8 @@ class SignedDocument {
   const Certificate& signer() const { return proof_.certificate(); }
   /// The earliest end of validity on the signer's path.
   WallTime signer_not_after() const { return proof_.not_after(); }
+  /// When the signer says that it signed: part of what is signed. Empty: it does not say so.
+  std::optional<WallTime> signing_time() const { return signing_time_; }
 
  private:
   friend class DocumentVerifier;
@@ -39,6 +42,7 @@ class SignedDocument {
   std::size_t header_octets_;
   int first_line_;
   ChainValid proof_;
+  std::optional<WallTime> signing_time_ = {};
 };
 
 /// Verifies documents against one permissions CA file. Thread-safe.

@@ -9,6 +9,7 @@
 #include "pki/mime.hpp"
 #include "pki/openssl.hpp"
 #include "pki/openssl_guards.hpp"
+#include "pki/signing_time.hpp"
 #include "pki/source.hpp"
 #include "pki/unverified_document.hpp"
 
@@ -127,6 +128,13 @@ void describe_cms(CMS_ContentInfo* cms, DocumentForm& form) {
     form.signer_key_id = key_id_text(key_id);
 }
 
+std::optional<WallTime> signing_time_in(BytesView signature) {
+  const auto cms = parse_cms(signature);
+  auto* const signers = cms ? CMS_get0_SignerInfos(cms.get()) : nullptr;
+  if (sk_CMS_SignerInfo_num(signers) < 1) return std::nullopt;
+  return signing_time_of(sk_CMS_SignerInfo_value(signers, 0));
+}
+
 // Takes "Content-Type: text/plain ..." and the blank line off the text.
 void take_text_header(DocumentForm& form) {
   constexpr std::string_view kHeader = "content-type: text/plain";
@@ -170,6 +178,7 @@ bool take_as_plugins_do(BytesView file, DocumentForm& form) {
   form.has_text_header = true;
   form.unverified_text = to_bytes(document->text());
   form.first_line = document->first_line;
+  form.signing_time = signing_time_in(document->signature);
   if (const auto same = check_same_reading(*document, file); !same) form.ambiguous = same.error();
   if (cms) {
     describe_cms(cms.get(), form);

@@ -44,6 +44,8 @@ struct DocumentForm {
   std::string signer_key_id = {};
   /// The certificates inside the signature that its signers name, DER, at most kMaxEmbedded.
   std::vector<Bytes> signer_certificates = {};
+  /// The claimed signing time of the first signer, where the plugins can read the document.
+  std::optional<WallTime> signing_time = {};
   /// The document's text without its header; empty if it cannot be found.
   Bytes unverified_text = {};
   /// The line of the file, from 1, on which that text begins; 1 where it is not readable in the

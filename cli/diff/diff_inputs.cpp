@@ -41,12 +41,14 @@ Result<DiffSide> read_side(const fs::path& path, const Arguments& arguments, Wal
     side.signer = to_hex(proof.signer().fingerprint());
     side.text = to_bytes(proof.content());
     side.first_line = proof.first_line();
+    side.signing_time = proof.signing_time();
   } else if (form.ambiguous) {
     return std::unexpected(form.ambiguous->in(path));
   } else {
     side.signer = claimed_signer(form);
     side.text = std::move(form.unverified_text);
     side.first_line = form.first_line;
+    side.signing_time = form.signing_time;
   }
   return side;
 }

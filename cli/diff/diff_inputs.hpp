@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/bytes.hpp"
+#include "base/clock.hpp"
 #include "cli/frame/command.hpp"
 #include "cli/frame/fields.hpp"
 #include "governance/compare/readings.hpp"
@@ -25,6 +26,8 @@ struct DiffSide {
   /// The fingerprint of the signer's certificate if verified, otherwise the claimed one; empty: not
   /// signed.
   std::string signer = {};
+  /// As the signature has it; verified with the signer.
+  std::optional<WallTime> signing_time = {};
 };
 
 struct DiffSides {

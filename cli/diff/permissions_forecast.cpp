@@ -89,6 +89,12 @@ void add_subject(const governance::Subject& subject, WallTime now, Prediction& o
   out.add(Live::live, "", 0);
 }
 
+/// As check_follows judges it.
+bool is_signed_earlier(const DiffSides& sides) {
+  const auto &since = sides.before.signing_time, &time = sides.after.signing_time;
+  return sides.after.is_signed && since && (!time || *time < *since);
+}
+
 Prediction forecast(const PermissionsChangeOver& change, const DiffSides& sides) {
   Prediction out;
   if (sides.after.octets > pki::kMaxSentPermissionsOctets)
@@ -98,6 +104,13 @@ Prediction forecast(const PermissionsChangeOver& change, const DiffSides& sides)
             0);
   for (const auto& subject : governance::subjects_of(change.before, change.after).all)
     add_subject(subject, change.now, out);
+  if (is_signed_earlier(sides)) {
+    const auto& time = sides.after.signing_time;
+    out.add(Live::refused,
+            fmt::format("as older: the signing time {} must be {} or later",
+                        time ? to_string(*time) : "(none)", to_string(*sides.before.signing_time)),
+            0);
+  }
   const auto &before = sides.before.signer, &after = sides.after.signer;
   if (!before.empty() && !after.empty() && before != after)
     out.add(Live::live_if_believed, "another CA signed the new document", 0);
@@ -130,8 +143,8 @@ std::string_view in_words(Live live) {
 }  // namespace
 
 PermissionsForecast forecast_of(const PermissionsChangeOver& change, const DiffSides& sides) {
-  const bool is_same =
-      sides.before.text == sides.after.text && sides.before.signer == sides.after.signer;
+  const bool is_same = sides.before.text == sides.after.text &&
+                       sides.before.signer == sides.after.signer && !is_signed_earlier(sides);
   const auto ours = is_same ? Prediction() : forecast(change, sides);
   const auto stock = is_same ? Live::same : Live::restart;
   PermissionsForecast out{.embedded = live_word(ours.outcome),

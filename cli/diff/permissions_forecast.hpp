@@ -34,7 +34,7 @@ struct PermissionsForecast {
 };
 
 /// ddssec's plugins refuse a document that has no valid grant for their subject, or one that begins
-/// earlier than the grant in force (check_follows of
+/// or was signed earlier than the one in force (check_follows of
 /// plugins/access_control/permissions_holder.hpp).
 PermissionsForecast forecast_of(const PermissionsChangeOver& change, const DiffSides& sides);
 

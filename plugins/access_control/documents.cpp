@@ -39,7 +39,8 @@ PermissionsDocument::PermissionsDocument(governance::Permissions permissions,
     : permissions_(std::make_shared<const governance::Permissions>(std::move(permissions))),
       signer_not_before_(document.signer().not_before()),
       signer_not_after_(document.signer_not_after()),
-      signer_(document.signer()) {}
+      signer_(document.signer()),
+      signing_time_(document.signing_time()) {}
 
 Status PermissionsDocument::check_signer(WallTime now) const {
   const bool early = now < signer_not_before_;
@@ -86,8 +87,10 @@ Result<std::shared_ptr<PermissionsDocument>> DocumentCache::permissions(const Pe
     return known;
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto document, ca.verifier().verify(file, now));
-  const Sha256Digest text =
-      sha256({ca.digest(), document.signer().fingerprint(), document.content()});
+  // A text that was signed again is another document: the later one is in force (check_follows).
+  const auto signing_time = document.signing_time() ? to_string(*document.signing_time()) : "";
+  const Sha256Digest text = sha256({ca.digest(), document.signer().fingerprint(),
+                                    sha256(as_bytes(signing_time)), document.content()});
   if (auto known = find(by_text_, text)) {
     add_form(text, form);
     return known;

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -61,6 +62,8 @@ class PermissionsDocument {
   Status check_signer(WallTime now) const;
   WallTime signer_not_after() const { return signer_not_after_; }
   const pki::Certificate& signer() const { return signer_; }
+  /// As pki::SignedDocument has it.
+  std::optional<WallTime> signing_time() const { return signing_time_; }
 
   void set_partition_match(governance::PartitionMatch match) { partition_match_ = match; }
 
@@ -74,6 +77,7 @@ class PermissionsDocument {
   WallTime signer_not_before_;
   WallTime signer_not_after_;
   pki::Certificate signer_;
+  std::optional<WallTime> signing_time_;
   governance::PartitionMatch partition_match_ = governance::PartitionMatch::all;
   mutable std::mutex mutex_;
   std::map<std::tuple<const governance::Grant*, DomainId, std::string>, Grant> compiled_;
@@ -84,7 +88,8 @@ class PermissionsDocument {
 ///
 /// Only verified documents are stored, so peers can fill the cache only with documents that the CA
 /// signed. The octets around the signed text can differ from one sender to the next. All forms of
-/// one text share one entry, which remembers few of them. Thread-safe.
+/// one text that the CA signed at one time share one entry, which remembers few of them.
+/// Thread-safe.
 class DocumentCache {
  public:
   DocumentCache(governance::PartitionMatch partition_match, std::size_t max_documents,
@@ -101,7 +106,7 @@ class DocumentCache {
  private:
   static constexpr std::size_t kMaxForms = 4;
   struct Entry {
-    Sha256Digest text;  ///< with CA and signer
+    Sha256Digest text;  ///< with CA, signer and signing time
     std::size_t octets;
     std::shared_ptr<PermissionsDocument> document;
     std::vector<Sha256Digest> forms = {};  ///< whole files, with the CA; newest last

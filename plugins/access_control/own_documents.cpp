@@ -50,6 +50,18 @@ std::optional<Error> changed(const governance::DomainRule& former,
                          ", the first for \"" + rules.front()->topic_expression + "\""});
 }
 
+/// With part of the digest: two documents with the same end are two events, which no rate limit
+/// takes for one.
+Error renewed(const std::string& file, const DocumentPart& permissions) {
+  constexpr std::size_t kShownDigits = 16;
+  return Error(Code::permissions_renewed,
+               {.document = file,
+                .field = "not_after",
+                .found = fmt::format("{}, sha256 {}...",
+                                     permissions.until ? to_string(*permissions.until) : "none",
+                                     permissions.sha256.substr(0, kShownDigits))});
+}
+
 }  // namespace
 
 struct OwnDocuments::Renewal {
@@ -134,11 +146,7 @@ std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, Participant& p
   renew_permissions(now, events);
   renew_list(now, events);
   if (holder.renewals() == renewals) return events;
-  const auto end = holder.ends();
-  events.emplace_back(Code::permissions_renewed,
-                      ErrorDetails{.document = permissions_.name(),
-                                   .field = "not_after",
-                                   .found = end ? to_string(*end) : std::string()});
+  events.push_back(renewed(permissions_.name(), holder.permissions_part()));
   return events;
 }
 

@@ -26,6 +26,20 @@ Status check_not_over(const GrantOfDocument& one, WallTime now) {
   return one.document->check_signer(now);
 }
 
+/// The same second is not earlier.
+Status check_signed_later(const PermissionsDocument& former, const PermissionsDocument& next) {
+  const auto since = former.signing_time(), time = next.signing_time();
+  if (!since || (time && *time >= *since)) return {};
+  return fail(Code::permissions_renewal_refused,
+              {.field = "signing time",
+               .expected = to_string(*since) + " or later",
+               .found = time ? to_string(*time) : "none",
+               .note = "the document was signed before the one in force",
+               .hint = "put the later document back; to go back to earlier rights, sign them "
+                       "again: ddssec permissions sign FILE.xml --ca CA -o FOLDER/permissions.p7s "
+                       "--replace"});
+}
+
 }  // namespace
 
 void PermissionsHolder::set_own(std::string text, std::unique_ptr<OwnDocuments> documents) {
@@ -168,7 +182,6 @@ std::vector<Error> PermissionsHolder::renew(DocumentCache& documents, const Cloc
   return own_documents_->renew(*this, *participant_, documents, clock);
 }
 
-/// The end also if it was reported.
 DocumentPart PermissionsHolder::permissions_part() const {
   const std::lock_guard lock(mutex_);
   DocumentPart out{.subject = subject_.shown, .sha256 = to_hex(digest_)};
@@ -194,7 +207,8 @@ void PermissionsHolder::look_at_list_now() {
 }
 
 /// The lock is held.
-Status PermissionsHolder::check_follows(const Grant& renewed) const {
+Status PermissionsHolder::check_follows(const PermissionsDocument& document,
+                                        const Grant& renewed) const {
   // The host has cut the participant off, and keeps to that.
   if (reported_)
     return fail(Code::permissions_renewal_refused, {.note = "the participant has ended"});
@@ -204,7 +218,7 @@ Status PermissionsHolder::check_follows(const Grant& renewed) const {
                 {.field = "not_before",
                  .expected = to_string(grant_->grant().validity.not_before) + " or later",
                  .found = to_string(begin)});
-  return {};
+  return document_ ? check_signed_later(*document_, document) : Status();
 }
 
 Result<bool> PermissionsHolder::take_shown(std::shared_ptr<PermissionsDocument> document,
@@ -212,7 +226,7 @@ Result<bool> PermissionsHolder::take_shown(std::shared_ptr<PermissionsDocument> 
   DDSSEC_ASSIGN_OR_RETURN(auto renewed, grant_in(*document, now));
   const std::lock_guard lock(mutex_);
   if (document == document_) return false;
-  DDSSEC_RETURN_IF_ERROR(check_follows(renewed));
+  DDSSEC_RETURN_IF_ERROR(check_follows(*document, renewed));
   document_ = std::move(document);
   grant_ = std::move(renewed);
   extension_.reset();
@@ -225,7 +239,7 @@ Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, By
   DDSSEC_ASSIGN_OR_RETURN(auto renewed, grant_in(*document, now));
   std::string text(as_text(file));
   const std::lock_guard lock(mutex_);
-  DDSSEC_RETURN_IF_ERROR(check_follows(renewed));
+  DDSSEC_RETURN_IF_ERROR(check_follows(*document, renewed));
   constexpr std::size_t kMaxFormer = 8;
   if (former_.size() == kMaxFormer) former_.erase(former_.begin() + 1);
   former_.push_back({digest_, {std::move(document_), std::move(grant_)}});

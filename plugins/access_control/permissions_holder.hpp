@@ -53,14 +53,17 @@ class PermissionsHolder {
   std::vector<Error> renew(DocumentCache& documents, const Clock& clock);
   /// Of a local participant: what is in force, and what was refused.
   std::vector<DocumentState> documents() const;
+  /// Of a local participant: the permissions in force, with the end also if it was reported.
+  DocumentPart permissions_part() const;
   const std::string& subject() const { return subject_.shown; }
   /// Of a local participant: the next renew() reads the files, whatever the poll interval is.
   void look_now();
   void look_at_list_now();  ///< the same for the renewal list alone
   /// Renewed permissions, with the file, come into force if they have a grant for the subject that
-  /// is valid now and does not begin earlier than the one in force: an older document that was put
-  /// back would give again what was taken away. They may give less, and end earlier. Error:
-  /// permissions_renewal_refused, also after the end was reported; those of grant_for.
+  /// is valid now and does not begin earlier than the one in force, and if the document was not
+  /// signed earlier: an older document that was put back would give again what was taken away. One
+  /// without a signing time follows only another without one. They may give less, and end earlier.
+  /// Error: permissions_renewal_refused, also after the end was reported; those of grant_for.
   Status take(std::shared_ptr<PermissionsDocument> document, BytesView file, WallTime now);
   /// Of a peer: the same for permissions that it has shown within its session. True: they are
   /// others than those in force.
@@ -115,11 +118,9 @@ class PermissionsHolder {
   std::shared_ptr<PermissionsDocument> document() const;
   GrantOfDocument presented(const std::optional<Sha256Digest>& digest) const;
   Result<Grant> grant_in(PermissionsDocument& document, WallTime now) const;
-  Status check_follows(const Grant& renewed) const;
+  Status check_follows(const PermissionsDocument& document, const Grant& renewed) const;
   std::optional<Error> outlived(WallTime now);
   std::optional<GrantOfDocument> extension_of(const Grant& presented, WallTime now) const;
-
-  DocumentPart permissions_part() const;
 
   mutable std::mutex renewal_mutex_;  ///< before mutex_: no check waits while a file is read
   std::unique_ptr<OwnDocuments> own_documents_;

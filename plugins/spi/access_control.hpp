@@ -66,7 +66,8 @@ class AccessControl {
   /// A peer has shown renewed permissions within its session: from now on it is judged by them,
   /// under the same handle. `credential`: from Authentication::judge_renewal. Errors, which leave
   /// the former permissions in force: those of validate_remote_permissions,
-  /// permissions_renewal_refused (they begin earlier than the former, or the peer has ended).
+  /// permissions_renewal_refused (they begin or were signed earlier than the former, or the
+  /// peer has ended).
   virtual Status renew_remote_permissions(PermissionsHandle, const Token& /*permissions_token*/,
                                           const Token& /*credential*/) {
     return fail(Code::unknown_permissions_handle);

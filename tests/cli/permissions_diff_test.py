@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """permissions diff: what a change of a document changes, and for whom."""
 
+import subprocess
+
 from diff_documents import JOIN, Differences, governance, grant, permissions, rule, topic
 from transcript import NOW, main
 
@@ -163,6 +165,43 @@ class PermissionsDifferences(Differences):
         text = self.text(*NOW)
         self.assertIn("refused: the old document stays in force until a restart or its end", text)
         self.assertNotIn("ends within a second", text)
+
+    def test_a_running_participant_refuses_permissions_that_were_signed_earlier(self):
+        self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
+        one = permissions(grant(JOIN, rule("allow", "rt/a")))
+        self.write(one, permissions(grant(JOIN)))
+        key, cert = (str(self.at / "ca/permissions" / name) for name in ("ca.key.pem", "ca.pem"))
+
+        def sign(name, to, second):
+            self.run_program("permissions", "sign", f"{name}.xml", "--ca", "ca", "-o", f"{to}.p7s", "--replace",
+                             "--now", f"2026-11-21T00:00:0{second}Z")
+
+        def compare(old, new, *words):
+            return self.json("permissions", "diff", f"{old}.p7s", f"{new}.p7s", *NOW, *words)["result"]["takes_effect"]
+
+        def openssl(name, to, *words):
+            subprocess.run(["openssl", "smime", "-sign", "-text", "-in", self.at / f"{name}.xml", "-signer", cert, "-inkey", key,
+                            "-out", self.at / f"{to}.p7s", *words], check=True, capture_output=True)
+
+        sign("old", "wide", 1)
+        sign("new", "narrow", 2)
+        self.assertEqual(compare("wide", "narrow")["embedded"], "live")
+        for words in ((), ("--ca", "ca")):
+            out = compare("narrow", "wide", *words)
+            self.assertEqual((out["embedded"], out["cyclonedds_ddssec"], out["reason"]),
+                             ("refused", "refused", "as older: the signing time 2026-11-21T00:00:01Z must be "
+                                                    "2026-11-21T00:00:02Z or later"))
+        sign("old", "again", 3)
+        self.assertEqual(compare("narrow", "again")["embedded"], "live")
+        self.assertEqual(compare("again", "wide")["embedded"], "refused")  # also with the same text
+        sign("new", "alike", 3)
+        self.assertEqual(compare("again", "alike")["embedded"], "live")
+
+        openssl("old", "theirs")  # signed now
+        openssl("old", "untimed", "-noattr")
+        self.assertEqual(compare("untimed", "theirs")["embedded"], "same")
+        self.assertIn("the signing time (none) must be", compare("theirs", "untimed")["reason"])
+        self.assertEqual(compare("untimed", "narrow")["embedded"], "live")
 
     def test_a_running_participant_refuses_permissions_without_a_valid_grant_for_it(self):
         other = grant(JOIN, subject="CN=listener", name="listener")

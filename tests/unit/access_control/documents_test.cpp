@@ -24,6 +24,19 @@ TEST_F(Cache, ADocumentIsReadOnce) {
   EXPECT_EQ(*first, *second) << "the same object: it was read once";
 }
 
+TEST_F(Cache, ATextThatIsSignedAgain_IsAnotherDocument) {
+  DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
+  const auto first = cache.permissions(*ca(), as_bytes(open_permissions(kTalker)), kNow);
+  const auto same = cache.permissions(*ca(), as_bytes(open_permissions(kTalker)), kNow);
+  signing_time += 1s;
+  const auto later = cache.permissions(*ca(), as_bytes(open_permissions(kTalker)), kNow);
+  ASSERT_TRUE(first && same && later);
+  EXPECT_EQ(*first, *same);
+  EXPECT_EQ((*first)->signing_time(), kNow);
+  EXPECT_EQ((*later)->signing_time(), kNow + 1s);
+  EXPECT_EQ(cache.size(), 2u);
+}
+
 TEST_F(Cache, OnlyVerifiedDocumentsGetIn) {
   DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
   const auto forged = signed_by(authorities().other_ca, "<dds/>");

@@ -105,7 +105,7 @@ class AccessControlTest : public testing::Test {
   const Authorities& authorities() const { return Authorities::shared(); }
 
   std::string signed_by(const pki::Authority& ca, const std::string& xml) const {
-    auto file = ca.sign_document(as_bytes(xml), kNow, test_random());
+    auto file = ca.sign_document(as_bytes(xml), signing_time, test_random());
     EXPECT_TRUE(file) << file.error().to_sentence();
     return std::string(as_text(*file));
   }
@@ -163,6 +163,7 @@ class AccessControlTest : public testing::Test {
                                                token);
   }
 
+  WallTime signing_time = kNow;  ///< of what is signed next
   ManualClock clock{kNow};
   SystemRandom random;
   EventLog log;

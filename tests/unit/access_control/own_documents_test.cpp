@@ -8,6 +8,7 @@
 #include "tests/support/recorded_document.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/pki/untimed_signature.hpp"
 
 namespace ddssec::access_control {
 namespace {
@@ -15,6 +16,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::StartsWith;
 
 class Renewal : public AccessControlTest {
  protected:
@@ -87,7 +89,9 @@ TEST_F(Renewal, LaterDocument_IsInForceAndPresented) {
   const auto& event = log.events.front();
   EXPECT_EQ(event.severity, Severity::informational);
   EXPECT_EQ(event.error.details().document, path_);
-  EXPECT_EQ(event.error.details().found, to_string(kNow + 48h));
+  EXPECT_THAT(event.error.details().found,
+              StartsWith(to_string(kNow + 48h) + ", sha256 " +
+                         to_hex(sha256(as_bytes(next))).substr(0, 16)));
   EXPECT_TRUE(may_publish("u"));
   EXPECT_EQ(presented(), next);
   EXPECT_EQ(plugin->renewals(*own_), 1u);
@@ -155,6 +159,76 @@ TEST_F(Renewal, DocumentPutBetweenTheLastLookAndTheEnd_IsTakenByAllWithTheFile) 
 
 TEST_F(Renewal, EarlierBegin_IsRefusedAsARollBack) {
   expect_refused(document({"t", "u"}, -25h, 48h), to_string(kNow - 24h) + " or later");
+}
+
+// Before, it was taken: documents that ddssec writes for one certificate begin alike.
+TEST_F(Renewal, DocumentThatWasSignedEarlier_IsRefusedAsARollBack) {
+  const auto wide = document({"t", "u"});
+  signing_time = kNow + 10s;
+  const auto narrow = document({"u"});
+  folder_.replace("permissions.p7s", narrow);
+  ASSERT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+  folder_.replace("permissions.p7s", wide);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
+  ASSERT_FALSE(log.events.empty());
+  const auto& why = log.events.front().error;
+  EXPECT_EQ(why.details().field, "signing time");
+  EXPECT_EQ(why.details().expected, to_string(kNow + 10s) + " or later");
+  EXPECT_EQ(why.details().found, to_string(kNow));
+  EXPECT_THAT(why.hint(), HasSubstr("ddssec permissions sign"));
+  EXPECT_THAT(codes_after_looking(), IsEmpty()) << "reported twice";
+  EXPECT_EQ(presented(), narrow);
+  EXPECT_FALSE(may_publish("t"));
+}
+
+TEST_F(Renewal, TheSameText_IsTakenOnceItIsSignedAgain) {
+  for (const auto& names : {std::vector<std::string>{"u"}, {"t"}, {"u"}}) {
+    signing_time += 1s;
+    folder_.replace("permissions.p7s", document(names));
+    EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+    EXPECT_EQ(may_publish("t"), names.front() == "t");
+  }
+  EXPECT_EQ(plugin->renewals(*own_), 3u);
+}
+
+TEST_F(Renewal, TwoDocumentsOfOneSecond_AreTakenInTheOrderInWhichTheyCome) {
+  folder_.replace("permissions.p7s", document({"u"}));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+  folder_.replace("permissions.p7s", document({"t"}));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+  EXPECT_TRUE(may_publish("t"));
+}
+
+TEST_F(Renewal, DocumentWithoutASigningTime_FollowsOnlyOneWithoutIt) {
+  const auto& ca = authorities().permissions_ca;
+  const auto untimed = pki::without_signing_time(document({"t"}), {ca.certificate(), ca.key()});
+  folder_.replace("permissions.p7s", untimed);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
+  ASSERT_FALSE(log.events.empty());
+  EXPECT_EQ(log.events.front().error.details().found, "none");
+
+  plugin->return_permissions_handle(*own_);
+  own_ = from_file();
+  ASSERT_TRUE(own_);
+  folder_.replace("permissions.p7s", untimed + "\n");
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+  folder_.replace("permissions.p7s", document({"u"}));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
+  EXPECT_TRUE(may_publish("u"));
+}
+
+// As in both hosts. Before, the second one was lost: both documents have the same end.
+TEST_F(Renewal, TwoChangesWithinTheRateLimit_AreTwoEvents) {
+  EventLog passed;
+  RateLimitedSink limited(passed, clock);
+  for (const auto* topic : {"u", "v"}) {
+    signing_time += 1s;
+    folder_.replace("permissions.p7s", document({topic}));
+    log.events.clear();
+    look();
+    for (const auto& event : log.events) limited.raise(event);
+  }
+  EXPECT_EQ(passed.events.size(), 2u);
 }
 
 TEST_F(Renewal, AnotherCa_IsRefused) {

@@ -73,6 +73,17 @@ TEST_F(ShownPermissions, ThatBeginEarlier_AreRefusedAsARollBack) {
   EXPECT_TRUE(may_publish("t"));
 }
 
+TEST_F(ShownPermissions, ThatWereSignedEarlier_AreRefusedAsARollBack) {
+  const auto wide = document({"t", "u"});
+  signing_time += 10s;
+  ASSERT_TRUE(show(document({"t"}, 0s)));
+  EXPECT_REFUSED(show(wide), permissions_renewal_refused);
+  EXPECT_FALSE(may_publish("u"));
+  signing_time += 10s;
+  EXPECT_TRUE(show(document({"t", "u"}, 0s)));
+  EXPECT_TRUE(may_publish("u"));
+}
+
 TEST_F(ShownPermissions, OfAnotherSubject_AreRefused) {
   EXPECT_REFUSED(show(document({"u"}, 0s, 48h, kTalker)), no_grant_for_subject);
   // Also together with the other's certificate: the session is that of the listener.

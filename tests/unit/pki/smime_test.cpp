@@ -7,6 +7,7 @@
 #include "pki/openssl.hpp"
 #include "pki/self_signed.hpp"
 #include "pki/source.hpp"
+#include "untimed_signature.hpp"
 
 namespace ddssec::pki {
 namespace {
@@ -15,12 +16,6 @@ DocumentVerifier verifier_for(std::vector<Certificate> cas) {
   auto verifier = DocumentVerifier::make(std::move(cas));
   EXPECT_TRUE(verifier) << verifier.error().to_sentence();
   return *std::move(verifier);
-}
-
-// The signature part of `file`, replaced by another DER.
-std::string with_signature(const std::string& file, BytesView der) {
-  const auto begin = file.find("smime.p7s\"\n\n") + 12;
-  return file.substr(0, begin) + base64(der) + "\n" + file.substr(file.find("\n--", begin));
 }
 
 Bytes der_of(CMS_ContentInfo* cms) {
