@@ -8,6 +8,7 @@
 #include <openssl/x509_vfy.h>
 
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "tests/unit/rtps_security/document_files.hpp"
 
 namespace {
 
@@ -79,6 +80,77 @@ TEST(RepeatedWork, WhoIsKnownAlreadyIsAuthenticatedByItsSignatureAlone) {
   work = {};
   ASSERT_TRUE(world.run_until(both_know, 500));
   EXPECT_EQ(work, (Work{2, 1, 1, 0})) << "only the new process has something to learn";
+}
+
+/// Alice's clock runs 10,000 times as fast as bob's. To bob she is a peer that renews her
+/// certificate and permissions a thousand times a second.
+struct Hasty {
+  explicit Hasty(const Rules& rules)
+      : rules(rules),
+        files(documents({"*"})),
+        alice(1, files.in(documents({"*"}))),
+        bob(2, properties_of("CN=bob,O=Example", rules)) {
+    pair.nodes = {&alice, &bob};
+    alice->create_writer(square(default_writer_qos()), alice.listener, pair.now).value();
+    auto qos = default_reader_qos();
+    qos.reliability.kind = ReliabilityKind::reliable;
+    bob->create_reader(square(qos), bob.listener, pair.now).value();
+    EXPECT_TRUE(pair.run_until([&] { return bob.listener.matched == 1; }));
+    of_alice = of_bob = pair.now;
+  }
+
+  spi::PropertyList documents(std::vector<std::string> topics) const {
+    return properties_of("CN=alice,O=Example", rules, std::move(topics));
+  }
+  static void deliver(Node& from, Node& to, MonotonicTime now) {
+    for (const auto& [port, octets] : std::exchange(from.post.sent, {}))
+      if (port == to.port) to->receive(octets, now, *Locator::parse("127.0.0.1", 0));
+  }
+  void step(std::chrono::nanoseconds alices, std::chrono::nanoseconds bobs) {
+    of_alice += alices;
+    alice->tick(of_alice);
+    const auto before = work;
+    deliver(alice, bob, of_bob);
+    of_bob += bobs;
+    bob->tick(of_bob);
+    by_bob.documents += work.documents - before.documents;
+    by_bob.signatures += work.signatures - before.signatures;
+    deliver(bob, alice, of_alice);
+  }
+  /// Alice takes the documents, and offers them to bob.
+  void renew(std::vector<std::string> topics) {
+    files.put(documents(std::move(topics)));
+    alice.clock.advance(2s);
+    for (int i = 0; i < 4; ++i) step(2500ms, 250us);
+  }
+
+  const Rules rules;
+  DocumentFiles files;
+  Node alice, bob;
+  World pair;
+  MonotonicTime of_alice, of_bob;
+  Work by_bob;
+};
+
+TEST(RepeatedWork, OfAThousandRenewalsInASecondFewAreJudgedAndTheLastCounts) {
+  constexpr int kRenewals = 1000;
+  Hasty two(everything(ProtectionKind::encrypt));
+  two.bob.events.seen.clear();
+  const auto begin = two.of_bob;
+  for (int i = 1; i < kRenewals; ++i) two.renew({"*", "Topic" + std::to_string(i)});
+  two.renew({"Circle"});
+  EXPECT_EQ(two.of_bob - begin, 1s);
+  EXPECT_EQ(two.alice.events.count(Code::permissions_renewed), kRenewals);
+  // Three at once; each has one document, two signatures of the session's offer and a chain.
+  EXPECT_EQ(two.by_bob.documents, 3);
+  EXPECT_LE(two.by_bob.signatures, 6);
+  EXPECT_EQ(two.bob.events.count(Code::peer_permissions_renewed), 3);
+  EXPECT_TRUE(two.bob->is_authenticated(two.alice->prefix()));
+  EXPECT_EQ(two.bob.listener.matched, 1) << two.bob.events.text();
+
+  for (int i = 0; i < 2000 && two.bob.listener.matched == 1; ++i) two.step(10ms, 10ms);
+  EXPECT_EQ(two.bob.listener.matched, 0) << "the last permissions do not allow the topic";
+  EXPECT_TRUE(two.bob->is_authenticated(two.alice->prefix()));
 }
 
 }  // namespace
