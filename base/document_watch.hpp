@@ -47,6 +47,8 @@ class DocumentWatch {
 
   /// The last error of look(), while the file has not been good since.
   const std::optional<Error>& refused() const { return refusals_.refused(); }
+  /// See RenewalRefusals.
+  bool begins_later() const { return refusals_.begins_later(); }
 
   /// The absolute path of the file, or What::name if it is none.
   const std::string& name() const { return what_.name; }

@@ -85,6 +85,7 @@ void DocumentsInUse::note(Document& document, const DocumentState& state, WallTi
       refusal && state.refused && &refusal->why.details() == &state.refused->details();
   if (state.refused && !is_known) refusal = Refusal{*state.refused, now, true};
   if (refusal) refusal->stands = state.refused.has_value();
+  if (refusal) refusal->waits = state.refused && state.begins_later;
 }
 
 void DocumentsInUse::note(std::int64_t identity, const std::vector<DocumentState>& states,
@@ -120,7 +121,8 @@ Json DocumentsInUse::json_of(const std::optional<Refusal>& refusal) {
           {"code", static_cast<int>(refusal->why.code())},
           {"name", info(refusal->why.code()).name},
           {"sentence", shortened(refusal->why.to_sentence(), kMaxOfAnswerPath)},
-          {"stands", refusal->stands}};
+          {"stands", refusal->stands},
+          {"waits", refusal->waits}};
 }
 
 std::string DocumentsInUse::json_of(std::int64_t identity, const Participant& participant) {

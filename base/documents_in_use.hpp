@@ -49,6 +49,7 @@ struct DocumentState {
   std::vector<DocumentPart> parts = {};      ///< in force
   std::optional<Error> refused = {};         ///< why the file's present content is not in force
   std::optional<DocumentPart> waiting = {};  ///< comes into force when the peers are ready
+  bool begins_later = false;                 ///< what was refused is taken when it begins
 };
 
 /// The record of all participants of a library. Engines note the state again and again; the record
@@ -79,7 +80,8 @@ class DocumentsInUse {
   struct Refusal {
     Error why;
     WallTime at;
-    bool stands;  ///< the file is still as it was refused
+    bool stands;         ///< the file is still as it was refused
+    bool waits = false;  ///< and is taken when it begins
   };
   struct Document {
     std::string file = {};

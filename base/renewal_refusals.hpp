@@ -35,6 +35,12 @@ class RenewalRefusals {
   }
   /// The last report, while the file has not been good since.
   const std::optional<Error>& refused() const { return refused_; }
+  /// True if that was refused only because it begins in the future: it is taken when it begins.
+  bool begins_later() const {
+    return refused_ && told_ &&
+           (told_->first == Code::certificate_not_yet_valid ||
+            told_->first == Code::grant_not_yet_valid);
+  }
 
  private:
   bool was_refused_ = false;  ///< at the last look

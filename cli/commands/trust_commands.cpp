@@ -118,6 +118,8 @@ std::string line_of(const DocumentPart& part, const std::string& now) {
   return out;
 }
 
+bool waits(const StatusRefusal& refused) { return refused.stands && refused.waits.value_or(false); }
+
 std::string text_of(const RunningDocument& document, const std::string& now) {
   auto out = fmt::format("  {:<21} {}\n    in force since {}\n", document.kind, document.file,
                          document.since);
@@ -128,8 +130,10 @@ std::string text_of(const RunningDocument& document, const std::string& now) {
     out += "    waits for peers, to come into force: " + line_of(*document.waiting, now) + '\n';
   const auto& refused = document.refused;
   if (!refused) return out;
-  return out + fmt::format("    {} {}: {}\n", refused->stands ? "REFUSED at" : "refused before, at",
-                           refused->at, refused->sentence);
+  const auto* const word = waits(*refused)   ? "waits until it begins, since"
+                           : refused->stands ? "REFUSED at"
+                                             : "refused before, at";
+  return out + fmt::format("    {} {}: {}\n", word, refused->at, refused->sentence);
 }
 
 std::string text_of(pid_t pid, const Participant& participant, const std::string& now) {
@@ -145,7 +149,8 @@ std::string text_of(pid_t pid, const Participant& participant, const std::string
 bool is_well(const Participant& participant, const std::string& now) {
   return !participant.cut_off &&
          std::ranges::none_of(participant.documents, [&](const auto& document) {
-           return (document.refused && document.refused->stands) ||
+           const auto& refused = document.refused;
+           return (refused && refused->stands && !waits(*refused)) ||
                   std::ranges::any_of(document.in_force,
                                       [&](const auto& part) { return has_ended(part, now); });
          });

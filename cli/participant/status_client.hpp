@@ -36,12 +36,14 @@ struct StatusRefusal {
   int code;
   std::string name, sentence;
   bool stands;
+  std::optional<bool> waits;  ///< processes with ddssec 0.2 do not say it
 
   static constexpr auto fields() {
     using Self = StatusRefusal;
     return std::tuple(field<&Self::at>({.def = "time"}), field<&Self::file>(), field<&Self::code>(),
                       field<&Self::name>(), field<&Self::sentence>(),
-                      field<&Self::stands>({"false: no longer"}));
+                      field<&Self::stands>({"false: no longer"}),
+                      field<&Self::waits>({"true: it is taken when it begins; null: not known"}));
   }
 };
 

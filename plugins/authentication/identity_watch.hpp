@@ -55,6 +55,8 @@ class IdentityWatch {
 
   /// The last error of look(), while the files have not been good since.
   const std::optional<Error>& refused() const { return refusals_.refused(); }
+  /// See RenewalRefusals.
+  bool begins_later() const { return refusals_.begins_later(); }
 
   /// The path of the certificate; empty if it is no file.
   const std::string& path() const { return path_; }

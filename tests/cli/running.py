@@ -16,9 +16,10 @@ def certificate(folder, **more):
     return document(folder, "identity certificate", "cert.pem", **more)
 
 
-def refusal(stands=True):
+def refusal(stands=True, waits=False):
     return {"at": "2026-11-21T01:00:00Z", "file": "permissions.p7s", "code": 1436, "name": "permissions_renewal_refused",
-            "sentence": "the sentence of the event [permissions_renewal_refused 1436]", "stands": stands}
+            "sentence": "the sentence of the event [permissions_renewal_refused 1436]", "stands": stands,
+            "waits": waits}
 
 
 def participant(folder, *documents, identity=1, guid="0110"):

@@ -50,6 +50,16 @@ class TrustStatus(Transcript):
             documents = self.shown("--pid", self.pid, exit=1)[0]["participants"][0]["documents"]
             self.assertEqual([document["waiting"] and document["waiting"]["subject"] for document in documents], ["revision 7", None])
 
+    def test_document_that_begins_later_is_not_shown_as_refused(self):
+        later = participant(self.folder, certificate(self.folder, refused=refusal(waits=True)), document(self.folder))
+        with running_participant(self.status, self.folder, answer(later)):
+            told = self.run_program(*ASK, "--pid", self.pid, exit=0).stdout
+            self.assertIn("    waits until it begins, since 2026-11-21T01:00:00Z: the sentence of the event", told)
+            self.assertNotIn("REFUSED", told)
+        del later["documents"][0]["refused"]["waits"]  # a process with ddssec 0.2.0 does not say it
+        with running_participant(self.status, self.folder, answer(later)):
+            self.assertIn("REFUSED at", self.run_program(*ASK, "--pid", self.pid, exit=1).stdout)
+
     def test_exit_is_0_while_all_is_well(self):
         well = answer(participant(self.folder, certificate(self.folder),
                                   document(self.folder, refused=refusal(stands=False))))

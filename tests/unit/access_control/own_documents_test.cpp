@@ -432,7 +432,13 @@ TEST_F(Renewal, Record_FollowsThePermissionsInForceAndWhatIsRefused) {
   EXPECT_EQ(recorded()["refused"]["name"], "permissions_renewal_refused");
   EXPECT_EQ(recorded()["refused"]["sentence"], log.events.front().error.to_sentence());
   EXPECT_EQ(recorded()["refused"]["stands"], true);
+  EXPECT_EQ(recorded()["refused"]["waits"], false);
   EXPECT_EQ(recorded()["since"], to_string(kNow));
+
+  folder_.replace("permissions.p7s", document({"t"}, 1h, 48h));
+  codes_after_looking();
+  EXPECT_EQ(recorded()["refused"]["stands"], true);
+  EXPECT_EQ(recorded()["refused"]["waits"], true) << "it is taken when it begins";
 
   folder_.replace("permissions.p7s", document({"t"}, 0s, 48h));
   codes_after_looking();

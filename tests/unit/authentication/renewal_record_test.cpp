@@ -31,6 +31,25 @@ TEST_F(Renewal, Record_FollowsTheCertificateInForceAndWhatIsRefused) {
   EXPECT_EQ(recorded()["refused"]["stands"], false);
 }
 
+TEST_F(Renewal, CertificateThatBeginsInTheFuture_IsRecordedAsOneThatWaits) {
+  const auto refused = [&] {
+    return test::recorded_document(engine().documents, "identity certificate")["refused"];
+  };
+  put(renewed(3, {kNow + 1h, kLater.not_after}));
+  codes_after_looking();
+  EXPECT_EQ(refused()["stands"], true);
+  EXPECT_EQ(refused()["waits"], true);
+  put(renewed(3, kLater, "CN=mallory,O=Example"));
+  codes_after_looking();
+  EXPECT_EQ(refused()["waits"], false) << "another subject never will be taken";
+  put(renewed(3, {kNow + 1h, kLater.not_after}));
+  codes_after_looking();
+  engine().clock.advance(1h);
+  codes_after_looking();
+  EXPECT_EQ(refused()["stands"], false);
+  EXPECT_EQ(refused()["waits"], false);
+}
+
 TEST_F(Renewal, RefusedCertificateThatIsTakenAway_NoLongerStands) {
   put(renewed(3, kLater, "CN=mallory,O=Example"));
   codes_after_looking();
