@@ -19,9 +19,9 @@ namespace ddssec::rtps {
 class SeenOriginals {
  public:
   static constexpr std::size_t kMaxWriters = 1024;
-  /// Of all writers. Beyond, the writer with the most ranges loses its oldest ones, so 256 of each
+  /// Of all writers. Beyond, the writer with the most ranges loses its oldest ones, so 64 of each
   /// are never lost.
-  static constexpr std::size_t kMaxRanges = 262144;
+  static constexpr std::size_t kMaxRanges = 65536;
   static constexpr std::size_t kMaxClaims = 65536;
 
   /// What must be remembered of a change after it has been passed on.
