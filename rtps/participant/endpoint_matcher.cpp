@@ -142,6 +142,7 @@ void EndpointMatcher::add(RemoteParticipant& remote, EndpointData data) {
     remove(remote, id);
     known = remote.endpoints.end();
   }
+  const bool moves = known != remote.endpoints.end() && known->second.data.unicast != data.unicast;
   auto& ends = topics_[data.topic_name];
   const auto [listed, is_new] = ends.remotes.insert(data.guid);
   Rollback unlisted([&] {
@@ -154,6 +155,9 @@ void EndpointMatcher::add(RemoteParticipant& remote, EndpointData data) {
     match(*writer, remote, stored);
   }
   for (auto* reader : ends.readers) match(*reader, remote, stored);
+  if (!moves) return;
+  remote.clear_addresses.release(id);
+  readdress(remote, remote.endpoints.at(id));
 }
 
 void EndpointMatcher::remove(RemoteParticipant& remote, const EntityId& id, bool may_return) {
@@ -209,15 +213,17 @@ void EndpointMatcher::remove_all(RemoteParticipant& remote) {
 
 void EndpointMatcher::readdress(RemoteParticipant& remote) {
   remote.clear_addresses.clear();
-  for (const auto& [id, endpoint] : remote.endpoints) {
-    const auto& data = endpoint.data;
-    const auto& writers = topics_[data.topic_name].writers;
-    const auto is_used = [&](const auto* writer) { return writer->matched.contains(data.guid); };
-    if (endpoint.readers.empty() && std::ranges::none_of(writers, is_used)) continue;
-    const auto addresses = addresses_of(core_, remote, data);
-    for (auto* writer : writers) writer->protocol->readdress(data.guid, addresses, core_.now);
-    for (auto* reader : endpoint.readers) reader->readdress(data.guid, addresses);
-  }
+  for (const auto& [id, endpoint] : remote.endpoints) readdress(remote, endpoint);
+}
+
+void EndpointMatcher::readdress(RemoteParticipant& remote, const RemoteEndpoint& endpoint) {
+  const auto& data = endpoint.data;
+  const auto& writers = topics_[data.topic_name].writers;
+  const auto is_used = [&](const auto* writer) { return writer->matched.contains(data.guid); };
+  if (endpoint.readers.empty() && std::ranges::none_of(writers, is_used)) return;
+  const auto addresses = addresses_of(core_, remote, data);
+  for (auto* writer : writers) writer->protocol->readdress(data.guid, addresses, core_.now);
+  for (auto* reader : endpoint.readers) reader->readdress(data.guid, addresses);
 }
 
 void EndpointMatcher::remove_topic(const std::string& name) {

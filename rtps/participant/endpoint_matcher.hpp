@@ -66,6 +66,7 @@ class EndpointMatcher {
   void take_place(Local& local, const EndpointData& endpoint);
   void match(LocalWriter& writer, RemoteParticipant& remote, const EndpointData& data);
   void match(LocalReader& reader, RemoteParticipant& remote, const EndpointData& data);
+  void readdress(RemoteParticipant& remote, const RemoteEndpoint& endpoint);
   /// Matches two local endpoints.
   void match_own(LocalWriter& writer, LocalReader& reader);
   template <class Local>

@@ -212,7 +212,12 @@ LocatorList addresses_of(ParticipantCore& core, RemoteParticipant& remote,
   }
   if (any && out.empty()) report_unproven(core, remote, endpoint);
   auto used = usable_locators(out, {}, own);
-  if (core.security && !core.is_proven(endpoint)) used = within_limit(core, remote, endpoint, used);
+  if (core.security && !core.is_proven(endpoint)) {
+    used = within_limit(core, remote, endpoint, used);
+    // A forged announcement must not keep what is sent from the participant itself.
+    for (const auto& address : remote.user)
+      if (std::ranges::find(used, address) == used.end()) used.push_back(address);
+  }
   return used.empty() ? remote.user : used;
 }
 

@@ -32,8 +32,9 @@ bool has_proven_address(const ParticipantCore& core, const RemoteParticipant& re
 
 /// Returns the addresses that are used for an endpoint: its own ones at hosts of its participant,
 /// or else those of its participant. Raises an event once if none of its own ones is.
-/// If anyone can have announced it, those of its own ones count that its participant does not have
-/// (ClearAddresses). Further ones are left out, and an event is raised once.
+/// If anyone can have announced it, those of its participant are used beside its own ones, and of
+/// these those count that its participant does not have (ClearAddresses). Further ones are left
+/// out, and an event is raised once.
 LocatorList addresses_of(ParticipantCore& core, RemoteParticipant& remote,
                          const EndpointData& endpoint);
 

@@ -159,6 +159,27 @@ TEST_F(ClearEndpoints, ThatAreSaidToHaveEnded_MatchAgain) {
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 300));
 }
 
+TEST_F(ClearEndpoints, ThatAreAnnouncedAtAnotherPort_StillGetWhatIsSentToTheirParticipant) {
+  auto data = forged_reader(0);
+  data.guid = pair.reader;
+  data.unicast = {at(kFirstPort)};
+  for (const bool has_ended_before : {false, true}) {
+    const auto received = pair.b.listener.changes.size();
+    if (has_ended_before) dispose(pair.reader);
+    announce(data);
+    pair.write();
+    EXPECT_TRUE(
+        pair.world.run_until([&] { return pair.b.listener.changes.size() > received; }, 300));
+    pair.world.run(3000);  // its own announcement is read again
+    ports.clear();
+    pair.write();
+    EXPECT_TRUE(
+        pair.world.run_until([&] { return pair.b.listener.changes.size() >= received + 2; }, 300));
+    EXPECT_TRUE(ports.empty());
+    next = 2;
+  }
+}
+
 /// a writes, b reads, with keys for the topic.
 struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {};
 
