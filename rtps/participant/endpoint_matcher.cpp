@@ -155,9 +155,8 @@ void EndpointMatcher::add(RemoteParticipant& remote, EndpointData data) {
     match(*writer, remote, stored);
   }
   for (auto* reader : ends.readers) match(*reader, remote, stored);
-  if (!moves) return;
-  remote.clear_addresses.release(id);
-  readdress(remote, remote.endpoints.at(id));
+  // The former address stays counted (ClearAddresses) until the endpoint ends.
+  if (moves) readdress(remote, remote.endpoints.at(id));
 }
 
 void EndpointMatcher::remove(RemoteParticipant& remote, const EntityId& id, bool may_return) {

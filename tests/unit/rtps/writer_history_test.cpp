@@ -2,6 +2,7 @@
 #include "rtps/reliability/writer_history.hpp"
 
 #include <chrono>
+#include <ctime>
 #include <map>
 #include <set>
 
@@ -168,10 +169,10 @@ TEST(WriterHistory, DeepHistoriesOfVeryMany_CostNoMoreThanOthers) {
     return history.add(std::move(change));
   };
   for (std::uint32_t i = 0; i < kMax; ++i) add(i);
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = std::clock();
   std::vector<SequenceNumber> last;
   for (std::uint32_t i = 0; i < kMore; ++i) last.push_back(add(i));
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1) * test::kSlowdown);
+  EXPECT_LT(std::clock() - begin, CLOCKS_PER_SEC * test::kSlowdown);
   EXPECT_EQ(history.size(), kMax);
   for (const auto number : last) ASSERT_NE(history.find(number), nullptr);
   EXPECT_EQ(history.find({1}), nullptr) << "it was replaced";

@@ -76,7 +76,7 @@ std::size_t count_known(const SeenOriginals& seen, std::uint32_t writer, std::si
 // Before: of a history with more than 256 gaps, the samples before the last 256 came again from a
 // durability service.
 TEST(SeenOriginals, AHistoryWithManyGaps_WithinTheBound_IsKnownCompletely) {
-  constexpr std::size_t kMany = 100'000;
+  constexpr std::size_t kMany = 60'000;
   SeenOriginals seen;
   add_apart(seen, 1, kMany);
   EXPECT_EQ(count_known(seen, 1, kMany), kMany);
