@@ -79,7 +79,10 @@ TEST_P(KeeperTest, NothingComesTwice_OfAHistoryWithManyGaps) {
   look(nullptr);
   EXPECT_EQ(got.size(), kMany + 1u);
   const auto service = keeper();
-  for (int i = 0; i < 20 && service->served() <= kMany; ++i) look(service.get());
+  for (int i = 0; i < 20 && service->served() <= kMany; ++i) {
+    look(service.get());
+    ASSERT_TRUE(service->flush(10s));
+  }
   EXPECT_EQ(service->served(), kMany + 1u);
   look(service.get());
   EXPECT_EQ(got.size(), kMany + 1u);
