@@ -76,11 +76,11 @@ TEST_F(ShownPermissions, ThatBeginEarlier_AreRefusedAsARollBack) {
 TEST_F(ShownPermissions, ThatWereSignedEarlier_AreRefusedAsARollBack) {
   const auto wide = document({"t", "u"});
   signing_time += 10s;
-  ASSERT_TRUE(show(document({"t"}, 0s)));
+  ASSERT_TRUE(show(document({"t"})));
   EXPECT_REFUSED(show(wide), permissions_renewal_refused);
   EXPECT_FALSE(may_publish("u"));
   signing_time += 10s;
-  EXPECT_TRUE(show(document({"t", "u"}, 0s)));
+  EXPECT_TRUE(show(document({"t", "u"})));
   EXPECT_TRUE(may_publish("u"));
 }
 
