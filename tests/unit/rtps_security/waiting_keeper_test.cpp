@@ -94,6 +94,7 @@ TEST_F(ExclusiveSecuredKeeper, BeyondAnIdentitysInstances_SamplesWait_AndAreNotA
   EXPECT_FALSE(stored_all_of(more, 100));
   EXPECT_EQ(keeper->served(), static_cast<std::uint64_t>(kShare));
   EXPECT_GT(keeper->unstored(), 0u);
+  for (int i = 0; i < 5000 && !process.events.has(Code::rtps_store_failed); ++i) ::usleep(1000);
   EXPECT_TRUE(process.events.has(Code::rtps_store_failed)) << process.events.text();
 
   auto& other = writer_of(alice, 5);
