@@ -34,7 +34,7 @@ TEST(RequestPace, ALargerSample_IsRequestedAgainLater) {
   EXPECT_TRUE(pace.is_due(31s));
 }
 
-// Before: it was sent again twice a second, which took the keeper 65 to 82 % of a core.
+// Before: it was sent again twice a second.
 TEST_F(SmallSecuredKeeper, ALargeSampleThatWaits_IsSeldomSentAgain) {
   auto* topic = *alice.participant->create_topic<Chunk>("Chunks");
   auto* publisher = *alice.participant->create_publisher();
