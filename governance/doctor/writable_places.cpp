@@ -58,10 +58,12 @@ void WritablePlaces::add(const fs::path& path) {
 
 void WritablePlaces::add_with_way(const fs::path& path) {
   add(path);
-  add_way(path, kMaxLinks);
+  int links_left = kMaxLinks;
+  add_way(path, links_left);
 }
 
-void WritablePlaces::add_way(const fs::path& path, int links_left) {
+// All links share one limit: each link in a long path of links leads through all before it.
+void WritablePlaces::add_way(const fs::path& path, int& links_left) {
   std::error_code error;
   const auto absolute = fs::absolute(path, error);
   if (error) return;
@@ -71,7 +73,8 @@ void WritablePlaces::add_way(const fs::path& path, int links_left) {
     if (links_left == 0 || !fs::is_symlink(fs::symlink_status(name, error))) continue;
     add_folders_above(name);
     const auto target = fs::read_symlink(name, error);
-    if (!error) add_way(name.parent_path() / target, --links_left);
+    --links_left;
+    if (!error) add_way(name.parent_path() / target, links_left);
   }
   const auto real = fs::canonical(absolute, error);
   if (!error) add_folders_above(real);

@@ -22,15 +22,16 @@ class WritablePlaces {
 
   /// Looks at what `path` leads to alone.
   void add(const std::filesystem::path& path);
-  /// Looks at it, at all folders above it, and at all links on the way and what is above them. In a
-  /// folder with the sticky bit, such as /tmp, it suffices that a name belongs to a trusted user.
+  /// Looks at it, at all folders above it, and at all links on the way (40 at most, as Linux
+  /// follows) and what is above them. In a folder with the sticky bit, such as /tmp, it suffices
+  /// that a name belongs to a trusted user.
   void add_with_way(const std::filesystem::path& path);
 
   /// In the order in which they were found, each once.
   const std::vector<Finding>& findings() const { return findings_; }
 
  private:
-  void add_way(const std::filesystem::path& path, int links_left);
+  void add_way(const std::filesystem::path& path, int& links_left);
   void add_folders_above(const std::filesystem::path& name);
   void judge(const std::filesystem::path& path, const struct stat& status);
   bool is_trusted(uid_t user) const;
