@@ -178,7 +178,7 @@ bool SampleIndex::is_outdated(const Stream& stream, const StoredChange& entry, T
   const auto key = key_of(entry.change);
   if (stream.past_ends.has_later(key, time)) return true;
   const auto held = stream.instances.find(key);
-  if (held == stream.instances.end()) return false;
+  if (held == stream.instances.end()) return entry.was_heard;
   const auto& rows = held->second;
   const bool has_ended = stream.ended.contains(key);
   if (stream.service.history.kind == HistoryKind::keep_all && !has_ended) return false;

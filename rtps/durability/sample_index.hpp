@@ -47,10 +47,11 @@ class SampleIndex {
     std::int64_t row = 0;
     std::vector<std::int64_t> removed = {};
   };
-  /// `entry.stream`, `change`, `identity`, `is_late`, `relay_order` and `lifespan` are given; sets
-  /// `row`, `expiry` and `removed`, and returns the row and `removed` as well. With KEEP_LAST it
-  /// replaces the oldest of its instance. The end of an instance that has no room removes the
-  /// instance. What waits or is left out changes nothing, nor does an exception (std::bad_alloc).
+  /// `entry.stream`, `change`, `identity`, `is_late`, `relay_order`, `lifespan` and `was_heard` are
+  /// given; sets `row`, `expiry` and `removed`, and returns the row and `removed` as well. With
+  /// KEEP_LAST it replaces the oldest of its instance. The end of an instance that has no room
+  /// removes the instance. What waits or is left out changes nothing, nor does an exception
+  /// (std::bad_alloc).
   Outcome add(StoredChange& entry, const Moment& now);
   /// Limit for the rows that one call of clean_up removes.
   static constexpr std::size_t kMaxRemoved = 256;
@@ -82,8 +83,8 @@ class SampleIndex {
     MonotonicTime expires = kNever;
     Original origin = {};
   };
-  /// Where a row belongs among those of its instance: after those that were stored before. What was
-  /// relayed too late has the `base` of the later row of its writer.
+  /// Where a row belongs among those of its instance: after those that were stored before. A
+  /// change that was relayed too late has the `base` of the later row of its writer.
   struct Place {
     std::int64_t base = 0;  ///< a row
     SequenceNumber number;  ///< of the original writer

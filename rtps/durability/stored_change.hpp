@@ -63,6 +63,9 @@ struct StoredChange {
   std::int64_t row = 0;                     ///< where it is stored; 0: nowhere
   std::optional<StoredExpiry> expiry = {};  ///< follows from its source timestamp and lifespan
   std::vector<std::int64_t> removed = {};   ///< rows that go
+  /// A relayed change that was heard from its writer before a restart, or whose writer was heard up
+  /// to a later one: if nothing of its instance is stored, the instance has ended.
+  bool was_heard = false;
 };
 
 /// Up to which change, and which source timestamp, a writer was heard.

@@ -179,9 +179,10 @@ bool KeptTopic::on_change(Change& change) {
   if (change.is_marker() || !writers_.contains(change.writer)) return true;
   const auto expires =
       end_of_life(change.source_time, lifespan_of(context_, change.writer), context_.moment());
-  if (seen_.contains(change, expires) || was_heard(change)) {
-    // The owner of a stored instance came back.
-    if (change.origin().writer == change.writer) claim(change);
+  // What another keeper relays may be missing here: its writer may hold less than the service does.
+  const bool is_direct = change.origin().writer == change.writer;
+  if (seen_.contains(change, expires) || (is_direct && was_heard(change))) {
+    if (is_direct) claim(change);  // the owner of a stored instance came back
     return true;
   }
   if (with_key_ && !change.key_hash) {
@@ -210,9 +211,8 @@ bool KeptTopic::defer(MonotonicTime now) {
   return false;
 }
 
-/// Before the keeper was restarted: from the writer itself, which offered all that it still had. So
-/// what another keeper has of it was replaced or ended here. A writer that was restarted and has
-/// the same GUID begins again with the number 1, and later timestamps.
+/// Before the keeper was restarted. A writer that was restarted and has the same GUID begins again
+/// with the number 1, and later timestamps.
 bool KeptTopic::was_heard(const Change& change) const {
   const auto origin = change.origin();
   const auto at = heard_.find(origin.writer);
@@ -237,7 +237,8 @@ bool KeptTopic::keep(Change& change) {
                                    .is_late = have_waited_.contains(writer),
                                    .is_remembered = change.original.writer == writer,
                                    .relay_order = relay_order(change, like_.qos),
-                                   .lifespan = lifespan},
+                                   .lifespan = lifespan,
+                                   .was_heard = was_heard(change)},
                                   moment);
   if (kept.outcome.verdict == SampleIndex::Verdict::waits)
     return wait_for_room(writer, kept.has_no_share);

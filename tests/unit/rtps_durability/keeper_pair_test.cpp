@@ -42,46 +42,64 @@ struct KeeperPairTest : KeeperTest {
     serve();
     return out;
   }
+  /// Keeper 1 misses what is written last. Then the writer leaves, and keeper 1 starts first.
+  void miss_samples(int depth) {
+    for (const std::size_t which : {0u, 1u}) start(which);
+    auto& writer = writer_of(durable(DurabilityKind::transient, depth));
+    for (int i = 1; i <= 3; ++i) ASSERT_TRUE(writer.write({"north", i}));
+    serve();
+    stop(1);
+    serve();
+    for (int i = 4; i <= 5; ++i) ASSERT_TRUE(writer.write({"north", i}));
+    serve();
+    gone();
+    stop(0);
+    start(1);
+    serve();
+    start(0);
+    serve(150);
+  }
   std::vector<std::unique_ptr<Keeper>> keepers{2};
 };
 
 // Before: after its restart, the keeper that missed nothing served what the other still had.
 TEST_P(KeeperPairTest, AfterARestart_TheLatestSampleWins) {
-  for (const std::size_t which : {0u, 1u}) start(which);
-  auto& writer = writer_of(durable(DurabilityKind::transient, 1));
-  for (int i = 1; i <= 3; ++i) ASSERT_TRUE(writer.write({"north", i}));
-  serve();
-  stop(1);
-  serve();
-  for (int i = 4; i <= 5; ++i) ASSERT_TRUE(writer.write({"north", i}));
-  serve();
-  gone();
-  stop(0);
-  start(1);
-  serve();
-  start(0);
-  serve(150);
+  miss_samples(1);
   EXPECT_EQ(keepers[0]->served(), 1u);
   EXPECT_EQ(keepers[1]->served(), 1u);
   EXPECT_EQ(of(0, 1), (Values{5}));
 }
 
 TEST_P(KeeperPairTest, AfterARestart_TheOneThatMissedSamplesGetsThem) {
-  for (const std::size_t which : {0u, 1u}) start(which);
-  auto& writer = writer_of(durable(DurabilityKind::transient, 3));
-  for (int i = 1; i <= 3; ++i) ASSERT_TRUE(writer.write({"north", i}));
-  serve();
-  stop(1);
-  serve();
-  for (int i = 4; i <= 5; ++i) ASSERT_TRUE(writer.write({"north", i}));
-  serve();
-  gone();
-  stop(0);
-  start(1);
-  serve();
-  start(0);
-  serve(150);
+  miss_samples(3);
   EXPECT_EQ(of(1, 3), (Values{3, 4, 5}));
+}
+
+// Before: a keeper that had heard the last one refused those before it.
+TEST_P(KeeperPairTest, AfterARestart_ItTakesWhatTheWriterDidNotHold) {
+  start(0);
+  auto qos = durable(DurabilityKind::transient, 1);
+  qos.durability_service.history.depth = 3;
+  qos.resource_limits.max_samples = 1;
+  qos.resource_limits.max_samples_per_instance = 1;
+  auto& writer = writer_of(qos);
+  for (int i = 1; i <= 3; ++i) {
+    ASSERT_TRUE(writer.write({"north", i}));
+    serve();
+  }
+  stop(0);
+  for (int i = 0; i < 2; ++i) {  // the first time it hears the last sample
+    start(1);
+    serve(100);
+    stop(1);
+  }
+  start(1);
+  start(0);
+  serve(200);
+  gone();
+  auto got = of(1, 3);
+  std::ranges::sort(got);
+  EXPECT_EQ(got, (Values{1, 2, 3}));
 }
 
 // Before: the instance was back.
