@@ -1,5 +1,6 @@
 // doctor: finds everything that is wrong with a participant's folder, for each product.
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <system_error>
@@ -26,7 +27,9 @@
 #include "governance/doctor/ros.hpp"
 #include "governance/doctor/shared_memory.hpp"
 #include "governance/doctor/transport.hpp"
+#include "governance/doctor/writable_places.hpp"
 #include "governance/model.hpp"
+#include "plugins/spi/process_properties.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -341,6 +344,16 @@ bool is_any_found(const std::vector<doctor::HostPlugin>& plugins) {
   });
 }
 
+// What a Cyclone DDS process on ddssec's plugins reads besides the participant's folder.
+std::vector<fs::path> files_of_process(const std::vector<doctor::HostPlugin>& plugins) {
+  std::vector<fs::path> out;
+  for (const auto& plugin : plugins)
+    if (plugin.maker == doctor::HostPlugin::Maker::ours) out.push_back(plugin.file);
+  const char* const properties = std::getenv(spi::kPropertiesVariable);
+  if (properties != nullptr && *properties != '\0') out.emplace_back(properties);
+  return out;
+}
+
 // The domain of the node. If the documents do not cover it, one that they cover, so that the wrong
 // variable (DOC096) is not reported again for each document.
 Result<DomainId> domain_of_node(const doctor::LoadedFolder& folder, WallTime now) {
@@ -387,6 +400,7 @@ Result<Answer<DoctorResult>> doctor_of(const Arguments& arguments, const Context
     doctor::check_loadable(plugins, diagnosis);
   else
     doctor::check_host_plugins(plugins, places, is_there(folder / "cyclonedds.xml"), diagnosis);
+  doctor::check_files_of_process(loaded, files_of_process(plugins), diagnosis);
   doctor::check_lint(loaded, settings, diagnosis);
   DoctorResult result{.domain = domain,
                       .diagnosis = shown(report, folder, std::move(diagnosis), settings, products),

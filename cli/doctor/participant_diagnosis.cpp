@@ -9,6 +9,7 @@
 #include "cli/doctor/own_start.hpp"
 #include "cli/doctor/pre_shared_keys.hpp"
 #include "cli/doctor/renewal_list_check.hpp"
+#include "cli/doctor/weakened_protection.hpp"
 #include "cli/inputs.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/domain_tag.hpp"
@@ -280,6 +281,7 @@ doctor::Diagnosis diagnosis_beyond_folder(const LoadedFolder& folder,
   check_pre_shared_keys(folder, settings, out);
   check_ocsp(folder, settings, out);
   check_renewal_list(folder, settings, out);
+  check_weakened_protection(folder, out);
   check_own_start(folder, settings, doctor::Diagnosis(out), out);
   check_environment(folder, settings, out);
   check_profiles_file(folder, settings, out);

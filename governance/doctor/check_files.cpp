@@ -249,15 +249,8 @@ bool is_read(const fs::path& path) {
   return std::ranges::find(kExtensions, path.extension()) != kExtensions.end();
 }
 
-/// The owner of the key, who can do what the participant can; else of the folder.
-uid_t owner_of(const pki::ParticipantFolder& paths) {
-  struct stat status {};
-  if (::stat(paths.key.c_str(), &status) != 0) ::stat(paths.folder.c_str(), &status);
-  return status.st_uid;
-}
-
 void check_writable_places(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
-  WritablePlaces places(owner_of(folder.paths));
+  WritablePlaces places(user_of(folder.paths));
   const auto add = [&](const fs::path& path) {
     settings.may_run_elsewhere ? places.add(path) : places.add_with_way(path);
   };
@@ -268,9 +261,7 @@ void check_writable_places(const LoadedFolder& folder, const Settings& settings,
     if (++seen > kMaxFiles) break;
     if (is_read(entry.path())) add(entry.path());
   }
-  for (const auto& finding : places.findings())
-    out.report(finding.severity == Severity::error ? Outcomes::all(Outcome::unsafe) : Outcomes(),
-               finding);
+  places.report(Outcomes::all(Outcome::unsafe), out);
 }
 
 }  // namespace

@@ -140,17 +140,22 @@ void check_pair(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out
               .document = folder.paths.key});
 }
 
-// A certificate of the same name and key stands before it and is valid: `ca renew` leaves the
-// former one in the file. Every product takes the first (measured).
-bool is_renewed(const pki::Certificate& ca, const std::vector<pki::Certificate>& cas,
-                WallTime now) {
+bool is_twin(const pki::Certificate& one, const pki::Certificate& other) {
+  return one.subject() == other.subject() && pki::key_digest(one) == pki::key_digest(other);
+}
+
+// Who takes a file with a CA certificate that is not valid now: all, if a valid one of the same
+// name and key stands before it, as `ca renew` leaves them. Stock products take the first
+// (measured).
+Outcomes outcomes_of_dates(const pki::Certificate& ca, const std::vector<pki::Certificate>& cas,
+                           WallTime now) {
+  bool is_before = true;
   for (const auto& one : cas) {
-    if (one == ca) return false;
-    if (one.subject() == ca.subject() && pki::key_digest(one) == pki::key_digest(ca) &&
-        is_valid(one, now))
-      return true;
+    if (one == ca) is_before = false;
+    if (!is_twin(one, ca) || !is_valid(one, now)) continue;
+    return is_before ? Outcomes() : Outcomes{Outcome::fail, Outcome::fail, Outcome::ok};
   }
-  return false;
+  return kNobody;
 }
 
 void check_dates(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
@@ -163,12 +168,14 @@ void check_dates(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
   const auto look = [&](const auto& cas, const fs::path& path) {
     if (!cas) return;
     out.pass(Rule::DOC022);
-    for (const auto& ca : *cas)
-      if (!is_valid(ca, now) && !is_renewed(ca, *cas, now))
-        out.report(kNobody, {.rule = Rule::DOC022,
-                             .message = dates_wrong(path, ca, now),
-                             .document = path,
-                             .hint = hint_if_early(ca.not_before(), now)});
+    for (const auto& ca : *cas) {
+      const auto outcomes = is_valid(ca, now) ? Outcomes() : outcomes_of_dates(ca, *cas, now);
+      if (outcomes.all_ok()) continue;
+      out.report(outcomes, {.rule = Rule::DOC022,
+                            .message = dates_wrong(path, ca, now),
+                            .document = path,
+                            .hint = hint_if_early(ca.not_before(), now)});
+    }
   };
   look(folder.identity_cas, folder.paths.identity_ca);
   look(folder.permissions_cas, folder.paths.permissions_ca);
@@ -221,12 +228,15 @@ std::string needs_other_ca_file(const LoadedFolder& folder, const Lineup& lineup
 // Wrong dates have a rule of their own; the rest is judged as of a day when the certificate is
 // valid, so that they hide nothing.
 WallTime time_to_judge(const LoadedFolder& folder, WallTime now) {
-  WallTime time = now;
-  if (!is_valid(*folder.certificate, now)) time = folder.certificate->not_before();
-  for (const auto& ca : *folder.identity_cas)
-    if (ca.subject() == folder.certificate->issuer() && !is_valid(ca, time))
-      time = std::max(folder.certificate->not_before(), ca.not_before());
-  return time;
+  const auto& certificate = *folder.certificate;
+  const WallTime time = is_valid(certificate, now) ? now : certificate.not_before();
+  WallTime otherwise = time;
+  for (const auto& ca : *folder.identity_cas) {
+    if (ca.subject() != certificate.issuer()) continue;
+    if (is_valid(ca, time)) return time;
+    otherwise = std::max(certificate.not_before(), ca.not_before());
+  }
+  return otherwise;
 }
 
 void check_chain(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {

@@ -98,35 +98,53 @@ void WritablePlaces::add_folders_above(const fs::path& name) {
 void WritablePlaces::judge(const fs::path& path, const struct stat& status) {
   const unsigned mode = status.st_mode & 07777U;
   if (!is_trusted(status.st_uid))
-    return report(path,
-                  fmt::format("{} belongs to the user {}, and the participant to {}", path.string(),
-                              name_of_user(status.st_uid), name_of_user(owner_)),
-                  Severity::warning);
+    return found(path,
+                 fmt::format("{} belongs to the user {}, and the participant to {}", path.string(),
+                             name_of_user(status.st_uid), name_of_user(owner_)),
+                 Severity::warning);
   if ((mode & S_IWOTH) != 0)
-    return report(path,
-                  fmt::format("{} can be written by every user of this machine (mode {:03o})",
-                              path.string(), mode),
-                  Severity::error);
+    return found(path,
+                 fmt::format("{} can be written by every user of this machine (mode {:03o})",
+                             path.string(), mode),
+                 Severity::error);
   if (!is_open(status) || status.st_gid == 0) return;
   const auto user = name_of_user(status.st_uid);
   const auto group = group_of(status.st_gid, user);
   if (group.name == user && !group.has_others) return;
-  report(path,
-         fmt::format("{} can be written by the group {} (mode {:03o})", path.string(), group.name,
-                     mode),
-         Severity::warning);
+  found(path,
+        fmt::format("{} can be written by the group {} (mode {:03o})", path.string(), group.name,
+                    mode),
+        Severity::warning);
 }
 
 bool WritablePlaces::is_trusted(uid_t user) const {
   return user == 0 || user == owner_ || user == ::geteuid();
 }
 
-void WritablePlaces::report(const fs::path& path, std::string message, Severity severity) {
+void WritablePlaces::found(const fs::path& path, std::string message, Severity severity) {
   if (std::ranges::find(findings_, message, &Finding::message) != findings_.end()) return;
   findings_.push_back({.rule = Rule::DOC104,
                        .message = std::move(message),
                        .document = path.string(),
                        .severity = severity});
+}
+
+void WritablePlaces::report(const Outcomes& if_error, Diagnosis& out) const {
+  for (const auto& finding : findings_)
+    out.report(finding.severity == Severity::error ? if_error : Outcomes(), finding);
+}
+
+uid_t user_of(const pki::ParticipantFolder& paths) {
+  struct stat status {};
+  if (::stat(paths.key.c_str(), &status) != 0) ::stat(paths.folder.c_str(), &status);
+  return status.st_uid;
+}
+
+void check_files_of_process(const LoadedFolder& folder, std::span<const fs::path> files,
+                            Diagnosis& out) {
+  WritablePlaces places(user_of(folder.paths));
+  for (const auto& file : files) places.add_with_way(file);
+  places.report({.cyclonedds = Outcome::unsafe, .ours = Outcome::unsafe}, out);
 }
 
 }  // namespace ddssec::governance::doctor

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <sys/types.h>
 #include <vector>
 
 #include "base/finding.hpp"
+#include "governance/doctor/diagnosis.hpp"
 
 struct stat;
 
@@ -29,16 +31,25 @@ class WritablePlaces {
 
   /// In the order in which they were found, each once.
   const std::vector<Finding>& findings() const { return findings_; }
+  /// Adds them to a diagnosis, with this outcome where one is an error.
+  void report(const Outcomes& if_error, Diagnosis& out) const;
 
  private:
   void add_way(const std::filesystem::path& path, int& links_left);
   void add_folders_above(const std::filesystem::path& name);
   void judge(const std::filesystem::path& path, const struct stat& status);
   bool is_trusted(uid_t user) const;
-  void report(const std::filesystem::path& path, std::string message, Severity severity);
+  void found(const std::filesystem::path& path, std::string message, Severity severity);
 
   uid_t owner_;
   std::vector<Finding> findings_;
 };
+
+/// The owner of the key, who can do what the participant can; else of the folder.
+uid_t user_of(const pki::ParticipantFolder& paths);
+
+/// The same for further files of the participant's process: libraries of plugins, properties.
+void check_files_of_process(const LoadedFolder& folder,
+                            std::span<const std::filesystem::path> files, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

@@ -40,11 +40,18 @@ Status check_signed_later(const PermissionsDocument& former, const PermissionsDo
                        "--replace"});
 }
 
+// Some tools end a file with a NUL. It is not part of what is signed, and hosts whose texts end at a
+// NUL cannot send it.
+std::string without_trailing_nul(std::string text) {
+  if (text.ends_with('\0')) text.pop_back();
+  return text;
+}
+
 }  // namespace
 
 void PermissionsHolder::set_own(std::string text, std::unique_ptr<OwnDocuments> documents) {
-  text_ = std::move(text);
-  digest_ = digest_of_file(text_);
+  digest_ = digest_of_file(text);
+  text_ = without_trailing_nul(std::move(text));
   own_documents_ = std::move(documents);
 }
 
@@ -246,7 +253,7 @@ Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, By
   document_ = std::move(document);
   grant_ = std::move(renewed);
   digest_ = digest_of_file(text);
-  text_ = std::move(text);
+  text_ = without_trailing_nul(std::move(text));
   ++renewals_;
   return {};
 }

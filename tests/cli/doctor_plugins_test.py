@@ -22,6 +22,43 @@ class Plugins(DoctorTest):
             self.assertIn(part, out["diagnostics"][0]["message"])
         self.assertEqual(told("<General/>", 0)["diagnostics"], [])
 
+    def test_properties_that_take_protection_away(self):
+        file = self.at / "plugins.properties"
+        weak = {"org.ddssec.access.allow_shared_memory": "true", "org.ddssec.crypto.trust_type_information": "true",
+                "org.ddssec.files_poll_interval": "0", "org.ddssec.clock_step_grace": "3600"}
+        file.write_text("".join(f"{name} = {value}\n" for name, value in weak.items()))
+        out = self.json("doctor", self.paths["correct"], environment={"DDSSEC_PROPERTIES": str(file)})
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC116"] * len(weak))
+        for diagnostic, (name, value) in zip(out["diagnostics"], weak.items()):
+            self.assertTrue(diagnostic["message"].startswith(f"{name} = {value}: "), diagnostic["message"])
+            self.assertEqual(diagnostic["file"], str(file))
+            self.assertEqual(diagnostic["severity"], "warning")
+        file.write_text("org.ddssec.files_poll_interval = 5\norg.ddssec.clock_step_grace = 60\n"
+                        "org.ddssec.access.allow_shared_memory = false\n")
+        out = self.json("doctor", self.paths["correct"], environment={"DDSSEC_PROPERTIES": str(file)})
+        self.assertEqual(out["diagnostics"], [])
+        own = self.at / self.paths["correct"] / "security.properties"
+        own.write_text("org.ddssec.shm = on\norg.ddssec.shm.trust_kernel = true\n")
+        out = self.json("doctor", self.paths["correct"])
+        own.unlink()
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC116"])
+        self.assertIn("org.ddssec.shm.trust_kernel = true", out["diagnostics"][0]["message"])
+
+    def test_plugin_files_that_others_can_change(self):
+        properties = self.at / "plugins.properties"
+        properties.write_text("org.ddssec.files_poll_interval = 5\n")
+        properties.chmod(0o666)
+        out = self.json("doctor", self.paths["correct"], exit=1, environment={"DDSSEC_PROPERTIES": str(properties)})
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC104"])
+        self.assertIn(f"{properties} can be written by every user", out["diagnostics"][0]["message"])
+        ours = self.libraries("writable", b"ddssec_\0ddssec plugin version 1.2.3\0")
+        self.run_program("init", "demo-writable", "--dropin", "writable")
+        (self.at / "writable/libdds_security_ac.so").chmod(0o666)
+        out = self.json("doctor", "demo-writable/talker", exit=1, environment={"LD_LIBRARY_PATH": library_path()})
+        told = [d["message"] for d in out["diagnostics"] if d["id"] == "DOC104"]
+        self.assertEqual(len(told), 1)
+        self.assertIn(f"{ours}/libdds_security_ac.so can be written by every user", told[0])
+
     def libraries(self, folder, octets, names=("auth", "ac", "crypto")):
         (self.at / folder).mkdir(exist_ok=True)
         for name in names:

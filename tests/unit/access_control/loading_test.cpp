@@ -23,6 +23,16 @@ TEST_F(LocalPermissions, AreAcceptedAndHandedOn) {
   EXPECT_TRUE(log.events.empty());
 }
 
+// Cyclone DDS hands documents over as texts that end at a NUL.
+TEST_F(LocalPermissions, NulAtTheEndOfTheFile_IsNotHandedOn) {
+  const auto document = open_permissions(kTalker);
+  const auto handle = local(document + '\0');
+  ASSERT_TRUE(handle) << handle.error().to_sentence();
+  const auto token = plugin->permissions_credential_token(*handle);
+  ASSERT_TRUE(token);
+  EXPECT_EQ(token->properties[0].value, document);
+}
+
 TEST_F(LocalPermissions, OtherOrderOfTheSubjectIsTheSameSubject) {
   EXPECT_TRUE(local(open_permissions("O=Example, CN=talker")));
 }

@@ -3,6 +3,7 @@
 
 #include "fixture.hpp"
 #include "governance/doctor/diagnosis.hpp"
+#include "tests/support/expect_code.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -25,6 +26,21 @@ TEST_F(DiagnosisTest, DatesNearNowDependOnTheTimeZone) {
   grant.validity.not_before = kNow - 2h;
   const auto all = diagnosis(participant("talker", strict_governance(), {.grants = {grant}}));
   EXPECT_THAT(rules_of(all), ElementsAre(Rule::DOC042));
+}
+
+// As left in a file to which the renewed certificate of a CA was added.
+TEST_F(DiagnosisTest, EndedCertificateOfTheCaBeforeTheValidOne_HarmsNoParticipantOfOurs) {
+  const auto folder = participant("talker");
+  for (const pki::Validity other :
+       {pki::Validity{kNow - 48h, kNow - 24h}, pki::Validity{kNow + 24h, kNow + 48h}}) {
+    const auto not_valid = identity_ca_.renewed(other, test_random());
+    ASSERT_OK(not_valid);
+    write(folder.identity_ca, not_valid->pem() + identity_ca_.certificate().pem());
+    EXPECT_EQ(diagnosis(folder).outcomes().ours, Outcome::ok)
+        << testing::PrintToString(rules_of(diagnosis(folder)));
+    write(folder.identity_ca, not_valid->pem());
+    EXPECT_EQ(diagnosis(folder).outcomes().ours, Outcome::fail);
+  }
 }
 
 }  // namespace
