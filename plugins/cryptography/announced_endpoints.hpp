@@ -38,7 +38,8 @@ class AnnouncedOctets {
   std::array<std::size_t, 2> sums_ = {};  ///< by Heard
 };
 
-/// The accounts of all subjects (subject_of in engine.hpp) that have participants. Thread-safe.
+/// The accounts of all subjects (subject_of in cryptography_state.hpp) that have participants.
+/// Thread-safe.
 class AnnouncementAccounts {
  public:
   std::shared_ptr<AnnouncedOctets> of(std::uint64_t subject);

@@ -1,8 +1,8 @@
 // Participants and endpoints, local and remote, as the registry stores them.
 //
 // Ownership and lifetime: the registry owns entities, and entities own their keys. One thread at a
-// time makes changes, under the mutex of Shared. The message path follows pointers under a
-// ReadGuard without any lock. It follows only two kinds of data. Some never change during an
+// time makes changes, under the mutex of CryptographyState. The message path follows pointers under
+// a ReadGuard without any lock. It follows only two kinds of data. Some never change during an
 // entity's life (handle, kind, protection, pointers to the parents). The others are Published:
 // local keys, key material from tokens, pairs and routes are replaced as a whole, and the former
 // object is destroyed after its last reader. An entity is unlinked from all tables and from the
@@ -105,7 +105,8 @@ struct Pair final : Retirable {
   std::optional<GuidPrefix> peer_prefix = {};  ///< empty: another vendor's authentication
   /// Of the local participant; empty: another vendor's authentication.
   std::optional<GuidPrefix> own_prefix = {};
-  spi::PermissionsHandle permissions = {};  ///< of the remote participant; under Shared's mutex
+  spi::PermissionsHandle permissions =
+      {};  ///< of the remote participant; under CryptographyState's mutex
   /// Local key for the remote participant; null if not needed.
   std::unique_ptr<ReceiverKey> receiver_key;
   /// Subject whose place it takes among the local participant's receivers.

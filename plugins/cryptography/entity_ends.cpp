@@ -1,5 +1,5 @@
 // The end of participants, endpoints and matches.
-#include "plugins/cryptography/engine.hpp"
+#include "plugins/cryptography/key_factory.hpp"
 
 namespace ddssec::cryptography {
 
@@ -8,13 +8,13 @@ namespace ddssec::cryptography {
 // handle (routes.hpp).
 
 void KeyFactory::drop(const Entity& entity) {
-  shared_.graveyard.retire(shared_.registry.remove(entity));
+  state_.graveyard.retire(state_.registry.remove(entity));
 }
 
 void KeyFactory::drop_remote(RemoteEndpoint& endpoint) {
   endpoint.local.matched.erase(endpoint.handle());
   endpoint.participant.endpoints.erase(endpoint.handle());
-  shared_.give_back_place(endpoint);
+  state_.give_back_place(endpoint);
   give_back_peer_key(endpoint);
   if (endpoint.route != 0) endpoint.participant.routes.note_gone();
   drop(endpoint);
@@ -24,7 +24,7 @@ void KeyFactory::drop_local(LocalEndpoint& endpoint) {
   for (const auto handle : std::unordered_set(endpoint.matched)) {
     const auto kind = endpoint.kind() == EntityKind::local_writer ? EntityKind::remote_reader
                                                                   : EntityKind::remote_writer;
-    if (const auto remote = shared_.registry.find<RemoteEndpoint>(handle, kind))
+    if (const auto remote = state_.registry.find<RemoteEndpoint>(handle, kind))
       drop_remote(**remote);
   }
   endpoint.participant.endpoints.erase(endpoint.handle());
@@ -32,31 +32,31 @@ void KeyFactory::drop_local(LocalEndpoint& endpoint) {
 }
 
 bool KeyFactory::take_stranded_keys(spi::IdentityHandle remote) {
-  const std::lock_guard lock(shared_.mutex);
+  const std::lock_guard lock(state_.mutex);
   const auto known = by_identity_.find(remote.value);
-  if (shared_.host_checks_sources || known == by_identity_.end()) return false;
-  const auto now = shared_.environment.clock.monotonic();
+  if (state_.host_checks_sources || known == by_identity_.end()) return false;
+  const auto now = state_.environment.clock.monotonic();
   bool are_stranded = false;
   for (const auto& [local, pair] : known->second->pairs)
-    are_stranded |= pair && shared_.ledger.take_stranded(pair->number, now);
+    are_stranded |= pair && state_.ledger.take_stranded(pair->number, now);
   return are_stranded;
 }
 
 void KeyFactory::cut_off(spi::ParticipantCryptoHandle local) {
   const ReadGuard guard;
-  if (const auto participant = shared_.local_participant(local)) (*participant)->is_cut_off = true;
+  if (const auto participant = state_.local_participant(local)) (*participant)->is_cut_off = true;
 }
 
 void KeyFactory::drop_remote(RemoteParticipant& participant) {
   for (const auto handle : std::unordered_set(participant.endpoints))
     for (const auto kind : {EntityKind::remote_writer, EntityKind::remote_reader})
-      if (const auto endpoint = shared_.registry.find<RemoteEndpoint>(handle, kind))
+      if (const auto endpoint = state_.registry.find<RemoteEndpoint>(handle, kind))
         drop_remote(**endpoint);
   for (const auto& [local, pair] : participant.pairs) {
     if (!pair) continue;
-    if (!shared_.host_checks_sources)
-      shared_.ledger.end(pair->number, shared_.environment.clock.monotonic());
-    const auto found = shared_.local_participant(spi::ParticipantCryptoHandle{local});
+    if (!state_.host_checks_sources)
+      state_.ledger.end(pair->number, state_.environment.clock.monotonic());
+    const auto found = state_.local_participant(spi::ParticipantCryptoHandle{local});
     if (!found) continue;
     (*found)->matched.erase(participant.handle());
     (*found)->receivers.give_back(pair->place);
@@ -68,37 +68,37 @@ void KeyFactory::drop_remote(RemoteParticipant& participant) {
 void KeyFactory::drop_local(LocalParticipant& participant) {
   for (const auto handle : std::unordered_set(participant.endpoints))
     for (const auto kind : {EntityKind::local_writer, EntityKind::local_reader})
-      if (const auto endpoint = shared_.registry.find<LocalEndpoint>(handle, kind))
+      if (const auto endpoint = state_.registry.find<LocalEndpoint>(handle, kind))
         drop_local(**endpoint);
   for (const auto handle : participant.matched) {
-    const auto remote = shared_.remote_participant(spi::ParticipantCryptoHandle{handle});
+    const auto remote = state_.remote_participant(spi::ParticipantCryptoHandle{handle});
     if (!remote) continue;
     publish_pairs(**remote, participant.handle());
     if (auto pair = (*remote)->pairs.extract(participant.handle()))
-      shared_.graveyard.retire(std::move(pair.mapped()));
+      state_.graveyard.retire(std::move(pair.mapped()));
   }
   drop(participant);
 }
 
 Status KeyFactory::unregister_participant(spi::ParticipantCryptoHandle participant) {
-  const std::lock_guard lock(shared_.mutex);
-  if (const auto local = shared_.local_participant(participant)) {
+  const std::lock_guard lock(state_.mutex);
+  if (const auto local = state_.local_participant(participant)) {
     drop_local(**local);
     return {};
   }
-  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, shared_.remote_participant(participant));
+  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, state_.remote_participant(participant));
   drop_remote(*remote_participant);
   return {};
 }
 
 Status KeyFactory::unregister_endpoint(std::int64_t handle, EntityKind local, EntityKind remote) {
-  const std::lock_guard lock(shared_.mutex);
-  if (const auto endpoint = shared_.registry.find<LocalEndpoint>(handle, local)) {
+  const std::lock_guard lock(state_.mutex);
+  if (const auto endpoint = state_.registry.find<LocalEndpoint>(handle, local)) {
     drop_local(**endpoint);
     return {};
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto remote_endpoint,
-                          shared_.registry.find<RemoteEndpoint>(handle, remote));
+                          state_.registry.find<RemoteEndpoint>(handle, remote));
   drop_remote(*remote_endpoint);
   return {};
 }

@@ -14,15 +14,15 @@ namespace {
 
 /// True if the host has matched all builtin endpoints that share keys between the local participant
 /// and the sender's. False while another thread changes them: the message comes again.
-bool are_builtin_matched(const Shared& shared, const RemoteEndpoint& sender) {
-  const std::unique_lock lock(shared.mutex, std::try_to_lock);
+bool are_builtin_matched(const CryptographyState& state, const RemoteEndpoint& sender) {
+  const std::unique_lock lock(state.mutex, std::try_to_lock);
   if (!lock.owns_lock()) return false;
   const auto& participant = sender.local.participant;
   const auto is_matched = [&](std::int64_t handle, EntityKind local, EntityKind remote) {
-    const auto endpoint = shared.registry.find<LocalEndpoint>(handle, local);
+    const auto endpoint = state.registry.find<LocalEndpoint>(handle, local);
     if (!endpoint || !(*endpoint)->is_builtin || (*endpoint)->is_volatile) return true;
     return std::ranges::any_of((*endpoint)->matched, [&](std::int64_t matched) {
-      const auto found = shared.registry.find<RemoteEndpoint>(matched, remote);
+      const auto found = state.registry.find<RemoteEndpoint>(matched, remote);
       return found && &(*found)->participant == &sender.participant;
     });
   };
@@ -35,14 +35,15 @@ bool are_builtin_matched(const Shared& shared, const RemoteEndpoint& sender) {
 /// True if any local endpoint accepts such tokens. A host never uses a reader's tokens if the
 /// writer's submessages are not protected, and would store them for nothing. True while another
 /// thread changes the endpoints.
-bool may_be_used(const Shared& shared, const RemoteEndpoint& sender, const TokenMessage& message) {
+bool may_be_used(const CryptographyState& state, const RemoteEndpoint& sender,
+                 const TokenMessage& message) {
   if (message.remote.entity == kEntityIdParticipant) return true;
-  const std::unique_lock lock(shared.mutex, std::try_to_lock);
+  const std::unique_lock lock(state.mutex, std::try_to_lock);
   if (!lock.owns_lock()) return true;
   const bool for_builtin = is_builtin(message.remote.entity);
   const auto kind = message.is_of_reader ? EntityKind::local_writer : EntityKind::local_reader;
   return std::ranges::any_of(sender.local.participant.endpoints, [&](std::int64_t handle) {
-    const auto found = shared.registry.find<LocalEndpoint>(handle, kind);
+    const auto found = state.registry.find<LocalEndpoint>(handle, kind);
     if (!found) return false;
     const auto& endpoint = **found;
     // Another vendor's access control does not report which endpoints are builtin.
@@ -57,8 +58,8 @@ struct Judgement {
   std::optional<Error> reported = {};
 };
 
-Result<Judgement> judge(const Shared& shared, const RemoteEndpoint& sender, const Pair& pair,
-                        const TokenMessage& message) {
+Result<Judgement> judge(const CryptographyState& state, const RemoteEndpoint& sender,
+                        const Pair& pair, const TokenMessage& message) {
   using Kind = Passage::Kind;
   if (auto status = check_usable(message); !status)
     return Judgement{{Kind::hidden}, std::move(status).error()};
@@ -70,10 +71,10 @@ Result<Judgement> judge(const Shared& shared, const RemoteEndpoint& sender, cons
                                                          .field = "destination_participant_guid",
                                                          .expected = pair.own_prefix->to_string(),
                                                          .found = message.local.to_string()})};
-  if (!may_be_used(shared, sender, message)) return Judgement{{Kind::hidden}};
-  const bool are_matched = is_builtin(message.remote.entity) && are_builtin_matched(shared, sender);
-  auto noted = shared.ledger.note(message, {pair.number, pair.peer_prefix.has_value()}, are_matched,
-                                  shared.environment.clock.monotonic());
+  if (!may_be_used(state, sender, message)) return Judgement{{Kind::hidden}};
+  const bool are_matched = is_builtin(message.remote.entity) && are_builtin_matched(state, sender);
+  auto noted = state.ledger.note(message, {pair.number, pair.peer_prefix.has_value()}, are_matched,
+                                 state.environment.clock.monotonic());
   // A message that is not accepted would delay all that follow, including those of honest
   // endpoints.
   if (!noted) return Judgement{{Kind::hidden}, std::move(noted).error()};
@@ -90,13 +91,13 @@ Result<Judgement> judge(const Shared& shared, const RemoteEndpoint& sender, cons
 
 /// Gives tokens from the ledger to a match that waits for them. An error is reported as a separate
 /// event.
-void hand_over(Shared& shared, const TokenMessage& message, const Passage& passage) {
+void hand_over(CryptographyState& state, const TokenMessage& message, const Passage& passage) {
   spi::Token token = message.tokens.front();
   auto& value = token.binary_properties.front().value;
   wipe(value);
   std::ranges::copy(passage.ticket.octets, value.begin());
   const auto [exchange, local, remote] = passage.user;
-  KeyExchange keys(shared);
+  KeyExchange keys(state);
   if (message.is_of_reader)
     (void)keys.set_remote_datareader_crypto_tokens({local}, {remote}, {&token, 1});
   else
@@ -106,16 +107,16 @@ void hand_over(Shared& shared, const TokenMessage& message, const Passage& passa
 /// True if the local endpoint needs the peer's tokens. A reader has tokens only if it needs those
 /// of writers. A writer needs those of readers if it protects submessages; the key for these comes
 /// first in its tokens. True while another thread changes the endpoints.
-bool needs_tokens(const Shared& shared, const LocalParticipant& participant,
+bool needs_tokens(const CryptographyState& state, const LocalParticipant& participant,
                   const TokenMessage& own) {
   if (own.is_of_reader) return true;
   if (own.tokens.empty()) return false;
   const auto material = read_crypto_token(own.tokens.front());
   if (!material) return false;
-  const std::unique_lock lock(shared.mutex, std::try_to_lock);
+  const std::unique_lock lock(state.mutex, std::try_to_lock);
   if (!lock.owns_lock()) return true;
   return std::ranges::any_of(participant.endpoints, [&](std::int64_t handle) {
-    const auto found = shared.registry.find<LocalEndpoint>(handle, EntityKind::local_writer);
+    const auto found = state.registry.find<LocalEndpoint>(handle, EntityKind::local_writer);
     const auto* const key = found ? (*found)->submessage_key.read() : nullptr;
     return key != nullptr && key->material().sender_key_id == material->sender_key_id;
   });
@@ -123,27 +124,27 @@ bool needs_tokens(const Shared& shared, const LocalParticipant& participant,
 
 }  // namespace
 
-Status keep_tokens(Shared& shared, const RemoteEndpoint& sender, const Pair& pair,
+Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender, const Pair& pair,
                    MutableBytes submessage) {
   if (!writer_of_data(submessage)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto piece, read_data_piece(submessage));
   DDSSEC_ASSIGN_OR_RETURN(auto message, read_token_message(piece));
   if (!message) return {};
   const Rollback wipe_copy([&] { wipe_tokens(message->tokens); });
-  DDSSEC_ASSIGN_OR_RETURN(const auto judged, judge(shared, sender, pair, *message));
+  DDSSEC_ASSIGN_OR_RETURN(const auto judged, judge(state, sender, pair, *message));
   const auto& [passage, reported] = judged;
   const auto payload = submessage.subspan(
       static_cast<std::size_t>(piece.payload.data() - submessage.data()), piece.payload.size());
   write_ticket(passage.ticket, *message, piece, payload);
   if (passage.kind != Passage::Kind::ticket) payload[message->class_at] = '-';
-  if (passage.kind == Passage::Kind::awaited) hand_over(shared, *message, passage);
-  if (reported) shared.report(*reported, pair.peer_prefix);
+  if (passage.kind == Passage::Kind::awaited) hand_over(state, *message, passage);
+  if (reported) state.report(*reported, pair.peer_prefix);
   return {};
 }
 
-void note_own_tokens(const Shared& shared, const LocalEndpoint& sender, const Pair& pair,
+void note_own_tokens(const CryptographyState& state, const LocalEndpoint& sender, const Pair& pair,
                      BytesView submessage) {
-  if (shared.host_checks_sources || sender.kind() != EntityKind::local_writer ||
+  if (state.host_checks_sources || sender.kind() != EntityKind::local_writer ||
       !pair.is_with_ours() || !writer_of_data(submessage))
     return;
   const auto piece = read_data_piece(submessage);
@@ -153,9 +154,9 @@ void note_own_tokens(const Shared& shared, const LocalEndpoint& sender, const Pa
   auto& own = **message;
   const Rollback wipe_copy([&] { wipe_tokens(own.tokens); });
   if (own.remote.entity == kEntityIdParticipant) return;
-  if (!needs_tokens(shared, sender.participant, own)) return;
-  shared.ledger.await(pair.number, {.remote = own.local, .local = own.remote},
-                      shared.environment.clock.monotonic());
+  if (!needs_tokens(state, sender.participant, own)) return;
+  state.ledger.await(pair.number, {.remote = own.local, .local = own.remote},
+                     state.environment.clock.monotonic());
 }
 
 }  // namespace ddssec::cryptography

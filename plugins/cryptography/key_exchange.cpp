@@ -1,7 +1,8 @@
+#include "plugins/cryptography/key_exchange.hpp"
+
 #include <algorithm>
 
 #include "base/rollback.hpp"
-#include "plugins/cryptography/engine.hpp"
 #include "plugins/cryptography/key_revision.hpp"
 
 namespace ddssec::cryptography {
@@ -30,9 +31,9 @@ const SendKey* own_submessage_key(const RemoteEndpoint& to, bool revised) {
 /// The tokens from the host, or those in the ledger if the host presented a ticket.
 class HeldTokens {
  public:
-  HeldTokens(const Shared& shared, std::span<const spi::Token> from_host,
+  HeldTokens(const CryptographyState& state, std::span<const spi::Token> from_host,
              const TicketUser& user = {})
-      : held_(shared.host_checks_sources ? std::nullopt : shared.ledger.redeem(from_host, user)),
+      : held_(state.host_checks_sources ? std::nullopt : state.ledger.redeem(from_host, user)),
         tokens_(held_ ? std::span<const spi::Token>(held_->tokens) : from_host) {}
   HeldTokens(const HeldTokens&) = delete;
   HeldTokens& operator=(const HeldTokens&) = delete;
@@ -87,19 +88,20 @@ void keep_position(RemoteKeys& next, const RemoteKeys* present) {
 
 /// The same for a key for payloads only. Cyclone DDS decrypts a payload once, with the key of the
 /// first reader, for all readers. Other hosts decrypt it for each reader.
-void share_payload_position(const Shared& shared, RemoteKeys& next, RemoteEndpoint& remote) {
+void share_payload_position(const CryptographyState& state, RemoteKeys& next,
+                            RemoteEndpoint& remote) {
   const auto* const present = remote.remote_keys.read();
   if (!next.payload || !next.payload->position()) return;
   if (present != nullptr && are_same(next.payload, present->payload))
     return next.payload->count_from(*present->payload);
-  if (!shared.host_checks_sources) remote.participant.payload_positions.share(*next.payload);
+  if (!state.host_checks_sources) remote.participant.payload_positions.share(*next.payload);
 }
 
 /// A host passes a submessage that one local endpoint can decrypt to all endpoints that receive
 /// from the same sender, so they share the position. One that trusts what it decrypts asks for each
 /// submessage once, so they share the window of repetitions, too: with the MAC for one endpoint
 /// broken, a recorded submessage would be new to the next.
-void share_state(const Shared& shared, RemoteKeys& next, const RemoteEndpoint& remote) {
+void share_state(const CryptographyState& state, RemoteKeys& next, const RemoteEndpoint& remote) {
   const auto* const present = remote.remote_keys.read();
   if (!next.submessage) return;
   if (present != nullptr && are_same(next.submessage, present->submessage))
@@ -107,7 +109,7 @@ void share_state(const Shared& shared, RemoteKeys& next, const RemoteEndpoint& r
   const auto* const other = remote.participant.routes.same_sender_key(next.submessage->material());
   if (other == nullptr) return;
   next.submessage->count_with(*other);
-  if (!shared.host_checks_sources) next.submessage->share_window(*other);
+  if (!state.host_checks_sources) next.submessage->share_window(*other);
 }
 
 /// The same for the messages of a participant that several local participants know.
@@ -188,25 +190,25 @@ Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial materia
   const auto traits = *traits_of(material.kind);
   DDSSEC_RETURN_IF_ERROR(check_cipher(traits, from));
   if (material.position && !from.is_with_ours()) return fail(Code::key_material_length);
-  return std::make_unique<ReceiveKey>(std::move(material), traits, shared_.keys);
+  return std::make_unique<ReceiveKey>(std::move(material), traits, state_.keys);
 }
 
 Status KeyExchange::check_replacement(const RemoteKeys& next, const RemoteKeys* present,
                                       const Pair* from) const {
-  if (shared_.host_checks_sources || present == nullptr) return {};
+  if (state_.host_checks_sources || present == nullptr) return {};
   if (are_same(next.submessage, present->submessage) && are_same(next.payload, present->payload))
     return {};
   if (is_later_revision(next, *present)) return {};
   const Error error(Code::keys_already_set, {.document = "crypto tokens"});
-  shared_.report(error, from != nullptr ? from->peer_prefix : std::nullopt);
+  state_.report(error, from != nullptr ? from->peer_prefix : std::nullopt);
   return std::unexpected(error);
 }
 
 Result<std::vector<spi::Token>> KeyExchange::create_local_participant_crypto_tokens(
     spi::ParticipantCryptoHandle local, spi::ParticipantCryptoHandle remote, spi::KeyStage stage) {
-  const std::lock_guard lock(shared_.mutex);
-  DDSSEC_ASSIGN_OR_RETURN(const auto* const participant, shared_.local_participant(local));
-  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, shared_.remote_participant(remote));
+  const std::lock_guard lock(state_.mutex);
+  DDSSEC_ASSIGN_OR_RETURN(const auto* const participant, state_.local_participant(local));
+  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, state_.remote_participant(remote));
   const auto* const pair = remote_participant->pair(local.value);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   const bool revised = stage == spi::KeyStage::revised;
@@ -223,16 +225,16 @@ Result<std::vector<spi::Token>> KeyExchange::create_local_participant_crypto_tok
 Status KeyExchange::set_remote_participant_crypto_tokens(spi::ParticipantCryptoHandle local,
                                                          spi::ParticipantCryptoHandle remote,
                                                          std::span<const spi::Token> tokens) {
-  const HeldTokens held(shared_, tokens);
-  const std::lock_guard lock(shared_.mutex);
-  DDSSEC_ASSIGN_OR_RETURN(const auto* const participant, shared_.local_participant(local));
-  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, shared_.remote_participant(remote));
+  const HeldTokens held(state_, tokens);
+  const std::lock_guard lock(state_.mutex);
+  DDSSEC_ASSIGN_OR_RETURN(const auto* const participant, state_.local_participant(local));
+  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, state_.remote_participant(remote));
   auto* const pair = remote_participant->pair(local.value);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   DDSSEC_RETURN_IF_ERROR(held.check_source(*pair));
   auto status = take(*participant, remote, *pair, held.tokens());
-  if (!status && !shared_.host_checks_sources && status.error().code() != Code::keys_already_set)
-    shared_.report(status.error(), pair->peer_prefix);
+  if (!status && !state_.host_checks_sources && status.error().code() != Code::keys_already_set)
+    state_.report(status.error(), pair->peer_prefix);
   return status;
 }
 
@@ -246,23 +248,23 @@ Status KeyExchange::take(const LocalParticipant& participant, spi::ParticipantCr
   DDSSEC_ASSIGN_OR_RETURN(keys->submessage,
                           receive_key(std::move(material), participant.rtps, pair));
   DDSSEC_RETURN_IF_ERROR(check_replacement(*keys, pair.remote_keys.read(), &pair));
-  if (!shared_.host_checks_sources) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, shared_.remote_participant(remote));
+  if (!state_.host_checks_sources) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, state_.remote_participant(remote));
     share_window(*keys, *remote_participant);
   }
   keep_position(*keys, pair.remote_keys.read());
   DDSSEC_RETURN_IF_ERROR(
-      inherit(*keys, pair.remote_keys.read(), shared_.environment.clock.monotonic()));
-  shared_.note_former(remote.value, *keys);
-  pair.remote_keys.replace(std::move(keys), shared_.graveyard);
+      inherit(*keys, pair.remote_keys.read(), state_.environment.clock.monotonic()));
+  state_.note_former(remote.value, *keys);
+  pair.remote_keys.replace(std::move(keys), state_.graveyard);
   return {};
 }
 
 template <class Local, class Remote>
 Result<RemoteEndpoint*> KeyExchange::matched(Local local, Remote remote) const {
-  DDSSEC_RETURN_IF_ERROR(shared_.local_endpoint(local, local_kind(local)));
+  DDSSEC_RETURN_IF_ERROR(state_.local_endpoint(local, local_kind(local)));
   DDSSEC_ASSIGN_OR_RETURN(auto* const endpoint,
-                          shared_.remote_endpoint(remote, remote_kind(remote)));
+                          state_.remote_endpoint(remote, remote_kind(remote)));
   if (endpoint->local.handle() != local.value) return fail(Code::crypto_not_matched);
   return endpoint;
 }
@@ -270,7 +272,7 @@ Result<RemoteEndpoint*> KeyExchange::matched(Local local, Remote remote) const {
 template <class Local, class Remote>
 Result<std::vector<spi::Token>> KeyExchange::create(Local local, Remote remote,
                                                     spi::KeyStage stage) {
-  const std::lock_guard lock(shared_.mutex);
+  const std::lock_guard lock(state_.mutex);
   DDSSEC_ASSIGN_OR_RETURN(const auto found_endpoint, matched(local, remote));
   const auto& endpoint = *found_endpoint;
   std::vector<spi::Token> tokens;
@@ -311,13 +313,44 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
   return keys;
 }
 
+// What a token says is believed only after every check. The endpoint keeps its keys until
+// `install`; only the payload positions that its participant remembers for a sender key may grow
+// here.
+Result<std::unique_ptr<RemoteKeys>> KeyExchange::checked_keys(RemoteEndpoint& endpoint,
+                                                              const Pair& pair,
+                                                              std::span<const spi::Token> tokens,
+                                                              EntityId owner) const {
+  DDSSEC_ASSIGN_OR_RETURN(auto materials, read_all(tokens));
+  DDSSEC_ASSIGN_OR_RETURN(auto keys, endpoint_keys(endpoint, std::move(materials)));
+  const auto* const present = endpoint.remote_keys.read();
+  keys->owner = present != nullptr && owner.is_zero() ? present->owner : owner;
+  DDSSEC_RETURN_IF_ERROR(check_owner(endpoint, *keys));
+  DDSSEC_RETURN_IF_ERROR(check_replacement(*keys, present, &pair));
+  share_state(state_, *keys, endpoint);
+  share_payload_position(state_, *keys, endpoint);
+  DDSSEC_RETURN_IF_ERROR(inherit(*keys, present, state_.environment.clock.monotonic()));
+  return keys;
+}
+
+// The route leads to the new keys only once they are there; if there is no memory for it, the
+// former keys come back.
+void KeyExchange::install(RemoteEndpoint& endpoint, std::unique_ptr<RemoteKeys> keys) {
+  state_.note_former(endpoint.handle(), *keys);
+  auto former = endpoint.remote_keys.exchange(std::move(keys));
+  Rollback take_back([&] { endpoint.remote_keys.replace(std::move(former), state_.graveyard); });
+  if (is_protected(endpoint.local.submessage) && !route_alike(*endpoint.remote_keys.read(), former))
+    state_.publish_route(endpoint);
+  take_back.release();
+  state_.graveyard.retire(std::move(former));
+}
+
 template <class Local, class Remote>
 Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> from_host) {
-  const std::lock_guard lock(shared_.mutex);
+  const std::lock_guard lock(state_.mutex);
   const auto found = matched(local, remote);
   const auto* const pair =
       found ? (*found)->participant.pair((*found)->local.participant.handle()) : nullptr;
-  const HeldTokens held(shared_, from_host,
+  const HeldTokens held(state_, from_host,
                         {pair == nullptr ? 0 : pair->number, local.value, remote.value});
   const auto tokens = held.tokens();
   DDSSEC_RETURN_IF_ERROR(found);
@@ -326,16 +359,16 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   DDSSEC_RETURN_IF_ERROR(held.check_source(*pair));
   if (const auto status = check_announced(endpoint, *pair, held.owner()); !status) {
-    shared_.report(status.error(), pair->peer_prefix);
+    state_.report(status.error(), pair->peer_prefix);
     return status;
   }
   // A place is taken now and not at the announcement. A host that trusts unprotected discovery also
   // registers readers that an attacker invented in the peer's name. It sends nothing to a reader
   // whose tokens have not come.
   const bool had_place = endpoint.place.has_value();
-  DDSSEC_RETURN_IF_ERROR(shared_.take_place(endpoint, *pair));
+  DDSSEC_RETURN_IF_ERROR(state_.take_place(endpoint, *pair));
   Rollback give_back([&] {
-    if (!had_place) shared_.give_back_place(endpoint);
+    if (!had_place) state_.give_back_place(endpoint);
   });
   if (held.are_awaited()) {  // the host continues as if the keys had arrived
     give_back.release();
@@ -343,25 +376,9 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   }
   if (tokens.empty() || tokens.size() > kMaxTokensPerEndpoint)
     return fail(Code::crypto_token_count);
-  DDSSEC_ASSIGN_OR_RETURN(auto all, read_all(tokens));
-  DDSSEC_ASSIGN_OR_RETURN(auto keys, endpoint_keys(endpoint, std::move(all)));
-  keys->owner = held.owner();
-  if (const auto* const present = endpoint.remote_keys.read(); present && keys->owner.is_zero())
-    keys->owner = present->owner;
-  DDSSEC_RETURN_IF_ERROR(check_owner(endpoint, *keys));
-  DDSSEC_RETURN_IF_ERROR(check_replacement(*keys, endpoint.remote_keys.read(), pair));
-  share_state(shared_, *keys, endpoint);
-  share_payload_position(shared_, *keys, endpoint);
-  DDSSEC_RETURN_IF_ERROR(
-      inherit(*keys, endpoint.remote_keys.read(), shared_.environment.clock.monotonic()));
-  shared_.note_former(remote.value, *keys);
-  auto former = endpoint.remote_keys.exchange(std::move(keys));
-  Rollback take_back([&] { endpoint.remote_keys.replace(std::move(former), shared_.graveyard); });
-  if (is_protected(endpoint.local.submessage) && !route_alike(*endpoint.remote_keys.read(), former))
-    shared_.publish_route(endpoint);
-  take_back.release();
+  DDSSEC_ASSIGN_OR_RETURN(auto keys, checked_keys(endpoint, *pair, tokens, held.owner()));
+  install(endpoint, std::move(keys));
   give_back.release();
-  shared_.graveyard.retire(std::move(former));
   return {};
 }
 

@@ -1,9 +1,10 @@
+#include "plugins/cryptography/key_factory.hpp"
+
 #include <algorithm>
 #include <cstring>
 
 #include "base/rollback.hpp"
 #include "plugins/cryptography/cipher_choice.hpp"
-#include "plugins/cryptography/engine.hpp"
 #include "plugins/spi/flag_property.hpp"
 #include "plugins/spi/property_names.hpp"
 
@@ -30,7 +31,7 @@ bool same_key_exchange(const Pair& a, const Pair& b) {
 template <class T>
 Result<T> KeyFactory::random() {
   std::array<std::uint8_t, sizeof(T)> octets;
-  DDSSEC_RETURN_IF_ERROR(shared_.environment.random.fill(octets));
+  DDSSEC_RETURN_IF_ERROR(state_.environment.random.fill(octets));
   T value;
   std::memcpy(&value, octets.data(), sizeof value);
   return value;
@@ -38,7 +39,7 @@ Result<T> KeyFactory::random() {
 
 template <class Key>
 Result<Key> KeyFactory::random_key(std::size_t size) {
-  return Key::fill(size, [&](MutableBytes out) { return shared_.environment.random.fill(out); });
+  return Key::fill(size, [&](MutableBytes out) { return state_.environment.random.fill(out); });
 }
 
 /// Unique among all local participants. Never 0, which is the id of the key exchange's key.
@@ -65,13 +66,13 @@ Result<KeyMaterial> KeyFactory::fresh_material(TransformKind kind, KeyId id) {
 }
 
 Result<std::unique_ptr<SendKey>> KeyFactory::send_key(KeyMaterial material) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto start, SendStart::draw(shared_.environment.random));
-  return SendKey::create(std::move(material), start, shared_.keys);
+  DDSSEC_ASSIGN_OR_RETURN(const auto start, SendStart::draw(state_.environment.random));
+  return SendKey::create(std::move(material), start, state_.keys);
 }
 
 Result<std::unique_ptr<ReceiverKey>> KeyFactory::receiver_key(Cipher cipher) {
   DDSSEC_ASSIGN_OR_RETURN(auto key, random_key<MasterReceiverKey>(key_size_of(cipher)));
-  return std::make_unique<ReceiverKey>(fresh_key_id(), std::move(key), shared_.keys);
+  return std::make_unique<ReceiverKey>(fresh_key_id(), std::move(key), state_.keys);
 }
 
 Status KeyFactory::check_cipher(Cipher cipher, spi::CipherMask allowed) const {
@@ -82,11 +83,11 @@ Status KeyFactory::check_cipher(Cipher cipher, spi::CipherMask allowed) const {
                                          .found = spi::names_of(bit_of(cipher))});
 }
 
-spi::CipherMask KeyFactory::supported_ciphers() const { return ciphers_of(shared_.keys.aead); }
+spi::CipherMask KeyFactory::supported_ciphers() const { return ciphers_of(state_.keys.aead); }
 
 Result<spi::SymmetricCipherInfo> KeyFactory::cipher_info(spi::ParticipantCryptoHandle local) {
-  const std::lock_guard lock(shared_.mutex);
-  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, shared_.local_participant(local));
+  const std::lock_guard lock(state_.mutex);
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, state_.local_participant(local));
   const auto& participant = *local_participant;
   return spi::SymmetricCipherInfo{.supported = supported_ciphers() & participant.allowed_ciphers,
                                   .builtin_required = bit_of(participant.cipher),
@@ -95,23 +96,23 @@ Result<spi::SymmetricCipherInfo> KeyFactory::cipher_info(spi::ParticipantCryptoH
 }
 
 Result<spi::CipherMask> KeyFactory::required_ciphers(spi::DatawriterCryptoHandle local) {
-  const std::lock_guard lock(shared_.mutex);
+  const std::lock_guard lock(state_.mutex);
   DDSSEC_ASSIGN_OR_RETURN(const auto local_endpoint,
-                          shared_.local_endpoint(local, EntityKind::local_writer));
+                          state_.local_endpoint(local, EntityKind::local_writer));
   return bit_of(local_endpoint->cipher);
 }
 
 Result<spi::CipherMask> KeyFactory::required_ciphers(spi::DatareaderCryptoHandle local) {
-  const std::lock_guard lock(shared_.mutex);
+  const std::lock_guard lock(state_.mutex);
   DDSSEC_ASSIGN_OR_RETURN(const auto local_endpoint,
-                          shared_.local_endpoint(local, EntityKind::local_reader));
+                          state_.local_endpoint(local, EntityKind::local_reader));
   return bit_of(local_endpoint->cipher);
 }
 
 Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
     spi::IdentityHandle, spi::PermissionsHandle, const spi::PropertyList& properties,
     const spi::ParticipantSecurityAttributes& attributes) {
-  const std::lock_guard lock(shared_.mutex);
+  const std::lock_guard lock(state_.mutex);
   auto participant = std::make_unique<LocalParticipant>();
   DDSSEC_ASSIGN_OR_RETURN(const auto ciphers, participant_ciphers(properties));
   participant->cipher = ciphers.message;
@@ -129,17 +130,17 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
     DDSSEC_ASSIGN_OR_RETURN(auto material,
                             fresh_material(is_encrypted(attributes.rtps), participant->cipher));
     DDSSEC_ASSIGN_OR_RETURN(auto fresh_key, send_key(std::move(material)));
-    participant->key.replace(std::move(fresh_key), shared_.graveyard);
+    participant->key.replace(std::move(fresh_key), state_.graveyard);
   }
   const auto& added = *participant;
-  DDSSEC_RETURN_IF_ERROR(shared_.registry.add(std::move(participant)));
+  DDSSEC_RETURN_IF_ERROR(state_.registry.add(std::move(participant)));
   return spi::ParticipantCryptoHandle{added.handle()};
 }
 
 Status KeyFactory::begin_life(LocalParticipant& participant) {
   if (!participant.life.is_limited()) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto random_number, random<std::uint64_t>());
-  participant.life.begin(shared_.environment.clock.monotonic(), random_number);
+  participant.life.begin(state_.environment.clock.monotonic(), random_number);
   return {};
 }
 
@@ -149,13 +150,13 @@ Result<std::unique_ptr<Pair>> KeyFactory::make_pair(const LocalParticipant& loca
   if (local.key.read() != nullptr)
     DDSSEC_RETURN_IF_ERROR(check_peer(local.cipher, shared_secret.peer_ciphers));
   auto pair = std::make_unique<Pair>(local);
-  pair->number = ++shared_.pairs_made;
+  pair->number = ++state_.pairs_made;
   pair->peer_ciphers = shared_secret.peer_ciphers;
   pair->peer_prefix = shared_secret.peer_prefix;
   pair->own_prefix = shared_secret.own_prefix;
   auto material = derive_key_exchange_material(shared_secret);
   pair->key_exchange_receive =
-      std::make_unique<ReceiveKey>(material.clone(), *traits_of(material.kind), shared_.keys);
+      std::make_unique<ReceiveKey>(material.clone(), *traits_of(material.kind), state_.keys);
   // Both directions share the key. A random session id and suffix keep their IVs apart.
   DDSSEC_ASSIGN_OR_RETURN(pair->key_exchange_send, send_key(std::move(material)));
   if (is_origin_authenticated(local.rtps)) {
@@ -168,12 +169,12 @@ Result<RemoteParticipant*> KeyFactory::remote_with_identity(spi::IdentityHandle 
   if (!identity) return fail(Code::crypto_handle_nil);
   if (const auto known = by_identity_.find(identity.value); known != by_identity_.end())
     return known->second;
-  auto remote = std::make_unique<RemoteParticipant>(shared_.registry);
+  auto remote = std::make_unique<RemoteParticipant>(state_.registry);
   remote->identity = identity.value;
   auto* const added = remote.get();
   const auto known = by_identity_.emplace(identity.value, added).first;
   Rollback forget([&] { by_identity_.erase(known); });
-  DDSSEC_RETURN_IF_ERROR(shared_.registry.add(std::move(remote)));
+  DDSSEC_RETURN_IF_ERROR(state_.registry.add(std::move(remote)));
   forget.release();
   return added;
 }
@@ -182,14 +183,14 @@ void KeyFactory::publish_pairs(RemoteParticipant& remote, std::int64_t without) 
   auto table = std::make_unique<PairTable>();
   for (const auto& [local, pair] : remote.pairs)
     if (local != without) table->rows.push_back({local, pair.get()});
-  remote.pair_table.replace(std::move(table), shared_.graveyard);
+  remote.pair_table.replace(std::move(table), state_.graveyard);
 }
 
 Status KeyFactory::take_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh) {
   if (!fresh.receiver_key) return {};
   const auto subject = subject_of(remote.value, fresh);
   if (auto status = local.receivers.take(subject); !status) {
-    shared_.report(status.error(), fresh.peer_prefix);
+    state_.report(status.error(), fresh.peer_prefix);
     return status;
   }
   fresh.place = subject;
@@ -206,8 +207,8 @@ Pair* KeyFactory::known_pair(std::int64_t local, spi::IdentityHandle remote) con
 Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_participant(
     spi::ParticipantCryptoHandle local, spi::IdentityHandle remote_identity,
     spi::PermissionsHandle remote_permissions, const spi::SharedSecret& shared_secret) {
-  const std::lock_guard lock(shared_.mutex);
-  DDSSEC_ASSIGN_OR_RETURN(auto* const participant, shared_.local_participant(local));
+  const std::lock_guard lock(state_.mutex);
+  DDSSEC_ASSIGN_OR_RETURN(auto* const participant, state_.local_participant(local));
   DDSSEC_ASSIGN_OR_RETURN(auto fresh, make_pair(*participant, shared_secret));
   fresh->permissions = remote_permissions;
   if (auto* const former = known_pair(local.value, remote_identity)) {
@@ -221,17 +222,17 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
   Rollback give_back([&] { participant->receivers.give_back(fresh->place); });
   DDSSEC_ASSIGN_OR_RETURN(auto* const remote, remote_with_identity(remote_identity));
   remote->discovery.announced.count_for(
-      shared_.announcements.of(subject_of(remote_identity.value, *fresh)));
+      state_.announcements.of(subject_of(remote_identity.value, *fresh)));
   auto& pair = remote->pairs[local.value];
   participant->matched.insert(remote->handle());
-  if (pair && !shared_.host_checks_sources)
-    shared_.ledger.end(pair->number, shared_.environment.clock.monotonic());
+  if (pair && !state_.host_checks_sources)
+    state_.ledger.end(pair->number, state_.environment.clock.monotonic());
   pair.swap(fresh);
   Rollback take_back([&] { pair.swap(fresh); });
   publish_pairs(*remote);
   take_back.release();
   give_back.release();
-  shared_.graveyard.retire(std::move(fresh));
+  state_.graveyard.retire(std::move(fresh));
   return spi::ParticipantCryptoHandle{remote->handle()};
 }
 
@@ -245,12 +246,12 @@ Status KeyFactory::make_endpoint_keys(LocalEndpoint& endpoint) {
   };
   if (protects_submessages && !endpoint.has_peer_keys()) {
     DDSSEC_ASSIGN_OR_RETURN(auto send_key, fresh(endpoint.submessage));
-    endpoint.submessage_key.replace(std::move(send_key), shared_.graveyard);
+    endpoint.submessage_key.replace(std::move(send_key), state_.graveyard);
   }
   if (!is_protected(endpoint.payload)) return {};
   if (endpoint.kind() == EntityKind::local_writer) {
     DDSSEC_ASSIGN_OR_RETURN(auto send_key, fresh(endpoint.payload));
-    endpoint.payload_key.replace(std::move(send_key), shared_.graveyard);
+    endpoint.payload_key.replace(std::move(send_key), state_.graveyard);
   } else if (!protects_submessages)
   // Fast DDS 2.9 matches its writer only after a token of the reader, even if it needs none.
   {
@@ -262,8 +263,8 @@ Status KeyFactory::make_endpoint_keys(LocalEndpoint& endpoint) {
 Result<std::int64_t> KeyFactory::register_local_endpoint(
     EntityKind kind, spi::ParticipantCryptoHandle participant, const spi::PropertyList& properties,
     const spi::EndpointSecurityAttributes& attributes) {
-  const std::lock_guard lock(shared_.mutex);
-  DDSSEC_ASSIGN_OR_RETURN(auto* const parent, shared_.local_participant(participant));
+  const std::lock_guard lock(state_.mutex);
+  DDSSEC_ASSIGN_OR_RETURN(auto* const parent, state_.local_participant(participant));
   auto endpoint = std::make_unique<LocalEndpoint>(kind, *parent);
   endpoint->is_volatile = is_volatile(kind, properties);
   endpoint->is_builtin = attributes.is_builtin;
@@ -279,7 +280,7 @@ Result<std::int64_t> KeyFactory::register_local_endpoint(
   DDSSEC_RETURN_IF_ERROR(check_cipher(endpoint->cipher, parent->allowed_ciphers));
   DDSSEC_RETURN_IF_ERROR(make_endpoint_keys(*endpoint));
   const auto& added = *endpoint;
-  DDSSEC_RETURN_IF_ERROR(shared_.registry.add(std::move(endpoint)));
+  DDSSEC_RETURN_IF_ERROR(state_.registry.add(std::move(endpoint)));
   Rollback forget([&] { drop(added); });
   parent->endpoints.insert(added.handle());
   forget.release();
@@ -309,8 +310,8 @@ Result<KeyFactory::Match> KeyFactory::find_match(std::int64_t local, EntityKind 
   const auto of_ours =
       kind == EntityKind::remote_writer ? EntityKind::local_reader : EntityKind::local_writer;
   DDSSEC_ASSIGN_OR_RETURN(auto* const endpoint,
-                          shared_.registry.find<LocalEndpoint>(local, of_ours));
-  DDSSEC_ASSIGN_OR_RETURN(auto* const parent, shared_.remote_participant(remote));
+                          state_.registry.find<LocalEndpoint>(local, of_ours));
+  DDSSEC_ASSIGN_OR_RETURN(auto* const parent, state_.remote_participant(remote));
   const auto* const pair = parent->pair(endpoint->participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   return Match{*endpoint, *parent, *pair};
@@ -322,7 +323,7 @@ Result<KeyFactory::Match> KeyFactory::find_match(std::int64_t local, EntityKind 
 Result<std::int64_t> KeyFactory::match(std::int64_t local, EntityKind kind,
                                        spi::ParticipantCryptoHandle remote) {
   std::optional<spi::PermissionsHandle> admitted;
-  std::unique_lock lock(shared_.mutex);
+  std::unique_lock lock(state_.mutex);
   while (true) {
     DDSSEC_ASSIGN_OR_RETURN(const auto found, find_match(local, kind, remote));
     const auto gate = found.local.gate;
@@ -350,7 +351,7 @@ Status KeyFactory::take_peer_key(RemoteEndpoint& writer) {
     DDSSEC_ASSIGN_OR_RETURN(auto material,
                             fresh_material(is_encrypted(local.submessage), local.cipher));
     DDSSEC_ASSIGN_OR_RETURN(auto fresh_key, send_key(std::move(material)));
-    fresh->key.replace(std::move(fresh_key), shared_.graveyard);
+    fresh->key.replace(std::move(fresh_key), state_.graveyard);
     key = std::move(fresh);
     forget.release();
   }
@@ -375,13 +376,13 @@ Result<std::int64_t> KeyFactory::add_match(const Match& match, EntityKind kind) 
     DDSSEC_ASSIGN_OR_RETURN(remote->receiver_key, receiver_key(local.cipher));
   }
   auto& added = *remote;
-  DDSSEC_RETURN_IF_ERROR(shared_.registry.add(std::move(remote)));
+  DDSSEC_RETURN_IF_ERROR(state_.registry.add(std::move(remote)));
   Rollback forget([&] { drop_remote(added); });
   if (local.has_peer_keys()) DDSSEC_RETURN_IF_ERROR(take_peer_key(added));
-  if (shared_.host_checks_sources) DDSSEC_RETURN_IF_ERROR(shared_.take_place(added, pair));
+  if (state_.host_checks_sources) DDSSEC_RETURN_IF_ERROR(state_.take_place(added, pair));
   local.matched.insert(added.handle());
   parent.endpoints.insert(added.handle());
-  if (local.is_volatile) shared_.publish_route(added);
+  if (local.is_volatile) state_.publish_route(added);
   forget.release();
   return added.handle();
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/rollback.hpp"
-#include "plugins/cryptography/engine.hpp"
+#include "plugins/cryptography/key_factory.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::cryptography {
@@ -101,13 +101,13 @@ template <class F>
 void KeyFactory::each_endpoint(const LocalParticipant& participant, F&& f) {
   for (const auto handle : participant.endpoints)
     for (const auto kind : {EntityKind::local_writer, EntityKind::local_reader})
-      if (const auto found = shared_.registry.find<LocalEndpoint>(handle, kind)) f(**found);
+      if (const auto found = state_.registry.find<LocalEndpoint>(handle, kind)) f(**found);
 }
 
 // All keys are made before any takes effect, so that a failure leaves everything as it was.
 Result<KeyRevision> KeyFactory::revise_local_entity_keys(spi::ParticipantCryptoHandle local) {
-  const std::lock_guard lock(shared_.mutex);
-  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, shared_.local_participant(local));
+  const std::lock_guard lock(state_.mutex);
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, state_.local_participant(local));
   auto& participant = *local_participant;
   if (!participant.revises_keys) return KeyRevision{0};
   if (participant.is_revising) return fail(Code::key_revision_out_of_turn);
@@ -144,7 +144,7 @@ void KeyFactory::take_back_revision(LocalEndpoint& endpoint) noexcept {
 }
 
 void KeyFactory::put_to_use(Published<SendKey>& key, std::unique_ptr<SendKey>& next) {
-  if (next) key.replace(std::move(next), shared_.graveyard);
+  if (next) key.replace(std::move(next), state_.graveyard);
 }
 
 void KeyFactory::activate_revision(LocalEndpoint& endpoint) {
@@ -154,8 +154,8 @@ void KeyFactory::activate_revision(LocalEndpoint& endpoint) {
 }
 
 Status KeyFactory::activate_key_revision(spi::ParticipantCryptoHandle local, KeyRevision revision) {
-  const std::lock_guard lock(shared_.mutex);
-  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, shared_.local_participant(local));
+  const std::lock_guard lock(state_.mutex);
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, state_.local_participant(local));
   auto& participant = *local_participant;
   if (!participant.is_revising || revision != participant.revision)
     return fail(Code::key_revision_out_of_turn,
@@ -179,11 +179,11 @@ Status KeyFactory::limit_keys(LocalParticipant& participant, const spi::Property
 }
 
 bool KeyFactory::is_key_revision_due(spi::ParticipantCryptoHandle local) {
-  const std::lock_guard lock(shared_.mutex);
-  const auto found = shared_.local_participant(local);
+  const std::lock_guard lock(state_.mutex);
+  const auto found = state_.local_participant(local);
   if (!found || (*found)->is_revising) return false;
   const auto& life = (*found)->life;
-  const auto now = shared_.environment.clock.monotonic();
+  const auto now = state_.environment.clock.monotonic();
   return life.has_ended(now) || (life.counts_blocks(now) && life.is_used_up(blocks_used(**found)));
 }
 
@@ -204,14 +204,14 @@ std::uint64_t KeyFactory::blocks_used(const LocalParticipant& participant) {
 
 // ---- others'
 
-void Shared::note_former(std::int64_t handle, const RemoteKeys& remote_keys) {
+void CryptographyState::note_former(std::int64_t handle, const RemoteKeys& remote_keys) {
   if (!remote_keys.former.empty()) former_until[handle] = remote_keys.former.front().until;
 }
 
 void KeyFactory::forget_former_keys() {
-  const std::lock_guard lock(shared_.mutex);
-  const auto now = shared_.environment.clock.monotonic();
-  std::erase_if(shared_.former_until, [&](const auto& note) {
+  const std::lock_guard lock(state_.mutex);
+  const auto now = state_.environment.clock.monotonic();
+  std::erase_if(state_.former_until, [&](const auto& note) {
     if (now < note.second) return false;
     forget_former_keys(note.first, now);
     return true;
@@ -221,12 +221,12 @@ void KeyFactory::forget_former_keys() {
 void KeyFactory::forget_former_keys(std::int64_t handle, std::chrono::nanoseconds now) {
   const auto prune = [&](Published<RemoteKeys>& keys) {
     if (const auto* const present = keys.read())
-      keys.replace(without_ended(*present, now), shared_.graveyard);
+      keys.replace(without_ended(*present, now), state_.graveyard);
   };
-  if (const auto participant = shared_.remote_participant(spi::ParticipantCryptoHandle{handle}))
+  if (const auto participant = state_.remote_participant(spi::ParticipantCryptoHandle{handle}))
     for (const auto& [local, pair] : (*participant)->pairs) prune(pair->remote_keys);
   for (const auto kind : {EntityKind::remote_writer, EntityKind::remote_reader})
-    if (const auto endpoint = shared_.registry.find<RemoteEndpoint>(handle, kind))
+    if (const auto endpoint = state_.registry.find<RemoteEndpoint>(handle, kind))
       prune((*endpoint)->remote_keys);
 }
 

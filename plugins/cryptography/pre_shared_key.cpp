@@ -5,7 +5,7 @@
 
 #include "base/hash.hpp"
 #include "plugins/cryptography/cipher_choice.hpp"
-#include "plugins/cryptography/engine.hpp"
+#include "plugins/cryptography/cryptography_state.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
 
 namespace ddssec::cryptography {
@@ -219,7 +219,7 @@ Result<std::unique_ptr<spi::PreSharedKeys>> KeyFactory::pre_shared_keys(
       PreSharedKeyRing::create(std::move(files),
                                {request.domain_id, std::string(request.domain_tag),
                                 kind_for(cipher, is_encrypted(kind))},
-                               shared_.environment, shared_.keys));
+                               state_.environment, state_.keys));
   return pre_shared_key_ring;
 }
 

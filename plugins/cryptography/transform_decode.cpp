@@ -3,11 +3,10 @@
 
 #include "base/rollback.hpp"
 #include "plugins/cryptography/builtin_checks.hpp"
-#include "plugins/cryptography/engine.hpp"
 #include "plugins/cryptography/kept_tokens.hpp"
 #include "plugins/cryptography/key_revision.hpp"
 #include "plugins/cryptography/message.hpp"
-#include "plugins/cryptography/source_checks.hpp"
+#include "plugins/cryptography/transform.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -43,8 +42,9 @@ struct AnySurroundings {
 /// after `fits(content)` confirms that the message stands where its sender put it, so a copy at
 /// another place uses up nothing.
 template <class Fits = AnySurroundings>
-[[gnu::always_inline]] inline Result<std::size_t> open(const Protected& message, ReceiveKey& key,
-                                                       MutableBytes out, Fits&& fits = {}) {
+[[gnu::always_inline]] inline Result<std::size_t> open_with_key(const Protected& message,
+                                                                ReceiveKey& key, MutableBytes out,
+                                                                Fits&& fits = {}) {
   DDSSEC_RETURN_IF_ERROR(check_header(key, message.header, message.is_encrypted));
   if (out.size() < message.content.size()) return fail(Code::length_out_of_range);
   if (key.is_from_before(message.header.iv)) return fail(Code::message_from_before);
@@ -76,27 +76,34 @@ Result<ReceiveKey*> received(const Published<RemoteKeys>& keys, KeyLevel level) 
 
 /// The key of the revision that the message names. If the kind differs in anything else, returns
 /// the newest key, so that check_header reports the difference.
-[[gnu::cold]] Result<ReceiveKey*> of_revision(const Shared& shared,
+[[gnu::cold]] Result<ReceiveKey*> of_revision(const CryptographyState& state,
                                               const Published<RemoteKeys>& keys, KeyLevel level,
                                               ReceiveKey& newest, TransformKind named) {
   if (named.octets[3] != newest.material().kind.octets[3]) return &newest;
   if (const auto* const published = keys.read(); published != nullptr)
-    if (auto* const key =
-            former_key(*published, level, named, shared.environment.clock.monotonic()))
+    if (auto* const key = former_key(*published, level, named, state.environment.clock.monotonic()))
       return key;
   return fail(Code::key_revision_unknown);
 }
 
+/// The newest key of a remote entity at one level, and where its former ones are.
+struct KeyOfLevel {
+  const CryptographyState& state;
+  const Published<RemoteKeys>& keys;
+  KeyLevel level;
+  ReceiveKey& newest;
+};
+
 /// Decrypts a message with the newest key, or with a former one if the message names its revision.
 template <class Fits = AnySurroundings>
-Result<std::size_t> open(const Shared& shared, const Published<RemoteKeys>& keys, KeyLevel level,
-                         const Protected& message, ReceiveKey& newest, MutableBytes out,
-                         Fits&& fits = {}) {
-  auto* key = &newest;
-  if (message.header.kind != newest.material().kind) [[unlikely]] {
-    DDSSEC_ASSIGN_OR_RETURN(key, of_revision(shared, keys, level, newest, message.header.kind));
+Result<std::size_t> open_with_any_revision(const KeyOfLevel& of, const Protected& message,
+                                           MutableBytes out, Fits&& fits = {}) {
+  auto* key = &of.newest;
+  if (message.header.kind != of.newest.material().kind) [[unlikely]] {
+    DDSSEC_ASSIGN_OR_RETURN(
+        key, of_revision(of.state, of.keys, of.level, of.newest, message.header.kind));
   }
-  return open(message, *key, out, fits);
+  return open_with_key(message, *key, out, fits);
 }
 
 /// The key for submessages. Both sides of a key exchange share one key, and the host takes the
@@ -147,9 +154,9 @@ class DiscoveryOfOne final : public DiscoveryOfPeers {
 };
 
 /// Checks a sample of a protected builtin writer, and hides its type information from the host.
-Status check_discovery(const Shared& shared, const RemoteEndpoint& sender, const Owner& owner,
-                       MutableBytes plain) {
-  DiscoveryOfOne peers(sender.participant.discovery, shared.environment.clock);
+Status check_discovery(const CryptographyState& state, const RemoteEndpoint& sender,
+                       const Owner& owner, MutableBytes plain) {
+  DiscoveryOfOne peers(sender.participant.discovery, state.environment.clock);
   DDSSEC_ASSIGN_OR_RETURN(const auto types, check_builtin_source(plain, owner, peers));
   if (types && !sender.local.participant.trusts_type_information)
     hide_type_information(plain, *types);
@@ -158,52 +165,61 @@ Status check_discovery(const Shared& shared, const RemoteEndpoint& sender, const
 
 /// All source checks, for a host that would trust any source and endpoint that the submessage
 /// names.
-Status check_source_named(Shared& shared, const RemoteEndpoint& sender, MutableBytes plain) {
-  if (shared.host_checks_sources) return {};
+Status check_source_named(CryptographyState& state, const RemoteEndpoint& sender,
+                          MutableBytes plain) {
+  if (state.host_checks_sources) return {};
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   auto status = check_token_source(plain, sender.local.is_volatile, pair->peer_prefix);
   if (status) {
     DDSSEC_RETURN_IF_ERROR(check_speaker(sender, plain));
-    status = check_discovery(shared, sender, pair->peer_prefix, plain);
+    status = check_discovery(state, sender, pair->peer_prefix, plain);
   }
-  if (status && sender.local.is_volatile) status = keep_tokens(shared, sender, *pair, plain);
+  if (status && sender.local.is_volatile) status = keep_tokens(state, sender, *pair, plain);
   if (!status && status.error().code() != Code::crypto_tokens_repeated &&
       status.error().code() != Code::builtin_fragment_early)
-    shared.report(status.error(), pair->peer_prefix);
+    state.report(status.error(), pair->peer_prefix);
   return status;
 }
 
 /// Raises an event, because no honest owner of the key protects such a submessage.
-void report_form(const Shared& shared, const RemoteEndpoint& sender, const Error& error) {
+void report_form(const CryptographyState& state, const RemoteEndpoint& sender, const Error& error) {
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
-  if (pair != nullptr) shared.report(error, pair->peer_prefix);
+  if (pair != nullptr) state.report(error, pair->peer_prefix);
+}
+
+/// The sender, if it is matched with the receiver, whose participant still receives.
+template <class Local, class Remote>
+Result<const RemoteEndpoint*> matched_sender(const CryptographyState& state, Local receiver,
+                                             Remote sender) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto* const local,
+                          state.local_endpoint(receiver, local_kind(receiver)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto* const remote,
+                          state.remote_endpoint(sender, remote_kind(sender)));
+  if (&remote->local != local) return fail(Code::crypto_not_matched);
+  DDSSEC_RETURN_IF_ERROR(check_not_cut_off(local->participant));
+  return remote;
 }
 
 template <class Local, class Remote>
-Result<std::size_t> decode_submessage(Shared& shared, Local receiver, Remote sender,
+Result<std::size_t> decode_submessage(CryptographyState& state, Local receiver, Remote sender,
                                       BytesView encoded, MutableBytes out) {
   const ReadGuard guard;
-  DDSSEC_ASSIGN_OR_RETURN(const auto local_endpoint,
-                          shared.local_endpoint(receiver, local_kind(receiver)));
-  const auto& local = *local_endpoint;
-  DDSSEC_ASSIGN_OR_RETURN(const auto remote_endpoint,
-                          shared.remote_endpoint(sender, remote_kind(sender)));
-  const auto& remote = *remote_endpoint;
-  if (&remote.local != &local) return fail(Code::crypto_not_matched);
-  DDSSEC_RETURN_IF_ERROR(check_not_cut_off(local.participant));
-  if (!is_protected(local.submessage)) return fail(Code::not_protected);
+  DDSSEC_ASSIGN_OR_RETURN(const auto* const found, matched_sender(state, receiver, sender));
+  const auto& remote = *found;
+  if (!is_protected(remote.local.submessage)) return fail(Code::not_protected);
   DDSSEC_ASSIGN_OR_RETURN(const auto message, read_protected_group(encoded, kSubmessageFrame));
   DDSSEC_ASSIGN_OR_RETURN(const auto found_key, submessage_key(remote, message.header.session_id));
   auto& key = *found_key;
   DDSSEC_ASSIGN_OR_RETURN(
-      const auto size, open(shared, remote.remote_keys, &LevelKeys::submessage, message, key, out));
+      const auto size, open_with_any_revision(
+                           {state, remote.remote_keys, &LevelKeys::submessage, key}, message, out));
   const auto plain = out.first(size);
   auto status = check_submessage(remote, plain);
   if (!status) [[unlikely]]
-    report_form(shared, remote, status.error());
+    report_form(state, remote, status.error());
   else
-    status = check_source_named(shared, remote, plain);
+    status = check_source_named(state, remote, plain);
   if (!status) {
     wipe(plain);
     return std::unexpected(std::move(status).error());
@@ -262,7 +278,7 @@ Result<std::size_t> open_message(BytesView encoded, Frame frame, ReceiveKey& key
                                  bool prefix_is_network_order) {
   return open_message(encoded, frame, out, prefix_is_network_order,
                       [&](const Protected& message, MutableBytes to, const auto& fits) {
-                        return open(message, key, to, fits);
+                        return open_with_key(message, key, to, fits);
                       });
 }
 
@@ -270,168 +286,69 @@ Result<std::size_t> Transform::decode_serialized_payload(spi::DatareaderCryptoHa
                                                          spi::DatawriterCryptoHandle sender,
                                                          BytesView encoded, MutableBytes out) {
   const ReadGuard guard;
-  DDSSEC_ASSIGN_OR_RETURN(const auto local_endpoint,
-                          shared_.local_endpoint(receiver, EntityKind::local_reader));
-  const auto& local = *local_endpoint;
-  DDSSEC_ASSIGN_OR_RETURN(const auto remote_endpoint,
-                          shared_.remote_endpoint(sender, EntityKind::remote_writer));
-  const auto& remote = *remote_endpoint;
-  if (&remote.local != &local) return fail(Code::crypto_not_matched);
-  DDSSEC_RETURN_IF_ERROR(check_not_cut_off(local.participant));
-  if (!is_protected(local.payload)) return fail(Code::not_protected);
+  DDSSEC_ASSIGN_OR_RETURN(const auto* const found, matched_sender(state_, receiver, sender));
+  const auto& remote = *found;
+  if (!is_protected(remote.local.payload)) return fail(Code::not_protected);
   DDSSEC_ASSIGN_OR_RETURN(const auto found_key, received(remote.remote_keys, &LevelKeys::payload));
   auto& key = *found_key;
-  DDSSEC_ASSIGN_OR_RETURN(auto protected_payload, read_protected_payload(encoded));
-  return open(shared_, remote.remote_keys, &LevelKeys::payload, std::move(protected_payload), key,
-              out);
+  DDSSEC_ASSIGN_OR_RETURN(const auto protected_payload, read_protected_payload(encoded));
+  return open_with_any_revision({state_, remote.remote_keys, &LevelKeys::payload, key},
+                                protected_payload, out);
 }
 
 Result<std::size_t> Transform::decode_datawriter_submessage(spi::DatareaderCryptoHandle receiver,
                                                             spi::DatawriterCryptoHandle sender,
                                                             BytesView encoded, MutableBytes out) {
-  return decode_submessage(shared_, receiver, sender, encoded, out);
+  return decode_submessage(state_, receiver, sender, encoded, out);
 }
 
 Result<std::size_t> Transform::decode_datareader_submessage(spi::DatawriterCryptoHandle receiver,
                                                             spi::DatareaderCryptoHandle sender,
                                                             BytesView encoded, MutableBytes out) {
-  return decode_submessage(shared_, receiver, sender, encoded, out);
+  return decode_submessage(state_, receiver, sender, encoded, out);
 }
 
 Result<std::size_t> Transform::decode_rtps_message(spi::ParticipantCryptoHandle receiver,
                                                    spi::ParticipantCryptoHandle sender,
                                                    BytesView encoded, MutableBytes out) {
   DDSSEC_ASSIGN_OR_RETURN(const auto size, open_message_of(receiver, sender, encoded, out));
-  return shared_.host_checks_sources ? size
-                                     : keep_part_of_sender(receiver, sender, out.first(size));
-}
-
-std::optional<const RemoteParticipant*> find_peer(const Shared& shared,
-                                                  const LocalParticipant& local,
-                                                  const GuidPrefix& prefix) {
-  const std::unique_lock lock(shared.mutex, std::try_to_lock);
-  if (!lock.owns_lock()) return std::nullopt;
-  for (const auto handle : local.matched) {
-    const auto remote =
-        shared.registry.find<RemoteParticipant>(handle, EntityKind::remote_participant);
-    if (!remote) continue;
-    const auto pair = (*remote)->pairs.find(local.handle());
-    if (pair != (*remote)->pairs.end() && pair->second->peer_prefix == prefix) return *remote;
-  }
-  return nullptr;
-}
-
-/// The announcements of the sender of a message, and of other participants in its process.
-class DiscoveryInMessage final : public DiscoveryOfPeers {
- public:
-  DiscoveryInMessage(const Shared& shared, spi::ParticipantCryptoHandle receiver,
-                     spi::ParticipantCryptoHandle sender, const GuidPrefix& prefix)
-      : shared_(shared), receiver_(receiver), sender_(sender), prefix_(prefix) {}
-
-  PeerDiscovery* of(const GuidPrefix& owner) override {
-    if (owner == prefix_) {
-      const auto remote = shared_.remote_participant(sender_);
-      return remote ? &(*remote)->discovery : nullptr;
-    }
-    const auto local = shared_.local_participant(receiver_);
-    if (!local) return nullptr;
-    const auto peer = find_peer(shared_, **local, owner);
-    return peer && *peer != nullptr ? &(*peer)->discovery : nullptr;
-  }
-  MonotonicTime now() const override { return shared_.environment.clock.monotonic(); }
-
- private:
-  const Shared& shared_;
-  const spi::ParticipantCryptoHandle receiver_, sender_;
-  const GuidPrefix& prefix_;
-};
-
-/// Cyclone DDS sends submessages of several participants of one process in one message, under the
-/// key of one of them. So a message in another peer's name can be honest. It is reported once for
-/// each peer, with its own code (info_source_of_peer), which claims no more than that. A message in
-/// the name of an unknown participant, or of the local one, cannot be honest.
-void Transform::report_end(spi::ParticipantCryptoHandle receiver,
-                           spi::ParticipantCryptoHandle sender, const SenderPart& part,
-                           const GuidPrefix& prefix) const {
-  const ReadGuard guard;
-  const auto local = shared_.local_participant(receiver);
-  const auto remote = shared_.remote_participant(sender);
-  auto* const pair = remote ? (*remote)->pair(receiver.value) : nullptr;
-  if (!part.named || !local || pair == nullptr) return shared_.report(*part.ended, prefix);
-  const auto peer = find_peer(shared_, **local, *part.named);
-  if (!peer) return;  // it is reported next time
-  if (*peer == nullptr) return shared_.report(*part.ended, prefix);
-  if (pair->names_spoken.note(*part.named))
-    shared_.report(Error(Code::info_source_of_peer, part.ended->details()), prefix);
-}
-
-/// Turns a submessage into padding, so that the host continues after it. A submessage of length 0
-/// goes to the end, but as padding it would be empty. So the sender's part ends before it.
-void hide_submessage(MutableBytes content, std::size_t at, SenderPart& part) {
-  constexpr std::uint8_t kPad = 0x01;
-  if (read_submessage_header(content.subspan(at)).length == 0)
-    part.size = std::min(part.size, at);
-  else
-    content[at] = kPad;
-}
-
-/// Drops what an insider sends in another participant's name, but not what it sends in its own. An
-/// honest process whose participants have different certificates keeps working, because lost
-/// submessages are sent again.
-std::size_t Transform::keep_part_of_sender(spi::ParticipantCryptoHandle receiver,
-                                           spi::ParticipantCryptoHandle sender,
-                                           MutableBytes message) {
-  const auto content = message.subspan(kRtpsHeaderSize);
-  const auto prefix = GuidPrefix::from(message.subspan(8, GuidPrefix::size));
-  const ReadGuard guard;
-  DiscoveryInMessage peers(shared_, receiver, sender, prefix);
-  auto part = part_of_sender(content, prefix, peers);
-  for (const auto at : part.early) hide_submessage(content, at, part);
-  const auto local = shared_.local_participant(receiver);
-  if (!local || !(*local)->trusts_type_information) {
-    for (const auto& place : part.types) hide_type_information(content, place);
-    for (const auto at : part.lookups) hide_submessage(content, at, part);
-  }
-  if (part.size < content.size()) [[unlikely]]
-    wipe(content.subspan(part.size));
-  if (part.ended) [[unlikely]]
-    report_end(receiver, sender, part, prefix);
-  return kRtpsHeaderSize + part.size;
+  return state_.host_checks_sources ? size : keep_part_of_sender(receiver, sender, out.first(size));
 }
 
 Result<std::size_t> Transform::open_message_of(spi::ParticipantCryptoHandle receiver,
                                                spi::ParticipantCryptoHandle sender,
                                                BytesView encoded, MutableBytes out) {
   const ReadGuard guard;
-  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, shared_.local_participant(receiver));
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, state_.local_participant(receiver));
   const auto& local = *local_participant;
   DDSSEC_RETURN_IF_ERROR(check_not_cut_off(local));
-  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, shared_.remote_participant(sender));
+  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, state_.remote_participant(sender));
   const auto* const pair = remote_participant->pair(receiver.value);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   if (!is_protected(local.rtps)) return fail(Code::not_protected);
   DDSSEC_ASSIGN_OR_RETURN(const auto found_key,
                           received(pair->remote_keys, &LevelKeys::submessage));
   auto& key = *found_key;
-  return open_message(encoded, kMessageFrame, out, shared_.header_prefix_is_network_order,
+  return open_message(encoded, kMessageFrame, out, state_.header_prefix_is_network_order,
                       [&](const Protected& message, MutableBytes to, const auto& fits) {
-                        return open(shared_, pair->remote_keys, &LevelKeys::submessage, message,
-                                    key, to, fits);
+                        return open_with_any_revision(
+                            {state_, pair->remote_keys, &LevelKeys::submessage, key}, message, to,
+                            fits);
                       });
 }
 
 Result<spi::SecureSubmessage> Transform::preprocess_secure_submessage(
     spi::ParticipantCryptoHandle receiver, spi::ParticipantCryptoHandle sender, BytesView encoded) {
   const ReadGuard guard;
-  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, shared_.remote_participant(sender));
+  DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, state_.remote_participant(sender));
   const auto& remote = *remote_participant;
-  if (receiver) DDSSEC_RETURN_IF_ERROR(shared_.local_participant(receiver));
+  if (receiver) DDSSEC_RETURN_IF_ERROR(state_.local_participant(receiver));
   DDSSEC_ASSIGN_OR_RETURN(const auto header, read_prefix(encoded, kSubmessageFrame));
   const auto* const endpoint = remote.routes.find(header.key_id, receiver.value, encoded);
   if (endpoint == nullptr) return fail(Code::unknown_key_id);
   // Without INFO_DST, a host that does not check sources passes a key token message to all its
   // participants, and would hold its ticket twice.
-  if (endpoint->local.is_volatile && !receiver && !shared_.host_checks_sources)
+  if (endpoint->local.is_volatile && !receiver && !state_.host_checks_sources)
     return fail(Code::key_exchange_undirected);
   const auto ours = endpoint->local.handle(), theirs = endpoint->handle();
   if (endpoint->kind() == EntityKind::remote_writer)

@@ -4,9 +4,9 @@
 
 #include "plugins/cryptography/builtin_names.hpp"
 #include "plugins/cryptography/data_piece.hpp"
-#include "plugins/cryptography/engine.hpp"
 #include "plugins/cryptography/kept_tokens.hpp"
 #include "plugins/cryptography/message.hpp"
+#include "plugins/cryptography/transform.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -157,19 +157,19 @@ Status check_receivers(spi::ProtectionKind kind, std::size_t count) {
 
 /// A submessage of a volatile endpoint goes to one participant, under the key of the pair.
 template <class Remote>
-Result<std::size_t> encode_volatile(const Shared& shared, const LocalEndpoint& sender,
+Result<std::size_t> encode_volatile(const CryptographyState& state, const LocalEndpoint& sender,
                                     std::span<const Remote> receivers, GroupRequest request,
                                     MutableBytes out) {
   if (receivers.size() != 1) return fail(Code::receiver_count);
   DDSSEC_ASSIGN_OR_RETURN(const auto* const remote,
-                          shared.remote_endpoint(receivers.front(), remote_kind(Remote{})));
+                          state.remote_endpoint(receivers.front(), remote_kind(Remote{})));
   const auto* const pair = remote->participant.pair(sender.participant.handle());
   if (&remote->local != &sender || pair == nullptr) return fail(Code::crypto_not_matched);
   if (const auto acknowledged = read_acknowledgment(request.body);
-      acknowledged && !shared.host_checks_sources)
-    shared.ledger.acknowledged(pair->number, acknowledged->next,
-                               shared.environment.clock.monotonic());
-  note_own_tokens(shared, sender, *pair, request.body);
+      acknowledged && !state.host_checks_sources)
+    state.ledger.acknowledged(pair->number, acknowledged->next,
+                              state.environment.clock.monotonic());
+  note_own_tokens(state, sender, *pair, request.body);
   request.receivers = 0;
   return encode_group(request, *pair->key_exchange_send, out,
                       [](std::size_t) -> Result<ReceiverKey*> { return fail(Code::internal); });
@@ -187,17 +187,18 @@ void note_acknowledged(BytesView submessage, F&& find) {
 
 /// The same for a submessage that goes to these writers of one participant.
 template <class Remote>
-void note_acknowledged(const Shared& shared, std::span<const Remote> receivers,
+void note_acknowledged(const CryptographyState& state, std::span<const Remote> receivers,
                        BytesView submessage) {
-  if (shared.host_checks_sources || receivers.empty()) return;
+  if (state.host_checks_sources || receivers.empty()) return;
   note_acknowledged(submessage, [&]() -> const RemoteParticipant* {
-    const auto remote = shared.remote_endpoint(receivers.front(), remote_kind(Remote{}));
+    const auto remote = state.remote_endpoint(receivers.front(), remote_kind(Remote{}));
     return remote ? &(*remote)->participant : nullptr;
   });
 }
 
 /// The same for the submessages inside a message, whose receivers INFO_DST names.
-void note_acknowledged(const Shared& shared, const LocalParticipant& sender, BytesView message) {
+void note_acknowledged(const CryptographyState& state, const LocalParticipant& sender,
+                       BytesView message) {
   GuidPrefix to;
   for (auto rest = message.subspan(kRtpsHeaderSize); !rest.empty();) {
     const auto size = size_of_first_submessage(rest);
@@ -206,7 +207,7 @@ void note_acknowledged(const Shared& shared, const LocalParticipant& sender, Byt
         *size >= kSubmessageHeaderSize + GuidPrefix::size)
       to = GuidPrefix::from(rest.subspan(kSubmessageHeaderSize, GuidPrefix::size));
     note_acknowledged(rest.first(*size),
-                      [&] { return find_peer(shared, sender, to).value_or(nullptr); });
+                      [&] { return find_peer(state, sender, to).value_or(nullptr); });
     rest = rest.subspan(*size);
   }
 }
@@ -215,11 +216,11 @@ void note_acknowledged(const Shared& shared, const LocalParticipant& sender, Byt
 /// the host listed them. Errors: receiver_count for no writer, or for writers of several
 /// participants; crypto_not_matched; crypto_handle_unknown if all have left.
 template <class Remote>
-Result<SendKey*> peer_key(const Shared& shared, const LocalEndpoint& sender,
+Result<SendKey*> peer_key(const CryptographyState& state, const LocalEndpoint& sender,
                           std::span<const Remote> receivers) {
   const PeerKey* common = nullptr;
   for (std::size_t i = 0; i < receivers.size(); ++i) {
-    const auto found = shared.remote_endpoint(receivers[i], remote_kind(Remote{}));
+    const auto found = state.remote_endpoint(receivers[i], remote_kind(Remote{}));
     const bool is_last = i + 1 == receivers.size() && common == nullptr;
     if (!found && found.error().code() == Code::crypto_handle_unknown && !is_last) continue;
     DDSSEC_RETURN_IF_ERROR(found);
@@ -235,33 +236,33 @@ Result<SendKey*> peer_key(const Shared& shared, const LocalEndpoint& sender,
 
 /// The key of the endpoint `sender` for these receivers.
 template <class Remote>
-Result<SendKey*> key_towards(const Shared& shared, const LocalEndpoint& sender,
+Result<SendKey*> key_towards(const CryptographyState& state, const LocalEndpoint& sender,
                              std::span<const Remote> receivers) {
-  return sender.has_peer_keys() ? peer_key(shared, sender, receivers)
+  return sender.has_peer_keys() ? peer_key(state, sender, receivers)
                                 : Result<SendKey*>(sender.submessage_key.read());
 }
 
 template <class Local, class Remote>
-Result<std::size_t> encode_submessage(const Shared& shared, Local handle,
+Result<std::size_t> encode_submessage(const CryptographyState& state, Local handle,
                                       std::span<const Remote> receivers, BytesView plain,
                                       MutableBytes out) {
   const ReadGuard guard;
   DDSSEC_ASSIGN_OR_RETURN(const auto local_endpoint,
-                          shared.local_endpoint(handle, local_kind(handle)));
+                          state.local_endpoint(handle, local_kind(handle)));
   const auto& sender = *local_endpoint;
   DDSSEC_RETURN_IF_ERROR(check_not_cut_off(sender.participant));
   if (!is_protected(sender.submessage)) return fail(Code::not_protected);
   DDSSEC_ASSIGN_OR_RETURN(auto submessage, check_submessage(plain));
   GroupRequest request{kSubmessageFrame, {}, plain, std::move(submessage), 0};
-  if (sender.is_volatile) return encode_volatile(shared, sender, receivers, request, out);
-  note_acknowledged(shared, receivers, plain);
+  if (sender.is_volatile) return encode_volatile(state, sender, receivers, request, out);
+  note_acknowledged(state, receivers, plain);
   DDSSEC_RETURN_IF_ERROR(check_receivers(sender.submessage, receivers.size()));
   if (is_origin_authenticated(sender.submessage)) request.receivers = receivers.size();
-  DDSSEC_ASSIGN_OR_RETURN(const auto found_key, key_towards(shared, sender, receivers));
+  DDSSEC_ASSIGN_OR_RETURN(const auto found_key, key_towards(state, sender, receivers));
   auto& key = *found_key;
   return encode_group(request, key, out, [&](std::size_t i) -> Result<ReceiverKey*> {
     DDSSEC_ASSIGN_OR_RETURN(const auto remote_endpoint,
-                            shared.remote_endpoint(receivers[i], remote_kind(Remote{})));
+                            state.remote_endpoint(receivers[i], remote_kind(Remote{})));
     const auto& remote = *remote_endpoint;
     if (&remote.local != &sender) return fail(Code::crypto_not_matched);
     return remote.receiver_key.get();
@@ -304,7 +305,7 @@ Result<std::size_t> Transform::encode_serialized_payload(spi::DatawriterCryptoHa
                                                          BytesView plain, MutableBytes out) {
   const ReadGuard guard;
   DDSSEC_ASSIGN_OR_RETURN(const auto local_endpoint,
-                          shared_.local_endpoint(sender, EntityKind::local_writer));
+                          state_.local_endpoint(sender, EntityKind::local_writer));
   const auto& writer = *local_endpoint;
   DDSSEC_RETURN_IF_ERROR(check_not_cut_off(writer.participant));
   auto* const current = writer.payload_key.read();
@@ -331,20 +332,20 @@ Result<std::size_t> Transform::encode_serialized_payload(spi::DatawriterCryptoHa
 Result<std::size_t> Transform::encode_datawriter_submessage(
     spi::DatawriterCryptoHandle sender, std::span<const spi::DatareaderCryptoHandle> receivers,
     BytesView plain, MutableBytes out) {
-  return encode_submessage(shared_, sender, receivers, plain, out);
+  return encode_submessage(state_, sender, receivers, plain, out);
 }
 
 Result<std::size_t> Transform::encode_datareader_submessage(
     spi::DatareaderCryptoHandle sender, std::span<const spi::DatawriterCryptoHandle> receivers,
     BytesView plain, MutableBytes out) {
-  return encode_submessage(shared_, sender, receivers, plain, out);
+  return encode_submessage(state_, sender, receivers, plain, out);
 }
 
 Result<std::size_t> Transform::encode_rtps_message(
     spi::ParticipantCryptoHandle sender, std::span<const spi::ParticipantCryptoHandle> receivers,
     BytesView plain, MutableBytes out) {
   const ReadGuard guard;
-  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, shared_.local_participant(sender));
+  DDSSEC_ASSIGN_OR_RETURN(const auto local_participant, state_.local_participant(sender));
   const auto& participant = *local_participant;
   DDSSEC_RETURN_IF_ERROR(check_not_cut_off(participant));
   auto* const key = participant.key.read();
@@ -352,11 +353,10 @@ Result<std::size_t> Transform::encode_rtps_message(
   DDSSEC_RETURN_IF_ERROR(check_receivers(participant.rtps, receivers.size()));
   DDSSEC_ASSIGN_OR_RETURN(auto request,
                           message_request(plain, kMessageFrame, key->traits().encrypts));
-  if (!shared_.host_checks_sources) note_acknowledged(shared_, participant, plain);
+  if (!state_.host_checks_sources) note_acknowledged(state_, participant, plain);
   if (is_origin_authenticated(participant.rtps)) request.receivers = receivers.size();
   return seal_message(plain, request, *key, out, [&](std::size_t i) -> Result<ReceiverKey*> {
-    DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant,
-                            shared_.remote_participant(receivers[i]));
+    DDSSEC_ASSIGN_OR_RETURN(const auto remote_participant, state_.remote_participant(receivers[i]));
     const auto* const pair = remote_participant->pair(sender.value);
     if (pair == nullptr) return fail(Code::crypto_not_matched);
     return pair->receiver_key.get();

@@ -102,4 +102,15 @@ inline Bytes qos(bool little, std::uint16_t length, bool ends = true) {
   return out;
 }
 
+/// `more`: octets that follow what the standard has.
+inline Bytes info_source(const GuidPrefix& prefix, bool little = true, std::size_t more = 0) {
+  Bytes out = {submessage_id::kInfoSource, static_cast<std::uint8_t>(little ? 1 : 0), 0, 0};
+  out[little ? 2 : 3] = static_cast<std::uint8_t>(20 + more);
+  append(out, 0, 4, little);
+  append(out, Bytes{2, 1, 1, 16});
+  append(out, prefix.view());
+  out.resize(out.size() + more);
+  return out;
+}
+
 }  // namespace ddssec::cryptography::testing

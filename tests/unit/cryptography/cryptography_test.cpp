@@ -1,5 +1,5 @@
 // An engine as its options make it.
-#include "plugins/cryptography/engine.hpp"
+#include "plugins/cryptography/cryptography.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,88 @@
+// The data that the three interfaces of the cryptography plugin share.
+#pragma once
+
+#include <mutex>
+#include <unordered_map>
+
+#include "plugins/cryptography/cryptography.hpp"
+#include "plugins/cryptography/entities.hpp"
+#include "plugins/cryptography/token_ledger.hpp"
+
+namespace ddssec::cryptography {
+
+/// Any change requires `mutex`.
+struct CryptographyState {
+  CryptographyState(const Environment& environment, const AeadBackend& aead, const Options& options,
+                    std::uint64_t first_generation);
+
+  template <class H>
+  Result<LocalParticipant*> local_participant(H handle) const {
+    return registry.find<LocalParticipant>(handle.value, EntityKind::local_participant);
+  }
+  template <class H>
+  Result<RemoteParticipant*> remote_participant(H handle) const {
+    return registry.find<RemoteParticipant>(handle.value, EntityKind::remote_participant);
+  }
+  template <class H>
+  Result<LocalEndpoint*> local_endpoint(H handle, EntityKind kind) const {
+    return registry.find<LocalEndpoint>(handle.value, kind);
+  }
+  template <class H>
+  Result<RemoteEndpoint*> remote_endpoint(H handle, EntityKind kind) const {
+    return registry.find<RemoteEndpoint>(handle.value, kind);
+  }
+  /// Enters the endpoint's present keys into the routes of its participant. Mutex held.
+  void publish_route(RemoteEndpoint& endpoint);
+
+  /// Takes a place among the receivers of the reader's writer, if it needs one and has none yet.
+  /// Mutex held. Error: receiver_places_taken, after an event that names the peer.
+  Status take_place(RemoteEndpoint& reader, const Pair& pair);
+  void give_back_place(RemoteEndpoint& reader) noexcept;
+
+  /// Raises an event about the peer that owns `prefix`.
+  void report(const Error& error, const std::optional<GuidPrefix>& prefix) const;
+
+  /// Call it when a remote entity has got new keys. Mutex held.
+  void note_former(std::int64_t handle, const RemoteKeys& remote_keys);
+
+  const Environment environment;
+  const bool header_prefix_is_network_order;
+  const bool host_checks_sources;
+  Graveyard graveyard;  // before whatever retires into it
+  const KeyEnvironment keys;
+  Registry registry;
+  mutable std::mutex mutex;
+  std::unordered_map<std::int64_t, std::chrono::nanoseconds> former_until;  ///< guarded by it
+  std::uint64_t pairs_made = 0;                                             ///< guarded by it
+  std::uint64_t routes_made = 0;                                            ///< guarded by it
+  mutable TokenLedger ledger;  ///< for a host that does not check
+  AnnouncementAccounts announcements = {};
+};
+
+/// The subject whose participants share places: the octets of the prefix that are bound to the
+/// certificate's subject (DDS-Security 1.2, clause 10.3.3). A participant without a proven prefix
+/// has places of its own. It is identified by its identity handle, with a bit set that six octets
+/// cannot have.
+std::uint64_t subject_of(std::int64_t identity, const Pair& pair);
+
+/// The peer with that prefix that has authenticated with the local participant; null if there is
+/// none. Empty while another thread changes the peers.
+std::optional<const RemoteParticipant*> find_peer(const CryptographyState& state,
+                                                  const LocalParticipant& local,
+                                                  const GuidPrefix& prefix);
+
+/// The entity kinds that belong to a handle type, on the local and on the remote side.
+inline constexpr EntityKind local_kind(spi::DatawriterCryptoHandle) {
+  return EntityKind::local_writer;
+}
+inline constexpr EntityKind local_kind(spi::DatareaderCryptoHandle) {
+  return EntityKind::local_reader;
+}
+inline constexpr EntityKind remote_kind(spi::DatawriterCryptoHandle) {
+  return EntityKind::remote_writer;
+}
+inline constexpr EntityKind remote_kind(spi::DatareaderCryptoHandle) {
+  return EntityKind::remote_reader;
+}
+
+}  // namespace ddssec::cryptography

@@ -1,0 +1,122 @@
+// Keys of participants, writers and readers: when they are made, revised and dropped.
+#pragma once
+
+#include <unordered_map>
+
+#include "plugins/cryptography/cryptography_state.hpp"
+
+namespace ddssec::cryptography {
+
+/// CryptoKeyFactory (DDS-Security 1.2, clauses 9.5.1.8 and 10.5.3.1).
+class KeyFactory final : public spi::CryptoKeyFactory {
+ public:
+  KeyFactory(CryptographyState& state, std::uint32_t first_key_id)
+      : state_(state), next_key_id_(first_key_id) {}
+
+  Result<spi::ParticipantCryptoHandle> register_local_participant(
+      spi::IdentityHandle identity, spi::PermissionsHandle permissions,
+      const spi::PropertyList& properties,
+      const spi::ParticipantSecurityAttributes& attributes) override;
+  Result<spi::ParticipantCryptoHandle> register_matched_remote_participant(
+      spi::ParticipantCryptoHandle local, spi::IdentityHandle remote_identity,
+      spi::PermissionsHandle remote_permissions, const spi::SharedSecret& shared_secret) override;
+  Result<spi::DatawriterCryptoHandle> register_local_datawriter(
+      spi::ParticipantCryptoHandle participant, const spi::PropertyList& properties,
+      const spi::EndpointSecurityAttributes& attributes) override;
+  Result<spi::DatareaderCryptoHandle> register_matched_remote_datareader(
+      spi::DatawriterCryptoHandle local_datawriter, spi::ParticipantCryptoHandle remote_participant,
+      const spi::SharedSecret& shared_secret, bool relay_only) override;
+  Result<spi::DatareaderCryptoHandle> register_local_datareader(
+      spi::ParticipantCryptoHandle participant, const spi::PropertyList& properties,
+      const spi::EndpointSecurityAttributes& attributes) override;
+  Result<spi::DatawriterCryptoHandle> register_matched_remote_datawriter(
+      spi::DatareaderCryptoHandle local_datareader, spi::ParticipantCryptoHandle remote_participant,
+      const spi::SharedSecret& shared_secret) override;
+  spi::CipherMask supported_ciphers() const override;
+  Result<spi::SymmetricCipherInfo> cipher_info(spi::ParticipantCryptoHandle local) override;
+  Result<spi::CipherMask> required_ciphers(spi::DatawriterCryptoHandle local) override;
+  Result<spi::CipherMask> required_ciphers(spi::DatareaderCryptoHandle local) override;
+  Result<std::unique_ptr<spi::PreSharedKeys>> pre_shared_keys(
+      const spi::PreSharedKeyRequest& request) override;
+  Result<spi::KeyRevision> revise_local_entity_keys(spi::ParticipantCryptoHandle local) override;
+  Status activate_key_revision(spi::ParticipantCryptoHandle local,
+                               spi::KeyRevision revision) override;
+  bool is_key_revision_due(spi::ParticipantCryptoHandle local) override;
+  void forget_former_keys() override;
+  bool take_stranded_keys(spi::IdentityHandle remote) override;
+  void cut_off(spi::ParticipantCryptoHandle local) override;
+  Status unregister_participant(spi::ParticipantCryptoHandle participant) override;
+  Status unregister_datawriter(spi::DatawriterCryptoHandle datawriter) override;
+  Status unregister_datareader(spi::DatareaderCryptoHandle datareader) override;
+
+ private:
+  template <class T>
+  Result<T> random();
+  template <class Key>
+  Result<Key> random_key(std::size_t size);
+  KeyId fresh_key_id();
+  Result<KeyMaterial> fresh_material(bool encrypts, Cipher cipher);
+  Result<KeyMaterial> fresh_material(TransformKind kind, KeyId id);
+  Result<std::unique_ptr<SendKey>> send_key(KeyMaterial material);
+  Result<std::unique_ptr<ReceiverKey>> receiver_key(Cipher cipher);
+  /// A key of the next revision for `key`; null if there is no such key.
+  Result<std::unique_ptr<SendKey>> revised(const Published<SendKey>& key);
+  Status revise(LocalEndpoint& endpoint);
+  static void take_back_revision(LocalEndpoint& endpoint) noexcept;
+  void activate_revision(LocalEndpoint& endpoint);
+  void put_to_use(Published<SendKey>& key, std::unique_ptr<SendKey>& next);
+  /// Reads the key limits of the properties. Errors: invalid_property, key_limits_without_revision,
+  /// those of the random source.
+  Status limit_keys(LocalParticipant& participant, const spi::PropertyList& properties);
+  Status begin_life(LocalParticipant& participant);
+  /// The number of blocks under the most used key of the participant and its endpoints.
+  std::uint64_t blocks_used(const LocalParticipant& participant);
+  template <class F>
+  void each_endpoint(const LocalParticipant& participant, F&& f);
+  void forget_former_keys(std::int64_t handle, std::chrono::nanoseconds now);
+  /// Success if the cipher is available and allowed. Error: cipher_not_allowed.
+  Status check_cipher(Cipher cipher, spi::CipherMask allowed) const;
+  Result<std::unique_ptr<Pair>> make_pair(const LocalParticipant& local,
+                                          const spi::SharedSecret& shared_secret);
+  Result<RemoteParticipant*> remote_with_identity(spi::IdentityHandle identity);
+  /// The pair of the two participants; nullptr if there is none.
+  Pair* known_pair(std::int64_t local, spi::IdentityHandle remote) const;
+  void publish_pairs(RemoteParticipant& remote, std::int64_t without = 0);
+  Result<std::int64_t> register_local_endpoint(EntityKind kind,
+                                               spi::ParticipantCryptoHandle participant,
+                                               const spi::PropertyList& properties,
+                                               const spi::EndpointSecurityAttributes& attributes);
+  Status make_endpoint_keys(LocalEndpoint& endpoint);
+  struct Match {
+    LocalEndpoint& local;
+    RemoteParticipant& parent;
+    const Pair& pair;
+  };
+  /// Mutex held. Errors: those of Registry::find, crypto_not_matched.
+  Result<Match> find_match(std::int64_t local, EntityKind remote_kind,
+                           spi::ParticipantCryptoHandle remote_participant);
+  /// Mutex not held.
+  Result<std::int64_t> match(std::int64_t local, EntityKind remote_kind,
+                             spi::ParticipantCryptoHandle remote_participant);
+  /// Mutex held, and the gate has agreed.
+  Result<std::int64_t> add_match(const Match& match, EntityKind remote_kind);
+  /// Gives the reader a key for the writer's participant. It is made for the first of that
+  /// participant's writers and dropped with the last. Mutex held. Errors: those of the random
+  /// source.
+  Status take_peer_key(RemoteEndpoint& writer);
+  static void give_back_peer_key(const RemoteEndpoint& writer) noexcept;
+  /// Error: receiver_places_taken, after an event that names the peer.
+  Status take_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh);
+  void drop(const Entity& entity);
+  void drop_local(LocalParticipant& participant);
+  void drop_remote(RemoteParticipant& participant);
+  void drop_local(LocalEndpoint& endpoint);
+  void drop_remote(RemoteEndpoint& endpoint);
+  Status unregister_endpoint(std::int64_t handle, EntityKind local, EntityKind remote);
+
+  CryptographyState& state_;
+  std::uint32_t next_key_id_;
+  std::unordered_map<std::int64_t, RemoteParticipant*> by_identity_;
+};
+
+}  // namespace ddssec::cryptography
