@@ -105,6 +105,7 @@ std::string printable(std::string_view text, Printing as_is) {
 
 std::vector<char*> argument_pointers(std::vector<std::string>& texts) {
   std::vector<char*> out;
+  out.reserve(texts.size() + 1);
   for (auto& text : texts) out.push_back(text.data());
   out.push_back(nullptr);
   return out;

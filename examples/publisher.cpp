@@ -2,9 +2,10 @@
 // interfaces are used unless INTERFACE is given.
 // Usage: publisher FOLDER [DOMAIN [INTERFACE]]
 #include <cmath>
-#include <cstdlib>
 #include <secured/participant.hpp>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "reading.hpp"
 
@@ -13,7 +14,7 @@ using ddssec::secured::Participant;
 
 int main(int argc, char** argv) {
   const char* folder = argc > 1 ? argv[1] : "demo/talker";
-  const int domain = argc > 2 ? std::atoi(argv[2]) : 0;
+  const int domain = argc > 2 ? std::stoi(argv[2]) : 0;
   std::vector<std::string> interfaces;  // empty: every interface that is up and does multicast
   if (argc > 3) interfaces = {argv[3]};
 

@@ -2,8 +2,9 @@
 // unless DOMAIN is given. All interfaces are used unless INTERFACE is given.
 // Usage: subscriber FOLDER [DOMAIN [INTERFACE]]
 #include <cstdio>
-#include <cstdlib>
 #include <secured/participant.hpp>
+#include <string>
+#include <vector>
 
 #include "reading.hpp"
 
@@ -13,7 +14,7 @@ using ddssec::secured::Participant;
 int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);  // flush each line, even into a pipe
   const char* folder = argc > 1 ? argv[1] : "demo/listener";
-  const int domain = argc > 2 ? std::atoi(argv[2]) : 0;
+  const int domain = argc > 2 ? std::stoi(argv[2]) : 0;
   std::vector<std::string> interfaces;  // empty: every interface that is up and does multicast
   if (argc > 3) interfaces = {argv[3]};
 

@@ -244,8 +244,6 @@ Status deserialize_first(BytesView payload, std::size_t members, T& value);
 
 namespace detail {
 
-Status check_encapsulation(Encapsulation kind, Extensibility extensibility);
-
 /// Returns a reader positioned after the encapsulation.
 Result<CdrReader> open_reader(BytesView payload, Extensibility extensibility);
 Result<CdrReader> open_key_reader(BytesView payload, Extensibility extensibility);

@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# Checks a commit message: a subject "area: what it does" of at most 72 columns, and an empty line before the body.
+# Usage: scripts/commit-msg.sh FILE     As git's hook commit-msg.
+set -euo pipefail
+
+fail() { printf 'commit-msg.sh: %s\n' "$*" >&2; exit 1; }
+mapfile -t lines < <(grep -v '^#' -- "$1")
+subject=${lines[0]:-}
+case "$subject" in
+  Merge\ * | Revert\ * | fixup!\ * | squash!\ *) exit 0 ;;
+esac
+[[ "$subject" =~ ^[a-z][a-z0-9_/,\ -]*:\ [^\ ] ]] ||
+  fail "the subject is \"$subject\": write \"area: what it does\", such as \"pki: read delta lists\""
+[ ${#subject} -le 72 ] || fail "the subject has ${#subject} columns; at most 72"
+[[ "$subject" != *. ]] || fail "the subject ends with a full stop"
+[ -z "${lines[1]:-}" ] || fail "the second line must be empty: the body begins after it"
