@@ -1,6 +1,7 @@
 #include "cli/agent/agent_participant.hpp"
 
 #include <algorithm>
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <tuple>
 

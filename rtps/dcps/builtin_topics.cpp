@@ -185,7 +185,7 @@ void BuiltinTopics::give(AnyDataReader& reader, const News& news, Change change)
                    .expected = "room in its reader",
                    .found = fmt::format("{} instances of {} octets that the application has not "
                                         "taken",
-                                        cache.instances(), cache.octets())})));
+                                        cache.held().all().size(), cache.held().octets())})));
 }
 
 // A participant's identity is remembered, because its removal is reported after its keys are gone.

@@ -159,65 +159,93 @@ std::optional<ReaderCache::Stored> ReaderCache::rejects_again(const Change& chan
                 instance == nullptr ? InstanceHandle{} : instance->handle, crowded};
 }
 
+// Nothing may change before a rejection: the change is offered again.
 ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
-  const auto& share = writer_of(change.writer).share;
-  const auto key = change.key_hash.value_or(KeyHash{});
-  auto* instance = held_.find(key);
-  const auto handle = instance == nullptr ? InstanceHandle{} : instance->handle;
-  const Stored dropped{Outcome::dropped, {}, handle};
   limit_source_time(change, at);
   const auto expires = expiry_of(change, at);
-  const bool of_nobody = instance == nullptr && !change.is_alive() && !change.status.disposed;
-  if (expires <= at.now || of_nobody) return dropped;
-  if (instance != nullptr && !may_own(*instance, change.writer)) {
+  auto* const instance = held_.find(change.key_hash.value_or(KeyHash{}));
+  if (instance == nullptr) return store_first(change, expires, at.now);
+  const Stored dropped{Outcome::dropped, {}, instance->handle};
+  if (expires <= at.now) return dropped;
+  if (!may_own(*instance, change.writer)) {
+    // It is one of the instance's writers all the same, which ends when all have left.
     if (change.status.unregistered)
       leave(*instance, change.writer, at.now);
     else
-      held_.join(*instance, change.writer, share);
+      held_.join(*instance, change.writer, writer_of(change.writer).share);
     return dropped;
   }
-  if (instance != nullptr && is_far_ahead(instance->seen_until, at)) instance->seen_until.reset();
-  if (instance != nullptr && (by_source_ ? is_too_old(held_, *instance, change, at)
-                                         : was_replaced(held_, *instance, change))) {
+  if (is_far_ahead(instance->seen_until, at)) instance->seen_until.reset();
+  if (by_source_ ? is_too_old(held_, *instance, change, at)
+                 : was_replaced(held_, *instance, change)) {
     // Whenever it says so, the writer has left. Otherwise the instance would never end.
     const bool ends = change.status.unregistered && leave(*instance, change.writer, at.now);
-    return ends ? Stored{Outcome::stored, {}, handle} : dropped;
+    return ends ? Stored{Outcome::stored, {}, dropped.instance} : dropped;
   }
-  if (instance != nullptr && waits(*instance, change, at)) {
-    if (!reliable_) return dropped;
-    const auto origin = change.origin();
-    const auto writer = change.writer;
-    if (!held_.hold_back(*instance, change, share, expires))
-      return {Outcome::rejected, SampleRejectedReason::by_samples_limit, handle, true};
-    held_.join(*instance, writer, share);  // so that the instance does not end before it
-    if (exclusive_) instance->owner = writer;
-    if (exclusive_) instance->latest = origin;
-    return dropped;
-  }
-  const bool needs_key = instance == nullptr && key_of_;
+  if (waits(*instance, change, at)) return hold_back(*instance, change, expires);
+  return store_next(*instance, change, expires, at.now);
+}
+
+// An end without a dispose of an instance that is not known says nothing.
+ReaderCache::Stored ReaderCache::store_first(Change& change, MonotonicTime expires,
+                                             MonotonicTime now) {
+  const bool says_something = change.is_alive() || change.status.disposed;
+  if (expires <= now || !says_something) return {Outcome::dropped, {}, {}};
   Payload key_value;
-  if (needs_key && change.key_octets == 0) {
+  if (key_of_ && change.key_octets == 0) {
     key_value = Payload::copy_of(key_of_(change));
     change.key_octets = static_cast<std::uint32_t>(key_value.size());
   }
-  const bool brings_last = instance != nullptr && change.status.unregistered &&
-                           !change.status.disposed && holds_back(*instance, change.writer);
+  const auto& share = writer_of(change.writer).share;
   const auto [reason, crowded] =
-      held_.rejects(instance, brings_last ? *instance->held_back : change, share,
-                    needs_key ? change.key_octets : 0);
+      held_.rejects(nullptr, change, share, key_of_ ? change.key_octets : 0);
+  if (reason != SampleRejectedReason::not_rejected) return {Outcome::rejected, reason, {}, crowded};
+  if (key_of_ && key_value.size() == 0) key_value = Payload::copy_of(key_of_(change));
+  auto& instance = held_.create(change.key_hash.value_or(KeyHash{}), std::move(key_value), share);
+  return insert(instance, change, expires, now);
+}
+
+ReaderCache::Stored ReaderCache::store_next(Instance& instance, Change& change,
+                                            MonotonicTime expires, MonotonicTime now) {
+  // The writer leaves: readers get the last sample of it, which was held back, before its end.
+  const bool brings_last =
+      change.status.unregistered && !change.status.disposed && holds_back(instance, change.writer);
+  const auto [reason, crowded] = held_.rejects(
+      &instance, brings_last ? *instance.held_back : change, writer_of(change.writer).share, 0);
   if (reason != SampleRejectedReason::not_rejected)
-    return {Outcome::rejected, reason, handle, crowded};
-  if (needs_key && key_value.size() == 0) key_value = Payload::copy_of(key_of_(change));
-  if (instance == nullptr) instance = &held_.create(key, std::move(key_value), share);
-  if (brings_last) store_held_back(*instance, at.now);
-  if (change.is_alive())
-    store_alive(*instance, {.change = std::move(change), .expires = expires, .share = share},
-                at.now);
-  else
-    store_end(*instance, change, at.now);
-  const Stored stored{Outcome::stored, {}, instance->handle};
-  held_.settle(*instance);
+    return {Outcome::rejected, reason, instance.handle, crowded};
+  if (brings_last) store_held_back(instance, now);
+  return insert(instance, change, expires, now);
+}
+
+ReaderCache::Stored ReaderCache::insert(Instance& instance, Change& change, MonotonicTime expires,
+                                        MonotonicTime now) {
+  const Stored stored{Outcome::stored, {}, instance.handle};
+  if (change.is_alive()) {
+    const auto& share = writer_of(change.writer).share;
+    store_alive(instance, {.change = std::move(change), .expires = expires, .share = share}, now);
+  } else {
+    store_end(instance, change, now);
+  }
+  held_.settle(instance);
   return stored;
+}
+
+// DDS 1.4, 2.2.3.12: the minimum separation has not passed. A reliable reader gets the last of the
+// samples when it has.
+ReaderCache::Stored ReaderCache::hold_back(Instance& instance, Change& change,
+                                           MonotonicTime expires) {
+  const Stored dropped{Outcome::dropped, {}, instance.handle};
+  if (!reliable_) return dropped;
+  const auto& share = writer_of(change.writer).share;
+  const auto origin = change.origin();
+  const auto writer = change.writer;
+  if (!held_.hold_back(instance, change, share, expires))
+    return {Outcome::rejected, SampleRejectedReason::by_samples_limit, instance.handle, true};
+  held_.join(instance, writer, share);  // so that the instance does not end before it
+  if (exclusive_) instance.owner = writer;
+  if (exclusive_) instance.latest = origin;
+  return dropped;
 }
 
 void ReaderCache::store_alive(Instance& instance, HeldSample sample, MonotonicTime now) {

@@ -61,8 +61,6 @@ class ReaderCache {
   /// the writer gets its instance back, if it is stronger than the owner. Returns true if the
   /// change must be stored again, because the owner replaced it in the meantime.
   bool is_wanted_again(const Change& change);
-  /// The largest number of samples that it can hold of one identity.
-  std::size_t max_samples_of_one() const { return held_.max_samples_of_one(); }
   /// Appends the samples that match the query to `out`; samples of one instance are adjacent.
   void select(const Query& query, const Moment& at, std::vector<OctetSample>& out);
   /// True if a select with these states, and with this query if it is not nullptr, would find
@@ -103,9 +101,6 @@ class ReaderCache {
   /// Number of changes whose source time was more than kMaxAhead ahead; never reset.
   std::uint64_t times_ahead() const { return times_ahead_; }
   const HeldInstances& held() const { return held_; }
-  std::size_t samples() const { return held_.samples(); }
-  std::size_t instances() const { return held_.all().size(); }
-  std::size_t octets() const { return held_.octets(); }
 
  private:
   using Instance = HeldInstance;
@@ -120,6 +115,10 @@ class ReaderCache {
   const Writer& writer_of(const Guid& guid) const;
   bool may_own(const Instance& instance, const Guid& writer) const;
   void limit_source_time(Change& change, const Moment& at);
+  Stored store_first(Change& change, MonotonicTime expires, MonotonicTime now);
+  Stored store_next(Instance& instance, Change& change, MonotonicTime expires, MonotonicTime now);
+  Stored insert(Instance& instance, Change& change, MonotonicTime expires, MonotonicTime now);
+  Stored hold_back(Instance& instance, Change& change, MonotonicTime expires);
   void store_alive(Instance& instance, HeldSample sample, MonotonicTime now);
   void store_end(Instance& instance, const Change& change, MonotonicTime now);
   /// Moves what the instance holds back to its samples. Returns false if it was dropped instead.

@@ -169,12 +169,13 @@ void SampleReception::report_crowded(const Guid& writer, SampleRejectedReason re
 void SampleReception::give_up(const Guid& writer, std::size_t samples, Limit limit) {
   on_lost(static_cast<std::int64_t>(samples));
   if (!std::has_single_bit(++given_up_)) return;
-  const auto expected = limit == Limit::samples
-                            ? fmt::format(
-                                  "at most {} samples and {} octets, all of which the "
-                                  "reader can hold of one identity",
-                                  cache().max_samples_of_one(), HeldInstances::kMaxOctetsOfOne)
-                            : "open sets of one identity that take no more than is free";
+  const auto expected =
+      limit == Limit::samples
+          ? fmt::format(
+                "at most {} samples and {} octets, all of which the "
+                "reader can hold of one identity",
+                cache().held().max_samples_of_one(), HeldInstances::kMaxOctetsOfOne)
+          : "open sets of one identity that take no more than is free";
   context_.protocol().remote_participants().raise_about(
       Error(Code::rtps_set_given_up,
             {.document = "topic " + topic_.name(),

@@ -43,8 +43,8 @@ TEST_F(ReaderCacheTest, WhatEndedIsPurgedAfterItsDelay) {
   now += milliseconds(100);
   EXPECT_TRUE(cache().expire(now));
   EXPECT_THAT(read(), IsEmpty());
-  EXPECT_EQ(cache().instances(), 0u);
-  EXPECT_EQ(cache().octets(), 0u);
+  EXPECT_EQ(cache().held().all().size(), 0u);
+  EXPECT_EQ(cache().held().octets(), 0u);
   EXPECT_FALSE(cache().any({}));
 }
 
@@ -58,7 +58,7 @@ TEST_F(ReaderCacheTest, ADisposedInstanceThatLosesItsWritersIsPurgedAsDisposed) 
   cache().set_lifecycle(qos.reader_data_lifecycle);  // for later ends
   now += milliseconds(30);
   EXPECT_TRUE(cache().expire(now));
-  EXPECT_EQ(cache().instances(), 0u);
+  EXPECT_EQ(cache().held().all().size(), 0u);
 }
 
 }  // namespace

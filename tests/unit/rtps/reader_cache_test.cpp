@@ -90,7 +90,7 @@ TEST_F(ReaderCacheTest, ManyMalformedSamples_BesideValidOnes_CostEachTheirOwn) {
   const auto start = std::clock();
   EXPECT_EQ(cache().discard(all), static_cast<std::size_t>(kMany));
   EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC / 2 * test::kSlowdown);
-  EXPECT_EQ(cache().samples(), static_cast<std::size_t>(kMany));
+  EXPECT_EQ(cache().held().samples(), static_cast<std::size_t>(kMany));
   EXPECT_EQ(cache().discard(all), 0u);
 }
 
@@ -192,8 +192,8 @@ TEST_F(ReaderCacheTest, ReadKeepsAndTakeRemoves) {
   EXPECT_EQ(all[0].info.sample_state, SampleState::read);
   EXPECT_EQ(all[0].info.view_state, ViewState::not_new);
   EXPECT_THAT(take(), IsEmpty());
-  EXPECT_EQ(cache().samples(), 0u);
-  EXPECT_EQ(cache().instances(), 1u);  // its writer lives
+  EXPECT_EQ(cache().held().samples(), 0u);
+  EXPECT_EQ(cache().held().all().size(), 1u);  // its writer lives
 }
 
 TEST_F(ReaderCacheTest, AnInstanceEndsAndComesBackAsANewGeneration) {
@@ -236,16 +236,16 @@ TEST_F(ReaderCacheTest, AnInstanceWithoutWritersSaysSoAndIsForgottenOnceTaken) {
   ASSERT_EQ(samples.size(), 5u);
   EXPECT_EQ(samples[0].info.instance_state, InstanceState::not_alive_no_writers);
   EXPECT_FALSE(samples[2].info.valid_data);
-  EXPECT_EQ(cache().instances(), 0u);
-  EXPECT_EQ(cache().octets(), 0u);
+  EXPECT_EQ(cache().held().all().size(), 0u);
+  EXPECT_EQ(cache().held().octets(), 0u);
 }
 
 TEST_F(ReaderCacheTest, DisposedAndUnregisteredAtOnceIsDisposed) {
   put(1, 10), put(1, 0, kBoth);
   EXPECT_EQ(take().back().info.instance_state, InstanceState::not_alive_disposed);
-  EXPECT_EQ(cache().instances(), 0u);
+  EXPECT_EQ(cache().held().all().size(), 0u);
   EXPECT_EQ(put(7, 0, kUnregister).outcome, Outcome::dropped);  // never heard of
-  EXPECT_EQ(cache().instances(), 0u);
+  EXPECT_EQ(cache().held().all().size(), 0u);
 }
 
 TEST_F(ReaderCacheTest, LifespanEndsSamplesFromTheirSourceTimeOn) {
@@ -269,13 +269,13 @@ TEST_F(ReaderCacheTest, SamplesExpireInAnyOrderAndWhenTheyAreTaken) {
     put(static_cast<std::uint8_t>(i % 2), static_cast<std::uint8_t>(i), {}, 1,
         now - milliseconds(10 * (i * 7 % 10)));
   (void)select({.max_samples = 3, .take = true});
-  std::size_t left = cache().samples();
+  std::size_t left = cache().held().samples();
   for (; left > 0; --left) {
     const auto next = cache().next_tick();
     ASSERT_NE(next, kNever);
     EXPECT_FALSE(cache().expire(next - std::chrono::nanoseconds(1)));
     EXPECT_TRUE(cache().expire(next));
-    EXPECT_EQ(cache().samples(), left - 1);
+    EXPECT_EQ(cache().held().samples(), left - 1);
   }
   EXPECT_EQ(cache().next_tick(), kNever);
 }
@@ -311,7 +311,7 @@ TEST_F(ReaderCacheTest, AMillionSamplesThroughAFewInstancesGrowNothing) {
     if (i % 50 == 0) take();
   }
   take();
-  EXPECT_EQ(cache().octets(), 7u);  // the keys
+  EXPECT_EQ(cache().held().octets(), 7u);  // the keys
   EXPECT_FALSE(cache().any({}));
 }
 

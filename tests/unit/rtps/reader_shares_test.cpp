@@ -75,7 +75,7 @@ TEST_F(Shares, NoIdentityTakesAllOctets) {
   cache().lose_writer(writer(2), true, now);
   EXPECT_EQ(fill(3, kLarge, 2), 0u) << "the samples are still held";
   take();
-  EXPECT_EQ(cache().octets(), 0u + cache().instances()) << "nothing but keys";
+  EXPECT_EQ(cache().held().octets(), 0u + cache().held().all().size()) << "nothing but keys";
   EXPECT_EQ(fill(3, kLarge, 20), kHalf) << "their room is free again";
 }
 
@@ -97,7 +97,7 @@ TEST_F(Shares, NoIdentityTakesAllOctetsWithKeys) {
   EXPECT_LE(stored * kLarge, HeldInstances::kMaxOctetsOfOne);
   EXPECT_GE(stored, 7u);
   EXPECT_GE(fill(3, 1, 4), 3u);
-  EXPECT_LE(cache().octets(), HeldInstances::kMaxOctets);
+  EXPECT_LE(cache().held().octets(), HeldInstances::kMaxOctets);
 }
 
 // A reader that does not take was full after 65,536 samples of one identity.
@@ -128,10 +128,10 @@ TEST_F(Shares, WhatIsKeptForLaterCountsForItsWriter) {
   for (const auto i : kTwo) cache().set_writer(writer(i), 0, kDurationInfinite, writer(i).prefix);
   for (std::uint8_t key = 0; key < 20; ++key) put_octets(3, key, 1);
   for (std::uint8_t key = 0; key < 20; ++key) put_octets(1, key, kLarge);
-  EXPECT_LE(cache().octets(), HeldInstances::kMaxOctetsOfOne + 100);
-  const auto before = cache().octets();
+  EXPECT_LE(cache().held().octets(), HeldInstances::kMaxOctetsOfOne + 100);
+  const auto before = cache().held().octets();
   EXPECT_TRUE(cache().lose_writer(writer(1), true, now));
-  EXPECT_EQ(cache().octets(), before);
+  EXPECT_EQ(cache().held().octets(), before);
   now += std::chrono::seconds(2);
   EXPECT_FALSE(cache().release(moment()));
   EXPECT_EQ(cache().room_for({1, kLarge}, writer(3)), Room::now);
@@ -215,7 +215,7 @@ TEST_F(Left, AnInstanceThatAnotherIdentityKeeps_CountsForThatOne) {
   }
   EXPECT_EQ(refused, 0u);
   EXPECT_EQ(refused_of_other, 0u) << "as long as it is not alone with the instance";
-  EXPECT_LE(cache().instances(), kHalf + 1) << "no more than its share";
+  EXPECT_LE(cache().held().all().size(), kHalf + 1) << "no more than its share";
   EXPECT_EQ(put_many(3, 5'000'000), Outcome::rejected) << "its own share is used up";
   EXPECT_EQ(put_many(1, 5'000'000), Outcome::stored);
   EXPECT_EQ(put_many(2, 6'000'000), Outcome::stored);
@@ -251,7 +251,7 @@ TEST_F(Left, WhatIsKeptForLater_KeepsNoInstanceInTheAccountOfAnother) {
   EXPECT_EQ(put_many(3, 1'000'000), Outcome::dropped) << "kept for later";
   EXPECT_EQ(put_many(1, 1'000'000, kUnregister), Outcome::stored);
   take();
-  EXPECT_EQ(cache().instances(), kHalf) << "it has ended";
+  EXPECT_EQ(cache().held().all().size(), kHalf) << "it has ended";
   ASSERT_EQ(put_many(1, 2'000'000), Outcome::stored);
   EXPECT_EQ(put_many(1, 2'000'000, kUnregister), Outcome::stored);
   EXPECT_EQ(put_many(3, 2'000'000), Outcome::rejected) << "not even kept for later";
@@ -266,7 +266,7 @@ TEST_F(ReaderCacheTest, MemoryIsBoundedWhateverTheLimits) {
   };
   for (std::uint8_t i = 0; i < 3; ++i) EXPECT_EQ(large(i), Outcome::stored);
   EXPECT_EQ(large(3), Outcome::rejected);
-  EXPECT_LE(cache().octets(), HeldInstances::kMaxOctets);
+  EXPECT_LE(cache().held().octets(), HeldInstances::kMaxOctets);
 }
 
 // Before: each end looked at all that was held, 16 s of CPU for so many.
@@ -280,7 +280,7 @@ TEST_F(ReaderCacheTest, EndsOfManySamplesCostEachTheirOwn) {
   const auto begin = std::clock();
   for (int left = kMany; left > 0; --left) ASSERT_TRUE(cache().expire(cache().next_tick()));
   EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 3);
-  EXPECT_EQ(cache().samples(), 0u);
+  EXPECT_EQ(cache().held().samples(), 0u);
 }
 
 Guid writer_of(std::uint8_t identity, std::uint32_t number) {
@@ -324,7 +324,7 @@ TEST_F(Joins, OfOneIdentity_AreBoundedAndLeaveRoomForAnother) {
   for (std::uint32_t w = 0; w < kWriters; ++w) cache().lose_writer(writer_of(1, w), true, now);
   EXPECT_LT(seconds_since(begin), 3);
   take();
-  EXPECT_EQ(cache().instances(), 2u);
+  EXPECT_EQ(cache().held().all().size(), 2u);
   cache().set_writer(writer_of(1, 0), 0, kDurationInfinite, writer(1).prefix);
   EXPECT_TRUE(join(writer_of(1, 0), 9)) << "what has left makes room";
 }
@@ -335,7 +335,7 @@ TEST_F(Joins, SamplesOfOneInstance_InTheOppositeOrderOfTheirTimes_CostEachTheirO
   constexpr int kCount = 60'000;
   const auto begin = std::clock();
   for (int i = kCount; i > 0; --i) put(1, 0, {}, 1, now - std::chrono::microseconds(i % 2 + i));
-  EXPECT_EQ(cache().samples(), static_cast<std::size_t>(kCount));
+  EXPECT_EQ(cache().held().samples(), static_cast<std::size_t>(kCount));
   EXPECT_LT(seconds_since(begin), 3);
   const auto all = take();
   ASSERT_EQ(all.size(), static_cast<std::size_t>(kCount));

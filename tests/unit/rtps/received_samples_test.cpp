@@ -64,7 +64,7 @@ TEST_F(ReceivedSamplesTest, ProvenPayload_IsBelievedMoreThanTheHashBesideIt) {
     auto one = change("kitchen");
     one.key_hash = forged;
     EXPECT_EQ(take(samples, one), Outcome::stored);
-    EXPECT_EQ(samples.cache().instances(), proven ? 2u : 1u);
+    EXPECT_EQ(samples.cache().held().all().size(), proven ? 2u : 1u);
   }
 }
 
@@ -85,7 +85,7 @@ TEST_F(ReceivedSamplesTest, CopyWithAShorterLifespan_TakesNoPlaceOfTheSample) {
   EXPECT_EQ(take(samples, sample), Outcome::stored);
   now += seconds(2);
   samples.cache().expire(now);
-  EXPECT_EQ(samples.cache().samples(), 1u);
+  EXPECT_EQ(samples.cache().held().samples(), 1u);
 }
 
 // Each HEARTBEAT of its writer made the reader deserialize a refused sample of 60 MB twice.
@@ -175,7 +175,7 @@ TEST_F(ReceivedSamplesTest, ContentFilter_KeepsOutSamplesAndTheEndsOfTheirInstan
   end = change("high");
   end.status.disposed = true;
   EXPECT_EQ(take(samples, end, &above), Outcome::stored);
-  EXPECT_EQ(samples.cache().instances(), 1u);
+  EXPECT_EQ(samples.cache().held().all().size(), 1u);
   EXPECT_EQ(samples.malformed(), 0u);
 }
 

@@ -25,7 +25,7 @@ TEST_F(ReaderCacheTest, EachLimitRejectsByItsNameAndChangesNothing) {
   EXPECT_EQ(rejected.reason, Reason::by_samples_limit);
   EXPECT_EQ(rejected.instance, cache().lookup(KeyHash{2}));
   EXPECT_EQ(put(3, 30).reason, Reason::by_instances_limit);
-  EXPECT_EQ(cache().samples(), 3u);
+  EXPECT_EQ(cache().held().samples(), 3u);
   EXPECT_THAT(values(take()), ElementsAre(10, 11, 20));
   EXPECT_EQ(put(2, 21).outcome, Outcome::stored);
   // A limit of samples is none for what says that an instance ended.

@@ -81,7 +81,7 @@ TEST_F(TimeBasedFilterEnd, Unregister_LastSampleComesBeforeIt) {
   EXPECT_EQ(put(kEnd), Outcome::stored);
   EXPECT_THAT(take(), ElementsAre(10, 11, kEnd));
   EXPECT_THAT(taken_after(seconds(10)), ElementsAre());
-  EXPECT_EQ(cache->octets(), 0U);
+  EXPECT_EQ(cache->held().octets(), 0U);
 }
 
 TEST_F(TimeBasedFilterEnd, WriterLeaves_LastSampleComesBeforeTheEnd) {
@@ -89,7 +89,7 @@ TEST_F(TimeBasedFilterEnd, WriterLeaves_LastSampleComesBeforeTheEnd) {
   ASSERT_EQ(put(11), Outcome::dropped);
   EXPECT_TRUE(cache->lose_writer(writer(1), true, now));
   EXPECT_THAT(take(), ElementsAre(10, 11, kEnd));
-  EXPECT_EQ(cache->octets(), 0U);
+  EXPECT_EQ(cache->held().octets(), 0U);
 }
 
 TEST_F(TimeBasedFilterEnd, UnregisterInAFullReader_IsRepeatedUntilThereIsRoom) {
@@ -120,7 +120,7 @@ TEST_F(TimeBasedFilterEnd, InstanceThatReturns_CountsNothingWhenItHasEnded) {
     EXPECT_THAT(taken_after(seconds(3)), ElementsAre(11));
     ASSERT_EQ(put(kEnd), Outcome::stored);
     EXPECT_THAT(take(), ElementsAre(kEnd));
-    EXPECT_EQ(cache->octets(), 0U);
+    EXPECT_EQ(cache->held().octets(), 0U);
   }
 }
 
