@@ -76,6 +76,14 @@ const BuiltinTopic* builtin_topic_of(const EntityId& writer) {
   return found == kTopics.end() ? nullptr : &*found;
 }
 
+bool ClosedDiscovery::includes(const EntityId& writer) const {
+  constexpr EntityId kParticipants{{0x00, 0x01, 0x00, 0xc2}};
+  const auto* const topic = builtin_topic_of(writer);
+  if (topic == nullptr || topic->key == 0 || writer == kParticipants) return false;
+  constexpr std::uint8_t kSecure = 0xff;
+  return writer.octets[0] == kSecure ? secure_topics : clear_topics;
+}
+
 bool is_deprecated_address(std::uint16_t parameter_id) {
   return std::ranges::find(kDeprecatedAddresses, parameter_id) != kDeprecatedAddresses.end();
 }

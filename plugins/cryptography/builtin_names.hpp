@@ -25,6 +25,17 @@ struct BuiltinTopic {
 /// The topic of a writer; null if it does not belong to discovery or liveliness.
 const BuiltinTopic* builtin_topic_of(const EntityId& writer);
 
+/// Which builtin writers of discovery a local participant does not hear in the clear.
+struct ClosedDiscovery {
+  /// discovery_protection_kind is not NONE: those of the secure topics send under keys of their
+  /// own.
+  bool secure_topics = false;
+  /// Each topic has protected discovery: the others have nothing to send.
+  bool clear_topics = false;
+
+  bool includes(const EntityId& writer) const;
+};
+
 /// The sending participant. Empty: it is not known, and the message may name any participant.
 using Owner = std::optional<GuidPrefix>;
 

@@ -60,6 +60,7 @@ struct LocalParticipant final : Entity {
   Published<SendKey> key;  ///< null if RTPS messages are not protected
   std::atomic<bool> is_cut_off = false;
   bool protects_discovery = false;
+  ClosedDiscovery closed_discovery = {};
   bool trusts_type_information = false;  ///< the host receives the type information of peers
   bool revises_keys = false;
   bool is_revising = false;  ///< new keys exist and are not in use yet

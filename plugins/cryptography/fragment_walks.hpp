@@ -102,6 +102,8 @@ class DiscoveryOfPeers {
   /// The announcements of that participant; null if it is not known now.
   virtual PeerDiscovery* of(const GuidPrefix& owner) = 0;
   virtual MonotonicTime now() const = 0;
+  /// True for a writer whose samples are not heard in the clear: no honest participant sends them.
+  virtual bool is_closed(const EntityId& /*writer*/) const { return false; }
 };
 
 }  // namespace ddssec::cryptography

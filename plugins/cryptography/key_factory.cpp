@@ -122,6 +122,8 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
     DDSSEC_RETURN_IF_ERROR(check_cipher(cipher, attributes.allowed_ciphers));
   participant->rtps = attributes.rtps;
   participant->protects_discovery = attributes.is_discovery_protected();
+  participant->closed_discovery = {.secure_topics = attributes.is_discovery_protected(),
+                                   .clear_topics = attributes.is_all_discovery_protected};
   participant->revises_keys = attributes.is_key_revision_enabled;
   DDSSEC_ASSIGN_OR_RETURN(participant->trusts_type_information,
                           spi::flag_property(properties, spi::property::kTrustTypeInformation));

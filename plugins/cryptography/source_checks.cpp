@@ -76,6 +76,16 @@ Result<TypeInformationAt> check_next(BytesView rest, std::size_t size, const Gui
                                            .note = "what follows it was dropped"});
 }
 
+/// True if a closed writer sends it in the clear. Anyone with the key of the message can write such
+/// a submessage in the name of any participant, so that nothing in it may count. In a signed group
+/// it counts once the writer's key has verified it.
+bool is_of_closed_writer(BytesView submessage, const DiscoveryOfPeers& peers) {
+  auto writer = writer_of_data(submessage);
+  if (!writer)
+    if (const auto skipped = read_skipped(submessage)) writer = skipped->writer;
+  return writer && builtin_topic_of(*writer) != nullptr && peers.is_closed(*writer);
+}
+
 // ---- key tokens
 
 /// True for plain CDR 1 or 2 in either byte order.
@@ -114,9 +124,12 @@ SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, Discovery
       end(unreadable());
       break;
     }
-    auto found = check_next(rest, *size, sender, source, peers);
-    if (!found && found.error().code() == Code::builtin_fragment_early) {
-      part.early.push_back(here);
+    const bool is_closed = is_of_closed_writer(rest.first(*size), peers);
+    auto found = is_closed ? TypeInformationAt{} : check_next(rest, *size, sender, source, peers);
+    if (is_closed && here != signed_at) {
+      part.hidden.push_back(here);
+    } else if (!found && found.error().code() == Code::builtin_fragment_early) {
+      part.hidden.push_back(here);
     } else if (!found) {
       end(std::move(found).error());
       break;

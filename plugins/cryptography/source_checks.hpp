@@ -20,8 +20,9 @@ struct SenderPart {
   /// info_source_mismatch, secure_group_malformed, or one of check_builtin_source
   std::optional<Error> ended;
   std::optional<GuidPrefix> named = {};  ///< the participant named by the INFO_SRC that ended it
-  /// Positions of discovery fragments that must come again: the host must not see them.
-  std::vector<std::size_t> early = {};
+  /// Positions of submessages that the host must not see: discovery fragments that must come again,
+  /// and samples in the clear of closed writers (DiscoveryOfPeers::is_closed).
+  std::vector<std::size_t> hidden = {};
   /// The places of type information, except inside groups that are signed separately.
   std::vector<TypeInformationPlace> types = {};
   /// Positions of type lookup requests and replies.

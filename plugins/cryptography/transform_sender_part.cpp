@@ -27,6 +27,10 @@ class DiscoveryInMessage final : public DiscoveryOfPeers {
     return peer && *peer != nullptr ? &(*peer)->discovery : nullptr;
   }
   MonotonicTime now() const override { return state_.environment.clock.monotonic(); }
+  bool is_closed(const EntityId& writer) const override {
+    const auto local = state_.local_participant(receiver_);
+    return local && (*local)->closed_discovery.includes(writer);
+  }
 
  private:
   const CryptographyState& state_;
@@ -76,7 +80,7 @@ std::size_t Transform::keep_part_of_sender(spi::ParticipantCryptoHandle receiver
   const ReadGuard guard;
   DiscoveryInMessage peers(state_, receiver, sender, prefix);
   auto part = part_of_sender(content, prefix, peers);
-  for (const auto at : part.early) hide_submessage(content, at, part);
+  for (const auto at : part.hidden) hide_submessage(content, at, part);
   const auto local = state_.local_participant(receiver);
   if (!local || !(*local)->trusts_type_information) {
     for (const auto& place : part.types) hide_type_information(content, place);

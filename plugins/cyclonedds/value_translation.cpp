@@ -20,17 +20,24 @@ using NoProperties = DDS_Security_PropertySeq;
 constexpr std::string_view kBuiltinEndpoint = "org.ddssec.builtin_endpoint";
 constexpr std::string_view kClosedReader = "org.ddssec.closed_reader";
 constexpr std::string_view kStandardCiphersOnly = "org.ddssec.standard_ciphers_only";
+constexpr std::string_view kAllDiscoveryProtected = "org.ddssec.all_discovery_protected";
 
-/// A property that lives as long as the library. The C type has no const; nothing writes to it.
-template <const std::string_view& name>
-DDS_Security_PropertySeq marker() {
+/// Properties that live as long as the library. The C type has no const; nothing writes to them.
+template <const std::string_view&... names>
+DDS_Security_PropertySeq markers() {
   static char value[] = "true";
-  static DDS_Security_Property_t property{const_cast<char*>(name.data()), value, false};
-  return {1, 1, &property};
+  static DDS_Security_Property_t properties[] = {
+      {const_cast<char*>(names.data()), value, false}...};
+  return {sizeof...(names), sizeof...(names), properties};
 }
-DDS_Security_PropertySeq builtin_endpoint() { return marker<kBuiltinEndpoint>(); }
-DDS_Security_PropertySeq closed_reader() { return marker<kClosedReader>(); }
-DDS_Security_PropertySeq standard_ciphers_only() { return marker<kStandardCiphersOnly>(); }
+DDS_Security_PropertySeq builtin_endpoint() { return markers<kBuiltinEndpoint>(); }
+DDS_Security_PropertySeq closed_reader() { return markers<kClosedReader>(); }
+DDS_Security_PropertySeq of_participant(bool standard_ciphers_only, bool all_discovery_protected) {
+  if (standard_ciphers_only && all_discovery_protected)
+    return markers<kStandardCiphersOnly, kAllDiscoveryProtected>();
+  if (standard_ciphers_only) return markers<kStandardCiphersOnly>();
+  return all_discovery_protected ? markers<kAllDiscoveryProtected>() : NoProperties{};
+}
 
 bool has(const DDS_Security_PropertySeq& properties, std::string_view name) {
   const auto list = elements_of(properties);
@@ -69,7 +76,7 @@ DDS_Security_ParticipantSecurityAttributes to_c(const spi::ParticipantSecurityAt
           .is_discovery_protected = a.is_discovery_protected(),
           .is_liveliness_protected = a.is_liveliness_protected(),
           .plugin_participant_attributes = spi::plugin_mask(a),
-          .ac_endpoint_properties = only_standard ? standard_ciphers_only() : NoProperties{}};
+          .ac_endpoint_properties = of_participant(only_standard, a.is_all_discovery_protected)};
 }
 
 DDS_Security_TopicSecurityAttributes to_c(const spi::TopicSecurityAttributes& a) {
@@ -124,7 +131,8 @@ spi::ParticipantSecurityAttributes attributes_from(
            .is_origin_authenticated = has(
                mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_LIVELINESS_AUTHENTICATED)}),
       .allowed_ciphers = has(a.ac_endpoint_properties, kStandardCiphersOnly) ? spi::kStandardCiphers
-                                                                             : spi::kAllCiphers};
+                                                                             : spi::kAllCiphers,
+      .is_all_discovery_protected = has(a.ac_endpoint_properties, kAllDiscoveryProtected)};
 }
 
 spi::EndpointSecurityAttributes attributes_from(const DDS_Security_EndpointSecurityAttributes& a) {

@@ -168,7 +168,7 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
   const Stored dropped{Outcome::dropped, {}, instance->handle};
   if (expires <= at.now) return dropped;
   if (!may_own(*instance, change.writer)) {
-    // It is one of the instance's writers all the same, which ends when all have left.
+    // It is still one of the writers of the instance, which ends when all of them have left.
     if (change.status.unregistered)
       leave(*instance, change.writer, at.now);
     else

@@ -257,5 +257,23 @@ TEST(CostlyLocators, TheSentenceNamesTheirKind) {
       << status.error().to_sentence();
 }
 
+TEST(ClosedDiscovery, IncludesTheWritersOfItsTopicsOnly) {
+  constexpr EntityId kClear{{0x00, 0x00, 0x03, 0xc2}}, kSecure{{0xff, 0x00, 0x04, 0xc2}};
+  constexpr EntityId kSecureParticipants{{0xff, 0x01, 0x01, 0xc2}};
+  constexpr ClosedDiscovery kSecureTopics{.secure_topics = true},
+      kClearTopics{.clear_topics = true};
+  EXPECT_TRUE(kSecureTopics.includes(kSecure));
+  EXPECT_TRUE(kSecureTopics.includes(kSecureParticipants));
+  EXPECT_FALSE(kSecureTopics.includes(kClear));
+  EXPECT_TRUE(kClearTopics.includes(kClear));
+  EXPECT_FALSE(kClearTopics.includes(kSecure));
+  // Participants announce themselves in the clear; liveliness and applications are others' matter.
+  constexpr ClosedDiscovery kAll{.secure_topics = true, .clear_topics = true};
+  for (const EntityId open :
+       {EntityId{{0x00, 0x01, 0x00, 0xc2}}, EntityId{{0xff, 0x02, 0x00, 0xc2}},
+        EntityId{{0x00, 0x00, 0x01, 0x02}}})
+    EXPECT_FALSE(kAll.includes(open)) << open.to_string();
+}
+
 }  // namespace
 }  // namespace ddssec::cryptography

@@ -40,7 +40,9 @@ inline Bytes generic_message(const GuidPrefix& source, const GuidPrefix& endpoin
 struct OneOwner final : DiscoveryOfPeers {
   PeerDiscovery* of(const GuidPrefix&) override { return &peer; }
   MonotonicTime now() const override { return time; }
+  bool is_closed(const EntityId& writer) const override { return closed.includes(writer); }
   PeerDiscovery peer;
+  ClosedDiscovery closed = {};
   MonotonicTime time = std::chrono::hours(1);
 };
 

@@ -338,7 +338,7 @@ TEST_F(FragmentWalksTest, InAMessageAnEarlyOneIsHidden) {
   const auto part = part_of_sender(content, kPeer, walks_);
   EXPECT_EQ(part.size, content.size());
   EXPECT_FALSE(part.ended);
-  EXPECT_EQ(part.early, std::vector{at});
+  EXPECT_EQ(part.hidden, std::vector{at});
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "plugins/spi/property_names.hpp"
+#include "tests/unit/cryptography/announcements.hpp"
 #include "tests/unit/cryptography/data_message.hpp"
 #include "tests/unit/cryptography/insider.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
@@ -205,6 +206,62 @@ TEST(SenderPart, CutOffAnywhereSpeaksForNobodyElse) {
     EXPECT_LE(part.size, std::min(size, own.size()));
     EXPECT_EQ(part.ended.has_value(), part.size < size) << size;
   }
+}
+
+struct ClosedWriters : AnnouncedEndpointsTest {
+  static constexpr EntityId kClearPublications{{0x00, 0x00, 0x03, 0xc2}};
+  static Bytes announced_by(const EntityId& writer) {
+    return DataMessage{.writer = writer, .reader = {}, .payload = announcement(1, 8)}.octets();
+  }
+  SenderPart part_of(std::initializer_list<Bytes> parts) {
+    return part_of_sender(joined(parts), kPeer, peers);
+  }
+  bool counts_for_nothing() const {
+    const auto& announced = peers.peer.announced;
+    return account->sum() == 0 && !announced.hides_writers() && !announced.hides_readers() &&
+           !announced.has_secured(endpoint(1), true);
+  }
+};
+
+// Anyone with the key of the message can write in any participant's name.
+TEST_F(ClosedWriters, SampleInTheClear_IsHiddenAndCountsForNothing) {
+  peers.closed = {.secure_topics = true, .clear_topics = true};
+  for (const auto& writer : {kPublications, kSubscriptions, kClearPublications}) {
+    auto fragment = announced_by(writer);
+    fragment[0] = submessage_id::kDataFrag;
+    for (const auto& sample : {announced_by(writer), fragment}) {
+      const auto part = part_of({info_source(kPeer), sample, data_submessage(16)});
+      EXPECT_FALSE(part.ended);
+      EXPECT_EQ(part.hidden, std::vector<std::size_t>{24});
+      EXPECT_TRUE(counts_for_nothing());
+    }
+  }
+  EXPECT_EQ(announce_under(1, 7), Code{}) << "the genuine one of that number, under its own key";
+}
+
+TEST_F(ClosedWriters, HeartbeatAndGapInTheClear_SkipNoNumber) {
+  peers.closed = {.secure_topics = true};
+  ASSERT_EQ(announce_under(1, 7), Code{});
+  const auto heartbeat = of_writer(submessage_id::kHeartbeat, kPublications, {0, 5, 0, 4, 1});
+  EXPECT_EQ(part_of({info_source(kPeer), heartbeat}).hidden, std::vector<std::size_t>{24});
+  ASSERT_EQ(dispose_under(2, 7, kDisposed), Code{});
+  peers.peer.announced.acknowledged(*builtin_topic_of(kPublications), 3);
+  EXPECT_EQ(account->sum(), 0U) << "the end of the endpoint counts: it was not skipped";
+}
+
+TEST_F(ClosedWriters, SampleInASignedGroup_IsLeftToTheKeyOfItsWriter) {
+  peers.closed = {.secure_topics = true, .clear_topics = true};
+  const Bytes prefix = {0x31, 1, 4, 0, 0, 0, 0, 0}, postfix = {0x32, 1, 4, 0, 0, 0, 0, 0};
+  const auto part = part_of({info_source(kPeer), prefix, announced_by(kPublications), postfix});
+  EXPECT_FALSE(part.ended);
+  EXPECT_TRUE(part.hidden.empty());
+  EXPECT_TRUE(counts_for_nothing());
+}
+
+TEST_F(ClosedWriters, SampleOfAnOpenWriter_Counts) {
+  peers.closed = {.secure_topics = true};
+  EXPECT_TRUE(part_of({info_source(kPeer), announced_by(kClearPublications)}).hidden.empty());
+  EXPECT_TRUE(peers.peer.announced.hides_writers());
 }
 
 // The caller hides them where it hides types.

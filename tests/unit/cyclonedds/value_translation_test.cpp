@@ -63,11 +63,13 @@ TEST(ValueTranslation, WhatOurPluginsTellEachOtherComesThrough) {
     EXPECT_EQ(c.ac_endpoint_properties._length, builtin ? 1u : 0u);
     EXPECT_EQ(attributes_from(c), attributes);
   }
-  for (const auto ciphers : {spi::kStandardCiphers, spi::kAllCiphers}) {
-    spi::ParticipantSecurityAttributes attributes;
-    attributes.allowed_ciphers = ciphers;
-    EXPECT_EQ(attributes_from(to_c(attributes)), attributes);
-  }
+  for (const auto ciphers : {spi::kStandardCiphers, spi::kAllCiphers})
+    for (const bool all_discovery : {false, true}) {
+      spi::ParticipantSecurityAttributes attributes;
+      attributes.allowed_ciphers = ciphers;
+      attributes.is_all_discovery_protected = all_discovery;
+      EXPECT_EQ(attributes_from(to_c(attributes)), attributes);
+    }
   DDS_Security_EndpointSecurityAttributes foreign{};
   DDS_Security_Property_t property{nullptr, nullptr, false};
   foreign.ac_endpoint_properties = {1, 1, &property};
