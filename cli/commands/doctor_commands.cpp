@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <system_error>
 
@@ -21,8 +22,10 @@
 #include "cli/near.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/domains.hpp"
+#include "governance/doctor/effective_security.hpp"
 #include "governance/doctor/host_plugins.hpp"
 #include "governance/doctor/lint_checks.hpp"
+#include "governance/doctor/named_files.hpp"
 #include "governance/doctor/plugin_probe.hpp"
 #include "governance/doctor/ros.hpp"
 #include "governance/doctor/shared_memory.hpp"
@@ -344,13 +347,28 @@ bool is_any_found(const std::vector<doctor::HostPlugin>& plugins) {
   });
 }
 
-// What a Cyclone DDS process on ddssec's plugins reads besides the participant's folder.
-std::vector<fs::path> files_of_process(const std::vector<doctor::HostPlugin>& plugins) {
+void append(std::vector<fs::path>& out, std::vector<fs::path> more) {
+  std::ranges::move(more, std::back_inserter(out));
+}
+
+// What a Cyclone DDS process for the participant reads, in its folder or elsewhere.
+std::vector<fs::path> files_of_process(const fs::path& folder, DomainId domain,
+                                       const std::vector<doctor::HostPlugin>& plugins) {
+  using Place = doctor::ConfigurationPlace;
   std::vector<fs::path> out;
   for (const auto& plugin : plugins)
-    if (plugin.maker == doctor::HostPlugin::Maker::ours) out.push_back(plugin.file);
+    if (!plugin.file.empty()) out.push_back(plugin.file);
   const char* const properties = std::getenv(spi::kPropertiesVariable);
   if (properties != nullptr && *properties != '\0') out.emplace_back(properties);
+  const char* const uri = std::getenv("CYCLONEDDS_URI");
+  const bool is_named = uri != nullptr && *uri != '\0';
+  if (is_named) append(out, doctor::files_named_by(uri));
+  if (const auto text = configuration_for(folder)) {
+    const auto place = is_named ? Place::variable : Place::file;
+    const auto inline_from = is_named ? text->size() - doctor::inline_octets(uri) : 0;
+    const auto security = doctor::effective_security(*text, domain, place, inline_from);
+    append(out, doctor::paths_of(doctor::named_by_cyclonedds(*text, security, domain)));
+  }
   return out;
 }
 
@@ -400,7 +418,7 @@ Result<Answer<DoctorResult>> doctor_of(const Arguments& arguments, const Context
     doctor::check_loadable(plugins, diagnosis);
   else
     doctor::check_host_plugins(plugins, places, is_there(folder / "cyclonedds.xml"), diagnosis);
-  doctor::check_files_of_process(loaded, files_of_process(plugins), diagnosis);
+  doctor::check_files_of_process(loaded, files_of_process(folder, domain, plugins), diagnosis);
   doctor::check_lint(loaded, settings, diagnosis);
   DoctorResult result{.domain = domain,
                       .diagnosis = shown(report, folder, std::move(diagnosis), settings, products),

@@ -157,19 +157,35 @@ void check_mode(const fs::path& key, Diagnosis& out) {
                   .document = key});
 }
 
+// True if others than its owner can read the file.
+bool is_readable_by_others(const fs::path& path, unsigned& mode) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return false;
+  mode = status.st_mode & 07777;
+  return (mode & 077) != 0;
+}
+
+void report_readable_secret(const fs::path& path, std::string_view what, Diagnosis& out) {
+  unsigned mode = 0;
+  if (!is_readable_by_others(path, mode)) return;
+  out.report({},
+             {.rule = Rule::DOC003,
+              .message = fmt::format("{} {} and has mode {:04o}: others than its owner can read "
+                                     "it; it should have 0600",
+                                     name_of(path), what, mode),
+              .document = path});
+}
+
 void check_configuration_modes(const pki::ParticipantFolder& paths, Diagnosis& out) {
   for (const auto& path :
        {paths.folder / "cyclonedds.xml", paths.folder / "fastdds.xml", paths.properties}) {
-    struct stat status {};
-    if (::stat(path.c_str(), &status) != 0 || (status.st_mode & 077) == 0) continue;
     const auto text = ddssec::load("file:" + path.string(), "", pki::kMaxDocumentOctets);
-    if (!text || !holds_secret(as_text(*text))) continue;
-    out.report({}, {.rule = Rule::DOC003,
-                    .message = fmt::format(
-                        "{} holds a password or a private key and has mode {:04o}: others than its "
-                        "owner can read it; it should have 0600",
-                        name_of(path), status.st_mode & 07777),
-                    .document = path});
+    if (!text) continue;
+    const auto secrets = secrets_in(as_text(*text));
+    if (secrets.are_there)
+      report_readable_secret(path, "holds a password, a PIN or a private key", out);
+    for (const auto& file : secrets.files)
+      report_readable_secret(file, fmt::format("is named as a secret by {}", name_of(path)), out);
   }
 }
 
@@ -254,7 +270,13 @@ void check_writable_places(const LoadedFolder& folder, const Settings& settings,
   const auto add = [&](const fs::path& path) {
     settings.may_run_elsewhere ? places.add(path) : places.add_with_way(path);
   };
-  add(folder.paths.folder);
+  const auto& paths = folder.paths;
+  add(paths.folder);
+  // By name first: there may be more files in the folder than are looked at.
+  for (const auto& file : {paths.key, paths.certificate, paths.identity_ca, paths.permissions_ca,
+                           paths.crl, paths.governance, paths.permissions, paths.properties,
+                           paths.folder / "cyclonedds.xml", paths.folder / "fastdds.xml"})
+    if (!file.empty()) add(file);
   std::error_code error;
   int seen = 0;
   for (const auto& entry : fs::directory_iterator(folder.paths.folder, error)) {

@@ -76,6 +76,15 @@ std::size_t inline_octets(std::string_view uri) {
   return 0;
 }
 
+std::vector<std::filesystem::path> files_named_by(std::string_view uri) {
+  std::vector<std::filesystem::path> out;
+  while (const auto name = next_name(uri)) {
+    if (name->starts_with('<')) break;
+    out.push_back(path_of(*name));
+  }
+  return out;
+}
+
 std::filesystem::path folder_named_by(std::string_view uri) {
   while (const auto name = next_name(uri))
     if (is_folder(*name)) return path_of(*name);

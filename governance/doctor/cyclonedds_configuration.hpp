@@ -22,6 +22,9 @@ std::optional<std::string> cyclonedds_configuration(std::string_view uri);
 /// The number of octets at the end of that text that are in the variable itself, not in a file.
 std::size_t inline_octets(std::string_view uri);
 
+/// The files that `uri` names, whether they are there or not.
+std::vector<std::filesystem::path> files_named_by(std::string_view uri);
+
 /// The first folder among the files that `uri` names; empty if there is none.
 std::filesystem::path folder_named_by(std::string_view uri);
 

@@ -58,6 +58,13 @@ std::vector<Named> named_by_cyclonedds(std::string_view text, const EffectiveSec
   return out;
 }
 
+std::vector<std::filesystem::path> paths_of(const std::vector<Named>& named) {
+  std::vector<std::filesystem::path> out;
+  for (const auto& [role, value] : named)
+    if (auto path = file_named_by(value)) out.emplace_back(*std::move(path));
+  return out;
+}
+
 std::vector<Named> named_anywhere_by_fastdds(std::string_view text) {
   std::vector<Named> out;
   for (auto tag = find_tag(text, "name"); tag; tag = find_tag(tag->after, "name")) {

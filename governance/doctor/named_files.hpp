@@ -1,4 +1,4 @@
-// The files of a participant that a configuration names. For governance/doctor/ only.
+// The files of a participant that a configuration names.
 #pragma once
 
 #include <filesystem>
@@ -39,6 +39,8 @@ std::string without_escapes(std::string_view text);
 /// The values that apply to the domain; if there are none, everything that looks like them.
 std::vector<Named> named_by_cyclonedds(std::string_view text, const EffectiveSecurity& security,
                                        DomainId domain);
+/// The paths of those that are files.
+std::vector<std::filesystem::path> paths_of(const std::vector<Named>& named);
 /// Everything that looks like a property, in any profile and in a text that is not well-formed.
 std::vector<Named> named_anywhere_by_fastdds(std::string_view text);
 /// The values of the default profile, of which the last one counts.

@@ -4,6 +4,8 @@
 #include <cctype>
 #include <string>
 
+#include "base/source.hpp"
+
 namespace ddssec::governance::doctor {
 namespace {
 
@@ -22,8 +24,8 @@ std::string_view without_beginning(std::string_view text, std::string_view begin
   return text;
 }
 
-// The value of <Password>x, password = x, or <name>...password</name><value>x; "" if it is none of
-// these.
+// Where the value begins of <Password>x, password = x, or <name>...password</name><value>x; empty
+// if it is none of these.
 std::string_view value_after(std::string_view name) {
   const auto rest = without_beginning(name, "");
   if (rest.starts_with('=')) return without_beginning(rest.substr(1, rest.find('\n')), "");
@@ -33,19 +35,34 @@ std::string_view value_after(std::string_view name) {
   return without_beginning(without_beginning(rest.substr(kNameEnd.size()), "<value>"), "");
 }
 
+// `small` is `text` in small letters.
+void look_for(std::string_view name, std::string_view text, std::string_view small,
+              SecretsInText& out) {
+  constexpr std::string_view kFile = "file:";
+  for (auto at = small.find(name); at != small.npos; at = small.find(name, at + 1)) {
+    const auto value = value_after(small.substr(at + name.size()));
+    const bool is_closing = at > 0 && small[at - 1] == '/';
+    if (is_closing || value.empty() || value.front() == '<') continue;
+    if (!value.starts_with(kFile)) {
+      out.are_there = true;
+      continue;
+    }
+    const auto begin = static_cast<std::size_t>(value.data() - small.data());
+    auto uri = text.substr(begin, value.size());
+    uri = uri.substr(0, uri.find_first_of("<\r\n"));
+    uri = uri.substr(0, uri.find_last_not_of(kBlanks) + 1);
+    if (auto path = file_named_by(uri)) out.files.emplace_back(*std::move(path));
+  }
+}
+
 }  // namespace
 
-bool holds_secret(std::string_view text) {
-  constexpr std::string_view kPassword = "password";
-  if (text.contains("PRIVATE KEY-----")) return true;
+SecretsInText secrets_in(std::string_view text) {
   const auto small = in_small_letters(text);
-  for (auto at = small.find(kPassword); at != small.npos; at = small.find(kPassword, at + 1)) {
-    const auto value = value_after(std::string_view(small).substr(at + kPassword.size()));
-    const bool is_closing = at > 0 && small[at - 1] == '/';
-    if (!is_closing && !value.empty() && value.front() != '<' && !value.starts_with("file:"))
-      return true;
-  }
-  return false;
+  SecretsInText out{.are_there = text.contains("PRIVATE KEY-----") || small.contains("pin-value=")};
+  for (const std::string_view name : {"password", "passphrase", "passphrase_extra"})
+    look_for(name, text, small, out);
+  return out;
 }
 
 }  // namespace ddssec::governance::doctor

@@ -1,13 +1,20 @@
-// Finds out whether a configuration holds a secret itself.
+// Finds the secrets in a configuration, and the files that it names as secrets.
 #pragma once
 
+#include <filesystem>
 #include <string_view>
+#include <vector>
 
 namespace ddssec::governance::doctor {
 
-/// True if `text` holds a private key, or a value for a password that is not the name of a file: in
-/// an element or property of a configuration of Cyclone DDS or Fast DDS, or in security.properties.
-/// Comments count, too.
-bool holds_secret(std::string_view text);
+/// What a configuration of Cyclone DDS or Fast DDS, or security.properties, holds. Comments count,
+/// too.
+struct SecretsInText {
+  /// A private key, a PIN, or a password or passphrase itself.
+  bool are_there = false;
+  /// The files that are named for a password or passphrase.
+  std::vector<std::filesystem::path> files = {};
+};
+SecretsInText secrets_in(std::string_view text);
 
 }  // namespace ddssec::governance::doctor

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <cstring>
 #include <grp.h>
 #include <pwd.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <system_error>
 #include <unistd.h>
 
@@ -44,6 +47,30 @@ Group group_of(gid_t id, std::string_view user) {
 }
 
 bool is_sticky(const struct stat& status) { return (status.st_mode & S_ISVTX) != 0; }
+
+// An entry of a POSIX access control list, as Linux stores it: after a version of four octets, each
+// has a tag, rights and an id (acl(5)).
+struct AclEntry {
+  std::uint16_t tag;
+  std::uint16_t rights;
+  std::uint32_t id;
+};
+constexpr std::uint16_t kAclUser = 0x02, kAclGroup = 0x08, kAclMask = 0x10, kAclWrite = 0x02;
+
+std::vector<AclEntry> acl_of(const fs::path& path) {
+  constexpr std::size_t kVersion = 4;
+  std::array<char, 4096> octets;
+  const auto size =
+      ::getxattr(path.c_str(), "system.posix_acl_access", octets.data(), octets.size());
+  std::vector<AclEntry> out;
+  for (auto at = kVersion; size > 0 && at + sizeof(AclEntry) <= static_cast<std::size_t>(size);
+       at += sizeof(AclEntry)) {
+    AclEntry entry{};
+    std::memcpy(&entry, octets.data() + at, sizeof entry);
+    out.push_back(entry);
+  }
+  return out;
+}
 
 bool is_open(const struct stat& status) { return (status.st_mode & (S_IWGRP | S_IWOTH)) != 0; }
 
@@ -107,6 +134,7 @@ void WritablePlaces::judge(const fs::path& path, const struct stat& status) {
                  fmt::format("{} can be written by every user of this machine (mode {:03o})",
                              path.string(), mode),
                  Severity::error);
+  if (is_open(status)) judge_acl(path);
   if (!is_open(status) || status.st_gid == 0) return;
   const auto user = name_of_user(status.st_uid);
   const auto group = group_of(status.st_gid, user);
@@ -115,6 +143,26 @@ void WritablePlaces::judge(const fs::path& path, const struct stat& status) {
         fmt::format("{} can be written by the group {} (mode {:03o})", path.string(), group.name,
                     mode),
         Severity::warning);
+}
+
+// With such a list, the group's rights in the mode are the most that any entry gives.
+void WritablePlaces::judge_acl(const fs::path& path) {
+  const auto entries = acl_of(path);
+  const auto mask = std::ranges::find(entries, kAclMask, &AclEntry::tag);
+  if (mask == entries.end() || (mask->rights & kAclWrite) == 0) return;
+  for (const auto& entry : entries) {
+    if ((entry.rights & kAclWrite) == 0) continue;
+    if (entry.tag == kAclUser && !is_trusted(entry.id))
+      found(path,
+            fmt::format("{} can be written by the user {} (access control list)", path.string(),
+                        name_of_user(entry.id)),
+            Severity::warning);
+    if (entry.tag == kAclGroup && entry.id != 0)
+      found(path,
+            fmt::format("{} can be written by the group {} (access control list)", path.string(),
+                        group_of(entry.id, {}).name),
+            Severity::warning);
+  }
 }
 
 bool WritablePlaces::is_trusted(uid_t user) const {

@@ -15,7 +15,8 @@ struct stat;
 namespace ddssec::governance::doctor {
 
 /// Collects DOC104: a file or folder that every user of this machine can write (an error), or that
-/// belongs to another user or can be written by a group (a warning). A group does not count if it
+/// belongs to another user or can be written by a group or, by an access control list, by another
+/// user (a warning). A group does not count if it
 /// is root's, or if it has the name of its owner and no further member.
 class WritablePlaces {
  public:
@@ -38,6 +39,7 @@ class WritablePlaces {
   void add_way(const std::filesystem::path& path, int& links_left);
   void add_folders_above(const std::filesystem::path& name);
   void judge(const std::filesystem::path& path, const struct stat& status);
+  void judge_acl(const std::filesystem::path& path);
   bool is_trusted(uid_t user) const;
   void found(const std::filesystem::path& path, std::string message, Severity severity);
 

@@ -59,6 +59,35 @@ class Plugins(DoctorTest):
         self.assertEqual(len(told), 1)
         self.assertIn(f"{ours}/libdds_security_ac.so can be written by every user", told[0])
 
+    def test_configuration_and_what_it_names_elsewhere(self):
+        self.run_program("init", "demo-elsewhere")
+        folder = "demo-elsewhere/talker"
+        elsewhere = self.at / "elsewhere"
+        elsewhere.mkdir()
+        ca = elsewhere / "permissions.crt"
+        shutil.copy(self.at / folder / "permissions_ca.pem", ca)
+        own = (self.at / folder / "cyclonedds.xml").read_text()
+        configuration = elsewhere / "cyclonedds.xml"
+        configuration.write_text(own.replace(str(self.at / folder / "permissions_ca.pem"), str(ca)))
+        self.assertIn(str(ca), configuration.read_text())
+        for changed in (ca, configuration):
+            changed.chmod(0o666)
+            out = self.json("doctor", folder, exit=1, environment={"CYCLONEDDS_URI": f"file://{configuration}"})
+            changed.chmod(0o644)
+            told = [d["message"] for d in out["diagnostics"] if d["id"] == "DOC104"]
+            self.assertEqual(len(told), 1, out["diagnostics"])
+            self.assertIn(f"{changed} can be written by every user", told[0])
+
+    def test_known_file_beside_many_others(self):
+        shutil.copytree(self.at / self.paths["correct"], self.at / "crowded")
+        for number in range(200):
+            (self.at / "crowded" / f"note{number}.txt").touch()
+        for name in ("identity_ca.pem", "permissions_ca.pem", "cert.pem", "governance.p7s"):
+            (self.at / "crowded" / name).chmod(0o666)
+            out = self.json("doctor", "crowded", exit=1)
+            (self.at / "crowded" / name).chmod(0o644)
+            self.assertTrue(any(d["id"] == "DOC104" and name in d["message"] for d in out["diagnostics"]), name)
+
     def libraries(self, folder, octets, names=("auth", "ac", "crypto")):
         (self.at / folder).mkdir(exist_ok=True)
         for name in names:

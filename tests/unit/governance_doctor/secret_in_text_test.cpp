@@ -13,8 +13,11 @@ TEST(SecretInText, PasswordAndPrivateKey_AreFoundInEachKindOfFile) {
                            "<property><name>dds.sec.auth.builtin.PKI-DH.password</name>\n "
                            "<value>secret</value></property>",
                            "<PrivateKey>data:,-----BEGIN PRIVATE KEY-----\nMIGH",
-                           "<PrivateKey>data:,-----BEGIN ENCRYPTED PRIVATE KEY-----"})
-    EXPECT_TRUE(holds_secret(text)) << text;
+                           "<PrivateKey>data:,-----BEGIN ENCRYPTED PRIVATE KEY-----",
+                           "<PrivateKey>pkcs11:object=talker?pin-value=1234</PrivateKey>",
+                           "dds.sec.crypto.rtps_psk_secret_passphrase = data:,7:secret",
+                           "dds.sec.crypto.rtps_psk_secret_passphrase_extra = 7:secret"})
+    EXPECT_TRUE(secrets_in(text).are_there) << text;
 }
 
 TEST(SecretInText, EmptyPasswordOrTheNameOfAFile_IsNone) {
@@ -24,7 +27,18 @@ TEST(SecretInText, EmptyPasswordOrTheNameOfAFile_IsNone) {
         "dds.sec.auth.password = file:/run/secrets/password\n", "dds.sec.auth.password =",
         "<property><name>dds.sec.auth.builtin.PKI-DH.password</name><value></value></property>",
         "<PrivateKey>file:/password.pem</PrivateKey>", "-----BEGIN CERTIFICATE-----"})
-    EXPECT_FALSE(holds_secret(text)) << text;
+    EXPECT_FALSE(secrets_in(text).are_there) << text;
+}
+
+TEST(SecretInText, FilesThatAreNamedAsSecrets_AreTold) {
+  const auto secrets = secrets_in(
+      "dds.sec.auth.password = file:/Run/password \n"
+      "dds.sec.crypto.rtps_psk_secret_passphrase=file:///run/7.psk\n"
+      "<Password>FILE:/run/other</Password><PrivateKey>file:/run/key.pem</PrivateKey>"
+      "<Password>file:secrets/third</Password>");
+  EXPECT_FALSE(secrets.are_there);
+  EXPECT_EQ(secrets.files,
+            (std::vector<std::filesystem::path>{"/Run/password", "secrets/third", "/run/7.psk"}));
 }
 
 }  // namespace

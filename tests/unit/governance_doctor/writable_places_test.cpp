@@ -4,6 +4,7 @@
 #include <ctime>
 #include <fstream>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -137,6 +138,27 @@ TEST_F(WritablePlacesTest, AnotherUserOrGroup_IsAWarning) {
   set_mode(folder_, 0775);
   expect_open(folder_, "can be written by the group 12345 (mode 775)", Severity::warning);
   ASSERT_EQ(::chown(folder_.c_str(), 0, 0), 0);
+  EXPECT_THAT(found(file_), IsEmpty());
+}
+
+TEST_F(WritablePlacesTest, AccessControlListThatLetsAnotherUserWrite_IsAWarning) {
+  // acl(5): owner rw-, user 12345 rw-, group ---, mask, others ---.
+  struct [[gnu::packed]] Entry {
+    std::uint16_t tag, rights;
+    std::uint32_t id;
+  };
+  struct [[gnu::packed]] List {
+    std::uint32_t version = 2;
+    Entry entries[5] = {
+        {0x01, 6, ~0U}, {0x02, 6, 12'345}, {0x04, 0, ~0U}, {0x10, 6, ~0U}, {0x20, 0, ~0U}};
+  } list;
+  const auto set = [&] {
+    return ::setxattr(file_.c_str(), "system.posix_acl_access", &list, sizeof list, 0) == 0;
+  };
+  if (!set()) GTEST_SKIP() << "this file system has no access control lists";
+  expect_open(file_, "can be written by the user 12345 (access control list)", Severity::warning);
+  list.entries[3].rights = 4;  // the mask takes the right away
+  ASSERT_TRUE(set());
   EXPECT_THAT(found(file_), IsEmpty());
 }
 
