@@ -4,6 +4,7 @@
 
 #include "governance/domain_pieces.hpp"
 #include "governance/lint.hpp"
+#include "governance/lint_access.hpp"
 #include "governance/lint_findings.hpp"
 #include "governance/live_change.hpp"
 #include "governance/matcher.hpp"
@@ -60,25 +61,6 @@ void add_notes(Findings& out, const Governance& document) {
     }
   }
 }
-
-/// One domain rule, and where it stands.
-struct DomainPlace {
-  const DomainRule& rule;
-  std::string path;
-
-  std::string topic_path(std::size_t index) const {
-    return fmt::format("{}/topic_access_rules/topic_rule[{}]", path, index + 1);
-  }
-  Finding about(Id id, std::string message) const {
-    return {.rule = id, .message = std::move(message), .line = rule.line, .path = path};
-  }
-  Finding about(Id id, std::size_t topic, std::string message) const {
-    return {.rule = id,
-            .message = std::move(message),
-            .line = rule.topic_rules[topic].line,
-            .path = topic_path(topic)};
-  }
-};
 
 bool has_tags(const DomainRule& rule) {
   return !rule.domains.tags.empty() || !rule.domains.tag_expressions.empty();
@@ -189,45 +171,8 @@ void check_topics_without_rule(Findings& out, const DomainPlace& place) {
       GOV011, fmt::format("the last topic_rule is not \"*\": topics{} have no rule", example)));
 }
 
-bool controls_access(const TopicRule& rule) {
-  return rule.enable_read_access_control || rule.enable_write_access_control;
-}
-bool is_plain(const TopicRule& rule) {
-  return !is_protected(rule.metadata_protection_kind) && !is_protected(rule.data_protection_kind);
-}
-
-bool protects_anything(const DomainRule& rule) {
-  const auto is_protected_topic = [](const TopicRule& topic) {
-    return is_protected(topic.metadata_protection_kind) || is_protected(topic.data_protection_kind);
-  };
-  return is_protected(rule.rtps_protection_kind) || is_protected(rule.discovery_protection_kind) ||
-         is_protected(rule.liveliness_protection_kind) ||
-         std::ranges::any_of(rule.topic_rules, is_protected_topic);
-}
-
-void check_strangers(Findings& out, const DomainPlace& place) {
-  const auto& rule = place.rule;
-  if (!rule.allow_unauthenticated_participants || !protects_anything(rule)) return;
-  if (is_protected(rule.rtps_protection_kind))
-    return out.add(place.about(
-        GOV022,
-        fmt::format(
-            "allow_unauthenticated_participants is true and rtps_protection_kind "
-            "is {}: strangers can read no message and send none to endpoints of "
-            "ddssec; other products take theirs on topics without a protection of their own",
-            to_string(rule.rtps_protection_kind))));
-  auto finding = place.about(GOV047,
-                             "allow_unauthenticated_participants is true beside kinds that "
-                             "protect: a stranger's announcement can make "
-                             "Cyclone DDS take a participant for an unauthenticated one, so that "
-                             "two participants stay apart for good");
-  finding.vendors = {kCyclone};
-  out.add(std::move(finding));
-}
-
 void check_domain_kinds(Findings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
-  check_strangers(out, place);
   for (const auto& [name, kind] :
        {std::pair("discovery_protection_kind", rule.discovery_protection_kind),
         std::pair("liveliness_protection_kind", rule.liveliness_protection_kind),
@@ -237,13 +182,6 @@ void check_domain_kinds(Findings& out, const DomainPlace& place) {
     finding.vendors = {kOpenDds, kFastDds};
     out.add(std::move(finding));
   }
-  const bool domain_is_open = !is_protected(rule.discovery_protection_kind) &&
-                              !is_protected(rule.liveliness_protection_kind) &&
-                              !is_protected(rule.rtps_protection_kind);
-  if (domain_is_open && std::ranges::all_of(rule.topic_rules, is_plain))
-    out.add(place.about(
-        GOV040,
-        "every protection kind is NONE: every host on the network can read and forge everything"));
 }
 
 // Flags that demand something that the domain rule does not provide.
@@ -258,40 +196,6 @@ void check_flags(Findings& out, const DomainPlace& place, std::size_t i) {
   };
   check(topic.enable_discovery_protection, place.rule.discovery_protection_kind, "discovery");
   check(topic.enable_liveliness_protection, place.rule.liveliness_protection_kind, "liveliness");
-}
-
-void check_access(Findings& out, const DomainPlace& place, std::size_t i) {
-  const auto& topic = place.rule.topic_rules[i];
-  const auto name = in_quotes(topic.topic_expression);
-  if (controls_access(topic) && !place.rule.enable_join_access_control)
-    out.add(place.about(GOV021, i,
-                        fmt::format("{}: access to topics is controlled and joining the domain "
-                                    "is not (enable_join_access_control is false)",
-                                    name)));
-  if (controls_access(topic) && place.rule.allow_unauthenticated_participants) {
-    auto finding = place.about(
-        GOV025, i, fmt::format("{}: access is controlled and strangers are allowed", name));
-    finding.vendors = stock_vendors();
-    out.add(std::move(finding));
-  }
-  if (controls_access(topic) && is_plain(topic)) {
-    auto finding = place.about(
-        GOV043, i,
-        fmt::format("{}: access is controlled, and metadata_protection_kind and "
-                    "data_protection_kind are NONE, so that only the good will of peers keeps "
-                    "them out under Cyclone DDS",
-                    name));
-    finding.vendors = {kCyclone};
-    out.add(std::move(finding));
-  }
-  const bool is_secret =
-      is_encrypted(topic.data_protection_kind) || is_encrypted(topic.metadata_protection_kind);
-  if (is_secret && !topic.enable_read_access_control)
-    out.add(place.about(
-        GOV041, i,
-        fmt::format("{}: the payload is encrypted, and enable_read_access_control is false, so "
-                    "that every participant of the domain gets the key",
-                    name)));
 }
 
 // Each payload, and each fragment of a sample, is protected on its own. Nothing protects what
@@ -445,7 +349,6 @@ void check_topics(Findings& out, const DomainPlace& place) {
     out.add_if_ros_name(GOV013, expression, place.topic_path(i));
     out.add_if_misleading(DOC097, "the topic expression", expression, place.topic_path(i));
     check_flags(out, place, i);
-    check_access(out, place, i);
     check_kinds(out, place, i);
   }
 }
@@ -463,6 +366,7 @@ std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use
     check_dead_rules(out, place);
     check_topics_without_rule(out, place);
     check_domain_kinds(out, place);
+    check_access(out, place);
     check_clear_discovery(out, place);
     check_redirection(out, place);
     if (use.choices) {

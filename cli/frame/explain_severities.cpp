@@ -30,6 +30,7 @@ constexpr OtherSeverity kOthers[] = {
     {"DOC104", warning, "for a group that can write, or another owner"},
     {"DOC107", warning, "for products that --vendor of check does not name"},
     {"GOV010", warning, "where the rules before it protect alike"},
+    {"GOV040", note, "for some topics of a domain that protects others"},
     {"GOV012 PERM013", note, "where Cyclone DDS and Fast DDS agree"},
     {"PERM002", error, "where the grant is over or never valid"},
     {"PERM002", note, "for a fraction of a second"},

@@ -10,6 +10,8 @@ namespace ddssec::governance::doctor {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::string_view kPassword = "password", kPassphrase = "passphrase",
+                           kExtraPassphrases = "passphrase_extra";
 
 std::string in_small_letters(std::string_view text) {
   std::string out(text);
@@ -51,6 +53,7 @@ void look_for(std::string_view name, std::string_view text, std::string_view sma
     auto uri = text.substr(begin, value.size());
     uri = uri.substr(0, uri.find_first_of("<\r\n"));
     uri = uri.substr(0, uri.find_last_not_of(kBlanks) + 1);
+    if (name != kPassword) continue;
     if (auto path = file_named_by(uri)) out.files.emplace_back(*std::move(path));
   }
 }
@@ -60,7 +63,7 @@ void look_for(std::string_view name, std::string_view text, std::string_view sma
 SecretsInText secrets_in(std::string_view text) {
   const auto small = in_small_letters(text);
   SecretsInText out{.are_there = text.contains("PRIVATE KEY-----") || small.contains("pin-value=")};
-  for (const std::string_view name : {"password", "passphrase", "passphrase_extra"})
+  for (const auto name : {kPassword, kPassphrase, kExtraPassphrases})
     look_for(name, text, small, out);
   return out;
 }

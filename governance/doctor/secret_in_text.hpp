@@ -12,7 +12,7 @@ namespace ddssec::governance::doctor {
 struct SecretsInText {
   /// A private key, a PIN, or a password or passphrase itself.
   bool are_there = false;
-  /// The files that are named for a password or passphrase.
+  /// The files that are named for a password. Those of passphrases are DOC091's matter.
   std::vector<std::filesystem::path> files = {};
 };
 SecretsInText secrets_in(std::string_view text);

@@ -16,8 +16,8 @@ namespace ddssec::governance::doctor {
 
 /// Collects DOC104: a file or folder that every user of this machine can write (an error), or that
 /// belongs to another user or can be written by a group or, by an access control list, by another
-/// user (a warning). A group does not count if it
-/// is root's, or if it has the name of its owner and no further member.
+/// user (a warning). A group does not count if it is root's, or if it has the name of its owner and
+/// no further member.
 class WritablePlaces {
  public:
   /// `owner` is the participant's user. It is trusted, as are root and the user of this process.

@@ -46,6 +46,7 @@ class Governance(CheckTest):
                     text += f"{properties}_extra = data:,{extra}\n" if extra else ""
                     text += f"dds.sec.crypto.rtps_psk_symmetric_cipher_algorithm = {cipher}\n" if cipher else ""
                 (made.path / "security.properties").write_text(text)
+                (made.path / "security.properties").chmod(0o600)
 
         have("1:xyzzy", cipher="AES256+GCM")
         self.check(exit=0)

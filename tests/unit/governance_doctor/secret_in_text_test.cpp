@@ -34,11 +34,11 @@ TEST(SecretInText, FilesThatAreNamedAsSecrets_AreTold) {
   const auto secrets = secrets_in(
       "dds.sec.auth.password = file:/Run/password \n"
       "dds.sec.crypto.rtps_psk_secret_passphrase=file:///run/7.psk\n"
-      "<Password>FILE:/run/other</Password><PrivateKey>file:/run/key.pem</PrivateKey>"
+      "<Password>file:/run/other</Password><PrivateKey>file:/run/key.pem</PrivateKey>"
       "<Password>file:secrets/third</Password>");
   EXPECT_FALSE(secrets.are_there);
   EXPECT_EQ(secrets.files,
-            (std::vector<std::filesystem::path>{"/Run/password", "secrets/third", "/run/7.psk"}));
+            (std::vector<std::filesystem::path>{"/Run/password", "/run/other", "secrets/third"}));
 }
 
 }  // namespace

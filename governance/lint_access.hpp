@@ -1,0 +1,17 @@
+// Who may take part in a domain, and read and write its topics, for lint. For governance/ only.
+#pragma once
+
+#include "governance/domain_place.hpp"
+#include "governance/lint_findings.hpp"
+
+namespace ddssec::governance {
+
+/// True if neither submessages nor payloads of the topic are protected.
+bool is_plain(const TopicRule& rule);
+/// True if any kind of the domain or of its topics is SIGN or more.
+bool protects_anything(const DomainRule& rule);
+
+/// GOV021, GOV022, GOV025, GOV040, GOV041, GOV043, and GOV047 to GOV050.
+void check_access(Findings& out, const DomainPlace& place);
+
+}  // namespace ddssec::governance
