@@ -23,6 +23,7 @@
 #include "plugins/cryptography/fragment_walks.hpp"
 #include "plugins/cryptography/key_life.hpp"
 #include "plugins/cryptography/key_owner.hpp"
+#include "plugins/cryptography/match_shares.hpp"
 #include "plugins/cryptography/payload_positions.hpp"
 #include "plugins/cryptography/receive_key.hpp"
 #include "plugins/cryptography/receiver_places.hpp"
@@ -189,6 +190,7 @@ struct LocalEndpoint final : Entity {
   std::optional<KeyMaterial> token_only;
   std::unordered_set<std::int64_t> matched;  ///< remote endpoints
   ReceiverPlaces receivers;                  ///< a writer's receivers that each need a MAC
+  MatchShares matches;
 
   bool has_peer_keys() const {
     return kind() == EntityKind::local_reader && !is_volatile && is_protected(submessage) &&
@@ -214,6 +216,8 @@ struct RemoteEndpoint final : Entity {
   std::atomic<std::uint64_t> route = 0;  ///< number of its only valid route; 0: none
   /// Subject whose place it takes among the local writer's receivers.
   std::optional<std::uint64_t> place = {};
+  /// Subject for which the local endpoint counts the match; empty: it is not counted.
+  std::optional<std::uint64_t> share = {};
 };
 
 }  // namespace ddssec::cryptography

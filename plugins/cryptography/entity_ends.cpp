@@ -15,6 +15,7 @@ void KeyFactory::drop_remote(RemoteEndpoint& endpoint) {
   endpoint.local.matched.erase(endpoint.handle());
   endpoint.participant.endpoints.erase(endpoint.handle());
   state_.give_back_place(endpoint);
+  endpoint.local.matches.give_back(endpoint.share);
   give_back_peer_key(endpoint);
   if (endpoint.route != 0) endpoint.participant.routes.note_gone();
   drop(endpoint);

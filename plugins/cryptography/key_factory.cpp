@@ -367,6 +367,20 @@ void KeyFactory::give_back_peer_key(const RemoteEndpoint& writer) noexcept {
     writer.local.peer_keys.erase(writer.participant.handle());
 }
 
+// A host that checks sources limits them itself. Endpoints whose announcements are not protected
+// are not counted: anyone can invent them in the peer's name.
+Status KeyFactory::take_share(RemoteEndpoint& remote, const Pair& pair) {
+  auto& local = remote.local;
+  if (local.is_builtin || !local.is_discovery_protected) return {};
+  const auto subject = subject_of(remote.participant.identity, pair);
+  if (auto status = local.matches.take(subject); !status) {
+    state_.report(status.error(), pair.peer_prefix);
+    return status;
+  }
+  remote.share = subject;
+  return {};
+}
+
 /// The shared secret belongs to the two participants and came with
 /// register_matched_remote_participant. The volatile endpoints of a pair must share one sender's
 /// counter instead of starting two.
@@ -381,7 +395,10 @@ Result<std::int64_t> KeyFactory::add_match(const Match& match, EntityKind kind) 
   DDSSEC_RETURN_IF_ERROR(state_.registry.add(std::move(remote)));
   Rollback forget([&] { drop_remote(added); });
   if (local.has_peer_keys()) DDSSEC_RETURN_IF_ERROR(take_peer_key(added));
-  if (state_.host_checks_sources) DDSSEC_RETURN_IF_ERROR(state_.take_place(added, pair));
+  if (state_.host_checks_sources)
+    DDSSEC_RETURN_IF_ERROR(state_.take_place(added, pair));
+  else
+    DDSSEC_RETURN_IF_ERROR(take_share(added, pair));
   local.matched.insert(added.handle());
   parent.endpoints.insert(added.handle());
   if (local.is_volatile) state_.publish_route(added);

@@ -107,6 +107,8 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   static void give_back_peer_key(const RemoteEndpoint& writer) noexcept;
   /// Error: receiver_places_taken, after an event that names the peer.
   Status take_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh);
+  /// Error: too_many_matches, after an event that names the peer.
+  Status take_share(RemoteEndpoint& remote, const Pair& pair);
   void drop(const Entity& entity);
   void drop_local(LocalParticipant& participant);
   void drop_remote(RemoteParticipant& participant);

@@ -5,7 +5,7 @@
 
 #include "base/hash.hpp"
 #include "plugins/cryptography/cipher_choice.hpp"
-#include "plugins/cryptography/cryptography_state.hpp"
+#include "plugins/cryptography/key_factory.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
 
 namespace ddssec::cryptography {
