@@ -2,7 +2,7 @@
 """Holds the version of CMakeLists.txt to CHANGELOG.md, and to what the documents and examples ask for.
 
 - It is the newest released version of CHANGELOG.md, and that file's headings have the form of Keep a Changelog, the newest
-  first, after [Unreleased].
+  first, after [Unreleased]. A released version has at most 90 lines, so that users read it.
 - README.md names it, and each find_package(ddssec ...) asks for its minor version.
 
 Exit 1 and a line for each fault.
@@ -15,6 +15,7 @@ import subprocess
 import sys
 
 HEADING = re.compile(r"\[(\d+)\.(\d+)\.(\d+)\] - (\d{4}-\d{2}-\d{2})")
+MAX_LINES = 90  # of a released version
 PARTS = {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"}
 
 
@@ -39,6 +40,9 @@ def changelog_faults(text, version):
     newest = ".".join(map(str, numbers[0])) if numbers else "none"
     if newest != version:
         yield f"the newest released version is {newest}, and that of CMakeLists.txt is {version}"
+    for section in re.split(r"^## ", text, flags=re.M)[2:]:
+        if section.count("\n") > MAX_LINES:
+            yield f"{section.splitlines()[0]} has {section.count(chr(10))} lines, {MAX_LINES} are allowed"
     for part in re.findall(r"^### (.*)$", text, re.M):
         if part not in PARTS:
             yield f'"{part}" is none of {", ".join(sorted(PARTS))}'
