@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Follows the links between our pages: each file and each heading that a link names exists. Exit 1 and a line for each
-that does not.
+"""Follows the links between our pages: each file and each heading that a link names exists, and docs/README.md names each
+page of docs/. Exit 1 and a line for each fault.
 """
 
 import pathlib
@@ -50,7 +50,12 @@ def main():
                     continue
                 print(f"{page.relative_to(root)}:{number}: {target}: {why}")
                 faults += 1
-    print(f"{faults} of {links} links lead nowhere" if faults else f"{links} links lead somewhere")
+    index = root / "docs/README.md"
+    for page in pages:
+        if page.parent == index.parent and page != index and f"]({page.name})" not in pages.get(index, ""):
+            print(f"docs/README.md: no link to {page.name}")
+            faults += 1
+    print(f"{faults} faults in {links} links" if faults else f"{links} links lead somewhere")
     return 1 if faults or not links else 0
 
 
