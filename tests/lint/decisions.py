@@ -13,6 +13,7 @@ import sys
 LABELS = ["What", "Why", "Instead", "Cost", "Again when"]
 LABEL = re.compile(r"^- (What|Why|Instead|Cost|Again when):(.*)$", re.M)
 TITLE = re.compile(r"(.+) \((\d{4}-\d{2}-\d{2})\)")
+WITHOUT_DATE = r"\1"
 BEGIN, END = "<!-- index -->\n", "<!-- end of index -->\n"
 
 
@@ -32,10 +33,21 @@ def sections(text):
 
 
 def index_of(text):
-    out = BEGIN
+    """A table of the areas, and below it for each area a list of its decisions, which a forge shows folded."""
+    areas = []
     for _, level, heading, _ in sections(text):
-        link = f"[{heading}](#{anchor(heading)})"
-        out += f"\n{link}\n\n" if level == 1 else f"- {link}\n"
+        if level == 1:
+            areas.append((heading, []))
+        elif areas:
+            areas[-1][1].append(heading)
+    out = BEGIN + "\n| area | decisions | last |\n|---|---|---|\n"
+    for area, decisions in areas:
+        last = max((title[2] for title in map(TITLE.fullmatch, decisions) if title), default="")
+        out += f"| [{area}](#{anchor(area)}) | {len(decisions)} | {last} |\n"
+    for area, decisions in areas:
+        out += f"\n<details><summary>{area}: {len(decisions)} decisions</summary>\n\n"
+        out += "".join(f"- [{TITLE.sub(WITHOUT_DATE, heading)}](#{anchor(heading)})\n" for heading in decisions)
+        out += "\n</details>\n"
     return out + END
 
 
