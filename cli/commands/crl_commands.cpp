@@ -400,7 +400,7 @@ std::vector<Command> crl_commands() {
            .name = "distribute",
            .summary = "Puts the CA's revocation list, and its list of renewed certificates and "
                       "permissions, into participants' folders; running ones "
-                      "look every 5 s.",
+                      "look every second.",
            .positionals = {{"DIRS",
                             "the folders; without any, all of this CA's participants that are here",
                             true, true}},

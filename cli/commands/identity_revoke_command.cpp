@@ -178,7 +178,7 @@ std::string next_steps(const std::string& ca, const ParticipantPlaces& places,
   auto out = fmt::format(
       "next: ddssec crl distribute {}--ca {}   ({})\n"
       "when the list is in the folder, a participant reads it\n"
-      "  with ddssec's plugins (in Cyclone DDS, or embedded): within 5 s, also the first "
+      "  with ddssec's plugins (in Cyclone DDS, or embedded): within 2 s, also the first "
       "crl.pem that appears beside its certificate\n"
       "  with the stock plugins of Cyclone DDS or Fast DDS: only when it starts again, and "
       "only if its configuration names the list (ROS 2 names crl.pem of the enclave)\n",

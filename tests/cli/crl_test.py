@@ -58,7 +58,7 @@ class Revocation(Transcript):
         out = self.json("identity", "revoke", "talker", "--ca", "ca", "--dry-run", *LATER)["result"]
         self.assertEqual((out["without_list"], out["elsewhere"]), ([f"{self.at}/third"], [f"{self.at}/away"]))
         told = self.run_program("identity", "revoke", "talker", "--ca", "ca", *LATER).stdout
-        self.assertRegex(told, r"ddssec's plugins .*within 5 s")
+        self.assertRegex(told, r"ddssec's plugins .*within 2 s")
         self.assertRegex(told, r"stock plugins .*only when it starts again")
         self.assertIn(f"no list so far, so that nothing is revoked there:\n    {self.at}/third\n", told)
         self.assertIn(f"copy ca/identity/crl.pem there as crl.pem:\n    {self.at}/away\n", told)
