@@ -1,8 +1,10 @@
 #include "rtps/durability/sample_index.hpp"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
+#include "base/hash.hpp"
 #include "base/rollback.hpp"
 
 namespace ddssec::rtps {
@@ -75,6 +77,8 @@ std::vector<MonotonicTime> SampleIndex::open(StreamId stream, const DurabilitySe
       place.base = row.id;
     insert(opened, key, place, row, end_of(change, service, time, now));
   }
+  opened.is_kept = !history.heard.empty();
+  for (const auto& end : history.ends) opened.past_ends.restore(end);
   streams_.insert_or_assign(stream, std::move(opened));
   return out;
 }
@@ -85,6 +89,8 @@ SampleIndex::Outcome SampleIndex::add(StoredChange& entry, const Moment& now) {
   const auto found = streams_.find(entry.stream);
   if (found == streams_.end()) return {ended};
   auto& stream = found->second;
+  stream.is_kept |= stream.samples > 0 &&
+                    (entry.is_remembered || entry.relay_order != RelayOrder::direct);
   const auto key = key_of(change);
   if (!change.is_alive() && !change.status.disposed) return {ended};
   const auto account = account_of(shares_, entry.identity);
@@ -109,7 +115,7 @@ SampleIndex::Outcome SampleIndex::add(StoredChange& entry, const Moment& now) {
   if (!is_within_limits && !change.status.disposed) return ++left_out_, Outcome{left_out};
   if (!is_kept || !has_share_left || !is_within_limits) {
     Outcome out{ended};
-    stream.past_ends.add(key, time, account);
+    note_end(stream, entry, key, row);
     if (all == 0) return out;
     entry.removed = out.removed = oldest(held->second, all);
     erase_instance(stream, key);
@@ -178,7 +184,7 @@ bool SampleIndex::is_outdated(const Stream& stream, const StoredChange& entry, T
   const auto key = key_of(entry.change);
   if (stream.past_ends.has_later(key, time)) return true;
   const auto held = stream.instances.find(key);
-  if (held == stream.instances.end()) return entry.was_heard;
+  if (held == stream.instances.end()) return false;
   const auto& rows = held->second;
   const bool has_ended = stream.ended.contains(key);
   if (stream.service.history.kind == HistoryKind::keep_all && !has_ended) return false;
@@ -194,27 +200,58 @@ bool SampleIndex::is_outdated(const Stream& stream, const StoredChange& entry, T
          (is_first && replaced(stream, rows) > 0);
 }
 
-void SampleIndex::PastEnds::add(const KeyHash& key, Time time, Account account) {
-  const auto [at, is_new] = by_key_.try_emplace(key, End{time, account});
+// A key has at most 16 octets, and may equal the GUID of a writer.
+SampleIndex::PastEnds::Digest SampleIndex::PastEnds::digest_of(const KeyHash& key) {
+  constexpr std::string_view kPurpose = "ddssec ended instance";
+  const auto full = sha256({as_bytes(kPurpose), key});
+  Digest out;
+  std::ranges::copy(BytesView(full).first(out.size()), out.begin());
+  return out;
+}
+
+std::vector<StoredEnd> SampleIndex::PastEnds::add(const KeyHash& key, Time time, Account account) {
+  std::vector<StoredEnd> out;
+  out.reserve(2);
+  const auto digest = digest_of(key);
+  out.push_back({digest, time});
+  const auto [at, is_new] = ends_.try_emplace(digest, End{time, account});
   if (at->second.time < time) at->second = {time, account};
-  if (!is_new) return;
-  Rollback undo([&] { by_key_.erase(at); });
-  auto& keys = by_account_[account];
-  keys.push_back(key);
+  if (!is_new) return out;
+  Rollback undo([&] { ends_.erase(at); });
+  auto& ends = by_account_[account];
+  ends.push_back(digest);
   undo.release();
-  if (keys.size() <= kMaxOfOne) return;
-  by_key_.erase(keys.front());
-  keys.pop_front();
+  if (ends.size() <= kMaxOfOne) return out;
+  out.push_back({ends.front(), {}, true});
+  ends_.erase(ends.front());
+  ends.pop_front();
+  return out;
+}
+
+void SampleIndex::PastEnds::restore(const StoredEnd& end) {
+  ends_.try_emplace(end.instance, End{end.time, StoreShares::kNone});
+}
+
+const SampleIndex::PastEnds::End* SampleIndex::PastEnds::find(const KeyHash& key) const {
+  if (ends_.empty()) return nullptr;
+  const auto at = ends_.find(digest_of(key));
+  return at == ends_.end() ? nullptr : &at->second;
 }
 
 bool SampleIndex::PastEnds::has_later(const KeyHash& key, Time time, Account account) const {
-  const auto at = by_key_.find(key);
-  return at != by_key_.end() && at->second.account != account && at->second.time > time;
+  const auto* end = find(key);
+  return end != nullptr && end->account != account && end->time > time;
 }
 
 bool SampleIndex::PastEnds::has_later(const KeyHash& key, Time time) const {
-  const auto at = by_key_.find(key);
-  return at != by_key_.end() && at->second.time > time;
+  const auto* end = find(key);
+  return end != nullptr && end->time > time;
+}
+
+void SampleIndex::note_end(Stream& stream, StoredChange& entry, const KeyHash& key,
+                           const Row& last) {
+  const auto ends = stream.past_ends.add(key, last.time, last.account);
+  if (stream.is_kept) entry.ends.insert(entry.ends.end(), ends.begin(), ends.end());
 }
 
 // What needs no more room than what it replaces is always taken. Anything else must leave as much
@@ -314,7 +351,12 @@ std::vector<std::int64_t> SampleIndex::clean_up(StoredChange& entry, MonotonicTi
       if (row.expires > now) gone.emplace_back(key, place);
     }
   std::vector<std::int64_t> removed;
-  for (const auto& [key, place] : gone) removed.push_back(stream.instances.at(key).at(place).id);
+  for (const auto& [key, place] : gone) {
+    const auto& rows = stream.instances.at(key);
+    removed.push_back(rows.at(place).id);
+    if (place == rows.rbegin()->first && stream.ended.contains(key))
+      note_end(stream, entry, key, rows.at(place));
+  }
   entry.removed = removed;
   for (const auto& [key, place] : gone) erase_row(stream, key, place);
   return removed;

@@ -47,17 +47,17 @@ class SampleIndex {
     std::int64_t row = 0;
     std::vector<std::int64_t> removed = {};
   };
-  /// `entry.stream`, `change`, `identity`, `is_late`, `relay_order`, `lifespan` and `was_heard` are
-  /// given; sets `row`, `expiry` and `removed`, and returns the row and `removed` as well. With
-  /// KEEP_LAST it replaces the oldest of its instance. The end of an instance that has no room
-  /// removes the instance. What waits or is left out changes nothing, nor does an exception
+  /// `entry.stream`, `change`, `identity`, `is_late`, `is_remembered`, `relay_order` and `lifespan`
+  /// are given; sets `row`, `expiry`, `removed` and `ends`, and returns the row and `removed` as
+  /// well. With KEEP_LAST it replaces the oldest of its instance. The end of an instance that has
+  /// no room removes the instance. What waits or is left out changes nothing, nor does an exception
   /// (std::bad_alloc).
   Outcome add(StoredChange& entry, const Moment& now);
   /// Limit for the rows that one call of clean_up removes.
   static constexpr std::size_t kMaxRemoved = 256;
   /// Removes samples of `entry.stream` that have expired, and of disposed instances whose
-  /// service_cleanup_delay is over. Sets `removed`, and returns it as well. The steps of the
-  /// calendar have no effect. An exception (std::bad_alloc) changes nothing.
+  /// service_cleanup_delay is over. Sets `removed` and `ends`, and returns the former. The steps of
+  /// the calendar have no effect. An exception (std::bad_alloc) changes nothing.
   std::vector<std::int64_t> clean_up(StoredChange& entry, MonotonicTime now,
                                      std::size_t max_samples = kMaxRemoved);
   /// When clean_up next has something to do. kNever: nothing is due by itself.
@@ -112,7 +112,10 @@ class SampleIndex {
    public:
     /// Of one identity. Beyond, its oldest is forgotten.
     static constexpr std::size_t kMaxOfOne = 1024;
-    void add(const KeyHash& key, Time time, Account account);
+    /// Returns what changes.
+    std::vector<StoredEnd> add(const KeyHash& key, Time time, Account account);
+    /// An earlier process has added it.
+    void restore(const StoredEnd& end);
     /// True if another identity ended it later.
     bool has_later(const KeyHash& key, Time time, Account account) const;
     bool has_later(const KeyHash& key, Time time) const;
@@ -122,8 +125,12 @@ class SampleIndex {
       Time time;
       Account account;
     };
-    std::map<KeyHash, End> by_key_;
-    std::map<Account, std::deque<KeyHash>> by_account_;
+    using Digest = decltype(StoredEnd::instance);
+    static Digest digest_of(const KeyHash& key);
+    const End* find(const KeyHash& key) const;
+
+    std::map<Digest, End> ends_;
+    std::map<Account, std::deque<Digest>> by_account_;
   };
   /// When a row expires, its place and its instance.
   using Expiring = std::tuple<MonotonicTime, Place, KeyHash>;
@@ -132,6 +139,8 @@ class SampleIndex {
     std::map<KeyHash, Rows> instances;
     Ended ended;
     PastEnds past_ends;
+    /// By a keeper, and something was stored: ends are remembered for the next process.
+    bool is_kept = false;
     std::set<Expiring> expiring;
     std::size_t samples = 0;
     std::map<Account, std::size_t> samples_of;
@@ -156,6 +165,8 @@ class SampleIndex {
   void insert(Stream& stream, const KeyHash& key, const Place& place, const Row& row,
               MonotonicTime ends_at);
   void erase(Stream& stream, const KeyHash& key, const Rows::value_type& row);
+  /// The instance has ended, and no row of it stays.
+  static void note_end(Stream& stream, StoredChange& entry, const KeyHash& key, const Row& last);
   void erase_oldest(Stream& stream, const KeyHash& key, std::size_t count);
   void erase_instance(Stream& stream, const KeyHash& key);
   /// With the last one of its rows, the instance goes as well.

@@ -13,8 +13,6 @@
 namespace ddssec::rtps {
 namespace {
 
-// One of so many octets may be used for each remembered writer.
-constexpr std::size_t kOctetsPerHeard = 1024;
 constexpr std::size_t kPageSize = 4096;
 constexpr std::string_view kWithoutSamples =
     "NOT EXISTS (SELECT 1 FROM sample WHERE sample.stream = stream.id)";
@@ -104,18 +102,7 @@ Status SampleStore::prepare(std::size_t max_octets, Time now) {
   DDSSEC_ASSIGN_OR_RETURN(last_stream_,
                           database_.number("SELECT max(coalesce((SELECT max(id) FROM stream), 0), "
                                            "coalesce((SELECT max(stream) FROM sample), 0))"));
-  DDSSEC_ASSIGN_OR_RETURN(renew_heard_,
-                          database_.prepare("UPDATE heard SET number = max(number, ?3), "
-                                            "time = max(time, ?4), used = ?5 "
-                                            "WHERE stream = ?1 AND writer = ?2"));
-  DDSSEC_ASSIGN_OR_RETURN(insert_heard_, database_.prepare("INSERT INTO heard(stream, writer, "
-                                                           "number, time, used) "
-                                                           "VALUES(?1, ?2, ?3, ?4, ?5)"));
-  max_heard_ = std::min(kMaxHeard, max_octets / kOctetsPerHeard);
-  DDSSEC_ASSIGN_OR_RETURN(const auto heard, database_.number("SELECT count(*) FROM heard"));
-  heard_ = static_cast<std::size_t>(heard);
-  DDSSEC_ASSIGN_OR_RETURN(last_use_, database_.number("SELECT coalesce(max(used), 0) FROM heard"));
-  return {};
+  return heard_.open(database_, max_octets);
 }
 
 Status SampleStore::check_origin() {
@@ -217,10 +204,8 @@ Status SampleStore::make_place() {
 }
 
 Status SampleStore::forget(StreamId id) {
-  const auto number = std::to_string(id.value);
-  DDSSEC_RETURN_IF_ERROR(database_.run("DELETE FROM heard WHERE stream = " + number));
-  heard_ -= std::min(heard_, static_cast<std::size_t>(database_.changes()));
-  return database_.run("DELETE FROM stream WHERE id = " + number);
+  DDSSEC_RETURN_IF_ERROR(heard_.forget(database_, id));
+  return database_.run("DELETE FROM stream WHERE id = " + std::to_string(id.value));
 }
 
 Result<std::optional<StreamId>> SampleStore::row_of(const StreamKey& key) {
@@ -360,7 +345,8 @@ Result<StoredHistory> SampleStore::load(StreamId stream) {
     out.identities.push_back(sample->identity);
     out.expiries.push_back(sample->expiry);
   }
-  DDSSEC_RETURN_IF_ERROR(load_heard(stream, out.heard));
+  DDSSEC_ASSIGN_OR_RETURN(const auto is_intact, heard_.load(database_, stream, out));
+  if (!is_intact) return unusable(path_, "what was stored", "a writer that was heard is damaged");
   return out;
 }
 
@@ -377,10 +363,7 @@ Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
 Status SampleStore::write(std::span<const StoredChange> changes, Time now) {
   std::vector<Stream*> made;
   // What was remembered is forgotten with the transaction.
-  Rollback undo([this, heard = heard_, last_use = last_use_] {
-    heard_ = heard;
-    last_use_ = last_use;
-  });
+  Rollback undo([this, counters = heard_.counters()] { heard_.restore(counters); });
   {
     DDSSEC_ASSIGN_OR_RETURN(auto transaction, Database::Transaction::begin(database_));
     for (const auto& stored : changes) {
@@ -394,7 +377,7 @@ Status SampleStore::write(std::span<const StoredChange> changes, Time now) {
       }
       DDSSEC_RETURN_IF_ERROR(insert(stored, now));
     }
-    DDSSEC_RETURN_IF_ERROR(remember_all(changes));
+    DDSSEC_RETURN_IF_ERROR(remember(changes));
     DDSSEC_RETURN_IF_ERROR(transaction.commit());
   }
   undo.release();
@@ -402,64 +385,11 @@ Status SampleStore::write(std::span<const StoredChange> changes, Time now) {
   return {};
 }
 
-Status SampleStore::remember_all(std::span<const StoredChange> changes) {
-  std::map<std::pair<StreamId, Guid>, HeardWriter> latest;
-  for (const auto& stored : changes) {
-    if (!stored.is_remembered || !streams_.contains(stored.stream)) continue;
-    const auto origin = stored.change.origin();
-    const auto time = stored.change.source_time.value_or(Time{});
-    auto& heard = latest.try_emplace({stored.stream, origin.writer}, origin.writer).first->second;
-    heard.number = std::max(heard.number, origin.number);
-    heard.time = std::max(heard.time, time);
-  }
-  for (const auto& [key, heard] : latest) DDSSEC_RETURN_IF_ERROR(remember(key.first, heard));
-  return heard_ > max_heard_ ? forget_longest_unheard() : Status{};
-}
-
-Status SampleStore::remember(StreamId stream, const HeardWriter& heard) {
-  const auto writer = heard.writer.octets();
-  ++last_use_;
-  const auto run = [&](SqlStatement& statement) {
-    return statement.bind(1, stream.value)
-        .bind(2, BytesView(writer))
-        .bind(3, heard.number.value)
-        .bind(4, heard.time.to_nanoseconds().count())
-        .bind(5, last_use_)
-        .run();
-  };
-  DDSSEC_RETURN_IF_ERROR(run(renew_heard_));
-  if (database_.changes() > 0) return {};
-  DDSSEC_RETURN_IF_ERROR(run(insert_heard_));
-  ++heard_;
-  return {};
-}
-
-// Several at once, because it looks at all of them.
-Status SampleStore::forget_longest_unheard() {
-  const auto surplus = std::to_string(heard_ - max_heard_ + max_heard_ / 16);
-  DDSSEC_RETURN_IF_ERROR(database_.run(
-      "DELETE FROM heard WHERE used <= (SELECT used FROM heard ORDER BY used LIMIT 1 OFFSET " +
-      surplus + ")"));
-  DDSSEC_ASSIGN_OR_RETURN(const auto left, database_.number("SELECT count(*) FROM heard"));
-  heard_ = static_cast<std::size_t>(left);
-  return {};
-}
-
-Status SampleStore::load_heard(StreamId stream, std::vector<HeardWriter>& out) {
-  DDSSEC_ASSIGN_OR_RETURN(
-      auto rows, database_.prepare("SELECT writer, number, time FROM heard WHERE stream = ?"));
-  rows.bind(1, stream.value);
-  while (true) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto has_row, rows.step());
-    if (!has_row) return {};
-
-    const auto writer = rows.octets(0);
-    if (writer.size() != Guid{}.octets().size())
-      return unusable(path_, "what was stored", "a writer that was heard is damaged");
-    out.push_back({{GuidPrefix::from(writer.first(12)), EntityId::from(writer.subspan(12))},
-                   {rows.number(1)},
-                   Time::from(std::chrono::nanoseconds(rows.number(2)))});
-  }
+Status SampleStore::remember(std::span<const StoredChange> changes) {
+  std::vector<const StoredChange*> known;
+  for (const auto& stored : changes)
+    if (streams_.contains(stored.stream)) known.push_back(&stored);
+  return heard_.remember(database_, known);
 }
 
 Status SampleStore::insert(const StoredChange& stored, Time now) {

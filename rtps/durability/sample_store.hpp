@@ -7,9 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "rtps/durability/database.hpp"
+#include "rtps/durability/heard_writers.hpp"
 #include "rtps/durability/store_shares.hpp"
-#include "rtps/durability/stored_change.hpp"
 
 namespace ddssec::rtps {
 
@@ -18,8 +17,6 @@ namespace ddssec::rtps {
 class SampleStore {
  public:
   static constexpr std::size_t kMaxStreams = 1024;
-  /// Limit for the writers that are remembered, of all streams. In a small store they are fewer.
-  static constexpr std::size_t kMaxHeard = 1 << 18;
   static constexpr std::size_t kDefaultOctets = std::size_t{4} << 30;
 
   /// An empty path opens a store in memory. A file that is missing or empty becomes a store that
@@ -99,19 +96,16 @@ class SampleStore {
     std::size_t used, unused;  ///< of those that the file has, or will have
   };
   Result<Pages> pages();
-  Status remember(StreamId stream, const HeardWriter& heard);
-  Status remember_all(std::span<const StoredChange> changes);
-  Status forget_longest_unheard();
-  Status load_heard(StreamId stream, std::vector<HeardWriter>& out);
+  Status remember(std::span<const StoredChange> changes);
   std::unexpected<Error> damaged(std::int64_t row) const;
 
   Database database_;
   std::string path_;
-  SqlStatement insert_, erase_, renew_heard_, insert_heard_;
+  SqlStatement insert_, erase_;
+  HeardWriters heard_;
   std::map<StreamId, Stream> streams_;
   std::size_t max_pages_ = 0;
-  std::int64_t last_row_ = 0, last_stream_ = 0, last_use_ = 0;
-  std::size_t heard_ = 0, max_heard_ = kMaxHeard;
+  std::int64_t last_row_ = 0, last_stream_ = 0;
 };
 
 }  // namespace ddssec::rtps

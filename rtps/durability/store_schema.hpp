@@ -21,6 +21,7 @@ constexpr std::string_view kSchema[] = {
     "fraction INTEGER NOT NULL, writer BLOB NOT NULL, number INTEGER NOT NULL, "
     "payload BLOB NOT NULL, sum BLOB NOT NULL, identity BLOB, expires INTEGER, lifespan INTEGER)",
     "CREATE INDEX sample_of_stream ON sample(stream, id)",
+    // A row with number 0 is about an instance that has ended: `writer` is a digest of its key.
     "CREATE TABLE heard(stream INTEGER NOT NULL, writer BLOB NOT NULL, number INTEGER NOT NULL, "
     "time INTEGER NOT NULL, used INTEGER NOT NULL, PRIMARY KEY(stream, writer)) WITHOUT ROWID"};
 

@@ -1,6 +1,7 @@
 // What the parts of a store of samples tell each other.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +45,13 @@ enum class RelayOrder : std::uint8_t {
   source_time,  ///< source timestamps (DESTINATION_ORDER BY_SOURCE_TIMESTAMP)
 };
 
+/// An instance of which nothing is stored because it has ended.
+struct StoredEnd {
+  std::array<std::uint8_t, 16> instance = {};  ///< a digest of its key
+  Time time = {};                              ///< source timestamp of its end
+  bool is_forgotten = false;
+};
+
 /// What a commit does for one change.
 struct StoredChange {
   StreamId stream = {};
@@ -63,9 +71,8 @@ struct StoredChange {
   std::int64_t row = 0;                     ///< where it is stored; 0: nowhere
   std::optional<StoredExpiry> expiry = {};  ///< follows from its source timestamp and lifespan
   std::vector<std::int64_t> removed = {};   ///< rows that go
-  /// A relayed change that was heard from its writer before a restart, or whose writer was heard up
-  /// to a later one: if nothing of its instance is stored, the instance has ended.
-  bool was_heard = false;
+  /// What changes in what is remembered of instances that have ended.
+  std::vector<StoredEnd> ends = {};
 };
 
 /// Up to which change, and which source timestamp, a writer was heard.
@@ -82,6 +89,7 @@ struct StoredHistory {
   std::vector<std::optional<GuidPrefix>> identities;
   std::vector<std::optional<StoredExpiry>> expiries;
   std::vector<HeardWriter> heard;
+  std::vector<StoredEnd> ends = {};
 };
 
 }  // namespace ddssec::rtps

@@ -237,8 +237,7 @@ bool KeptTopic::keep(Change& change) {
                                    .is_late = have_waited_.contains(writer),
                                    .is_remembered = change.original.writer == writer,
                                    .relay_order = relay_order(change, like_.qos),
-                                   .lifespan = lifespan,
-                                   .was_heard = was_heard(change)},
+                                   .lifespan = lifespan},
                                   moment);
   if (kept.outcome.verdict == SampleIndex::Verdict::waits)
     return wait_for_room(writer, kept.has_no_share);

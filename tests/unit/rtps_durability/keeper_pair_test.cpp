@@ -124,6 +124,60 @@ TEST_P(KeeperPairTest, AfterARestart_WhatWasDisposedStaysSo) {
   EXPECT_EQ(of(0, 1), (Values{2}));
 }
 
+// Before: once the disposed instance had been removed, it came back.
+TEST_P(KeeperPairTest, AfterARestart_WhatWasRemovedStaysSo) {
+  for (const std::size_t which : {0u, 1u}) start(which);
+  auto qos = durable(DurabilityKind::transient, 1);
+  qos.durability_service.cleanup_delay = Duration::from(200ms);
+  auto& writer = writer_of(qos);
+  ASSERT_TRUE(writer.write({"north", 1}));
+  ASSERT_TRUE(writer.write({"south", 2}));
+  serve();
+  stop(1);
+  serve();
+  ASSERT_TRUE(writer.dispose({"north"}));
+  serve(100);
+  ASSERT_EQ(keepers[0]->served(), 1u);
+  gone();
+  stop(0);
+  start(1);
+  serve();
+  start(0);
+  serve(150);
+  EXPECT_EQ(of(0, 1), (Values{2}));
+}
+
+// Before: a keeper that had heard a later sample took the instance for ended.
+TEST_P(KeeperPairTest, AfterARestart_ItTakesInstancesThatItNeverStored) {
+  start(0);
+  auto qos = durable(DurabilityKind::transient, 1);
+  qos.resource_limits.max_samples = 1;
+  qos.resource_limits.max_samples_per_instance = 1;
+  qos.autodispose_unregistered_instances = false;
+  auto& writer = writer_of(qos);
+  ASSERT_TRUE(writer.write({"north", 1}));
+  serve();
+  ASSERT_TRUE(writer.unregister_instance({"north"}));
+  serve();
+  ASSERT_TRUE(writer.write({"south", 2}));
+  serve();
+  ASSERT_EQ(keepers[0]->served(), 2u);
+  stop(0);
+  for (int i = 0; i < 2; ++i) {  // the first time it hears the last sample
+    start(1);
+    serve(100);
+    ASSERT_EQ(keepers[1]->served(), 1u);
+    stop(1);
+  }
+  start(1);
+  start(0);
+  serve(200);
+  gone();
+  auto got = of(1, 2);
+  std::ranges::sort(got);
+  EXPECT_EQ(got, (Values{1, 2}));
+}
+
 INSTANTIATE_TEST_SUITE_P(Over, KeeperPairTest, ::testing::Values(Way::network, Way::in_process),
                          name_of);
 
