@@ -199,7 +199,7 @@ bool Keeper::may_write(const Guid& writer) const {
   const auto* announced = remotes.endpoint(writer);
   const auto& security = remotes.core().security;
   return announced != nullptr &&
-         (!security || security->may_write(Admission::Endpoint::of(*announced)));
+         (!security || security->admission().may_write(Admission::Endpoint::of(*announced)));
 }
 
 void Keeper::consider(const Guid& writer) {

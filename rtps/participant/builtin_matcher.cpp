@@ -1,6 +1,15 @@
 #include "rtps/participant/builtin_matcher.hpp"
 
+#include <algorithm>
+
 namespace ddssec::rtps {
+namespace {
+
+bool is_plain_sedp(const BuiltinTopicInfo& info) {
+  return info.topic == BuiltinTopic::publications || info.topic == BuiltinTopic::subscriptions;
+}
+
+}  // namespace
 
 BuiltinMatcher::BuiltinMatcher(ParticipantCore& core, BuiltinEndpoints& builtin)
     : core_(core), builtin_(builtin) {}
@@ -50,11 +59,18 @@ void BuiltinMatcher::unmatch(const RemoteParticipant& remote) {
 // A new match begins with the first announcement that the writer keeps.
 void BuiltinMatcher::read_again(RemoteParticipant& remote) {
   for (const auto& info : kBuiltinTopics) {
-    if (info.topic != BuiltinTopic::publications && info.topic != BuiltinTopic::subscriptions)
-      continue;
+    if (!is_plain_sedp(info)) continue;
     builtin_.find_reader(info.reader)->unmatch({remote.prefix(), info.writer});
     match(info, remote, false, true);
   }
+}
+
+bool BuiltinMatcher::has_read(const RemoteParticipant& remote) const {
+  return std::ranges::all_of(kBuiltinTopics, [&](const auto& info) {
+    if (!is_plain_sedp(info)) return true;
+    const auto* writer = builtin_.find_reader(info.reader)->writer({remote.prefix(), info.writer});
+    return writer == nullptr || (writer->was_heard() && writer->has_caught_up());
+  });
 }
 
 void BuiltinMatcher::readdress(const RemoteParticipant& remote, MonotonicTime now) {

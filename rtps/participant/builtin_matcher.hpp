@@ -18,6 +18,8 @@ class BuiltinMatcher {
   void unmatch(const RemoteParticipant& remote);
   /// Requests all plain announcements of the participant's endpoints again.
   void read_again(RemoteParticipant& remote);
+  /// Returns true if all of them have arrived, as far as is known.
+  bool has_read(const RemoteParticipant& remote) const;
   /// The addresses that are used for the participant may have changed.
   void readdress(const RemoteParticipant& remote, MonotonicTime now);
   /// Called when a message from the participant's endpoints of DCPSParticipantsSecure has arrived.

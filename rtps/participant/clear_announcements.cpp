@@ -1,6 +1,16 @@
 #include "rtps/participant/clear_announcements.hpp"
 
+#include <algorithm>
+
 namespace ddssec::rtps {
+namespace {
+
+/// The policies of a remote endpoint that stay the same as long as it is matched.
+bool differ_in_what_a_match_keeps(const Qos& before, const Qos& after) {
+  return before.reliability.kind != after.reliability.kind || before.durability != after.durability;
+}
+
+}  // namespace
 
 void ClearAnnouncements::give_way(RemoteParticipant& remote, const EndpointData& secure) {
   const auto id = secure.guid.entity;
@@ -15,26 +25,46 @@ void ClearAnnouncements::give_way(RemoteParticipant& remote, const EndpointData&
 }
 
 bool ClearAnnouncements::note_announced(RemoteParticipant& remote, const EndpointData& endpoint) {
-  const auto known = remote.endpoints.find(endpoint.guid.entity);
-  if (known == remote.endpoints.end() ||
-      !is_doubtful(remote, endpoint.guid.entity, endpoint.by_secure_discovery))
+  const auto id = endpoint.guid.entity;
+  if (!is_doubtful(remote, id, endpoint.by_secure_discovery)) return true;
+  auto& reading = remote.second_reading;
+  const auto known = remote.endpoints.find(id);
+  if (known == remote.endpoints.end()) {
+    if (reading.without_keys().contains(id)) note_change(reading);
     return true;
+  }
+  if (known->second.data.topic_name != endpoint.topic_name) {
+    note_change(reading);
+    return remove(remote, id, endpoint.by_secure_discovery);
+  }
+  reading.note_alive(id);
   if (known->second.data == endpoint) return false;
-  if (known->second.data.topic_name != endpoint.topic_name)
-    remove(remote, endpoint.guid.entity, endpoint.by_secure_discovery);
-  remote.second_reading.note_change(core_.now);
-  call_at(remote.second_reading.due());
+  note_change(reading);
+  if (!differ_in_what_a_match_keeps(known->second.data.qos, endpoint.qos)) return true;
+  // These policies are immutable, so one of the two announcements is forged.
+  if (!reading.is_under_way()) return false;
+  matcher_.remove(remote, id, true);
   return true;
 }
 
+void ClearAnnouncements::note_change(SecondReading& reading) {
+  reading.note_change(core_.now);
+  call_at(reading.due());
+}
+
 // The participant sends the keys of an endpoint only once, as long as nothing ends for it.
-void ClearAnnouncements::remove(RemoteParticipant& remote, const EntityId& endpoint, bool secure) {
+bool ClearAnnouncements::remove(RemoteParticipant& remote, const EntityId& endpoint, bool secure) {
   bool may_return = false;
   if (remote.endpoints.contains(endpoint) && is_doubtful(remote, endpoint, secure)) {
-    may_return = remote.second_reading.note_end(endpoint, core_.now);
-    call_at(remote.second_reading.due());
+    note_change(remote.second_reading);
+    may_return = has_keys({remote.prefix(), endpoint});
+    if (may_return && !remote.second_reading.note_end(endpoint, core_.now)) {
+      matcher_.doubt(remote, endpoint);
+      return false;
+    }
   }
   matcher_.remove(remote, endpoint, may_return);
+  return true;
 }
 
 bool ClearAnnouncements::is_doubtful(const RemoteParticipant& remote, const EntityId& endpoint,
@@ -43,17 +73,73 @@ bool ClearAnnouncements::is_doubtful(const RemoteParticipant& remote, const Enti
          core_.origin_of_announcement({remote.prefix(), endpoint}, secure) == Origin::anyone;
 }
 
-void ClearAnnouncements::give_up(const RemoteParticipant& remote, std::span<const EntityId> ended) {
-  if (!core_.security) return;
-  auto& keyring = core_.security->keyring();
-  for (const auto& endpoint : ended) {
-    if (remote.endpoints.contains(endpoint)) continue;
-    const Guid guid{remote.prefix(), endpoint};
-    if (is_reader(endpoint))
-      for (const auto& [id, writer] : local_.writers()) keyring.separate(id, guid);
-    else
-      for (const auto& [id, reader] : local_.readers()) keyring.separate(id, guid);
+// ---- keys
+
+std::vector<EntityId> ClearAnnouncements::counterparts(const EntityId& endpoint) const {
+  std::vector<EntityId> out;
+  const auto add = [&](const auto& locals) {
+    for (const auto& [id, local] : locals) out.push_back(id);
+  };
+  if (is_reader(endpoint))
+    add(local_.writers());
+  else
+    add(local_.readers());
+  return out;
+}
+
+bool ClearAnnouncements::has_keys(const Guid& endpoint) const {
+  return core_.security &&
+         std::ranges::any_of(counterparts(endpoint.entity), [&](const EntityId& local) {
+           return core_.security->keyring().keys_for(local, endpoint).have_come;
+         });
+}
+
+// A participant that has the keys of one of ours does not send its own ones again without need.
+void ClearAnnouncements::look_for_keys(RemoteParticipant& remote) {
+  auto& reading = remote.second_reading;
+  auto& without = reading.without_keys();
+  for (auto at = without.begin(); at != without.end();) {
+    const auto endpoint = at->first;
+    if (!remote.endpoints.contains(endpoint)) {
+      ++at;
+    } else if (request_keys({remote.prefix(), endpoint}, std::exchange(at->second, true))) {
+      note_change(reading);
+      ++at;
+    } else {
+      at = without.erase(at);
+    }
   }
+}
+
+bool ClearAnnouncements::request_keys(const Guid& endpoint, bool again) {
+  bool any = false;
+  for (const auto& local : counterparts(endpoint.entity)) {
+    if (!core_.security->keyring().keys_for(local, endpoint).are_awaited) continue;
+    if (again) {
+      core_.raise_about(Error(Code::rtps_keys_given_up), local, endpoint);
+      return false;
+    }
+    core_.security->request_tokens(local, endpoint);
+    any = true;
+  }
+  return any;
+}
+
+// ---- second readings
+
+void ClearAnnouncements::on_read(RemoteParticipant& remote) {
+  auto& reading = remote.second_reading;
+  if (!builtin_.has_read(remote)) return note_change(reading);
+  for (const auto& [endpoint, counts] : reading.take_read()) {
+    const bool is_known = remote.endpoints.contains(endpoint);
+    if (is_known && counts) continue;
+    if (is_known) matcher_.remove(remote, endpoint, true);
+    const auto dropped = reading.note_gone(endpoint);
+    if (!dropped || remote.endpoints.contains(*dropped)) continue;
+    for (const auto& local : counterparts(*dropped))
+      core_.security->keyring().separate(local, {remote.prefix(), *dropped});
+  }
+  look_for_keys(remote);
 }
 
 void ClearAnnouncements::on_time(MonotonicTime now) {
@@ -61,7 +147,7 @@ void ClearAnnouncements::on_time(MonotonicTime now) {
   for (const auto& [prefix, known] : remotes_.all()) {
     auto& remote = *remotes_.find(prefix);
     auto& reading = remote.second_reading;
-    give_up(remote, reading.take_read(now));
+    if (reading.take_over(now)) on_read(remote);
     if (reading.take_due(now)) builtin_.read_again(remote);
     next = std::min(next, reading.next());
   }

@@ -22,16 +22,26 @@ class ClearAnnouncements final : private Timed {
   void give_way(RemoteParticipant& remote, const EndpointData& secure);
   /// The participant's endpoint is announced. If anyone can have said so and it changes what is
   /// known, the participant's announcements are read again later (SecondReading). Returns false if
-  /// it changes nothing.
+  /// it changes nothing, or not before that.
   bool note_announced(RemoteParticipant& remote, const EndpointData& endpoint);
-  /// The endpoint has ended, and is removed. The same; its keys are kept meanwhile.
-  void remove(RemoteParticipant& remote, const EntityId& endpoint, bool secure);
+  /// The endpoint is said to have ended, and is removed. The same; its keys are kept meanwhile.
+  bool remove(RemoteParticipant& remote, const EntityId& endpoint, bool secure);
 
  private:
   void on_time(MonotonicTime now) override;
   bool is_doubtful(const RemoteParticipant& remote, const EntityId& endpoint, bool secure) const;
-  /// They have not come back.
-  void give_up(const RemoteParticipant& remote, std::span<const EntityId> ended);
+  void note_change(SecondReading& reading);
+  /// The local endpoints of the other kind.
+  std::vector<EntityId> counterparts(const EntityId& endpoint) const;
+  /// True if keys that the endpoint sent for a local one are there.
+  bool has_keys(const Guid& endpoint) const;
+  /// The answer to a reading must have arrived by now.
+  void on_read(RemoteParticipant& remote);
+  /// Requests the keys of endpoints that came back after their keys were given up. Raises an event
+  /// if they do not arrive.
+  void look_for_keys(RemoteParticipant& remote);
+  /// Returns true if they were missing. `again`: they were requested before.
+  bool request_keys(const Guid& endpoint, bool again);
 
   ParticipantCore& core_;
   LocalEndpoints& local_;

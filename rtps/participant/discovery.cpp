@@ -343,7 +343,10 @@ void Discovery::on_endpoint(const Change& change, bool publications, bool secure
     const auto key = change.key_hash ? Guid::from(*change.key_hash)
                                      : read_endpoint_key(change.payload.view()).value_or(Guid{});
     if (key.prefix != remote->prefix()) return;
-    if (may_change(key.entity)) return clear_.remove(*remote, key.entity, secure);
+    if (may_change(key.entity)) {
+      clear_.remove(*remote, key.entity, secure);
+      return;
+    }
     ++core_.counters.refused_discovery;
     return parts_.matcher.doubt(*remote, key.entity);
   }

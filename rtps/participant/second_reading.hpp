@@ -1,8 +1,9 @@
 // When the plain announcements of a participant's endpoints are read once more.
 #pragma once
 
-#include <algorithm>
-#include <utility>
+#include <deque>
+#include <map>
+#include <optional>
 #include <vector>
 
 #include "base/clock.hpp"
@@ -21,51 +22,59 @@ class SecondReading {
  public:
   static constexpr MonotonicTime kMinPause = std::chrono::seconds(4);
   static constexpr MonotonicTime kMaxPause = std::chrono::seconds(256);
-  /// How long the answer may take.
+  /// How long the answer may take. If it takes longer, everything is read again.
   static constexpr MonotonicTime kPatience = std::chrono::seconds(4);
-  /// Limit for the endpoints that have ended and may come back.
+  /// Limit for the endpoints whose end counts before it was read. Their keys are kept.
   static constexpr std::size_t kMaxEnded = 64;
+  /// Limit for the endpoints that a reading did not bring back and whose keys are kept all the
+  /// same: a forged HEARTBEAT can hide an endpoint from a reading.
+  static constexpr std::size_t kMaxGone = 64;
+  /// Limit for the endpoints that are known by name to have lost their keys.
+  static constexpr std::size_t kMaxWithoutKeys = 1024;
 
   /// Something that proves nothing has changed an endpoint that was known.
-  void note_change(MonotonicTime now) {
-    if (due_ != kNever) return;
-    if (now >= last_ + kMaxPause) pause_ = kMinPause;
-    due_ = now + pause_;
-  }
-  /// The same, and the endpoint has ended. Returns false if its keys cannot be kept.
-  bool note_end(const EntityId& endpoint, MonotonicTime now) {
-    note_change(now);
-    if (ended_.size() + read_.size() >= kMaxEnded) return false;
-    ended_.push_back(endpoint);
-    return true;
-  }
+  void note_change(MonotonicTime now);
+  /// The same, and an endpoint that has sent its keys is said to have ended. Returns true if that
+  /// counts from now on, and the keys are kept; false if the next reading decides.
+  bool note_end(const EntityId& endpoint, MonotonicTime now);
+  /// An endpoint that is known is announced: it has not ended.
+  void note_alive(const EntityId& endpoint);
   /// Returns true if all announcements are to be read again now.
-  bool take_due(MonotonicTime now) {
-    if (now < due_) return false;
-    due_ = kNever;
-    last_ = now;
-    pause_ = std::min(pause_ * 2, kMaxPause);
-    read_.insert(read_.end(), ended_.begin(), ended_.end());
-    ended_.clear();
-    if (!read_.empty()) over_ = now + kPatience;
-    return true;
-  }
-  /// Returns the endpoints that had ended before the latest reading, if that is over: those that
-  /// have not come back by now do not.
-  std::vector<EntityId> take_read(MonotonicTime now) {
-    if (now < over_) return {};
-    over_ = kNever;
-    return std::exchange(read_, {});
-  }
+  bool take_due(MonotonicTime now);
+  /// Returns true if their answer must have arrived by now, once.
+  bool take_over(MonotonicTime now);
+  struct Ended {
+    EntityId endpoint;
+    bool counts;  ///< its end counted from the beginning
+  };
+  /// The latest reading was complete. Returns the endpoints that were said to have ended before it,
+  /// and were not announced since while they were known.
+  std::vector<Ended> take_read();
+  /// The reading has confirmed the end. Returns the endpoint whose keys are not kept any longer in
+  /// exchange: the one that ended first. It is remembered (without_keys).
+  std::optional<EntityId> note_gone(const EntityId& endpoint);
+
+  /// True from a request until its answer must have arrived.
+  bool is_under_way() const { return over_ != kNever; }
   MonotonicTime due() const { return due_; }
   /// Nothing is to be taken before this time.
-  MonotonicTime next() const { return std::min(due_, over_); }
+  MonotonicTime next() const;
+  /// The endpoints whose keys are not kept, and whether they were requested since.
+  std::map<EntityId, bool>& without_keys() { return without_keys_; }
 
  private:
+  struct State {
+    bool counts;
+    bool is_read = false;  ///< a reading has begun since
+  };
+
   MonotonicTime due_ = kNever, over_ = kNever;
   MonotonicTime last_{};
   MonotonicTime pause_ = kMinPause;
-  std::vector<EntityId> ended_, read_;  ///< since the latest reading, and before it
+  std::map<EntityId, State> ended_;
+  std::size_t counting_ = 0;  ///< of these
+  std::deque<EntityId> gone_;
+  std::map<EntityId, bool> without_keys_;
 };
 
 }  // namespace ddssec::rtps

@@ -30,6 +30,8 @@ inline constexpr std::string_view kRenewalTaken = "org.ddssec.renewed_documents_
 inline constexpr std::string_view kGovernance = "org.ddssec.governance";
 /// Specific to ddssec: an offer of shared memory, or the answer (memory_messages.hpp).
 inline constexpr std::string_view kMemory = "org.ddssec.memory";
+/// Specific to ddssec: an endpoint needs the tokens of another one once more.
+inline constexpr std::string_view kTokensWanted = "org.ddssec.crypto_tokens_wanted";
 /// Specific to ddssec: the tokens of an endpoint that may have two protections. The number of the
 /// related message is the ProtectionId of the one that has these keys.
 inline constexpr std::string_view kDatawriterTokensOfOne =

@@ -125,6 +125,17 @@ void KeyExchange::send_token(Peer& peer, std::string_view message_class, spi::To
   send_tokens(peer, message_class, {}, {}, std::move(tokens));
 }
 
+// Other vendors would ignore it.
+void KeyExchange::request_tokens(const EntityId& local, const Guid& remote) {
+  auto* peer = core_.find(remote.prefix);
+  if (peer == nullptr || peer->data.vendor != kVendorDdssec || !has_room(*peer)) return;
+  GenericMessage message;
+  message.destination_endpoint = remote;
+  message.source_endpoint = {core_.own->guid().prefix, local};
+  message.message_class = message_class::kTokensWanted;
+  send(*peer, std::move(message));
+}
+
 // A peer that accepts both protections, too, is told which one the keys are for.
 void KeyExchange::send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,
                                        std::vector<spi::Token> tokens, ProtectionId protection) {
@@ -278,6 +289,7 @@ bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
     return on_endpoint_tokens(*peer, std::move(*message), size);
   if (message->message_class == message_class::kParticipantTokens)
     on_participant_tokens(*peer, *message);
+  if (message->message_class == message_class::kTokensWanted) on_tokens_wanted(*peer, *message);
   return true;
 }
 
@@ -289,6 +301,17 @@ void KeyExchange::on_participant_tokens(Peer& peer, const GenericMessage& messag
   if (auto* association = peer.state.association(); association->volatile_writer)
     association->volatile_writer->ask_for_acknowledgments();
   join(peer);
+}
+
+// A peer gets no more in answer than it acknowledges, and each pair at most once meanwhile.
+void KeyExchange::on_tokens_wanted(Peer& peer, const GenericMessage& message) {
+  const auto local = message.destination_endpoint;
+  const auto remote = message.source_endpoint;
+  const bool fits = local.prefix == core_.own->guid().prefix && remote.prefix == peer.prefix() &&
+                    core_.keyring.is_introduced(local.entity, remote);
+  if (!fits) return;
+  add_waiting(*peer.state.association(), local.entity, remote, spi::KeyStage::in_use);
+  send_waiting(peer);
 }
 
 // Discovery and keys may arrive in any order.

@@ -60,6 +60,9 @@ class KeyExchange {
   /// Otherwise on_keys is called when they can.
   bool introduce(const EntityId& local, const Guid& remote, bool relay_only);
 
+  /// Asks a ddssec peer for the tokens of a remote endpoint, which it has sent before.
+  void request_tokens(const EntityId& local, const Guid& remote);
+
   /// Gives pairs with endpoints of the peer the second protection that they lack, and sends its
   /// keys, as far as there is room. Returns true if none lacks it now.
   bool complete_pairs(Peer& peer);
@@ -88,6 +91,7 @@ class KeyExchange {
   /// Returns false if there is no room for the message now and it must be delivered again.
   bool on_message(const GuidPrefix& prefix, const Change& change);
   void on_participant_tokens(Peer& peer, const GenericMessage& message);
+  void on_tokens_wanted(Peer& peer, const GenericMessage& message);
   bool on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets);
   /// Returns true if the pair has become ready.
   bool apply_tokens(Peer& peer, const GenericMessage& message);

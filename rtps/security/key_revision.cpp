@@ -59,8 +59,7 @@ void KeyRevision::finish() {
 
 void KeyRevision::check_key_life() {
   if (!is_enabled()) return;
-  core_.keyring.forget_former_keys();
-  if (core_.keyring.is_revision_due()) request();
+  if (core_.keyring.end_former_keys()) request();
 }
 
 // ---- participants that left

@@ -137,6 +137,15 @@ bool Keyring::is_introduced(const EntityId& id, const Guid& remote) const {
   return kind == PairKind::ordinary || kind == PairKind::relay_only;
 }
 
+Keyring::PairKeys Keyring::keys_for(const EntityId& id, const Guid& remote) const {
+  const auto* local = find(id);
+  if (local == nullptr) return {};
+  const auto found = local->pairs.find(remote);
+  if (found == local->pairs.end()) return {};
+  const auto& pair = found->second;
+  return {.have_come = pair.keys != Sha256Digest{}, .are_awaited = !pair.ready && !pair.suspended};
+}
+
 // If only payloads are protected, an attacker can change their sequence numbers.
 std::optional<Sha256Digest> Keyring::keys_of(const EntityId& id, const Guid& remote) const {
   const auto* local = find(id);

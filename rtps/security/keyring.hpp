@@ -68,6 +68,12 @@ class Keyring final : public SendProtection {
   PairKind kind_of(const EntityId& local, const Guid& remote) const;
   /// False for a pair that is suspended.
   bool is_introduced(const EntityId& local, const Guid& remote) const;
+  /// The keys of the remote endpoint for a pair.
+  struct PairKeys {
+    bool have_come = false;    ///< also if the pair is suspended
+    bool are_awaited = false;  ///< the pair is introduced, and waits for them
+  };
+  PairKeys keys_for(const EntityId& local, const Guid& remote) const;
   /// A digest of the keys that protect messages from the remote to the local endpoint. It stays the
   /// same as long as the keys do. Empty: the content is not authenticated.
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const;
@@ -80,8 +86,11 @@ class Keyring final : public SendProtection {
   // Key revision (DDS-Security 1.2, clause 9.8.10.4); see spi::CryptoKeyFactory:
   Result<spi::KeyRevision> revise();
   Status activate(spi::KeyRevision revision);
-  bool is_revision_due() { return factory().is_key_revision_due(own_.crypto()); }
-  void forget_former_keys() { factory().forget_former_keys(); }
+  /// Drops former keys whose time is over. True if the present ones are to be revised.
+  bool end_former_keys() {
+    factory().forget_former_keys();
+    return factory().is_key_revision_due(own_.crypto());
+  }
   /// The pairs of local endpoints with endpoints of that peer that have keys of their own, without
   /// suspended ones.
   std::vector<std::pair<EntityId, Guid>> pairs_with_keys(const GuidPrefix& prefix) const;

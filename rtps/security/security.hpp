@@ -46,7 +46,6 @@ class Security {
                                              const Admission::Endpoint& remote) {
     return admission_.admit(local, remote);
   }
-  bool may_write(const Admission::Endpoint& writer) { return admission_.may_write(writer); }
   Result<Admission::Announced> create_endpoint(const EntityId& id,
                                                const Admission::NewEndpoint& endpoint) {
     return admission_.create_endpoint(id, endpoint);
@@ -113,6 +112,9 @@ class Security {
   }
   bool introduce(const EntityId& local, const Guid& remote, bool relay_only = false) {
     return exchange_.introduce(local, remote, relay_only);
+  }
+  void request_tokens(const EntityId& local, const Guid& remote) {
+    exchange_.request_tokens(local, remote);
   }
 
   /// The application no longer trusts the participant. Must be called before `lost`.

@@ -180,59 +180,6 @@ TEST_F(ClearEndpoints, ThatAreAnnouncedAtAnotherPort_StillGetWhatIsSentToTheirPa
   }
 }
 
-/// a writes, b reads, with keys for the topic.
-struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {};
-
-// The writer sends its keys only once.
-TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatIsSaidToHaveEnded_MatchAgain) {
-  Pair pair(GetParam());
-  ASSERT_TRUE(pair.match());
-  pair.world.run(100);
-  Bytes buffer(64);
-  SpanWriter key(buffer);
-  write_endpoint_key(key, pair.writer);
-  InlineQos qos;
-  qos.status = {true, true};
-  pair.b->receive(
-      forged(
-          pair.a->prefix(),
-          Data{kPublicationsReader, kPublicationsWriter, {2}, qos, PayloadKind::key, key.view()}),
-      pair.world.now, at(7000));
-  ASSERT_EQ(pair.b.listener.matched, 0);
-  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == 1; }, 1000));
-  pair.world.run(1000);
-  pair.write();
-  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 300));
-  EXPECT_TRUE(pair.b.events.is_quiet()) << pair.b.events.text();
-}
-
-// They are not kept for good.
-TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatHasEnded_AreForgotten) {
-  Pair pair(GetParam());
-  ASSERT_TRUE(pair.match());
-  pair.world.run(100);
-  const auto knows_keys = [&] {
-    const auto& core = pair.b->remote_participants().core();
-    return core.security->keyring().kind_of(pair.reader.entity, pair.writer) !=
-           Keyring::PairKind::unknown;
-  };
-  ASSERT_TRUE(knows_keys());
-  pair.a->remove(pair.writer, pair.world.now);
-  pair.world.run(100);
-  ASSERT_EQ(pair.b.listener.matched, 0);
-  EXPECT_TRUE(knows_keys());
-  pair.world.run(1000);
-  EXPECT_FALSE(knows_keys());
-}
-
-INSTANTIATE_TEST_SUITE_P(Protected, ClearEndpointsWithKeys,
-                         ::testing::Values(Rules{.data = ProtectionKind::encrypt},
-                                           Rules{.metadata = ProtectionKind::encrypt}),
-                         [](const auto& info) {
-                           return info.param.data == ProtectionKind::none ? "submessages"
-                                                                          : "payloads";
-                         });
-
 TEST_F(ClearEndpoints, ThatAreSaidToHaveOtherPolicies_MatchAgain) {
   auto data = forged_reader(0);
   data.guid = pair.reader;
@@ -240,6 +187,63 @@ TEST_F(ClearEndpoints, ThatAreSaidToHaveOtherPolicies_MatchAgain) {
   announce(data);
   ASSERT_EQ(pair.a.listener.matched, 0);
   EXPECT_TRUE(pair.world.run_until([&] { return matches(pair.reader); }, 1000));
+}
+
+// Before the fix, the match stayed best effort: samples that were lost on the way stayed lost.
+TEST_F(ClearEndpoints, ThatAreSaidToBeBestEffort_AreReliableAgain) {
+  auto data = forged_reader(0);
+  data.guid = pair.reader;
+  data.qos.reliability.kind = ReliabilityKind::best_effort;
+  dispose(pair.reader);
+  announce(data);
+  ASSERT_TRUE(matches(pair.reader));
+  pair.world.run(1000);
+  ASSERT_TRUE(matches(pair.reader));
+  for (int i = 0; i < 10; ++i) {
+    pair.world.attack = [&](World::Traffic& traffic) {
+      if (i % 2 == 1) traffic.clear();
+    };
+    pair.write();
+    pair.world.run(1);
+    pair.world.attack = [](World::Traffic&) {};
+    pair.world.run(50);
+  }
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 10; }, 500))
+      << pair.b.listener.changes.size();
+  EXPECT_TRUE(pair.a.events.is_quiet()) << pair.a.events.text();
+}
+
+// One message is not sufficient: these policies cannot change, so it waits for the next reading.
+TEST_F(ClearEndpoints, ThatAreSaidToBeBestEffortMeanwhile_StayReliable) {
+  auto data = forged_reader(0);
+  data.guid = pair.reader;
+  data.qos.reliability.kind = ReliabilityKind::best_effort;
+  data.qos.durability = DurabilityKind::persistent;
+  announce(data);
+  const auto& stored = *pair.a.participant->remote_participants().endpoint(pair.reader);
+  EXPECT_TRUE(stored.qos.is_reliable());
+  pair.world.run(1000);
+  EXPECT_EQ(pair.a.listener.unmatched, 0);
+  EXPECT_TRUE(matches(pair.reader));
+}
+
+// The forged announcement came before the true one, which replaces it.
+TEST_F(ClearEndpoints, ThatWereAnnouncedAsBestEffortBefore_AreReliableAfterTheNextReading) {
+  auto forged_one = forged_reader(9);
+  const auto honest = forged_one;
+  forged_one.qos.reliability.kind = ReliabilityKind::best_effort;
+  announce(forged_one);
+  announce(honest);
+  const auto is_reliable = [&] {
+    const auto* known = pair.a.participant->remote_participants().endpoint(honest.guid);
+    return known != nullptr && known->qos.is_reliable();
+  };
+  EXPECT_FALSE(is_reliable());
+  const auto& reading = pair.a->remote_participants().all().at(pair.b->prefix()).second_reading;
+  ASSERT_TRUE(pair.world.run_until([&] { return reading.is_under_way(); }, 1000));
+  announce(honest);  // as its participant does now
+  EXPECT_TRUE(is_reliable());
+  EXPECT_TRUE(matches(honest.guid));
 }
 
 TEST_F(ClearEndpoints, ThatHaveEnded_DoNotComeBack) {

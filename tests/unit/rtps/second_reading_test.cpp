@@ -43,22 +43,56 @@ TEST(SecondReadingTest, AfterALongRest_PauseIsShortAgain) {
   EXPECT_EQ(reading.due(), later + SecondReading::kMinPause);
 }
 
+EntityId endpoint(std::size_t number) {
+  return EntityId{
+      {0, static_cast<std::uint8_t>(number >> 8), static_cast<std::uint8_t>(number), 7}};
+}
+
 TEST(SecondReadingTest, EndpointsThatEnded_AreReturnedWhenTheReadingIsOver) {
-  const auto endpoint = [](int number) {
-    return EntityId{{0, 0, static_cast<std::uint8_t>(number), 7}};
-  };
   SecondReading reading;
   EXPECT_TRUE(reading.note_end(endpoint(1), kStart));
-  EXPECT_TRUE(reading.take_read(kStart + SecondReading::kMinPause).empty());
+  EXPECT_FALSE(reading.take_over(kStart + SecondReading::kMinPause));
   ASSERT_TRUE(reading.take_due(kStart + SecondReading::kMinPause));
   const auto over = kStart + SecondReading::kMinPause + SecondReading::kPatience;
   EXPECT_EQ(reading.next(), over);
   EXPECT_TRUE(reading.note_end(endpoint(2), over));
-  EXPECT_EQ(reading.take_read(over), std::vector{endpoint(1)});
-  EXPECT_EQ(reading.next(), reading.due()) << "the second one is not read yet";
-  std::size_t more = 0;
-  while (reading.note_end(endpoint(3), over)) ++more;
-  EXPECT_EQ(more + 1, SecondReading::kMaxEnded);
+  ASSERT_TRUE(reading.take_over(over));
+  EXPECT_FALSE(reading.take_over(over)) << "once";
+  const auto read = reading.take_read();
+  ASSERT_EQ(read.size(), 1u) << "the second one is not read yet";
+  EXPECT_EQ(read[0].endpoint, endpoint(1));
+  EXPECT_EQ(reading.next(), reading.due());
+}
+
+TEST(SecondReadingTest, AboveTheLimit_AnEndCountsOnlyWhenItIsRead) {
+  SecondReading reading;
+  for (std::size_t i = 0; i < SecondReading::kMaxEnded; ++i)
+    EXPECT_TRUE(reading.note_end(endpoint(i), kStart));
+  EXPECT_TRUE(reading.note_end(endpoint(0), kStart)) << "each takes room once";
+  for (const auto more : {1000u, 1001u}) EXPECT_FALSE(reading.note_end(endpoint(more), kStart));
+  reading.note_alive(endpoint(1001));
+  ASSERT_TRUE(reading.take_due(reading.due()));
+  std::size_t uncounted = 0;
+  for (const auto& ended : reading.take_read())
+    if (!ended.counts) {
+      ++uncounted;
+      EXPECT_EQ(ended.endpoint, endpoint(1000));
+    }
+  EXPECT_EQ(uncounted, 1u);
+  EXPECT_TRUE(reading.note_end(endpoint(1001), kStart)) << "there is room again";
+}
+
+TEST(SecondReadingTest, OfThoseThatAreGone_TheFirstLosesItsKeys) {
+  SecondReading reading;
+  for (std::size_t i = 0; i < SecondReading::kMaxGone; ++i)
+    EXPECT_FALSE(reading.note_gone(endpoint(i)));
+  EXPECT_TRUE(reading.note_end(endpoint(0), kStart)) << "it had come back";
+  EXPECT_FALSE(reading.note_gone(endpoint(1000)));
+  EXPECT_EQ(reading.note_gone(endpoint(1001)), endpoint(1));
+  EXPECT_TRUE(reading.without_keys().contains(endpoint(1)));
+  for (std::size_t i = 0; i < 2 * SecondReading::kMaxWithoutKeys; ++i)
+    reading.note_gone(endpoint(2000 + i));
+  EXPECT_EQ(reading.without_keys().size(), SecondReading::kMaxWithoutKeys);
 }
 
 }  // namespace

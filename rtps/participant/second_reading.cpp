@@ -1,0 +1,74 @@
+#include "rtps/participant/second_reading.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace ddssec::rtps {
+
+void SecondReading::note_change(MonotonicTime now) {
+  if (due_ != kNever) return;
+  if (now >= last_ + kMaxPause) pause_ = kMinPause;
+  due_ = now + pause_;
+}
+
+bool SecondReading::note_end(const EntityId& endpoint, MonotonicTime now) {
+  note_change(now);
+  if (const auto at = ended_.find(endpoint); at != ended_.end()) {
+    at->second.is_read = false;
+    return at->second.counts;
+  }
+  std::erase(gone_, endpoint);
+  const bool counts = counting_ < kMaxEnded;
+  ended_.emplace(endpoint, State{counts});
+  counting_ += counts ? 1 : 0;
+  return counts;
+}
+
+void SecondReading::note_alive(const EntityId& endpoint) {
+  const auto at = ended_.find(endpoint);
+  if (at == ended_.end()) return;
+  counting_ -= at->second.counts ? 1 : 0;
+  ended_.erase(at);
+}
+
+bool SecondReading::take_due(MonotonicTime now) {
+  if (now < due_) return false;
+  due_ = kNever;
+  last_ = now;
+  pause_ = std::min(pause_ * 2, kMaxPause);
+  for (auto& [endpoint, state] : ended_) state.is_read = true;
+  over_ = now + kPatience;
+  return true;
+}
+
+bool SecondReading::take_over(MonotonicTime now) {
+  if (now < over_) return false;
+  over_ = kNever;
+  return true;
+}
+
+std::vector<SecondReading::Ended> SecondReading::take_read() {
+  std::vector<Ended> out;
+  std::erase_if(ended_, [&](const auto& ended) {
+    const auto& [endpoint, state] = ended;
+    if (!state.is_read) return false;
+    out.push_back({endpoint, state.counts});
+    counting_ -= state.counts ? 1 : 0;
+    return true;
+  });
+  return out;
+}
+
+std::optional<EntityId> SecondReading::note_gone(const EntityId& endpoint) {
+  gone_.push_back(endpoint);
+  if (gone_.size() <= kMaxGone) return std::nullopt;
+  const auto first = gone_.front();
+  gone_.pop_front();
+  if (without_keys_.size() >= kMaxWithoutKeys) without_keys_.erase(without_keys_.begin());
+  without_keys_[first] = false;
+  return first;
+}
+
+MonotonicTime SecondReading::next() const { return std::min(due_, over_); }
+
+}  // namespace ddssec::rtps

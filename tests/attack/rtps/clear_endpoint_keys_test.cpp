@@ -1,0 +1,235 @@
+// Where neither the discovery of a topic nor RTPS messages are protected, an attacker announces
+// that endpoints have ended whose participant sends their keys only once (T60).
+#include "rtps/discovery/serialized.hpp"
+#include "tests/unit/rtps_security/attacker.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+/// a writes, b reads, with keys for the topic.
+struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {
+  ClearEndpointsWithKeys() : pair(GetParam()) {
+    EXPECT_TRUE(pair.match());
+    pair.world.run(100);
+    data = *pair.b.participant->remote_participants().endpoint(pair.writer);
+  }
+  /// In a's name, to b.
+  void send(PayloadKind kind, BytesView payload, InlineQos qos = {}) {
+    pair.b->receive(
+        forged(
+            pair.a->prefix(),
+            Data{
+                kPublicationsReader, kPublicationsWriter, {next++}, std::move(qos), kind, payload}),
+        pair.world.now, attacker);
+  }
+  void announce(const EndpointData& endpoint) {
+    Bytes buffer(4096);
+    SpanWriter out(buffer);
+    write_payload(out, endpoint);
+    send(PayloadKind::data, out.view());
+  }
+  void dispose(const Guid& guid) {
+    Bytes buffer(64);
+    SpanWriter out(buffer);
+    write_endpoint_key(out, guid);
+    InlineQos qos;
+    qos.status = {true, true};
+    send(PayloadKind::key, out.view(), std::move(qos));
+  }
+  /// Says that a's writer of announcements holds only later ones.
+  void hide_announcements() {
+    const SequenceNumber last{100000};
+    pair.b->receive(forged(pair.a->prefix(), Heartbeat{.reader = kPublicationsReader,
+                                                       .writer = kPublicationsWriter,
+                                                       .first = last.next(),
+                                                       .last = last,
+                                                       .count = ++count}),
+                    pair.world.now, attacker);
+  }
+  /// A reading is disturbed, however late it comes.
+  void hide_announcements_until_read() {
+    const auto& reading = pair.b->remote_participants().all().at(pair.a->prefix()).second_reading;
+    while (reading.due() != kNever) pair.world.run(1);
+    for (int i = 0; i < 50; ++i) {
+      hide_announcements();
+      pair.world.run(1);
+    }
+    pair.world.run(500);
+  }
+  EndpointData other_writer(std::uint32_t number) const {
+    auto out = data;
+    out.guid.entity.octets = {0x40, static_cast<std::uint8_t>(number >> 8),
+                              static_cast<std::uint8_t>(number), 2};
+    return out;
+  }
+  bool knows_keys(const Guid& writer) const {
+    const auto& core = pair.b.participant->remote_participants().core();
+    return core.security->keyring().kind_of(pair.reader.entity, writer) !=
+           Keyring::PairKind::unknown;
+  }
+  bool delivers(MonotonicTime within = std::chrono::seconds(20)) {
+    const auto matched = [&] { return pair.b.listener.matched == 1; };
+    if (!pair.world.run_until(matched, static_cast<int>(within / std::chrono::milliseconds(10))))
+      return false;
+    pair.world.run(100);
+    const auto received = pair.b.listener.changes.size();
+    pair.write();
+    return pair.world.run_until([&] { return pair.b.listener.changes.size() > received; }, 300);
+  }
+  const Locator attacker = *Locator::parse("127.0.0.1", 7000);
+  Pair pair;
+  EndpointData data;      ///< of the true writer
+  std::int64_t next = 2;  ///< a has announced one writer
+  std::int32_t count = 1000;
+};
+
+// The writer sends its keys only once.
+TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatIsSaidToHaveEnded_MatchAgain) {
+  dispose(pair.writer);
+  ASSERT_EQ(pair.b.listener.matched, 0);
+  EXPECT_TRUE(delivers(std::chrono::seconds(10)));
+  EXPECT_TRUE(pair.b.events.is_quiet()) << pair.b.events.text();
+}
+
+// Before the fix, each took the room of one whose keys are kept.
+TEST_P(ClearEndpointsWithKeys, OfInventedWriters_TakeNoRoom) {
+  for (std::uint32_t i = 0; i < SecondReading::kMaxEnded; ++i) {
+    announce(other_writer(i));
+    dispose(other_writer(i).guid);
+  }
+  dispose(pair.writer);
+  ASSERT_EQ(pair.b.listener.matched, 0);
+  EXPECT_TRUE(delivers());
+  EXPECT_TRUE(pair.b.events.is_quiet()) << pair.b.events.text();
+}
+
+TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatIsSaidToHaveEndedAgainAndAgain_MatchAgain) {
+  for (std::size_t i = 0; i <= SecondReading::kMaxEnded; ++i) {
+    announce(data);
+    dispose(pair.writer);
+  }
+  ASSERT_EQ(pair.b.listener.matched, 0);
+  EXPECT_TRUE(delivers());
+}
+
+// Before the fix, the keys were given up 4 s after the request, although nothing had been read.
+TEST_P(ClearEndpointsWithKeys, WhereNothingCanBeRead_AreReadAgainLater) {
+  dispose(pair.writer);
+  pair.world.run(385);
+  pair.world.attack = [](World::Traffic& traffic) { traffic.clear(); };
+  pair.world.run(500);
+  pair.world.attack = [](World::Traffic&) {};
+  EXPECT_TRUE(delivers());
+}
+
+// Before the fix, the keys were given up although a HEARTBEAT had hidden the announcement.
+TEST_P(ClearEndpointsWithKeys, WhereAForgedHeartbeatDisturbsTheReading_MatchAfterALaterOne) {
+  dispose(pair.writer);
+  hide_announcements_until_read();
+  ASSERT_EQ(pair.b.listener.matched, 0);
+  next = 100001;
+  announce(other_writer(1));
+  dispose(other_writer(1).guid);
+  EXPECT_TRUE(delivers());
+}
+
+// They are not parted for good, and it does not take long.
+TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_MatchAgain) {
+  std::vector<Guid> writers{pair.writer};
+  while (writers.size() < SecondReading::kMaxEnded + 20)
+    writers.push_back(
+        pair.a->create_writer(square(default_writer_qos()), pair.a.listener, pair.world.now)
+            .value());
+  const auto all = static_cast<int>(writers.size());
+  ASSERT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == all; }, 1000));
+  next += all;
+  for (const auto& writer : writers) dispose(writer);
+  EXPECT_EQ(pair.b.listener.matched, all - static_cast<int>(SecondReading::kMaxEnded));
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == all; }, 1000));
+}
+
+// Ends that are true count at the latest when they are read.
+TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_EndWhenTheyAreRead) {
+  std::vector<Guid> writers;
+  while (writers.size() < SecondReading::kMaxEnded + 20)
+    writers.push_back(
+        pair.a->create_writer(square(default_writer_qos()), pair.a.listener, pair.world.now)
+            .value());
+  const auto all = static_cast<int>(writers.size()) + 1;
+  ASSERT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == all; }, 1000));
+  for (const auto& writer : writers) pair.a->remove(writer, pair.world.now);
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == 1; }, 1000));
+  EXPECT_TRUE(delivers());
+}
+
+// The keys of some that have ended are kept all the same, because a reading can be disturbed.
+TEST_P(ClearEndpointsWithKeys, OfWritersThatHaveEnded_AreForgottenWhenOthersEnd) {
+  pair.a->remove(pair.writer, pair.world.now);
+  pair.world.run(1000);
+  EXPECT_TRUE(knows_keys(pair.writer));
+  for (std::size_t i = 0; i < SecondReading::kMaxGone; ++i) {
+    const auto writer =
+        pair.a->create_writer(square(default_writer_qos()), pair.a.listener, pair.world.now)
+            .value();
+    ASSERT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == 1; }, 300));
+    pair.a->remove(writer, pair.world.now);
+  }
+  pair.world.run(30000);
+  EXPECT_FALSE(knows_keys(pair.writer));
+}
+
+/// The true writer is hidden from a reading, and its keys are given up for those of others.
+struct ClearEndpointsWithoutKeys : ClearEndpointsWithKeys {
+  void lose_keys() {
+    dispose(pair.writer);
+    hide_announcements_until_read();
+    for (std::size_t i = 0; i < SecondReading::kMaxGone; ++i) {
+      const auto writer =
+          pair.a->create_writer(square(default_writer_qos()), pair.a.listener, pair.world.now)
+              .value();
+      pair.world.run(20);
+      next = 200000 + static_cast<std::int64_t>(i);
+      auto announced = data;
+      announced.guid = writer;
+      announce(announced);
+      pair.world.run(20);
+      pair.a->remove(writer, pair.world.now);
+      dispose(writer);
+    }
+    hide_announcements_until_read();
+    ASSERT_EQ(pair.b.listener.matched, 0);
+    ASSERT_FALSE(knows_keys(pair.writer));
+    next = 300000;
+    announce(data);
+  }
+};
+
+TEST_P(ClearEndpointsWithoutKeys, GetThemAgain) {
+  ASSERT_NO_FATAL_FAILURE(lose_keys());
+  EXPECT_EQ(pair.b.listener.matched, 0);
+  EXPECT_TRUE(delivers(std::chrono::seconds(300)));
+  EXPECT_TRUE(pair.b.events.is_quiet()) << pair.b.events.text();
+}
+
+// Another vendor does not send its keys again.
+TEST_P(ClearEndpointsWithoutKeys, WhereTheyDoNotArrive_AreReported) {
+  ASSERT_NO_FATAL_FAILURE(lose_keys());
+  auto& core = const_cast<ParticipantCore&>(pair.b->remote_participants().core());
+  core.security->core().find(pair.a->prefix())->data.vendor = kVendorCyclone;
+  pair.world.run(60000);
+  EXPECT_EQ(pair.b.listener.matched, 0);
+  EXPECT_EQ(pair.b.events.count(Code::rtps_keys_given_up), 1) << pair.b.events.text();
+}
+
+const auto kWithKeys = ::testing::Values(Rules{.data = ProtectionKind::encrypt},
+                                         Rules{.metadata = ProtectionKind::encrypt});
+std::string name_of(const ::testing::TestParamInfo<Rules>& info) {
+  return info.param.data == ProtectionKind::none ? "submessages" : "payloads";
+}
+INSTANTIATE_TEST_SUITE_P(Protected, ClearEndpointsWithKeys, kWithKeys, name_of);
+INSTANTIATE_TEST_SUITE_P(Protected, ClearEndpointsWithoutKeys, kWithKeys, name_of);
+
+}  // namespace
+}  // namespace ddssec::rtps
