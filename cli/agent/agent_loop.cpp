@@ -15,6 +15,7 @@
 #include "cli/ca/renewal_list.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/frame/held_folder.hpp"
+#include "cli/frame/new_file.hpp"
 #include "cli/frame/transaction.hpp"
 #include "cli/inputs.hpp"
 
@@ -25,8 +26,10 @@ using End = ChildProcess::End;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
 
-constexpr seconds kMaxRest{600};       // a folder may be changed by hand, and a clock be set
-constexpr seconds kTimeForFiles{60};   // a token, or another command that has locked the folder
+constexpr seconds kMaxRest{600};      // a folder may be changed by hand, and a clock be set
+constexpr seconds kTimeForFiles{60};  // a token, or another command that has locked the folder
+constexpr seconds kMaxLook{60};       // an overlap may be begun at any time
+constexpr seconds kRetryEnd{3600};
 constexpr seconds kTimeForOwnCa{120};  // other commands may use the CA; each waits for 20 s
 
 // After that, for an hour: otherwise one user could keep the agent from the other folders.
@@ -133,6 +136,7 @@ Status Agent::prove_ca() {
 
 Answer<AgentRun> Agent::run_once() {
   if (const auto proven = prove_ca(); !proven) return {{}, report_of(proven.error())};
+  end_overlaps();
   for (auto& folder : folders_)
     if (!signals_.is_stopped()) renew(folder);
   complete_lists();
@@ -149,9 +153,11 @@ Answer<AgentRun> Agent::run() {
   events_.report("started", mode());
   while (!signals_.is_stopped()) {
     if (signals_.take_reload()) look_at_all_now();
+    if (next_end_ <= context_.clock.since_boot()) end_overlaps();
     auto& folder = *std::ranges::min_element(folders_, {}, &Folder::next);
-    const auto rest = folder.next - context_.clock.since_boot();
-    if (rest.count() <= 0)
+    const auto now = context_.clock.since_boot();
+    const auto rest = std::min(folder.next, next_end_) - now;
+    if (folder.next <= now)
       renew(folder);
     else
       signals_.wait(-1, 0, steady_clock::now() + std::min<Moment>(rest, seconds(60)), true);
@@ -168,10 +174,57 @@ void Agent::look_at_all_now() {
     folder.next = {};
     folder.is_paused = false;
   }
+  next_end_ = {};
   ca_refusal_.reset();
   owners_with_wrong_pin_.clear();
   slow_owners_.clear();
   silent_responders_.clear();
+}
+
+// Before the folders are looked at: the CA that ends renews no certificate that has not moved.
+void Agent::end_overlaps() {
+  const auto now = context_.clock.now();
+  auto rest = kMaxLook;
+  for (const auto& overlap : overlaps_to_end(arguments_)) {
+    if (signals_.is_stopped()) return;
+    if (overlap.until > now) {
+      rest = std::clamp(std::chrono::ceil<seconds>(overlap.until - now), seconds(1), rest);
+      continue;
+    }
+    end(overlap);
+    if (failed_ends_ > 0) break;
+  }
+  const bool is_paused = failed_ends_ > 0 && ca_refusal_;
+  next_end_ = is_paused ? Moment::max()
+                        : context_.clock.since_boot() + (failed_ends_ > 0 ? kRetryEnd : rest);
+}
+
+// In a process of its own, like each use of the CA's key.
+void Agent::end(const OverlapToEnd& overlap) {
+  auto json = ca_refusal_
+                  ? Result<Json>(std::unexpected(*ca_refusal_))
+                  : from_process([&] { return end_overlap(overlap, arguments_, context_); });
+  if (!json) {
+    if (json.error().code() == Code::interrupted && signals_.is_stopped()) return;
+    if (must_not_be_tried_again(json.error().code())) ca_refusal_ = json.error();
+    auto members = event_members(json.error());
+    members["failures"] = ++failed_ends_;
+    members["again_in"] = ca_refusal_ ? Json() : Json(kRetryEnd.count());
+    events_.report("failed", arguments_.text("--ca"), std::move(members));
+    errors_.push_back(json.error());
+    return;
+  }
+  failed_ends_ = 0;
+  if (!writes_nothing())
+    for (auto& file : files_from(*json)) written_.push_back(std::move(file));
+  if (json->contains("problem")) {
+    const auto problem = error_from((*json)["problem"]);
+    errors_.push_back(problem);
+    (*json)["problem"] = event_members(problem);
+  }
+  events_.report(writes_nothing() ? "overlap_due" : "overlap_ended", arguments_.text("--ca"),
+                 *std::move(json));
+  for (auto& folder : folders_) folder.next = {};  // each has new files
 }
 
 // A folder lacks what was renewed after it. The error of a folder that failed is reported already.

@@ -12,6 +12,7 @@
 #include "cli/agent/agent_folder.hpp"
 #include "cli/agent/agent_hook.hpp"
 #include "cli/agent/agent_messages.hpp"
+#include "cli/agent/agent_overlaps.hpp"
 #include "cli/agent/agent_participant.hpp"
 #include "cli/agent/agent_process.hpp"
 #include "cli/agent/agent_responders.hpp"
@@ -50,6 +51,8 @@ class Agent {
   void renew(Folder& folder);
   void note(Folder& folder, Result<Json> event);
   void complete_lists();
+  void end_overlaps();
+  void end(const OverlapToEnd& overlap);
   Result<Json> try_to_renew(Folder& folder);
   RespondersAsked responders_for(const Folder& folder) const;
   /// Until when the process for a folder must have answered.
@@ -79,6 +82,8 @@ class Agent {
   std::set<uid_t> owners_with_wrong_pin_ = {};  ///< so said a token that a folder of theirs names
   std::map<uid_t, Moment> slow_owners_ = {};    ///< whose processes took too long; until then
   SilentResponders silent_responders_ = {};
+  Moment next_end_{0};  ///< when overlaps of the CA are looked at again
+  unsigned failed_ends_ = 0;
   std::vector<Error> errors_ = {};
   std::vector<WrittenFile> written_ = {};
 };

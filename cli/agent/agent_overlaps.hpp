@@ -1,0 +1,30 @@
+// The ends of a CA's overlaps (ca rotate --overlap), which the agent brings about at their dates.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/frame/command.hpp"
+
+namespace ddssec::cli {
+
+/// An overlap of a CA of --ca that the agent ends.
+struct OverlapToEnd {
+  std::string role;
+  WallTime until;
+};
+/// Those that are under way: of the identity CA and, with --permissions, of the permissions CA. One
+/// whose record cannot be read has none here; `ca show` says why.
+std::vector<OverlapToEnd> overlaps_to_end(const Arguments& agent);
+
+/// Runs `ca rotate --end --when-due` for that role. Every folder that the CA's log knows here must
+/// belong to this user, since the command writes them with this user's rights. The result has
+/// members of an event:
+///   {"role", "subject", "until", "folders", "left", "files", "problem"}
+/// "left": the folders that still have their former files; "problem": the first error about them.
+/// Errors: folder_untrusted; those of the command.
+Result<Json> end_overlap(const OverlapToEnd& overlap, const Arguments& agent,
+                         const Context& context);
+
+}  // namespace ddssec::cli

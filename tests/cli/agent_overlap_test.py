@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+"""ddssec agent: an overlap of its CA ends at its date."""
+
+import datetime
+import json
+import os
+import shutil
+import signal
+import unittest
+
+from agent_folders import AgentTest, Running
+from transcript import main
+
+DAY = ("--now", "+40d")
+ROLES = ("identity", "permissions")
+
+
+class Overlap(AgentTest):
+    def begin(self):
+        for role in ROLES:
+            self.run_program("ca", "rotate", "demo", "--role", role, "--overlap", "30d")
+
+    def certificates(self, path):
+        return (self.at / path).read_text().count("BEGIN CERTIFICATE")
+
+    def look(self, *words, exit=0):
+        return self.once("--ca", "demo", *words, exit=exit)
+
+    def all_files(self):
+        return {str(p): p.read_bytes() for p in (self.at / "demo").rglob("*") if p.is_file()}
+
+    def test_BeforeTheDate_NothingIsEnded(self):
+        self.begin()
+        self.assertEqual([event["event"] for event in self.look("--permissions", "--now", "+29d")], ["current"])
+        self.assertEqual(self.certificates("demo/ca/identity/ca.pem"), 2)
+
+    def test_AtTheDate_BothOverlapsEndAsByHand(self):
+        self.begin()
+        one, other, folder = self.look("--permissions", *DAY)
+        for event, role in ((one, "identity"), (other, "permissions")):
+            self.assertEqual((event["event"], event["role"], event["left"]), ("overlap_ended", role, []))
+            self.assertEqual(sorted(event["folders"]), sorted(str(self.at / "demo" / name) for name in ("talker", "listener")))
+            for file in (f"demo/ca/{role}/ca.pem", f"demo/talker/{role}_ca.pem", f"demo/listener/{role}_ca.pem"):
+                self.assertEqual(self.certificates(file), 1, file)
+        self.assertEqual(folder["event"], "current")
+        self.run_program("check", "demo/talker", "demo/listener", *DAY)
+        self.assertEqual([event["event"] for event in self.look("--permissions", *DAY)], ["current"])
+
+    def test_WithoutPermissions_OnlyTheIdentityCasOverlapEnds(self):
+        self.begin()
+        self.assertEqual([event["event"] for event in self.look(*DAY)], ["overlap_ended", "current"])
+        self.assertEqual([self.certificates(f"demo/ca/{role}/ca.pem") for role in ROLES], [1, 2])
+
+    def test_DryRun_SaysWhatWouldEndAndWritesNothing(self):
+        self.begin()
+        before = self.all_files()
+        self.assertEqual(self.look("--dry-run", *DAY)[0]["event"], "overlap_due")
+        self.assertEqual(self.all_files(), before)
+
+    def test_FolderThatIsAway_IsNamedAsByHand(self):
+        self.begin()
+        (self.at / "demo/listener").rename(self.at / "away")
+        event = self.look(*DAY, exit=None)[0]
+        self.assertEqual((event["event"], event["left"]), ("overlap_ended", [str(self.at / "demo/listener")]))
+        self.assertEqual(event["problem"]["code"], "participant_elsewhere")
+        self.assertEqual(self.json("ca", "show", "demo", "--role", "identity", *DAY)["result"]["rotation"]["elsewhere"],
+                         [str(self.at / "demo/listener")])
+
+    def test_KeyThatCannotBeRead_LeavesTheOverlapAndSaysSo(self):
+        (self.at / "secret").write_text("correct horse\n")
+        self.run_program("ca", "create", "ca", "--passphrase-file", "secret")
+        self.run_program("identity", "issue", "a", "--ca", "ca", "-o", "a", "--publish", "x", "--passphrase-file", "secret")
+        self.run_program("ca", "rotate", "ca", "--role", "identity", "--overlap", "30d", "--passphrase-file", "secret")
+        (self.at / "ca/identity/ca.key.pem").write_text("nothing")
+        first = self.once("--ca", "ca", "--passphrase-file", "secret", *DAY, folder="a", exit=3)[0]
+        self.assertEqual((first["event"], first["folder"], first["again_in"]), ("failed", "ca", 3600))
+        self.assertEqual(self.certificates("ca/identity/ca.pem"), 2)
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root has folders of other users")
+    def test_FolderOfAnotherUser_KeepsTheOverlapAndNamesTheCommand(self):
+        self.begin()
+        self.at.chmod(0o755)
+        for path in (self.at / "demo/listener", *(self.at / "demo/listener").rglob("*")):
+            shutil.chown(path, 65534, 65534)
+        event = self.look(*DAY, exit=4)[0]
+        self.assertEqual((event["event"], event["code"], event["file"]),
+                         ("failed", "folder_untrusted", str(self.at / "demo/listener")))
+        self.assertIn("ddssec ca rotate demo --role identity --end --when-due", event["hint"])
+        self.assertEqual(self.certificates("demo/ca/identity/ca.pem"), 2)
+
+    def test_Daemon_EndsItAtItsDateWithoutASignal(self):
+        self.begin()
+        for role in ROLES:  # the shortest time of --overlap is an hour
+            record = self.at / f"demo/ca/{role}/ca.overlap.json"
+            until = (datetime.datetime.now(datetime.timezone.utc) + datetime.timedelta(seconds=4)).strftime("%FT%TZ")
+            record.write_text(json.dumps(json.loads(record.read_text()) | {"until": until}))
+        agent = Running(self.at, "demo/talker", "--ca", "demo", "--permissions")
+        self.addCleanup(agent.end, signal.SIGKILL)
+        agent.wait_for("overlap_ended", 2)
+        self.assertEqual({event["role"] for event in agent.events("overlap_ended")}, set(ROLES))
+        self.assertEqual(agent.events("failed"), [])
+        self.assertEqual(agent.end(), 0)
+        self.run_program("check", "demo/talker", "demo/listener")
+
+
+if __name__ == "__main__":
+    main()
