@@ -12,6 +12,7 @@
 #include "cli/ca/ca_progress.hpp"
 #include "cli/ca/certificate_facts.hpp"
 #include "cli/ca/revocation_lists.hpp"
+#include "cli/ca/rotation_forecast.hpp"
 #include "cli/frame/report.hpp"
 #include "cli/inputs.hpp"
 
@@ -180,6 +181,7 @@ struct RotatedCa {
   WallTime not_after;
   std::string sha256;
   std::vector<std::string> folders = {}, revoked = {}, unlogged = {}, elsewhere = {};
+  std::optional<RotationForecast> forecast = {};
 
   static constexpr auto fields() {
     using Self = RotatedCa;
@@ -193,7 +195,8 @@ struct RotatedCa {
         field<&Self::revoked>({"folders left as they were"}),
         field<&Self::unlogged>({"documents signed although the log lacks them"}),
         field<&Self::elsewhere>(
-            {"folders, or CAs below, that the log knows and this machine does not have"}));
+            {"folders, or CAs below, that the log knows and this machine does not have"}),
+        field<&Self::forecast>({.note = "with `--dry-run`", .absent = true}));
   }
   std::string text() const {
     auto out = summary();

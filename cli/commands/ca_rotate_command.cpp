@@ -341,6 +341,11 @@ Result<Answer<RotatedCa>> follow(const std::string& role, const Work& work,
   report.errors.insert(report.errors.end(), work.warnings.begin(), work.warnings.end());
   if (change.step != Step::begin) add_not_taken(role, work.known.here, followed, report);
   report.files_written = std::move(files);
+  if (writes_nothing()) {
+    const ForecastStep step{role, change, followed.again, context.clock.now()};
+    DDSSEC_ASSIGN_OR_RETURN(answer.result.forecast, forecast_of(step, given, work.known.here));
+    report.forecast = answer.result.forecast->text();
+  }
   return answer;
 }
 

@@ -257,7 +257,7 @@ std::string dry_run_text(const Report& report) {
   for (const auto& file : report.files_written)
     out += fmt::format("would write {} {}{}\n", file.mode, printable(file.path),
                        file.link_to.empty() ? "" : " -> " + file.link_to);
-  return out;
+  return out + report.forecast;
 }
 
 }  // namespace ddssec::cli

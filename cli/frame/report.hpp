@@ -40,7 +40,8 @@ struct Report {
   std::vector<Error> errors = {};
   std::vector<Finding> findings = {};  ///< of lint and doctor
   std::vector<WrittenFile> files_written = {};
-  std::string help_on = {};  ///< the command or group of the command line, for the hint of `usage`
+  std::string help_on = {};   ///< the command or group of the command line, for the hint of `usage`
+  std::string forecast = {};  ///< for people, of --dry-run: what would follow
 };
 
 /// The word in diagnostics: "error", "warning" or "note".

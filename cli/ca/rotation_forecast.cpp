@@ -1,0 +1,195 @@
+#include "cli/ca/rotation_forecast.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "cli/ca/ca_followers.hpp"
+#include "cli/ca/ca_progress.hpp"
+#include "cli/documents/signed_documents.hpp"
+#include "cli/inputs.hpp"
+#include "governance/doctor/cyclonedds_configuration.hpp"
+#include "governance/doctor/host_plugins.hpp"
+#include "pki/key_digest.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+namespace doctor = governance::doctor;
+
+constexpr std::size_t kMaxPairs = 1000;
+
+/// A CA by its name and key: its certificate may have been renewed.
+std::string id_of(const pki::Certificate& ca) { return pki::key_digest(ca) + ca.subject(); }
+
+std::vector<std::string> ids_of(const std::vector<pki::Certificate>& cas) {
+  std::vector<std::string> out;
+  for (const auto& ca : cas) out.push_back(id_of(ca));
+  return out;
+}
+
+/// What a participant shows and accepts.
+struct Stand {
+  std::string own;                   ///< the CA of its certificate or its permissions
+  std::vector<std::string> trusted;  ///< in the order of its file
+};
+
+/// Whether `one` accepts the CA of `other`.
+bool accepts(const Stand& one, const Stand& other, bool is_stock) {
+  if (is_stock) return !one.trusted.empty() && one.trusted.front() == other.own;
+  return std::ranges::find(one.trusted, other.own) != one.trusted.end();
+}
+
+struct Side {
+  std::string name;
+  Stand now, then;
+  bool may_be_stock;
+};
+
+bool talk(const Stand& a, const Stand& b, bool a_is_stock, bool b_is_stock) {
+  return accepts(a, b, a_is_stock) && accepts(b, a, b_is_stock);
+}
+
+bool parts(const Side& a, const Side& b, bool a_is_stock, bool b_is_stock) {
+  return talk(a.now, b.now, a_is_stock, b_is_stock) &&
+         !talk(a.then, b.then, a_is_stock, b_is_stock);
+}
+
+bool parts_if_stock(const Side& a, const Side& b) {
+  return (a.may_be_stock && parts(a, b, true, false)) ||
+         (b.may_be_stock && parts(a, b, false, true)) ||
+         (a.may_be_stock && b.may_be_stock && parts(a, b, true, true));
+}
+
+/// False if its configuration of Cyclone DDS names ddssec's libraries by whole paths. Otherwise the
+/// environment of the process decides.
+bool may_be_stock(const fs::path& folder) {
+  const auto file = folder / "cyclonedds.xml";
+  if (!is_there(file)) return true;
+  const auto configuration = doctor::cyclonedds_configuration(file.string());
+  if (!configuration) return true;
+  const auto plugins = doctor::host_plugins(*configuration, {});
+  return plugins.empty() || !std::ranges::all_of(plugins, [](const doctor::HostPlugin& plugin) {
+           return plugin.maker == doctor::HostPlugin::Maker::ours &&
+                  fs::path(plugin.library).is_absolute();
+         });
+}
+
+/// Reads and changes sides.
+class Sides {
+ public:
+  explicit Sides(const ForecastStep& step) : step_(step) {
+    if (auto next = pki::Certificate::bundle_from_pem(as_bytes(step.change.trust_pem)))
+      next_ = *std::move(next);
+  }
+
+  std::optional<Side> of(const Follower& follower) const {
+    const auto& file = is_identity() ? follower.files.identity_ca : follower.files.permissions_ca;
+    const auto trusted = read_certificates(file);
+    if (!trusted) return std::nullopt;
+    const auto own = issuer_of(follower, *trusted);
+    if (!own) return std::nullopt;
+    Stand now{*own, ids_of(*trusted)};
+    auto then = now;
+    std::error_code ignored;
+    if (std::ranges::find(step_.again, follower.name) != step_.again.end()) {
+      if (!fs::is_symlink(file, ignored)) then.trusted = ids_of(next_);
+      if (step_.change.step != Step::begin) then.own = id_of(step_.change.ca.certificate());
+    }
+    return Side{follower.name, std::move(now), std::move(then),
+                may_be_stock(follower.files.folder)};
+  }
+
+ private:
+  bool is_identity() const { return step_.role == "identity"; }
+
+  bool is_issuer(const Follower& follower, const pki::Certificate& ca) const {
+    if (!is_identity()) return is_signed_by(follower.files.permissions, ca.pem(), step_.now);
+    const auto certificate = read_certificate(follower.files.certificate);
+    return certificate && certificate->is_issued_by(ca);
+  }
+
+  std::optional<std::string> issuer_of(const Follower& follower,
+                                       std::vector<pki::Certificate> cas) const {
+    cas.insert(cas.end(), next_.begin(), next_.end());
+    for (const auto& ca : cas)
+      if (is_issuer(follower, ca)) return id_of(ca);
+    return std::nullopt;
+  }
+
+  const ForecastStep& step_;
+  std::vector<pki::Certificate> next_;
+};
+
+std::string line_of(const PartedPair& pair) {
+  return fmt::format("  {} - {}{}\n", printable(pair.a), printable(pair.b),
+                     pair.only_stock ? "  (if one of them runs on stock plugins)" : "");
+}
+
+}  // namespace
+
+std::string RotationForecast::text() const {
+  auto out = parted == 0
+                 ? fmt::format("no two of {} would part by their CAs\n", counted(judged, "folder"))
+                 : fmt::format("{} of {} would part:\n", counted(parted, "pair"),
+                               counted(judged, "folder"));
+  for (const auto& pair : pairs) out += line_of(pair);
+  if (parted > pairs.size()) out += fmt::format("  and {} more\n", parted - pairs.size());
+  for (const auto& folder : unread)
+    out += fmt::format("not judged, its files say nothing: {}\n", printable(folder));
+  if (needs_restarts)
+    out += "A participant on stock plugins uses the new files once it was started again.\n";
+  return out;
+}
+
+namespace {
+
+// The step leaves some as they are. Revoked ones talk to none.
+Result<std::vector<Follower>> all_here(const fs::path& given, std::vector<Follower> followers,
+                                       WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto known, known_followers(given, now));
+  for (const auto& other : known.here) {
+    const auto is_it = [&](const Follower& one) {
+      std::error_code ignored;
+      return fs::equivalent(one.files.folder, other.files.folder, ignored);
+    };
+    if (std::ranges::none_of(followers, is_it)) followers.push_back(other);
+  }
+  DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, "identity", now));
+  for (const auto& revoked : progress.revoked(followers))
+    std::erase_if(followers, [&](const Follower& one) { return one.name == revoked.name; });
+  return followers;
+}
+
+}  // namespace
+
+Result<RotationForecast> forecast_of(const ForecastStep& step, const fs::path& given,
+                                     const std::vector<Follower>& followers) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto all, all_here(given, followers, step.now));
+  const Sides reader(step);
+  std::vector<Side> sides;
+  RotationForecast out;
+  for (const auto& follower : all) {
+    auto side = reader.of(follower);
+    if (side)
+      sides.push_back(*std::move(side));
+    else
+      out.unread.push_back(follower.name);
+  }
+  out.judged = sides.size();
+  out.needs_restarts = step.change.step != Step::begin &&
+                       std::ranges::any_of(sides, [](const auto& one) { return one.may_be_stock; });
+  for (auto a = sides.begin(); a != sides.end(); ++a)
+    for (auto b = a + 1; b != sides.end(); ++b) {
+      const bool is_for_all = parts(*a, *b, false, false);
+      if (!is_for_all && !parts_if_stock(*a, *b)) continue;
+      ++out.parted;
+      if (out.pairs.size() < kMaxPairs) out.pairs.push_back({a->name, b->name, !is_for_all});
+    }
+  return out;
+}
+
+}  // namespace ddssec::cli
