@@ -79,7 +79,7 @@ class Folders(AgentTest):
 
     def test_permissions_move_to_a_successor_of_their_ca_first(self):
         before = (self.talker / "permissions.p7s").read_bytes()
-        self.run_program("ca", "rotate", "demo", "--role", "permissions", "--overlap", "30d")
+        self.run_program("ca", "rotate", "demo", "--role", "permissions", "--overlap", "400d")
         event, = self.once("--ca", "demo", "--permissions", *self.LATER, exit=None)
         self.assertEqual(event["problem"]["code"], "not_moved_yet")
         self.assertEqual((self.talker / "permissions.p7s").read_bytes(), before)
