@@ -232,6 +232,22 @@ Status check_not_on_lists(const TrustedAskers& trusted, const pki::Certificate& 
 
 }  // namespace
 
+Status check_owner(const FolderOwner& owner, const Arguments& arguments,
+                   const std::filesystem::path& folder) {
+  const bool is_foreign = owner.user != ::geteuid();
+  ErrorDetails details{.document = folder, .found = fmt::format("a folder of user {}", owner.user)};
+  if (is_foreign && arguments.has("--rekey")) {
+    details.expected = "a folder of the agent's own user, with --rekey";
+    details.hint = "leave out --rekey: then a request shows that it comes from the present key";
+  } else if (is_foreign && arguments.has("--hook") && !arguments.has("--trust")) {
+    details.expected = "--trust FILE, with a hook for folders of other users";
+    details.hint = "name the identity CA's certificate, in a file that only you can write";
+  } else {
+    return {};
+  }
+  return fail(tool_code::folder_untrusted, std::move(details));
+}
+
 Status check_asker(const RenewalRequest& request, const TrustedAskers& trusted, bool is_rekeying) {
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           pki::Certificate::from_pem(as_bytes(request.certificate)));

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "cli/agent/agent_folder.hpp"
 #include "cli/agent/agent_messages.hpp"
 #include "cli/frame/command.hpp"
 #include "pki/chain.hpp"
@@ -30,6 +31,12 @@ Result<std::vector<pki::Crl>> read_lists(const std::filesystem::path& file);
 /// Error: certificate_revoked, if a list of the verifier, from `file`, names the certificate.
 Status check_not_on(const pki::ChainVerifier& verifier, const pki::Certificate& certificate,
                     const std::filesystem::path& file);
+
+/// Success if the folder of this owner may ask the CA or a hook. Another user could ask for any
+/// name: with a certificate of their own in the folder, or with a copy of another participant's.
+/// Only a request with the present key shows whose it is. Error: folder_untrusted.
+Status check_owner(const FolderOwner& owner, const Arguments& arguments,
+                   const std::filesystem::path& folder);
 
 /// Which certificates an agent with a hook renews.
 struct TrustedAskers {

@@ -27,6 +27,35 @@ void AgentEvents::report(std::string_view event, const std::filesystem::path& fo
   report(event, std::move(all));
 }
 
+Json known_members(const Json& event) {
+  constexpr std::size_t kMaxText = 4096, kMaxFiles = 8;
+  Json out = Json::object();
+  for (const auto* name :
+       {"event", "subject", "serial", "not_after", "next", "sha256", "ocsp_until", "ocsp_silent"})
+    if (event.contains(name)) out[name] = text_in(event, name).substr(0, kMaxText);
+  for (const auto* name : {"rekeyed", "permissions_extended", "restart_needed"})
+    if (event.contains(name)) out[name] = event[name] == true;
+  if (event.contains("problem")) out["problem"] = error_to_json(error_from(event["problem"]));
+  if (!event.contains("files")) return out;
+  out["files"] = Json::array();
+  for (const auto& file : event["files"])
+    if (out["files"].size() < kMaxFiles && file.is_object())
+      out["files"].push_back({{"path", text_in(file, "path").substr(0, kMaxText)},
+                              {"mode", text_in(file, "mode").substr(0, kMaxText)},
+                              {"sha256", text_in(file, "sha256").substr(0, kMaxText)}});
+  return out;
+}
+
+std::vector<WrittenFile> files_from(const Json& event) {
+  std::vector<WrittenFile> out;
+  if (!event.contains("files")) return out;
+  for (const auto& file : event["files"])
+    out.push_back({.path = text_in(file, "path"),
+                   .mode = text_in(file, "mode"),
+                   .sha256 = text_in(file, "sha256")});
+  return out;
+}
+
 Json event_members(const Error& error) {
   const auto& row = info(error.code());
   const auto& details = error.details();

@@ -51,6 +51,12 @@ class AgentEvents {
   std::vector<AgentEvent> kept_;
 };
 
+/// Those members that the agent reports of an event, shortened: a process with another user's
+/// rights has sent it.
+Json known_members(const Json& event);
+/// The files in its member "files".
+std::vector<WrittenFile> files_from(const Json& event);
+
 /// The members about an error: code, number, message, hint; file, if it is about one.
 Json event_members(const Error& error);
 

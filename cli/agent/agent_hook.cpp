@@ -21,17 +21,18 @@ using End = ChildProcess::End;
 
 constexpr int kNotStarted = 127;
 
-std::unexpected<Error> no_hook(std::string expected, std::string found) {
-  return fail(Code::usage, {.field = "--hook",
+std::unexpected<Error> no_hook(const std::string& option, std::string expected, std::string found) {
+  return fail(Code::usage, {.field = option,
                             .expected = std::move(expected),
                             .found = '"' + std::move(found) + '"',
                             .note = "no shell reads it: write a script for more"});
 }
 
-Result<std::vector<std::string>> words_of(const std::string& text) {
+Result<std::vector<std::string>> words_of(const std::string& option, const std::string& text) {
   constexpr std::string_view kOfShells = "\"'\\$`;|&<>()*?[]{}~#!\n\r\t";
   if (text.find_first_of(kOfShells) != text.npos)
-    return no_hook("words that are separated by blanks, without characters of a shell", text);
+    return no_hook(option, "words that are separated by blanks, without characters of a shell",
+                   text);
   std::vector<std::string> out;
   for (std::size_t at = 0; (at = text.find_first_not_of(' ', at)) != text.npos;) {
     const auto end = std::min(text.find(' ', at), text.size());
@@ -39,7 +40,7 @@ Result<std::vector<std::string>> words_of(const std::string& text) {
     at = end;
   }
   if (out.empty() || !out.front().starts_with('/'))
-    return no_hook("the absolute path of a program, and its arguments", text);
+    return no_hook(option, "the absolute path of a program, and its arguments", text);
   return out;
 }
 
@@ -99,6 +100,7 @@ int become_hook(Hook hook, const fs::path& program, const HookRequest& request, 
   variables.emplace_back("LC_ALL=C.UTF-8");
   variables.push_back("DDSSEC_FOLDER=" + request.folder.string());
   variables.push_back("DDSSEC_SUBJECT=" + request.subject);
+  if (!request.wanted.empty()) variables.push_back("DDSSEC_WANTED=" + request.wanted);
   ::signal(SIGPIPE, SIG_DFL);
   ::setrlimit(RLIMIT_CORE, &kNoCore);
   if (::chdir("/") != 0 || ::dup2(in, STDIN_FILENO) < 0 || ::dup2(out, STDOUT_FILENO) < 0)
@@ -110,13 +112,12 @@ int become_hook(Hook hook, const fs::path& program, const HookRequest& request, 
   return kNotStarted;
 }
 
-std::unexpected<Error> ended(End end, const Hook& hook) {
+std::unexpected<Error> ended(End end, const Hook& hook, std::size_t max_answer) {
   const auto& program = hook.words.front();
   if (end == End::stopped) return fail(Code::interrupted);
   if (end == End::too_long)
-    return fail(
-        tool_code::hook_too_long,
-        {.document = program, .expected = fmt::format("at most {} octets", kMaxHookAnswer)});
+    return fail(tool_code::hook_too_long,
+                {.document = program, .expected = fmt::format("at most {} octets", max_answer)});
   return fail(
       tool_code::hook_too_slow,
       {.document = program, .expected = fmt::format("an end within {} s", hook.timeout.count())});
@@ -124,9 +125,9 @@ std::unexpected<Error> ended(End end, const Hook& hook) {
 
 }  // namespace
 
-Result<Hook> hook_of(const Arguments& arguments) {
+Result<Hook> hook_of(const Arguments& arguments, const std::string& option) {
   constexpr int kMax = 3600;
-  DDSSEC_ASSIGN_OR_RETURN(auto words, words_of(arguments.text("--hook")));
+  DDSSEC_ASSIGN_OR_RETURN(auto words, words_of(option, arguments.text(option)));
   DDSSEC_ASSIGN_OR_RETURN(auto variables, variables_of(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const int seconds, arguments.number("--hook-timeout", 1, kMax));
   return Hook{std::move(words), std::move(variables), std::chrono::seconds(seconds)};
@@ -151,13 +152,14 @@ Result<std::string> run_hook(const Hook& hook, const HookRequest& request, HeldS
   DDSSEC_ASSIGN_OR_RETURN(auto child, ChildProcess::start(signals, [&](int in, int out) {
                             return become_hook(hook, program, request, in, out);
                           }));
-  const auto sent = child.write(request.pem, deadline);
-  if (sent != End::done && sent != End::closed) return ended(sent, hook);
+  const auto sent = child.write(request.input, deadline);
+  if (sent != End::done && sent != End::closed) return ended(sent, hook, request.max_answer);
   child.end_input();
   std::string out;
-  if (const auto end = child.read_all(out, kMaxHookAnswer, deadline); end != End::done)
-    return ended(end, hook);
-  if (const auto end = child.wait(deadline); end != End::done) return ended(end, hook);
+  if (const auto end = child.read_all(out, request.max_answer, deadline); end != End::done)
+    return ended(end, hook, request.max_answer);
+  if (const auto end = child.wait(deadline); end != End::done)
+    return ended(end, hook, request.max_answer);
   if (child.failure().empty()) return out;
   return fail(
       tool_code::hook_failed,

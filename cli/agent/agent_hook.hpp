@@ -1,5 +1,6 @@
-// The command that gets a certificate from a CA elsewhere: it reads a request (PKCS#10, PEM) from
-// standard input and writes the certificate (PEM) to standard output.
+// The commands that get something from a CA elsewhere. --hook reads a request (PKCS#10, PEM) from
+// standard input and writes the certificate (PEM) to standard output. --documents-hook reads the
+// certificate and writes a document.
 #pragma once
 
 #include <chrono>
@@ -14,6 +15,8 @@ namespace ddssec::cli {
 
 /// The longest answer of a hook, in octets: a certificate and its chain.
 inline constexpr std::size_t kMaxHookAnswer = 64 * 1024;
+/// The longest document of a hook, in octets.
+inline constexpr std::size_t kMaxHookDocument = 1024 * 1024;
 
 /// A hook from the command line.
 struct Hook {
@@ -22,9 +25,10 @@ struct Hook {
   std::chrono::seconds timeout;
 };
 
-/// The hook of --hook, --hook-env and --hook-timeout. Words are separated by blanks. Characters
-/// that mean something to a shell are refused, because none reads them. Error: usage.
-Result<Hook> hook_of(const Arguments& arguments);
+/// The hook of an option, --hook or --documents-hook, with --hook-env and --hook-timeout. Words are
+/// separated by blanks. Characters that mean something to a shell are refused, because none reads
+/// them. Error: usage.
+Result<Hook> hook_of(const Arguments& arguments, const std::string& option);
 
 /// Success if no user but this one and root can change the file of --trust. Errors: trust_unsafe,
 /// file_unreadable.
@@ -34,7 +38,9 @@ Status check_trust_file(const std::filesystem::path& file);
 struct HookRequest {
   std::filesystem::path folder;  ///< of the participant, DDSSEC_FOLDER
   std::string subject;           ///< RFC 2253, DDSSEC_SUBJECT
-  std::string pem;
+  std::string input;             ///< for its standard input
+  std::string wanted = {};       ///< DDSSEC_WANTED: the kind of document; empty: a certificate
+  std::size_t max_answer = kMaxHookAnswer;
 };
 
 /// Runs the hook and returns what it wrote, not yet checked. It is run with the rights of this

@@ -28,7 +28,8 @@ using std::chrono::steady_clock;
 
 constexpr seconds kMaxRest{600};      // a folder may be changed by hand, and a clock be set
 constexpr seconds kTimeForFiles{60};  // a token, or another command that has locked the folder
-constexpr seconds kMaxLook{60};       // an overlap may be begun at any time
+constexpr seconds kMinRestOfOthers{60};
+constexpr seconds kMaxLook{60};  // an overlap may be begun at any time
 constexpr seconds kRetryEnd{3600};
 constexpr seconds kTimeForOwnCa{120};  // other commands may use the CA; each waits for 20 s
 
@@ -47,64 +48,16 @@ bool must_not_be_tried_again(Code code) {
   return code == Code::pkcs11_pin_wrong || code == Code::passphrase_wrong;
 }
 
-// The members that an event may have: a process with another user's rights has sent it.
-Json known_members(const Json& event) {
-  constexpr std::size_t kMaxText = 4096, kMaxFiles = 8;
-  Json out = Json::object();
-  for (const auto* name :
-       {"event", "subject", "serial", "not_after", "next", "sha256", "ocsp_until", "ocsp_silent"})
-    if (event.contains(name)) out[name] = text_in(event, name).substr(0, kMaxText);
-  for (const auto* name : {"rekeyed", "permissions_extended", "restart_needed"})
-    if (event.contains(name)) out[name] = event[name] == true;
-  if (event.contains("problem")) out["problem"] = error_to_json(error_from(event["problem"]));
-  if (!event.contains("files")) return out;
-  out["files"] = Json::array();
-  for (const auto& file : event["files"])
-    if (out["files"].size() < kMaxFiles && file.is_object())
-      out["files"].push_back({{"path", text_in(file, "path").substr(0, kMaxText)},
-                              {"mode", text_in(file, "mode").substr(0, kMaxText)},
-                              {"sha256", text_in(file, "sha256").substr(0, kMaxText)}});
-  return out;
-}
-
 Result<Json> event_from(const Json& json) {
   if (json.contains("error")) return std::unexpected(error_from(json["error"]));
   return known_members(json);
 }
 
-// Another user could ask for any name: with a certificate of their own in the folder, or with a
-// copy of another participant's. Only a request with the present key shows whose it is.
-Status check_owner(const FolderOwner& owner, const Arguments& arguments,
-                   const std::filesystem::path& folder) {
-  const bool is_foreign = owner.user != ::geteuid();
-  ErrorDetails details{.document = folder, .found = fmt::format("a folder of user {}", owner.user)};
-  if (is_foreign && arguments.has("--rekey")) {
-    details.expected = "a folder of the agent's own user, with --rekey";
-    details.hint = "leave out --rekey: then a request shows that it comes from the present key";
-  } else if (is_foreign && arguments.has("--hook") && !arguments.has("--trust")) {
-    details.expected = "--trust FILE, with a hook for folders of other users";
-    details.hint = "name the identity CA's certificate, in a file that only you can write";
-  } else {
-    return {};
-  }
-  return fail(tool_code::folder_untrusted, std::move(details));
-}
-
-std::vector<WrittenFile> files_from(const Json& event) {
-  std::vector<WrittenFile> out;
-  if (!event.contains("files")) return out;
-  for (const auto& file : event["files"])
-    out.push_back({.path = text_in(file, "path"),
-                   .mode = text_in(file, "mode"),
-                   .sha256 = text_in(file, "sha256")});
-  return out;
-}
-
 }  // namespace
 
-Agent::Agent(const Arguments& arguments, std::optional<Hook> hook, const Context& context)
+Agent::Agent(const Arguments& arguments, AgentHooks hooks, const Context& context)
     : arguments_(arguments),
-      hook_(std::move(hook)),
+      hooks_(std::move(hooks)),
       context_(context),
       events_(arguments.text("--format") == "json" ? AgentEvents::To::report
                                                    : AgentEvents::To::standard_output,
@@ -118,13 +71,15 @@ Agent::Agent(const Arguments& arguments, std::optional<Hook> hook, const Context
 }
 
 Json Agent::mode() const {
-  return {{"folders", folders_.size()}, {"by", hook_ ? "hook" : "ca"}, {"pid", ::getpid()}};
+  return {{"folders", folders_.size()},
+          {"by", hooks_.certificates ? "hook" : "ca"},
+          {"pid", ::getpid()}};
 }
 
 // In a process of its own, like each use of the CA's key. A passphrase that is wrong would be
 // noticed only when the first certificate is due.
 Status Agent::prove_ca() {
-  if (hook_) return {};
+  if (hooks_.certificates) return {};
   const auto json = from_process([&]() -> Result<Json> {
     const auto status = prove_passphrase(arguments_);
     if (!status) return std::unexpected(status.error());
@@ -171,7 +126,7 @@ Answer<AgentRun> Agent::run() {
 
 void Agent::look_at_all_now() {
   for (auto& folder : folders_) {
-    folder.next = {};
+    folder.next = folder.next_documents = {};
     folder.is_paused = false;
   }
   next_end_ = {};
@@ -260,6 +215,8 @@ Result<Json> Agent::try_to_renew(Folder& folder) {
     folder.task.uses_no_token = owners_with_wrong_pin_.contains(folder.lock->owner().user);
   folder.task.responders = responders_for(folder);
   folder.task.renewals = renewals();
+  folder.task.fetches_documents =
+      hooks_.documents && folder.lock && folder.next_documents <= context_.clock.since_boot();
   const int lock = folder.lock ? folder.lock->descriptor() : -1;
   const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
   DDSSEC_ASSIGN_OR_RETURN(auto worker, ChildProcess::start(
@@ -294,17 +251,17 @@ std::unexpected<Error> Agent::worker_ended(const Folder& folder, End end) {
 
 // The agent's own user could ask any responder anyway.
 RespondersAsked Agent::responders_for(const Folder& folder) const {
-  RespondersAsked out{.of_cas_from = hook_ ? "--trust" : "--ca"};
+  RespondersAsked out{.of_cas_from = hooks_.certificates ? "--trust" : "--ca"};
   if (!folder.lock) return out;  // with --dry-run none is asked
   const auto owner = folder.lock->owner().user;
   out.not_now = silent_responders_.of(owner, context_.clock.since_boot());
-  if (hook_ && !arguments_.has("--trust")) {
+  if (hooks_.certificates && !arguments_.has("--trust")) {
     out.none = owner != ::geteuid();
     return out;
   }
-  const auto cas =
-      read_certificates(hook_ ? std::filesystem::path(arguments_.text("--trust"))
-                              : ca_paths(arguments_.text("--ca"), "identity").certificate);
+  const auto cas = read_certificates(
+      hooks_.certificates ? std::filesystem::path(arguments_.text("--trust"))
+                          : ca_paths(arguments_.text("--ca"), "identity").certificate);
   if (cas) out.of_cas = to_pem(*cas);
   out.none = !cas;
   return out;
@@ -312,7 +269,7 @@ RespondersAsked Agent::responders_for(const Folder& folder) const {
 
 // Of a CA behind a hook there is none. One that is too long for a worker is left to crl distribute.
 std::string Agent::renewals() const {
-  if (hook_) return {};
+  if (hooks_.certificates) return {};
   const std::filesystem::path given = arguments_.text("--ca");
   const auto crl = present_crl(ca_paths(given, "identity"));
   const auto list = renewals_of(given, crl && *crl ? &**crl : nullptr).list;
@@ -324,7 +281,7 @@ std::string Agent::renewals() const {
 // The others get the list with the new certificate soon, if that is not too much work.
 void Agent::look_at_others(const Folder& renewed) {
   constexpr std::size_t kMax = 64;
-  if (hook_ || folders_.size() > kMax) return;
+  if (hooks_.certificates || folders_.size() > kMax) return;
   const auto soon = context_.clock.since_boot() + seconds(1);
   for (auto& other : folders_)
     if (&other != &renewed && other.failures == 0) other.next = std::min(other.next, soon);
@@ -337,13 +294,74 @@ std::vector<std::string> Agent::secret_variables() const {
   return out;
 }
 
+// Answers what it asks about documents, first of all. The result is the line after that. Errors do
+// not end its work.
+Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
+  constexpr int kMaxLines = 4;  // one of each kind, and what became of them
+  for (int lines = 0;; ++lines) {
+    std::string line;
+    if (const auto end = worker.read_line(line, kMaxAgentLine, time_for(folder)); end != End::done)
+      return worker_ended(folder, end);
+    DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
+    const bool is_told = json.contains("documents");
+    if (!is_told && !json.contains("wanted")) return json;
+    if (lines == kMaxLines || !folder.task.fetches_documents) return no_answer(End::closed);
+    if (is_told) {
+      note_documents(folder, json["documents"]);
+      continue;
+    }
+    const auto document = ask_document(folder, document_request_from(json));
+    if (!document && signals_.is_stopped()) return std::unexpected(document.error());
+    const auto answer = document ? document_line(*document) : error_line(document.error());
+    const auto sent = worker.write(to_line(answer) + '\n', time_for(folder));
+    if (sent != End::done) return worker_ended(folder, sent);
+  }
+}
+
+// Lists are public. Permissions are given to the key that they are for.
+Result<Bytes> Agent::ask_document(const Folder& folder, const DocumentRequest& request) {
+  constexpr std::array<std::string_view, 3> kKinds = {"permissions", "crl", "renewals"};
+  if (std::ranges::find(kKinds, request.wanted) == kKinds.end()) return no_answer(End::closed);
+  DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
+  if (request.wanted == kKinds.front())
+    DDSSEC_RETURN_IF_ERROR(check_request({request.request, request.certificate}));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate,
+                          pki::Certificate::from_pem(as_bytes(request.certificate)));
+  std::error_code ignored;
+  const HookRequest asked{std::filesystem::absolute(folder.task.folder, ignored),
+                          certificate.subject(), certificate.pem(), request.wanted,
+                          kMaxHookDocument};
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, run_hook(*hooks_.documents, asked, signals_));
+  const auto octets = as_bytes(text);
+  return Bytes(octets.begin(), octets.end());
+}
+
+// The owner of a folder says when to ask again: not too often for a folder of another user.
+void Agent::note_documents(Folder& folder, const Json& told) {
+  const bool is_own = folder.lock->owner().user == ::geteuid();
+  const auto now = context_.clock.now();
+  const auto next = time_from(text_in(told, "documents_next"));
+  const auto rest = std::clamp(next.value_or(now + kMaxRest) - now,
+                               is_own ? seconds(1) : kMinRestOfOthers, kMaxRest);
+  folder.next_documents = context_.clock.since_boot() + rest;
+  auto members = known_members(told);
+  for (auto& file : files_from(members)) written_.push_back(std::move(file));
+  if (members.contains("problem")) {
+    const auto problem = error_from(members["problem"]);
+    errors_.push_back(problem);
+    members["problem"] = event_members(problem);
+  }
+  if (members.empty()) return;
+  if (!members.contains("files")) members["files"] = Json::array();
+  events_.report("documents_fetched", folder.task.folder, std::move(members));
+}
+
 // The worker asks at most once. If the CA's answer is an error, the worker ends without an answer:
 // it has written nothing yet.
 Result<Json> Agent::converse(Folder& folder, ChildProcess& worker) {
   std::string line;
   const auto read = [&] { return worker.read_line(line, kMaxAgentLine, time_for(folder)); };
-  if (const auto end = read(); end != End::done) return worker_ended(folder, end);
-  DDSSEC_ASSIGN_OR_RETURN(const auto json, json_from(line));
+  DDSSEC_ASSIGN_OR_RETURN(const auto json, answer_documents(folder, worker));
   if (!json.contains("request")) return event_from(json);
   DDSSEC_ASSIGN_OR_RETURN(const auto request, request_from(json));
   const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
@@ -364,14 +382,14 @@ Result<Json> Agent::converse(Folder& folder, ChildProcess& worker) {
 Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
   if (!folder.lock) return no_answer(End::closed);  // with --dry-run nothing is asked
   DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
-  if (!hook_) return ask_own_ca(folder, request);
+  if (!hooks_.certificates) return ask_own_ca(folder, request);
   DDSSEC_RETURN_IF_ERROR(check_request(request));
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           pki::Certificate::from_pem(as_bytes(request.certificate)));
   std::error_code ignored;
   const HookRequest asked{std::filesystem::absolute(folder.task.folder, ignored), old.subject(),
                           request.request};
-  DDSSEC_ASSIGN_OR_RETURN(auto pem, run_hook(*hook_, asked, signals_));
+  DDSSEC_ASSIGN_OR_RETURN(auto pem, run_hook(*hooks_.certificates, asked, signals_));
   return RenewalAnswer{std::move(pem)};
 }
 
@@ -424,6 +442,8 @@ void Agent::note_success(Folder& folder, Json event) {
   const auto now = context_.clock.now();
   const auto rest = std::clamp(next.value_or(now) - now, seconds(1), kMaxRest);
   folder.next = context_.clock.since_boot() + rest;
+  if (hooks_.documents && folder.next_documents > Moment(0))
+    folder.next = std::min(folder.next, folder.next_documents);
   if (name == "renewed") {
     folder.task.known = text_in(event, "sha256");
     folder.task.known_renewal = next.value_or(now);

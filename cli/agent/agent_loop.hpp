@@ -20,13 +20,18 @@
 
 namespace ddssec::cli {
 
+/// The programs that get something from a CA elsewhere.
+struct AgentHooks {
+  std::optional<Hook> certificates = {};  ///< empty: a CA of this machine (--ca)
+  std::optional<Hook> documents = {};     ///< permissions and lists
+};
+
 /// Renews what is due in some folders. For each of them a process with the rights of the folder's
 /// owner reads and writes the files (agent_participant.hpp), and another one with the agent's own
 /// rights asks the CA. The agent itself reads no file of a folder, and no key.
 class Agent {
  public:
-  /// `hook` is empty for a CA of this machine (--ca).
-  Agent(const Arguments& arguments, std::optional<Hook> hook, const Context& context);
+  Agent(const Arguments& arguments, AgentHooks hooks, const Context& context);
 
   /// Looks at each folder once. The errors of those that failed are in the report.
   Answer<AgentRun> run_once();
@@ -39,6 +44,7 @@ class Agent {
     AgentTask task;
     std::optional<FolderLock> lock = {};
     Moment next{0};
+    Moment next_documents{0};
     unsigned failures = 0;
     /// Of its certificate. How often the CA is asked follows from it, so of another user's folder
     /// only what the CA has accepted counts.
@@ -59,8 +65,11 @@ class Agent {
   std::chrono::steady_clock::time_point time_for(const Folder& folder) const;
   std::unexpected<Error> worker_ended(const Folder& folder, ChildProcess::End end);
   std::string renewals() const;
+  void note_documents(Folder& folder, const Json& told);
+  Result<Bytes> ask_document(const Folder& folder, const DocumentRequest& request);
   Result<Json> converse(Folder& folder, ChildProcess& worker);
   Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
+  Result<Json> answer_documents(Folder& folder, ChildProcess& worker);
   Result<RenewalAnswer> ask_own_ca(const Folder& folder, const RenewalRequest& request);
   Status check_request(const RenewalRequest& request);
   Status prove_ca();
@@ -73,7 +82,7 @@ class Agent {
   std::vector<std::string> secret_variables() const;
 
   const Arguments& arguments_;
-  std::optional<Hook> hook_;
+  AgentHooks hooks_;
   const Context& context_;
   HeldSignals signals_;
   AgentEvents events_;

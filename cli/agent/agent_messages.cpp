@@ -90,6 +90,23 @@ Result<RenewalAnswer> answer_from(const Json& json) {
   return out;
 }
 
+Json to_json(const DocumentRequest& request) {
+  return {{"wanted", request.wanted},
+          {"request", request.request},
+          {"certificate", request.certificate}};
+}
+
+DocumentRequest document_request_from(const Json& json) {
+  return {text_in(json, "wanted"), text_in(json, "request"), text_in(json, "certificate")};
+}
+
+Json document_line(BytesView document) { return {{"document", to_hex(document)}}; }
+
+Result<Bytes> document_from(const Json& json) {
+  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
+  return octets_in(json, "document");
+}
+
 Json error_to_json(const Error& error) {
   const auto& details = error.details();
   return {{"code", static_cast<int>(error.code())},

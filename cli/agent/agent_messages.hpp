@@ -32,6 +32,13 @@ struct RenewalAnswer {
   std::string renewals = {};
 };
 
+/// A participant's wish for a document: "permissions", "crl" or "renewals".
+struct DocumentRequest {
+  std::string wanted;
+  std::string request;      ///< PKCS#10, PEM, with permissions: shows that the key is there
+  std::string certificate;  ///< the one in place, PEM
+};
+
 /// One line without its end. Errors of reading: internal.
 std::string to_line(const Json& value);
 Result<Json> json_from(std::string_view line);
@@ -47,6 +54,12 @@ Json to_json(const RenewalAnswer& answer);
 /// The answer as one line with its end. Takes the renewal list out of an answer that is too long.
 std::string answer_line(RenewalAnswer& answer);
 Result<RenewalAnswer> answer_from(const Json& json);
+
+Json to_json(const DocumentRequest& request);
+DocumentRequest document_request_from(const Json& json);
+/// A document as a line, and back. Errors: one in its place; internal.
+Json document_line(BytesView document);
+Result<Bytes> document_from(const Json& json);
 
 /// An error with all of its details. One whose code is unknown is read as `internal`.
 Json error_to_json(const Error& error);

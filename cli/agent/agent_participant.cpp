@@ -145,6 +145,16 @@ Json event_of(std::string_view event, const pki::Certificate& certificate, WallT
           {"next", to_string(next)}};
 }
 
+Result<pki::PrivateKey> present_key(const Participant& self) {
+  const auto& files = self.files;
+  if (self.task.uses_no_token && files.key.extension() == ".p11")
+    return fail(Code::pkcs11_pin_wrong,
+                {.document = files.key, .note = "not tried: a token has refused a PIN before"});
+  DDSSEC_ASSIGN_OR_RETURN(auto key, read_key(files.key, nullptr));
+  DDSSEC_RETURN_IF_ERROR(named(key.matches(self.certificate), files.key));
+  return key;
+}
+
 Result<pki::PrivateKey> key_for_request(const Participant& self) {
   const auto& files = self.files;
   if (self.task.is_rekeying) {
@@ -154,12 +164,12 @@ Result<pki::PrivateKey> key_for_request(const Participant& self) {
     const auto kind = self.certificate.key_algorithm();
     return pki::PrivateKey::generate(kind.kind, kind.bits);
   }
-  if (self.task.uses_no_token && files.key.extension() == ".p11")
-    return fail(Code::pkcs11_pin_wrong,
-                {.document = files.key, .note = "not tried: a token has refused a PIN before"});
-  DDSSEC_ASSIGN_OR_RETURN(auto key, read_key(files.key, nullptr));
-  DDSSEC_RETURN_IF_ERROR(named(key.matches(self.certificate), files.key));
-  return key;
+  return present_key(self);
+}
+
+Result<std::string> request_of_present_key(const Participant& self) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto key, present_key(self));
+  return pki::make_request(key, self.certificate);
 }
 
 std::unexpected<Error> unfit(const Participant& self, std::string expected, std::string found) {
@@ -349,10 +359,15 @@ Json not_renewed(const Participant& self, WallTime due) {
 
 }  // namespace
 
-Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, const AskCa& ask,
-                         const Context& context) {
+Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked,
+                         const AgentServices& agent, const Context& context) {
   ::umask(022);
   DDSSEC_ASSIGN_OR_RETURN(const auto self, read_participant(task, locked, context));
+  // First: with the new lists no certificate is asked for that they revoke.
+  if (task.fetches_documents && !task.is_dry_run)
+    agent.tell(keep_documents(
+        {self.files, self.certificate, context.clock, [&] { return request_of_present_key(self); }},
+        agent.fetch));
   const auto due = due_time(self);
   if (task.is_only_for_list) {
     auto event = event_of("current", self.certificate, due);
@@ -367,7 +382,7 @@ Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, cons
     return event;
   }
   if (task.is_dry_run) return not_renewed(self, due);
-  auto event = renew(self, ask);
+  auto event = renew(self, agent.ask);
   // The list keeps sessions with others, which were renewed. The event has the greater problem.
   if (!event && !task.renewals.empty()) std::ignore = put_list_of_ca(self, task.renewals);
   return event;

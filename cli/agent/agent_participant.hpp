@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "cli/agent/agent_documents.hpp"
 #include "cli/agent/agent_folder.hpp"
 #include "cli/agent/agent_messages.hpp"
 #include "cli/agent/agent_response.hpp"
@@ -26,12 +27,20 @@ struct AgentTask {
   std::string known = {};
   WallTime known_renewal = {};
   RespondersAsked responders = {};
-  std::string renewals = {};      ///< the CA's renewal list, to be put into the folder; empty: none
-  bool is_only_for_list = false;  ///< nothing but the renewal list is to be put there
+  std::string renewals = {};  ///< the CA's renewal list, to be put into the folder; empty: none
+  bool fetches_documents = false;  ///< it is time to ask the second hook
+  bool is_only_for_list = false;   ///< nothing but the renewal list is to be put there
 };
 
 /// Asks the CA; the answer is not yet checked.
 using AskCa = std::function<Result<RenewalAnswer>(const RenewalRequest&)>;
+
+/// What the process in a folder may ask of the agent.
+struct AgentServices {
+  AskCa ask;
+  FetchDocument fetch;
+  std::function<void(const Json&)> tell;  ///< what became of the documents
+};
 
 /// Renews the certificate in the folder if it is time. Gives up the rights of root first
 /// (agent_folder.hpp). The answer must have the participant's subject, octet for octet, and the
@@ -42,11 +51,12 @@ using AskCa = std::function<Result<RenewalAnswer>(const RenewalRequest&)>;
 /// "problem" of an event says why the participant does not start, or the next renewal will fail:
 /// the key, the identity CA, the list or (with takes_permissions) the permissions in the folder. If
 /// the certificate names an OCSP responder, its response is kept, too (agent_response.hpp). The
-/// renewal list is put into the folder, too, if it is another one. Errors:
+/// renewal list is put into the folder, too, if it is another one. Before that, with
+/// fetches_documents, what the second hook brings (agent_documents.hpp). Errors:
 /// folder_untrusted, key_in_token, key_mismatch, renewal_unfit, renewal_goes_back, those of `ask`,
 /// of ChainVerifier::verify and of Replacement. With a locked folder, the one of the task must be
 /// that one.
-Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked, const AskCa& ask,
-                         const Context& context);
+Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked,
+                         const AgentServices& agent, const Context& context);
 
 }  // namespace ddssec::cli

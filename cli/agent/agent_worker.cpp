@@ -102,10 +102,33 @@ Result<Order> receive_order() {
                      .known_renewal = time_in(json, "known_renewal"),
                      .responders = responders_from(json),
                      .renewals = text_in(json, "renewals"),
+                     .fetches_documents = is_set(json, "documents"),
                      .is_only_for_list = is_set(json, "only_list")}};
   if (json.contains("now")) out.now = time_in(json, "now");
   if (json.contains("locked")) out.locked = locked_from(json["locked"]);
   return out;
+}
+
+// The agent's answer to a line.
+Result<Json> exchange(const Json& line) {
+  if (send_line(kOut, line) != 0) return agent_ended();
+  DDSSEC_ASSIGN_OR_RETURN(const auto answer, receive(kIn));
+  return json_from(answer);
+}
+
+AgentServices services() {
+  return {.ask = [](const RenewalRequest& request) -> Result<RenewalAnswer> {
+            DDSSEC_ASSIGN_OR_RETURN(const auto json, exchange(to_json(request)));
+            return answer_from(json);
+          },
+          .fetch = [](const DocumentRequest& request) -> Result<Bytes> {
+            DDSSEC_ASSIGN_OR_RETURN(const auto json, exchange(to_json(request)));
+            return document_from(json);
+          },
+          .tell =
+              [](const Json& documents) {
+                send_line(kOut, {{"documents", documents}});
+              }};
 }
 
 Result<Json> work() {
@@ -115,13 +138,7 @@ Result<Json> work() {
   const ManualClock given(order.now.value_or(WallTime()));
   SystemRandom random;
   const Context context{order.now ? static_cast<const Clock&>(given) : present, random};
-  const AskCa ask = [](const RenewalRequest& request) -> Result<RenewalAnswer> {
-    if (send_line(kOut, to_json(request)) != 0) return agent_ended();
-    DDSSEC_ASSIGN_OR_RETURN(const auto line, receive(kIn));
-    DDSSEC_ASSIGN_OR_RETURN(const auto json, json_from(line));
-    return answer_from(json);
-  };
-  return tend_folder(order.task, order.locked ? &*order.locked : nullptr, ask, context);
+  return tend_folder(order.task, order.locked ? &*order.locked : nullptr, services(), context);
 }
 
 bool is_named(std::string_view variable, std::string_view name) {
@@ -173,6 +190,7 @@ std::string order_line(const AgentTask& task, const LockedFolder* locked,
               {"ask_none", int(task.responders.none)},
               {"not_now", task.responders.not_now},
               {"renewals", task.renewals},
+              {"documents", int(task.fetches_documents)},
               {"only_list", int(task.is_only_for_list)}};
   if (now) out["now"] = now->time_since_epoch().count();
   if (locked != nullptr)

@@ -16,7 +16,7 @@ Status check_options(const Arguments& arguments) {
     return usage("--ca", "either --ca DIR or --hook COMMAND says where certificates come from");
   for (const auto* option : {"--permissions", "--days"})
     if (!by_ca && arguments.has(option)) return usage(option, "only with --ca");
-  for (const auto* option : {"--hook-env", "--trust"})
+  for (const auto* option : {"--hook-env", "--trust", "--documents-hook"})
     if (by_ca && arguments.has(option)) return usage(option, "only with --hook");
   if (arguments.has("--crl") && !arguments.has("--trust"))
     return usage("--crl", "only with --trust");
@@ -30,14 +30,17 @@ Status check_options(const Arguments& arguments) {
 
 Result<Answer<AgentRun>> agent(const Arguments& arguments, const Context& context) {
   DDSSEC_RETURN_IF_ERROR(check_options(arguments));
-  std::optional<Hook> hook;
+  AgentHooks hooks;
   if (arguments.has("--hook")) {
-    DDSSEC_ASSIGN_OR_RETURN(hook, hook_of(arguments));
+    DDSSEC_ASSIGN_OR_RETURN(hooks.certificates, hook_of(arguments, "--hook"));
+  }
+  if (arguments.has("--documents-hook")) {
+    DDSSEC_ASSIGN_OR_RETURN(hooks.documents, hook_of(arguments, "--documents-hook"));
   }
   // It waits for hooks, whose certificates begin later than the command itself.
   const SystemClock clock;
   const Context present{arguments.has("--now") ? context.clock : clock, context.random};
-  Agent self(arguments, std::move(hook), present);
+  Agent self(arguments, std::move(hooks), present);
   return arguments.has("--once") ? self.run_once() : self.run();
 }
 
@@ -54,8 +57,11 @@ std::vector<Command> agent_commands() {
                    {"--hook", "COMMAND",
                     "a program that reads a request and writes a certificate (PEM), with its "
                     "arguments"},
-                   repeated("--hook-env", "NAME", "a variable that the program gets, too"),
-                   {"--hook-timeout", "SECONDS", "how long the program may take", "60"},
+                   {"--documents-hook", "COMMAND",
+                    "with --hook: a program that reads the certificate and writes what "
+                    "DDSSEC_WANTED names: signed permissions, crl (PEM) or renewals (PEM)"},
+                   repeated("--hook-env", "NAME", "a variable that the programs get, too"),
+                   {"--hook-timeout", "SECONDS", "how long a program may take", "60"},
                    {"--trust", "FILE",
                     "with --hook: renew only certificates that a CA in this file issued; required "
                     "for folders of other users"},

@@ -29,6 +29,10 @@ class Page(AgentTest):
         """The mounted folders as folders of this test."""
         return re.sub(r"/(secret|identity|hook)\b(?=/| |$)", rf"{self.at}/\1", text)
 
+    def make_another_list(self):
+        self.run_program("identity", "revoke", "demo/listener", "--ca", "demo")
+        self.run_program("crl", "new", "--ca", "demo", "--next-update", "400")
+
     def test_the_pod_renews_a_mounted_secret(self):
         spec = self.pod()["spec"]
         volumes = {volume["name"] for volume in spec["volumes"]}
@@ -44,21 +48,29 @@ class Page(AgentTest):
         shell, option, script = spec["initContainers"][0]["command"]
         subprocess.run([shell, option, self.here(script)], check=True, timeout=60)
         agent, = [one for one in spec["containers"] if one["name"] == "agent"]
-        mounted, = [one for one in agent["volumeMounts"] if one["name"] == "hook"]
-        self.assertEqual(mounted["mountPath"], f"/hook/{mounted['subPath']}")  # the folder is the container runtime's
+        mounted = [one for one in agent["volumeMounts"] if one["name"] == "hook"]
+        for one in mounted:
+            self.assertEqual(one["mountPath"], f"/hook/{one['subPath']}")  # the folder is the container runtime's
+        self.assertEqual([one["subPath"] for one in mounted], ["ask-the-ca", "ask-for-documents"])
         hook = self.at / "hook/ask-the-ca"
         signing = pathlib.Path(self.signing_hook())
         (self.at / "dir").mkdir(mode=0o755)
         signing.rename(self.at / "dir/ask-the-ca")
+        documents = self.at / "dir/ask-for-documents"
+        documents.write_text(f"#!/bin/sh\n[ $DDSSEC_WANTED != crl ] || cat {self.ca}/crl.pem\n")
+        documents.chmod(0o755)
         (self.at / "dir").rename(hook.parent)
         program, command, folder, *words = map(self.here, agent["command"])
         self.assertEqual((program, command), ("ddssec", "agent"))
-        self.assertEqual(words, ["--hook", str(hook)])
+        self.assertEqual(words, ["--hook", str(hook), "--documents-hook", str(hook.parent / "ask-for-documents")])
         hook.parent.chmod(0o777)  # as kubelet makes the folder of a volume
-        self.refused("hook_unsafe", *words, *self.LATER, folder=folder, exit=4)
+        refused = self.once(*words, *self.LATER, folder=folder, exit=4)
+        self.assertEqual([(event.get("problem") or event)["code"] for event in refused], ["hook_unsafe", "hook_unsafe"])
         hook.parent.chmod(0o755)
-        event, = self.once(*words, *self.LATER, folder=folder)
-        self.assertEqual(event["event"], "renewed")
+        self.make_another_list()
+        fetched, event = self.once(*words, *self.LATER, folder=folder)
+        self.assertEqual((fetched["event"], [pathlib.Path(file["path"]).name for file in fetched["files"]], event["event"]),
+                         ("documents_fetched", ["crl.pem"], "renewed"))
         shutil.rmtree(self.at / "secret")
 
     @unittest.skipUnless(shutil.which("systemd-analyze"), "there is no systemd-analyze")

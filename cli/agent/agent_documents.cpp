@@ -1,0 +1,267 @@
+#include "cli/agent/agent_documents.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
+#include <optional>
+#include <sys/stat.h>
+
+#include <fmt/format.h>
+
+#include "base/tool_code.hpp"
+#include "cli/ca/renewal_list.hpp"
+#include "cli/ca/revocation_lists.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/documents/extended_permissions.hpp"
+#include "cli/frame/held_folder.hpp"
+#include "cli/frame/transaction.hpp"
+#include "cli/inputs.hpp"
+#include "pki/smime.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::seconds;
+
+/// A revocation should reach the participant soon.
+constexpr seconds kAskAgain{600};
+constexpr seconds kMinRetry{2};
+constexpr seconds kMaxRetry{300};
+
+/// Permissions that a CA of the folder has signed for this participant.
+struct Rights {
+  governance::Validity validity;
+  bool has_ended;
+  std::optional<WallTime> signing_time;
+  std::string text;
+};
+
+Result<Rights> rights_in(const DocumentsTask& task, BytesView octets) {
+  const auto& file = task.files.permissions;
+  DDSSEC_ASSIGN_OR_RETURN(auto cas, read_certificates(task.files.permissions_ca));
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, pki::DocumentVerifier::make(std::move(cas)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document,
+                          named(verifier.verify(octets, task.clock.now()), file));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto own, named(own_permissions(document, task.certificate, task.clock.now()), file));
+  std::string text(as_text(document.content()));
+  std::erase(text, '\r');
+  return Rights{own.grant.validity, own.has_ended, document.signing_time(), std::move(text)};
+}
+
+std::optional<Rights> rights_in_place(const DocumentsTask& task) {
+  if (!is_there(task.files.permissions)) return std::nullopt;
+  const auto octets = read_file(task.files.permissions, pki::kMaxSentPermissionsOctets);
+  if (!octets) return std::nullopt;
+  auto rights = rights_in(task, *octets);
+  return rights ? std::optional(*std::move(rights)) : std::nullopt;
+}
+
+/// Two thirds of their time. Permissions that cannot be read are asked for at once.
+WallTime due_time(const DocumentsTask& task, const std::optional<Rights>& rights) {
+  if (!rights) return task.clock.now();
+  const auto& time = rights->validity;
+  return time.not_before + (time.not_after - time.not_before) * 2 / 3;
+}
+
+std::unexpected<Error> goes_back(const DocumentsTask& task, const std::string& what, WallTime limit,
+                                 WallTime found) {
+  return fail(tool_code::renewal_goes_back, {.document = task.files.permissions,
+                                             .expected = what + to_string(limit),
+                                             .found = to_string(found)});
+}
+
+Status check_follows(const DocumentsTask& task, const Rights& next,
+                     const std::optional<Rights>& former) {
+  if (next.has_ended || next.validity.not_before > task.clock.now())
+    return fail(Code::grant_expired,
+                {.document = task.files.permissions,
+                 .expected = "permissions that are valid now",
+                 .found = fmt::format("{} to {}", to_string(next.validity.not_before),
+                                      to_string(next.validity.not_after))});
+  if (!former) return {};
+  if (next.validity.not_before < former->validity.not_before)
+    return goes_back(task, "a begin not before ", former->validity.not_before,
+                     next.validity.not_before);
+  if (next.validity.not_after <= former->validity.not_after)
+    return goes_back(task, "an end after ", former->validity.not_after, next.validity.not_after);
+  if (!former->signing_time) return {};
+  if (!next.signing_time)
+    return fail(tool_code::renewal_goes_back,
+                {.document = task.files.permissions,
+                 .expected = "a document that says when it was signed, as the one in place does"});
+  if (*next.signing_time < *former->signing_time)
+    return goes_back(task, "a signing time not before ", *former->signing_time, *next.signing_time);
+  return {};
+}
+
+Result<unsigned> mode_of(const fs::path& file) {
+  constexpr unsigned kNew = 0644;
+  struct stat status {};
+  const int folder = folder_descriptor(file.parent_path());
+  if (::fstatat(folder, file.filename().c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0)
+    return errno == ENOENT ? Result<unsigned>(kNew) : unwritable(file, errno);
+  if (!S_ISREG(status.st_mode))
+    return fail(Code::would_overwrite, {.document = file, .note = "it is not a plain file"});
+  return (status.st_mode & kNew) | 0600U;
+}
+
+Status put(Replacement& out, const fs::path& file, BytesView octets) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto mode, mode_of(file));
+  return out.put(file, octets, mode);
+}
+
+/// Fetches documents, and notes what became of each.
+class Fetching {
+ public:
+  Fetching(const DocumentsTask& task, const FetchDocument& fetch) : task_(task), fetch_(fetch) {}
+
+  Json run() {
+    note(fetch_lists());
+    note(fetch_renewals());
+    const auto rights = rights_in_place(task_);
+    auto due = due_time(task_, rights);
+    if (due <= task_.clock.now()) {
+      const bool is_done = note(fetch_permissions(rights));
+      due = is_done ? due_time(task_, rights_in_place(task_)) : task_.clock.now() + retry(rights);
+    }
+    const auto now = task_.clock.now();
+    const auto next = std::clamp(due, now + seconds(1), now + kAskAgain);
+    members_["documents_next"] = to_string(next);
+    return members_;
+  }
+
+ private:
+  Result<Bytes> fetch(std::string wanted, std::string request = {}) const {
+    return fetch_({std::move(wanted), std::move(request), task_.certificate.pem()});
+  }
+
+  seconds retry(const std::optional<Rights>& rights) const {
+    if (!rights) return kMaxRetry;
+    const auto time = rights->validity.not_after - rights->validity.not_before;
+    return std::clamp(std::chrono::duration_cast<seconds>(time / 60), kMinRetry, kMaxRetry);
+  }
+
+  bool note(const Status& status) {
+    if (!status && !members_.contains("problem"))
+      members_["problem"] = error_to_json(status.error());
+    return status.has_value();
+  }
+
+  Status note_files(const Result<std::vector<WrittenFile>>& written) {
+    if (!written) return std::unexpected(written.error());
+    for (const auto& file : *written)
+      members_["files"].push_back(
+          {{"path", file.path}, {"mode", file.mode}, {"sha256", file.sha256}});
+    return {};
+  }
+
+  Status fetch_permissions(const std::optional<Rights>& former) {
+    DDSSEC_ASSIGN_OR_RETURN(auto request, task_.request());
+    DDSSEC_ASSIGN_OR_RETURN(const auto octets, fetch("permissions", std::move(request)));
+    const auto& file = task_.files.permissions;
+    if (octets.empty() && former && !former->has_ended) return {};
+    if (octets.size() > pki::kMaxSentPermissionsOctets)
+      return fail(Code::file_too_large, {.document = file});
+    DDSSEC_ASSIGN_OR_RETURN(const auto next, rights_in(task_, octets));
+    DDSSEC_RETURN_IF_ERROR(check_follows(task_, next, former));
+    Replacement out;
+    // The same text without its signature, for people.
+    if (const auto plain = fs::path(file).replace_extension("xml"); is_there(plain))
+      DDSSEC_RETURN_IF_ERROR(put(out, plain, as_bytes(next.text)));
+    DDSSEC_RETURN_IF_ERROR(put(out, file, octets));
+    return note_files(out.commit());
+  }
+
+  Status fetch_renewals() {
+    DDSSEC_ASSIGN_OR_RETURN(const auto octets, fetch("renewals"));
+    if (octets.empty()) return {};
+    DDSSEC_ASSIGN_OR_RETURN(const auto list, pki::RenewalList::parse(octets));
+    Replacement out;
+    DDSSEC_RETURN_IF_ERROR(put_renewals(out, task_.files, {list, {}, {}, task_.clock.now()}));
+    return note_files(out.commit_each());
+  }
+
+  // The CA of a list; null if none of the folder's signed it.
+  static const pki::Certificate* signer_of(const pki::Crl& list,
+                                           const std::vector<pki::Certificate>& cas) {
+    const auto found =
+        std::ranges::find_if(cas, [&](const auto& ca) { return list.is_signed_by(ca); });
+    return found == cas.end() ? nullptr : &*found;
+  }
+
+  Status check_no_older(const pki::Crl& list, const std::vector<pki::Crl>& in_place,
+                        const std::vector<pki::Certificate>& cas) const {
+    for (const auto& former : in_place) {
+      if (!pki::have_common_signer(list, former, cas)) continue;
+      const auto older = [&](std::string found) {
+        return fail(Code::crl_older, {.document = task_.files.crl,
+                                      .expected = "number " + number_text(former) + " or later",
+                                      .found = std::move(found)});
+      };
+      if (!list.replaces(former, task_.clock.now())) return older(number_text(list));
+      DDSSEC_ASSIGN_OR_RETURN(const auto revoked, list.revoked());
+      DDSSEC_ASSIGN_OR_RETURN(const auto before, former.revoked());
+      for (const auto& one : before)
+        if (std::ranges::find(revoked, one.serial, &pki::Revocation::serial) == revoked.end())
+          return older("a list without serial number " + one.serial);
+    }
+    return {};
+  }
+
+  Status fetch_lists() {
+    DDSSEC_ASSIGN_OR_RETURN(const auto octets, fetch("crl"));
+    const auto& file = task_.files.crl;
+    if (octets.empty()) return {};
+    DDSSEC_ASSIGN_OR_RETURN(auto lists, named(pki::Crl::all_from(octets), file));
+    if (lists.empty())
+      return fail(Code::crl_malformed, {.document = file, .note = "the hook wrote no list"});
+    DDSSEC_ASSIGN_OR_RETURN(auto cas, read_certificates(task_.files.identity_ca));
+    DDSSEC_ASSIGN_OR_RETURN(const auto in_place, read_crls(file));
+    for (const auto& list : lists) {
+      const auto* ca = signer_of(list, cas);
+      if (ca == nullptr)
+        return fail(Code::crl_signature_invalid,
+                    {.document = file,
+                     .expected = "lists that an identity CA of the folder has signed",
+                     .found = "one of " + list.issuer()});
+      DDSSEC_RETURN_IF_ERROR(named(list.check(*ca, task_.clock.now()), file));
+      DDSSEC_RETURN_IF_ERROR(check_no_older(list, in_place, cas));
+    }
+    const auto is_there_already = [&](const pki::Crl& list) {
+      return std::ranges::any_of(in_place,
+                                 [&](const auto& one) { return one.pem() == list.pem(); });
+    };
+    if (std::ranges::all_of(lists, is_there_already)) return {};
+    return put_lists(std::move(lists), std::move(cas));
+  }
+
+  // That of the participant's own CA first, if it is there.
+  Status put_lists(std::vector<pki::Crl> lists, std::vector<pki::Certificate> cas) {
+    const auto is_own = [&](const pki::Crl& list) {
+      const auto* ca = signer_of(list, cas);
+      return ca != nullptr && task_.certificate.is_issued_by(*ca);
+    };
+    std::ranges::stable_partition(lists, is_own);
+    const auto ca = *signer_of(lists.front(), cas);
+    const std::vector<pki::Crl> others(lists.begin() + 1, lists.end());
+    Replacement out;
+    DDSSEC_RETURN_IF_ERROR(put_list(
+        out, task_.files.crl,
+        {lists.front(), ca, "CA", &task_.certificate, std::move(cas), task_.clock.now(), others}));
+    return note_files(out.commit_each());
+  }
+
+  const DocumentsTask& task_;
+  const FetchDocument& fetch_;
+  Json members_ = Json::object();
+};
+
+}  // namespace
+
+Json keep_documents(const DocumentsTask& task, const FetchDocument& fetch) {
+  return Fetching(task, fetch).run();
+}
+
+}  // namespace ddssec::cli
