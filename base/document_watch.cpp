@@ -32,7 +32,8 @@ Result<bool> DocumentWatch::look(std::chrono::nanoseconds now, const Take& take)
   if (!refusals_.is_due(status.error().code(), content)) return false;
   const auto& why = status.error();
   auto report = renewal_refused(what_.refused, why, what_.name, what_.stays);
-  if (what_.gives_remedy_of_reason && why.code() != what_.refused) {
+  const bool is_about_folder = report.code() == Code::folder_unreadable;
+  if (what_.gives_remedy_of_reason && why.code() != what_.refused && !is_about_folder) {
     auto details = report.details();
     details.hint = why.hint();
     report = Error(what_.refused, std::move(details));

@@ -1,9 +1,27 @@
 #include "base/renewal_refusals.hpp"
 
+#include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
+#include <unistd.h>
+
 namespace ddssec {
+
+std::optional<Error> folder_refused(const Error& why, const std::string& path) {
+  const auto slash = path.rfind('/');
+  if (why.code() != Code::file_unreadable || slash == path.npos) return std::nullopt;
+  const auto folder = path.substr(0, std::max<std::size_t>(slash, 1));
+  if (::faccessat(AT_FDCWD, folder.c_str(), X_OK, AT_EACCESS) == 0 || errno != EACCES)
+    return std::nullopt;
+  return Error(Code::folder_unreadable,
+               {.document = folder,
+                .expected = "a folder that the user of the process can enter",
+                .note = "what was read of its documents before stays in force"});
+}
 
 Error renewal_refused(Code code, const Error& why, const std::string& path,
                       std::string_view stays) {
+  if (auto folder = folder_refused(why, path)) return *std::move(folder);
   auto details = why.details();
   details.document = path;
   if (why.code() != code) details.hint.clear();

@@ -39,7 +39,7 @@ class RenewalRefusals {
   bool begins_later() const {
     return refused_ && told_ &&
            (told_->first == Code::certificate_not_yet_valid ||
-            told_->first == Code::grant_not_yet_valid);
+            told_->first == Code::grant_not_yet_valid || told_->first == Code::ocsp_not_yet_valid);
   }
 
  private:
@@ -48,8 +48,12 @@ class RenewalRefusals {
   std::optional<Error> refused_;
 };
 
-/// The event about a file that stays refused: `code`, with what `why` says. `stays`: what is still
-/// in force.
+/// folder_unreadable, which is the same for all files in the folder, if `why` is that the file
+/// cannot be read because the process cannot enter its folder; else nothing.
+std::optional<Error> folder_refused(const Error& why, const std::string& path);
+
+/// The event about a file that stays refused: `code`, with what `why` says; or folder_refused.
+/// `stays`: what is still in force.
 Error renewal_refused(Code code, const Error& why, const std::string& path, std::string_view stays);
 
 }  // namespace ddssec

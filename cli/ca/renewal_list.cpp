@@ -14,6 +14,7 @@
 #include "cli/documents/documents.hpp"
 #include "cli/frame/notices.hpp"
 #include "cli/inputs.hpp"
+#include "governance/extension.hpp"
 #include "governance/read.hpp"
 #include "governance/write.hpp"
 #include "pki/key_digest.hpp"
@@ -54,6 +55,27 @@ std::string rights_in(Grant grant) {
 
 bool give_the_same(const Grant& a, const Grant& b) {
   return a.subject_name == b.subject_name && rights_in(a) == rights_in(b);
+}
+
+std::vector<const governance::Rule*> rules_of(const Grant& grant) {
+  std::vector<const governance::Rule*> out;
+  for (const auto& rule : grant.rules) out.push_back(&rule);
+  return out;
+}
+
+// As participants judge it in a domain. If rules differ in their domains, only the same counts.
+bool gives_at_least(const Grant& next, const Grant& former) {
+  if (give_the_same(next, former)) return true;
+  if (next.subject_name != former.subject_name || former.rules.empty()) return false;
+  const auto& domains = former.rules.front().domains;
+  const auto are_alike = [&](const Grant& grant) {
+    return std::ranges::all_of(grant.rules,
+                               [&](const auto& rule) { return rule.domains == domains; });
+  };
+  if (!are_alike(next) || !are_alike(former)) return false;
+  const auto next_rules = rules_of(next), former_rules = rules_of(former);
+  return governance::gives_at_least({next_rules, next.default_allow},
+                                    {former_rules, former.default_allow});
 }
 
 // One that begins in the future leaves the former in its place until then.
@@ -276,7 +298,7 @@ bool extends(const governance::Permissions& next, const std::vector<Grant>& form
   return std::ranges::none_of(next.grants, &Grant::subject_is_expression) &&
          std::ranges::any_of(next.grants, [&](const auto& grant) {
            return std::ranges::any_of(former, [&](const auto& old) {
-             return grant.validity.not_after > old.validity.not_after && give_the_same(grant, old);
+             return grant.validity.not_after > old.validity.not_after && gives_at_least(grant, old);
            });
          });
 }

@@ -41,7 +41,7 @@ class NewlyListed {
 std::vector<governance::Grant> listed_grants(const CaPaths& ca, WallTime now);
 
 /// True if all grants of `next` name their subjects, and one of them gives the same as a former
-/// grant of its subject, and ends later.
+/// grant of its subject, or more, and ends later.
 bool extends(const governance::Permissions& next, const std::vector<governance::Grant>& former);
 
 /// The lists of the CAs in a folder.

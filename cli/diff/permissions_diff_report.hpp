@@ -82,7 +82,8 @@ struct PermissionsComparison {
         field("signer", &T::sides, ShownSigners::of),
         field<&T::takes_effect>(
             {"what running participants do: same, live, live when it begins, live if the signer "
-             "is believed, restart, refused"}));
+             "is believed, restart, refused; in Cyclone DDS also: live, sessions begin again (a "
+             "right is lost), live when sessions begin again (rights are only gained)"}));
   }
   std::string text() const;
 };

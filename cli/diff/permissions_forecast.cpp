@@ -122,6 +122,30 @@ bool takes_away(const governance::PermissionsDiff& diff) {
          diff.verdict == ChangeClass::unknown;
 }
 
+/// A right of an endpoint, whatever the time is, of a subject that both documents have.
+bool is_about_rights(const governance::PermissionChange& change,
+                     const governance::PermissionsDiff& diff) {
+  if (change.element != "rule" && change.element != "default" && change.element != "join")
+    return false;
+  return std::ranges::none_of(diff.changes, [&](const auto& other) {
+    return other.element == "grant" && other.subject == change.subject;
+  });
+}
+
+/// The core of Cyclone DDS does not judge again what it has matched. What an endpoint loses ends
+/// its sessions with peers on our plugins; what it gains counts in the next session.
+std::string_view word_in_cyclonedds(Live live, const governance::PermissionsDiff& diff) {
+  if (live != Live::live) return live_word(live);
+  const auto has = [&](auto... classes) {
+    return std::ranges::any_of(diff.changes, [&](const auto& change) {
+      return is_about_rights(change, diff) && ((change.change == classes) || ...);
+    });
+  };
+  using enum ChangeClass;
+  if (!diff.is_exact || has(narrower, mixed, unknown)) return "live, sessions begin again";
+  return has(wider) ? "live when sessions begin again" : live_word(live);
+}
+
 std::string_view in_words(Live live) {
   switch (live) {
     case Live::same:
@@ -148,7 +172,7 @@ PermissionsForecast forecast_of(const PermissionsChangeOver& change, const DiffS
   const auto ours = is_same ? Prediction() : forecast(change, sides);
   const auto stock = is_same ? Live::same : Live::restart;
   PermissionsForecast out{.embedded = live_word(ours.outcome),
-                          .cyclonedds_ddssec = live_word(ours.outcome),
+                          .cyclonedds_ddssec = word_in_cyclonedds(ours.outcome, change.diff),
                           .cyclonedds = live_word(stock),
                           .fastdds = live_word(stock),
                           .reason = ours.reason,
@@ -163,8 +187,8 @@ PermissionsForecast forecast_of(const PermissionsChangeOver& change, const DiffS
   if (is_taken && narrows)
     out.text += wrapped(indentation,
                         {"what was taken away ends within a second between embedded participants;",
-                         "in Cyclone DDS, matches that exist stay until the session with that peer",
-                         "begins again"});
+                         "in Cyclone DDS within two seconds: if an endpoint loses a right, the",
+                         "sessions with peers on ddssec's plugins end and begin again"});
   out.text += wrapped(indentation,
                       {"on those of Cyclone DDS and Fast DDS:", std::string(in_words(stock)),
                        !is_same && narrows ? "until then what was taken away stays allowed" : ""});

@@ -135,6 +135,13 @@ class Plugin final : public spi::AccessControl {
     return holder && !holder->remote() ? holder->renewals() : 0;
   }
 
+  Status check_own_endpoint(PermissionsHandle local, bool writes,
+                            const EndpointRequest& request) override {
+    const Holder holder = handles_.find(local);
+    if (!holder || holder->remote()) return fail(Code::unknown_permissions_handle);
+    return judgement_.endpoint(*holder, writes ? Action::publish : Action::subscribe, request);
+  }
+
   std::optional<GovernanceVersion> governance_version(PermissionsHandle local) override {
     const Holder holder = handles_.find(local);
     if (!holder) return {};

@@ -119,6 +119,11 @@ void AnnouncedEndpoints::note(Action action, const spi::EndpointRequest& request
   }
 }
 
+std::vector<AnnouncedEndpoints::One> AnnouncedEndpoints::all() const {
+  const std::lock_guard lock(mutex_);
+  return {newest_first_.begin(), newest_first_.end()};
+}
+
 std::vector<AnnouncedEndpoints::One> AnnouncedEndpoints::of_topic(Action action,
                                                                   std::string_view topic) const {
   const std::lock_guard lock(mutex_);

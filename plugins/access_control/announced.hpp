@@ -77,6 +77,8 @@ class AnnouncedEndpoints {
 
   /// Remembers an allowed announcement.
   void note(Action action, const spi::EndpointRequest& request);
+  /// All of them, newest first.
+  std::vector<One> all() const;
   /// The announcements of that topic, newest first.
   std::vector<One> of_topic(Action action, std::string_view topic) const;
 

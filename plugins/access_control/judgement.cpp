@@ -68,9 +68,13 @@ Status Judgement::by(const governance::CompiledGovernance& rules, PermissionsHol
 Status Judgement::announced(PermissionsHolder& holder, Action action,
                             const EndpointRequest& request) const {
   if (holder.remote()) DDSSEC_RETURN_IF_ERROR(check_lengths(request));
-  DDSSEC_RETURN_IF_ERROR(endpoint(holder, action, request));
-  if (holder.remote()) holder.announced().note(action, request);
-  return {};
+  const auto status = endpoint(holder, action, request);
+  if (!holder.remote()) return status;
+  if (status)
+    holder.announced().note(action, request);
+  else
+    holder.note_denied(action, request);
+  return status;
 }
 
 /// Judged anew by what was announced, since a grant may have ended.

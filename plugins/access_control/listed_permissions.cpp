@@ -2,40 +2,35 @@
 
 #include <algorithm>
 
+#include "governance/extension.hpp"
+
 namespace ddssec::access_control {
 namespace {
 
 /// Subjects that are remembered; a host has fewer peers.
 constexpr std::size_t kMaxSubjects = 4096;
 
-bool say_the_same(const governance::Criteria& a, const governance::Criteria& b) {
-  return a.topics == b.topics && a.partitions == b.partitions && a.data_tags == b.data_tags;
-}
-
-bool say_the_same(const governance::Rule& a, const governance::Rule& b) {
-  const auto equal = [](const auto& of_a, const auto& of_b) {
-    return std::ranges::equal(of_a, of_b,
-                              [](const auto& x, const auto& y) { return say_the_same(x, y); });
-  };
-  return a.allow == b.allow && equal(a.publish, b.publish) && equal(a.subscribe, b.subscribe) &&
-         equal(a.relay, b.relay);
-}
-
-std::vector<const governance::Rule*> rules_for(const governance::Grant& grant, DomainId domain,
-                                               std::string_view tag) {
-  std::vector<const governance::Rule*> out;
-  for (const auto& rule : grant.rules)
-    if (rule.domains.contains(domain, tag)) out.push_back(&rule);
-  return out;
-}
-
 }  // namespace
 
 bool give_the_same(const governance::Grant& a, const governance::Grant& b, DomainId domain,
                    std::string_view tag) {
   return a.default_allow == b.default_allow &&
-         std::ranges::equal(rules_for(a, domain, tag), rules_for(b, domain, tag),
-                            [](const auto* x, const auto* y) { return say_the_same(*x, *y); });
+         governance::say_the_same(governance::rules_for(a, domain, tag),
+                                  governance::rules_for(b, domain, tag));
+}
+
+bool gives_at_least(const governance::Grant& next, const governance::Grant& former, DomainId domain,
+                    std::string_view tag) {
+  const auto next_rules = governance::rules_for(next, domain, tag);
+  const auto former_rules = governance::rules_for(former, domain, tag);
+  return governance::gives_at_least({next_rules, next.default_allow},
+                                    {former_rules, former.default_allow});
+}
+
+// The same second is not earlier.
+bool is_signed_later(const PermissionsDocument& next, const PermissionsDocument& former) {
+  const auto since = former.signing_time(), time = next.signing_time();
+  return !since || (time && *time >= *since);
 }
 
 // A certificate is valid up to and including its last second.
@@ -60,13 +55,17 @@ ListedPermissions::Documents ListedPermissions::documents_for(const Presented& p
 std::optional<GrantOfDocument> ListedPermissions::extension_of(const Presented& presented,
                                                                const PermissionsCa& ca,
                                                                WallTime now) const {
-  const auto& [subject, shown, domain, tag, former] = presented;
+  const auto& [subject, shown, domain, tag, former_document, former, only_same] = presented;
   std::optional<GrantOfDocument> out;
   for (const auto& document : documents_for(presented)) {
     if (!ca.holds(document->signer())) continue;
     auto grant = document->grant_for(subject, shown, domain, tag, now);
-    if (!grant || (*grant)->grant().subject_is_expression ||
-        !give_the_same((*grant)->grant(), former, domain, tag))
+    if (!grant || (*grant)->grant().subject_is_expression) continue;
+    const auto& next = (*grant)->grant();
+    // Fewer rights that were signed later are not extended by the former, wider ones.
+    const bool may_give_more = !only_same && is_signed_later(*document, former_document);
+    if (!give_the_same(next, former, domain, tag) &&
+        (!may_give_more || !gives_at_least(next, former, domain, tag)))
       continue;
     GrantOfDocument found{document, *std::move(grant)};
     if (!out || end_of(*out) < end_of(found)) out = std::move(found);

@@ -34,11 +34,14 @@ class ListedPermissions {
     const std::string& shown;
     DomainId domain;
     const std::string& tag;
+    const PermissionsDocument& document;
     const governance::Grant& grant;
+    bool only_by_the_same = false;  ///< permissions that give more do not extend them
   };
   /// The document that extends them: signed by the CA, with a grant for the subject's name (not for
-  /// an expression) that is valid now and gives the same in the domain with the tag. Of several
-  /// such documents the one that ends last. Documents that give anything else have no effect.
+  /// an expression) that is valid now and gives the same in the domain with the tag; or more,
+  /// and was not signed earlier. Of several such documents the one that ends last. Documents that
+  /// give less have no effect.
   std::optional<GrantOfDocument> extension_of(const Presented& presented, const PermissionsCa& ca,
                                               WallTime now) const;
 
@@ -49,6 +52,13 @@ class ListedPermissions {
   mutable std::mutex mutex_;
   mutable std::map<std::string, Documents> of_subject_;  ///< those asked for so far
 };
+
+/// False if `next` was signed before `former`, or does not say when, and `former` does.
+bool is_signed_later(const PermissionsDocument& next, const PermissionsDocument& former);
+
+/// As governance::gives_at_least, in the domain with the tag.
+bool gives_at_least(const governance::Grant& next, const governance::Grant& former, DomainId domain,
+                    std::string_view tag);
 
 /// True if both allow and deny the same in the domain with the tag, whatever their validity.
 bool give_the_same(const governance::Grant& a, const governance::Grant& b, DomainId domain,

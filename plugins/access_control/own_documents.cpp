@@ -1,6 +1,7 @@
 #include "plugins/access_control/own_documents.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -146,9 +147,20 @@ std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, Participant& p
   renew_governance(now, events);
   renew_permissions(now, events);
   renew_list(now, events);
+  keep_one_of_folder(events);
   if (holder.renewals() == renewals) return events;
   events.push_back(renewed(permissions_.name(), holder.permissions_part()));
   return events;
+}
+
+void OwnDocuments::keep_one_of_folder(std::vector<Error>& events) const {
+  std::set<std::string> told;
+  const auto slash = identity_authorities_.name().rfind('/');
+  if (!permissions_stay_ && slash != std::string::npos)
+    told.insert(identity_authorities_.name().substr(0, std::max<std::size_t>(slash, 1)));
+  std::erase_if(events, [&](const Error& event) {
+    return event.code() == Code::folder_unreadable && !told.insert(event.details().document).second;
+  });
 }
 
 // ---- certificate authorities

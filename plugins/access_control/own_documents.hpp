@@ -75,6 +75,8 @@ class OwnDocuments {
     Sha256Digest file;
     std::shared_ptr<PermissionsDocument> document;
   };
+  /// An unreadable folder is one event, and none where authentication reports it.
+  void keep_one_of_folder(std::vector<Error>& events) const;
   Result<Listed> listed(const Renewal& now, BytesView file) const;
   Status take_list(const Renewal& now, const pki::RenewalList& list);
   Status take_authorities(const Renewal& now, const std::vector<pki::Certificate>& next);

@@ -28,8 +28,8 @@ Status check_not_over(const GrantOfDocument& one, WallTime now) {
 
 /// The same second is not earlier.
 Status check_signed_later(const PermissionsDocument& former, const PermissionsDocument& next) {
+  if (is_signed_later(next, former)) return {};
   const auto since = former.signing_time(), time = next.signing_time();
-  if (!since || (time && *time >= *since)) return {};
   return fail(Code::permissions_renewal_refused,
               {.field = "signing time",
                .expected = to_string(*since) + " or later",
@@ -60,6 +60,7 @@ void PermissionsHolder::note_seen(std::shared_ptr<const PermissionsHolder> own,
   auto seen = own->presented(facts.presented_permissions);
   const std::lock_guard lock(mutex_);
   seen_ = std::move(seen);
+  seen_extension_.reset();
   reads_lists_ = facts.peer_reads_lists;
   own_ = std::move(own);
 }
@@ -119,12 +120,12 @@ Status PermissionsHolder::check_extension(WallTime now) const {
   return check_not_over(*extension_, now);
 }
 
-/// The lock is held. The extension gives the same, so either may allow what the peer does.
+/// The lock is held. The extension may give more, so it decides only for how long.
 Result<Grant> PermissionsHolder::valid_grant(WallTime now) {
   if (!document_) return fail(Code::peer_has_no_permissions);
   if (!extension_) return presented_grant(now);
   const auto status = check_extension(now);
-  if (status) return extension_->grant;
+  if (status) return grant_;
   if (auto presented = presented_grant(now)) return presented;
   return std::unexpected(status.error().in(document_name_));
 }
@@ -260,21 +261,46 @@ Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, By
 
 // ---- permissions of the renewal list
 
-std::optional<GrantOfDocument> PermissionsHolder::extension_of(const Grant& presented,
+std::optional<GrantOfDocument> PermissionsHolder::extension_of(const GrantOfDocument& presented,
+                                                               bool only_by_the_same,
                                                                WallTime now) const {
   const auto listed = participant_->listed();
-  if (!listed || !presented) return std::nullopt;
-  return listed->extension_of({subject_.name, subject_.shown, participant_->domain,
-                               participant_->domain_tag, presented->grant()},
-                              *participant_->basis()->ca, now);
+  if (!listed || !presented.grant) return std::nullopt;
+  return listed->extension_of(
+      {subject_.name, subject_.shown, participant_->domain, participant_->domain_tag,
+       *presented.document, presented.grant->grant(), only_by_the_same},
+      *participant_->basis()->ca, now);
+}
+
+/// The lock is held. True if the peer announced something that its permissions do not allow, and
+/// these do.
+bool PermissionsHolder::are_wanted(const Grant& others) const {
+  return std::ranges::any_of(denied_.all(), [&](const AnnouncedEndpoints::One& one) {
+    std::vector<governance::DataTag> tags;
+    for (const auto& tag : one->data_tags) tags.push_back({tag.name, tag.value});
+    const auto partitions = one->partitions.views();
+    const governance::Request asked{one->topic, partitions, tags};
+    return others->judge(one->action, asked).allowed && !grant_->judge(one->action, asked).allowed;
+  });
+}
+
+void PermissionsHolder::note_denied(governance::Action action, const spi::EndpointRequest& asked) {
+  denied_.note(action, asked);
+  const std::lock_guard lock(mutex_);
+  if (extension_ && are_wanted(extension_->grant)) extension_.reset();
 }
 
 std::optional<Error> PermissionsHolder::follow_list(WallTime now) {
   const std::lock_guard lock(mutex_);
   if (!remote_ || !grant_ || reported_) return std::nullopt;
-  auto found = extension_of(grant_, now);
-  if (!found) return std::nullopt;
-  if (const auto end = last_end(); end && end_of(*found) <= *end) return std::nullopt;
+  const auto ends_later = [&](const std::optional<GrantOfDocument>& one) {
+    const auto end = last_end();
+    return one && (!end || end_of(*one) > *end);
+  };
+  auto found = extension_of({document_, grant_}, false, now);
+  if (!ends_later(found)) return std::nullopt;
+  if (are_wanted(found->grant)) found = extension_of({document_, grant_}, true, now);
+  if (!ends_later(found)) return std::nullopt;
   extension_ = std::move(found);
   return Error(
       Code::peer_permissions_listed,
@@ -283,13 +309,14 @@ std::optional<Error> PermissionsHolder::follow_list(WallTime now) {
 
 std::optional<Error> PermissionsHolder::outlived(WallTime now) {
   std::shared_ptr<const PermissionsHolder> own;
-  std::optional<GrantOfDocument> seen;
+  std::optional<GrantOfDocument> seen, extension;
   bool reads_lists = false;
   {
     const std::lock_guard lock(mutex_);
     if (reported_) return std::nullopt;
     own = own_;
     seen = seen_;
+    extension = seen_extension_;
     reads_lists = reads_lists_;
   }
   if (!own || !seen || own->document() == seen->document) return std::nullopt;
@@ -297,9 +324,10 @@ std::optional<Error> PermissionsHolder::outlived(WallTime now) {
   // Another grant of the document may have taken over.
   if (status || own->grant_in(*seen->document, now)) return std::nullopt;
   // The peer goes on by its list. If it has no such list, it ends the session, and we follow.
-  if (auto extended = reads_lists ? own->extension_of(seen->grant, now) : std::nullopt) {
+  if (extension && check_not_over(*extension, now)) return std::nullopt;
+  if (auto extended = reads_lists ? own->extension_of(*seen, false, now) : std::nullopt) {
     const std::lock_guard lock(mutex_);
-    seen_ = std::move(extended);
+    seen_extension_ = std::move(extended);
     return std::nullopt;
   }
   auto details = status.error().details();

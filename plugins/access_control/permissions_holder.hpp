@@ -69,10 +69,14 @@ class PermissionsHolder {
   /// others than those in force.
   Result<bool> take_shown(std::shared_ptr<PermissionsDocument> document, WallTime now);
   /// Of a peer: permissions of the participant's renewal list extend those that the peer presented,
-  /// if they give the same and end later, or if the CA of the others has left its file
+  /// if they give the same or more and end later, or if the CA of the others has left its file
   /// (ListedPermissions::extension_of). They count until their own end, whatever the list has then.
+  /// The peer gets no rights of theirs.
   /// The event: peer_permissions_listed.
   std::optional<Error> follow_list(WallTime now);
+  /// Of a peer: the permissions that it presented do not allow this. Those that do will not extend
+  /// them, so that the session ends, and the peer presents the others.
+  void note_denied(governance::Action action, const spi::EndpointRequest& asked);
   /// How often it has taken permissions.
   std::uint64_t renewals() const;
 
@@ -109,6 +113,7 @@ class PermissionsHolder {
   const Subject subject_;
   const std::string document_name_;
   AnnouncedEndpoints announced_;
+  AnnouncedEndpoints denied_;  ///< of a peer: what it announced in vain
 
   Status check_signer(const PermissionsDocument& document) const;
   Status check_extension(WallTime now) const;
@@ -120,14 +125,17 @@ class PermissionsHolder {
   Result<Grant> grant_in(PermissionsDocument& document, WallTime now) const;
   Status check_follows(const PermissionsDocument& document, const Grant& renewed) const;
   std::optional<Error> outlived(WallTime now);
-  std::optional<GrantOfDocument> extension_of(const Grant& presented, WallTime now) const;
+  bool are_wanted(const Grant& others) const;
+  std::optional<GrantOfDocument> extension_of(const GrantOfDocument& presented,
+                                              bool only_by_the_same, WallTime now) const;
 
   mutable std::mutex renewal_mutex_;  ///< before mutex_: no check waits while a file is read
   std::unique_ptr<OwnDocuments> own_documents_;
   mutable std::mutex mutex_;
-  std::shared_ptr<const PermissionsHolder> own_;  ///< of a peer: what we are to it
-  std::optional<GrantOfDocument> seen_;           ///< and what it has seen of that
-  bool reads_lists_ = false;                      ///< as SessionFacts has it
+  std::shared_ptr<const PermissionsHolder> own_;   ///< of a peer: what we are to it
+  std::optional<GrantOfDocument> seen_;            ///< and what it has seen of that
+  std::optional<GrantOfDocument> seen_extension_;  ///< by which it goes on
+  bool reads_lists_ = false;                       ///< as SessionFacts has it
   std::shared_ptr<PermissionsDocument> document_;
   std::optional<GrantOfDocument> extension_;  ///< of a peer, by the renewal list
   std::string text_;

@@ -318,7 +318,8 @@ std::vector<DocumentState> LocalIdentity::documents() const {
   out.push_back({.kind = DocumentKind::revocation_list,
                  .file = revocation_lists_.path(),
                  .parts = {},
-                 .refused = revocation_lists_.refused()});
+                 .refused = revocation_lists_.refused(),
+                 .begins_later = revocation_lists_.begins_later()});
   for (const auto& list : revocation_lists_.in_force())
     out.back().parts.push_back({.subject = list.issuer(),
                                 .number = list.number() ? to_string(*list.number()) : "",

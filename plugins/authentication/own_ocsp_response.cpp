@@ -95,8 +95,10 @@ Result<bool> OwnOcspResponse::refuse(const Error& why) {
 std::optional<DocumentState> OwnOcspResponse::state(const pki::Certificate& own) const {
   const bool is_ours = in_force_ && in_force_->certificate == own;
   if (!is_ours && !refusals_.refused()) return std::nullopt;
-  DocumentState out{
-      .kind = DocumentKind::ocsp_response, .file = path_, .refused = refusals_.refused()};
+  DocumentState out{.kind = DocumentKind::ocsp_response,
+                    .file = path_,
+                    .refused = refusals_.refused(),
+                    .begins_later = refusals_.begins_later()};
   if (is_ours)
     out.parts.push_back({.subject = own.subject(),
                          .number = own.serial(),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/renewal_refusals.hpp"
 #include "base/rollback.hpp"
 #include "pki/source.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
@@ -289,6 +290,10 @@ Result<bool> RevocationLists::refuse(Place& place, const Error& error,
   const Refusal refusal{error.code(), content};
   if (!is_lasting || place.told == refusal) return false;
   place.told = refusal;
+  if (auto folder = folder_refused(error, place.path)) {
+    place.refused = std::move(folder);
+    return std::unexpected(*place.refused);
+  }
   auto details = error.details();
   details.document = place.path;
   if (error.code() != Code::crl_copy_older)
@@ -297,6 +302,12 @@ Result<bool> RevocationLists::refuse(Place& place, const Error& error,
                                                : "the lists read before stay in force");
   place.refused = Error(error.code(), std::move(details));
   return std::unexpected(*place.refused);
+}
+
+bool RevocationLists::begins_later() const {
+  return std::ranges::all_of(places_, [](const Place& place) {
+    return !place.refused || place.refused->code() == Code::crl_not_yet_valid;
+  });
 }
 
 std::optional<Error> RevocationLists::refused() const {

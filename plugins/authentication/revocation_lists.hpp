@@ -57,6 +57,10 @@ class RevocationLists {
   /// An error of look() about a file that has not been good since; nothing if there is none.
   std::optional<Error> refused() const;
 
+  /// True if each file that was refused was refused only because its list begins in the future: it
+  /// is taken when it begins.
+  bool begins_later() const;
+
   /// The next look reads every file, whatever the interval is.
   void look_now() {
     for (auto& place : places_) place.watch.look_now();

@@ -107,6 +107,10 @@ using TakePermissions = void(void* context, const DDS_Security_octet* octets, st
 using RenewedPermissions = std::uint64_t(DDS_Security_IdentityHandle, std::uint64_t known,
                                          TakePermissions* take, void* context);
 inline constexpr const char* kRenewedPermissionsSymbol = "ddssec_renewed_permissions";
+/// The same: how often renewed permissions of that local participant took a right from one of its
+/// endpoints.
+using RightsLost = std::uint64_t(DDS_Security_IdentityHandle);
+inline constexpr const char* kRightsLostSymbol = "ddssec_rights_lost";
 /// Exported by libddssec_authentication, as one PluginVersion.
 inline constexpr const char* kAuthenticationVersionSymbol = "ddssec_authentication_version";
 

@@ -282,16 +282,21 @@ bool needs_gate(const spi::EndpointSecurityAttributes& endpoint) {
 }
 
 /// get_datawriter_sec_attributes; and get_datareader_sec_attributes of a reader that is open.
-template <auto kAttributes>
+template <class Calls>
 Status tell_attributes(Adapter& adapter, const CPermissions handle,
                        const spi::EndpointRequest& request,
                        DDS_Security_EndpointSecurityAttributes& attributes) {
   DDSSEC_ASSIGN_OR_RETURN(const auto found,
-                          (adapter.engine().*kAttributes)(permissions(handle), request));
+                          (adapter.engine().*Calls::kAttributes)(permissions(handle), request));
+  constexpr bool kWrites = Calls::kDirection == Direction::writes;
   attributes = to_c(found);
-  if (!needs_gate(found)) return {};
-  auto status = make_scope(adapter.id(), request, attributes.ac_endpoint_properties);
-  if (!status) attributes = {};
+  Status status;
+  if (needs_gate(found))
+    status = make_scope(adapter.id(), request, attributes.ac_endpoint_properties);
+  if (!status)
+    attributes = {};
+  else if (!found.is_builtin)
+    adapter.endpoints().add(&attributes, permissions(handle), kWrites, request);
   return status;
 }
 
@@ -315,8 +320,7 @@ DDS_Security_boolean get_datawriter_sec_attributes(
     const Partition* partition, const Tags* tags,
     DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
   const auto tell = [&](Adapter& adapter, const spi::EndpointRequest& request) {
-    return tell_attributes<&spi::AccessControl::datawriter_sec_attributes>(adapter, handle, request,
-                                                                           *attributes);
+    return tell_attributes<WriterCalls>(adapter, handle, request, *attributes);
   };
   return ask_endpoint(instance, topic_name, partition, tags, attributes, ex, tell);
 }
@@ -337,8 +341,7 @@ DDS_Security_boolean get_datareader_sec_attributes(
       attributes->is_discovery_protected = true;
       return {};
     }
-    return tell_attributes<&spi::AccessControl::datareader_sec_attributes>(adapter, handle, request,
-                                                                           *attributes);
+    return tell_attributes<ReaderCalls>(adapter, handle, request, *attributes);
   };
   return ask_endpoint(instance, topic_name, partition, tags, attributes, ex, tell);
 }
@@ -352,7 +355,8 @@ DDS_Security_boolean return_attributes(Instance* instance, const Attributes*, Ex
 /// The host declares the object const although it gives it back, and never uses it again.
 DDS_Security_boolean return_datawriter_sec_attributes(
     Instance* instance, const DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
-  return ask<Adapter>(instance, ex, [&](Adapter&) -> Status {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    adapter.endpoints().remove(attributes);
     if (attributes != nullptr)
       free_scope(const_cast<DDS_Security_PropertySeq&>(attributes->ac_endpoint_properties));
     return {};
@@ -372,6 +376,7 @@ DDS_Security_boolean return_permissions_handle(Instance* instance, CPermissions 
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
     adapter.shared_memory().forget(permissions(handle));
     adapter.facts().forget(permissions(handle));
+    adapter.endpoints().forget(permissions(handle));
     return adapter.engine().return_permissions_handle(permissions(handle));
   });
 }
@@ -452,12 +457,18 @@ void AccessControlAdapter::listen(const dds_security_access_control_listener* li
                 .next_expiry = [this] { return engine_->next_expiry(); }});
 }
 
+void AccessControlAdapter::judge_endpoints() {
+  for (const auto local : facts_.locals())
+    if (const auto lost = endpoints_.judge(local, *engine_)) host_->notice(Event(*lost));
+}
+
 /// All local participants are cut off before the host is told of one: none of them counts as
 /// another that is still valid.
 void AccessControlAdapter::revoke_ended(const std::stop_token& stop, const Revoke& revoke) {
   std::vector<std::pair<spi::PermissionsHandle, std::optional<spi::IdentityHandle>>> ended;
-  for (const auto handle : engine_->expire())
-    ended.emplace_back(handle, facts_.identity_of(handle));
+  const auto expired = engine_->expire();
+  judge_endpoints();
+  for (const auto handle : expired) ended.emplace_back(handle, facts_.identity_of(handle));
   for (const auto& [handle, own] : ended) {
     if (!own) continue;
     facts_.cut_off(*own, Code::grant_expired);

@@ -9,6 +9,7 @@
 #include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
 #include "plugins/cyclonedds/governance_facts.hpp"
+#include "plugins/cyclonedds/own_endpoints.hpp"
 #include "plugins/cyclonedds/shared_memory.hpp"
 #include "plugins/spi/access_control.hpp"
 
@@ -41,6 +42,10 @@ class AccessControlAdapter final : public dds_security_access_control {
   static std::optional<Renewed> renewed_permissions(spi::IdentityHandle local,
                                                     std::uint64_t known) noexcept;
 
+  /// Answers authentication's question: how often renewed permissions of a local participant of any
+  /// domain took a right from one of its endpoints.
+  static std::uint64_t rights_lost(spi::IdentityHandle local) noexcept;
+
   /// Called by authentication: a local participant of any domain is cut off.
   static void cut_off(spi::IdentityHandle local);
 
@@ -51,6 +56,7 @@ class AccessControlAdapter final : public dds_security_access_control {
   spi::AccessControl& engine() { return *engine_; }
   SharedMemoryGuard& shared_memory() { return shared_memory_; }
   GovernanceFacts& facts() { return facts_; }
+  OwnEndpoints& endpoints() { return endpoints_; }
   /// A property demands that the host asks peers for types.
   void trust_type_information() { trusts_type_information_ = true; }
   /// Whether the readers of type lookup stay open. They also stay open with a stock cryptography
@@ -66,6 +72,8 @@ class AccessControlAdapter final : public dds_security_access_control {
  private:
   using Revoke = std::function<void(spi::PermissionsHandle)>;
   void revoke_ended(const std::stop_token& stop, const Revoke& revoke);
+  /// Reports endpoints that renewed permissions no longer allow.
+  void judge_endpoints();
   /// Adds this adapter to, or removes it from, the list of adapters in the process.
   void enlist();
   void delist();
@@ -75,6 +83,7 @@ class AccessControlAdapter final : public dds_security_access_control {
   std::unique_ptr<spi::AccessControl> engine_;
   SharedMemoryGuard shared_memory_;
   GovernanceFacts facts_;
+  OwnEndpoints endpoints_;
   std::atomic<bool> trusts_type_information_ = false;
   ExpiryTimer timer_;  ///< last member: destroyed before the objects that it uses
 };

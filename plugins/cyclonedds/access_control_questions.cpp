@@ -92,6 +92,18 @@ std::optional<AccessControlAdapter::Renewed> AccessControlAdapter::renewed_permi
   return std::nullopt;
 }
 
+std::uint64_t AccessControlAdapter::rights_lost(spi::IdentityHandle local) noexcept {
+  try {
+    const std::shared_lock lock(adapters().mutex);
+    for (const auto& [id, adapter] : adapters().by_id)
+      if (const auto permissions = adapter->facts_.permissions_of(local))
+        return adapter->endpoints_.losses(*permissions);
+  } catch (...) {
+    // The question comes again.
+  }
+  return 0;
+}
+
 std::uint32_t AccessControlAdapter::governance_facts_of(spi::IdentityHandle local) noexcept {
   try {
     const std::shared_lock lock(adapters().mutex);

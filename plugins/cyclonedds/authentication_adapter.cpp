@@ -385,18 +385,26 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
 
 void AuthenticationAdapter::present_renewed_permissions() {
   const auto locals = farewells_.locals();
-  std::erase_if(renewals_, [&](const auto& entry) {
+  const auto is_gone = [&](const auto& entry) {
     return std::ranges::find(locals, entry.first, &Farewells::Local::handle) == locals.end();
-  });
+  };
+  std::erase_if(renewals_, is_gone);
+  std::erase_if(losses_, is_gone);
   for (const auto& local : locals) {
+    // Asked before: the text that follows is no earlier, so no new session begins with the rights.
+    const auto losses = rights_lost(local.handle);
     auto times = renewals_[local.handle];
     auto text = renewed_permissions(local.handle, times);
-    if (!text) continue;
+    if (!text) {
+      note_lost_rights(local.handle, losses);
+      continue;
+    }
     const spi::Token credential{.class_id = std::string(spi::class_id::kPermissionsCredential),
                                 .properties = {{"dds.perm.cert", *std::move(text), false}}};
     // A refusal has its event; the same document is not tried again.
     static_cast<void>(engine_->set_permissions_credential_and_token(local.handle, credential, {}));
     renewals_[local.handle] = times;
+    note_lost_rights(local.handle, losses);
   }
 }
 
@@ -421,13 +429,14 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
                         watch_.forget(local);
                         if (has_others(local)) revoke(this, local.value);
                       }
-                      for (const auto remote : ended.remotes)
-                        if (!stop.stop_requested()) revoke(this, remote.value);
                       const auto end = [&](std::int64_t remote) { revoke(this, remote); };
+                      for (const auto remote : ended.remotes)
+                        if (!stop.stop_requested()) cut_off_peer(remote, end);
                       revoke_stuck(stop, end);
-                      follow_resets(stop, end);
+                      follow_resets(stop, end, revoke_noted(stop, end));
                       revoke_stranded(stop, end);
                       send_resets();
+                      report_ended_by_peer();
                     },
                 .next_expiry = [this] { return engine_->next_expiry(); }});
 }

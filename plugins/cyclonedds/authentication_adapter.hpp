@@ -47,12 +47,19 @@ class AuthenticationAdapter final : public dds_security_authentication {
   bool has_others(spi::IdentityHandle local) const;
   /// From now on handshakes present permissions that access control has renewed.
   void present_renewed_permissions();
+  /// Notes the sessions that end, if renewed permissions took a right from an endpoint.
+  void note_lost_rights(spi::IdentityHandle local, std::uint64_t losses);
+  /// Makes the host begin again with their peers. Returns true if there was any.
+  bool revoke_noted(const std::stop_token& stop, const Revoke& revoke);
+  /// A peer whose certificate has ended, or counts no longer.
+  void cut_off_peer(spi::IdentityHandle remote, const Revoke& revoke);
   /// Makes the host begin again with peers whose handshake does not end.
   void revoke_stuck(const std::stop_token& stop, const Revoke& revoke);
   /// Makes a peer that does not answer begin again too.
   void say_farewell(const Guid& peer);
   /// Makes the host begin again with peers that have lost their session with a local participant.
-  void follow_resets(const std::stop_token& stop, const Revoke& revoke);
+  /// `resets_peers`: peers are to be reset in any case.
+  void follow_resets(const std::stop_token& stop, const Revoke& revoke, bool resets_peers);
   /// Once. Returns true if there was any such peer.
   bool revoke_reset(const std::stop_token& stop, const Revoke& revoke);
   /// Makes the host begin again with peers that have endpoints whose keys only a new session
@@ -60,6 +67,8 @@ class AuthenticationAdapter final : public dds_security_authentication {
   void revoke_stranded(const std::stop_token& stop, const Revoke& revoke);
   /// Makes peers begin again whose session the local host has lost.
   void send_resets();
+  /// Reports peers that ended their session a while ago and are met again, without a new session.
+  void report_ended_by_peer();
 
   std::unique_ptr<Host> host_;
   std::unique_ptr<spi::Authentication> engine_;
@@ -71,6 +80,24 @@ class AuthenticationAdapter final : public dds_security_authentication {
   Farewells farewells_;
   /// How often the permissions of local participants were renewed; for the timer's thread.
   std::map<spi::IdentityHandle, std::uint64_t> renewals_;
+  /// How often renewed permissions took a right from them; the same.
+  std::map<spi::IdentityHandle, std::uint64_t> losses_;
+  /// A session that presented permissions with such a right; or a handshake that does.
+  struct Ending {
+    spi::IdentityHandle local;
+    Guid remote;
+    std::chrono::nanoseconds until;  ///< then no handshake with these permissions is under way
+  };
+  std::vector<Ending> endings_;  ///< the same
+  /// A remote participant that has proven the end of its session, and what came after.
+  struct EndedByPeer {
+    std::chrono::nanoseconds at;
+    bool is_dropped = false;                           ///< the host has dropped it, too
+    std::optional<std::chrono::nanoseconds> met = {};  ///< and has met it again
+  };
+  std::map<Guid, EndedByPeer> ended_by_peer_;  ///< the same
+  /// Reports it, if it is time. True: there is nothing more to report.
+  bool is_settled(const Guid& guid, EndedByPeer& end);
   ExpiryTimer timer_;  ///< last member: destroyed before the objects that it uses
 };
 

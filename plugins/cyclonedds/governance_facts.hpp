@@ -6,6 +6,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <vector>
 
 #include "base/result.hpp"
 #include "plugins/spi/attributes.hpp"
@@ -45,6 +46,13 @@ class GovernanceFacts {
     for (const auto& [permissions, known] : locals_)
       if (known.local == local) return permissions;
     return std::nullopt;
+  }
+  /// The permissions handles of all local participants.
+  std::vector<spi::PermissionsHandle> locals() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<spi::PermissionsHandle> out;
+    for (const auto& [permissions, known] : locals_) out.push_back(permissions);
+    return out;
   }
   /// The facts of a local participant; 0: unknown, or none.
   std::uint32_t of(spi::IdentityHandle local) const {

@@ -1,5 +1,6 @@
 // What the authentication adapter does about peers that have lost their session, or never got one.
 #include <dlfcn.h>
+#include <iterator>
 #include <thread>
 
 #include "plugins/cyclonedds/authentication_adapter.hpp"
@@ -12,6 +13,7 @@ namespace {
 constexpr const char* kGrowingIntervals =
     "from now on it is begun again at growing intervals; this event is not repeated, but Cyclone "
     "DDS may log each attempt";
+constexpr std::size_t kMaxEndedByPeer = 1024;
 constexpr const char* kOnce = "this is done once; then the handshake waits for the peer";
 }  // namespace
 
@@ -56,17 +58,54 @@ void AuthenticationAdapter::say_farewell(const Guid& peer) {
   }
 }
 
+// The peer is reset at once, so that it soon knows that it is cut off.
+void AuthenticationAdapter::cut_off_peer(spi::IdentityHandle remote, const Revoke& revoke) {
+  if (const auto guid = remotes_.guid(remote)) lost_sessions_.about_to_drop(*guid);
+  revoke(remote.value);
+}
+
 // A reset ends the sessions of all local participants with that peer, and these reset the peer in
 // turn. All of that has to be over before new sessions begin, or it ends those as well.
-void AuthenticationAdapter::follow_resets(const std::stop_token& stop, const Revoke& revoke) {
+void AuthenticationAdapter::follow_resets(const std::stop_token& stop, const Revoke& revoke,
+                                          bool resets_peers) {
   constexpr int kMaxTurns = 20;
   constexpr std::chrono::milliseconds kPause{50};
-  if (!revoke_reset(stop, revoke)) return;
+  if (!revoke_reset(stop, revoke) && !resets_peers) return;
   for (int turn = 0; turn < kMaxTurns && !stop.stop_requested(); ++turn) {
     send_resets();
     std::this_thread::sleep_for(kPause);
     revoke_reset(stop, revoke);
   }
+}
+
+// Only with peers that follow a reset. Other ones would keep their side of the session, and ignore
+// each new handshake.
+void AuthenticationAdapter::note_lost_rights(spi::IdentityHandle local, std::uint64_t losses) {
+  constexpr auto kMaxHandshake = std::chrono::seconds(10);
+  auto& known = losses_[local];
+  if (losses <= known) return;
+  const auto until = host_->clock().monotonic() + kMaxHandshake;
+  for (const auto& [remote, guid] : remotes_.all())
+    if (remotes_.has_met(local, guid)) endings_.push_back({local, guid, until});
+  known = losses;
+}
+
+bool AuthenticationAdapter::revoke_noted(const std::stop_token& stop, const Revoke& revoke) {
+  if (endings_.empty()) return false;
+  const auto now = host_->clock().monotonic();
+  bool any = false;
+  for (const auto& [remote, guid] : remotes_.all()) {
+    if (stop.stop_requested()) return any;
+    const auto ends = [&guid = guid, this](const Ending& one) {
+      return one.remote == guid && lost_sessions_.has_session(one.local, guid);
+    };
+    if (std::erase_if(endings_, ends) == 0) continue;
+    lost_sessions_.about_to_drop(guid);
+    revoke(remote.value);
+    any = true;
+  }
+  std::erase_if(endings_, [&](const Ending& one) { return one.until <= now; });
+  return any;
 }
 
 bool AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revoke& revoke) {
@@ -81,11 +120,40 @@ bool AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revo
     if (reset == SessionReset::of_unused_session && !watch_.follows_unused_reset(guid)) continue;
     host_->notice(
         Event(Error(Code::session_reset_by_peer), {}, guid.to_string(), PeerProof::authenticated));
+    if (ended_by_peer_.size() < kMaxEndedByPeer)
+      ended_by_peer_.try_emplace(guid, EndedByPeer{host_->clock().monotonic()});
     lost_sessions_.about_to_drop(guid);
     revoke(remote.value);
     any = true;
   }
   return any;
+}
+
+void AuthenticationAdapter::report_ended_by_peer() {
+  for (auto at = ended_by_peer_.begin(); at != ended_by_peer_.end();)
+    at = is_settled(at->first, at->second) ? ended_by_peer_.erase(at) : std::next(at);
+}
+
+bool AuthenticationAdapter::is_settled(const Guid& guid, EndedByPeer& end) {
+  constexpr std::chrono::seconds kPatience{4}, kMemory{60};
+  const auto now = host_->clock().monotonic();
+  bool is_met = false, is_in_session = false;
+  for (const auto& local : farewells_.locals()) {
+    is_met = is_met || remotes_.has_met(local.handle, guid);
+    is_in_session = is_in_session || lost_sessions_.has_session(local.handle, guid);
+  }
+  if (end.is_dropped && is_in_session) return true;
+  end.is_dropped = end.is_dropped || !is_in_session;
+  if (!end.is_dropped || !is_met) return now - end.at > kMemory;
+  if (!end.met) end.met = now;
+  if (now - *end.met < kPatience) return false;
+  host_->notice(
+      Event(Error(Code::session_not_resumed,
+                  {.document = "the session with a participant",
+                   .expected = "that the peer authenticates us again",
+                   .found = "no new session for " + std::to_string(kPatience.count()) + " s"}),
+            {}, guid.to_string(), PeerProof::authenticated));
+  return true;
 }
 
 void AuthenticationAdapter::revoke_stranded(const std::stop_token& stop, const Revoke& revoke) {

@@ -148,6 +148,12 @@ std::vector<LostSessions::Due> LostSessions::due(const IsMeeting& is_meeting) {
   return out;
 }
 
+bool LostSessions::has_session(IdentityHandle local, const Guid& remote) const {
+  const std::lock_guard lock(mutex_);
+  const auto session = sessions_.find({remote, local});
+  return session != sessions_.end() && session->second.lost == 0;
+}
+
 std::vector<spi::UdpAddress> LostSessions::addresses_of(const Guid& remote) {
   const std::lock_guard lock(mutex_);
   const auto at = sessions_.lower_bound({remote, IdentityHandle{INT64_MIN}});

@@ -72,6 +72,9 @@ class LostSessions {
   /// and the two processes could go on resetting each other without end.
   void about_to_drop(const Guid& remote);
 
+  /// True if the two have a session that was not lost.
+  bool has_session(spi::IdentityHandle local, const Guid& remote) const;
+
   /// The addresses of a peer; empty if there is no session with it.
   std::vector<spi::UdpAddress> addresses_of(const Guid& remote);
 
@@ -123,7 +126,7 @@ class LostSessions {
   void forget_lost_before(Duration time);
 
   const Clock& clock_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<spi::IdentityHandle, Local> locals_;
   Sessions sessions_;
   std::uint64_t losses_ = 0;

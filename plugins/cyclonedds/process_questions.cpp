@@ -29,6 +29,11 @@ std::optional<std::string> renewed_permissions(spi::IdentityHandle local, std::u
   return text;
 }
 
+std::uint64_t rights_lost(spi::IdentityHandle local) {
+  void* const symbol = dlsym(RTLD_DEFAULT, kRightsLostSymbol);
+  return symbol == nullptr ? 0 : reinterpret_cast<RightsLost*>(symbol)(local.value);
+}
+
 spi::CipherMask ciphers_of_process() {
   void* const symbol = dlsym(RTLD_DEFAULT, kSupportedCiphersSymbol);
   if (symbol == nullptr) return spi::kStandardCiphers;

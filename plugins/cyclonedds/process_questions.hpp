@@ -21,6 +21,10 @@ bool has_our_authentication();
 /// `known` is then how often. Empty without libddssec_access_control.
 std::optional<std::string> renewed_permissions(spi::IdentityHandle local, std::uint64_t& known);
 
+/// How often renewed permissions took a right from an endpoint of a local participant. 0 without
+/// libddssec_access_control.
+std::uint64_t rights_lost(spi::IdentityHandle local);
+
 /// The ciphers that libddssec_cryptography in this process can decrypt; the standard's ciphers if
 /// it is not loaded.
 spi::CipherMask ciphers_of_process();

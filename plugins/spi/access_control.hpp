@@ -144,6 +144,11 @@ class AccessControl {
   /// How often `expire` has taken renewed permissions of a local participant. When it has, the host
   /// passes the new permissions_credential_token to authentication. 0 for any other handle.
   virtual std::uint64_t renewals(PermissionsHandle) { return 0; }
+  /// As check_create_datawriter (`writes`) or check_create_datareader, for an endpoint that exists:
+  /// no event is raised.
+  virtual Status check_own_endpoint(PermissionsHandle, bool /*writes*/, const EndpointRequest&) {
+    return fail(Code::unknown_permissions_handle);
+  }
 
   /// A governance document: its revision (0: none) and the digest of its signed text.
   struct GovernanceVersion {

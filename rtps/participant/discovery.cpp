@@ -214,7 +214,7 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
     parts_.remotes.on_changed(remote);
   }
   auto* security = core_.security.get();
-  if (security != nullptr && !fixed) security->note_announced(prefix);
+  if (security != nullptr) security->note_announced(prefix, core_.now);
   if (fixed || security == nullptr || !security->may_authenticate(data)) return;
   const bool differs = data != remote.data;
   if (!security->knows(prefix)) {

@@ -64,6 +64,7 @@ Status Keyring::add_remote(const GuidPrefix& prefix, RemoteParticipant remote) {
   DDSSEC_ASSIGN_OR_RETURN(const auto handle,
                           factory().register_matched_remote_participant(
                               own_.crypto(), remote.identity, remote.permissions, *remote.secret));
+  own_.session_ends().expect(prefix, *remote.secret);
   remotes_[prefix] = {handle, std::move(remote.secret), remote.wraps_plain_builtin, {}};
   all_remotes_.push_back(handle);
   return {};
@@ -74,6 +75,7 @@ void Keyring::remove_remote(const GuidPrefix& prefix) {
   keys_.part_all(locals_, prefix);
   const auto at = remotes_.find(prefix);
   if (at == remotes_.end()) return;
+  own_.session_ends().forget(prefix);
   std::erase(all_remotes_, at->second.crypto);
   static_cast<void>(factory().unregister_participant(at->second.crypto));
   remotes_.erase(at);

@@ -25,10 +25,12 @@ Result<Keyring::OpenMessage> Keyring::open_message(const Header& header, BytesVi
     DDSSEC_ASSIGN_OR_RETURN(auto opened, pre_shared_.open(header, message, scratch, now));
     return OpenMessage{std::move(opened)};
   }
-  // Sent by a peer with ddssec's plugins in Cyclone DDS that has ended the session: after a
-  // revocation or an expiry it answers every message in this way. It is not a damaged message and
-  // no reason for a warning.
-  if (spi::read_reset(message)) return fail(Code::session_reset_by_peer);
+  // Sent by a peer that has ended the session: with ddssec's plugins in Cyclone DDS it answers
+  // every message in this way after a revocation or an expiry. It is not a damaged message.
+  if (const auto reset = spi::read_reset(message)) {
+    own_.session_ends().received(header.prefix, *reset, now);
+    return fail(Code::session_reset_by_peer);
+  }
   const auto remote = remotes_.find(header.prefix);
   if (remote == remotes_.end()) return undecodable(Error(Code::crypto_not_matched), header.prefix);
   const auto size =

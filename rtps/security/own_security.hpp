@@ -10,6 +10,7 @@
 #include "plugins/spi/cryptography.hpp"
 #include "plugins/spi/shared_memory.hpp"
 #include "rtps/security/security_options.hpp"
+#include "rtps/security/session_ends.hpp"
 
 namespace ddssec::rtps {
 
@@ -31,6 +32,7 @@ class OwnSecurity {
   std::chrono::seconds governance_change_time() const { return governance_change_time_; }
   /// See spi::shared_memory.
   const spi::SharedMemory& shared_memory() const { return shared_memory_; }
+  SessionEnds& session_ends() { return session_ends_; }
   DomainId domain_id() const { return domain_id_; }
   const std::string& domain_tag() const { return domain_tag_; }
   /// Bound to the certificate's subject (DDS-Security 1.2, clause 10.3.3).
@@ -73,6 +75,7 @@ class OwnSecurity {
   spi::SharedMemory shared_memory_;
   std::unique_ptr<spi::PreSharedKeys> pre_shared_keys_;
   spi::Token identity_token_, permissions_token_;
+  SessionEnds session_ends_;
 };
 
 }  // namespace ddssec::rtps

@@ -84,6 +84,21 @@ void Security::announced_again(const ParticipantData& data, const AnnouncedAddre
   handshakes_.announced_again(data, addresses);
 }
 
+// A peer that has left does not announce itself. Announcements can be forged, but the end cannot.
+void Security::note_announced(const GuidPrefix& prefix, MonotonicTime now) {
+  constexpr auto kPatience = std::chrono::seconds(6);
+  core_.now = now;
+  auto* peer = core_.find(prefix);
+  if (peer == nullptr) return;
+  if (peer->state.joined() == nullptr) return handshakes_.note_announced(*peer);
+  if (!core_.own->session_ends().take_before(prefix, now - kPatience)) return;
+  core_.raise(Error(Code::session_not_resumed,
+                    {.document = "the session with participant " + peer->name(),
+                     .expected = "that the peer authenticates us again",
+                     .found = "no new session for " + std::to_string(kPatience.count()) + " s"}),
+              *peer, Origin::its_keys);
+}
+
 std::optional<Bytes> Security::lost(const GuidPrefix& prefix) {
   std::optional<Bytes> reset;
   if (auto* peer = core_.find(prefix)) {

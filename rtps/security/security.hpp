@@ -63,9 +63,9 @@ class Security {
                   MonotonicTime now);
   void announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses,
                        MonotonicTime now);
-  void note_announced(const GuidPrefix& prefix) {
-    if (auto* peer = core_.find(prefix)) handshakes_.note_announced(*peer);
-  }
+  /// A participant announces itself. Raises session_not_resumed, once, if it is authenticated and
+  /// has ended the session a while ago.
+  void note_announced(const GuidPrefix& prefix, MonotonicTime now);
   /// This many more octets may be sent to the peer.
   void note_earned(const GuidPrefix& prefix, std::size_t octets) {
     if (auto* peer = core_.find(prefix)) handshakes_.note_earned(*peer, octets);

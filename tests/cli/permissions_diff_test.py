@@ -82,8 +82,8 @@ class PermissionsDifferences(Differences):
         self.write(permissions(grant(join, allow)), permissions(grant(join, deny, allow)))
         out = self.diff("--fail-on", "wider")
         self.assertEqual((out["verdict"], out["breaks_interop"]), ("narrower", False))
-        self.assertEqual(out["takes_effect"], {"embedded": "live", "cyclonedds_ddssec": "live", "cyclonedds": "restart",
-                                               "fastdds": "restart", "reason": "", "at": None})
+        self.assertEqual(out["takes_effect"], {"embedded": "live", "cyclonedds_ddssec": "live, sessions begin again",
+                                               "cyclonedds": "restart", "fastdds": "restart", "reason": "", "at": None})
         change, = out["changes"]
         self.assertEqual([change[k] for k in ("subject", "element", "operation", "old", "new")],
                          ["CN=talker", "rule", "publish", "allowed", "denied"])
@@ -215,6 +215,15 @@ class PermissionsDifferences(Differences):
         taken, reason = self.takes(*NOW)
         self.assertEqual(taken, "restart")
         self.assertIn("the old grant ended at 2026-02-01T00:00:00Z", reason)
+
+    def test_in_cyclonedds_rights_change_with_the_sessions(self):
+        few, many = permissions(grant(JOIN, rule("allow", "a"))), permissions(grant(JOIN, rule("allow", "a"), rule("allow", "b")))
+        for old, new, word in ((many, few, "live, sessions begin again"), (few, many, "live when sessions begin again"),
+                               (few, permissions(grant(JOIN, rule("allow", "b"))), "live, sessions begin again"),
+                               (few, few.replace("<not_after>20", "<not_after>21"), "live")):
+            self.write(old, new)
+            out = self.diff(*NOW)["takes_effect"]
+            self.assertEqual((out["embedded"], out["cyclonedds_ddssec"]), ("live", word))
 
     def test_a_participant_that_only_one_document_knows_decides_nothing_while_it_runs(self):
         other = grant(JOIN, subject="CN=listener", name="listener")

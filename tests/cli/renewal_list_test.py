@@ -110,6 +110,20 @@ class RenewalList(Transcript):
         self.run_program("governance", "sign", "demo/governance.xml", "--ca", "demo", "--replace")
         self.assertEqual(self.labels(ca), [PERMISSIONS] * 2)
 
+    def test_PermissionsSign_ListsWiderOnes(self):
+        ca, talker = "demo/ca/permissions/renewed.pem", "demo/talker/permissions.p7s"
+        square = self.xml_of(talker).replace("<topic>*</topic>", "<topic>Square</topic>")
+        self.sign(self.until(square, 2050), talker, "--replace", "--no-lint")
+        self.assertEqual(self.labels(ca), [])
+        both = square.replace("<topic>Square</topic>", "<topic>Circle</topic><topic>Square</topic>")
+        self.sign(self.until(both, 2051), talker, "--replace", "--no-lint")
+        self.assertEqual(self.labels(ca), [PERMISSIONS])
+        # Rights in another domain are no more.
+        other = re.sub(r"<id>\d+</id>", "<id>77</id>", both)
+        self.assertNotEqual(other, both)
+        self.sign(self.until(other, 2052), talker, "--replace", "--no-lint")
+        self.assertEqual(self.labels(ca), [PERMISSIONS])
+
     def listed(self, path):
         """The signed texts of a list."""
         blocks = [found[0] for found in PEM.finditer((self.at / path).read_text()) if found[1] == PERMISSIONS]

@@ -23,9 +23,10 @@ SLOW = 8.0    # seconds that a loaded machine may add to it
 QUIET = 1.0   # the load before a run whose times count
 LEFT = "e6"   # the participant that is not renewed
 NARROWED = "e5"
+DENIED = "c4"  # loses a right for good
 EMBEDDED = [f"e{i}" for i in range(1, 7)]
 CYCLONE = [f"c{i}" for i in range(1, 5)]
-TOPICS = ["Steady", "Video", "Mixed", "Ping", "Pong", "Narrow", "Left", "Raised"]
+TOPICS = ["Steady", "Video", "Mixed", "Ping", "Pong", "Narrow", "Left", "Raised", "Fleeting", "Denied"]
 RAISED = ["e1", "e2", "e3", "e4"]  # the participants that use the topic whose protection is raised
 ENDS = {"identity": ("identity_ca_renewed", "identity_renewed"),
         "permissions": ("permissions_ca_renewed", "permissions_renewed")}
@@ -44,10 +45,16 @@ def endpoints(is_short):
         yield writer, "writer Mixed durable 20000 64"
     for reader in ("e1", "e4", "e5", "e6", "c2", "c3", "c4"):
         yield reader, "reader Mixed durable"
+    for writer in ("e3", "c1"):  # VOLATILE: what is sent between two sessions is lost
+        yield writer, "writer Fleeting reliable 20000 64"
+    for reader in ("e1", "e4", "c2", "c3"):
+        yield reader, "reader Fleeting reliable"
     yield "e1", "writer Ping reliable 20000 64"
     yield "e4", "writer Pong reliable 0 64"
     yield "e4", "reader Ping reliable Pong"
     yield "e1", "reader Pong reliable"
+    yield "e2", "writer Denied reliable 50000 64"
+    yield DENIED, "reader Denied reliable"
     yield "e2", "writer Narrow reliable 50000 64"
     yield NARROWED, "reader Narrow reliable"
     yield RAISED[0], "writer Raised reliable 5000 64"
@@ -181,8 +188,9 @@ class Story:
                 for name in self.present():
                     self.folders.put_permissions(name, LONG if name == LEFT else 0)
         self.all_say(own, at, self.present())
-        self.note(f"{role} CA: all have moved")
-        time.sleep(2 * LOOKS)  # docs/renew-without-restart.md: embedded peers were shown the new documents
+        self.folders.distribute(self.renewed)
+        self.note(f"{role} CA: all have moved, and have the list")
+        time.sleep(2 * LOOKS)  # docs/renew-without-restart.md: peers were shown the new documents, or read the list
         self.all_say(authority, step("--end"), self.present())
         self.note(f"{role} CA: the former one has ended")
 
@@ -192,7 +200,7 @@ class Story:
                     self.endpoint(NARROWED, "readers", "Narrow")["matched"])
 
         def put(denied):
-            self.folders.denied = denied
+            self.folders.denied.update(denied)
             with self.folders.signing:
                 self.folders.put_permissions(NARROWED)
             return time.monotonic()
@@ -200,10 +208,28 @@ class Story:
         self.until("the right is lost on both sides", lambda: matched() == (0, 0))
         self.figures["narrowed"] = time.monotonic() - at
         before = self.stream(NARROWED, "Narrow", "e2")["received"]
-        at = put({})
+        at = put({NARROWED: None})
         self.until("the right is back", lambda: self.stream(NARROWED, "Narrow", "e2")["received"] > before)
         self.figures["widened"] = time.monotonic() - at
         self.note(f"{NARROWED} lost a right, and has it again")
+
+    def deny(self):
+        """A Cyclone DDS participant loses a right: its sessions begin again, without that match."""
+        self.folders.denied[DENIED] = ("subscribe", "Denied")
+        at, began = time.time(), time.monotonic()
+        with self.folders.signing:
+            self.folders.put_permissions(DENIED)
+        self.until("the right is lost on both sides", lambda: (
+            self.endpoint("e2", "writers", "Denied")["matched"], self.endpoint(DENIED, "readers", "Denied")["matched"]) == (0, 0))
+        self.figures["denied"] = time.monotonic() - began
+        for writer in ("c1", "e3"):
+            before = self.stream(DENIED, "Mixed", writer)["received"]
+            self.until(f"{DENIED} reads {writer}'s topic again", lambda writer=writer, before=before:
+                       self.stream(DENIED, "Mixed", writer)["received"] > before + 50)
+        told = self.peers[DENIED].events("own_rights_lost", at)
+        check(f"own_rights_lost: {told}", len(told) == 1 and "Denied" in told[0]["sentence"])
+        check("the match is back", self.endpoint("e2", "writers", "Denied")["matched"] == 0)
+        self.note(f"{DENIED} lost a right")
 
     def govern(self):
         """A further topic rule, which running participants take, and endpoints of that topic."""
@@ -221,11 +247,12 @@ class Story:
             for name in self.renewed:
                 self.folders.put_permissions(name)
         self.all_say("permissions_renewed", at)
-        for name, command in (("e3", "writer Further durable 20000 64"), ("e4", "reader Further durable"),
-                              ("c2", "reader Further durable")):
+        # The session of e2 and c4 ends with the former permissions, since it needs a right that they do not give.
+        for name, command in (("e2", "writer Further durable 20000 64"), ("e4", "reader Further durable"),
+                              (DENIED, "reader Further durable")):
             check(f"{name}: {command}: {self.peers[name].last_words()}", self.peers[name].ask(command)["ok"])
-        for name in ("e4", "c2"):
-            self.until(f"{name} reads the further topic", lambda name=name: self.stream(name, "Further", "e3"))
+        for name in ("e4", DENIED):
+            self.until(f"{name} reads the further topic", lambda name=name: self.stream(name, "Further", "e2"))
         self.note("a further governance rule is in force, and its topic is used")
 
     def raise_protection(self):
@@ -295,7 +322,7 @@ class Story:
         for name, peer in self.peers.items():
             check(f"{name} ended with {peer.process.wait(WAIT)}: {peer.last_words()}", peer.process.returncode == 0)
 
-    def pairs(self, kinds=("Steady", "Mixed", "Further", "Raised")):
+    def pairs(self, kinds=("Steady", "Mixed", "Further", "Raised", "Fleeting")):
         """(topic, writer, reader, samples that never came, of the reader's stream)."""
         reports = {name: peer.ask("report") for name, peer in self.peers.items() if peer.process.poll() is None}
         for name, report in reports.items():
@@ -337,9 +364,9 @@ def rows(story):
             ("worst gap, best effort, embedded to embedded", "e3", "Video", "e2"),
             ("worst gap, best effort, embedded to Cyclone DDS", "c1", "Video", "e2"),
             ("worst gap, reliable, embedded to embedded", "e2", "Steady", "e1"),
-            ("worst gap, reliable, Cyclone DDS to Cyclone DDS", "c2", "Mixed", "c1"),
-            ("worst gap, reliable, embedded to Cyclone DDS", "c2", "Mixed", "e3"),
-            ("worst gap, reliable, Cyclone DDS to embedded", "e4", "Mixed", "c1")):
+            ("worst gap, reliable, Cyclone DDS to Cyclone DDS", "c2", "Fleeting", "c1"),
+            ("worst gap, reliable, embedded to Cyclone DDS", "c2", "Fleeting", "e3"),
+            ("worst gap, reliable, Cyclone DDS to embedded", "e4", "Fleeting", "c1")):
         gaps = [streams(report, name, topic)[writer]["worst_gap_ms"] for report in (quiet, changing)]
         yield (title, *(f"{gap:.0f} ms" for gap in gaps))
 
@@ -367,7 +394,7 @@ def print_report(story, totals):
           f"failures {dict(story.agent.failures())}")
     print(f"slowest command of ddssec: {story.folders.slowest:.1f} s")
     print(f"restarts 0; {LEFT} out {story.figures['out']:.1f} s after its end; right lost after "
-          f"{story.figures['narrowed']:.1f} s, back after {story.figures['widened']:.1f} s; protection raised after "
+          f"{story.figures['narrowed']:.1f} s (in Cyclone DDS {story.figures['denied']:.1f} s), back after {story.figures['widened']:.1f} s; protection raised after "
           f"{story.figures['raised']:.1f} s")
     for kind, group in (("embedded", EMBEDDED), ("Cyclone DDS", CYCLONE)):
         seen = collections.Counter(event["name"] for name in group for event in story.peers[name].events())
@@ -417,7 +444,7 @@ def check_times(story):
 def run(build, at, is_short):
     story = Story(is_short)
     try:
-        for step in (lambda: story.start(build, at), story.begin, story.narrow, lambda: story.rotate("permissions"),
+        for step in (lambda: story.start(build, at), story.begin, story.narrow, story.deny, lambda: story.rotate("permissions"),
                      story.kill_agent, story.push_broken, story.govern, story.raise_protection, story.roll_back,
                      story.not_renewed,
                      lambda: story.rotate("identity"), story.kill_agent):

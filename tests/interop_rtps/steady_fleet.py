@@ -125,6 +125,10 @@ class Folders:
         self.ddssec("permissions", "sign", str(xml), "--ca", "demo", "-o", str(self[name] / "permissions.p7s"),
                     "--replace", "-q")
 
+    def distribute(self, names):
+        """The list of what was renewed."""
+        self.ddssec("crl", "distribute", *(f"demo/{name}" for name in names), "--ca", "demo", "-q")
+
     def put_certificate(self, name, seconds):
         """A certificate of seconds, which no command of ddssec issues by itself, and its line in the CA's log. Returns
         its end."""
@@ -168,6 +172,7 @@ class PermissionsRenewer(threading.Thread):
                 with self.folders.signing:
                     for name in self.names:
                         self.folders.put_permissions(name)
+                    self.folders.distribute(self.names)
                 self.ended.wait(self.folders.permissions / 2)
         except AssertionError as fault:
             self.fault = str(fault)

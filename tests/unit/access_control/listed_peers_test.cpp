@@ -171,22 +171,23 @@ TEST_F(ListedPeers, AListThatCannotBeRead_ChangesNothing) {
 class OwnListedPermissions : public ListedPeers {
  protected:
   /// Ours end first, and are renewed; the peer has seen the former ones.
-  void begin(bool peer_reads_lists, const char* next_topic = "*") {
+  void begin(bool peer_reads_lists, const std::vector<std::string>& next_topics = {"*"},
+             const std::vector<std::string>& first_topics = {"*"}) {
     (void)plugin->return_permissions_handle(peer_);
     (void)plugin->return_permissions_handle(own_);
-    const auto first = open(-24h, 20s);
+    const auto first = open(-24h, 20s, first_topics);
     own_ = ours("file:" + folder_.write("permissions.p7s", first), "-").value();
     meet(open_permissions(kListener), {.presented_permissions = sha256(as_bytes(first)),
                                        .peer_keeps_session = false,
                                        .peer_reads_lists = peer_reads_lists});
-    next_ = open(0s, 24h, next_topic);
+    next_ = open(0s, 24h, next_topics);
     folder_.replace("permissions.p7s", next_);
     look();
     log.events.clear();
   }
   std::string open(std::chrono::seconds from, std::chrono::seconds until,
-                   const char* topic = "*") const {
-    auto out = grant(kTalker, {publish_rule(true, {topic})});
+                   const std::vector<std::string>& topics = {"*"}) const {
+    auto out = grant(kTalker, {publish_rule(true, topics)});
     out.validity = {kNow + from, kNow + until};
     return signed_permissions({out});
   }
@@ -207,10 +208,19 @@ TEST_F(OwnListedPermissions, AnExtensionOfWhatThePeerHasSeen_KeepsTheSession) {
 
 // The peer does not go by them.
 TEST_F(OwnListedPermissions, RenewedPermissionsWithOtherRights_EndTheSession) {
-  begin(true, "t");
+  begin(true, {"t"});
   put({next_});
   EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
   EXPECT_THAT(codes(), ElementsAre(Code::session_outlived_documents));
+}
+
+// The peer goes on by them, with the rights that it has seen.
+TEST_F(OwnListedPermissions, RenewedPermissionsWithMoreRights_KeepTheSession) {
+  begin(true, {"t", "u"}, {"t"});
+  put({next_});
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(codes(), IsEmpty());
 }
 
 TEST_F(OwnListedPermissions, WithoutAList_TheSessionEnds) {

@@ -102,10 +102,63 @@ TEST_P(OtherRights, RefuseNothingThatThePeerShows) {
 
 INSTANTIATE_TEST_SUITE_P(All, OtherRights,
                          testing::Values(std::vector<std::string>{"t"},
-                                         std::vector<std::string>{"t", "u", "v"},
                                          std::vector<std::string>{"v"},
                                          std::vector<std::string>{"*"},
                                          std::vector<std::string>{}));
+
+// The peer gets none of them before it presents them.
+TEST_F(ListedPeers, MoreRights_KeepThePeerWithTheRightsThatItPresented) {
+  put({document({"t", "u"}, 0s, 24h)});
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_THAT(codes(), ElementsAre(Code::peer_permissions_listed));
+  EXPECT_TRUE(may_publish("t"));
+  EXPECT_FALSE(may_publish("v"));
+  put({document({"u"}, 1s, 48h)});
+  EXPECT_THAT(look(5s), IsEmpty()) << "they count until their own end";
+  meet(document({"t", "u"}, 0s, 24h));
+  EXPECT_TRUE(may_publish("u"));
+}
+
+// It gets them as before: the session ends with what it presented, and begins with the others.
+TEST_F(ListedPeers, MoreRightsThatThePeerWants_DoNotKeepIt) {
+  put({document({"t", "u"}, 0s, 24h)});
+  EXPECT_THAT(look(19s), IsEmpty());
+  EXPECT_FALSE(may_publish("v")) << "neither gives it";
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+  EXPECT_FALSE(may_publish("u"));
+  EXPECT_THAT(look(1s), ElementsAre(peer_));
+  meet(document({"t", "u"}, 0s, 24h));
+  EXPECT_TRUE(may_publish("u"));
+}
+
+TEST_F(ListedPeers, MoreRightsThatThePeerWantedBefore_DoNotKeepIt) {
+  EXPECT_FALSE(may_publish("u"));
+  put({document({"t", "u"}, 0s, 24h)});
+  EXPECT_THAT(look(19s), IsEmpty());
+  EXPECT_THAT(look(1s), ElementsAre(peer_));
+}
+
+TEST_F(ListedPeers, TheSameRights_KeepAPeerThatWantsMore) {
+  put({document({"t", "u"}, 0s, 24h)});
+  look();
+  EXPECT_FALSE(may_publish("u"));
+  put({document({"t", "u"}, 0s, 24h), document({"t"}, 0s, 12h)});
+  EXPECT_THAT(pass_the_end(), IsEmpty());
+}
+
+// Fewer rights took their place, and are to end in time.
+TEST_F(ListedPeers, MoreRightsThatWereSignedEarlier_DoNotKeepThePeer) {
+  signing_time = kNow - 1h;
+  put({document({"t", "u"}, 0s, 24h)});
+  signing_time = kNow;
+  EXPECT_THAT(look(20s), ElementsAre(peer_));
+}
+
+TEST_F(ListedPeers, MoreRightsThatEnd_EndThePeer) {
+  put({document({"t", "u"}, 0s, 40s)});
+  EXPECT_THAT(look(39s), IsEmpty());
+  EXPECT_THAT(look(1s), ElementsAre(peer_));
+}
 
 // Before, the end of the listed ones locked the participant out for good.
 TEST_F(ListedPeers, MoreRightsForAWhile_LockNoParticipantOut) {

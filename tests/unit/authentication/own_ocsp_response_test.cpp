@@ -95,6 +95,21 @@ TEST_F(OwnOcspFile, ThatEnds_IsReportedOnce) {
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_ended), 1);
 }
 
+TEST_F(OwnOcspFile, ThatBeginsInTheFuture_IsRecordedAsOneThatWaits) {
+  ASSERT_OK(start());
+  put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, 2h, 24h));
+  look();
+  look();
+  const auto recorded = [&] {
+    return test::recorded_document(engine.documents, "OCSP response")["refused"];
+  };
+  EXPECT_EQ(recorded()["waits"], true);
+  engine.clock.advance(2h);
+  look();
+  EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 1);
+  EXPECT_EQ(recorded()["stands"], false);
+}
+
 TEST_F(OwnOcspFile, ThatSaysRevoked_EndsUs) {
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_REVOKED));
   EXPECT_CODE(start(), ocsp_revoked);

@@ -5,6 +5,7 @@
 
 #include "plugins/authentication/revocation_lists.hpp"
 #include "tests/support/delta_list.hpp"
+#include "tests/support/recorded_document.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/authentication/revocation_lists.hpp"
 
@@ -193,10 +194,18 @@ TEST_F(Refused, OutOfTheirTime) {
 
 // Its time comes without anybody touching the file.
 TEST_F(Refused, AListOfTheFutureIsTakenWhenItsTimeHasCome) {
+  const auto recorded = [&] {
+    return test::recorded_document(engine().documents, "revocation list")["refused"];
+  };
+  expect_refused(pem({4}), Code::crl_older);
+  EXPECT_EQ(recorded()["waits"], false);
   expect_refused(pem({6, {}, kNow + 1h}), Code::crl_not_yet_valid);
+  EXPECT_EQ(recorded()["stands"], true);
+  EXPECT_EQ(recorded()["waits"], true);
   engine().clock.advance(1h);
   wait();
   EXPECT_EQ(codes(), std::vector{Code::crl_renewed});
+  EXPECT_EQ(recorded()["stands"], false);
   EXPECT_TRUE(handshake());
 }
 

@@ -1,7 +1,16 @@
 // When a file that cannot be used is reported, and with which words.
 #include "base/renewal_refusals.hpp"
 
+#include <filesystem>
+#include <fstream>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <gtest/gtest.h>
+
+#include "base/document_watch.hpp"
+#include "base/source.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace ddssec {
 namespace {
@@ -63,6 +72,76 @@ TEST(RenewalRefused, ReasonOfTheSameCode_KeepsItsHintAndIsNotRepeated) {
       renewal_refused(Code::identity_renewal_refused, why, "/etc/cert.pem", "it stays");
   EXPECT_EQ(told.details().note, "it stays");
   EXPECT_EQ(told.hint(), "do this");
+}
+
+/// True if `f` is true for a user that is not root, in a child.
+template <class F>
+bool as_another_user(F&& f) {
+  const auto child = ::fork();
+  if (child == 0) {
+    const bool is_root = ::geteuid() == 0;
+    ::_exit((!is_root || (::setgid(65534) == 0 && ::setuid(65534) == 0)) && f() ? 0 : 1);
+  }
+  int status = -1;
+  ::waitpid(child, &status, 0);
+  return status == 0;
+}
+
+/// A folder that other users cannot enter.
+struct ClosedFolder : testing::Test {
+  void SetUp() override {
+    std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
+    for (const auto* name : {"a.pem", "b.pem"}) folder.write(name, "text");
+    std::filesystem::create_directory(closed);
+    std::ofstream(closed + "/a.pem") << "text";
+    std::filesystem::permissions(folder.path(), std::filesystem::perms::all);
+    std::filesystem::permissions(closed, std::filesystem::perms::none);
+  }
+  void TearDown() override {
+    std::filesystem::permissions(closed, std::filesystem::perms::owner_all);
+  }
+  const test::TemporaryFolder folder;
+  const std::string closed = folder.path() + "/closed";
+};
+
+TEST_F(ClosedFolder, OfAnUnreadableFile_IsReportedInItsPlace) {
+  EXPECT_TRUE(as_another_user([&] {
+    const auto path = closed + "/a.pem";
+    const auto file = load("file:" + path, "a property", 100);
+    if (file || file.error().code() != Code::file_unreadable) return false;
+    const auto told = renewal_refused(Code::identity_renewal_refused, file.error(), path, "stays");
+    return told.code() == Code::folder_unreadable && told.details().document == closed;
+  }));
+}
+
+TEST_F(ClosedFolder, GivesAllItsFilesTheSameEvent) {
+  EXPECT_TRUE(as_another_user([&] {
+    std::vector<Error> told;
+    for (const auto code : {Code::permissions_renewal_refused, Code::governance_renewal_refused}) {
+      DocumentWatch watch({.uri = "file:" + closed + "/" + std::to_string(told.size()),
+                           .name = "a property",
+                           .max_octets = 100,
+                           .refused = code,
+                           .stays = "stays",
+                           .gives_remedy_of_reason = true},
+                          std::chrono::seconds(1));
+      const auto take = [](BytesView) { return Status(); };
+      static_cast<void>(watch.look(std::chrono::seconds(1), take));
+      const auto looked = watch.look(std::chrono::seconds(2), take);
+      if (!looked) told.push_back(looked.error());
+    }
+    return told.size() == 2 && told[0].code() == Code::folder_unreadable &&
+           told[0].to_sentence() == told[1].to_sentence();
+  }));
+}
+
+TEST_F(ClosedFolder, IsNotToBlameForAFileThatIsUnreadableItself) {
+  const auto path = folder.path() + "/a.pem";
+  std::filesystem::permissions(path, std::filesystem::perms::none);
+  EXPECT_TRUE(as_another_user([&] {
+    const auto file = load("file:" + path, "a property", 100);
+    return !file && !folder_refused(file.error(), path);
+  }));
 }
 
 }  // namespace

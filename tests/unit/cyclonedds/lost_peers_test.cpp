@@ -16,6 +16,8 @@
 static std::atomic<DDS_Security_IdentityHandle> stranded_peer{0};
 /// How often authentication asked whether a peer reset its session.
 static std::atomic<int> questions{0};
+/// How often renewed permissions took a right from an endpoint of the local participant.
+static std::atomic<std::uint64_t> losses{0};
 
 namespace ddssec::cyclonedds {
 namespace {
@@ -168,6 +170,44 @@ TEST_F(SessionResetTest, MakesTheHostBeginAnew) {
   resets.forget({70});
 }
 
+/// The peer resets its session; the host drops it.
+struct EndedByPeer : SessionResetTest {
+  void SetUp() override {
+    SessionResetTest::SetUp();
+    const auto remote = authenticate();
+    auto& resets = SessionResets::of_process();
+    resets.expect({{70}, {1}}, {remote}, spi::derive_reset_token(*secret(), kRemote));
+    const auto message = spi::write_reset(kRemote, spi::derive_reset_token(*secret(), kRemote));
+    EXPECT_TRUE(resets.received(*spi::read_reset(message)));
+    for (int i = 0; i < 1000 && revoked == 0; ++i) std::this_thread::sleep_for(10ms);
+    EXPECT_EQ(revoked, remote);
+    resets.forget({70});
+    EXPECT_EQ(c->return_identity_handle(c, remote, nullptr), 1);
+  }
+  auto reports() {
+    EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);  // no event comes while they are counted
+    return std::ranges::count(harness.events, Code::session_not_resumed,
+                              [](const auto& event) { return event.error.code(); });
+  }
+};
+
+TEST_F(EndedByPeer, AndMetAgainWithoutANewSession_IsReportedOnce) {
+  meet();
+  std::this_thread::sleep_for(8s);
+  EXPECT_EQ(reports(), 1);
+}
+
+TEST_F(EndedByPeer, AndResumed_IsNoReport) {
+  authenticate();
+  std::this_thread::sleep_for(6s);
+  EXPECT_EQ(reports(), 0);
+}
+
+TEST_F(EndedByPeer, AndGone_IsNoReport) {
+  std::this_thread::sleep_for(6s);
+  EXPECT_EQ(reports(), 0);
+}
+
 TEST_F(SessionResetTest, AlsoFollowsKeysThatNeverCame) {
   const auto remote = authenticate();
   stranded_peer = remote;
@@ -178,9 +218,65 @@ TEST_F(SessionResetTest, AlsoFollowsKeysThatNeverCame) {
             1);
 }
 
+// ---- rights that renewed permissions no longer give
+
+struct LostRights : SessionResetTest {
+  void SetUp() override {
+    losses = 0;
+    SessionResetTest::SetUp();
+  }
+  static void wait_for_two_looks() {
+    const auto before = questions.load();
+    for (int i = 0; i < 1000 && questions < before + 2; ++i) std::this_thread::sleep_for(10ms);
+    EXPECT_GE(questions, before + 2);
+  }
+  static void wait_until_revoked() {
+    for (int i = 0; i < 500 && revoked == 0; ++i) std::this_thread::sleep_for(10ms);
+  }
+};
+
+TEST_F(LostRights, EndTheSessionOnce_AndResetThePeerAtOnce) {
+  const auto remote = authenticate();
+  wait_for_two_looks();
+  EXPECT_EQ(revoked, 0);
+  losses = 1;
+  wait_until_revoked();
+  EXPECT_EQ(revoked, remote);
+  EXPECT_EQ(c->return_identity_handle(c, remote, nullptr), 1);
+  EXPECT_EQ(to_hex(peer.receive()),
+            to_hex(spi::write_reset(kLocal, spi::derive_reset_token(*secret(), kLocal))));
+  revoked = 0;
+  authenticate();
+  wait_for_two_looks();
+  EXPECT_EQ(revoked, 0);
+}
+
+TEST_F(LostRights, AlsoEndASessionWhoseHandshakeWasUnderWay) {
+  const auto remote = meet();
+  losses = 1;
+  wait_for_two_looks();
+  EXPECT_EQ(revoked, 0);
+  authenticate();
+  wait_until_revoked();
+  EXPECT_EQ(revoked, remote);
+}
+
+// It would keep its side of the session, and ignore each new handshake.
+TEST_F(LostRights, EndNoSessionWithAPeerOnOtherPlugins) {
+  peer_ciphers = spi::kStandardCiphers;
+  ON_CALL(engine, shared_secret).WillByDefault(Return(secret()));
+  authenticate();
+  losses = 1;
+  wait_for_two_looks();
+  EXPECT_EQ(revoked, 0);
+}
+
 }  // namespace
 }  // namespace ddssec::cyclonedds
 
+DDSSEC_EXPORT std::uint64_t ddssec_rights_lost(DDS_Security_IdentityHandle local) {
+  return local == 5 ? losses.load() : 0;
+}
 DDSSEC_EXPORT bool ddssec_take_stranded_keys(DDS_Security_IdentityHandle remote) {
   return stranded_peer.compare_exchange_strong(remote, 0);
 }

@@ -83,6 +83,22 @@ TEST(Revocation, ThePeerIsToldThatTheSessionHasEnded) {
   EXPECT_TRUE(three.a.knows(three.b));
 }
 
+// The peer goes on announcing itself, and accepts no handshake.
+TEST(Revocation, AParticipantThatItsPeerCutsOff_SaysSoOnce) {
+  Three three;
+  ASSERT_TRUE(three.match()) << three.text();
+  three.revoke(three.carol);
+  ASSERT_TRUE(three.world.run_until([&] { return !three.a.knows(three.c); }, 110));
+  three.world.run(400);
+  EXPECT_FALSE(three.c.events.has(Code::session_not_resumed)) << "it may come back at once";
+  EXPECT_TRUE(
+      three.world.run_until([&] { return three.c.events.has(Code::session_not_resumed); }, 1500))
+      << three.text();
+  three.world.run(3000);
+  EXPECT_EQ(three.c.events.count(Code::session_not_resumed), 2) << "alice and bob, once each";
+  EXPECT_FALSE(three.a.events.has(Code::session_not_resumed));
+}
+
 // It announces itself on and on, and each of its handshakes is refused for the reason.
 TEST(Revocation, ThePeerDoesNotComeBack) {
   Three three;

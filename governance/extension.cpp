@@ -1,0 +1,123 @@
+#include "governance/extension.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+
+#include "governance/decision.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+bool say_the_same(const Criteria& a, const Criteria& b) {
+  return a.topics == b.topics && a.partitions == b.partitions && a.data_tags == b.data_tags;
+}
+
+bool say_the_same(const Rule& a, const Rule& b) {
+  const auto equal = [](const auto& of_a, const auto& of_b) {
+    return std::ranges::equal(of_a, of_b,
+                              [](const auto& x, const auto& y) { return say_the_same(x, y); });
+  };
+  return a.allow == b.allow && equal(a.publish, b.publish) && equal(a.subscribe, b.subscribe) &&
+         equal(a.relay, b.relay);
+}
+
+std::string_view key(const Text& text) { return text.text; }
+const DataTag& key(const DataTag& tag) { return tag; }
+
+// A participant compares again and again. Longer lists must be the same.
+constexpr std::size_t kMaxListed = 1024;
+constexpr std::size_t kMaxCriteria = 16;
+
+template <class One>
+bool has_all(const std::vector<One>& wide, const std::vector<One>& narrow) {
+  if (wide == narrow) return true;
+  if (wide.size() > kMaxListed || narrow.size() > kMaxListed) return false;
+  const auto sorted = [](const std::vector<One>& list) {
+    std::vector<std::decay_t<decltype(key(list.front()))>> out;
+    for (const auto& one : list) out.push_back(key(one));
+    std::ranges::sort(out);
+    return out;
+  };
+  return std::ranges::includes(sorted(wide), sorted(narrow));
+}
+
+/// `matches_any`: what an absent list means. Otherwise it matches nothing that a list names.
+template <class One>
+bool has_all(const std::optional<std::vector<One>>& wide,
+             const std::optional<std::vector<One>>& narrow, bool matches_any) {
+  if (!wide && matches_any) return true;
+  if (!wide || !narrow) return wide.has_value() == narrow.has_value();
+  return has_all(*wide, *narrow);
+}
+
+/// Criteria of two allow rules, or of two deny rules.
+bool covers(const Criteria& wide, const Criteria& narrow, bool is_denial) {
+  return has_all(wide.topics, narrow.topics) &&
+         has_all(wide.partitions, narrow.partitions, is_denial) &&
+         has_all(wide.data_tags, narrow.data_tags, is_denial);
+}
+
+/// Each of `narrow` is matched by one of `wide`.
+bool covers(const std::vector<Criteria>& wide, const std::vector<Criteria>& narrow,
+            bool is_denial) {
+  if (wide.size() > kMaxCriteria || narrow.size() > kMaxCriteria)
+    return std::ranges::equal(wide, narrow,
+                              [](const auto& a, const auto& b) { return say_the_same(a, b); });
+  return std::ranges::all_of(narrow, [&](const Criteria& one) {
+    return std::ranges::any_of(
+        wide, [&](const Criteria& other) { return covers(other, one, is_denial); });
+  });
+}
+
+/// What `narrow` matches, `wide` matches too.
+bool matches_all_of(const Rule& wide, const Rule& narrow, bool is_denial) {
+  return covers(wide.publish, narrow.publish, is_denial) &&
+         covers(wide.subscribe, narrow.subscribe, is_denial) &&
+         covers(wide.relay, narrow.relay, is_denial);
+}
+
+/// `next` may take the place of `former`.
+bool fits(const Rule& next, const Rule& former) {
+  if (next.allow != former.allow) return false;
+  if (next.allow) return matches_all_of(next, former, false);
+  return matches_all_of(former, next, true) && (decides_joining(former) || !decides_joining(next));
+}
+
+}  // namespace
+
+std::vector<const Rule*> rules_for(const Grant& grant, DomainId domain, std::string_view tag) {
+  std::vector<const Rule*> out;
+  for (const auto& rule : grant.rules)
+    if (rule.domains.contains(domain, tag)) out.push_back(&rule);
+  return out;
+}
+
+bool say_the_same(std::span<const Rule* const> a, std::span<const Rule* const> b) {
+  return std::ranges::equal(a, b,
+                            [](const auto* x, const auto* y) { return say_the_same(*x, *y); });
+}
+
+// The first rule that matches decides. An entity that a rule of `former` allows is matched by the
+// rule of `next` in its place. Before that one are further allow rules, and rules in the place of
+// earlier ones of `former`. Of these no deny rule matches, since that of `former` did not.
+bool gives_at_least(const Decisions& next, const Decisions& former) {
+  auto at = next.rules.begin();
+  auto old = former.rules.begin();
+  while (at != next.rules.end() || old != former.rules.end()) {
+    const bool are_both = at != next.rules.end() && old != former.rules.end();
+    if (are_both && fits(**at, **old)) {
+      ++at;
+      ++old;
+    } else if (old != former.rules.end() && !(*old)->allow) {
+      ++old;
+    } else if (at != next.rules.end() && (*at)->allow) {
+      ++at;
+    } else {
+      return false;
+    }
+  }
+  return next.default_allow || !former.default_allow;
+}
+
+}  // namespace ddssec::governance

@@ -1,0 +1,31 @@
+// Finds out whether a grant gives at least what a former one gave, from the form of their rules.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "governance/model.hpp"
+
+namespace ddssec::governance {
+
+/// The rules of a grant for a domain with a tag, in order.
+std::vector<const Rule*> rules_for(const Grant& grant, DomainId domain, std::string_view tag);
+
+/// True if the rules differ in nothing but their lines and domains.
+bool say_the_same(std::span<const Rule* const> a, std::span<const Rule* const> b);
+
+/// Rules and the default after them.
+struct Decisions {
+  std::span<const Rule* const> rules;
+  bool default_allow = false;
+};
+
+/// True only if everything that `former` allows is allowed by `next`: to publish, to subscribe, to
+/// relay and to join. The domains of the rules are not compared. False also if the form of the
+/// rules does not show it: `next` must have the allow rules of `former` with the same or more
+/// topics, partitions and data tags, in the same order; deny rules of `former` with the same or
+/// fewer, or without some of them; and it may have further allow rules anywhere. Lists of
+/// expressions are compared by their texts; long ones must be the same.
+bool gives_at_least(const Decisions& next, const Decisions& former);
+
+}  // namespace ddssec::governance

@@ -1,0 +1,32 @@
+#include "rtps/security/session_ends.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/hash.hpp"
+
+namespace ddssec::rtps {
+
+void SessionEnds::expect(const GuidPrefix& peer, const spi::SharedSecret& secret) {
+  sessions_.insert_or_assign(peer, Session{spi::derive_reset_token(secret, peer)});
+}
+
+void SessionEnds::received(const GuidPrefix& peer, const spi::Reset& reset, MonotonicTime now) {
+  const auto session = sessions_.find(peer);
+  if (session == sessions_.end() || session->second.ended) return;
+  const auto& expected = session->second.expected;
+  const bool is_proven =
+      std::ranges::equal(reset.name, expected.name) && expected.proof.expose([&](BytesView proof) {
+        return constant_time_equal(proof, reset.proof);
+      });
+  if (is_proven) session->second.ended = now;
+}
+
+bool SessionEnds::take_before(const GuidPrefix& peer, MonotonicTime time) {
+  const auto session = sessions_.find(peer);
+  if (session == sessions_.end() || !session->second.ended || *session->second.ended >= time)
+    return false;
+  return !std::exchange(session->second.was_taken, true);
+}
+
+}  // namespace ddssec::rtps

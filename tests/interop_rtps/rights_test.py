@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+"""Permissions with fewer rights are put in place of those of a running participant: what was taken away ends, and
+equal and wider rights end nothing. In Cyclone DDS with our plugins, with peers of the same kind and embedded ones.
+Usage: rights_test.py BUILD [FILTER]"""
+
+import concurrent.futures
+import json
+import os
+import pathlib
+import shutil
+import sys
+import tempfile
+import time
+
+sys.dont_write_bytecode = True
+from shapes_process import SAMPLE, check  # puts the folders of what follows in place
+from documents import Permissions
+from renewal_test import DOMAIN, TOPIC, Story
+
+BEFORE = 25     # seconds until samples flow, at most
+AT_ONCE = 2.0   # seconds until what was taken away has ended
+LATE = 4.0      # and what a loaded machine may need beyond that
+WATCHED = 8.0   # seconds without a sample that comes back
+
+
+def put(documents, publish, subscribe, year):
+    """Permissions with these topics, which end in that year."""
+    text = Permissions(publish, subscribe, "", DOMAIN, not_after=f"{year}-01-01T00:00:00")
+    signed = documents.pki.sign(text.xml(documents.name), *documents.signer)
+    shutil.copy(signed, documents.folder / "permissions.new")
+    os.replace(documents.folder / "permissions.new", documents.folder / "permissions.p7s")
+    return time.time() - documents.began
+
+
+def events(documents, name):
+    log = documents.folder / "events"
+    lines = [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
+    return [event for event in lines if event["name"] == name]
+
+
+def flows(story, since):
+    """Seconds of the longest pause since then."""
+    times = [since, *(at for at, _ in story.subscriber.samples() if at > since), time.time() - story.began]
+    return max(b - a for a, b in zip(times, times[1:]))
+
+
+def taken_away(story, narrowed, embedded):
+    """From the publisher (0) or the subscriber (1)."""
+    story.talks_before(BEFORE)
+    mine = story.documents[narrowed]
+    allowed = ((TOPIC,), ("Other",)) if narrowed == 0 else (("Other",), (TOPIC,))
+    at = put(mine, (TOPIC,), (TOPIC,), 2036)                   # the same rights
+    time.sleep(1.2)
+    put(mine, (TOPIC, "More"), (TOPIC, "More"), 2036)          # wider ones
+    time.sleep(1.2)
+    put(mine, *allowed, 2035)                                  # fewer, but none of an endpoint
+    time.sleep(2.5 + LATE / 2)
+    pause = flows(story, at)
+    check(f"a pause of {pause:.1f} s although no endpoint lost a right", pause < 1.0 + LATE / 2)
+    check(f"{events(mine, 'own_rights_lost')}", not events(mine, "own_rights_lost"))
+    at = put(mine, ("Other",), ("Other",), 2034)
+    time.sleep(AT_ONCE + LATE + WATCHED)
+    last = story.subscriber.samples()[-1][0] - at
+    check(f"samples for {last:.1f} s after the right was taken away", last < AT_ONCE + LATE)
+    if embedded:
+        return f"ended after {last:.1f} s"
+    told = events(mine, "own_rights_lost")
+    check(f"{len(told)} events", len(told) == 1)
+    check(told[0]["sentence"], TOPIC in told[0]["sentence"])
+    return f"ended after {last:.1f} s; longest pause before {pause:.2f} s"
+
+
+def cases():
+    for publisher, subscriber in (("ours", "ours"), ("ours", "embedded"), ("embedded", "ours"), ("embedded", "embedded")):
+        for narrowed, who in enumerate(("publisher", "subscriber")):
+            yield f"{who}/{publisher}/{subscriber}", publisher, subscriber, narrowed
+
+
+def attempt(build, case):
+    name, publisher, subscriber, narrowed = case
+    with tempfile.TemporaryDirectory(prefix="ddssec-rights-") as folder:
+        story = None
+        try:
+            story = Story(build, folder, publisher, subscriber, True, (0, 1))
+            return name, None, taken_away(story, narrowed, (publisher, subscriber)[narrowed] == "embedded")
+        except AssertionError as fault:
+            lines = [line for p in story.processes for _, line in p.lines[-200:] if not SAMPLE.match(line)] if story else []
+            return name, f"{fault}\n" + "\n".join(lines[-40:]), ""
+        finally:
+            if story:
+                story.close()
+
+
+def main():
+    build, wanted = pathlib.Path(sys.argv[1]).resolve(), (sys.argv[2:] or [""])[0]
+    chosen = [case for case in cases() if wanted in case[0]]
+    failed = 0
+    with concurrent.futures.ThreadPoolExecutor(max_workers=4) as pool:
+        for name, fault, note in pool.map(lambda case: attempt(build, case), chosen):
+            print(f"{'FAILED' if fault else 'ok':8}{name}: {fault or note}", flush=True)
+            failed += fault is not None
+    return 1 if failed or not chosen else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

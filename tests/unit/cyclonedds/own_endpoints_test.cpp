@@ -1,0 +1,187 @@
+// Endpoints that renewed permissions no longer allow: what access control counts, and what
+// authentication does then.
+#include "plugins/cyclonedds/own_endpoints.hpp"
+
+#include <future>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/cyclonedds/access_control_adapters.hpp"
+#include "tests/unit/cyclonedds/support.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+using testing::_;
+using testing::Return;
+
+constexpr spi::PermissionsHandle kUs{8}, kOther{9};
+
+Status denied(std::string topic, Code code = Code::publish_not_allowed) {
+  return fail(code, {.document = "permissions.p7s", .line = 7, .expected = std::move(topic)});
+}
+
+struct OwnEndpointsTest : testing::Test {
+  OwnEndpointsTest() {
+    ON_CALL(engine, renewals).WillByDefault([this](auto) { return renewals; });
+    ON_CALL(engine, check_own_endpoint).WillByDefault([this](auto, bool writes, const auto& asked) {
+      const bool is_lost = lost == asked.topic_name;
+      return is_lost ? denied(lost, writes ? Code::publish_not_allowed : code_for_readers)
+                     : Status();
+    });
+    endpoints.add(&writer, kUs, true, {.topic_name = "Square"});
+    endpoints.add(&reader, kUs, false, {.topic_name = "Circle"});
+  }
+
+  testing::NiceMock<MockAccessControl> engine;
+  std::uint64_t renewals = 0;
+  std::string lost;
+  Code code_for_readers = Code::subscribe_not_allowed;
+  OwnEndpoints endpoints;
+  const int writer = 0, reader = 0;  // their addresses count
+};
+
+TEST_F(OwnEndpointsTest, WithoutARenewal_NothingIsJudged) {
+  lost = "Square";
+  EXPECT_CALL(engine, check_own_endpoint).Times(0);
+  EXPECT_FALSE(endpoints.judge(kUs, engine));
+}
+
+TEST_F(OwnEndpointsTest, RightsThatStay_AreJudgedOnceForEachRenewal) {
+  renewals = 1;
+  EXPECT_CALL(engine, check_own_endpoint(kUs, true, _)).Times(1);
+  EXPECT_CALL(engine, check_own_endpoint(kUs, false, _)).Times(1);
+  EXPECT_FALSE(endpoints.judge(kUs, engine));
+  EXPECT_FALSE(endpoints.judge(kUs, engine));
+  EXPECT_EQ(endpoints.losses(kUs), 0u);
+}
+
+TEST_F(OwnEndpointsTest, ALostRight_IsToldOnce) {
+  renewals = 1;
+  lost = "Square";
+  const auto told = endpoints.judge(kUs, engine);
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->code(), Code::own_rights_lost);
+  EXPECT_EQ(told->details().document, "permissions.p7s");
+  EXPECT_EQ(told->details().expected, "Square");
+  EXPECT_EQ(endpoints.losses(kUs), 1u);
+  renewals = 2;  // what was lost before is not lost again
+  EXPECT_FALSE(endpoints.judge(kUs, engine));
+  lost.clear();
+  renewals = 3;
+  EXPECT_FALSE(endpoints.judge(kUs, engine));
+  lost = "Square";
+  renewals = 4;
+  EXPECT_TRUE(endpoints.judge(kUs, engine));
+  EXPECT_EQ(endpoints.losses(kUs), 2u);
+}
+
+TEST_F(OwnEndpointsTest, SeveralLostRights_AreOneLossAndAreCounted) {
+  endpoints.add(&endpoints, kUs, true, {.topic_name = "Square"});
+  endpoints.add(&engine, kOther, true, {.topic_name = "Square"});
+  renewals = 1;
+  lost = "Square";
+  const auto told = endpoints.judge(kUs, engine);
+  ASSERT_TRUE(told);
+  EXPECT_NE(told->details().note.find("1 more endpoints"), std::string::npos);
+  EXPECT_EQ(endpoints.losses(kUs), 1u);
+  EXPECT_EQ(endpoints.losses(kOther), 0u);
+}
+
+TEST_F(OwnEndpointsTest, AnEndpointThatIsGone_LosesNothing) {
+  renewals = 1;
+  lost = "Square";
+  endpoints.remove(&writer);
+  EXPECT_FALSE(endpoints.judge(kUs, engine));
+  endpoints.add(&writer, kUs, true, {.topic_name = "Square"});
+  endpoints.forget(kUs);
+  EXPECT_FALSE(endpoints.judge(kUs, engine));
+}
+
+// Such a participant is cut off altogether.
+TEST_F(OwnEndpointsTest, PermissionsThatEnded_AreNoLostRight) {
+  renewals = 1;
+  lost = "Circle";
+  code_for_readers = Code::grant_expired;
+  EXPECT_FALSE(endpoints.judge(kUs, engine));
+}
+
+TEST_F(OwnEndpointsTest, PartitionsAndTags_AreJudged) {
+  const std::vector<std::string_view> partitions = {"p", "q"};
+  const spi::PropertyList tags = {{"colour", "red"}};
+  endpoints.add(&tags, kOther, true,
+                {.topic_name = "Square", .partitions = partitions, .data_tags = tags});
+  renewals = 1;
+  EXPECT_CALL(engine, check_own_endpoint(kOther, true, _)).WillOnce([&](auto, bool, auto& asked) {
+    EXPECT_TRUE(std::ranges::equal(asked.partitions, partitions));
+    EXPECT_EQ(asked.data_tags.size(), 1u);
+    return Status();
+  });
+  EXPECT_FALSE(endpoints.judge(kOther, engine));
+}
+
+using access_control_adapters::AccessControlAdapterTest;
+
+/// An adapter with a local participant, whose writer of "Square" it may have.
+struct LostRightsTest : AccessControlAdapterTest {
+  void SetUp() override {
+    ON_CALL(engine, validate_local_permissions).WillByDefault(Return(kUs));
+    ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
+    ON_CALL(engine, datawriter_sec_attributes).WillByDefault([this](auto&&...) {
+      spi::EndpointSecurityAttributes out;
+      out.is_builtin = is_builtin;
+      return out;
+    });
+    ON_CALL(engine, check_own_endpoint).WillByDefault([](auto&&...) { return denied("Square"); });
+    EXPECT_EQ(c->validate_local_permissions(c, nullptr, 1, 5, &qos, nullptr), kUs.value);
+    EXPECT_EQ(c->get_datawriter_sec_attributes(c, kUs.value, "Square", nullptr, nullptr,
+                                               &attributes, nullptr),
+              1);
+    ON_CALL(engine, renewals(kUs)).WillByDefault(Return(1));
+  }
+  /// Runs the timer's work.
+  void expire() {
+    const dds_security_access_control_listener listener{
+        [](const dds_security_access_control*,
+           const DDS_Security_PermissionsHandle) -> DDS_Security_boolean { return 1; }};
+    std::promise<void> ran;
+    EXPECT_CALL(engine, next_expiry).WillOnce([&] {
+      ran.set_value();
+      return std::optional<WallTime>();
+    });
+    EXPECT_EQ(c->set_listener(c, &listener, nullptr), 1);
+    ran.get_future().wait();
+    EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
+  }
+  std::uint64_t lost() const { return AccessControlAdapter::rights_lost({1}); }
+
+  bool is_builtin = false;
+  DDS_Security_EndpointSecurityAttributes attributes{};
+};
+
+TEST_F(LostRightsTest, AreReportedAndCountedForAuthentication) {
+  expire();
+  EXPECT_EQ(lost(), 1u);
+  ASSERT_EQ(harness.events.size(), 1u);
+  EXPECT_EQ(harness.events.front().error.code(), Code::own_rights_lost);
+  EXPECT_EQ(AccessControlAdapter::rights_lost({2}), 0u);
+}
+
+TEST_F(LostRightsTest, DoNotConcernADeletedEndpoint) {
+  EXPECT_EQ(c->return_datawriter_sec_attributes(c, &attributes, nullptr), 1);
+  expire();
+  EXPECT_EQ(lost(), 0u);
+}
+
+TEST_F(LostRightsTest, DoNotConcernBuiltinEndpoints) {
+  is_builtin = true;
+  EXPECT_EQ(c->return_datawriter_sec_attributes(c, &attributes, nullptr), 1);
+  EXPECT_EQ(c->get_datawriter_sec_attributes(c, kUs.value, "DCPSPublications", nullptr, nullptr,
+                                             &attributes, nullptr),
+            1);
+  expire();
+  EXPECT_EQ(lost(), 0u);
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds
