@@ -133,9 +133,10 @@ def gaps(samples):
 
 
 class Story:
-    """`lasting`: which of the two have documents that do not end."""
+    """`lasting`: which of the two have documents that do not end. `first`: how many seconds the first certificate and
+    permissions of the others last."""
 
-    def __init__(self, build, folder, publisher, subscriber, reliable, lasting):
+    def __init__(self, build, folder, publisher, subscriber, reliable, lasting, first=(CERTIFICATE, PERMISSIONS)):
         pki = Pki(folder)
         self.space, self.processes = Namespace(), []
         for kind in ("identity", "permissions"):
@@ -144,8 +145,8 @@ class Story:
             pki.key(name, "ec")
         self.documents = [Documents(pki, name) for name in ("pub", "sub")]
         self.began = self.documents[0].began
-        for i in lasting:
-            self.documents[i].put(0, 3600, 3600)
+        for i, documents in enumerate(self.documents):
+            documents.put(0, *((3600, 3600) if i in lasting else first))
         for documents, kind, publishes in zip(self.documents, (publisher, subscriber), (True, False)):
             self.processes.append(Process(self.space, command(build, documents, kind, publishes, reliable), self.began))
         self.publisher, self.subscriber = self.processes
