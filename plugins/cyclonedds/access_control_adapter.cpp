@@ -289,14 +289,15 @@ Status tell_attributes(Adapter& adapter, const CPermissions handle,
   DDSSEC_ASSIGN_OR_RETURN(const auto found,
                           (adapter.engine().*Calls::kAttributes)(permissions(handle), request));
   constexpr bool kWrites = Calls::kDirection == Direction::writes;
+  auto& endpoints = adapter.endpoints();
+  // First: nothing that the host would have to free exists if there is no memory for it.
+  if (!found.is_builtin) endpoints.add(&attributes, permissions(handle), kWrites, request);
   attributes = to_c(found);
-  Status status;
-  if (needs_gate(found))
-    status = make_scope(adapter.id(), request, attributes.ac_endpoint_properties);
-  if (!status)
-    attributes = {};
-  else if (!found.is_builtin)
-    adapter.endpoints().add(&attributes, permissions(handle), kWrites, request);
+  if (!needs_gate(found)) return {};
+  auto status = make_scope(adapter.id(), request, attributes.ac_endpoint_properties);
+  if (status) return status;
+  attributes = {};
+  endpoints.remove(&attributes);
   return status;
 }
 

@@ -11,10 +11,12 @@ void SecondReading::note_change(MonotonicTime now) {
   due_ = now + pause_;
 }
 
+// A participant may also send again that an endpoint has ended. That confirms an end which does not
+// count yet.
 bool SecondReading::note_end(const EntityId& endpoint, MonotonicTime now) {
   note_change(now);
   if (const auto at = ended_.find(endpoint); at != ended_.end()) {
-    at->second.is_read = false;
+    at->second.is_read &= !at->second.counts;
     return at->second.counts;
   }
   std::erase(gone_, endpoint);

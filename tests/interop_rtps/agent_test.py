@@ -15,7 +15,7 @@ import threading
 import time
 
 sys.dont_write_bytecode = True
-from renewal_test import GAP, Documents, Story, gaps, said
+from renewal_test import GAP, Story, gaps, said
 from shapes_process import SAMPLE, check
 
 SECONDS = 30   # that each certificate is valid
@@ -78,8 +78,7 @@ class Agent:
 
 
 def run(build, at):
-    Documents.put.__defaults__ = SECONDS, 3600
-    story = Story(build, at, "ours", "ours", True, ())
+    story = Story(build, at, "ours", "ours", True, (), (SECONDS, 3600))
     publisher, subscriber = story.documents
     secret = MountedSecret(subscriber.folder, pathlib.Path(at, "original"))
     secret.start()

@@ -27,6 +27,7 @@ DENIED = "c4"  # loses a right for good
 EMBEDDED = [f"e{i}" for i in range(1, 7)]
 CYCLONE = [f"c{i}" for i in range(1, 5)]
 TOPICS = ["Steady", "Video", "Mixed", "Ping", "Pong", "Narrow", "Left", "Raised", "Fleeting", "Denied"]
+JUDGED = ("Steady", "Mixed", "Further", "Raised")  # no sample may be lost
 RAISED = ["e1", "e2", "e3", "e4"]  # the participants that use the topic whose protection is raised
 ENDS = {"identity": ("identity_ca_renewed", "identity_renewed"),
         "permissions": ("permissions_ca_renewed", "permissions_renewed")}
@@ -252,7 +253,8 @@ class Story:
                               (DENIED, "reader Further durable")):
             check(f"{name}: {command}: {self.peers[name].last_words()}", self.peers[name].ask(command)["ok"])
         for name in ("e4", DENIED):
-            self.until(f"{name} reads the further topic", lambda name=name: self.stream(name, "Further", "e2"))
+            self.until(f"{name} reads the further topic", lambda name=name: self.stream(name, "Further", "e2"),
+                       WAIT + self.folders.permissions)
         self.note("a further governance rule is in force, and its topic is used")
 
     def raise_protection(self):
@@ -315,14 +317,14 @@ class Story:
         end = time.monotonic() + WAIT
         while self.lost() and time.monotonic() < end:
             time.sleep(0.5)
-        self.totals, self.losses = totals_of(self.pairs()), self.lost()
+        self.totals, self.losses = totals_of(self.pairs(JUDGED + ("Fleeting",))), self.lost()
         for name, peer in self.peers.items():
             check(f"{name} was restarted", peer.process.pid == self.pids[name] and peer.process.poll() is None)
             peer.ask("quit")
         for name, peer in self.peers.items():
             check(f"{name} ended with {peer.process.wait(WAIT)}: {peer.last_words()}", peer.process.returncode == 0)
 
-    def pairs(self, kinds=("Steady", "Mixed", "Further", "Raised", "Fleeting")):
+    def pairs(self, kinds=JUDGED):
         """(topic, writer, reader, samples that never came, of the reader's stream)."""
         reports = {name: peer.ask("report") for name, peer in self.peers.items() if peer.process.poll() is None}
         for name, report in reports.items():

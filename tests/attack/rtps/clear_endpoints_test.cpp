@@ -241,6 +241,8 @@ TEST_F(ClearEndpoints, ThatWereAnnouncedAsBestEffortBefore_AreReliableAfterTheNe
   EXPECT_FALSE(is_reliable());
   const auto& reading = pair.a->remote_participants().all().at(pair.b->prefix()).second_reading;
   ASSERT_TRUE(pair.world.run_until([&] { return reading.is_under_way(); }, 1000));
+  pair.world.run(10);
+  next = 2;
   announce(honest);  // as its participant does now
   EXPECT_TRUE(is_reliable());
   EXPECT_TRUE(matches(honest.guid));
