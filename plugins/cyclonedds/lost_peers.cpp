@@ -58,9 +58,8 @@ void AuthenticationAdapter::say_farewell(const Guid& peer) {
   }
 }
 
-// The peer is reset at once, so that it soon knows that it is cut off.
 void AuthenticationAdapter::cut_off_peer(spi::IdentityHandle remote, const Revoke& revoke) {
-  if (const auto guid = remotes_.guid(remote)) lost_sessions_.about_to_drop(*guid);
+  if (const auto guid = remotes_.guid(remote)) lost_sessions_.about_to_cut_off(*guid);
   revoke(remote.value);
 }
 

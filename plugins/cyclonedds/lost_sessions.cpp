@@ -57,10 +57,14 @@ void LostSessions::lost(const Guid& remote) {
   }
 }
 
-void LostSessions::about_to_drop(const Guid& remote) {
+void LostSessions::about_to_drop(const Guid& remote) { reset_after(remote, Duration{}); }
+
+void LostSessions::about_to_cut_off(const Guid& remote) { reset_after(remote, kFirstOfCutOff); }
+
+void LostSessions::reset_after(const Guid& remote, Duration wait) {
   const std::lock_guard lock(mutex_);
   auto at = sessions_.lower_bound({remote, IdentityHandle{INT64_MIN}});
-  for (; at != sessions_.end() && at->first.first == remote; ++at) at->second.is_urgent = true;
+  for (; at != sessions_.end() && at->first.first == remote; ++at) at->second.first_unmet = wait;
 }
 
 void LostSessions::note_lost(const Key& key, Session& session) {
@@ -106,7 +110,7 @@ void LostSessions::forget_lost_before(Duration time) {
 
 LostSessions::Duration LostSessions::unmet_wait(const Session& session) {
   if (session.sent_unmet > 0) return kSecondUnmet * (1 << (session.sent_unmet - 1));
-  return session.is_urgent ? Duration{} : kFirstUnmet;
+  return session.first_unmet;
 }
 
 bool LostSessions::is_due(const Session& session, bool is_meeting, Duration now) {

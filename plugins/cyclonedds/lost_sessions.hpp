@@ -40,6 +40,8 @@ class LostSessions {
   /// (HandshakeWatch::kLongPatience): the farewell sent with a reset makes it begin anew.
   static constexpr Duration kFirstUnmet = std::chrono::seconds(4);
   static constexpr Duration kSecondUnmet = std::chrono::seconds(32);
+  /// The time from a loss to the first reset for a peer that is cut off.
+  static constexpr Duration kFirstOfCutOff = std::chrono::seconds(2);
   /// The largest number of resets for such peers at once. The others are due the next time.
   static constexpr unsigned kMaxUnmet = 32;
   /// For how long a lost session is remembered. A peer that was out of reach for longer and kept
@@ -71,6 +73,10 @@ class LostSessions {
   /// The others are reset at once: if new ones began before, these would end with the former ones,
   /// and the two processes could go on resetting each other without end.
   void about_to_drop(const Guid& remote);
+  /// The same, since its certificate has ended or counts no longer. It is reset soon, so that it
+  /// knows. But a participant whose certificate has ended must have noticed that first: to follow
+  /// the reset, its process would interrupt the sessions of its other participants.
+  void about_to_cut_off(const Guid& remote);
 
   /// True if the two have a session that was not lost.
   bool has_session(spi::IdentityHandle local, const Guid& remote) const;
@@ -101,7 +107,7 @@ class LostSessions {
     Duration next{};
     unsigned sent = 0;
     unsigned sent_unmet = 0;
-    bool is_urgent = false;  ///< the first reset for a peer that is not met is sent at once
+    Duration first_unmet = kFirstUnmet;  ///< until the first reset for a peer that is not met
   };
   using Key = std::pair<Guid, spi::IdentityHandle>;  ///< remote, local
   /// The first half of a proven prefix, which is bound to the subject of the remote participant's
@@ -117,6 +123,7 @@ class LostSessions {
   using Sessions = std::map<Key, Session>;
 
   static Subject subject_of(const Key& key);
+  void reset_after(const Guid& remote, Duration wait);
   static Duration unmet_wait(const Session& session);
   static bool is_due(const Session& session, bool is_meeting, Duration now);
   static void note_sent(Session& session, bool is_meeting, Duration now);

@@ -117,6 +117,17 @@ TEST_F(LostSessionsTest, OfAPeerThatIsDroppedForAReset_ArePresentedAtOnce) {
   EXPECT_EQ(due(false).size(), 2u);
 }
 
+// A participant notices within a second that its own certificate has ended.
+TEST_F(LostSessionsTest, OfAPeerThatIsCutOff_ArePresentedAfterTwoSeconds) {
+  sessions.established(local, remote(1), secret_of(1));
+  sessions.about_to_cut_off(remote(1));
+  sessions.lost(remote(1));
+  clock.advance(LostSessions::kFirstOfCutOff - 1ms);
+  EXPECT_TRUE(due(false).empty());
+  clock.advance(1ms);
+  EXPECT_EQ(due(false).size(), 1u);
+}
+
 TEST_F(LostSessionsTest, ArePresentedToSoManyUnmetPeersAtOnce) {
   constexpr std::uint16_t kLost = 3 * LostSessions::kMaxUnmet;
   for (std::uint16_t number = 0; number < kLost; ++number) lose(remote(number));
