@@ -57,11 +57,20 @@ def long_tests(root):
     return len(files), [line for p in files for line in too_long(p.relative_to(root).as_posix(), lines_of(p))]
 
 
+def unclear_names(root):
+    """A line for each test of GoogleTest whose name is not Condition_Outcome."""
+    pattern = re.compile(r"^(?:TEST|TEST_F|TEST_P|TYPED_TEST)\((\w+),\s*(\w+)\)", re.M)
+    return [f"{file.relative_to(root).as_posix()}: {suite}.{name}: name the condition and the outcome, with _ between"
+            for file in sorted((root / "tests").rglob("*_test.cpp"))
+            for suite, name in pattern.findall(file.read_text(encoding="utf-8")) if "_" not in name]
+
+
 def main():
     root = pathlib.Path(sys.argv[1]).resolve()
     files = [p for folder in SOURCES for p in sorted((root / folder).rglob("*"))
              if p.suffix in (".cpp", ".hpp", ".c", ".h")]
     tests, found = long_tests(root)
+    found += unclear_names(root)
     for file in files:
         name = file.relative_to(root).as_posix()
         lines = lines_of(file)

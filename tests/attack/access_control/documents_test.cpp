@@ -13,7 +13,7 @@ namespace {
 using pki::data_file;
 using pki::replaced;
 
-class Attack : public AccessControlTest {
+class ForgedDocuments : public AccessControlTest {
  protected:
   void SetUp() override {
     ASSERT_TRUE(local(open_permissions(kTalker)));
@@ -50,7 +50,7 @@ class Attack : public AccessControlTest {
 };
 
 // T1, CVE-2023-24011: identity and permissions by one CA, permissions signed by a leaf.
-TEST_F(Attack, LeafOfTheSameCaSignsItsOwnPermissions) {
+TEST_F(ForgedDocuments, PermissionsSignedByALeafOfTheSameCa_AreRefused) {
   const auto& ca = authorities().permissions_ca;
   const auto insider = pki::make_leaf(ca, kListener);
   const auto file = signed_with_openssl(open_xml(kListener), insider.certificate, insider.key);
@@ -64,7 +64,7 @@ TEST_F(Attack, LeafOfTheSameCaSignsItsOwnPermissions) {
                  smime_signer_not_permissions_ca);
 }
 
-TEST_F(Attack, LeafWithCaFlagSignsItsOwnPermissions) {
+TEST_F(ForgedDocuments, PermissionsSignedByALeafWithTheCaFlag_AreRefused) {
   auto& ca = authorities().permissions_ca;
   const auto key = pki::PrivateKey::generate(pki::KeyKind::ec_p256);
   ASSERT_TRUE(key);
@@ -78,7 +78,7 @@ TEST_F(Attack, LeafWithCaFlagSignsItsOwnPermissions) {
   EXPECT_REFUSED(remote(file), smime_signer_not_permissions_ca);
 }
 
-TEST_F(Attack, SubordinateCaThatIsNotListedSigns) {
+TEST_F(ForgedDocuments, DocumentsSignedByAnUnlistedSubordinateCa_AreRefused) {
   const auto sub =
       authorities().permissions_ca.subordinate("CN=Sub CA", {}, pki::kYear, test_random());
   ASSERT_TRUE(sub);
@@ -92,7 +92,7 @@ TEST_F(Attack, SubordinateCaThatIsNotListedSigns) {
 }
 
 // T10: everything else that might sign.
-TEST_F(Attack, GovernanceByOthersIsRefused) {
+TEST_F(ForgedDocuments, GovernanceByOthers_IsRefused) {
   const auto with_governance = [&](const std::string& file) {
     return plugin->validate_local_permissions(kLocalIdentity, 0,
                                               properties(file, open_permissions(kTalker)));
@@ -112,7 +112,7 @@ TEST_F(Attack, GovernanceByOthersIsRefused) {
 }
 
 // T2
-TEST_F(Attack, ExpiredAndFuturePermissionsCaAreRefused) {
+TEST_F(ForgedDocuments, ExpiredAndFuturePermissionsCa_AreRefused) {
   for (const auto& [validity, code] :
        {std::pair{pki::Validity{kNow - 48h, kNow - 1h}, Code::certificate_expired},
         std::pair{pki::Validity{kNow + 1h, kNow + 48h}, Code::certificate_not_yet_valid}}) {
@@ -128,7 +128,7 @@ TEST_F(Attack, ExpiredAndFuturePermissionsCaAreRefused) {
 }
 
 // T5: a topic named with a wildcard does not match what the wildcard would.
-TEST_F(Attack, WildcardsInNamesOpenNothing) {
+TEST_F(ForgedDocuments, WildcardsInNames_OpenNothing) {
   auto narrow = grant(kListener, {publish_rule(true, {"Square", "s?"})});
   const auto peer = remote(signed_permissions({narrow}));
   ASSERT_TRUE(peer);
@@ -143,7 +143,7 @@ TEST_F(Attack, WildcardsInNamesOpenNothing) {
 }
 
 // T7: what is signed may still be hostile.
-TEST_F(Attack, HostileXmlIsRefusedThoughSigned) {
+TEST_F(ForgedDocuments, HostileXml_IsRefusedThoughSigned) {
   const auto xml = open_xml(kListener);
   std::string deep;
   for (int i = 0; i < 52'000; ++i) deep += "<a>";
@@ -172,7 +172,7 @@ TEST_F(Attack, HostileXmlIsRefusedThoughSigned) {
 
 // T8: the document of another participant, and one that has ended. A former document of the same
 // subject counts until it ends.
-TEST_F(Attack, PermissionsOfOthersAndOldOnesAreRefused) {
+TEST_F(ForgedDocuments, PermissionsOfOthersAndOldOnes_AreRefused) {
   EXPECT_REFUSED(remote(open_permissions(kTalker)), no_grant_for_subject);
   auto all = rule(true);
   all.publish = {topics({"*"})};
@@ -186,7 +186,7 @@ TEST_F(Attack, PermissionsOfOthersAndOldOnesAreRefused) {
 }
 
 // T9: no flipped bit in token or document gets through with other content.
-TEST_F(Attack, FlippedBitsNeverWiden) {
+TEST_F(ForgedDocuments, FlippedBits_NeverWidenTheRights) {
   const auto file = open_permissions(kListener);
   const std::string_view content(file.data() + file.find("<dds>"),
                                  file.rfind("</dds>") - file.find("<dds>"));
@@ -207,7 +207,7 @@ TEST_F(Attack, FlippedBitsNeverWiden) {
   }
 }
 
-TEST_F(Attack, EveryPartOfADocumentIsRefused) {
+TEST_F(ForgedDocuments, EveryPartOfADocument_IsRefused) {
   const auto file = open_permissions(kListener);
   for (std::size_t size = 0; size + 8 < file.size(); size += 1) {
     EXPECT_FALSE(remote(file.substr(0, size))) << size;
@@ -252,7 +252,7 @@ class CycloneDocuments : public AccessControlTest, public testing::WithParamInte
 };
 
 class CycloneGovernance : public CycloneDocuments {};
-TEST_P(CycloneGovernance, IsJudged) {
+TEST_P(CycloneGovernance, EachVendorFile_IsJudgedAsExpected) {
   expect(plugin->validate_local_permissions(
       kLocalIdentity, 0,
       cyclone_properties(GetParam().file, "validate_local_permissions/Test_Permissions_ok.p7s")));
@@ -285,12 +285,12 @@ INSTANTIATE_TEST_SUITE_P(
                 {}}));
 
 class CyclonePermissions : public CycloneDocuments {};
-TEST_P(CyclonePermissions, AreJudgedAsOwn) {
+TEST_P(CyclonePermissions, OwnVendorFiles_AreJudgedAsExpected) {
   expect(plugin->validate_local_permissions(
       kLocalIdentity, 0,
       cyclone_properties("validate_local_permissions/Test_Governance_ok.p7s", GetParam().file)));
 }
-TEST_P(CyclonePermissions, AreJudgedAsAPeers) {
+TEST_P(CyclonePermissions, PeersVendorFiles_AreJudgedAsExpected) {
   ASSERT_TRUE(plugin->validate_local_permissions(
       kLocalIdentity, 0,
       cyclone_properties("validate_local_permissions/Test_Governance_ok.p7s",
@@ -340,7 +340,7 @@ class Sros2Documents : public AccessControlTest, public testing::WithParamInterf
     return std::string(as_text(data_file("sros2/generated/" + name)));
   }
 };
-TEST_P(Sros2Documents, AreJudged) {
+TEST_P(Sros2Documents, EachGeneratedFile_IsJudgedAsExpected) {
   const std::string enclave = "keystore/enclaves/talker_listener/talker/";
   auto list = properties(file("keystore/enclaves/governance.p7s"), file(GetParam().file));
   list[0].value = "data:," + file(enclave + "cert.pem");

@@ -45,7 +45,7 @@ std::string low_subject(const std::string& rest) {
   }
 }
 
-TEST(StrangeCertificate, AMegabyteIsRefusedBySize) {
+TEST(StrangeCertificate, AMegabyte_IsRefusedBySize) {
   Victim victim;
   EXPECT_CODE(victim.receive(Bytes(1024 * 1024, 'A'), nullptr), token_field_length);
   auto padded = bytes(test_ca().certificate().pem());
@@ -53,19 +53,19 @@ TEST(StrangeCertificate, AMegabyteIsRefusedBySize) {
   EXPECT_CODE(victim.receive(padded, nullptr), token_field_length);
 }
 
-TEST(StrangeCertificate, AnHonestOneIsTaken) {
+TEST(StrangeCertificate, AnHonestOne_IsTaken) {
   Victim victim;
   const auto identity = make_identity(test_ca(), low_subject(",O=Example"));
   EXPECT_TRUE(victim.receive(bytes(identity.certificate.pem()), &identity.certificate));
 }
 
-TEST(StrangeCertificate, SeveralAttributesInOneRdnAreTaken) {
+TEST(StrangeCertificate, SeveralAttributesInOneRdn_AreTaken) {
   Victim victim;
   const auto identity = make_identity(test_ca(), low_subject("+OU=unit+L=place,O=Example"));
   EXPECT_TRUE(victim.receive(bytes(identity.certificate.pem()), &identity.certificate));
 }
 
-TEST(StrangeCertificate, GarbageInItsTextIsRefusedWhereverItIs) {
+TEST(StrangeCertificate, GarbageInItsText_IsRefusedWhereverItIs) {
   Victim victim;
   const auto identity = make_identity(test_ca(), low_subject(",O=Example"));
   const auto pem = bytes(identity.certificate.pem());
@@ -80,7 +80,7 @@ TEST(StrangeCertificate, GarbageInItsTextIsRefusedWhereverItIs) {
         << size;
 }
 
-TEST(StrangeCertificate, AThousandAttributesAreRefusedOrNeverIssued) {
+TEST(StrangeCertificate, AThousandAttributes_AreRefusedOrNeverIssued) {
   Victim victim;
   std::string subject = "CN=long";
   for (int i = 0; i < 1000; ++i) subject += ",OU=" + std::to_string(i);
@@ -96,7 +96,7 @@ TEST(StrangeCertificate, AThousandAttributesAreRefusedOrNeverIssued) {
   EXPECT_CODE(victim.receive(bytes(pem), nullptr), name_not_allowed);
 }
 
-TEST(StrangeCertificate, ANulInTheNameIsRefused) {
+TEST(StrangeCertificate, ANulInTheName_IsRefused) {
   Victim victim;
   std::ifstream in(test::data_path("strange-certificates/nul-in-cn.pem"));
   const std::string pem(std::istreambuf_iterator<char>(in), {});

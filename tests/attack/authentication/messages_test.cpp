@@ -6,7 +6,7 @@ namespace {
 
 // ---- T9: whatever is changed in transit, somebody notices before a secret is used
 
-TEST(Downgrade, ChangedAlgorithmInTheRequestIsNoticed) {
+TEST(Downgrade, ChangedAlgorithmInTheRequest_IsNoticed) {
   for (const bool hide : {false, true}) {
     Pairing pairing;
     auto& two = pairing.two;
@@ -29,7 +29,7 @@ TEST(Downgrade, ChangedAlgorithmInTheRequestIsNoticed) {
   }
 }
 
-TEST(Downgrade, ChangedSignatureNameIsNoticed) {
+TEST(Downgrade, ChangedSignatureName_IsNoticed) {
   Pairing pairing;
   auto& two = pairing.two;
   const auto req = two.request();
@@ -41,7 +41,7 @@ TEST(Downgrade, ChangedSignatureNameIsNoticed) {
   EXPECT_CODE(two.at_low(req->handle, without(*rep->message, "hash_c1")), signature_invalid);
 }
 
-TEST(Downgrade, ChangedPermissionsAreNoticed) {
+TEST(Downgrade, ChangedPermissions_AreNoticed) {
   Pairing pairing;
   auto& two = pairing.two;
   const auto req = two.request();
@@ -51,7 +51,7 @@ TEST(Downgrade, ChangedPermissionsAreNoticed) {
   EXPECT_CODE(two.at_low(req->handle, without(*rep->message, "hash_c1")), signature_invalid);
 }
 
-TEST(Downgrade, ChangedParticipantDataIsNoticed) {
+TEST(Downgrade, ChangedParticipantData_IsNoticed) {
   Pairing pairing;
   auto& two = pairing.two;
   const auto req = two.request();
@@ -65,7 +65,7 @@ TEST(Downgrade, ChangedParticipantDataIsNoticed) {
 
 // ---- T12
 
-TEST(ForeignGuid, AMemberCannotTakeAnothersGuid) {
+TEST(ForeignGuid, AMember_CannotTakeAnothersGuid) {
   Engine engine;
   Participant us(engine, make_identity(test_ca(), "CN=ours", {}, kYear, 1), 1);
   const auto mallory = make_identity(test_ca(), "CN=mallory");
@@ -95,7 +95,7 @@ void put(Bytes& octets, std::size_t at, std::uint32_t value) {
   for (std::size_t i = 0; i < 4; ++i) octets[at + i] = static_cast<std::uint8_t>(value >> (8 * i));
 }
 
-TEST(Lengths, LiesAreRefusedBeforeAnythingIsAllocatedOrStored) {
+TEST(HandshakeLengths, Lies_AreRefusedBeforeAnythingIsAllocatedOrStored) {
   Pairing pairing;
   auto& two = pairing.two;
   const auto req = two.request();
@@ -157,7 +157,7 @@ class InvalidKey : public testing::TestWithParam<BadKey> {};
 INSTANTIATE_TEST_SUITE_P(T48, InvalidKey, testing::ValuesIn(bad_keys()),
                          [](const auto& info) { return info.param.name; });
 
-TEST_P(InvalidKey, InARequestIsRefused) {
+TEST_P(InvalidKey, RequestWithAnInvalidKey_IsRefused) {
   Pairing pairing;
   auto& two = pairing.two;
   const auto req = two.request();

@@ -165,7 +165,7 @@ class BadNetwork : public testing::TestWithParam<std::tuple<int, int>> {};
 INSTANTIATE_TEST_SUITE_P(T30, BadNetwork,
                          testing::Combine(testing::Values(2, 3, 5, 8), testing::Range(0, 6)));
 
-TEST_P(BadNetwork, AllPairsAuthenticate) {
+TEST_P(BadNetwork, LossAndReordering_AllPairsAuthenticate) {
   const auto [count, seed] = GetParam();
   const auto nodes = make_nodes(count);
   Network network(static_cast<std::uint32_t>(seed));
@@ -176,7 +176,7 @@ TEST_P(BadNetwork, AllPairsAuthenticate) {
   network.expect_agreement();
 }
 
-TEST_P(BadNetwork, ARestartedSideAuthenticatesAgain) {
+TEST_P(BadNetwork, ARestartedSide_AuthenticatesAgain) {
   const auto [count, seed] = GetParam();
   auto nodes = make_nodes(count);
   Network network(static_cast<std::uint32_t>(seed));
@@ -216,7 +216,7 @@ struct Attack {
   Identity mallory = make_identity(test_ca(), "CN=mallory,O=Example", {}, kYear, 2);
 };
 
-TEST(SpoofLockOut, AForgedRequestFirstDoesNotKeepTheHonestOneOut) {
+TEST(SpoofLockOut, AForgedRequestFirst_DoesNotKeepTheHonestOneOut) {
   Attack attack;
   auto& two = attack.pairing.two;
   const auto req = two.request();
@@ -240,7 +240,7 @@ TEST(SpoofLockOut, AForgedRequestFirstDoesNotKeepTheHonestOneOut) {
   ASSERT_OK(two.at_high(rep->handle, *fin->message));
 }
 
-TEST(SpoofLockOut, AReplySignedByAnotherMemberIsRefused) {
+TEST(SpoofLockOut, AReplySignedByAnotherMember_IsRefused) {
   Attack attack;
   auto& two = attack.pairing.two;
   const auto req = two.request();
@@ -258,7 +258,7 @@ TEST(SpoofLockOut, AReplySignedByAnotherMemberIsRefused) {
 }
 
 // A recorded handshake played again has neither our new key nor our signature.
-TEST(Replay, OfAnEarlierHandshakeLeadsNowhere) {
+TEST(Replay, RecordedHandshake_LeadsNowhere) {
   Pairing pairing;
   auto& two = pairing.two;
   const auto req1 = two.request();
@@ -284,7 +284,7 @@ TEST(Replay, OfAnEarlierHandshakeLeadsNowhere) {
 }
 
 // A participant's own messages thrown back at it.
-TEST(Reflection, LeadsNowhere) {
+TEST(Reflection, OwnMessagesSentBack_LeadNowhere) {
   Pairing pairing;
   auto& two = pairing.two;
   const auto req = two.request();

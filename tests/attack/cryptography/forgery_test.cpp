@@ -23,7 +23,7 @@ struct Target {
 };
 
 /// A genuine message of every kind at every level, with its reader.
-class AllKinds : public ::testing::Test {
+class ForgedMessages : public ::testing::Test {
  protected:
   void SetUp() override {
     for (const auto name : {spi::kAes128Name, spi::kAes256Name, spi::kChaCha20Poly1305Name})
@@ -59,7 +59,7 @@ class AllKinds : public ::testing::Test {
   std::vector<Target> targets_;
 };
 
-TEST_F(AllKinds, NoBitCanBeFlipped) {
+TEST_F(ForgedMessages, BitFlippedAnywhere_IsRefused) {
   for (const auto& target : targets_) {
     const auto honest = target.encode();
     ASSERT_TRUE(target.decode(target.encode())) << target.name;
@@ -74,7 +74,7 @@ TEST_F(AllKinds, NoBitCanBeFlipped) {
 
 /// Behind a whole message, octets that nobody vouches for are lost (Fast DDS puts statistics
 /// there).
-TEST_F(AllKinds, TruncatedIsRefusedAndExtendedAddsNothing) {
+TEST_F(ForgedMessages, Truncated_IsRefusedAndExtendedAddsNothing) {
   for (const auto& target : targets_) {
     const auto honest = target.decode(target.encode()).value();
     const auto encoded = target.encode();
@@ -97,7 +97,7 @@ TEST_F(AllKinds, TruncatedIsRefusedAndExtendedAddsNothing) {
 }
 
 /// But for a postfix length of 0, which means the same.
-TEST_F(AllKinds, EveryOctetAtItsExtremesIsRefusedOrMeansTheSame) {
+TEST_F(ForgedMessages, EveryOctetAtItsExtremes_IsRefusedOrMeansTheSame) {
   for (const auto& target : targets_) {
     const auto encoded = target.encode();
     const auto honest = target.decode(encoded).value();
@@ -115,7 +115,7 @@ TEST_F(AllKinds, EveryOctetAtItsExtremesIsRefusedOrMeansTheSame) {
   }
 }
 
-TEST_F(AllKinds, ShortAndEmptyDatagramsAreRefused) {
+TEST_F(ForgedMessages, ShortAndEmptyDatagrams_AreRefused) {
   for (const auto& target : targets_)
     for (std::size_t size = 0; size <= 64; ++size)
       for (const std::uint8_t fill : {0x00, 0x01, 0x31, 0x33, 0xff})
@@ -127,7 +127,7 @@ TEST_F(AllKinds, ShortAndEmptyDatagramsAreRefused) {
         two.b.transform().preprocess_secure_submessage({}, two.b.remote, Bytes(size, 0x31)));
 }
 
-TEST_F(AllKinds, MessagesOfOneDoNotPassAsAnothers) {
+TEST_F(ForgedMessages, MessagesOfOneKind_DoNotPassAsAnother) {
   for (const auto& target : targets_)
     for (const auto& other : targets_)
       EXPECT_EQ(target.decode(other.encode()).has_value(), target.name == other.name);
@@ -142,7 +142,7 @@ struct Payload {
   Code decode(Bytes encoded) { return code_of(decode_payload(two, e, encoded)); }
 };
 
-TEST(Reasons, KindAndKeyId) {
+TEST(RefusalReasons, ChangedKindAndKeyId_HaveTheirOwnReasons) {
   Payload encrypts(kEncrypt), signs(kSign);
   const auto sealed = encode_payload(encrypts.two, encrypts.e, Bytes(16, 1)).value();
   const auto with_kind = [&](Bytes octets, std::uint8_t kind) {
@@ -166,7 +166,7 @@ TEST(Reasons, KindAndKeyId) {
   EXPECT_EQ(signs.decode(with_kind(signed_one, 4)), Code::encrypted_where_signature_is_due);
 }
 
-TEST(Reasons, Tags) {
+TEST(RefusalReasons, ChangedTags_AreTagMismatches) {
   for (const auto kind : {kSign, kEncrypt}) {
     Payload one(kind);
     const auto good = encode_payload(one.two, one.e, Bytes(16, 1)).value();
@@ -185,7 +185,7 @@ TEST(Reasons, Tags) {
   }
 }
 
-TEST(Reasons, NothingThatDidNotVerifyStays) {
+TEST(RefusalReasons, WhatDidNotVerify_DoesNotStay) {
   for (const auto kind : kKinds) {
     TwoSides two(kind);
     auto bad = encode_message(two, rtps_message({data_submessage(40)})).value();
@@ -197,7 +197,7 @@ TEST(Reasons, NothingThatDidNotVerifyStays) {
   }
 }
 
-TEST(Reasons, ReceiverMacs) {
+TEST(RefusalReasons, ChangedReceiverMacs_HaveTheirOwnReasons) {
   for (const auto kind : {kSignOrigin, kEncryptOrigin}) {
     TwoSides two(kind);
     const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
@@ -223,7 +223,7 @@ TEST(Reasons, ReceiverMacs) {
 }
 
 /// 3,275 MACs of others do not keep us from finding, or missing, ours.
-TEST(Reasons, AFullListOfReceiverMacs) {
+TEST(RefusalReasons, FullListOfReceiverMacs_IsSearched) {
   TwoSides two(kEncryptOrigin);
   const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
   auto full = good;
@@ -238,7 +238,7 @@ TEST(Reasons, AFullListOfReceiverMacs) {
   EXPECT_EQ(code_of(decode_message(two, full)), Code::receiver_specific_mac_missing);
 }
 
-TEST(Reasons, FlagsOfLaterVersions) {
+TEST(RefusalReasons, FlagsOfLaterVersions_AreRefused) {
   TwoSides two(kEncrypt);
   const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
   for (const std::uint8_t flag : {0x02, 0x04, 0x80}) {
@@ -248,7 +248,7 @@ TEST(Reasons, FlagsOfLaterVersions) {
   }
 }
 
-TEST(Reasons, AnotherSourceOutsideThanInside) {
+TEST(RefusalReasons, AnotherSourceOutsideThanInside_IsRefused) {
   for (const auto kind : {kSign, kEncrypt}) {
     TwoSides two(kind);
     const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
@@ -264,14 +264,14 @@ TEST(Reasons, AnotherSourceOutsideThanInside) {
   }
 }
 
-TEST(Reasons, PostfixLengthZeroMeansToTheEnd) {
+TEST(RefusalReasons, PostfixLengthZero_MeansToTheEnd) {
   TwoSides two(kEncrypt);
   auto encoded = encode_message(two, rtps_message({data_submessage(40)})).value();
   encoded[encoded.size() - 22] = 0;
   EXPECT_TRUE(decode_message(two, encoded)) << "OpenDDS writes it so";
 }
 
-TEST(InsiderMessages, MustBeginWithTheirSource) {
+TEST(InsiderMessages, MessageWithoutItsSourceFirst_IsRefused) {
   for (const auto kind : {kSign, kEncrypt}) {
     TwoSides two(kind);
     Insider insider(kind_for(Cipher::aes256_gcm, is_encrypted(kind)));
@@ -284,7 +284,7 @@ TEST(InsiderMessages, MustBeginWithTheirSource) {
   }
 }
 
-TEST(InsiderSubmessages, MustBeOneThatTheOwnerOfTheKeySends) {
+TEST(InsiderSubmessages, SubmessageThatTheKeyOwnerNeverSends_IsRefused) {
   for (const auto kind : {kSign, kEncrypt}) {
     TwoSides two;
     const auto e = two.endpoints(endpoint_attributes(kind, kNone));
@@ -311,7 +311,7 @@ TEST(InsiderSubmessages, MustBeOneThatTheOwnerOfTheKeySends) {
   }
 }
 
-TEST(InsiderSubmessages, MustBeExactlyOne) {
+TEST(InsiderSubmessages, NoneOrSeveralSubmessages_AreRefused) {
   TwoSides two;
   const auto e = two.endpoints(endpoint_attributes(kEncrypt, kNone));
   Insider insider(kAes256Gcm);
@@ -329,7 +329,7 @@ TEST(InsiderSubmessages, MustBeExactlyOne) {
 }
 
 /// CryptoContent and SEC_BODY lengths at their extremes (Fast DDS once overflowed here).
-TEST(Lengths, OfTheBodyAtExtremes) {
+TEST(MessageLengths, BodyLengthsAtExtremes_AreRefused) {
   TwoSides two(kEncrypt);
   const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
   for (const std::uint32_t value :
@@ -348,7 +348,7 @@ TEST(Lengths, OfTheBodyAtExtremes) {
 }
 
 /// Token octets of an authenticated peer gone bad: any size, any lengths (Fast DDS issue 6345).
-TEST(Tokens, OfAnySizeAndContent) {
+TEST(Tokens, TokensOfAnySizeAndContent_AreRefused) {
   TwoSides two(kEncrypt);
   SeededRandom random(27);
   for (std::size_t size = 0; size <= 300; ++size)

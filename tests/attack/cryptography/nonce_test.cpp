@@ -55,7 +55,7 @@ class Nonces : public ::testing::TestWithParam<std::tuple<std::uint64_t, std::st
   static constexpr int kMessages = 3000;
 };
 
-TEST_P(Nonces, OfOneWriterInFourThreads) {
+TEST_P(Nonces, OneWriterInFourThreads_NeverRepeatsANonce) {
   TwoSides two(kNone, properties(), options());
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   const auto all = nonces_of_four_threads(kMessages, [&](std::size_t i) {
@@ -69,7 +69,7 @@ TEST_P(Nonces, OfOneWriterInFourThreads) {
   EXPECT_TRUE(decode_payload(two, e, encode_payload(two, e, Bytes(8)).value()));
 }
 
-TEST_P(Nonces, OfOneParticipantWithReceivers) {
+TEST_P(Nonces, OneParticipantWithReceivers_NeverRepeatsANonce) {
   TwoSides two(ProtectionKind::encrypt_with_origin_authentication, properties(), options());
   const auto plain = rtps_message({data_submessage(40)});
   const auto all = nonces_of_four_threads(kMessages / 4, [&](std::size_t) {
@@ -81,7 +81,7 @@ TEST_P(Nonces, OfOneParticipantWithReceivers) {
 }
 
 /// Writer and reader of a pair's volatile channel encrypt under one and the same key.
-TEST_P(Nonces, OfBothVolatileEndpoints) {
+TEST_P(Nonces, BothVolatileEndpoints_NeverRepeatANonce) {
   TwoSides two(kNone, properties(), options());
   auto writing = two.volatile_endpoints();
   auto& a = two.a;
@@ -113,7 +113,7 @@ class Sessions : public ::testing::TestWithParam<std::string_view> {};
 INSTANTIATE_TEST_SUITE_P(Ciphers, Sessions,
                          ::testing::Values(spi::kAes256Name, spi::kChaCha20Poly1305Name));
 
-TEST_P(Sessions, RollOverAtTheLimitAndNotBefore) {
+TEST_P(Sessions, SessionAtItsLimit_RollsOverAndNotBefore) {
   TwoSides two(kNone, cipher(GetParam()), {.max_blocks_per_session = 12});
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   std::vector<Nonce> nonces;
@@ -124,7 +124,7 @@ TEST_P(Sessions, RollOverAtTheLimitAndNotBefore) {
   EXPECT_EQ(sessions(nonces), 3u);
 }
 
-TEST_P(Sessions, AMessageLargerThanASessionIsAloneInIt) {
+TEST_P(Sessions, AMessageLargerThanASession_IsAloneInIt) {
   TwoSides two(kNone, cipher(GetParam()), {.max_blocks_per_session = 4});
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   std::vector<Nonce> nonces;
@@ -136,7 +136,7 @@ TEST_P(Sessions, AMessageLargerThanASessionIsAloneInIt) {
   EXPECT_EQ(sessions(nonces), 3u);
 }
 
-TEST_P(Sessions, EndWithAnErrorRatherThanComeAgain) {
+TEST_P(Sessions, SessionsUsedUp_EndWithAnErrorAndDoNotRepeat) {
   TwoSides two(kNone, cipher(GetParam()), {.max_blocks_per_session = 2, .max_sessions_per_key = 3});
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   std::set<Nonce> nonces;
@@ -146,7 +146,7 @@ TEST_P(Sessions, EndWithAnErrorRatherThanComeAgain) {
     EXPECT_EQ(encode_payload(two, e, Bytes(8)).error().code(), Code::session_ids_exhausted);
 }
 
-TEST_P(Sessions, StartElsewhereAfterARestart) {
+TEST_P(Sessions, RestartedSender_StartsElsewhere) {
   std::set<std::array<std::uint8_t, 12>> starts;
   for (int i = 0; i < 50; ++i) {
     TwoSides two(kEncrypt, cipher(GetParam(), true));

@@ -80,7 +80,7 @@ void decode(const Receiver& receiver, std::size_t level, Octets said) {
   receiver.decode_message(octets);
 }
 
-TEST(HostFork, ParentAndChildNeverUseOneIvTwice) {
+TEST(HostFork, ParentAndChild_NeverUseOneIvTwice) {
   Domain sending(kPaths), receiving(kPaths);
   const CryptoLink link(sending.cryptography(), receiving.cryptography(), keys_of(2, 2, 2), 1);
   std::set<Octets> headers;

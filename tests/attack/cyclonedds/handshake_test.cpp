@@ -144,7 +144,7 @@ class Node {
 class HostForgedAuthRequest : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(T31, HostForgedAuthRequest, testing::Bool());
 
-TEST_P(HostForgedAuthRequest, LocksNobodyOut) {
+TEST_P(HostForgedAuthRequest, ForgedRequests_LockNobodyOut) {
   constexpr auto kClass = "DDS:Auth:PKI-DH:1.0+AuthReq";
   const auto with_challenge = [&](std::size_t size) {
     return Message{.class_id = kClass,
@@ -257,10 +257,10 @@ class HostBadNetwork : public testing::TestWithParam<std::tuple<int, int>> {
 INSTANTIATE_TEST_SUITE_P(T30, HostBadNetwork,
                          testing::Combine(testing::Values(2, 3, 5, 8), testing::Range(0, 3)));
 
-TEST_P(HostBadNetwork, AllPairsAuthenticate) { network.settle(); }
+TEST_P(HostBadNetwork, LossAndReordering_AllPairsAuthenticate) { network.settle(); }
 
 /// The one whose lease ends takes part again as it was; what it sent before still arrives.
-TEST_P(HostBadNetwork, ALeaseThatEndsInBetweenDoesNotKeepItOut) {
+TEST_P(HostBadNetwork, ALeaseThatEndsInBetween_DoesNotKeepItOut) {
   for (auto rounds = network.roll(4); rounds > 0; --rounds) network.round();
   network.lose(*nodes[0]);
   if (nodes.size() > 2) network.round();
@@ -269,7 +269,7 @@ TEST_P(HostBadNetwork, ALeaseThatEndsInBetweenDoesNotKeepItOut) {
 }
 
 /// The same certificate and GUID in a new process: old handshakes and messages lead nowhere.
-TEST_P(HostBadNetwork, ARestartedSideAuthenticatesAgain) {
+TEST_P(HostBadNetwork, ARestartedSide_AuthenticatesAgain) {
   for (auto rounds = network.roll(4); rounds > 0; --rounds) network.round();
   const auto before = std::move(nodes[0]);
   network.lose(*before);

@@ -20,7 +20,7 @@ void expect_joined_after(const std::function<ParticipantData(const GuidPrefix&)>
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == 1; }, 300));
 }
 
-TEST(ForgedAnnouncement, OfAnotherAddressDoesNotKeepThePeerOut) {
+TEST(ForgedAnnouncement, ForgedAddress_DoesNotKeepThePeerOut) {
   expect_joined_after([](const GuidPrefix& name) { return secured_data(name); });
 }
 
@@ -70,7 +70,7 @@ TEST(ForgedAnnouncement, AfterTheHandshake_AddsNoAddress) {
   EXPECT_EQ(std::ranges::count(peer.metatraffic, elsewhere), 0);
 }
 
-TEST(ForgedAnnouncement, WithoutATokenDoesNotKeepThePeerOut) {
+TEST(ForgedAnnouncement, MissingToken_DoesNotKeepThePeerOut) {
   expect_joined_after([](const GuidPrefix& name) {
     auto data = secured_data(name);
     data.identity_token.reset();
@@ -79,7 +79,7 @@ TEST(ForgedAnnouncement, WithoutATokenDoesNotKeepThePeerOut) {
   });
 }
 
-TEST(ForgedAnnouncement, OfOtherProtectionDoesNotKeepThePeerOut) {
+TEST(ForgedAnnouncement, OtherProtection_DoesNotKeepThePeerOut) {
   expect_joined_after([](const GuidPrefix& name) {
     auto data = secured_data(name);
     data.security_info->mask |= 1;
@@ -87,7 +87,7 @@ TEST(ForgedAnnouncement, OfOtherProtectionDoesNotKeepThePeerOut) {
   });
 }
 
-TEST(ForgedAnnouncement, WithATokenThatCannotBeDoesNotKeepThePeerOut) {
+TEST(ForgedAnnouncement, ImpossibleToken_DoesNotKeepThePeerOut) {
   expect_joined_after([](const GuidPrefix& name) {
     auto data = secured_data(name);
     data.identity_token->class_id = "DDS:Auth:Nothing:9.9";
@@ -96,7 +96,7 @@ TEST(ForgedAnnouncement, WithATokenThatCannotBeDoesNotKeepThePeerOut) {
 }
 
 // A vendor that would let clear messages end it, and none of the endpoints.
-TEST(ForgedAnnouncement, OfAnotherVendorAndNoEndpointsIsForgottenOnceThePeerHasProvenItself) {
+TEST(ForgedAnnouncement, OtherVendorAndNoEndpoints_AreForgottenOnceThePeerAuthenticates) {
   Pair pair({});
   auto data = secured_data(pair.a->prefix());
   data.vendor = kVendorFastDds;
@@ -117,7 +117,7 @@ TEST(ForgedAnnouncement, OfAnotherVendorAndNoEndpointsIsForgottenOnceThePeerHasP
 }
 
 // Every few milliseconds: it left, and its lease is over (T20).
-TEST(ForgedAnnouncement, DisposesAndEmptyLeasesDoNotStopAHandshake) {
+TEST(ForgedAnnouncement, DisposesAndEmptyLeases_DoNotStopAHandshake) {
   Pair pair({});
   pair.world.attack = [&](World::Traffic& traffic) {
     for (auto* victim : {&pair.a, &pair.b}) {

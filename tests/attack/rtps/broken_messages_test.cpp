@@ -127,7 +127,7 @@ class Breaker {
 
 class BrokenMessages : public ::testing::TestWithParam<Rules> {};
 
-TEST_P(BrokenMessages, OfEveryKindChangeNothing) {
+TEST_P(BrokenMessages, EveryBrokenForm_ChangesNothing) {
   Pair pair(GetParam());
   const bool is_discovery_open = !is_protected(GetParam().discovery);
   Breaker breaker(pair, is_discovery_open);

@@ -59,7 +59,7 @@ class Insiders {
 };
 
 // Before: 512 of them authenticated in six seconds, and nobody else ever joined.
-TEST(CertificatePlaces, OneCertificateTakesHalfOfThem) {
+TEST(CertificatePlaces, OneCertificate_TakesHalfOfThem) {
   Pair pair({});
   pair.world.nodes = {&pair.a};
   pair.world.run(2);

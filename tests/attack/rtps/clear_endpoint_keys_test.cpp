@@ -205,7 +205,7 @@ struct ClearEndpointsWithoutKeys : ClearEndpointsWithKeys {
   }
 };
 
-TEST_P(ClearEndpointsWithoutKeys, GetThemAgain) {
+TEST_P(ClearEndpointsWithoutKeys, AfterAnEmbeddedPeerIsAsked_HaveThemAgain) {
   ASSERT_NO_FATAL_FAILURE(lose_keys());
   EXPECT_EQ(pair.b.listener.matched, 0);
   EXPECT_TRUE(delivers(std::chrono::seconds(300)));

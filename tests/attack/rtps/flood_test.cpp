@@ -13,7 +13,7 @@ using namespace testing;
 constexpr int kPerStep = 100;  // of 10 ms: 10,000 a second
 
 // 100,000 participants that do not exist, 10,000 a second (T22).
-TEST(Flood, AnHonestPeerJoinsAmongFakeParticipants) {
+TEST(Flood, AnHonestPeerAmongFakeParticipants_Joins) {
   Pair pair({});
   std::uint32_t fakes = 0;
   const auto step = [&] {
@@ -40,7 +40,7 @@ spi::Token bogus_request(std::uint32_t i) {
 }
 
 // From a hundred announced participants (T33).
-TEST(Flood, BogusHandshakesAreRationedAndAnHonestPeerJoins) {
+TEST(Flood, BogusHandshakes_AreRateLimitedAndAnHonestPeerJoins) {
   Pair pair({});
   const auto& target = pair.a->prefix();
   pair.world.nodes = {&pair.a};
@@ -65,7 +65,7 @@ TEST(Flood, BogusHandshakesAreRationedAndAnHonestPeerJoins) {
 }
 
 // Every refusal, and still nothing grows (T32).
-TEST(Flood, TenThousandFailingHandshakesLeaveNothingBehind) {
+TEST(Flood, TenThousandFailingHandshakes_LeaveNothingBehind) {
   Pair pair({});
   pair.world.nodes = {&pair.a};
   std::uint32_t sent = 0;
@@ -135,7 +135,7 @@ void scramble(Bytes& octets, std::mt19937& random) {
 }
 
 // Somebody who heard another handshake and not this one.
-TEST(Flood, InThePeersOwnNameByOneWhoHearsNothing) {
+TEST(Flood, FloodInThePeersNameByAPartialListener_ChangesNothing) {
   Eavesdropper other;
   {
     Pair before({});
@@ -166,7 +166,7 @@ TEST(Flood, InThePeersOwnNameByOneWhoHearsNothing) {
 // An attacker who hears every message before it arrives, and has everything but the keys. Not with
 // every seed: if the one Final is not looked at, the pair needs 10 s more (measured: with 4 of 30
 // seeds).
-TEST(Flood, InThePeersOwnNameByOneWhoHearsAll) {
+TEST(Flood, FloodInThePeersNameByAFullListener_DelaysTheHandshakeLittle) {
   for (std::uint32_t seed = 2; seed <= 4; ++seed) {
     Pair pair({});
     OwnNameFlood flood(pair, seed);
@@ -199,7 +199,7 @@ TEST(Flood, InThePeersOwnNameByOneWhoHearsAll) {
 }
 
 // Announcements in the names of others make nobody send much to whom they name (T60).
-TEST(Flood, IsNotReflected) {
+TEST(Flood, AnnouncementsInOthersNames_AreNotAmplified) {
   Pair pair({});
   pair.world.nodes = {&pair.a};
   std::size_t in = 0, out = 0;

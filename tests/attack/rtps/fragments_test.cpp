@@ -118,14 +118,14 @@ std::optional<MonotonicTime> joined_after(int between, int per_step, std::uint32
   return joined ? std::optional(pair.world.now - begin) : std::nullopt;
 }
 
-TEST(Fragments, OfAHandshakeArePutTogether) {
+TEST(Fragments, FragmentsOfAHandshake_ArePutTogether) {
   const auto took = joined_after(0, 0, 1);
   ASSERT_TRUE(took);
   EXPECT_LT(*took, 200ms);
 }
 
 // One who reacts to each honest fragment before the next one comes.
-TEST(Fragments, ForgedOnesBetweenTheHonestDoNotKeepThePeerOut) {
+TEST(Fragments, ForgedOnesBetweenTheHonest_DoNotKeepThePeerOut) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     const auto took = joined_after(2, 0, seed);
     ASSERT_TRUE(took) << seed;
@@ -134,7 +134,7 @@ TEST(Fragments, ForgedOnesBetweenTheHonestDoNotKeepThePeerOut) {
 }
 
 // 10,000 a second.
-TEST(Fragments, AFloodOfForgedOnesDoesNotKeepThePeerOut) {
+TEST(Fragments, AFloodOfForgedOnes_DoesNotKeepThePeerOut) {
   for (std::uint32_t seed = 1; seed <= 3; ++seed) {
     const auto took = joined_after(1, 100, seed);
     ASSERT_TRUE(took) << seed;

@@ -72,7 +72,7 @@ struct Freshness {
   std::vector<Bytes> recorded;
 };
 
-TEST(Recorded, SamplesAreNotNewToAParticipantThatJoinsLater) {
+TEST(RecordedSamples, ForAParticipantThatJoinsLater_AreNotNew) {
   for (const auto& rules : governances()) {
     Freshness test(rules);
     ASSERT_TRUE(test.begin());
@@ -88,7 +88,7 @@ TEST(Recorded, SamplesAreNotNewToAParticipantThatJoinsLater) {
 }
 
 // Where messages alone are protected, a reader has no keys of its own that could say when it came.
-TEST(Recorded, SamplesAreNotNewToAReaderThatIsMadeLater) {
+TEST(RecordedSamples, ForAReaderMadeLater_AreNotNew) {
   for (const auto& rules : governances()) {
     if (!is_protected(rules.metadata) && !is_protected(rules.data)) continue;
     Freshness test(rules);
@@ -105,7 +105,7 @@ TEST(Recorded, SamplesAreNotNewToAReaderThatIsMadeLater) {
   }
 }
 
-TEST(Recorded, SamplesAreNotNewAfterTheTwoLostEachOther) {
+TEST(RecordedSamples, AfterTheTwoLostEachOther_AreNotNew) {
   for (const auto& rules : governances()) {
     Freshness test(rules);
     ASSERT_TRUE(test.begin());
@@ -127,7 +127,7 @@ TEST(Recorded, SamplesAreNotNewAfterTheTwoLostEachOther) {
 
 // INFO_TS is anybody's where submessages alone are protected. Before, a sample of 1000 s was
 // delivered as one of 2113930216 s.
-TEST(SourceTime, OfAProtectedSampleIsWhatItsWriterSaid) {
+TEST(SourceTime, SourceTimeOfAProtectedSample_IsWhatItsWriterSaid) {
   for (const auto kind : {kSign, kEncrypt, kEncryptOa}) {
     Freshness test({.metadata = kind});
     ASSERT_TRUE(test.begin());

@@ -78,7 +78,7 @@ struct Three {
   Guid writer;
 };
 
-TEST(InsiderWriter, PassesForTheWriterWithoutOriginAuthentication) {
+TEST(InsiderWriter, WithoutOriginAuthentication_InsiderPassesForTheWriter) {
   for (const auto& rules : {Rules{.metadata = kSign}, Rules{.metadata = kEncrypt},
                             Rules{.rtps = kSign}, Rules{.rtps = kEncrypt}}) {
     Three three(rules);
@@ -91,7 +91,7 @@ TEST(InsiderWriter, PassesForTheWriterWithoutOriginAuthentication) {
   }
 }
 
-TEST(InsiderWriter, IsRefusedWithOriginAuthentication) {
+TEST(InsiderWriter, WithOriginAuthentication_InsiderIsRefused) {
   for (const auto& rules : {Rules{.metadata = kSignOa}, Rules{.metadata = kEncryptOa},
                             Rules{.rtps = kSignOa}, Rules{.rtps = kEncryptOa}}) {
     Three three(rules);
@@ -110,7 +110,7 @@ TEST(InsiderWriter, IsRefusedWithOriginAuthentication) {
 }
 
 // Its own key protects what it says of itself, whatever INFO_SRC follows in the same message.
-TEST(InsiderSource, AProtectedMessageSpeaksForItsSenderOnly) {
+TEST(InsiderSource, AProtectedMessage_SpeaksForItsSenderOnly) {
   for (const auto kind : {kSign, kEncrypt, kSignOa, kEncryptOa}) {
     KeyThief::Stolen of_alice;
     const Rules rules{.rtps = kind};
@@ -176,7 +176,7 @@ class Talker final : public KeyThief {
 };
 
 // Tokens that come early are kept, a thousand of each peer.
-TEST(InsiderTokens, AreNotKeptIfTheyAreLarge) {
+TEST(InsiderTokens, LargeTokens_AreNotKept) {
   const auto rules = everything(kEncrypt);
   Talker::Told told{50'000};
   Node alice(1, properties_of("CN=alice,O=Example", rules));
@@ -187,7 +187,7 @@ TEST(InsiderTokens, AreNotKeptIfTheyAreLarge) {
 }
 
 // Alice never hears which endpoints they belong to.
-TEST(InsiderTokens, OfEndpointsThatNeverComeTakeABoundedPlace) {
+TEST(InsiderTokens, TokensOfEndpointsThatNeverCome_TakeABoundedPlace) {
   const Rules rules{.metadata = kEncrypt};
   Talker::Told told{3'000};
   Node alice(1, properties_of("CN=alice,O=Example", rules));

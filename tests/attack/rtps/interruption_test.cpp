@@ -9,7 +9,7 @@ using namespace testing;
 std::vector<Bytes> nothing() { return {}; }
 
 // At every step of the handshake either side starts again, with another GUID.
-TEST(Interruption, ARestartAtAnyStepIsFollowedByAnotherHandshake) {
+TEST(Interruption, ARestartAtAnyStep_IsFollowedByAnotherHandshake) {
   const auto alice = properties_of("CN=alice,O=Example", {});
   const auto bob = properties_of("CN=bob,O=Example", {});
   for (int step = 1; step <= 8; ++step)
@@ -52,17 +52,17 @@ void expect_recovery(bool a_is_unheard, int steps_before) {
   EXPECT_TRUE(pair.world.run_until([&] { return !pair.b.listener.changes.empty(); }, 500));
 }
 
-TEST(Interruption, WhoeverWasForgottenWhileItRemembersAuthenticatesAgain) {
+TEST(Interruption, PeerForgottenWhileItRemembersUs_AuthenticatesAgain) {
   for (const bool a_is_unheard : {false, true}) expect_recovery(a_is_unheard, 200);
 }
 
-TEST(Interruption, ALeaseThatEndsInTheMiddleOfAHandshakeIsNoEnd) {
+TEST(Interruption, ALeaseThatEndsInTheMiddleOfAHandshake_IsNoEnd) {
   for (const bool a_is_unheard : {false, true})
     for (int step = 2; step <= 7; ++step) expect_recovery(a_is_unheard, step);
 }
 
 // In either's name, again and again: who it is said of still has its keys.
-TEST(Interruption, AForgedQuestionForAHandshakeLeadsToNone) {
+TEST(Interruption, AForgedQuestionForAHandshake_LeadsToNone) {
   Pair pair(everything(ProtectionKind::encrypt));
   ASSERT_TRUE(pair.match());
   spi::Token question{"DDS:Auth:PKI-DH:1.0+AuthReq", {}, {{"future_challenge", Bytes(32, 9)}}};

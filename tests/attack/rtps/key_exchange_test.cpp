@@ -38,7 +38,7 @@ struct ManyEndpoints {
 };
 
 // 976 of them were forgotten, and never matched.
-TEST(KeysOfManyEndpoints, ThatComeBeforeTheirAnnouncementsAreNotForgotten) {
+TEST(KeysOfManyEndpoints, KeysBeforeTheirAnnouncements_AreNotForgotten) {
   ManyEndpoints two;
   two.create();
   const auto end_of_loss = two.world.now + seconds(4);
@@ -52,7 +52,7 @@ TEST(KeysOfManyEndpoints, ThatComeBeforeTheirAnnouncementsAreNotForgotten) {
   EXPECT_TRUE(two.all_match(1500)) << two.matched() << " of 2000";
 }
 
-TEST(KeysOfManyEndpoints, ThatAreMadeAtOnceAllCome) {
+TEST(KeysOfManyEndpoints, KeysMadeAtOnce_AllArrive) {
   ManyEndpoints two;
   ASSERT_TRUE(two.world.run_until(
       [&] { return two.writers.knows(two.readers) && two.readers.knows(two.writers); }));
@@ -61,7 +61,7 @@ TEST(KeysOfManyEndpoints, ThatAreMadeAtOnceAllCome) {
 }
 
 // Half of what is sent is lost.
-TEST(KeysOfManyEndpoints, ComeThoughMessagesAreLost) {
+TEST(KeysOfManyEndpoints, LossOfHalfTheMessages_AllKeysArrive) {
   ManyEndpoints two;
   two.create();
   SeededRandom random(3);
@@ -99,7 +99,7 @@ struct Unacknowledged {
 };
 
 // It was 18.9 MiB for 30,000 of them, and 43 MiB at most.
-TEST(UnacknowledgedKeys, OfEndpointsThatCameAndWentTakeABoundedPlace) {
+TEST(UnacknowledgedKeys, KeysOfEndpointsThatCameAndWent_TakeABoundedPlace) {
   Unacknowledged peer;
   ASSERT_TRUE(peer.begin());
   auto& [a, b, world, writer, reader] = peer.pair;
@@ -118,7 +118,7 @@ TEST(UnacknowledgedKeys, OfEndpointsThatCameAndWentTakeABoundedPlace) {
   EXPECT_LT(before - counted_memory::octets(), std::int64_t{2} << 20) << "of all that it holds";
 }
 
-TEST(UnacknowledgedKeys, AreMadeWhenThePeerAcknowledgesEarlierOnes) {
+TEST(UnacknowledgedKeys, PeerAcknowledgesEarlierOnes_LaterKeysAreMade) {
   Unacknowledged peer;
   ASSERT_TRUE(peer.begin());
   for (int i = 0; i < 1000; ++i)

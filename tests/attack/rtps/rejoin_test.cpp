@@ -87,7 +87,7 @@ struct Rejoin : ::testing::TestWithParam<Case> {
   }
 };
 
-TEST_P(Rejoin, WhatWasRecordedBeforeIsNotNew) {
+TEST_P(Rejoin, WhatWasRecordedBefore_IsNotNew) {
   cut_off();
   replay_everything();
   ASSERT_TRUE(meet()) << a.events.text() << b.events.text();
@@ -99,7 +99,7 @@ TEST_P(Rejoin, WhatWasRecordedBeforeIsNotNew) {
 }
 
 // Recorded acknowledgements must not silence the ones that come.
-TEST_P(Rejoin, WhatIsLostAfterwardsIsStillRepaired) {
+TEST_P(Rejoin, WhatIsLostAfterwards_IsStillRepaired) {
   if (!GetParam().reliable) return;
   for (int i = 0; i < 20; ++i) write();  // many acknowledgements
   cut_off();

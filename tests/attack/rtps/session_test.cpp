@@ -12,7 +12,7 @@ constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
 // All that was ever sent, in both directions, three times more (T41).
-TEST(Session, ReplaysOfEverythingChangeNothing) {
+TEST(Session, ReplaysOfEverything_ChangeNothing) {
   for (const auto& rules : {Rules{}, everything(kSign), everything(kEncrypt),
                             everything(kEncryptOa), Rules{.data = kEncrypt}}) {
     Pair pair(rules);
@@ -45,7 +45,7 @@ bool is_announcement(const Bytes& datagram) {
 
 // One recorded datagram kept a dead peer and its writers alive for ever: no ownership failed over,
 // and no watchdog on LIVELINESS saw it.
-TEST(Session, ReplaysOfADeadPeersMessagesAreNoSignOfLife) {
+TEST(Session, ReplaysOfADeadPeersMessages_AreNoSignOfLife) {
   for (const auto& rules :
        {everything(kSign), everything(kEncrypt), everything(kEncryptOa),
         Rules{.discovery = kEncrypt, .liveliness = kEncrypt, .metadata = kSign}}) {
@@ -106,7 +106,7 @@ TEST(Session, AForgedHeartbeat_WhereLivelinessIsProtected_IsNoSignOfLife) {
 }
 
 // To a participant of the same certificate that started later: the keys are others (T41).
-TEST(Session, ReplaysToASuccessorChangeNothing) {
+TEST(Session, ReplaysToASuccessor_ChangeNothing) {
   const auto rules = everything(kEncrypt);
   const auto bob = properties_of("CN=bob,O=Example", rules);
   std::vector<Bytes> heard;
@@ -133,7 +133,7 @@ TEST(Session, ReplaysToASuccessorChangeNothing) {
 
 // Both directions of the key exchange have one key (DDS-Security 1.2, clause 10.5.2.1): what one
 // side said must not come back to it as said by the other, or the other's tokens count as heard.
-TEST(Reflection, OfKeyExchangeMessagesChangesNothing) {
+TEST(Reflection, KeyExchangeMessagesSentBack_ChangeNothing) {
   for (const bool to_a : {true, false}) {
     Pair pair(everything(kEncrypt));
     auto& victim = to_a ? pair.a : pair.b;
@@ -158,7 +158,7 @@ TEST(Reflection, OfKeyExchangeMessagesChangesNothing) {
 }
 
 // Keys that come by the stateless endpoint, or in the clear (T46).
-TEST(Session, KeysOutsideOfTheVolatileSecureChannelAreIgnored) {
+TEST(Session, KeysOutsideOfTheVolatileSecureChannel_AreIgnored) {
   Pair pair(everything(kEncrypt));
   ASSERT_TRUE(pair.match());
   for (const auto message_class :
@@ -188,7 +188,7 @@ TEST(Session, KeysOutsideOfTheVolatileSecureChannelAreIgnored) {
 }
 
 // ORIGINAL_WRITER_INFO names a writer that did not send it (T11).
-TEST(Session, AnOriginalWriterThatASampleClaimsIsNotItsWriter) {
+TEST(Session, ClaimedOriginalWriter_IsNotTakenForTheWriter) {
   Pair pair({});
   ASSERT_TRUE(pair.match());
   const Guid claimed{GuidPrefix::from(Bytes(12, 0x77)), {{0, 0, 1, 0x02}}};
@@ -211,7 +211,7 @@ TEST(Session, AnOriginalWriterThatASampleClaimsIsNotItsWriter) {
 }
 
 // What a participant is called and carries with it, where discovery is protected (T63).
-TEST(Session, UserDataAndNameAreNotReadableForEverybody) {
+TEST(Session, UserDataAndName_AreNotReadableByStrangers) {
   const Rules rules{.discovery = kEncrypt};
   Pair pair(rules);
   bool seen = false;

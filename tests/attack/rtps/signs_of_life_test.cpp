@@ -58,7 +58,7 @@ struct Silence {
 };
 
 // It was a lease for each recorded announcement, for ever.
-TEST(SignsOfLife, NothingThatIsRecordedRenewsTheLeaseOfAPeerThatIsGone) {
+TEST(SignsOfLife, NothingThatIsRecorded_RenewsTheLeaseOfAPeerThatIsGone) {
   for (const auto& rules : governances()) {
     Silence silence(rules);
     ASSERT_TRUE(silence.begin());
@@ -67,7 +67,7 @@ TEST(SignsOfLife, NothingThatIsRecordedRenewsTheLeaseOfAPeerThatIsGone) {
   }
 }
 
-TEST(SignsOfLife, AnIdlePeerAnswersWhateverIsProtected) {
+TEST(SignsOfLife, AnIdlePeer_AnswersWhateverIsProtected) {
   for (const auto& rules : governances()) {
     Silence silence(rules);
     ASSERT_TRUE(silence.begin());
@@ -82,7 +82,7 @@ TEST(SignsOfLife, AnIdlePeerAnswersWhateverIsProtected) {
 
 // Half of all messages are lost for ten leases. The loss of all questions and answers of a lease is
 // possible then, so that not every seed keeps the peer.
-TEST(SignsOfLife, AnIdlePeerStaysThoughMostMessagesAreLost) {
+TEST(SignsOfLife, AnIdlePeer_StaysThoughMostMessagesAreLost) {
   int stayed = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Pair pair(Rules{.discovery = kEncrypt, .metadata = kEncrypt});
@@ -103,7 +103,7 @@ TEST(SignsOfLife, AnIdlePeerStaysThoughMostMessagesAreLost) {
 }
 
 // Before: as long as any other peer had something new to say.
-TEST(SignsOfLife, AnotherPeersNewsAreNoneOfThePeerThatIsNamedBehindThem) {
+TEST(SignsOfLife, AnotherPeersNews_AreNoneOfThePeerThatIsNamedBehindThem) {
   for (const auto& rules : {Rules{.discovery = kEncrypt, .metadata = kEncrypt},
                             Rules{.metadata = kSign}, Rules{.data = kEncrypt}}) {
     Silence silence(rules);
@@ -136,7 +136,7 @@ TEST(SignsOfLife, AnotherPeersNewsAreNoneOfThePeerThatIsNamedBehindThem) {
 }
 
 // What strangers say in an idle peer's name costs it nothing, however often they say it.
-TEST(SignsOfLife, AForgedDisposeOrAnnouncementEndsNoLeaseOfAPeerThatAnswers) {
+TEST(SignsOfLife, AForgedDisposeOrAnnouncement_EndsNoLeaseOfAPeerThatAnswers) {
   Silence silence({});
   ASSERT_TRUE(silence.begin());
   const auto announcements = silence.recorded;

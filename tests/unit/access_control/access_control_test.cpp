@@ -8,7 +8,7 @@ namespace {
 
 using Handles = AccessControlTest;
 
-TEST_F(Handles, OfNobodyAreRefusedEverywhere) {
+TEST_F(Handles, UnknownHandle_IsRefusedEverywhere) {
   const spi::PermissionsHandle unknown{42};
   EXPECT_REFUSED(plugin->check_create_participant(unknown, 0), unknown_permissions_handle);
   EXPECT_REFUSED(plugin->check_remote_datawriter({}, 0, {}), unknown_permissions_handle);
@@ -17,7 +17,7 @@ TEST_F(Handles, OfNobodyAreRefusedEverywhere) {
   EXPECT_CODE(plugin->return_permissions_handle(unknown), unknown_permissions_handle);
 }
 
-TEST_F(Handles, AreReturnedOnce) {
+TEST_F(Handles, SecondReturn_IsRefused) {
   const auto handle = local(open_permissions(kTalker));
   ASSERT_TRUE(handle);
   EXPECT_TRUE(plugin->return_permissions_handle(*handle));
@@ -25,7 +25,7 @@ TEST_F(Handles, AreReturnedOnce) {
   EXPECT_REFUSED(remote(open_permissions(kListener)), unknown_local_identity);
 }
 
-TEST_F(Handles, AreBounded) {
+TEST_F(Handles, TooManyHandles_AreRefused) {
   make({.max_handles = 2});
   ASSERT_TRUE(local(open_permissions(kTalker)));
   const auto document = open_permissions(kListener);
@@ -36,13 +36,13 @@ TEST_F(Handles, AreBounded) {
   EXPECT_TRUE(remote(document));
 }
 
-TEST_F(Handles, BelongToOneDomain) {
+TEST_F(Handles, HandleInAnotherDomain_IsRefused) {
   const auto handle = local(open_permissions(kTalker));
   ASSERT_TRUE(handle);
   EXPECT_REFUSED(plugin->check_create_participant(*handle, 1), other_domain);
 }
 
-TEST_F(Handles, OfPeersOutliveTheLocalOne) {
+TEST_F(Handles, HandleOfAPeer_OutlivesTheLocalOne) {
   const auto handle = local(open_permissions(kTalker));
   const auto peer = remote(open_permissions(kListener));
   ASSERT_TRUE(handle && peer);

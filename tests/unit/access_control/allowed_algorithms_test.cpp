@@ -68,7 +68,7 @@ class Algorithms : public AccessControlTest {
   bool join = true;
 };
 
-TEST_F(Algorithms, OwnKeyMustBeListed) {
+TEST_F(Algorithms, OwnKey_MustBeListed) {
   EXPECT_TRUE(local_of(Party(kP256, kP256)));
   EXPECT_TRUE(local_of(Party(kRsa2048, kP256)));
   EXPECT_REFUSED(local_of(Party(kP384, kP256)), identity_algorithm_not_allowed);
@@ -88,7 +88,7 @@ TEST_F(Algorithms, OwnKeyMustBeListed) {
   EXPECT_TRUE(local_of(Party(kRsa3072, kP256)));
 }
 
-TEST_F(Algorithms, NamesOfVersion11CountToo) {
+TEST_F(Algorithms, NamesOfVersion11_CountToo) {
   allowed.digital_signature = list({"RSASSA-PSS-SHA256"});
   allowed.digital_signature_identity_trust_chain = list({"EC-prime256v1"});
   EXPECT_TRUE(local_of(Party(kRsa2048, kP256)));
@@ -97,7 +97,7 @@ TEST_F(Algorithms, NamesOfVersion11CountToo) {
   EXPECT_TRUE(local_of(Party(kP256, kP256)));
 }
 
-TEST_F(Algorithms, OwnAuthorityMustBeListed) {
+TEST_F(Algorithms, OwnAuthority_MustBeListed) {
   const Party under_p384(kP256, kP384), under_rsa(kP256, kRsa3072), plain(kP256, kP256);
   EXPECT_REFUSED(local_of(under_p384), trust_chain_algorithm_not_allowed);
   EXPECT_REFUSED(local_of(under_rsa), trust_chain_algorithm_not_allowed);
@@ -111,7 +111,7 @@ TEST_F(Algorithms, OwnAuthorityMustBeListed) {
   EXPECT_TRUE(local_of(under_rsa));
 }
 
-TEST_F(Algorithms, EveryAuthorityAboveTheCertificateCounts) {
+TEST_F(Algorithms, EveryAuthorityAboveTheCertificate_Counts) {
   const auto root =
       pki::Authority::create_root("CN=Root,O=Example", kP384, pki::kYear, test_random()).value();
   const auto middle =
@@ -125,7 +125,7 @@ TEST_F(Algorithms, EveryAuthorityAboveTheCertificateCounts) {
   EXPECT_TRUE(check_identity(allowed, leaf.certificate, both));
 }
 
-TEST_F(Algorithms, APeersKeyAndAuthorityMustBeListed) {
+TEST_F(Algorithms, APeersKeyAndAuthority_MustBeListed) {
   const Party own(kP256, kP256);
   ASSERT_TRUE(local_of(own));
   const auto of = [&](KeySpec key) { return pki::make_leaf(own.ca, kListener, key).certificate; };
@@ -138,7 +138,7 @@ TEST_F(Algorithms, APeersKeyAndAuthorityMustBeListed) {
   EXPECT_REFUSED(remote_of(other.own.certificate), trust_chain_algorithm_not_allowed);
 }
 
-TEST_F(Algorithms, AreOfTheDomainWhateverAParticipantMayJoin) {
+TEST_F(Algorithms, FreeJoining_KeepsTheDomainsAlgorithms) {
   join = false;
   const Party own(kP256, kP256);
   ASSERT_TRUE(local_of(own));
@@ -147,7 +147,7 @@ TEST_F(Algorithms, AreOfTheDomainWhateverAParticipantMayJoin) {
   EXPECT_REFUSED(remote_of(own.own.certificate, kEcdhe384), key_establishment_not_allowed);
 }
 
-TEST_F(Algorithms, ThePeersHandshakeMustBeListed) {
+TEST_F(Algorithms, ThePeersHandshake_MustBeListed) {
   const Party own(kP256, kP256);
   const auto peer = pki::make_leaf(own.ca, kListener).certificate;
   ASSERT_TRUE(local_of(own));
@@ -167,13 +167,13 @@ TEST_F(Algorithms, ThePeersHandshakeMustBeListed) {
   EXPECT_TRUE(remote_of(peer, kEcdhe384));
 }
 
-TEST_F(Algorithms, WhatOurHandshakesBeginWithMustBeListed) {
+TEST_F(Algorithms, WhatOurHandshakesBeginWith_MustBeListed) {
   allowed.key_establishment = list({kEcdhe384, kDhe});
   EXPECT_REFUSED(local_of(Party(kP256, kP256)), governance_not_enforceable);
 }
 
 // DDS-Security 1.2, clause 10.4.1.2.5.9: "may use any of the algorithms defined in clause 8.2".
-TEST_F(Algorithms, AnAbsentListAllowsWhatTheStandardNames) {
+TEST_F(Algorithms, AnAbsentList_AllowsWhatTheStandardNames) {
   allowed = {};
   const Party own(kP256, kP256);
   EXPECT_TRUE(local_of(Party(kP384, kRsa2048)));
@@ -188,7 +188,7 @@ TEST_F(Algorithms, AnAbsentListAllowsWhatTheStandardNames) {
   EXPECT_REFUSED(local_of(Party(kP384, kP256)), identity_algorithm_not_allowed);
 }
 
-TEST_F(Algorithms, WithoutTheElementAllAreAllowed) {
+TEST_F(Algorithms, NoAlgorithmElement_AllowsAll) {
   auto content = protected_governance();
   const Party own(kP384, kRsa3072);
   auto all = properties(signed_document(governance::to_xml(content)), open_permissions(kTalker));

@@ -10,7 +10,7 @@ namespace {
 
 using Partitions = std::vector<std::string_view>;
 
-TEST(AnnouncedEndpoints, TheNewestStayAndWildcardsMeetNames) {
+TEST(AnnouncedEndpoints, ManyEndpoints_TheNewestStayAndWildcardsMeetNames) {
   AnnouncedEndpoints announced;
   const auto meets = [&](const Partitions& ours) {
     const auto all = announced.of_topic(Action::publish, "t");
@@ -41,7 +41,7 @@ TEST(AnnouncedEndpoints, TheNewestStayAndWildcardsMeetNames) {
 }
 
 // Compiled, an expression takes a multiple of its text.
-TEST(AnnouncedEndpoints, MemoryIsBoundedAndTheNewestStays) {
+TEST(AnnouncedEndpoints, Memory_IsBoundedAndTheNewestStays) {
   AnnouncedEndpoints announced;
   const auto note = [&](char c) {
     std::string name;
@@ -89,7 +89,7 @@ class HostilePartitions : public AccessControlTest {
 
 // 32 endpoints of such partitions, matched one after the other, kept a process standing for an
 // hour.
-TEST_F(HostilePartitions, AreCompiledOnceAndInNoTime) {
+TEST_F(HostilePartitions, ManyEndpoints_AreCompiledOnceAndQuickly) {
   auto all = subscribe_rule(true, {"t"});
   all.subscribe[0].partitions = {{{"*", 0}}};
   const auto handle = peer({all});
@@ -107,7 +107,7 @@ TEST_F(HostilePartitions, AreCompiledOnceAndInNoTime) {
   }
 }
 
-TEST_F(HostilePartitions, AreComparedWithDenyRulesInNoTime) {
+TEST_F(HostilePartitions, DenyRules_AreComparedQuickly) {
   auto denied = subscribe_rule(false, {"t"});
   denied.subscribe[0].partitions.emplace();
   for (int i = 0; i < 100; ++i)
@@ -131,7 +131,7 @@ TEST_F(HostilePartitions, AreComparedWithDenyRulesInNoTime) {
       announced_reader_not_allowed);
 }
 
-TEST_F(HostilePartitions, BeyondTheBoundsAreRefusedOfPeersOnly) {
+TEST_F(HostilePartitions, PartitionsBeyondTheBounds_AreRefusedOfPeersOnly) {
   auto all = rule(true);
   all.publish = {topics({"*"})};
   all.publish[0].partitions = {{{"*", 0}}};
@@ -149,7 +149,7 @@ TEST_F(HostilePartitions, BeyondTheBoundsAreRefusedOfPeersOnly) {
   EXPECT_TRUE(plugin->check_create_datawriter(own, 0, request));
 }
 
-TEST(AnnouncedEndpoints, LengthsAreBounded) {
+TEST(AnnouncedEndpoints, Lengths_AreBounded) {
   const auto code = [](std::string_view topic, const Partitions& partitions) {
     const auto status = check_lengths({.topic_name = topic, .partitions = partitions});
     return status ? std::nullopt : std::optional(status.error().code());

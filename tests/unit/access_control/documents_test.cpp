@@ -15,7 +15,7 @@ class Cache : public AccessControlTest {
   }
 };
 
-TEST_F(Cache, ADocumentIsReadOnce) {
+TEST_F(Cache, ADocument_IsReadOnce) {
   DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
   const auto document = open_permissions(kTalker);
   const auto first = cache.permissions(*ca(), as_bytes(document), kNow);
@@ -37,14 +37,14 @@ TEST_F(Cache, ATextThatIsSignedAgain_IsAnotherDocument) {
   EXPECT_EQ(cache.size(), 2u);
 }
 
-TEST_F(Cache, OnlyVerifiedDocumentsGetIn) {
+TEST_F(Cache, OnlyVerifiedDocuments_GetIn) {
   DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
   const auto forged = signed_by(authorities().other_ca, "<dds/>");
   EXPECT_CODE(cache.permissions(*ca(), as_bytes(forged), kNow), smime_signer_not_permissions_ca);
   EXPECT_EQ(cache.size(), 0u);
 }
 
-TEST_F(Cache, AnotherCaJudgesAnew) {
+TEST_F(Cache, AnotherCa_JudgesAnew) {
   DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
   const auto document = open_permissions(kTalker);
   ASSERT_TRUE(cache.permissions(*ca(), as_bytes(document), kNow));
@@ -54,7 +54,7 @@ TEST_F(Cache, AnotherCaJudgesAnew) {
               smime_signer_not_permissions_ca);
 }
 
-TEST_F(Cache, IsBoundedInNumberAndOctets) {
+TEST_F(Cache, TooManyDocumentsOrOctets_AreDropped) {
   DocumentCache few(governance::PartitionMatch::all, 2, 1 << 20);
   const std::vector<std::string> documents = {open_permissions("CN=a"), open_permissions("CN=b"),
                                               open_permissions("CN=c")};
@@ -75,7 +75,7 @@ TEST_F(Cache, IsBoundedInNumberAndOctets) {
 }
 
 // A peer can send its document with other blank lines each time.
-TEST_F(Cache, FormsOfOneTextShareAPlace) {
+TEST_F(Cache, FormsOfOneText_ShareAPlace) {
   DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
   const auto document = open_permissions(kTalker);
   const auto first = cache.permissions(*ca(), as_bytes(document), kNow);
@@ -90,7 +90,7 @@ TEST_F(Cache, FormsOfOneTextShareAPlace) {
   EXPECT_EQ(cache.size(), 1u);
 }
 
-TEST_F(Cache, FormsOfADroppedTextAreDroppedWithIt) {
+TEST_F(Cache, FormsOfADroppedText_AreDroppedWithIt) {
   DocumentCache one(governance::PartitionMatch::all, 1, 1 << 20);
   const auto document = open_permissions(kTalker);
   const auto read = [&](const std::string& text) {
@@ -107,14 +107,14 @@ TEST_F(Cache, FormsOfADroppedTextAreDroppedWithIt) {
   EXPECT_EQ(one.size(), 1u);
 }
 
-TEST_F(Cache, AnExpiredCaIsSeenInTheCacheToo) {
+TEST_F(Cache, AnExpiredCa_IsSeenInTheCacheToo) {
   DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
   const auto document = open_permissions(kTalker);
   ASSERT_TRUE(cache.permissions(*ca(), as_bytes(document), kNow));
   EXPECT_CODE(cache.permissions(*ca(), as_bytes(document), kNow + 400 * 24h), certificate_expired);
 }
 
-TEST_F(Cache, ManySubjectsOfOneDocumentAreCompiledWithinBounds) {
+TEST_F(Cache, ManySubjectsOfOneDocument_AreCompiledWithinBounds) {
   std::vector<governance::Grant> grants;
   for (int i = 0; i < 200; ++i) {
     grants.push_back(grant("CN=p" + std::to_string(i), {publish_rule(true, {"t"})}));

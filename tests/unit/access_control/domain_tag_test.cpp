@@ -48,7 +48,7 @@ class DomainTags : public AccessControlTest {
 
 constexpr auto kNone = ProtectionKind::none, kEncrypt = ProtectionKind::encrypt;
 
-TEST_F(DomainTags, SelectTheGovernanceRule) {
+TEST_F(DomainTags, Tag_SelectsTheGovernanceRule) {
   const std::vector rules = {domain_rule(tagged("secure"), kEncrypt),
                              domain_rule(kUntagged, kNone)};
   const auto permissions = may_do_all_with(kTalker, matching("*"));
@@ -62,7 +62,7 @@ TEST_F(DomainTags, SelectTheGovernanceRule) {
   EXPECT_REFUSED(local_with("other", rules, permissions), domain_not_covered);
 }
 
-TEST_F(DomainTags, ARuleWithoutTagsIsForTheEmptyTagAlone) {
+TEST_F(DomainTags, ARuleWithoutTags_IsForTheEmptyTagAlone) {
   const auto permissions = may_do_all_with(kTalker, matching("*"));
   const auto refused = local_with("secure", {domain_rule(kUntagged, kNone)}, permissions);
   EXPECT_CODE(refused, domain_not_covered);
@@ -75,7 +75,7 @@ TEST_F(DomainTags, ARuleWithoutTagsIsForTheEmptyTagAlone) {
   EXPECT_TRUE(local_with("secure", {domain_rule(matching("s*"), kNone)}, permissions));
 }
 
-TEST_F(DomainTags, SelectThePermissionRules) {
+TEST_F(DomainTags, Tag_SelectsThePermissionRules) {
   const std::vector rules = {domain_rule(matching("*"), kNone)};
   const auto permissions = signed_permissions({grant(
       kTalker, {rule_for(false, tagged("secure"), {"a"}), rule_for(true, matching("*"), {"a", "b"}),
@@ -90,7 +90,7 @@ TEST_F(DomainTags, SelectThePermissionRules) {
   EXPECT_TRUE(may_publish(*empty, "c"));
 }
 
-TEST_F(DomainTags, AParticipantWithoutARuleForItsTagDoesNotJoin) {
+TEST_F(DomainTags, AParticipantWithoutARuleForItsTag_DoesNotJoin) {
   const auto own = local_with("secure", {domain_rule(matching("*"), kNone)},
                               may_do_all_with(kTalker, kUntagged));
   ASSERT_TRUE(own);
@@ -100,7 +100,7 @@ TEST_F(DomainTags, AParticipantWithoutARuleForItsTagDoesNotJoin) {
             "an allow_rule as the first rule for domain 0 with the tag \"secure\"");
 }
 
-TEST_F(DomainTags, PeersAreJudgedWithTheTagOfTheLocalParticipant) {
+TEST_F(DomainTags, Peers_AreJudgedWithTheTagOfTheLocalParticipant) {
   ASSERT_TRUE(local_with("secure", {domain_rule(matching("*"), kNone)},
                          may_do_all_with(kTalker, matching("*"))));
   const auto peer = remote(signed_permissions({grant(

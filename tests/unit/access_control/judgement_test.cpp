@@ -8,7 +8,7 @@ namespace {
 
 using spi::EndpointRequest;
 
-TEST_F(Decisions, JoiningNeedsAnAllowRuleOfTheDomain) {
+TEST_F(Decisions, Joining_NeedsAnAllowRuleOfTheDomain) {
   EXPECT_TRUE(plugin->check_create_participant(with({rule(true)}), 0));
   auto elsewhere = rule(true);
   elsewhere.domains.ranges = {{1, 1}};
@@ -20,12 +20,12 @@ TEST_F(Decisions, JoiningNeedsAnAllowRuleOfTheDomain) {
   EXPECT_TRUE(plugin->check_create_participant(with({elsewhere}), 0));
 }
 
-TEST_F(Decisions, PeersJoinByTheirOwnPermissions) {
+TEST_F(Decisions, PeersJoining_IsDecidedByTheirOwnPermissions) {
   EXPECT_TRUE(plugin->check_remote_participant(peer_with({rule(true)}), 0));
   EXPECT_REFUSED(plugin->check_remote_participant(peer_with({}), 0), participant_not_allowed);
 }
 
-TEST_F(Decisions, WritersAndReadersAreJudgedApart) {
+TEST_F(Decisions, WritersAndReaders_AreJudgedApart) {
   const auto handle =
       with({publish_rule(true, {"closed_out"}), subscribe_rule(true, {"closed_in"})});
   EXPECT_TRUE(plugin->check_create_datawriter(handle, 0, {.topic_name = "closed_out"}));
@@ -39,7 +39,7 @@ TEST_F(Decisions, WritersAndReadersAreJudgedApart) {
   EXPECT_REFUSED(plugin->check_create_topic(handle, 0, "closed_other"), topic_not_allowed);
 }
 
-TEST_F(Decisions, WithoutAccessControlEverybodyMay) {
+TEST_F(Decisions, WithoutAccessControl_EveryParticipantMayDoAll) {
   const auto handle = with({rule(true)});
   EXPECT_TRUE(plugin->check_create_datawriter(handle, 0, {.topic_name = "open"}));
   EXPECT_TRUE(plugin->check_create_datareader(handle, 0, {.topic_name = "open"}));
@@ -50,7 +50,7 @@ TEST_F(Decisions, WithoutAccessControlEverybodyMay) {
   EXPECT_TRUE(plugin->check_create_topic(handle, 0, "written"));
 }
 
-TEST_F(Decisions, TopicWithoutRuleIsRefusedEverywhere) {
+TEST_F(Decisions, TopicWithoutRule_IsRefusedEverywhere) {
   const auto handle = with({rule(true)}, true);
   const EndpointRequest request{.topic_name = "unheard"};
   EXPECT_REFUSED(plugin->check_create_datawriter(handle, 0, request), topic_not_covered);
@@ -61,7 +61,7 @@ TEST_F(Decisions, TopicWithoutRuleIsRefusedEverywhere) {
   EXPECT_REFUSED(plugin->topic_sec_attributes(handle, "unheard"), topic_not_covered);
 }
 
-TEST_F(Decisions, PeersAreJudgedByLocalGovernanceAndTheirPermissions) {
+TEST_F(Decisions, Peers_AreJudgedByLocalGovernanceAndTheirPermissions) {
   const auto peer = peer_with({publish_rule(true, {"closed_out"})});
   EXPECT_TRUE(plugin->check_remote_datawriter(peer, 0, {.topic_name = "closed_out"}));
   EXPECT_TRUE(plugin->check_remote_topic(peer, 0, "closed_out"));
@@ -75,7 +75,7 @@ TEST_F(Decisions, PeersAreJudgedByLocalGovernanceAndTheirPermissions) {
 }
 
 // RVD#447: partitions count for peers too.
-TEST_F(Decisions, PartitionsAndTagsOfPeersCount) {
+TEST_F(Decisions, PartitionsAndTagsOfPeers_Count) {
   auto allowed = publish_rule(true, {"closed"});
   allowed.publish[0].partitions = {{{"p", 0}}};
   allowed.publish[0].data_tags = {{{"colour", "red"}}};
@@ -100,7 +100,7 @@ TEST_F(Decisions, PartitionsAndTagsOfPeersCount) {
 }
 
 // A program that prints its errors and its events prints each refusal once.
-TEST_F(Decisions, AnEventSaysWhetherTheApplicationGetsTheErrorToo) {
+TEST_F(Decisions, AnEvent_SaysWhetherTheApplicationGetsTheErrorToo) {
   const auto expect_returned = [&](bool is_returned, const auto& refused) {
     EXPECT_FALSE(refused);
     ASSERT_EQ(log.events.size(), 1u);
@@ -118,7 +118,7 @@ TEST_F(Decisions, AnEventSaysWhetherTheApplicationGetsTheErrorToo) {
   expect_returned(false, plugin->check_remote_match(peer, match({.topic_name = "closed"})));
 }
 
-TEST_F(Decisions, AMatchIsJudgedWhetherOrNotTheHostAskedBefore) {
+TEST_F(Decisions, AMatch_IsJudgedWhetherOrNotTheHostAskedBefore) {
   const auto peer = peer_with({publish_rule(true, {"closed_out"})});
   EXPECT_TRUE(plugin->check_remote_match(peer, match({.topic_name = "closed_out"})));
   log.events.clear();
@@ -144,7 +144,7 @@ TEST_F(Decisions, AMatchIsJudgedWhetherOrNotTheHostAskedBefore) {
                  unknown_permissions_handle);
 }
 
-TEST_F(Decisions, AMatchIsJudgedByOurPartitionsUnlessThePeerAnnouncedOthersThatMeetThem) {
+TEST_F(Decisions, AMatch_IsJudgedByOurPartitionsUnlessThePeerAnnouncedOthersThatMeetThem) {
   auto allowed = publish_rule(true, {"closed"});
   allowed.publish[0].partitions = {{{"p", 0}}};
   const auto peer = peer_with({allowed});
@@ -169,7 +169,7 @@ TEST_F(Decisions, AMatchIsJudgedByOurPartitionsUnlessThePeerAnnouncedOthersThatM
   EXPECT_REFUSED(may(both), match_not_permitted);
 }
 
-TEST_F(Decisions, RelaysAreLetInOnlyIfAsked) {
+TEST_F(Decisions, Relays_AreLetInOnlyIfAsked) {
   auto relay = rule(true);
   relay.relay = {topics({"closed_relay"})};
   const EndpointRequest request{.topic_name = "closed_relay"};
@@ -189,7 +189,7 @@ TEST_F(Decisions, RelaysAreLetInOnlyIfAsked) {
   EXPECT_REFUSED(plugin->check_remote_datareader(denied, 0, request), announced_reader_not_allowed);
 }
 
-TEST_F(Decisions, AttributesAreAsTheDocumentSays) {
+TEST_F(Decisions, Attributes_AreAsTheDocumentSays) {
   auto& domain_rule = governance_document.domain_rules[0];
   domain_rule.allow_unauthenticated_participants = true;
   domain_rule.discovery_protection_kind = ProtectionKind::encrypt;
@@ -216,7 +216,7 @@ TEST_F(Decisions, AttributesAreAsTheDocumentSays) {
   EXPECT_EQ(plugin->datareader_sec_attributes(handle, {.topic_name = "mixed"}), endpoint);
 }
 
-TEST_F(Decisions, BuiltinSecureTopicsHaveAttributes) {
+TEST_F(Decisions, BuiltinSecureTopics_HaveAttributes) {
   governance_document.domain_rules[0].discovery_protection_kind = ProtectionKind::sign;
   governance_document.domain_rules[0].liveliness_protection_kind =
       ProtectionKind::encrypt_with_origin_authentication;

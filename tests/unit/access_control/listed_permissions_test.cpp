@@ -59,7 +59,7 @@ class OtherRights : public ListedPeers,
   }
 };
 
-TEST_P(OtherRights, HaveNoEffect) {
+TEST_P(OtherRights, RightsInAListedDocument_HaveNoEffect) {
   put({listed(0s, 24h)});
   EXPECT_THAT(look(), IsEmpty());
   EXPECT_THAT(codes(), IsEmpty());
@@ -89,7 +89,7 @@ TEST_P(OtherRights, BesideTheSame_KeepThePeerByThese) {
   expect_as_presented();
 }
 
-TEST_P(OtherRights, RefuseNothingThatThePeerShows) {
+TEST_P(OtherRights, RightsInAListedDocument_RefuseNothingThatThePeerShows) {
   put({listed(0s, 24h)});
   look();
   EXPECT_TRUE(show(presented(-23h, 24h)));

@@ -5,7 +5,7 @@ namespace {
 
 using LocalPermissions = AccessControlTest;
 
-TEST_F(LocalPermissions, AreAcceptedAndHandedOn) {
+TEST_F(LocalPermissions, ValidDocuments_AreAcceptedAndHandedOn) {
   const auto document = open_permissions(kTalker);
   const auto handle = local(document);
   ASSERT_TRUE(handle) << handle.error().to_sentence();
@@ -33,7 +33,7 @@ TEST_F(LocalPermissions, NulAtTheEndOfTheFile_IsNotHandedOn) {
   EXPECT_EQ(token->properties[0].value, document);
 }
 
-TEST_F(LocalPermissions, OtherOrderOfTheSubjectIsTheSameSubject) {
+TEST_F(LocalPermissions, OtherOrderOfTheSubject_IsTheSameSubject) {
   EXPECT_TRUE(local(open_permissions("O=Example, CN=talker")));
 }
 
@@ -48,11 +48,11 @@ TEST_F(LocalPermissions, LongerThanPeersAreSent_AreRefusedByTheirName) {
   EXPECT_EQ(log.only(), Code::file_too_large);
 }
 
-TEST_F(LocalPermissions, AreNotMadeUpWhenNothingIsConfigured) {
+TEST_F(LocalPermissions, NothingConfigured_IsRefused) {
   EXPECT_REFUSED(plugin->validate_local_permissions(kLocalIdentity, 0, {}), access_not_configured);
 }
 
-TEST_F(LocalPermissions, NameTheMissingDocument) {
+TEST_F(LocalPermissions, MissingDocument_IsNamed) {
   for (const auto property :
        {spi::property::kPermissionsCa, spi::property::kGovernance, spi::property::kPermissions}) {
     auto list = properties("x", "y");
@@ -64,32 +64,32 @@ TEST_F(LocalPermissions, NameTheMissingDocument) {
   }
 }
 
-TEST_F(LocalPermissions, EmptyPropertyIsAMissingOne) {
+TEST_F(LocalPermissions, EmptyProperty_IsAMissingOne) {
   auto list = properties("x", "y");
   list[2].value.clear();
   EXPECT_REFUSED(plugin->validate_local_permissions(kLocalIdentity, 0, list),
                  access_document_missing);
 }
 
-TEST_F(LocalPermissions, NeedTheCertificate) {
+TEST_F(LocalPermissions, MissingCertificate_IsRefused) {
   auto list = properties("x", "y");
   list.erase(list.begin());
   EXPECT_REFUSED(plugin->validate_local_permissions(kLocalIdentity, 0, list), missing_property);
 }
 
-TEST_F(LocalPermissions, NameTheFileThatDoesNotExist) {
+TEST_F(LocalPermissions, FileThatDoesNotExist_IsNamed) {
   auto list = properties("x", "y");
   list[1].value = "file:does_not_exist.pem";
   EXPECT_REFUSED(plugin->validate_local_permissions(kLocalIdentity, 0, list), file_not_found);
 }
 
-TEST_F(LocalPermissions, UnsignedGovernanceIsRefused) {
+TEST_F(LocalPermissions, UnsignedGovernance_IsRefused) {
   const auto list =
       properties(governance::to_xml(protected_governance()), open_permissions(kTalker));
   EXPECT_REFUSED(plugin->validate_local_permissions(kLocalIdentity, 0, list), smime_not_multipart);
 }
 
-TEST_F(LocalPermissions, OfAnotherSubjectAreRefusedWithBothNames) {
+TEST_F(LocalPermissions, DocumentOfAnotherSubject_IsRefusedWithBothNames) {
   log.events.clear();
   const auto result = local(open_permissions(kListener));
   EXPECT_CODE(result, no_grant_for_subject);
@@ -99,19 +99,19 @@ TEST_F(LocalPermissions, OfAnotherSubjectAreRefusedWithBothNames) {
   EXPECT_EQ(log.only(), Code::no_grant_for_subject);
 }
 
-TEST_F(LocalPermissions, ExchangedDocumentsAreNamed) {
+TEST_F(LocalPermissions, ExchangedDocuments_AreNamed) {
   const auto list = properties(open_permissions(kTalker),
                                signed_document(governance::to_xml(protected_governance())));
   EXPECT_REFUSED(plugin->validate_local_permissions(kLocalIdentity, 0, list), document_kind);
 }
 
-TEST_F(LocalPermissions, DomainWithoutRuleIsRefused) {
+TEST_F(LocalPermissions, DomainWithoutRule_IsRefused) {
   auto content = protected_governance();
   content.domain_rules[0].domains.ranges = {{1, 230}};
   EXPECT_REFUSED(local(content, open_permissions(kTalker)), domain_not_covered);
 }
 
-TEST_F(LocalPermissions, ExpiredAndFutureGrantsAreRefused) {
+TEST_F(LocalPermissions, ExpiredAndFutureGrants_AreRefused) {
   const auto document = open_permissions(kTalker);
   clock.set(kNow + 24h);
   EXPECT_REFUSED(local(document), grant_expired);
@@ -124,13 +124,13 @@ TEST_F(LocalPermissions, ExpiredAndFutureGrantsAreRefused) {
   EXPECT_REFUSED(local(signed_permissions({late})), grant_not_yet_valid);
 }
 
-TEST_F(LocalPermissions, AnotherGrantOfTheSubjectMayBeValid) {
+TEST_F(LocalPermissions, AnotherGrantOfTheSubject_MayBeValid) {
   auto old = grant(kTalker, {rule(true)});
   old.validity = {kNow - 24h, kNow - 1h};
   EXPECT_TRUE(local(signed_permissions({old, grant(kTalker, {rule(true)})})));
 }
 
-TEST_F(LocalPermissions, WhatPluginsDoNotDoIsNotSilentlyLeftOut) {
+TEST_F(LocalPermissions, UnsupportedProtection_IsNotSilentlyLeftOut) {
   auto content = protected_governance();
   content.domain_rules[0].rtps_psk_protection_kind = ProtectionKind::sign;
   EXPECT_REFUSED(local(content, open_permissions(kTalker)), governance_not_enforceable);
@@ -143,7 +143,7 @@ TEST_F(LocalPermissions, WhatPluginsDoNotDoIsNotSilentlyLeftOut) {
   EXPECT_TRUE(plugin->participant_sec_attributes(*handle)->is_key_revision_enabled);
 }
 
-TEST_F(LocalPermissions, PreSharedKeysAreForHostsThatHaveThem) {
+TEST_F(LocalPermissions, PreSharedKeys_AreForHostsThatHaveThem) {
   make({.host_has_pre_shared_keys = true});
   auto content = protected_governance();
   content.domain_rules[0].rtps_psk_protection_kind = ProtectionKind::encrypt;
@@ -152,7 +152,7 @@ TEST_F(LocalPermissions, PreSharedKeysAreForHostsThatHaveThem) {
   EXPECT_EQ(plugin->participant_sec_attributes(*handle)->rtps_psk, ProtectionKind::encrypt);
 }
 
-TEST_F(LocalPermissions, CipherListMustHoldAllThatAreUsed) {
+TEST_F(LocalPermissions, CipherList_MustHoldAllThatAreUsed) {
   auto content = protected_governance();
   auto& allowed = content.domain_rules[0].allowed_algorithms.emplace();
   allowed.digital_signature = {{"RSASSA-PSS-MGF1SHA256+2048+SHA256", 0}, {"ECDSA+P256+SHA256", 0}};
@@ -165,7 +165,7 @@ TEST_F(LocalPermissions, CipherListMustHoldAllThatAreUsed) {
 
 using RemotePermissions = AccessControlTest;
 
-TEST_F(RemotePermissions, AreAcceptedAsTextAndAsBinary) {
+TEST_F(RemotePermissions, TextAndBinaryCredentials_AreAccepted) {
   ASSERT_TRUE(local(open_permissions(kTalker)));
   const auto document = open_permissions(kListener);
   EXPECT_TRUE(remote(document));
@@ -179,16 +179,16 @@ TEST_F(RemotePermissions, AreAcceptedAsTextAndAsBinary) {
   EXPECT_TRUE(log.events.empty());
 }
 
-TEST_F(RemotePermissions, NeedALocalParticipant) {
+TEST_F(RemotePermissions, WithoutALocalParticipant_AreRefused) {
   EXPECT_REFUSED(remote(open_permissions(kListener)), unknown_local_identity);
 }
 
-TEST_F(RemotePermissions, AreRefusedWhenMissing) {
+TEST_F(RemotePermissions, MissingPermissions_AreRefused) {
   ASSERT_TRUE(local(open_permissions(kTalker)));
   EXPECT_REFUSED(remote(""), permissions_missing);
 }
 
-TEST_F(RemotePermissions, NeedThePeersCertificate) {
+TEST_F(RemotePermissions, MissingPeerCertificate_IsRefused) {
   ASSERT_TRUE(local(open_permissions(kTalker)));
   EXPECT_REFUSED(plugin->validate_remote_permissions(
                      kLocalIdentity, kRemoteIdentity, permissions_token(),
@@ -196,13 +196,13 @@ TEST_F(RemotePermissions, NeedThePeersCertificate) {
                  peer_certificate_missing);
 }
 
-TEST_F(RemotePermissions, AreBoundedInSize) {
+TEST_F(RemotePermissions, OversizedPermissions_AreRefused) {
   make({.max_permissions_octets = 100});
   ASSERT_TRUE(local(open_permissions(kTalker)));
   EXPECT_REFUSED(remote(open_permissions(kListener)), permissions_too_large);
 }
 
-TEST_F(RemotePermissions, EventNamesThePeer) {
+TEST_F(RemotePermissions, RefusalEvent_NamesThePeer) {
   ASSERT_TRUE(local(open_permissions(kTalker)));
   EXPECT_CODE(remote(open_permissions(kTalker)), no_grant_for_subject);
   ASSERT_EQ(log.events.size(), 1u);
@@ -210,7 +210,7 @@ TEST_F(RemotePermissions, EventNamesThePeer) {
   EXPECT_EQ(log.events[0].error.details().document, std::string("permissions of ") + kListener);
 }
 
-TEST_F(RemotePermissions, TokenClassIsComparedByNameAndMajorVersion) {
+TEST_F(RemotePermissions, TokenClass_IsComparedByNameAndMajorVersion) {
   ASSERT_TRUE(local(open_permissions(kTalker)));
   const auto peer = credential(authorities().listener, open_permissions(kListener));
   for (const auto* good :
@@ -229,7 +229,7 @@ TEST_F(RemotePermissions, TokenClassIsComparedByNameAndMajorVersion) {
 }
 
 // Where joining is free a peer without permissions gets a handle, and only what is open to all.
-TEST_F(RemotePermissions, AreNotNeededWhereJoiningIsFree) {
+TEST_F(RemotePermissions, FreeJoining_NeedsNoPermissions) {
   governance_document.domain_rules[0].enable_join_access_control = false;
   auto& rules = governance_document.domain_rules[0].topic_rules;
   rules.insert(rules.begin(), {.topic_expression = "open",
@@ -251,7 +251,7 @@ TEST_F(RemotePermissions, AreNotNeededWhereJoiningIsFree) {
 }
 
 // Trap: each participant's own documents count, also in one process.
-TEST_F(RemotePermissions, EachLocalParticipantJudgesByItsOwnCa) {
+TEST_F(RemotePermissions, EachLocalParticipant_JudgesByItsOwnCa) {
   ASSERT_TRUE(local(open_permissions(kTalker)));
   auto list =
       properties(signed_by(authorities().other_ca, governance::to_xml(governance_document)),
@@ -269,7 +269,7 @@ TEST_F(RemotePermissions, EachLocalParticipantJudgesByItsOwnCa) {
 }
 
 // The open governance of the one lets nobody in at the other, whoever leaves first.
-TEST_F(RemotePermissions, EachLocalParticipantJudgesByItsOwnGovernance) {
+TEST_F(RemotePermissions, EachLocalParticipant_JudgesByItsOwnGovernance) {
   auto open = governance_document;
   for (auto& domain : open.domain_rules) {
     domain.enable_join_access_control = false;

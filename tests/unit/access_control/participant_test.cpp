@@ -207,7 +207,7 @@ TEST_F(GovernancePhases, HalfOfADocumentOrOneOfAnotherCa_ChangesNothing) {
   }
 }
 
-TEST_F(GovernancePhases, EachBitOfTheRevisionIsSigned) {
+TEST_F(GovernancePhases, EachBitOfTheRevision_IsSigned) {
   auto text = document(1);
   raise();
   text = document(2);

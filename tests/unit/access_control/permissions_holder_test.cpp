@@ -40,7 +40,7 @@ class Expiry : public AccessControlTest {
 };
 
 // T3
-TEST_F(Expiry, IsToldReportedOnceAndDeniesEvenIfTheHostForgets) {
+TEST_F(Expiry, EndedGrant_IsReportedOnceAndDeniesAlways) {
   const auto own = local(open_permissions(kTalker));
   auto brief = grant(kListener, {publish_rule(true, {"t"})});
   brief.validity.not_after = kNow + 10s;
@@ -104,7 +104,7 @@ TEST_F(Expiry, PeersPermissions_AreNotOurs) {
 
 // T4: the wall clock at the check counts, wherever it jumped. What was valid has not ended when the
 // clock goes back: a clock that was wrong for a minute parted honest participants for good.
-TEST_F(Expiry, FollowsAClockThatJumps) {
+TEST_F(Expiry, ClockThatJumps_IsFollowed) {
   const auto own = local(open_permissions(kTalker));
   ASSERT_TRUE(own);
   clock.set(kNow + 25h);
@@ -122,7 +122,7 @@ TEST_F(Expiry, FollowsAClockThatJumps) {
   EXPECT_EQ(plugin->expire().size(), 1u);
 }
 
-TEST_F(Expiry, AnotherGrantOfTheDocumentTakesOver) {
+TEST_F(Expiry, AnotherGrantOfTheDocument_TakesOver) {
   auto first = grant(kTalker, {rule(true)}), second = grant(kTalker, {rule(true)});
   first.validity.not_after = kNow + 10s;
   second.validity.not_before = kNow + 5s;
@@ -136,7 +136,7 @@ TEST_F(Expiry, AnotherGrantOfTheDocumentTakesOver) {
 }
 
 // What was matched under the first grant is not judged again under the second.
-TEST_F(Expiry, OfAPeersGrantEndsThePeerUnlessTheNextOneGivesTheSame) {
+TEST_F(Expiry, EndOfAPeersGrant_EndsThePeerUnlessTheNextGivesTheSame) {
   const auto own = local(open_permissions(kTalker));
   ASSERT_TRUE(own);
   const auto first_then = [&](governance::Rule rule, bool default_allow) {
@@ -168,7 +168,7 @@ TEST_F(Expiry, OfAPeersGrantEndsThePeerUnlessTheNextOneGivesTheSame) {
 }
 
 // T2: the permissions CA ends.
-TEST_F(Expiry, OfThePermissionsCaEndsWhatItSigned) {
+TEST_F(Expiry, EndOfThePermissionsCa_EndsWhatItSigned) {
   auto ca = pki::make_ca("CN=Brief CA", {}, {kNow - 24h, kNow + 10s});
   auto list = properties(signed_by(ca, governance::to_xml(governance_document)),
                          signed_by(ca, governance::to_xml(governance::Permissions{
@@ -183,7 +183,7 @@ TEST_F(Expiry, OfThePermissionsCaEndsWhatItSigned) {
 }
 
 // Cyclone DDS keeps the writers of a participant that it deleted: their readers must go.
-TEST_F(Expiry, OfALocalParticipantEndsItsPeersUnlessAnotherOneHasThem) {
+TEST_F(Expiry, EndOfALocalParticipant_EndsItsPeersUnlessAnotherHasThem) {
   auto brief = grant(kTalker, {rule(true)});
   brief.validity.not_after = kNow + 10s;
   const auto own = local(signed_permissions({brief}));
@@ -194,7 +194,7 @@ TEST_F(Expiry, OfALocalParticipantEndsItsPeersUnlessAnotherOneHasThem) {
   EXPECT_TRUE(plugin->expire().empty());
 }
 
-TEST_F(Expiry, OfALocalParticipantLeavesThePeersOfAnotherOne) {
+TEST_F(Expiry, EndOfALocalParticipant_LeavesThePeersOfAnother) {
   auto brief = grant(kTalker, {rule(true)});
   brief.validity.not_after = kNow + 10s;
   const auto own = local(signed_permissions({brief}));
@@ -212,7 +212,7 @@ TEST_F(Expiry, OfALocalParticipantLeavesThePeersOfAnotherOne) {
   EXPECT_EQ(plugin->expire(), std::vector{*own});
 }
 
-TEST_F(Expiry, OfLocalParticipantsThatEndTogetherEndsThePeersThatTheyShare) {
+TEST_F(Expiry, LocalParticipantsThatEndTogether_EndThePeersTheyShare) {
   TwoLocals two(*this, brief());
   clock.advance(10s);
   EXPECT_EQ(plugin->expire(), (std::vector{two.first, two.second, two.at_first, two.at_second}));
@@ -220,7 +220,7 @@ TEST_F(Expiry, OfLocalParticipantsThatEndTogetherEndsThePeersThatTheyShare) {
 }
 
 // Hosts of one participant each must not be told of others', nor take what others have to hear.
-TEST_F(Expiry, IsToldToWhomItConcerns) {
+TEST_F(Expiry, EndOfALocalParticipant_IsToldToItsOwnHostOnly) {
   TwoLocals two(*this, brief(), spi::IdentityHandle{9});
   clock.advance(10s);
   EXPECT_EQ(plugin->expire(two.second), (std::vector{two.second, two.at_second}));
@@ -229,7 +229,7 @@ TEST_F(Expiry, IsToldToWhomItConcerns) {
   EXPECT_TRUE(plugin->expire({99}).empty());
 }
 
-TEST_F(Expiry, OfThePeerIsToldToEachThatKnowsIt) {
+TEST_F(Expiry, EndOfAPeer_IsToldToEachHostThatKnowsIt) {
   auto ends = grant(kListener, {rule(true)});
   ends.validity.not_after = kNow + 10s;
   TwoLocals two(*this, open_permissions(kTalker), kRemoteIdentity, signed_permissions({ends}));
@@ -238,7 +238,7 @@ TEST_F(Expiry, OfThePeerIsToldToEachThatKnowsIt) {
   EXPECT_EQ(plugin->expire(two.second), std::vector{two.at_second});
 }
 
-TEST_F(Expiry, NobodyNoEnd) { EXPECT_EQ(plugin->next_expiry(), std::nullopt); }
+TEST_F(Expiry, WithoutParticipants_HasNoNextEnd) { EXPECT_EQ(plugin->next_expiry(), std::nullopt); }
 
 }  // namespace
 }  // namespace ddssec::access_control

@@ -9,7 +9,7 @@ namespace {
 
 using spi::EndpointRequest;
 
-TEST_F(Decisions, ARefusalSaysThatOnlyThePartitionIsNotAllowed) {
+TEST_F(Decisions, ARefusal_SaysThatOnlyThePartitionIsNotAllowed) {
   auto allowed = publish_rule(true, {"closed"});
   allowed.publish[0].partitions = {{{"p", 0}}};
   const Partitions wrong = {"q"};
@@ -24,7 +24,7 @@ TEST_F(Decisions, ARefusalSaysThatOnlyThePartitionIsNotAllowed) {
   }
 }
 
-TEST_F(Decisions, ANameThatIsCloseIsProposedToTheLocalParticipantOnly) {
+TEST_F(Decisions, ANameThatIsClose_IsProposedToTheLocalParticipantOnly) {
   const auto allowed = publish_rule(true, {"closed_chatter"});
   const EndpointRequest request{.topic_name = "closed_chater"};
   const auto own = plugin->check_create_datawriter(with({allowed}), 0, request);
@@ -35,7 +35,7 @@ TEST_F(Decisions, ANameThatIsCloseIsProposedToTheLocalParticipantOnly) {
   EXPECT_EQ(peers.error().hint().find("is \"closed_chatter\" meant?"), std::string::npos);
 }
 
-TEST_F(Decisions, ARefusedPeerIsToldApartFromTheLocalParticipant) {
+TEST_F(Decisions, ARefusedPeer_IsToldApartFromTheLocalParticipant) {
   const auto peer = peer_with({publish_rule(true, {"closed_out"})});
   const auto own = with({publish_rule(true, {"closed_out"})});
   const auto mentions = [](std::string_view text, std::string_view part) {
@@ -66,7 +66,7 @@ TEST_F(Decisions, ARefusedPeerIsToldApartFromTheLocalParticipant) {
 
 // Anybody can announce an endpoint in a peer's name where discovery is not protected, and any
 // participant where its origin is not authenticated.
-TEST_F(Decisions, AnAnnouncementInAPeersNameDoesNotAccuseThePeer) {
+TEST_F(Decisions, AnAnnouncementInAPeersName_DoesNotAccuseThePeer) {
   const auto peer = peer_with({rule(true)});
   const auto writer = plugin->check_remote_datawriter(peer, 0, {.topic_name = "closed_in"});
   const auto reader = plugin->check_remote_datareader(peer, 0, {.topic_name = "closed_in"});
@@ -81,7 +81,7 @@ TEST_F(Decisions, AnAnnouncementInAPeersNameDoesNotAccuseThePeer) {
   for (const auto& event : log.events) EXPECT_EQ(event.severity, Severity::warning);
 }
 
-TEST_F(Decisions, RefusalNamesDocumentLineRuleAndValues) {
+TEST_F(Decisions, Refusal_NamesDocumentLineRuleAndValues) {
   const auto handle = with({publish_rule(false, {"closed_b"}), publish_rule(true, {"closed_*"})});
   const Partitions partitions = {""};
   const auto status = plugin->check_create_datawriter(

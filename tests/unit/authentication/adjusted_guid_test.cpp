@@ -5,7 +5,7 @@
 namespace ddssec::authentication {
 namespace {
 
-TEST(AdjustedGuid, HasTheReferenceValue) {
+TEST(AdjustedGuid, KnownInput_GivesTheReferenceValue) {
   Guid guid{{}, kEntityIdParticipant};
   for (std::uint8_t i = 0; i < 12; ++i) guid.prefix.octets[i] = static_cast<std::uint8_t>(i + 1);
   const Guid adjusted = adjusted_guid(sha256(as_bytes("abc")), guid);
@@ -14,7 +14,7 @@ TEST(AdjustedGuid, HasTheReferenceValue) {
   EXPECT_TRUE(is_bound_to(adjusted, sha256(as_bytes("abc"))));
 }
 
-TEST(AdjustedGuid, EveryOneOfThe48BitsCounts) {
+TEST(AdjustedGuid, EveryOneOfThe48Bits_Counts) {
   const auto digest = sha256(as_bytes("abc"));
   const Guid adjusted = adjusted_guid(digest, candidate(1));
   for (std::size_t bit = 0; bit < 96; ++bit) {

@@ -5,7 +5,7 @@
 namespace ddssec::authentication {
 namespace {
 
-TEST(AuthRequest, RoundTrips) {
+TEST(AuthRequest, ValidRequest_RoundTrips) {
   Challenge challenge;
   challenge.fill(7);
   const auto read = read_auth_request(write_auth_request(challenge));
@@ -13,7 +13,7 @@ TEST(AuthRequest, RoundTrips) {
   EXPECT_EQ(*read, challenge);
 }
 
-TEST(AuthRequest, Refusals) {
+TEST(AuthRequest, MalformedRequests_AreRefusedWithTheirCodes) {
   Token wrong_class = sample();
   wrong_class.class_id = "DDS:Auth:PKI-DH:1.0+Req";
   EXPECT_CODE(read_auth_request(wrong_class), token_class_wrong);

@@ -7,7 +7,7 @@
 namespace ddssec::authentication::forgeries {
 namespace {
 
-TEST(RemoteIdentity, Refusals) {
+TEST(RemoteIdentity, InvalidTokensAndGuids_AreRefusedWithTheirCodes) {
   Pairing pairing;
   auto& a = pairing.a;
   auto& engine = *a.engine;
@@ -23,7 +23,7 @@ TEST(RemoteIdentity, Refusals) {
               unknown_identity);
 }
 
-TEST(RemoteIdentity, AnotherTokenIsRefusedOnlyAfterSomebodyAuthenticated) {
+TEST(RemoteIdentity, AnotherToken_IsRefusedOnlyAfterAuthentication) {
   Pairing pairing;
   auto& two = pairing.two;
   auto& engine = *two.low.engine;
@@ -44,7 +44,7 @@ TEST(RemoteIdentity, AnotherTokenIsRefusedOnlyAfterSomebodyAuthenticated) {
   EXPECT_NE(fresh->handle, two.high_at_low);
 }
 
-TEST(RemoteIdentity, OfAnotherCaIsRefused) {
+TEST(RemoteIdentity, IdentityOfAnotherCa_IsRefused) {
   static const pki::Authority other_ca = make_ca("CN=Other CA");
   Pairing pairing(make_identity(test_ca(), "CN=alice"),
                   make_identity(other_ca, "CN=bob", {}, kYear, 1));
@@ -53,7 +53,7 @@ TEST(RemoteIdentity, OfAnotherCaIsRefused) {
 }
 
 // The subject's text is on the event as soon as it is proven.
-TEST(RemoteIdentity, EventsNameThePeer) {
+TEST(RemoteIdentity, RefusalAfterProof_NamesThePeerInItsEvent) {
   Pairing pairing;
   pairing.expect_success();
   auto& two = pairing.two;

@@ -44,12 +44,12 @@ TEST(CredentialsFields, Missing_AreRefused) {
   EXPECT_TRUE(read(without(token, "c.perm"))) << "it is optional";
 }
 
-TEST(Hashes, HaveTheReferenceValue) {
+TEST(Hashes, KnownInput_GivesTheReferenceValue) {
   EXPECT_EQ(to_hex(vector_a().hash()),
             "f436fdded2a5dbcbf37a027eb2f6cc06eb9c4aeefdc47b9cdfd47847fd3222d7");
 }
 
-TEST(Hashes, AbsentPermissionsAreNotEmptyPermissions) {
+TEST(Hashes, AbsentPermissions_AreNotEmptyPermissions) {
   auto absent = vector_a();
   absent.permissions.reset();
   auto empty = vector_a();

@@ -27,7 +27,7 @@ class ForgedFinal : public testing::TestWithParam<Forgery> {};
 
 INSTANTIATE_TEST_SUITE_P(Each, ForgedFinal, testing::ValuesIn(of_final()), kName);
 
-TEST_P(ForgedFinal, IsRefusedAndTheHonestOneSucceeds) {
+TEST_P(ForgedFinal, ForgedFinal_IsRefusedAndTheHonestOneSucceeds) {
   Pairing pairing;
   const auto req = pairing.two.request();
   const auto rep = pairing.two.reply(*req->message);
@@ -42,7 +42,7 @@ TEST_P(ForgedFinal, IsRefusedAndTheHonestOneSucceeds) {
   ASSERT_OK(pairing.two.at_high(rep->handle, *fin->message));
 }
 
-TEST(FlippedBit, AnywhereInAFinalIsRefused) {
+TEST(FlippedBit, BitFlippedAnywhereInAFinal_IsRefused) {
   Pairing pairing;
   const auto req = pairing.two.request();
   const auto rep = pairing.two.reply(*req->message);

@@ -37,7 +37,7 @@ class ForgedReply : public testing::TestWithParam<Forgery> {};
 
 INSTANTIATE_TEST_SUITE_P(Each, ForgedReply, testing::ValuesIn(of_reply()), kName);
 
-TEST_P(ForgedReply, IsRefusedAndTheHonestOneSucceeds) {
+TEST_P(ForgedReply, ForgedReply_IsRefusedAndTheHonestOneSucceeds) {
   Pairing pairing;
   auto& events = pairing.two.low.engine->events.events;
   const auto req = pairing.two.request();
@@ -52,7 +52,7 @@ TEST_P(ForgedReply, IsRefusedAndTheHonestOneSucceeds) {
   pairing.expect_finish(*req, *rep);
 }
 
-TEST(FlippedBit, AnywhereInAReplyIsRefused) {
+TEST(FlippedBit, BitFlippedAnywhereInAReply_IsRefused) {
   Pairing pairing;
   const auto req = pairing.two.request();
   const auto rep = pairing.two.reply(*req->message);
@@ -68,7 +68,7 @@ TEST(FlippedBit, AnywhereInAReplyIsRefused) {
 }
 
 // Without the hashes the signature alone must notice.
-TEST(FlippedBit, AnywhereInAReplyWithoutOptionalFieldsIsRefused) {
+TEST(FlippedBit, BitFlippedInAReplyWithoutOptionalFields_IsRefused) {
   Pairing pairing;
   const auto req = pairing.two.request();
   const auto rep = pairing.two.reply(*req->message);

@@ -39,7 +39,7 @@ class ForgedRequest : public testing::TestWithParam<Forgery> {};
 
 INSTANTIATE_TEST_SUITE_P(Each, ForgedRequest, testing::ValuesIn(of_request()), kName);
 
-TEST_P(ForgedRequest, IsRefusedAndTheHonestOneSucceeds) {
+TEST_P(ForgedRequest, ForgedRequest_IsRefusedAndTheHonestOneSucceeds) {
   Pairing pairing;
   auto& events = pairing.two.high.engine->events.events;
   const auto req = pairing.two.request();
@@ -57,7 +57,7 @@ TEST_P(ForgedRequest, IsRefusedAndTheHonestOneSucceeds) {
 }
 
 // A request is not signed: what was changed in it must be noticed in the reply.
-TEST(FlippedBit, InARequestThatIsAnsweredMakesTheInitiatorRefuse) {
+TEST(FlippedBit, BitFlippedInAnAnsweredRequest_MakesTheInitiatorRefuse) {
   for (const auto* name : {"c.perm", "challenge1"}) {
     Pairing pairing;
     const auto req = pairing.two.request();

@@ -24,7 +24,7 @@ INSTANTIATE_TEST_SUITE_P(Keys, KeysOfBoth,
                                   name(std::get<1>(info.param));
                          });
 
-TEST_P(KeysOfBoth, ShakeHands) {
+TEST_P(KeysOfBoth, EachPairOfKeys_Authenticates) {
   const auto [first, second] = GetParam();
   Pairing pairing(make_identity(test_ca(), "CN=alice", first),
                   make_identity(test_ca(), "CN=bob", second, kYear, 1));
@@ -33,7 +33,7 @@ TEST_P(KeysOfBoth, ShakeHands) {
   EXPECT_TRUE(pairing.second_engine.events.events.empty());
 }
 
-TEST(Handshake, RequestHasTheStandardsFieldsInOrderWithoutNuls) {
+TEST(Handshake, Request_HasTheStandardsFieldsInOrderWithoutNuls) {
   Pairing pairing;
   const auto request = pairing.two.request();
   ASSERT_OK(request);
@@ -104,7 +104,7 @@ class InitiatorStyle : public testing::TestWithParam<StyleCase> {};
 INSTANTIATE_TEST_SUITE_P(Styles, InitiatorStyle, testing::ValuesIn(kInitiators),
                          [](const auto& info) { return info.param.name; });
 
-TEST_P(InitiatorStyle, GetsItsAnswer) {
+TEST_P(InitiatorStyle, RequestInEachStyle_GetsItsReply) {
   const auto& param = GetParam();
   Engine engine;
   Participant us(engine, ours(), 1);
@@ -157,7 +157,7 @@ class ReplierStyle : public testing::TestWithParam<StyleCase> {};
 INSTANTIATE_TEST_SUITE_P(Styles, ReplierStyle, testing::ValuesIn(kRepliers),
                          [](const auto& info) { return info.param.name; });
 
-TEST_P(ReplierStyle, GetsItsFinal) {
+TEST_P(ReplierStyle, ReplyInEachStyle_GetsItsFinal) {
   const auto& param = GetParam();
   Engine engine;
   Participant us(engine, ours(), 1);
@@ -178,7 +178,7 @@ TEST_P(ReplierStyle, GetsItsFinal) {
 }
 
 // DH results with leading zero octets must agree on both sides: one in 256.
-TEST(Handshake, ModpSecretsAgreeManyTimes) {
+TEST(Handshake, ModpSecrets_AgreeManyTimes) {
   Engine engine;
   Participant us(engine, ours(), 1);
   const Identity identity = theirs(true);
@@ -197,7 +197,7 @@ TEST(Handshake, ModpSecretsAgreeManyTimes) {
   }
 }
 
-TEST(Handshake, ChallengesReplayFromASeed) {
+TEST(Handshake, SameSeed_GivesTheSameChallenges) {
   const auto challenge = [] {
     Pairing pairing;
     return field(*pairing.two.request()->message, "challenge1");

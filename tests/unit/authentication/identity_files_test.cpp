@@ -67,7 +67,7 @@ TEST(IdentityFileErrors, PastedDocuments_AreNotRepeated) {
   EXPECT_THAT(result.error().to_sentence(), testing::Not(testing::HasSubstr("SECRET")));
 }
 
-TEST(LocalIdentity, FromFilesOfBothUriForms) {
+TEST(LocalIdentity, FilesOfEachUriForm_AreRead) {
   const TemporaryFolder folder;
   const auto identity = alice();
   for (const std::string prefix : {"file:", "file://", "  file:"}) {
@@ -81,14 +81,14 @@ TEST(LocalIdentity, FromFilesOfBothUriForms) {
   }
 }
 
-TEST(LocalIdentity, EmptyOptionalPropertiesCountAsAbsent) {
+TEST(LocalIdentity, EmptyOptionalProperties_CountAsAbsent) {
   auto properties = alice().properties;
   for (const auto name : {property::kPassword, property::kTrustedCaDir, property::kCrl})
     set(properties, name, "");
   EXPECT_TRUE(create(properties));
 }
 
-TEST(LocalIdentity, MissingPropertiesAreNamed) {
+TEST(LocalIdentity, MissingProperties_AreNamed) {
   for (const auto name :
        {property::kIdentityCa, property::kIdentityCertificate, property::kPrivateKey}) {
     auto properties = alice().properties;
@@ -102,7 +102,7 @@ TEST(LocalIdentity, MissingPropertiesAreNamed) {
   }
 }
 
-TEST(LocalIdentity, GarbageIsNamed) {
+TEST(LocalIdentity, Garbage_IsNamed) {
   expect_refused(alice_with(property::kIdentityCa, "data:,x"), Code::certificate_malformed,
                  property::kIdentityCa);
   expect_refused(alice_with(property::kIdentityCertificate, "data:,x"), Code::certificate_malformed,
@@ -114,7 +114,7 @@ TEST(LocalIdentity, GarbageIsNamed) {
                  property::kPassword);
 }
 
-TEST(LocalIdentity, KeyOfAnotherCertificateIsRefused) {
+TEST(LocalIdentity, KeyOfAnotherCertificate_IsRefused) {
   expect_refused(alice_with(property::kPrivateKey, "data:," + pem_text(key_of({}, 1))),
                  Code::key_mismatch, property::kPrivateKey);
   expect_refused(
@@ -122,7 +122,7 @@ TEST(LocalIdentity, KeyOfAnotherCertificateIsRefused) {
       Code::key_mismatch, property::kPrivateKey);
 }
 
-TEST(LocalIdentity, OwnCertificateMustBeUnderOwnCa) {
+TEST(LocalIdentity, OwnCertificate_MustBeUnderOwnCa) {
   const auto other = make_ca("CN=Other CA");
   expect_refused(alice_with(property::kIdentityCa, "data:," + other.certificate().pem()),
                  Code::issuer_unknown, property::kIdentityCertificate);
@@ -132,12 +132,12 @@ TEST(LocalIdentity, OwnCertificateMustBeUnderOwnCa) {
                  Code::issuer_unknown, property::kIdentityCertificate);
 }
 
-TEST(LocalIdentity, ACaFileOfNoCaIsRefused) {
+TEST(LocalIdentity, ACaFileOfNoCa_IsRefused) {
   expect_refused(alice_with(property::kIdentityCa, "data:," + alice().certificate.pem()),
                  Code::not_a_ca, property::kIdentityCa);
 }
 
-TEST(LocalIdentity, ExpiredAndNotYetValidAreRefused) {
+TEST(LocalIdentity, ExpiredAndNotYetValid_AreRefused) {
   expect_refused(make_identity(test_ca(), "CN=old", {}, {kNow - 48h, kNow - 1s}).properties,
                  Code::certificate_expired, property::kIdentityCertificate);
   expect_refused(make_identity(test_ca(), "CN=new", {}, {kNow + 1s, kNow + 48h}).properties,
@@ -147,7 +147,7 @@ TEST(LocalIdentity, ExpiredAndNotYetValidAreRefused) {
                  property::kIdentityCertificate);
 }
 
-TEST(LocalIdentity, EncryptedKeysOpenWithThePassword) {
+TEST(LocalIdentity, EncryptedKey_OpensWithThePassword) {
   const auto passphrase = pki::Passphrase::copy_of(as_bytes("sesame")).value();
   const auto pem = alice().key.to_pem(&passphrase).value().expose([](BytesView octets) {
     return std::string(as_text(octets));
@@ -160,7 +160,7 @@ TEST(LocalIdentity, EncryptedKeysOpenWithThePassword) {
   EXPECT_TRUE(create(properties));
 }
 
-TEST(TrustedCaDir, MakesAnotherCaBelieved) {
+TEST(TrustedCaDir, CaInTheFolder_IsBelieved) {
   const auto other = make_ca("CN=Other CA");
   const TemporaryFolder folder;
   folder.write("own.pem", test_ca().certificate().pem());
@@ -176,7 +176,7 @@ TEST(TrustedCaDir, MakesAnotherCaBelieved) {
   }
 }
 
-TEST(TrustedCaDir, Refusals) {
+TEST(TrustedCaDir, UnusableFolders_AreRefusedWithTheirCodes) {
   const TemporaryFolder folder;
   const auto properties = alice_with(property::kTrustedCaDir, folder.path());
   expect_refused(properties, Code::own_ca_not_trusted, property::kTrustedCaDir);
@@ -207,7 +207,7 @@ std::string crl_of(const pki::Authority& ca, std::vector<pki::Certificate> revok
       .pem();
 }
 
-TEST(RevocationList, OwnCertificateOnItIsRefused) {
+TEST(RevocationList, OwnCertificateOnTheList_IsRefused) {
   const auto identity = alice();
   auto properties = identity.properties;
   set(properties, property::kCrl, "data:," + crl_of(test_ca(), {}));
@@ -216,7 +216,7 @@ TEST(RevocationList, OwnCertificateOnItIsRefused) {
   expect_refused(properties, Code::certificate_revoked, property::kIdentityCertificate);
 }
 
-TEST(RevocationList, FailsHardWhenItDoesNotHelp) {
+TEST(RevocationList, ListThatDoesNotHelp_FailsHard) {
   const auto other = make_ca("CN=Other CA"), twin = make_ca();
   expect_refused(alice_with(property::kCrl, "data:," + crl_of(other, {})), Code::crl_missing,
                  property::kIdentityCertificate);
@@ -232,7 +232,7 @@ TEST(RevocationList, FailsHardWhenItDoesNotHelp) {
                  Code::crl_file_empty, property::kCrl);
 }
 
-TEST(RevocationList, SoftFailIsAnOption) {
+TEST(RevocationList, SoftFail_IsAnOption) {
   Engine engine(1, {.crl_policy = pki::CrlPolicy::soft_fail});
   EXPECT_TRUE(
       create(alice_with(property::kCrl, "data:," + crl_of(test_ca(), {}, {kNow - 48h, kNow - 1h})),
@@ -243,7 +243,7 @@ TEST(RevocationList, SoftFailIsAnOption) {
   EXPECT_CODE(create(revoked, engine), certificate_revoked);
 }
 
-TEST(RevocationList, SeveralListsCountTogether) {
+TEST(RevocationList, SeveralLists_CountTogether) {
   const auto other = make_ca("CN=Other CA");
   const auto bob = make_identity(other, "CN=bob", {}, kYear, 1);
   auto a = alice();

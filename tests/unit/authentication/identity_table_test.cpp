@@ -4,7 +4,7 @@
 namespace ddssec::authentication {
 namespace {
 
-TEST(Handles, ThatWereNeverGivenOutOrReturnedAreRefused) {
+TEST(Handles, UnknownOrReturnedHandles_AreRefused) {
   Pairing pairing;
   auto& two = pairing.two;
   auto& engine = *two.low.engine;
@@ -25,7 +25,7 @@ TEST(Handles, ThatWereNeverGivenOutOrReturnedAreRefused) {
               unknown_identity);
 }
 
-TEST(Handles, ReturningTheRemoteDropsItsHandshakes) {
+TEST(Handles, ReturningTheRemote_DropsItsHandshakes) {
   Pairing pairing;
   auto& two = pairing.two;
   auto& engine = *two.low.engine;
@@ -37,7 +37,7 @@ TEST(Handles, ReturningTheRemoteDropsItsHandshakes) {
   EXPECT_CODE(two.request(), unknown_identity);
 }
 
-TEST(Handles, ReturningTheLocalDropsItsHandshakes) {
+TEST(Handles, ReturningTheLocal_DropsItsHandshakes) {
   Pairing pairing;
   auto& two = pairing.two;
   auto& engine = *two.low.engine;
@@ -48,7 +48,7 @@ TEST(Handles, ReturningTheLocalDropsItsHandshakes) {
   EXPECT_FALSE(engine->next_expiry());
 }
 
-TEST(Handles, ARemoteThatWasNotValidatedForThisLocalIsUnknown) {
+TEST(Handles, ARemoteThatWasNotValidatedForThisLocal_IsUnknown) {
   Pairing pairing;
   Participant second(*pairing.two.low.engine, make_identity(test_ca(), "CN=second"), 5);
   EXPECT_CODE((*pairing.two.low.engine)
@@ -58,7 +58,7 @@ TEST(Handles, ARemoteThatWasNotValidatedForThisLocalIsUnknown) {
 
 // ---- bounds
 
-TEST(Bounds, LocalIdentities) {
+TEST(IdentityTableBounds, TooManyLocalIdentities_AreRefused) {
   Engine engine(1, {.max_local_identities = 1});
   const auto identity = make_identity(test_ca(), "CN=ours");
   Participant us(engine, identity, 1);
@@ -66,7 +66,7 @@ TEST(Bounds, LocalIdentities) {
               too_many_local_identities);
 }
 
-TEST(Bounds, PendingRepliesGiveWayToTheHonestOneInTime) {
+TEST(IdentityTableBounds, PendingReplies_GiveWayToTheHonestOneInTime) {
   Pairing pairing;
   auto& two = pairing.two;
   const auto req = two.request();
@@ -79,7 +79,7 @@ TEST(Bounds, PendingRepliesGiveWayToTheHonestOneInTime) {
   pairing.expect_finish(*req, *rep);
 }
 
-TEST(Bounds, FinishedHandshakesOfAPairAreFew) {
+TEST(IdentityTableBounds, FinishedHandshakesOfAPair_AreFew) {
   Pairing pairing;
   std::vector<HandshakeHandle> handles;
   for (int i = 0; i < 10; ++i) {

@@ -5,7 +5,7 @@
 namespace ddssec::authentication {
 namespace {
 
-TEST(IdentityToken, SpeaksCyclonesWords) {
+TEST(IdentityToken, WrittenToken_HasCyclonesWords) {
   const auto identity = make_identity(test_ca(), "CN=alice,O=Example");
   const auto token =
       write_identity_token(identity.certificate, test_ca().certificate(), spi::kStandardCiphers);
@@ -18,7 +18,7 @@ TEST(IdentityToken, SpeaksCyclonesWords) {
   EXPECT_EQ(read_identity_token(token)->subject, "/O=Example/CN=alice");
 }
 
-TEST(IdentityToken, AnnouncesCiphersThatAreNotTheStandards) {
+TEST(IdentityToken, NonStandardCiphers_AreAnnounced) {
   const auto identity = make_identity(test_ca(), "CN=alice,O=Example");
   const auto& ca = test_ca().certificate();
   const auto token = write_identity_token(identity.certificate, ca, spi::kAllCiphers);
@@ -32,7 +32,7 @@ TEST(IdentityToken, AnnouncesCiphersThatAreNotTheStandards) {
   EXPECT_EQ(announced_ciphers(other), spi::kStandardCiphers);
 }
 
-TEST(IdentityToken, PropertiesMayBeAbsentTheClassMayNot) {
+TEST(IdentityToken, AbsentProperties_AreAllowedAnAbsentClassIsNot) {
   EXPECT_TRUE(read_identity_token({"DDS:Auth:PKI-DH:1.2"}));
   EXPECT_CODE(read_identity_token({"DDS:Auth:Other:1.0"}), token_class_wrong);
   EXPECT_CODE(read_identity_token({"DDS:Auth:PKI-DH:1.0+Req"}), token_class_wrong);

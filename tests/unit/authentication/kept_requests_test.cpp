@@ -26,7 +26,7 @@ struct KeptRequest : ::testing::Test {
   Two& two = pairing.two;
 };
 
-TEST_F(KeptRequest, IsRepeatedAndItsAnswerCounts) {
+TEST_F(KeptRequest, RepeatedRequest_IsTheSameAndItsAnswerCounts) {
   const auto first = two.request();
   ASSERT_OK(first);
   const auto reply = two.reply(*first->message);
@@ -39,7 +39,7 @@ TEST_F(KeptRequest, IsRepeatedAndItsAnswerCounts) {
   pairing.expect_finish(*again, *reply);
 }
 
-TEST_F(KeptRequest, IsForgottenAfterAnHour) {
+TEST_F(KeptRequest, AfterAnHour_IsForgotten) {
   const auto first = request();
   meet_again();
   EXPECT_EQ(request(), first);
@@ -48,7 +48,7 @@ TEST_F(KeptRequest, IsForgottenAfterAnHour) {
   EXPECT_NE(request(), first);
 }
 
-TEST_F(KeptRequest, IsNotKeptOnceItWasAnswered) {
+TEST_F(KeptRequest, AnsweredRequest_IsNotKept) {
   const auto first = two.request();
   ASSERT_OK(first);
   const auto reply = two.reply(*first->message);
@@ -73,7 +73,7 @@ void KeptRequest::invent(std::size_t count) {
   }
 }
 
-TEST_F(KeptRequest, IsNotTheOneThatGivesWayWhenAStrangerInventsOthers) {
+TEST_F(KeptRequest, StrangersInventingOthers_DoNotDisplaceIt) {
   const auto first = request();
   ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
   two.low.engine->clock.advance(1s);
@@ -84,7 +84,7 @@ TEST_F(KeptRequest, IsNotTheOneThatGivesWayWhenAStrangerInventsOthers) {
   EXPECT_EQ(request(), first);
 }
 
-TEST_F(KeptRequest, IsOneOfABoundedNumber) {
+TEST_F(KeptRequest, TooManyRequests_TheFirstIsForgotten) {
   const auto first = request();
   ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
   invent(10 * KeptRequests::kMax);
@@ -97,7 +97,7 @@ TEST_F(KeptRequest, IsOneOfABoundedNumber) {
 // Stock plugins take no reply with another challenge than the one that we announced first. They
 // keep to the first reply that they get, which may be the one that the host gave up: before, its
 // final then did not verify.
-TEST_F(KeptRequest, SoAreTheChallengeAndTheKeyOfTheReplier) {
+TEST_F(KeptRequest, ReplierMeetingAgain_KeepsItsChallengeAndKey) {
   const auto req = two.request();
   ASSERT_OK(req);
   const auto first = two.reply(*req->message);
@@ -137,7 +137,7 @@ TEST_F(KeptRequest, AnotherRequest_GetsAnotherKey) {
 }
 
 // Else what was recorded of one session would do for the next.
-TEST_F(KeptRequest, NoChallengeServesTwoSessions) {
+TEST_F(KeptRequest, OneChallenge_NeverServesTwoSessions) {
   const auto req = two.request();
   ASSERT_OK(req);
   const auto first = two.reply(*req->message);

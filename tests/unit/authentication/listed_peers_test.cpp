@@ -145,7 +145,7 @@ TEST_F(OwnListedForStock, APeerThatIsNotOfDdssec_HasNoList) {
 
 // ---- a CA that is replaced
 
-TEST(ListedOfANewCa, KeepsAPeerWhoseFirstCaHasLeft) {
+TEST(ListedOfANewCa, PeerWhoseFirstCaHasLeft_IsKept) {
   const test::TemporaryFolder folder;
   const auto old_ca = make_ca(), new_ca = make_ca();
   auto identity = make_identity(old_ca, kAlice);

@@ -130,28 +130,28 @@ class BadList : public Listed {
   void remove() { ::unlink(path().c_str()); }
 };
 
-TEST_F(BadList, Garbage) {
+TEST_F(BadList, Garbage_IsRefused) {
   put("garbage");
   expect_refused("at least one entry");
 }
 
-TEST_F(BadList, Empty) {
+TEST_F(BadList, EmptyFile_IsRefused) {
   put("");
   expect_refused("empty");
 }
 
-TEST_F(BadList, Missing) {
+TEST_F(BadList, MissingFile_IsRefused) {
   remove();
   expect_refused("");
 }
 
-TEST_F(BadList, AFolder) {
+TEST_F(BadList, Folder_IsRefused) {
   remove();
   ::mkdir(path().c_str(), 0700);
   expect_refused("");
 }
 
-TEST_F(BadList, ASocket) {
+TEST_F(BadList, Socket_IsRefused) {
   remove();
   const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
   sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
@@ -161,39 +161,39 @@ TEST_F(BadList, ASocket) {
   ::close(socket);
 }
 
-TEST_F(BadList, CutShort) {
+TEST_F(BadList, FileCutShort_IsRefused) {
   const auto text = list_of({renewed_bob(), bob_.certificate});
   put(text.substr(0, text.size() - 100));
   expect_refused("cut short");
 }
 
-TEST_F(BadList, ABlockThatDoesNotBelongThere) {
+TEST_F(BadList, ForeignBlock_IsRefused) {
   put(list_of({renewed_bob()}) + pem_text(bob_.key));
   expect_refused("a block PRIVATE KEY");
 }
 
-TEST_F(BadList, Gigabytes) {
+TEST_F(BadList, Gigabytes_AreRefused) {
   remove();
   put("");
   ASSERT_EQ(::truncate(path().c_str(), off_t{4} << 30), 0);
   expect_refused("");
 }
 
-TEST_F(BadList, ThousandsOfEntries) {
+TEST_F(BadList, ThousandsOfEntries_AreRefused) {
   std::string text;
   for (std::size_t i = 0; i <= pki::kMaxRenewals; ++i) text += bob_.certificate.pem();
   put(text);
   expect_refused("at most 1024 certificates");
 }
 
-TEST_F(BadList, AnotherCa) {
+TEST_F(BadList, EntryOfAnotherCa_IsRefused) {
   const auto other = make_ca("CN=Other CA,O=Example");
   put(list_of({bob_with(kNext, 1, other).certificate}));
   expect_refused("CN=Identity CA,O=Example");
 }
 
 // With a CA of the same name.
-TEST_F(BadList, ACaOfTheSameName) {
+TEST_F(BadList, EntryOfACaOfTheSameName_IsRefused) {
   const auto other = make_ca();
   put(list_of({bob_with(kNext, 1, other).certificate}));
   expect_refused("");

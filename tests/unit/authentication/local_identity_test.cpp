@@ -12,7 +12,7 @@ namespace {
 
 Identity alice() { return make_identity(test_ca(), "CN=alice,O=Example"); }
 
-TEST(LocalIdentity, BindsTheGuidToTheSubject) {
+TEST(LocalIdentity, Guid_IsBoundToTheSubject) {
   Engine engine;
   const auto identity = alice();
   const auto local = create(identity.properties, engine);
@@ -27,7 +27,7 @@ TEST(LocalIdentity, BindsTheGuidToTheSubject) {
 
 // ---- certificate authorities
 
-TEST(LocalIdentity, SubordinateCaAloneAndInABundle) {
+TEST(LocalIdentity, SubordinateCa_IsTakenAloneAndInABundle) {
   const auto root = make_ca("CN=Root");
   const auto sub = root.subordinate("CN=Sub", {}, kYear, test_random()).value();
   const auto identity = make_identity(sub, "CN=alice");
@@ -43,7 +43,7 @@ TEST(LocalIdentity, SubordinateCaAloneAndInABundle) {
   expect_refused(root_only, Code::issuer_unknown, property::kIdentityCertificate);
 }
 
-TEST(LocalIdentity, PeersUnderDifferentCasOfOneBundleMeet) {
+TEST(LocalIdentity, PeersUnderDifferentCasOfOneBundle_Meet) {
   const auto first = make_ca("CN=First"), second = make_ca("CN=Second");
   const auto bundle = "data:," + first.certificate().pem() + second.certificate().pem();
   auto a = make_identity(first, "CN=alice"), b = make_identity(second, "CN=bob", {}, kYear, 1);
@@ -53,7 +53,7 @@ TEST(LocalIdentity, PeersUnderDifferentCasOfOneBundleMeet) {
 
 // ---- permissions
 
-TEST(Permissions, Refusals) {
+TEST(Permissions, InvalidPermissionsTokens_AreRefusedWithTheirCodes) {
   Engine engine;
   const auto local = create(alice().properties, engine);
   const auto give = [&](const Token& token) {
@@ -85,7 +85,7 @@ PropertyList cyclone_identity(const std::string& ca, const std::string& certific
   return properties;
 }
 
-TEST(CycloneData, GoodIdentities) {
+TEST(CycloneData, GoodIdentities_AreTaken) {
   EXPECT_TRUE(create(cyclone_identity("identity_ca", "identity_certificate", "private_key")));
   EXPECT_TRUE(
       create(cyclone_identity("ec_identity_ca", "ec_identity_certificate", "ec_private_key")));
@@ -102,7 +102,7 @@ TEST(CycloneData, GoodIdentities) {
       create(cyclone_identity("Identity_CA_Test_With_Chain.crt", "Bob_Chain_Test.crt", "bob.pem")));
 }
 
-TEST(CycloneData, BadIdentities) {
+TEST(CycloneData, BadIdentities_AreRefusedWithTheirCodes) {
   expect_refused(
       cyclone_identity("identity_ca", "identity_certificate", "private_key_w_password", "CHAM568"),
       Code::passphrase_wrong, property::kPrivateKey);
@@ -121,7 +121,7 @@ TEST(CycloneData, BadIdentities) {
                  Code::certificate_expired, property::kIdentityCertificate);
 }
 
-TEST(CycloneData, RevocationAndTrustedFolder) {
+TEST(CycloneData, RevocationListAndTrustedFolder_AreApplied) {
   auto properties =
       cyclone_identity("identity_ca", "revoked_identity_certificate", "revoked_private_key");
   EXPECT_TRUE(create(properties));
@@ -136,7 +136,7 @@ TEST(CycloneData, RevocationAndTrustedFolder) {
   expect_refused(folder, Code::own_ca_not_trusted, property::kTrustedCaDir);
 }
 
-TEST(CycloneData, ARevokedPeerIsRefusedInTheHandshake) {
+TEST(CycloneData, ARevokedPeer_IsRefusedInTheHandshake) {
   const auto identity = [](const std::string& name, bool with_crl) {
     PropertyList properties;
     const std::string folder = "process_handshake/";

@@ -55,7 +55,7 @@ INSTANTIATE_TEST_SUITE_P(All, OutOfMemory,
                          testing::Combine(testing::ValuesIn(failing_memory::sources()),
                                           testing::Values(Extent::once, Extent::from_then_on)));
 
-TEST_P(OutOfMemory, DelaysARevocationAndLosesNone) {
+TEST_P(OutOfMemory, FailingAllocation_DelaysARevocationAndLosesNone) {
   const auto [source, extent] = GetParam();
   long number = 0;
   for (bool failed = true; failed;) {

@@ -8,7 +8,7 @@ namespace {
 class Truncation : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Messages, Truncation, testing::Values("Req", "Reply", "Final", "AuthReq"));
 
-TEST_P(Truncation, AtEveryOctetIsRefused) {
+TEST_P(Truncation, MessageCutAtAnyOctet_IsRefused) {
   Pairing pairing;
   const auto req = pairing.two.request();
   const auto rep = pairing.two.reply(*req->message);

@@ -104,7 +104,7 @@ TEST_P(Policies, Ignore_LooksAtNothing) {
   EXPECT_EQ(unused, 0);
 }
 
-TEST(OcspPolicy, IsSoftUnlessSaidOtherwise) {
+TEST(OcspPolicy, MissingPolicy_IsSoftAndUnknownWordsAreRefused) {
   Meeting meeting(alice(), bob());
   EXPECT_CODE(meeting.meet_with(revoked), ocsp_revoked);
   for (const auto* value : {"", "Hard", "true", "none"}) {
@@ -149,7 +149,7 @@ TEST(OcspStatus, Twice_IsRefused) {
   EXPECT_CODE(meeting.pairing.two.reply(twice), token_field_repeated);
 }
 
-TEST(OcspStatus, ThatIsGoodHelpsNoCertificateOnAList) {
+TEST(OcspStatus, GoodResponse_DoesNotHelpACertificateOnAList) {
   const std::array listed = {alice().certificate, bob().certificate};
   const auto crl =
       test_ca().make_crl({.revoked = listed, .this_update = kNow - 1h, .next_update = kNow + 24h});

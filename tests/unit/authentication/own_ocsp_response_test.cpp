@@ -124,7 +124,7 @@ TEST_F(OwnOcspFile, ThatSaysRevoked_EndsUs) {
   EXPECT_CODE(engine->identity_token(us->handle, spi::kStandardCiphers), ocsp_revoked);
 }
 
-TEST_F(OwnOcspFile, MustBeAFile) {
+TEST_F(OwnOcspFile, DataUri_IsRefused) {
   set(identity.properties, spi::property::kOcspResponse, "data:,x");
   EXPECT_CODE(start(), invalid_property);
 }

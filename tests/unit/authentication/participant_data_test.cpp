@@ -5,13 +5,13 @@
 namespace ddssec::authentication {
 namespace {
 
-TEST(ParticipantData, FindsTheGuidAmongParametersOfAnyKind) {
+TEST(ParticipantData, GuidAmongOtherParameters_IsFound) {
   const auto found = participant_guid_in(participant_data(candidate(7)));
   ASSERT_OK(found);
   EXPECT_EQ(*found, candidate(7));
 }
 
-TEST(ParticipantData, ToleratesAMissingSentinelAndARepetition) {
+TEST(ParticipantData, MissingSentinelAndRepetition_AreTolerated) {
   Bytes data = participant_data(candidate(7));
   data.resize(data.size() - 4);
   EXPECT_TRUE(participant_guid_in(data));
@@ -37,7 +37,7 @@ Bytes locator(std::uint16_t id, std::int32_t kind, std::uint32_t port,
   return writer.take();
 }
 
-TEST(ParticipantData, HasUnicastAddressesOfDiscovery) {
+TEST(ParticipantData, UnicastAddressesOfDiscovery_AreFound) {
   constexpr std::uint16_t kMetatrafficUnicast = 0x32, kDefaultUnicast = 0x31;
   const auto addresses_in = [](std::initializer_list<Bytes> parameters) {
     Bytes data;
@@ -71,7 +71,7 @@ TEST(ParticipantData, HasUnicastAddressesOfDiscovery) {
             kMaxAddresses);
 }
 
-TEST(ParticipantData, HasOneBuiltinEndpointSet) {
+TEST(ParticipantData, BuiltinEndpointSet_IsReadOnceOnly) {
   const auto set_in = [](BytesView begin) {
     auto data = to_bytes(begin);
     const auto rest = participant_data(candidate(7));
@@ -87,7 +87,7 @@ TEST(ParticipantData, HasOneBuiltinEndpointSet) {
   EXPECT_EQ(set_in(Bytes{0, 0x58, 0, 2, 0x0f, 0x3f}), 0u);
 }
 
-TEST(ParticipantData, RefusesAListThatIsNone) {
+TEST(ParticipantData, MalformedList_IsRefused) {
   const Bytes one = participant_data(candidate(7));
   Bytes two = one;
   two.resize(two.size() - 4);
@@ -102,7 +102,7 @@ TEST(ParticipantData, RefusesAListThatIsNone) {
   EXPECT_CODE(participant_guid_in(Bytes{0, 1, 0, 0}), participant_guid_missing);
 }
 
-TEST(ParticipantData, EveryTruncationIsRefusedOrHarmless) {
+TEST(ParticipantData, EveryTruncation_IsRefusedOrHarmless) {
   const Bytes whole = participant_data(candidate(7));
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const auto found = participant_guid_in(BytesView(whole).first(size));
@@ -112,7 +112,7 @@ TEST(ParticipantData, EveryTruncationIsRefusedOrHarmless) {
   }
 }
 
-TEST(IdentityToken, InParticipantDataSaysWhatCounts) {
+TEST(IdentityToken, TokenInParticipantData_SaysWhatCounts) {
   Token token{"DDS:Auth:PKI-DH:1.0"};
   token.properties.push_back({"org.ddssec.symmetric_ciphers", "org.ddssec.ChaCha20-Poly1305"});
   const auto data = participant_data(candidate(7), &token);

@@ -9,7 +9,7 @@ namespace {
 
 // ---- wrong state
 
-TEST(WrongState, EveryMessageThatDoesNotFitIsRefused) {
+TEST(WrongState, MessageInTheWrongState_IsRefused) {
   Pairing pairing;
   const auto req = pairing.two.request();
   const auto rep = pairing.two.reply(*req->message);
@@ -33,7 +33,7 @@ TEST(WrongState, EveryMessageThatDoesNotFitIsRefused) {
   EXPECT_CODE(pairing.two.reply(*req->message), unexpected_message);
 }
 
-TEST(WrongState, AnInitiatorWaitingForAReplyTakesNothingElse) {
+TEST(WrongState, AnInitiatorWaitingForAReply_TakesNothingElse) {
   Pairing pairing, other;
   const auto req = pairing.two.request();
   const auto rep = pairing.two.reply(*req->message);
@@ -48,7 +48,7 @@ TEST(WrongState, AnInitiatorWaitingForAReplyTakesNothingElse) {
   pairing.expect_finish(*req, *rep);
 }
 
-TEST(WrongState, RolesAreDecidedByTheGuids) {
+TEST(WrongState, Roles_AreDecidedByTheGuids) {
   Pairing pairing;
   auto& two = pairing.two;
   EXPECT_CODE(
@@ -61,7 +61,7 @@ TEST(WrongState, RolesAreDecidedByTheGuids) {
       handshake_role_wrong);
 }
 
-TEST(WrongState, OwnParticipantDataMustFit) {
+TEST(WrongState, OwnParticipantData_MustFit) {
   Pairing pairing;
   auto& two = pairing.two;
   for (const std::size_t size : {0u, 64u * 1024 + 1})
@@ -74,7 +74,7 @@ TEST(WrongState, OwnParticipantDataMustFit) {
 
 // ---- repetitions
 
-TEST(Repetition, GetsTheSameAnswerWithoutNewKeys) {
+TEST(Repetition, RepeatedMessage_GetsTheSameAnswerWithoutNewKeys) {
   Pairing pairing;
   const auto req = pairing.two.request();
   const auto again = pairing.two.request();
@@ -103,7 +103,7 @@ TEST(Repetition, GetsTheSameAnswerWithoutNewKeys) {
 
 // ---- announced challenges
 
-TEST(FutureChallenge, BindsTheHandshake) {
+TEST(FutureChallenge, AnnouncedChallenge_BindsTheHandshake) {
   Pairing pairing;
   auto& two = pairing.two;
   const auto of_low = two.low.discover(two.high);
@@ -121,7 +121,7 @@ TEST(FutureChallenge, BindsTheHandshake) {
   pairing.expect_success();
 }
 
-TEST(FutureChallenge, AnotherOneIsRefusedInBothRoles) {
+TEST(FutureChallenge, AnotherOne_IsRefusedInBothRoles) {
   Pairing pairing;
   auto& two = pairing.two;
   const Token forged{.class_id = "DDS:Auth:PKI-DH:1.0+AuthReq",
@@ -139,7 +139,7 @@ TEST(FutureChallenge, AnotherOneIsRefusedInBothRoles) {
   pairing.expect_finish(*req, *rep);
 }
 
-TEST(FutureChallenge, AMalformedOneIsRefused) {
+TEST(FutureChallenge, AMalformedOne_IsRefused) {
   Pairing pairing;
   EXPECT_CODE(pairing.a.discover(pairing.b, Token{"DDS:Auth:PKI-DH:1.0+AuthReq"}),
               token_field_missing);

@@ -4,7 +4,7 @@
 namespace ddssec::authentication {
 namespace {
 
-TEST(Bounds, RemoteIdentities) {
+TEST(RemoteIdentityBounds, TooManyRemoteIdentities_AreRefused) {
   Engine engine(1, {.max_remote_identities = 3});
   Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
   const Token token{"DDS:Auth:PKI-DH:1.0"};
@@ -44,7 +44,7 @@ struct Fleet {
   std::vector<std::unique_ptr<Participant>> members;
 };
 
-TEST(Bounds, ACertificateThatFillsItsShareLeavesRoomForAnother) {
+TEST(RemoteIdentityBounds, ACertificateThatFillsItsShare_LeavesRoomForAnother) {
   Engine engine(1, {.max_remote_identities = 8, .max_identities_of_a_subject = 3});
   Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
   Fleet greedy("CN=greedy", 2), honest("CN=honest", 3);
@@ -66,7 +66,7 @@ TEST(Bounds, ACertificateThatFillsItsShareLeavesRoomForAnother) {
   EXPECT_TRUE(greedy.join(us));
 }
 
-TEST(Bounds, NoSubjectTakesTheLastPlaces) {
+TEST(RemoteIdentityBounds, OneSubject_NeverTakesTheLastPlaces) {
   Engine engine(1, {.max_remote_identities = 8});
   Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
   std::vector<int> joined;
@@ -80,7 +80,7 @@ TEST(Bounds, NoSubjectTakesTheLastPlaces) {
               too_many_remote_identities);
 }
 
-TEST(Bounds, InventedParticipantsAreCountedApart) {
+TEST(RemoteIdentityBounds, InventedParticipants_AreCountedApart) {
   Engine engine(1, {.max_remote_identities = 4, .max_identities_of_a_subject = 4});
   Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
   Fleet fleet("CN=fleet", 2);
@@ -105,7 +105,7 @@ TEST(Bounds, InventedParticipantsAreCountedApart) {
   EXPECT_TRUE(Fleet("CN=another", 3).join(us));
 }
 
-TEST(Bounds, AShareIsCheckedAgainWhenAClaimIsProven) {
+TEST(RemoteIdentityBounds, AShare_IsCheckedAgainWhenAClaimIsProven) {
   Engine engine(1, {.max_identities_of_a_subject = 1});
   Participant us(engine, make_identity(test_ca(), "CN=ours"), 1);
   Fleet fleet("CN=fleet", 2);

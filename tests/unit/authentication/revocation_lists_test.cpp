@@ -34,7 +34,7 @@ struct Watcher {
   Engine engine;
 };
 
-TEST(PollInterval, SaysHowOftenToLook) {
+TEST(PollInterval, Property_SaysHowOftenToLook) {
   const test::TemporaryFolder folder;
   const auto ends_after = [&](const std::string& interval) {
     folder.replace("crl.pem", pem({}));
@@ -47,7 +47,7 @@ TEST(PollInterval, SaysHowOftenToLook) {
   EXPECT_FALSE(ends_after("0"));
 }
 
-TEST(PollInterval, MustBeANumberOfSeconds) {
+TEST(PollInterval, OtherThanSeconds_IsRefused) {
   auto identity = alice();
   set(identity.properties, property::kFilesPollInterval, "5s");
   Engine engine;
@@ -55,7 +55,7 @@ TEST(PollInterval, MustBeANumberOfSeconds) {
   EXPECT_CODE(result, invalid_property);
 }
 
-TEST(LaterCrl, IsTakenWhenItComes) {
+TEST(LaterCrl, ListThatComesLater_IsTaken) {
   const test::TemporaryFolder folder;
   Watcher watcher(folder, property::kLaterCrl, "1");
   EXPECT_EQ(watcher.ends_after(folder), 1s);
@@ -88,7 +88,7 @@ TEST(LaterCrl, Record_FollowsTheListInForceAndWhatIsRefused) {
   EXPECT_EQ(recorded()["refused"]["stands"], false);
 }
 
-TEST(LaterCrl, ThatIsThereAlreadyCounts) {
+TEST(LaterCrl, ListThatIsThereAlready_Counts) {
   const test::TemporaryFolder folder;
   folder.write("crl.pem", pem({1, {alice().certificate}}));
   const Watcher watcher(folder, property::kLaterCrl, "1");
@@ -113,7 +113,7 @@ TEST(LaterCrl, BesideAListThatIsNamed_IsRefused) {
   EXPECT_NE(refused.error().to_sentence().find(property::kLaterCrl), std::string::npos);
 }
 
-TEST(LaterCrl, GoesWithNoFolderOfAuthorities) {
+TEST(LaterCrl, FolderOfAuthorities_IsRefusedBesideIt) {
   const test::TemporaryFolder folder, cas;
   cas.write("ca.pem", test_ca().certificate().pem());
   cas.write("other.pem", make_ca("CN=Other").certificate().pem());
@@ -126,8 +126,8 @@ TEST(LaterCrl, GoesWithNoFolderOfAuthorities) {
 // ---- a list that no property names
 
 /// Alice's certificate, or her CA's, is a file; no property names a list.
-struct Unprepared : testing::Test {
-  Unprepared() { set(identity.properties, property::kFilesPollInterval, "1"); }
+struct UnnamedRevocationList : testing::Test {
+  UnnamedRevocationList() { set(identity.properties, property::kFilesPollInterval, "1"); }
   void put_certificate() {
     const auto path = folder.write("cert.pem", alice().certificate.pem());
     set(identity.properties, property::kIdentityCertificate, "file:" + path);
@@ -164,7 +164,7 @@ const std::string& revokes_alice() {
   return text;
 }
 
-TEST_F(Unprepared, List_ComesBesideTheCertificate_IsTaken) {
+TEST_F(UnnamedRevocationList, List_ComesBesideTheCertificate_IsTaken) {
   put_certificate();
   ASSERT_OK(create());
   EXPECT_FALSE(ends());
@@ -174,7 +174,7 @@ TEST_F(Unprepared, List_ComesBesideTheCertificate_IsTaken) {
                                             Code::certificate_revoked));
 }
 
-TEST_F(Unprepared, List_ComesBesideTheCa_IsTaken) {
+TEST_F(UnnamedRevocationList, List_ComesBesideTheCa_IsTaken) {
   put_certificate();
   put_ca(elsewhere);
   ASSERT_OK(create());
@@ -184,8 +184,8 @@ TEST_F(Unprepared, List_ComesBesideTheCa_IsTaken) {
 }
 
 /// Alice's certificate is in `folder` and her CA in `elsewhere`.
-struct TwoPlaces : Unprepared {
-  TwoPlaces() {
+struct TwoRevocationLists : UnnamedRevocationList {
+  TwoRevocationLists() {
     put_certificate();
     put_ca(elsewhere);
   }
@@ -198,7 +198,7 @@ struct TwoPlaces : Unprepared {
   const ErrorDetails& last() const { return engine.events.events.back().error.details(); }
 };
 
-TEST_F(TwoPlaces, NewerList_CountsFromEither) {
+TEST_F(TwoRevocationLists, NewerList_CountsFromEither) {
   elsewhere.write("crl.pem", pem({5}));
   ASSERT_OK(create());
   EXPECT_THAT(told(), testing::IsEmpty());
@@ -208,7 +208,7 @@ TEST_F(TwoPlaces, NewerList_CountsFromEither) {
   EXPECT_EQ(last().document, folder.path() + "/crl.pem");
 }
 
-TEST_F(TwoPlaces, NewerListBesideTheCa_CountsOverTheOneBesideTheCertificate) {
+TEST_F(TwoRevocationLists, NewerListBesideTheCa_CountsOverTheOneBesideTheCertificate) {
   folder.write("crl.pem", pem({5}));
   ASSERT_OK(create());
   EXPECT_THAT(told(), testing::IsEmpty());
@@ -216,7 +216,7 @@ TEST_F(TwoPlaces, NewerListBesideTheCa_CountsOverTheOneBesideTheCertificate) {
   EXPECT_TRUE(ends());
 }
 
-TEST_F(TwoPlaces, NewestAtTheStart_Counts) {
+TEST_F(TwoRevocationLists, NewestAtTheStart_Counts) {
   folder.write("crl.pem", pem({1}));
   elsewhere.write("crl.pem", revokes_alice());
   EXPECT_CODE(create(), certificate_revoked);
@@ -227,7 +227,7 @@ TEST_F(TwoPlaces, NewestAtTheStart_Counts) {
   EXPECT_CODE(create(), crl_file_empty);
 }
 
-TEST_F(TwoPlaces, OlderCopy_IsReportedOnceWithBothNumbers) {
+TEST_F(TwoRevocationLists, OlderCopy_IsReportedOnceWithBothNumbers) {
   const auto second = pem({2});
   folder.write("crl.pem", pem({1}));
   elsewhere.write("crl.pem", second);
@@ -243,7 +243,7 @@ TEST_F(TwoPlaces, OlderCopy_IsReportedOnceWithBothNumbers) {
   EXPECT_THAT(told(), testing::IsEmpty());
 }
 
-TEST_F(TwoPlaces, CopyThatFallsBehind_IsReported) {
+TEST_F(TwoRevocationLists, CopyThatFallsBehind_IsReported) {
   folder.write("crl.pem", pem({1}));
   elsewhere.write("crl.pem", pem({1}));
   ASSERT_OK(create());
@@ -253,7 +253,7 @@ TEST_F(TwoPlaces, CopyThatFallsBehind_IsReported) {
   EXPECT_EQ(last().document, elsewhere.path() + "/crl.pem");
 }
 
-TEST_F(TwoPlaces, OlderListInBoth_GoesBackInNeither) {
+TEST_F(TwoRevocationLists, OlderListInBoth_GoesBackInNeither) {
   const auto fifth = pem({5});
   folder.write("crl.pem", fifth);
   elsewhere.write("crl.pem", fifth);
@@ -267,7 +267,7 @@ TEST_F(TwoPlaces, OlderListInBoth_GoesBackInNeither) {
   EXPECT_TRUE(ends());
 }
 
-TEST_F(TwoPlaces, FileThatDisappears_IsReportedAndItsListStays) {
+TEST_F(TwoRevocationLists, FileThatDisappears_IsReportedAndItsListStays) {
   folder.write("crl.pem", pem({1}));
   elsewhere.write("crl.pem", pem({2}));
   ASSERT_OK(create());
@@ -280,7 +280,7 @@ TEST_F(TwoPlaces, FileThatDisappears_IsReportedAndItsListStays) {
 }
 
 // Before, the other place was not read for as long as this one was wrong in a new way at each look.
-TEST_F(TwoPlaces, FileThatIsWrongAtEachLook_DoesNotHideTheOther) {
+TEST_F(TwoRevocationLists, FileThatIsWrongAtEachLook_DoesNotHideTheOther) {
   folder.write("crl.pem", pem({1}));
   elsewhere.write("crl.pem", pem({1}));
   ASSERT_OK(create());
@@ -295,7 +295,7 @@ TEST_F(TwoPlaces, FileThatIsWrongAtEachLook_DoesNotHideTheOther) {
   EXPECT_TRUE(ended);
 }
 
-TEST_F(TwoPlaces, ForgedList_ReplacesNone) {
+TEST_F(TwoRevocationLists, ForgedList_ReplacesNone) {
   folder.write("crl.pem", pem({5}));
   const auto forger = make_ca();  // of the same name
   ASSERT_OK(create());
@@ -309,7 +309,7 @@ TEST_F(TwoPlaces, ForgedList_ReplacesNone) {
   EXPECT_TRUE(ends());
 }
 
-TEST_F(TwoPlaces, ListsOfTwoCas_CountTogether) {
+TEST_F(TwoRevocationLists, ListsOfTwoCas_CountTogether) {
   const auto other = make_ca("CN=Other CA");
   elsewhere.write("identity_ca.cert.pem",
                   test_ca().certificate().pem() + other.certificate().pem());
@@ -325,7 +325,7 @@ TEST_F(TwoPlaces, ListsOfTwoCas_CountTogether) {
   EXPECT_TRUE(ends());
 }
 
-TEST_F(Unprepared, List_ThereAtTheStart_Counts) {
+TEST_F(UnnamedRevocationList, List_ThereAtTheStart_Counts) {
   put_certificate();
   folder.write("crl.pem", revokes_alice());
   EXPECT_CODE(create(), certificate_revoked);
@@ -336,7 +336,7 @@ TEST_F(Unprepared, List_ThereAtTheStart_Counts) {
   EXPECT_EQ(codes().size(), 2u) << "a participant with a list does not say that it has none";
 }
 
-TEST_F(Unprepared, List_ThatIsInvalidOrForeign_ChangesNothingAndIsReported) {
+TEST_F(UnnamedRevocationList, List_ThatIsInvalidOrForeign_ChangesNothingAndIsReported) {
   put_certificate();
   ASSERT_OK(create());
   const auto stranger = make_ca("CN=Stranger");
@@ -359,7 +359,7 @@ TEST_F(Unprepared, List_ThatIsInvalidOrForeign_ChangesNothingAndIsReported) {
   EXPECT_TRUE(ends());
 }
 
-TEST_F(Unprepared, NoList_IsSaidOnceWithItsPlace) {
+TEST_F(UnnamedRevocationList, NoList_IsSaidOnceWithItsPlace) {
   put_certificate();
   ASSERT_OK(create());
   EXPECT_FALSE(ends());
@@ -371,7 +371,7 @@ TEST_F(Unprepared, NoList_IsSaidOnceWithItsPlace) {
   EXPECT_NE(event.guid, "");
 }
 
-TEST_F(Unprepared, NoList_WithoutLooking_SaysThatNoneIsLookedFor) {
+TEST_F(UnnamedRevocationList, NoList_WithoutLooking_SaysThatNoneIsLookedFor) {
   put_certificate();
   set(identity.properties, property::kFilesPollInterval, "0");
   ASSERT_OK(create());
@@ -381,7 +381,7 @@ TEST_F(Unprepared, NoList_WithoutLooking_SaysThatNoneIsLookedFor) {
   EXPECT_FALSE(ends());
 }
 
-TEST_F(Unprepared, FolderOfAuthorities_NoListIsLookedFor) {
+TEST_F(UnnamedRevocationList, FolderOfAuthorities_NoListIsLookedFor) {
   put_certificate();
   elsewhere.write("ca.pem", test_ca().certificate().pem());
   set(identity.properties, property::kTrustedCaDir, elsewhere.path());
@@ -394,8 +394,8 @@ TEST_F(Unprepared, FolderOfAuthorities_NoListIsLookedFor) {
 // ---- two participants of one process with the same files
 
 /// The second is made between two looks of the first, so that it looks at other times.
-struct TwoRhythms : Unprepared {
-  TwoRhythms() {
+struct TwoParticipantsWithOneList : UnnamedRevocationList {
+  TwoParticipantsWithOneList() {
     identity = make_identity(test_ca(), "CN=alice,O=Example", {}, {kNow - 24h, kEnd});
     set(identity.properties, property::kFilesPollInterval, "5");
     const auto path = folder.write("cert.pem", identity.certificate.pem());
@@ -417,7 +417,7 @@ struct TwoRhythms : Unprepared {
   std::optional<Participant> first, second;
 };
 
-TEST_F(TwoRhythms, ListThatNamesBoth_EndsBothAtOnce) {
+TEST_F(TwoParticipantsWithOneList, ListThatNamesBoth_EndsBothAtOnce) {
   for (int i = 0; i < 4; ++i) {
     folder.replace("crl.pem", pem({static_cast<std::uint64_t>(i + 1), {}}));
     EXPECT_THAT(pass(6s), testing::IsEmpty());
@@ -427,7 +427,7 @@ TEST_F(TwoRhythms, ListThatNamesBoth_EndsBothAtOnce) {
   EXPECT_THAT(pass(6s), testing::UnorderedElementsAre(first->handle, second->handle));
 }
 
-TEST_F(TwoRhythms, CertificateRenewedJustBeforeItsEnd_IsTakenByBoth) {
+TEST_F(TwoParticipantsWithOneList, CertificateRenewedJustBeforeItsEnd_IsTakenByBoth) {
   const auto renewed = make_identity(test_ca(), "CN=alice,O=Example", {}, {kNow, kEnd + 24h});
   engine.clock.advance(kEnd - engine.clock.now() - 8s);
   pass(7s);

@@ -15,9 +15,9 @@ namespace ddssec::authentication {
 namespace {
 
 /// Alice has a file with a list; Bob has none.
-class Running : public testing::Test {
+class RunningRevocation : public testing::Test {
  protected:
-  explicit Running(const std::string& first = pem({}))
+  explicit RunningRevocation(const std::string& first = pem({}))
       : path_(folder_.write("crl.pem", first)),
         pairing_(with_list(alice(), "file:" + path_), bob()) {}
 
@@ -68,7 +68,7 @@ class Running : public testing::Test {
   Pairing pairing_;
 };
 
-TEST_F(Running, ARevokedPeerIsEndedAndDoesNotComeBack) {
+TEST_F(RunningRevocation, ARevokedPeer_IsEndedAndDoesNotComeBack) {
   pairing_.expect_success();
   EXPECT_TRUE(wait().empty());
   EXPECT_EQ(put(pem({2, {bob().certificate}})), std::vector{bob_at_alice()});
@@ -89,7 +89,7 @@ TEST_F(Running, ARevokedPeerIsEndedAndDoesNotComeBack) {
   EXPECT_CODE(handshake(), certificate_revoked);
 }
 
-TEST_F(Running, WhoeverIsNotOnTheListStays) {
+TEST_F(RunningRevocation, PeerNotOnTheList_Stays) {
   pairing_.expect_success();
   EXPECT_TRUE(put(pem({2, {alice().certificate, bob().certificate}}, make_ca("CN=X"))).empty());
   EXPECT_TRUE(put(pem({3, {make_identity(test_ca(), "CN=carol").certificate}})).empty());
@@ -97,7 +97,7 @@ TEST_F(Running, WhoeverIsNotOnTheListStays) {
 }
 
 // What was judged before is not believed for having been judged.
-TEST_F(Running, AHandshakeUnderWayIsJudgedByTheNewList) {
+TEST_F(RunningRevocation, AHandshakeUnderWay_IsJudgedByTheNewList) {
   auto& two = pairing_.two;
   const auto request = two.request();
   ASSERT_OK(request);
@@ -113,7 +113,7 @@ TEST_F(Running, AHandshakeUnderWayIsJudgedByTheNewList) {
   }
 }
 
-TEST_F(Running, OurOwnRevocationEndsUsAndOurPeers) {
+TEST_F(RunningRevocation, OurOwnRevocation_EndsUsAndOurPeers) {
   pairing_.expect_success();
   EXPECT_EQ(put(pem({2, {alice().certificate}})), (std::vector{pairing_.a.handle, bob_at_alice()}));
   EXPECT_EQ(events().back().error.code(), Code::certificate_revoked);
@@ -125,7 +125,7 @@ TEST_F(Running, OurOwnRevocationEndsUsAndOurPeers) {
 }
 
 // Each goes by its own list, and each is told by itself.
-TEST_F(Running, TwoOfOneEngineGoByTheirOwnLists) {
+TEST_F(RunningRevocation, TwoParticipantsOfOneEngine_GoByTheirOwnLists) {
   Participant second(engine(), make_identity(test_ca(), "CN=second"), 7);
   Two other(second, pairing_.b);
   pairing_.expect_success();
@@ -143,9 +143,9 @@ TEST_F(Running, TwoOfOneEngineGoByTheirOwnLists) {
 
 // ---- files that loosen nothing
 
-class Refused : public Running {
+class RefusedRevocationList : public RunningRevocation {
  protected:
-  Refused() : Running(pem({5, {bob().certificate}})) {}
+  RefusedRevocationList() : RunningRevocation(pem({5, {bob().certificate}})) {}
   /// Said once, however often it is looked at; Bob stays out.
   void expect_refused(std::string_view text, Code code) {
     put(text);
@@ -167,33 +167,33 @@ class Refused : public Running {
   }
 };
 
-TEST_F(Refused, LowerNumbersAndEarlierTimes) {
+TEST_F(RefusedRevocationList, LowerNumbersAndEarlierTimes_AreRefused) {
   expect_refused(pem({4}), Code::crl_older);
   expect_refused(pem({6, {}, kNow - 2h}), Code::crl_older);
   expect_refused(pem({5, {}, kNow - 2h}), Code::crl_older);
 }
 
-TEST_F(Refused, ForgedOnes) {
+TEST_F(RefusedRevocationList, ForgedLists_AreRefused) {
   const auto twin = make_ca();
   expect_refused(pem({6}, twin), Code::crl_signature_invalid);
   expect_refused(pem({6}) + pem({7}, twin), Code::crl_signature_invalid);
   expect_refused(pem({6}, make_ca("CN=Other CA")), Code::crl_missing);
 }
 
-TEST_F(Refused, DeltaLists) {
+TEST_F(RefusedRevocationList, DeltaLists_AreRefused) {
   const auto newer = pki::Crl::all_from(as_bytes(pem({6})))->front();
   const auto delta = test::delta_pem(newer, test_ca(), 5);
   expect_refused(delta, Code::crl_is_delta);
   expect_refused(pem({5, {bob().certificate}}) + delta, Code::crl_is_delta);
 }
 
-TEST_F(Refused, OutOfTheirTime) {
+TEST_F(RefusedRevocationList, ListsOutOfTheirTime_AreRefused) {
   expect_refused(pem({6, {}, kNow - 30min, kNow - 1s}), Code::crl_expired);
   expect_refused(pem({6, {}, kNow + 1h}), Code::crl_not_yet_valid);
 }
 
 // Its time comes without anybody touching the file.
-TEST_F(Refused, AListOfTheFutureIsTakenWhenItsTimeHasCome) {
+TEST_F(RefusedRevocationList, AListOfTheFuture_IsTakenWhenItsTimeHasCome) {
   const auto recorded = [&] {
     return test::recorded_document(engine().documents, "revocation list")["refused"];
   };
@@ -210,7 +210,7 @@ TEST_F(Refused, AListOfTheFutureIsTakenWhenItsTimeHasCome) {
 }
 
 // The clocks of all were ahead, and were set: what was revoked stays so.
-TEST_F(Refused, AListOfTodayTakesThePlaceOfOneOfTheFutureIfItNamesAll) {
+TEST_F(RefusedRevocationList, ListOfToday_ReplacesOneOfTheFutureIfItNamesAll) {
   engine().clock.set(kNow + 200 * 24h);
   put(pem({6, {bob().certificate}, kNow + 200 * 24h}));
   EXPECT_EQ(codes(), std::vector{Code::crl_renewed});
@@ -223,7 +223,7 @@ TEST_F(Refused, AListOfTodayTakesThePlaceOfOneOfTheFutureIfItNamesAll) {
   EXPECT_CODE(handshake(), certificate_revoked);
 }
 
-TEST_F(Refused, WhatIsNoList) {
+TEST_F(RefusedRevocationList, OtherContent_IsRefused) {
   expect_refused("", Code::item_empty);
   expect_refused("nothing", Code::crl_file_empty);
   expect_refused(test_ca().certificate().pem(), Code::crl_file_empty);
@@ -236,7 +236,7 @@ TEST_F(Refused, WhatIsNoList) {
   expect_refused(Code::file_unreadable);
 }
 
-TEST_F(Refused, CutOffAnywhere) {
+TEST_F(RefusedRevocationList, ListCutOffAnywhere_IsRefused) {
   const auto whole = pem({6});
   for (std::size_t size = 0; size < whole.size() - 2; ++size) {
     folder_.replace("crl.pem", whole.substr(0, size));
@@ -250,7 +250,7 @@ TEST_F(Refused, CutOffAnywhere) {
   EXPECT_EQ(codes(), std::vector{Code::crl_renewed});
 }
 
-TEST_F(Refused, AnyBitChanged) {
+TEST_F(RefusedRevocationList, ListWithAnyBitChanged_IsRefused) {
   const auto whole = pem({6});
   for (std::size_t at = 0; at < whole.size(); at += 7) {
     auto changed = whole;
@@ -263,7 +263,7 @@ TEST_F(Refused, AnyBitChanged) {
 }
 
 // Half of the file at one look, all of it at the next: nobody hears of the half.
-TEST_F(Running, AFileThatIsJustBeingWrittenIsNoReasonToComplain) {
+TEST_F(RunningRevocation, AFileThatIsJustBeingWritten_IsNoReasonToComplain) {
   const auto whole = pem({2, {bob().certificate}});
   pairing_.expect_success();
   wait();
@@ -289,7 +289,7 @@ struct Authorities {
   }
 };
 
-TEST(RevokedAuthority, EndsWhoeverItIssued) {
+TEST(RevokedAuthority, RevokedCa_EndsThePeersItIssued) {
   const Authorities cas;
   const test::TemporaryFolder folder;
   const auto path = folder.write("crl.pem", pem({}, cas.root) + pem({}, cas.sub));
@@ -311,7 +311,7 @@ TEST(RevokedAuthority, EndsWhoeverItIssued) {
 }
 
 // Who takes a list away would hide a revocation.
-TEST(RevokedAuthority, OfTwoOfOneNameEachKeepsItsList) {
+TEST(RevokedAuthority, TwoCasOfOneName_EachKeepsItsList) {
   const auto old = make_ca("CN=Plant"), now = make_ca("CN=Plant");
   const std::vector anchors{old.certificate(), now.certificate()};
   const auto lists = [&](const std::string& text) { return *pki::Crl::all_from(as_bytes(text)); };
@@ -321,7 +321,7 @@ TEST(RevokedAuthority, OfTwoOfOneNameEachKeepsItsList) {
   EXPECT_CODE(check_renewal(lists(pem({1}, old) + pem({9}, now)), held, anchors, kNow), crl_older);
 }
 
-TEST(RevokedAuthority, TheListOfEachMustStay) {
+TEST(RevokedAuthority, ListOfEachCa_MustStay) {
   const Authorities cas;
   const test::TemporaryFolder folder;
   const auto path = folder.write("crl.pem", pem({}, cas.root) + pem({}, cas.sub));
@@ -338,7 +338,7 @@ TEST(RevokedAuthority, TheListOfEachMustStay) {
 
 // ---- many
 
-TEST(ManyRevoked, EndAtOnce) {
+TEST(ManyRevoked, ManyRevokedPeers_EndAtOnce) {
   constexpr int kPeers = 100;
   const test::TemporaryFolder folder;
   const auto path = folder.write("crl.pem", pem({}));
@@ -361,7 +361,7 @@ TEST(ManyRevoked, EndAtOnce) {
 }
 
 // Lists come in while other threads shake hands: whoever is revoked at the end is out.
-TEST(ManyRevoked, WhileOthersShakeHands) {
+TEST(ManyRevoked, RevocationDuringHandshakes_EndsEveryRevokedPeer) {
   const test::TemporaryFolder folder;
   const auto path = folder.write("crl.pem", pem({}));
   for (int round = 0; round < 20; ++round) {

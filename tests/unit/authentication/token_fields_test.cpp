@@ -6,7 +6,7 @@
 namespace ddssec::authentication {
 namespace {
 
-TEST(TokenClass, NameAndMajorVersionCount) {
+TEST(TokenClass, NameAndMajorVersion_Count) {
   EXPECT_EQ(token_class_of("DDS:Auth:PKI-DH:1.0"), TokenClass::identity);
   EXPECT_EQ(token_class_of("DDS:Auth:PKI-DH:1.2"), TokenClass::identity);
   EXPECT_EQ(token_class_of("DDS:Auth:PKI-DH:1.0+Req"), TokenClass::request);
@@ -20,14 +20,14 @@ TEST(TokenClass, NameAndMajorVersionCount) {
     EXPECT_FALSE(token_class_of(id)) << id;
 }
 
-TEST(TokenFields, ToleratesWhatItDoesNotKnowWithinBounds) {
+TEST(TokenFields, UnknownFieldsWithinBounds_AreTolerated) {
   Token token = sample();
   token.binary_properties.push_back({"com.example.new", Bytes(kMaxUnknownOctets)});
   token.properties.push_back({"note", std::string(kMaxTextOctets, 'x')});
   EXPECT_TRUE(read_auth_request(token));
 }
 
-TEST(TokenFields, RefusesWhatIsTooMuch) {
+TEST(TokenFields, TooManyUnknownOctets_AreRefused) {
   Token unknown = sample();
   unknown.binary_properties.push_back({"x", Bytes(kMaxUnknownOctets + 1)});
   EXPECT_CODE(read_auth_request(unknown), token_too_large);

@@ -6,7 +6,7 @@
 namespace ddssec::authentication {
 namespace {
 
-TEST(SignatureInput, NamesTheSixValuesInTheStandardsOrder) {
+TEST(SignatureInput, EachMessage_NamesTheSixValuesInTheStandardsOrder) {
   const Transcript transcript{.dh1 = {1}, .dh2 = {2}};
   const auto reply = transcript.reply_input();
   const auto final = transcript.final_input();

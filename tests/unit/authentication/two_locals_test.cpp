@@ -70,7 +70,7 @@ class Handshake {
   std::optional<Two::Step> request_, reply_, final_, end_;
 };
 
-TEST(TwoLocals, HaveAHandleEachForTheSameRemote) {
+TEST(TwoLocals, SameRemote_HasAHandleForEach) {
   TwoLocals world;
   EXPECT_NE(world.remote_of_first(), world.remote_of_second());
   const auto again = world.first.discover(world.remote);
@@ -78,7 +78,7 @@ TEST(TwoLocals, HaveAHandleEachForTheSameRemote) {
   EXPECT_EQ(again->handle, world.remote_of_first());
 }
 
-TEST(TwoLocals, CannotUseEachOthersHandles) {
+TEST(TwoLocals, HandleOfTheOther_IsRefused) {
   TwoLocals world;
   auto& engine = world.ours;
   EXPECT_CODE(engine->begin_handshake_request(world.second.handle, world.remote_of_first(),
@@ -89,7 +89,7 @@ TEST(TwoLocals, CannotUseEachOthersHandles) {
               unknown_identity);
 }
 
-TEST(TwoLocals, InterleavedHandshakesEndInASecretEach) {
+TEST(TwoLocals, InterleavedHandshakes_EndInASecretEach) {
   TwoLocals world;
   Handshake first(world.of_first), second(world.of_second);
   first.request();
@@ -103,7 +103,7 @@ TEST(TwoLocals, InterleavedHandshakesEndInASecretEach) {
   EXPECT_NE(first.of_low()->secret, second.of_low()->secret);
 }
 
-TEST(TwoLocals, ASecondHandshakeOfTheOneLeavesTheOthersSecret) {
+TEST(TwoLocals, ASecondHandshakeOfTheOne_LeavesTheOthersSecret) {
   TwoLocals world;
   Handshake first(world.of_first), second(world.of_second), again(world.of_second);
   first.all();
@@ -114,7 +114,7 @@ TEST(TwoLocals, ASecondHandshakeOfTheOneLeavesTheOthersSecret) {
   EXPECT_NE(again.of_low()->secret, second.of_low()->secret);
 }
 
-TEST(TwoLocals, GivingBackTheRemoteOfOneLeavesItToTheOtherWhicheverIsFirst) {
+TEST(TwoLocals, ReturningTheRemoteOfOne_LeavesItToTheOther) {
   for (const bool second_goes : {false, true}) {
     TwoLocals world;
     auto& goes = second_goes ? world.of_second : world.of_first;
@@ -139,7 +139,7 @@ TEST(TwoLocals, GivingBackTheRemoteOfOneLeavesItToTheOtherWhicheverIsFirst) {
   }
 }
 
-TEST(TwoLocals, GivingBackOneOfThemTakesItsRemotesOnly) {
+TEST(TwoLocals, ReturningOneOfThem_TakesItsRemotesOnly) {
   TwoLocals world;
   Handshake first(world.of_first), second(world.of_second);
   first.all();
@@ -152,7 +152,7 @@ TEST(TwoLocals, GivingBackOneOfThemTakesItsRemotesOnly) {
   second.expect_one_secret();
 }
 
-TEST(TwoLocals, TheTokenThatOneAuthenticatedDoesNotBindTheOther) {
+TEST(TwoLocals, TokenAuthenticatedForOne_DoesNotBindTheOther) {
   TwoLocals world;
   Handshake(world.of_first).all();
   const Token other{"DDS:Auth:PKI-DH:1.0"};
@@ -163,7 +163,7 @@ TEST(TwoLocals, TheTokenThatOneAuthenticatedDoesNotBindTheOther) {
       world.ours->validate_remote_identity(world.second.handle, {}, other, world.remote.guid));
 }
 
-TEST(TwoLocals, WhatOneDistrustsTheOtherMayTrust) {
+TEST(TwoLocals, WhatOneDistrusts_TheOtherMayTrust) {
   const auto strict_ca = make_ca("CN=Another CA");
   TwoLocals world;
   Participant strict(world.ours, make_identity(strict_ca, "CN=strict,O=Example"), 4);
@@ -178,7 +178,7 @@ TEST(TwoLocals, WhatOneDistrustsTheOtherMayTrust) {
 }
 
 // Each host asks for its own, and none takes what another has to be told.
-TEST(TwoLocals, TheEndOfTheRemoteIsToldToEach) {
+TEST(TwoLocals, TheEndOfTheRemote_IsToldToEach) {
   TwoLocals world(kYear, {kNow - 24h, kNow + 10s});
   Handshake(world.of_first).all();
   Handshake(world.of_second).all();
@@ -189,7 +189,7 @@ TEST(TwoLocals, TheEndOfTheRemoteIsToldToEach) {
   EXPECT_TRUE(world.ours->expire().empty());
 }
 
-TEST(TwoLocals, WhoAsksForAllIsToldOfAll) {
+TEST(TwoLocals, HostThatAsksForAll_IsToldOfAll) {
   TwoLocals world(kYear, {kNow - 24h, kNow + 10s});
   Handshake(world.of_first).all();
   Handshake(world.of_second).all();
@@ -198,7 +198,7 @@ TEST(TwoLocals, WhoAsksForAllIsToldOfAll) {
   EXPECT_TRUE(world.ours->expire(world.second.handle).empty());
 }
 
-TEST(TwoLocals, OneThatEndsLeavesTheOthersRemote) {
+TEST(TwoLocals, EndOfOne_LeavesTheOthersRemote) {
   TwoLocals world({kNow - 24h, kNow + 10s});
   Handshake(world.of_first).all();
   Handshake second(world.of_second), again(world.of_second);
@@ -213,7 +213,7 @@ TEST(TwoLocals, OneThatEndsLeavesTheOthersRemote) {
   again.all();
 }
 
-TEST(TwoLocals, ACrowdOfStrangersAtTheOneLeavesTheOtherItsRoom) {
+TEST(TwoLocals, CrowdOfStrangersAtTheOne_LeavesTheOtherItsRoom) {
   TwoLocals world(kYear, kYear, {.max_remote_identities = 2});
   const auto discover = [&](const Participant& by, std::uint8_t number) {
     return world.ours->validate_remote_identity(by.handle, {}, {"DDS:Auth:PKI-DH:1.0"},

@@ -127,7 +127,7 @@ struct LargeDocuments {
   std::optional<Two::Step> request;
 };
 
-TEST(Bounds, OwnerOfLargeDocuments_GetsInWhileAStrangerFillsItsSubject) {
+TEST(UnprovenOctetsBounds, OwnerOfLargeDocuments_GetsInWhileAStrangerFillsItsSubject) {
   for (const std::size_t size : {std::size_t{86'000}, kMaxPermissionsOctets}) {
     LargeDocuments world(size);
     auto stranger = world.stranger();
@@ -139,7 +139,7 @@ TEST(Bounds, OwnerOfLargeDocuments_GetsInWhileAStrangerFillsItsSubject) {
 }
 
 // Each drop is a new draw: the owner is not the one that always goes.
-TEST(Bounds, OwnerOfLargeDocuments_OutlivesSomeRequestsThatComeAfterIts) {
+TEST(UnprovenOctetsBounds, OwnerOfLargeDocuments_OutlivesSomeRequestsThatComeAfterIts) {
   int finished = 0;
   for (int turn = 0; turn < 8; ++turn) {
     LargeDocuments world(kMaxPermissionsOctets);
@@ -155,7 +155,7 @@ TEST(Bounds, OwnerOfLargeDocuments_OutlivesSomeRequestsThatComeAfterIts) {
   EXPECT_GE(finished, 4);
 }
 
-TEST(Bounds, DroppedRequestOfAStranger_IsAnEventWithTheLimits) {
+TEST(UnprovenOctetsBounds, DroppedRequestOfAStranger_IsAnEventWithTheLimits) {
   LargeDocuments world(86'000);
   auto stranger = world.stranger();
   for (int i = 0; i < 9; ++i) ASSERT_OK(stranger.sends(kMaxPermissionsOctets));
@@ -165,7 +165,7 @@ TEST(Bounds, DroppedRequestOfAStranger_IsAnEventWithTheLimits) {
               testing::HasSubstr("8388608 octets of a subject"));
 }
 
-TEST(Bounds, LargeDocumentsOfUnprovenPeersTakeNoRoomOfOrdinaryOnes) {
+TEST(UnprovenOctetsBounds, LargeDocumentsOfUnprovenPeers_TakeNoRoomOfOrdinaryOnes) {
   Pairing pairing;
   auto& two = pairing.two;
   const auto req = two.request();

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(WallTime, IsWrittenInUtcInEveryYear) {
+TEST(WallTime, EveryYear_IsWrittenInUtc) {
   EXPECT_EQ(to_string(WallTime(0s)), "1970-01-01T00:00:00Z");
   EXPECT_EQ(to_string(WallTime(-1s)), "1969-12-31T23:59:59Z");
   EXPECT_EQ(to_string(WallTime(1'795'230'823s)), "2026-11-21T03:13:43Z");
@@ -18,7 +18,7 @@ TEST(WallTime, IsWrittenInUtcInEveryYear) {
   EXPECT_EQ(to_string(WallTime(253'402'300'799s)), "9999-12-31T23:59:59Z");
 }
 
-TEST(ManualClock, AdvancesBothClocksAndKeepsFractions) {
+TEST(ManualClock, Advance_MovesBothClocksAndKeepsFractions) {
   ManualClock clock{WallTime(100s)};
   clock.advance(1'400ms);
   EXPECT_EQ(clock.now(), WallTime(101s));
@@ -37,7 +37,7 @@ TEST(ManualClock, SettingTheCalendar_LeavesTheMonotonicClock) {
   EXPECT_EQ(clock.monotonic(), 3s);
 }
 
-TEST(SystemClock, NeverGoesBackAndCountsSleepAsWell) {
+TEST(SystemClock, Time_NeverGoesBackAndCountsSleep) {
   const SystemClock clock;
   const auto first = clock.monotonic();
   EXPECT_GE(clock.monotonic(), first);

@@ -8,7 +8,7 @@
 namespace ddssec {
 namespace {
 
-TEST(Code, EveryRowHasItsOwnNumberASummaryAndAHint) {
+TEST(Code, EveryRow_HasItsOwnNumberASummaryAndAHint) {
   std::set<std::string_view> names;
   for (const auto& row : all_codes()) {
     EXPECT_GE(static_cast<int>(row.code), 1000) << row.name;
@@ -24,11 +24,11 @@ TEST(Code, NumberThatNoRowHas_IsInternal) {
   EXPECT_EQ(info(Code{999'999'999}).code, Code::internal);
 }
 
-TEST(Code, RowsAreSortedByNumber) {
+TEST(Code, Rows_AreSortedByNumber) {
   EXPECT_TRUE(std::ranges::is_sorted(all_codes(), {}, &CodeInfo::code));
 }
 
-TEST(Severity, HasTheNameOfItsEnumerator) {
+TEST(Severity, EachValue_HasTheNameOfItsEnumerator) {
   EXPECT_EQ(to_string(Severity::debug), "debug");
   EXPECT_EQ(to_string(Severity::informational), "informational");
   EXPECT_EQ(to_string(Severity::critical), "critical");

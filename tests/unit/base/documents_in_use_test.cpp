@@ -26,8 +26,8 @@ Error refusal(std::string document = "/a/cert.pem") {
                {.document = std::move(document), .expected = "CN=a", .found = "CN=b"});
 }
 
-struct Record : testing::Test {
-  Record() { documents.note_participant(1, "0110", "CN=a"); }
+struct DocumentsInUseTest : testing::Test {
+  DocumentsInUseTest() { documents.note_participant(1, "0110", "CN=a"); }
   json answer() const { return json::parse(documents.to_json()); }
   json first() const { return answer()["participants"][0]["documents"][0]; }
   void note(const DocumentState& one, std::chrono::seconds later = 0s) {
@@ -36,7 +36,7 @@ struct Record : testing::Test {
   DocumentsInUse documents;
 };
 
-TEST_F(Record, ParticipantThatIsCutOff_HasTheFirstReason) {
+TEST_F(DocumentsInUseTest, ParticipantThatIsCutOff_HasTheFirstReason) {
   note(state("7"));
   EXPECT_TRUE(answer()["participants"][0]["cut_off"].is_null());
   documents.note_end(2, Error(Code::certificate_expired), kNow);
@@ -48,7 +48,7 @@ TEST_F(Record, ParticipantThatIsCutOff_HasTheFirstReason) {
   EXPECT_EQ(answer()["participants"].size(), 1u);
 }
 
-TEST_F(Record, Document_IsShownWithItsPartsAndSinceWhen) {
+TEST_F(DocumentsInUseTest, Document_IsShownWithItsPartsAndSinceWhen) {
   note(state("7"));
   const auto all = answer();
   EXPECT_EQ(all["schema"], "ddssec-status/1");
@@ -66,7 +66,7 @@ TEST_F(Record, Document_IsShownWithItsPartsAndSinceWhen) {
   EXPECT_TRUE(document["waiting"].is_null());
 }
 
-TEST_F(Record, DocumentThatWaits_IsShownUntilItWaitsNoMore) {
+TEST_F(DocumentsInUseTest, DocumentThatWaits_IsShownUntilItWaitsNoMore) {
   auto waits = state("7");
   waits.waiting = DocumentPart{.subject = "revision 8", .sha256 = "08"};
   note(waits);
@@ -77,7 +77,7 @@ TEST_F(Record, DocumentThatWaits_IsShownUntilItWaitsNoMore) {
   EXPECT_EQ(first()["since"], to_string(kNow));
 }
 
-TEST_F(Record, SameStateAgain_KeepsItsTime) {
+TEST_F(DocumentsInUseTest, SameStateAgain_KeepsItsTime) {
   note(state("7"));
   note(state("7"), 60s);
   EXPECT_EQ(first()["since"], to_string(kNow));
@@ -86,7 +86,7 @@ TEST_F(Record, SameStateAgain_KeepsItsTime) {
   EXPECT_EQ(first()["in_force"][0]["number"], "8");
 }
 
-TEST_F(Record, Refusal_HasItsSentenceAndTimeAndKeepsWhatIsInForce) {
+TEST_F(DocumentsInUseTest, Refusal_HasItsSentenceAndTimeAndKeepsWhatIsInForce) {
   note(state("7"));
   const auto error = refusal();
   note(state("7", error), 10s);
@@ -101,7 +101,7 @@ TEST_F(Record, Refusal_HasItsSentenceAndTimeAndKeepsWhatIsInForce) {
   EXPECT_EQ(first()["since"], to_string(kNow));
 }
 
-TEST_F(Record, RefusalThatNoLongerHolds_StaysKnown) {
+TEST_F(DocumentsInUseTest, RefusalThatNoLongerHolds_StaysKnown) {
   note(state("7", refusal()));
   note(state("8"), 5s);
   EXPECT_EQ(first()["refused"]["stands"], false);
@@ -112,7 +112,7 @@ TEST_F(Record, RefusalThatNoLongerHolds_StaysKnown) {
   EXPECT_EQ(first()["refused"]["file"], "/a/key.pem");
 }
 
-TEST_F(Record, ForgottenKinds_LeaveAndTheParticipantWithTheLast) {
+TEST_F(DocumentsInUseTest, ForgottenKinds_LeaveAndTheParticipantWithTheLast) {
   note(state("7"));
   auto ca = state("9");
   ca.kind = DocumentKind::permissions_ca;
@@ -125,7 +125,7 @@ TEST_F(Record, ForgottenKinds_LeaveAndTheParticipantWithTheLast) {
   EXPECT_TRUE(answer()["participants"].empty()) << "it has left";
 }
 
-TEST_F(Record, ManyPartsAndLongTexts_AreBounded) {
+TEST_F(DocumentsInUseTest, ManyPartsAndLongTexts_AreBounded) {
   auto one = state("7");
   one.file = std::string(100'000, 'f');
   one.parts.assign(256, {.subject = std::string(100'000, 's')});
@@ -135,7 +135,7 @@ TEST_F(Record, ManyPartsAndLongTexts_AreBounded) {
   EXPECT_LT(documents.to_json().size(), 64'000u);
 }
 
-TEST_F(Record, ManyParticipants_AreCountedWhereTheyDoNotFit) {
+TEST_F(DocumentsInUseTest, ManyParticipants_AreCountedWhereTheyDoNotFit) {
   auto one = state("7");
   one.parts.assign(16, {.subject = std::string(1000, 's')});
   for (int i = 1; i <= 256; ++i) {
@@ -148,14 +148,14 @@ TEST_F(Record, ManyParticipants_AreCountedWhereTheyDoNotFit) {
   EXPECT_LT(documents.to_json().size(), DocumentsInUse::kMaxOctets + 100'000);
 }
 
-TEST_F(Record, OctetsThatAreNoUtf8_AreReplaced) {
+TEST_F(DocumentsInUseTest, OctetsThatAreNoUtf8_AreReplaced) {
   documents.note_participant(1, "", "CN=\xff\x1b[2J");
   const auto text = documents.to_json();
   EXPECT_EQ(text.find('\x1b'), text.npos);
   EXPECT_TRUE(json::accept(text));
 }
 
-TEST_F(Record, ChildOfAFork_NotesNothing) {
+TEST_F(DocumentsInUseTest, ChildOfAFork_NotesNothing) {
   note(state("7"));
   const auto child = ::fork();
   if (child == 0) {

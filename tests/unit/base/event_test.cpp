@@ -26,7 +26,7 @@ Event of_peer(int number, PeerProof proof) {
   return Event(Error(Code::malformed), "CN=" + name, "01." + name, proof);
 }
 
-TEST(RateLimitedSink, LetsTheSameEventThroughOncePerInterval) {
+TEST(RateLimitedSink, SameEvent_PassesOncePerInterval) {
   Recorder recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock, std::chrono::seconds(10));
@@ -52,7 +52,7 @@ TEST(RateLimitedSink, AReturnedEvent_DoesNotSuppressTheSameOneThatIsNot) {
 }
 
 // One peer, one reason, one line: however its messages and names differ.
-TEST(RateLimitedSink, WhatAnUnprovenPeerChoosesMakesNoEventNew) {
+TEST(RateLimitedSink, WhatAnUnprovenPeerChooses_MakesNoEventNew) {
   Recorder recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
@@ -66,7 +66,7 @@ TEST(RateLimitedSink, WhatAnUnprovenPeerChoosesMakesNoEventNew) {
   EXPECT_EQ(recorder.events.size(), 1u);
 }
 
-TEST(RateLimitedSink, WhatAPeerSentMakesNoEventNewAndADocumentOfOursDoes) {
+TEST(RateLimitedSink, WhatAPeerSent_MakesNoEventNewAndOurDocumentDoes) {
   Recorder recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
@@ -81,7 +81,7 @@ TEST(RateLimitedSink, WhatAPeerSentMakesNoEventNewAndADocumentOfOursDoes) {
   EXPECT_EQ(recorder.events.size(), 4u);
 }
 
-TEST(RateLimitedSink, ANoticeAboutOurselvesIsNewWithEachValue) {
+TEST(RateLimitedSink, ANoticeAboutOurselves_IsNewWithEachValue) {
   Recorder recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
@@ -91,7 +91,7 @@ TEST(RateLimitedSink, ANoticeAboutOurselvesIsNewWithEachValue) {
   EXPECT_EQ(recorder.events.size(), 2u);
 }
 
-TEST(RateLimitedSink, InventedPeersCrowdOutNeitherUsNorAuthenticatedPeers) {
+TEST(RateLimitedSink, InventedPeers_CrowdOutNeitherUsNorAuthenticatedPeers) {
   Recorder recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
@@ -112,7 +112,7 @@ Event on_topic(Code code, int topic, std::string subject) {
 }
 
 // It chooses its topics and partitions, which are what is expected of it.
-TEST(RateLimitedSink, AnAuthenticatedPeerCrowdsOutNeitherOthersNorItsOtherOffences) {
+TEST(RateLimitedSink, AuthenticatedPeer_CrowdsOutNeitherOthersNorItsOtherOffences) {
   Recorder recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
@@ -125,7 +125,7 @@ TEST(RateLimitedSink, AnAuthenticatedPeerCrowdsOutNeitherOthersNorItsOtherOffenc
 }
 
 // Even if very many certificates work together.
-TEST(RateLimitedSink, OfACrowdOfAuthenticatedPeersEachCodeIsStillTold) {
+TEST(RateLimitedSink, CrowdOfAuthenticatedPeers_HidesNoCode) {
   Recorder recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
@@ -151,7 +151,7 @@ TEST(RateLimitedSink, ParticipantsOfOneCertificate_HaveOneShare) {
   EXPECT_EQ(recorder.events.size(), 3u);
 }
 
-TEST(RateLimitedSink, AFloodOfDifferentEventsIsBounded) {
+TEST(RateLimitedSink, AFloodOfDifferentEvents_IsBounded) {
   Recorder recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
@@ -160,7 +160,7 @@ TEST(RateLimitedSink, AFloodOfDifferentEventsIsBounded) {
   EXPECT_LE(recorder.events.size(), RateLimitedSink::kMaxRemembered + 1);
 }
 
-TEST(RateLimitedSink, ANewEventPassesAgainAfterAFlood) {
+TEST(RateLimitedSink, ANewEvent_PassesAgainAfterAFlood) {
   Recorder recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
@@ -173,7 +173,7 @@ TEST(RateLimitedSink, ANewEventPassesAgainAfterAFlood) {
   }
 }
 
-TEST(Event, OnlyAPeerThatAuthenticatedIsCalledByItsName) {
+TEST(Event, OnlyAnAuthenticatedPeer_IsCalledByItsName) {
   auto of_bob = event("x", "CN=bob");
   EXPECT_TRUE(of_bob.to_line().starts_with("warning: peer claims to be \"CN=bob\" guid 01.02 "))
       << of_bob.to_line();
@@ -208,7 +208,7 @@ TEST(Event, WhatLooksLikeACode_InAStrangersText_IsNoCodeInTheLine) {
       << "other brackets stay";
 }
 
-TEST(Event, ANameNeitherEndsItsQuotationNorFillsTheLog) {
+TEST(Event, PeersName_NeitherEndsItsQuotationNorFillsTheLog) {
   const auto line = event("x", "CN=a\" guid 09.09 \"").to_line();
   EXPECT_EQ(std::ranges::count(line, '"'), 2) << line;
   EXPECT_LT(event("x", std::string(60'000, 'a')).to_line().size(), 600u);
@@ -216,7 +216,7 @@ TEST(Event, ANameNeitherEndsItsQuotationNorFillsTheLog) {
 
 // Control characters of C0 and C1, DEL, a bidirectional override: in a log they would be lines of
 // their own, colours, or another text than was sent.
-TEST(Event, WhatAPeerSentIsNoLineOfOursAndNoControlSequence) {
+TEST(Event, WhatAPeerSent_IsNoLineOfOursAndNoControlSequence) {
   const std::string evil =
       "x\n0.1 [0] recv: operator logged in\r\x1b[31m\x7f\t\u009b31m\u202e\u2066";
   const Event of_evil(Error(Code::malformed, {evil, 0, evil, evil, evil, evil}), evil, evil);
@@ -229,13 +229,13 @@ TEST(Event, WhatAPeerSentIsNoLineOfOursAndNoControlSequence) {
   }
 }
 
-TEST(Event, LongTextsOfStrangersAreCut) {
+TEST(Event, LongTextsOfStrangers_AreCut) {
   const auto line = event(std::string(100'000, 'x')).to_json(0s);
   EXPECT_LT(line.size(), 10'000u);
   EXPECT_TRUE(nlohmann::json::accept(line));
 }
 
-TEST(Event, JsonHasEveryFieldAndSurvivesOctetsThatAreNotUtf8) {
+TEST(Event, Json_HasEveryFieldAndSurvivesOctetsThatAreNotUtf8) {
   const auto json = nlohmann::json::parse(event("\xff\xfe").to_json(1'764'277'199'007ms));
   EXPECT_EQ(json["time"], "2025-11-27T20:59:59.007Z");
   for (const char* key : {"code", "name", "severity", "peer_subject", "peer_authenticated", "guid",

@@ -35,7 +35,7 @@ class Looker {
   std::chrono::nanoseconds now_ = 1h;
 };
 
-TEST(FileWatch, SeesEveryKindOfChange) {
+TEST(FileWatch, EveryKindOfChange_IsSeen) {
   const test::TemporaryFolder folder;
   const auto path = folder.write("list", "one");
   Looker looker(path);
@@ -53,7 +53,7 @@ TEST(FileWatch, SeesEveryKindOfChange) {
   EXPECT_TRUE(looker.sees_a_change());
 }
 
-TEST(FileWatch, SeesAnOldTimePutOnNewContent) {
+TEST(FileWatch, OldTimeOnNewContent_IsSeen) {
   const test::TemporaryFolder folder;
   const auto path = folder.write("list", "one");
   const auto before = std::filesystem::last_write_time(path);
@@ -63,7 +63,7 @@ TEST(FileWatch, SeesAnOldTimePutOnNewContent) {
   EXPECT_TRUE(looker.sees_a_change());
 }
 
-TEST(FileWatch, FollowsLinks) {
+TEST(FileWatch, Links_AreFollowed) {
   const test::TemporaryFolder folder;
   folder.write("a", "same");
   folder.write("b", "same");
@@ -111,7 +111,7 @@ TEST(AbsoluteUri, NoWorkingFolder_NamesNothing) {
 }
 
 // Of two changes within one tick of the file system's clock only the first may be visible.
-TEST(FileWatch, LooksOnceMoreAfterAChange) {
+TEST(FileWatch, AfterAChange_LooksOnceMore) {
   const test::TemporaryFolder folder;
   FileWatch watch("file:" + folder.write("list", "one"), 5s);
   EXPECT_TRUE(watch.may_have_changed(5s));
@@ -122,7 +122,7 @@ TEST(FileWatch, LooksOnceMoreAfterAChange) {
   EXPECT_FALSE(watch.may_have_changed(25s));
 }
 
-TEST(FileWatch, AsksAtMostOnceAnInterval) {
+TEST(FileWatch, WithinAnInterval_AsksOnceAtMost) {
   const test::TemporaryFolder folder;
   FileWatch watch("file:" + folder.write("list", "one"), 5s);
   EXPECT_TRUE(watch.may_have_changed(0s));
@@ -131,7 +131,7 @@ TEST(FileWatch, AsksAtMostOnceAnInterval) {
   EXPECT_TRUE(watch.may_have_changed(5s));
 }
 
-TEST(FileWatch, LooksAgainAtWhatCouldNotBeUsed) {
+TEST(FileWatch, UnusableFile_IsLookedAtAgain) {
   const test::TemporaryFolder folder;
   FileWatch watch("file:" + folder.write("list", "one"), 1s);
   EXPECT_TRUE(watch.may_have_changed(1s));
@@ -142,7 +142,7 @@ TEST(FileWatch, LooksAgainAtWhatCouldNotBeUsed) {
   EXPECT_FALSE(watch.may_have_changed(4s));
 }
 
-TEST(FileWatch, IsQuietWithoutAFileOrAnInterval) {
+TEST(FileWatch, WithoutAFileOrAnInterval_IsQuiet) {
   const test::TemporaryFolder folder;
   const auto path = folder.write("list", "one");
   FileWatch off("file:" + path, 0s), text("data:,one", 5s), none("", 5s), wrong("http://x", 5s);

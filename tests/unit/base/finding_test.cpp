@@ -7,7 +7,7 @@
 namespace ddssec {
 namespace {
 
-TEST(Rule, EveryRowIsAtItsPlaceWithATitleAndAHint) {
+TEST(Rule, EveryRow_IsAtItsPlaceWithATitleAndAHint) {
   std::set<std::string_view> ids;
   for (const auto& row : all_rules()) {
     EXPECT_EQ(&info(row.rule), &row) << row.id;
@@ -18,7 +18,7 @@ TEST(Rule, EveryRowIsAtItsPlaceWithATitleAndAHint) {
   EXPECT_EQ(all_rules().size(), static_cast<std::size_t>(Rule::end_));
 }
 
-TEST(Rule, HasItsIdAsName) { EXPECT_EQ(info(Rule::GOV012).id, "GOV012"); }
+TEST(Rule, EachRule_HasItsIdAsName) { EXPECT_EQ(info(Rule::GOV012).id, "GOV012"); }
 
 TEST(Finding, WithoutASeverityOfItsOwn_HasThatOfItsRule) {
   const Finding usual{.rule = Rule::PERM012, .message = "x"};

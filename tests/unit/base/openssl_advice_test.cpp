@@ -61,7 +61,7 @@ TEST(OpensslAdvice, VersionsThatUbuntuKeeps_ProveNothing) {
   }
 }
 
-TEST(OpensslAdvice, TheTextOfTheLibraryIsUnderstoodAndNonsenseIsNot) {
+TEST(OpensslAdvice, TheTextOfTheLibrary_IsUnderstoodAndNonsenseIsNot) {
   EXPECT_EQ(of("OpenSSL 3.0.19 27 Jan 2026"), of("3.0.19"));
   EXPECT_EQ(of("OpenSSL 3.0.19-dev "), of("3.0.19"));
   for (const auto* text : {"", "OpenSSL", "3", "3.0", "3.0.", "3.0.x", "99999999999.0.1", "3..19"})
@@ -70,7 +70,7 @@ TEST(OpensslAdvice, TheTextOfTheLibraryIsUnderstoodAndNonsenseIsNot) {
   EXPECT_THAT(of("0.0.0"), IsEmpty());
 }
 
-TEST(OpensslAdvice, EveryFlawSaysWhatItIsAndWhatToDo) {
+TEST(OpensslAdvice, EveryFlaw_SaysWhatItIsAndWhatToDo) {
   for (const auto* version : {"3.0.0", "3.0.19", "3.5.1"})
     for (const auto& flaw : openssl_flaws(version)) {
       EXPECT_NE(flaw.summary, "") << flaw.id;
@@ -78,7 +78,7 @@ TEST(OpensslAdvice, EveryFlawSaysWhatItIsAndWhatToDo) {
     }
 }
 
-TEST(OpensslAdvice, TheWarningTellsWhatIsGuardedFromWhatIsNot) {
+TEST(OpensslAdvice, Warning_TellsWhatIsGuardedFromWhatIsNot) {
   const auto guarded = openssl_advice("OpenSSL 3.0.19 27 Jan 2026");
   ASSERT_FALSE(guarded);
   EXPECT_CODE(guarded, openssl_known_unsafe);
@@ -90,7 +90,7 @@ TEST(OpensslAdvice, TheWarningTellsWhatIsGuardedFromWhatIsNot) {
   EXPECT_THAT(open.error().to_sentence(), HasSubstr("ddssec cannot refuse all such input"));
 }
 
-TEST(OpensslAdvice, NoWarningWhereTheNumberProvesNothing) {
+TEST(OpensslAdvice, VersionThatProvesNothing_GetsNoWarning) {
   EXPECT_TRUE(openssl_advice("OpenSSL 3.0.22 25 Aug 2026"));  // Debian 12's last one has every fix
   EXPECT_TRUE(openssl_advice("3.0.23"));
   EXPECT_TRUE(openssl_advice("no version at all"));

@@ -28,7 +28,7 @@ TEST(ProtectionKind, AnotherSpelling_IsNoKind) {
 }
 
 // DDS-Security 1.2, clause 10.4.1.2.2.
-TEST(ProtectionKind, SaysWhatItProtects) {
+TEST(ProtectionKind, EachKind_SaysWhatItProtects) {
   EXPECT_FALSE(is_protected(none));
   for (const auto kind :
        {sign, encrypt, sign_with_origin_authentication, encrypt_with_origin_authentication})

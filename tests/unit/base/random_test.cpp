@@ -8,7 +8,7 @@ extern "C" __attribute__((visibility("default"))) int sodium_init() { return -1;
 namespace ddssec {
 namespace {
 
-TEST(SystemRandom, SaysThatThereIsNoRandomSourceAndWritesNothing) {
+TEST(SystemRandom, FailingSource_IsReportedAndWritesNothing) {
   SystemRandom random;
   Bytes octets(16, 0x5a);
   for (int i = 0; i < 2; ++i) {

@@ -8,7 +8,7 @@
 namespace ddssec {
 namespace {
 
-TEST(Cursor, ReadsBackWhatWasWrittenInBothByteOrders) {
+TEST(Cursor, WrittenValues_ReadBackInBothByteOrders) {
   for (auto endian : {Endian::big, Endian::little}) {
     Writer writer(endian);
     writer.write<std::uint8_t>(7);
@@ -28,7 +28,7 @@ TEST(Cursor, ReadsBackWhatWasWrittenInBothByteOrders) {
   }
 }
 
-TEST(Cursor, EveryTruncationFailsAndMovesNothing) {
+TEST(Cursor, EveryTruncation_FailsAndMovesNothing) {
   Writer writer;
   writer.write_string("hello");
   const auto octets = writer.take();
@@ -41,7 +41,7 @@ TEST(Cursor, EveryTruncationFailsAndMovesNothing) {
   }
 }
 
-TEST(Cursor, RefusesACountThatTheDataCannotHold) {
+TEST(Cursor, CountBeyondTheData_IsRefused) {
   for (std::uint32_t lie : {3u, 0x80000000u, 0xffffffffu}) {
     Writer writer;
     writer.write(lie);
@@ -55,14 +55,14 @@ TEST(Cursor, RefusesACountThatTheDataCannotHold) {
   }
 }
 
-TEST(Cursor, RefusesStringsWithInnerOrMissingNul) {
+TEST(Cursor, StringsWithInnerOrMissingNul_AreRefused) {
   for (const char* hex : {"0000000361006200", "000000026162", "00000003610000"}) {
     const auto octets = from_hex(hex).value();
     EXPECT_EQ(Reader(octets).read_string().error().code(), Code::malformed) << hex;
   }
 }
 
-TEST(Cursor, ReportsTrailingOctets) {
+TEST(Cursor, TrailingOctets_AreReported) {
   const Bytes octets = {1, 2};
   Reader reader(octets);
   EXPECT_TRUE(reader.read<std::uint8_t>());

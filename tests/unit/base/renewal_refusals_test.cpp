@@ -49,7 +49,7 @@ TEST(RenewalRefusals, LastReport_StandsUntilTheFileIsGood) {
   EXPECT_FALSE(refusals.refused());
 }
 
-TEST(RenewalRefused, SaysTheReasonWhatWasNotedAndWhatStays) {
+TEST(RenewalRefused, Event_SaysTheReasonTheNoteAndWhatStays) {
   const Error why(Code::malformed, {.document = "a property",
                                     .field = "notAfter",
                                     .found = "1",
@@ -114,7 +114,7 @@ TEST_F(ClosedFolder, OfAnUnreadableFile_IsReportedInItsPlace) {
   }));
 }
 
-TEST_F(ClosedFolder, GivesAllItsFilesTheSameEvent) {
+TEST_F(ClosedFolder, AllItsFiles_HaveTheSameEvent) {
   EXPECT_TRUE(as_another_user([&] {
     std::vector<Error> told;
     for (const auto code : {Code::permissions_renewal_refused, Code::governance_renewal_refused}) {
@@ -135,7 +135,7 @@ TEST_F(ClosedFolder, GivesAllItsFilesTheSameEvent) {
   }));
 }
 
-TEST_F(ClosedFolder, IsNotToBlameForAFileThatIsUnreadableItself) {
+TEST_F(ClosedFolder, FileThatIsUnreadableItself_IsNotItsFault) {
   const auto path = folder.path() + "/a.pem";
   std::filesystem::permissions(path, std::filesystem::perms::none);
   EXPECT_TRUE(as_another_user([&] {

@@ -5,7 +5,7 @@
 namespace ddssec {
 namespace {
 
-TEST(Error, SaysDocumentLineBothValuesAndWhatToDo) {
+TEST(Error, Sentence_SaysDocumentLineBothValuesAndWhatToDo) {
   const Error error(Code::invalid_property, {.document = "governance.xml",
                                              .line = 12,
                                              .field = "domain id",
@@ -17,20 +17,20 @@ TEST(Error, SaysDocumentLineBothValuesAndWhatToDo) {
     EXPECT_NE(text.find(part), text.npos) << text;
 }
 
-TEST(Error, SaysItsOwnHintInPlaceOfTheCodesOne) {
+TEST(Error, OwnHint_ReplacesTheCodesHint) {
   const Error error(Code::invalid_property, {.hint = "set it to 3"});
   EXPECT_EQ(error.hint(), "set it to 3");
   EXPECT_NE(error.to_sentence().find("; set it to 3 [invalid_property"), std::string::npos);
   EXPECT_EQ(Error(Code::invalid_property).hint(), info(Code::invalid_property).hint);
 }
 
-TEST(Error, KeepsTheFirstDocumentNamed) {
+TEST(Error, FirstDocumentNamed_IsKept) {
   const Error inner(Code::truncated, {.document = "c.id"});
   EXPECT_EQ(inner.in("handshake request").details().document, "c.id");
   EXPECT_EQ(Error(Code::truncated).in("handshake request").details().document, "handshake request");
 }
 
-TEST(Error, NamesTheValueThatIsKnown) {
+TEST(Error, ValueThatIsKnown_IsNamed) {
   EXPECT_TRUE(Error(Code::malformed, {.expected = "1"}).message().ends_with(" (expected 1)"));
   EXPECT_TRUE(Error(Code::malformed, {.found = "2"}).message().ends_with(" (found 2)"));
   EXPECT_TRUE(Error(Code::malformed, {.note = "why"}).message().ends_with("; why"));
@@ -53,7 +53,7 @@ Result<int> quarter(int value) {
   return half(halved);
 }
 
-TEST(Result, TryReturnsTheFirstError) {
+TEST(Result, FailedTry_ReturnsTheFirstError) {
   EXPECT_EQ(quarter(8), 2);
   EXPECT_EQ(quarter(6).error().code(), Code::malformed);
 }

@@ -15,14 +15,14 @@ using Key = Secret<struct KeyTag, 32>;
 
 Key key_of(std::string_view text) { return Key::copy_of(as_bytes(text)).value(); }
 
-TEST(Secret, IsWipedWhenItDies) {
+TEST(Secret, Destruction_WipesIt) {
   alignas(Key) std::array<std::uint8_t, sizeof(Key)> place{};
   auto* key = new (place.data()) Key(key_of("0123456789abcdef"));
   key->~Key();
   EXPECT_EQ(as_text(place).find("0123"), std::string_view::npos);
 }
 
-TEST(Secret, MovingWipesTheSource) {
+TEST(Secret, Moving_WipesTheSource) {
   Key from = key_of("0123456789abcdef");
   const Key to = std::move(from);
   EXPECT_TRUE(from.empty());  // NOLINT(bugprone-use-after-move): this is what is tested
@@ -31,17 +31,17 @@ TEST(Secret, MovingWipesTheSource) {
   EXPECT_EQ(to.size(), 16u);
 }
 
-TEST(Secret, ComparesSizeAndOctets) {
+TEST(Secret, SizeAndOctets_AreCompared) {
   EXPECT_EQ(key_of("abc"), key_of("abc"));
   EXPECT_FALSE(key_of("abc") == key_of("abd"));
   EXPECT_FALSE(key_of("abc") == key_of(std::string_view("abc\0", 4)));
 }
 
-TEST(Secret, RefusesMoreThanItHolds) {
+TEST(Secret, MoreThanItHolds_IsRefused) {
   EXPECT_EQ(Key::copy_of(Bytes(33)).error().code(), Code::length_out_of_range);
 }
 
-TEST(Hash, KnownAnswers) {
+TEST(Hash, KnownTexts_GiveKnownAnswers) {
   EXPECT_EQ(to_hex(sha256(as_bytes("abc"))),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   EXPECT_EQ(sha256({as_bytes("a"), as_bytes("bc")}), sha256(as_bytes("abc")));
@@ -51,7 +51,7 @@ TEST(Hash, KnownAnswers) {
   EXPECT_EQ(to_hex(md5(as_bytes("abc"))), "900150983cd24fb0d6963f7d28e17f72");
 }
 
-TEST(Random, TheSystemsDiffersAndTheSeededRepeats) {
+TEST(Random, SystemSource_DiffersAndTheSeededRepeats) {
   std::array<std::uint8_t, 32> a{}, b{};
   SystemRandom system;
   ASSERT_TRUE(system.fill(a));
@@ -65,7 +65,7 @@ TEST(Random, TheSystemsDiffersAndTheSeededRepeats) {
   EXPECT_NE(a, b);
 }
 
-TEST(Clock, AManualClockMovesByParts) {
+TEST(Clock, AManualClock_MovesByParts) {
   ManualClock clock{WallTime(std::chrono::seconds(10))};
   clock.advance(std::chrono::milliseconds(600));
   EXPECT_EQ(clock.now(), WallTime(std::chrono::seconds(10)));
@@ -76,7 +76,7 @@ TEST(Clock, AManualClockMovesByParts) {
   EXPECT_EQ(clock.monotonic(), std::chrono::milliseconds(1'200));
 }
 
-TEST(Clock, WritesTimeAsTheDocumentsDo) {
+TEST(Clock, Time_IsWrittenAsInTheDocuments) {
   EXPECT_EQ(to_string(WallTime{std::chrono::seconds(0)}), "1970-01-01T00:00:00Z");
 }
 

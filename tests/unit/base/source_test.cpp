@@ -36,7 +36,7 @@ class Source : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(Source, ReadsFilesAndTexts) {
+TEST_F(Source, FilesAndTexts_AreRead) {
   const auto path = write("a", "hello");
   for (const auto& uri : {"file:" + path, "file://" + path, "  \t file:" + path})
     EXPECT_EQ(load(uri, kProperty, 10), bytes("hello")) << uri;
@@ -48,7 +48,7 @@ TEST_F(Source, ReadsFilesAndTexts) {
   EXPECT_EQ(load_secret<KeyPem>("data:,abc", kProperty)->size(), 3u);
 }
 
-TEST_F(Source, EachRefusalHasItsCodeAndNamesTheProperty) {
+TEST_F(Source, EachRefusal_HasItsCodeAndNamesTheProperty) {
   const auto path = write("a", "hello");
   const auto empty = write("empty", "");
   const auto large = write("large", std::string(20000, 'x'));
@@ -77,19 +77,19 @@ TEST_F(Source, EachRefusalHasItsCodeAndNamesTheProperty) {
   check("data:text/plain;base64,aGVsbG8=", Code::unsupported_uri);
 }
 
-TEST_F(Source, AFifoDoesNotHang) {
+TEST_F(Source, Fifo_DoesNotHang) {
   const auto path = (folder_ / "fifo").string();
   ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
   EXPECT_CODE(load("file:" + path, kProperty, 10), file_unreadable);
 }
 
-TEST_F(Source, APastedKeyDoesNotReachTheError) {
+TEST_F(Source, APastedKey_DoesNotReachTheError) {
   const auto item = load_secret<KeyPem>("-----BEGIN PRIVATE KEY-----\nMIGHAgEAMBMG", kProperty);
   EXPECT_CODE(item, unsupported_uri);
   EXPECT_EQ(item.error().to_sentence().find("MIGH"), std::string::npos);
 }
 
-TEST_F(Source, KnowsWhoElseMayReadAFile) {
+TEST_F(Source, FileReadableByOthers_IsKnown) {
   const auto path = write("key", "hello");
   const auto after = [&](::mode_t mode) {
     EXPECT_EQ(::chmod(path.c_str(), mode), 0);

@@ -5,23 +5,23 @@
 namespace ddssec {
 namespace {
 
-TEST(Text, OnlyAsciiLettersChangeTheirCase) {
+TEST(Text, OnlyAsciiLetters_ChangeTheirCase) {
   EXPECT_EQ(ascii_upper(std::string_view("aZ09_\xc3\xa9[`{z")), "AZ09_\xc3\xa9[`{Z");
   EXPECT_EQ(ascii_lower(std::string_view("aZ09_\xc3\x89@[`A")), "az09_\xc3\x89@[`a");
   EXPECT_EQ(ascii_upper(std::string_view()), "");
 }
 
-TEST(Text, IsTrimmedOfWhatOneNames) {
+TEST(Text, NamedCharacters_AreTrimmed) {
   EXPECT_EQ(trimmed(" \tone two\t ", " \t"), "one two");
   EXPECT_EQ(trimmed(" \t ", " \t"), "");
   EXPECT_EQ(trimmed("\none", " "), "\none");
 }
 
-TEST(Text, WhatATerminalMustNotSee) {
+TEST(Text, ControlCharacters_BecomeQuestionMarks) {
   EXPECT_EQ(printable("CN=a\nb\033[31m\x7f, \xc3\xa4"), "CN=a?b?[31m?, \xc3\xa4");
 }
 
-TEST(Text, WhatATerminalWouldObeyOrReorderIsEscaped) {
+TEST(Text, WhatATerminalWouldObeyOrReorder_IsEscaped) {
   EXPECT_EQ(printable("\xc2\x9b"
                       "31m"),
             "\\u009b31m");  // C1: CSI
@@ -36,7 +36,7 @@ TEST(Text, WhatATerminalWouldObeyOrReorderIsEscaped) {
   EXPECT_EQ(printable("\xf0\x9f\xa4\x96 \xd7\xa9"), "\xf0\x9f\xa4\x96 \xd7\xa9");  // letters stay
 }
 
-TEST(Text, OctetsThatAreNotUtf8AreEscaped) {
+TEST(Text, OctetsThatAreNotUtf8_AreEscaped) {
   EXPECT_EQ(printable("\x9b"
                       "31m"),
             "\\x9b31m");
@@ -51,20 +51,20 @@ TEST(Text, OctetsThatAreNotUtf8AreEscaped) {
             "ab");
 }
 
-TEST(Text, WhatIsWantedIsPrintedAsItIs) {
+TEST(Text, WhatIsWanted_IsPrintedAsItIs) {
   EXPECT_EQ(printable("a\tb\n\033[1m", {.lines = true}), "a\tb\n?[1m");
   EXPECT_EQ(printable("a\n\033[1m", {.escapes = true}), "a?\033[1m");
   EXPECT_EQ(printable("\xc3\xa4\xc2\x9b", {.utf8 = false}), "\\xc3\\xa4\\u009b");
 }
 
-TEST(Text, TheFirstMisleadingCharacter) {
+TEST(Text, FirstMisleadingCharacter_IsFound) {
   EXPECT_EQ(first_misleading("rt/\xc3\xa4"), std::nullopt);
   EXPECT_EQ(first_misleading("rt/\xc3\xa4\xe2\x80\xae\x01"), char32_t{0x202e});
   EXPECT_EQ(first_misleading("rt/\x7f"), char32_t{0x7f});
   EXPECT_EQ(first_misleading("rt/\xff"), char32_t{0xfffd});
 }
 
-TEST(Text, DistanceCountsInsertionsRemovalsChangesAndSwaps) {
+TEST(Text, Distance_CountsInsertionsRemovalsChangesAndSwaps) {
   EXPECT_EQ(edit_distance("", ""), 0u);
   EXPECT_EQ(edit_distance("", "abc"), 3u);
   EXPECT_EQ(edit_distance("abc", ""), 3u);

@@ -6,7 +6,7 @@
 namespace ddssec {
 namespace {
 
-TEST(Cursor, WritesBigEndianCdrAsTheSpecificationPrintsIt) {
+TEST(Cursor, BigEndianCdr_IsAsTheSpecificationPrintsIt) {
   Writer writer;
   writer.write_string("A");
   writer.write_octet_sequence(as_bytes("BC"));
@@ -15,7 +15,7 @@ TEST(Cursor, WritesBigEndianCdrAsTheSpecificationPrintsIt) {
             "43");
 }
 
-TEST(Cursor, AlignmentIsWrittenAsZeros) {
+TEST(Cursor, Alignment_IsWrittenAsZeros) {
   Writer writer;
   writer.write<std::uint8_t>(1);
   writer.write_aligned<std::uint16_t>(2);

@@ -47,7 +47,7 @@ struct AcknowledgedEndpoints : ::testing::Test {
 };
 
 // Before: the host's acknowledgments were not looked at.
-TEST_F(AcknowledgedEndpoints, CountOnceUnderKeysOfTheirWriters) {
+TEST_F(AcknowledgedEndpoints, UnderKeysOfTheirWriters_CountOnce) {
   meet(ProtectionKind::none);
   for (std::uint32_t number = 1; number <= kTimes; ++number) {
     ASSERT_TRUE(decode_submessage(
@@ -58,7 +58,7 @@ TEST_F(AcknowledgedEndpoints, CountOnceUnderKeysOfTheirWriters) {
   EXPECT_TRUE(two->b.events.codes.empty()) << two->b.events.last;
 }
 
-TEST_F(AcknowledgedEndpoints, CountOnceInProtectedMessages) {
+TEST_F(AcknowledgedEndpoints, InProtectedMessages_CountOnce) {
   constexpr EntityId kClear{{0, 0, 3, 0xc2}};
   meet(ProtectionKind::encrypt);
   for (std::uint32_t number = 1; number <= kTimes; ++number) {

@@ -14,13 +14,13 @@ constexpr std::array kKinds = {kSign, kEncrypt, ProtectionKind::sign_with_origin
 
 using counted_memory::allocations_of;
 
-TEST(Allocations, AreCounted) {
+TEST(Allocations, NewOfAnyKind_IsCounted) {
   EXPECT_EQ(allocations_of([] { ::operator delete(::operator new(1)); }), 1);
   constexpr std::align_val_t kAligned{64};
   EXPECT_EQ(allocations_of([] { ::operator delete(::operator new(1, kAligned), kAligned); }), 1);
 }
 
-TEST(Allocations, NoneOnTheMessagePath) {
+TEST(Allocations, MessagePath_AllocatesNothing) {
   for (const auto kind : kKinds) {
     TwoSides two(kind);
     const auto e = two.endpoints(endpoint_attributes(kind, is_encrypted(kind) ? kEncrypt : kSign));
@@ -56,7 +56,7 @@ TEST(Allocations, NoneOnTheMessagePath) {
 
 /// A sender that changes its session often (Fast DDS: every 32 messages) costs its receiver no
 /// allocation either, once the memory of its sessions is full.
-TEST(Allocations, NoneForNewSessionsOfASender) {
+TEST(Allocations, NewSessionsOfASender_AllocateNothing) {
   TwoSides two(ProtectionKind::none, {}, {.max_blocks_per_session = 1});
   const auto e = two.endpoints(endpoint_attributes(ProtectionKind::none, kEncrypt));
   std::vector<Bytes> encoded;
@@ -74,7 +74,7 @@ TEST(Allocations, NoneForNewSessionsOfASender) {
 }
 
 /// A forged message costs no allocation but that of the session it names.
-TEST(Allocations, FewForForgeries) {
+TEST(Allocations, Forgeries_AllocateLittle) {
   TwoSides two(kEncrypt);
   const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
   Bytes out(good.size());

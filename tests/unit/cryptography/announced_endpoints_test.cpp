@@ -6,18 +6,18 @@ namespace {
 
 using namespace testing;
 
-TEST_F(AnnouncedEndpointsTest, AreBoundedByWhatTheyHold) {
+TEST_F(AnnouncedEndpointsTest, OctetsTheyHold_AreBounded) {
   const auto one = announcement(1, kUserData).size() + AnnouncedOctets::kOfEach;
   EXPECT_EQ(fill(), AnnouncedOctets::kMax / one + 1);
   EXPECT_EQ(announce(next), Code::builtin_source_unreadable);
 }
 
-TEST_F(AnnouncedEndpointsTest, AreBoundedByTheirNumber) {
+TEST_F(AnnouncedEndpointsTest, Number_IsBounded) {
   for (; announce(next, 0) == Code{}; ++next)
     ASSERT_LE(next, AnnouncedOctets::kMax / AnnouncedOctets::kOfEach);
 }
 
-TEST_F(AnnouncedEndpointsTest, CountOnceByEachWriterWhateverTheyWereBefore) {
+TEST_F(AnnouncedEndpointsTest, RepeatedByEachWriter_CountOnce) {
   for (int again = 0; again < 3000; ++again) {
     ASSERT_EQ(announce(1), Code{});
     ASSERT_EQ(announce(1, kUserData, kSubscriptions), Code{});
@@ -26,14 +26,14 @@ TEST_F(AnnouncedEndpointsTest, CountOnceByEachWriterWhateverTheyWereBefore) {
 }
 
 // The host keeps what comes before a number that is missing, all of it.
-TEST_F(AnnouncedEndpointsTest, CountByTheirNumberUntilTheyAreAcknowledged) {
+TEST_F(AnnouncedEndpointsTest, UntilAcknowledged_CountByTheirNumber) {
   int passed = 0;
   while (announce(1) == Code{}) ASSERT_LE(++passed, 2000);
   acknowledge();
   EXPECT_EQ(announce(1), Code{});
 }
 
-TEST_F(AnnouncedEndpointsTest, ThatAreGoneMakeRoomOnceTheHostHasAcknowledgedIt) {
+TEST_F(AnnouncedEndpointsTest, GoneOnes_MakeRoomOnceTheHostHasAcknowledgedIt) {
   for (const auto status : {kDisposed, kUnregistered}) {
     ASSERT_EQ(announce(1), Code{});
     acknowledge();
@@ -45,7 +45,7 @@ TEST_F(AnnouncedEndpointsTest, ThatAreGoneMakeRoomOnceTheHostHasAcknowledgedIt) 
   }
 }
 
-TEST_F(AnnouncedEndpointsTest, ThatAreFilteredStay) {
+TEST_F(AnnouncedEndpointsTest, FilteredOnes_Stay) {
   ASSERT_EQ(announce(1), Code{});
   ASSERT_EQ(dispose(1, kFiltered), Code{});
   acknowledge();
@@ -111,7 +111,7 @@ TEST_F(AnnouncedEndpointsTest, EndedInAFormThatAHostMayRefuse_StayCounted) {
 }
 
 // Before: the endpoint did not count any more, and the host kept it.
-TEST_F(AnnouncedEndpointsTest, DoNotEndByANumberThatTheHostPassesOver) {
+TEST_F(AnnouncedEndpointsTest, NumberThatTheHostPassesOver_EndsNothing) {
   ASSERT_EQ(announce(1), Code{});
   ASSERT_EQ(announce(2), Code{});
   acknowledge();
@@ -119,7 +119,7 @@ TEST_F(AnnouncedEndpointsTest, DoNotEndByANumberThatTheHostPassesOver) {
   EXPECT_EQ(held(), 2 * cost(kUserData));
 }
 
-TEST_F(AnnouncedEndpointsTest, DoNotEndByANumberThatTheHostMayHaveSkipped) {
+TEST_F(AnnouncedEndpointsTest, NumberThatTheHostMayHaveSkipped_EndsNothing) {
   constexpr std::uint8_t kGap = 0x08, kHeartbeat = 0x07;
   const std::vector<Bytes> ways = {of_writer(kGap, kPublications, {0, 2, 0, 3, 0}),
                                    of_writer(kGap, kPublications, {0, 1, 0, 1, 32, 0x40000000}),
@@ -141,7 +141,7 @@ TEST_F(AnnouncedEndpointsTest, DoNotEndByANumberThatTheHostMayHaveSkipped) {
   }
 }
 
-TEST_F(AnnouncedEndpointsTest, EndThoughOtherNumbersWereSkipped) {
+TEST_F(AnnouncedEndpointsTest, OtherNumbersSkipped_EndAllTheSame) {
   ASSERT_EQ(announce_under(1, 1), Code{});
   tell(of_writer(0x08, kPublications, {0, 2, 0, 5, 0}));
   ASSERT_EQ(dispose_under(5, 1, kDisposed), Code{});
@@ -149,7 +149,7 @@ TEST_F(AnnouncedEndpointsTest, EndThoughOtherNumbersWereSkipped) {
   EXPECT_EQ(held(), 0u);
 }
 
-TEST_F(AnnouncedEndpointsTest, OneNumberSaysOneThing) {
+TEST_F(AnnouncedEndpointsTest, OneNumber_SaysOneThing) {
   ASSERT_EQ(announce_under(1, 1), Code{});
   EXPECT_EQ(announce_under(1, 1), Code{}) << "it came again";
   EXPECT_EQ(announce_under(1, 2), Code::builtin_source_unreadable);
@@ -162,7 +162,7 @@ TEST_F(AnnouncedEndpointsTest, OneNumberSaysOneThing) {
   EXPECT_EQ(fragment(1, announcement(1, kUserData), 1, 1344), Code::builtin_source_unreadable);
 }
 
-TEST_F(AnnouncedEndpointsTest, OneAnnouncementSaysOneThing) {
+TEST_F(AnnouncedEndpointsTest, OneAnnouncement_SaysOneThing) {
   DataMessage message{.writer = kPublications,
                       .flags = 0x06,
                       .inline_qos = status_info({kDisposed, 0}),
@@ -178,7 +178,7 @@ TEST_F(AnnouncedEndpointsTest, OneAnnouncementSaysOneThing) {
 }
 
 // To a participant that is made later: new to it, and once more in the host.
-TEST_F(AnnouncedEndpointsTest, ThatComeAgainLaterCountOnceElsewhere) {
+TEST_F(AnnouncedEndpointsTest, RepeatedForALaterParticipant_CountOnceThere) {
   ASSERT_EQ(announce_under(1, 1), Code{});
   acknowledge(2);
   for (int turn = 0; turn < 2; ++turn) EXPECT_EQ(announce_under(1, 1), Code{});
@@ -196,7 +196,7 @@ TEST_F(AnnouncedEndpointsTest, ThatComeAgainLaterCountOnceElsewhere) {
 }
 
 // Before: endpoints that had ended counted again, and nothing took them back.
-TEST_F(AnnouncedEndpointsTest, ThatAStrangerRepeatsTakeNoRoomFromNewOnes) {
+TEST_F(AnnouncedEndpointsTest, RepeatedByAStranger_TakeNoRoomFromNewOnes) {
   constexpr std::uint32_t kMany = 2 * AnnouncedOctets::kMax / kUserData;
   for (std::uint32_t number = 1; number <= 2 * kMany; number += 2) {
     ASSERT_EQ(announce_under(number, number), Code{});
@@ -212,7 +212,7 @@ TEST_F(AnnouncedEndpointsTest, ThatAStrangerRepeatsTakeNoRoomFromNewOnes) {
   EXPECT_EQ(announce_under(2 * kMany + 1, 1), Code{});
 }
 
-TEST_F(AnnouncedEndpointsTest, InFragmentsCountFromTheFirstOn) {
+TEST_F(AnnouncedEndpointsTest, InFragments_CountFromTheFirstOn) {
   const auto sample = announcement(1, kUserData);
   EXPECT_EQ(fragment(1, sample, 1, 1344), Code{});
   EXPECT_EQ(held(), cost(kUserData));
@@ -226,7 +226,7 @@ TEST_F(AnnouncedEndpointsTest, InFragmentsCountFromTheFirstOn) {
 }
 
 // Before: 128 of 23 MB each that the host held for one endpoint, without an end in sight.
-TEST_F(AnnouncedEndpointsTest, InFragmentsAreBoundedWhileOneBeforeThemIsMissing) {
+TEST_F(AnnouncedEndpointsTest, InFragments_AreBoundedWhileOneBeforeThemIsMissing) {
   const auto large = announcement(1, 65'000);
   std::uint32_t number = 2;
   while (fragments(number, large) == Code{}) {
@@ -238,14 +238,14 @@ TEST_F(AnnouncedEndpointsTest, InFragmentsAreBoundedWhileOneBeforeThemIsMissing)
   EXPECT_EQ(fragment(number + 1, huge, 1, 60'000), Code::builtin_source_unreadable);
 }
 
-TEST_F(AnnouncedEndpointsTest, ARefusedFirstFragmentDoesNotCount) {
+TEST_F(AnnouncedEndpointsTest, ARefusedFirstFragment_DoesNotCount) {
   auto sample = announcement(1, kUserData);
   sample[1] = 9;  // no parameter list
   EXPECT_EQ(fragment(1, sample, 1, 1344), Code::builtin_source_unreadable);
   EXPECT_EQ(held(), 0u);
 }
 
-TEST(SkippedNumbers, AreKnownExactlyWhereThereAreFew) {
+TEST(SkippedNumbers, FewGaps_AreKnownExactly) {
   SkippedNumbers skipped;
   skipped.add(5, 7);
   skipped.add(10, 12);
@@ -262,14 +262,14 @@ TEST(SkippedNumbers, AreKnownExactlyWhereThereAreFew) {
   EXPECT_TRUE(skipped.contains(9));
 }
 
-TEST(SkippedNumbers, OfVeryManyNoneIsMissed) {
+TEST(SkippedNumbers, VeryManyGaps_AreAllCovered) {
   SkippedNumbers skipped;
   for (std::uint64_t number = 0; number < 1000; ++number) skipped.add(2 * number, 2 * number + 1);
   for (std::uint64_t number = 0; number < 1000; ++number) EXPECT_TRUE(skipped.contains(2 * number));
   EXPECT_FALSE(skipped.contains(1997));
 }
 
-TEST(AnnouncementAccounts, AreSharedByTheParticipantsOfACertificate) {
+TEST(AnnouncementAccounts, ParticipantsOfACertificate_ShareOneAccount) {
   const auto& topic = *builtin_topic_of(kPublications);
   AnnouncementAccounts accounts;
   constexpr auto kHalf = AnnouncedOctets::kMax / 2;

@@ -56,7 +56,7 @@ struct Host {
   }
 };
 
-TEST(AwaitedTokensTest, ThatTheHostDroppedBeforeItMatchedStrandTheSessionOnce) {
+TEST(AwaitedTokensTest, DroppedBeforeTheMatch_StrandTheSessionOnce) {
   for (const auto held_back : {seconds(310), seconds(365), seconds(800), seconds(7200)}) {
     Host host;
     EXPECT_EQ(host.tokens_come(), Kind::ticket);
@@ -72,7 +72,7 @@ TEST(AwaitedTokensTest, ThatTheHostDroppedBeforeItMatchedStrandTheSessionOnce) {
   }
 }
 
-TEST(AwaitedTokensTest, ThatTheHostComesWithStrandNothing) {
+TEST(AwaitedTokensTest, HostComesWithTheTicket_NothingIsStranded) {
   Host host;
   EXPECT_EQ(host.tokens_come(), Kind::ticket);
   EXPECT_EQ(host.pass(seconds(310)), 0u);
@@ -84,7 +84,7 @@ TEST(AwaitedTokensTest, ThatTheHostComesWithStrandNothing) {
 }
 
 // A peer that refuses our endpoint never sends tokens for it, while we keep those for another.
-TEST(AwaitedTokensTest, ThatAPeerNeverSendsStrandNothing) {
+TEST(AwaitedTokensTest, PeerNeverSendsThem_NothingIsStranded) {
   Host host;
   EXPECT_EQ(host.tokens_come(), Kind::ticket);
   EXPECT_EQ(host.pass(seconds(310)), 0u);
@@ -93,7 +93,7 @@ TEST(AwaitedTokensTest, ThatAPeerNeverSendsStrandNothing) {
   EXPECT_EQ(host.pass(minutes(60)), 0u);
 }
 
-TEST(AwaitedTokensTest, OfAnotherSessionStrandNothing) {
+TEST(AwaitedTokensTest, OfAnotherSession_NothingIsStranded) {
   Host host;
   EXPECT_EQ(host.tokens_come(), Kind::ticket);
   EXPECT_EQ(host.pass(seconds(310)), 0u);
@@ -103,7 +103,7 @@ TEST(AwaitedTokensTest, OfAnotherSessionStrandNothing) {
 }
 
 /// A message that the host holds back until a missing one comes: it may come with the ticket yet.
-TEST(AwaitedTokensTest, ThatTheHostHasNotTakenAreNotLost) {
+TEST(AwaitedTokensTest, HostHasNotTakenThem_AreNotLost) {
   Host host;
   const TokenMessage message{host.key.remote, host.key.local, 7, false, fresh_tokens(), 0, 0};
   EXPECT_EQ(host.ledger.note(message, {1}, false, host.now)->kind, Kind::ticket);
@@ -115,7 +115,7 @@ TEST(AwaitedTokensTest, ThatTheHostHasNotTakenAreNotLost) {
 }
 
 // The host dropped the peer before it took the message with the ticket.
-TEST(AwaitedTokensTest, BehindATicketThatTheHostNeverHadAreFoundWithinSeconds) {
+TEST(AwaitedTokensTest, BehindATicketThatTheHostNeverHad_AreFoundWithinSeconds) {
   Host host;
   EXPECT_EQ(host.tokens_come(), Kind::ticket);
   host.begin_anew();
@@ -130,7 +130,7 @@ TEST(AwaitedTokensTest, BehindATicketThatTheHostNeverHadAreFoundWithinSeconds) {
 }
 
 /// Nothing of the ten reviews that a process missed while it was stopped.
-TEST(AwaitedTokensTest, AProcessThatWasStoppedHasNotWaited) {
+TEST(AwaitedTokensTest, AProcessThatWasStopped_HasNotWaited) {
   Host host;
   EXPECT_EQ(host.tokens_come(), Kind::ticket);
   EXPECT_EQ(host.pass(seconds(310)), 0u);
@@ -141,7 +141,7 @@ TEST(AwaitedTokensTest, AProcessThatWasStoppedHasNotWaited) {
   EXPECT_EQ(host.pass(seconds(60)), 0u);
 }
 
-TEST(AwaitedTokensTest, FindRoomWhereACertificateHasNoneLeft) {
+TEST(AwaitedTokensTest, CertificateWithoutRoom_FindsRoomForAwaitedOnes) {
   Host host;
   for (std::uint64_t i = 0; i < TokenLedger::kMaxPending; ++i) {
     auto other = host.key.remote;
@@ -155,7 +155,7 @@ TEST(AwaitedTokensTest, FindRoomWhereACertificateHasNoneLeft) {
   EXPECT_EQ(host.ledger.note(message, {1}, false, host.now)->kind, Kind::ticket);
 }
 
-TEST(AwaitedTokensTest, AreBounded) {
+TEST(AwaitedTokensTest, TooManyAwaited_AreNotKept) {
   AwaitedTokens awaited;
   TokenKey key{};
   for (std::size_t i = 0; i <= AwaitedTokens::kMax; ++i) {
@@ -239,7 +239,7 @@ struct Engine {
   std::uint32_t number = 0;
 };
 
-TEST(AwaitedTokensTest, AReaderThatSendsItsTokensWaitsForThoseOfTheWriter) {
+TEST(AwaitedTokensTest, AReaderThatSendsItsTokens_WaitsForThoseOfTheWriter) {
   Engine engine;
   const auto user =
       engine.two.endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
@@ -251,7 +251,7 @@ TEST(AwaitedTokensTest, AReaderThatSendsItsTokensWaitsForThoseOfTheWriter) {
 }
 
 // It would not notice that we begin the session anew.
-TEST(AwaitedTokensTest, OfAPeerWithOtherPluginsStrandNothing) {
+TEST(AwaitedTokensTest, PeerWithOtherPlugins_StrandsNothing) {
   Engine engine(spi::kStandardCiphers);
   const auto user =
       engine.two.endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
@@ -261,7 +261,7 @@ TEST(AwaitedTokensTest, OfAPeerWithOtherPluginsStrandNothing) {
 }
 
 // The host never comes with tokens of readers for a writer that protects payloads alone.
-TEST(AwaitedTokensTest, AWriterWaitsOnlyIfItProtectsSubmessages) {
+TEST(AwaitedTokensTest, AWriter_WaitsOnlyIfItProtectsSubmessages) {
   for (const auto submessage : {ProtectionKind::none, ProtectionKind::sign}) {
     Engine engine;
     engine.writer(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));

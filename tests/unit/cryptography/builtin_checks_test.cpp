@@ -71,7 +71,7 @@ void each_form(F&& f) {
       for (const auto flags : {kData, kKey}) f(little, payload_little, flags);
 }
 
-TEST(BuiltinSource, OfTheOwnerPasses) {
+TEST(BuiltinSource, OwnersOwnSource_Passes) {
   each_form([](bool little, bool order, std::uint8_t flags) {
     DataMessage message{.little = little, .flags = flags};
     for (const auto& writer : kParticipantWriters) {
@@ -100,7 +100,7 @@ TEST(BuiltinSource, OfTheOwnerPasses) {
   });
 }
 
-TEST(BuiltinSource, OfAnotherIsRefusedWhereverItStands) {
+TEST(BuiltinSource, AnotherSource_IsRefusedWhereverItStands) {
   each_form([](bool little, bool order, std::uint8_t flags) {
     DataMessage message{.little = little, .flags = flags};
     const Named own{kEndpointGuid, guid_of(kPeer)};
@@ -130,7 +130,7 @@ TEST(BuiltinSource, OfAnotherIsRefusedWhereverItStands) {
   });
 }
 
-TEST(BuiltinSource, TheErrorNamesBothAndTheWriter) {
+TEST(BuiltinSource, TheError_NamesBothAndTheWriter) {
   const DataMessage message{.writer = kEndpointWriters[1],
                             .payload = list({{kEndpointGuid, guid_of(kVictim)}}, true)};
   const auto status = check(message.octets());
@@ -141,7 +141,7 @@ TEST(BuiltinSource, TheErrorNamesBothAndTheWriter) {
   EXPECT_NE(status.error().to_sentence().find("ff0003c2"), std::string::npos);
 }
 
-TEST(BuiltinSource, EachOctetOfThePrefixCounts) {
+TEST(BuiltinSource, EachOctetOfThePrefix_Counts) {
   for (std::size_t at = 0; at < GuidPrefix::size; ++at) {
     auto other = kPeer;
     other.octets[at] ^= 1;
@@ -153,7 +153,7 @@ TEST(BuiltinSource, EachOctetOfThePrefixCounts) {
   }
 }
 
-TEST(BuiltinSource, InlineQosCountsToo) {
+TEST(BuiltinSource, InlineQos_CountsToo) {
   for (const bool little : {false, true}) {
     for (const auto& writer :
          {kEndpointWriters[1], kParticipantWriters[1], kLivelinessWriters[1]}) {
@@ -171,7 +171,7 @@ TEST(BuiltinSource, InlineQosCountsToo) {
   }
 }
 
-TEST(BuiltinSource, CutOffAnywhereIsRefused) {
+TEST(BuiltinSource, ListCutOffAnywhere_IsRefused) {
   for (const auto& writer : {kEndpointWriters[1], kParticipantWriters[0]}) {
     const auto id = writer == kEndpointWriters[1] ? kEndpointGuid : kParticipantGuid;
     const DataMessage message{.writer = writer, .payload = list({{id, guid_of(kPeer)}}, true)};
@@ -187,7 +187,7 @@ TEST(BuiltinSource, CutOffAnywhereIsRefused) {
         << size;
 }
 
-TEST(BuiltinSource, UnreadableIsRefused) {
+TEST(BuiltinSource, UnreadableList_IsRefused) {
   const auto refused = [](const DataMessage& message) {
     return code(message) == Code::builtin_source_unreadable;
   };
@@ -207,7 +207,7 @@ TEST(BuiltinSource, UnreadableIsRefused) {
   EXPECT_TRUE(refused({.writer = writer, .to_inline_qos = 12, .payload = list({own}, true)}));
 }
 
-TEST(BuiltinSource, LivelinessComesWhole) {
+TEST(BuiltinSource, LivelinessInParts_IsRefused) {
   DataMessage message{.writer = kLivelinessWriters[1],
                       .flags = 0,
                       .payload = liveliness(kPeer, 1),
@@ -220,7 +220,7 @@ TEST(BuiltinSource, LivelinessComesWhole) {
   EXPECT_EQ(code(message), Code::builtin_source_unreadable);
 }
 
-TEST(BuiltinSource, OthersPass) {
+TEST(BuiltinSource, OtherWritersAndSubmessages_Pass) {
   EXPECT_EQ(code({.writer = {{0, 0, 1, 3}}, .payload = Bytes(40, 1)}), Code{});
   EXPECT_EQ(code({.writer = {{0, 0, 1, 2}}, .payload = Bytes(40, 1)}), Code{});
   EXPECT_EQ(code({.writer = {{0, 2, 1, 0xc3}}, .payload = Bytes(40, 1)}), Code{});
@@ -236,7 +236,7 @@ Bytes info_source(const GuidPrefix& prefix) {
   return out;
 }
 
-TEST(BuiltinSource, InAProtectedMessageIsThatOfTheLastInfoSource) {
+TEST(BuiltinSource, InAProtectedMessage_IsThatOfTheLastInfoSource) {
   OneOwner walks;
   constexpr GuidPrefix kSibling{{0x81, 2, 3, 4, 5, 6, 70, 80, 90, 100, 110, 120}};
   const auto own = DataMessage{.writer = kLivelinessWriters[0], .payload = liveliness(kPeer, 1)};
@@ -288,7 +288,7 @@ DataMessage dispose(const GuidPrefix& whose) {
           .payload = list({{kEndpointGuid, guid_of(whose)}}, true)};
 }
 
-TEST(TrustingHost, GetsDiscoveryOfThePeerOnly) {
+TEST(TrustingHost, DiscoveryOfThePeer_PassesAndOfOthersDoesNot) {
   Engine engine(false);
   EXPECT_TRUE(engine.pass(dispose(kPeer)));
   EXPECT_TRUE(engine.two.b.events.codes.empty());
@@ -297,12 +297,12 @@ TEST(TrustingHost, GetsDiscoveryOfThePeerOnly) {
   EXPECT_NE(engine.two.b.events.last.find(kVictim.to_string()), std::string::npos);
 }
 
-TEST(TrustingHost, OfAPeerWhoseGuidIsUnknownMayNameAnybody) {
+TEST(TrustingHost, UnknownPeerGuid_AllowsAnyName) {
   Engine engine(false, false);
   EXPECT_TRUE(engine.pass(dispose(kVictim)));
 }
 
-TEST(CheckingHost, GetsAllThatWasProtected) {
+TEST(CheckingHost, EveryProtectedName_PassesToAHostThatChecks) {
   Engine engine(true);
   EXPECT_TRUE(engine.pass(dispose(kVictim)));
   EXPECT_TRUE(engine.two.b.events.codes.empty());

@@ -77,7 +77,7 @@ Status read(const Names& partitions, bool little = true, std::size_t piece = 100
 
 constexpr std::size_t kPieces[] = {1, 3, 4, 7, 16, 100, 1344, 100'000};
 
-TEST(CostlyPartitions, ThoseThatPoliciesUsePass) {
+TEST(CostlyPartitions, PartitionsThatPoliciesUse_Pass) {
   const Names used[] = {{},
                         {""},
                         {"*"},
@@ -97,7 +97,7 @@ TEST(CostlyPartitions, ThoseThatPoliciesUsePass) {
         EXPECT_EQ(code_of(read(names, little, piece)), Code{}) << names.size() << ' ' << piece;
 }
 
-TEST(CostlyPartitions, ExpressionsWithManyStarsAreRefused) {
+TEST(CostlyPartitions, ExpressionsWithManyStars_AreRefused) {
   for (const auto* const expression :
        {"*a*b*c", "a*b*c*d", "*0*0*0*0*0*0*0*0*0*0*0*0*x", "*a*?*b*c", "**a**b**c", "?*?a*?b*?c"})
     for (const bool little : {true, false})
@@ -109,7 +109,7 @@ TEST(CostlyPartitions, ExpressionsWithManyStarsAreRefused) {
   EXPECT_EQ(code_of(read(Names(64, "*a"))), Code{});
 }
 
-TEST(CostlyPartitions, TheSentenceNamesTheExpression) {
+TEST(CostlyPartitions, RefusalSentence_NamesTheExpression) {
   const auto status = read(Names{"*cost*ly*name"});
   ASSERT_FALSE(status);
   const auto sentence = status.error().to_sentence();
@@ -117,7 +117,7 @@ TEST(CostlyPartitions, TheSentenceNamesTheExpression) {
   EXPECT_NE(sentence.find("more than 2 '*'"), sentence.npos) << sentence;
 }
 
-TEST(CostlyPartitions, ManyOrLongOnesAreRefused) {
+TEST(CostlyPartitions, ManyOrLongOnes_AreRefused) {
   EXPECT_EQ(code_of(read(Names(257, "a"))), Code::builtin_source_unreadable);
   EXPECT_EQ(code_of(read(Names{std::string(1025, 'a')})), Code::builtin_source_unreadable);
   List twice;
@@ -126,7 +126,7 @@ TEST(CostlyPartitions, ManyOrLongOnesAreRefused) {
   EXPECT_EQ(code_of(read(twice)), Code::builtin_source_unreadable);
 }
 
-TEST(CostlyPartitions, LengthsThatLieAreRefused) {
+TEST(CostlyPartitions, LyingLengths_AreRefused) {
   const List order;
   const auto whole = order.sequence({"abc", "*", "defgh"});
   for (std::size_t size = 0; size < whole.size(); size += 4)
@@ -167,7 +167,7 @@ std::size_t steps(const char* expression, const char* name, bool& fits) {
 }
 
 // The worst that passes, against names of one repeated character: before, hours for one expression.
-TEST(CostlyPartitions, WhatPassesIsCheapToAMatcherThatTriesAll) {
+TEST(CostlyPartitions, WhatPasses_IsCheapToAMatcherThatTriesAll) {
   bool fits = false;
   const std::string name(64, '0');
   std::size_t worst = 0;
@@ -184,7 +184,7 @@ TEST(CostlyPartitions, WhatPassesIsCheapToAMatcherThatTriesAll) {
   EXPECT_GT(steps("*0*0*0*0*0*x", name.c_str(), fits), worst);
 }
 
-TEST(CostlyLocators, SixteenUnicastAndFourMulticastOfEachKindPass) {
+TEST(CostlyLocators, SixteenUnicastAndFourMulticastOfEachKind_Pass) {
   List list;
   for (const auto id : kLocators)
     for (std::size_t i = 0; i < max_of(id); ++i) list.add(id, Bytes(24, 1));
@@ -197,7 +197,7 @@ TEST(CostlyLocators, SixteenUnicastAndFourMulticastOfEachKindPass) {
   }
 }
 
-TEST(CostlyLocators, ThoseBeyondFourCountAsFourKibibytesEach) {
+TEST(CostlyLocators, LocatorsBeyondFour_CountAsFourKibibytesEach) {
   const auto cost = [](std::size_t each) {
     List list;
     for (const auto id : kLocators)
@@ -213,7 +213,7 @@ TEST(CostlyLocators, ThoseBeyondFourCountAsFourKibibytesEach) {
 }
 
 // Properties, and the subscription keys of Cyclone DDS.
-TEST(CostlyProperties, EachOctetCountsSixTimes) {
+TEST(CostlyProperties, EachOctet_CountsSixTimes) {
   for (const int id : {0x59, 0x800f}) {
     List list;
     list.add(id, Bytes(160));
@@ -232,7 +232,7 @@ TEST(CostlyPartitions, EachName_Counts48Octets) {
 }
 
 // Cyclone DDS frees memory that it never wrote.
-TEST(DeprecatedAddresses, AreRefusedInEveryList) {
+TEST(DeprecatedAddresses, ListsThatHoldThem_AreRefused) {
   for (const int id : {0x0b, 0x0c, 0x0d, 0x0e, 0x11, 0x45, 0x46})
     for (const bool little : {true, false})
       for (const auto piece : kPieces) {
@@ -247,7 +247,7 @@ TEST(DeprecatedAddresses, AreRefusedInEveryList) {
   }
 }
 
-TEST(CostlyLocators, TheSentenceNamesTheirKind) {
+TEST(CostlyLocators, RefusalSentence_NamesTheirKind) {
   List list;
   for (int i = 0; i < 1000; ++i) list.add(0x2f, Bytes(24, 1));
   const auto status = read(list);
@@ -257,7 +257,7 @@ TEST(CostlyLocators, TheSentenceNamesTheirKind) {
       << status.error().to_sentence();
 }
 
-TEST(ClosedDiscovery, IncludesTheWritersOfItsTopicsOnly) {
+TEST(ClosedDiscovery, WritersOfItsTopics_AreIncludedAndNoOthers) {
   constexpr EntityId kClear{{0x00, 0x00, 0x03, 0xc2}}, kSecure{{0xff, 0x00, 0x04, 0xc2}};
   constexpr EntityId kSecureParticipants{{0xff, 0x01, 0x01, 0xc2}};
   constexpr ClosedDiscovery kSecureTopics{.secure_topics = true},

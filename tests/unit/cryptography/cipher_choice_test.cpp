@@ -39,7 +39,7 @@ TransformKind writer_kind(TwoSides& two, const EndpointSecurityAttributes& attri
   return read_crypto_token(tokens->front())->kind;
 }
 
-TEST(CipherChoice, OfAWriterByName) {
+TEST(CipherChoice, NameOfAWriter_ChoosesItsCipher) {
   TwoSides two;
   const auto kind = [&](std::string_view name, ProtectionKind protection = kEncrypt) {
     return writer_kind(two, endpoint_attributes(protection, kNone), cipher(name));
@@ -52,7 +52,7 @@ TEST(CipherChoice, OfAWriterByName) {
   EXPECT_EQ(kind("AES128+GCM", kSign), kAes128Gmac);
 }
 
-TEST(CipherChoice, OfAParticipantIsForItsUserEndpoints) {
+TEST(CipherChoice, NameOfAParticipant_IsForItsUserEndpoints) {
   TwoSides two(kEncrypt, cipher(kChaCha));
   const auto user = endpoint_attributes(kEncrypt, kNone);
   EXPECT_EQ(message_kind(two), kAes256Gcm);
@@ -63,20 +63,20 @@ TEST(CipherChoice, OfAParticipantIsForItsUserEndpoints) {
   EXPECT_EQ(writer_kind(two, user, key_size("256")), kAes256Gcm);
 }
 
-TEST(CipherChoice, OfMessagesIsAPropertyOfItsOwn) {
+TEST(CipherChoice, NameOfMessages_IsAPropertyOfItsOwn) {
   TwoSides two(kSign, message_cipher(kChaCha));
   EXPECT_EQ(message_kind(two), kChachaPoly1305Mac);
   EXPECT_EQ(writer_kind(two, builtin(kEncrypt), {}), kChachaPoly1305);
   EXPECT_EQ(writer_kind(two, endpoint_attributes(kEncrypt, kNone), {}), kAes256Gcm);
 }
 
-TEST(CipherChoice, TheKeySizeSpeaksOfWhatStaysAes) {
+TEST(CipherChoice, TheKeySize_SpeaksOfWhatStaysAes) {
   TwoSides two(kEncrypt, cipher(kChaCha) + key_size("128"));
   EXPECT_EQ(message_kind(two), kAes128Gcm);
   EXPECT_EQ(writer_kind(two, endpoint_attributes(kEncrypt, kNone), {}), kChachaPoly1305);
 }
 
-TEST(CipherChoice, UnknownNamesAndContradictionsAreRefused) {
+TEST(CipherChoice, UnknownNamesAndContradictions_AreRefused) {
   TwoSides two;
   const auto attributes = endpoint_attributes(kEncrypt, kNone);
   for (const auto& bad :
@@ -94,7 +94,7 @@ TEST(CipherChoice, UnknownNamesAndContradictionsAreRefused) {
             Code::invalid_property);
 }
 
-TEST(CipherChoice, IsAnnounced) {
+TEST(CipherChoice, ChosenCipher_IsAnnounced) {
   TwoSides two(kNone, cipher(kChaCha) + key_size("128"));
   auto& factory = two.a.factory();
   EXPECT_EQ(factory.supported_ciphers(), spi::kAllCiphers);
@@ -111,7 +111,7 @@ TEST(CipherChoice, IsAnnounced) {
 
 // Everything comes back, whatever the two sides choose.
 
-TEST(ChaCha20Poly1305, ComesBackAtEveryLevelAndSize) {
+TEST(ChaCha20Poly1305, EveryLevelAndSize_ComesBack) {
   for (const auto kind : {kSign, kEncrypt, ProtectionKind::sign_with_origin_authentication,
                           ProtectionKind::encrypt_with_origin_authentication}) {
     TwoSides two(kind, cipher(kChaCha, true));
@@ -128,7 +128,7 @@ TEST(ChaCha20Poly1305, ComesBackAtEveryLevelAndSize) {
   }
 }
 
-TEST(ChaCha20Poly1305, EachSideChoosesForWhatItSends) {
+TEST(ChaCha20Poly1305, EachSide_ChoosesForWhatItSends) {
   TwoSides two;
   const auto e =
       two.endpoints(endpoint_attributes(kEncrypt, kEncrypt), cipher(kChaCha), cipher("AES128+GCM"));
@@ -174,7 +174,7 @@ struct Against {
   Code refused_participant{0};
 };
 
-TEST(CipherRefusal, OfAPeerThatDoesNotUnderstandAnEndpoint) {
+TEST(CipherRefusal, PeerThatDoesNotUnderstandAnEndpoint_IsRefused) {
   const auto both = endpoint_attributes(kEncrypt, kEncrypt);
   Against aes(spi::kStandardCiphers, cipher(kChaCha), kEncrypt);
   EXPECT_EQ(aes.refused_participant, Code{0}) << "messages are AES";
@@ -190,7 +190,7 @@ TEST(CipherRefusal, OfAPeerThatDoesNotUnderstandAnEndpoint) {
   EXPECT_EQ(able.reader(both), Code{0});
 }
 
-TEST(CipherRefusal, OfAPeerThatDoesNotUnderstandMessages) {
+TEST(CipherRefusal, PeerThatDoesNotUnderstandMessages_IsRefused) {
   Against aes(spi::kStandardCiphers, message_cipher(kChaCha), kSign);
   EXPECT_EQ(aes.refused_participant, Code::cipher_not_understood_by_peer);
   Against unprotected(spi::kStandardCiphers, message_cipher(kChaCha), kNone);
@@ -198,7 +198,7 @@ TEST(CipherRefusal, OfAPeerThatDoesNotUnderstandMessages) {
   EXPECT_EQ(unprotected.writer(builtin(kEncrypt)), Code::cipher_not_understood_by_peer);
 }
 
-TEST(CipherRefusal, WhereTheGovernanceDoesNotListIt) {
+TEST(CipherRefusal, CipherThatTheGovernanceDoesNotList_IsRefused) {
   constexpr auto kAes = spi::kStandardCiphers;
   EXPECT_EQ(Against(kAes, cipher(kChaCha), kNone, kAes).refused_at_creation,
             Code::cipher_not_allowed);
@@ -238,7 +238,7 @@ std::pair<Code, Code> codes_of_tokens(TransformKind kind, spi::CipherMask announ
   return {code_of(messages), code_of(keys)};
 }
 
-TEST(CipherRefusal, OfKeysThatThePeerDidNotAnnounce) {
+TEST(CipherRefusal, KeysThatThePeerDidNotAnnounce_AreRefused) {
   using Codes = std::pair<Code, Code>;
   const Codes good{Code{0}, Code{0}};
   const Codes strange{Code::cipher_not_announced, Code::cipher_not_announced};
@@ -251,7 +251,7 @@ TEST(CipherRefusal, OfKeysThatThePeerDidNotAnnounce) {
   EXPECT_EQ(codes_of_tokens(kAes256Gcm, kAes, kAes), good);
 }
 
-TEST(CipherRefusal, OfNeighbouringKinds) {
+TEST(CipherRefusal, NeighbouringKinds_AreRefused) {
   auto octets = serialize_key_material(read_crypto_token(token_of(kChachaPoly1305)).value());
   for (unsigned kind = 0; kind < 256; ++kind) {
     octets[3] = static_cast<std::uint8_t>(kind);

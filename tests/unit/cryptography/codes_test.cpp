@@ -12,7 +12,7 @@ constexpr auto kEncryptOrigin = ProtectionKind::encrypt_with_origin_authenticati
 
 // Handles
 
-TEST(CryptoHandles, NilStaleForeignAndWrongKindAreRefused) {
+TEST(CryptoHandles, NilStaleForeignAndWrongKind_AreRefused) {
   TwoSides two(kEncrypt), other(kEncrypt);
   const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
   Bytes out(200);
@@ -32,7 +32,7 @@ TEST(CryptoHandles, NilStaleForeignAndWrongKindAreRefused) {
   EXPECT_EQ(encode(e.writer.value), Code::crypto_handle_unknown);
 }
 
-TEST(CryptoHandles, AReturnedPlaceGetsANewHandle) {
+TEST(CryptoHandles, AReturnedPlace_GetsANewHandle) {
   TwoSides two(kEncrypt);
   const auto attributes = endpoint_attributes(kEncrypt, kNone);
   auto& factory = two.a.factory();
@@ -44,7 +44,7 @@ TEST(CryptoHandles, AReturnedPlaceGetsANewHandle) {
   EXPECT_TRUE(factory.unregister_datawriter(second));
 }
 
-TEST(CryptoHandles, EveryFunctionRefusesNil) {
+TEST(CryptoHandles, NilHandle_IsRefusedByEveryFunction) {
   TwoSides two(kEncrypt);
   auto& f = two.a.factory();
   auto& x = two.a.exchange();
@@ -79,7 +79,7 @@ TEST(CryptoHandles, EveryFunctionRefusesNil) {
   EXPECT_EQ(code_of(t.decode_serialized_payload({}, {}, {}, out)), nil);
 }
 
-TEST(CryptoHandles, UnmatchedPairsAreRefused) {
+TEST(CryptoHandles, UnmatchedPairs_AreRefused) {
   TwoSides two(kEncryptOrigin);
   const auto attributes = endpoint_attributes(kEncryptOrigin, kEncrypt);
   const auto one = two.endpoints(attributes), other = two.endpoints(attributes);

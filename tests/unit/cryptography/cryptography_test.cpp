@@ -10,7 +10,7 @@ namespace {
 
 constexpr auto kSign = ProtectionKind::sign;
 
-TEST(Backends, AMissingOneIsReplacedWithAnEvent) {
+TEST(Backends, MissingBackend_IsReplacedWithAnEvent) {
   Side side(Options{.aead = static_cast<AeadChoice>(200)});
   EXPECT_EQ(side.events.codes, std::vector{Code::aead_backend_unavailable});
   EXPECT_TRUE(side.factory().register_local_participant({}, {}, {}, participant_attributes(kSign)));

@@ -20,7 +20,7 @@ struct CutOff : ::testing::Test {
   Bytes message = encode_message(two, kMessage).value();
 };
 
-TEST_F(CutOff, ASenderEncodesNothing) {
+TEST_F(CutOff, CutOffSender_EncodesNothing) {
   two.a.factory().cut_off(two.a.participant);
   EXPECT_EQ(code_of(encode_payload(two, all, kPayload)), Code::identity_ended);
   EXPECT_EQ(code_of(encode_submessage(two, all, kData)), Code::identity_ended);
@@ -29,7 +29,7 @@ TEST_F(CutOff, ASenderEncodesNothing) {
   EXPECT_TRUE(decode_payload(two, all, payload)) << "the other side is not";
 }
 
-TEST_F(CutOff, AReceiverDecodesNothing) {
+TEST_F(CutOff, CutOffReceiver_DecodesNothing) {
   two.b.factory().cut_off(two.b.participant);
   EXPECT_EQ(code_of(decode_payload(two, all, payload)), Code::identity_ended);
   EXPECT_EQ(code_of(decode_submessage(two, all, submessage)), Code::identity_ended);
@@ -37,7 +37,7 @@ TEST_F(CutOff, AReceiverDecodesNothing) {
   EXPECT_EQ(code_of(encode_reply(two, all, kData)), Code::identity_ended);
 }
 
-TEST_F(CutOff, IsNothingToARemoteOrAnUnknownHandle) {
+TEST_F(CutOff, RemoteOrUnknownHandle_IsLeftAlone) {
   two.a.factory().cut_off(two.a.remote);
   two.a.factory().cut_off({});
   EXPECT_TRUE(encode_message(two, kMessage));

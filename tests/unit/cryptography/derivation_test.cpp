@@ -28,7 +28,7 @@ Bytes first_of(const Sha256Digest& digest, std::size_t size) {
 constexpr SessionId kSession{{0x01, 0x02, 0x03, 0x04}};
 
 // DDS-Security 1.2, clause 10.5.3.3.3.
-TEST(SessionKey, IsTheHmacOfLabelSaltAndSession) {
+TEST(SessionKey, EachSession_HasTheHmacOfLabelSaltAndSession) {
   for (const std::size_t size : {16u, 32u}) {
     const Bytes key(size, 0x11), salt(size, 0x22);
     const auto label = as_bytes("SessionKey");
@@ -39,7 +39,7 @@ TEST(SessionKey, IsTheHmacOfLabelSaltAndSession) {
   }
 }
 
-TEST(SessionReceiverKey, HasALabelOfItsOwn) {
+TEST(SessionReceiverKey, SameSession_GivesAnotherKeyThanTheSenders) {
   const Bytes key(32, 0x11), salt(32, 0x22);
   const auto master_salt = MasterSalt::copy_of(salt).value();
   const auto derived =
@@ -64,7 +64,7 @@ TEST(SessionKey, EachInput_Counts) {
 }
 
 // DDS-Security 1.2, clause 10.5.2.1.2.
-TEST(KeyExchangeMaterial, IsDerivedFromTheSecretAndBothChallenges) {
+TEST(KeyExchangeMaterial, SecretAndBothChallenges_GiveTheKeys) {
   spi::SharedSecret shared;
   const Bytes secret(32, 0x33);
   shared.secret = spi::SharedSecretOctets::copy_of(secret).value();

@@ -10,7 +10,7 @@ namespace {
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-TEST(Unregistering, AParticipantTakesItsOwnWithIt) {
+TEST(Unregistering, UnregisteredParticipant_TakesItsOwnEntitiesWithIt) {
   TwoSides two(kEncrypt);
   const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
   const auto encoded = encode_payload(two, e, Bytes(8)).value();

@@ -132,7 +132,7 @@ struct Speaker {
   std::set<Bytes> headers;
 };
 
-TEST(Fork, ParentAndChildNeverUseOneIvTwice) {
+TEST(Fork, ParentAndChild_NeverUseOneIvTwice) {
   Speaker speaker;
   speaker.judge(speaker.speech());
   Bytes of_parent;
@@ -143,7 +143,7 @@ TEST(Fork, ParentAndChildNeverUseOneIvTwice) {
   speaker.judge(speaker.speech());
 }
 
-TEST(Fork, NeitherDoTwoChildrenNorAChildsChild) {
+TEST(Fork, TwoChildrenAndAGrandchild_NeverUseOneIvTwice) {
   Speaker speaker;
   speaker.judge(speaker.speech());
   for (int child = 0; child < 2; ++child)
@@ -162,7 +162,7 @@ TEST(Fork, NeitherDoTwoChildrenNorAChildsChild) {
 }
 
 // Its first session begins with its first message, which may be in both.
-TEST(Fork, AKeyThatSaidNothingBeforeBeginsElsewhereInTheChild) {
+TEST(Fork, KeyWithoutMessagesBefore_BeginsElsewhereInTheChild) {
   Speaker speaker;
   Bytes of_parent;
   const auto of_child =
@@ -171,7 +171,7 @@ TEST(Fork, AKeyThatSaidNothingBeforeBeginsElsewhereInTheChild) {
   speaker.judge(of_child);
 }
 
-TEST(Fork, AChildKnowsWhatItsParentSaidFromThePeersWords) {
+TEST(Fork, AChild_KnowsWhatItsParentSaidFromThePeersWords) {
   Speaker speaker;
   const auto before = speaker.say(2).value();
   const auto codes = from_child([&] {
@@ -201,7 +201,7 @@ struct BreakableRandom final : Random {
   bool is_broken = false;
 };
 
-TEST(Fork, AChildWithoutRandomOctetsSendsNothing) {
+TEST(Fork, AChildWithoutRandomOctets_SendsNothing) {
   BreakableRandom random;
   Graveyard graveyard;
   const KeyEnvironment environment{*aead_backend(AeadChoice::automatic), graveyard, 1000, 1000,
@@ -231,7 +231,7 @@ class ForkBy : public ::testing::TestWithParam<Means> {};
 INSTANTIATE_TEST_SUITE_P(EachMeans, ForkBy,
                          ::testing::Values(Means::kernel_if_possible, Means::handler));
 
-TEST_P(ForkBy, EveryProcessOfALineHasAGenerationOfItsOwn) {
+TEST_P(ForkBy, EveryProcessOfALine_HasAGenerationOfItsOwn) {
   // The handler of fork() stays, so its object must too.
   static auto& kept = *new std::vector<std::unique_ptr<ForkGeneration>>;
   auto& generation = *kept.emplace_back(std::make_unique<ForkGeneration>(GetParam()));
@@ -251,7 +251,7 @@ TEST_P(ForkBy, EveryProcessOfALineHasAGenerationOfItsOwn) {
   EXPECT_EQ(now(), own);
 }
 
-TEST(Fork, ChallengesAndKeysDrawnByParentAndChildDiffer) {
+TEST(Fork, ChallengesAndKeysDrawnByParentAndChild_Differ) {
   SystemRandom random;
   const auto draw = [&] {
     Bytes out(32);

@@ -73,7 +73,7 @@ class FragmentWalksTest : public ::testing::Test {
   OneOwner walks_;
 };
 
-TEST_F(FragmentWalksTest, HonestOnesOfAnySizePass) {
+TEST_F(FragmentWalksTest, HonestOnesOfAnySize_Pass) {
   std::uint32_t number = 0;
   for (const bool little : {true, false}) {
     // Each place of the key relative to the first fragment's end.
@@ -86,7 +86,7 @@ TEST_F(FragmentWalksTest, HonestOnesOfAnySizePass) {
     EXPECT_EQ(pass_all(announcement(kPeer, 200), ++number, size), Code{}) << size;
 }
 
-TEST_F(FragmentWalksTest, AnotherNameIsRefusedWhereItsPrefixEnds) {
+TEST_F(FragmentWalksTest, AnotherName_IsRefusedWhereItsPrefixEnds) {
   std::uint32_t number = 0;
   for (std::size_t size = 1300; size <= 1360; size += 4)
     EXPECT_EQ(pass_all(announcement(kVictim, size), ++number), Code::builtin_source_mismatch)
@@ -101,7 +101,7 @@ TEST_F(FragmentWalksTest, AnotherNameIsRefusedWhereItsPrefixEnds) {
   EXPECT_EQ(pass_all(both, ++number), Code::builtin_source_mismatch);
 }
 
-TEST_F(FragmentWalksTest, WhatEndsWithoutANameIsRefused) {
+TEST_F(FragmentWalksTest, WhatEndsWithoutAName_IsRefused) {
   auto nothing = announcement(kPeer, 3000);
   nothing.resize(nothing.size() - 24);
   auto cut = nothing;
@@ -113,7 +113,7 @@ TEST_F(FragmentWalksTest, WhatEndsWithoutANameIsRefused) {
   EXPECT_EQ(pass_all(odd, 3), Code::builtin_source_unreadable);
 }
 
-TEST_F(FragmentWalksTest, OutOfOrderComesAgain) {
+TEST_F(FragmentWalksTest, OutOfOrder_ComesAgain) {
   const auto sample = announcement(kPeer, 5000);
   EXPECT_EQ(pass(sample, 2), Code::builtin_fragment_early);
   EXPECT_EQ(pass(sample, 1), Code{});
@@ -126,7 +126,7 @@ TEST_F(FragmentWalksTest, OutOfOrderComesAgain) {
 }
 
 // Whoever could replace one that the host has, or has not, would make the host read another list.
-TEST_F(FragmentWalksTest, AFragmentThatPassedIsNotReplaced) {
+TEST_F(FragmentWalksTest, FragmentThatPassed_IsNotReplaced) {
   const auto sample = announcement(kPeer, 3000);
   auto other = sample;
   other[8] ^= 1;
@@ -141,7 +141,7 @@ TEST_F(FragmentWalksTest, AFragmentThatPassedIsNotReplaced) {
 }
 
 // The list of the first is long user data; to that of the second a name begins there.
-TEST_F(FragmentWalksTest, TwoListsAreNotSpliced) {
+TEST_F(FragmentWalksTest, TwoLists_AreNotSpliced) {
   const auto harmless = announcement(kPeer, 3000);
   auto lie = harmless;
   Bytes name;
@@ -157,7 +157,7 @@ TEST_F(FragmentWalksTest, TwoListsAreNotSpliced) {
   EXPECT_EQ(pass(lie, 2, 2), Code::builtin_source_mismatch);
 }
 
-TEST_F(FragmentWalksTest, ARefusedFragmentChangesNothing) {
+TEST_F(FragmentWalksTest, ARefusedFragment_ChangesNothing) {
   const auto sample = announcement(kPeer, 3000);
   auto lie = sample;
   const auto at = lie.size() - 4 - 16;
@@ -172,7 +172,7 @@ TEST_F(FragmentWalksTest, ARefusedFragmentChangesNothing) {
 // What makes the second list of the one above possible at all: that the host holds the second
 // fragment of the first list. It drops samples by limits of its own, and joins what it still has to
 // whatever comes later, however many samples passed in between.
-TEST_F(FragmentWalksTest, NothingThatFollowsLetsASampleBeSpliced) {
+TEST_F(FragmentWalksTest, WhatFollows_NeverSplicesASample) {
   const auto harmless = announcement(kPeer, 3000);
   auto other = harmless;
   other[8] ^= 1;
@@ -191,7 +191,7 @@ TEST_F(FragmentWalksTest, NothingThatFollowsLetsASampleBeSpliced) {
   EXPECT_EQ(pass(harmless, 2, number), Code::builtin_fragment_early);
 }
 
-TEST_F(FragmentWalksTest, TheSameComesAgainAsOftenAsItIsAskedFor) {
+TEST_F(FragmentWalksTest, SameFragment_ComesAgainAsOftenAsItIsAskedFor) {
   const auto sample = announcement(kPeer, 3000);
   for (std::uint32_t number = 1; number <= kMax; ++number)
     ASSERT_EQ(pass_all(sample, number), Code{});
@@ -201,7 +201,7 @@ TEST_F(FragmentWalksTest, TheSameComesAgainAsOftenAsItIsAskedFor) {
       ASSERT_EQ(pass_all(sample, number), Code{});
 }
 
-TEST_F(FragmentWalksTest, NewSamplesTakeThePlacesOfTheLowest) {
+TEST_F(FragmentWalksTest, NewSamples_TakeThePlacesOfTheLowest) {
   const auto sample = announcement(kPeer, 20'000);
   for (std::uint32_t number = 1; number <= 2 * kMax; ++number) {
     walks_.time += std::chrono::milliseconds(100);
@@ -210,7 +210,7 @@ TEST_F(FragmentWalksTest, NewSamplesTakeThePlacesOfTheLowest) {
   }
 }
 
-TEST_F(FragmentWalksTest, TheLowestStayForFiveSeconds) {
+TEST_F(FragmentWalksTest, LowestOnes_StayForFiveSeconds) {
   const auto sample = announcement(kPeer, 3000);
   for (std::uint32_t number = 2; number < 2 + kMax; ++number)
     ASSERT_EQ(pass_all(sample, number), Code{});
@@ -225,7 +225,7 @@ TEST_F(FragmentWalksTest, TheLowestStayForFiveSeconds) {
 }
 
 // Before: the lowest of those that came was forgotten, and the host waited for good.
-TEST_F(FragmentWalksTest, OneThatIsLostForLongPassesStill) {
+TEST_F(FragmentWalksTest, OneLostForLong_PassesStill) {
   const auto sample = announcement(kPeer, 3000);
   for (std::uint32_t number = 2; number < 2 + kMax; ++number)
     ASSERT_EQ(pass_all(sample, number), Code{});
@@ -237,7 +237,7 @@ TEST_F(FragmentWalksTest, OneThatIsLostForLongPassesStill) {
   EXPECT_EQ(pass_all(sample, 2 + kMax), Code{});
 }
 
-TEST_F(FragmentWalksTest, UnfinishedOnesAreBounded) {
+TEST_F(FragmentWalksTest, UnfinishedOnes_AreBounded) {
   const auto sample = announcement(kPeer, 3000);
   constexpr auto kSpare = static_cast<std::uint32_t>(FragmentWalks::kSpareSamples);
   const auto above = 2 * kSpare;
@@ -250,7 +250,7 @@ TEST_F(FragmentWalksTest, UnfinishedOnesAreBounded) {
   EXPECT_EQ(pass_all(sample, above), Code{}) << "those that are known go on";
 }
 
-TEST_F(FragmentWalksTest, FragmentsAreBounded) {
+TEST_F(FragmentWalksTest, Fragments_AreBounded) {
   const auto sample = announcement(kPeer, 60'000);
   const auto most = static_cast<std::uint32_t>(FragmentWalks::kMaxFragments) / fragments(sample);
   for (std::uint32_t number = 1; number <= most; ++number)
@@ -262,7 +262,7 @@ TEST_F(FragmentWalksTest, FragmentsAreBounded) {
 }
 
 // A GAP can let the host go on to the next.
-TEST_F(FragmentWalksTest, AnUnfinishedOneMakesRoomOnceTheHostGoesOn) {
+TEST_F(FragmentWalksTest, AnUnfinishedOne_MakesRoomOnceTheHostGoesOn) {
   const auto sample = announcement(kPeer, 3000);
   for (std::uint32_t number = 1; number <= kMax; ++number)
     ASSERT_EQ(pass(sample, 1, number), Code{});
@@ -276,7 +276,7 @@ TEST_F(FragmentWalksTest, AnUnfinishedOneMakesRoomOnceTheHostGoesOn) {
 }
 
 // Each fragment is lost with that probability, and lost ones are sent again, the lowest first.
-TEST_F(FragmentWalksTest, AllHonestOnesPassUnderLoss) {
+TEST_F(FragmentWalksTest, HonestOnesUnderLoss_AllPass) {
   const auto sample = announcement(kPeer, 5000);
   constexpr std::uint32_t kSamples = 3000, kWindow = 256;
   std::minstd_rand random(7);
@@ -303,7 +303,7 @@ TEST_F(FragmentWalksTest, AllHonestOnesPassUnderLoss) {
   }
 }
 
-TEST_F(FragmentWalksTest, TooLargeOnesAreRefused) {
+TEST_F(FragmentWalksTest, TooLargeOnes_AreRefused) {
   Bytes sample = {0, 3, 0, 0};
   while (sample.size() <= FragmentWalks::kMaxOfSample * kFragmentSize)
     append_parameter(sample, kUserData, Bytes(60'000, 0x50));
@@ -311,7 +311,7 @@ TEST_F(FragmentWalksTest, TooLargeOnesAreRefused) {
   EXPECT_EQ(pass_all(announcement(kPeer, 3000), 2), Code{});
 }
 
-TEST_F(FragmentWalksTest, LengthsThatLieAreRefused) {
+TEST_F(FragmentWalksTest, LyingLengths_AreRefused) {
   DataMessage message{.writer = kPublications,
                       .flags = 0,
                       .payload = Bytes(100, 0),
@@ -323,7 +323,7 @@ TEST_F(FragmentWalksTest, LengthsThatLieAreRefused) {
 }
 
 // In the clear inside of a protected message: what must come again is hidden, the rest goes on.
-TEST_F(FragmentWalksTest, InAMessageAnEarlyOneIsHidden) {
+TEST_F(FragmentWalksTest, EarlyOneInAMessage_IsHidden) {
   const auto sample = announcement(kPeer, 3000);
   const DataMessage second{
       .writer = kPublications,

@@ -19,7 +19,7 @@ namespace {
 using namespace testing;
 
 // The host would hand it to each of its participants.
-TEST(TrustingHost, GetsNoTokensThatReachAllItsParticipants) {
+TEST(TrustingHost, TokensThatReachAllItsParticipants_AreRefused) {
   for (const bool host_checks : {false, true}) {
     Engine engine(host_checks);
     auto& [a, b] = engine.two;
@@ -33,7 +33,7 @@ TEST(TrustingHost, GetsNoTokensThatReachAllItsParticipants) {
   }
 }
 
-TEST(TrustingHost, GetsNoTokensForAnotherOfItsParticipants) {
+TEST(TrustingHost, TokensForAnotherOfItsParticipants_AreRefused) {
   Engine engine(false);
   const auto tokens = engine.two.writer_tokens(engine.user).value();
   const auto meet_as = [&](const GuidPrefix& own, std::uint8_t seed) {
@@ -48,7 +48,7 @@ TEST(TrustingHost, GetsNoTokensForAnotherOfItsParticipants) {
   EXPECT_EQ(engine.two.b.events.codes.back(), Code::token_source_mismatch);
 }
 
-TEST(TrustingHost, GetsTicketsAndTheirTokensAreTaken) {
+TEST(TrustingHost, TokensInPlaceOfTickets_AreTakenOnce) {
   Engine engine(false);
   const auto tokens = engine.two.writer_tokens(engine.user).value();
   const auto first = engine.decoded(1, tokens);
@@ -63,7 +63,7 @@ TEST(TrustingHost, GetsTicketsAndTheirTokensAreTaken) {
   EXPECT_FALSE(engine.two.take_writer(engine.user, ticket)) << "it is used";
 }
 
-TEST(TrustingHost, GetsWhatItMustNotSeeUnderAClassThatItDoesNotKnow) {
+TEST(TrustingHost, HiddenContent_HasAClassThatTheHostDoesNotKnow) {
   Engine engine(false);
   const auto tokens = engine.two.writer_tokens(engine.user).value();
   EXPECT_TRUE(engine.passes(1, tokens));
@@ -75,7 +75,7 @@ TEST(TrustingHost, GetsWhatItMustNotSeeUnderAClassThatItDoesNotKnow) {
 
 // The host never used the ticket before its peer was gone, comes with it when the peer is back, and
 // never asks for what comes after it.
-TEST(TrustingHost, GetsKeysAfterATicketOfAFormerSession) {
+TEST(TrustingHost, TicketOfAFormerSession_StillBringsKeys) {
   Engine engine(false);
   const auto former =
       Engine::tokens_in(engine.decoded(1, engine.two.writer_tokens(engine.user).value()));
@@ -115,7 +115,7 @@ Bytes acknowledgement(std::uint32_t next, bool little) {
 }
 
 // The host drops tokens for an endpoint that it does not have. Such an endpoint may come later.
-TEST(TrustingHost, GetsTokensAgainSixMinutesAfterItTookTheFormer) {
+TEST(TrustingHost, TokensTakenSixMinutesAgo_ComeAgain) {
   for (const bool little : {true, false}) {
     Engine engine(false);
     const auto tokens = engine.two.writer_tokens(engine.user).value();
@@ -130,7 +130,7 @@ TEST(TrustingHost, GetsTokensAgainSixMinutesAfterItTookTheFormer) {
 }
 
 // It may hold a message back until one comes that is missing.
-TEST(TrustingHost, GetsNoTokensAgainBeforeItAcknowledgedTheFormer) {
+TEST(TrustingHost, TokensBeforeTheAcknowledgment_DoNotComeAgain) {
   Engine engine(false);
   const auto tokens = engine.two.writer_tokens(engine.user).value();
   EXPECT_TRUE(engine.passes(2, tokens));
@@ -140,7 +140,7 @@ TEST(TrustingHost, GetsNoTokensAgainBeforeItAcknowledgedTheFormer) {
 }
 
 /// What it would hold for nothing, though the sender is to be named only if no honest one does it.
-TEST(TrustingHost, GetsNoTokensThatNothingHereCanUse) {
+TEST(TrustingHost, TokensThatNothingHereCanUse_AreRefused) {
   Engine engine(false);
   auto tokens = engine.two.writer_tokens(engine.user).value();
   const auto to_nobody = [&](const EntityId& remote, const EntityId& local,
@@ -165,7 +165,7 @@ TEST(TrustingHost, GetsNoTokensThatNothingHereCanUse) {
 }
 
 // A message that is refused would be missing, and hold up all that follow.
-TEST(TrustingHost, GetsWhatFollowsWhenTheLedgerIsFull) {
+TEST(TrustingHost, FullLedger_LetsWhatFollowsPass) {
   Engine engine(false);
   const auto tokens = engine.two.writer_tokens(engine.user).value();
   const auto passes = [&](std::uint32_t number, std::string_view class_id) {
@@ -187,7 +187,7 @@ TEST(TrustingHost, GetsWhatFollowsWhenTheLedgerIsFull) {
   EXPECT_TRUE(passes(++number, kOfParticipant)) << "there is room for what all else depends on";
 }
 
-TEST(CheckingHost, GetsTokensAsTheyCome) {
+TEST(CheckingHost, RepeatedTokens_PassToAHostThatChecks) {
   Engine engine(true);
   const auto tokens = engine.two.writer_tokens(engine.user).value();
   EXPECT_EQ(Engine::tokens_in(engine.decoded(1, tokens)), tokens);

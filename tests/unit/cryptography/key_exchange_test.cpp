@@ -19,7 +19,7 @@ Code set_writer(TwoSides& two, const WriterToReader& e, std::vector<spi::Token> 
   return code_of(two.take_writer(e, tokens));
 }
 
-TEST(CryptoTokens, CountClassAndFormAreChecked) {
+TEST(CryptoTokens, CountClassAndForm_AreChecked) {
   TwoSides two;
   const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
   const auto good = crypto_token(material(kAes256Gcm));
@@ -45,7 +45,7 @@ TEST(CryptoTokens, CountClassAndFormAreChecked) {
   EXPECT_EQ(code_of(two.take_participant({})), Code::crypto_token_count);
 }
 
-TEST(CryptoTokens, ARefusedTokenChangesNothing) {
+TEST(CryptoTokens, ARefusedToken_ChangesNothing) {
   TwoSides two;
   const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
   const auto encoded = encode_submessage(two, e, data_submessage(16)).value();
@@ -54,7 +54,7 @@ TEST(CryptoTokens, ARefusedTokenChangesNothing) {
   EXPECT_TRUE(decode_submessage(two, e, encoded));
 }
 
-TEST(CryptoTokens, KindsMustFitTheGovernance) {
+TEST(CryptoTokens, Kinds_MustFitTheGovernance) {
   TwoSides two(kEncrypt);
   const auto signs = two.endpoints(endpoint_attributes(kSign, kNone));
   EXPECT_EQ(set_writer(two, signs, {crypto_token(material(kAes128Gmac))}), Code{0});
@@ -82,7 +82,7 @@ TEST(CryptoTokens, KindsMustFitTheGovernance) {
   EXPECT_EQ(set_participant(material(kAes128Gcm)), Code{0}) << "the size is the sender's choice";
 }
 
-TEST(CryptoTokens, OriginAuthenticationNeedsAReceiverKey) {
+TEST(CryptoTokens, OriginAuthentication_NeedsAReceiverKey) {
   TwoSides two;
   const auto e = two.endpoints(endpoint_attributes(kEncryptOrigin, kNone));
   EXPECT_EQ(set_writer(two, e, {crypto_token(material(kAes256Gcm))}),
@@ -90,7 +90,7 @@ TEST(CryptoTokens, OriginAuthenticationNeedsAReceiverKey) {
   EXPECT_EQ(set_writer(two, e, {crypto_token(material(kAes256Gcm, 1, true))}), Code{0});
 }
 
-TEST(CryptoTokens, WhatPeersSendOnUnprotectedLevelsIsTolerated) {
+TEST(CryptoTokens, TokensOnUnprotectedLevels_AreTolerated) {
   TwoSides two;  // RTPS messages unprotected: Fast DDS sends a GMAC key, Cyclone DDS none
   for (const auto& m : {material(kAes256Gmac), KeyMaterial{}}) {
     const auto token = crypto_token(m);
@@ -101,7 +101,7 @@ TEST(CryptoTokens, WhatPeersSendOnUnprotectedLevelsIsTolerated) {
   EXPECT_TRUE(two.take_reader(e, {&token, 1}));
 }
 
-TEST(CryptoTokens, AreWhatPeersExpect) {
+TEST(CryptoTokens, EachProtection_MakesTheTokensThatPeersExpect) {
   TwoSides two;
   const auto count = [&](ProtectionKind submessage, ProtectionKind payload) {
     const auto e = two.endpoints(endpoint_attributes(submessage, payload));
@@ -125,7 +125,7 @@ TEST(CryptoTokens, AreWhatPeersExpect) {
   EXPECT_EQ(to_hex(participant->front().binary_properties.front().value), to_hex(Bytes(24)));
 }
 
-TEST(CryptoTokens, VolatileAndUnprotectedEndpointsHaveNone) {
+TEST(CryptoTokens, VolatileAndUnprotectedEndpoints_HaveNone) {
   TwoSides two;
   const auto token = crypto_token(material(kAes256Gcm));
   const auto e = two.volatile_endpoints();
@@ -135,7 +135,7 @@ TEST(CryptoTokens, VolatileAndUnprotectedEndpointsHaveNone) {
   EXPECT_EQ(set_writer(two, open, {token}), Code::crypto_tokens_not_expected);
 }
 
-TEST(Tokens, ComingAgainReplaceTheKeys) {
+TEST(Tokens, TokensThatComeAgain_ReplaceTheKeys) {
   TwoSides two(kEncrypt);
   auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
   const auto encoded = encode_submessage(two, e, data_submessage(8)).value();

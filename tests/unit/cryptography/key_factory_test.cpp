@@ -96,7 +96,7 @@ TEST(MatchGate, WriterAnnouncedInTheSecureDiscovery_Matches) {
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kNone = ProtectionKind::none;
 
-TEST(CryptoProperties, KeySizeIs128Or256) {
+TEST(CryptoProperties, KeySizesOtherThan128And256_AreRefused) {
   TwoSides two;
   const auto attributes = endpoint_attributes(kEncrypt, kNone);
   const auto kind_with = [&](const PropertyList& properties) {
@@ -115,7 +115,7 @@ TEST(CryptoProperties, KeySizeIs128Or256) {
             Code::invalid_property);
 }
 
-TEST(CryptoProperties, AnEmptySharedSecretIsRefused) {
+TEST(CryptoProperties, AnEmptySharedSecret_IsRefused) {
   TwoSides two;
   EXPECT_EQ(code_of(two.a.factory().register_matched_remote_participant(two.a.participant, {9}, {},
                                                                         spi::SharedSecret{})),

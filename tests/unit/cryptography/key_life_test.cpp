@@ -19,7 +19,7 @@ constexpr auto kMax = std::numeric_limits<std::uint64_t>::max();
 
 // ---- where in the limits a life ends
 
-TEST(KeyLife, WithoutLimitsNeverEnds) {
+TEST(KeyLife, WithoutLimits_NeverEnds) {
   KeyLife life;
   EXPECT_FALSE(life.is_limited());
   life.begin(5s, kMax);
@@ -30,7 +30,7 @@ TEST(KeyLife, WithoutLimitsNeverEnds) {
 /// Until what is made then is in use and the former does not count any more.
 constexpr auto kMargin = kFormerKeyLife + KeyLife::kAsked;
 
-TEST(KeyLife, EndsInTheLastQuarterOfItsTime) {
+TEST(KeyLife, TimeLimit_EndsInItsLastQuarter) {
   for (const auto whole : {spi::kMinKeyLifetime, 3600s, spi::kMaxKeyLifetime}) {
     for (const std::uint64_t chance : {std::uint64_t{0}, std::uint64_t{1}, kMax / 3, kMax}) {
       KeyLife life({.lifetime = whole});
@@ -43,7 +43,7 @@ TEST(KeyLife, EndsInTheLastQuarterOfItsTime) {
   }
 }
 
-TEST(KeyLife, DrawsItsEnd) {
+TEST(KeyLife, RandomChance_DrawsTheEnd) {
   const auto ends_by = [](std::uint64_t chance, std::chrono::seconds time) {
     KeyLife life({.lifetime = 1000s, .blocks = 1000});
     life.begin(0s, chance);
@@ -57,7 +57,7 @@ TEST(KeyLife, DrawsItsEnd) {
   EXPECT_EQ(ends_by(251, 0s).second, false) << "comes round";
 }
 
-TEST(KeyLife, EndsInTheLastQuarterOfItsBlocks) {
+TEST(KeyLife, BlockLimit_EndsInItsLastQuarter) {
   for (const std::uint64_t most : {std::uint64_t{1}, std::uint64_t{100}, kMax})
     for (const std::uint64_t chance : {std::uint64_t{0}, std::uint64_t{1}, kMax}) {
       KeyLife life({.blocks = most});
@@ -68,7 +68,7 @@ TEST(KeyLife, EndsInTheLastQuarterOfItsBlocks) {
     }
 }
 
-TEST(KeyLife, LooksAtBlocksNoSoonerThanFormerKeysAreForgotten) {
+TEST(KeyLife, BlocksBeforeFormerKeysAreForgotten_AreNotCounted) {
   KeyLife life({.blocks = 1});
   life.begin(3s, 0);
   EXPECT_FALSE(life.counts_blocks(3s + kFormerKeyLife - 1ns));
@@ -97,7 +97,7 @@ struct Limited {
   TwoSides two;
 };
 
-TEST(KeyLimits, AreForGovernancesThatEnableRevision) {
+TEST(KeyLimits, GovernanceWithoutRevision_RefusesLimits) {
   for (const auto& properties : {lifetime("3600"), most_blocks("1")}) {
     Side side;
     const auto refused = side.factory().register_local_participant(
@@ -113,7 +113,7 @@ TEST(KeyLimits, AreForGovernancesThatEnableRevision) {
   }
 }
 
-TEST(KeyLimits, ThatAreMalformedMakeNoParticipant) {
+TEST(KeyLimits, MalformedLimits_MakeNoParticipant) {
   for (const auto& properties : {lifetime("soon"), lifetime("19"), most_blocks("-1")}) {
     Side side;
     for (const bool revises : {false, true}) {
@@ -125,7 +125,7 @@ TEST(KeyLimits, ThatAreMalformedMakeNoParticipant) {
   }
 }
 
-TEST(KeyLimits, MakeARevisionDueInTime) {
+TEST(KeyLimits, EndedTime_MakesARevisionDue) {
   Limited limited(lifetime("100"));
   auto& clock = limited.two.a.clock;
   for (int i = 0; i < 3; ++i) {
@@ -140,7 +140,7 @@ TEST(KeyLimits, MakeARevisionDueInTime) {
   }
 }
 
-TEST(KeyLimits, AreOffUnlessAskedFor) {
+TEST(KeyLimits, WithoutProperties_AreOff) {
   Limited limited(PropertyList{});
   limited.two.a.clock.advance(std::chrono::hours(24 * 365 * 20));
   EXPECT_FALSE(limited.is_due());
@@ -148,7 +148,7 @@ TEST(KeyLimits, AreOffUnlessAskedFor) {
   EXPECT_FALSE(limited.factory().is_key_revision_due(limited.two.a.remote));
 }
 
-TEST(KeyLimits, BeginAnewWithARevisionForAnyReason) {
+TEST(KeyLimits, RevisionForAnyReason_StartsThemAnew) {
   Limited limited(lifetime("100"));
   limited.two.a.clock.advance(60s);
   limited.revise();
@@ -159,7 +159,7 @@ TEST(KeyLimits, BeginAnewWithARevisionForAnyReason) {
 }
 
 /// What each of the keys of a participant and its endpoints protects counts by itself.
-TEST(KeyLimits, CountWhatAKeyProtects) {
+TEST(KeyLimits, WhatEachKeyProtects_IsCounted) {
   struct Row {
     std::string_view what;
     std::function<void(TwoSides&, const WriterToReader&)> send;
@@ -186,7 +186,7 @@ TEST(KeyLimits, CountWhatAKeyProtects) {
   }
 }
 
-TEST(KeyLimits, CountWhatAReaderSaysToAParticipant) {
+TEST(KeyLimits, WhatAReaderSaysToAParticipant_IsCounted) {
   Limited limited(most_blocks("4000"));
   const auto e = limited.two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
   auto& b = limited.two.b;
@@ -199,7 +199,7 @@ TEST(KeyLimits, CountWhatAReaderSaysToAParticipant) {
   EXPECT_TRUE(is_due());
 }
 
-TEST(KeyLimits, CountFinishedSessionsToo) {
+TEST(KeyLimits, FinishedSessions_AreCountedToo) {
   Limited limited(most_blocks("4000"), {.max_blocks_per_session = 500});
   limited.two.a.clock.advance(kFormerKeyLife);
   const auto message = rtps_message({data_submessage(1024)});
@@ -210,7 +210,7 @@ TEST(KeyLimits, CountFinishedSessionsToo) {
   EXPECT_LE(sent, 60);
 }
 
-TEST(KeyLimits, OfTheSmallestKindReviseEveryTenSeconds) {
+TEST(KeyLimits, SmallestBlockLimit_RevisesEveryTenSeconds) {
   Limited limited(most_blocks("1"));
   const auto message = rtps_message({data_submessage(16)});
   for (int i = 0; i < 3; ++i) {

@@ -11,7 +11,7 @@
 namespace ddssec::cryptography::testing {
 namespace {
 
-TEST(KeyMaterialOctets, TruncatedAnywhereIsRefused) {
+TEST(KeyMaterialOctets, MaterialCutAnywhere_IsRefused) {
   for (const auto kind : {kAes128Gmac, kAes256Gcm, kChachaPoly1305Mac, kChachaPoly1305})
     for (const bool receiver : {false, true}) {
       auto octets = serialize_key_material(material(kind, 1, receiver));
@@ -25,7 +25,7 @@ TEST(KeyMaterialOctets, TruncatedAnywhereIsRefused) {
     }
 }
 
-TEST(KeyMaterialOctets, NoneIsReadInBothSizesOfThePeers) {
+TEST(KeyMaterialOctets, NoneKind_IsReadInBothSizesOfThePeers) {
   for (const std::size_t size : {24u, 44u, 128u})
     EXPECT_TRUE(parse_key_material(Bytes(size)).value().is_none());
   for (const std::size_t size : {4u, 23u, 129u, 100000u})
@@ -35,7 +35,7 @@ TEST(KeyMaterialOctets, NoneIsReadInBothSizesOfThePeers) {
   EXPECT_EQ(code_of(parse_key_material(octets)), Code::key_material_length);
 }
 
-TEST(KeyMaterialOctets, UnknownKindsAreRefused) {
+TEST(KeyMaterialOctets, UnknownKinds_AreRefused) {
   auto octets = serialize_key_material(material(kAes256Gcm));
   for (const TransformKind kind : {TransformKind{{0, 0, 0, 5}}, TransformKind{{0, 0, 0, 0x80}},
                                    TransformKind{{0x56, 0, 0, 0x80}}, TransformKind{{0, 0, 1, 0}},
@@ -45,7 +45,7 @@ TEST(KeyMaterialOctets, UnknownKindsAreRefused) {
   }
 }
 
-TEST(KeyMaterialOctets, LyingLengthsAreRefused) {
+TEST(KeyMaterialOctets, LyingLengths_AreRefused) {
   const auto good = serialize_key_material(material(kAes256Gcm, 1, true));
   for (const std::size_t length_at : {4u, 44u, 84u})
     for (std::size_t octet = 0; octet < 4; ++octet)
@@ -56,7 +56,7 @@ TEST(KeyMaterialOctets, LyingLengthsAreRefused) {
       }
 }
 
-TEST(KeyMaterialOctets, ZeroKeysAndIdsAreRefused) {
+TEST(KeyMaterialOctets, ZeroKeysAndIds_AreRefused) {
   const auto good = serialize_key_material(material(kAes256Gcm, 1, true));
   const auto zeroed = [&](std::size_t at, std::size_t count) {
     auto bad = good;

@@ -120,7 +120,7 @@ struct KeyOwnerTest : ::testing::Test {
   WriterToReader exchange = two.volatile_endpoints();
 };
 
-TEST_F(KeyOwnerTest, SpeaksForItsEndpointOnly) {
+TEST_F(KeyOwnerTest, EndpointsKey_SpeaksForItsEndpointOnly) {
   for (const auto kind : {ProtectionKind::sign, ProtectionKind::encrypt,
                           ProtectionKind::encrypt_with_origin_authentication}) {
     const auto ends = two.endpoints(attributes(kind));
@@ -141,7 +141,7 @@ TEST_F(KeyOwnerTest, SpeaksForItsEndpointOnly) {
   }
 }
 
-TEST_F(KeyOwnerTest, EachOfAWritersReadersKnowsIt) {
+TEST_F(KeyOwnerTest, EachOfAWritersReaders_KnowsIt) {
   const auto ends = two.endpoints(attributes());
   auto second = ends;
   second.reader =
@@ -154,7 +154,7 @@ TEST_F(KeyOwnerTest, EachOfAWritersReadersKnowsIt) {
   EXPECT_EQ(code_of(passes(ends, data_of(kOther))), Code::submessage_not_of_sender);
 }
 
-TEST_F(KeyOwnerTest, WithoutAnOwnerAKeySpeaksForItsKindOnly) {
+TEST_F(KeyOwnerTest, WithoutAnOwner_AKeySpeaksForItsKindOnly) {
   const auto ends = two.endpoints(attributes());
   EXPECT_TRUE(passes(ends, data_of(kSquare)));
   EXPECT_TRUE(passes(ends, data_of(kOther)));
@@ -166,7 +166,7 @@ TEST_F(KeyOwnerTest, WithoutAnOwnerAKeySpeaksForItsKindOnly) {
   EXPECT_EQ(code_of(passes(of_discovery, data_of(kSquare))), Code::submessage_not_of_sender);
 }
 
-TEST_F(KeyOwnerTest, AReaderAcknowledgesAsItselfOnly) {
+TEST_F(KeyOwnerTest, AReader_AcknowledgesAsItselfOnly) {
   const auto ends = two.endpoints(attributes());
   const auto tokens = two.reader_tokens(ends).value();
   // The same channel the other way round.
@@ -203,7 +203,7 @@ TEST_F(KeyOwnerTest, AReaderAcknowledgesAsItselfOnly) {
   }
 }
 
-TEST_F(KeyOwnerTest, TheKeyExchangeSpeaksForItselfOnly) {
+TEST_F(KeyOwnerTest, TheKeyExchange_SpeaksForItselfOnly) {
   const auto passes_exchange = [&](const Bytes& one) { return passes(exchange, one); };
   EXPECT_TRUE(passes_exchange(naming(submessage_id::kHeartbeat, 8, kTokenWriter)));
   EXPECT_TRUE(passes_exchange(naming(submessage_id::kAckNack, 4, kTokenReader)));
@@ -213,7 +213,7 @@ TEST_F(KeyOwnerTest, TheKeyExchangeSpeaksForItselfOnly) {
             Code::submessage_not_of_sender);
 }
 
-TEST_F(KeyOwnerTest, AKeyThatTwoEndpointsClaimIsNotTaken) {
+TEST_F(KeyOwnerTest, KeyThatTwoEndpointsClaim_IsNotTaken) {
   const auto ends = two.endpoints(attributes());
   take(ends, kSquare);
   const auto tokens = two.writer_tokens(ends).value();
@@ -228,7 +228,7 @@ struct RevisedKeyOwnerTest : KeyOwnerTest {
   RevisedKeyOwnerTest() : KeyOwnerTest(true) {}
 };
 
-TEST_F(RevisedKeyOwnerTest, StaysWithFormerAndLaterKeys) {
+TEST_F(RevisedKeyOwnerTest, FormerAndLaterKeys_KeepTheirOwner) {
   const auto ends = two.endpoints(attributes());
   take(ends, kSquare);
   const auto before = encode_submessage(two, ends, data_of(kOther)).value();
@@ -245,7 +245,7 @@ TEST_F(RevisedKeyOwnerTest, StaysWithFormerAndLaterKeys) {
   EXPECT_EQ(code_of(passes(ends, data_of(kOther))), Code::submessage_not_of_sender);
 }
 
-TEST_F(KeyOwnerTest, ASubmessageHasAllItsFields) {
+TEST_F(KeyOwnerTest, ASubmessage_HasAllItsFields) {
   const auto ends = two.endpoints(attributes());
   take(ends, kSquare);
   Insider insider(read_crypto_token(two.writer_tokens(ends).value()[0]).value());
@@ -273,7 +273,7 @@ TEST_F(KeyOwnerTest, ASubmessageHasAllItsFields) {
 }
 
 // An INFO_TS of length 0 is empty to the host, which would read what follows unchecked.
-TEST_F(KeyOwnerTest, AnEmptySubmessageHidesNone) {
+TEST_F(KeyOwnerTest, AnEmptySubmessage_HidesNone) {
   const auto ends = two.endpoints(attributes());
   take(ends, kSquare);
   Insider insider(read_crypto_token(two.writer_tokens(ends).value()[0]).value());

@@ -86,20 +86,20 @@ Tokens renumbered(Tokens tokens, KeyRevision revision) {
 
 // ---- numbers
 
-TEST(KeyRevisionNumber, IsTheFirstThreeOctetsOfTheKind) {
+TEST(KeyRevisionNumber, EachKind_HoldsItInItsFirstThreeOctets) {
   const TransformKind kind{{0x01, 0x02, 0x03, 4}};
   EXPECT_EQ(revision_of(kind), 0x010203u);
   EXPECT_EQ(with_revision(kAes256Gcm, 0xfedcba), (TransformKind{{0xfe, 0xdc, 0xba, 4}}));
   EXPECT_EQ(with_revision(kind, 0), kAes256Gcm);
 }
 
-TEST(KeyRevisionNumber, ComesRoundToOne) {
+TEST(KeyRevisionNumber, AfterTheGreatest_ComesOne) {
   EXPECT_EQ(next_revision(0), 1u);
   EXPECT_EQ(next_revision(0xfffffe), 0xffffffu);
   EXPECT_EQ(next_revision(0xffffff), 1u);
 }
 
-TEST(KeyRevisionNumber, IsLaterByHalfTheWayRound) {
+TEST(KeyRevisionNumber, HalfTheWayRound_DecidesWhichIsLater) {
   struct Row {
     KeyRevision revision, than;
     bool later;
@@ -118,7 +118,7 @@ class RevisedKeys : public ::testing::TestWithParam<ProtectionKind> {};
 INSTANTIATE_TEST_SUITE_P(Kinds, RevisedKeys,
                          ::testing::Values(kSign, kEncrypt, kSignOrigin, kEncryptOrigin));
 
-TEST_P(RevisedKeys, AreReadByWhoWasGivenThem) {
+TEST_P(RevisedKeys, ReceiverGivenThem_ReadsThem) {
   Revising r(GetParam());
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(r.receive(r.send()), Revising::all(kGood));
@@ -127,7 +127,7 @@ TEST_P(RevisedKeys, AreReadByWhoWasGivenThem) {
   EXPECT_EQ(r.receive(r.send()), Revising::all(kGood));
 }
 
-TEST_P(RevisedKeys, AreNotReadByWhoKeptTheFormerOnes) {
+TEST_P(RevisedKeys, ReceiverWithTheFormerOnes_DoesNotReadThem) {
   Revising r(GetParam());
   EXPECT_EQ(r.receive(r.send()), Revising::all(kGood));
   ASSERT_TRUE(r.activate(r.begin()));
@@ -139,7 +139,7 @@ TEST_P(RevisedKeys, AreNotReadByWhoKeptTheFormerOnes) {
   EXPECT_EQ(r.receive(renamed), Revising::all(Code::tag_mismatch));
 }
 
-TEST_P(RevisedKeys, KeepIdAlgorithmAndReceiverSpecificKeyAndShareNothingElse) {
+TEST_P(RevisedKeys, RevisedKey_KeepsIdAlgorithmAndReceiverKeyOnly) {
   Revising r(GetParam());
   const auto before = r.of_participant(KeyStage::in_use);
   const auto writer_before = r.of_writer(KeyStage::in_use);
@@ -159,7 +159,7 @@ TEST_P(RevisedKeys, KeepIdAlgorithmAndReceiverSpecificKeyAndShareNothingElse) {
   for (std::size_t i = 0; i < 2; ++i) check(writer_before[i], writer_after[i]);
 }
 
-TEST(KeyRevision, ChangesNothingBeforeItIsActivated) {
+TEST(KeyRevision, BeforeActivation_ChangesNothing) {
   Revising r;
   const auto in_use = r.of_participant(KeyStage::in_use);
   const auto revision = r.begin();
@@ -172,7 +172,7 @@ TEST(KeyRevision, ChangesNothingBeforeItIsActivated) {
             with_revision(kAes256Gcm, 1));
 }
 
-TEST(KeyRevision, LeavesTheKeyExchangeAlone) {
+TEST(KeyRevision, KeyExchange_IsLeftAlone) {
   Revising r;
   const auto volatiles = r.two.volatile_endpoints();
   ASSERT_TRUE(r.activate(r.begin()));
@@ -181,7 +181,7 @@ TEST(KeyRevision, LeavesTheKeyExchangeAlone) {
   EXPECT_TRUE(decode_submessage(r.two, volatiles, sent));
 }
 
-TEST(KeyRevision, OfAReaderIsForItsWriters) {
+TEST(KeyRevision, ReadersRevision_IsForItsWriters) {
   Revising r(kEncryptOrigin);
   auto& b = r.two.b;
   const auto revision = b.factory().revise_local_entity_keys(b.participant).value();
@@ -196,7 +196,7 @@ TEST(KeyRevision, OfAReaderIsForItsWriters) {
   EXPECT_TRUE(decode_reply(r.two, r.e, reply));
 }
 
-TEST(KeyRevision, AnEndpointMadeMeanwhileNeedsNone) {
+TEST(KeyRevision, EndpointMadeMeanwhile_NeedsNone) {
   Revising r;
   const auto revision = r.begin();
   auto late = r.two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
@@ -208,7 +208,7 @@ TEST(KeyRevision, AnEndpointMadeMeanwhileNeedsNone) {
   EXPECT_EQ(encode_payload(r.two, late, Bytes(8)).value()[2], 1);
 }
 
-TEST(KeyRevision, WhatIsUnregisteredMeanwhileIsForgotten) {
+TEST(KeyRevision, EndpointUnregisteredMeanwhile_IsForgotten) {
   Revising r;
   const auto revision = r.begin();
   ASSERT_TRUE(r.factory().unregister_datawriter(r.e.writer));
@@ -217,21 +217,21 @@ TEST(KeyRevision, WhatIsUnregisteredMeanwhileIsForgotten) {
   ASSERT_TRUE(r.factory().unregister_participant(r.two.a.participant));
 }
 
-TEST(KeyRevision, OfParticipantsThatProtectNoMessagesIsForTheirEndpoints) {
+TEST(KeyRevision, ParticipantWithoutMessageProtection_RevisesItsEndpoints) {
   TwoSides two(participant_attributes(kNone, true));
   const auto revision = two.a.factory().revise_local_entity_keys(two.a.participant);
   EXPECT_EQ(*revision, 1u);
   EXPECT_TRUE(two.participant_tokens(KeyStage::revised)->empty());
 }
 
-TEST(KeyRevision, IsNotDoneUnlessTheGovernanceEnablesIt) {
+TEST(KeyRevision, GovernanceWithoutIt_RevisesNothing) {
   TwoSides two(participant_attributes(kEncrypt, false));
   EXPECT_EQ(two.a.factory().revise_local_entity_keys(two.a.participant).value(), 0u);
   EXPECT_EQ(code_of(two.a.factory().activate_key_revision(two.a.participant, 1)),
             Code::key_revision_out_of_turn);
 }
 
-TEST(KeyRevision, GoesByTurns) {
+TEST(KeyRevision, OutOfTurnSteps_AreRefused) {
   Revising r;
   const auto again = [&] {
     return code_of(r.factory().revise_local_entity_keys(r.two.a.participant));
@@ -249,7 +249,7 @@ TEST(KeyRevision, GoesByTurns) {
 
 // ---- what is received
 
-TEST_P(RevisedKeys, LetTheFormerCountForAWhile) {
+TEST_P(RevisedKeys, FormerKeys_CountForAWhile) {
   Revising r(GetParam());
   const auto former = r.send(), late = r.send();
   r.revise();
@@ -262,7 +262,7 @@ TEST_P(RevisedKeys, LetTheFormerCountForAWhile) {
   EXPECT_EQ(r.receive(r.send()), Revising::all(kGood));
 }
 
-TEST(FormerKeys, AreWipedOnceTheyCountNoLonger) {
+TEST(FormerKeys, AfterTheirTime_AreWiped) {
   Revising r;
   const auto former = r.send();
   r.revise();
@@ -275,7 +275,7 @@ TEST(FormerKeys, AreWipedOnceTheyCountNoLonger) {
   EXPECT_EQ(r.receive(r.send()), Revising::all(kGood));
 }
 
-TEST(FormerKeys, AreFew) {
+TEST(FormerKeys, ManyRevisions_KeepFewFormerKeys) {
   Revising r;
   std::vector<Revising::Sent> sent = {r.send()};
   for (std::size_t i = 0; i <= kMaxFormerRevisions; ++i) {
@@ -287,7 +287,7 @@ TEST(FormerKeys, AreFew) {
     EXPECT_EQ(r.receive(sent[i]), Revising::all(kGood)) << i;
 }
 
-TEST(FormerKeys, EndWithAnotherKeyInTheirPlace) {
+TEST(FormerKeys, AnotherKeyInTheirPlace_EndsThem) {
   Revising r;
   const auto former = r.send();
   auto other = Revising();
@@ -295,7 +295,7 @@ TEST(FormerKeys, EndWithAnotherKeyInTheirPlace) {
   EXPECT_NE(r.receive(former)[0], kGood);
 }
 
-TEST(RevisedTokens, OfAnOlderRevisionAreRefusedAndChangeNothing) {
+TEST(RevisedTokens, OlderRevision_IsRefusedAndChangesNothing) {
   Revising r;
   const auto first = r.of_participant(KeyStage::in_use);
   const auto first_of_writer = r.of_writer(KeyStage::in_use);
@@ -309,7 +309,7 @@ TEST(RevisedTokens, OfAnOlderRevisionAreRefusedAndChangeNothing) {
   EXPECT_EQ(r.receive(r.send()), Revising::all(kGood));
 }
 
-TEST(RevisedTokens, FollowTheLastNumberByTheFirst) {
+TEST(RevisedTokens, LastNumber_IsFollowedByTheFirst) {
   Revising r;
   const auto first = r.of_participant(KeyStage::in_use);
   EXPECT_TRUE(r.tell_participant(renumbered(first, 0xffffff)));
@@ -318,7 +318,7 @@ TEST(RevisedTokens, FollowTheLastNumberByTheFirst) {
   EXPECT_EQ(code_of(r.tell_participant(first)), Code::key_revision_stale);
 }
 
-TEST(RevisedTokens, ToWhoseGovernanceDoesNotEnableItAreRefused) {
+TEST(RevisedTokens, GovernanceWithoutRevision_RefusesThem) {
   TwoSides two(participant_attributes(kEncrypt, false));
   const auto tokens = two.participant_tokens();
   const auto set = [&](const Tokens& given) { return code_of(two.take_participant(given)); };
@@ -326,7 +326,7 @@ TEST(RevisedTokens, ToWhoseGovernanceDoesNotEnableItAreRefused) {
   EXPECT_EQ(set(*tokens), kGood);
 }
 
-TEST(RevisedTokens, CutShortAnywhereChangeNothing) {
+TEST(RevisedTokens, TokensCutShortAnywhere_ChangeNothing) {
   Revising r(kEncryptOrigin);
   r.begin();
   const auto whole = r.of_writer();
@@ -345,7 +345,7 @@ TEST(RevisedTokens, CutShortAnywhereChangeNothing) {
 }
 
 /// Threads send and receive on while the keys change under them.
-TEST(KeyRevision, LosesNothingOfWhatOtherThreadsSend) {
+TEST(KeyRevision, OtherThreadsSending_LoseNothing) {
   Revising r(kEncryptOrigin);
   std::atomic<bool> done = false;
   std::atomic<int> lost = 0, sent = 0;

@@ -19,7 +19,7 @@ std::string text_of(const Passphrase& passphrase) {
   return passphrase.text.expose([](BytesView octets) { return std::string(as_text(octets)); });
 }
 
-TEST(Passphrases, AreReadWithTheirIds) {
+TEST(Passphrases, LinesWithIds_AreRead) {
   const auto all = load(
       passphrase("5612:Open: Sesame~\r\n", "0:a\n4294967294:b\r\n\r\n7:c d\r5612:Open: Sesame~\n"));
   ASSERT_TRUE(all) << all.error().to_sentence();
@@ -32,7 +32,7 @@ TEST(Passphrases, AreReadWithTheirIds) {
   EXPECT_TRUE(load(passphrase("1:" + std::string(512, '!'))));
 }
 
-TEST(Passphrases, WhatIsWrongIsNamedAndNotRepeated) {
+TEST(Passphrases, WhatIsWrong_IsNamedAndNotRepeated) {
   const std::string secret = "xyzzy";
   const auto refused = [&](const PropertyList& properties) {
     const auto all = load(properties);
@@ -72,7 +72,7 @@ TEST(Passphrases, WhatIsWrongIsNamedAndNotRepeated) {
   EXPECT_EQ(pasted.error().to_sentence().find(secret), std::string::npos);
 }
 
-TEST(Passphrases, AFileThatOthersMayReadIsNotPassedOverInSilence) {
+TEST(Passphrases, AFileThatOthersMayRead_IsNotPassedOverInSilence) {
   const test::TemporaryFolder folder;
   const auto path = folder.write("psk", "5612:Open Sesame\n");
   const PropertyList properties = {{std::string(property::kPskPassphrase), "file:" + path}};

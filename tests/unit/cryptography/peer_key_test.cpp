@@ -90,7 +90,7 @@ struct TwoWriters {
 class PeerKeys : public ::testing::TestWithParam<ProtectionKind> {};
 INSTANTIATE_TEST_SUITE_P(Kinds, PeerKeys, ::testing::Values(kSign, kEncrypt));
 
-TEST_P(PeerKeys, WhatAReaderSaysToOneParticipantOpensAtNoOther) {
+TEST_P(PeerKeys, WhatAReaderSaysToOneParticipant_OpensAtNoOther) {
   TwoWriters w(GetParam());
   const auto to_first = w.reply_to({w.first.remote_writer}).value();
   const auto to_second = w.reply_to({w.second.remote_writer}).value();
@@ -103,7 +103,7 @@ TEST_P(PeerKeys, WhatAReaderSaysToOneParticipantOpensAtNoOther) {
   EXPECT_EQ(code_of(decode_reply(w.two, w.first, to_second)), Code::transform_key_id_mismatch);
 }
 
-TEST_P(PeerKeys, RedirectedUnderTheNameOfTheOtherKeyItDoesNotOpenEither) {
+TEST_P(PeerKeys, RedirectedUnderTheOtherKeysName_DoesNotOpenEither) {
   TwoWriters w(GetParam());
   auto reply = w.reply_to({w.first.remote_writer}).value();
   const auto id = w.material(w.second.remote_writer).sender_key_id;
@@ -112,7 +112,7 @@ TEST_P(PeerKeys, RedirectedUnderTheNameOfTheOtherKeyItDoesNotOpenEither) {
   EXPECT_EQ(code_of(w.read_at_second(reply)), Code::tag_mismatch);
 }
 
-TEST_P(PeerKeys, ShareNothing) {
+TEST_P(PeerKeys, TwoPeers_ShareNoKey) {
   TwoWriters w(GetParam());
   const auto one = w.material(w.first.remote_writer), other = w.material(w.second.remote_writer);
   EXPECT_EQ(one.kind, other.kind);
@@ -122,7 +122,7 @@ TEST_P(PeerKeys, ShareNothing) {
   EXPECT_FALSE(one.has_receiver_key());
 }
 
-TEST_P(PeerKeys, AreTheSameForAllWritersOfAParticipant) {
+TEST_P(PeerKeys, AllWritersOfAParticipant_HaveTheSame) {
   TwoWriters w(GetParam());
   const auto further = w.writer_of(w.two.b.remote).value();
   EXPECT_EQ(w.material(further), w.material(w.first.remote_writer));
@@ -130,7 +130,7 @@ TEST_P(PeerKeys, AreTheSameForAllWritersOfAParticipant) {
   EXPECT_EQ(decode_reply(w.two, w.first, reply.value()), acknack());
 }
 
-TEST_P(PeerKeys, NoneIsForWritersOfSeveralParticipantsOrForNone) {
+TEST_P(PeerKeys, WritersOfSeveralOrNoParticipants_HaveNone) {
   TwoWriters w(GetParam());
   EXPECT_EQ(code_of(w.reply_to({w.first.remote_writer, w.second.remote_writer})),
             Code::receiver_count);
@@ -139,7 +139,7 @@ TEST_P(PeerKeys, NoneIsForWritersOfSeveralParticipantsOrForNone) {
   EXPECT_EQ(code_of(w.reply_to({elsewhere.remote_writer})), Code::crypto_not_matched);
 }
 
-TEST_P(PeerKeys, AWriterThatHasLeftMeanwhileDoesNotMatter) {
+TEST_P(PeerKeys, WriterThatHasLeftMeanwhile_DoesNotMatter) {
   TwoWriters w(GetParam());
   const auto further = w.writer_of(w.two.b.remote).value();
   ASSERT_TRUE(w.two.b.factory().unregister_datawriter(further));
@@ -149,7 +149,7 @@ TEST_P(PeerKeys, AWriterThatHasLeftMeanwhileDoesNotMatter) {
   EXPECT_EQ(code_of(w.reply_to({further})), Code::crypto_handle_unknown);
 }
 
-TEST_P(PeerKeys, EndWithTheLastWriterOfTheParticipant) {
+TEST_P(PeerKeys, LastWriterOfTheParticipant_EndsThem) {
   TwoWriters w(GetParam());
   auto& factory = w.two.b.factory();
   const auto before = w.material(w.first.remote_writer);
@@ -163,7 +163,7 @@ TEST_P(PeerKeys, EndWithTheLastWriterOfTheParticipant) {
   EXPECT_EQ(w.read_at_second(w.reply_to({w.second.remote_writer}).value()), acknack());
 }
 
-TEST_P(PeerKeys, OfAParticipantThatLeavesEndWithIt) {
+TEST_P(PeerKeys, ParticipantThatLeaves_EndsItsKey) {
   TwoWriters w(GetParam());
   ASSERT_TRUE(w.two.b.factory().unregister_participant(w.two.b.remote));
   EXPECT_EQ(code_of(w.reply_to({w.first.remote_writer})), Code::crypto_handle_unknown);
@@ -172,7 +172,7 @@ TEST_P(PeerKeys, OfAParticipantThatLeavesEndWithIt) {
   EXPECT_EQ(code_of(w.reply_to({w.second.remote_writer})), Code::crypto_handle_unknown);
 }
 
-TEST_P(PeerKeys, AreRevisedEachOnItsOwn) {
+TEST_P(PeerKeys, RevisingOne_LeavesTheOther) {
   TwoWriters w(GetParam());
   auto& b = w.two.b;
   const auto former = w.reply_to({w.second.remote_writer}).value();
@@ -195,7 +195,7 @@ TEST_P(PeerKeys, AreRevisedEachOnItsOwn) {
 }
 
 // A participant that has all former keys and gets no new ones.
-TEST_P(PeerKeys, OfAParticipantThatIsNotToldAreReadByItNoMore) {
+TEST_P(PeerKeys, ParticipantThatIsNotTold_ReadsNoMore) {
   TwoWriters w(GetParam());
   auto& b = w.two.b;
   const auto revision = b.factory().revise_local_entity_keys(b.participant).value();
@@ -207,7 +207,7 @@ TEST_P(PeerKeys, OfAParticipantThatIsNotToldAreReadByItNoMore) {
 class ReceiverKeys : public ::testing::TestWithParam<ProtectionKind> {};
 INSTANTIATE_TEST_SUITE_P(Kinds, ReceiverKeys, ::testing::Values(kSignOrigin, kEncryptOrigin));
 
-TEST_P(ReceiverKeys, LetOneSubmessageServeWritersOfSeveralParticipantsAndNoOther) {
+TEST_P(ReceiverKeys, OneSubmessage_ServesWritersOfSeveralParticipantsOnly) {
   TwoWriters w(GetParam());
   const auto to_both = w.reply_to({w.first.remote_writer, w.second.remote_writer}).value();
   EXPECT_EQ(decode_reply(w.two, w.first, to_both), acknack());
@@ -227,7 +227,7 @@ struct BreakableRandom final : Random {
   bool is_broken = false;
 };
 
-TEST(PeerKey, ThatCannotBeMadeLeavesNoMatch) {
+TEST(PeerKey, KeyThatCannotBeMade_LeavesNoMatch) {
   ManualClock clock{WallTime{}};
   CountingSink events;
   BreakableRandom random;

@@ -55,7 +55,7 @@ Bytes with_source(const Bytes& plain) {
   return out;
 }
 
-TEST(PreSharedKey, EveryCipherOpensWithTheSamePassphraseAndNoOther) {
+TEST(PreSharedKey, EveryCipher_OpensWithTheSamePassphraseAndNoOther) {
   for (const auto kind : {kSign, kEncrypt})
     for (const auto cipher : {spi::kAes128Name, spi::kAes256Name, spi::kChaCha20Poly1305Name}) {
       Member a(passphrase("5612:Open Sesame", {}, cipher), kind);
@@ -70,7 +70,7 @@ TEST(PreSharedKey, EveryCipherOpensWithTheSamePassphraseAndNoOther) {
     }
 }
 
-TEST(PreSharedKey, AnotherIdDomainOrTagIsAnotherKey) {
+TEST(PreSharedKey, AnotherIdDomainOrTag_IsAnotherKey) {
   Member a(passphrase("5612:Open Sesame"));
   const auto encoded = a.encode(hello());
   const auto refusal = [&](Member other) { return code_of(other.decode(encoded)); };
@@ -83,7 +83,7 @@ TEST(PreSharedKey, AnotherIdDomainOrTagIsAnotherKey) {
             Code::psk_passphrase_unknown);
 }
 
-TEST(PreSharedKey, ProtectionAndCipherMustBeOurs) {
+TEST(PreSharedKey, ProtectionAndCipher_MustBeOurs) {
   const auto same = passphrase("1:Open Sesame");
   EXPECT_EQ(code_of(Member(same, kSign).decode(Member(same).encode(hello()))),
             Code::encrypted_where_signature_is_due);
@@ -93,7 +93,7 @@ TEST(PreSharedKey, ProtectionAndCipherMustBeOurs) {
   EXPECT_EQ(code_of(Member(same).decode(weak.encode(hello()))), Code::transform_kind_mismatch);
 }
 
-TEST(PreSharedKey, NothingThatWasChangedOrCutOffIsOpened) {
+TEST(PreSharedKey, ChangedOrCutOffMessages_AreNotOpened) {
   for (const auto kind : {kSign, kEncrypt}) {
     Member a(passphrase("5632:Open Sesame"), kind), b(passphrase("5632:Open Sesame"), kind);
     const auto genuine = a.encode(hello());
@@ -110,7 +110,7 @@ TEST(PreSharedKey, NothingThatWasChangedOrCutOffIsOpened) {
   }
 }
 
-TEST(PreSharedKey, WhatIsNoMessageIsNotEncodedAndNoSmallBufferIsOverrun) {
+TEST(PreSharedKey, WhatIsNoMessage_IsNotEncodedAndNoSmallBufferIsOverrun) {
   Member a(passphrase("1:Open Sesame")), b(passphrase("1:Open Sesame"));
   const auto plain = hello();
   const auto encoded = a.encode(plain);
@@ -128,7 +128,7 @@ TEST(PreSharedKey, WhatIsNoMessageIsNotEncodedAndNoSmallBufferIsOverrun) {
               Code::length_out_of_range);
 }
 
-TEST(PreSharedKey, APassphraseIsChangedWithoutLosingAMessage) {
+TEST(PreSharedKey, APassphrase_IsChangedWithoutLosingAMessage) {
   Member before(passphrase("1:old passphrase", "2:new passphrase"));
   Member between(passphrase("2:new passphrase", "1:old passphrase"));
   Member after(passphrase("2:new passphrase"));
@@ -145,7 +145,7 @@ TEST(PreSharedKey, APassphraseIsChangedWithoutLosingAMessage) {
   EXPECT_TRUE(between.decode(after.encode(hello_from(4))));
 }
 
-TEST(PreSharedKey, OnlyWhoKnowsThePassphraseIsRememberedAndOnlySoMany) {
+TEST(PreSharedKey, OnlyMembersMessages_AreRememberedAndOnlySoMany) {
   Member a(passphrase("1:Open Sesame")), b(passphrase("1:Open Sesame"));
   auto& ring = dynamic_cast<PreSharedKeyRing&>(*b.keys);
   const auto first = a.encode(hello_from(0));
@@ -169,7 +169,7 @@ TEST(PreSharedKey, OnlyWhoKnowsThePassphraseIsRememberedAndOnlySoMany) {
   EXPECT_TRUE(b.decode(a.encode(hello_from(1))));
 }
 
-TEST(PreSharedKey, NoIvComesTwiceNotEvenAfterARestartOrANewSession) {
+TEST(PreSharedKey, RestartOrNewSession_RepeatsNoIv) {
   const auto iv = [](const Bytes& message) {
     return std::string(message.begin() + 32, message.begin() + 44);
   };
@@ -185,7 +185,7 @@ TEST(PreSharedKey, NoIvComesTwiceNotEvenAfterARestartOrANewSession) {
   }
 }
 
-TEST(PreSharedKey, InsideAndOutsideNameTheSameSource) {
+TEST(PreSharedKey, DifferentSourcesInsideAndOutside_AreRefused) {
   Member b(passphrase("1:Open Sesame"));
   // Under the key of the outer name, as one who knows the passphrase could make it.
   const auto source = [](const Bytes& message) {
@@ -213,7 +213,7 @@ TEST(PreSharedKey, InsideAndOutsideNameTheSameSource) {
   EXPECT_FALSE(b.keys->remembers(encoded));
 }
 
-TEST(PreSharedKey, WhatTheGovernanceDoesNotAskForOrAllowIsNotMade) {
+TEST(PreSharedKey, WhatTheGovernanceDoesNotAskForOrAllow_IsNotMade) {
   Side side;
   const auto made = [&](const PropertyList& properties, ProtectionKind kind,
                         spi::CipherMask allowed = spi::kAllCiphers) {
@@ -265,7 +265,7 @@ constexpr auto kChanged = Code::psk_passphrases_changed;
 constexpr auto kKept = Code::psk_passphrases_kept;
 using Codes = std::vector<Code>;
 
-TEST(ChangedPassphrases, AreUsedStepByStepWithoutAGap) {
+TEST(ChangedPassphrases, NewPassphrase_IsUsedStepByStepWithoutAGap) {
   Running running("1:old");
   Member old(passphrase("1:old")), fresh(passphrase("2:new"));
   const auto understands = [&](Member& other, std::uint32_t name) {
@@ -295,7 +295,7 @@ TEST(ChangedPassphrases, AreUsedStepByStepWithoutAGap) {
   EXPECT_EQ(running.after(), Codes{});
 }
 
-TEST(ChangedPassphrases, OfTheSameIdReplaceIt) {
+TEST(ChangedPassphrases, SameId_ReplacesThePassphrase) {
   Running running("1:odl");
   Member old(passphrase("1:odl")), fresh(passphrase("1:old"));
   EXPECT_TRUE(running.member.decode(old.encode(hello())));
@@ -309,7 +309,7 @@ TEST(ChangedPassphrases, OfTheSameIdReplaceIt) {
   EXPECT_TRUE(fresh.decode(running.member.encode(hello())));
 }
 
-TEST(ChangedPassphrases, ThatCannotBeUsedChangeNothingAndAreToldOnce) {
+TEST(ChangedPassphrases, UnusablePassphrases_ChangeNothingAndAreReportedOnce) {
   Running running("1:old");
   Member old(passphrase("1:old"));
   const auto path = running.folder.path() + "/own";
@@ -346,7 +346,7 @@ TEST(ChangedPassphrases, ThatCannotBeUsedChangeNothingAndAreToldOnce) {
   EXPECT_EQ(running.after(), Codes{kKept}) << "told once more, since it was good meanwhile";
 }
 
-TEST(ChangedPassphrases, AreLookedForAsOftenAsTheyShallBe) {
+TEST(ChangedPassphrases, PollInterval_DecidesHowOftenTheyAreLookedFor) {
   const auto every = [](std::string seconds) {
     return PropertyList{{std::string(property::kFilesPollInterval), std::move(seconds)}};
   };
@@ -366,7 +366,7 @@ TEST(ChangedPassphrases, AreLookedForAsOftenAsTheyShallBe) {
             Code::invalid_property);
 }
 
-TEST(ChangedPassphrases, OfDataUrisThereAreNone) {
+TEST(ChangedPassphrases, DataUris_NeverChange) {
   Member member(passphrase("1:old", "2:new"));
   member.side.clock.advance(std::chrono::hours(1));
   member.keys->refresh();

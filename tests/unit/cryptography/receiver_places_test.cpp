@@ -99,7 +99,7 @@ struct CrowdedWriter {
   std::uint32_t keys = 0;
 };
 
-TEST(ReceiverPlaces, OneCertificateHasItsShareHoweverManyParticipantsItHas) {
+TEST(ReceiverPlaces, OneCertificate_HasItsShareForAllItsParticipants) {
   CrowdedWriter writer;
   const auto first = writer.participant(1, 1), second = writer.participant(1, 2);
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(writer.reader(first));
@@ -115,7 +115,7 @@ TEST(ReceiverPlaces, OneCertificateHasItsShareHoweverManyParticipantsItHas) {
 }
 
 /// Only the participant itself has the tokens of its readers.
-TEST(ReceiverPlaces, ReadersThatAStrangerInventedTakeNone) {
+TEST(ReceiverPlaces, ReadersThatAStrangerInvented_TakeNone) {
   CrowdedWriter writer;
   const auto participant = writer.participant(1, 1);
   const auto invented = writer.announce_reader(participant).value();
@@ -127,7 +127,7 @@ TEST(ReceiverPlaces, ReadersThatAStrangerInventedTakeNone) {
   EXPECT_FALSE(writer.reader(participant)) << "it had none";
 }
 
-TEST(ReceiverPlaces, AReaderTakesOneHoweverOftenItsTokensCome) {
+TEST(ReceiverPlaces, ReaderWhoseTokensComeOften_TakesOne) {
   CrowdedWriter writer;
   const auto participant = writer.participant(1, 1);
   const auto first = writer.reader(participant).value();
@@ -135,7 +135,7 @@ TEST(ReceiverPlaces, AReaderTakesOneHoweverOftenItsTokensCome) {
   EXPECT_EQ(writer.readers_of(participant), kShare - 1);
 }
 
-TEST(ReceiverPlaces, AReaderWhoseTokensAreRefusedTakesNone) {
+TEST(ReceiverPlaces, AReaderWhoseTokensAreRefused_TakesNone) {
   CrowdedWriter writer;
   const auto participant = writer.participant(1, 1);
   const auto broken = writer.announce_reader(participant).value();
@@ -146,7 +146,7 @@ TEST(ReceiverPlaces, AReaderWhoseTokensAreRefusedTakesNone) {
 }
 
 /// Further ones would end the writer for all.
-TEST(ReceiverPlaces, AllOfThemFitIntoOneDatagram) {
+TEST(ReceiverPlaces, AllOfThem_FitIntoOneDatagram) {
   constexpr std::size_t kRtpsHeaderAndTimestamp = 20 + 16 + 12;
   CrowdedWriter writer;
   for (std::uint8_t certificate = 1; certificate <= 5; ++certificate)
@@ -157,7 +157,7 @@ TEST(ReceiverPlaces, AllOfThemFitIntoOneDatagram) {
   EXPECT_LE(message->size() + kRtpsHeaderAndTimestamp, kMaxInDatagram);
 }
 
-TEST(ReceiverPlaces, AllOfBothLevelsFitIntoOneDatagram) {
+TEST(ReceiverPlaces, AllOfBothLevels_FitIntoOneDatagram) {
   CrowdedWriter writer(kOriginAuthenticated);
   std::vector<ParticipantCryptoHandle> all;
   for (std::uint8_t certificate = 1; certificate <= 5; ++certificate)
@@ -175,7 +175,7 @@ TEST(ReceiverPlaces, AllOfBothLevelsFitIntoOneDatagram) {
   EXPECT_LE(message->size(), kMaxInDatagram);
 }
 
-TEST(ReceiverPlaces, OneCertificateHasItsShareOfParticipantsWhereMessagesNeedMacs) {
+TEST(ReceiverPlaces, OneCertificate_HasItsShareOfParticipantsWithMacs) {
   CrowdedWriter writer(kOriginAuthenticated);
   const auto all = writer.participants_of(1);
   EXPECT_EQ(all.size(), kShareOfEach);
@@ -189,7 +189,7 @@ TEST(ReceiverPlaces, OneCertificateHasItsShareOfParticipantsWhereMessagesNeedMac
   EXPECT_EQ(writer.readers_of(all.back()), kShareOfEach) << "each of them may have a reader";
 }
 
-TEST(ReceiverPlaces, AParticipantThatAuthenticatesAnewKeepsItsPlace) {
+TEST(ReceiverPlaces, AParticipantThatAuthenticatesAnew_KeepsItsPlace) {
   CrowdedWriter writer(kOriginAuthenticated);
   const auto all = writer.participants_of(1);
   EXPECT_EQ(writer.meet(1, 1), all.front()) << "asked again";
@@ -201,20 +201,20 @@ TEST(ReceiverPlaces, AParticipantThatAuthenticatesAnewKeepsItsPlace) {
 }
 
 /// They cost no octet.
-TEST(ReceiverPlaces, ParticipantsNeedNoneWithoutOriginAuthenticationOfMessages) {
+TEST(ReceiverPlaces, WithoutOriginAuthenticationOfMessages_ParticipantsNeedNone) {
   CrowdedWriter writer(ProtectionKind::encrypt);
   for (std::uint16_t number = 1; number <= ReceiverPlaces::kMaxOfEach + 1; ++number)
     ASSERT_TRUE(writer.meet(1, number));
 }
 
 /// Beside a stock authentication nobody knows the certificate. All of them fit nevertheless.
-TEST(ReceiverPlaces, ParticipantsThatProvedNoNameHaveThemTogether) {
+TEST(ReceiverPlaces, ParticipantsWithoutAProvenName_ShareAllPlaces) {
   CrowdedWriter writer(kOriginAuthenticated);
   EXPECT_EQ(writer.participants_of(0).size(), ReceiverPlaces::kMaxOfEach);
 }
 
 /// The host lists receivers first and has them encoded for then; one may leave in between.
-TEST(ReceiverPlaces, OneThatHasLeftDoesNotCostTheOthersTheMessage) {
+TEST(ReceiverPlaces, OneThatHasLeft_DoesNotCostTheOthersTheMessage) {
   CrowdedWriter writer(kOriginAuthenticated);
   const std::vector stay = {writer.participant(1, 1), writer.participant(2, 1)};
   const auto gone = writer.participant(3, 1);
@@ -233,7 +233,7 @@ TEST(ReceiverPlaces, OneThatHasLeftDoesNotCostTheOthersTheMessage) {
   EXPECT_EQ(code_of(writer.rtps_message_for({{gone}}, of_three)), Code::crypto_handle_unknown);
 }
 
-TEST(ReceiverPlaces, AreForOriginAuthenticationOnly) {
+TEST(ReceiverPlaces, WithoutOriginAuthentication_NoneAreNeeded) {
   CrowdedWriter writer;
   writer.writer = writer.side.factory()
                       .register_local_datawriter(

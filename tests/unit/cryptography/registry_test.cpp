@@ -17,7 +17,7 @@ struct Thing final : Entity {
   Thing() : Entity(EntityKind::local_writer) {}
 };
 
-TEST(Registry, FillsUpAndRefusesMore) {
+TEST(Registry, FullRegistry_RefusesMore) {
   Registry registry(42);
   const auto most = Registry::kChunkSize * Registry::kMaxChunks;
   std::int64_t last = 0;
@@ -35,7 +35,7 @@ TEST(Registry, FillsUpAndRefusesMore) {
             Code::crypto_handle_unknown);
 }
 
-TEST(Registry, HandlesArePositiveAndDiffer) {
+TEST(Registry, Handles_ArePositiveAndDiffer) {
   for (const std::uint64_t first : {std::uint64_t{0}, ~std::uint64_t{0}, std::uint64_t{1} << 35}) {
     Registry registry(first);
     std::set<std::int64_t> seen;
@@ -50,7 +50,7 @@ TEST(Registry, HandlesArePositiveAndDiffer) {
   }
 }
 
-TEST(Graveyard, FreesWhenNobodyReads) {
+TEST(Graveyard, WithoutReaders_FreesAtOnce) {
   Graveyard graveyard;
   {
     const ReadGuard guard;
@@ -62,7 +62,7 @@ TEST(Graveyard, FreesWhenNobodyReads) {
   EXPECT_EQ(graveyard.size(), 0u);
 }
 
-TEST(Matching, SameRemoteIdentitySameHandle) {
+TEST(Matching, SameRemoteIdentity_HasTheSameHandle) {
   Side side;
   auto& factory = side.factory();
   const auto attributes = participant_attributes(kEncrypt);
@@ -85,7 +85,7 @@ TEST(Matching, SameRemoteIdentitySameHandle) {
   EXPECT_NE(*again, remote);
 }
 
-TEST(Matching, TwoLocalParticipantsReadTheSameRemoteEachWithItsOwnMac) {
+TEST(Matching, TwoLocalParticipants_EachReadTheRemoteByTheirOwnMac) {
   constexpr auto kOrigin = ProtectionKind::encrypt_with_origin_authentication;
   TwoSides two(kOrigin);
   auto& b = two.b;
@@ -175,7 +175,7 @@ bool first_reads(TwoSides& two, const WriterToReader& e) {
 }
 
 // 7 is the remote to the first local participant: one identity for both, or one for each pair.
-TEST(TwoLocals, OfOneRemoteHaveKeysOfTheirOwn) {
+TEST(TwoLocals, OneRemote_HasItsOwnKeysForEach) {
   for (const IdentityHandle identity : {IdentityHandle{7}, IdentityHandle{17}}) {
     TwoSides two(kEncrypt);
     const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
@@ -200,7 +200,7 @@ TEST(TwoLocals, OfOneRemoteHaveKeysOfTheirOwn) {
   }
 }
 
-TEST(TwoLocals, WhicheverGoesTheOtherReadsOn) {
+TEST(TwoLocals, WhenOneGoes_TheOtherReadsOn) {
   for (const bool second_goes : {false, true})
     for (const IdentityHandle identity : {IdentityHandle{7}, IdentityHandle{17}}) {
       TwoSides two(kEncrypt);
@@ -214,7 +214,7 @@ TEST(TwoLocals, WhicheverGoesTheOtherReadsOn) {
     }
 }
 
-TEST(TwoLocals, WithAnIdentityForEachPairGiveTheRemoteBackEachForItself) {
+TEST(TwoLocals, IdentityForEachPair_IsReturnedByEachForItself) {
   for (const bool second_gives : {false, true}) {
     TwoSides two(kEncrypt);
     const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
@@ -226,7 +226,7 @@ TEST(TwoLocals, WithAnIdentityForEachPairGiveTheRemoteBackEachForItself) {
   }
 }
 
-TEST(Scale, TheFourThousandthRemoteCostsAsMuchAsTheFirst) {
+TEST(Scale, TheFourThousandthRemote_CostsAsMuchAsTheFirst) {
   Side side;
   const auto local = side.factory()
                          .register_local_participant({}, {}, {}, participant_attributes(kEncrypt))

@@ -34,7 +34,7 @@ INSTANTIATE_TEST_SUITE_P(EachCipher, Leftovers,
                                                               spi::kChaCha20Poly1305Name)));
 
 // Contexts of older releases of OpenSSL (3.0) keep it beside their key, and wipe both in the end.
-TEST_P(Leftovers, OfTheKeyStreamOfTheLastBlockThereAreNone) {
+TEST_P(Leftovers, KeyStreamOfTheLastBlock_IsWiped) {
   const auto [aead, algorithm] = GetParam();
   auto two =
       std::make_unique<TwoSides>(ProtectionKind::none, cipher(algorithm), Options{.aead = aead});

@@ -59,7 +59,7 @@ TEST(ReplayWindow, ABacklog_BesideNewerMessages_IsAccepted) {
   for (std::uint64_t n = 0; n < 200; ++n) EXPECT_FALSE(window.accept(iv(7, 100'000 + n)));
 }
 
-TEST(ReplayWindow, SessionsCountUpInOneOrder) {
+TEST(ReplayWindow, Sessions_CountUpInOneOrder) {
   ReplayWindow window;
   EXPECT_TRUE(window.accept(iv(0xffffffff, 900)));
   EXPECT_TRUE(window.accept(iv(0, 3))) << "session ids count past the greatest";
@@ -72,7 +72,7 @@ TEST(ReplayWindow, SessionsCountUpInOneOrder) {
   EXPECT_TRUE(window.accept(iv(1, 0))) << "newer than all that have left the window";
 }
 
-TEST(ReplayWindow, SuffixesCountPastTheGreatest) {
+TEST(ReplayWindow, Suffixes_CountPastTheGreatest) {
   ReplayWindow window;
   EXPECT_TRUE(window.accept(iv(7, ~std::uint64_t{0})));
   EXPECT_TRUE(window.accept(iv(7, 1)));
@@ -96,7 +96,7 @@ TEST(ReplayWindow, ParentAndChildren_AreHeardBesideOneAnother) {
 
 using spi::ProtectionKind;
 
-struct Repeated : ::testing::Test {
+struct RepeatedMessages : ::testing::Test {
   Bytes sent() {
     const auto message = testing::DataMessage{.number = ++number}.octets();
     return testing::encode_submessage(two, ends, message).value();
@@ -111,7 +111,7 @@ struct Repeated : ::testing::Test {
   testing::WriterToReader ends;
 };
 
-TEST_F(Repeated, WithOriginAuthentication_AMessageCountsOnce) {
+TEST_F(RepeatedMessages, WithOriginAuthentication_AMessageCountsOnce) {
   for (const auto kind : {ProtectionKind::encrypt_with_origin_authentication,
                           ProtectionKind::sign_with_origin_authentication}) {
     begin(kind);
@@ -124,7 +124,7 @@ TEST_F(Repeated, WithOriginAuthentication_AMessageCountsOnce) {
   }
 }
 
-TEST_F(Repeated, TheSameKeyOnceMore_MakesNothingNew) {
+TEST_F(RepeatedMessages, TheSameKeyOnceMore_MakesNothingNew) {
   begin(ProtectionKind::encrypt_with_origin_authentication);
   const auto first = sent();
   EXPECT_TRUE(got(first));
@@ -135,7 +135,7 @@ TEST_F(Repeated, TheSameKeyOnceMore_MakesNothingNew) {
 }
 
 // Each reader has the key, and could use IVs that the writer has not come to.
-TEST_F(Repeated, WithoutOriginAuthentication_NothingIsJudged) {
+TEST_F(RepeatedMessages, WithoutOriginAuthentication_NothingIsJudged) {
   begin(ProtectionKind::encrypt);
   const auto first = sent();
   EXPECT_TRUE(got(first));
@@ -143,7 +143,7 @@ TEST_F(Repeated, WithoutOriginAuthentication_NothingIsJudged) {
 }
 
 // Two places of one process where the host takes each message once.
-struct RepeatedElsewhere : ::testing::Test {
+struct MessagesRepeatedElsewhere : ::testing::Test {
   static constexpr auto kOrigin = ProtectionKind::encrypt_with_origin_authentication;
 
   /// What the two readers say of one message of the writer, one after the other.
@@ -197,17 +197,17 @@ struct RepeatedElsewhere : ::testing::Test {
   }
 };
 
-TEST_F(RepeatedElsewhere, HostThatTakesEachMessageOnce_IsToldByTheSecondReader) {
+TEST_F(MessagesRepeatedElsewhere, HostThatTakesEachMessageOnce_IsToldByTheSecondReader) {
   EXPECT_EQ(both_readers({.host_checks_sources = false}),
             std::pair(Code{}, Code::message_repeated));
 }
 
-TEST_F(RepeatedElsewhere, HostThatTakesEachMessageOnce_IsToldByTheSecondParticipant) {
+TEST_F(MessagesRepeatedElsewhere, HostThatTakesEachMessageOnce_IsToldByTheSecondParticipant) {
   EXPECT_EQ(both_participants({.host_checks_sources = false}),
             std::pair(Code{}, Code::message_repeated));
 }
 
-TEST_F(RepeatedElsewhere, HostThatAsksForEachPlace_GetsItForBoth) {
+TEST_F(MessagesRepeatedElsewhere, HostThatAsksForEachPlace_GetsItForBoth) {
   EXPECT_EQ(both_readers({.host_checks_sources = true}), std::pair(Code{}, Code{}));
   EXPECT_EQ(both_participants({.host_checks_sources = true}), std::pair(Code{}, Code{}));
 }

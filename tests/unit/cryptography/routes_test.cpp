@@ -27,7 +27,7 @@ Result<spi::SecureSubmessage> routed(TwoSides& two, const Bytes& message) {
 }
 
 /// Any order of coming and leaving, with runs of every length.
-TEST(Routes, LeadToEachEndpointThatIsThereAndToNoOther) {
+TEST(Routes, EachPresentEndpoint_IsFoundAndNoOther) {
   TwoSides two;
   std::mt19937 random(1);
   struct One {
@@ -59,7 +59,7 @@ TEST(Routes, LeadToEachEndpointThatIsThereAndToNoOther) {
 }
 
 /// One remote writer, matched with many readers here: each has a key of its own with it.
-TEST(Routes, OfOneKeyLeadToTheReaderThatTheMessageHasAMacFor) {
+TEST(Routes, OneKeyOfManyReaders_LeadsToTheReaderWithAMac) {
   TwoSides two;
   std::vector all = {two.endpoints(submessages_by(kOriginAuthenticated))};
   for (int i = 0; i < 200; ++i) {
@@ -84,7 +84,7 @@ TEST(Routes, OfOneKeyLeadToTheReaderThatTheMessageHasAMacFor) {
   })) << "it has no MAC for those that are left";
 }
 
-TEST(Routes, LeadToOneThatStaysWhileOthersComeAndGo) {
+TEST(Routes, EndpointThatStays_IsFoundWhileOthersComeAndGo) {
   TwoSides two;
   const auto steady = two.endpoints(submessages_by(kEncrypted));
   const auto message = message_of(two, steady);
@@ -108,7 +108,7 @@ TEST(Routes, LeadToOneThatStaysWhileOthersComeAndGo) {
 }
 
 /// A host that takes other keys for an endpoint: the former key is nobody's.
-TEST(Routes, FollowAnEndpointToItsNewKey) {
+TEST(Routes, EndpointWithANewKey_IsFoundByItOnly) {
   TwoSides two;
   const auto first = two.endpoints(submessages_by(kEncrypted)),
              second = two.endpoints(submessages_by(kEncrypted));

@@ -46,17 +46,17 @@ std::int64_t octets_for_each(F&& f) {
   return (counted_memory::octets_ever() - before) / kMany;
 }
 
-TEST(ManyEndpoints, CostTheSameEachWhenTheyCome) {
+TEST(ManyEndpoints, Entering_CostsTheSameForEach) {
   EXPECT_LE(octets_for_each([] { const Crowd crowd; }), kMaxForEntering);
 }
 
-TEST(ManyEndpoints, CostTheSameEachWhenTheirParticipantIsDropped) {
+TEST(ManyEndpoints, DroppingTheirParticipant_CostsTheSameForEach) {
   Crowd crowd;
   EXPECT_LE(octets_for_each([&] { crowd.unregister_participants(); }), kMaxForLeaving);
 }
 
 /// As Cyclone DDS does it.
-TEST(ManyEndpoints, CostTheSameEachWhenTheyAreUnregisteredOneByOne) {
+TEST(ManyEndpoints, UnregisteringOneByOne_CostsTheSameForEach) {
   Crowd crowd;
   EXPECT_LE(octets_for_each([&] {
               crowd.unregister_each();
@@ -66,7 +66,7 @@ TEST(ManyEndpoints, CostTheSameEachWhenTheyAreUnregisteredOneByOne) {
 }
 
 /// Whatever Cyclone's core keeps of them.
-TEST(ManyParticipants, ThatComeAndGoLeaveNothingBehind) {
+TEST(ManyParticipants, ComingAndGoing_LeavesNothingBehind) {
   constexpr int kRounds = 1000;
   constexpr std::int64_t kMaxEach = 16;
   TwoSides two(participant_attributes(ProtectionKind::encrypt_with_origin_authentication), {},

@@ -19,7 +19,7 @@ Iv iv(std::uint32_t session, std::uint64_t block) {
 /// Of a sender in its third session.
 const SendPosition kThird{12, 1000, {{10, 2}}};
 
-TEST(SendPosition, PassedIsWhatWasProtectedBefore) {
+TEST(SendPosition, WhatWasProtectedBefore_HasPassed) {
   EXPECT_TRUE(kThird.has_passed(iv(12, 999)));
   EXPECT_FALSE(kThird.has_passed(iv(12, 1000)));
   EXPECT_FALSE(kThird.has_passed(iv(13, 0)));
@@ -28,7 +28,7 @@ TEST(SendPosition, PassedIsWhatWasProtectedBefore) {
   EXPECT_FALSE(kThird.has_passed(iv(9, 0))) << "never one of the sender's";
 }
 
-TEST(SendPosition, CountsPastTheGreatestNumbers) {
+TEST(SendPosition, AfterTheGreatestNumbers_CountsOn) {
   const SendPosition wraps{1, 5, {{0xfffffffe, 3}}};
   EXPECT_TRUE(wraps.has_passed(iv(0xffffffff, 7)));
   EXPECT_TRUE(wraps.has_passed(iv(1, 0xfffffffffffffff0)));
@@ -36,7 +36,7 @@ TEST(SendPosition, CountsPastTheGreatestNumbers) {
   EXPECT_FALSE(wraps.has_passed(iv(2, 0)));
 }
 
-TEST(SendPosition, IsAfterThoseThatItsSenderHasLeft) {
+TEST(SendPosition, PositionsThatItsSenderHasLeft_AreBefore) {
   EXPECT_FALSE(kThird.is_after(kThird));
   EXPECT_TRUE(kThird.is_after({12, 999, {{10, 2}}}));
   EXPECT_TRUE(kThird.is_after({11, 5000, {{10, 1}}}));
@@ -44,13 +44,13 @@ TEST(SendPosition, IsAfterThoseThatItsSenderHasLeft) {
   EXPECT_FALSE(kThird.is_after({700, 0, {{700, 0}, {10, 2}}})) << "a child's";
 }
 
-TEST(SendPosition, SessionsBeforeAForkHavePassed) {
+TEST(SendPosition, SessionsBeforeAFork_HavePassed) {
   const SendPosition child{700, 0, {{700, 0}, {10, 2}}};
   EXPECT_TRUE(child.has_passed(iv(12, 1)));
   EXPECT_FALSE(child.has_passed(iv(700, 0)));
 }
 
-TEST(SendPosition, IsReadAsItIsWritten) {
+TEST(SendPosition, WrittenPosition_ReadsBack) {
   SendPosition position{12, 1000, {{10, 2}, {90, 0}}};
   EXPECT_EQ(parse_send_position(serialize(position)), position);
   position.begun.resize(SendPosition::kMaxRanges + 1);
@@ -65,7 +65,7 @@ TEST(SendPosition, IsReadAsItIsWritten) {
   EXPECT_FALSE(parse_send_position(longer));
 }
 
-TEST(SendPosition, IsNoPartOfWhichKeyItIs) {
+TEST(SendPosition, AnotherPosition_IsStillTheSameKey) {
   KeyMaterial key{.kind = kAes256Gcm, .sender_key_id = {{1, 2, 3, 4}}};
   key.salt = *MasterSalt::copy_of(Bytes(32, 1));
   key.sender_key = *MasterKey::copy_of(Bytes(32, 2));
@@ -133,7 +133,7 @@ struct LostAndFound : ::testing::Test {
   testing::WriterToReader ends;
 };
 
-TEST_F(LostAndFound, WhatCameBeforeIsNotNew) {
+TEST_F(LostAndFound, WhatCameBefore_IsNotNew) {
   begin();
   const auto first = sent(), second = sent(), missed = sent();
   EXPECT_TRUE(got(first));
@@ -147,7 +147,7 @@ TEST_F(LostAndFound, WhatCameBeforeIsNotNew) {
 }
 
 // The host hands what one reader can read to all that hear the same writer.
-TEST_F(LostAndFound, ALaterReaderMakesNothingNewThatTheWriterSentBeforeIt) {
+TEST_F(LostAndFound, ALaterReader_MakesNothingNewThatTheWriterSentBeforeIt) {
   for (const auto kind : {spi::ProtectionKind::encrypt, spi::ProtectionKind::sign,
                           spi::ProtectionKind::encrypt_with_origin_authentication}) {
     begin(kind);
@@ -178,7 +178,7 @@ struct LaterPayloads : ::testing::TestWithParam<bool> {
   testing::TwoSides two{spi::ProtectionKind::none, {}, {.host_checks_sources = GetParam()}};
 };
 
-TEST_P(LaterPayloads, AreNotThoseThatTheWriterSentBeforeItsReaderCame) {
+TEST_P(LaterPayloads, SentBeforeTheReaderCame_AreNotNew) {
   for (const auto kind : {spi::ProtectionKind::sign, spi::ProtectionKind::encrypt}) {
     const auto attributes = testing::endpoint_attributes(spi::ProtectionKind::none, kind);
     const auto first = two.endpoints(attributes);
@@ -205,7 +205,7 @@ TEST_P(LaterPayloads, AreNotThoseThatTheWriterSentBeforeItsReaderCame) {
 INSTANTIATE_TEST_SUITE_P(Hosts, LaterPayloads, ::testing::Bool());
 
 // Its process has just started: it remembers nothing.
-TEST_F(LostAndFound, WhatWasSentToOthersBeforeIsNotNew) {
+TEST_F(LostAndFound, WhatWasSentToOthersBefore_IsNotNew) {
   ends = two.endpoints(
       testing::endpoint_attributes(spi::ProtectionKind::encrypt, spi::ProtectionKind::none));
   const auto recorded = sent();
@@ -215,7 +215,7 @@ TEST_F(LostAndFound, WhatWasSentToOthersBeforeIsNotNew) {
   EXPECT_TRUE(got(sent()));
 }
 
-TEST_F(LostAndFound, EverySessionCounts) {
+TEST_F(LostAndFound, EverySession_Counts) {
   begin();
   const auto first = sent();
   EXPECT_TRUE(got(first));
@@ -228,7 +228,7 @@ TEST_F(LostAndFound, EverySessionCounts) {
 }
 
 // Fast DDS draws each IV at random.
-TEST_F(LostAndFound, OtherProductsMayCountAsTheyLike) {
+TEST_F(LostAndFound, OtherProducts_MayCountAsTheyLike) {
   is_ours = false;
   begin();
   const auto first = sent(), second = sent();

@@ -20,7 +20,7 @@ constexpr GuidPrefix kSibling{{0x81, 2, 3, 4, 5, 6, 70, 80, 90, 100, 110, 120}};
 using Token = DataMessage;
 constexpr EntityId kOtherWriter{{0x00, 0x00, 0x01, 0x03}};
 
-TEST(TokenSource, OfThePeerIsTakenInEachByteOrderAndEncapsulation) {
+TEST(TokenSource, OwnSourceInEachByteOrderAndEncapsulation_IsTaken) {
   for (const bool little : {false, true}) {
     for (const std::uint8_t encoding : {0, 1, 6, 7}) {
       Token token{.little = little, .payload = generic_message(kPeer, kPeer, encoding)};
@@ -38,7 +38,7 @@ TEST(TokenSource, OfThePeerIsTakenInEachByteOrderAndEncapsulation) {
   EXPECT_TRUE((Token{.payload = generic_message(kPeer, {}, 1)}.check_token()));  // a participant's
 }
 
-TEST(TokenSource, OfAnotherIsRefusedWhereverItStands) {
+TEST(TokenSource, AnotherSource_IsRefusedWhereverItStands) {
   for (const bool little : {false, true}) {
     Token token{.little = little, .payload = generic_message(kVictim, {}, 0)};
     const auto status = token.check_token();
@@ -62,7 +62,7 @@ TEST(TokenSource, OfAnotherIsRefusedWhereverItStands) {
 }
 
 // It would reach all participants of the process.
-TEST(TokenSource, WithoutItsReaderIsRefused) {
+TEST(TokenSource, MissingReader_IsRefused) {
   for (const auto& reader : {EntityId{}, EntityId{{0xff, 0x02, 0x02, 0xc3}}}) {
     Token token{.reader = reader};
     EXPECT_EQ(code_of(token.check_token()), Code::submessage_not_of_sender);
@@ -72,14 +72,14 @@ TEST(TokenSource, WithoutItsReaderIsRefused) {
   }
 }
 
-TEST(TokenSource, BesideAnotherAuthenticationBothNamesMustAgree) {
+TEST(TokenSource, BesideAnotherAuthentication_BothNamesMustAgree) {
   Token token{.payload = generic_message(kVictim, kVictim, 1)};
   EXPECT_TRUE(token.check_token(std::nullopt));
   token.payload = generic_message(kVictim, kPeer, 1);
   EXPECT_EQ(code_of(token.check_token(std::nullopt)), Code::token_source_mismatch);
 }
 
-TEST(TokenSource, CutOffAnywhereIsRefused) {
+TEST(TokenSource, TokenCutOffAnywhere_IsRefused) {
   for (const bool little : {false, true}) {
     for (const bool has_qos : {false, true}) {
       for (const bool is_fragment : {false, true}) {
@@ -100,7 +100,7 @@ TEST(TokenSource, CutOffAnywhereIsRefused) {
   }
 }
 
-TEST(TokenSource, LengthsThatLieAreRefused) {
+TEST(TokenSource, LyingLengths_AreRefused) {
   const auto refused = [](const Token& token) {
     return code_of(token.check_token()) == Code::token_source_unreadable;
   };
@@ -121,7 +121,7 @@ TEST(TokenSource, LengthsThatLieAreRefused) {
 }
 
 // A trusting host keeps each fragment until all have come, and a hostile sender never sends them.
-TEST(TokenSource, InSeveralFragmentsIsRefused) {
+TEST(TokenSource, SeveralFragments_AreRefused) {
   const auto refused = [](const Fragment& fragment, Bytes payload) {
     const Token token{.flags = 0, .payload = std::move(payload), .fragment = fragment};
     return code_of(token.check_token()) == Code::token_source_unreadable;
@@ -133,7 +133,7 @@ TEST(TokenSource, InSeveralFragmentsIsRefused) {
 }
 
 /// Cyclone DDS reads such a message through a null pointer.
-TEST(TokenSource, WithoutDataIsRefused) {
+TEST(TokenSource, MissingData_IsRefused) {
   const auto code = [](const Token& token) { return code_of(token.check_token()); };
   for (const bool little : {false, true}) {
     for (const std::uint8_t flags : {0x00, 0x08, 0x0c}) {  // nothing, a key, both
@@ -152,7 +152,7 @@ TEST(TokenSource, WithoutDataIsRefused) {
   }
 }
 
-TEST(TokenSource, OnlyTheKeyExchangeProtectsTokensAndNothingElse) {
+TEST(TokenSource, OnlyTheKeyExchange_ProtectsTokensAndNothingElse) {
   const auto token = Token{}.octets();
   EXPECT_EQ(code_of(check_token_source(token, false, kPeer)), Code::submessage_not_of_sender);
   const auto other = Token{.writer = kOtherWriter}.octets();
@@ -170,7 +170,7 @@ Bytes joined(std::initializer_list<Bytes> parts) {
   return out;
 }
 
-TEST(SenderPart, GoesOnAsItselfAndAsSiblings) {
+TEST(SenderPart, OwnAndSiblingSources_AreOneSender) {
   const auto content = joined({info_source(kPeer), data_submessage(16), info_source(kSibling),
                                data_submessage(8), info_source(kPeer, false), Bytes{0x01, 1, 0, 0},
                                Bytes{0x09, 0, 0, 0}, data_submessage(20)});
@@ -179,7 +179,7 @@ TEST(SenderPart, GoesOnAsItselfAndAsSiblings) {
   EXPECT_FALSE(part.ended);
 }
 
-TEST(SenderPart, EndsWhereItSpeaksAsAnother) {
+TEST(SenderPart, AnotherSource_EndsThePart) {
   for (const bool little : {false, true}) {
     for (const std::size_t more : {0u, 4u}) {
       const auto own = joined({info_source(kPeer), data_submessage(16)});
@@ -198,7 +198,7 @@ TEST(SenderPart, EndsWhereItSpeaksAsAnother) {
   EXPECT_TRUE(part_of_sender(info_source(near), kPeer, walks).ended);
 }
 
-TEST(SenderPart, CutOffAnywhereSpeaksForNobodyElse) {
+TEST(SenderPart, ContentCutOffAnywhere_SpeaksForNoOther) {
   const auto own = joined({info_source(kPeer), data_submessage(16)});
   const auto content = joined({own, info_source(kVictim), data_submessage(16)});
   for (std::size_t size = 0; size <= content.size(); ++size) {
@@ -265,7 +265,7 @@ TEST_F(ClosedWriters, SampleOfAnOpenWriter_Counts) {
 }
 
 // The caller hides them where it hides types.
-TEST(SenderPart, TellsWhereTypeLookupsAre) {
+TEST(SenderPart, TypeLookups_AreFound) {
   constexpr EntityId kRequests{{0x00, 0x03, 0x00, 0xc3}}, kReplies{{0x00, 0x03, 0x01, 0xc3}};
   const auto of = [](const EntityId& writer) {
     return DataMessage{.writer = writer, .reader = {}}.octets();
@@ -280,7 +280,7 @@ TEST(SenderPart, TellsWhereTypeLookupsAre) {
   EXPECT_EQ(part.lookups, (std::vector<std::size_t>{24, replies, replies + reply.size()}));
 }
 
-TEST(SenderPart, NothingHidesInAGroupThatIsReadInTwoWays) {
+TEST(SenderPart, GroupReadInTwoWays_HidesNothing) {
   // SEC_PREFIX says little endian and SEC_BODY big endian: 16 octets or 4096.
   const Bytes prefix = {0x31, 1, 4, 0, 0, 0, 0, 0}, postfix = {0x32, 1, 4, 0, 0, 0, 0, 0};
   Bytes body = {0x30, 0, 16, 0};
@@ -300,7 +300,7 @@ TEST(SenderPart, NothingHidesInAGroupThatIsReadInTwoWays) {
 
 constexpr Options kTrustingHost{.host_checks_sources = false};
 
-TEST(TrustingHost, KeepsTheKeysThatAreSet) {
+TEST(TrustingHost, KeysAlreadySet_AreKept) {
   TwoSides two(ProtectionKind::encrypt, {}, kTrustingHost);
   EXPECT_TRUE(two.take_participant(two.participant_tokens().value()));  // repeated
   const std::vector<spi::Token> others = {Insider(kAes256Gcm).token()};
@@ -318,20 +318,20 @@ TEST(TrustingHost, KeepsTheKeysThatAreSet) {
   EXPECT_TRUE(decode_submessage(two, ends, submessage));
 }
 
-TEST(TrustingHost, TakesLaterRevisions) {
+TEST(TrustingHost, LaterRevisions_AreTaken) {
   TwoSides two(participant_attributes(ProtectionKind::encrypt, true), {}, kTrustingHost);
   ASSERT_TRUE(two.a.factory().revise_local_entity_keys(two.a.participant));
   EXPECT_TRUE(two.take_participant(two.participant_tokens(KeyStage::revised).value()));
 }
 
-TEST(TrustingHost, AnotherRegistrationHasOtherKeys) {
+TEST(TrustingHost, AnotherRegistration_HasOtherKeys) {
   TwoSides two(ProtectionKind::encrypt, {}, kTrustingHost);
   TwoSides::match(two.b, 9);
   const std::vector<spi::Token> others = {Insider(kAes256Gcm).token()};
   EXPECT_TRUE(two.take_participant(others));
 }
 
-TEST(TrustingHost, GetsTokensOfThePeerOnly) {
+TEST(TrustingHost, TokensOfThePeer_PassAndOfOthersDoNot) {
   TwoSides two(ProtectionKind::none, {}, kTrustingHost);
   auto secret = shared_secret(5);
   secret.peer_prefix = kPeer;
@@ -351,7 +351,7 @@ TEST(TrustingHost, GetsTokensOfThePeerOnly) {
             Code::submessage_not_of_sender);
 }
 
-TEST(TrustingHost, TokensComeByTheKeyExchangeOnly) {
+TEST(TrustingHost, Tokens_ComeByTheKeyExchangeOnly) {
   TwoSides two(ProtectionKind::none, {}, kTrustingHost);
   const auto ends =
       two.endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
@@ -367,7 +367,7 @@ struct Gate final : spi::MatchGate {
   mutable std::vector<Peer> asked;
 };
 
-TEST(TrustingHost, AGateIsAskedAboutEachMatch) {
+TEST(TrustingHost, AGate_IsAskedAboutEachMatch) {
   TwoSides two(ProtectionKind::none, {}, kTrustingHost);
   const auto gate = std::make_shared<Gate>();
   auto attributes = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none);
@@ -401,7 +401,7 @@ struct BusyGate final : spi::MatchGate {
   mutable std::vector<Peer> asked;
 };
 
-TEST(TrustingHost, WhileAGateJudgesNobodyWaits) {
+TEST(TrustingHost, WhileAGateJudges_NoOtherCallWaits) {
   TwoSides two(ProtectionKind::none, {}, kTrustingHost);
   auto& factory = two.b.factory();
   const auto gate = std::make_shared<BusyGate>();
@@ -416,7 +416,7 @@ TEST(TrustingHost, WhileAGateJudgesNobodyWaits) {
   EXPECT_EQ(gate->asked.size(), 1u);
 }
 
-TEST(TrustingHost, APeerThatIsJudgedAnewMeanwhileIsAskedAboutAgain) {
+TEST(TrustingHost, PeerJudgedAnewMeanwhile_IsAskedAboutAgain) {
   TwoSides two(ProtectionKind::none, {}, kTrustingHost);
   auto& factory = two.b.factory();
   const auto gate = std::make_shared<BusyGate>();

@@ -31,7 +31,7 @@ class Threads : public ::testing::TestWithParam<AeadChoice> {
   static Options options() { return {.aead = GetParam(), .max_blocks_per_session = 64}; }
 };
 
-TEST_P(Threads, TokensComeAgainWhileDecoding) {
+TEST_P(Threads, TokensComingAgain_DisturbNoDecoding) {
   TwoSides two(kOrigin, {}, options());
   const auto e = two.endpoints(endpoint_attributes(kOrigin, kEncrypt));
   const auto plain = data_submessage(40);
@@ -52,7 +52,7 @@ TEST_P(Threads, TokensComeAgainWhileDecoding) {
       });
 }
 
-TEST_P(Threads, EntitiesGoWhileTheyAreUsed) {
+TEST_P(Threads, EntitiesThatGoWhileInUse_DoNoHarm) {
   TwoSides two(kOrigin, {}, options());
   const auto attributes = endpoint_attributes(kOrigin, kEncrypt);
   const auto fixed = two.endpoints(attributes);
@@ -80,7 +80,7 @@ TEST_P(Threads, EntitiesGoWhileTheyAreUsed) {
       });
 }
 
-TEST_P(Threads, ParticipantsGoWhileTheyAreUsed) {
+TEST_P(Threads, ParticipantsThatGoWhileInUse_DoNoHarm) {
   TwoSides two(kOrigin, {}, options());
   const auto encoded = encode_message(two, rtps_message({data_submessage(40)})).value();
   while_changing(

@@ -51,7 +51,7 @@ struct Host {
   bool use() { return use(ticket).has_value(); }
 };
 
-TEST(TokenLedger, GivesTheTokensForTheirTicketOnce) {
+TEST(TokenLedger, OneTicket_GivesItsTokensOnce) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   const auto held = host.use(host.ticket);
@@ -61,7 +61,7 @@ TEST(TokenLedger, GivesTheTokensForTheirTicketOnce) {
   EXPECT_FALSE(host.use());
 }
 
-TEST(TokenLedger, ASecondMessageIsHiddenAndItsTokensCount) {
+TEST(TokenLedger, ASecondMessage_IsHiddenAndItsTokensCount) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   EXPECT_EQ(host.note(2), Kind::repeated);
@@ -73,7 +73,7 @@ TEST(TokenLedger, ASecondMessageIsHiddenAndItsTokensCount) {
   EXPECT_EQ(host.note(5), Kind::ticket);
 }
 
-TEST(TokenLedger, OnlyTheMessageThatPassedPassesAgain) {
+TEST(TokenLedger, OnlyTheMessageThatPassed_PassesAgain) {
   Host host;
   EXPECT_EQ(host.note(5), Kind::ticket);
   const auto first = host.ticket;
@@ -87,7 +87,7 @@ TEST(TokenLedger, OnlyTheMessageThatPassedPassesAgain) {
 }
 
 /// A number that the host is never to see must not let lower ones pass.
-TEST(TokenLedger, AGreatNumberOpensNothing) {
+TEST(TokenLedger, AGreatNumber_OpensNothing) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   EXPECT_TRUE(host.use());
@@ -96,7 +96,7 @@ TEST(TokenLedger, AGreatNumberOpensNothing) {
     EXPECT_EQ(host.note(number), Kind::repeated);
 }
 
-TEST(TokenLedger, ForgetsTheParticipantsTicketWhenItAuthenticatesAnew) {
+TEST(TokenLedger, NewAuthentication_ForgetsTheParticipantsTicket) {
   Host host;
   host.remote.entity = host.local.entity = kEntityIdParticipant;
   EXPECT_EQ(host.note(1), Kind::ticket);
@@ -107,7 +107,7 @@ TEST(TokenLedger, ForgetsTheParticipantsTicketWhenItAuthenticatesAnew) {
   EXPECT_TRUE(host.use());
 }
 
-TEST(TokenLedger, WaitsUntilTheHostHasMatchedBuiltinEndpointsAnew) {
+TEST(TokenLedger, NewSession_WaitsUntilTheHostHasMatchedBuiltinEndpoints) {
   Host host;
   host.remote.entity = {{0xff, 0, 3, 0xc2}};
   host.local.entity = {{0xff, 0, 3, 0xc7}};
@@ -122,7 +122,7 @@ TEST(TokenLedger, WaitsUntilTheHostHasMatchedBuiltinEndpointsAnew) {
   EXPECT_TRUE(host.use());
 }
 
-TEST(TokenLedger, AFormerTicketOfBuiltinEndpointsThatTheHostComesWithEndsTheWait) {
+TEST(TokenLedger, FormerTicketOfBuiltinEndpoints_EndsTheWait) {
   Host host;
   host.remote.entity = {{0xff, 0, 3, 0xc2}};
   host.local.entity = {{0xff, 0, 3, 0xc7}};
@@ -133,7 +133,7 @@ TEST(TokenLedger, AFormerTicketOfBuiltinEndpointsThatTheHostComesWithEndsTheWait
   EXPECT_EQ(host.note(1), Kind::ticket);
 }
 
-TEST(TokenLedger, AFormerTicketOfOtherEndpointsGetsTheNewTokens) {
+TEST(TokenLedger, AFormerTicketOfOtherEndpoints_GetsTheNewTokens) {
   Host host;
   EXPECT_EQ(host.note(7), Kind::ticket);
   host.exchange = 2;
@@ -143,7 +143,7 @@ TEST(TokenLedger, AFormerTicketOfOtherEndpointsGetsTheNewTokens) {
 }
 
 /// The host may hold messages back until one comes that is missing.
-TEST(TokenLedger, ForgetsNothingThatTheHostDidNotAcknowledge) {
+TEST(TokenLedger, WithoutAcknowledgment_ForgetsNothing) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   host.now += 10 * TokenLedger::kMemory;
@@ -151,7 +151,7 @@ TEST(TokenLedger, ForgetsNothingThatTheHostDidNotAcknowledge) {
 }
 
 /// As after tokens for a local endpoint that does not exist: the host drops them and says nothing.
-TEST(TokenLedger, ForgetsWhatTheHostTookAndDidNotUse) {
+TEST(TokenLedger, TakenAndUnusedTokens_AreForgotten) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   host.ledger.acknowledged(1, 2, host.now);
@@ -163,7 +163,7 @@ TEST(TokenLedger, ForgetsWhatTheHostTookAndDidNotUse) {
   EXPECT_EQ(host.ledger.size(), 1u);
 }
 
-TEST(TokenLedger, ForgetsNothingThatTheHostMayNotHaveTaken) {
+TEST(TokenLedger, WhatTheHostMayNotHaveTaken_IsNotForgotten) {
   Host host;
   EXPECT_EQ(host.note(2), Kind::ticket);
   for (int i = 0; i < 100; ++i) host.ledger.acknowledged(1, 2, host.now += seconds(10));
@@ -171,7 +171,7 @@ TEST(TokenLedger, ForgetsNothingThatTheHostMayNotHaveTaken) {
 }
 
 /// What is acknowledged within ten seconds counts from the last of it.
-TEST(TokenLedger, CountsFromTheAcknowledgementOfTheMessage) {
+TEST(TokenLedger, AcknowledgmentOfTheMessage_StartsTheTime) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   const Guid other{kOurs, kOtherReader};
@@ -189,7 +189,7 @@ TEST(TokenLedger, CountsFromTheAcknowledgementOfTheMessage) {
 }
 
 /// A stranger who sends a recorded one again would make it wait for another six minutes.
-TEST(TokenLedger, WhatTheHostHasTakenMakesNothingWait) {
+TEST(TokenLedger, WhatTheHostHasTaken_MakesNothingWait) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   host.ledger.acknowledged(1, 2, host.now);
@@ -200,7 +200,7 @@ TEST(TokenLedger, WhatTheHostHasTakenMakesNothingWait) {
   EXPECT_EQ(host.use(host.ticket)->tokens.size(), 1u);
 }
 
-TEST(TokenLedger, WhatTheHostUsedIsRememberedWhenItIsAcknowledged) {
+TEST(TokenLedger, WhatTheHostUsed_IsRememberedWhenItIsAcknowledged) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   EXPECT_TRUE(host.use());
@@ -210,7 +210,7 @@ TEST(TokenLedger, WhatTheHostUsedIsRememberedWhenItIsAcknowledged) {
   EXPECT_EQ(host.ledger.size(), 1u);
 }
 
-TEST(TokenLedger, AcknowledgementsOfExchangesThatAreOverLeaveNothing) {
+TEST(TokenLedger, AcknowledgmentsOfEndedExchanges_LeaveNothing) {
   Host host;
   for (std::uint64_t exchange = 1; exchange < 100; ++exchange) {
     host.exchange = exchange;
@@ -223,7 +223,7 @@ TEST(TokenLedger, AcknowledgementsOfExchangesThatAreOverLeaveNothing) {
   EXPECT_EQ(host.ledger.size(), 0u);
 }
 
-TEST(TokenLedger, AnExchangeWithoutTokensLeavesNothing) {
+TEST(TokenLedger, AnExchangeWithoutTokens_LeavesNothing) {
   Host host;
   for (std::uint64_t exchange = 2; exchange < 1000; ++exchange) host.ledger.end(exchange, host.now);
   EXPECT_EQ(host.note(1), Kind::ticket);
@@ -233,7 +233,7 @@ TEST(TokenLedger, AnExchangeWithoutTokensLeavesNothing) {
   EXPECT_EQ(host.ledger.size(), 0u);
 }
 
-TEST(TokenLedger, SixMinutesAfterItsEndTheHostHoldsNothing) {
+TEST(TokenLedger, SixMinutesAfterItsEnd_TheHostHoldsNothing) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   host.ledger.end(host.exchange, host.now);
@@ -245,7 +245,7 @@ TEST(TokenLedger, SixMinutesAfterItsEndTheHostHoldsNothing) {
   EXPECT_EQ(host.ledger.size(), 1u);
 }
 
-TEST(TokenLedger, OtherEndpointsAreOthersWhateverTheirTokens) {
+TEST(TokenLedger, OtherEndpoints_AreOthersWhateverTheirTokens) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   const auto first = host.ticket;
@@ -266,7 +266,7 @@ TEST(TokenLedger, OtherEndpointsAreOthersWhateverTheirTokens) {
   EXPECT_EQ(host.note(4), Kind::ticket) << "the others' tickets are none of its business";
 }
 
-TEST(TokenLedger, TokensOfAFormerSessionAreNotGivenToThePresentOne) {
+TEST(TokenLedger, TokensOfAFormerSession_AreNotGivenToThePresentOne) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   const TicketUser user{.exchange = 2, .local = 20, .remote = 30};
@@ -286,7 +286,7 @@ TEST(TokenLedger, TokensOfAFormerSessionAreNotGivenToThePresentOne) {
 }
 
 // The message was opened, and the host dropped the peer before it took the message.
-TEST(TokenLedger, TokensBehindATicketThatTheHostNeverHadAreToComeAgain) {
+TEST(TokenLedger, TokensBehindATicketThatTheHostNeverHad_AreToComeAgain) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   host.ledger.end(1, host.now);
@@ -305,7 +305,7 @@ TEST(TokenLedger, TokensBehindATicketThatTheHostNeverHadAreToComeAgain) {
   EXPECT_EQ(host.note(1), Kind::ticket);
 }
 
-TEST(TokenLedger, NothingIsStrandedThatTheHostUsedOrThatEnded) {
+TEST(TokenLedger, WhatTheHostUsedOrWhatEnded_StrandsNothing) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   host.ledger.end(1, host.now);
@@ -320,7 +320,7 @@ TEST(TokenLedger, NothingIsStrandedThatTheHostUsedOrThatEnded) {
   EXPECT_FALSE(host.ledger.take_stranded(2, host.now)) << "it is over";
 }
 
-TEST(TokenLedger, ThoseOfALaterSessionAreNotForTheUserOfThisOne) {
+TEST(TokenLedger, ThoseOfALaterSession_AreNotForTheUserOfThisOne) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   EXPECT_TRUE(host.ledger.redeem(Host::with(host.ticket), {2, 20, 30})->tokens.empty());
@@ -328,7 +328,7 @@ TEST(TokenLedger, ThoseOfALaterSessionAreNotForTheUserOfThisOne) {
   EXPECT_EQ(host.note(1), Kind::ticket);
 }
 
-TEST(TokenLedger, TokensThatCameBeforeTheOldTicketIsUsedCount) {
+TEST(TokenLedger, TokensBeforeTheOldTicketIsUsed_Count) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   host.exchange = 2;
@@ -336,7 +336,7 @@ TEST(TokenLedger, TokensThatCameBeforeTheOldTicketIsUsedCount) {
   EXPECT_EQ(host.ledger.redeem(Host::with(host.ticket), {2, 20, 30})->tokens, host.sent);
 }
 
-TEST(TokenLedger, WhatIsNoTicketIsNobodys) {
+TEST(TokenLedger, WhatIsNoTicket_FindsNothing) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   EXPECT_FALSE(host.ledger.redeem(fresh_tokens(), {}));
@@ -344,7 +344,7 @@ TEST(TokenLedger, WhatIsNoTicketIsNobodys) {
   EXPECT_EQ(host.note(2), Kind::repeated);
 }
 
-TEST(TokenLedger, HoldsSoManyOfOneCertificate) {
+TEST(TokenLedger, OneCertificate_HasABoundedNumber) {
   Host host;
   const auto note = [&](std::size_t number) {
     host.remote.entity.octets[0] = static_cast<std::uint8_t>(number >> 16);
@@ -396,7 +396,7 @@ class Inventor {
   std::uint64_t invented_ = exchange_ << 32;
 };
 
-TEST(TokenLedger, HoldsSoManyOfOneThatInventsNames) {
+TEST(TokenLedger, OneThatInventsNames_HasABoundedNumber) {
   Host host;
   Inventor inventor(host, 1), honest(host, 2);
   EXPECT_EQ(inventor.fill(), TokenLedger::kMaxPending);
@@ -410,7 +410,7 @@ TEST(TokenLedger, HoldsSoManyOfOneThatInventsNames) {
   EXPECT_EQ(host.ledger.size(), 3u);
 }
 
-TEST(TokenLedger, HoldsSoManyOfAllThatInventNames) {
+TEST(TokenLedger, AllThatInventNames_HaveABoundedNumber) {
   Host host;
   constexpr std::uint64_t kInventors = 8;
   std::size_t all = 0;
@@ -442,13 +442,13 @@ void expect_used_ones_to_be_forgotten(Host& host, std::span<std::uint8_t, 3> nam
   }
 }
 
-TEST(TokenLedger, ForgetsUsedOnesOfUnprovenNamesInTime) {
+TEST(TokenLedger, UsedOnesOfUnprovenNames_AreForgottenInTime) {
   Host host;
   expect_used_ones_to_be_forgotten(host, std::span(host.remote.prefix.octets).subspan<1, 3>(),
                                    false);
 }
 
-TEST(TokenLedger, ForgetsUsedOnesInTime) {
+TEST(TokenLedger, UsedOnes_AreForgottenInTime) {
   Host host;
   expect_used_ones_to_be_forgotten(host, std::span(host.remote.entity.octets).first<3>(), true);
 }

@@ -50,7 +50,7 @@ struct TokenSender {
   GuidPrefix prefix = kPeer;
 };
 
-TEST(KeyTokensOfOneCertificate, TakeTheMemoryThatIsPromised) {
+TEST(KeyTokensOfOneCertificate, FullLedger_TakesNoMoreThanThePromisedMemory) {
   TokenSender sender;
   sender.authenticate(1);
   ASSERT_TRUE(sender.send(1));
@@ -68,7 +68,7 @@ TEST(KeyTokensOfOneCertificate, TakeTheMemoryThatIsPromised) {
 }
 
 /// Hundreds of empty properties in the tokens of each message.
-TEST(KeyTokensOfOneCertificate, AreNotKeptWithWhatNoKeyNeeds) {
+TEST(KeyTokensOfOneCertificate, WhatNoKeyNeeds_IsNotKept) {
   TokenSender sender;
   sender.authenticate(1);
   sender.tokens[0].properties.resize(64);

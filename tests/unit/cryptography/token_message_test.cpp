@@ -21,7 +21,7 @@ Status usable(const EntityId& remote, const EntityId& local, bool is_of_reader,
 }
 
 // The host never matches those, and would hold their ticket when the next one came.
-TEST(UsableTokens, AreOfTwoThatExchangeKeys) {
+TEST(UsableTokens, OnlyEndpointsThatExchangeKeys_AreAccepted) {
   constexpr EntityId kSecureWriter{{0xff, 0, 3, 0xc2}}, kSecureReader{{0xff, 0, 3, 0xc7}};
   EXPECT_TRUE(usable(kWriter, kReader, false));
   EXPECT_TRUE(usable(kReader, kWriter, true));
@@ -48,7 +48,7 @@ TEST(UsableTokens, AreOfTwoThatExchangeKeys) {
   EXPECT_EQ(code_of(usable(kReader, kWriter, false)), Code::token_source_unreadable);
 }
 
-TEST(UsableTokens, AreKeyMaterialAndNothingElse) {
+TEST(UsableTokens, OtherThanKeyMaterial_IsRefused) {
   const auto token = Insider(kAes256Gcm).token();
   const auto of_writer = [](std::vector<spi::Token> tokens) {
     return code_of(usable(kWriter, kReader, false, std::move(tokens)));
@@ -78,7 +78,7 @@ std::optional<TokenMessage> read(const Bytes& payload) {
   return read_token_message(*piece).value();
 }
 
-TEST(TokenMessage, SaysWhoseTokensTheyAreAndForWhom) {
+TEST(TokenMessage, EachMessage_SaysWhoseTokensTheyAreAndForWhom) {
   const auto tokens = fresh_tokens();
   for (const bool little : {false, true}) {
     const Guid remote{kPeer, kWriter}, local{kOurs, kReader};
@@ -100,7 +100,7 @@ TEST(TokenMessage, SaysWhoseTokensTheyAreAndForWhom) {
   }
 }
 
-TEST(TokenMessage, WithANumberThatCycloneTakesFirstIsRefused) {
+TEST(TokenMessage, NumberThatCycloneTakesFirst_IsRefused) {
   const auto payload = token_message({kPeer, kWriter}, {kOurs, kReader}, fresh_tokens());
   auto octets = DataMessage{.payload = payload}.octets();
   auto piece = read_data_piece(octets).value();
@@ -108,7 +108,7 @@ TEST(TokenMessage, WithANumberThatCycloneTakesFirstIsRefused) {
   EXPECT_EQ(code_of(read_token_message(piece)), Code::token_source_unreadable);
 }
 
-TEST(TokenMessage, WithMoreThanKeysIsRefused) {
+TEST(TokenMessage, MoreThanKeys_IsRefused) {
   auto tokens = fresh_tokens();
   tokens[0].binary_properties[0].value.resize(kMaxTokenOctets + 1);
   const auto octets =
@@ -117,7 +117,7 @@ TEST(TokenMessage, WithMoreThanKeysIsRefused) {
             Code::token_source_unreadable);
 }
 
-TEST(TokenMessage, CutOffAnywhereIsRefused) {
+TEST(TokenMessage, MessageCutOffAnywhere_IsRefused) {
   const auto payload = token_message({kPeer, kWriter}, {kOurs, kReader}, fresh_tokens());
   for (std::size_t size = 100; size + 4 < payload.size(); ++size) {
     const auto octets =

@@ -13,7 +13,7 @@ constexpr auto kNone = ProtectionKind::none;
 constexpr std::array kKinds = {kSign, kEncrypt, ProtectionKind::sign_with_origin_authentication,
                                ProtectionKind::encrypt_with_origin_authentication};
 
-TEST(FailClosed, UnprotectedLevelsTransformNothing) {
+TEST(FailClosed, UnprotectedLevels_TransformNothing) {
   TwoSides two;
   const auto open = two.endpoints(endpoint_attributes(kNone, kNone));
   EXPECT_EQ(code_of(encode_payload(two, open, Bytes(8))), Code::not_protected);
@@ -29,7 +29,7 @@ TEST(FailClosed, UnprotectedLevelsTransformNothing) {
   EXPECT_EQ(code_of(encode_reply(two, payload_only, data_submessage(8))), Code::not_protected);
 }
 
-TEST(Plaintext, MustBeWholeSubmessagesInWholeWords) {
+TEST(Plaintext, OtherThanWholeSubmessagesInWords_IsRefused) {
   TwoSides two(kSign);
   const auto e = two.endpoints(endpoint_attributes(kEncrypt, kNone));
   const auto expect_refused = [&](Bytes plain) {
@@ -57,7 +57,7 @@ TEST(Plaintext, MustBeWholeSubmessagesInWholeWords) {
             Code::plaintext_malformed);
 }
 
-TEST(Plaintext, ALengthToTheEndIsClosed) {
+TEST(Plaintext, LengthToTheEnd_IsClosed) {
   for (const auto kind : {kSign, kEncrypt}) {
     TwoSides two(kind);
     const auto e = two.endpoints(endpoint_attributes(kind, kNone));
@@ -75,7 +75,7 @@ TEST(Plaintext, ALengthToTheEndIsClosed) {
   }
 }
 
-TEST(Output, TooLittleRoomIsRefusedAndStaysUntouched) {
+TEST(Output, TooLittleRoom_IsRefusedAndStaysUntouched) {
   for (const auto kind : kKinds) {
     TwoSides two(kind);
     const auto e = two.endpoints(endpoint_attributes(kind, is_encrypted(kind) ? kEncrypt : kSign));
@@ -115,7 +115,7 @@ TEST(Output, TooLittleRoomIsRefusedAndStaysUntouched) {
   }
 }
 
-TEST(Output, OverheadSufficesForAnyNumberOfReceivers) {
+TEST(Output, Overhead_SufficesForAnyNumberOfReceivers) {
   for (const auto kind : kKinds)
     for (const std::size_t receivers : {1u, 2u, 64u}) {
       TwoSides two(kind);
@@ -127,7 +127,7 @@ TEST(Output, OverheadSufficesForAnyNumberOfReceivers) {
     }
 }
 
-TEST(Receivers, NoneOrTooManyAreRefusedWithOriginAuthentication) {
+TEST(Receivers, NoneOrTooMany_AreRefusedWithOriginAuthentication) {
   TwoSides two(ProtectionKind::sign_with_origin_authentication);
   const auto plain = rtps_message({data_submessage(16)});
   Bytes out(200000);
@@ -140,7 +140,7 @@ TEST(Receivers, NoneOrTooManyAreRefusedWithOriginAuthentication) {
   EXPECT_EQ(encode(most), Code{0});
 }
 
-TEST(Sizes, EitherSideChoosesItsOwn) {
+TEST(Sizes, EitherSide_ChoosesItsOwn) {
   TwoSides two;
   const auto e =
       two.endpoints(endpoint_attributes(kEncrypt, kEncrypt), key_size("128"), key_size("256"));

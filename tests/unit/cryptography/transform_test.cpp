@@ -13,7 +13,7 @@ constexpr auto kNone = ProtectionKind::none;
 constexpr std::array kKinds = {kSign, kEncrypt, ProtectionKind::sign_with_origin_authentication,
                                ProtectionKind::encrypt_with_origin_authentication};
 
-TEST(Payload, ComesBackAtEverySize) {
+TEST(Payload, EverySize_ComesBack) {
   for (const auto kind : {kSign, kEncrypt})
     for (const auto* const bits : {"128", "256"}) {
       TwoSides two(kNone, key_size(bits));
@@ -43,7 +43,7 @@ TEST(Payload, OctetsUpToAWholeWordAfterItsFooter_AreNoPartOfIt) {
   }
 }
 
-TEST(Submessage, ComesBackBothWays) {
+TEST(Submessage, EveryKindAndSize_ComesBackBothWays) {
   for (const auto kind : kKinds) {
     TwoSides two;
     const auto e = two.endpoints(endpoint_attributes(kind, kNone));
@@ -55,7 +55,7 @@ TEST(Submessage, ComesBackBothWays) {
   }
 }
 
-TEST(Message, ComesBackWithItsSourceInFront) {
+TEST(Message, EveryKind_ComesBackWithItsSourceInFront) {
   for (const auto kind : kKinds) {
     TwoSides two(kind);
     const auto plain = rtps_message({data_submessage(12), data_submessage(100)});
@@ -69,7 +69,7 @@ TEST(Message, ComesBackWithItsSourceInFront) {
 }
 
 // Fast DDS 2.9 appends its statistics submessage behind SRTPS_POSTFIX.
-TEST(Message, WhatFollowsThePostfixIsLost) {
+TEST(Message, WhatFollowsThePostfix_IsLost) {
   for (auto kind : kKinds) {
     TwoSides two(kind);
     const auto plain = rtps_message({data_submessage(12)});
@@ -84,7 +84,7 @@ TEST(Message, WhatFollowsThePostfixIsLost) {
   }
 }
 
-TEST(Volatile, ComesBackBothWaysBeforeAnyToken) {
+TEST(Volatile, BeforeAnyToken_ComesBackBothWays) {
   TwoSides two;
   const auto e = two.volatile_endpoints();
   const auto data = data_submessage(60), ack = data_submessage(24, 0x06);
@@ -97,7 +97,7 @@ TEST(Volatile, ComesBackBothWaysBeforeAnyToken) {
   EXPECT_EQ(whose->datawriter, e.remote_writer);
 }
 
-TEST(Volatile, OurOwnSentBackIsNotTheOthers) {
+TEST(Volatile, OwnMessageSentBack_IsNotTheOthers) {
   TwoSides two(kNone, {}, {.max_blocks_per_session = 8});
   const auto e = two.volatile_endpoints();
   std::vector<Bytes> said;
@@ -112,7 +112,7 @@ TEST(Volatile, OurOwnSentBackIsNotTheOthers) {
   EXPECT_TRUE(decode_reply(two, e, ack));
 }
 
-TEST(Volatile, NeedsExactlyOneReceiver) {
+TEST(Volatile, NoneOrTwoReceivers_AreRefused) {
   TwoSides two;
   const auto e = two.volatile_endpoints();
   Bytes out(300);
@@ -125,7 +125,7 @@ TEST(Volatile, NeedsExactlyOneReceiver) {
             Code::receiver_count);
 }
 
-TEST(Volatile, AnotherSecretIsAnotherKey) {
+TEST(Volatile, AnotherSecret_IsAnotherKey) {
   TwoSides two;
   const auto e = two.volatile_endpoints();
   const auto before = encode_submessage(two, e, data_submessage(8)).value();
@@ -135,7 +135,7 @@ TEST(Volatile, AnotherSecretIsAnotherKey) {
   EXPECT_TRUE(decode_submessage(two, e, encode_submessage(two, e, data_submessage(8)).value()));
 }
 
-TEST(FailClosed, WithoutTokensNothingOpens) {
+TEST(FailClosed, WithoutTokens_NothingOpens) {
   TwoSides two(kEncrypt);
   const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
   const auto message = encode_message(two, rtps_message({data_submessage(8)})).value();
@@ -152,7 +152,7 @@ TEST(FailClosed, WithoutTokensNothingOpens) {
   EXPECT_EQ(code_of(decode_payload(two, fresh, payload)), Code::key_material_not_received);
 }
 
-TEST(Receivers, EachReaderFindsItsOwnMac) {
+TEST(Receivers, EachReader_FindsItsOwnMac) {
   TwoSides two;
   const auto attributes =
       endpoint_attributes(ProtectionKind::encrypt_with_origin_authentication, kNone);
@@ -178,7 +178,7 @@ TEST(Receivers, EachReaderFindsItsOwnMac) {
 }
 
 /// The host may list one that is unregistered before the message is encoded.
-TEST(Receivers, FindTheirMacWithoutThatOfOneThatLeft) {
+TEST(Receivers, AfterOneHasLeft_TheOthersFindTheirMac) {
   for (const auto kind : {ProtectionKind::encrypt_with_origin_authentication,
                           ProtectionKind::sign_with_origin_authentication}) {
     TwoSides two;
@@ -201,7 +201,7 @@ TEST(Receivers, FindTheirMacWithoutThatOfOneThatLeft) {
   }
 }
 
-TEST(Preprocess, TellsWritersFromReaders) {
+TEST(Preprocess, WritersAndReaders_AreToldApart) {
   TwoSides two;
   const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
   const auto data = encode_submessage(two, e, data_submessage(8)).value();
@@ -218,7 +218,7 @@ TEST(Preprocess, TellsWritersFromReaders) {
   EXPECT_EQ(from_reader->datawriter, e.writer);
 }
 
-TEST(Preprocess, KnowsOnlyMatchedEndpointsOfTheSender) {
+TEST(Preprocess, UnmatchedEndpoints_AreUnknown) {
   TwoSides two;
   auto data = Bytes(80);
   EXPECT_EQ(code_of(two.b.transform().preprocess_secure_submessage({}, two.b.remote, data)),
@@ -234,7 +234,7 @@ TEST(Preprocess, KnowsOnlyMatchedEndpointsOfTheSender) {
             Code::unknown_key_id);
 }
 
-TEST(CycloneHost, HeaderPrefixInHostOrderIsComparedAsSuch) {
+TEST(CycloneHost, HeaderPrefixInHostOrder_IsComparedAsSuch) {
   TwoSides two(kEncrypt, {}, {.header_prefix_is_network_order = false});
   const auto plain = rtps_message({data_submessage(8)});
   auto encoded = encode_message(two, plain).value();

@@ -53,7 +53,7 @@ Result<Bytes> given(const EntityId& writer, const Bytes& payload, bool little = 
 
 Bytes of_size(std::size_t octets) { return Bytes(octets, 0xf1); }
 
-TEST(TypeInformation, BecomesPaddingByEachWriterInEachByteOrder) {
+TEST(TypeInformation, EachWriterAndByteOrder_GetsPaddingInstead) {
   for (const bool little : {true, false})
     for (const bool message_little : {true, false})
       for (const auto& writer : kListWriters)
@@ -67,7 +67,7 @@ TEST(TypeInformation, BecomesPaddingByEachWriterInEachByteOrder) {
         }
 }
 
-TEST(TypeInformation, IsTheOnlyParameterThatIsChanged) {
+TEST(TypeInformation, OtherParameters_StayUnchanged) {
   for (const std::uint16_t id : {0x74, 0x76, 0x7500, 0x8075, 0x4075}) {
     const auto list = announcement({{id, of_size(8)}}, true);
     EXPECT_EQ(given(kPublications, list),
@@ -79,7 +79,7 @@ TEST(TypeInformation, IsTheOnlyParameterThatIsChanged) {
             (DataMessage{.writer = kPublications, .payload = user_data}.octets()));
 }
 
-TEST(TypeInformation, ThatComesTwiceIsRefused) {
+TEST(TypeInformation, SecondOccurrence_IsRefused) {
   const auto list =
       announcement({{kTypeInformation, of_size(8)}, {kTypeInformation, of_size(8)}}, true);
   const auto status = given(kPublications, list);
@@ -162,7 +162,7 @@ EndpointSecurityAttributes builtin(ProtectionKind kind) {
   return attributes;
 }
 
-TEST(TrustingHost, GetsNoTypeInformationOfASecureWriterWhoeverItIsOf) {
+TEST(TrustingHost, SecureWritersTypeInformation_IsHidden) {
   for (const auto kind : {ProtectionKind::sign, ProtectionKind::encrypt,
                           ProtectionKind::encrypt_with_origin_authentication})
     for (const bool is_known : {true, false}) {
@@ -182,7 +182,7 @@ Bytes opened(Engine& engine, std::initializer_list<Bytes> submessages) {
   return {message.begin() + kBegin, message.end()};
 }
 
-TEST(TrustingHost, GetsNoTypeInformationInTheClearWithinAMessage) {
+TEST(TrustingHost, ClearTypeInformationWithinAMessage_IsHidden) {
   Engine engine;
   const auto padded = opened(
       engine, {data_submessage(16), publication(kTypeInformation), publication(kTypeInformation)});
@@ -192,7 +192,7 @@ TEST(TrustingHost, GetsNoTypeInformationInTheClearWithinAMessage) {
 }
 
 // Changed before its own key was asked it would be refused, and with it every announcement.
-TEST(TrustingHost, GetsSignedGroupsWithinAMessageAsTheyAre) {
+TEST(TrustingHost, SignedGroupsWithinAMessage_PassUnchanged) {
   Engine engine;
   const auto ends = engine.two.endpoints(builtin(ProtectionKind::sign));
   const auto group = encode_submessage(engine.two, ends, publication(kTypeInformation)).value();
@@ -205,7 +205,7 @@ TEST(TrustingHost, GetsSignedGroupsWithinAMessageAsTheyAre) {
 }
 
 // Only what SEC_POSTFIX follows has a key of its own.
-TEST(SenderPart, HidesTypeInformationAfterSecPrefixAlone) {
+TEST(SenderPart, TypeInformationAfterSecPrefixAlone_IsHidden) {
   const Bytes prefix = {0x31, 1, 4, 0, 0, 0, 0, 0}, postfix = {0x32, 1, 4, 0, 0, 0, 0, 0};
   OneOwner walks;
   for (const bool has_postfix : {true, false}) {
@@ -235,7 +235,7 @@ Bytes opened_to_the_end(Engine& engine, const Bytes& first, Bytes last) {
 }
 
 // Padding of length 0 would be empty to the host, which would read on inside of it.
-TEST(TrustingHost, GetsNothingOfWhatIsHiddenAndGoesToTheEnd) {
+TEST(TrustingHost, HiddenSubmessageToTheEnd_IsCutOff) {
   constexpr EntityId kTypeRequests{{0x00, 0x03, 0x00, 0xc3}};
   const auto first = data_submessage(16);
   const auto request = DataMessage{.writer = kTypeRequests, .reader = {}}.octets();
@@ -244,7 +244,7 @@ TEST(TrustingHost, GetsNothingOfWhatIsHiddenAndGoesToTheEnd) {
   EXPECT_EQ(opened_to_the_end(engine, first, fragment_of(Bytes(4000), 2, 1000).octets()), first);
 }
 
-TEST(TrustingHost, GetsTypeInformationIfItsParticipantTrustsIt) {
+TEST(TrustingHost, TypeInformation_PassesIfTheParticipantTrustsIt) {
   constexpr auto kName = spi::property::kTrustTypeInformation;
   for (const char* const value : {"true", "false"}) {
     const bool trusts = std::string_view(value) == "true";

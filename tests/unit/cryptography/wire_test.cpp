@@ -27,7 +27,7 @@ Bytes payload(TransformKind kind, BytesView content, std::uint32_t macs = 0) {
   return out;
 }
 
-TEST(ProtectedPayload, ComesBackInItsParts) {
+TEST(ProtectedPayload, EncodedPayload_ComesBackInItsParts) {
   for (const auto kind : {kAes256Gcm, kAes256Gmac}) {
     const auto octets = payload(kind, Bytes(8, 5));
     const auto read = read_protected_payload(octets);
@@ -76,7 +76,7 @@ Bytes group() {
   return out;
 }
 
-TEST(ProtectedGroup, ComesBackInItsParts) {
+TEST(ProtectedGroup, EncodedGroup_ComesBackInItsParts) {
   const auto octets = group();
   const auto read = read_protected_group(octets, kSubmessageFrame);
   ASSERT_TRUE(read) << read.error().to_sentence();

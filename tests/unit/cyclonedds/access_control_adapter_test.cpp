@@ -19,13 +19,13 @@ using testing::Return;
 
 using Handle = spi::PermissionsHandle;
 
-TEST_F(AccessControlAdapterTest, TableIsCompleteAndTheDomainIsInIt) {
+TEST_F(AccessControlAdapterTest, Table_IsCompleteAndTheDomainIsInIt) {
   EXPECT_EQ(c->gv, harness.domain());
   const auto* begin = reinterpret_cast<void* const*>(c);
   for (int i = 0; i < 31; ++i) EXPECT_NE(begin[i], nullptr) << i;
 }
 
-TEST_F(AccessControlAdapterTest, PermissionsOfBothSides) {
+TEST_F(AccessControlAdapterTest, PermissionsOfBothSides_ReachTheEngine) {
   EXPECT_CALL(engine, validate_local_permissions(spi::IdentityHandle{1}, 5, _, std::string_view()))
       .WillOnce(Return(Handle{8}));
   EXPECT_EQ(c->validate_local_permissions(c, nullptr, 1, 5, &qos, &refusal), 8);
@@ -49,7 +49,7 @@ TEST_F(AccessControlAdapterTest, AnAnnouncement_WithoutPermissionsToken_IsOfAnot
   }
 }
 
-TEST_F(AccessControlAdapterTest, ChecksPassTheQuestionAndTheAnswer) {
+TEST_F(AccessControlAdapterTest, EachCheck_PassesTheQuestionAndTheAnswer) {
   EXPECT_CALL(engine, check_create_participant(Handle{8}, 5)).WillOnce(Return(Status{}));
   EXPECT_CALL(engine, check_create_datawriter(Handle{8}, 5, asks_for_topic()))
       .WillOnce(Return(Status{}))
@@ -74,7 +74,7 @@ TEST_F(AccessControlAdapterTest, ChecksPassTheQuestionAndTheAnswer) {
 }
 
 // closed_readers.hpp
-TEST_F(AccessControlAdapterTest, ClosesTheReadersOfClearDiscoveryAndNoWriter) {
+TEST_F(AccessControlAdapterTest, ClearDiscovery_ClosesItsReadersAndNoWriter) {
   ON_CALL(engine, participant_sec_attributes).WillByDefault([](Handle) {
     return spi::ParticipantSecurityAttributes{.is_all_discovery_protected = true};
   });
@@ -97,7 +97,7 @@ TEST_F(AccessControlAdapterTest, ClosesTheReadersOfClearDiscoveryAndNoWriter) {
   EXPECT_EQ(c->return_datareader_sec_attributes(c, &reader, nullptr), 1);
 }
 
-TEST_F(AccessControlAdapterTest, OnlyEndpointsUnderAccessControlHaveAScope) {
+TEST_F(AccessControlAdapterTest, OnlyEndpointsUnderAccessControl_HaveAScope) {
   spi::EndpointSecurityAttributes endpoint;
   ON_CALL(engine, datawriter_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
   const auto has_scope = [&] {
@@ -119,7 +119,7 @@ TEST_F(AccessControlAdapterTest, OnlyEndpointsUnderAccessControlHaveAScope) {
   EXPECT_FALSE(has_scope());
 }
 
-TEST_F(AccessControlAdapterTest, RelayOnlyIsAlwaysSet) {
+TEST_F(AccessControlAdapterTest, RelayOnly_IsAlwaysSet) {
   EXPECT_CALL(engine, check_remote_datareader(Handle{9}, 5, asks_for_topic()))
       .WillOnce(Return(spi::AccessControl::RemoteDatareader{.relay_only = true}))
       .WillOnce(Return(spi::AccessControl::RemoteDatareader{.relay_only = false}))
@@ -138,7 +138,7 @@ TEST_F(AccessControlAdapterTest, RelayOnlyIsAlwaysSet) {
   EXPECT_EQ(relay_only, 0);
 }
 
-TEST_F(AccessControlAdapterTest, PartitionsAndTagsOfARemoteReachTheEngine) {
+TEST_F(AccessControlAdapterTest, PartitionsAndTagsOfARemote_ReachTheEngine) {
   std::string partition = "P", name = "n", value = "v";
   DDS_Security_string partitions[] = {partition.data()};
   publication.partition.name = {1, 1, partitions};
@@ -153,7 +153,7 @@ TEST_F(AccessControlAdapterTest, PartitionsAndTagsOfARemoteReachTheEngine) {
   EXPECT_EQ(c->check_remote_datawriter(c, 9, 5, &publication, nullptr), 1);
 }
 
-TEST_F(AccessControlAdapterTest, CyclonesLocalBuiltinTopicsMayBeReadAndNothingElseSlipsThrough) {
+TEST_F(AccessControlAdapterTest, CyclonesLocalBuiltinTopics_MayBeReadAndNothingElseSlipsThrough) {
   EXPECT_CALL(engine, check_create_datareader).Times(4).WillRepeatedly([](auto&&...) -> Status {
     return fail(Code::malformed);
   });
@@ -184,7 +184,7 @@ TEST_F(AccessControlAdapterTest, CyclonesLocalBuiltinTopics_DefaultDeny_AreCreat
     EXPECT_FALSE(may_create(name)) << name;
 }
 
-TEST_F(AccessControlAdapterTest, WhatNobodyCallsAllows) {
+TEST_F(AccessControlAdapterTest, ChecksThatTheHostNeverCalls_Allow) {
   EXPECT_EQ(c->check_local_datawriter_register_instance(c, 8, nullptr, nullptr, nullptr), 1);
   EXPECT_EQ(c->check_local_datawriter_dispose_instance(c, 8, nullptr, 0, nullptr), 1);
   EXPECT_EQ(c->check_local_datawriter_match(c, 8, 8, &publication, &subscription, nullptr), 1);
@@ -193,7 +193,7 @@ TEST_F(AccessControlAdapterTest, WhatNobodyCallsAllows) {
   EXPECT_EQ(c->check_remote_datawriter_dispose_instance(c, 9, nullptr, 0, 0, nullptr), 1);
 }
 
-TEST_F(AccessControlAdapterTest, TokensAreMadeAndReturnedTwice) {
+TEST_F(AccessControlAdapterTest, Tokens_AreMadeAndReturnedTwice) {
   ON_CALL(engine, permissions_token).WillByDefault(Return(sample_token()));
   ON_CALL(engine, permissions_credential_token).WillByDefault(Return(sample_token()));
   DDS_Security_DataHolder made{};
@@ -205,7 +205,7 @@ TEST_F(AccessControlAdapterTest, TokensAreMadeAndReturnedTwice) {
   EXPECT_EQ(c->return_permissions_credential_token(c, &made, nullptr), 1);
 }
 
-TEST_F(AccessControlAdapterTest, AttributesCarryMasksAndNoProperties) {
+TEST_F(AccessControlAdapterTest, Attributes_CarryMasksAndNoProperties) {
   ON_CALL(engine, participant_sec_attributes)
       .WillByDefault(Return(spi::ParticipantSecurityAttributes{
           .rtps = spi::ProtectionKind::encrypt_with_origin_authentication}));
@@ -238,7 +238,7 @@ TEST_F(AccessControlAdapterTest, AttributesCarryMasksAndNoProperties) {
   }
 }
 
-TEST_F(AccessControlAdapterTest, NullArgumentsAreRefusedNotFollowed) {
+TEST_F(AccessControlAdapterTest, NullArguments_AreRefusedNotFollowed) {
   EXPECT_EQ(c->validate_local_permissions(c, nullptr, 1, 5, nullptr, &refusal), 0);
   EXPECT_EQ(refusal.reason(), Code::null_argument);
   EXPECT_EQ(c->validate_remote_permissions(c, nullptr, 1, 2, nullptr, &token, nullptr), 0);
@@ -259,13 +259,13 @@ TEST_F(AccessControlAdapterTest, NullArgumentsAreRefusedNotFollowed) {
   EXPECT_EQ(c->check_create_participant(nullptr, 8, 5, &qos, nullptr), 0);
 }
 
-TEST_F(AccessControlAdapterTest, AnEngineThatThrowsDenies) {
+TEST_F(AccessControlAdapterTest, AnEngineThatThrows_Denies) {
   ON_CALL(engine, check_create_participant).WillByDefault(testing::Throw(std::logic_error("x")));
   EXPECT_EQ(c->check_create_participant(c, 8, 5, &qos, &refusal), 0);
   EXPECT_EQ(refusal.reason(), Code::internal);
 }
 
-TEST_F(AccessControlAdapterTest, PermissionsAreReturned) {
+TEST_F(AccessControlAdapterTest, Permissions_AreReturned) {
   EXPECT_CALL(engine, return_permissions_handle(Handle{9}))
       .WillOnce(Return(Status{}))
       .WillOnce(Return(fail(Code::malformed)));
@@ -276,7 +276,7 @@ TEST_F(AccessControlAdapterTest, PermissionsAreReturned) {
 
 std::atomic<DDS_Security_PermissionsHandle> revoked_permissions{0};
 
-TEST_F(AccessControlAdapterTest, ExpiredPermissionsAreRevokedThroughTheListener) {
+TEST_F(AccessControlAdapterTest, ExpiredPermissions_AreRevokedThroughTheListener) {
   ON_CALL(engine, expire).WillByDefault(Return(std::vector<Handle>{{41}}));
   ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
   const dds_security_access_control_listener listener{

@@ -17,7 +17,7 @@ using testing::Return;
 using Handle = spi::PermissionsHandle;
 
 // Our authentication asks, in another library.
-TEST_F(AccessControlAdapterTest, SaysWhatTheGovernanceOfALocalParticipantAllows) {
+TEST_F(AccessControlAdapterTest, OtherLibrary_IsToldWhatTheGovernanceAllows) {
   constexpr spi::IdentityHandle kOpen{1}, kClosed{2};
   ON_CALL(engine, validate_local_permissions(kOpen, _, _, _)).WillByDefault(Return(Handle{8}));
   ON_CALL(engine, validate_local_permissions(kClosed, _, _, _)).WillByDefault(Return(Handle{9}));
@@ -53,7 +53,7 @@ TEST_F(AccessControlAdapterTest, RenewedPermissions_AreTold_OnceForEachRenewal) 
   EXPECT_FALSE(renewed(kLocal, 1));
 }
 
-TEST_F(AccessControlAdapterTest, EachAdapterIsAskedAboutItsOwnAndNoneThatIsGone) {
+TEST_F(AccessControlAdapterTest, EachAdapter_IsAskedAboutItsOwnAndNoneThatIsGone) {
   std::uint64_t gone = 0;
   {
     Harness<AccessControlAdapter, MockAccessControl, spi::AccessControl> other;

@@ -38,7 +38,7 @@ Guid guid_of(std::int64_t remote) {
   return guid;
 }
 
-TEST(AdapterThreads, IdentitiesEndDuringHandshakes) {
+TEST(AdapterThreads, IdentitiesThatEndDuringHandshakes_AreRevoked) {
   Harness<AuthenticationAdapter, Mortal, spi::Authentication> harness;
   harness.engine->secret->secret = *spi::SharedSecretOctets::copy_of(Bytes(32, 9));
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);

@@ -50,13 +50,13 @@ struct AuthenticationAdapterTest : testing::Test {
   }
 };
 
-TEST_F(AuthenticationAdapterTest, TableIsCompleteAndTheDomainIsInIt) {
+TEST_F(AuthenticationAdapterTest, Table_IsCompleteAndTheDomainIsInIt) {
   EXPECT_EQ(c->gv, harness.domain());
   const auto* begin = reinterpret_cast<void* const*>(c);
   for (int i = 0; i < 18; ++i) EXPECT_NE(begin[i], nullptr) << i;
 }
 
-TEST_F(AuthenticationAdapterTest, LocalIdentity) {
+TEST_F(AuthenticationAdapterTest, LocalIdentity_ReachesTheEngine) {
   std::string name = "n", value = "v";
   DDS_Security_Property_t property{name.data(), value.data(), 1};
   DDS_Security_Qos qos{};
@@ -100,7 +100,7 @@ struct ProcessProperties : AuthenticationAdapterTest {
 };
 
 // Cyclone's configuration file has no place for properties that are not its own.
-TEST_F(ProcessProperties, AddWhatTheHostDoesNotName) {
+TEST_F(ProcessProperties, PropertiesThatTheHostDoesNotName_AreAdded) {
   expect_engine_gets({{crl, "v", false}, {password, "w", false}});
   EXPECT_EQ(validate(crl, "v", crl + " = other\n" + password + " = w\n"),
             DDS_SECURITY_VALIDATION_OK);
@@ -111,7 +111,7 @@ TEST_F(ProcessProperties, AddWhatTheHostDoesNotName) {
 
 // Cyclone 0.10.2 passes an empty value for each element that its configuration leaves out: a list
 // of revoked certificates that the file names would not count.
-TEST_F(ProcessProperties, TakeThePlaceOfWhatTheHostPassesEmpty) {
+TEST_F(ProcessProperties, EmptyPropertiesOfTheHost_AreReplaced) {
   expect_engine_gets({{crl, "file:/the/list", false}});
   EXPECT_EQ(validate(crl, "", crl + " = file:/the/list\n"), DDS_SECURITY_VALIDATION_OK);
 }
@@ -126,7 +126,7 @@ TEST_F(ProcessProperties, OfPreSharedKeys_UnderCycloneDds_AreRefused) {
   }
 }
 
-TEST_F(AuthenticationAdapterTest, AFailureIsFailedNilAndExplained) {
+TEST_F(AuthenticationAdapterTest, AFailure_IsFailedNilAndExplained) {
   EXPECT_CALL(engine, validate_local_identity)
       .WillOnce(Return(fail(Code::file_not_found, {.document = "ca.pem"})));
   DDS_Security_IdentityHandle handle = -1;
@@ -139,7 +139,7 @@ TEST_F(AuthenticationAdapterTest, AFailureIsFailedNilAndExplained) {
   EXPECT_THAT(harness.events.back().error.to_sentence(), testing::HasSubstr("ca.pem"));
 }
 
-TEST_F(AuthenticationAdapterTest, AnEngineThatThrowsDenies) {
+TEST_F(AuthenticationAdapterTest, AnEngineThatThrows_Denies) {
   ON_CALL(engine, process_handshake)
       .WillByDefault(testing::Throw(std::runtime_error("out of luck")));
   const HostToken in(sample_token());
@@ -150,7 +150,7 @@ TEST_F(AuthenticationAdapterTest, AnEngineThatThrowsDenies) {
   EXPECT_EQ(harness.events.size(), 1u);
 }
 
-TEST_F(AuthenticationAdapterTest, NullArgumentsAreRefusedNotFollowed) {
+TEST_F(AuthenticationAdapterTest, NullArguments_AreRefusedNotFollowed) {
   DDS_Security_IdentityHandle handle = 1;
   DDS_Security_GUID_t guid{};
   DDS_Security_Qos qos{};
@@ -178,7 +178,7 @@ TEST_F(AuthenticationAdapterTest, NullArgumentsAreRefusedNotFollowed) {
   EXPECT_EQ(refusal.reason(), Code::null_argument);
 }
 
-TEST_F(AuthenticationAdapterTest, TokensComeOutAndGoIn) {
+TEST_F(AuthenticationAdapterTest, Tokens_ComeOutAndGoIn) {
   EXPECT_CALL(engine, identity_token(spi::IdentityHandle{4}, spi::kStandardCiphers))
       .WillOnce(Return(sample_token()));
   EXPECT_CALL(engine, identity_status_token(spi::IdentityHandle{4}))
@@ -197,7 +197,7 @@ TEST_F(AuthenticationAdapterTest, TokensComeOutAndGoIn) {
   EXPECT_EQ(c->set_permissions_credential_and_token(c, 4, &identity, &identity, &refusal), 1);
 }
 
-TEST_F(AuthenticationAdapterTest, TheEngineNeverSeesAPeersAuthRequest) {
+TEST_F(AuthenticationAdapterTest, PeersAuthRequest_NeverReachesTheEngine) {
   const auto guid = to_c(guid_of(3));
   const HostToken token(sample_token());
   HostToken request;
@@ -230,7 +230,7 @@ TEST_F(AuthenticationAdapterTest, TheEngineNeverSeesAPeersAuthRequest) {
 }
 
 // Cyclone 0.10.2's handshake takes strlen of it when it sends again, whatever we answered.
-TEST_F(AuthenticationAdapterTest, ARefusedPeerLeavesAnEmptyClassIdAndNotNull) {
+TEST_F(AuthenticationAdapterTest, ARefusedPeer_LeavesAnEmptyClassIdAndNotNull) {
   const HostToken token(sample_token());
   HostToken request;
   const DDS_Security_GUID_t remote{};
@@ -246,7 +246,7 @@ TEST_F(AuthenticationAdapterTest, ARefusedPeerLeavesAnEmptyClassIdAndNotNull) {
 }
 
 // Anybody can announce anything in a peer's name. The core would not begin with that peer again.
-TEST_F(AuthenticationAdapterTest, ARefusedAnnouncementIsLookedAtAgainAndThenDiscoveredAnew) {
+TEST_F(AuthenticationAdapterTest, RefusedAnnouncement_IsLookedAtAgainAndThenDiscoveredAnew) {
   const HostToken good(sample_token());
   DDS_Security_DataHolder unreadable{};
   unreadable.binary_properties._length = 7;
@@ -270,7 +270,7 @@ TEST_F(AuthenticationAdapterTest, ARefusedAnnouncementIsLookedAtAgainAndThenDisc
   EXPECT_EQ(c->return_identity_handle(c, third, nullptr), 1);
 }
 
-TEST_F(AuthenticationAdapterTest, HandshakeStepsAndTheirResults) {
+TEST_F(AuthenticationAdapterTest, HandshakeSteps_GiveTheHostsResults) {
   using spi::ValidationResult;
   EXPECT_CALL(engine, begin_handshake_request(spi::IdentityHandle{1}, spi::IdentityHandle{2}, _))
       .WillOnce(Return(spi::Authentication::HandshakeStep{
@@ -299,7 +299,7 @@ TEST_F(AuthenticationAdapterTest, HandshakeStepsAndTheirResults) {
   EXPECT_TRUE(is_nil(&none));
 }
 
-TEST_F(AuthenticationAdapterTest, SharedSecretIsCyclonesLayoutUntilTheRemoteGoes) {
+TEST_F(AuthenticationAdapterTest, SharedSecret_IsCyclonesLayoutUntilTheRemoteGoes) {
   ON_CALL(engine, begin_handshake_request)
       .WillByDefault(Return(spi::Authentication::HandshakeStep{
           {10}, spi::ValidationResult::pending_handshake_message, sample_token()}));
@@ -330,7 +330,7 @@ TEST_F(AuthenticationAdapterTest, SharedSecretIsCyclonesLayoutUntilTheRemoteGoes
   EXPECT_EQ(gone.reason(), Code::foreign_shared_secret);
 }
 
-TEST_F(AuthenticationAdapterTest, PeerCredentialIsText) {
+TEST_F(AuthenticationAdapterTest, PeerCredential_IsText) {
   ON_CALL(engine, authenticated_peer_credential_token)
       .WillByDefault(Return(spi::Token{.class_id = "DDS:Auth:PKI-DH:1.0",
                                        .binary_properties = {{"c.id", {'i'}}, {"c.perm", {'p'}}}}));
@@ -359,7 +359,7 @@ TEST_F(AuthenticationAdapterTest, SessionFacts_GoThroughTheHost) {
   EXPECT_EQ(c->return_authenticated_peer_credential_token(c, &credential, nullptr), 1);
 }
 
-TEST_F(AuthenticationAdapterTest, NilHandlesAreReturnedWithoutTheEngine) {
+TEST_F(AuthenticationAdapterTest, NilHandles_AreReturnedWithoutTheEngine) {
   EXPECT_CALL(engine, return_identity_handle).Times(0);
   EXPECT_CALL(engine, return_handshake_handle).Times(0);
   EXPECT_EQ(c->return_identity_handle(c, 0, nullptr), 1);
@@ -369,7 +369,7 @@ TEST_F(AuthenticationAdapterTest, NilHandlesAreReturnedWithoutTheEngine) {
 std::atomic<DDS_Security_IdentityHandle> revoked_identity{0};
 std::atomic<const dds_security_authentication*> revoking_plugin{nullptr};
 
-TEST_F(AuthenticationAdapterTest, ExpiredIdentityIsRevokedThroughTheListener) {
+TEST_F(AuthenticationAdapterTest, ExpiredIdentity_IsRevokedThroughTheListener) {
   harness.adapter.remotes().note({1}, {{{0x81}}, kEntityIdParticipant}, {31});
   ON_CALL(engine, expire).WillByDefault(Return(std::vector<spi::IdentityHandle>{{31}}));
   ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
@@ -391,7 +391,7 @@ TEST_F(AuthenticationAdapterTest, ExpiredIdentityIsRevokedThroughTheListener) {
 }
 
 // A stranger's message that had to be refused leaves the core waiting for ever.
-TEST_F(AuthenticationAdapterTest, AHandshakeThatAStrangerDisturbedIsBegunAgain) {
+TEST_F(AuthenticationAdapterTest, HandshakeThatAStrangerDisturbed_IsBegunAgain) {
   ON_CALL(engine, validate_remote_identity).WillByDefault([](spi::IdentityHandle local, auto&&...) {
     return spi::Authentication::RemoteIdentity{
         {40 + local.value}, spi::ValidationResult::pending_handshake_request, {}};

@@ -8,14 +8,14 @@
 namespace ddssec::cyclonedds::boundaries {
 namespace {
 
-TEST_F(Boundary, SuccessTouchesNothing) {
+TEST_F(Boundary, Success_TouchesNothing) {
   EXPECT_EQ(allowed_at_c_boundary(host, &refusal, [] { return Status{}; }), 1);
   EXPECT_EQ(refusal.code, 0);
   EXPECT_EQ(refusal.message, nullptr);
   EXPECT_TRUE(events.empty());
 }
 
-TEST_F(Boundary, FailureIsACodeAndOneEventWithTheSentence) {
+TEST_F(Boundary, Failure_IsACodeAndOneEventWithTheSentence) {
   const auto refuse = []() -> Status {
     return fail(Code::malformed, {.document = "c.pdata", .found = "3 octets"});
   };
@@ -54,13 +54,13 @@ TEST_F(Boundary, Notice_BeforeARefusal_TakesNoEventFromIt) {
   EXPECT_EQ(events[1].error.code(), Code::malformed);
 }
 
-TEST_F(Boundary, NullExceptionIsTolerated) {
+TEST_F(Boundary, NullException_IsTolerated) {
   EXPECT_EQ(allowed_at_c_boundary(host, nullptr, []() -> Status { return fail(Code::malformed); }),
             0);
   EXPECT_EQ(events.size(), 1u);
 }
 
-TEST_F(Boundary, ThrownExceptionsDeny) {
+TEST_F(Boundary, ThrownExceptions_Deny) {
   EXPECT_EQ(allowed_at_c_boundary(host, &refusal,
                                   []() -> Status { throw std::runtime_error("what it said"); }),
             0);

@@ -45,21 +45,21 @@ struct Carriers : testing::Test {
   const std::string topic{kCarrierTopic};
 };
 
-TEST_F(Carriers, NeedNoPermissionWhereTheirAnnouncementsAreProtected) {
+TEST_F(Carriers, ProtectedAnnouncements_NeedNoPermission) {
   use(ProtectionKind::encrypt);
   EXPECT_TRUE(may_create(topic));
   EXPECT_FALSE(may_create(topic + "s"));
   EXPECT_EQ(c->check_create_datawriter(c, 8, 5, topic.c_str(), &qos, nullptr, nullptr, nullptr), 0);
 }
 
-TEST_F(Carriers, AreOrdinaryReadersWhereTheirAnnouncementsAreNot) {
+TEST_F(Carriers, UnprotectedAnnouncements_AreOrdinaryReaders) {
   use(ProtectionKind::none);
   EXPECT_FALSE(may_create(topic));
 }
 
 // Before, an insider without any right matched them, and the listeners of the application's
 // participant got its samples.
-TEST_F(Carriers, AreClosedAndHaveProtectedAnnouncementsUnderAnyGovernance) {
+TEST_F(Carriers, AnyGovernance_ClosesThemAndProtectsTheirAnnouncements) {
   use(ProtectionKind::sign);
   ON_CALL(engine, datareader_sec_attributes)
       .WillByDefault([](auto&&...) -> Result<spi::EndpointSecurityAttributes> {
@@ -78,7 +78,7 @@ TEST_F(Carriers, AreClosedAndHaveProtectedAnnouncementsUnderAnyGovernance) {
 }
 
 // The host does so when a reader is gone.
-TEST_F(Carriers, AreLookedForWhenTheHostReturnsAReadersAttributes) {
+TEST_F(Carriers, ReturnedReaderAttributes_StartALookForThem) {
   const int before = looks_for_ended_readers;
   DDS_Security_EndpointSecurityAttributes attributes{};
   EXPECT_EQ(c->return_datawriter_sec_attributes(c, &attributes, nullptr), 1);

@@ -29,7 +29,7 @@ TEST(ClosedReader, OfTypeLookup_IsSoUnderEveryGovernanceUnlessTypesAreTrusted) {
   }
 }
 
-TEST(ClosedReader, IsNoOther) {
+TEST(ClosedReader, OtherTopics_AreNotClosed) {
   for (const auto* topic :
        {"DCPSParticipant", "DCPSParticipantMessage", "DCPSPublicationsSecure",
         "DCPSParticipantStatelessMessage", "DCPSParticipantVolatileMessageSecure", "Square"})
@@ -37,7 +37,7 @@ TEST(ClosedReader, IsNoOther) {
 }
 
 // What an application reads of the core's own topics comes from no other process.
-TEST(ClosedReader, IsNoneOfAnApplication) {
+TEST(ClosedReader, ApplicationsOwnReader_IsNotClosed) {
   const std::string_view partitions[] = {"__BUILT-IN PARTITION__"};
   EXPECT_FALSE(cyclonedds::is_closed({.topic_name = "DCPSPublication", .partitions = partitions},
                                      kAllProtected, TypeLookup::is_closed));

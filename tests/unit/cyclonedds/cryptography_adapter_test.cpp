@@ -10,7 +10,7 @@
 namespace ddssec::cyclonedds::cryptography_adapters {
 namespace {
 
-TEST_F(CryptographyAdapterTest, TablesAreComplete) {
+TEST_F(CryptographyAdapterTest, Tables_AreComplete) {
   EXPECT_EQ(harness.adapter.gv, harness.domain());
   const auto complete = [](const void* table, int functions) {
     const auto* begin = static_cast<void* const*>(table);
@@ -21,7 +21,7 @@ TEST_F(CryptographyAdapterTest, TablesAreComplete) {
   EXPECT_TRUE(complete(transform, 9));
 }
 
-TEST_F(CryptographyAdapterTest, NullArgumentsAreRefusedNotFollowed) {
+TEST_F(CryptographyAdapterTest, NullArguments_AreRefusedNotFollowed) {
   const HostOctets plain(Bytes(64, 1));
   const DDS_Security_OctetSeq no_buffer{64, 64, nullptr};
   HostBlock out;
@@ -43,7 +43,7 @@ TEST_F(CryptographyAdapterTest, NullArgumentsAreRefusedNotFollowed) {
       0);
 }
 
-TEST_F(CryptographyAdapterTest, AnEngineThatThrowsDenies) {
+TEST_F(CryptographyAdapterTest, AnEngineThatThrows_Denies) {
   const HostOctets message(Bytes(64, 1));
   ON_CALL(engine, decode_rtps_message).WillByDefault(testing::Throw(std::runtime_error("x")));
   HostBlock out;

@@ -26,7 +26,7 @@ bool soon(F&& is_so) {
   return is_so();
 }
 
-TEST(CutOff, TheHostIsNotToldThatOurOwnIdentityEnded) {
+TEST(CutOff, OwnIdentityEnded_IsNotToldToTheHost) {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
   harness.adapter.remotes().note(kOwn, {{{0x81}}, kEntityIdParticipant}, kRemote);
@@ -51,7 +51,7 @@ TEST(CutOff, TheHostIsNotToldThatOurOwnIdentityEnded) {
 }
 
 // What peers say when they give up a participant that is still announced, the host takes for all.
-TEST(CutOff, TheHostIsToldWhereTheProcessHasOthersInTheDomain) {
+TEST(CutOff, OwnIdentityEndedBesideOthersInTheDomain_IsToldToTheHost) {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
   harness.adapter.farewells().add_local(kOwn, {{1}});
@@ -71,7 +71,7 @@ TEST(CutOff, TheHostIsToldWhereTheProcessHasOthersInTheDomain) {
 }
 
 // The other one's permissions have ended: it is not valid any more.
-TEST(CutOff, TheHostIsNotToldWhereAccessControlHasCutOffTheOthers) {
+TEST(CutOff, OwnIdentityEndedAfterTheOthersWereCutOff_IsNotToldToTheHost) {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
   harness.adapter.farewells().add_local(kOwn, {{1}});
@@ -120,7 +120,7 @@ struct CutOffPermissions : testing::Test {
   DDS_Security_Qos qos{};
 };
 
-TEST_F(CutOffPermissions, MakeEveryCreationARefusalThatSaysWhy) {
+TEST_F(CutOffPermissions, EveryCreation_IsRefusedWithTheReason) {
   EXPECT_TRUE(may_create());
   AccessControlAdapter::cut_off({6});
   EXPECT_TRUE(may_create()) << "that was another";
@@ -131,7 +131,7 @@ TEST_F(CutOffPermissions, MakeEveryCreationARefusalThatSaysWhy) {
   EXPECT_EQ(refusal.reason(), Code::identity_ended);
 }
 
-TEST_F(CutOffPermissions, AreNotRevokedThroughTheListenerButThoseOfPeersAre) {
+TEST_F(CutOffPermissions, OwnEnd_IsNotRevokedThroughTheListenerButThatOfPeersIs) {
   ON_CALL(engine, expire).WillByDefault([](auto) {
     return std::vector<spi::PermissionsHandle>{{8}, {41}};
   });
@@ -154,7 +154,7 @@ TEST_F(CutOffPermissions, AreNotRevokedThroughTheListenerButThoseOfPeersAre) {
   EXPECT_EQ(refusal.reason(), Code::grant_expired);
 }
 
-TEST_F(CutOffPermissions, AreRevokedWhereTheProcessHasOthersInTheDomain) {
+TEST_F(CutOffPermissions, OwnEndBesideOthersInTheDomain_IsRevoked) {
   ON_CALL(engine, validate_local_permissions).WillByDefault([](auto&&...) {
     return spi::PermissionsHandle{9};
   });

@@ -10,7 +10,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-TEST(SendDatagram, ReachesItsAddress) {
+TEST(SendDatagram, GivenAddress_ReceivesIt) {
   const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
   sockaddr_in own{};
   own.sin_family = AF_INET;
@@ -55,7 +55,7 @@ JoinedGroup group(int interface, std::initializer_list<std::uint8_t> end, bool i
   return out;
 }
 
-TEST(JoinedGroups, AreAllButThoseOfLocalProtocols) {
+TEST(JoinedGroups, EachGroup_IsListedExceptThoseOfLocalProtocols) {
   EXPECT_THAT(joined_groups(kIgmp, ""),
               ::testing::ElementsAre(group(1, {239, 255, 0, 1}), group(17, {239, 255, 0, 9})));
   EXPECT_THAT(joined_groups("", kIgmp6),
@@ -65,7 +65,7 @@ TEST(JoinedGroups, AreAllButThoseOfLocalProtocols) {
   EXPECT_THAT(joined_groups("", kIgmp6), ::testing::Not(::testing::Contains(group(4, {1}, true))));
 }
 
-TEST(JoinedGroups, OfNonsenseAreNone) {
+TEST(JoinedGroups, Nonsense_GivesNone) {
   EXPECT_THAT(joined_groups("nonsense\n\t\tzz\n0100FFEF",
                             "4 eth0 ff02\n4 eth0 ff020000000000000000ffffefff00zz"),
               ::testing::IsEmpty());
@@ -94,7 +94,7 @@ class Socket {
   std::uint16_t port_ = 0;
 };
 
-TEST(BoundUdp, IsAnySocketThatHasAPort) {
+TEST(BoundUdp, SocketWithAPort_IsFound) {
   ASSERT_EQ(has_bound_udp(), false);
   const int unbound = ::socket(AF_INET, SOCK_DGRAM, 0), tcp = ::socket(AF_INET, SOCK_STREAM, 0);
   EXPECT_EQ(has_bound_udp(), false);
@@ -105,7 +105,7 @@ TEST(BoundUdp, IsAnySocketThatHasAPort) {
 }
 
 // As Linux 6.1 prints them.
-TEST(LinkLocalInterfaces, AreThoseWithAnAddressOfThatScope) {
+TEST(LinkLocalInterfaces, AddressOfThatScope_ListsItsInterface) {
   constexpr std::string_view kAddresses =
       "00000000000000000000000000000001 01 80 10 80       lo\n"
       "fe80000000000000f03c91fffe2a1b3c 02 40 20 80     eth0\n"
@@ -120,7 +120,7 @@ TEST(LinkLocalInterfaces, AreThoseWithAnAddressOfThatScope) {
   EXPECT_EQ(link_local_interfaces(many).size(), 16u);
 }
 
-TEST(SharedPorts, AreThoseThatOthersMayBindToo) {
+TEST(SharedPorts, PortThatOthersMayBindToo_IsListed) {
   const Socket shared(true), alone(false);
   const auto ports = shared_ports();
   EXPECT_THAT(ports, ::testing::Contains(shared.port()));

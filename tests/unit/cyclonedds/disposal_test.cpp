@@ -9,7 +9,7 @@ namespace ddssec::cyclonedds {
 namespace {
 
 // RTPS 2.5, clauses 9.4.5.4 (DATA), 9.6.4.8 (KEY_HASH) and 9.6.4.9 (STATUS_INFO).
-TEST(Disposal, IsADataWithTheKeyAndItsStatus) {
+TEST(Disposal, EndedEndpoint_IsADataWithTheKeyAndItsStatus) {
   Guid gone{{}, EntityId{{0, 0, 1, 0xc1}}};
   gone.prefix.octets.fill(0xab);
   std::array<std::uint8_t, 200> octets{};

@@ -17,7 +17,7 @@ struct Properties {
   DDS_Security_PropertySeq value{};
 };
 
-TEST(EndpointScope, ComesBackWhole) {
+TEST(EndpointScope, WrittenScope_ComesBackWhole) {
   const std::vector<std::string_view> partitions = {"", "room*"};
   const spi::PropertyList tags = {{"colour", "blue"}, {"", "empty name"}};
   Properties properties;

@@ -7,7 +7,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-TEST(ExemptTopics, BuiltinTopicsByTheirExactName) {
+TEST(ExemptTopics, BuiltinTopics_AreKnownByTheirExactName) {
   for (const char* const name :
        {"DCPSParticipant", "DCPSTopic", "DCPSPublication", "DCPSSubscription"})
     EXPECT_TRUE(is_local_builtin_topic(name)) << name;

@@ -26,7 +26,7 @@ struct Timer : testing::Test {
   }
 };
 
-TEST_F(Timer, RevokesWhatEndsOnce) {
+TEST_F(Timer, EndedIdentity_IsRevokedOnce) {
   timer.start(tasks());
   auto future = revoked.get_future();
   ASSERT_EQ(future.wait_for(5s), std::future_status::ready);
@@ -34,7 +34,7 @@ TEST_F(Timer, RevokesWhatEndsOnce) {
   timer.stop();
 }
 
-TEST_F(Timer, NothingIsCalledAfterStop) {
+TEST_F(Timer, AfterStop_NothingIsCalled) {
   timer.start({.revoke_ended = [this](const std::stop_token&) { ++rounds; },
                .next_expiry = [] { return std::optional<WallTime>{}; }});
   while (rounds == 0) std::this_thread::sleep_for(1ms);
@@ -46,7 +46,7 @@ TEST_F(Timer, NothingIsCalledAfterStop) {
 }
 
 // Three identities end in one round.
-TEST_F(Timer, ARevocationMayStopTheTimer) {
+TEST_F(Timer, ARevocation_MayStopTheTimer) {
   std::atomic<int> revocations = 0;
   const auto revoke_ended = [&](const std::stop_token& stop) {
     for (const int handle : {1, 2, 3}) {
@@ -64,7 +64,7 @@ TEST_F(Timer, ARevocationMayStopTheTimer) {
   EXPECT_EQ(revocations, 1);
 }
 
-TEST_F(Timer, AThrowingEngineIsAskedAgain) {
+TEST_F(Timer, AThrowingEngine_IsAskedAgain) {
   auto throwing = tasks();
   throwing.revoke_ended = [this](const std::stop_token&) {
     if (++rounds < 3) throw std::bad_alloc();
@@ -75,7 +75,7 @@ TEST_F(Timer, AThrowingEngineIsAskedAgain) {
   timer.stop();
 }
 
-TEST_F(Timer, WakesForTheNextEndAndNotLater) {
+TEST_F(Timer, NextEnd_WakesItAndNotLater) {
   ExpiryTimer slow(clock, 10s);
   std::atomic<int> asked = 0;
   slow.start({.revoke_ended = [&](const std::stop_token&) { ++asked; },

@@ -15,7 +15,7 @@ namespace {
 constexpr GuidPrefix kOwn{{1, 0x10, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10}};
 constexpr GuidPrefix kPeer{{1, 0x10, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9}};
 
-TEST(Farewell, DisposesOurselvesForThePeerAlone) {
+TEST(Farewell, OurLeaving_IsADisposeForThePeerAlone) {
   const auto octets = write_farewell(kOwn, kPeer);
   EXPECT_EQ(rtps::read_header(octets)->prefix, kOwn);
   auto message = rtps::MessageReader::open(octets).value();
@@ -35,7 +35,7 @@ TEST(Farewell, DisposesOurselvesForThePeerAlone) {
   EXPECT_FALSE(message.next().value());
 }
 
-TEST(Farewell, IsSaidByParticipantsThatAreThere) {
+TEST(Farewell, PresentParticipants_SayIt) {
   Farewells farewells;
   farewells.add_local({1}, kOwn);
   farewells.add_local({2}, kPeer);

@@ -33,7 +33,7 @@ struct HandshakeWatchTest : testing::Test {
   const spi::HandshakeHandle handshake{70}, second{71};
 };
 
-TEST_F(HandshakeWatchTest, AfterARefusalItGivesUpSoon) {
+TEST_F(HandshakeWatchTest, AfterARefusal_GivesUpSoon) {
   watch.met({local, remote}, guid_of(1));
   watch.refused(remote);
   EXPECT_TRUE(after(2400ms).empty());
@@ -48,7 +48,7 @@ TEST_F(HandshakeWatchTest, AfterARefusalItGivesUpSoon) {
 }
 
 // The host asks once a second.
-TEST_F(HandshakeWatchTest, AskingAgainAboutARefusedAnnouncementDoesNotProlongTheWait) {
+TEST_F(HandshakeWatchTest, AskingAgainAboutARefusedAnnouncement_DoesNotProlongTheWait) {
   watch.not_admitted({local, remote}, guid_of(1));
   EXPECT_TRUE(after(1s).empty());
   watch.not_admitted({local, remote}, guid_of(1));
@@ -59,7 +59,7 @@ TEST_F(HandshakeWatchTest, AskingAgainAboutARefusedAnnouncementDoesNotProlongThe
   EXPECT_TRUE(stuck[0].was_disturbed);
 }
 
-TEST_F(HandshakeWatchTest, WithoutARefusalItIsPatient) {
+TEST_F(HandshakeWatchTest, WithoutARefusal_IsPatient) {
   watch.met({local, remote}, guid_of(1));
   EXPECT_TRUE(after(19s).empty());
   watch.progressed({local, remote}, handshake);  // counted from here
@@ -69,7 +69,7 @@ TEST_F(HandshakeWatchTest, WithoutARefusalItIsPatient) {
   EXPECT_FALSE(stuck[0].was_disturbed);
 }
 
-TEST_F(HandshakeWatchTest, ProgressStartsTheWaitAnew) {
+TEST_F(HandshakeWatchTest, Progress_StartsTheWaitAnew) {
   watch.met({local, remote}, guid_of(1));
   watch.refused(remote);
   EXPECT_TRUE(after(2s).empty());
@@ -81,7 +81,7 @@ TEST_F(HandshakeWatchTest, ProgressStartsTheWaitAnew) {
 }
 
 // It is settled, and would not notice that we begin again.
-TEST_F(HandshakeWatchTest, APeerThatHasTheSecretIsWaitedForWhileItIsHeard) {
+TEST_F(HandshakeWatchTest, APeerThatHasTheSecret_IsWaitedForWhileItIsHeard) {
   ask.has_keys = [](auto) { return false; };
   HandshakeWatch::Duration heard{};
   ask.last_heard = [&](auto) { return heard; };
@@ -97,7 +97,7 @@ TEST_F(HandshakeWatchTest, APeerThatHasTheSecretIsWaitedForWhileItIsHeard) {
 }
 
 // Cyclone DDS 0.10.2 damages its memory when its own timer ends a handshake, after 100 s.
-TEST_F(HandshakeWatchTest, NoHandshakeLivesAsLongAsTheTimerOfTheCore) {
+TEST_F(HandshakeWatchTest, NoHandshake_LivesAsLongAsTheTimerOfTheCore) {
   ask.has_keys = [](auto) { return false; };
   ask.last_heard = [&](auto) { return clock.monotonic(); };
   watch.met({local, remote}, guid_of(1));
@@ -111,7 +111,7 @@ TEST_F(HandshakeWatchTest, NoHandshakeLivesAsLongAsTheTimerOfTheCore) {
 }
 
 // Stock plugins and Fast DDS keep their session, whatever we begin anew.
-TEST_F(HandshakeWatchTest, APeerThatKeepsItsSessionIsWaitedForUnlessAMessageWasRefused) {
+TEST_F(HandshakeWatchTest, APeerThatKeepsItsSession_IsWaitedForUnlessAMessageWasRefused) {
   bool sent = false;
   ask.has_keys = [&](auto) { return sent; };
   const auto meet = [&] {
@@ -132,7 +132,7 @@ TEST_F(HandshakeWatchTest, APeerThatKeepsItsSessionIsWaitedForUnlessAMessageWasR
   EXPECT_EQ(after(200ms).size(), 1u);
 }
 
-TEST_F(HandshakeWatchTest, AnAuthenticatedPeerIsNeverGivenUp) {
+TEST_F(HandshakeWatchTest, AnAuthenticatedPeer_IsNeverGivenUp) {
   watch.met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.refused(handshake);
@@ -142,7 +142,7 @@ TEST_F(HandshakeWatchTest, AnAuthenticatedPeerIsNeverGivenUp) {
 }
 
 // Its side is stuck: it takes us for a peer that it never heard the end from.
-TEST_F(HandshakeWatchTest, APeerWithoutKeysDidNotFinishItsHalf) {
+TEST_F(HandshakeWatchTest, APeerWithoutKeys_DidNotFinishItsHalf) {
   bool sent = false;
   ask.has_keys = [&](spi::IdentityHandle asked) { return asked == remote && sent; };
   watch.met({local, remote}, guid_of(1));
@@ -162,7 +162,7 @@ TEST_F(HandshakeWatchTest, APeerWithoutKeysDidNotFinishItsHalf) {
 }
 
 // An announcement was forged: its keys came, and the host never matches what the peer has.
-TEST_F(HandshakeWatchTest, APeerThatLacksEndpointsIsGivenUpAgainAndAgain) {
+TEST_F(HandshakeWatchTest, APeerThatLacksEndpoints_IsGivenUpAgainAndAgain) {
   bool matched = false;
   ask.has_keys = [](auto) { return true; };
   ask.is_matched = [&](spi::IdentityHandle asked) { return asked == remote && matched; };
@@ -186,7 +186,7 @@ TEST_F(HandshakeWatchTest, APeerThatLacksEndpointsIsGivenUpAgainAndAgain) {
   EXPECT_TRUE(after(300s).empty());
 }
 
-TEST_F(HandshakeWatchTest, APeerWhoseEndpointsAreMatchedIsSettled) {
+TEST_F(HandshakeWatchTest, APeerWhoseEndpointsAreMatched_IsSettled) {
   bool matched = false;
   ask.is_matched = [&](auto) { return matched; };
   watch.met({local, remote}, guid_of(1));
@@ -203,7 +203,7 @@ TEST_F(HandshakeWatchTest, APeerWhoseEndpointsAreMatchedIsSettled) {
 }
 
 // A stranger disposed one of them.
-TEST_F(HandshakeWatchTest, APeerThatLosesAnEndpointAfterwardsIsGivenUp) {
+TEST_F(HandshakeWatchTest, APeerThatLosesAnEndpointAfterwards_IsGivenUp) {
   bool matched = true, sent_keys = true;
   ask.has_keys = [&](auto) { return sent_keys; };
   ask.is_matched = [&](auto) { return matched; };
@@ -228,7 +228,7 @@ TEST_F(HandshakeWatchTest, APeerThatLosesAnEndpointAfterwardsIsGivenUp) {
 }
 
 // Where governance admits unauthenticated participants, the host takes it for one then.
-TEST_F(HandshakeWatchTest, APeerThatWasWaitedForAsLongAsPossibleIsUnanswered) {
+TEST_F(HandshakeWatchTest, APeerThatWasWaitedForAsLongAsPossible_IsUnanswered) {
   for (const auto wait : {20s, 40s, 80s}) {
     EXPECT_FALSE(watch.was_unanswered(guid_of(1)));
     watch.met({local, remote}, guid_of(1));
@@ -241,7 +241,7 @@ TEST_F(HandshakeWatchTest, APeerThatWasWaitedForAsLongAsPossibleIsUnanswered) {
 }
 
 // A forged announcement can do that to a peer that has authenticated itself.
-TEST_F(HandshakeWatchTest, APeerThatOnlyLacksEndpointsIsNotUnanswered) {
+TEST_F(HandshakeWatchTest, APeerThatOnlyLacksEndpoints_IsNotUnanswered) {
   ask.is_matched = [](auto) { return false; };
   for (int i = 0; i < 5; ++i) {
     watch.met({local, remote}, guid_of(1));
@@ -263,7 +263,7 @@ struct SharedPeerTest : HandshakeWatchTest {
   }
 };
 
-TEST_F(SharedPeerTest, IsKeptLongerThanAnother) {
+TEST_F(SharedPeerTest, WaitForIt_IsLongerThanForAnother) {
   meet();
   watch.progressed({second_local, remote}, second);
   watch.refused(second);
@@ -275,7 +275,7 @@ TEST_F(SharedPeerTest, IsKeptLongerThanAnother) {
   EXPECT_TRUE(stuck[0].is_shared);
 }
 
-TEST_F(SharedPeerTest, IsGivenUpOnceForAParticipantThatGetsNoSession) {
+TEST_F(SharedPeerTest, ParticipantWithoutASession_GivesItUpOnce) {
   meet();
   EXPECT_TRUE(after(79900ms).empty());
   const auto stuck = after(200ms);
@@ -342,7 +342,7 @@ TEST_F(SharedPeerTest, WhereTheCoresTimerRuns_IsGivenUpEachTime) {
   }
 }
 
-TEST_F(SharedPeerTest, IsForgivenOnceItHasFinishedWithBoth) {
+TEST_F(SharedPeerTest, FinishedWithBoth_IsForgiven) {
   ask.has_keys_for = [](auto, auto) { return true; };
   meet();
   ASSERT_EQ(after(80s).size(), 1u);
@@ -354,7 +354,7 @@ TEST_F(SharedPeerTest, IsForgivenOnceItHasFinishedWithBoth) {
   EXPECT_EQ(after(81s).size(), 1u);
 }
 
-TEST_F(SharedPeerTest, MustSendItsKeysToBoth) {
+TEST_F(SharedPeerTest, KeysToOneOnly_AreNotEnough) {
   ask.has_keys_for = [&](auto, auto asked) { return asked == local; };
   meet();
   watch.progressed({second_local, remote}, second);
@@ -366,7 +366,7 @@ TEST_F(SharedPeerTest, MustSendItsKeysToBoth) {
 }
 
 // A peer that finishes one handshake at the last moment, and lacks endpoints then.
-TEST_F(SharedPeerTest, ThatLacksEndpointsIsGivenUpInTimeAllTheSame) {
+TEST_F(SharedPeerTest, MissingEndpoints_GiveItUpInTimeAllTheSame) {
   ask.is_matched = [](auto) { return false; };
   watch.met({local, remote}, guid_of(1));
   watch.met({second_local, remote}, guid_of(1));
@@ -402,13 +402,13 @@ TEST_F(SharedPeerTest, ThatTheHostDoesNotAskAboutAgain_IsGivenUpOnce) {
   EXPECT_EQ(after(2s).size(), 1u);
 }
 
-TEST_F(SharedPeerTest, IsNotGivenUpForAParticipantThatHasEnded) {
+TEST_F(SharedPeerTest, EndedParticipant_DoesNotGiveItUp) {
   meet();
   watch.forget(second_local);
   EXPECT_TRUE(after(1000s).empty());
 }
 
-TEST_F(HandshakeWatchTest, TheWaitDoublesUpToEightySeconds) {
+TEST_F(HandshakeWatchTest, TheWait_DoublesUpToEightySeconds) {
   std::vector<std::chrono::nanoseconds> waits;
   for (int i = 0; i < 8; ++i) {
     watch.met({local, remote}, guid_of(1));
@@ -432,7 +432,7 @@ TEST_F(HandshakeWatchTest, TheWaitDoublesUpToEightySeconds) {
   EXPECT_TRUE(again[0].is_first);
 }
 
-TEST_F(HandshakeWatchTest, WhatTheHostReturnsIsForgotten) {
+TEST_F(HandshakeWatchTest, WhatTheHostReturns_IsForgotten) {
   watch.met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.forget(remote);
@@ -446,7 +446,7 @@ TEST_F(HandshakeWatchTest, WhatTheHostReturnsIsForgotten) {
   EXPECT_EQ(after(21s).size(), 1u);
 }
 
-TEST_F(HandshakeWatchTest, OfInventedPeersOnlyTheLatestAreRemembered) {
+TEST_F(HandshakeWatchTest, ManyInventedPeers_OnlyTheLatestAreRemembered) {
   const auto give_up = [&](std::uint32_t number) {
     watch.met({local, {number}}, guid_of(number));
     watch.refused(spi::IdentityHandle{number});
@@ -467,7 +467,7 @@ TEST_F(HandshakeWatchTest, OfInventedPeersOnlyTheLatestAreRemembered) {
   EXPECT_TRUE(give_up(1).at(0).is_first);  // crowded out: the worst is a shorter wait
 }
 
-TEST_F(HandshakeWatchTest, StrangersToItAreNothing) {
+TEST_F(HandshakeWatchTest, UnknownPeers_AreIgnored) {
   watch.refused(remote);
   watch.refused(handshake);
   watch.finished(handshake);

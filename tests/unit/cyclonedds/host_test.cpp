@@ -10,7 +10,7 @@
 namespace ddssec::cyclonedds::boundaries {
 namespace {
 
-TEST_F(Boundary, AnEnginesOwnEventIsNotRepeated) {
+TEST_F(Boundary, AnEnginesOwnEvent_IsNotRepeated) {
   const auto raise_and_refuse = [&]() -> Status {
     host.environment().events.raise(Event(Error(Code::malformed), "CN=peer"));
     return fail(Code::malformed);
@@ -20,7 +20,7 @@ TEST_F(Boundary, AnEnginesOwnEventIsNotRepeated) {
   EXPECT_EQ(events[0].peer_subject, "CN=peer");
 }
 
-TEST_F(Boundary, ASinkThatThrowsDoesNotLetAnythingThrough) {
+TEST_F(Boundary, ASinkThatThrows_LetsNothingThrough) {
   struct Throwing final : EventSink {
     void raise(const Event&) override { throw std::bad_alloc(); }
   };

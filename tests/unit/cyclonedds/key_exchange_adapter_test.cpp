@@ -13,7 +13,7 @@ namespace {
 using testing::_;
 using testing::Return;
 
-TEST_F(CryptographyAdapterTest, CryptoTokensOutAndIn) {
+TEST_F(CryptographyAdapterTest, CryptoTokens_GoOutAndIn) {
   const std::vector<spi::Token> two = {sample_token(), {.class_id = "second"}};
   ON_CALL(engine, create_local_participant_crypto_tokens).WillByDefault(Return(two));
   ON_CALL(engine, create_local_datawriter_crypto_tokens).WillByDefault(Return(two));
@@ -53,7 +53,7 @@ TEST_F(CryptographyAdapterTest, CryptoTokensOutAndIn) {
 }
 
 // Of a participant's tokens that are refused, Cyclone DDS frees none and logs each.
-TEST_F(CryptographyAdapterTest, RefusedParticipantTokensAreToldOnceAndTakenFromTheHost) {
+TEST_F(CryptographyAdapterTest, RefusedParticipantTokens_AreToldOnceAndTakenFromTheHost) {
   EXPECT_CALL(engine, set_remote_participant_crypto_tokens)
       .WillOnce(Return(fail(Code::keys_already_set)))
       .WillOnce(Return(fail(Code::crypto_handle_unknown)));

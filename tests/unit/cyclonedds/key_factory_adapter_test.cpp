@@ -15,7 +15,7 @@ namespace {
 using testing::_;
 using testing::Return;
 
-TEST_F(CryptographyAdapterTest, Registration) {
+TEST_F(CryptographyAdapterTest, Registration_ReachesTheEngine) {
   EXPECT_CALL(engine, register_local_participant(spi::IdentityHandle{1}, spi::PermissionsHandle{2},
                                                  spi::PropertyList{}, _))
       .WillOnce(Return(spi::ParticipantCryptoHandle{10}));
@@ -69,7 +69,7 @@ struct Variable {
   const char* name;
 };
 
-TEST_F(CryptographyAdapterTest, AParticipantsPropertiesComeFromTheEnvironment) {
+TEST_F(CryptographyAdapterTest, AParticipantsProperties_ComeFromTheEnvironment) {
   const auto file = testing::TempDir() + "ddssec-cyclonedds.properties";
   std::ofstream(file)
       << "dds.sec.crypto.symmetric_cipher_algorithm = AES128+GCM\ndds.sec.crypto.keysize = 128\n";
@@ -100,7 +100,7 @@ TEST_F(CryptographyAdapterTest, AParticipantsPropertiesComeFromTheEnvironment) {
   EXPECT_EQ(refusal.reason(), Code::file_not_found);
 }
 
-TEST_F(CryptographyAdapterTest, RegistrationRefusesNullAndForeignSecrets) {
+TEST_F(CryptographyAdapterTest, Registration_RefusesNullAndForeignSecrets) {
   EXPECT_EQ(factory->register_local_participant(factory, 1, 2, nullptr, nullptr, &refusal), 0);
   EXPECT_EQ(refusal.reason(), Code::null_argument);
   EXPECT_EQ(factory->register_local_datawriter(factory, 1, nullptr, nullptr, nullptr), 0);
@@ -113,7 +113,7 @@ TEST_F(CryptographyAdapterTest, RegistrationRefusesNullAndForeignSecrets) {
   EXPECT_EQ(factory->register_local_participant(nullptr, 1, 2, nullptr, &participant, nullptr), 0);
 }
 
-TEST_F(CryptographyAdapterTest, NilHandlesOfUnprotectedEndpointsAreUnregistered) {
+TEST_F(CryptographyAdapterTest, NilHandlesOfUnprotectedEndpoints_AreUnregistered) {
   EXPECT_CALL(engine, unregister_participant(spi::ParticipantCryptoHandle{1}))
       .WillOnce(Return(Status{}));
   EXPECT_CALL(engine, unregister_datawriter(spi::DatawriterCryptoHandle{1}))
@@ -128,7 +128,7 @@ TEST_F(CryptographyAdapterTest, NilHandlesOfUnprotectedEndpointsAreUnregistered)
 }
 
 // Cyclone DDS does so when several participants end at once, and logs each refusal.
-TEST_F(CryptographyAdapterTest, AHandleThatIsReturnedTwiceIsNoError) {
+TEST_F(CryptographyAdapterTest, AHandleThatIsReturnedTwice_IsNoError) {
   EXPECT_CALL(engine, unregister_datawriter)
       .WillOnce(Return(Status{}))
       .WillOnce(Return(fail(Code::crypto_handle_unknown)))

@@ -128,13 +128,13 @@ void live(int mix_a, int mix_b, const std::string& governance) {
 
 class Life : public testing::TestWithParam<int> {};
 
-TEST_P(Life, WithStockOnTheOtherSide) {
+TEST_P(Life, StockOnTheOtherSide_TalksBothWays) {
   if (!std::filesystem::exists(kStock + "auth.so")) FAIL() << "no stock plugins in " << kStock;
   live(GetParam(), kAllStock, "encrypt");
   live(kAllStock, GetParam(), "encrypt");
 }
 
-TEST_P(Life, WithOursOnTheOtherSide) {
+TEST_P(Life, OursOnTheOtherSide_TalksBothWays) {
   live(GetParam(), kAllOurs, "origin");
   live(kAllOurs, GetParam(), "sign");
 }
@@ -142,7 +142,7 @@ TEST_P(Life, WithOursOnTheOtherSide) {
 INSTANTIATE_TEST_SUITE_P(Mixes, Life, testing::Range(0, 8),
                          [](const auto& info) { return mix_name(info.param); });
 
-TEST(OurLife, EveryGovernance) {
+TEST(OurLife, EveryGovernance_TalksBothWays) {
   for (const auto* governance : {"none", "sign", "encrypt", "origin", "origin_sign"})
     live(kAllOurs, kAllOurs, governance);
 }
@@ -188,7 +188,7 @@ class TwoLocalsLife : public testing::TestWithParam<int> {};
 /// Stock access control frees what its local participants share with the first that goes.
 class OneOfTwoLeaves : public TwoLocalsLife {};
 
-TEST_P(TwoLocalsLife, HaveOneRemoteForTheHostAndTwoOfEverythingBehindIt) {
+TEST_P(TwoLocalsLife, OneRemoteForTheHost_IsTwoForTheEngine) {
   TwoLocals two(GetParam(), "encrypt");
   const auto& first = two.of_first->a_of_b;
   const auto& second = two.of_second->a_of_b;
@@ -205,7 +205,7 @@ TEST_P(TwoLocalsLife, HaveOneRemoteForTheHostAndTwoOfEverythingBehindIt) {
   EXPECT_TRUE(is_refused([&] { two.of_second->receiver.decode_payload(encoded); }));
 }
 
-TEST_P(OneOfTwoLeaves, AndTheOtherGoesOn) {
+TEST_P(OneOfTwoLeaves, OtherLocal_GoesOn) {
   for (const bool second_leaves : {false, true}) {
     TwoLocals two(GetParam(), "encrypt");
     auto& leaving = second_leaves ? two.of_second : two.of_first;
@@ -235,7 +235,7 @@ INSTANTIATE_TEST_SUITE_P(Mixes, TwoLocalsLife, testing::Values(kAllOurs, 1, 4, k
 INSTANTIATE_TEST_SUITE_P(Mixes, OneOfTwoLeaves, testing::Values(kAllOurs, 1, 4),
                          [](const auto& info) { return mix_name(info.param); });
 
-TEST(OurLife, TheRemoteIsReturnedOnceForAllAndIsThenUnknownToAll) {
+TEST(OurLife, TheRemote_IsReturnedOnceForAllAndIsThenUnknownToAll) {
   TwoLocals two(kAllOurs, "encrypt");
   auto& auth = two.domain.authentication();
   const auto identity = two.of_first->a_of_b.identity;
@@ -254,7 +254,7 @@ TEST(OurLife, TheRemoteIsReturnedOnceForAllAndIsThenUnknownToAll) {
   two.of_second->a_of_b.identity = again.identity;
 }
 
-TEST(OurLife, TwoDomainsOfOneProcessAreSeparate) {
+TEST(OurLife, TwoDomainsOfOneProcess_AreSeparate) {
   Domain first(mix(kAllOurs));
   Participant a(first, kPki, "a", "encrypt");
   {
@@ -269,14 +269,14 @@ TEST(OurLife, TwoDomainsOfOneProcessAreSeparate) {
 
 /// Cyclone unloads the plugins with the last secured participant. (Under the address sanitizer
 /// mallinfo2 knows nothing; its leak check tells.)
-TEST(OurLife, OneAfterAnotherTakesNoMoreMemory) {
+TEST(OurLife, OneAfterAnother_TakesNoMoreMemory) {
   live(kAllOurs, kAllOurs, "encrypt");
   const auto before = mallinfo2().uordblks;
   for (int i = 0; i < 5; ++i) live(kAllOurs, kAllOurs, "encrypt");
   EXPECT_LT(mallinfo2().uordblks, before + 100'000) << "it was 240,000 a life";
 }
 
-TEST(OurLife, AListenerMayStayUntilTheEnd) {
+TEST(OurLife, AListener_MayStayUntilTheEnd) {
   static const dds_security_authentication_listener identities{
       [](auto*, auto) -> DDS_Security_boolean { return 1; }, nullptr};
   static const dds_security_access_control_listener permissions{
@@ -291,7 +291,7 @@ TEST(OurLife, AListenerMayStayUntilTheEnd) {
   // The threads of the plugins end in finalize.
 }
 
-TEST(OurLife, ForeignReceiverIsToldToTryTheNextParticipant) {
+TEST(OurLife, ForeignReceiver_IsToldToTryTheNextParticipant) {
   Domain sending(mix(kAllOurs)), receiving(mix(kAllOurs));
   const CryptoLink link(sending.cryptography(), receiving.cryptography(), keys_of(4, 0, 0), 2);
   constexpr std::uint8_t kPrefix[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
@@ -309,7 +309,7 @@ TEST(OurLife, ForeignReceiverIsToldToTryTheNextParticipant) {
   }
 }
 
-TEST(OurLife, AnIdentityThatIsNotThereIsExplained) {
+TEST(OurLife, AnIdentityThatIsNotThere_IsExplained) {
   Domain domain(mix(kAllOurs));
   int code = 0;
   testing::internal::CaptureStderr();

@@ -11,7 +11,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(LoadedSymbol, IsFoundInTheLibraryThatDefinesIt) {
+TEST(LoadedSymbol, LibraryThatDefinesIt_IsFound) {
   EXPECT_EQ(find_loaded_symbol("_create_psmx"), std::nullopt);
   const PsmxLibrary library;
   const auto found = find_loaded_symbol("_create_psmx");
@@ -21,7 +21,7 @@ TEST(LoadedSymbol, IsFoundInTheLibraryThatDefinesIt) {
   EXPECT_EQ(find_loaded_symbol("example_create_psmx"), std::nullopt) << "no type before it";
 }
 
-TEST(LoadedSymbol, IsFoundWhereItIsDefinedAndNotWhereItIsUsed) {
+TEST(LoadedSymbol, OwnFunctionOfALibrary_IsFoundWhereItIsDefined) {
   // This program uses it, under no name that is longer.
   const auto found = find_loaded_symbol("lose");
   ASSERT_TRUE(found);

@@ -42,7 +42,7 @@ struct HostLog : testing::Test {
       std::filesystem::temp_directory_path() / ("ddssec_log_test_" + std::to_string(getpid()));
 };
 
-TEST_F(HostLog, OneSentenceInTheHostsLog) {
+TEST_F(HostLog, EachEvent_IsOneSentenceInTheHostsLog) {
   make_host_log(record, nullptr)->raise(Event(Error(Code::malformed, {.document = "%s%n"})));
   ASSERT_EQ(logged.size(), 1u);
   EXPECT_EQ(logged[0].category, DDS_LC_WARNING);
@@ -51,7 +51,7 @@ TEST_F(HostLog, OneSentenceInTheHostsLog) {
   EXPECT_EQ(std::ranges::count(logged[0].text, '\n'), 1);
 }
 
-TEST_F(HostLog, JsonLinesAreAppended) {
+TEST_F(HostLog, JsonLines_AreAppended) {
   for (int i = 0; i < 2; ++i)
     make_host_log(record, json_path.c_str())->raise(Event(Error(Code::file_not_found), "CN=x"));
   std::ifstream file(json_path);
@@ -61,7 +61,7 @@ TEST_F(HostLog, JsonLinesAreAppended) {
   EXPECT_EQ(lines, 2);
 }
 
-TEST_F(HostLog, AFileThatCannotBeWrittenIsSaidOnce) {
+TEST_F(HostLog, AFileThatCannotBeWritten_IsSaidOnce) {
   const auto log = make_host_log(record, "/nowhere/at/all");
   log->raise(Event(Error(Code::malformed)));
   ASSERT_EQ(logged.size(), 2u);
@@ -160,7 +160,7 @@ TEST_F(HostLog, WhatIsNoPlaceForLines_IsRefused) {
   EXPECT_TRUE(logged.empty());
 }
 
-TEST_F(HostLog, NoSeverityAborts) {
+TEST_F(HostLog, NoSeverity_Aborts) {
   EXPECT_EQ(log_category(Severity::debug), 0u);
   EXPECT_EQ(log_category(Severity::informational), DDS_LC_INFO);
   EXPECT_EQ(log_category(Severity::warning), DDS_LC_WARNING);
@@ -186,7 +186,7 @@ TEST_F(HostLog, NoticesThatMustBeSeen_ByDefault_AreShown) {
   EXPECT_EQ(logged[3].category, DDS_LC_INFO);
 }
 
-TEST_F(HostLog, WithoutAHostItGoesToStderr) {
+TEST_F(HostLog, WithoutAHost_GoesToStderr) {
   testing::internal::CaptureStderr();
   make_host_log(nullptr, nullptr)->raise(Event(Error(Code::malformed)));
   EXPECT_THAT(testing::internal::GetCapturedStderr(), testing::HasSubstr("malformed"));

@@ -132,7 +132,7 @@ struct SessionResetTest : testing::Test {
       nullptr};
 };
 
-TEST_F(SessionResetTest, IsSentWhenAPeerThatTheHostDroppedIsMetAgain) {
+TEST_F(SessionResetTest, DroppedPeerMetAgain_GetsIt) {
   const auto remote = authenticate();
   EXPECT_EQ(c->return_identity_handle(c, remote, nullptr), 1);
   meet();
@@ -140,7 +140,7 @@ TEST_F(SessionResetTest, IsSentWhenAPeerThatTheHostDroppedIsMetAgain) {
             to_hex(spi::write_reset(kLocal, spi::derive_reset_token(*secret(), kLocal))));
 }
 
-TEST_F(SessionResetTest, IsNotSentToAPeerWithOtherPlugins) {
+TEST_F(SessionResetTest, PeerWithOtherPlugins_DoesNotGetIt) {
   peer_ciphers = spi::kStandardCiphers;
   ON_CALL(engine, shared_secret).WillByDefault(Return(secret()));
   const timeval patience{2, 500000};
@@ -151,7 +151,7 @@ TEST_F(SessionResetTest, IsNotSentToAPeerWithOtherPlugins) {
   EXPECT_TRUE(peer.receive().empty());
 }
 
-TEST_F(SessionResetTest, MakesTheHostBeginAnew) {
+TEST_F(SessionResetTest, ReceivedReset_MakesTheHostBeginAnew) {
   const auto remote = authenticate();
   auto& resets = SessionResets::of_process();
   resets.expect({{70}, {1}}, {remote}, spi::derive_reset_token(*secret(), kRemote));
@@ -208,7 +208,7 @@ TEST_F(EndedByPeer, AndGone_IsNoReport) {
   EXPECT_EQ(reports(), 0);
 }
 
-TEST_F(SessionResetTest, AlsoFollowsKeysThatNeverCame) {
+TEST_F(SessionResetTest, KeysThatNeverCame_CauseOneToo) {
   const auto remote = authenticate();
   stranded_peer = remote;
   for (int i = 0; i < 1000 && revoked == 0; ++i) std::this_thread::sleep_for(10ms);
@@ -251,7 +251,7 @@ TEST_F(LostRights, EndTheSessionOnce_AndResetThePeerAtOnce) {
   EXPECT_EQ(revoked, 0);
 }
 
-TEST_F(LostRights, AlsoEndASessionWhoseHandshakeWasUnderWay) {
+TEST_F(LostRights, SessionWhoseHandshakeWasUnderWay_EndsToo) {
   const auto remote = meet();
   losses = 1;
   wait_for_two_looks();
@@ -262,7 +262,7 @@ TEST_F(LostRights, AlsoEndASessionWhoseHandshakeWasUnderWay) {
 }
 
 // It would keep its side of the session, and ignore each new handshake.
-TEST_F(LostRights, EndNoSessionWithAPeerOnOtherPlugins) {
+TEST_F(LostRights, SessionWithAPeerOnOtherPlugins_GoesOn) {
   peer_ciphers = spi::kStandardCiphers;
   ON_CALL(engine, shared_secret).WillByDefault(Return(secret()));
   authenticate();

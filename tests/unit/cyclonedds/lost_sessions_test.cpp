@@ -56,7 +56,7 @@ struct LostSessionsTest : testing::Test {
   const spi::IdentityHandle local{1}, second{2};
 };
 
-TEST_F(LostSessionsTest, ArePresentedWhenThePeerIsMetAgain) {
+TEST_F(LostSessionsTest, PeerMetAgain_GetsThePresentation) {
   sessions.established(local, remote(1), secret_of(1));
   EXPECT_TRUE(due().empty());  // not lost
   sessions.lost(remote(2));
@@ -71,7 +71,7 @@ TEST_F(LostSessionsTest, ArePresentedWhenThePeerIsMetAgain) {
 }
 
 // The clear farewell of its host is not believed.
-TEST_F(LostSessionsTest, AParticipantThatEndsPresentsThemAll) {
+TEST_F(LostSessionsTest, AParticipantThatEnds_PresentsThemAll) {
   sessions.add_local(second, kOwn);
   sessions.established(local, remote(1), secret_of(1));
   sessions.established(second, remote(1), secret_of(2));
@@ -84,7 +84,7 @@ TEST_F(LostSessionsTest, AParticipantThatEndsPresentsThemAll) {
 }
 
 // A host that believes a forged announcement of the peer does not meet it.
-TEST_F(LostSessionsTest, ArePresentedSeldomWhileThePeerIsNotMet) {
+TEST_F(LostSessionsTest, PeerNotMet_GetsThemSeldom) {
   lose(remote(1));
   std::vector<std::chrono::nanoseconds> sent;
   for (auto waited = 0ns; waited < LostSessions::kMemory; waited += 1s, clock.advance(1s)) {
@@ -128,7 +128,7 @@ TEST_F(LostSessionsTest, OfAPeerThatIsCutOff_ArePresentedAfterTwoSeconds) {
   EXPECT_EQ(due(false).size(), 1u);
 }
 
-TEST_F(LostSessionsTest, ArePresentedToSoManyUnmetPeersAtOnce) {
+TEST_F(LostSessionsTest, UnmetPeers_AreBoundedAtOnce) {
   constexpr std::uint16_t kLost = 3 * LostSessions::kMaxUnmet;
   for (std::uint16_t number = 0; number < kLost; ++number) lose(remote(number));
   clock.advance(LostSessions::kFirstUnmet);
@@ -142,7 +142,7 @@ TEST_F(LostSessionsTest, ArePresentedToSoManyUnmetPeersAtOnce) {
 }
 
 // A link may be down while the first ten are sent.
-TEST_F(LostSessionsTest, AreRepeatedSoonAndThenSlowly) {
+TEST_F(LostSessionsTest, Presentations_RepeatSoonAndThenSlowly) {
   sessions.established(local, remote(1), secret_of(1));
   sessions.lost(remote(1));
   const auto sent_within = [&](std::chrono::nanoseconds time) {
@@ -154,7 +154,7 @@ TEST_F(LostSessionsTest, AreRepeatedSoonAndThenSlowly) {
   EXPECT_EQ(sent_within(600s), 20u);
 }
 
-TEST_F(LostSessionsTest, EndWhenBothHaveAuthenticatedAgain) {
+TEST_F(LostSessionsTest, NewAuthenticationOfBoth_EndsThem) {
   sessions.established(local, remote(1), secret_of(1));
   sessions.lost(remote(1));
   EXPECT_EQ(due().size(), 1u);
@@ -168,7 +168,7 @@ TEST_F(LostSessionsTest, EndWhenBothHaveAuthenticatedAgain) {
             to_hex(spi::write_reset(kOwn, spi::derive_reset_token(secret_of(2), kOwn))));
 }
 
-TEST_F(LostSessionsTest, BelongToALocalParticipant) {
+TEST_F(LostSessionsTest, EndOfTheirLocalParticipant_EndsThem) {
   sessions.established(second, remote(1), secret_of(1));  // not ours
   sessions.lost(remote(1));
   EXPECT_TRUE(due().empty());
@@ -183,14 +183,14 @@ TEST_F(LostSessionsTest, BelongToALocalParticipant) {
   EXPECT_TRUE(due().empty());
 }
 
-TEST_F(LostSessionsTest, AreForgottenAfterATime) {
+TEST_F(LostSessionsTest, AfterATime_AreForgotten) {
   sessions.established(local, remote(1), secret_of(1));
   sessions.lost(remote(1));
   clock.advance(LostSessions::kMemory);
   EXPECT_TRUE(due().empty());
 }
 
-TEST_F(LostSessionsTest, OfOneCertificateTheFirstGiveWay) {
+TEST_F(LostSessionsTest, ManyOfOneCertificate_DisplaceItsFirst) {
   constexpr std::uint16_t kMore = 10;
   for (std::uint16_t i = 0; i < LostSessions::kMaxOfSubject + kMore; ++i) lose(remote(i));
   const auto kept = remembered();
@@ -199,7 +199,7 @@ TEST_F(LostSessionsTest, OfOneCertificateTheFirstGiveWay) {
 }
 
 // One certificate may join and leave as often as it likes, and so may several.
-TEST_F(LostSessionsTest, OfOneCertificateDoNotTakeThePlaceOfAnothers) {
+TEST_F(LostSessionsTest, ManyOfOneCertificate_DoNotDisplaceAnothers) {
   constexpr std::uint16_t kHostile = 8, kJoins = 2 * LostSessions::kMaxOfSubject;
   constexpr std::uint16_t kHonest = 1000;
   lose(remote(1, kHonest));
@@ -211,7 +211,7 @@ TEST_F(LostSessionsTest, OfOneCertificateDoNotTakeThePlaceOfAnothers) {
   EXPECT_EQ(std::ranges::count(kept, remote(1, kHonest)), 1);
 }
 
-TEST_F(LostSessionsTest, OfAsManyCertificatesTheFirstGivesWay) {
+TEST_F(LostSessionsTest, TooManyCertificates_DisplaceTheFirst) {
   constexpr std::uint16_t kMore = 3;
   for (std::uint16_t i = LostSessions::kMaxLost + kMore; i > 0; --i) lose(remote(1, i));
   const auto kept = remembered();
@@ -219,7 +219,7 @@ TEST_F(LostSessionsTest, OfAsManyCertificatesTheFirstGivesWay) {
   EXPECT_EQ(std::ranges::max(kept), remote(1, LostSessions::kMaxLost));
 }
 
-TEST_F(LostSessionsTest, ThatWereMadeAnewOrForgottenLeaveTheirPlace) {
+TEST_F(LostSessionsTest, MadeAnewOrForgotten_LeaveTheirPlace) {
   lose(remote(0));
   for (std::uint16_t i = 1; i < LostSessions::kMaxOfSubject; ++i) lose(remote(i));
   for (std::uint16_t i = 1; i < LostSessions::kMaxOfSubject; ++i) {
@@ -233,7 +233,7 @@ TEST_F(LostSessionsTest, ThatWereMadeAnewOrForgottenLeaveTheirPlace) {
   EXPECT_EQ(remembered().size(), LostSessions::kMaxOfSubject);
 }
 
-TEST_F(LostSessionsTest, OfEachLocalParticipantHaveTheirOwnPlaces) {
+TEST_F(LostSessionsTest, EachLocalParticipant_HasItsOwnPlaces) {
   sessions.add_local(second, kOwn);
   for (std::uint16_t i = 0; i < LostSessions::kMaxOfSubject + 1; ++i) {
     sessions.established(second, remote(i), secret_of(1));
@@ -246,7 +246,7 @@ TEST_F(LostSessionsTest, OfEachLocalParticipantHaveTheirOwnPlaces) {
   EXPECT_EQ(remembered().size(), LostSessions::kMaxOfSubject);
 }
 
-TEST_F(LostSessionsTest, AreToldToFewAddresses) {
+TEST_F(LostSessionsTest, ManyAddresses_OnlyAFewAreTold) {
   sessions.established(local, remote(1), secret_of(1, 9));
   sessions.lost(remote(1));
   EXPECT_EQ(due().at(0).to.size(), LostSessions::kMaxAddresses);

@@ -19,7 +19,7 @@ using testing::Return;
 using Handle = spi::PermissionsHandle;
 
 // What access control says of an endpoint, and what cryptography asks with it.
-TEST_F(AccessControlAdapterTest, CryptographyAsksAboutTheEndpointItself) {
+TEST_F(AccessControlAdapterTest, Cryptography_AsksAboutTheEndpointItself) {
   spi::EndpointSecurityAttributes endpoint;
   endpoint.topic.is_read_protected = true;
   endpoint.payload = ProtectionKind::encrypt;

@@ -68,7 +68,7 @@ constexpr long kMaxLostByOpenssl = 30;
 
 class FailingMemory : public testing::TestWithParam<std::tuple<Source, Extent>> {};
 
-TEST_P(FailingMemory, IsToldLeaksNothingAndTheNextCallWorks) {
+TEST_P(FailingMemory, EachFailure_IsToldLeaksNothingAndTheNextCallWorks) {
   const auto [source, extent] = GetParam();
   const Domain stays_loaded(kPaths);
   // What OpenSSL makes when it is first needed, on the way of a failure too, it keeps.
@@ -83,7 +83,7 @@ TEST_P(FailingMemory, IsToldLeaksNothingAndTheNextCallWorks) {
   EXPECT_LE(in_openssl_failing, source == Source::c ? kMaxLostByOpenssl : 0);
 }
 
-TEST(FailingMemoryOfOpenssl, IsCounted) {
+TEST(FailingMemoryOfOpenssl, EachAllocation_IsCounted) {
   ASSERT_TRUE(is_counting_openssl);
   const long before = live_in_openssl;
   void* const block = OPENSSL_malloc(1);
@@ -103,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(Plans, FailingMemory,
                          plan_name);
 
 /// The host's entry points tell by their result alone.
-TEST(FailingMemoryAtInit, IsTold) {
+TEST(FailingMemoryAtInit, EachFailure_IsTold) {
   const Domain stays_loaded(kPaths);
   for (const auto& [path, entry] : {std::pair(kPaths.authentication, "authentication"),
                                     std::pair(kPaths.access_control, "access_control"),

@@ -55,7 +55,7 @@ struct OpenedMessageTest : testing::Test {
   Code code{};
 };
 
-TEST_F(OpenedMessageTest, IsOpenedOnceForAllReceivers) {
+TEST_F(OpenedMessageTest, ManyReceivers_OpenItOnce) {
   EXPECT_EQ(decode(1), 0);
   for (const int receiver : {2, 3, 2}) {
     EXPECT_EQ(decode(receiver), kAskNext);
@@ -65,7 +65,7 @@ TEST_F(OpenedMessageTest, IsOpenedOnceForAllReceivers) {
   EXPECT_TRUE(harness.events.empty());
 }
 
-TEST_F(OpenedMessageTest, TheHostsEarlierResultStaysWhereItIs) {
+TEST_F(OpenedMessageTest, HostsEarlierResult_StaysWhereItIs) {
   auto* transform = harness.adapter.crypto_transform;
   HostBlock plain;
   ASSERT_EQ(transform->decode_rtps_message(transform, &plain, &message.sequence, 1, 9, nullptr), 1);
@@ -75,12 +75,12 @@ TEST_F(OpenedMessageTest, TheHostsEarlierResultStaysWhereItIs) {
   EXPECT_EQ(plain._length, 40u);
 }
 
-TEST_F(OpenedMessageTest, TheSameReceiverMayAskAgain) {
+TEST_F(OpenedMessageTest, TheSameReceiver_MayAskAgain) {
   EXPECT_TRUE(opens_again([&] { return decode(1); })) << "a datagram that came twice";
   EXPECT_FALSE(opens_again([&] { return decode(2); }));
 }
 
-TEST_F(OpenedMessageTest, AnotherSenderDomainAddressOrLengthIsAnotherMessage) {
+TEST_F(OpenedMessageTest, AnotherSenderDomainAddressOrLength_IsAnotherMessage) {
   EXPECT_TRUE(opens_again([&] { return decode(2, 8); }));
   EXPECT_TRUE(opens_again([&] { return decode(2, 9, &other_domain); }));
   const auto moved = message.octets;
@@ -97,7 +97,7 @@ TEST_F(OpenedMessageTest, AnotherSenderDomainAddressOrLengthIsAnotherMessage) {
   }));
 }
 
-TEST_F(OpenedMessageTest, OtherOctetsAtTheSameAddressAreAnotherMessage) {
+TEST_F(OpenedMessageTest, OtherOctetsAtTheSameAddress_AreAnotherMessage) {
   // RTPS header, SRTPS_PREFIX, the IV's two parts; the tag and the last receiver-specific MAC.
   for (const std::size_t at : {8u, 20u, 32u, 43u, 164u, 184u, 199u})
     EXPECT_TRUE(opens_again([&] {
@@ -106,7 +106,7 @@ TEST_F(OpenedMessageTest, OtherOctetsAtTheSameAddressAreAnotherMessage) {
     })) << at;
 }
 
-TEST_F(OpenedMessageTest, ARefusedMessageWasNotOpened) {
+TEST_F(OpenedMessageTest, ARefusedMessage_WasNotOpened) {
   code = Code::tag_mismatch;
   EXPECT_EQ(decode(1), static_cast<int>(Code::tag_mismatch));
   EXPECT_EQ(decode(2), static_cast<int>(Code::tag_mismatch));
@@ -119,14 +119,14 @@ TEST_F(OpenedMessageTest, ARefusedMessageWasNotOpened) {
   EXPECT_EQ(opened, 4);
 }
 
-TEST_F(OpenedMessageTest, OneTooShortToHaveAnIvAndATagIsNotRemembered) {
+TEST_F(OpenedMessageTest, OneTooShortForAnIvAndATag_IsNotRemembered) {
   message.sequence._length = 79;
   EXPECT_TRUE(opens_again([&] { return decode(2); }));
   message.sequence._length = 80;
   EXPECT_FALSE(opens_again([&] { return decode(2); }));
 }
 
-TEST_F(OpenedMessageTest, AnotherThreadKnowsNothingOfIt) {
+TEST_F(OpenedMessageTest, AnotherThread_KnowsNothingOfIt) {
   EXPECT_TRUE(opens_again([&] {
     int result = -1;
     std::thread([&] { result = decode(2); }).join();
@@ -134,7 +134,7 @@ TEST_F(OpenedMessageTest, AnotherThreadKnowsNothingOfIt) {
   }));
 }
 
-TEST_F(OpenedMessageTest, AnyOtherCallOfTheThreadEndsIt) {
+TEST_F(OpenedMessageTest, AnyOtherCallOfTheThread_EndsIt) {
   auto* transform = harness.adapter.crypto_transform;
   auto* exchange = harness.adapter.crypto_key_exchange;
   auto* factory = harness.adapter.crypto_key_factory;
@@ -159,7 +159,7 @@ TEST_F(OpenedMessageTest, AnyOtherCallOfTheThreadEndsIt) {
     }));
 }
 
-TEST_F(OpenedMessageTest, ASenderWhoseKeysHaveNotComeForThisReceiverMayHaveSentThemToTheNext) {
+TEST_F(OpenedMessageTest, SenderWithoutKeysHere_MayHaveSentThemToTheNext) {
   code = Code::key_material_not_received;
   EXPECT_EQ(decode(1), kAskNext);
   code = Code{};

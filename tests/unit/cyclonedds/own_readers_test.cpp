@@ -80,7 +80,7 @@ struct Sender : ::testing::Test {
 };
 using OwnReadersTest = Sender;
 
-TEST_F(OwnReadersTest, AreKnownOnceTheyAreAnnounced) {
+TEST_F(OwnReadersTest, AnnouncedReaders_AreKnown) {
   for (const auto endian : {Endian::little, Endian::big}) {
     OwnReaders fresh;
     OwnReaders::Room room;
@@ -92,14 +92,14 @@ TEST_F(OwnReadersTest, AreKnownOnceTheyAreAnnounced) {
   }
 }
 
-TEST_F(OwnReadersTest, AreNoneOfOtherWriters) {
+TEST_F(OwnReadersTest, AnnouncementsOfOtherWriters_AreIgnored) {
   for (const auto& writer :
        {rtps::kSubscriptionsWriter, rtps::kPublicationsSecureWriter, EntityId{{0, 0, 1, 2}}})
     said(announcement({.writer = writer}));
   EXPECT_TRUE(own.announced().empty());
 }
 
-TEST_F(OwnReadersTest, AreKnownByTheFirstFragment) {
+TEST_F(OwnReadersTest, FirstFragment_MakesThemKnown) {
   Bytes octets(2048);
   rtps::SpanWriter out(octets);
   const auto whole = list_of({});
@@ -150,7 +150,7 @@ TEST_F(OwnReadersTest, AreKnownByLaterFragments_OfEachSender) {
   EXPECT_EQ(own.announced(), (std::vector{kReader, kOther}));
 }
 
-TEST_F(OwnReadersTest, EndByWhatIsSentInPlaceOfACarrier) {
+TEST_F(OwnReadersTest, CarriersAnnouncement_BecomesTheEndOfTheReader) {
   said(announcement({}));
   const auto sent = said(carrier_of(kReader));
   const rtps::SubmessageView view{static_cast<rtps::SubmessageId>(sent[0]), sent[1],
@@ -169,7 +169,7 @@ TEST_F(OwnReadersTest, EndByWhatIsSentInPlaceOfACarrier) {
 }
 
 // An application can make such a reader: it says nothing of others by that.
-TEST_F(OwnReadersTest, OfOtherParticipantsDoNotEnd) {
+TEST_F(OwnReadersTest, ReadersOfOtherParticipants_DoNotEnd) {
   auto strange = kReader;
   strange.prefix.octets[0] ^= 1;
   const auto octets = carrier_of(strange);
@@ -178,7 +178,7 @@ TEST_F(OwnReadersTest, OfOtherParticipantsDoNotEnd) {
   EXPECT_EQ(said(unnamed), unnamed);
 }
 
-TEST_F(OwnReadersTest, ThatEndedAreNotAnnouncedAgain) {
+TEST_F(OwnReadersTest, EndedReaders_AreNotAnnouncedAgain) {
   said(announcement({}));
   said(announcement({.reader = kOther}));
   own.ended(kReader);
@@ -218,7 +218,7 @@ TEST_F(OwnReadersTest, LargestKeyDeleted_OthersStayAnnounced) {
   EXPECT_EQ(own.announced(), std::vector{kReader});
 }
 
-TEST_F(OwnReadersTest, AreForgottenWithTheirParticipant) {
+TEST_F(OwnReadersTest, ForgottenParticipant_ForgetsThem) {
   said(announcement({}));
   own.ended(kReader);
   said(announcement({.reader = kOther}));
@@ -229,7 +229,7 @@ TEST_F(OwnReadersTest, AreForgottenWithTheirParticipant) {
 }
 
 // A later version of the host.
-TEST_F(OwnReadersTest, EndAlsoWhenTheHostSaysIt) {
+TEST_F(OwnReadersTest, EndSaidByTheHost_EndsThemToo) {
   said(announcement({}));
   Bytes octets(256);
   rtps::SpanWriter out(octets);
@@ -243,7 +243,7 @@ TEST_F(OwnReadersTest, EndAlsoWhenTheHostSaysIt) {
   EXPECT_TRUE(own.announced().empty());
 }
 
-TEST_F(OwnReadersTest, AnnouncementsThatEndEarlyAreSentAsTheyAre) {
+TEST_F(OwnReadersTest, AnnouncementsThatEndEarly_AreSentAsTheyAre) {
   const auto whole = carrier_of(kReader);
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const auto cut = BytesView(whole).first(size);

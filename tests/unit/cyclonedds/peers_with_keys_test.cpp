@@ -8,7 +8,7 @@ namespace {
 constexpr spi::ParticipantCryptoHandle kLocal{1}, kSecond{2};
 constexpr auto kAll = PeersWithKeys::kSecureEndpoints;
 
-TEST(PeersWithKeys, AreThoseWhoseKeysCame) {
+TEST(PeersWithKeys, PeersWhoseKeysCame_AreContained) {
   PeersWithKeys peers;
   EXPECT_FALSE(peers.contains({7}));
   peers.met({70}, {7}, kLocal, kAll);
@@ -26,7 +26,7 @@ TEST(PeersWithKeys, AreThoseWhoseKeysCame) {
   peers.left({70});
 }
 
-TEST(PeersWithKeys, SendThemForEachLocalParticipant) {
+TEST(PeersWithKeys, EachLocalParticipant_IsSentThemApart) {
   PeersWithKeys peers;
   peers.add_local(kLocal, {21});
   peers.add_local(kSecond, {22});
@@ -45,7 +45,7 @@ TEST(PeersWithKeys, SendThemForEachLocalParticipant) {
   EXPECT_TRUE(peers.contains({7}));
 }
 
-TEST(PeersWithKeys, ALaterPeerOfTheSameIdentityStartsWithout) {
+TEST(PeersWithKeys, ALaterPeerOfTheSameIdentity_StartsWithout) {
   PeersWithKeys peers;
   peers.met({70}, {7}, kLocal, kAll);
   peers.sent_keys({70}, kLocal);
@@ -56,7 +56,7 @@ TEST(PeersWithKeys, ALaterPeerOfTheSameIdentityStartsWithout) {
   EXPECT_TRUE(peers.contains({7}));
 }
 
-TEST(PeersWithKeys, AreHeardByTheirEndpointsUntilTheirKeysCome) {
+TEST(PeersWithKeys, PeersWithoutKeys_AreHeardByTheirEndpoints) {
   using namespace std::chrono_literals;
   PeersWithKeys peers;
   EXPECT_FALSE(peers.awaits_keys());
@@ -81,7 +81,7 @@ TEST(PeersWithKeys, AreHeardByTheirEndpointsUntilTheirKeysCome) {
   EXPECT_EQ(peers.last_heard({7}), 0s);
 }
 
-TEST(PeersWithKeys, AreMatchedWithAllBuiltinEndpointsOfThoseThatMetThem) {
+TEST(PeersWithKeys, AllBuiltinEndpointsMatched_CountsAsMatched) {
   PeersWithKeys peers;
   peers.add_builtin(11, kLocal);
   peers.add_builtin(12, kLocal);
@@ -101,7 +101,7 @@ TEST(PeersWithKeys, AreMatchedWithAllBuiltinEndpointsOfThoseThatMetThem) {
   EXPECT_TRUE(peers.is_matched({7}));
 }
 
-TEST(PeersWithKeys, AreNotMatchedOnceABuiltinEndpointOfTheirsIsGone) {
+TEST(PeersWithKeys, OneBuiltinEndpointGone_CountsAsUnmatched) {
   PeersWithKeys peers;
   peers.add_builtin(11, kLocal);
   peers.add_builtin(12, kLocal);
@@ -125,7 +125,7 @@ TEST(PeersWithKeys, AreNotMatchedOnceABuiltinEndpointOfTheirsIsGone) {
   EXPECT_FALSE(peers.is_matched({7}));
 }
 
-TEST(PeersWithKeys, MayHaveFewerBuiltinEndpointsThanOurs) {
+TEST(PeersWithKeys, FewerBuiltinEndpointsThanOurs_AreEnough) {
   PeersWithKeys peers;
   peers.add_builtin(11, kLocal);
   peers.met({70}, {7}, kLocal, kAll & ~0x00010000u);

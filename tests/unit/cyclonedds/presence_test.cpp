@@ -36,7 +36,7 @@ TEST(PluginsInUse, OfAnotherVersion_IsSaid) {
   EXPECT_THAT(said_of({version(), version(), "0.0.1"}), HasSubstr(", but cryptography of 0.0.1;"));
 }
 
-TEST(MixtureWarning, NamesThoseThatAreNotOurs) {
+TEST(MixtureWarning, PluginsOfAnotherProduct_AreNamed) {
   EXPECT_FALSE(mixture_warning({version(), version(), version()}));
   const auto warning = mixture_warning({version(), nullptr, version()});
   ASSERT_TRUE(warning);
@@ -44,13 +44,13 @@ TEST(MixtureWarning, NamesThoseThatAreNotOurs) {
   EXPECT_THAT(warning->to_line(), HasSubstr("found access control of another product"));
 }
 
-TEST(TransportWarning, IsOnlyForAProcessThatSurelyHasNoUdp) {
+TEST(TransportWarning, ProcessThatSurelyHasNoUdp_IsWarned) {
   EXPECT_FALSE(transport_warning(true));
   EXPECT_FALSE(transport_warning(std::nullopt));
   EXPECT_EQ(transport_warning(false)->error.code(), Code::transport_without_resets);
 }
 
-TEST(OpensslWarning, NamesTheVersionAndWhatToDoInOneShortLine) {
+TEST(OpensslWarning, KnownFlaw_NamesTheVersionAndTheRemedyInOneShortLine) {
   const auto warning = openssl_warning(kFlawed);
   ASSERT_TRUE(warning);
   EXPECT_EQ(warning->severity, Severity::warning);
@@ -59,13 +59,13 @@ TEST(OpensslWarning, NamesTheVersionAndWhatToDoInOneShortLine) {
   EXPECT_THAT(warning->to_line(), HasSubstr("[openssl_known_unsafe 1624]"));
 }
 
-TEST(OpensslWarning, IsNotRaisedWithoutACertainFlaw) {
+TEST(OpensslWarning, WithoutACertainFlaw_IsNotRaised) {
   EXPECT_FALSE(openssl_warning("OpenSSL 3.0.22 25 Aug 2026"));
   EXPECT_FALSE(openssl_warning("OpenSSL 3.0.23 29 Sep 2026"));
 }
 
 // So that `ddssec doctor` can read it from the file, which it does not load.
-TEST(PluginsInUse, TheLibrarySaysItsVersionUnderAName) {
+TEST(PluginsInUse, TheLibrary_SaysItsVersionUnderAName) {
   constexpr std::string_view kName = "ddssec plugin version ";
   EXPECT_EQ(std::string_view(version() - kName.size(), kName.size()), kName);
 }
@@ -91,7 +91,7 @@ bool is_said_once() {
 }
 
 // In a process of its own, whatever ran before in this one.
-TEST(PluginsInUse, SaidOnceAProcess) {
+TEST(PluginsInUse, OneProcess_SaysItOnce) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(std::_Exit(is_said_once() ? 0 : 1), testing::ExitedWithCode(0), "");
 }

@@ -83,7 +83,7 @@ struct ReaderEndsTest : ::testing::Test {
   ReaderEnds ends{[this] { return std::make_unique<FakeHost>(world); }};
 };
 
-TEST_F(ReaderEndsTest, AreSaidOnceAfterTwoLooks) {
+TEST_F(ReaderEndsTest, EndedReader_IsSaidOnceAfterTwoLooks) {
   announce(reader(1));
   announce(reader(2));
   world->alive = {reader(1)};
@@ -95,7 +95,7 @@ TEST_F(ReaderEndsTest, AreSaidOnceAfterTwoLooks) {
   EXPECT_EQ(carried().size(), 1u);
 }
 
-TEST_F(ReaderEndsTest, AreNotSaidOfAReaderThatIsThereAgain) {
+TEST_F(ReaderEndsTest, ReaderThatIsThereAgain_IsNotSaid) {
   announce(reader(1));
   EXPECT_TRUE(ends.look(host));
   world->alive = {reader(1)};
@@ -105,7 +105,7 @@ TEST_F(ReaderEndsTest, AreNotSaidOfAReaderThatIsThereAgain) {
   EXPECT_TRUE(carried().empty());
 }
 
-TEST_F(ReaderEndsTest, AreTriedAgainWhenTheHostRefuses) {
+TEST_F(ReaderEndsTest, HostThatRefuses_IsTriedAgain) {
   announce(reader(1));
   world->refuses = true;
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(ends.look(host));
@@ -114,7 +114,7 @@ TEST_F(ReaderEndsTest, AreTriedAgainWhenTheHostRefuses) {
   EXPECT_EQ(carried(), std::vector{reader(1)});
 }
 
-TEST_F(ReaderEndsTest, AreNotSaidOfAParticipantThatIsGone) {
+TEST_F(ReaderEndsTest, GoneParticipant_IsNotSaid) {
   announce(reader(1));
   announce(reader(2));
   world->has_participant = false;
@@ -124,7 +124,7 @@ TEST_F(ReaderEndsTest, AreNotSaidOfAParticipantThatIsGone) {
   EXPECT_TRUE(carried().empty());
 }
 
-TEST_F(ReaderEndsTest, AreFoundAfterAHint) {
+TEST_F(ReaderEndsTest, Hint_LeadsToALook) {
   announce(reader(1));
   announce(reader(2));
   world->alive = {reader(2)};
@@ -134,7 +134,7 @@ TEST_F(ReaderEndsTest, AreFoundAfterAHint) {
 }
 
 // Of a reader that ended before anybody was there the host tells whoever comes.
-TEST_F(ReaderEndsTest, AreFoundOfReadersThatAreAnnouncedLater) {
+TEST_F(ReaderEndsTest, ReadersAnnouncedLater_AreFoundToo) {
   ends.look_soon();
   announce(reader(1));
   EXPECT_TRUE(eventually([&] { return !carried().empty(); }));
@@ -147,7 +147,7 @@ TEST_F(ReaderEndsTest, AreFoundOfReadersThatAreAnnouncedLater) {
   EXPECT_EQ(looks(), before) << "the host is left alone while nothing is new";
 }
 
-TEST_F(ReaderEndsTest, AreNotLookedForWhereTheHostLacksAFunction) {
+TEST_F(ReaderEndsTest, HostWithoutAFunction_IsNotAsked) {
   ReaderEnds without([] { return nullptr; });
   without.look_soon();
   without.look_soon();

@@ -25,28 +25,28 @@ struct RemoteIdentitiesTest : testing::Test {
   RemoteIdentities remotes;
 };
 
-TEST_F(RemoteIdentitiesTest, AreOneToTheHostAndOneForEachPairToTheEngine) {
+TEST_F(RemoteIdentitiesTest, SeveralPairs_AreOneToTheHost) {
   EXPECT_EQ(remotes.pair(kFirst, {11}), IdentityHandle{11});
   EXPECT_EQ(remotes.pair(kSecond, {11}), IdentityHandle{12});
   EXPECT_EQ(remotes.note(kFirst, guid_of(8), {13}), IdentityHandle{13});
   EXPECT_EQ(remotes.note(kSecond, guid_of(7), {12}), IdentityHandle{11});  // seen again
 }
 
-TEST_F(RemoteIdentitiesTest, ThatNobodyGaveOutStayWhatTheyAre) {
+TEST_F(RemoteIdentitiesTest, UnknownHandles_StayWhatTheyAre) {
   EXPECT_EQ(remotes.pair(kFirst, {99}), IdentityHandle{99});
   EXPECT_EQ(remotes.pair({3}, {11}), IdentityHandle{11}) << "the engine knows whose that is";
   EXPECT_EQ(remotes.pair(kFirst, {12}), IdentityHandle{12}) << "never given to the host";
   EXPECT_EQ(remotes.take({99}), Handles{{99}});
 }
 
-TEST_F(RemoteIdentitiesTest, AreReturnedToTheEngineForAllPairsAtOnce) {
+TEST_F(RemoteIdentitiesTest, OneReturn_ReturnsAllPairsToTheEngine) {
   EXPECT_EQ(remotes.take({11}), (Handles{{11}, {12}}));
   EXPECT_EQ(remotes.take({11}), Handles{{11}}) << "unknown, for the engine to say";
   EXPECT_EQ(remotes.pair(kSecond, {11}), IdentityHandle{11});
   EXPECT_EQ(remotes.note(kSecond, guid_of(7), {14}), IdentityHandle{14});
 }
 
-TEST_F(RemoteIdentitiesTest, OutliveTheLocalOneThatMetThemFirst) {
+TEST_F(RemoteIdentitiesTest, LocalThatMetThemFirst_MayLeave) {
   EXPECT_EQ(remotes.take(kFirst), Handles{kFirst});
   EXPECT_EQ(remotes.pair(kSecond, {11}), IdentityHandle{12});
   EXPECT_EQ(remotes.note({3}, guid_of(7), {15}), IdentityHandle{11});
@@ -56,7 +56,7 @@ TEST_F(RemoteIdentitiesTest, OutliveTheLocalOneThatMetThemFirst) {
   EXPECT_EQ(remotes.take({11}), Handles{{11}});
 }
 
-TEST_F(RemoteIdentitiesTest, ThatAreRefusedHaveAHandleForTheHostOnly) {
+TEST_F(RemoteIdentitiesTest, RefusedRemotes_HaveAHandleForTheHostOnly) {
   EXPECT_EQ(remotes.note_refused(guid_of(7)), IdentityHandle{11}) << "the host has one already";
   const auto own = remotes.note_refused(guid_of(9));
   EXPECT_LT(own.value, 0);
@@ -68,14 +68,14 @@ TEST_F(RemoteIdentitiesTest, ThatAreRefusedHaveAHandleForTheHostOnly) {
   EXPECT_NE(remotes.note_refused(guid_of(9)), own);
 }
 
-TEST_F(RemoteIdentitiesTest, ThatEndAreRevokedOnce) {
+TEST_F(RemoteIdentitiesTest, EndedRemotes_AreRevokedOnce) {
   EXPECT_EQ(remotes.to_revoke(Handles{{11}, {12}}).remotes, Handles{{11}});
   EXPECT_EQ(remotes.to_revoke(Handles{{12}}).remotes, Handles{{11}});
   EXPECT_EQ(remotes.to_revoke({}).remotes, Handles{});
 }
 
 // The host would delete the participant beneath the application's entities.
-TEST_F(RemoteIdentitiesTest, OfOurOwnAreToldApart) {
+TEST_F(RemoteIdentitiesTest, OwnEndedIdentities_AreToldApart) {
   const auto ended = remotes.to_revoke(Handles{kFirst, {11}});
   EXPECT_EQ(ended.locals, Handles{kFirst});
   EXPECT_TRUE(remotes.has_ended(kFirst));
@@ -84,19 +84,19 @@ TEST_F(RemoteIdentitiesTest, OfOurOwnAreToldApart) {
   EXPECT_FALSE(remotes.has_ended(kFirst));
 }
 
-TEST_F(RemoteIdentitiesTest, StayForTheOtherWhenALocalOneEnds) {
+TEST_F(RemoteIdentitiesTest, OneLocalEnds_StayForTheOther) {
   EXPECT_EQ(remotes.to_revoke(Handles{kFirst, {11}}).remotes, Handles{});
   // The host may not have taken the first one away yet.
   EXPECT_EQ(remotes.to_revoke(Handles{kSecond, {12}}).remotes, Handles{{11}});
 }
 
-TEST_F(RemoteIdentitiesTest, GoWhenAllTheLocalOnesEndTogether) {
+TEST_F(RemoteIdentitiesTest, AllLocalsEndTogether_AreRevoked) {
   const auto ended = remotes.to_revoke(Handles{kFirst, {11}, kSecond, {12}});
   EXPECT_EQ(ended.remotes, Handles{{11}});
   EXPECT_EQ(ended.locals, (Handles{kFirst, kSecond}));
 }
 
-TEST_F(RemoteIdentitiesTest, GoWhenTheOtherLocalOneWasReturned) {
+TEST_F(RemoteIdentitiesTest, OtherLocalWasReturned_AreRevoked) {
   remotes.take(kFirst);
   EXPECT_EQ(remotes.to_revoke(Handles{kSecond, {12}}).remotes, Handles{{11}});
 }

@@ -23,7 +23,7 @@ SessionReset take(SessionResets& resets, spi::IdentityHandle peer) {
   return resets.take(peer, PeersWithKeys());
 }
 
-TEST(SessionResets, AreTakenOnce) {
+TEST(SessionResets, OneReset_IsTakenOnce) {
   SessionResets resets;
   resets.expect({{70}, {1}}, {7}, token_of(1));
   EXPECT_EQ(take(resets, {7}), SessionReset::none);
@@ -34,7 +34,7 @@ TEST(SessionResets, AreTakenOnce) {
   EXPECT_EQ(take(resets, {7}), SessionReset::none);
 }
 
-TEST(SessionResets, NeedTheProofOfASessionThatIsThere) {
+TEST(SessionResets, WrongProof_IsRefused) {
   SessionResets resets;
   resets.expect({{70}, {1}}, {7}, token_of(1));
   EXPECT_FALSE(receive(resets, message_of(2)));
@@ -81,7 +81,7 @@ TEST(SessionResets, OfASessionWithoutKeysBesideOneWithKeys_AreToldApart) {
   EXPECT_EQ(reset(2), SessionReset::of_session);
 }
 
-TEST(SessionResets, OfAForgottenPeerAreNotWaitedFor) {
+TEST(SessionResets, ForgottenPeer_IsNotWaitedFor) {
   SessionResets resets;
   resets.expect({{70}, {1}}, {7}, token_of(1));
   resets.expect({{70}, {1}}, {7}, token_of(2));  // a second local participant

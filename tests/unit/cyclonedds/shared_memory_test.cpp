@@ -36,7 +36,7 @@ class Mapping {
   void* address_;
 };
 
-TEST(IceoryxSegment, IsKnownByItsName) {
+TEST(IceoryxSegment, NameOfTheMapping_TellsIt) {
   const std::string before =
       "7f00-7f01 r-xp 0000 08:01 11  /usr/lib/x86_64-linux-gnu/libiceoryx_posh.so.2.0.3\n"
       "7f02-7f03 rw-p 0000 00:00 0 \n";
@@ -55,13 +55,13 @@ TEST(IceoryxSegment, IsKnownByItsName) {
   EXPECT_EQ(iceoryx_segment(""), std::nullopt);
 }
 
-TEST(FindBypass, FindsNothingInAnOrdinaryProcess) {
+TEST(SharedMemoryBypass, OrdinaryProcess_HasNone) {
   const auto found = find_bypass();
   ASSERT_TRUE(found);
   EXPECT_FALSE(*found) << (*found)->seen;
 }
 
-TEST(FindBypass, FindsAMappedSegment) {
+TEST(SharedMemoryBypass, MappedSegment_IsFound) {
   const test::TemporaryFolder folder;
   const auto file = folder.write("iceoryx_mgmt", "x");
   const Mapping mapping(file);
@@ -72,7 +72,7 @@ TEST(FindBypass, FindsAMappedSegment) {
   EXPECT_EQ((*found)->seen, file + " is mapped");
 }
 
-TEST(FindBypass, FindsALoadedPsmxLibrary) {
+TEST(SharedMemoryBypass, LoadedPsmxLibrary_IsFound) {
   const PsmxLibrary library;
   const auto found = find_bypass();
   ASSERT_TRUE(found);
@@ -81,14 +81,14 @@ TEST(FindBypass, FindsALoadedPsmxLibrary) {
   EXPECT_EQ((*found)->seen, std::string("example_create_psmx in ") + DDSSEC_PSMX_LIKE);
 }
 
-TEST(FindBypass, MappingsThatCannotBeReadAreRefused) {
+TEST(SharedMemoryBypass, MappingsThatCannotBeRead_AreRefused) {
   const test::TemporaryFolder folder;
   EXPECT_CODE(find_bypass((folder.path() + "/none").c_str()), shared_memory_undecidable);
   EXPECT_CODE(find_bypass(folder.write("empty", "").c_str()), shared_memory_undecidable);
   EXPECT_CODE(find_bypass(folder.path().c_str()), shared_memory_undecidable);
 }
 
-TEST(PromiseForSamples, IsWhatSharedMemoryWouldBreak) {
+TEST(PromiseForSamples, EachProtection_IsNamedIfSharedMemoryWouldBreakIt) {
   spi::ParticipantSecurityAttributes participant;
   // These say nothing about samples.
   participant.discovery = participant.liveliness = ProtectionKind::encrypt;
@@ -114,7 +114,7 @@ TEST(PromiseForSamples, IsWhatSharedMemoryWouldBreak) {
   EXPECT_EQ(promise(Direction::reads), "data_protection_kind ENCRYPT");
 }
 
-TEST(SharedMemoryGuard, LooksOnceUnlessTheLookFails) {
+TEST(SharedMemoryGuard, SeveralChecks_LookOnceUnlessTheLookFails) {
   int looks = 0;
   Result<std::optional<Bypass>> answer = fail(Code::out_of_memory);
   SharedMemoryGuard guard([&] {
@@ -129,7 +129,7 @@ TEST(SharedMemoryGuard, LooksOnceUnlessTheLookFails) {
   EXPECT_EQ(looks, 2);
 }
 
-TEST(SharedMemoryGuard, ThePropertyIsTrueOrFalse) {
+TEST(SharedMemoryGuard, TheProperty_IsTrueOrFalse) {
   const auto allowed = [](spi::PropertyList properties) {
     return SharedMemoryGuard::is_allowed_by(properties);
   };
@@ -207,7 +207,7 @@ struct AdapterWithSharedMemory : testing::Test {
   std::string sentence;
 };
 
-TEST_F(AdapterWithSharedMemory, RefusesProtectedEndpointsAndNamesTheSetting) {
+TEST_F(AdapterWithSharedMemory, ProtectedEndpoints_AreRefusedWithTheSettingsName) {
   const auto handle = validate({});
   EXPECT_FALSE(may_write(handle));
   ASSERT_FALSE(events.empty());
@@ -221,7 +221,7 @@ TEST_F(AdapterWithSharedMemory, RefusesProtectedEndpointsAndNamesTheSetting) {
   EXPECT_FALSE(may_read(handle));
 }
 
-TEST_F(AdapterWithSharedMemory, LeavesUnprotectedEndpointsAlone) {
+TEST_F(AdapterWithSharedMemory, UnprotectedEndpoints_AreLeftAlone) {
   endpoint.payload = ProtectionKind::none;
   const auto handle = validate({});
   EXPECT_TRUE(may_write(handle)) << sentence;
@@ -231,7 +231,7 @@ TEST_F(AdapterWithSharedMemory, LeavesUnprotectedEndpointsAlone) {
   EXPECT_FALSE(may_read(handle));
 }
 
-TEST_F(AdapterWithSharedMemory, AWriterAnswersForItsReadersAndAReaderForItsWriters) {
+TEST_F(AdapterWithSharedMemory, AWriter_AnswersForItsReadersAndAReaderForItsWriters) {
   endpoint.payload = ProtectionKind::none;
   endpoint.topic.is_read_protected = true;
   const auto handle = validate({});
@@ -242,7 +242,7 @@ TEST_F(AdapterWithSharedMemory, AWriterAnswersForItsReadersAndAReaderForItsWrite
   EXPECT_FALSE(may_read(handle));
 }
 
-TEST_F(AdapterWithSharedMemory, TheParticipantsPropertyAllowsItForThatParticipant) {
+TEST_F(AdapterWithSharedMemory, TheParticipantsProperty_AllowsItForThatParticipant) {
   const auto accepts = validate(Qos("true"));
   const auto other = validate(Qos("false"));
   EXPECT_TRUE(may_write(accepts)) << sentence;
@@ -253,7 +253,7 @@ TEST_F(AdapterWithSharedMemory, TheParticipantsPropertyAllowsItForThatParticipan
   EXPECT_FALSE(may_write(accepts)) << "the handle may be another participant's now";
 }
 
-TEST_F(AdapterWithSharedMemory, TheEndpointsPropertyAllowsItForThatEndpoint) {
+TEST_F(AdapterWithSharedMemory, TheEndpointsProperty_AllowsItForThatEndpoint) {
   const auto handle = validate({});
   EXPECT_TRUE(may_write(handle, Qos("true"))) << sentence;
   EXPECT_TRUE(may_read(handle, Qos("true"))) << sentence;
@@ -261,7 +261,7 @@ TEST_F(AdapterWithSharedMemory, TheEndpointsPropertyAllowsItForThatEndpoint) {
   EXPECT_FALSE(may_write(handle));
 }
 
-TEST_F(AdapterWithSharedMemory, TheFileOfPropertiesAllowsItWhereTheHostSaysNothing) {
+TEST_F(AdapterWithSharedMemory, TheFileOfProperties_AllowsItWhereTheHostSaysNothing) {
   const test::TemporaryFolder folder;
   setenv(spi::kPropertiesVariable,
          folder.write("properties", std::string(kAllow) + " = true\n").c_str(), 1);

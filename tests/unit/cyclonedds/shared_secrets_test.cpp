@@ -16,7 +16,7 @@ spi::SharedSecret secret_of(std::uint8_t octet) {
   return secret;
 }
 
-TEST(SharedSecrets, AFloodOfForgedRequestsIsBoundedAndSparesFinishedOnes) {
+TEST(SharedSecrets, AFloodOfForgedRequests_IsBoundedAndSparesFinishedOnes) {
   SharedSecrets secrets;
   secrets.note({1}, IdentityHandle{10}, IdentityHandle{20});
   const auto finished = secrets.hand_out({1}, secret_of(7));
@@ -29,7 +29,7 @@ TEST(SharedSecrets, AFloodOfForgedRequestsIsBoundedAndSparesFinishedOnes) {
   EXPECT_TRUE(secrets.hand_out({9'999}, secret_of(8)));
 }
 
-TEST(SharedSecrets, OnlyTheIdentitysOwnGo) {
+TEST(SharedSecrets, OnlyTheIdentitysOwn_Go) {
   SharedSecrets secrets;
   secrets.note({1}, IdentityHandle{10}, IdentityHandle{20});
   secrets.note({2}, IdentityHandle{10}, IdentityHandle{21});
@@ -41,7 +41,7 @@ TEST(SharedSecrets, OnlyTheIdentitysOwnGo) {
   EXPECT_FALSE(secrets.hand_out({2}, secret_of(1)));
 }
 
-TEST(SharedSecrets, CarryWhatThePeerCanDecryptToOurCryptographyOnly) {
+TEST(SharedSecrets, PeersCiphers_ReachOurCryptographyOnly) {
   SharedSecrets secrets;
   secrets.note({1}, IdentityHandle{10}, IdentityHandle{20});
   auto secret = secret_of(7);

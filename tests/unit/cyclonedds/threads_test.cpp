@@ -48,7 +48,7 @@ void toggle_listeners(Domain& domain, const std::atomic<bool>& stop) {
 }
 
 /// Each thread has a participant of its own at either domain.
-TEST(Threads, ParticipantsComeAndGoAtOnePairOfDomains) {
+TEST(Threads, ParticipantsComingAndGoingAtTwoDomains_TalkAllTheSame) {
   Domain left(kPaths), right(kPaths);
   std::vector<std::thread> threads;
   std::atomic<bool> stop = false;
@@ -69,7 +69,7 @@ TEST(Threads, ParticipantsComeAndGoAtOnePairOfDomains) {
 }
 
 /// All threads share one local participant, and each matches a peer of its own process with it.
-TEST(Threads, PeersComeAndGoAtOneParticipant) {
+TEST(Threads, PeersComingAndGoingAtOneParticipant_TalkAllTheSame) {
   Domain left(kPaths);
   Participant hub(left, kPki, "a", "origin");
   std::vector<std::thread> threads;

@@ -5,7 +5,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-TEST(TokenTranslation, ThereAndBackIsTheSame) {
+TEST(TokenTranslation, ThereAndBack_IsTheSame) {
   DDS_Security_DataHolder copy;
   ASSERT_TRUE(copy_token(sample_token(), copy));
   const auto back = token_from(&copy);
@@ -16,7 +16,7 @@ TEST(TokenTranslation, ThereAndBackIsTheSame) {
 
 // The host frees each string and buffer by itself: each must be a block of its own. (Under the
 // address sanitizer anything else fails here.)
-TEST(TokenTranslation, EveryPartIsItsOwnBlock) {
+TEST(TokenTranslation, EveryPart_IsItsOwnBlock) {
   DDS_Security_DataHolder copy;
   ASSERT_TRUE(copy_token(sample_token(), copy));
   std::free(copy.class_id);
@@ -32,7 +32,7 @@ TEST(TokenTranslation, EveryPartIsItsOwnBlock) {
   std::free(copy.binary_properties._buffer);
 }
 
-TEST(TokenTranslation, NoOctetsMeansNoBufferAndNoLength) {
+TEST(TokenTranslation, NoOctets_MeansNoBufferAndNoLength) {
   DDS_Security_DataHolder copy;
   ASSERT_TRUE(copy_token(sample_token(), copy));
   const auto& empty = copy.binary_properties._buffer[1].value;
@@ -46,7 +46,7 @@ TEST(TokenTranslation, NoOctetsMeansNoBufferAndNoLength) {
   free_token(copy);
 }
 
-TEST(TokenTranslation, FreeingTwiceIsHarmless) {
+TEST(TokenTranslation, FreeingTwice_IsHarmless) {
   DDS_Security_DataHolder copy;
   ASSERT_TRUE(copy_token(sample_token(), copy));
   free_token(copy);
@@ -61,7 +61,7 @@ TEST(TokenTranslation, FreeingTwiceIsHarmless) {
   EXPECT_EQ(sequence._length, 0u);
 }
 
-TEST(TokenTranslation, NulInTextIsRefusedAndLeavesNothing) {
+TEST(TokenTranslation, NulInText_IsRefusedAndLeavesNothing) {
   auto token = sample_token();
   token.properties[1].value = std::string("a\0b", 3);
   DDS_Security_DataHolder copy;
@@ -71,7 +71,7 @@ TEST(TokenTranslation, NulInTextIsRefusedAndLeavesNothing) {
   EXPECT_TRUE(is_nil(&copy));
 }
 
-TEST(TokenTranslation, NilAndBrokenTokensAreRefused) {
+TEST(TokenTranslation, NilAndBrokenTokens_AreRefused) {
   EXPECT_EQ(token_from(nullptr).error().code(), Code::null_argument);
   DDS_Security_DataHolder nil{};
   EXPECT_EQ(token_from(&nil).error().code(), Code::null_argument);
@@ -95,7 +95,7 @@ TEST(TokenTranslation, NilAndBrokenTokensAreRefused) {
   EXPECT_EQ(token_from(&holder).error().code(), Code::null_argument);
 }
 
-TEST(TokenTranslation, TooManyPropertiesOrTokensAreRefused) {
+TEST(TokenTranslation, TooManyPropertiesOrTokens_AreRefused) {
   std::string class_id = "class";
   DDS_Security_DataHolder holder{};
   holder.class_id = class_id.data();
@@ -112,7 +112,7 @@ TEST(TokenTranslation, TooManyPropertiesOrTokensAreRefused) {
   EXPECT_EQ(CryptoTokens::from(&sequence).error().code(), Code::null_argument);
 }
 
-TEST(TokenTranslation, CredentialsTravelAsTextInTheirOrder) {
+TEST(TokenTranslation, Credentials_TravelAsTextInTheirOrder) {
   const auto text = with_text_properties(
       {.class_id = "DDS:Auth:PKI-DH:1.0",
        .binary_properties = {{"c.id", {'p', 'e', 'm'}, true}, {"c.perm", {'x'}, true}}});
@@ -129,7 +129,7 @@ TEST(TokenTranslation, CredentialsTravelAsTextInTheirOrder) {
 }
 
 // Found by fuzzing: the host was given more than it may give back.
-TEST(TokenTranslation, TextPropertiesAreAsManyAsATokenHolds) {
+TEST(TokenTranslation, TextProperties_AreAsManyAsATokenHolds) {
   spi::Token token{.class_id = "DDS:Auth:PKI-DH:1.0",
                    .properties = spi::PropertyList(spi::kMaxPropertiesPerToken - 1),
                    .binary_properties = {{"c.id", {'p'}, true}}};
@@ -142,7 +142,7 @@ TEST(TokenTranslation, TextPropertiesAreAsManyAsATokenHolds) {
   EXPECT_EQ(refused.error().code(), Code::length_out_of_range);
 }
 
-TEST(TokenTranslation, PropertiesOfAQos) {
+TEST(TokenTranslation, PropertiesOfAQos_AreRead) {
   EXPECT_TRUE(properties_from(static_cast<const DDS_Security_Qos*>(nullptr))->empty());
   std::string name = "dds.sec.auth.identity_ca";
   std::string value = "file:ca.pem";

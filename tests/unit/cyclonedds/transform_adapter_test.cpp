@@ -24,7 +24,7 @@ auto write(std::size_t count) {
   };
 }
 
-TEST_F(CryptographyAdapterTest, PayloadIsOneBlockWithinItsBound) {
+TEST_F(CryptographyAdapterTest, Payload_IsOneBlockWithinItsBound) {
   const HostOctets plain(Bytes(64, 1));
   EXPECT_CALL(engine, encode_serialized_payload(spi::DatawriterCryptoHandle{4}, _, _))
       .WillOnce([](auto, BytesView octets, MutableBytes room) -> Result<std::size_t> {
@@ -55,7 +55,7 @@ TEST_F(CryptographyAdapterTest, PayloadIsOneBlockWithinItsBound) {
   }
 }
 
-TEST_F(CryptographyAdapterTest, AllReceiversInTheFirstCall) {
+TEST_F(CryptographyAdapterTest, AllReceivers_AreInTheFirstCall) {
   const HostOctets plain(Bytes(64, 1));
   DDS_Security_long_long handles[] = {5, 0, 6};
   const DDS_Security_LongLongSeq list{3, 3, handles};
@@ -92,7 +92,7 @@ TEST_F(CryptographyAdapterTest, AllReceiversInTheFirstCall) {
             1);
 }
 
-TEST_F(CryptographyAdapterTest, AFailedEncodeLeavesNothingAndTheIndexAlone) {
+TEST_F(CryptographyAdapterTest, AFailedEncode_LeavesNothingAndTheIndexAlone) {
   const HostOctets plain(Bytes(64, 1));
   EXPECT_CALL(engine, encode_rtps_message).WillOnce(Return(fail(Code::malformed)));
   DDS_Security_long_long handles[] = {5};
@@ -112,7 +112,7 @@ TEST_F(CryptographyAdapterTest, AFailedEncodeLeavesNothingAndTheIndexAlone) {
       transform->encode_rtps_message(transform, &message, &nothing, 4, &list, &index, nullptr), 0);
 }
 
-TEST_F(CryptographyAdapterTest, HeaderPrefixReachesTheEngineInWireOrder) {
+TEST_F(CryptographyAdapterTest, HeaderPrefix_ReachesTheEngineInWireOrder) {
   Bytes wire(40, 0);
   for (std::uint8_t i = 0; i < 40; ++i) wire[i] = i;
   auto as_received = wire;  // as Cyclone leaves it: the three words of the prefix in machine order
@@ -139,7 +139,7 @@ TEST_F(CryptographyAdapterTest, HeaderPrefixReachesTheEngineInWireOrder) {
   EXPECT_EQ(refusal.reason(), Code::truncated);
 }
 
-TEST_F(CryptographyAdapterTest, ReceiverMacsAreCode124AndNoOtherFailureIs) {
+TEST_F(CryptographyAdapterTest, ReceiverMacs_AreCode124AndNoOtherFailureIs) {
   const HostOctets message(Bytes(64, 1));
   const auto decode_failing_with = [&](Code code) {
     EXPECT_CALL(engine, decode_rtps_message).WillOnce(Return(fail(code)));
@@ -157,7 +157,7 @@ TEST_F(CryptographyAdapterTest, ReceiverMacsAreCode124AndNoOtherFailureIs) {
   EXPECT_NE(harness.events[1].severity, Severity::debug);
 }
 
-TEST_F(CryptographyAdapterTest, PreprocessRoutesOrFails) {
+TEST_F(CryptographyAdapterTest, Preprocess_RoutesOrFails) {
   const HostOctets message(Bytes(64, 1));
   using Category = spi::SecureSubmessageCategory;
   EXPECT_CALL(engine, preprocess_secure_submessage(spi::ParticipantCryptoHandle{0},
@@ -186,7 +186,7 @@ TEST_F(CryptographyAdapterTest, PreprocessRoutesOrFails) {
             0);
 }
 
-TEST_F(CryptographyAdapterTest, DecodedSubmessageFitsWhereTheHostCopiesIt) {
+TEST_F(CryptographyAdapterTest, DecodedSubmessage_FitsWhereTheHostCopiesIt) {
   const HostOctets message(Bytes(100, 1));  // prefix 24, so 76 are left
   EXPECT_CALL(engine, decode_datawriter_submessage)
       .WillOnce(write(76))
@@ -223,7 +223,7 @@ TEST_F(CryptographyAdapterTest, DecodedSubmessageFitsWhereTheHostCopiesIt) {
 }
 
 // The host reads what is only signed in its own buffer, and there it may hold what was hidden.
-TEST_F(CryptographyAdapterTest, WhatIsOnlySignedIsWrittenWhereTheHostReceivedIt) {
+TEST_F(CryptographyAdapterTest, WhatIsOnlySigned_IsWrittenWhereTheHostReceivedIt) {
   EXPECT_CALL(engine, decode_datawriter_submessage).Times(3).WillRepeatedly(write(32));
   const auto received_after = [&](std::uint8_t id, std::size_t size) {
     Bytes octets(size, 1);

@@ -11,7 +11,7 @@ namespace ddssec::cyclonedds::access_control_adapters {
 namespace {
 
 // Cyclone never asks about endpoints of unauthenticated participants.
-TEST_F(AccessControlAdapterTest, AnEndpointThatUnauthenticatedPeersWouldReachIsRefused) {
+TEST_F(AccessControlAdapterTest, EndpointThatUnauthenticatedPeersWouldReach_IsRefused) {
   spi::EndpointSecurityAttributes endpoint;
   bool allow_unauthenticated = true;
   ON_CALL(engine, check_create_datawriter).WillByDefault([](auto&&...) { return Status{}; });
@@ -53,7 +53,7 @@ TEST_F(AccessControlAdapterTest, AnEndpointThatUnauthenticatedPeersWouldReachIsR
 }
 
 // The core takes what such a participant sends without protection, whatever governance protects.
-TEST_F(AccessControlAdapterTest, AReaderThatOnlyMessageProtectionCoversIsRefusedWithGuests) {
+TEST_F(AccessControlAdapterTest, AReaderThatOnlyMessageProtectionCovers_IsRefusedWithGuests) {
   spi::EndpointSecurityAttributes endpoint;
   spi::ParticipantSecurityAttributes participant{.allow_unauthenticated_participants = true,
                                                  .rtps = ProtectionKind::encrypt};

@@ -12,7 +12,7 @@ constexpr spi::ProtectionKind kKinds[] = {spi::ProtectionKind::none, spi::Protec
                                           spi::ProtectionKind::sign_with_origin_authentication,
                                           spi::ProtectionKind::encrypt_with_origin_authentication};
 
-TEST(ValueTranslation, GuidKeepsItsOctets) {
+TEST(ValueTranslation, Guid_KeepsItsOctets) {
   Guid guid;
   for (std::uint8_t i = 0; i < 12; ++i) guid.prefix.octets[i] = i;
   guid.entity = kEntityIdParticipant;
@@ -23,7 +23,7 @@ TEST(ValueTranslation, GuidKeepsItsOctets) {
   EXPECT_EQ(guid_from(c), guid);
 }
 
-TEST(ValueTranslation, ParticipantAttributesOfEveryKind) {
+TEST(ValueTranslation, ParticipantAttributesOfEveryKind_ComeBack) {
   for (const auto kind : kKinds) {
     const spi::ParticipantSecurityAttributes attributes{.allow_unauthenticated_participants = true,
                                                         .is_access_protected = false,
@@ -39,7 +39,7 @@ TEST(ValueTranslation, ParticipantAttributesOfEveryKind) {
   }
 }
 
-TEST(ValueTranslation, EndpointAttributesOfEveryKind) {
+TEST(ValueTranslation, EndpointAttributesOfEveryKind_ComeBack) {
   for (const auto kind : kKinds) {
     for (const auto payload :
          {spi::ProtectionKind::none, spi::ProtectionKind::sign, spi::ProtectionKind::encrypt}) {
@@ -55,7 +55,7 @@ TEST(ValueTranslation, EndpointAttributesOfEveryKind) {
   }
 }
 
-TEST(ValueTranslation, WhatOurPluginsTellEachOtherComesThrough) {
+TEST(ValueTranslation, WhatOurPluginsTellEachOther_ComesThrough) {
   for (const bool builtin : {false, true}) {
     spi::EndpointSecurityAttributes attributes;
     attributes.is_builtin = builtin;
@@ -79,14 +79,14 @@ TEST(ValueTranslation, WhatOurPluginsTellEachOtherComesThrough) {
 }
 
 // For the core it is protected, so that it matches only writers whose keys it got; there are none.
-TEST(ValueTranslation, AClosedReaderIsProtectedForTheHostAndHasNoKeys) {
+TEST(ValueTranslation, AClosedReader_IsProtectedForTheHostAndHasNoKeys) {
   const auto closed = closed_reader_attributes();
   EXPECT_TRUE(closed.is_submessage_protected);
   EXPECT_FALSE(closed.is_payload_protected);
   EXPECT_EQ(attributes_from(closed), spi::EndpointSecurityAttributes{});
 }
 
-TEST(ValueTranslation, MaskWithoutValidBitMeansSigning) {
+TEST(ValueTranslation, MaskWithoutValidBit_MeansSigning) {
   DDS_Security_EndpointSecurityAttributes c{};
   c.is_submessage_protected = 1;
   c.plugin_endpoint_attributes = 7;
@@ -98,7 +98,7 @@ TEST(ValueTranslation, MaskWithoutValidBitMeansSigning) {
   EXPECT_EQ(attributes_from(p).discovery, spi::ProtectionKind::none);
 }
 
-TEST(ValueTranslation, EndpointQuestionTakesPartitionsAndTags) {
+TEST(ValueTranslation, EndpointQuestion_TakesPartitionsAndTags) {
   std::string a = "A", b = "B*", name = "level", value = "secret";
   DDS_Security_string names[] = {a.data(), b.data()};
   const DDS_Security_PartitionQosPolicy partition{{2, 2, names}};
@@ -115,7 +115,7 @@ TEST(ValueTranslation, EndpointQuestionTakesPartitionsAndTags) {
   EXPECT_TRUE(EndpointQuestion::from("Square", nullptr, nullptr)->request().partitions.empty());
 }
 
-TEST(ValueTranslation, EndpointQuestionRefusesNullParts) {
+TEST(ValueTranslation, EndpointQuestion_RefusesNullParts) {
   EXPECT_EQ(EndpointQuestion::from(nullptr, nullptr, nullptr).error().code(), Code::null_argument);
   DDS_Security_string names[] = {nullptr};
   const DDS_Security_PartitionQosPolicy null_name{{1, 1, names}};
@@ -127,7 +127,7 @@ TEST(ValueTranslation, EndpointQuestionRefusesNullParts) {
   EXPECT_EQ(EndpointQuestion::from("T", nullptr, &tags).error().code(), Code::null_argument);
 }
 
-TEST(ValueTranslation, SharedSecretIsReadFromCyclonesLayout) {
+TEST(ValueTranslation, SharedSecret_IsReadFromCyclonesLayout) {
   Bytes octets(32, 7);
   SharedSecretLayout layout{octets.data(), 32, {}, {}};
   std::ranges::fill(layout.challenge1, 1);

@@ -73,7 +73,7 @@ TEST(ByteClasses, EveryOctetInAClassOfItsOwn_IsPossible) {
   }
 }
 
-TEST(OctetsByReadability, HoldEachButNulOnce) {
+TEST(OctetsByReadability, EachOctetButNul_ComesOnce) {
   const auto& order = octets_by_readability();
   EXPECT_EQ(order.size(), 255u);
   EXPECT_EQ(std::set<char>(order.begin(), order.end()).size(), 255u);

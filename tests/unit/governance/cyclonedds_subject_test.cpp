@@ -26,7 +26,7 @@ std::vector<std::string> strays(const Permissions& document) { return strays(doc
 using Strays = std::vector<std::string>;
 
 // Measured with Cyclone DDS 0.10.2: a '/' separates within names, too.
-TEST(CycloneddsSubject, AGrantWithMoreThanTheCertificateIsTaken) {
+TEST(CycloneddsSubject, AGrantWithMoreThanTheCertificate_IsTaken) {
   EXPECT_TRUE(cyclonedds_takes("CN=/a", "CN=/a"));
   EXPECT_TRUE(cyclonedds_takes("CN=/a/b", "CN=/a"));
   EXPECT_TRUE(cyclonedds_takes("CN=/b/a", "CN=/a/b"));
@@ -39,7 +39,7 @@ TEST(CycloneddsSubject, AGrantWithMoreThanTheCertificateIsTaken) {
 }
 
 // Measured: the first grant that fits is the only one that counts.
-TEST(CycloneddsSubject, TheOrderOfTheGrantsDecides) {
+TEST(CycloneddsSubject, SeveralGrants_AreDecidedByTheirOrder) {
   EXPECT_EQ(strays(with({"CN=a", "CN=a,OU=x"})), Strays());
   EXPECT_EQ(strays(with({"CN=a,OU=x", "CN=a"})), Strays{"CN=a <- CN=a,OU=x!"});
   EXPECT_EQ(strays(with({"CN=/a/OU=b", "CN=/a"})), Strays{"CN=/a <- CN=/a/OU=b!"});
@@ -47,16 +47,16 @@ TEST(CycloneddsSubject, TheOrderOfTheGrantsDecides) {
   EXPECT_EQ(strays(with({"CN=a", "CN=b", "CN=a"})), Strays());
 }
 
-TEST(CycloneddsSubject, AnotherSpellingOfOneSubjectIsNoStray) {
+TEST(CycloneddsSubject, AnotherSpellingOfOneSubject_IsNoStray) {
   EXPECT_EQ(strays(with({"/O=x/CN=a", "CN=a,O=x"})), Strays());
   EXPECT_EQ(strays(with({"CN=a,O=x,OU=y", "/O=x/CN=a"})), Strays{"CN=a,O=x <- CN=a,O=x,OU=y!"});
 }
 
-TEST(CycloneddsSubject, SubjectsOfAnotherDocumentAreLookedUp) {
+TEST(CycloneddsSubject, SubjectsOfAnotherDocument_AreLookedUp) {
   EXPECT_EQ(strays(with({"CN=a,OU=x"}), with({"CN=a", "CN=b"})), Strays{"CN=a <- CN=a,OU=x"});
 }
 
-TEST(CycloneddsSubject, ExpressionsAndBrokenNamesAreLeftOut) {
+TEST(CycloneddsSubject, ExpressionsAndBrokenNames_AreLeftOut) {
   auto document = with({"CN=a,OU=x", "CN=a", "no name", ""});
   document.grants[1].subject_is_expression = true;
   EXPECT_EQ(strays(document), Strays());

@@ -10,7 +10,7 @@ std::string read(std::string_view text, Round round = Round::down) {
   return moment ? to_string(moment->time) : "refused";
 }
 
-TEST(DateTime, ReadsZones) {
+TEST(DateTime, EachZone_IsRead) {
   EXPECT_EQ(read("2026-11-21T03:13:43Z"), "2026-11-21T03:13:43Z");
   EXPECT_EQ(read("2026-11-21T03:13:43"), "2026-11-21T03:13:43Z");
   EXPECT_EQ(read("2026-11-21T03:13:43+05:30"), "2026-11-20T21:43:43Z");
@@ -19,13 +19,13 @@ TEST(DateTime, ReadsZones) {
   EXPECT_TRUE(parse_date_time("2026-11-21T03:13:43Z", Round::down)->has_zone);
 }
 
-TEST(DateTime, RoundsFractionsAsAsked) {
+TEST(DateTime, Fractions_AreRoundedAsAsked) {
   EXPECT_EQ(read("2026-11-21T03:13:43.999Z", Round::down), "2026-11-21T03:13:43Z");
   EXPECT_EQ(read("2026-11-21T03:13:43.001Z", Round::up), "2026-11-21T03:13:44Z");
   EXPECT_EQ(read("2026-11-21T03:13:43.000", Round::up), "2026-11-21T03:13:43Z");
 }
 
-TEST(DateTime, KnowsTheCalendar) {
+TEST(DateTime, LeapDaysAndFarYears_AreRead) {
   EXPECT_EQ(read("2028-02-29T00:00:00Z"), "2028-02-29T00:00:00Z");
   EXPECT_EQ(read("2026-12-31T24:00:00Z"), "2027-01-01T00:00:00Z");
   EXPECT_EQ(read("2115-09-15T01:00:00"), "2115-09-15T01:00:00Z");
@@ -34,7 +34,7 @@ TEST(DateTime, KnowsTheCalendar) {
 }
 
 class NotADateTime : public testing::TestWithParam<const char*> {};
-TEST_P(NotADateTime, IsRefused) { EXPECT_EQ(read(GetParam()), "refused"); }
+TEST_P(NotADateTime, OtherText_IsRefused) { EXPECT_EQ(read(GetParam()), "refused"); }
 INSTANTIATE_TEST_SUITE_P(
     Table, NotADateTime,
     testing::Values("", "2026", "2026-11-21", "2026-11-21 03:13:43", "2026-11-21T03:13",
@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(
                     "-2026-11-21T03:13:43", "12026-11-21T03:13:43", "1969-12-31T23:59:59Z",
                     "+026-11-21T03:13:43", "2026-+1-21T03:13:43"));
 
-TEST(DateTime, EveryPartOfOneIsRefused) {
+TEST(DateTime, EveryPartOfOne_IsRefused) {
   const std::string whole = "2026-11-21T03:13:43+05:30";
   for (std::size_t size = 0; size < whole.size(); ++size) {
     if (size == 19) continue;  // without a zone
@@ -55,7 +55,7 @@ TEST(DateTime, EveryPartOfOneIsRefused) {
   }
 }
 
-TEST(DateTime, CycloneDdsHasNoMidnightOf24NoFarZonesAndNoLateYears) {
+TEST(DateTime, CycloneDds_HasNoMidnightOf24NoFarZonesAndNoLateYears) {
   const auto is_for_cyclone = [](std::string_view text) {
     return parse_date_time(text, Round::down)->is_for_cyclone;
   };

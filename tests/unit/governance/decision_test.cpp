@@ -45,14 +45,14 @@ bool may_publish(const CompiledGrant& grant, std::string_view topic, const Names
   return grant.judge(Action::publish, {topic, partitions, tags}).allowed;
 }
 
-TEST(Decision, DefaultCountsWhereNoRuleMatches) {
+TEST(Decision, Default_CountsWhereNoRuleMatches) {
   EXPECT_FALSE(may_publish(compiled({}), "t"));
   EXPECT_TRUE(may_publish(compiled({}, true), "t"));
   EXPECT_EQ(compiled({}, true).judge(Action::publish, {"t"}).rule, nullptr);
 }
 
 // T6
-TEST(Decision, FirstRuleWins) {
+TEST(Decision, FirstRule_Wins) {
   const auto allow = rule(true, {criteria({"a*"})});
   const auto deny = rule(false, {criteria({"*b"})});
   EXPECT_TRUE(may_publish(compiled({allow, deny}), "ab"));
@@ -64,7 +64,7 @@ TEST(Decision, FirstRuleWins) {
   EXPECT_FALSE(may_publish(compiled({deny, literal_allow}), "ab"));
 }
 
-TEST(Decision, TellsTheLineThatDecided) {
+TEST(Decision, Verdict_TellsTheLineThatDecided) {
   auto permissions = permissions_from(kPermissionsXml);
   ASSERT_TRUE(permissions);
   const auto shared = std::make_shared<const Permissions>(*permissions);
@@ -76,7 +76,7 @@ TEST(Decision, TellsTheLineThatDecided) {
   EXPECT_EQ(grant.judge(Action::publish, {"Circle"}).line(grant.grant()), 4);
 }
 
-TEST(Decision, ActionsAreApart) {
+TEST(Decision, Actions_AreApart) {
   auto mixed = rule(true, {criteria({"p"})});
   mixed.subscribe = {criteria({"s"})};
   mixed.relay = {criteria({"r"})};
@@ -91,7 +91,7 @@ TEST(Decision, ActionsAreApart) {
   }
 }
 
-TEST(Decision, RulesOfOtherDomainsDoNotCount) {
+TEST(Decision, RulesOfOtherDomains_DoNotCount) {
   const auto deny = rule(false, {criteria({"*"})}, {1, 1});
   const auto allow = rule(true, {criteria({"*"})}, {0, 1});
   EXPECT_TRUE(may_publish(compiled({deny, allow}), "t"));
@@ -100,7 +100,7 @@ TEST(Decision, RulesOfOtherDomainsDoNotCount) {
 }
 
 // Topic, partitions and tags must fit in the same element.
-TEST(Decision, ElementsAreNotMixed) {
+TEST(Decision, Elements_AreNotMixed) {
   const auto grant = compiled({rule(true, {criteria({"a"}, {{"p"}}), criteria({"b"}, {{"q"}})})});
   EXPECT_TRUE(may_publish(grant, "a", {"p"}));
   EXPECT_TRUE(may_publish(grant, "b", {"q"}));
@@ -108,7 +108,7 @@ TEST(Decision, ElementsAreNotMixed) {
   EXPECT_FALSE(may_publish(grant, "b", {"p"}));
 }
 
-TEST(Partitions, OfAllowRules) {
+TEST(Partitions, AllowRules_MustListThem) {
   const auto none = compiled({rule(true, {criteria({"t"})})});
   EXPECT_TRUE(may_publish(none, "t"));
   EXPECT_TRUE(may_publish(none, "t", {""}));
@@ -130,14 +130,14 @@ TEST(Partitions, OfAllowRules) {
   EXPECT_TRUE(may_publish(empty, "t", {"p", ""}));
 }
 
-TEST(Partitions, LegacyModeWantsOne) {
+TEST(Partitions, LegacyMode_NeedsOneMatchOnly) {
   const auto grant = compiled({rule(true, {criteria({"t"}, {{"p"}})})}, false, PartitionMatch::one);
   EXPECT_TRUE(may_publish(grant, "t", {"p", "r"}));
   EXPECT_FALSE(may_publish(grant, "t", {"r"}));
 }
 
 // Cyclone PR 706: deny rules must not be tried as allow rules are.
-TEST(Partitions, OfDenyRules) {
+TEST(Partitions, DenyRules_HitAnyOfThem) {
   const auto any = compiled({rule(false, {criteria({"t"})})}, true);
   EXPECT_FALSE(may_publish(any, "t"));
   EXPECT_FALSE(may_publish(any, "t", {"p"}));
@@ -154,7 +154,7 @@ TEST(Partitions, OfDenyRules) {
 }
 
 // T5: a partition with wildcards stands for many names.
-TEST(Partitions, RequestedWildcardsMustBeCovered) {
+TEST(Partitions, RequestedWildcards_MustBeCovered) {
   const auto grant = compiled({rule(true, {criteria({"t"}, {{"s?", "a*", "x[1]", "*y"}})})});
   EXPECT_FALSE(may_publish(grant, "t", {"s*"}));
   EXPECT_TRUE(may_publish(grant, "t", {"s?"}));
@@ -169,7 +169,7 @@ TEST(Partitions, RequestedWildcardsMustBeCovered) {
   EXPECT_TRUE(may_publish(star, "t", {"[a-z]?"}));
 }
 
-TEST(Partitions, RequestedWildcardsAreHitByDenyRules) {
+TEST(Partitions, RequestedWildcards_AreHitByDenyRules) {
   const auto grant = compiled({rule(false, {criteria({"t"}, {{"secret"}})})}, true);
   EXPECT_FALSE(may_publish(grant, "t", {"s*"}));
   EXPECT_FALSE(may_publish(grant, "t", {"*"}));
@@ -178,7 +178,7 @@ TEST(Partitions, RequestedWildcardsAreHitByDenyRules) {
   EXPECT_FALSE(may_publish(wild, "t", {"p*"}));
 }
 
-TEST(DataTags, OfAllowRulesMustHoldAll) {
+TEST(DataTags, AllowRules_MustHoldAll) {
   const std::vector<DataTag> red = {{"colour", "red"}}, both = {{"colour", "red"}, {"size", "5"}};
   const auto none = compiled({rule(true, {criteria({"t"})})});
   EXPECT_TRUE(may_publish(none, "t"));
@@ -190,7 +190,7 @@ TEST(DataTags, OfAllowRulesMustHoldAll) {
   EXPECT_FALSE(may_publish(listed, "t", {}, {{"colour", "RED"}}));
 }
 
-TEST(DataTags, OfDenyRulesHitAny) {
+TEST(DataTags, DenyRules_HitAny) {
   const std::vector<DataTag> red = {{"colour", "red"}}, both = {{"colour", "red"}, {"size", "5"}};
   const auto any = compiled({rule(false, {criteria({"t"})})}, true);
   EXPECT_FALSE(may_publish(any, "t", {}, red));
@@ -201,7 +201,7 @@ TEST(DataTags, OfDenyRulesHitAny) {
   EXPECT_TRUE(may_publish(listed, "t", {}, {{"size", "5"}}));
 }
 
-TEST(Decision, RemembersWhatDiffers) {
+TEST(Decision, CachedVerdict_DependsOnEachPartOfTheQuestion) {
   const auto grant = compiled({rule(true, {criteria({"t"}, {{"p", "pq"}}, {{{"n", "v"}}})})});
   for (int i = 0; i < 2; ++i) {
     EXPECT_TRUE(may_publish(grant, "t", {"p", "pq"})) << "time " << i;
@@ -213,7 +213,7 @@ TEST(Decision, RemembersWhatDiffers) {
   }
 }
 
-TEST(Participant, AllowRuleOfTheDomainLetsIn) {
+TEST(Participant, AllowRuleOfTheDomain_LetsIn) {
   EXPECT_TRUE(compiled({rule(true, {})}).judge_participant().allowed);
   EXPECT_FALSE(compiled({rule(true, {}, {1, 1})}).judge_participant().allowed);
   EXPECT_FALSE(compiled({}).judge_participant().allowed);
@@ -221,7 +221,7 @@ TEST(Participant, AllowRuleOfTheDomainLetsIn) {
 }
 
 // DDS-Security 1.2 table 70; deny rules about topics are passed over, as sros2 writes them first.
-TEST(Participant, FirstRuleOfTheDomainThatIsNotADenialOfTopicsDecides) {
+TEST(Participant, DenialOfTopics_DoesNotDecideAndTheNextRuleDoes) {
   const auto everything = rule(false, {});
   const auto topic = rule(false, {criteria({"t"})});
   EXPECT_FALSE(compiled({everything, rule(true, {})}).judge_participant().allowed);
@@ -239,7 +239,7 @@ TEST(Participant, FirstRuleOfTheDomainThatIsNotADenialOfTopicsDecides) {
   EXPECT_FALSE(compiled({everything}, true).judge_participant().allowed);
 }
 
-TEST(Topic, CountsIfSomePartitionWouldDo) {
+TEST(Topic, AnyPartitionThatWouldDo_IsEnough) {
   const auto may = [](const CompiledGrant& grant) {
     return grant.judge_topic(Action::publish, "t").allowed;
   };
@@ -253,7 +253,7 @@ TEST(Topic, CountsIfSomePartitionWouldDo) {
   EXPECT_FALSE(may(compiled({partition_denied})));
 }
 
-TEST(GovernanceRules, FirstTopicRuleWins) {
+TEST(GovernanceRules, FirstTopicRule_Wins) {
   auto governance = std::make_shared<Governance>();
   auto& domain_rule = governance->domain_rules.emplace_back();
   domain_rule.domains.ranges = {{0, 5}};
@@ -275,7 +275,7 @@ TEST(GovernanceRules, FirstTopicRuleWins) {
       "; the participant is in domain 6, the document covers 0 to 5"));
 }
 
-TEST(GovernanceRules, FirstDomainRuleWins) {
+TEST(GovernanceRules, FirstDomainRule_Wins) {
   auto governance = std::make_shared<Governance>();
   for (const DomainRange range : {DomainRange{0, 0}, DomainRange{0, 9}}) {
     auto& rule = governance->domain_rules.emplace_back();
@@ -289,7 +289,7 @@ TEST(GovernanceRules, FirstDomainRuleWins) {
   EXPECT_EQ((*CompiledGovernance::make(governance, 9))->topic_rule("y"), nullptr);
 }
 
-TEST(VerdictCache, StaysBounded) {
+TEST(VerdictCache, ManyEntries_StayBounded) {
   VerdictCache<int> cache;
   for (int i = 0; i < 20'000; ++i) cache.remember(std::to_string(i), i);
   EXPECT_LE(cache.size(), 2 * VerdictCache<int>::kMaxPerGeneration);
@@ -322,7 +322,7 @@ bool model_allows(const std::vector<Rule>& rules, std::string_view topic, const 
   return false;
 }
 
-TEST(Decision, AgreesWithTheModelOnRandomRules) {
+TEST(Decision, RandomRules_AgreeWithTheModel) {
   std::mt19937 random(7);
   const auto text = [&](std::string_view alphabet, unsigned most) {
     std::string out(random() % (most + 1), ' ');

@@ -15,7 +15,7 @@ std::optional<Unportable> unportable(std::string_view expression) {
   return governance::unportable(expression, effort);
 }
 
-TEST(Dialect, ThePortableSubsetIsPortable) {
+TEST(Dialect, ThePortableSubset_IsPortable) {
   for (const char* expression : {"", "*", "rt/*", "a?c", "rt/robot[0-9]/pose", "[!a]", "[!a-z_]x",
                                  "[a-zA-Z0-9_]", "a-b", "weiß*", "a!b", "a^b", "{a,b}", "[abc]x-"})
     EXPECT_FALSE(unportable(expression)) << expression;
@@ -29,7 +29,7 @@ struct Case {
 
 class DialectWitness : public ::testing::TestWithParam<Case> {};
 
-TEST_P(DialectWitness, ShowsWhereTheyDiffer) {
+TEST_P(DialectWitness, EachDifference_IsShownByAName) {
   const auto& [expression, witness, cyclone] = GetParam();
   const auto found = unportable(expression);
   ASSERT_TRUE(found) << expression;
@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"cmd\\*", "cmd\\", true}, Case{"a]b", nullptr, false}));
 
 // By the standard a backslash escapes; Fast DDS calls fnmatch with FNM_NOESCAPE.
-TEST(Dialect, FastDdsTakesABackslashVerbatim) {
+TEST(Dialect, FastDds_TakesABackslashVerbatim) {
   const auto found = unportable("cmd\\*");
   ASSERT_TRUE(found && found->fastdds);
   EXPECT_EQ(found->fastdds->name, "cmd\\");
@@ -61,7 +61,7 @@ TEST(Dialect, FastDdsTakesABackslashVerbatim) {
   EXPECT_FALSE(unportable("a[")->fastdds) << "read alike";
 }
 
-TEST(Dialect, OfFastDdsIsFnmatchWithoutEscapes) {
+TEST(Dialect, FastDds_IsFnmatchWithoutEscapes) {
   words::Dice dice(5);
   const auto text = [&](std::string_view alphabet, std::size_t most) {
     std::string out(dice.below(most + 1), ' ');
@@ -80,7 +80,7 @@ TEST(Dialect, OfFastDdsIsFnmatchWithoutEscapes) {
 }
 
 // What Cyclone DDS 0.10.2 answered (its ac_fnmatch, called directly).
-TEST(Dialect, OfCycloneIsAsMeasured) {
+TEST(Dialect, Cyclone_IsAsMeasured) {
   struct Measured {
     const char *expression, *name;
     bool matches;
@@ -99,7 +99,7 @@ TEST(Dialect, OfCycloneIsAsMeasured) {
         << expression << ' ' << name;
 }
 
-TEST(Dialect, LongExpressionsHaveNoWitness) {
+TEST(Dialect, LongExpressions_HaveNoWitness) {
   const auto found = unportable(std::string(300, '[') + "a");
   ASSERT_TRUE(found);
   EXPECT_FALSE(found->cyclonedds);

@@ -46,7 +46,7 @@ bool at_least(const std::vector<Rule>& next, const std::vector<Rule>& former,
   return gives_at_least({rules, next_default}, {former_rules, former_default});
 }
 
-TEST(Extension, TheSameOrMoreTopics) {
+TEST(Extension, TheSameOrMoreTopics_AreAnExtension) {
   const auto a = rule(true, {on({"A"})}), ab = rule(true, {on({"B", "A"})});
   EXPECT_TRUE(at_least({a}, {a}));
   EXPECT_TRUE(at_least({ab}, {a}));

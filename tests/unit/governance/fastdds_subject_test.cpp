@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::string_view kCertificate = "CN=talker,O=Acme,C=DE";
 
-TEST(FastddsSubject, SpacesBesideACommaDoNotCount) {
+TEST(FastddsSubject, SpacesBesideAComma_DoNotCount) {
   for (const char* const grant :
        {"CN=talker,O=Acme,C=DE", "CN=talker, O=Acme, C=DE", " CN=talker ,O=Acme , C=DE "})
     EXPECT_TRUE(fastdds_takes(grant, kCertificate)) << grant;
@@ -29,7 +29,7 @@ TEST(FastddsSubject, EmptyPart_EndsTheName) {
   EXPECT_FALSE(fastdds_takes("CN=talker,O=Acme,C=DE, ,L=x", kCertificate)) << "a space is a part";
 }
 
-TEST(NewerFastddsSubject, OrderAndSpacesDoNotCount) {
+TEST(NewerFastddsSubject, OrderAndSpaces_DoNotCount) {
   for (const char* const grant :
        {"CN=talker,O=Acme,C=DE", "C=DE,O=Acme,CN=talker", "C = DE , O= Acme,CN =talker"})
     EXPECT_TRUE(newer_fastdds_takes(grant, kCertificate)) << grant;

@@ -30,7 +30,7 @@ struct Row {
 void PrintTo(const Row& row, std::ostream* out) { *out << row.grant; }
 
 class SubjectRow : public testing::TestWithParam<Row> {};
-TEST_P(SubjectRow, IsAsTheStandardSays) {
+TEST_P(SubjectRow, EachRow_IsAsTheStandardSays) {
   EXPECT_EQ(is_for(grant_for(GetParam().grant, GetParam().expression),
                    name("CN=talker 1,O=Example,C=DE")),
             GetParam().matches);
@@ -58,13 +58,13 @@ INSTANTIATE_TEST_SUITE_P(Expressions, SubjectRow,
                                          Row{"CN=*,O=*,C=*,OU=*", true, false},
                                          Row{"*=*", true, false}));
 
-TEST(SubjectExpression, DoesNotCrossASlash) {
+TEST(SubjectExpression, Slash_IsNotCrossed) {
   const auto grant = grant_for("CN=talker*", true);
   EXPECT_TRUE(is_for(grant, name("CN=talker1")));
   EXPECT_FALSE(is_for(grant, name("CN=talker/1")));
 }
 
-TEST(FindGrant, TakesTheFirstThatIsValid) {
+TEST(FindGrant, SeveralGrants_TheFirstValidOneIsTaken) {
   Permissions document;
   document.grants = {grant_for("CN=other"), grant_for("CN=me"), grant_for("CN=me"),
                      grant_for("CN=me")};
@@ -74,7 +74,7 @@ TEST(FindGrant, TakesTheFirstThatIsValid) {
   EXPECT_EQ(*found, &document.grants[2]);
 }
 
-TEST(FindGrant, ValidityBeginsWithNotBeforeAndEndsBeforeNotAfter) {
+TEST(FindGrant, Validity_BeginsWithNotBeforeAndEndsBeforeNotAfter) {
   Permissions document;
   document.grants = {grant_for("CN=me")};
   const auto at = [&](WallTime now) { return find_grant(document, name("CN=me"), "CN=me", now); };
@@ -84,7 +84,7 @@ TEST(FindGrant, ValidityBeginsWithNotBeforeAndEndsBeforeNotAfter) {
   EXPECT_CODE(at(kNow + 1h), grant_expired);
 }
 
-TEST(ValidAt, TakesTheFirstThatIsValid) {
+TEST(ValidAt, SeveralGrants_TheFirstValidOneIsTaken) {
   const Grant early{.validity = {WallTime{10s}, WallTime{20s}}};
   const Grant late{.validity = {WallTime{15s}, WallTime{30s}}};
   const std::vector<const Grant*> grants = {&early, &late};
@@ -94,7 +94,7 @@ TEST(ValidAt, TakesTheFirstThatIsValid) {
   EXPECT_EQ(valid_at(grants, WallTime{30s}), nullptr);
 }
 
-TEST(FindGrant, SaysWhoseGrantsThereAre) {
+TEST(FindGrant, WithoutAGrant_SaysWhoseGrantsThereAre) {
   Permissions document;
   for (int i = 0; i < 5; ++i) document.grants.push_back(grant_for("CN=p" + std::to_string(i)));
   const auto found = find_grant(document, name("CN=me"), "CN=me", kNow);

@@ -7,7 +7,7 @@
 namespace ddssec::governance {
 namespace {
 
-TEST(LintPermissions, ADenyRuleBehindWhatItDeniesIsAnError) {
+TEST(LintPermissions, ADenyRuleBehindWhatItDenies_IsAnError) {
   const auto found = only(with_rules({rule(true, {"rt*"}), rule(false, {"rtb", "rta*"})}));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM012);
   EXPECT_EQ(found.severity, Severity::error);
@@ -17,7 +17,7 @@ TEST(LintPermissions, ADenyRuleBehindWhatItDeniesIsAnError) {
   EXPECT_EQ(found.path, "/dds/permissions/grant[1]/deny_rule[1]");
 }
 
-TEST(LintPermissions, DeadPartsOfARuleAreNamedOneByOne) {
+TEST(LintPermissions, DeadPartsOfARule_AreNamedOneByOne) {
   const auto found = only(with_rules({rule(false, {"a*"}), rule(true, {"b", "ab"})}));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM012);
   EXPECT_EQ(found.severity, Severity::warning);
@@ -26,7 +26,7 @@ TEST(LintPermissions, DeadPartsOfARuleAreNamedOneByOne) {
 }
 
 // What another domain, partition or data tag needs is not dead.
-TEST(LintPermissions, DeadNeedsTheSameCircumstances) {
+TEST(LintPermissions, SamePartsInOtherCircumstances_AreNotDead) {
   auto first = rule(true, {"*"}), second = rule(true, {"a"});
   second.domains.ranges = {{0, 1}};
   EXPECT_TRUE(lint_but_joining(with_rules({first, second})).empty());
@@ -37,7 +37,7 @@ TEST(LintPermissions, DeadNeedsTheSameCircumstances) {
     EXPECT_EQ(finding.rule, ddssec::Rule::PERM014);
 }
 
-TEST(LintPermissions, PartitionsOfDeadRules) {
+TEST(LintPermissions, PartitionsOfDeadRules_MustBeCoveredToo) {
   const auto dead = [](std::vector<std::string> earlier, bool earlier_allows,
                        std::vector<std::string> later, bool later_allows) {
     auto a = rule(earlier_allows, {"*"}), b = rule(later_allows, {"a"});
@@ -115,7 +115,7 @@ TEST(LintPermissions, DenialInMoreDomainsThanItsTopicIsAllowedIn_IsReported) {
   EXPECT_TRUE(lint_but_joining(with_rules({allowed, denied})).empty());
 }
 
-TEST(LintPermissions, ExpressionsThatMatchNoName) {
+TEST(LintPermissions, ExpressionsThatMatchNoName_AreDead) {
   const auto dead = [](const Permissions& document) {
     auto found = lint(document);
     std::erase_if(found, [](const Finding& f) { return f.rule != ddssec::Rule::PERM012; });
@@ -150,7 +150,7 @@ TEST(LintPermissions, ExpressionsThatMatchNoName) {
 }
 
 // A newcomer's list of denials must not take minutes, and what was not looked at is said.
-TEST(LintPermissions, RulesThatTakeTooLongToCompareAreTold) {
+TEST(LintPermissions, RulesThatTakeTooLongToCompare_AreTold) {
   std::vector<Rule> rules;
   for (int i = 0; i < 400; ++i)
     rules.push_back(rule(false, {(i % 2 ? "*a" : "*b") + std::string(i % 40, '?')}));

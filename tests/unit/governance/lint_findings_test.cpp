@@ -14,7 +14,7 @@ Finding at_line(int line, ddssec::Rule rule = PERM012) {
   return {.rule = rule, .message = "line " + std::to_string(line), .line = line};
 }
 
-TEST(Findings, AreOrderedByLine) {
+TEST(Findings, SeveralLines_AreOrdered) {
   Findings findings(PERM012);
   for (const int line : {3, 1, 2}) findings.add(at_line(line));
   const auto all = findings.take();

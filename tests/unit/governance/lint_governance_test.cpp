@@ -19,17 +19,17 @@ Finding only(const Governance& document, const GovernanceUse& use = {}) {
   return found.empty() ? Finding{ddssec::Rule::end_, ""} : found.front();
 }
 
-TEST(LintGovernance, StrictHasNothing) {
+TEST(LintGovernance, StrictProfile_HasNothing) {
   EXPECT_TRUE(lint(changed_strict([](auto&) {})).empty());
   EXPECT_TRUE(lint(governance_of(Profile::strict, {{0, 5}, {7, 9}}), {.domain = 8}).empty());
 }
 
-TEST(LintGovernance, OfProfilesNamesWhatTheyLeaveOpen) {
+TEST(LintGovernance, OtherProfiles_AreNoticedForWhatTheyLeaveOpen) {
   EXPECT_EQ(only(governance_of(Profile::open, {{0, 0}})).rule, ddssec::Rule::GOV040);
   EXPECT_EQ(only(governance_of(Profile::balanced, {{0, 0}})).rule, ddssec::Rule::GOV031);
 }
 
-TEST(LintGovernance, DomainsCoveredTwice) {
+TEST(LintGovernance, DomainsCoveredTwice_AreFound) {
   auto document = governance_of(Profile::strict, {{0, 5}});
   document.domain_rules.push_back(document.domain_rules[0]);
   document.domain_rules[1].domains.ranges = {{2, 3}, {5, 5}};
@@ -47,7 +47,7 @@ TEST(LintGovernance, DomainsCoveredTwice) {
   EXPECT_TRUE(of(ddssec::Rule::GOV002, document).empty());
 }
 
-TEST(LintGovernance, TheDomainOfUseMustBeCovered) {
+TEST(LintGovernance, TheDomainOfUse_MustBeCovered) {
   const auto document = governance_of(Profile::strict, {{0, 5}});
   const auto found = only(document, {.domain = 6});
   EXPECT_EQ(found.rule, ddssec::Rule::GOV003);
@@ -55,7 +55,7 @@ TEST(LintGovernance, TheDomainOfUseMustBeCovered) {
   EXPECT_EQ(found.message, "no domain_rule covers domain 6");
 }
 
-TEST(LintGovernance, DeadRulesNameWhatIsInTheirWay) {
+TEST(LintGovernance, DeadRules_NameWhatIsInTheirWay) {
   auto weak = strict("rt/a");
   weak.data_protection_kind = none;
   const auto found = only(with_rules({strict("rt/*"), weak, strict("*")}));
@@ -68,7 +68,7 @@ TEST(LintGovernance, DeadRulesNameWhatIsInTheirWay) {
   EXPECT_EQ(found.path, "/dds/domain_access_rules/domain_rule[1]/topic_access_rules/topic_rule[2]");
 }
 
-TEST(LintGovernance, SeveralRulesCanBeInTheWayTogether) {
+TEST(LintGovernance, SeveralRules_CanBeInTheWayTogether) {
   auto weak = strict("[ab]");
   weak.data_protection_kind = sign;
   EXPECT_EQ(only(with_rules({strict("a"), strict("b"), weak, strict("*")})).message,
@@ -76,7 +76,7 @@ TEST(LintGovernance, SeveralRulesCanBeInTheWayTogether) {
             "together match every name it matches");
 }
 
-TEST(LintGovernance, AnExpressionThatMatchesNoNameIsAnError) {
+TEST(LintGovernance, AnExpressionThatMatchesNoName_IsAnError) {
   const auto found = of(ddssec::Rule::GOV010, with_rules({strict("rt/[z-a]"), strict("*")}));
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].severity, Severity::error);
@@ -91,20 +91,20 @@ TEST(LintGovernance, AnExpressionThatMatchesNoNameIsAnError) {
   EXPECT_EQ(tags[0].line, tagged.domain_rules[0].domains.tag_expressions[0].line);
 }
 
-TEST(LintGovernance, DeadRulesThatSayTheSameAreAWarning) {
+TEST(LintGovernance, DeadRulesThatSayTheSame_AreAWarning) {
   const auto found = only(with_rules({strict("rt/*"), strict("rt/a"), strict("*")}));
   EXPECT_EQ(found.rule, ddssec::Rule::GOV010);
   EXPECT_EQ(found.severity, Severity::warning);
 }
 
-TEST(LintGovernance, TopicsWithoutARuleHaveAnExample) {
+TEST(LintGovernance, TopicsWithoutARule_HaveAnExample) {
   const auto found = only(with_rules({strict("rt/*"), strict("rq/*")}));
   EXPECT_EQ(found.rule, ddssec::Rule::GOV011);
   EXPECT_EQ(found.message, "the last topic_rule is not \"*\": topics such as \"a\" have no rule");
   EXPECT_TRUE(lint(with_rules({strict("[a-z]*"), strict("[!a-z]*")})).empty());
 }
 
-TEST(LintGovernance, ExpressionsThatProductsReadDifferently) {
+TEST(LintGovernance, ExpressionsThatProductsReadDifferently_AreFound) {
   const auto differs = only(with_rules({strict("rt/[^ab]"), strict("*")}));
   EXPECT_EQ(differs.rule, ddssec::Rule::GOV012);
   EXPECT_EQ(differs.vendors, std::vector<std::string>{"cyclonedds"});
@@ -116,11 +116,11 @@ TEST(LintGovernance, ExpressionsThatProductsReadDifferently) {
   EXPECT_EQ(only(with_rules({strict("rt]a"), strict("*")})).severity, Severity::informational);
 }
 
-TEST(LintGovernance, NamesOfRos) {
+TEST(LintGovernance, NamesOfRos_AreFound) {
   EXPECT_EQ(only(with_rules({strict("/chatter"), strict("*")})).rule, ddssec::Rule::GOV013);
 }
 
-TEST(LintGovernance, FlagsWithoutAKind) {
+TEST(LintGovernance, FlagsWithoutAKind_AreFound) {
   const auto document =
       changed_strict([](DomainRule& rule) { rule.discovery_protection_kind = none; });
   EXPECT_EQ(of(ddssec::Rule::GOV020, document).size(), 1u);
@@ -130,13 +130,13 @@ TEST(LintGovernance, FlagsWithoutAKind) {
             "\"*\": enable_liveliness_protection is true while liveliness_protection_kind is NONE");
 }
 
-TEST(LintGovernance, TopicsUnderControlAndJoiningNot) {
+TEST(LintGovernance, ControlledTopicsWithFreeJoining_AreFound) {
   EXPECT_EQ(
       only(changed_strict([](DomainRule& rule) { rule.enable_join_access_control = false; })).rule,
       ddssec::Rule::GOV021);
 }
 
-TEST(LintGovernance, StrangersCannotReadProtectedMessages) {
+TEST(LintGovernance, ProtectedMessagesWithStrangersAllowed_AreFound) {
   const auto document =
       changed_strict([](DomainRule& rule) { rule.allow_unauthenticated_participants = true; });
   const auto found = of(ddssec::Rule::GOV022, document);
@@ -148,7 +148,7 @@ TEST(LintGovernance, StrangersCannotReadProtectedMessages) {
   EXPECT_TRUE(of(ddssec::Rule::GOV022, governance_of(Profile::open, {{0, 0}})).empty());
 }
 
-TEST(LintGovernance, OriginAuthentication) {
+TEST(LintGovernance, OriginAuthentication_IsNoted) {
   const auto found = only(changed_strict([](DomainRule& rule) {
     rule.topic_rules[0].metadata_protection_kind = encrypt_with_origin_authentication;
   }));
@@ -163,7 +163,7 @@ TEST(LintGovernance, OriginAuthentication) {
 }
 
 // T44 of docs/attacks.md: a note, and only for who asks what a document leaves open.
-TEST(LintGovernance, ReadersThatCanWrite) {
+TEST(LintGovernance, ReadersThatCanWrite_AreNotedOnRequest) {
   const GovernanceUse use{.choices = true};
   const auto notes = of(ddssec::Rule::GOV042, changed_strict([](auto&) {}), use);
   ASSERT_EQ(notes.size(), 1u);
@@ -186,7 +186,7 @@ TEST(LintGovernance, ReadersThatCanWrite) {
   EXPECT_TRUE(of(ddssec::Rule::GOV042, governance_of(Profile::open, {{0, 0}}), use).empty());
 }
 
-TEST(LintGovernance, DiscoveryThatEveryParticipantCanForge) {
+TEST(LintGovernance, DiscoveryThatEveryParticipantCanForge_IsNotedOnRequest) {
   const GovernanceUse use{.choices = true};
   const auto of_kinds = [&](ProtectionKind discovery, ProtectionKind liveliness,
                             ProtectionKind rtps) {
@@ -214,7 +214,7 @@ TEST(LintGovernance, DiscoveryThatEveryParticipantCanForge) {
   EXPECT_TRUE(of(ddssec::Rule::GOV044, changed_strict([](auto&) {})).empty());  // not asked for
 }
 
-TEST(LintGovernance, ClearDiscoveryBesideProtectedTopics) {
+TEST(LintGovernance, ClearDiscoveryBesideProtectedTopics_IsFound) {
   const auto of_flags = [](std::vector<bool> flags, ProtectionKind kind = encrypt) {
     return of(ddssec::Rule::GOV045, changed_strict([&](DomainRule& rule) {
                 rule.discovery_protection_kind = kind;
@@ -281,7 +281,7 @@ TEST(LintGovernance, StrangersBesideWhatIsProtected_AreReported) {
   EXPECT_TRUE(of_kinds(true, encrypt, sign, encrypt).empty()) << "GOV022 says so";
 }
 
-TEST(LintGovernance, MessagesThatAnAttackerCanRedirect) {
+TEST(LintGovernance, MessagesThatAnAttackerCanRedirect_AreFound) {
   struct Kinds {
     ProtectionKind discovery = none, liveliness = none, metadata = none, rtps = none;
   };
@@ -314,7 +314,7 @@ TEST(LintGovernance, MessagesThatAnAttackerCanRedirect) {
     EXPECT_TRUE(of(ddssec::Rule::GOV046, governance_of(profile, {{0, 0}})).empty());
 }
 
-TEST(LintGovernance, DataProtectionAlone) {
+TEST(LintGovernance, DataProtectionAlone_IsFound) {
   const auto found_under = [](ProtectionKind rtps) {
     return of(ddssec::Rule::GOV031, changed_strict([&](DomainRule& rule) {
                 rule.rtps_protection_kind = rtps;
@@ -333,7 +333,7 @@ TEST(LintGovernance, DataProtectionAlone) {
   EXPECT_FALSE(bound.message.contains("dispose"));
 }
 
-TEST(LintGovernance, AccessControlWithoutProtection) {
+TEST(LintGovernance, AccessControlWithoutProtection_IsFound) {
   const auto plain = [](auto&& change) {
     return of(ddssec::Rule::GOV043, changed_strict([&](DomainRule& rule) {
                 auto& topic = rule.topic_rules[0];
@@ -362,7 +362,7 @@ TEST(LintGovernance, AccessControlWithoutProtection) {
                   .empty());
 }
 
-TEST(LintGovernance, EncryptedForEverybody) {
+TEST(LintGovernance, EncryptionWithoutReadControl_IsFound) {
   EXPECT_EQ(only(changed_strict([](DomainRule& rule) {
               rule.topic_rules[0].enable_read_access_control = false;
             })).rule,
@@ -376,7 +376,7 @@ struct Spelling {
 
 class SpellingOfGovernance : public ::testing::TestWithParam<Spelling> {};
 
-TEST_P(SpellingOfGovernance, IsFoundAtItsLine) {
+TEST_P(SpellingOfGovernance, EachSpelling_IsFoundAtItsLine) {
   const auto& [from, to, id] = GetParam();
   const auto xml = to_xml(governance_of(Profile::strict, {{0, 0}}));
   const auto document = governance_from(replaced(xml, from, to));
@@ -395,7 +395,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Spelling{"control>true", "control>TRUE", ddssec::Rule::GOV023},
                       Spelling{">SIGN<", ">Sign<", ddssec::Rule::GOV024}));
 
-TEST(LintGovernance, OrderOfElements) {
+TEST(LintGovernance, OrderOfElements_IsFoundForFastDds) {
   const std::string first = "<topic_expression>*</topic_expression>";
   auto xml = replaced(to_xml(governance_of(Profile::strict, {{0, 0}})), first, "");
   xml = replaced(xml, "</data_protection_kind>", "</data_protection_kind>" + first);
@@ -404,7 +404,7 @@ TEST(LintGovernance, OrderOfElements) {
   EXPECT_EQ(found.vendors, std::vector<std::string>{"fastdds"});
 }
 
-TEST(LintGovernance, OfOneKindHasABound) {
+TEST(LintGovernance, FindingsOfOneKind_HaveABound) {
   std::vector<TopicRule> rules(100, strict("/a"));
   for (std::size_t i = 0; i < rules.size(); ++i) rules[i].topic_expression += std::to_string(i);
   rules.push_back(strict("*"));

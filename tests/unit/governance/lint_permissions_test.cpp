@@ -4,14 +4,14 @@
 namespace ddssec::governance {
 namespace {
 
-TEST(LintPermissions, OfACertificateWithSomeRightsHaveNothing) {
+TEST(LintPermissions, RightsOfItsCertificate_HaveNoFindings) {
   const auto document = with(rights({"a", "b*"}, {"c"}));
   EXPECT_TRUE(lint_but_joining(document).empty());
   const auto governance = governance_of(Profile::strict, {{0, 0}});
   EXPECT_TRUE(lint_but_joining(document, {pki::kNow, &certificate(), &governance}).empty());
 }
 
-TEST(LintPermissions, Dates) {
+TEST(LintPermissions, DatesOutsideTheCertificates_AreFound) {
   const auto document = with(rights({"a"}));
   const auto ended = only(document, {.now = certificate().not_after()});
   EXPECT_EQ(ended.rule, ddssec::Rule::PERM002);
@@ -24,7 +24,7 @@ TEST(LintPermissions, Dates) {
   EXPECT_TRUE(lint_but_joining(longer).empty());
 }
 
-TEST(LintPermissions, AValidityOfASecondOrLess) {
+TEST(LintPermissions, ValidityOfASecondOrLess_IsFound) {
   using std::chrono::seconds;
   const auto lasting = [](seconds time) {
     return changed([&](Grant& g) { g.validity.not_after = g.validity.not_before + time; });
@@ -39,7 +39,7 @@ TEST(LintPermissions, AValidityOfASecondOrLess) {
   EXPECT_TRUE(lint_but_joining(lasting(seconds(2))).empty());
 }
 
-TEST(LintPermissions, ASecondGrantIsDead) {
+TEST(LintPermissions, ASecondGrant_IsDead) {
   auto grant = grant_for(rights({"a"}));
   auto other = grant;
   other.subject_name = "C=DE, O=\"A, B\", CN=talker";
@@ -74,7 +74,7 @@ TEST(LintPermissions, GrantAfterAnExpressionForItsSubject_IsDead) {
   EXPECT_TRUE(dead("CN=talke?, O=*, C=DE").empty());
 }
 
-TEST(LintPermissions, ARenewedGrantIsDeadForCycloneOnly) {
+TEST(LintPermissions, ARenewedGrant_IsDeadForCycloneOnly) {
   auto grant = grant_for(rights({"a"}));
   auto next = grant;
   next.validity = {grant.validity.not_after, grant.validity.not_after + std::chrono::hours(1)};
@@ -84,12 +84,12 @@ TEST(LintPermissions, ARenewedGrantIsDeadForCycloneOnly) {
   EXPECT_EQ(found.vendors, std::vector<std::string>{"cyclonedds"});
 }
 
-TEST(LintPermissions, DefaultsAndGrantsThatAllowNothing) {
+TEST(LintPermissions, DefaultsAndGrantsThatAllowNothing_AreFound) {
   EXPECT_EQ(only(changed([](Grant& g) { g.default_allow = true; })).rule, ddssec::Rule::PERM022);
   EXPECT_EQ(only(with_rules({rule(false, {"a"})})).rule, ddssec::Rule::PERM023);
 }
 
-TEST(LintPermissions, NamesThatATerminalShowsInAnotherWay) {
+TEST(LintPermissions, NamesThatATerminalShowsInAnotherWay_AreFound) {
   const auto topic = only(with(rights({"Square\xe2\x80\xae", "Circle"})));
   EXPECT_EQ(topic.rule, ddssec::Rule::PERM041);
   EXPECT_NE(topic.message.find("holds U+202E"), std::string::npos) << topic.message;
@@ -114,7 +114,7 @@ struct Spelling {
 };
 class SpellingOfPermissions : public ::testing::TestWithParam<Spelling> {};
 
-TEST_P(SpellingOfPermissions, IsFoundAtItsLine) {
+TEST_P(SpellingOfPermissions, EachSpelling_IsFoundAtItsLine) {
   const auto& [from, to, id] = GetParam();
   const auto xml = to_xml(Permissions{.grants = {grant_for(rights({"a"}))}});
   const auto document = permissions_from(replaced(xml, from, to));

@@ -201,7 +201,7 @@ TEST(LiveChange, RaisedBesideAdded_AreToldApart) {
   EXPECT_FALSE(change->are_last);
 }
 
-TEST(ProtectAlike, LooksAtEveryValue) {
+TEST(ProtectAlike, EachValueThatDiffers_Counts) {
   const auto rule = rule_for("a");
   EXPECT_TRUE(protect_alike(rule, rule_for("b")));
   const auto differs = [&](auto&& change) {

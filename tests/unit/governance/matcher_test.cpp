@@ -19,7 +19,7 @@ std::uint32_t naive_first(const std::vector<std::string>& expressions, const std
 }
 
 // T6: the first rule in the document decides, however it is found.
-TEST(PatternSet, FindsTheSameFirstMatchAsAScan) {
+TEST(PatternSet, RandomSets_FindTheSameFirstMatchAsAScan) {
   RandomText random;
   int matched = 0;
   for (int round = 0; round < 400; ++round) {
@@ -42,7 +42,7 @@ TEST(PatternSet, FindsTheSameFirstMatchAsAScan) {
   EXPECT_GT(matched, 10'000);
 }
 
-TEST(PatternSet, FindsAllMatches) {
+TEST(PatternSet, RandomSets_FindAllMatches) {
   RandomText random;
   for (int round = 0; round < 100; ++round) {
     PatternSet set;
@@ -64,7 +64,7 @@ TEST(PatternSet, FindsAllMatches) {
   }
 }
 
-TEST(PatternSet, GivesTheSameTextTheSameNumber) {
+TEST(PatternSet, SameText_GetsTheSameNumber) {
   PatternSet set;
   EXPECT_EQ(set.add("a*"), 0u);
   EXPECT_EQ(set.add("b"), 1u);
@@ -73,7 +73,7 @@ TEST(PatternSet, GivesTheSameTextTheSameNumber) {
   EXPECT_EQ(set.size(), 2u);
 }
 
-TEST(PatternSet, EmptySetMatchesNothing) {
+TEST(PatternSet, EmptySet_MatchesNothing) {
   PatternSet set;
   set.seal();
   EXPECT_EQ(set.first_match("a"), PatternSet::kNone);
@@ -81,7 +81,7 @@ TEST(PatternSet, EmptySetMatchesNothing) {
 }
 
 // T5: what is asked for is a name, not an expression.
-TEST(PatternSet, TakesWildcardsInNamesLiterally) {
+TEST(PatternSet, WildcardsInNames_AreTakenLiterally) {
   PatternSet set;
   set.add("Square");
   set.add("[*]");
@@ -91,7 +91,7 @@ TEST(PatternSet, TakesWildcardsInNamesLiterally) {
   EXPECT_EQ(set.first_match("*"), 1u);
 }
 
-TEST(PatternSet, MatchesWithinAsManySteps) {
+TEST(PatternSet, StepLimit_EndsTheMatch) {
   PatternSet set;
   const std::string many(1'000, 'a');
   set.add("*" + many + "b*");
@@ -106,7 +106,7 @@ TEST(PatternSet, MatchesWithinAsManySteps) {
   EXPECT_GT(enough, 0u);
 }
 
-TEST(PatternSet, FindsNamesLongerThanAnyPart) {
+TEST(PatternSet, NamesLongerThanAnyPart_AreFound) {
   PatternSet set;
   const std::string inner(100, 'x');
   set.add("*" + inner + "y*");

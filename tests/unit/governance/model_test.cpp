@@ -6,7 +6,7 @@
 namespace ddssec::governance {
 namespace {
 
-TEST(DomainSet, ContainsItsRangesWithBothEnds) {
+TEST(DomainSet, Ranges_ContainBothTheirEnds) {
   const DomainSet set{.ranges = {{3, 5}, {9, 9}}};
   for (const DomainId id : {3, 4, 5, 9}) EXPECT_TRUE(set.contains(id)) << id;
   for (const DomainId id : {0, 2, 6, 8, 10}) EXPECT_FALSE(set.contains(id)) << id;

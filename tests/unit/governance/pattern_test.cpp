@@ -24,11 +24,11 @@ struct Row {
 
 class MatcherRow : public testing::TestWithParam<Row> {};
 
-TEST_P(MatcherRow, IsAsTheStandardSays) {
+TEST_P(MatcherRow, EachRow_IsAsTheStandardSays) {
   EXPECT_EQ(matches(GetParam().expression, GetParam().name), GetParam().matches);
 }
 
-TEST_P(MatcherRow, IsAsTheLibrarySays) {
+TEST_P(MatcherRow, EachRow_IsAsTheLibrarySays) {
   EXPECT_EQ(fnmatch(GetParam().expression, GetParam().name, 0) == 0, GetParam().matches);
 }
 
@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"[]-a]", "^", true}, Row{"[*]", "*", true}, Row{"[*]", "a", false},
         Row{"[?]x", "?x", true}, Row{"?", "\xC3", true}, Row{"?", "\xC3\xA9", false}));
 
-TEST(Matcher, AgreesWithFnmatchOnRandomPatterns) {
+TEST(Matcher, RandomPatterns_AgreeWithFnmatch) {
   RandomText random;
   int matched = 0;
   for (int i = 0; i < 400'000; ++i) {
@@ -73,7 +73,7 @@ TEST(Matcher, AgreesWithFnmatchOnRandomPatterns) {
   EXPECT_GT(matched, 10'000);
 }
 
-TEST(Matcher, KnowsWhatMatchesNoName) {
+TEST(Matcher, PatternsThatMatchNoName_AreKnown) {
   for (const auto* expression : {"[z-a]", "a[z-a]*", "a\\", "[!\x01-\xff]"})
     EXPECT_TRUE(Pattern(expression).matches_no_name()) << expression;
   for (const auto* expression :
@@ -84,7 +84,7 @@ TEST(Matcher, KnowsWhatMatchesNoName) {
   EXPECT_FALSE(Pattern("a\\", Pattern::Syntax::subject).matches_no_name());
 }
 
-TEST(Matcher, AgreesWithFnmatchWhereSlashesSeparate) {
+TEST(Matcher, RandomPatternsWithSlashes_AgreeWithFnmatch) {
   RandomText random;
   int matched = 0;
   for (int i = 0; i < 200'000; ++i) {
@@ -110,7 +110,7 @@ double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC
 
 // A peer's partition is such an expression: a search to the end from each '[' took a processor
 // 12 s for 4,000 octets of "[:".
-TEST(Matcher, CompilingIsLinearInTheExpression) {
+TEST(Matcher, LongExpression_CompilesInLinearTime) {
   constexpr double kMaxSecondsPerOctet = 5e-6;  // about 100 times what it takes
   for (const std::string_view unit :
        {"[",      "[:",  "[=", "[.",  "[[:", "[[=", "[[.",  "[:a",    "[[:a:]",
@@ -127,7 +127,7 @@ TEST(Matcher, CompilingIsLinearInTheExpression) {
       }
 }
 
-TEST(Matcher, MatchingIsAtMostExpressionTimesName) {
+TEST(Matcher, LongName_MatchesInExpressionTimesName) {
   const std::string name(1'000, 'a');
   for (const std::string_view unit : {"*a", "*?", "*[a]", "**a", "*[ab]*", "?*", "*[!b]a"}) {
     const Pattern pattern(repeated(unit, 4'000) + "b");
@@ -137,19 +137,19 @@ TEST(Matcher, MatchingIsAtMostExpressionTimesName) {
   }
 }
 
-TEST(Matcher, ASlashBetweenBracketsOfASubjectMatchesNothing) {
+TEST(Matcher, ASlashBetweenBracketsOfASubject_MatchesNothing) {
   for (const char* name : {"a", "/", "b", "[a/b]"})
     EXPECT_FALSE(Pattern("[a/b]", Pattern::Syntax::subject).matches(name)) << name;
 }
 
-TEST(Matcher, ALiteralHasTheNameThatItMatches) {
+TEST(Matcher, ALiteral_HasTheNameThatItMatches) {
   EXPECT_TRUE(Pattern("rt\\/a\\*").is_literal());
   EXPECT_EQ(Pattern("rt\\/a\\*").text(), "rt/a*");
   EXPECT_FALSE(Pattern("a\\").is_literal());
 }
 
 // Of a star and many letters each place of the name is tried.
-TEST(Pattern, MatchesWithinAsManySteps) {
+TEST(Pattern, StepLimit_EndsTheMatch) {
   const std::string many(1'000, 'a');
   const Pattern pattern("*" + many + "b");
   std::size_t few = 100'000, enough = 3'000'000;

@@ -10,14 +10,14 @@ constexpr auto kNone = ProtectionKind::none;
 constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-TEST(Profiles, HaveTheirNames) {
+TEST(Profiles, EachProfile_HasItsName) {
   for (const auto profile : {Profile::open, Profile::balanced, Profile::strict})
     EXPECT_EQ(profile_from(to_string(profile)), profile);
   EXPECT_FALSE(profile_from(""));
   EXPECT_FALSE(profile_from("Strict"));
 }
 
-TEST(Profiles, MeetTheSchemaAndAreReadBack) {
+TEST(Profiles, EachProfile_MeetsTheSchemaAndIsReadBack) {
   for (const auto profile : {Profile::open, Profile::balanced, Profile::strict}) {
     const auto xml = to_xml(governance_of(profile, {{0, 5}, {7, 7}}));
     EXPECT_TRUE(is_valid(xml, "governance.xsd"));
@@ -31,7 +31,7 @@ TEST(Profiles, MeetTheSchemaAndAreReadBack) {
   }
 }
 
-TEST(Profiles, OpenProtectsNothing) {
+TEST(Profiles, OpenProfile_ProtectsNothing) {
   const auto rule = governance_of(Profile::open, {{0, 0}}).domain_rules.at(0);
   EXPECT_TRUE(rule.allow_unauthenticated_participants);
   EXPECT_FALSE(rule.enable_join_access_control);
@@ -45,7 +45,7 @@ TEST(Profiles, OpenProtectsNothing) {
                rule.topic_rules[0].enable_write_access_control);
 }
 
-TEST(Profiles, BalancedEncryptsPayloadsAndDiscovery) {
+TEST(Profiles, BalancedProfile_EncryptsPayloadsAndDiscovery) {
   const auto rule = governance_of(Profile::balanced, {{0, 0}}).domain_rules.at(0);
   EXPECT_FALSE(rule.allow_unauthenticated_participants);
   EXPECT_TRUE(rule.enable_join_access_control);
@@ -57,7 +57,7 @@ TEST(Profiles, BalancedEncryptsPayloadsAndDiscovery) {
 }
 
 // The same values as SROS2 writes, but for the domain and the reference to the schema.
-TEST(Profiles, StrictIsTheTemplateOfSros2) {
+TEST(Profiles, StrictProfile_IsTheTemplateOfSros2) {
   const auto theirs = read_governance(data_file("sros2/upstream/defaults/governance.xml"));
   ASSERT_TRUE(theirs) << theirs.error().to_sentence();
   const auto range = theirs->domain_rules.at(0).domains.ranges;

@@ -8,7 +8,7 @@
 namespace ddssec::governance {
 namespace {
 
-TEST(ReadGovernance, KeepsEveryValue) {
+TEST(ReadGovernance, EveryValue_IsKept) {
   const auto document = governance_from(kGovernanceXml);
   ASSERT_TRUE(document) << document.error().to_sentence();
   ASSERT_EQ(document->domain_rules.size(), 1u);
@@ -35,7 +35,7 @@ TEST(ReadGovernance, KeepsEveryValue) {
   EXPECT_TRUE(document->notes.empty());
 }
 
-TEST(ReadGovernance, NotesWhatOtherProductsDoNotKnow) {
+TEST(ReadGovernance, ElementsUnknownToOtherProducts_AreNoted) {
   using enum NoteKind;
   struct Case {
     const char *from, *to;
@@ -64,7 +64,7 @@ TEST(ReadGovernance, NotesWhatOtherProductsDoNotKnow) {
 }
 
 class BadGovernance : public testing::TestWithParam<Refusal> {};
-TEST_P(BadGovernance, IsRefusedWithItsLine) {
+TEST_P(BadGovernance, EachFault_IsRefusedWithItsLine) {
   const auto& p = GetParam();
   const auto document = governance_from(replaced(kGovernanceXml, p.from, p.to));
   ASSERT_FALSE(document);
@@ -114,7 +114,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"attribute twice", "<topic_rule>", "<topic_rule a=\"1\" a=\"2\">",
                 Code::xml_not_well_formed, 12}));
 
-TEST(ReadGovernance, EveryElementIsNeeded) {
+TEST(ReadGovernance, MissingElement_IsRefused) {
   for (const char* name :
        {"domains", "allow_unauthenticated_participants", "enable_join_access_control",
         "discovery_protection_kind", "liveliness_protection_kind", "rtps_protection_kind",
@@ -138,7 +138,7 @@ TEST(ReadGovernance, EveryElementIsNeeded) {
   }
 }
 
-TEST(ReadGovernance, OtherDocumentsAreNamed) {
+TEST(ReadGovernance, OtherDocuments_AreNamed) {
   EXPECT_CODE(governance_from(kPermissionsXml), document_kind);
   EXPECT_CODE(permissions_from(kGovernanceXml), document_kind);
   EXPECT_CODE(governance_from("<html/>"), document_kind);
@@ -146,7 +146,7 @@ TEST(ReadGovernance, OtherDocumentsAreNamed) {
   EXPECT_CODE(permissions_from("<dds><permissions/></dds>"), element_missing);
 }
 
-TEST(ReadGovernance, KnowsTheElementsOfVersion12) {
+TEST(ReadGovernance, ElementsOfVersion12_AreKnown) {
   auto xml = replaced(kGovernanceXml, "<discovery_protection_kind>",
                       "<enable_key_revision>true</enable_key_revision>\n"
                       "<discovery_protection_kind>");
@@ -189,7 +189,7 @@ TEST(ReadGovernance, KnowsTheElementsOfVersion12) {
 }
 
 // DDS-Security 1.2, clause 10.4.1.2.5.9.1, .3 and .4; only the schema requires the lists.
-TEST(ReadGovernance, AnAbsentListOfAlgorithmsHoldsThoseOfTheStandard) {
+TEST(ReadGovernance, AnAbsentListOfAlgorithms_HoldsThoseOfTheStandard) {
   const auto with = [](std::string_view lists) {
     return governance_from(replaced(kGovernanceXml, "</topic_access_rules>",
                                     fmt::format("</topic_access_rules><allowed_crypto_algorithms>"
@@ -220,7 +220,7 @@ TEST(ReadGovernance, AnAbsentListOfAlgorithmsHoldsThoseOfTheStandard) {
 }
 
 // g3: the rule that covers every domain comes first, as in 10.4.1.2.7.
-TEST(ReadGovernance, AnOpenRangeCoversEveryDomainAndStockProductsReadOne) {
+TEST(ReadGovernance, AnOpenRange_CoversEveryDomainAndStockProductsReadOne) {
   auto document =
       governance_from(replaced(kGovernanceXml, "<id>7</id>", "<id_range><min>0</min></id_range>"));
   ASSERT_TRUE(document);

@@ -6,7 +6,7 @@
 namespace ddssec::governance {
 namespace {
 
-TEST(ReadPermissions, KeepsEveryValue) {
+TEST(ReadPermissions, EveryValue_IsKept) {
   const auto document = permissions_from(kPermissionsXml);
   ASSERT_TRUE(document) << document.error().to_sentence();
   ASSERT_EQ(document->grants.size(), 1u);
@@ -34,14 +34,14 @@ TEST(ReadPermissions, KeepsEveryValue) {
   EXPECT_TRUE(document->notes.empty());
 }
 
-TEST(ReadPermissions, WithoutDefaultDeny) {
+TEST(ReadPermissions, MissingDefault_IsDeny) {
   const auto document = permissions_from(replaced(kPermissionsXml, "<default>ALLOW</default>", ""));
   ASSERT_TRUE(document);
   EXPECT_FALSE(document->grants[0].default_allow);
   EXPECT_EQ(document->notes.size(), 1u);
 }
 
-TEST(ReadPermissions, NoteWhatOthersReadDifferently) {
+TEST(ReadPermissions, WhatOthersReadDifferently_IsNoted) {
   const auto no_zone =
       permissions_from(replaced(kPermissionsXml, "00Z</not_before>", "00</not_before>"));
   ASSERT_TRUE(no_zone);
@@ -51,7 +51,7 @@ TEST(ReadPermissions, NoteWhatOthersReadDifferently) {
   EXPECT_EQ(no_name->notes.size(), 1u);
 }
 
-TEST(ReadPermissions, NotesSayWhatAndWhere) {
+TEST(ReadPermissions, Notes_SayWhatAndWhere) {
   const auto document = permissions_from(
       replaced(replaced(kPermissionsXml, "<topic>Circle</topic>", "<topic>\n Circle </topic>"),
                "<id>9</id>", "<id>9</id><tag>red</tag>"));
@@ -66,7 +66,7 @@ TEST(ReadPermissions, NotesSayWhatAndWhere) {
 }
 
 // DDS-Security 1.2, clause 10.4.1.2.3: <min> alone has no end, <max> alone begins with 0.
-TEST(ReadPermissions, OneSidedRangesAreOpen) {
+TEST(ReadPermissions, OneSidedRanges_AreOpen) {
   const std::string only_min = "<id_range><min>3</min></id_range>";
   const auto allow = permissions_from(
       replaced(kPermissionsXml, "<id_range><min>3</min><max>5</max></id_range>", only_min));
@@ -82,14 +82,14 @@ TEST(ReadPermissions, OneSidedRangesAreOpen) {
   EXPECT_EQ(only_max->grants[0].rules[1].domains.ranges.front(), (DomainRange{0, 9}));
 }
 
-TEST(ReadPermissions, EmptyPartitionIsTheDefaultPartition) {
+TEST(ReadPermissions, EmptyPartition_IsTheDefaultPartition) {
   const auto document =
       permissions_from(replaced(kPermissionsXml, "<partition>a*</partition>", "<partition/>"));
   ASSERT_TRUE(document);
   EXPECT_EQ(document->grants[0].rules[0].publish[0].partitions->front().text, "");
 }
 
-TEST(ReadPermissions, SubjectMayBeAnExpression) {
+TEST(ReadPermissions, Subject_MayBeAnExpression) {
   auto xml = replaced(kPermissionsXml, "<subject_name>", "<subject_name_expression>");
   xml = replaced(xml, "</subject_name>", "</subject_name_expression>");
   const auto document = permissions_from(xml);
@@ -97,7 +97,7 @@ TEST(ReadPermissions, SubjectMayBeAnExpression) {
   EXPECT_TRUE(document->grants[0].subject_is_expression);
 }
 
-TEST(ReadPermissions, FractionsOfASecondMakeAValidityShorter) {
+TEST(ReadPermissions, FractionsOfASecond_MakeAValidityShorter) {
   const auto with = [](const char* from, const char* to) {
     return permissions_from(replaced(replaced(kPermissionsXml, "2026-01-01T00:00:00Z", from),
                                      "2027-01-01T00:00:00Z", to));
@@ -117,7 +117,7 @@ TEST(ReadPermissions, FractionsOfASecondMakeAValidityShorter) {
 }
 
 class BadPermissions : public testing::TestWithParam<Refusal> {};
-TEST_P(BadPermissions, IsRefusedWithItsLine) {
+TEST_P(BadPermissions, EachFault_IsRefusedWithItsLine) {
   const auto& p = GetParam();
   const auto document = permissions_from(replaced(kPermissionsXml, p.from, p.to));
   ASSERT_FALSE(document);

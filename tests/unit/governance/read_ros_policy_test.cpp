@@ -4,7 +4,7 @@
 namespace ddssec::governance {
 namespace {
 
-TEST(RosPolicies, IncludeFromBelowTheirFolder) {
+TEST(RosPolicies, FilesBelowTheirFolder_AreIncluded) {
   const std::string include = "<xi:include href=\"sub/a.xml\" xpointer=\"xpointer(/profile/*)\"/>";
   const std::string topics = "<topics publish=\"ALLOW\"><topic>x</topic></topics>";
   const std::string a =
@@ -17,7 +17,7 @@ TEST(RosPolicies, IncludeFromBelowTheirFolder) {
   ASSERT_EQ(policy->enclaves[0].profiles[0][0].elements.size(), 1u);
 }
 
-TEST(RosPolicies, IncludeWholeEnclaves) {
+TEST(RosPolicies, WholeEnclaves_AreIncluded) {
   const std::string outer =
       "<policy version=\"0.2.0\" xmlns:xi=\"http://www.w3.org/2001/XInclude\"><enclaves>"
       "<xi:include href=\"in.xml\" xpointer=\"xpointer(/policy/enclaves/*)\"/></enclaves></policy>";
@@ -27,7 +27,7 @@ TEST(RosPolicies, IncludeWholeEnclaves) {
   EXPECT_EQ(policy->enclaves.at(0).path, "/e");
 }
 
-TEST(RosPolicies, IncludesAreBounded) {
+TEST(RosPolicies, Includes_AreBounded) {
   for (const char* href : {"/etc/passwd", "../a.xml", "sub/../../a.xml", "http://x/a.xml", ""})
     EXPECT_CODE(
         policy_from({{"policy.xml", profile(fmt::format("<xi:include href=\"{}\" "
@@ -61,7 +61,7 @@ struct Bad {
 };
 class BadRosPolicy : public ::testing::TestWithParam<Bad> {};
 
-TEST_P(BadRosPolicy, IsRefused) {
+TEST_P(BadRosPolicy, EachFault_IsRefused) {
   const auto& [name, from, to, code] = GetParam();
   const auto good = profile("<topics publish=\"ALLOW\"><topic>x</topic></topics>");
   const auto policy = policy_from({{"policy.xml", pki::replaced(good, from, to)}});
@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Bad{"foreign include", "<topics publish=\"ALLOW\">",
                           "<a:include/><topics publish=\"ALLOW\">", Code::element_unknown}));
 
-TEST(RosPolicies, OfAnotherKindAreRefused) {
+TEST(RosPolicies, DocumentOfAnotherKind_IsRefused) {
   EXPECT_CODE(policy_from({{"policy.xml", kPermissionsXml}}), document_kind);
 }
 

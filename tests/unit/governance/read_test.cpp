@@ -4,14 +4,14 @@
 namespace ddssec::governance {
 namespace {
 
-TEST(ReadDocuments, AreBoundedInRules) {
+TEST(ReadDocuments, TooManyRules_AreRefused) {
   std::string topics;
   for (std::size_t i = 0; i <= kMaxEntries; ++i) topics += "<topic>a</topic>";
   EXPECT_CODE(permissions_from(replaced(kPermissionsXml, "<topic>Circle</topic>", topics)),
               too_many_rules);
 }
 
-TEST(ReadDocuments, EveryPartOfOneIsRefused) {
+TEST(ReadDocuments, EveryPartOfOne_IsRefused) {
   for (std::size_t size = 0; size + 2 < kGovernanceXml.size(); ++size) {
     EXPECT_FALSE(governance_from(std::string_view(kGovernanceXml).substr(0, size))) << size;
   }
@@ -20,7 +20,7 @@ TEST(ReadDocuments, EveryPartOfOneIsRefused) {
   }
 }
 
-TEST(ReadDocuments, NoFlippedBitUpsetsThem) {
+TEST(ReadDocuments, FlippedBits_UpsetNothing) {
   for (std::size_t bit = 0; bit < kPermissionsXml.size() * 8; ++bit) {
     std::string xml = kPermissionsXml;
     xml[bit / 8] = static_cast<char>(xml[bit / 8] ^ (1 << bit % 8));
@@ -31,7 +31,7 @@ TEST(ReadDocuments, NoFlippedBitUpsetsThem) {
   }
 }
 
-TEST(ReadDocuments, OfOtherProjectsAreRead) {
+TEST(ReadDocuments, DocumentsOfOtherProjects_AreRead) {
   for (const auto* name : {"cyclonedds/validate_local_permissions/Test_Governance_full.xml",
                            "sros2/upstream/defaults/governance.xml"}) {
     const auto document = read_governance(data_file(name));

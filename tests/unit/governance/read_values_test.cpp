@@ -11,7 +11,7 @@ struct Edit {
 void PrintTo(const Edit& edit, std::ostream* out) { *out << edit.name; }
 
 class LenientGovernance : public testing::TestWithParam<Edit> {};
-TEST_P(LenientGovernance, IsReadWithANote) {
+TEST_P(LenientGovernance, EachLeniency_IsReadWithANote) {
   const auto document = governance_from(replaced(kGovernanceXml, GetParam().from, GetParam().to));
   ASSERT_TRUE(document) << document.error().to_sentence();
   EXPECT_EQ(document->notes.size(), 1u);
@@ -32,7 +32,7 @@ INSTANTIATE_TEST_SUITE_P(
         Edit{"only max", "<id>7</id>", "<id_range><max>7</max></id_range>"}));
 
 class SameGovernance : public testing::TestWithParam<Edit> {};
-TEST_P(SameGovernance, IsReadAlike) {
+TEST_P(SameGovernance, EachSpelling_IsReadAlike) {
   const auto document = governance_from(replaced(kGovernanceXml, GetParam().from, GetParam().to));
   ASSERT_TRUE(document) << document.error().to_sentence();
   for (const auto& note : document->notes)

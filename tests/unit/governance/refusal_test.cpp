@@ -31,7 +31,7 @@ RefusalAdvice advice(const CompiledGrant& grant, const Request& request) {
   return advice_on(grant, Action::publish, request, grant.judge(Action::publish, request));
 }
 
-TEST(RefusalAdvice, SaysThatOnlyThePartitionIsNotAllowed) {
+TEST(RefusalAdvice, AllowedTopicInAnotherPartition_IsSaid) {
   const auto grant = compiled(publishes({"rt/*"}, "yard*"));
   const std::vector<std::string_view> street = {"street"};
   const auto found = advice(grant, {.topic = "rt/a", .partitions = street});
@@ -45,14 +45,14 @@ TEST(RefusalAdvice, SaysThatOnlyThePartitionIsNotAllowed) {
   EXPECT_EQ(advice(grant, {.topic = "rt/a", .partitions = yard}).hint, "");  // allowed
 }
 
-TEST(RefusalAdvice, SaysThatOnlyTheDataTagsAreNotAllowed) {
+TEST(RefusalAdvice, AllowedTopicWithOtherDataTags_IsSaid) {
   const auto grant = compiled(publishes({"a"}, {}, DataTag{"colour", "red"}));
   const std::vector<DataTag> blue = {{"colour", "blue"}};
   EXPECT_THAT(advice(grant, {.topic = "a", .data_tags = blue}).hint,
               HasSubstr("not with these data tags"));
 }
 
-TEST(RefusalAdvice, ProposesANameThatIsClose) {
+TEST(RefusalAdvice, NameThatIsClose_IsProposed) {
   const auto grant = compiled(publishes({"rt/chatter", "Square", "rt/*x"}));
   for (const auto* typed : {"chatter", "/chatter", "rt/chater", "rt/CHATTER", "rt/chatters"})
     EXPECT_THAT(advice(grant, {.topic = typed}).hint, HasSubstr("is \"rt/chatter\" meant?"))
@@ -79,7 +79,7 @@ TEST(RefusalAdvice, NameNearToAnExpression_IsProposed) {
   EXPECT_EQ(advice(compiled(publishes({std::string(129, 'a') + "*"})), {.topic = "b"}).hint, "");
 }
 
-TEST(RefusalAdvice, IsSilentAboutDenyRules) {
+TEST(RefusalAdvice, DenyRules_AreNotMentioned) {
   auto rule = publishes({"a"}, "p");
   rule.allow = false;
   const auto grant = compiled(rule);

@@ -30,7 +30,7 @@ class RightsTest : public ::testing::Test {
   std::shared_ptr<Permissions> document_;
 };
 
-TEST_F(RightsTest, AllowWhatIsListedAndNothingElse) {
+TEST_F(RightsTest, ListedTopics_AreAllowedAndNothingElse) {
   const auto grant = compiled({.domains = {{0, 5}}, .publish = {"a*"}, .subscribe = {"b", "c"}});
   EXPECT_TRUE(may(grant, Action::publish, "abc"));
   EXPECT_TRUE(may(grant, Action::subscribe, "c"));
@@ -38,7 +38,7 @@ TEST_F(RightsTest, AllowWhatIsListedAndNothingElse) {
   EXPECT_FALSE(may(grant, Action::publish, "abc", {"red"}));
 }
 
-TEST_F(RightsTest, DenialsWinInEveryPartition) {
+TEST_F(RightsTest, Denials_WinInEveryPartition) {
   const auto grant = compiled({.domains = {{3, 3}},
                                .publish = {"*"},
                                .deny_publish = {"secret*"},
@@ -50,13 +50,13 @@ TEST_F(RightsTest, DenialsWinInEveryPartition) {
   EXPECT_TRUE(grant.judge_participant().allowed) << "a denial must not be the first rule";
 }
 
-TEST_F(RightsTest, WithoutTopicsLetTheParticipantJoin) {
+TEST_F(RightsTest, WithoutTopics_TheParticipantMayJoin) {
   const auto grant = compiled({.domains = {{3, 3}}});
   EXPECT_TRUE(grant.judge_participant().allowed);
   EXPECT_FALSE(may(grant, Action::publish, "a"));
 }
 
-TEST_F(RightsTest, HoldInTheirDomainsOnly) {
+TEST_F(RightsTest, OtherDomains_AreNotAllowed) {
   EXPECT_FALSE(compiled({.domains = {{4, 4}}, .publish = {"*"}}).judge_participant().allowed);
 }
 

@@ -42,7 +42,7 @@ Permissions allowing(std::vector<std::string> publish, std::vector<std::string> 
   return {.grants = {{.name = "/e", .subject_name = "CN=/e", .rules = {rule}, .line = 4}}};
 }
 
-TEST(NodeDefaults, AreWhatAnRclcppNodeCreatesAtItsStart) {
+TEST(NodeDefaults, NodesPolicy_AllowsWhatAnRclcppNodeCreates) {
   const auto document = granted(with_node_defaults(policy({kChatter}, "/robot", "camera")));
   EXPECT_TRUE(may(document, Action::publish, "rt/robot/chatter"));
   EXPECT_TRUE(may(document, Action::publish, "rt/rosout"));
@@ -59,12 +59,12 @@ TEST(NodeDefaults, AreWhatAnRclcppNodeCreatesAtItsStart) {
   EXPECT_EQ(missing_node_defaults(document), std::nullopt);
 }
 
-TEST(NodeDefaults, AreAddedOnce) {
+TEST(NodeDefaults, AddedTwice_AreThereOnce) {
   const auto once = with_node_defaults(policy({kChatter}));
   EXPECT_EQ(to_xml(granted(with_node_defaults(once))), to_xml(granted(once)));
 }
 
-TEST(NodeDefaults, AreForEachNodeOfTheEnclave) {
+TEST(NodeDefaults, EachNodeOfTheEnclave_HasThem) {
   auto two = policy({kChatter});
   two.enclaves[0].profiles[0].push_back({"/", "other", {kChatter}});
   const auto document = granted(with_node_defaults(two));
@@ -72,7 +72,7 @@ TEST(NodeDefaults, AreForEachNodeOfTheEnclave) {
   EXPECT_TRUE(may(document, Action::publish, "rr/other/set_parametersReply"));
 }
 
-TEST(NodeDefaults, DoNotAllowWhatThePolicyDenies) {
+TEST(NodeDefaults, WhatThePolicyDenies_StaysDenied) {
   const RosElement no_changes{RosKind::services, deny, unsaid, {"~/set_parameters"}};
   const auto document = granted(
       with_node_defaults(policy({kChatter, no_changes, topics(deny, unsaid, {"/rosout"})})));
@@ -86,7 +86,7 @@ TEST(NodeDefaults, DoNotAllowWhatThePolicyDenies) {
       << found->message;
 }
 
-TEST(MissingNodeDefaults, AreNamedInOneFinding) {
+TEST(MissingNodeDefaults, AllMissingOnes_AreNamedInOneFinding) {
   const auto found = missing_node_defaults(granted(policy({kChatter})));
   ASSERT_TRUE(found);
   EXPECT_EQ(found->rule, ddssec::Rule::PERM040);
@@ -99,7 +99,7 @@ TEST(MissingNodeDefaults, AreNamedInOneFinding) {
   EXPECT_NE(std::string(info(found->rule).hint).find("--node-defaults"), std::string::npos);
 }
 
-TEST(MissingNodeDefaults, EachOfThemIsMissed) {
+TEST(MissingNodeDefaults, EachOfThem_IsMissed) {
   const auto whole = granted(with_node_defaults(policy({kChatter})));
   const auto& rule = whole.grants[0].rules[0];
   std::size_t needed = 0;
@@ -118,7 +118,7 @@ TEST(MissingNodeDefaults, EachOfThemIsMissed) {
   EXPECT_EQ(needed, 15u);  // rosout, parameter_events twice, two halves of six services
 }
 
-TEST(MissingNodeDefaults, ExpressionsMayGrantThem) {
+TEST(MissingNodeDefaults, Expressions_MayGrantThem) {
   const auto lacks = [](std::vector<std::string> publish, std::vector<std::string> subscribe) {
     return missing_node_defaults(allowing(std::move(publish), std::move(subscribe))).has_value();
   };
@@ -131,14 +131,14 @@ TEST(MissingNodeDefaults, ExpressionsMayGrantThem) {
   EXPECT_TRUE(lacks({"rt/*", "rr/a*"}, {"rt/*"}));
 }
 
-TEST(MissingNodeDefaults, OnlyOfWhatLooksLikeRos) {
+TEST(MissingNodeDefaults, WhatDoesNotLookLikeRos_IsLeftAlone) {
   EXPECT_FALSE(missing_node_defaults(allowing({"Square"}, {"Circle"})));
   EXPECT_FALSE(missing_node_defaults(allowing({"*"}, {"*"})));
   EXPECT_TRUE(missing_node_defaults(allowing({"ros_discovery_info"}, {})));
   EXPECT_TRUE(missing_node_defaults(allowing({"rr/addReply"}, {"rq/addRequest"})));
 }
 
-TEST(MissingNodeDefaults, SeveralGrantsAreOneFinding) {
+TEST(MissingNodeDefaults, SeveralGrants_AreOneFinding) {
   auto document = granted(policy({kChatter}));
   for (int i = 0; i < 4; ++i) document.grants.push_back(document.grants.front());
   const auto found = missing_node_defaults(document);
@@ -146,7 +146,7 @@ TEST(MissingNodeDefaults, SeveralGrantsAreOneFinding) {
   EXPECT_TRUE(found->message.ends_with("; 2 more grants lack such rights")) << found->message;
 }
 
-TEST(MissingNodeDefaults, ADomainOfTheGrantIsEnough) {
+TEST(MissingNodeDefaults, ADomainOfTheGrant_IsEnough) {
   auto document = granted(with_node_defaults(policy({kChatter})));
   auto other = granted(policy({kChatter})).grants[0].rules[0];
   other.domains.ranges = {{5, 5}};

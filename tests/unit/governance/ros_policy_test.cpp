@@ -32,7 +32,7 @@ struct Golden {
 };
 class Sros2Golden : public ::testing::TestWithParam<Golden> {};
 
-TEST_P(Sros2Golden, IsTheSameOctetForOctet) {
+TEST_P(Sros2Golden, EachPolicy_GivesTheSameOctets) {
   const auto& [name, expected, discovery] = GetParam();
   const auto policy = policy_of(name);
   ASSERT_TRUE(policy) << policy.error().to_sentence();
@@ -59,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Golden{"generated/policies/ordering.policy.xml",
                              "generated/expected/ordering.with_discovery.permissions.xml", true}));
 
-TEST(RosNames, AreExpandedAsTheNodeMeansThem) {
+TEST(RosNames, EachForm_IsExpandedAsTheNodeDoes) {
   const RosProfile root{"/", "m"}, below{"/a/b", "m"};
   EXPECT_EQ(expanded_ros_name(below, "/x"), "/x");
   EXPECT_EQ(expanded_ros_name(below, "~"), "/a/b/m");
@@ -77,7 +77,7 @@ std::vector<std::string> names(const std::vector<Criteria>& list) {
   return out;
 }
 
-TEST(RosPolicies, OfSeveralProfilesAreMergedAndDenialsWin) {
+TEST(RosPolicies, SeveralProfiles_AreMergedAndDenialsWin) {
   auto text = profile("<topics publish=\"ALLOW\"><topic>b</topic><topic>/a</topic></topics>");
   text = pki::replaced(text, "</profiles>",
                        "</profiles><profiles><profile ns=\"/\" node=\"o\"><topics publish=\"DENY\" "
@@ -104,7 +104,7 @@ TEST(RosPolicies, OfSeveralProfilesAreMergedAndDenialsWin) {
   EXPECT_EQ(sros2->grants.size(), 2u);
 }
 
-TEST(RosPolicies, ActionsAreServicesAndTopics) {
+TEST(RosPolicies, Actions_AreServicesAndTopics) {
   const auto policy = policy_from(
       {{"policy.xml", profile("<actions call=\"ALLOW\"><action>x</action></actions>")}});
   ASSERT_TRUE(policy);

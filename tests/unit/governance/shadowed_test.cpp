@@ -27,14 +27,14 @@ By by(std::vector<std::string_view> expressions) {
   return found.back().by;
 }
 
-TEST(Shadows, AnExpressionWithinAnEarlierOneIsDead) {
+TEST(Shadows, AnExpressionWithinAnEarlierOne_IsDead) {
   EXPECT_EQ(by({"rt/*", "rt/chatter"}), By{0});
   EXPECT_EQ(by({"x", "rt/chatter", "rt/chatter"}), By{1});
   EXPECT_EQ(by({"*", "rt/robot[0-9]"}), By{0});
   EXPECT_EQ(by({"a*", "a*b"}), By{0});
 }
 
-TEST(Shadows, OneThatMatchesMoreIsAlive) {
+TEST(Shadows, OneThatMatchesMore_IsAlive) {
   EXPECT_EQ(by({"rt/chatter", "rt/*"}), By{});
   EXPECT_EQ(by({"rt/a", "rt/b"}), By{});
   EXPECT_EQ(by({"[ab]", "[abc]"}), By{});
@@ -43,13 +43,13 @@ TEST(Shadows, OneThatMatchesMoreIsAlive) {
   EXPECT_EQ(by({"a\\*", "a\\**"}), By{}) << "the first is one name";
 }
 
-TEST(Shadows, SeveralTogetherCanDoIt) {
+TEST(Shadows, SeveralTogether_CanDoIt) {
   EXPECT_EQ(by({"rt/a*", "x*", "rt/b*", "rt/[ab]*"}), (By{0, 2}));
   EXPECT_EQ(by({"a", "a?*", "a*"}), (By{0, 1}));
   EXPECT_EQ(by({"[a-m]", "[k-z]", "[b-y]"}), (By{0, 1}));
 }
 
-TEST(Shadows, OnlyThoseThatCoverCount) {
+TEST(Shadows, OnlyOverlapsAllowedToCover_Count) {
   const std::string_view expressions[] = {"a*", "*", "ab"};
   SetEffort effort{1'000'000};
   const auto found = shadows(expressions, effort,
@@ -59,7 +59,7 @@ TEST(Shadows, OnlyThoseThatCoverCount) {
 }
 
 // The automaton over the whole list says the same.
-TEST(Shadows, AgreeWithTheAutomatonOnRandomLists) {
+TEST(Shadows, RandomLists_AgreeWithTheAutomaton) {
   std::mt19937 random(1);
   for (int round = 0; round < 3000; ++round) {
     std::vector<std::string> texts(1 + random() % 6);
@@ -76,7 +76,7 @@ TEST(Shadows, AgreeWithTheAutomatonOnRandomLists) {
   }
 }
 
-TEST(Shadows, OfTwentyThousandExpressionsTakeNoTime) {
+TEST(Shadows, TwentyThousandExpressions_TakeNoTime) {
   std::vector<std::string> texts;
   for (int i = 0; i < 18'000; ++i) texts.push_back(fmt::format("rt/robot{}/topic{}", i % 100, i));
   for (int i = 0; i < 2000; ++i) texts.push_back(fmt::format("rq/node{}/*Request", i));
@@ -90,7 +90,7 @@ TEST(Shadows, OfTwentyThousandExpressionsTakeNoTime) {
 }
 
 // Each question may take ten million steps, and each expression asks some.
-TEST(Shadows, AllTogetherTakeNoMoreThanTheEffort) {
+TEST(Shadows, AllTogether_TakeNoMoreThanTheEffort) {
   std::vector<std::string> texts;
   for (int i = 0; i < 400; ++i) texts.push_back((i % 2 ? "*a" : "*b") + std::string(i % 40, '?'));
   const std::vector<std::string_view> expressions(texts.begin(), texts.end());
@@ -102,7 +102,7 @@ TEST(Shadows, AllTogetherTakeNoMoreThanTheEffort) {
   EXPECT_EQ(effort.steps, 0u);
 }
 
-TEST(Shadows, LookingUpNamesCountsAsEffort) {
+TEST(Shadows, LookingUpNames_CountsAsEffort) {
   std::vector<std::string> texts;
   for (std::size_t i = 1; i < 400; ++i)
     for (const char c : {'a', 'b'}) texts.push_back(std::string("*") + c + std::string(i, '?'));
@@ -114,7 +114,7 @@ TEST(Shadows, LookingUpNamesCountsAsEffort) {
   EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC) << "of this process alone";
 }
 
-TEST(Shadows, WithoutEffortNothingIsFoundButPlainCases) {
+TEST(Shadows, WithoutEffort_OnlyPlainCasesAreFound) {
   SetEffort none{0};
   const std::string_view expressions[] = {"[a-m]", "[k-z]", "[b-y]", "rt/*", "rt/a"};
   const auto found = shadows(expressions, none);

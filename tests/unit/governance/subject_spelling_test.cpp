@@ -11,7 +11,7 @@ struct Subject {
 class SubjectSpelling : public ::testing::TestWithParam<Subject> {};
 
 // As measured with both vendors.
-TEST_P(SubjectSpelling, IsCorrected) {
+TEST_P(SubjectSpelling, EachSpelling_IsCorrected) {
   const auto& [text, right, vendors] = GetParam();
   const auto found = only(changed([&](Grant& g) { g.subject_name = text; }));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM011);
@@ -35,7 +35,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Subject{"CN=\"pub\"", "CN=pub", kBoth},
                       Subject{"CN=\\70ub", "CN=pub", kBoth}));
 
-TEST(LintPermissions, SubjectsThatAreFine) {
+TEST(LintPermissions, CorrectSubjects_HaveNoFinding) {
   for (const char* text : {"CN=pub", "CN=pub,O=Acme,C=DE", "CN=/a/b", "CN=pub,O=A\\, B", "CN=a b"})
     EXPECT_TRUE(lint_but_joining(changed([&](Grant& g) { g.subject_name = text; })).empty())
         << text;
@@ -53,7 +53,7 @@ TEST(LintPermissions, SubjectBeyondAscii_NamesTheProductThatDoesNotRecogniseIt) 
       lint_but_joining(changed([](Grant& grant) { grant.subject_name = "CN=cafe"; })).empty());
 }
 
-TEST(LintPermissions, OfAnotherSubjectThanTheCertificates) {
+TEST(LintPermissions, AnotherSubjectThanTheCertificates_IsAnError) {
   const auto document = changed([](Grant& g) { g.subject_name = "CN=talker2,O=A\\, B,C=DE"; });
   const auto found = only(document, {.certificate = &certificate()});
   EXPECT_EQ(found.rule, ddssec::Rule::PERM011);
@@ -61,7 +61,7 @@ TEST(LintPermissions, OfAnotherSubjectThanTheCertificates) {
   EXPECT_EQ(found.hint, "write <subject_name>CN=talker,O=A\\, B,C=DE</subject_name>");
 }
 
-TEST(LintPermissions, OfTheSubjectInOtherWords) {
+TEST(LintPermissions, CertificatesSubjectInOtherWords_IsAWarning) {
   const auto document = changed([](Grant& g) { g.subject_name = "C=DE,O=A\\, B,CN=talker"; });
   const auto found = only(document, {.certificate = &certificate()});
   EXPECT_EQ(found.rule, ddssec::Rule::PERM011);

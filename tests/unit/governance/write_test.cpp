@@ -7,7 +7,7 @@
 namespace ddssec::governance {
 namespace {
 
-TEST(WriteGovernance, MeetsTheSchema) {
+TEST(WriteGovernance, WrittenDocument_MeetsTheSchema) {
   auto document = governance_from(replaced(kGovernanceXml, ">Square*<", ">&lt;&amp;&quot;><"));
   ASSERT_TRUE(document);
   document->domain_rules[0].domains.ranges = {{0, 5}, {7, 7}};
@@ -16,14 +16,14 @@ TEST(WriteGovernance, MeetsTheSchema) {
   EXPECT_TRUE(is_valid(to_xml(*document), "governance.xsd"));
 }
 
-TEST(WriteGovernance, OfALenientDocumentIsStrict) {
+TEST(WriteGovernance, LenientDocument_IsWrittenStrictly) {
   const auto document =
       read_governance(data_file("cyclonedds/validate_local_permissions/Test_Governance_full.xml"));
   ASSERT_TRUE(document);
   EXPECT_TRUE(is_valid(to_xml(*document), "governance.xsd"));
 }
 
-TEST(WriteGovernance, IsReadBackTheSame) {
+TEST(WriteGovernance, WrittenDocument_IsReadBackTheSame) {
   auto document = governance_from(replaced(kGovernanceXml, ">Square*<", ">&lt;&amp;&quot;><"));
   ASSERT_TRUE(document);
   auto& rule = document->domain_rules[0];
@@ -45,19 +45,19 @@ TEST(WriteGovernance, IsReadBackTheSame) {
   EXPECT_TRUE(again->domain_rules[0].allowed_algorithms);
 }
 
-TEST(WritePermissions, MeetsTheSchema) {
+TEST(WritePermissions, WrittenDocument_MeetsTheSchema) {
   const auto document = permissions_from(kPermissionsXml);
   ASSERT_TRUE(document);
   EXPECT_TRUE(is_valid(to_xml(*document), "permissions.xsd"));
 }
 
-TEST(WritePermissions, NamesEveryGrant) {
+TEST(WritePermissions, GrantWithoutAName_GetsOne) {
   const auto document = permissions_from(replaced(kPermissionsXml, " name=\"talker\"", ""));
   ASSERT_TRUE(document);
   EXPECT_TRUE(is_valid(to_xml(*document), "permissions.xsd"));
 }
 
-TEST(WritePermissions, IsReadBackTheSame) {
+TEST(WritePermissions, WrittenDocument_IsReadBackTheSame) {
   auto document = permissions_from(kPermissionsXml);
   ASSERT_TRUE(document);
   document->grants[0].subject_is_expression = true;
@@ -70,12 +70,12 @@ TEST(WritePermissions, IsReadBackTheSame) {
   EXPECT_EQ(again->notes[0].kind, NoteKind::newer_element);
 }
 
-TEST(Revision, IsWrittenAndReadBack) {
+TEST(Revision, WrittenRevision_IsReadBack) {
   const std::string xml = to_xml(Governance{.domain_rules = {{}}, .revision = 4'294'967'295});
   EXPECT_NE(xml.find("?>\n<?ddssec revision=\"4294967295\"?>\n<dds>"), std::string::npos) << xml;
 }
 
-TEST(Revision, StandsRightAfterTheDeclaration) {
+TEST(Revision, WithOrWithoutADeclaration_StandsRightAfterIt) {
   EXPECT_EQ(with_revision("<?xml version=\"1.0\"?>\n<dds/>", 7),
             "<?xml version=\"1.0\"?>\n<?ddssec revision=\"7\"?>\n<dds/>");
   EXPECT_EQ(with_revision("<?xml version=\"1.0\"?>\r\n<!-- c --><dds/>", 7),
@@ -87,7 +87,7 @@ TEST(Revision, StandsRightAfterTheDeclaration) {
             "<?ddssec revision=\"7\"?>\n<!-- c -->\n<dds/>");
 }
 
-TEST(Revision, IsReadFromEachPlaceWhereItIsWritten) {
+TEST(Revision, EachPlace_IsReadAsItIsWritten) {
   auto rule = domain_rule_of(Profile::strict, {{0, 0}});
   rule.topic_rules.push_back(topic_rule_of(Profile::strict, "*"));
   const auto content = to_xml(Governance{.domain_rules = {rule}});

@@ -20,7 +20,7 @@ struct Row {
 void PrintTo(const Row& row, std::ostream* out) { *out << row.name; }
 
 class HostileXml : public testing::TestWithParam<Row> {};
-TEST_P(HostileXml, IsRefusedBeforeAnybodyParsesIt) {
+TEST_P(HostileXml, EachText_IsRefusedBeforeItIsParsed) {
   const auto status = check_xml(GetParam().text);
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().code(), GetParam().code) << status.error().to_sentence();
@@ -29,7 +29,7 @@ TEST_P(HostileXml, IsRefusedBeforeAnybodyParsesIt) {
 }
 
 // The path may be a link to any file that the process may read.
-TEST(XmlErrors, QuoteNothingOfTheFile) {
+TEST(XmlErrors, RefusedText_IsNotQuoted) {
   for (const auto* text :
        {"hunter2", "<a>&hunter2;</a>", "<a>x &hunter2", "<a/>hunter2", "<a/>&hunter2;", "<hunter2",
         "<a b=hunter2/>", "<a b='x'hunter2/>", "</hunter2>", "</a hunter2>", "<a hunter2>",
@@ -140,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Row{"end tag not closed", "<a></a", Code::xml_not_well_formed}));
 
 class GoodXml : public testing::TestWithParam<const char*> {};
-TEST_P(GoodXml, Passes) {
+TEST_P(GoodXml, EachText_Passes) {
   const auto document = parse(GetParam());
   EXPECT_TRUE(document) << document.error().to_sentence();
 }
@@ -154,12 +154,12 @@ INSTANTIATE_TEST_SUITE_P(
                     "<\xC3\xA9>\xE2\x82\xAC\xF0\x9F\x98\x80</\xC3\xA9>", "<a.b-c:d_1/>",
                     "<a>]]</a>", "<a>></a>"));
 
-TEST(XmlCheck, TagsThatDoNotAgreeAreTheParsersMatter) {
+TEST(XmlCheck, MismatchedTags_AreLeftToTheParser) {
   EXPECT_TRUE(check_xml("<a></b>"));
   EXPECT_CODE(parse("<a></b>"), xml_not_well_formed);
 }
 
-TEST(XmlCheck, BoundsTheDepth) {
+TEST(XmlCheck, Depth_IsBounded) {
   const auto nested = [](int depth) {
     std::string text;
     for (int i = 0; i < depth; ++i) text += "<a>";
@@ -172,7 +172,7 @@ TEST(XmlCheck, BoundsTheDepth) {
 }
 
 // tinyxml2 compares each attribute of an element with all before it: 100,000 took minutes.
-TEST(XmlCheck, BoundsTheAttributesOfAnElement) {
+TEST(XmlCheck, AttributesOfAnElement_AreBounded) {
   const auto with = [](int attributes) {
     std::string text = "<a>\n<b";
     for (int i = 0; i < attributes; ++i) text += " xmlns:a" + std::to_string(i) + "='x'";
@@ -185,11 +185,11 @@ TEST(XmlCheck, BoundsTheAttributesOfAnElement) {
   EXPECT_CODE(parse(with(500'000)), xml_too_many_attributes);
 }
 
-TEST(XmlCheck, BoundsTheSize) {
+TEST(XmlCheck, Size_IsBounded) {
   EXPECT_CODE(parse(std::string(kMaxXmlOctets + 1, ' ')), xml_too_large);
 }
 
-TEST(XmlCheck, BoundsTheElements) {
+TEST(XmlCheck, Elements_AreBounded) {
   std::string text = "<a>";
   for (std::size_t i = 0; i < kMaxXmlElements; ++i) text += "<b/>";
   EXPECT_CODE(parse(text + "</a>"), xml_too_large);

@@ -31,7 +31,7 @@ TEST(XmlText, SeveralPieces_AreRefused) {
 }
 
 // Inputs that others found harmful.
-TEST(HostileFiles, AreRefused) {
+TEST(HostileFiles, EachFile_IsRefused) {
   int count = 0;
   for (const char* folder : {"libxml2/errors", "tinyxml2"}) {
     for (const auto& entry : std::filesystem::directory_iterator(test::data_path(folder))) {
@@ -45,7 +45,7 @@ TEST(HostileFiles, AreRefused) {
   EXPECT_TRUE(XmlDocument::parse(data_file("tinyxml2/utf8test.xml")));
 }
 
-TEST(XmlLines, AreThoseOfTheFileThatTheTextIsAPartOf) {
+TEST(XmlLines, TextWithinAFile_HasTheFilesLines) {
   const auto at = [](std::string_view text) { return XmlDocument::parse(as_bytes(text), 9); };
   EXPECT_EQ(at("<a>\n<b/></a>")->root().line(), 9);
   EXPECT_EQ(at("<a>\n<b/></a>")->root().first_child().line(), 10);

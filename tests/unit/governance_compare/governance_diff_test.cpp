@@ -13,7 +13,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using enum ChangeClass;
 
-TEST(GovernanceDiff, AFlagWithNothingBehindItIsNeutralButBreaks) {
+TEST(GovernanceDiff, AFlagWithNothingBehindIt_IsNeutralButBreaks) {
   auto low = plain(), high = plain();
   for (auto* document : {&low, &high}) {
     document->domain_rules[0].discovery_protection_kind = Kind::none;
@@ -29,14 +29,14 @@ TEST(GovernanceDiff, AFlagWithNothingBehindItIsNeutralButBreaks) {
   EXPECT_THAT(diff.flag_day_domains, ElementsAre(DomainRange{0, 0}));
 }
 
-TEST(GovernanceDiff, AnIncomparableKindIsMixed) {
+TEST(GovernanceDiff, AnIncomparableKind_IsMixed) {
   auto before = plain(), after = plain();
   before.domain_rules[0].rtps_protection_kind = Kind::encrypt;
   after.domain_rules[0].rtps_protection_kind = Kind::sign_with_origin_authentication;
   EXPECT_EQ(compare(before, after).verdict, mixed);
 }
 
-TEST(GovernanceDiff, RulesInOtherWordsAreNeutral) {
+TEST(GovernanceDiff, RulesInOtherWords_AreNeutral) {
   const auto before = document({topic("rt/x"), topic("rt/y"), topic("*", Kind::sign)});
   const auto after = document({topic("rt/[xy]"), topic("*", Kind::sign)});
   const auto diff = compare(before, after);
@@ -47,7 +47,7 @@ TEST(GovernanceDiff, RulesInOtherWordsAreNeutral) {
   EXPECT_THAT(diff.rewritten[0].only_new, ElementsAre("rt/[xy]"));
 }
 
-TEST(GovernanceDiff, TheOrderOfRulesCounts) {
+TEST(GovernanceDiff, TheOrderOfRules_Counts) {
   const auto before = document({topic("rt/cmd*"), topic("rt/*", Kind::sign)});
   const auto after = document({topic("rt/*", Kind::sign), topic("rt/cmd*")});
   const auto diff = compare(before, after);
@@ -63,7 +63,7 @@ TEST(GovernanceDiff, TheOrderOfRulesCounts) {
 }
 
 // rt/cmd loses its own secrecy to insiders, everything else gains a second layer.
-TEST(GovernanceDiff, WorkThatMovesToAnotherLayerIsToldByAttacker) {
+TEST(GovernanceDiff, WorkThatMovesToAnotherLayer_IsToldByAttacker) {
   auto before = document({topic("rt/cmd*", Kind::encrypt, 22), topic("*", Kind::sign, 30)});
   auto after = document({topic("rt/cmd*", Kind::sign, 23), topic("*", Kind::sign, 31)});
   for (auto* document : {&before, &after}) {
@@ -86,7 +86,7 @@ TEST(GovernanceDiff, WorkThatMovesToAnotherLayerIsToldByAttacker) {
 }
 
 // No change makes up for another: each layer protects against an attacker of its own.
-TEST(GovernanceDiff, AnotherLayerDoesNotMakeUpForPayload) {
+TEST(GovernanceDiff, AnotherLayer_DoesNotMakeUpForPayload) {
   auto before = document({topic("*", Kind::encrypt)});
   auto after = document({topic("*", Kind::none)});
   before.domain_rules[0].topic_rules[0].metadata_protection_kind = Kind::none;
@@ -100,7 +100,7 @@ TEST(GovernanceDiff, AnotherLayerDoesNotMakeUpForPayload) {
 }
 
 // g2: relays hold the keys of submessages only (9.5.1.9.3).
-TEST(GovernanceDiff, RelaysReadWhatOnlySubmessagesProtect) {
+TEST(GovernanceDiff, RelayedTopics_AreReadWhereOnlySubmessagesAreProtected) {
   auto before = plain(), after = plain();
   before.domain_rules[0].topic_rules[0].data_protection_kind = Kind::encrypt;
   after.domain_rules[0].topic_rules[0].metadata_protection_kind = Kind::encrypt;
@@ -114,7 +114,7 @@ TEST(GovernanceDiff, RelaysReadWhatOnlySubmessagesProtect) {
 }
 
 // g1: payloads in the clear, beside something stronger.
-TEST(GovernanceDiff, NothingStrongerHidesAWeakerLine) {
+TEST(GovernanceDiff, StrongerLines_HideNoWeakerOne) {
   const auto before = document({topic("cmd"), topic("other", Kind::sign)});
   auto after = document({topic("cmd", Kind::none), topic("other", Kind::sign)});
   EXPECT_EQ(compare(before, after).verdict, weaker);
@@ -132,7 +132,7 @@ TEST(GovernanceDiff, NothingStrongerHidesAWeakerLine) {
 }
 
 // g8: each line tells what its own element does.
-TEST(GovernanceDiff, AStrongerLineLosesNothing) {
+TEST(GovernanceDiff, AStrongerLine_LosesNothing) {
   auto before = document({topic("camera", Kind::none)}),
        after = document({topic("camera", Kind::sign)});
   before.domain_rules[0].topic_rules[0].metadata_protection_kind = Kind::encrypt;
@@ -147,7 +147,7 @@ TEST(GovernanceDiff, AStrongerLineLosesNothing) {
   EXPECT_THAT(listed(diff.changes[1].gained), ElementsAre(Property::relay_payload_integrity));
 }
 
-TEST(GovernanceDiff, AChangeOfADomainNamesTheTopicsItMattersFor) {
+TEST(GovernanceDiff, AChangeOfADomain_NamesTheTopicsItMattersFor) {
   auto before = document({topic("open", Kind::none), topic("*", Kind::encrypt)});
   for (auto& rule : before.domain_rules[0].topic_rules) rule.metadata_protection_kind = Kind::none;
   before.domain_rules[0].rtps_protection_kind = Kind::encrypt;
@@ -164,7 +164,7 @@ TEST(GovernanceDiff, AChangeOfADomainNamesTheTopicsItMattersFor) {
   EXPECT_EQ(found->witness, "open");
 }
 
-TEST(GovernanceDiff, TopicsAreToldByTheNarrowerExpression) {
+TEST(GovernanceDiff, Topics_AreToldByTheNarrowerExpression) {
   const auto before = document({topic("*", Kind::encrypt)});
   const auto after = document({topic("rt/diagnostics*", Kind::none), topic("*", Kind::encrypt)});
   const auto diff = compare(before, after);
@@ -180,7 +180,7 @@ TEST(GovernanceDiff, TopicsAreToldByTheNarrowerExpression) {
               ElementsAre(TopicWords{.expression = "a*", .also = "*x"}));
 }
 
-TEST(GovernanceDiff, DomainsAreCutWhereEitherDocumentCutsThem) {
+TEST(GovernanceDiff, Domains_AreCutWhereEitherDocumentCutsThem) {
   auto before = plain(), after = plain();
   before.domain_rules[0].domains.ranges = {{0, 9}};
   after.domain_rules[0].domains.ranges = {{5, 20}};
@@ -197,7 +197,7 @@ TEST(GovernanceDiff, DomainsAreCutWhereEitherDocumentCutsThem) {
   EXPECT_EQ(diff.verdict, mixed);
 }
 
-TEST(GovernanceDiff, TheFirstRuleForADomainCounts) {
+TEST(GovernanceDiff, TheFirstRuleForADomain_Counts) {
   auto before = plain();
   before.domain_rules.push_back(before.domain_rules[0]);
   auto after = before;
@@ -207,7 +207,7 @@ TEST(GovernanceDiff, TheFirstRuleForADomainCounts) {
   EXPECT_EQ(compare(before, after).verdict, weaker);
 }
 
-TEST(GovernanceDiff, DomainTagsAreToldApart) {
+TEST(GovernanceDiff, DomainTags_AreToldApart) {
   auto before = plain();
   before.domain_rules[0].domains.tags = {{"floor*"}};
   auto after = before;
@@ -233,7 +233,7 @@ TEST(GovernanceDiff, DomainTagsAreToldApart) {
 }
 
 // g5: the combinations that change, and no others.
-TEST(GovernanceDiff, DomainsAndTagsAreToldTogether) {
+TEST(GovernanceDiff, DomainsAndTags_AreToldTogether) {
   auto before = plain(), after = plain();
   before.domain_rules[0].domains.ranges = {{2, 2}};
   after.domain_rules[0].domains = {.ranges = {{2, 3}}, .tag_expressions = {{"*"}}};
@@ -248,7 +248,7 @@ TEST(GovernanceDiff, DomainsAndTagsAreToldTogether) {
 }
 
 // g6: DDS-Security 1.2, clause 10.4.1.2.5.9.
-TEST(GovernanceDiff, AnAbsentListOfAlgorithmsIsNotStrongerOrWeaker) {
+TEST(GovernanceDiff, AnAbsentListOfAlgorithms_IsNotStrongerOrWeaker) {
   auto before = plain(), after = plain();
   AllowedAlgorithms lists;
   lists.digital_signature = {{"ECDSA+P256+SHA256"}};
@@ -274,7 +274,7 @@ TEST(GovernanceDiff, AnAbsentListOfAlgorithmsIsNotStrongerOrWeaker) {
   EXPECT_THAT(compare(plain(), after).changes, IsEmpty()) << "every algorithm is no restriction";
 }
 
-TEST(GovernanceDiff, AllowedAlgorithmsAreSets) {
+TEST(GovernanceDiff, AllowedAlgorithms_AreSets) {
   auto before = plain(), after = plain();
   AllowedAlgorithms lists;
   lists.symmetric_cipher = {{"AES256+GCM"}};
@@ -291,7 +291,7 @@ TEST(GovernanceDiff, AllowedAlgorithmsAreSets) {
   EXPECT_THAT(diff.flag_day_domains, SizeIs(1)) << "they have no cipher in common";
 }
 
-TEST(GovernanceDiff, OnlyTopicsInUseCanBeAskedFor) {
+TEST(GovernanceDiff, OnlyTopicsInUse_CanBeAskedFor) {
   const auto before = document({topic("rt/cmd*"), topic("rt/*", Kind::sign)});
   const auto after = document({topic("rt/cmd"), topic("rt/*", Kind::sign)});
   EXPECT_EQ(compare(before, after).verdict, weaker);
@@ -300,7 +300,7 @@ TEST(GovernanceDiff, OnlyTopicsInUseCanBeAskedFor) {
   EXPECT_EQ(compare(before, after, {.topics = {"rt/cmd2"}}).verdict, weaker);
 }
 
-TEST(GovernanceDiff, WhatIsTooHardIsUnknown) {
+TEST(GovernanceDiff, QuestionTooHard_IsUnknown) {
   const auto before = document({topic("*a" + std::string(12, '?')), topic("*", Kind::none)});
   const auto after = document({topic("*[ab]" + std::string(12, '?')), topic("*", Kind::none)});
   const auto diff = compare(before, after);
@@ -320,7 +320,7 @@ std::vector<TopicRule> thousand_rules(Kind kind_of_odd) {
   return rules;
 }
 
-TEST(GovernanceDiff, RulesOfEqualEffectAreTakenTogetherWhereThereAreTooMany) {
+TEST(GovernanceDiff, RulesOfEqualEffect_AreTakenTogetherWhereThereAreTooMany) {
   auto rules = thousand_rules(Kind::encrypt);
   rules.push_back(topic("*", Kind::sign));
   const auto before = document(rules);
@@ -334,7 +334,7 @@ TEST(GovernanceDiff, RulesOfEqualEffectAreTakenTogetherWhereThereAreTooMany) {
   EXPECT_EQ(diff.changes[0].witness, "a");
 }
 
-TEST(GovernanceDiff, RulesThatOnlyChangeTheirValuesAreProvedOneByOne) {
+TEST(GovernanceDiff, RulesThatOnlyChangeTheirValues_AreProvedOneByOne) {
   auto rules = thousand_rules(Kind::sign);
   rules.push_back(topic("*/robot7/x"));  // dead
   rules.push_back(topic("*", Kind::sign));
@@ -359,7 +359,7 @@ TEST(GovernanceDiff, RulesThatOnlyChangeTheirValuesAreProvedOneByOne) {
   EXPECT_EQ(diff.changes[0].witness, "") << "the empty name is all that is left";
 }
 
-TEST(GovernanceDiff, WhatIsFoundBeforeALimitIsShown) {
+TEST(GovernanceDiff, WhatIsFoundBeforeALimit_IsShown) {
   auto rules = thousand_rules(Kind::sign);
   const auto before = document(rules);
   rules[500].data_protection_kind = Kind::sign;

@@ -29,7 +29,7 @@ void PrintTo(const Row& row, std::ostream* out) { *out << row.element; }
 
 class Lattice : public ::testing::TestWithParam<Row> {};
 
-TEST_P(Lattice, MovesUpAndDown) {
+TEST_P(Lattice, EachValue_MovesUpAndDown) {
   const auto& row = GetParam();
   auto low = plain(), high = plain();
   row.lower(low.domain_rules[0]);
@@ -109,7 +109,7 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"domain_rule", remove_domain, narrower, wider, Interop::participant, false,
             cover_all}));
 
-TEST(Lattice, KindsAreOrderedByLevelAndOrigin) {
+TEST(Lattice, Kinds_AreOrderedByLevelAndOrigin) {
   EXPECT_EQ(compare(Kind::none, Kind::sign), stronger);
   EXPECT_EQ(compare(Kind::sign, Kind::encrypt), stronger);
   EXPECT_EQ(compare(Kind::sign, Kind::sign_with_origin_authentication), stronger);

@@ -409,7 +409,7 @@ bool agrees_when_short_of_states(const Governance& before, const Governance& aft
 class GovernanceReference : public ::testing::TestWithParam<std::uint32_t> {};
 
 // Words of five letters reach whatever two lists of expressions of three parts tell apart.
-TEST_P(GovernanceReference, AgreesOnTenThousandPairs) {
+TEST_P(GovernanceReference, TenThousandPairs_AgreeWithTheModel) {
   static const words::Pool pool(kMax, 3);
   Author author(pool, GetParam());
   std::map<ChangeClass, int> seen;

@@ -66,7 +66,7 @@ void expect_unknown_soon(const Document& before, const Document& after) {
 
 class HostileDocuments : public ::testing::TestWithParam<Shape> {};
 
-TEST_P(HostileDocuments, OfGovernanceAreUnknownWithinSeconds) {
+TEST_P(HostileDocuments, HostileGovernance_IsUnknownWithinSeconds) {
   const auto document = [](unsigned seed) {
     DomainRule rule;
     rule.domains.ranges = {{0, 0}};
@@ -81,7 +81,7 @@ TEST_P(HostileDocuments, OfGovernanceAreUnknownWithinSeconds) {
   expect_unknown_soon(document(1), document(2));
 }
 
-TEST_P(HostileDocuments, OfPermissionsAreUnknownWithinSeconds) {
+TEST_P(HostileDocuments, HostilePermissions_AreUnknownWithinSeconds) {
   const auto document = [](unsigned seed) {
     Rule rule{.allow = true};
     rule.domains.ranges = {{0, 0}};

@@ -22,7 +22,7 @@ void PrintTo(const Row& row, std::ostream* out) { *out << row.name; }
 
 class RuleChanges : public ::testing::TestWithParam<Row> {};
 
-TEST_P(RuleChanges, AreSetsThatGrowOrShrink) {
+TEST_P(RuleChanges, EachChange_GrowsOrShrinksTheSet) {
   const auto& row = GetParam();
   const auto diff = compare(document(row.before), document(row.after));
   EXPECT_EQ(diff.verdict, row.verdict);
@@ -119,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(
             "-",
             "rt/"}));
 
-TEST(PermissionsDiff, TheDefaultHasALineOfItsOwn) {
+TEST(PermissionsDiff, TheDefault_HasALineOfItsOwn) {
   auto before = document({allow({{"rt/*"}})}), after = document({allow({{"rt/[!x]*"}})});
   after.grants[0].default_allow = true;
   const auto diff = compare(before, after);
@@ -133,7 +133,7 @@ TEST(PermissionsDiff, TheDefaultHasALineOfItsOwn) {
   EXPECT_EQ(back.changes[0].element, "default");
 }
 
-TEST(PermissionsDiff, TheDefaultComesFirst) {
+TEST(PermissionsDiff, TheDefault_ComesFirst) {
   auto before = document({allow({{"rt/*"}})}), after = document({deny({{"rt/x"}})});
   after.grants[0].default_allow = true;
   const auto diff = compare(before, after);
@@ -144,7 +144,7 @@ TEST(PermissionsDiff, TheDefaultComesFirst) {
   EXPECT_EQ(diff.changes[1].change, narrower);
 }
 
-TEST(PermissionsDiff, ALongerValidityIsWiderInTime) {
+TEST(PermissionsDiff, ALongerValidity_IsWiderInTime) {
   const auto before = document(kAll);
   auto after = before;
   after.grants[0].validity = {at(100), at(300)};
@@ -160,7 +160,7 @@ TEST(PermissionsDiff, ALongerValidityIsWiderInTime) {
   EXPECT_EQ(compare(before, after).verdict, mixed);
 }
 
-TEST(PermissionsDiff, ARenewalIsComparedThoughItsTimesDoNotMeet) {
+TEST(PermissionsDiff, ARenewal_IsComparedThoughItsTimesDoNotMeet) {
   const auto before = document(kAll);
   auto after = document(kCmdDenied);
   after.grants[0].validity = {at(500), at(600)};
@@ -171,7 +171,7 @@ TEST(PermissionsDiff, ARenewalIsComparedThoughItsTimesDoNotMeet) {
   EXPECT_EQ(diff.changes[1].witness, "rt/cmd");
 }
 
-TEST(PermissionsDiff, GrantsComeAndGo) {
+TEST(PermissionsDiff, AddedAndRemovedGrants_AreWiderAndNarrower) {
   const auto before = document(kAll);
   auto after = before;
   after.grants.push_back(grant_for("CN=other", kCmdDenied));
@@ -196,7 +196,7 @@ TEST(PermissionsDiff, GrantsComeAndGo) {
   EXPECT_EQ(compare(before, after).verdict, neutral) << "it is never valid";
 }
 
-TEST(PermissionsDiff, ASecondGrantOfASubjectIsNeutral) {
+TEST(PermissionsDiff, ASecondGrantOfASubject_IsNeutral) {
   const auto before = document(kCmdDenied);
   auto after = before;
   after.grants.push_back(grant_for("O=Acme,CN=talker", kAll));
@@ -212,7 +212,7 @@ TEST(PermissionsDiff, ASecondGrantOfASubjectIsNeutral) {
   EXPECT_EQ(compare(before, after).verdict, wider);
 }
 
-TEST(PermissionsDiff, ValiditiesASecondApartHaveAHint) {
+TEST(PermissionsDiff, ValiditiesASecondApart_HaveAHint) {
   const auto hint = [](int from, int to) {
     auto after = document(kAll);
     after.grants[0].validity = {at(from), at(to)};
@@ -224,7 +224,7 @@ TEST(PermissionsDiff, ValiditiesASecondApartHaveAHint) {
   EXPECT_EQ(hint(102, 202), "");
 }
 
-TEST(PermissionsDiff, JoiningADomainIsARight) {
+TEST(PermissionsDiff, JoiningADomain_IsARight) {
   const auto before = document(kAll);
   auto after = before;
   // Nothing can be published there, but topics without access control can be used.
@@ -236,7 +236,7 @@ TEST(PermissionsDiff, JoiningADomainIsARight) {
   EXPECT_THAT(diff.changes[0].scope.domains, ElementsAre(DomainRange{7, 7}));
 }
 
-TEST(PermissionsDiff, RelayingIsARight) {
+TEST(PermissionsDiff, Relaying_IsARight) {
   const auto before = document(kAll);
   auto after = before;
   after.grants[0].rules[0].relay = {{.topics = {{"rt/x"}}}};
@@ -249,7 +249,7 @@ TEST(PermissionsDiff, RelayingIsARight) {
   EXPECT_EQ(compare(after, after).verdict, neutral);
 }
 
-TEST(PermissionsDiff, DataTagsAreComparedAsSets) {
+TEST(PermissionsDiff, DataTags_AreComparedAsSets) {
   const auto before = document(kAll);
   auto after = before;
   after.grants[0].rules[0].publish[0].data_tags = {{{"level", "secret"}}};
@@ -266,7 +266,7 @@ TEST(PermissionsDiff, DataTagsAreComparedAsSets) {
 }
 
 // p1: rules for domain tags.
-TEST(PermissionsDiff, DomainTagsAreToldApart) {
+TEST(PermissionsDiff, DomainTags_AreToldApart) {
   const auto before = document(kAll);
   auto after = before;
   after.grants[0].rules.push_back(allow({{"*"}}));
@@ -282,7 +282,7 @@ TEST(PermissionsDiff, DomainTagsAreToldApart) {
 }
 
 // p2, DDS-Security 1.2 table 70.
-TEST(PermissionsDiff, ADenialOfEverythingInFrontRefusesToJoin) {
+TEST(PermissionsDiff, ADenialOfEverythingInFront_RefusesToJoin) {
   Rule nothing = join();
   nothing.allow = false;
   const auto before = document({nothing, allow({{"a"}})});
@@ -294,7 +294,7 @@ TEST(PermissionsDiff, ADenialOfEverythingInFrontRefusesToJoin) {
 }
 
 // p6: in which partitions.
-TEST(PermissionsDiff, PartitionsAreToldAsASet) {
+TEST(PermissionsDiff, Partitions_AreToldAsASet) {
   const auto before = document(kAll);
   const auto after = document({with_partitions(kAll[0], {{"*"}})});
   const auto diff = compare(before, after);
@@ -304,7 +304,7 @@ TEST(PermissionsDiff, PartitionsAreToldAsASet) {
   EXPECT_THAT(diff.changes[0].entities.partitions->expressions, ElementsAre(""));
 }
 
-TEST(PermissionsDiff, ManyPartitionsAreStillCompared) {
+TEST(PermissionsDiff, ManyPartitions_AreStillCompared) {
   std::vector<Text> partitions;
   for (int i = 0; i < 60; ++i) partitions.push_back({"p" + std::to_string(i)});
   const auto before = document({with_partitions(kAll[0], partitions)});
@@ -316,7 +316,7 @@ TEST(PermissionsDiff, ManyPartitionsAreStillCompared) {
   EXPECT_THAT(diff.changes[0].entities.partitions->expressions, ElementsAre("p59"));
 }
 
-TEST(PermissionsDiff, MoreKindsOfEndpointsThanCanBeTriedAreUnknown) {
+TEST(PermissionsDiff, MoreKindsOfEndpointsThanCanBeTried_AreUnknown) {
   std::vector<Rule> rules;
   for (int i = 0; i < 12; ++i)
     rules.push_back(
@@ -330,7 +330,7 @@ TEST(PermissionsDiff, MoreKindsOfEndpointsThanCanBeTriedAreUnknown) {
   EXPECT_EQ(diff.verdict, unknown) << "no gate lets it pass";
 }
 
-TEST(PermissionsDiff, WhatIsTooHardIsUnknown) {
+TEST(PermissionsDiff, QuestionTooHard_IsUnknown) {
   const auto tail = std::string(12, '?');
   const auto diff = compare(document({deny({{"*a" + tail}}), allow({{"*"}})}),
                             document({deny({{"*[ab]" + tail}}), allow({{"*"}})}));

@@ -366,8 +366,10 @@ void compare_pairs(std::uint32_t seed, int pairs, bool with_partitions) {
 
 class PermissionsReference : public ::testing::TestWithParam<std::uint32_t> {};
 
-TEST_P(PermissionsReference, AgreesOnTwoThousandPairs) { compare_pairs(GetParam(), 2'000, false); }
-TEST_P(PermissionsReference, AgreesOnPairsWithPartitionsAndTags) {
+TEST_P(PermissionsReference, TwoThousandPairs_AgreeWithTheModel) {
+  compare_pairs(GetParam(), 2'000, false);
+}
+TEST_P(PermissionsReference, PairsWithPartitionsAndTags_AgreeWithTheModel) {
   compare_pairs(GetParam(), 300, true);
 }
 

@@ -49,7 +49,7 @@ Permissions permissions(std::vector<Rule> rules) {
   return out;
 }
 
-TEST(Readings, OfGovernanceAreExpressionsAndNotes) {
+TEST(Readings, GovernanceReadings_AreExpressionsAndNotes) {
   const auto before = governance({topic("rt/a", 4), topic("*", 5)});
   auto after = governance({topic("rt/\\a", 6), topic("*", 7)});
   after.notes = {{NoteKind::no_max, 2, "/dds", "<id_range> has no <max>"},
@@ -83,7 +83,7 @@ TEST(Readings, OfTheSameKindElsewhere_AreNew) {
   EXPECT_THAT(compare(before, after).readings.all, SizeIs(2));
 }
 
-TEST(Readings, AreBounded) {
+TEST(Readings, ManyReadings_AreBounded) {
   std::vector<TopicRule> rules;
   for (std::size_t i = 0; i <= kMaxReadings; ++i)
     rules.push_back(topic("a" + std::to_string(i) + "["));
@@ -93,7 +93,7 @@ TEST(Readings, AreBounded) {
 }
 
 // The same set of names, and every product agrees.
-TEST(Readings, AreNoneWhereOnlyTheSpellingChanged) {
+TEST(Readings, OnlyTheSpellingChanged_GivesNone) {
   for (const auto& [text, other] : {std::pair("rt/a", "rt/[a]"), std::pair("*", "**")}) {
     const auto diff =
         compare(permissions({allow({{text, 5}})}), permissions({allow({{other, 5}})}));
@@ -107,7 +107,7 @@ TEST(Readings, AreNoneWhereOnlyTheSpellingChanged) {
   }
 }
 
-TEST(Readings, OfPermissionsIncludePartitions) {
+TEST(Readings, PermissionsReadings_IncludePartitions) {
   auto partitioned = allow({{"a", 5}});
   partitioned.publish[0].partitions = {{"[^p]", 6}};
   auto same = allow({{"a", 5}});

@@ -16,7 +16,7 @@ using ::testing::SizeIs;
 using enum ChangeClass;
 using namespace of_permissions;
 
-TEST(PermissionsDiff, ASubjectInOtherWordsIsInterop) {
+TEST(PermissionsDiff, ASubjectInOtherWords_IsInterop) {
   const auto before = document(kAll);
   auto after = before;
   for (const char* text : {"O=Acme, CN=talker", "CN=talker, O=Acme", "/O=Acme/CN=talker"}) {
@@ -32,7 +32,7 @@ TEST(PermissionsDiff, ASubjectInOtherWordsIsInterop) {
 }
 
 // p4: an expression that can only mean the same.
-TEST(PermissionsDiff, ASubjectAsAnExpressionWithoutWildcardsIsTheSame) {
+TEST(PermissionsDiff, ASubjectAsAnExpressionWithoutWildcards_IsTheSame) {
   const auto before = document(kAll);
   auto after = before;
   after.grants[0].subject_is_expression = true;
@@ -53,7 +53,7 @@ TEST(PermissionsDiff, ASubjectAsAnExpressionWithoutWildcardsIsTheSame) {
   EXPECT_EQ(compare(after, before).verdict, narrower);
 }
 
-TEST(PermissionsDiff, ASubjectAsAnotherExpressionForTheSameIsInterop) {
+TEST(PermissionsDiff, ASubjectAsAnotherExpressionForTheSame_IsInterop) {
   struct Case {
     const char *old_name, *new_name;
     bool old_is_expression = true, is_the_same = true;
@@ -75,7 +75,7 @@ TEST(PermissionsDiff, ASubjectAsAnotherExpressionForTheSameIsInterop) {
 }
 
 // FNM_PATHNAME and FNM_NOESCAPE (DDS-Security 1.2, clause 10.4.1.5.3.2.1).
-TEST(PermissionsDiff, ExpressionsOfSubjectsAreComparedAsSets) {
+TEST(PermissionsDiff, ExpressionsOfSubjects_AreComparedAsSets) {
   const auto verdict = [](const char* old_name, std::vector<const char*> new_names) {
     auto before = document(kAll), after = document(kAll);
     before.grants[0].subject_is_expression = true;
@@ -101,7 +101,7 @@ TEST(PermissionsDiff, ExpressionsOfSubjectsAreComparedAsSets) {
   EXPECT_EQ(verdict("CN=a*+OU=x", {"OU=x+CN=a*"}), neutral) << "an RDN is a set";
 }
 
-TEST(PermissionsDiff, SubjectsCanBeMappedByTheNameOfTheirGrant) {
+TEST(PermissionsDiff, Subjects_CanBeMappedByTheNameOfTheirGrant) {
   const auto before = document(kAll);
   auto after = document(kCmdDenied);
   after.grants[0].subject_name = "CN=talker2";
@@ -118,7 +118,7 @@ TEST(PermissionsDiff, SubjectsCanBeMappedByTheNameOfTheirGrant) {
   EXPECT_EQ(diff.verdict, mixed) << "two grants have the name";
 }
 
-TEST(PermissionsDiff, AnExpressionIsNoRenamedParticipant) {
+TEST(PermissionsDiff, AnExpression_IsNoRenamedParticipant) {
   const auto before = document(kAll);
   for (const auto* expression : {"CN=*,O=*", "CN=*", "CN=*,O=*,C=*", "CN=talker,OU=*"}) {
     auto after = before;
@@ -131,7 +131,7 @@ TEST(PermissionsDiff, AnExpressionIsNoRenamedParticipant) {
   }
 }
 
-TEST(PermissionsDiff, ExpressionsOfSubjectsAlsoCoverNamedOnes) {
+TEST(PermissionsDiff, ExpressionsOfSubjects_CoverNamedOnesToo) {
   auto before = document(kAll);
   before.grants.push_back(grant_for("CN=*", kAll));
   before.grants[1].subject_is_expression = true;
@@ -145,7 +145,7 @@ TEST(PermissionsDiff, ExpressionsOfSubjectsAlsoCoverNamedOnes) {
   EXPECT_EQ(compare(before, after).verdict, narrower);
 }
 
-TEST(PermissionsDiff, ASubjectThatIsNoNameIsNobody) {
+TEST(PermissionsDiff, SubjectThatIsNoName_MatchesNoParticipant) {
   auto before = document(kAll), after = document(kAll);
   after.grants.push_back(grant_for("no name", kAll));
   EXPECT_EQ(compare(before, after).verdict, neutral);

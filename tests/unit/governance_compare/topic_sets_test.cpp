@@ -22,7 +22,7 @@ struct Row {
 
 class Containment : public ::testing::TestWithParam<Row> {};
 
-TEST_P(Containment, IsDecidedWithTheShortestExample) {
+TEST_P(Containment, EachQuestion_IsDecidedWithTheShortestExample) {
   const auto answer = contained(GetParam().inner, GetParam().outer);
   EXPECT_EQ(answer.kind, GetParam().kind);
   EXPECT_EQ(answer.witness, GetParam().witness);
@@ -55,7 +55,7 @@ INSTANTIATE_TEST_SUITE_P(
         Row{{"a?"}, {"a[", "a[!]"}, Kind::no, "aa"}, Row{{"[]]"}, {"]"}, Kind::yes, ""},
         Row{{"\xC3\xA9"}, {"?"}, Kind::no, "\xC3\xA9"}, Row{{"\xC3\xA9"}, {"??"}, Kind::yes, ""}));
 
-TEST(Overlap, GivesACommonName) {
+TEST(Overlap, OverlappingLists_HaveACommonName) {
   const Views deny = {"rt/cmd*"}, allow = {"rt/*"}, other = {"rq/*"};
   EXPECT_EQ(overlap(deny, allow).kind, Kind::yes);
   EXPECT_EQ(overlap(deny, allow).witness, "rt/cmd");
@@ -68,7 +68,7 @@ TEST(Overlap, GivesACommonName) {
   EXPECT_EQ(overlap(every, none).witness, "");
 }
 
-TEST(FirstMatchedNames, ShowWhichRulesAreDead) {
+TEST(FirstMatchedNames, DeadRules_AreShown) {
   const Views rules = {"rt/a*", "rt/b*", "rt/[ab]x", "rt/*", "rt/chatter", "*"};
   const auto names = first_matched_names(rules);
   ASSERT_TRUE(names);
@@ -77,7 +77,7 @@ TEST(FirstMatchedNames, ShowWhichRulesAreDead) {
   EXPECT_EQ(*names, expected);
 }
 
-TEST(NameAtoms, OfRankedListsAreWhatTheFirstMatchTells) {
+TEST(NameAtoms, RankedLists_AreWhatTheFirstMatchTells) {
   const std::vector<RankedExpression> lists = {
       {"rt/cmd*", 0, 0}, {"rt/*", 0, 1}, {"rt/*", 1, 0}, {"rt/cmd*", 1, 1}};
   const auto atoms = name_atoms(lists);
@@ -93,7 +93,7 @@ TEST(NameAtoms, OfRankedListsAreWhatTheFirstMatchTells) {
   EXPECT_FALSE((*atoms)[2].rank_in(2));
 }
 
-TEST(NameAtoms, OfListsOfTheirOwnAreAcceptanceVectors) {
+TEST(NameAtoms, SeparateLists_AreAcceptanceVectors) {
   const std::vector<RankedExpression> own = {{"a*", 0, 0}, {"*b", 1, 0}, {"", 2, 0}};
   const auto atoms = name_atoms(own);
   ASSERT_TRUE(atoms);
@@ -147,7 +147,7 @@ Matches first_matches(const std::vector<RankedExpression>& lists, const std::str
 
 // Octets that the expressions do not mention behave like the letter c.
 // Words up to six letters reach every acceptance of three lists of expressions with three steps.
-TEST(NameAtoms, AreWhatAllShortWordsSay) {
+TEST(NameAtoms, RandomLists_AreWhatAllShortWordsSay) {
   const auto names = words::all_words("abc", 6);
   RandomExpressions random;
   for (int round = 0; round < 1500; ++round) {
@@ -170,7 +170,7 @@ std::string blow_up(std::string_view beginning, int tail) {
   return std::string(beginning) + std::string(static_cast<std::size_t>(tail), '?');
 }
 
-TEST(Limits, AnExponentialQuestionIsGivenUp) {
+TEST(TopicSetLimits, ExponentialQuestion_IsGivenUp) {
   const auto small_a = blow_up("*a", 5), small_b = blow_up("*[ab]", 5);
   const Views small_inner = {small_a}, small_outer = {small_b};
   EXPECT_EQ(contained(small_inner, small_outer).kind, Kind::yes);
@@ -182,7 +182,7 @@ TEST(Limits, AnExponentialQuestionIsGivenUp) {
   EXPECT_FALSE(name_atoms(both));
 }
 
-TEST(Limits, EachOfThemHolds) {
+TEST(TopicSetLimits, EachOfThem_Holds) {
   const std::vector<RankedExpression> few = {{"ab*", 0, 0}, {"*c", 1, 0}};
   EXPECT_TRUE(name_atoms(few));
   EXPECT_FALSE(name_atoms(few, {.states = 3}));

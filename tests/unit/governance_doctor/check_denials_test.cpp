@@ -13,7 +13,7 @@ using testing::IsEmpty;
 
 using DiagnosisTest = Folders;
 
-TEST_F(DiagnosisTest, DenyFirstMattersOnlyWhereOneDirectionIsAllowed) {
+TEST_F(DiagnosisTest, DenyFirst_MattersOnlyWhereOneDirectionIsAllowed) {
   const auto with_deny = [&](bool publish, bool subscribe) {
     auto grant = grant_for("CN=talker", "rt/*");
     governance::Rule deny{.allow = false, .domains = {.ranges = {{0, 0}}}};
@@ -44,7 +44,7 @@ TEST_F(DiagnosisTest, DenialInOnePartition_StockProductsRefuseTheTopicInAll) {
 }
 
 // DDS-Security 1.2 table 70.
-TEST_F(DiagnosisTest, ADenialOfEverythingAsTheFirstRuleKeepsOurParticipantOut) {
+TEST_F(DiagnosisTest, ADenialOfEverythingAsTheFirstRule_KeepsOurParticipantOut) {
   auto grant = grant_for("CN=talker");
   grant.rules.insert(grant.rules.begin(), {.allow = false, .domains = {.ranges = {{0, 0}}}});
   const auto all = diagnosis(participant("talker", strict_governance(), {.grants = {grant}}));
@@ -52,7 +52,7 @@ TEST_F(DiagnosisTest, ADenialOfEverythingAsTheFirstRuleKeepsOurParticipantOut) {
   EXPECT_EQ(all.outcomes(), (Outcomes{.ours = Outcome::fail}));
 }
 
-TEST_F(DiagnosisTest, ADenialOfTopicsAsTheFirstRuleKeepsNobodyOut) {
+TEST_F(DiagnosisTest, ADenialOfTopicsAsTheFirstRule_KeepsNoParticipantOut) {
   auto grant = grant_for("CN=talker");
   grant.rules.insert(grant.rules.begin(), {.allow = false,
                                            .domains = {.ranges = {{0, 0}}},
@@ -62,7 +62,7 @@ TEST_F(DiagnosisTest, ADenialOfTopicsAsTheFirstRuleKeepsNobodyOut) {
   EXPECT_TRUE(all.outcomes().all_ok());
 }
 
-TEST_F(DiagnosisTest, ADenialWithAnOpenRangeDoesNotHoldWithStockProducts) {
+TEST_F(DiagnosisTest, ADenialWithAnOpenRange_DoesNotHoldWithStockProducts) {
   auto grant = grant_for("CN=talker");
   grant.rules[0].domains.ranges = {{0, 230}};
   auto denial = grant.rules[0];

@@ -11,7 +11,7 @@ using testing::ElementsAre;
 
 using DiagnosisTest = Folders;
 
-TEST_F(DiagnosisTest, AnEmptyFolderLacksEverySingleFile) {
+TEST_F(DiagnosisTest, AnEmptyFolder_LacksEverySingleFile) {
   const auto folder = pki::participant_folder(root_ / "empty", pki::FolderLayout::flat);
   fs::create_directories(folder.folder);
   const auto loaded = load_folder(folder, kNow);
@@ -23,7 +23,7 @@ TEST_F(DiagnosisTest, AnEmptyFolderLacksEverySingleFile) {
   EXPECT_EQ(all.outcomes(), Outcomes::all(Outcome::fail));
 }
 
-TEST_F(DiagnosisTest, TruncatedFilesAreFaultsAndNoCrash) {
+TEST_F(DiagnosisTest, TruncatedFiles_AreFaultsAndNoCrash) {
   const auto folder = participant("talker");
   for (const auto& path : {folder.identity_ca, folder.certificate, folder.key,
                            folder.permissions_ca, folder.governance, folder.permissions}) {

@@ -13,7 +13,7 @@ using testing::HasSubstr;
 
 using DiagnosisTest = Folders;
 
-TEST_F(DiagnosisTest, WhatEndsFirstIsSaidAMonthAhead) {
+TEST_F(DiagnosisTest, WhatEndsFirst_IsSaidAMonthAhead) {
   const auto folder = participant("talker");
   const auto all = diagnosis(folder, kNow + 340 * 24h);
   EXPECT_THAT(rules_of(all), ElementsAre(Rule::DOC041));
@@ -21,7 +21,7 @@ TEST_F(DiagnosisTest, WhatEndsFirstIsSaidAMonthAhead) {
   EXPECT_TRUE(all.outcomes().all_ok());
 }
 
-TEST_F(DiagnosisTest, DatesNearNowDependOnTheTimeZone) {
+TEST_F(DiagnosisTest, DatesNearNow_DependOnTheTimeZone) {
   auto grant = grant_for("CN=talker");
   grant.validity.not_before = kNow - 2h;
   const auto all = diagnosis(participant("talker", strict_governance(), {.grants = {grant}}));

@@ -11,7 +11,7 @@ using testing::HasSubstr;
 
 using DiagnosisTest = Folders;
 
-TEST_F(DiagnosisTest, StockProductsReadAnOpenRangeAsOneDomain) {
+TEST_F(DiagnosisTest, OpenRange_IsOneDomainToStockProducts) {
   const auto domain_five = [&](const Governance& governance) {
     const auto grant = grant_for("CN=talker", "Square", 5);
     const auto folder = participant("talker", governance, {.grants = {grant}});

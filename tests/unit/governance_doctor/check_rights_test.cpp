@@ -9,7 +9,7 @@ namespace {
 
 using DiagnosisTest = Folders;
 
-TEST_F(DiagnosisTest, TheJoinRuleCountsOnlyWhereItIsAskedFor) {
+TEST_F(DiagnosisTest, TheJoinRule_CountsOnlyWhereItIsAskedFor) {
   auto governance = strict_governance();
   const Permissions elsewhere{.grants = {grant_for("CN=talker", "Square", 5)}};
   EXPECT_EQ(diagnosis(participant("talker", governance, elsewhere)).outcomes(),

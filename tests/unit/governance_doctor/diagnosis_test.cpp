@@ -13,14 +13,14 @@ using testing::IsEmpty;
 
 using DiagnosisTest = Folders;
 
-TEST_F(DiagnosisTest, ACorrectFolderPassesEveryCheck) {
+TEST_F(DiagnosisTest, ACorrectFolder_PassesEveryCheck) {
   const auto all = diagnosis(participant("talker"));
   EXPECT_THAT(rules_of(all), IsEmpty());
   EXPECT_TRUE(all.outcomes().all_ok());
   EXPECT_GT(all.checks().size(), 20u);
 }
 
-TEST_F(DiagnosisTest, FaultsOfEveryPieceAreFoundTogether) {
+TEST_F(DiagnosisTest, FaultsOfEveryPiece_AreFoundTogether) {
   auto governance = strict_governance(3);
   auto grant = grant_for("CN=talkre");
   const auto folder = participant("talker", governance, {.grants = {grant}});
@@ -32,7 +32,7 @@ TEST_F(DiagnosisTest, FaultsOfEveryPieceAreFoundTogether) {
   EXPECT_EQ(finding_of(all, Rule::DOC010).document, folder.permissions);
 }
 
-TEST_F(DiagnosisTest, VendorsAreNamedOnlyIfTheyDiffer) {
+TEST_F(DiagnosisTest, Vendors_AreNamedOnlyIfTheyDiffer) {
   auto grant = grant_for("CN=talker");
   grant.default_allow = true;
   const auto all = diagnosis(participant("talker", strict_governance(), {.grants = {grant}}));

@@ -17,22 +17,22 @@ class DomainsOfAFolder : public Folders {
   }
 };
 
-TEST_F(DomainsOfAFolder, AreThoseOfBothDocuments) {
+TEST_F(DomainsOfAFolder, BothDocuments_GiveTheCommonOnes) {
   EXPECT_EQ(domains({{7, 7}}, {{7, 7}}), (Domains{{7, 7}}));
   EXPECT_EQ(domains({{0, 9}}, {{7, 20}}), (Domains{{7, 9}}));
   EXPECT_EQ(domains({{3, 4}, {0, 2}, {9, 9}}, {{0, 230}}), (Domains{{0, 4}, {9, 9}}));
 }
 
-TEST_F(DomainsOfAFolder, AreOneIfTheDocumentsHaveNoneInCommon) {
+TEST_F(DomainsOfAFolder, DocumentsWithoutCommonOnes_GiveOne) {
   EXPECT_EQ(domains({{1, 3}}, {{5, 6}}), (Domains{{1, 1}}));
   EXPECT_EQ(domains({{1, 3}}, {{0, 0}}), (Domains{{1, 1}}));
 }
 
-TEST_F(DomainsOfAFolder, ADefaultOfAllowIsForAllDomains) {
+TEST_F(DomainsOfAFolder, ADefaultOfAllow_IsForAllDomains) {
   EXPECT_EQ(domains({{4, 5}}, {{0, 0}}, true), (Domains{{4, 5}}));
 }
 
-TEST_F(DomainsOfAFolder, AreNoneWithoutDocuments) {
+TEST_F(DomainsOfAFolder, WithoutDocuments_AreNone) {
   const auto folder = participant("p");
   write(folder.governance, "nothing");
   EXPECT_EQ(domains_of(load_folder(folder, kNow), kNow), (Domains{{0, 0}}));  // the grant's
@@ -44,32 +44,32 @@ DomainChoice choice_of(const std::vector<Domains>& participants) {
   return choose_domain(participants);
 }
 
-TEST(ChooseDomain, TheOnlyOneIsTaken) {
+TEST(ChooseDomain, TheOnlyOne_IsTaken) {
   const auto choice = choice_of({{{7, 7}}});
   EXPECT_EQ(choice.domain, 7);
   EXPECT_FALSE(choice.has_others());
 }
 
-TEST(ChooseDomain, OfSeveralDomain0OrTheLowest) {
+TEST(ChooseDomain, SeveralDomains_GiveDomain0OrTheLowest) {
   EXPECT_EQ(choice_of({{{0, 9}}}).domain, 0);
   EXPECT_TRUE(choice_of({{{0, 9}}}).has_others());
   EXPECT_EQ(choice_of({{{3, 3}, {8, 8}}}).domain, 3);
   EXPECT_TRUE(choice_of({{{3, 3}, {8, 8}}}).has_others());
 }
 
-TEST(ChooseDomain, TwoParticipantsMeetWhereBothAre) {
+TEST(ChooseDomain, TwoParticipants_MeetWhereBothAre) {
   EXPECT_EQ(choice_of({{{0, 5}}, {{5, 9}}}).domain, 5);
   EXPECT_FALSE(choice_of({{{0, 5}}, {{5, 9}}}).has_others());
   EXPECT_EQ(choice_of({{{1, 1}}, {{2, 2}}}).domain, 1);
   EXPECT_EQ(choice_of({{}, {{2, 2}}}).domain, 2);
 }
 
-TEST(ChooseDomain, WithoutDocumentsItIsDomain0) {
+TEST(ChooseDomain, WithoutDocuments_IsDomain0) {
   EXPECT_EQ(choice_of({}).domain, 0);
   EXPECT_FALSE(choice_of({{}}).has_others());
 }
 
-TEST(DomainWords, NameRangesAndStopSomewhere) {
+TEST(DomainWords, ManyRanges_AreNamedUpToABound) {
   EXPECT_EQ(in_words({{0, 5}, {7, 7}}), "0-5, 7");
   Domains many;
   for (DomainId id = 0; id <= 230; id += 2) many.push_back({id, id});

@@ -61,16 +61,16 @@ struct Row {
   Place place = Place::file;
 };
 
-class Started : public testing::TestWithParam<Row> {};
+class StartedConfiguration : public testing::TestWithParam<Row> {};
 
-TEST_P(Started, IsSecuredAsMeasured) {
+TEST_P(StartedConfiguration, EachConfiguration_IsSecuredAsMeasured) {
   const auto read = effective_security(GetParam().text, 0, GetParam().place);
   for (const auto& problem : read.problems) ADD_FAILURE() << problem.line << ' ' << problem.text;
   EXPECT_EQ(read.is_there, GetParam().is_there);
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Table, Started,
+    Table, StartedConfiguration,
     testing::Values(
         Row{"any", document(domain(security(), " Id=\"any\"")), true},
         Row{"AnyInCapitals", document(domain(security(), " id='ANY'")), true},
@@ -168,14 +168,14 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"InlineOther", "<Tracing><Verbosity>none</>", false, Place::variable}),
     [](const auto& row) { return row.param.name; });
 
-class NotStarted : public testing::TestWithParam<Row> {};
+class BrokenConfiguration : public testing::TestWithParam<Row> {};
 
-TEST_P(NotStarted, HasAProblem) {
+TEST_P(BrokenConfiguration, EachConfiguration_HasAProblem) {
   EXPECT_FALSE(effective_security(GetParam().text, 0, GetParam().place).problems.empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Table, NotStarted,
+    Table, BrokenConfiguration,
     testing::Values(
         Row{"ElementAfterTextInOtherDomain",
             document(domain("hello<Foo/>", " Id=\"5\"") + domain(security())), false},

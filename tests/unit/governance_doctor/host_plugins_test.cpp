@@ -17,7 +17,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-TEST_F(HostPlugins, AreThoseThatTheLoaderFindsFirst) {
+TEST_F(HostPlugins, SeveralFolders_AreThoseThatTheLoaderFindsFirst) {
   path({"nowhere", "ours", "old"});
   EXPECT_THAT(makers(), ElementsAre("ddssec 1.2.3", "ddssec 1.2.3", "ddssec 1.2.3"));
   EXPECT_EQ(found()[0].file, root_ / "ours/libdds_security_auth.so");
@@ -27,7 +27,7 @@ TEST_F(HostPlugins, AreThoseThatTheLoaderFindsFirst) {
   EXPECT_THAT(makers(), ElementsAre("ddssec", "ddssec", "ddssec"));
 }
 
-TEST_F(HostPlugins, OfAnotherProductAreNoFaultWhereNothingNamesOurs) {
+TEST_F(HostPlugins, AnotherProductsPlugins_AreNoFaultWhereNothingNamesOurs) {
   path({});
   EXPECT_EQ(found()[2].maker, Maker::other);
   EXPECT_EQ(found()[2].file, root_ / "system/private/libdds_security_crypto.so");
@@ -53,7 +53,7 @@ TEST_F(HostPlugins, OfAnotherProductAreTold_InAFolderThatWasMadeForOurs) {
   EXPECT_THAT(rules_of(said()), IsEmpty());  // a machine without Cyclone DDS
 }
 
-TEST_F(HostPlugins, OfTwoProductsAreTold) {
+TEST_F(HostPlugins, PluginsOfTwoProducts_AreTold) {
   fs::remove(root_ / "ours/libdds_security_ac.so");
   path({"ours"});
   EXPECT_THAT(message(), HasSubstr("authentication: ddssec 1.2.3"));
@@ -62,13 +62,13 @@ TEST_F(HostPlugins, OfTwoProductsAreTold) {
   EXPECT_EQ(said().outcomes(), (Outcomes{.ours = Outcome::unsafe}));
 }
 
-TEST_F(HostPlugins, OfTwoVersionsAreTold) {
+TEST_F(HostPlugins, PluginsOfTwoVersions_AreTold) {
   put("ours", "crypto", "ddssec_x ddssec plugin version 1.2.4");
   path({"ours"});
   EXPECT_THAT(message(), HasSubstr("of two versions: authentication: ddssec 1.2.3"));
 }
 
-TEST_F(HostPlugins, ThatAreMissingAreTold) {
+TEST_F(HostPlugins, MissingPlugins_AreTold) {
   fs::remove(root_ / "ours/libdds_security_ac.so");
   fs::remove(root_ / "system/private/libdds_security_ac.so");
   path({"ours"});
@@ -94,7 +94,7 @@ TEST_F(HostPlugins, OfAnotherProductAreTold_WhereOursWereMeant) {
   EXPECT_EQ(said().outcomes(), (Outcomes{.ours = Outcome::fail}));
 }
 
-TEST_F(HostPlugins, CountWithAPathAsItIs) {
+TEST_F(HostPlugins, NameWithAPath_CountsAsItIs) {
   auto text = std::string(kConfiguration);
   const std::string name = "dds_security_ac";
   text.replace(text.find(name), name.size(), (root_ / "old/libdds_security_ac.so").string());
@@ -116,7 +116,7 @@ TEST_F(HostPlugins, CountWithAPathAsItIs) {
   EXPECT_THAT(host_plugins(text, places_), IsEmpty());
 }
 
-TEST_F(HostPlugins, OfAConfigurationWithoutSecurityAreNone) {
+TEST_F(HostPlugins, ConfigurationWithoutSecurity_HasNone) {
   EXPECT_THAT(host_plugins("<CycloneDDS/>", places_), IsEmpty());
   EXPECT_THAT(host_plugins("", places_), IsEmpty());
   EXPECT_EQ(plugins_of_node(places_).size(), 3u);

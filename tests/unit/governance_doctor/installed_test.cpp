@@ -30,7 +30,7 @@ class Installed : public testing::Test {
   std::filesystem::path root_;
 };
 
-TEST_F(Installed, TheLibrarysNameSaysIt) {
+TEST_F(Installed, TheLibrarysName_SaysIt) {
   EXPECT_EQ(found(Vendor::cyclonedds), std::nullopt);
   for (const auto* name : {"a/libddsc.so", "a/libddsc.so.0debian", "a/libfastrtps.so.2.9",
                            "a/libddscxx.so.0.10.9", "a/libddsc.so.0.10.x"})
@@ -48,7 +48,7 @@ TEST_F(Installed, TheLibrarysNameSaysIt) {
   EXPECT_EQ(found(Vendor::ours), std::nullopt);
 }
 
-TEST_F(Installed, FoldersAreThoseOfTheVariableAndThenTheSystems) {
+TEST_F(Installed, Folders_AreThoseOfTheVariableAndThenTheSystems) {
   const auto a = (root_ / "a").string();
   const auto folders = library_folders(":/nowhere:" + a + "::");
   ASSERT_FALSE(folders.empty());

@@ -16,7 +16,7 @@ struct Text {
 
 std::string blanks(std::string_view text) { return std::string(text.size(), ' '); }
 
-TEST(LenientText, WhatStockProductsSkipIsBlankedOutAndNamed) {
+TEST(LenientText, WhatStockProductsSkip_IsBlankedOutAndNamed) {
   using enum Variant;
   const std::string doctype = R"(<!DOCTYPE d [<!ENTITY a "">]>)";
   const std::string dashes = "<!-- a--b -->";

@@ -34,7 +34,7 @@ std::string cache_with(const std::string& name, const std::string& file) {
   return out + name + '\0' + file + '\0';
 }
 
-TEST_F(HostPlugins, AreFoundInTheCacheOfLdconfigToo) {
+TEST_F(HostPlugins, CacheOfLdconfig_IsSearchedToo) {
   const auto octets =
       cache_with("libdds_security_ac.so", (root_ / "old/libdds_security_ac.so").string());
   places_.cache = root_ / "cache";
@@ -48,7 +48,7 @@ TEST_F(HostPlugins, AreFoundInTheCacheOfLdconfigToo) {
   }
 }
 
-TEST_F(HostPlugins, InASubfolderOfTheLoaderComeFirst) {
+TEST_F(HostPlugins, SubfolderOfTheLoader_ComesFirst) {
   places_.subfolders = {"glibc-hwcaps/x86-64-v3", "tls"};
   const auto stock = octets_of(library_header()) + "init_authentication";
   put_as("ours/tls", stock);
@@ -65,7 +65,7 @@ TEST_F(HostPlugins, InASubfolderOfTheLoaderComeFirst) {
   EXPECT_EQ(found()[0].maker, Maker::ours);
 }
 
-TEST_F(HostPlugins, OfOtherMachinesArePassedOver) {
+TEST_F(HostPlugins, PluginsOfOtherMachines_ArePassedOver) {
   auto other_class = library_header(), other_machine = library_header();
   other_class.e_ident[EI_CLASS] = ELFCLASS32;
   other_machine.e_machine = EM_SPARC;
@@ -76,7 +76,7 @@ TEST_F(HostPlugins, OfOtherMachinesArePassedOver) {
   EXPECT_THAT(rules_of(said()), IsEmpty());
 }
 
-TEST_F(HostPlugins, AreNotFoundBehindAFileThatIsNoLibrary) {
+TEST_F(HostPlugins, FileThatIsNoLibrary_EndsTheSearch) {
   auto executable = library_header();
   executable.e_type = ET_EXEC;
   put_as("text", "hello");
@@ -96,7 +96,7 @@ TEST_F(HostPlugins, AreNotFoundBehindAFileThatIsNoLibrary) {
                         "the loader looks no further"));
 }
 
-TEST_F(HostPlugins, ThatAreCutOffEndTheProcess) {
+TEST_F(HostPlugins, LibraryCutOff_EndsTheProcess) {
   auto header = library_header();
   header.e_phnum = 1;
   header.e_phoff = sizeof header;
@@ -114,7 +114,7 @@ TEST_F(HostPlugins, ThatAreCutOffEndTheProcess) {
   EXPECT_THAT(rules_of(said()), IsEmpty());
 }
 
-TEST_F(HostPlugins, OfTheCacheAreThoseForThisProcessor) {
+TEST_F(HostPlugins, EntriesOfTheCacheForOtherProcessors_ArePassedOver) {
   const auto folder = root_ / "cached/glibc-hwcaps/x86-64-v4";
   put_as("cached/glibc-hwcaps/x86-64-v4", octets_of(library_header()) + "ddssec_");
   places_.cache = root_ / "cache";
@@ -126,7 +126,7 @@ TEST_F(HostPlugins, OfTheCacheAreThoseForThisProcessor) {
   EXPECT_EQ(found()[1].file, folder / "libdds_security_ac.so");
 }
 
-TEST_F(HostPlugins, OfThisMachineAreLookedForInItsFolders) {
+TEST_F(HostPlugins, ThisMachinesFolders_AreKnown) {
   const auto here = LoaderPlaces::here();
   EXPECT_FALSE(here.system.empty());
   EXPECT_EQ(here.after_loader.size(), here.system.size());

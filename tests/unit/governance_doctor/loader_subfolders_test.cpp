@@ -13,7 +13,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-TEST(LoaderSubfolders, AreReadFromWhatTheLoaderSays) {
+TEST(LoaderSubfolders, OutputOfTheLoader_NamesThem) {
   EXPECT_THAT(
       subfolders_in(
           "  12:\t search path=/p/glibc-hwcaps/x86-64-v2:/p/tls:/p\t\t(LD_LIBRARY_PATH)\n", "/p"),

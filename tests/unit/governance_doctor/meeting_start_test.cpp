@@ -12,7 +12,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-TEST_F(MeetingTest, EveryParticipantLevelElementThatDiffersKeepsThemApart) {
+TEST_F(MeetingTest, EveryParticipantLevelElementThatDiffers_KeepsThemApart) {
   const auto with = [&](auto change) {
     auto governance = strict_governance();
     change(governance.domain_rules[0]);
@@ -34,13 +34,13 @@ TEST_F(MeetingTest, EveryParticipantLevelElementThatDiffersKeepsThemApart) {
               IsEmpty());
 }
 
-TEST_F(MeetingTest, AnEmptyFolderIsAPeerWithoutSecurity) {
+TEST_F(MeetingTest, AnEmptyFolder_IsAPeerWithoutSecurity) {
   fs::remove_all(listener_.folder);
   fs::create_directories(listener_.folder);
   EXPECT_THAT(findings(meeting()), ElementsAre(Rule::DOC087));
 }
 
-TEST_F(MeetingTest, ABrokenParticipantIsNamedAndTheRestIsStillSaid) {
+TEST_F(MeetingTest, ABrokenParticipant_IsNamedAndTheRestIsStillSaid) {
   sign(listener_.permissions, to_xml(Permissions{.grants = {grant_for("CN=somebody")}}));
   const auto out = meeting();
   EXPECT_THAT(findings(out), ElementsAre(Rule::DOC090, Rule::DOC081));

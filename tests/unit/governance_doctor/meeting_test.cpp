@@ -13,7 +13,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-TEST_F(MeetingTest, TwoOfOneHouseTalkInBothDirections) {
+TEST_F(MeetingTest, TwoOfOneVendor_TalkInBothDirections) {
   const auto out = meeting();
   EXPECT_THAT(findings(out), IsEmpty());
   ASSERT_EQ(out.topics.size(), 1u);
@@ -24,7 +24,7 @@ TEST_F(MeetingTest, TwoOfOneHouseTalkInBothDirections) {
   EXPECT_TRUE(out.topics_complete);
 }
 
-TEST_F(MeetingTest, StockProductsApplyTheRuleBehindAnOpenRange) {
+TEST_F(MeetingTest, StockProducts_ApplyTheRuleBehindAnOpenRange) {
   auto governance = strict_governance();
   governance.domain_rules.push_back(governance.domain_rules[0]);
   governance.domain_rules[0].domains.ranges = {{0, 230}};
@@ -44,7 +44,7 @@ TEST_F(MeetingTest, StockProductsApplyTheRuleBehindAnOpenRange) {
   EXPECT_EQ(rule_of(Vendor::fastdds), &rules[1]);
 }
 
-TEST_F(MeetingTest, OneOfTheTwoOrdersOfCycloneAndFastDdsWorks) {
+TEST_F(MeetingTest, OneOfTheTwoOrdersOfCycloneAndFastDds_Works) {
   const auto one = meeting({}, Vendor::cyclonedds, Vendor::fastdds);
   const auto other = meeting({}, Vendor::fastdds, Vendor::cyclonedds);
   EXPECT_NE(one.handshake_works, other.handshake_works);
@@ -55,7 +55,7 @@ TEST_F(MeetingTest, OneOfTheTwoOrdersOfCycloneAndFastDdsWorks) {
   EXPECT_EQ(one.handshake_works, *one.starter == Starter::first);
 }
 
-TEST_F(MeetingTest, VersionsOfFastDdsMatterToCycloneDdsWithAnyPlugins) {
+TEST_F(MeetingTest, FastDdsVersion_MattersToCycloneDdsWithAnyPlugins) {
   const auto is_noted = [&](Vendor a, Vendor b) {
     return std::ranges::count(meeting({}, a, b).notes, Rule::DOC094, &Finding::rule) == 1;
   };
@@ -65,7 +65,7 @@ TEST_F(MeetingTest, VersionsOfFastDdsMatterToCycloneDdsWithAnyPlugins) {
   EXPECT_FALSE(is_noted(Vendor::ours, Vendor::cyclonedds));
 }
 
-TEST_F(MeetingTest, LaterFastDdsDiscoversNothingOfCycloneDds) {
+TEST_F(MeetingTest, LaterFastDds_DiscoversNothingOfCycloneDds) {
   const auto a = load_folder(talker_, kNow), b = load_folder(listener_, kNow);
   const auto with = [&](Vendor other, Version cyclonedds) {
     return meet({a, Vendor::fastdds, "talker", {.fastdds = {3, 1, 2}}},
@@ -81,7 +81,7 @@ TEST_F(MeetingTest, LaterFastDdsDiscoversNothingOfCycloneDds) {
   }
 }
 
-TEST_F(MeetingTest, OneSubjectForBothIsLeftToChance) {
+TEST_F(MeetingTest, OneSubjectForBoth_IsLeftToChance) {
   const auto out = [&] {
     const auto folder = load_folder(talker_, kNow);
     auto result = meet({folder, Vendor::ours, "a"}, {folder, Vendor::ours, "b"}, {.now = kNow});

@@ -14,7 +14,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-TEST_F(MeetingTest, EveryElementOfTheTopicRuleThatDiffersIsSaidOnce) {
+TEST_F(MeetingTest, EveryElementOfTheTopicRuleThatDiffers_IsSaidOnce) {
   auto governance = strict_governance();
   governance.domain_rules[0].topic_rules[0].enable_discovery_protection = false;
   governance.domain_rules[0].topic_rules[0].metadata_protection_kind = ProtectionKind::sign;
@@ -24,14 +24,14 @@ TEST_F(MeetingTest, EveryElementOfTheTopicRuleThatDiffersIsSaidOnce) {
   EXPECT_FALSE(out.topics[0].directions[0].ok);
 }
 
-TEST_F(MeetingTest, TopicsThatAreNamedAreExplained) {
+TEST_F(MeetingTest, TopicsThatAreNamed_AreExplained) {
   EXPECT_THAT(findings(meeting({"Circle"})),
               ElementsAre(Rule::DOC086, Rule::DOC086, Rule::DOC086, Rule::DOC086));
   sign(listener_.permissions, to_xml(Permissions{.grants = {grant_for("CN=listener", "Circle")}}));
   EXPECT_THAT(findings(meeting()), ElementsAre(Rule::DOC086));
 }
 
-TEST_F(MeetingTest, FastDdsDoesNotActOnDefaultAllow) {
+TEST_F(MeetingTest, FastDds_DoesNotActOnDefaultAllow) {
   auto grant = grant_for("CN=listener", "Circle");
   grant.default_allow = true;
   sign(listener_.permissions, to_xml(Permissions{.grants = {grant}}));
@@ -40,7 +40,7 @@ TEST_F(MeetingTest, FastDdsDoesNotActOnDefaultAllow) {
 }
 
 // Measured (grant-deny-one-way): Cyclone DDS 0.10 refuses that topic and uses the others.
-TEST_F(MeetingTest, ATopicThatCycloneDdsRefusesLeavesTheOthers) {
+TEST_F(MeetingTest, ATopicThatCycloneDdsRefuses_LeavesTheOthers) {
   auto grant = grant_for("CN=talker", "*");
   governance::Rule deny{.allow = false, .domains = {.ranges = {{0, 0}}}};
   deny.subscribe.push_back({.topics = {{"Circle"}}});
@@ -65,7 +65,7 @@ TEST_F(MeetingTest, ATopicThatCycloneDdsRefusesLeavesTheOthers) {
   }
 }
 
-TEST_F(MeetingTest, PayloadProtectionAloneStopsAFastDdsWriterBeforeACycloneReader) {
+TEST_F(MeetingTest, PayloadProtectionAlone_StopsAFastDdsWriterBeforeACycloneReader) {
   auto governance = strict_governance();
   governance.domain_rules[0].topic_rules[0].metadata_protection_kind = ProtectionKind::none;
   for (const auto& folder : {talker_, listener_}) sign(folder.governance, to_xml(governance));
@@ -76,7 +76,7 @@ TEST_F(MeetingTest, PayloadProtectionAloneStopsAFastDdsWriterBeforeACycloneReade
   EXPECT_THAT(out.topics[0].directions[1].obstacle.reason, IsEmpty());
 }
 
-TEST_F(MeetingTest, ManyTopicsAreCutAndSaidToBe) {
+TEST_F(MeetingTest, ManyTopics_AreCutAndSaidToBe) {
   auto grant = grant_for("CN=talker");
   auto& topics = grant.rules[0].publish[0].topics;
   for (int i = 0; i < 300; ++i) topics.push_back({"topic" + std::to_string(i)});

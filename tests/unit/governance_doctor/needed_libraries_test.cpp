@@ -15,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-TEST_F(HostPlugins, OfOursThatCannotBeLoadedAreTold) {
+TEST_F(HostPlugins, OurPluginsThatCannotBeLoaded_AreTold) {
   const auto octets = elf_that_needs("libnowhere.so.23");
   put_file("ours", "ac", octets);
   path({"ours"});

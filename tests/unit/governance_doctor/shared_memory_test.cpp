@@ -13,7 +13,7 @@ using testing::IsEmpty;
 
 constexpr const char* kOn = "<SharedMemory><Enable>true</Enable></SharedMemory>";
 
-TEST(SharedMemorySetting, IsFoundAsCycloneDdsReadsIt) {
+TEST(SharedMemorySetting, EachSpelling_IsFoundAsCycloneDdsReadsIt) {
   for (const auto* on :
        {kOn, "<CycloneDDS><Domain Id='any'><SharedMemory><Enable> true </></></></>",
         "<sharedmemory>\n<LogLevel>info</LogLevel><ENABLE>TRUE</ENABLE></sharedmemory>",
@@ -34,7 +34,7 @@ TEST(SharedMemorySetting, IsFoundAsCycloneDdsReadsIt) {
 
 using SharedMemoryCheck = Folders;
 
-TEST_F(SharedMemoryCheck, TheConfigurationIsTextOrFiles) {
+TEST_F(SharedMemoryCheck, TheConfiguration_IsTextOrFiles) {
   EXPECT_EQ(cyclonedds_configuration(kOn), kOn);
   EXPECT_EQ(cyclonedds_configuration(" , "), "");
   fs::create_directories(root_);
@@ -47,7 +47,7 @@ TEST_F(SharedMemoryCheck, TheConfigurationIsTextOrFiles) {
   EXPECT_EQ(cyclonedds_configuration("file:" + one), std::nullopt);  // to Cyclone DDS a file's name
 }
 
-TEST_F(SharedMemoryCheck, ProtectedSamplesMustNotPassThePluginsBy) {
+TEST_F(SharedMemoryCheck, ProtectedSamples_MustNotPassThePluginsBy) {
   const auto loaded = load_folder(participant("talker"), kNow);
   const auto said = [](const LoadedFolder& folder,
                        const std::optional<std::string>& configuration) {

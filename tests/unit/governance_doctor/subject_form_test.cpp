@@ -15,7 +15,7 @@ struct Row {
 };
 
 // Measured with the products themselves: tests/interop/doctor_test.py has the same forms.
-TEST(SubjectForm, EachProductReadsSomeOfThem) {
+TEST(SubjectForm, EachProduct_ReadsSomeOfThem) {
   const auto ca = make_ca("CN=CA");
   const auto leaf = make_leaf(ca, "CN=pub,O=Acme,C=DE");
   ASSERT_EQ(leaf.certificate.subject(), "CN=pub,O=Acme,C=DE");
@@ -51,7 +51,7 @@ TEST(SubjectForm, EachProductReadsSomeOfThem) {
     EXPECT_EQ(reads_subject(text, leaf.certificate), outcomes) << text;
 }
 
-TEST(SubjectForm, LaterFastDdsReadsPartsInAnyOrderAndBlanks) {
+TEST(SubjectForm, LaterFastDds_ReadsPartsInAnyOrderAndBlanks) {
   const auto leaf = make_leaf(make_ca("CN=CA"), "CN=pub,O=Acme,C=DE");
   const auto reads = [&](std::string_view text) {
     return reads_subject(text, leaf.certificate, {.fastdds = {3, 1, 2}}).fastdds;
@@ -65,7 +65,7 @@ TEST(SubjectForm, LaterFastDdsReadsPartsInAnyOrderAndBlanks) {
 }
 
 // Measured with Fast DDS 3.1.2.
-TEST(SubjectForm, LaterFastDdsEndsAtAPartWithoutEquals) {
+TEST(SubjectForm, LaterFastDds_EndsAtAPartWithoutEquals) {
   const auto leaf = make_leaf(make_ca("CN=CA"), "CN=pub,O=Acme,C=DE");
   const auto reads = [&](std::string_view text) {
     return reads_subject(text, leaf.certificate, {.fastdds = {3, 1, 2}}).fastdds;
@@ -79,7 +79,7 @@ TEST(SubjectForm, LaterFastDdsEndsAtAPartWithoutEquals) {
     EXPECT_EQ(reads(text), kFail) << text;
 }
 
-TEST(SubjectForm, AnEscapedCommaSeparatesNothing) {
+TEST(SubjectForm, AnEscapedComma_SeparatesNothing) {
   const auto ca = make_ca("CN=CA");
   const auto leaf = make_leaf(ca, "CN=pub,O=Acme\\, Inc.");
   EXPECT_TRUE(reads_subject(leaf.certificate.subject(), leaf.certificate).all_ok())

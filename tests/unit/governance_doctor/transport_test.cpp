@@ -11,7 +11,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-TEST(TransportCheck, TcpIsFoundAsCycloneDdsReadsIt) {
+TEST(TransportCheck, Tcp_IsFoundAsCycloneDdsReadsIt) {
   for (const auto* on :
        {"<TCP><Enable>true</Enable></TCP>", "<CycloneDDS><tcp>\n<Port>0</Port><ENABLE> TRUE </></>",
         "<TCP><Enable>false</Enable></TCP><TCP><Enable>${USE_IT}</Enable></TCP>"})
@@ -26,7 +26,7 @@ TEST(TransportCheck, TcpIsFoundAsCycloneDdsReadsIt) {
     EXPECT_EQ(tcp_setting(off), "") << off;
 }
 
-TEST(TransportCheck, TcpIsWarnedOf) {
+TEST(TransportCheck, Tcp_IsWarnedOf) {
   const auto said = [](const std::optional<std::string>& configuration) {
     Diagnosis out;
     check_transport(configuration, out);

@@ -35,7 +35,7 @@ class VendorDecision : public testing::Test {
   Grant grant_;
 };
 
-TEST_F(VendorDecision, TheyAgreeAboutTopicsDomainsAndTheDefaultPartition) {
+TEST_F(VendorDecision, TheProducts_AgreeAboutTopicsDomainsAndTheDefaultPartition) {
   add(true, {criteria("Square")});
   add(true, {criteria("Circle")}, 7);
   EXPECT_EQ(allowed("Square"), "yyy");
@@ -44,7 +44,7 @@ TEST_F(VendorDecision, TheyAgreeAboutTopicsDomainsAndTheDefaultPartition) {
   EXPECT_EQ(allowed("Square", {"yard"}), "nnn");
 }
 
-TEST_F(VendorDecision, OnlyFastDdsIgnoresTheDomainsOfARuleWhereItMakesAnEndpoint) {
+TEST_F(VendorDecision, OnlyFastDds_IgnoresTheDomainsOfARuleWhereItMakesAnEndpoint) {
   add(false, {criteria("Secret")}, 1);
   add(true, {criteria("Circle")}, 7);
   add(true, {criteria("Square")});
@@ -62,7 +62,7 @@ TEST_F(VendorDecision, OnlyFastDdsIgnoresTheDomainsOfARuleWhereItMakesAnEndpoint
   EXPECT_EQ(local(Vendor::fastdds, "Circle").rule, &document->grants[0].rules[1]);
 }
 
-TEST_F(VendorDecision, EachReadsExpressionsInItsOwnWay) {
+TEST_F(VendorDecision, EachProduct_ReadsExpressionsInItsOwnWay) {
   add(false, {criteria("rt/[^b]")});
   add(true, {criteria("rt/*")});
   EXPECT_EQ(allowed("rt/a"), "ynn") << "to Cyclone DDS '^' is a character of the set";
@@ -75,13 +75,13 @@ TEST_F(VendorDecision, EachReadsExpressionsInItsOwnWay) {
   EXPECT_EQ(allowed("rt/a"), "nnn");
 }
 
-TEST_F(VendorDecision, PartitionsAreExpressionsToo) {
+TEST_F(VendorDecision, Partitions_AreExpressionsToo) {
   add(true, {criteria("rt/a", std::vector<Text>{{"[^b]"}})});
   EXPECT_EQ(allowed("rt/a", {"a"}), "nyy");
   EXPECT_EQ(allowed("rt/a", {"b"}), "ynn");
 }
 
-TEST(TopicRuleAs, TheFirstThatTheProductMatchesCounts) {
+TEST(TopicRuleAs, SeveralRules_TheFirstThatTheProductMatchesCounts) {
   const DomainRule domain{
       .topic_rules = {{.topic_expression = "rt/[^b]*"}, {.topic_expression = "*"}}};
   EXPECT_EQ(topic_rule_as(Vendor::ours, domain, "rt/area"), &domain.topic_rules[0]);
@@ -89,7 +89,7 @@ TEST(TopicRuleAs, TheFirstThatTheProductMatchesCounts) {
   EXPECT_EQ(topic_rule_as(Vendor::fastdds, domain, "rt/area"), &domain.topic_rules[0]);
 }
 
-TEST_F(VendorDecision, StockProductsJoinByAnyAllowRule) {
+TEST_F(VendorDecision, StockProducts_JoinByAnyAllowRule) {
   const auto joins = [&] {
     const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
     const CompiledGrant compiled(document, document->grants[0], 0);
@@ -110,7 +110,7 @@ TEST_F(VendorDecision, StockProductsJoinByAnyAllowRule) {
   EXPECT_EQ(joins(), "yny");
 }
 
-TEST_F(VendorDecision, StockProductsReadAnOpenRangeAsOneDomain) {
+TEST_F(VendorDecision, OpenRange_IsOneDomainToStockProducts) {
   add(true, {criteria("Square")}, 0);
   grant_.rules[0].domains.ranges = {{.first = 0, .last = 230, .is_open = true}};
   EXPECT_EQ(allowed("Square"), "yyy");
@@ -123,14 +123,14 @@ TEST_F(VendorDecision, StockProductsReadAnOpenRangeAsOneDomain) {
   }
 }
 
-TEST_F(VendorDecision, AnAllowRuleMustListEveryPartition) {
+TEST_F(VendorDecision, AnAllowRule_MustListEveryPartition) {
   add(true, {criteria("Square", {{{"yard*"}, {"street"}}})});
   EXPECT_EQ(allowed("Square", {"yard1", "street"}), "yyy");
   EXPECT_EQ(allowed("Square", {"yard1", "road"}), "nnn");
   EXPECT_EQ(allowed("Square"), "nnn");
 }
 
-TEST_F(VendorDecision, ADenyRuleWithoutPartitionsIsForTheDefaultOneInCycloneDds) {
+TEST_F(VendorDecision, ADenyRuleWithoutPartitions_IsForTheDefaultOneInCycloneDds) {
   add(false, {criteria("Square")});
   add(true, {criteria("*", {{{"*"}}})});
   EXPECT_EQ(allowed("Square", {"yard"}), "ynn");
@@ -138,31 +138,31 @@ TEST_F(VendorDecision, ADenyRuleWithoutPartitionsIsForTheDefaultOneInCycloneDds)
   EXPECT_EQ(allowed("Circle"), "yyy");
 }
 
-TEST_F(VendorDecision, FastDdsDeniesInEveryPartition) {
+TEST_F(VendorDecision, FastDds_DeniesInEveryPartition) {
   add(false, {criteria("Square", {{{"yard"}}})});
   add(true, {criteria("*", {{{"*"}}})});
   EXPECT_EQ(allowed("Square", {"street"}), "yny");
   EXPECT_EQ(allowed("Square", {"street", "yard"}), "nnn");
 }
 
-TEST_F(VendorDecision, FastDdsLooksAtTheFirstRuleOfTheTopicOnly) {
+TEST_F(VendorDecision, FastDds_LooksAtTheFirstRuleOfTheTopicOnly) {
   add(true, {criteria("Square", {{{"yard"}}})});
   add(true, {criteria("Square", {{{"street"}}})});
   EXPECT_EQ(allowed("Square", {"yard"}), "yyy");
   EXPECT_EQ(allowed("Square", {"street"}), "yny");
 }
 
-TEST_F(VendorDecision, FastDdsTakesTopicAndPartitionFromDifferentElements) {
+TEST_F(VendorDecision, FastDds_TakesTopicAndPartitionFromDifferentElements) {
   add(true, {criteria("Square", {{{"yard"}}}), criteria("Circle", {{{"street"}}})});
   EXPECT_EQ(allowed("Square", {"street"}), "nyn");
 }
 
-TEST_F(VendorDecision, FastDdsHasNoDefaultAllow) {
+TEST_F(VendorDecision, FastDds_HasNoDefaultAllow) {
   grant_.default_allow = true;
   EXPECT_EQ(allowed("Square"), "yny");
 }
 
-TEST_F(VendorDecision, TheDecidingRuleIsTold) {
+TEST_F(VendorDecision, TheDecidingRule_IsTold) {
   add(false, {criteria("Circle")});
   add(true, {criteria("Square")});
   const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});

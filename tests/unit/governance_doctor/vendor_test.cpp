@@ -5,7 +5,7 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-TEST(Vendor, IsFoundByItsIdWithOrWithoutVersion) {
+TEST(Vendor, IdWithOrWithoutVersion_IsFound) {
   for (const auto vendor : kVendors) EXPECT_EQ(vendor_from(id(vendor)), vendor);
   EXPECT_EQ(vendor_from("ddssec"), Vendor::ours);
   EXPECT_EQ(product_from("cyclonedds"), NamedProduct{Vendor::cyclonedds});
@@ -16,7 +16,7 @@ TEST(Vendor, IsFoundByItsIdWithOrWithoutVersion) {
     EXPECT_EQ(product_from(other), std::nullopt) << other;
 }
 
-TEST(Outcomes, TheWorseCountsForEachProductAlone) {
+TEST(Outcomes, SeveralOutcomes_TheWorseCountsForEachProduct) {
   constexpr Outcomes a{.cyclonedds = Outcome::late, .ours = Outcome::unsafe};
   constexpr Outcomes b{.cyclonedds = Outcome::ok, .fastdds = Outcome::fail, .ours = Outcome::late};
   EXPECT_EQ(a.worse(b), (Outcomes{Outcome::late, Outcome::fail, Outcome::late}));
@@ -27,7 +27,7 @@ TEST(Outcomes, TheWorseCountsForEachProductAlone) {
   EXPECT_EQ(b.of(Vendor::cyclonedds), Outcome::ok);
 }
 
-TEST(Outcome, HasAWord) {
+TEST(Outcome, EachOutcome_HasAWord) {
   EXPECT_EQ(to_string(Outcome::ok), "ok");
   EXPECT_EQ(to_string(Outcome::unsafe), "unsafe");
   EXPECT_EQ(to_string(Outcome::late), "late");

@@ -69,7 +69,7 @@ bool eventually(F&& f) {
 }
 
 // A reader that has not matched yet hears nothing of a volatile writer.
-TEST(RoundTrip, APingThatNobodyHeardIsSentAgain) {
+TEST(RoundTrip, UnheardPing_IsSentAgain) {
   Other other(70);
   auto& pings = other.reader("PerfPing");
   auto& pongs = other.writer("PerfPong");
@@ -92,7 +92,7 @@ TEST(RoundTrip, APingThatNobodyHeardIsSentAgain) {
   EXPECT_EQ(ping.end(), kDone);
 }
 
-TEST(RoundTrip, APingBeforeAnybodyReadsThePongsIsAnsweredThen) {
+TEST(RoundTrip, PingBeforeThePongsAreRead_IsAnsweredThen) {
   Other other(71);
   auto& pings = other.writer("PerfPing");
   Running pong(run_pong, 71);

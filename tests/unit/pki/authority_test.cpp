@@ -19,7 +19,7 @@ INSTANTIATE_TEST_SUITE_P(Keys, AuthorityOfKind,
                            return std::string("Kind") + std::to_string(info.index);
                          });
 
-TEST_P(AuthorityOfKind, IssuesWhatItsOwnFileVerifies) {
+TEST_P(AuthorityOfKind, IssuedCertificate_IsVerifiedByItsOwnFile) {
   const auto ca = make_ca("CN=Root,O=Example", GetParam());
   const auto leaf = make_leaf(ca, "CN=talker,O=Example", GetParam());
   EXPECT_EQ(leaf.certificate.subject(), "CN=talker,O=Example");
@@ -36,7 +36,7 @@ TEST_P(AuthorityOfKind, IssuesWhatItsOwnFileVerifies) {
   EXPECT_EQ(proof->not_after(), kYear.not_after);
 }
 
-TEST_P(AuthorityOfKind, SignsDocumentsThatVerify) {
+TEST_P(AuthorityOfKind, SignedDocument_Verifies) {
   const auto ca = make_ca("CN=Root,O=Example", GetParam());
   const auto file = ca.sign_document(as_bytes("<dds>\n</dds>\n"), kNow, test_random());
   ASSERT_TRUE(file) << file.error().to_sentence();
@@ -48,7 +48,7 @@ TEST_P(AuthorityOfKind, SignsDocumentsThatVerify) {
   EXPECT_EQ(document->signer(), ca.certificate());
 }
 
-TEST_P(AuthorityOfKind, SignsHandshakes) {
+TEST_P(AuthorityOfKind, SignedHandshake_Verifies) {
   const auto ca = make_ca();
   const auto leaf = make_leaf(ca, "CN=talker", GetParam());
   const auto signature = sign(leaf.key, as_bytes("hello"));
@@ -58,7 +58,7 @@ TEST_P(AuthorityOfKind, SignsHandshakes) {
   EXPECT_CODE(verify(ca.certificate(), as_bytes("hello"), *signature), signature_invalid);
 }
 
-TEST_P(AuthorityOfKind, SignsRequests) {
+TEST_P(AuthorityOfKind, SignedRequest_IsCertified) {
   const auto ca = make_ca();
   const auto key = PrivateKey::generate(GetParam().kind, GetParam().bits);
   ASSERT_TRUE(key);
@@ -70,7 +70,7 @@ TEST_P(AuthorityOfKind, SignsRequests) {
   EXPECT_TRUE(key->matches(*certificate));
 }
 
-TEST(AuthorityDates, ReachTheLastYearThatACertificateCanName) {
+TEST(AuthorityDates, LastYearThatACertificateCanName_IsReached) {
   using namespace std::chrono;
   const WallTime end = sys_days(year(9999) / December / 30) + hours(23);
   const auto ca = Authority::create_root("CN=Long", {}, {kNow, end}, test_random());
@@ -88,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Agreement,
                          testing::Values(KeyAgreementKind::ecdh_p256, KeyAgreementKind::ecdh_p384,
                                          KeyAgreementKind::dh_modp_2048_256));
 
-TEST_P(Agreement, BothSidesDeriveTheSame) {
+TEST_P(Agreement, BothSides_DeriveTheSame) {
   const auto a = EphemeralKey::generate(GetParam());
   const auto b = EphemeralKey::generate(GetParam());
   ASSERT_TRUE(a && b);

@@ -10,7 +10,7 @@ namespace {
 const std::string kCyclone = "cyclonedds/validate_local_identity/";
 const std::string kPyca = "pyca-cryptography-vectors/x509/";
 
-TEST(Certificate, SaysWhatItHolds) {
+TEST(Certificate, Fields_AreWhatItHolds) {
   const auto ca = make_ca("CN=Root+OU=x,O=Example\\, Inc,C=NL");
   const auto leaf = make_leaf(ca, "CN=talker,O=Example");
   const auto again = Certificate::from_pem(as_bytes(leaf.certificate.pem()));
@@ -28,7 +28,7 @@ TEST(Certificate, SaysWhatItHolds) {
   EXPECT_EQ(again->issuer(), ca.certificate().subject());
 }
 
-TEST(Certificate, WhoReadsOneThatIsHeldSharesIt) {
+TEST(Certificate, SecondReaderOfOneThatIsHeld_SharesIt) {
   const auto ca = make_ca("CN=Root");
   const auto pem = make_leaf(ca, "CN=talker").certificate.pem();
   {
@@ -46,7 +46,7 @@ TEST(Certificate, WhoReadsOneThatIsHeldSharesIt) {
   EXPECT_EQ(Certificate::from_pem(as_bytes(pem))->subject(), "CN=talker");
 }
 
-TEST(Certificate, SubjectDigestIsOverTheDerName) {
+TEST(Certificate, SubjectDigest_IsOverTheDerName) {
   // CN=abc as PrintableString would differ from UTF8String: take the DER as the library encodes it.
   const auto ca = make_ca("CN=abc");
   const auto* name = X509_get_subject_name(impl_of(ca.certificate()).x509.get());
@@ -55,14 +55,14 @@ TEST(Certificate, SubjectDigestIsOverTheDerName) {
   EXPECT_EQ(to_hex(ca.certificate().subject_digest()), to_hex(digest));
 }
 
-TEST(Certificate, AnEcLeafUnderAnRsaCaKnowsBoth) {
+TEST(Certificate, AnEcLeafUnderAnRsaCa_KnowsBoth) {
   const auto ca = make_ca("CN=Root", {KeyKind::rsa, 2048});
   const auto leaf = make_leaf(ca);
   EXPECT_EQ(leaf.certificate.key_algorithm().kind, KeyKind::ec_p256);
   EXPECT_EQ(to_string(ca.certificate().key_algorithm()), "RSA-2048");
 }
 
-TEST(Certificate, TextAroundTheBlockAndOneNulAreTolerated) {
+TEST(Certificate, TextAroundTheBlockAndOneNul_AreTolerated) {
   const auto pem = make_ca().certificate().pem();
   EXPECT_TRUE(Certificate::from_pem(as_bytes("Certificate:\n  Data:\n" + pem + "text")));
   EXPECT_TRUE(Certificate::from_pem(as_bytes(pem + std::string(1, '\0'))));
@@ -73,7 +73,7 @@ TEST(Certificate, TextAroundTheBlockAndOneNulAreTolerated) {
   EXPECT_EQ(Certificate::from_pem(as_bytes(crlf))->pem(), pem);
 }
 
-TEST(Certificate, EveryTruncationIsRefused) {
+TEST(Certificate, EveryTruncation_IsRefused) {
   const auto certificate = make_ca().certificate();
   const auto pem = as_bytes(certificate.pem());
   for (std::size_t size = 0; size + 2 < pem.size(); ++size)
@@ -82,7 +82,7 @@ TEST(Certificate, EveryTruncationIsRefused) {
     EXPECT_FALSE(Certificate::from_der(certificate.der().first(size))) << size;
 }
 
-TEST(Certificate, AFlippedBitNeverGivesAnEqualCertificate) {
+TEST(Certificate, AFlippedBit_NeverGivesAnEqualCertificate) {
   const auto certificate = make_ca().certificate();
   auto der = to_bytes(certificate.der());
   for (std::size_t at = 0; at < der.size(); ++at) {
@@ -93,7 +93,7 @@ TEST(Certificate, AFlippedBitNeverGivesAnEqualCertificate) {
   }
 }
 
-TEST(Certificate, OctetsBehindItAreRefused) {
+TEST(Certificate, OctetsBehindIt_AreRefused) {
   auto der = to_bytes(make_ca().certificate().der());
   der.push_back(0);
   EXPECT_CODE(Certificate::from_der(der), certificate_malformed);
@@ -103,7 +103,7 @@ TEST(Certificate, OctetsBehindItAreRefused) {
 }
 
 // Found by fuzzing: bits of the signature that do not count are not written again.
-TEST(Certificate, OtherOctetsThanTheDistinguishedOnesAreRefused) {
+TEST(Certificate, OtherOctetsThanTheDistinguishedOnes_AreRefused) {
   auto der = to_bytes(make_leaf(make_ca(), "CN=talker").certificate.der());
   const Bytes begin = {0x00, 0x30};  // no bits left over, and the two integers of the signature
   const auto bits_left = std::find_end(der.begin(), der.end(), begin.begin(), begin.end());
@@ -115,7 +115,7 @@ TEST(Certificate, OtherOctetsThanTheDistinguishedOnesAreRefused) {
 }
 
 // T34: a megabyte of certificate.
-TEST(Certificate, SizesAreBounded) {
+TEST(Certificate, Sizes_AreBounded) {
   const auto pem = make_ca().certificate().pem();
   EXPECT_CODE(Certificate::from_pem(as_bytes(std::string(1000000, 'A') + pem)),
               certificate_too_large);
@@ -148,7 +148,7 @@ Result<Certificate> with_name(const std::vector<std::pair<std::string, std::stri
   return Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
 }
 
-TEST(Certificate, NamesAreBoundedAndHoldNoNul) {
+TEST(Certificate, Names_AreBoundedAndHoldNoNul) {
   using namespace std::string_literals;
   EXPECT_EQ(make_ca(attributes(kMaxNameAttributes)).certificate().subject(),
             attributes(kMaxNameAttributes));
@@ -161,7 +161,7 @@ TEST(Certificate, NamesAreBoundedAndHoldNoNul) {
 }
 
 // Its key is of a type that certificates are read without decoders for.
-TEST(Certificate, AKeyOfAnotherTypeIsNamed) {
+TEST(Certificate, AKeyOfAnotherType_IsNamed) {
   const auto ca = make_ca();
   const X509Ptr x509(X509_dup(impl_of(ca.certificate()).x509.get()));
   const PkeyPtr key(EVP_PKEY_Q_keygen(nullptr, nullptr, "ED25519"));
@@ -176,7 +176,7 @@ TEST(Certificate, AKeyOfAnotherTypeIsNamed) {
   EXPECT_EQ(refused.error().details().found, "a key of ED25519") << refused.error().to_sentence();
 }
 
-TEST(Certificate, KeysOutsideTheRulesAreNamed) {
+TEST(Certificate, KeysOutsideTheRules_AreNamed) {
   const auto check = [](const std::string& file, const char* found) {
     const auto certificate = Certificate::from_pem(data_file(file));
     EXPECT_CODE(certificate, key_not_allowed);
@@ -189,7 +189,7 @@ TEST(Certificate, KeysOutsideTheRulesAreNamed) {
   check(kPyca + "ec_no_named_curve.pem", "EC of 256 bits");
 }
 
-TEST(Certificate, CyclonesIdentitiesParse) {
+TEST(Certificate, CyclonesIdentities_Parse) {
   for (const char* name :
        {"identity_certificate", "ec_identity_certificate", "identity_ca", "ec_identity_ca"}) {
     const auto certificate = Certificate::from_pem(data_file(kCyclone + name));
@@ -199,7 +199,7 @@ TEST(Certificate, CyclonesIdentitiesParse) {
   EXPECT_CODE(Certificate::from_pem(data_file(kCyclone + "private_key")), certificate_malformed);
 }
 
-TEST(Certificate, OddOnesGetAClearVerdict) {
+TEST(Certificate, OddOnes_GetAClearVerdict) {
   const auto verdict = [](const char* name) {
     const auto octets = data_file(kPyca + name);
     const bool der = std::string_view(name).ends_with(".der");
@@ -232,7 +232,7 @@ TEST(Certificate, DerFile_IsNamedWithTheCommandThatConverts) {
   EXPECT_EQ(text.error().details().note, "there is no PEM block CERTIFICATE");
 }
 
-TEST(Bundle, HoldsEveryCertificateAndPassesOverOtherBlocks) {
+TEST(Bundle, OtherBlocks_ArePassedOverAndEveryCertificateIsHeld) {
   const auto a = make_ca("CN=a");
   const auto b = make_ca("CN=b");
   const auto crl = a.make_crl({{}, kNow, kNow + 24h});

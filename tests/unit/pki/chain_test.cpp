@@ -36,7 +36,7 @@ Certificate as_version_1(const Certificate& certificate, const PrivateKey& key) 
   return *Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
 }
 
-TEST(Chain, ValidityIsJudgedAtEveryCall) {
+TEST(Chain, Validity_IsJudgedAtEveryCall) {
   const auto ca = make_ca();
   const auto leaf = make_leaf(ca, "CN=short", {}, {kNow, kNow + 10s});
   const auto verifier = make_verifier({ca.certificate()});
@@ -52,7 +52,7 @@ TEST(Chain, ValidityIsJudgedAtEveryCall) {
       << error.to_sentence();
 }
 
-TEST(Chain, StrangersAreRefused) {
+TEST(Chain, Strangers_AreRefused) {
   const auto ca = make_ca("CN=Root");
   const auto other = make_ca("CN=Other");
   const auto twin = make_ca("CN=Root");
@@ -88,7 +88,7 @@ TEST(Chain, TwoCasOfOneName_AreToldApartByTheSignature) {
               issuer_unknown);
 }
 
-TEST(Chain, AForgedSignatureIsRefused) {
+TEST(Chain, AForgedSignature_IsRefused) {
   const auto ca = make_ca();
   auto der = to_bytes(make_leaf(ca).certificate.der());
   der.back() ^= 1;
@@ -98,7 +98,7 @@ TEST(Chain, AForgedSignatureIsRefused) {
               certificate_signature_invalid);
 }
 
-TEST(Chain, SubordinatesWithAndWithoutTheirRoot) {
+TEST(Chain, SubordinateCas_VerifyWithAndWithoutTheirRoot) {
   const auto root = make_ca("CN=Root", {}, {kNow - 48h, kNow + 48h});
   const auto sub = *root.subordinate("CN=Sub", {}, kYear, test_random());
   const auto leaf = make_leaf(sub).certificate;
@@ -117,7 +117,7 @@ TEST(Chain, SubordinatesWithAndWithoutTheirRoot) {
 }
 
 // T2: a chain whose middle has expired.
-TEST(Chain, AnExpiredMiddleIsRefused) {
+TEST(Chain, AnExpiredMiddle_IsRefused) {
   const auto root = make_ca("CN=Root");
   const auto sub = *root.subordinate("CN=Sub", {}, {kNow - 24h, kNow + 1h}, test_random());
   const auto leaf = make_leaf(sub).certificate;
@@ -129,7 +129,7 @@ TEST(Chain, AnExpiredMiddleIsRefused) {
   }
 }
 
-TEST(Chain, OnlyCasMayBeInTheFileOrIssue) {
+TEST(Chain, OnlyCas_MayBeInTheFileOrIssue) {
   const auto ca = make_ca();
   const auto leaf = make_leaf(ca);
   EXPECT_CODE(ChainVerifier::make({leaf.certificate}), not_a_ca);
@@ -137,7 +137,7 @@ TEST(Chain, OnlyCasMayBeInTheFileOrIssue) {
 }
 
 // DECISIONS.md: it is a CA by its place, since it has no extensions that could say so.
-TEST(Chain, ASelfSignedVersion1CertificateMayBeAnAnchorAndNothingElse) {
+TEST(Chain, ASelfSignedVersion1Certificate_MayBeAnAnchorAndNothingElse) {
   const auto root = make_ca("CN=Root");
   const auto version_1 = as_version_1(root.certificate(), root.key());
   EXPECT_TRUE(version_1.is_version_1());
@@ -161,7 +161,7 @@ TEST(Chain, ASelfSignedVersion1CertificateMayBeAnAnchorAndNothingElse) {
   EXPECT_CODE(ChainVerifier::make({participant}), not_a_ca);
 }
 
-TEST(Chain, PathLengthCounts) {
+TEST(Chain, PathLength_Counts) {
   const auto root = make_ca("CN=Root");
   const auto sub = *root.subordinate("CN=Sub", {}, kYear, test_random());  // pathlen 0
   const auto deep = *sub.subordinate("CN=Deep", {}, kYear, test_random());
@@ -169,7 +169,7 @@ TEST(Chain, PathLengthCounts) {
   EXPECT_CODE(verifier.verify(make_leaf(deep).certificate, kNow), path_too_long);
 }
 
-TEST(Chain, KeyUsageMustAllowSignatures) {
+TEST(Chain, KeyUsage_MustAllowSignatures) {
   const auto ca = make_ca();
   const auto verifier = make_verifier({ca.certificate()});
   const auto with = [&](const std::string& usage) {
@@ -181,7 +181,7 @@ TEST(Chain, KeyUsageMustAllowSignatures) {
   EXPECT_CODE(with("keyEncipherment"), key_usage_forbids);
 }
 
-TEST(Chain, AnIdentityMayBeACaItself) {
+TEST(Chain, AnIdentity_MayBeACaItself) {
   const auto ca = make_ca();
   const auto leaf = odd_leaf(
       ca,
@@ -189,7 +189,7 @@ TEST(Chain, AnIdentityMayBeACaItself) {
   EXPECT_TRUE(make_verifier({ca.certificate()}).verify(leaf.certificate, kNow));
 }
 
-TEST(Chain, Sha1CountsOnlyAsAnAnchorsSignatureOnItself) {
+TEST(Chain, Sha1_CountsOnlyAsAnAnchorsSignatureOnItself) {
   const auto ca = make_ca();
   const auto old_root = with_sha1(ca.certificate(), ca.key());
   const auto leaf = make_leaf(ca);
@@ -198,7 +198,7 @@ TEST(Chain, Sha1CountsOnlyAsAnAnchorsSignatureOnItself) {
   EXPECT_CODE(make_verifier({ca.certificate()}).verify(weak, kNow), digest_too_weak);
 }
 
-TEST(Chain, UnknownCriticalExtensionsAreRefused) {
+TEST(Chain, UnknownCriticalExtensions_AreRefused) {
   const auto ca = make_ca();
   const X509Ptr x509(X509_dup(impl_of(make_leaf(ca).certificate).x509.get()));
   const Asn1ObjectPtr type(OBJ_txt2obj("1.2.3.4.5", 1));
@@ -225,7 +225,7 @@ class Revocation : public testing::Test {
   Credential bad_ = make_leaf(ca_, "CN=bad");
 };
 
-TEST_F(Revocation, RevokedOnesAreRefusedOthersNot) {
+TEST_F(Revocation, RevokedOnes_AreRefusedAndOthersAreNot) {
   const auto verifier = make_verifier({ca_.certificate()}, {list(ca_, {bad_.certificate})});
   const auto proof = verifier.verify(good_.certificate, kNow + 1s);
   ASSERT_TRUE(proof) << proof.error().to_sentence();
@@ -237,7 +237,7 @@ TEST_F(Revocation, RevokedOnesAreRefusedOthersNot) {
       certificate_revoked);
 }
 
-TEST_F(Revocation, AMissingOrOldListFailsHardUnlessToldOtherwise) {
+TEST_F(Revocation, AMissingOrOldList_FailsHardUnlessToldOtherwise) {
   const auto other = make_ca("CN=Other");
   const auto check = [&](Crl crl, WallTime now, Code code) {
     const auto hard = make_verifier({ca_.certificate()}, {crl}).verify(good_.certificate, now);
@@ -252,14 +252,14 @@ TEST_F(Revocation, AMissingOrOldListFailsHardUnlessToldOtherwise) {
   check(list(ca_, {}), kNow - 1s, Code::crl_not_yet_valid);
 }
 
-TEST_F(Revocation, ARevokedOneIsRefusedFromAnOldListToo) {
+TEST_F(Revocation, ARevokedOne_IsRefusedFromAnOldListToo) {
   const auto verifier =
       make_verifier({ca_.certificate()}, {list(ca_, {bad_.certificate})}, CrlPolicy::soft_fail);
   EXPECT_CODE(verifier.verify(bad_.certificate, kNow + 25h), certificate_revoked);
 }
 
 // An attacker may still have the list of before; once the newest has ended it must not count again.
-TEST_F(Revocation, AnOlderListBesideTheNewestNeverCounts) {
+TEST_F(Revocation, AnOlderListBesideTheNewest_NeverCounts) {
   const auto numbered = [&](std::uint64_t number, WallTime from, WallTime until,
                             std::vector<Certificate> revoked) {
     return *ca_.make_crl({std::move(revoked), from, until, number});
@@ -277,7 +277,7 @@ TEST_F(Revocation, AnOlderListBesideTheNewestNeverCounts) {
 }
 
 // OpenSSL takes one of them, and which one depends on their order and scope.
-TEST_F(Revocation, OneOfSeveralListsInForceThatNamesItIsEnough) {
+TEST_F(Revocation, OneOfSeveralListsInForceThatNamesIt_IsEnough) {
   const auto numbered = [&](std::uint64_t number, std::vector<Certificate> revoked) {
     return *ca_.make_crl({std::move(revoked), kNow, kNow + 24h, number});
   };
@@ -302,7 +302,7 @@ TEST_F(Revocation, OneOfSeveralListsInForceThatNamesItIsEnough) {
   }
 }
 
-TEST_F(Revocation, AForgedListThatNamesItRevokesNothing) {
+TEST_F(Revocation, AForgedListThatNamesIt_RevokesNothing) {
   const auto twin = make_ca("CN=Root");
   const auto forged = list(twin, {good_.certificate});
   EXPECT_TRUE(make_verifier({ca_.certificate()}, {list(ca_, {}), forged})
@@ -313,7 +313,7 @@ TEST_F(Revocation, AForgedListThatNamesItRevokesNothing) {
 }
 
 // Whoever can write to the file could otherwise take the list of the CA away.
-TEST_F(Revocation, AForgedNewerListTakesNoListsPlace) {
+TEST_F(Revocation, AForgedNewerList_TakesNoListsPlace) {
   const auto twin = make_ca("CN=Root");
   const auto genuine = list(ca_, {bad_.certificate});
   const auto forged = *twin.make_crl({{}, kNow + 1h, kNow + 48h, 1'000'000});
@@ -334,7 +334,7 @@ Crl without_key_id(const Crl& list, const Authority& by) {
 }
 
 // A CA that rolled over: a list is of the key that signed it.
-TEST_F(Revocation, TwoCasOfOneNameHaveAListEach) {
+TEST_F(Revocation, TwoCasOfOneName_HaveAListEach) {
   const auto twin = make_ca("CN=Root");
   const auto good = make_leaf(twin, "CN=good"), bad = make_leaf(twin, "CN=bad");
   for (const auto& [mine, others] : {std::pair{1u, 9u}, {9u, 1u}})
@@ -351,13 +351,13 @@ TEST_F(Revocation, TwoCasOfOneNameHaveAListEach) {
     }
 }
 
-TEST_F(Revocation, AListOfTheOtherCaOfTheNameIsNone) {
+TEST_F(Revocation, AListOfTheOtherCaOfTheName_IsNone) {
   const auto twin = make_ca("CN=Root");
   const auto verifier = make_verifier({ca_.certificate(), twin.certificate()}, {list(twin, {})});
   EXPECT_FALSE(verifier.verify(good_.certificate, kNow + 1s));
 }
 
-TEST_F(Revocation, AForgedListIsRefusedUnderEitherPolicy) {
+TEST_F(Revocation, AForgedList_IsRefusedUnderEitherPolicy) {
   const auto twin = make_ca("CN=Root");
   auto der = list(ca_, {});
   // Same name, another key; and without the key identifier that would give it away early.
@@ -374,7 +374,7 @@ TEST_F(Revocation, AForgedListIsRefusedUnderEitherPolicy) {
         crl_signature_invalid);
 }
 
-TEST_F(Revocation, CasAreLookedUpWhereTheirIssuerHasAList) {
+TEST_F(Revocation, Cas_AreLookedUpWhereTheirIssuerHasAList) {
   const auto sub = *ca_.subordinate("CN=Sub", {}, kYear, test_random());
   const auto leaf = make_leaf(sub).certificate;
   const std::vector anchors = {ca_.certificate(), sub.certificate()};
@@ -386,7 +386,7 @@ TEST_F(Revocation, CasAreLookedUpWhereTheirIssuerHasAList) {
   EXPECT_CODE(make_verifier(anchors, {list(ca_, {})}).verify(leaf, kNow + 1s), crl_missing);
 }
 
-TEST(MayBeRevoked, SaysNoOnlyWhereNoListNamesItOrACa) {
+TEST(MayBeRevoked, CertificateAndCaOnNoList_AreNotRevoked) {
   const auto root = make_ca("CN=Root");
   const auto sub = *root.subordinate("CN=Sub", {}, kYear, test_random());
   const auto good = make_leaf(sub, "CN=good").certificate,
@@ -408,7 +408,7 @@ TEST(MayBeRevoked, SaysNoOnlyWhereNoListNamesItOrACa) {
   EXPECT_CODE(of_root.verify(good, kNow), certificate_revoked);
 }
 
-TEST_F(Revocation, FilesHoldSeveralListsAmongOtherBlocks) {
+TEST_F(Revocation, Files_HoldSeveralListsAmongOtherBlocks) {
   const auto sub = *ca_.subordinate("CN=Sub", {}, kYear, test_random());
   const auto text = ca_.certificate().pem() + list(ca_, {}).pem() + list(sub, {}).pem();
   const auto crls = Crl::all_from(as_bytes(text));
@@ -429,7 +429,7 @@ TEST_F(Revocation, FilesHoldSeveralListsAmongOtherBlocks) {
   EXPECT_FALSE(Crl::all_from(data_file(pyca + "crl_no_next_update.pem"))->front().next_update());
 }
 
-TEST(ChainCache, RemembersBoundedlyAndFromSeveralThreads) {
+TEST(ChainCache, ManyEntriesAndThreads_StayBounded) {
   const auto ca = make_ca();
   const auto leaf = make_leaf(ca).certificate;
   const auto verifier = make_verifier({ca.certificate()});
@@ -448,7 +448,7 @@ TEST(ChainCache, RemembersBoundedlyAndFromSeveralThreads) {
   EXPECT_TRUE(verifier.verify(leaf, kNow));
 }
 
-TEST(Requests, JunkAndForgedOnesAreRefused) {
+TEST(Requests, JunkAndForgedOnes_AreRefused) {
   const auto ca = make_ca();
   EXPECT_CODE(ca.sign_request(as_bytes("junk"), kYear, test_random()), request_invalid);
   EXPECT_CODE(ca.sign_request(Bytes(100000), kYear, test_random()), request_invalid);

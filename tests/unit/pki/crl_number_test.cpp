@@ -9,14 +9,14 @@ CrlNumber of(std::initializer_list<std::uint8_t> octets) {
   return CrlNumber::from_octets(Bytes(octets));
 }
 
-TEST(CrlNumber, IsOneWhateverZerosStandBeforeIt) {
+TEST(CrlNumber, LeadingZeros_DoNotCount) {
   EXPECT_EQ(of({0, 0, 1, 2}), CrlNumber(0x102));
   EXPECT_EQ(of({0, 0}), CrlNumber());
   EXPECT_EQ(to_string(of({0x01, 0x02})), "258");
   EXPECT_EQ(to_string(CrlNumber()), "0");
 }
 
-TEST(CrlNumber, GrowsByOneAtAnyLength) {
+TEST(CrlNumber, NextNumber_IsOneMoreAtAnyLength) {
   EXPECT_EQ(CrlNumber(0).next(), CrlNumber(1));
   EXPECT_EQ(CrlNumber(0xff).next(), CrlNumber(0x100));
   EXPECT_EQ(CrlNumber(UINT64_MAX).next(), of({1, 0, 0, 0, 0, 0, 0, 0, 0}));
@@ -25,7 +25,7 @@ TEST(CrlNumber, GrowsByOneAtAnyLength) {
   EXPECT_EQ(CrlNumber(UINT64_MAX).as_uint64(), UINT64_MAX);
 }
 
-TEST(CrlNumber, IsComparedAsAWhole) {
+TEST(CrlNumber, EachLength_IsComparedAsAWhole) {
   const auto large = CrlNumber::from_octets(Bytes(20, 0x7f));
   EXPECT_LT(CrlNumber(UINT64_MAX), large);
   EXPECT_LT(large, large.next());

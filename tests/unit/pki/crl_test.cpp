@@ -20,7 +20,7 @@ Crl make_crl(const Authority& ca, CrlTemplate content) {
   return *std::move(crl);
 }
 
-TEST(CrlEntries, AreReadAsTheyWereWritten) {
+TEST(CrlEntries, WrittenEntries_AreReadBack) {
   const std::array<Revocation, 3> entries = {
       Revocation{"0A", kNow - 3h, RevocationReason::key_compromise},
       Revocation{"7FFF00112233445566778899AABBCCDD", kNow - 2h, RevocationReason::superseded},
@@ -34,7 +34,7 @@ TEST(CrlEntries, AreReadAsTheyWereWritten) {
   EXPECT_EQ(crl.number(), 7u);
 }
 
-TEST(CrlEntries, TheFirstOfASerialNumberCounts) {
+TEST(CrlEntries, TheFirstOfASerialNumber_Counts) {
   const std::array<Revocation, 2> entries = {
       Revocation{"0A", kNow - 3h, RevocationReason::key_compromise},
       Revocation{"0A", kNow, RevocationReason::unspecified}};
@@ -43,7 +43,7 @@ TEST(CrlEntries, TheFirstOfASerialNumberCounts) {
   EXPECT_THAT(*make_crl(make_ca(), content).revoked(), testing::ElementsAre(entries[0]));
 }
 
-TEST(CrlEntries, ASerialNumberThatIsNoneIsRefused) {
+TEST(CrlEntries, ASerialNumberThatIsNone_IsRefused) {
   const auto ca = make_ca();
   for (const auto* serial : {"", "xyz", "0A ", "-", "0Ag"}) {
     const std::array<Revocation, 1> entries = {Revocation{serial, kNow}};
@@ -95,7 +95,7 @@ TEST(CrlExtensions, CriticalOnesThatAreNotUnderstood_AreRefused) {
   }
 }
 
-TEST(CrlCheck, TakesTheIssuersListInItsTime) {
+TEST(CrlCheck, IssuersList_IsTakenInItsTime) {
   const auto ca = make_ca();
   const auto crl = make_crl(ca, kMonth);
   EXPECT_TRUE(crl.check(ca.certificate(), kNow));
@@ -103,14 +103,14 @@ TEST(CrlCheck, TakesTheIssuersListInItsTime) {
   EXPECT_CODE(crl.check(ca.certificate(), kNow + 30 * 24h), crl_expired);
 }
 
-TEST(CrlCheck, RefusesOtherSigners) {
+TEST(CrlCheck, OtherSigners_AreRefused) {
   const auto ca = make_ca();
   const auto crl = make_crl(ca, kMonth);
   EXPECT_CODE(crl.check(make_ca().certificate(), kNow), crl_signature_invalid);  // same name
   EXPECT_CODE(crl.check(make_ca("CN=Other").certificate(), kNow), crl_signature_invalid);
 }
 
-TEST(CrlCheck, RefusesACaThatMayNotSignLists) {
+TEST(CrlCheck, CaThatMayNotSignLists_IsRefused) {
   auto self = self_sign({.subject = "CN=Root",
                          .validity = kYear,
                          .is_ca = true,
@@ -122,7 +122,7 @@ TEST(CrlCheck, RefusesACaThatMayNotSignLists) {
   EXPECT_CODE(make_crl(*ca, kMonth).check(ca->certificate(), kNow), crl_signature_invalid);
 }
 
-TEST(RevocationReason, WordsAreThoseOfRfc5280) {
+TEST(RevocationReason, EachReason_HasTheWordsOfRfc5280) {
   for (const int number : {0, 1, 2, 3, 4, 5, 6, 9}) {
     const auto reason = static_cast<RevocationReason>(number);
     EXPECT_EQ(revocation_reason_from(to_string(reason)), reason);
@@ -131,7 +131,7 @@ TEST(RevocationReason, WordsAreThoseOfRfc5280) {
   EXPECT_FALSE(revocation_reason_from("keycompromise"));
 }
 
-TEST(Reissue, KeepsSubjectAndKeyAndHasANewSerialNumber) {
+TEST(Reissue, NewCertificate_KeepsSubjectAndKeyAndHasANewSerialNumber) {
   const auto ca = make_ca();
   const auto leaf = make_leaf(ca, "CN=talker+OU=x,O=Example");
   const Validity later{kNow, kNow + 24h};
@@ -150,7 +150,7 @@ TEST(Reissue, KeepsSubjectAndKeyAndHasANewSerialNumber) {
   EXPECT_CODE(leaf.key.matches(*rekeyed), key_mismatch);
 }
 
-TEST(Reissue, ARenewedRootStillVouchesForWhatItIssued) {
+TEST(Reissue, RenewedRoot_StillVouchesForWhatItIssued) {
   const auto ca = make_ca();
   const auto leaf = make_leaf(ca);
   const auto renewed = ca.renewed({kNow, kNow + 1000 * 24h}, test_random());
@@ -167,7 +167,7 @@ TEST(Reissue, ARenewedRootStillVouchesForWhatItIssued) {
   EXPECT_FALSE(middle_again->is_self_issued());
 }
 
-TEST(Request, IsReadOnlyIfItsKeySignedIt) {
+TEST(Request, RequestWithAnotherSignature_IsRefused) {
   const auto key = PrivateKey::generate(KeyKind::rsa, 2048);
   auto pem = make_request(*key, "CN=device,O=Example");
   ASSERT_TRUE(pem);
@@ -186,7 +186,7 @@ TEST(Request, IsReadOnlyIfItsKeySignedIt) {
 
 // ---- one list in the place of another
 
-TEST(CrlSupersedes, ByNumberAndTime) {
+TEST(CrlSupersedes, NumberAndTime_MustBothBeLater) {
   const auto ca = make_ca();
   const auto list = [&](std::uint64_t number, WallTime from) {
     return make_crl(ca, {.this_update = from, .next_update = kNow + 24h, .number = number});
@@ -203,7 +203,7 @@ TEST(CrlSupersedes, ByNumberAndTime) {
 }
 
 // RFC 5280 5.2.3 allows 20 octets.
-TEST(CrlNumberOf, AListMayBeLong) {
+TEST(CrlNumberOf, AList_MayBeLong) {
   const auto ca = make_ca();
   const auto number = CrlNumber::from_octets(Bytes(20, 0x7f));
   const auto list = [&](const CrlNumber& of) {
@@ -216,7 +216,7 @@ TEST(CrlNumberOf, AListMayBeLong) {
   EXPECT_FALSE(list(UINT64_MAX).supersedes(list(number)));
 }
 
-TEST(CrlReplaces, AListOfTheFutureByAHigherNumberThatNamesAll) {
+TEST(CrlReplaces, ListOfTheFuture_NeedsAHigherNumberAndAllEntries) {
   const auto ca = make_ca();
   const std::vector revoked{make_leaf(ca, "CN=a").certificate, make_leaf(ca, "CN=b").certificate};
   const auto list = [&](std::uint64_t number, WallTime from, std::size_t entries) {
@@ -238,7 +238,7 @@ TEST(CrlReplaces, AListOfTheFutureByAHigherNumberThatNamesAll) {
   EXPECT_TRUE(list(7, kNow + 300 * 24h, 0).replaces(list(7, kNow, 1), kNow)) << "as supersedes";
 }
 
-TEST(CrlCheck, NamesBothKeysOfOneName) {
+TEST(CrlCheck, TwoKeysOfOneName_AreBothNamed) {
   const auto old = make_ca(), ca = make_ca();
   const auto checked = make_crl(old, kMonth).check(ca.certificate(), kNow);
   EXPECT_CODE(checked, crl_signature_invalid);
@@ -249,7 +249,7 @@ TEST(CrlCheck, NamesBothKeysOfOneName) {
   EXPECT_NE(details.hint.find("start it again"), std::string::npos);
 }
 
-TEST(CrlSupersedes, OnlyOfTheSameIssuer) {
+TEST(CrlSupersedes, ListOfAnotherIssuer_SupersedesNothing) {
   EXPECT_TRUE(make_crl(make_ca(), kMonth).is_named_after(make_ca().certificate()));
   EXPECT_FALSE(make_crl(make_ca(), kMonth).is_named_after(make_ca("CN=Other").certificate()));
   const auto held = make_crl(make_ca(), kMonth);
@@ -264,7 +264,7 @@ Crl pkits(const std::string& name) {
 
 // OpenSSL 3.0.19 takes a delta list for a complete one: the certificate that the complete list
 // revokes is accepted if the newer delta list does not repeat it.
-TEST(DeltaCrl, IsRefusedWhereListsAreRead) {
+TEST(DeltaCrl, DeltaList_IsRefusedWhereListsAreRead) {
   const auto ca = make_ca();
   const auto leaf = make_leaf(ca);
   const std::array revoked = {leaf.certificate};
@@ -286,13 +286,13 @@ TEST(DeltaCrl, IsRefusedWhereListsAreRead) {
 }
 
 // It stands for itself: the delta lists that it names are one more way to be up to date.
-TEST(DeltaCrl, ACompleteListThatNamesDeltaListsIsRead) {
+TEST(DeltaCrl, ACompleteListThatNamesDeltaLists_IsRead) {
   const auto crls = Crl::all_from(data_file("nist-pkits/crls/deltaCRLCA1CRL.crl"));
   ASSERT_TRUE(crls) << crls.error().to_sentence();
   EXPECT_GE(X509_CRL_get_ext_by_NID(impl_of(crls->front()).crl.get(), NID_freshest_crl, -1), 0);
 }
 
-TEST(CrlSupersedes, OnlyAboutTheSameCertificates) {
+TEST(CrlSupersedes, ListAboutOtherCertificates_SupersedesNothing) {
   const auto some = pkits("onlySomeReasonsCA1compromiseCRL");
   const auto others = pkits("onlySomeReasonsCA1otherreasonsCRL");
   ASSERT_EQ(some.issuer(), others.issuer());

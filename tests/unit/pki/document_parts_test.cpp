@@ -5,7 +5,7 @@
 namespace ddssec::pki {
 namespace {
 
-TEST(DocumentParts, NameTheCertificateAsItsFieldsDo) {
+TEST(DocumentParts, EachPart_HasTheCertificatesFields) {
   const auto ca = make_ca();
   const auto leaf = make_leaf(ca).certificate;
   const auto part = part_of(leaf);

@@ -5,7 +5,7 @@
 namespace ddssec::pki {
 namespace {
 
-TEST(IssueLog, SaysWhatWasIssuedAndRevoked) {
+TEST(IssueLog, EachLine_SaysWhatWasIssuedAndRevoked) {
   const auto ca = make_ca();
   const auto a = make_leaf(ca, "CN=a").certificate;
   const auto b = make_leaf(ca, "CN=b").certificate;
@@ -31,7 +31,7 @@ TEST(IssueLog, SaysWhatWasIssuedAndRevoked) {
   EXPECT_EQ(log.places(), std::vector<std::string>{"/fleet/a"});
 }
 
-TEST(IssueLog, SaysWhatACertificateIsAndWhichKeyItHas) {
+TEST(IssueLog, EachLine_SaysWhatACertificateIsAndWhichKeyItHas) {
   const auto ca = make_ca();
   const auto first = make_leaf(ca, "CN=a");
   const auto other = make_leaf(ca, "CN=a");
@@ -45,7 +45,7 @@ TEST(IssueLog, SaysWhatACertificateIsAndWhichKeyItHas) {
   EXPECT_NE(issued.key, key_digest(ca.certificate()));
 }
 
-TEST(IssueLog, KnowsTheKeysOfRevokedCertificates) {
+TEST(IssueLog, RevokedCertificates_AreKnownByTheirKeys) {
   const auto ca = make_ca();
   const auto logged = make_leaf(ca, "CN=a").certificate;
   const auto foreign = make_leaf(ca, "CN=b").certificate;
@@ -63,7 +63,7 @@ TEST(IssueLog, KnowsTheKeysOfRevokedCertificates) {
   EXPECT_EQ(log.revocations().size(), 2u);
 }
 
-TEST(IssueLog, ALastLineCutShortAtAnyOctetCountsForNothing) {
+TEST(IssueLog, ALastLineCutShortAtAnyOctet_CountsForNothing) {
   const auto ca = make_ca();
   const auto first = IssueLog::issued_line(make_leaf(ca, "CN=a").certificate, "", kNow);
   const auto second = IssueLog::issued_line(make_leaf(ca, "CN=b").certificate, "", kNow);
@@ -84,7 +84,7 @@ TEST(IssueLog, LastLineWithoutLineEnd_Counts) {
   EXPECT_TRUE(log.is_revoked("0A"));
 }
 
-TEST(IssueLog, TheFirstLineOfASerialNumberCounts) {
+TEST(IssueLog, TheFirstLineOfASerialNumber_Counts) {
   const Revocation first{"0A", kNow, RevocationReason::key_compromise};
   const Revocation second{"0A", kNow + 1h, RevocationReason::unspecified};
   const auto text = IssueLog::revoked_line(first) + IssueLog::revoked_line(second);
@@ -122,7 +122,7 @@ TEST(IssueLog, PlacesThatAParticipantHasLeft_AreNotPresent) {
   EXPECT_EQ(log.places().size(), 4u);
 }
 
-TEST(IssueLog, ADamagedLineIsToldAndTheOthersCount) {
+TEST(IssueLog, ADamagedLine_IsToldAndTheOthersCount) {
   const std::string good =
       R"({"event":"revoked","time":"2026-11-21T00:00:00Z","serial":"0A","reason":"superseded"})"
       "\n";
@@ -149,7 +149,7 @@ TEST(IssueLog, ADamagedLineIsToldAndTheOthersCount) {
   }
 }
 
-TEST(IssueLog, ALineLongerThanAnyIsPassedOver) {
+TEST(IssueLog, ALineLongerThanAny_IsPassedOver) {
   const auto ca = make_ca();
   const auto line = IssueLog::issued_line(make_leaf(ca, "CN=a").certificate, "/a", kNow);
   auto longest = line;

@@ -16,7 +16,7 @@ class Elliptic : public testing::TestWithParam<KeyAgreementKind> {};
 INSTANTIATE_TEST_SUITE_P(Curves, Elliptic, testing::Values(kP256, kP384));
 
 // T48.
-TEST_P(Elliptic, OnlyPointsOfTheCurveAtFullLengthAreTaken) {
+TEST_P(Elliptic, OnlyPointsOfTheCurveAtFullLength_AreTaken) {
   const auto key = *EphemeralKey::generate(GetParam());
   auto point = *key.public_octets();
   ASSERT_EQ(point.size(), GetParam() == kP256 ? 65u : 97u);
@@ -43,7 +43,7 @@ TEST_P(Elliptic, OnlyPointsOfTheCurveAtFullLengthAreTaken) {
   EXPECT_CODE(PeerPublicKey::parse(GetParam(), Bytes(point.size(), 0)), public_key_malformed);
 }
 
-TEST(KeyAgreement, KindsDoNotMix) {
+TEST(KeyAgreement, Kinds_DoNotMix) {
   const auto a = *EphemeralKey::generate(kP256);
   const auto b = *EphemeralKey::generate(kP384);
   EXPECT_CODE(a.derive(*PeerPublicKey::parse(kP384, *b.public_octets())), key_agreement_mismatch);
@@ -80,7 +80,7 @@ Bytes der_of(BytesView value) {
 }
 
 // T48.
-TEST(Modp, ValuesOutsideTheSubgroupAreRefusedInBothEncodings) {
+TEST(Modp, ValuesOutsideTheSubgroup_AreRefusedInBothEncodings) {
   const auto p = parameter(OSSL_PKEY_PARAM_FFC_P);
   const BignumPtr value(BN_dup(p.get()));
   std::vector<Bytes> bad = {{0}, {1}, {2}, octets_of(p)};
@@ -101,7 +101,7 @@ TEST(Modp, ValuesOutsideTheSubgroupAreRefusedInBothEncodings) {
   EXPECT_CODE(PeerPublicKey::parse(kModp, Bytes(100000, 1)), public_key_malformed);
 }
 
-TEST(Modp, BothEncodingsAreWrittenAndRecognised) {
+TEST(Modp, BothEncodings_AreWrittenAndRecognised) {
   const auto key = *EphemeralKey::generate(kModp);
   const auto plain = *key.public_octets(PublicKeyEncoding::plain_integer);
   const auto der = *key.public_octets(PublicKeyEncoding::der_integer);
@@ -116,7 +116,7 @@ TEST(Modp, BothEncodingsAreWrittenAndRecognised) {
 }
 
 // One shared value in 256 begins with a zero octet; peers hash it without.
-TEST(Modp, SharedValuesWithLeadingZerosAreHashedWithoutThem) {
+TEST(Modp, SharedValuesWithLeadingZeros_AreHashedWithoutThem) {
   const auto p = parameter(OSSL_PKEY_PARAM_FFC_P);
   const auto mine = *KnownKey::from_private(kModp, Bytes{0x12, 0x34, 0x56, 0x78});
   const auto base = *mine.public_octets();
@@ -138,7 +138,7 @@ TEST(Modp, SharedValuesWithLeadingZerosAreHashedWithoutThem) {
   EXPECT_EQ(short_ones, 2);
 }
 
-TEST(Modp, APublicValueWithLeadingZerosIsWrittenWithoutThem) {
+TEST(Modp, APublicValueWithLeadingZeros_IsWrittenWithoutThem) {
   for (unsigned i = 1; i < 5000; ++i) {
     const auto key = *KnownKey::from_private(
         kModp, Bytes{static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i), 7});
@@ -155,7 +155,7 @@ TEST(Modp, APublicValueWithLeadingZerosIsWrittenWithoutThem) {
   FAIL() << "no short value in 5000";
 }
 
-TEST(KeyAgreement, PrivateNumbersOutOfRangeAreRefused) {
+TEST(KeyAgreement, PrivateNumbersOutOfRange_AreRefused) {
   for (const auto kind : {kP256, kP384, kModp}) {
     EXPECT_CODE(KnownKey::from_private(kind, Bytes{0}), public_key_not_in_group);
     EXPECT_CODE(KnownKey::from_private(kind, Bytes(300, 0xff)), public_key_not_in_group);

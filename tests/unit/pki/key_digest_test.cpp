@@ -46,7 +46,7 @@ Certificate compressed(const Certificate& certificate, std::size_t width) {
 
 class KeyDigest : public testing::TestWithParam<KeySpec> {};
 
-TEST_P(KeyDigest, IsThatOfThePublicKeyAsEarlierVersionsLoggedIt) {
+TEST_P(KeyDigest, PublicKey_HasTheDigestThatEarlierVersionsLogged) {
   const auto leaf = make_leaf(make_ca(), "CN=a", GetParam()).certificate;
   EXPECT_EQ(key_digest(leaf), raw_digest(leaf));
   EXPECT_TRUE(KeyDigests(leaf).contains(raw_digest(leaf)));
@@ -57,7 +57,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, KeyDigest,
                          testing::Values(KeySpec{KeyKind::ec_p256}, KeySpec{KeyKind::ec_p384},
                                          KeySpec{KeyKind::rsa, 2048}));
 
-TEST(KeyDigest, IsOneForBothEncodingsOfAnEcKey) {
+TEST(KeyDigest, BothEncodingsOfAnEcKey_HaveOneDigest) {
   for (const auto& [kind, width] : {std::pair{KeyKind::ec_p256, 32u}, {KeyKind::ec_p384, 48u}}) {
     const auto leaf = make_leaf(make_ca(), "CN=a", {kind}).certificate;
     const auto other = compressed(leaf, width);

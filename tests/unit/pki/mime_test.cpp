@@ -120,7 +120,7 @@ std::string mutated(std::string file, std::mt19937_64& random) {
   return file;
 }
 
-TEST_F(TwoReaders, WhatOursAcceptsOpensslReadsInTheSameWay) {
+TEST_F(TwoReaders, WhatOursAccepts_OpensslReadsInTheSameWay) {
   constexpr int kCases = 100'000;
   std::mt19937_64 random(20261123);
   int accepted = 0;
@@ -136,7 +136,7 @@ TEST_F(TwoReaders, WhatOursAcceptsOpensslReadsInTheSameWay) {
 }
 
 // Each was read as OURS by ours and as OTHER by OpenSSL, or could have been.
-TEST_F(TwoReaders, HeadersWithTwoReadingsAreRefused) {
+TEST_F(TwoReaders, HeadersWithTwoReadings_AreRefused) {
   const auto header =
       outer_.substr(outer_.find("Content-Type"), outer_.find("\n\n") - outer_.find("Content-Type"));
   const std::string start =
@@ -166,7 +166,7 @@ TEST_F(TwoReaders, HeadersWithTwoReadingsAreRefused) {
   EXPECT_TRUE(read_document(as_bytes(replaced(outer_, header, start + ";\n boundary=OURS"))));
 }
 
-TEST_F(TwoReaders, ABoundaryWithinALineIsRefused) {
+TEST_F(TwoReaders, ABoundaryWithinALine_IsRefused) {
   const auto text = "<dds>" + std::string(1018, ' ') + "--OURS\n</dds>\n";
   EXPECT_CODE(read_document(as_bytes(with_boundary(sign(text), kOurs))), smime_malformed);
   EXPECT_TRUE(read_document(as_bytes(with_boundary(sign(text), kOther))));
@@ -175,7 +175,7 @@ TEST_F(TwoReaders, ABoundaryWithinALineIsRefused) {
               smime_malformed);
 }
 
-TEST_F(TwoReaders, AnotherTextOrSignatureForOpensslIsAmbiguous) {
+TEST_F(TwoReaders, AnotherTextOrSignatureForOpenssl_IsAmbiguous) {
   auto ours = read_document(as_bytes(outer_));
   ASSERT_TRUE(ours);
   EXPECT_TRUE(check_same_reading(*ours, as_bytes(outer_)));
@@ -191,7 +191,7 @@ TEST_F(TwoReaders, AnotherTextOrSignatureForOpensslIsAmbiguous) {
 }
 
 // Only padding may end the base64 text: of what stands after it OpenSSL reads nothing.
-TEST_F(TwoReaders, PaddingWithinTheSignatureIsRefused) {
+TEST_F(TwoReaders, PaddingWithinTheSignature_IsRefused) {
   const auto begin = outer_.rfind("smime.p7s\"\n\n") + 12;
   for (const auto* changed : {"=", "==", "===="}) {
     auto file = outer_;

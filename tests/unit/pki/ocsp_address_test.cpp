@@ -7,7 +7,7 @@
 namespace ddssec::pki {
 namespace {
 
-TEST(OcspAddress, IsTakenApart) {
+TEST(OcspAddress, Address_IsTakenApart) {
   const auto whole = parse_ocsp_address("http://ocsp.example:8080/a/b");
   ASSERT_OK(whole);
   EXPECT_EQ(whole->host, "ocsp.example");

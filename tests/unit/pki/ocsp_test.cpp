@@ -141,7 +141,7 @@ TEST_F(Ocsp, OfAnUnknownCertificate_IsRefused) {
   EXPECT_CODE(judge(), ocsp_unknown);
 }
 
-TEST_F(Ocsp, OfSeveralAnswersTheWorstCounts) {
+TEST_F(Ocsp, SeveralAnswers_TheWorstCounts) {
   auto other = content.answers.front();
   other.next_update = 12h;
   content.answers.push_back(other);
@@ -155,7 +155,7 @@ TEST_F(Ocsp, OfSeveralAnswersTheWorstCounts) {
   EXPECT_CODE(judge(), ocsp_revoked);
 }
 
-TEST_F(Ocsp, CountsInItsTimeOnly) {
+TEST_F(Ocsp, OutsideItsTime_IsRefused) {
   auto& answer = content.answers.front();
   answer.this_update = 4min;
   EXPECT_TRUE(judge());

@@ -43,14 +43,14 @@ TEST_F(DistributionPoints, ThatCopyALongIssuerAThousandTimes_AreRefusedWithBothV
   EXPECT_TRUE(sentence.contains("for 1500 relative names")) << sentence;
 }
 
-TEST_F(DistributionPoints, AreAllowedUpToTheBoundAndNotBeyond) {
+TEST_F(DistributionPoints, PointsUpToTheBound_AreAllowedAndMoreAreNot) {
   const auto most = static_cast<int>(kMaxDistributionPointOctets / octets(10));
   const auto at_most = read(PointName::relative, most, 10);
   EXPECT_TRUE(at_most) << at_most.error().to_sentence();
   EXPECT_CODE(read(PointName::relative, most + 1, 10), certificate_distribution_points);
 }
 
-TEST_F(DistributionPoints, OfHonestCertificatesPass) {
+TEST_F(DistributionPoints, HonestCertificates_Pass) {
   for (const auto form :
        {PointName::full, PointName::relative, PointName::relative_to_named_issuer}) {
     const auto honest = read(form, 16, 8);
@@ -101,7 +101,7 @@ class Signatures : public Test {
   Bytes digest_ = Bytes(32, 7);
 };
 
-TEST_F(Signatures, OfTheHonestFormPassBothReaders) {
+TEST_F(Signatures, HonestForm_PassesBothReaders) {
   EXPECT_TRUE(believed());
   EXPECT_TRUE(verified());
   ASSERT_TRUE(test::sign_attributes(pkcs7_.get()));

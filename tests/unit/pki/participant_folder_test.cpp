@@ -18,7 +18,7 @@ class Folder : public testing::Test {
   const fs::path at_ = folder_.path();
 };
 
-TEST_F(Folder, AnEmptyOneIsTakenAsFlat) {
+TEST_F(Folder, AnEmptyOne_IsTakenAsFlat) {
   const auto files = participant_folder(at_);
   EXPECT_EQ(files.layout, FolderLayout::flat);
   EXPECT_EQ(files.identity_ca, at_ / "identity_ca.pem");
@@ -30,7 +30,7 @@ TEST_F(Folder, AnEmptyOneIsTakenAsFlat) {
   EXPECT_EQ(files.crl, at_ / "crl.pem");
 }
 
-TEST_F(Folder, OneCaFileTellsTheLayout) {
+TEST_F(Folder, OneCaFile_TellsTheLayout) {
   touch("permissions_ca.cert.pem");
   const auto files = participant_folder(at_);
   EXPECT_EQ(files.layout, FolderLayout::sros2);
@@ -39,7 +39,7 @@ TEST_F(Folder, OneCaFileTellsTheLayout) {
   EXPECT_EQ(files.key, at_ / "key.pem");
 }
 
-TEST_F(Folder, ABrokenLinkCountsAndFlatNamesWin) {
+TEST_F(Folder, ABrokenLink_CountsAndFlatNamesWin) {
   fs::create_symlink("nowhere", at_ / "identity_ca.cert.pem");
   EXPECT_EQ(participant_folder(at_).layout, FolderLayout::sros2);
   touch("identity_ca.pem");
@@ -70,7 +70,7 @@ TEST_F(Folder, ACertificateOrAKeyOfACa_TellsACasFolder) {
 }
 
 // A document that cannot be reached must not count as one that was never put there.
-TEST_F(Folder, OnlyAFileThatCannotExistIsAbsent) {
+TEST_F(Folder, FileThatCannotBeReached_IsNotAbsent) {
   touch("crl.pem");
   EXPECT_TRUE(is_there(at_ / "crl.pem"));
   EXPECT_FALSE(is_there(at_ / "renewed.pem"));

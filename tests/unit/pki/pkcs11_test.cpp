@@ -66,7 +66,7 @@ class Token : public testing::Test {
 };
 
 // Before any other test has logged in, which lasts as long as the process.
-TEST_F(Token, WantsAPinAndRefusesAWrongOne) {
+TEST_F(Token, MissingOrWrongPin_IsRefused) {
   const auto missing = PrivateKey::load(uri("ec"), kProperty);
   EXPECT_CODE(missing, pkcs11_pin_missing);
   EXPECT_EQ(missing.error().details().document, kProperty);
@@ -79,7 +79,7 @@ TEST_F(Token, WantsAPinAndRefusesAWrongOne) {
   ASSERT_OK(PrivateKey::load(uri("ec"), kProperty, &right));
 }
 
-TEST_F(Token, AnAttributeThatIsGivenTwiceIsRefused) {
+TEST_F(Token, AnAttributeThatIsGivenTwice_IsRefused) {
   const auto path = folder_->write("one pin", kPin);
   const auto source = "pin-source=" + folder_->path() + "/one%20pin";
   for (const auto& more : {"?" + source + "&" + source, ";" + source + "?" + source,
@@ -91,7 +91,7 @@ TEST_F(Token, AnAttributeThatIsGivenTwiceIsRefused) {
   }
 }
 
-TEST_F(Token, ThePinMayLieInAFileWithALineEnd) {
+TEST_F(Token, ThePin_MayLieInAFileWithALineEnd) {
   const auto path = folder_->write("pin of robot", std::string(kPin) + "\r\n");
   const auto escaped = folder_->path() + "/pin%20of%20robot";
   for (const auto& source : {escaped, "file:" + escaped, "file://" + escaped})
@@ -103,7 +103,7 @@ TEST_F(Token, ThePinMayLieInAFileWithALineEnd) {
                 pkcs11_not_found);
 }
 
-TEST_F(Token, WhatIsNotThereIsNamedWithoutThePin) {
+TEST_F(Token, WhatIsNotThere_IsNamedWithoutThePin) {
   for (const auto& gone :
        {with_pin("nobody"), std::string("pkcs11:token=other;object=ec?pin-value=x"),
         std::string("pkcs11:rubbish"), std::string("pkcs11:"),
@@ -115,7 +115,7 @@ TEST_F(Token, WhatIsNotThereIsNamedWithoutThePin) {
   }
 }
 
-TEST_F(Token, SignsAsAKeyInAFileDoes) {
+TEST_F(Token, HeldKey_SignsAsAKeyInAFileDoes) {
   for (const auto* name : {"ec", "p384", "rsa"}) {
     const auto held = key(name);
     ASSERT_OK(held);
@@ -138,7 +138,7 @@ TEST_F(Token, SignsAsAKeyInAFileDoes) {
   }
 }
 
-TEST_F(Token, ACaMayLiveInIt) {
+TEST_F(Token, CaInAToken_SignsAndIssues) {
   for (const auto* name : {"ec", "rsa"}) {
     const auto ca = Authority::create_root("CN=CA in a token", *key(name), kYear, test_random());
     ASSERT_OK(ca);
@@ -152,7 +152,7 @@ TEST_F(Token, ACaMayLiveInIt) {
   }
 }
 
-TEST_F(Token, HoldsCertificatesToo) {
+TEST_F(Token, HeldCertificates_AreRead) {
   const auto ca = make_ca();
   const auto path = folder_->write("ca.pem", ca.certificate().pem());
   run(with_pin_option(
@@ -164,7 +164,7 @@ TEST_F(Token, HoldsCertificatesToo) {
   EXPECT_EQ(*Certificate::from_pem(*pem), ca.certificate());
 }
 
-TEST(KeysByUri, AreNamedByAFileOfTheirOwnToo) {
+TEST(KeysByUri, FileOfTheirOwn_NamesThemToo) {
   const test::TemporaryFolder folder;
   EXPECT_EQ(uri_of("a/key.pem"), "file://a/key.pem");
   EXPECT_EQ(uri_of(folder.write("key.p11", "pkcs11:object=a\nmore\n")), "pkcs11:object=a");
@@ -173,7 +173,7 @@ TEST(KeysByUri, AreNamedByAFileOfTheirOwnToo) {
   EXPECT_CODE(uri_of(folder.path() + "/d.p11"), file_not_found);
 }
 
-TEST(KeysByUri, AreShownWithoutAPin) {
+TEST(KeysByUri, ShownUri_HasNoPin) {
   for (const auto* text : {"pkcs11:object=a?pin-value=1234", "  pkcs11:object=a;pin-value=1234",
                            "pkcs11:object=a;pin-source=file:/1234", "pkcs11:object=a"}) {
     EXPECT_TRUE(names_token(text));

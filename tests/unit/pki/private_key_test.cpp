@@ -12,7 +12,7 @@ const std::string kCyclone = "cyclonedds/validate_local_identity/";
 
 Passphrase passphrase(std::string_view text) { return *Passphrase::copy_of(as_bytes(text)); }
 
-TEST(PrivateKey, ReadsPlainAndEncryptedForms) {
+TEST(PrivateKey, PlainAndEncryptedForms_AreRead) {
   const auto right = passphrase("CHAM569");
   EXPECT_TRUE(PrivateKey::from_pem(data_file(kCyclone + "private_key")));
   EXPECT_TRUE(PrivateKey::from_pem(data_file(kCyclone + "ec_private_key")));
@@ -20,7 +20,7 @@ TEST(PrivateKey, ReadsPlainAndEncryptedForms) {
   EXPECT_TRUE(key) << key.error().to_sentence();
 }
 
-TEST(PrivateKey, WrongAndMissingPassphraseDiffer) {
+TEST(PrivateKey, WrongAndMissingPassphrase_Differ) {
   const auto wrong = passphrase("wrong");
   for (const char* name : {"private_key_w_password", "ec_private_key_w_password"}) {
     const auto pem = data_file(kCyclone + name);
@@ -33,7 +33,7 @@ class OwnKeys : public testing::TestWithParam<KeyKind> {};
 INSTANTIATE_TEST_SUITE_P(Kinds, OwnKeys,
                          testing::Values(KeyKind::rsa, KeyKind::ec_p256, KeyKind::ec_p384));
 
-TEST_P(OwnKeys, SurviveWritingAndReading) {
+TEST_P(OwnKeys, WrittenKey_ReadsBack) {
   const auto key = *PrivateKey::generate(GetParam());
   const auto right = passphrase("correct horse");
   const auto wrong = passphrase("correct mule");
@@ -67,7 +67,7 @@ TEST(PrivateKey, DerFile_IsNamedWithTheCommandThatConverts) {
   EXPECT_EQ(text.error().details().found, "");
 }
 
-TEST(PrivateKey, OtherThingsAreRefused) {
+TEST(PrivateKey, OtherThings_AreRefused) {
   EXPECT_CODE(PrivateKey::from_pem(BytesView()), private_key_malformed);
   EXPECT_CODE(PrivateKey::from_pem(as_bytes("junk")), private_key_malformed);
   EXPECT_CODE(PrivateKey::from_pem(as_bytes(make_ca().certificate().pem())), private_key_malformed);
@@ -78,7 +78,7 @@ TEST(PrivateKey, OtherThingsAreRefused) {
               key_not_allowed);
 }
 
-TEST(PrivateKey, EveryTruncationIsRefused) {
+TEST(PrivateKey, EveryTruncation_IsRefused) {
   const auto pem = *PrivateKey::generate(KeyKind::ec_p256)->to_pem();
   pem.expose([](BytesView octets) {
     for (std::size_t size = 0; size + 2 < octets.size(); ++size)
@@ -86,7 +86,7 @@ TEST(PrivateKey, EveryTruncationIsRefused) {
   });
 }
 
-TEST(PrivateKey, MatchesItsCertificateOnly) {
+TEST(PrivateKey, AnothersCertificate_DoesNotMatch) {
   const auto key = *PrivateKey::from_pem(data_file(kCyclone + "private_key"));
   const auto other = *PrivateKey::from_pem(data_file(kCyclone + "private_key_not_matching"));
   const auto ec = *PrivateKey::from_pem(data_file(kCyclone + "ec_private_key"));
@@ -99,7 +99,7 @@ TEST(PrivateKey, MatchesItsCertificateOnly) {
   EXPECT_CODE(ec.matches(certificate), key_mismatch);
 }
 
-TEST(Signature, FlippedBitsTruncationAndLengthAreRefused) {
+TEST(Signature, FlippedBitsTruncationAndLength_AreRefused) {
   const auto leaf = make_leaf(make_ca());
   const auto message = bytes("hash_c2 challenge2");
   auto signature = *sign(leaf.key, message);

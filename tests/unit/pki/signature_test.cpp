@@ -25,7 +25,7 @@ INSTANTIATE_TEST_SUITE_P(EveryKind, Signature,
                          testing::Values(KeySpec{KeyKind::ec_p256}, KeySpec{KeyKind::ec_p384},
                                          KeySpec{KeyKind::rsa, 2048}));
 
-TEST_P(Signature, IsValidForItsMessageAlone) {
+TEST_P(Signature, AnotherMessage_IsRefused) {
   const Signer signer(GetParam());
   const auto signature = signer.sign("message");
   EXPECT_TRUE(signer.verify("message", signature));

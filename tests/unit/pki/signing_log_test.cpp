@@ -12,7 +12,7 @@ std::string line(std::string_view text, const Certificate& ca, std::string_view 
   return SigningLog::signed_line(as_bytes(text), ca, file, kNow);
 }
 
-TEST(SigningLog, KnowsWhatItsCaSignedWhateverTheLineEnds) {
+TEST(SigningLog, TextsItsCaSigned_AreKnownWhateverTheLineEnds) {
   const auto ca = make_ca();
   const auto other = make_ca();
   const auto log = SigningLog::parse(as_bytes(line("a\nb\n", ca.certificate(), "/p")));
@@ -22,7 +22,7 @@ TEST(SigningLog, KnowsWhatItsCaSignedWhateverTheLineEnds) {
   EXPECT_EQ(SigningLog().standing(as_bytes("a"), ca.certificate()), Standing::unknown);
 }
 
-TEST(SigningLog, ALaterDocumentOfTheSameFileSupersedes) {
+TEST(SigningLog, ALaterDocumentOfTheSameFile_Supersedes) {
   const auto ca = make_ca();
   const auto& c = ca.certificate();
   const auto text = line("old", c, "/p") + line("new", c, "/p") + line("copied", c, "/a") +
@@ -64,7 +64,7 @@ TEST(SigningLog, ADocumentThatWasReplacedInAFile_StaysSupersededThere) {
   EXPECT_EQ(log.standing(as_bytes("both"), c, {"/b"}), Standing::current);
 }
 
-TEST(SigningLog, ACaThatSignsTheSameTextAnewSupersedesNothing) {
+TEST(SigningLog, ACaThatSignsTheSameTextAnew_SupersedesNothing) {
   const auto old = make_ca();
   const auto next = make_ca();
   const auto text = line("a", old.certificate(), "/p") + line("a", next.certificate(), "/p");
@@ -103,7 +103,7 @@ TEST(SigningLog, ExtensionsOfEachOther_AreReadToAnEnd) {
   EXPECT_EQ(SigningLog::parse(as_bytes(text)).standing(as_bytes("x"), c), Standing::superseded);
 }
 
-TEST(SigningLog, KnowsTheLastTextOfAFileWhicheverCaSignedIt) {
+TEST(SigningLog, LastTextOfAFile_IsKnownWhicheverCaSignedIt) {
   const auto ca = make_ca();
   const auto& c = ca.certificate();
   const auto log = SigningLog::parse(
@@ -114,7 +114,7 @@ TEST(SigningLog, KnowsTheLastTextOfAFileWhicheverCaSignedIt) {
   EXPECT_FALSE(log.is_last_of("/r", as_bytes("new\n")));
 }
 
-TEST(SigningLog, ALineThatCannotBeReadCountsForNothingAndIsTold) {
+TEST(SigningLog, ALineThatCannotBeRead_CountsForNothingAndIsTold) {
   const auto ca = make_ca();
   const auto& c = ca.certificate();
   const auto good = line("a", c, "/p");
@@ -129,7 +129,7 @@ TEST(SigningLog, ALineThatCannotBeReadCountsForNothingAndIsTold) {
   }
 }
 
-TEST(SigningLog, ALastLineCutShortAtAnyOctetCountsForNothing) {
+TEST(SigningLog, ALastLineCutShortAtAnyOctet_CountsForNothing) {
   const auto ca = make_ca();
   const auto& c = ca.certificate();
   const auto second = line("b", c, "/p");

@@ -24,7 +24,7 @@ class SigningTime : public testing::Test {
   Authority ca_ = make_ca("CN=Permissions CA");
 };
 
-TEST_F(SigningTime, IsThatOfTheSigner) {
+TEST_F(SigningTime, SignedDocument_HasTheTimeOfTheSigner) {
   // UTCTime and, from 2050 on, GeneralizedTime.
   for (const auto time : {kNow, kNow - std::chrono::years(1), kNow + std::chrono::years(40)}) {
     const auto file = sign(time);

@@ -59,7 +59,7 @@ class SmimeDiagnosis : public testing::Test {
   Credential leaf_ = make_leaf(ca_);
 };
 
-TEST_F(SmimeDiagnosis, TheFormThatWeWriteIsKnownAndBelieved) {
+TEST_F(SmimeDiagnosis, FormThatWeWrite_IsKnownAndBelieved) {
   const auto file = signed_by(self_);
   const auto form = examine(file);
   EXPECT_EQ(form.wrapping, DocumentWrapping::multipart);
@@ -73,7 +73,7 @@ TEST_F(SmimeDiagnosis, TheFormThatWeWriteIsKnownAndBelieved) {
   EXPECT_TRUE(believed(file));
 }
 
-TEST_F(SmimeDiagnosis, TheLineOfTheTextIsTheFiles) {
+TEST_F(SmimeDiagnosis, TheLineOfTheText_IsTheFiles) {
   const auto line_of = [](std::string_view file) {
     return 1 + static_cast<int>(std::ranges::count(file.substr(0, file.find("<dds")), '\n'));
   };
@@ -88,7 +88,7 @@ TEST_F(SmimeDiagnosis, TheLineOfTheTextIsTheFiles) {
   EXPECT_EQ(examine(kDocument).first_line, 1);
 }
 
-TEST_F(SmimeDiagnosis, EveryOtherFormIsToldApart) {
+TEST_F(SmimeDiagnosis, EveryOtherForm_IsToldApart) {
   const OddDocument plain(self_, PKCS7_DETACHED);
   EXPECT_EQ(examine(plain.smime()).wrapping, DocumentWrapping::multipart);
   EXPECT_FALSE(examine(plain.smime()).has_text_header);
@@ -114,7 +114,7 @@ TEST_F(SmimeDiagnosis, EveryOtherFormIsToldApart) {
   EXPECT_EQ(examine("").wrapping, DocumentWrapping::unknown);
 }
 
-TEST_F(SmimeDiagnosis, PartsThatOnlyOpensslFindsAreAmbiguous) {
+TEST_F(SmimeDiagnosis, PartsThatOnlyOpensslFinds_AreAmbiguous) {
   const auto file = signed_by(self_);
   EXPECT_FALSE(examine(file).ambiguous);
   EXPECT_FALSE(examine(OddDocument(self_, PKCS7_DETACHED).smime()).ambiguous);
@@ -143,7 +143,7 @@ TEST_F(SmimeDiagnosis, ASignerNamedByItsKey_IsReadAsThePluginsDo) {
   EXPECT_FALSE(form.ambiguous);
 }
 
-TEST_F(SmimeDiagnosis, WithoutCertificatesNobodyIsEmbedded) {
+TEST_F(SmimeDiagnosis, WithoutCertificates_NoneIsEmbedded) {
   const OddDocument bare(self_, PKCS7_DETACHED | PKCS7_TEXT | PKCS7_NOCERTS);
   EXPECT_TRUE(examine(bare.smime()).embedded.empty());
   EXPECT_TRUE(examine(bare.smime()).signer_certificates.empty());
@@ -151,7 +151,7 @@ TEST_F(SmimeDiagnosis, WithoutCertificatesNobodyIsEmbedded) {
   EXPECT_CODE(believed(bare.smime()), smime_signature_invalid);
 }
 
-TEST_F(SmimeDiagnosis, StockProductsBelieveALeafAndRefuseStrangersChangesAndOldCas) {
+TEST_F(SmimeDiagnosis, StockProducts_BelieveALeafAndRefuseStrangersChangesAndOldCas) {
   EXPECT_TRUE(believed(signed_by(leaf_)));  // CVE-2023-24010, CVE-2023-24011
   const auto stranger = make_ca("CN=Stranger");
   EXPECT_CODE(believed(signed_by({stranger.certificate(), stranger.key()})),
@@ -160,7 +160,7 @@ TEST_F(SmimeDiagnosis, StockProductsBelieveALeafAndRefuseStrangersChangesAndOldC
   EXPECT_CODE(believed(signed_by(self_), kNow + 400 * 24h), smime_signature_invalid);
 }
 
-TEST_F(SmimeDiagnosis, CutOffAndFlippedFilesDoNoHarm) {
+TEST_F(SmimeDiagnosis, CutOffAndFlippedFiles_DoNoHarm) {
   const auto file = signed_by(self_);
   for (std::size_t size = 0; size < file.size(); ++size) examine(file.substr(0, size));
   const auto der = OddDocument(self_, PKCS7_TEXT).der();
@@ -174,7 +174,7 @@ TEST_F(SmimeDiagnosis, CutOffAndFlippedFilesDoNoHarm) {
   EXPECT_CODE(believed(std::string(17 * 1024 * 1024, '<')), smime_too_large);
 }
 
-TEST(DocumentWrapping, HasWords) {
+TEST(DocumentWrapping, EachWrapping_HasWords) {
   EXPECT_EQ(to_string(DocumentWrapping::multipart), "multipart/signed");
   EXPECT_EQ(to_string(DocumentWrapping::none), "unsigned XML");
 }

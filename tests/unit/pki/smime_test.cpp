@@ -69,7 +69,7 @@ std::string to_crlf(const std::string& text) {
   return out;
 }
 
-TEST_F(Smime, LineEndsOfTheFileDoNotMatter) {
+TEST_F(Smime, LineEndsOfTheFile_DoNotMatter) {
   for (const auto& file : {file_, to_lf(file_), to_crlf(file_), file_ + std::string(1, '\0')}) {
     const auto document = check(file);
     ASSERT_TRUE(document) << document.error().to_sentence();
@@ -78,7 +78,7 @@ TEST_F(Smime, LineEndsOfTheFileDoNotMatter) {
   }
 }
 
-TEST_F(Smime, ContentWithoutFinalLineBreakOrWithNothingIsReturnedAsItIs) {
+TEST_F(Smime, ContentWithoutFinalLineBreakOrWithNothing_IsReturnedAsItIs) {
   for (const char* text : {"<dds/>", "", "\r\n", "a\r\n\r\n"}) {
     const auto document = check(sign(text));
     ASSERT_TRUE(document) << document.error().to_sentence();
@@ -91,7 +91,7 @@ int line_of(std::string_view file, std::string_view text) {
   return 1 + static_cast<int>(std::ranges::count(file.substr(0, file.find(text)), '\n'));
 }
 
-TEST_F(Smime, TheLineOfTheContentIsTheFilesForEveryKindOfLineEnd) {
+TEST_F(Smime, TheLineOfTheContent_IsTheFilesForEveryKindOfLineEnd) {
   for (const auto& file : {file_, to_lf(file_), to_crlf(file_), "X-More: a\r\n" + file_}) {
     const auto document = check(file);
     ASSERT_TRUE(document) << file;
@@ -100,7 +100,7 @@ TEST_F(Smime, TheLineOfTheContentIsTheFilesForEveryKindOfLineEnd) {
   }
 }
 
-TEST_F(Smime, AnyChangedOctetOfTheContentIsSeen) {
+TEST_F(Smime, AnyChangedOctetOfTheContent_IsSeen) {
   const auto from = file_.find("<dds>");
   for (auto at = from; at < from + 10; ++at) {
     auto changed = file_;
@@ -110,14 +110,14 @@ TEST_F(Smime, AnyChangedOctetOfTheContentIsSeen) {
   EXPECT_CODE(check(replaced(file_, "<dds>", "<ddt>")), smime_signature_invalid);
 }
 
-TEST_F(Smime, NoPrefixIsAccepted) {
+TEST_F(Smime, EachPrefix_IsRefused) {
   const auto end = file_.find_last_not_of("\r\n");
   for (std::size_t size = 0; size < end; ++size)
     EXPECT_FALSE(check(std::string_view(file_).substr(0, size))) << size;
 }
 
 // CVE-2023-24011: chaining to the CA is not being the CA (T1).
-TEST_F(Smime, ALeafOfThePermissionsCaIsNotThePermissionsCa) {
+TEST_F(Smime, ALeafOfThePermissionsCa_IsNotThePermissionsCa) {
   const auto leaf = make_leaf(ca_, "CN=talker");
   const auto by_leaf = odd_signature({leaf}, EVP_sha256());
   EXPECT_CODE(check(with_signature(file_, by_leaf)), smime_signer_not_permissions_ca);
@@ -131,7 +131,7 @@ TEST_F(Smime, ALeafOfThePermissionsCaIsNotThePermissionsCa) {
   EXPECT_CODE(check(with_signature(file_, by_sub)), smime_signer_not_permissions_ca);
 }
 
-TEST_F(Smime, ASubordinateCaCountsOnlyIfTheFileListsIt) {
+TEST_F(Smime, ASubordinateCa_CountsOnlyIfTheFileListsIt) {
   const auto sub = *ca_.subordinate("CN=Sub", {}, kYear, test_random());
   const auto file = *sub.sign_document(as_bytes("x"), kNow, test_random());
   EXPECT_CODE(verifier_.verify(file, kNow), smime_signer_not_permissions_ca);
@@ -139,7 +139,7 @@ TEST_F(Smime, ASubordinateCaCountsOnlyIfTheFileListsIt) {
   EXPECT_TRUE(verifier_for({sub.certificate()}).verify(file, kNow));
 }
 
-TEST_F(Smime, ACaOfTheSameNameAndSerialButAnotherKeyIsNotBelieved) {
+TEST_F(Smime, ACaOfTheSameNameAndSerialButAnotherKey_IsNotBelieved) {
   SeededRandom one(7), same(7);
   const auto real = *Authority::create("CN=Twin", {}, kYear, one);
   const auto twin = *Authority::create("CN=Twin", {}, kYear, same);
@@ -151,7 +151,7 @@ TEST_F(Smime, ACaOfTheSameNameAndSerialButAnotherKeyIsNotBelieved) {
 }
 
 // CVE-2025-24807 (T2).
-TEST_F(Smime, TheSignerMustBeValidAtTheTime) {
+TEST_F(Smime, TheSigner_MustBeValidAtTheTime) {
   EXPECT_CODE(check(file_, kYear.not_after + 1s), certificate_expired);
   EXPECT_CODE(check(file_, kYear.not_before - 1s), certificate_not_yet_valid);
   const auto root = make_ca("CN=Root", {}, {kNow - 48h, kNow + 24h});
@@ -162,7 +162,7 @@ TEST_F(Smime, TheSignerMustBeValidAtTheTime) {
   EXPECT_CODE(verifier.verify(file, kNow + 25h), certificate_expired);
 }
 
-TEST_F(Smime, TheSignersKeyUsageMustAllowSignatures) {
+TEST_F(Smime, TheSignersKeyUsage_MustAllowSignatures) {
   const auto key = *PrivateKey::generate(KeyKind::ec_p256);
   const auto self = *self_sign(
       {.subject = "CN=CA", .validity = kYear, .is_ca = true, .key_usage = "keyCertSign,cRLSign"},
@@ -172,13 +172,13 @@ TEST_F(Smime, TheSignersKeyUsageMustAllowSignatures) {
   EXPECT_CODE(verifier_for({self.certificate}).verify(file, kNow), key_usage_forbids);
 }
 
-TEST(SmimeSetUp, ALeafInTheCaFileIsRefused) {
+TEST(SmimeSetUp, ALeafInTheCaFile_IsRefused) {
   const auto ca = make_ca();
   EXPECT_CODE(DocumentVerifier::make({ca.certificate(), make_leaf(ca).certificate}), not_a_ca);
 }
 
 // T10: what is read must be what was signed.
-TEST_F(Smime, TextAroundTheTwoPartsIsRefused) {
+TEST_F(Smime, TextAroundTheTwoParts_IsRefused) {
   const auto mark = boundary(file_);
   EXPECT_CODE(check(replaced(file_, "This is an S/MIME", "<dds>evil</dds>\nThis is an S/MIME")),
               smime_surrounding_text);
@@ -189,7 +189,7 @@ TEST_F(Smime, TextAroundTheTwoPartsIsRefused) {
 }
 
 // The peer that sends the document could add megabytes of it.
-TEST_F(Smime, MoreUnsignedOctetsThanToolsWriteAreRefused) {
+TEST_F(Smime, MoreUnsignedOctetsThanToolsWrite_AreRefused) {
   const auto mark = boundary(file_);
   const auto with = [&](std::string_view at, std::string_view more, std::size_t times) {
     std::string octets;
@@ -209,7 +209,7 @@ TEST_F(Smime, MoreUnsignedOctetsThanToolsWriteAreRefused) {
   EXPECT_CODE(check(with("smime.p7s\"\n\n", "\n", 70'000)), smime_signature_malformed);
 }
 
-TEST_F(Smime, ALongDocumentOfWindowsIsRead) {
+TEST_F(Smime, ALongDocumentOfWindows_IsRead) {
   std::string document;
   for (int i = 0; i < 20'000; ++i) document += "<a/>\n";
   std::string lf = sign(document), windows;
@@ -218,7 +218,7 @@ TEST_F(Smime, ALongDocumentOfWindowsIsRead) {
   EXPECT_TRUE(check(windows));
 }
 
-TEST_F(Smime, ThereAreExactlyTwoParts) {
+TEST_F(Smime, OtherThanTwoParts_AreRefused) {
   const auto mark = boundary(file_);
   const std::string extra = mark + "\nContent-Type: text/plain\n\n<dds>evil</dds>\n";
   EXPECT_CODE(
@@ -230,7 +230,7 @@ TEST_F(Smime, ThereAreExactlyTwoParts) {
   EXPECT_CODE(check(replaced(file_, mark + "\n", mark + " junk\n")), smime_malformed);
 }
 
-TEST_F(Smime, NestedAndOtherTypesAreRefused) {
+TEST_F(Smime, NestedAndOtherTypes_AreRefused) {
   EXPECT_CODE(check(replaced(file_, "text/plain", "multipart/mixed; boundary=x")),
               smime_content_type);
   EXPECT_CODE(check(replaced(file_, "text/plain", "text/xml")), smime_content_type);
@@ -247,7 +247,7 @@ TEST_F(Smime, NestedAndOtherTypesAreRefused) {
   EXPECT_CODE(check(replaced(file_, "boundary=\"", "boundary=x; boundary=\"")), smime_content_type);
 }
 
-TEST_F(Smime, UnsignedAndOpaqueDocumentsAreRefused) {
+TEST_F(Smime, UnsignedAndOpaqueDocuments_AreRefused) {
   EXPECT_CODE(check("<?xml version=\"1.0\"?>\n<dds/>\n"), smime_not_multipart);
   EXPECT_CODE(check(""), smime_not_multipart);
   EXPECT_CODE(check("Content-Type: application/pkcs7-mime; smime-type=signed-data\n\nMIIB\n"),
@@ -255,7 +255,7 @@ TEST_F(Smime, UnsignedAndOpaqueDocumentsAreRefused) {
 }
 
 // The path may be a link to any file that the process may read.
-TEST_F(Smime, WhatIsNoDocumentIsNotQuoted) {
+TEST_F(Smime, WhatIsNoDocument_IsNotQuoted) {
   const auto silent = [&](const std::string& text) {
     const auto proof = check(text);
     ASSERT_FALSE(proof) << text;
@@ -277,7 +277,7 @@ TEST_F(Smime, WhatIsNoDocumentIsNotQuoted) {
             std::string::npos);
 }
 
-TEST_F(Smime, OddHeadersAreRefused) {
+TEST_F(Smime, OddHeaders_AreRefused) {
   EXPECT_CODE(check(replaced(file_, "MIME-Version", "Content-Type: text/plain\nMIME-Version")),
               smime_malformed);
   EXPECT_CODE(check(replaced(file_, "boundary=\"", "boundary=\"" + std::string(80, 'x'))),
@@ -286,7 +286,7 @@ TEST_F(Smime, OddHeadersAreRefused) {
 }
 
 // OpenSSL, by which stock products and other tools read, would find other lines in these headers.
-TEST_F(Smime, HeadersThatReadersReadDifferentlyAreRefused) {
+TEST_F(Smime, HeadersThatReadersReadDifferently_AreRefused) {
   const auto with = [&](const std::string& line) {
     return check(replaced(file_, "MIME-Version", line + "\nMIME-Version"));
   };
@@ -300,7 +300,7 @@ TEST_F(Smime, HeadersThatReadersReadDifferentlyAreRefused) {
   EXPECT_CODE(with("X-Filler: a\x1b[2J"), smime_malformed);
 }
 
-TEST_F(Smime, NulAndLoneCarriageReturnAreRefused) {
+TEST_F(Smime, NulAndLoneCarriageReturn_AreRefused) {
   EXPECT_CODE(check(replaced(file_, "<dds>", std::string_view("<d\0s>", 5))), smime_nul);
   EXPECT_CODE(check(replaced(file_, "<dds>", "<d\rs>")), smime_malformed);
   EXPECT_CODE(ca_.sign_document(as_bytes("a\rb"), kNow, test_random()), smime_malformed);
@@ -310,7 +310,7 @@ TEST_F(Smime, NulAndLoneCarriageReturnAreRefused) {
 
 // OpenSSL on Windows writes the text with CR CR LF and the rest with CRLF; the signature is over
 // CRLF. It strips every CR before an LF, so more of them change nothing either.
-TEST_F(Smime, CarriageReturnsBeforeALineFeedAreOneLineBreak) {
+TEST_F(Smime, CarriageReturnsBeforeALineFeed_AreOneLineBreak) {
   std::string lf = file_;
   std::erase(lf, '\r');
   for (const std::string_view line_break : {"\n", "\r\n", "\r\r\n", "\r\r\r\n"}) {
@@ -322,18 +322,18 @@ TEST_F(Smime, CarriageReturnsBeforeALineFeedAreOneLineBreak) {
   }
 }
 
-TEST_F(Smime, ABinarySignatureIsNamed) {
+TEST_F(Smime, ABinarySignature_IsNamed) {
   const auto der = check(std::string("0\x82\0\x10", 4));
   ASSERT_FALSE(der);
   EXPECT_EQ(der.error().code(), Code::smime_not_multipart);
   EXPECT_NE(der.error().message().find("a binary (DER) signature"), std::string::npos);
 }
 
-TEST_F(Smime, SizeIsBounded) {
+TEST_F(Smime, Size_IsBounded) {
   EXPECT_CODE(check(std::string(kMaxDocumentOctets + 1, 'x')), smime_too_large);
 }
 
-TEST_F(Smime, TheSignatureStructureIsChecked) {
+TEST_F(Smime, TheSignatureStructure_IsChecked) {
   const auto other_ca = make_ca("CN=Other");
   const Credential other{other_ca.certificate(), other_ca.key()};
   EXPECT_TRUE(check(with_signature(file_, odd_signature({self_}, EVP_sha256()))));
@@ -358,7 +358,7 @@ TEST_F(Smime, TheSignatureStructureIsChecked) {
   EXPECT_CODE(check(replaced(file_, "p7s\"\n\nM", "p7s\"\n\n!")), smime_signature_malformed);
 }
 
-TEST_F(Smime, NoFlippedBitOfTheSignatureIsAccepted) {
+TEST_F(Smime, AnyFlippedBitOfTheSignature_IsRefused) {
   const auto good = odd_signature({self_}, EVP_sha256(), CMS_DETACHED | CMS_NOCERTS | CMS_NOATTR);
   ASSERT_TRUE(check(with_signature(file_, good)));
   int accepted = 0;

@@ -11,7 +11,7 @@ SubjectName name(std::string_view text) {
   return *std::move(out);
 }
 
-TEST(SubjectName, DirectionAndBlanksDoNotMatter) {
+TEST(SubjectName, DirectionAndBlanks_DoNotMatter) {
   const auto certificate = make_ca("CN=Alice B,O=Example,C=NL").certificate();
   for (const char* same :
        {"CN=Alice B,O=Example,C=NL", "C=NL,O=Example,CN=Alice B",
@@ -24,7 +24,7 @@ TEST(SubjectName, DirectionAndBlanksDoNotMatter) {
   EXPECT_TRUE(name(certificate.subject_one_line()).matches(certificate));
 }
 
-TEST(SubjectName, EveryOtherNameDiffers) {
+TEST(SubjectName, EveryOtherName_Differs) {
   const auto certificate = make_ca("CN=Alice,O=Example,C=NL").certificate();
   for (const char* other :
        {"CN=Alice,O=Example", "CN=Alice,O=Example,C=NL,OU=x", "CN=alice,O=Example,C=NL",
@@ -38,7 +38,7 @@ TEST(SubjectName, EveryOtherNameDiffers) {
 
 // X.501: a name is a sequence of RDNs, and an RDN is a set. A CA below another may name its own
 // subjects only, so a permutation may be the name of a subject of another CA.
-TEST(SubjectName, IsASequenceOfSets) {
+TEST(SubjectName, OrderOfSetsCounts_AndWithinASetDoesNot) {
   const struct {
     const char *a, *b;
     bool same;
@@ -64,7 +64,7 @@ TEST(SubjectName, IsASequenceOfSets) {
   }
 }
 
-TEST(SubjectName, APlusInOneLineJoinsOnlyBeforeAType) {
+TEST(SubjectName, APlusInOneLine_JoinsOnlyBeforeAType) {
   EXPECT_EQ(name("/CN=a+b").rdns(), (std::vector<Rdn>{{{"CN", "a+b"}}}));
   EXPECT_EQ(name("/CN=a\\+OU=b").rdns(), (std::vector<Rdn>{{{"CN", "a+OU=b"}}}));
   EXPECT_EQ(name("/O=c/CN=a+OU=b").rdns(),
@@ -72,7 +72,7 @@ TEST(SubjectName, APlusInOneLineJoinsOnlyBeforeAType) {
   EXPECT_CODE(SubjectName::parse("+CN=a"), subject_name_malformed);
 }
 
-TEST(SubjectName, ASlashMayBePartOfAValue) {
+TEST(SubjectName, ASlash_MayBePartOfAValue) {
   const auto certificate = make_ca("CN=/talker_listener/talker").certificate();
   EXPECT_TRUE(name("CN=/talker_listener/talker").matches(certificate));
   EXPECT_TRUE(name("/CN=/talker_listener/talker").matches(certificate));
@@ -84,7 +84,7 @@ TEST(SubjectName, ASlashMayBePartOfAValue) {
   EXPECT_TRUE(name(trick.subject()).matches(trick));
 }
 
-TEST(SubjectName, EscapesAndMultiValuedRdnsSurviveTheCertificate) {
+TEST(SubjectName, EscapesAndMultiValuedRdns_SurviveTheCertificate) {
   for (const char* text : {"CN=a\\,b,O=c", "CN=a\\+b+OU=x\\=y,O=\\\"q\\\"", "CN=\\#a,O=b\\\\c",
                            "CN=Fr\\C3\\A4ulein,O=x", "CN=\\ a\\ ", "CN=a\\;b\\<c\\>",
                            "emailAddress=a@b.c,CN=x", "UID=u,DC=example,DC=org"}) {
@@ -102,7 +102,7 @@ TEST(SubjectName, EscapesAndMultiValuedRdnsSurviveTheCertificate) {
   EXPECT_TRUE(name("/O=c/CN=a+OU=b").matches(joined));
 }
 
-TEST(SubjectName, OtherTextsAreRefused) {
+TEST(SubjectName, OtherTexts_AreRefused) {
   for (const std::string text :
        {"",          "  ",        "Alice",    "=Alice",  "CN",         "NoSuchType=x", "CN=a,",
         "CN=a+",     "CN=a,,O=b", "CN=a;O=b", "CN=a\\",  "CN=a\\4",    "CN=a\\q",      "CN=\"a",
@@ -118,7 +118,7 @@ TEST(SubjectName, OtherTextsAreRefused) {
   EXPECT_CODE(SubjectName::parse(slashes), subject_name_malformed);
 }
 
-TEST(SubjectName, IssuingRefusesWhatACertificateCannotHold) {
+TEST(SubjectName, Issuing_RefusesWhatACertificateCannotHold) {
   EXPECT_CODE(Authority::create("C=Netherlands", {}, kYear, test_random()), subject_name_malformed);
   EXPECT_CODE(Authority::create("", {}, kYear, test_random()), subject_name_malformed);
 }

@@ -11,7 +11,7 @@ TEST(AcknowledgedNumbers, WithoutReaders_AllIsAcknowledged) {
   EXPECT_TRUE(numbers.reach({100}));
 }
 
-TEST(AcknowledgedNumbers, TheLowestIsThatOfTheSlowestReader) {
+TEST(AcknowledgedNumbers, TheLowest_IsThatOfTheSlowestReader) {
   AcknowledgedNumbers numbers;
   AcknowledgedNumbers::Place slow, quick;
   numbers.set(slow, {3});

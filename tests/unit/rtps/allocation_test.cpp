@@ -27,23 +27,23 @@ struct Allocations : ::testing::Test {
   }
 };
 
-TEST_F(Allocations, NoneForSmallSamples) {
+TEST_F(Allocations, SmallSamples_AllocateNothing) {
   for (auto history : {HistoryKind::keep_all, HistoryKind::keep_last}) {
     EXPECT_EQ(of<Plain>({history, 64, 10'000}), 0);
     EXPECT_EQ(of<Keyed>({history, 64, 10'000}), 0);
   }
 }
 
-TEST_F(Allocations, NoneForFragmentedSamples) {
+TEST_F(Allocations, FragmentedSamples_AllocateNothing) {
   for (auto history : {HistoryKind::keep_all, HistoryKind::keep_last}) {
     EXPECT_EQ(of<Plain>({history, 40'000, 10'000}), 0);
     EXPECT_EQ(of<Keyed>({history, 40'000, 2'000}), 0);
   }
 }
 
-TEST_F(Allocations, NoneForLargeSamples) { EXPECT_EQ(of<Plain>({{}, 1 << 20, 100}), 0); }
+TEST_F(Allocations, LargeSamples_AllocateNothing) { EXPECT_EQ(of<Plain>({{}, 1 << 20, 100}), 0); }
 
-TEST_F(Allocations, NoneWithinAProcess) {
+TEST_F(Allocations, SamplesWithinAProcess_AllocateNothing) {
   in_process = true;
   EXPECT_EQ(of<Keyed>({HistoryKind::keep_all, 64, 10'000}), 0);
   EXPECT_EQ(of<Plain>({HistoryKind::keep_last, 40'000, 1'000}), 0);

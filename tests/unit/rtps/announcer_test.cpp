@@ -13,7 +13,7 @@ using std::chrono::milliseconds;
 using testing::socketless::Node;
 using testing::socketless::World;
 
-TEST(Participant, WhoIsIdleKeepsAShortLeaseThoughAnnouncementsAreLost) {
+TEST(Participant, IdleParticipant_KeepsAShortLeaseThoughAnnouncementsAreLost) {
   Node a(1, 0, {}, 1), b(2);
   World world{{&a, &b}};
   world.run();
@@ -25,7 +25,7 @@ TEST(Participant, WhoIsIdleKeepsAShortLeaseThoughAnnouncementsAreLost) {
 }
 
 // Fast DDS announces itself before it listens: our first answer is lost.
-TEST(Participant, ANewParticipantIsAnsweredASecondTimeSoon) {
+TEST(Participant, ANewParticipant_IsAnsweredASecondTimeSoon) {
   Node a(1), b(2);
   World world{{&a}};
   world.run(200);  // its quick announcements are over

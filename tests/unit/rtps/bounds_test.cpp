@@ -72,7 +72,7 @@ class Announcement {
 };
 
 // T60 and CVE-2026-45092: bounded answers as well.
-TEST(Bounds, AMillionFakeParticipantsTakeABoundedPlace) {
+TEST(ParticipantBounds, AMillionFakeParticipants_TakeABoundedPlace) {
   Node a(1);
   Announcement announcement;
   const auto before = octets();
@@ -87,7 +87,7 @@ TEST(Bounds, AMillionFakeParticipantsTakeABoundedPlace) {
 }
 
 // g++ 12 does not destroy the members of an aggregate that a return in its middle leaves.
-TEST(Bounds, APropertyWhoseValueIsCutOffIsForgotten) {
+TEST(ParticipantBounds, APropertyWhoseValueIsCutOff_IsForgotten) {
   Bytes payload = {0, 3, 0, 0, 0x59, 0, 44, 0, 1, 0, 0, 0, 32, 0, 0, 0};
   payload.insert(payload.end(), 31, 'n');
   payload.insert(payload.end(), {0, 0xff, 0, 0, 0, 1, 0, 0, 0});
@@ -98,7 +98,7 @@ TEST(Bounds, APropertyWhoseValueIsCutOffIsForgotten) {
 }
 
 /// A reader here, and many writers of another participant that matched it.
-struct Matched : ::testing::Test {
+struct MatchedParticipants : ::testing::Test {
   static constexpr int kWriters = 16;
   Node a{1}, b{2};
   World world{{&a, &b}};
@@ -143,7 +143,7 @@ constexpr std::int64_t kIncomplete = 1000;
 constexpr std::int64_t kTouched = 4 * kMiB;
 #endif
 
-TEST_F(Matched, FragmentsThatNeverCompleteTakeABoundedPlace) {
+TEST_F(MatchedParticipants, FragmentsThatNeverComplete_TakeABoundedPlace) {
   const Bytes fragment(1024);
   for (std::int64_t number = 1; number <= kIncomplete; ++number)
     for (const auto& guid : writers)
@@ -173,7 +173,7 @@ std::int64_t resident() {
 }
 
 // A datagram of 60 octets claimed 64 Mi fragments of one octet: 20 ms of CPU and 128 MiB for it.
-TEST_F(Matched, FragmentsOfOneOctetOfAHugeSampleAreNotTaken) {
+TEST_F(MatchedParticipants, FragmentsOfOneOctetOfAHugeSample_AreNotTaken) {
   const Bytes octet(1);
   const auto allocated = counted_memory::octets_ever();
   for (std::int64_t number = 1000; number > 0; --number)
@@ -184,7 +184,7 @@ TEST_F(Matched, FragmentsOfOneOctetOfAHugeSampleAreNotTaken) {
 }
 
 // The lowest number takes the place of the highest: each datagram begins a sample anew.
-TEST_F(Matched, WhatAFragmentClaimsIsNotTouchedBeforeItComes) {
+TEST_F(MatchedParticipants, ClaimedSizeOfAFragment_IsNotTouchedBeforeItComes) {
   constexpr auto kSize = PartialSamples::kMinFragmentSize;
   constexpr auto kLast = StatefulReader::kMaxSample / kSize;
   const Bytes fragment(kSize);
@@ -205,7 +205,7 @@ TEST_F(Matched, WhatAFragmentClaimsIsNotTouchedBeforeItComes) {
 }
 
 // What one participant claims by many writers takes nothing from what another one sends.
-TEST(Bounds, ClaimsOfManyWritersDoNotDisplaceTheSamplesOfAnotherParticipant) {
+TEST(ParticipantBounds, ClaimsOfManyWriters_DoNotDisplaceTheSamplesOfAnotherParticipant) {
   Node a(1);
   MessageSender sender(a.post, a.participant.prefix());
   std::vector<Change> delivered;
@@ -236,7 +236,7 @@ TEST(Bounds, ClaimsOfManyWritersDoNotDisplaceTheSamplesOfAnotherParticipant) {
 }
 
 // Of each writer the first sample is missing, and the others wait for it.
-TEST_F(Matched, SamplesThatCameTooEarlyTakeABoundedPlace) {
+TEST_F(MatchedParticipants, SamplesThatCameTooEarly_TakeABoundedPlace) {
   const Bytes large(60'000);
   for (std::int64_t number = 2; number <= kIncomplete / 2; ++number)
     for (const auto& guid : writers)
@@ -274,7 +274,7 @@ Data announced(const EndpointData& data, std::int64_t number, Bytes& buffer) {
 }
 
 // Its heartbeat says where its numbers begin, so that all of them are taken at once.
-TEST_F(Matched, EndpointsOfOneParticipantTakeABoundedPlace) {
+TEST_F(MatchedParticipants, EndpointsOfOneParticipant_TakeABoundedPlace) {
   constexpr std::int64_t kFirst = 1000;
   forge(Heartbeat{{}, kPublicationsWriter, {kFirst}, {kFirst}, 1000, true});
   Bytes buffer;
@@ -290,7 +290,7 @@ TEST_F(Matched, EndpointsOfOneParticipantTakeABoundedPlace) {
 }
 
 // Without its first one, announcements wait, and so do the messages that say who lives.
-TEST_F(Matched, AnnouncementsThatCameTooEarlyTakeABoundedPlace) {
+TEST_F(MatchedParticipants, AnnouncementsThatCameTooEarly_TakeABoundedPlace) {
   Bytes buffer;
   for (std::uint32_t i = 0; i < 1500; ++i)
     forge(announced(large_endpoint(b.participant.prefix(), 0x10000 + i), 1000 + i, buffer));
@@ -303,7 +303,7 @@ TEST_F(Matched, AnnouncementsThatCameTooEarlyTakeABoundedPlace) {
   expect_that_samples_come();
 }
 
-TEST_F(Matched, AGapOverMoreNumbersThanThereAreIsNotWalked) {
+TEST_F(MatchedParticipants, AGapOverMoreNumbersThanThereAre_IsNotWalked) {
   constexpr SequenceNumber kFar{std::int64_t{1} << 60};
   for (const auto& guid : writers) {
     forge(Gap{{}, guid.entity, {1000}, SequenceNumberSet(kFar)});
@@ -318,7 +318,7 @@ TEST_F(Matched, AGapOverMoreNumbersThanThereAreIsNotWalked) {
 }
 
 // Eight small messages of each writer note two thousand numbers.
-TEST(Bounds, NumbersThatAreSkippedTakeABoundedPlace) {
+TEST(ParticipantBounds, NumbersThatAreSkipped_TakeABoundedPlace) {
   Node a(1);
   MessageSender sender(a.post, a.participant.prefix());
   StatefulReader reader({a.participant.prefix(), testing::kReader}, true, sender,
@@ -340,7 +340,7 @@ TEST(Bounds, NumbersThatAreSkippedTakeABoundedPlace) {
 }
 
 // Four that announce all they can leave room for a fifth.
-TEST(Bounds, WhoAnnouncesMuchTakesNoPlaceFromOthers) {
+TEST(ParticipantBounds, ParticipantThatAnnouncesMuch_TakesNoPlaceFromOthers) {
   Node a(1);
   Announcement announcement;
   const auto say = [&](std::uint32_t participant, std::uint32_t endpoints) {

@@ -13,7 +13,7 @@ using ::testing::IsEmpty;
 using testing::reliable;
 using testing::taken;
 
-struct Builtin : testing::Polled {
+struct BuiltinTopicsTest : testing::Polled {
   template <class T>
   std::vector<BuiltinSample<T>> take() {
     std::vector<BuiltinSample<T>> out;
@@ -22,7 +22,7 @@ struct Builtin : testing::Polled {
   }
 };
 
-TEST_P(Builtin, ParticipantsComeChangeAndGo) {
+TEST_P(BuiltinTopicsTest, Participants_ComeChangeAndGo) {
   auto c = std::make_unique<testing::End>(environment, options());
   Bytes user_data{1, 2};
   ASSERT_TRUE(c->participant->set_qos({.user_data = user_data}));
@@ -56,7 +56,7 @@ TEST_P(Builtin, ParticipantsComeChangeAndGo) {
 
 // Before: an endpoint with a longer announcement than 14,720 octets was not shown, though it
 // matched and was heard.
-TEST_P(Builtin, Endpoints_WithLongAnnouncements_AreShownWhole) {
+TEST_P(BuiltinTopicsTest, Endpoints_WithLongAnnouncements_AreShownWhole) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < kMaxPartitions; ++i)
     names.push_back(std::to_string(i) + std::string(kMaxNameLength - 8, 'x'));
@@ -78,7 +78,7 @@ TEST_P(Builtin, Endpoints_WithLongAnnouncements_AreShownWhole) {
   EXPECT_EQ(take<TopicBuiltinTopicData>().size(), 1u);
 }
 
-TEST_P(Builtin, EndpointsAndTheirTopicsComeAndGo) {
+TEST_P(BuiltinTopicsTest, EndpointsAndTheirTopics_ComeAndGo) {
   EXPECT_EQ(b.participant->builtin_subscriber().lookup_datareader("DCPSPublication"),
             b.participant->builtin_datareader<PublicationBuiltinTopicData>());
   auto qos = reliable();
@@ -120,7 +120,7 @@ TEST_P(Builtin, EndpointsAndTheirTopicsComeAndGo) {
 }
 
 // A reader from which the application takes nothing would hold its samples in vain.
-TEST_P(Builtin, OnlyTheReaderThatIsAskedForIsMade) {
+TEST_P(BuiltinTopicsTest, OnlyTheReaderThatIsAskedFor_IsMade) {
   EXPECT_THAT(take<PublicationBuiltinTopicData>(), IsEmpty());
   auto& gone = a.reader(reliable());
   auto& stays = a.reader(reliable());
@@ -140,7 +140,7 @@ TEST_P(Builtin, OnlyTheReaderThatIsAskedForIsMade) {
 }
 
 // 40,000 of them took 600 MB, until the process ended.
-TEST_P(Builtin, EndpointsThatCameAndWentTakeABoundedPlace) {
+TEST_P(BuiltinTopicsTest, EndpointsThatCameAndWent_TakeABoundedPlace) {
   std::vector<BuiltinSample<SubscriptionBuiltinTopicData>> out;
   auto* builtin = b.participant->builtin_datareader<SubscriptionBuiltinTopicData>();
   testing::End honest(environment, options());
@@ -176,7 +176,7 @@ TEST_P(Builtin, EndpointsThatCameAndWentTakeABoundedPlace) {
   EXPECT_THAT(out, IsEmpty());
 }
 
-TEST_P(Builtin, ReadersStayAndAreOrdinaryOtherwise) {
+TEST_P(BuiltinTopicsTest, Readers_StayAndAreOrdinaryOtherwise) {
   auto* reader = b.participant->builtin_datareader<ParticipantBuiltinTopicData>();
   auto& subscriber = b.participant->builtin_subscriber();
   EXPECT_EQ(code_of(subscriber.delete_datareader(*reader)), Code::rtps_precondition_not_met);
@@ -191,7 +191,7 @@ TEST_P(Builtin, ReadersStayAndAreOrdinaryOtherwise) {
   EXPECT_TRUE(reader->set_qos(reader->qos()));
 }
 
-TEST_P(Builtin, AnIgnoredParticipantIsAsIfItHadNeverBeen) {
+TEST_P(BuiltinTopicsTest, AnIgnoredParticipant_IsAsIfItHadNeverBeen) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(match(writer, reader));
@@ -203,7 +203,7 @@ TEST_P(Builtin, AnIgnoredParticipantIsAsIfItHadNeverBeen) {
   EXPECT_THAT(taken(reader), IsEmpty());
 }
 
-TEST_P(Builtin, OneEndpointOrOneTopicMayBeIgnored) {
+TEST_P(BuiltinTopicsTest, OneEndpointOrOneTopic_MayBeIgnored) {
   auto& one = a.writer(reliable());
   auto& other = a.writer(reliable());
   auto& reader = b.reader(reliable());
@@ -242,7 +242,7 @@ struct Hermit final : DataReaderListener {
   int told = 0;
 };
 
-TEST_P(Builtin, AParticipantMayBeIgnoredByTheListenerThatHearsOfIt) {
+TEST_P(BuiltinTopicsTest, AParticipant_MayBeIgnoredByTheListenerThatHearsOfIt) {
   Hermit hermit(*b.participant);
   auto& reader = b.reader(reliable());
   b.participant->builtin_datareader<ParticipantBuiltinTopicData>()->set_listener(&hermit);
@@ -256,7 +256,7 @@ TEST_P(Builtin, AParticipantMayBeIgnoredByTheListenerThatHearsOfIt) {
   b.participant->builtin_datareader<PublicationBuiltinTopicData>()->set_listener(nullptr);
 }
 
-TEST_P(Builtin, OnesOwnMayBeIgnored) {
+TEST_P(BuiltinTopicsTest, OnesOwn_MayBeIgnored) {
   auto& writer = a.writer(reliable());
   auto& reader = a.reader(reliable());
   EXPECT_THAT(reader.matched_publications(), ElementsAre(writer.guid()));
@@ -266,7 +266,7 @@ TEST_P(Builtin, OnesOwnMayBeIgnored) {
   EXPECT_THAT(a.reader(reliable()).matched_publications(), IsEmpty());
 }
 
-TEST_P(Builtin, NothingIsIgnoredBeforeTheParticipantIsEnabled) {
+TEST_P(BuiltinTopicsTest, BeforeTheParticipantIsEnabled_NothingIsIgnored) {
   auto disabled = options();
   disabled.enabled = false;
   const auto participant = *DomainParticipant::create(disabled, environment);
@@ -274,11 +274,11 @@ TEST_P(Builtin, NothingIsIgnoredBeforeTheParticipantIsEnabled) {
   EXPECT_EQ(code_of(participant->revise_keys()), Code::rtps_not_enabled);
 }
 
-TEST_P(Builtin, WhoHasNoKeysHasNoneToRevise) {
+TEST_P(BuiltinTopicsTest, ParticipantWithoutKeys_HasNoneToRevise) {
   EXPECT_EQ(code_of(a.participant->revise_keys()), Code::rtps_key_revision_disabled);
 }
 
-TEST_P(Builtin, ATopicIsFoundHereOrThere) {
+TEST_P(BuiltinTopicsTest, ATopic_IsFoundHereOrThere) {
   EXPECT_EQ(*a.participant->find_topic("Readings", 0ms), a.topic);
   EXPECT_TRUE(a.participant->delete_topic(*a.topic));  // as often as it was created or found
   EXPECT_NE(a.participant->lookup_topicdescription("Readings"), nullptr);
@@ -297,7 +297,7 @@ TEST_P(Builtin, ATopicIsFoundHereOrThere) {
   EXPECT_EQ(reader.take(samples), GetParam() == testing::Way::in_process ? 1u : 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, Builtin,
+INSTANTIATE_TEST_SUITE_P(Over, BuiltinTopicsTest,
                          ::testing::Values(testing::Way::network, testing::Way::in_process),
                          testing::name_of);
 

@@ -15,7 +15,7 @@ Everything everything() {
           {5, 6}};
 }
 
-TEST(Cdr, RoundTripsInEveryEncoding) {
+TEST(Cdr, EveryEncoding_RoundTrips) {
   Bytes out;
   for (auto version : {XcdrVersion::xcdr1, XcdrVersion::xcdr2}) {
     for (auto endian : {Endian::big, Endian::little}) {
@@ -29,7 +29,7 @@ TEST(Cdr, RoundTripsInEveryEncoding) {
   }
 }
 
-TEST(Cdr, EveryTruncationIsRefusedOrAnOlderVersion) {
+TEST(Cdr, EveryTruncation_IsRefusedOrAnOlderVersion) {
   Bytes out;
   for (auto version : {XcdrVersion::xcdr1, XcdrVersion::xcdr2}) {
     serialize(everything(), out, version);
@@ -44,7 +44,7 @@ TEST(Cdr, EveryTruncationIsRefusedOrAnOlderVersion) {
   }
 }
 
-TEST(Cdr, AppendableTypesReadOlderAndNewerWriters) {
+TEST(Cdr, AppendableTypes_ReadOlderAndNewerWriters) {
   Bytes out;
   for (auto version : {XcdrVersion::xcdr1, XcdrVersion::xcdr2}) {
     serialize(everything(), out, version);
@@ -58,7 +58,7 @@ TEST(Cdr, AppendableTypesReadOlderAndNewerWriters) {
 
 // CVE-2020-18735, CVE-2023-23932 and the sequences of CVE-2026-45097 and -49861: claims of 2^31
 // elements.
-TEST(Cdr, LyingCountsAllocateNothing) {
+TEST(Cdr, LyingCounts_AllocateNothing) {
   Bytes honest;
   serialize(everything(), honest);
   for (std::size_t at = 4; at + 4 <= honest.size(); at += 4) {
@@ -71,7 +71,7 @@ TEST(Cdr, LyingCountsAllocateNothing) {
   }
 }
 
-TEST(Cdr, StringsEndWithTheirOnlyNul) {
+TEST(Cdr, Strings_EndWithTheirOnlyNul) {
   const auto with_text = [](Bytes text) {
     Bytes octets = {0, 1, 0, 0, static_cast<std::uint8_t>(text.size()), 0, 0, 0};
     octets.insert(octets.end(), text.begin(), text.end());
@@ -84,7 +84,7 @@ TEST(Cdr, StringsEndWithTheirOnlyNul) {
   EXPECT_EQ(with_text({})->color, "");
 }
 
-TEST(Cdr, BoundsAreKept) {
+TEST(Cdr, ValuesBeyondTheirBounds_AreRefused) {
   Bytes out;
   serialize(Shape{std::string(129, 'x'), 0, 0, 0}, out);
   EXPECT_EQ(code_of(deserialize<Shape>(out)), Code::length_out_of_range);
@@ -94,11 +94,11 @@ TEST(Cdr, BoundsAreKept) {
   EXPECT_EQ(code_of(deserialize<Everything>(out)), Code::length_out_of_range);
 }
 
-TEST(Cdr, ABooleanIsZeroOrOne) {
+TEST(Cdr, ABoolean_IsZeroOrOne) {
   EXPECT_EQ(code_of(deserialize<Less>(Bytes{0, 1, 0, 0, 2, 0, 0, 0})), Code::malformed);
 }
 
-TEST(Cdr, DeepNestingIsRefused) {
+TEST(Cdr, DeepNesting_IsRefused) {
   Bytes octets = {0, 1, 0, 0};
   for (int i = 0; i < 100; ++i) octets.insert(octets.end(), {1, 0, 0, 0});
   octets.insert(octets.end(), {0, 0, 0, 0});

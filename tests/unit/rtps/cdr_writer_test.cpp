@@ -8,7 +8,7 @@
 namespace ddssec::rtps {
 namespace {
 
-TEST(Cdr, ShapeIsWhatPeersWrite) {
+TEST(Cdr, WrittenShape_IsWhatPeersWrite) {
   Bytes out;
   serialize(Shape{"BLUE", 1, 2, 30}, out);
   EXPECT_EQ(to_hex(out),
@@ -30,7 +30,7 @@ TEST(Cdr, ShapeIsWhatPeersWrite) {
             "0000001e");
 }
 
-TEST(Cdr, Xcdr2AlignsToFourAndDelimitsAppendableTypes) {
+TEST(Cdr, Xcdr2_AlignsToFourAndDelimitsAppendableTypes) {
   Bytes out;
   serialize(Inner{1, 2}, out, XcdrVersion::xcdr2);
   EXPECT_EQ(to_hex(out),
@@ -47,7 +47,7 @@ TEST(Cdr, Xcdr2AlignsToFourAndDelimitsAppendableTypes) {
             "0200000000000000");
 }
 
-TEST(Cdr, PaddingAtTheEndIsCounted) {
+TEST(Cdr, PaddingAtTheEnd_IsCounted) {
   Bytes out;
   serialize(Less{true, 5}, out);
   EXPECT_EQ(to_hex(out),

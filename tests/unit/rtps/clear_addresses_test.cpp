@@ -18,7 +18,7 @@ TEST(ClearAddressesTest, FurtherAddresses_AreRefused_AndKnownOnesAreNot) {
   EXPECT_TRUE(addresses.use(at(0), reader(2)));
 }
 
-TEST(ClearAddressesTest, AddressStaysUntilItsLastEndpointHasEnded) {
+TEST(ClearAddressesTest, Address_StaysUntilItsLastEndpointHasEnded) {
   ClearAddresses addresses;
   for (std::size_t i = 0; i < ClearAddresses::kMax; ++i) addresses.use(at(i), reader(1));
   addresses.use(at(0), reader(2));

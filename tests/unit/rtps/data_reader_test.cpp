@@ -19,7 +19,7 @@ using testing::reliable;
 using testing::taken;
 using testing::values;
 
-TEST_P(Access, ByInstanceAndByTheNext) {
+TEST_P(Access, ByInstanceAndByTheNext_SelectsTheirSamples) {
   write("a", 1), write("b", 2), write("c", 3), write("b", 4);
   const auto b_handle = reader.lookup_instance({"b"});
   EXPECT_FALSE(b_handle.is_nil());
@@ -42,7 +42,7 @@ TEST_P(Access, ByInstanceAndByTheNext) {
   EXPECT_EQ(reader.take(samples), 0u);
 }
 
-TEST_P(Access, ByCondition) {
+TEST_P(Access, ByCondition_SelectsItsSamples) {
   auto& fresh = reader.create_readcondition({.sample = SampleState::not_read});
   auto& over = reader.create_readcondition({.instance = kNotAlive});
   EXPECT_FALSE(fresh.trigger_value());
@@ -64,7 +64,7 @@ TEST_P(Access, ByCondition) {
   EXPECT_EQ(code_of(other.read_w_condition(samples, fresh)), Code::rtps_precondition_not_met);
 }
 
-TEST_P(Access, ACollectionThatIsUsedAgainShowsNothingOld) {
+TEST_P(Access, ACollectionThatIsUsedAgain_ShowsNothingOld) {
   ASSERT_TRUE(succeeds(writer.write({"a", 1, {1, 2, 3}})));
   ASSERT_TRUE(succeeds(writer.write({"a", 2, {}})));
   run();
@@ -75,7 +75,7 @@ TEST_P(Access, ACollectionThatIsUsedAgainShowsNothingOld) {
   EXPECT_TRUE(samples.empty());
 }
 
-TEST_P(Access, TheNearestListenerThatWantsAStatusHearsIt) {
+TEST_P(Access, TheNearestListenerThatWantsAStatus_HearsIt) {
   Heard at_reader, at_subscriber, at_participant;
   b.participant->set_listener(&at_participant, StatusKind::data_on_readers);
   write("a", 1);
@@ -104,7 +104,7 @@ TEST_P(Access, TheNearestListenerThatWantsAStatusHearsIt) {
   EXPECT_EQ(at_reader.calls.size(), 2u);
 }
 
-TEST_P(Access, EveryStatusIsHeardByListeners) {
+TEST_P(Access, EveryStatus_IsHeardByListeners) {
   Heard here, there;
   a.participant->set_listener(&here);
   b.participant->set_listener(&there);

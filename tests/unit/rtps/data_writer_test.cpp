@@ -16,7 +16,7 @@ using ::testing::IsEmpty;
 using testing::reliable;
 using testing::taken;
 
-TEST_P(Access, InstancesOfTheWriter) {
+TEST_P(Access, InstancesOfTheWriter_AreRegisteredAndEnded) {
   const auto handle = *writer.register_instance({"a"});
   EXPECT_EQ(writer.lookup_instance({"a"}), handle);
   EXPECT_EQ(writer.key_value(handle)->sensor, "a");
@@ -31,7 +31,7 @@ TEST_P(Access, InstancesOfTheWriter) {
   EXPECT_EQ(samples[1].info.instance_state, InstanceState::not_alive_disposed);  // the default
 }
 
-TEST_P(Access, UnregisteringNeedNotDispose) {
+TEST_P(Access, Unregistering_NeedNotDispose) {
   auto qos = writer.qos();
   qos.autodispose_unregistered_instances = false;
   ASSERT_TRUE(succeeds(writer.set_qos(qos)));
@@ -47,7 +47,7 @@ TEST_P(Access, UnregisteringNeedNotDispose) {
   EXPECT_EQ(samples[0].info.source_timestamp, (Time{{6, 0}}));
 }
 
-TEST_P(Access, OctetsGoInAndComeOut) {
+TEST_P(Access, Octets_GoInAndComeOut) {
   auto* octets = *b.subscriber->create_datareader(*b.topic, reliable());
   ASSERT_TRUE(match(writer, *octets));
   write("a", 5);
@@ -76,7 +76,7 @@ TEST_P(Access, OctetsGoInAndComeOut) {
 }
 
 // Readers give up what is larger, after having acknowledged it.
-TEST_P(Access, ASampleBeyondTheLargestIsRefusedAtWrite) {
+TEST_P(Access, ASampleBeyondTheLargest_IsRefusedAtWrite) {
   Reading large{"a", 1, Bytes(StatefulReader::kMaxSample)};
   const auto refused = writer.write(large);
   ASSERT_EQ(code_of(refused), Code::rtps_sample_too_large);

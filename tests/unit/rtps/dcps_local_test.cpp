@@ -31,7 +31,7 @@ struct OneParticipant : ::testing::Test {
   }
 };
 
-TEST_F(OneParticipant, MatchesAtOnceAndDeliversInTheThreadOfTheWriter) {
+TEST_F(OneParticipant, NewPair_MatchesAtOnceAndDeliversInTheThreadOfTheWriter) {
   auto& writer = a.writer(reliable());
   auto& reader = a.reader(reliable());
   EXPECT_THAT(writer.matched_subscriptions(), ElementsAre(reader.guid()));
@@ -50,7 +50,7 @@ TEST_F(OneParticipant, MatchesAtOnceAndDeliversInTheThreadOfTheWriter) {
   EXPECT_EQ(samples[1].info.instance_state, InstanceState::not_alive_disposed);
 }
 
-TEST_F(OneParticipant, AReaderSharesTheOctetsOfTheWriter) {
+TEST_F(OneParticipant, AReader_SharesTheOctetsOfTheWriter) {
   auto& writer = **a.publisher->create_datawriter(*a.topic, reliable());
   auto& one = **a.subscriber->create_datareader(*a.topic, reliable());
   auto& other = **a.subscriber->create_datareader(*a.topic, reliable());
@@ -62,7 +62,7 @@ TEST_F(OneParticipant, AReaderSharesTheOctetsOfTheWriter) {
   EXPECT_EQ(ones[0].payload.view().data(), others[0].payload.view().data());
 }
 
-TEST_F(OneParticipant, PoliciesMatchAsBetweenTwo) {
+TEST_F(OneParticipant, Policies_MatchAsBetweenTwo) {
   auto requested = reliable();
   requested.durability = DurabilityKind::transient_local;
   auto& writer = a.writer(reliable());
@@ -76,7 +76,7 @@ TEST_F(OneParticipant, PoliciesMatchAsBetweenTwo) {
   EXPECT_THAT(taken(reader), IsEmpty());
 }
 
-TEST_F(OneParticipant, APartitionPartsAndJoins) {
+TEST_F(OneParticipant, PartitionChange_PartsAndJoins) {
   auto& writer = a.writer(reliable());
   auto& reader = a.reader(reliable());
   ASSERT_TRUE(a.publisher->set_qos({.partition = {"x"}}));
@@ -88,7 +88,7 @@ TEST_F(OneParticipant, APartitionPartsAndJoins) {
   EXPECT_THAT(taken(reader), ElementsAre(2));
 }
 
-TEST_F(OneParticipant, ALateReaderGetsWhatTransientLocalKeeps) {
+TEST_F(OneParticipant, ALateReader_GetsWhatTransientLocalKeeps) {
   auto qos = reliable();
   qos.durability = DurabilityKind::transient_local;
   auto& writer = a.writer(qos);
@@ -99,7 +99,7 @@ TEST_F(OneParticipant, ALateReaderGetsWhatTransientLocalKeeps) {
   EXPECT_THAT(taken(a.reader(reliable())), IsEmpty());
 }
 
-TEST_F(OneParticipant, AFullReaderHoldsTheWriterAndLosesNothing) {
+TEST_F(OneParticipant, AFullReader_HoldsTheWriterAndLosesNothing) {
   auto offered = reliable();
   offered.resource_limits.max_samples = 3;
   offered.reliability.max_blocking_time = kDurationZero;
@@ -118,7 +118,7 @@ TEST_F(OneParticipant, AFullReaderHoldsTheWriterAndLosesNothing) {
   EXPECT_TRUE(writer.wait_for_acknowledgments(0ms));
 }
 
-TEST_F(OneParticipant, LivelinessIsKeptByKind) {
+TEST_F(OneParticipant, Liveliness_IsKeptByKind) {
   auto qos = reliable();
   qos.liveliness = {LivelinessKind::manual_by_topic, Duration::from(100ms)};
   auto& manual = a.writer(qos);
@@ -136,7 +136,7 @@ TEST_F(OneParticipant, LivelinessIsKeptByKind) {
   EXPECT_EQ(reader.liveliness_changed_status().alive_count, 1);
 }
 
-TEST_F(OneParticipant, TheStrongestOwnsUntilItGoes) {
+TEST_F(OneParticipant, TheStrongestWriter_OwnsUntilItGoes) {
   auto qos = reliable();
   qos.ownership = OwnershipKind::exclusive;
   auto& reader = a.reader(qos);
@@ -151,7 +151,7 @@ TEST_F(OneParticipant, TheStrongestOwnsUntilItGoes) {
   EXPECT_THAT(taken(reader), ElementsAre(1, 3));
 }
 
-TEST_F(OneParticipant, AReaderThatGoesHoldsNobody) {
+TEST_F(OneParticipant, AReaderThatGoes_HoldsNoWriter) {
   auto offered = reliable();
   offered.resource_limits.max_samples = 1;
   offered.reliability.max_blocking_time = kDurationZero;
@@ -167,7 +167,7 @@ TEST_F(OneParticipant, AReaderThatGoesHoldsNobody) {
   EXPECT_EQ(writer.publication_matched_status().current_count, 0);
 }
 
-TEST_F(OneParticipant, ListenersAreToldByPoll) {
+TEST_F(OneParticipant, Listeners_AreToldByPoll) {
   struct Listener : DataReaderListener {
     int calls = 0;
     void on_data_available(AnyDataReader&) override { ++calls; }
@@ -189,7 +189,7 @@ struct OneProcess : testing::Polled {
 };
 
 // The clock stands still, so that nothing but samples could come.
-TEST_P(OneProcess, SamplesTouchNoSocket) {
+TEST_P(OneProcess, Samples_TouchNoSocket) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(match(writer, reader));
@@ -204,7 +204,7 @@ TEST_P(OneProcess, SamplesTouchNoSocket) {
   EXPECT_EQ(messages(), before);
 }
 
-TEST_P(OneProcess, EitherEndMayGoAndComeBack) {
+TEST_P(OneProcess, EitherEnd_MayGoAndComeBack) {
   auto& writer = a.writer(reliable());
   auto* reader = &b.reader(reliable());
   ASSERT_TRUE(match(writer, *reader));
@@ -219,7 +219,7 @@ TEST_P(OneProcess, EitherEndMayGoAndComeBack) {
   ASSERT_TRUE(eventually([&] { return reader->matched_publications().empty(); }));
 }
 
-TEST_P(OneProcess, WhatIsWrittenBetweenTheTwoMatchesIsNotLost) {
+TEST_P(OneProcess, WhatIsWrittenBetweenTheTwoMatches_IsNotLost) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(eventually([&] { return !writer.matched_subscriptions().empty(); }));
@@ -228,7 +228,7 @@ TEST_P(OneProcess, WhatIsWrittenBetweenTheTwoMatchesIsNotLost) {
   EXPECT_EQ(taken(reader).size(), 10u);
 }
 
-TEST_P(OneProcess, AParticipantMayEndWhileAnotherWrites) {
+TEST_P(OneProcess, AParticipant_MayEndWhileAnotherWrites) {
   auto& writer = a.writer(reliable());
   {
     testing::End c{environment, options()};
@@ -244,7 +244,7 @@ TEST_P(OneProcess, AParticipantMayEndWhileAnotherWrites) {
   EXPECT_TRUE(writer.wait_for_acknowledgments(0ms));
 }
 
-TEST_P(OneProcess, OtherDomainsAndTagsStayApart) {
+TEST_P(OneProcess, OtherDomainsAndTags_StayApart) {
   auto other = options();
   other.domain_tag += "x";
   testing::End c{environment, other};

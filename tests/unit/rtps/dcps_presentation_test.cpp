@@ -16,7 +16,7 @@ using ::testing::IsEmpty;
 using testing::reliable;
 using testing::taken;
 
-TEST_P(Presenting, ACoherentSetComesAsAWhole) {
+TEST_P(Presenting, ACoherentSet_ComesAsAWhole) {
   for (const auto scope : {PresentationScope::instance, PresentationScope::topic}) {
     auto& pub = publisher({scope, true, false});
     auto& writer = writer_on(*a.topic, pub);
@@ -49,7 +49,7 @@ TEST_P(Presenting, ACoherentSetComesAsAWhole) {
 }
 
 // A set waits for all limits of the reader, since its writer is told that it has arrived.
-TEST_P(Presenting, ASetWaitsForRoomInItsInstances) {
+TEST_P(Presenting, ASet_WaitsForRoomInItsInstances) {
   const Presentation access{PresentationScope::topic, true, false};
   auto& pub = publisher(access);
   auto& sub = subscriber(access);
@@ -117,7 +117,7 @@ TEST_P(Presenting, ASetThatAKeepLastReaderCanNeverHold_IsGivenUpAtOnce) {
 }
 
 // It has been told that they have arrived.
-TEST_P(Presenting, SetsThatWaitForRoomComeAfterTheirWriterHasLeft) {
+TEST_P(Presenting, SetsThatWaitForRoom_ComeAfterTheirWriterHasLeft) {
   const Presentation access{PresentationScope::topic, true, false};
   auto& pub = publisher(access);
   auto qos = reliable();
@@ -145,7 +145,7 @@ TEST_P(Presenting, SetsThatWaitForRoomComeAfterTheirWriterHasLeft) {
   EXPECT_EQ(end->info.instance_state, InstanceState::not_alive_disposed);
 }
 
-TEST_P(Presenting, ASetWaitsWhileAnotherWriterHasAllInstances) {
+TEST_P(Presenting, ASet_WaitsWhileAnotherWriterHasAllInstances) {
   const Presentation access{PresentationScope::topic, true, false};
   auto& pub = publisher(access);
   auto qos = reliable();
@@ -172,7 +172,7 @@ TEST_P(Presenting, ASetWaitsWhileAnotherWriterHasAllInstances) {
   EXPECT_EQ(reader.sample_lost_status().total_count, 0);
 }
 
-TEST_P(Presenting, AReaderThatComesInTheMiddleOfASetGetsTheNext) {
+TEST_P(Presenting, AReaderThatComesInTheMiddleOfASet_GetsTheNext) {
   const Presentation access{PresentationScope::topic, true, false};
   auto& pub = publisher(access);
   auto& writer = writer_on(*a.topic, pub);
@@ -196,7 +196,7 @@ TEST_P(Presenting, AReaderThatComesInTheMiddleOfASetGetsTheNext) {
   EXPECT_THAT(taken(late), ElementsAre(3));
 }
 
-TEST_P(Presenting, AWriterThatEndsInTheMiddleOfASetLeavesNothing) {
+TEST_P(Presenting, AWriterThatEndsInTheMiddleOfASet_LeavesNothing) {
   const Presentation access{PresentationScope::topic, true, false};
   auto& pub = publisher(access);
   auto qos = reliable();
@@ -213,7 +213,7 @@ TEST_P(Presenting, AWriterThatEndsInTheMiddleOfASetLeavesNothing) {
   EXPECT_EQ(reader.sample_lost_status().total_count, 1);
 }
 
-TEST_P(Presenting, OrderedByTopicSamplesOfAllInstancesComeInOrder) {
+TEST_P(Presenting, OrderedByTopic_SamplesOfAllInstancesComeInOrder) {
   const Presentation access{PresentationScope::topic, false, true};
   auto& writer = writer_on(*a.topic, publisher(access));
   auto& ordered = reader_on(*b.topic, subscriber(access));
@@ -233,7 +233,7 @@ TEST_P(Presenting, OrderedByTopicSamplesOfAllInstancesComeInOrder) {
 
 // Two topics that are written in one set, by one thread and read by another: no access sees one
 // topic's part without the other's.
-TEST(PresentingConcurrently, OneAccessSeesAllTopicsOfASetOrNone) {
+TEST(PresentingConcurrently, OneAccess_SeesAllTopicsOfASetOrNone) {
   constexpr std::int64_t kSets = 300;
   const SystemClock clock;
   SystemRandom random;

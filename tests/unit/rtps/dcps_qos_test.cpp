@@ -18,7 +18,7 @@ using testing::taken;
 using testing::values;
 using Policies = testing::Polled;
 
-TEST_P(Policies, DeadlineIsMissedOnBothSidesOncePerPeriodAndInstance) {
+TEST_P(Policies, Deadline_IsMissedOnBothSidesOncePerPeriodAndInstance) {
   auto qos = reliable();
   qos.deadline = Duration::from(100ms);
   auto& writer = a.writer(qos);
@@ -45,7 +45,7 @@ TEST_P(Policies, DeadlineIsMissedOnBothSidesOncePerPeriodAndInstance) {
   EXPECT_EQ(reader.requested_deadline_missed_status().total_count_change, 1);
 }
 
-TEST_P(Policies, DeadlineMayChangeWithinTheContract) {
+TEST_P(Policies, Deadline_MayChangeWithinTheContract) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(match(writer, reader));
@@ -65,7 +65,7 @@ TEST_P(Policies, DeadlineMayChangeWithinTheContract) {
   EXPECT_EQ(reader.requested_incompatible_qos_status().last.policy, "DEADLINE.period");
 }
 
-TEST_P(Policies, LifespanEndsWhatIsHeldAndWhatIsKeptForLateJoiners) {
+TEST_P(Policies, Lifespan_EndsWhatIsHeldAndWhatIsKeptForLateJoiners) {
   auto offered = reliable(), requested = reliable();
   offered.durability = requested.durability = DurabilityKind::transient_local;
   offered.lifespan = Duration::from(200ms);
@@ -91,7 +91,7 @@ TEST_P(Policies, LifespanEndsWhatIsHeldAndWhatIsKeptForLateJoiners) {
   EXPECT_TRUE(succeeds(writer.wait_for_acknowledgments(0ms)));
 }
 
-TEST_P(Policies, ExclusiveOwnershipFailsOverByStrengthDeadlineLivelinessAndDeparture) {
+TEST_P(Policies, ExclusiveOwnership_FailsOverByStrengthDeadlineLivelinessAndDeparture) {
   auto strong = reliable();
   strong.ownership = OwnershipKind::exclusive;
   auto requested = strong;
@@ -133,7 +133,7 @@ TEST_P(Policies, ExclusiveOwnershipFailsOverByStrengthDeadlineLivelinessAndDepar
   EXPECT_THAT(taken(reader), ElementsAre(21));
 }
 
-TEST_P(Policies, ManualLivelinessIsLostAndComesBack) {
+TEST_P(Policies, ManualLiveliness_IsLostAndComesBack) {
   auto qos = reliable();
   qos.liveliness = {LivelinessKind::manual_by_topic, Duration::from(200ms)};
   auto& writer = a.writer(qos);
@@ -165,7 +165,7 @@ TEST_P(Policies, ManualLivelinessIsLostAndComesBack) {
   EXPECT_EQ(writer.liveliness_lost_status().total_count, 1);
 }
 
-TEST_P(Policies, AnyManualWriterOfAParticipantAssertsAll) {
+TEST_P(Policies, AnyManualWriterOfAParticipant_AssertsAll) {
   auto qos = reliable();
   qos.liveliness = {LivelinessKind::manual_by_participant, Duration::from(200ms)};
   auto& idle = a.writer(qos);
@@ -188,7 +188,7 @@ TEST_P(Policies, AnyManualWriterOfAParticipantAssertsAll) {
   EXPECT_EQ(reader.liveliness_changed_status().not_alive_count, 2);
 }
 
-TEST_P(Policies, AutomaticLivelinessEndsWithItsParticipant) {
+TEST_P(Policies, AutomaticLiveliness_EndsWithItsParticipant) {
   auto qos = reliable();
   qos.liveliness.lease_duration = Duration::from(1s);
   auto& writer = a.writer(qos);
@@ -203,7 +203,7 @@ TEST_P(Policies, AutomaticLivelinessEndsWithItsParticipant) {
   EXPECT_EQ(reader.liveliness_changed_status().alive_count, 1);
 }
 
-TEST_P(Policies, BySourceTimestampAnOlderSampleDoesNotComeLate) {
+TEST_P(Policies, BySourceTimestamp_AnOlderSampleDoesNotComeLate) {
   auto qos = reliable();
   qos.destination_order = DestinationOrderKind::by_source;
   auto& one = a.writer(qos);
@@ -226,7 +226,7 @@ TEST_P(Policies, BySourceTimestampAnOlderSampleDoesNotComeLate) {
   EXPECT_TRUE(succeeds(one.write({"a", 4})));  // the calendar is behind the last time given
 }
 
-TEST_P(Policies, TransientLocalKeepsForLateJoinersWhatHistoryKeeps) {
+TEST_P(Policies, TransientLocal_KeepsForLateJoinersWhatHistoryKeeps) {
   auto offered = reliable(HistoryKind::keep_last), requested = reliable();
   offered.history.depth = 2;
   offered.durability = requested.durability = DurabilityKind::transient_local;
@@ -245,7 +245,7 @@ TEST_P(Policies, TransientLocalKeepsForLateJoinersWhatHistoryKeeps) {
   EXPECT_THAT(taken(volatile_reader), IsEmpty());
 }
 
-TEST_P(Policies, HistoricalDataThatDoesNotComeIsATimeout) {
+TEST_P(Policies, HistoricalDataThatDoesNotCome_IsATimeout) {
   auto qos = reliable();
   qos.durability = DurabilityKind::transient_local;
   auto& writer = a.writer(qos);
@@ -259,7 +259,7 @@ TEST_P(Policies, HistoricalDataThatDoesNotComeIsATimeout) {
   EXPECT_EQ(code_of(other.wait_for_historical_data(5ms)), Code::rtps_timeout);
 }
 
-TEST_P(Policies, ResourceLimitsHoldAtTheWriter) {
+TEST_P(Policies, ResourceLimits_HoldAtTheWriter) {
   auto qos = reliable();
   qos.durability = DurabilityKind::transient_local;
   qos.reliability.max_blocking_time = kDurationZero;
@@ -298,7 +298,7 @@ TEST_P(Policies, ThreadsThatWriteTogether_LoseNothingThatIsNotAcknowledged) {
   EXPECT_EQ(reader.sample_lost_status().total_count, 0);
 }
 
-TEST_P(Policies, ResourceLimitsHoldAtTheReaderAndNothingIsLost) {
+TEST_P(Policies, ResourceLimits_HoldAtTheReaderAndNothingIsLost) {
   auto requested = reliable();
   requested.resource_limits = {.max_samples = 3, .max_instances = 2, .max_samples_per_instance = 2};
   auto& writer = a.writer(reliable());
@@ -315,7 +315,7 @@ TEST_P(Policies, ResourceLimitsHoldAtTheReaderAndNothingIsLost) {
   EXPECT_EQ(reader.sample_lost_status().total_count, 0);
 }
 
-TEST_P(Policies, DataRepresentationIsWhatTheWriterOffersFirst) {
+TEST_P(Policies, DataRepresentation_IsWhatTheWriterOffersFirst) {
   auto offered = reliable(), requested = reliable();
   offered.data_representation = {DataRepresentation::xcdr2};
   auto& writer = a.writer(offered);
@@ -332,7 +332,7 @@ TEST_P(Policies, DataRepresentationIsWhatTheWriterOffersFirst) {
   EXPECT_EQ(samples[0].data.octets, (std::vector<std::uint8_t>{1, 2, 3}));
 }
 
-TEST_P(Policies, BestEffortLossIsCounted) {
+TEST_P(Policies, BestEffortLoss_IsCounted) {
   auto qos = reliable();
   qos.reliability.kind = ReliabilityKind::best_effort;
   auto& writer = a.writer(qos);
@@ -346,7 +346,7 @@ TEST_P(Policies, BestEffortLossIsCounted) {
   EXPECT_EQ(reader.sample_lost_status().total_count, 0);
 }
 
-TEST_P(Policies, ReaderDataLifecyclePurges) {
+TEST_P(Policies, ReaderDataLifecycle_PurgesAfterItsDelay) {
   auto& writer = a.writer(reliable());
   auto requested = reliable();
   requested.reader_data_lifecycle.autopurge_disposed_samples_delay = Duration::from(100ms);
@@ -371,7 +371,7 @@ TEST_P(Policies, ReaderDataLifecyclePurges) {
   EXPECT_THAT(taken(reader), ElementsAre(2));
 }
 
-TEST_P(Policies, DeletingAWriterDisposesUnlessItIsToldNotTo) {
+TEST_P(Policies, DeletingAWriter_DisposesUnlessItIsToldNotTo) {
   auto offered = reliable();
   auto& disposing = a.writer(offered);
   offered.autodispose_unregistered_instances = false;
@@ -396,7 +396,7 @@ TEST_P(Policies, DeletingAWriterDisposesUnlessItIsToldNotTo) {
   EXPECT_EQ(states["c"], InstanceState::not_alive_no_writers);
 }
 
-TEST_P(Policies, AParticipantThatEndsDisposesToo) {
+TEST_P(Policies, AParticipantThatEnds_DisposesToo) {
   auto& reader = b.reader(reliable());
   auto c = std::make_unique<testing::End>(environment, options());
   auto& writer = c->writer(reliable());
@@ -415,7 +415,7 @@ TEST_P(Policies, AParticipantThatEndsDisposesToo) {
   EXPECT_EQ(samples[0].info.instance_state, InstanceState::not_alive_disposed);
 }
 
-TEST_P(Policies, ChangedDataOfTopicGroupAndEndpointIsSeenByPeers) {
+TEST_P(Policies, ChangedDataOfTopicGroupAndEndpoint_IsSeenByPeers) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(match(writer, reader));

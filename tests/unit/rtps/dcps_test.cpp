@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 using testing::code_of;
 using testing::reliable;
 
-struct Dcps : ::testing::TestWithParam<testing::Way> {
+struct DcpsParticipants : ::testing::TestWithParam<testing::Way> {
   SystemClock clock;
   SystemRandom random;
   testing::Events events;
@@ -38,7 +38,7 @@ struct Dcps : ::testing::TestWithParam<testing::Way> {
   }
 };
 
-TEST_P(Dcps, SamplesDisposesAndLargeSamplesArrive) {
+TEST_P(DcpsParticipants, SamplesDisposesAndLargeSamples_Arrive) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(match(writer, reader));
@@ -62,7 +62,7 @@ TEST_P(Dcps, SamplesDisposesAndLargeSamplesArrive) {
   EXPECT_FALSE(reader.take_next_sample());
 }
 
-TEST_P(Dcps, AWriterWaitsForASlowReaderAndThenSaysSo) {
+TEST_P(DcpsParticipants, AWriter_WaitsForASlowReaderAndThenSaysSo) {
   auto offered = reliable();
   offered.resource_limits.max_samples = 4;
   offered.reliability.max_blocking_time = Duration::from(50ms);
@@ -92,7 +92,7 @@ struct Answer final : DataReaderListener {
   }
 };
 
-TEST_P(Dcps, ListenersMayTakeAndWrite) {
+TEST_P(DcpsParticipants, Listeners_MayTakeAndWrite) {
   auto* ping_there = *b.participant->create_topic<Reading>("Ping");
   auto* ping_here = *a.participant->create_topic<Reading>("Ping");
   auto& ping = **a.publisher->create_datawriter<Reading>(*ping_here, reliable());
@@ -109,7 +109,7 @@ TEST_P(Dcps, ListenersMayTakeAndWrite) {
   echo.set_listener(nullptr);
 }
 
-TEST_P(Dcps, AWaitSetWakesForDataForStatusesAndForTheApplication) {
+TEST_P(DcpsParticipants, AWaitSet_WakesForDataForStatusesAndForTheApplication) {
   auto& reader = b.reader(reliable());
   auto& fresh = reader.create_readcondition({.sample = SampleState::not_read});
   reader.status_condition().set_enabled_statuses(StatusKind::subscription_matched);
@@ -133,7 +133,7 @@ TEST_P(Dcps, AWaitSetWakesForDataForStatusesAndForTheApplication) {
   other.join();
 }
 
-TEST_P(Dcps, ManyThreadsMayCreateWriteTakeAndDelete) {
+TEST_P(DcpsParticipants, ManyThreads_MayCreateWriteTakeAndDelete) {
   auto& reader = b.reader(reliable());
   std::atomic<int> received = 0;
   std::atomic<bool> over = false;
@@ -162,7 +162,7 @@ TEST_P(Dcps, ManyThreadsMayCreateWriteTakeAndDelete) {
   taker.join();
 }
 
-TEST_P(Dcps, BadOptionsAreNamed) {
+TEST_P(DcpsParticipants, BadOptions_AreNamed) {
   const auto refused = [&](DomainParticipantOptions options) {
     return code_of(DomainParticipant::create(std::move(options), environment));
   };
@@ -173,7 +173,7 @@ TEST_P(Dcps, BadOptionsAreNamed) {
   EXPECT_EQ(refused({.interfaces = {"192.0.2.1"}}), Code::rtps_address_not_here);
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, Dcps,
+INSTANTIATE_TEST_SUITE_P(Over, DcpsParticipants,
                          ::testing::Values(testing::Way::network, testing::Way::in_process),
                          testing::name_of);
 

@@ -13,7 +13,7 @@ using testing::reliable;
 
 using Entities = testing::Polled;
 
-TEST_P(Entities, TheOtherSideIsKnownByWhatItAnnounced) {
+TEST_P(Entities, TheOtherSide_IsKnownByWhatItAnnounced) {
   auto qos = default_writer_qos();
   qos.user_data = {1, 2};
   auto& writer = a.writer(qos);

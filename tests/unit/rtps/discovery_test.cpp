@@ -17,7 +17,7 @@ using testing::socketless::World;
 
 EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
-TEST(Participant, FindsOthersMatchesAndDelivers) {
+TEST(Participant, NewParticipant_FindsOthersMatchesAndDelivers) {
   Node a(1), b(2);
   World world{{&a, &b}};
   const auto writer =
@@ -45,7 +45,7 @@ TEST(Participant, FindsOthersMatchesAndDelivers) {
   EXPECT_EQ(b.participant.counters().malformed, 0u);
 }
 
-TEST(Participant, ASilentParticipantIsGoneAfterItsLease) {
+TEST(Participant, ASilentParticipant_IsGoneAfterItsLease) {
   Node a(1), b(2);
   World world{{&a, &b}};
   const auto writer =
@@ -66,14 +66,14 @@ TEST(Participant, ASilentParticipantIsGoneAfterItsLease) {
   EXPECT_EQ(b.participant.remote_participants().size(), 0u);
 }
 
-TEST(Participant, OtherDomainsAndTagsAreNotSeen) {
+TEST(Participant, OtherDomainsAndTags_AreNotSeen) {
   Node a(1), other_domain(2, 1), other_tag(3, 0, "tag");
   World world{{&a, &other_domain, &other_tag}};
   world.run();
   for (auto* node : world.nodes) EXPECT_EQ(node->participant.remote_participants().size(), 0u);
 }
 
-TEST(Participant, NobodyAnnouncesOrDisposesAnother) {
+TEST(Participant, ForgedAnnouncementsAndDisposes_ChangeNothing) {
   Node a(1), b(2);
   World world{{&a, &b}};
   world.run();

@@ -11,7 +11,7 @@ using testing::code_of;
 
 using Entities = testing::Polled;
 
-TEST_P(Entities, TheFactoryKeepsParticipantsUntilTheyAreEmpty) {
+TEST_P(Entities, TheFactory_KeepsParticipantsUntilTheyAreEmpty) {
   DomainParticipantFactory factory(environment);
   auto* participant = *factory.create_participant(options());
   EXPECT_EQ(factory.lookup_participant(options().domain_id), participant);

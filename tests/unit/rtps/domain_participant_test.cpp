@@ -14,7 +14,7 @@ using testing::taken;
 
 using Entities = testing::Polled;
 
-TEST_P(Entities, AreDeletedFromTheInsideOut) {
+TEST_P(Entities, ContainerWithEntities_IsDeletedAfterThem) {
   auto& participant = *a.participant;
   auto& writer = a.writer();
   auto& reader = a.reader(reliable());
@@ -36,12 +36,12 @@ TEST_P(Entities, AreDeletedFromTheInsideOut) {
 // Protected submessages name endpoints by these numbers, and what is meant for one participant
 // stands outside of them. If the numbers were the same in all processes, a HEARTBEAT for one reader
 // would fit the readers of all others.
-TEST_P(Entities, OfTwoParticipantsHaveDifferentNumbers) {
+TEST_P(Entities, TwoParticipants_HaveDifferentNumbers) {
   EXPECT_NE(a.writer().guid().entity, b.writer().guid().entity);
   EXPECT_NE(a.reader(reliable()).guid().entity, b.reader(reliable()).guid().entity);
 }
 
-TEST_P(Entities, AreDeletedByTheirOwnContainerAlone) {
+TEST_P(Entities, AnotherContainer_CannotDeleteThem) {
   auto& writer = a.writer();
   auto& reader = a.reader(reliable());
   auto& condition = reader.create_readcondition({});
@@ -57,7 +57,7 @@ TEST_P(Entities, AreDeletedByTheirOwnContainerAlone) {
             Code::rtps_precondition_not_met);
 }
 
-TEST_P(Entities, AllThatIsContainedGoesAtOnce) {
+TEST_P(Entities, DeleteContained_RemovesAllAtOnce) {
   a.reader(reliable()).create_readcondition({});
   a.writer();
   EXPECT_TRUE(a.subscriber->delete_contained_entities());
@@ -68,7 +68,7 @@ TEST_P(Entities, AllThatIsContainedGoesAtOnce) {
   EXPECT_FALSE(a.participant->contains_entities());
 }
 
-TEST_P(Entities, AreFoundByName) {
+TEST_P(Entities, EachName_FindsItsEntity) {
   EXPECT_EQ(a.participant->lookup_topicdescription("Readings"), a.topic);
   EXPECT_EQ(a.participant->lookup_topicdescription("Other"), nullptr);
   EXPECT_EQ(a.publisher->lookup_datawriter("Readings"), nullptr);
@@ -82,7 +82,7 @@ TEST_P(Entities, AreFoundByName) {
   EXPECT_EQ(&reader.status_condition().entity(), &reader);
 }
 
-TEST_P(Entities, WhatIsNotEnabledIsSilentAndItsContainerComesFirst) {
+TEST_P(Entities, WhatIsNotEnabled_IsSilentAndItsContainerComesFirst) {
   auto asleep = options();
   asleep.enabled = false;
   testing::End c(environment, asleep);
@@ -104,7 +104,7 @@ TEST_P(Entities, WhatIsNotEnabledIsSilentAndItsContainerComesFirst) {
   EXPECT_EQ(writer.guid().prefix, c.participant->guid().prefix);
 }
 
-TEST_P(Entities, AChangedPartitionMatchesAnew) {
+TEST_P(Entities, AChangedPartition_MatchesAnew) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(match(writer, reader));

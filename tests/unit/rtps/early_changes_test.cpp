@@ -40,7 +40,7 @@ TEST_F(EarlyChangesTest, ANumberThatIsHeld_IsNotReplaced) {
   EXPECT_EQ(account.octets(), EarlyChanges::kPrice + 2);
 }
 
-TEST_F(EarlyChangesTest, EachCountsItsOctetsUntilItIsErased) {
+TEST_F(EarlyChangesTest, EachChange_CountsItsOctetsUntilItIsErased) {
   changes.insert({5}, change_of(10));
   changes.insert({6}, std::nullopt);
   EXPECT_EQ(held.octets(), 2 * EarlyChanges::kPrice + 10);

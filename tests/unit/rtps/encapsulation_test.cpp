@@ -10,7 +10,7 @@ namespace {
 
 using test::code_of;
 
-TEST(Cdr, OtherEncapsulationsAreRefused) {
+TEST(Cdr, OtherEncapsulations_AreRefused) {
   for (std::uint8_t id : {0x04, 0x05, 0x0c, 0x20, 0xff})
     EXPECT_EQ(code_of(open_payload(Bytes{0, id, 0, 0})), Code::rtps_encapsulation_unsupported);
   for (std::uint8_t id : {0x02, 0x03, 0x08, 0x0a})

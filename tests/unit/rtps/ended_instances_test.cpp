@@ -19,7 +19,7 @@ KeyHash key(std::size_t number) {
 /// Four of them fit into an identity's share.
 constexpr auto kQuarter = EndedInstances::kOctetsOfOne / 4 - EndedInstances::kPrice;
 
-TEST(EndedInstancesTest, TheOldestOfTheSameIdentityGivesWay) {
+TEST(EndedInstancesTest, TheOldestOfTheSameIdentity_GivesWay) {
   EndedInstances ended;
   EXPECT_THAT(ended.add(key(0), identity(1), kQuarter), IsEmpty());
   for (std::size_t i = 1; i < 5; ++i)
@@ -27,7 +27,7 @@ TEST(EndedInstancesTest, TheOldestOfTheSameIdentityGivesWay) {
   EXPECT_THAT(ended.add(key(5), identity(2), kQuarter), ElementsAre(key(1)));
 }
 
-TEST(EndedInstancesTest, OneThatIsThereAgainTakesNoPlace) {
+TEST(EndedInstancesTest, OneThatIsThereAgain_TakesNoPlace) {
   EndedInstances ended;
   for (std::size_t i = 0; i < 4; ++i) ended.add(key(i), identity(1), kQuarter);
   ended.remove(key(0));
@@ -36,7 +36,7 @@ TEST(EndedInstancesTest, OneThatIsThereAgainTakesNoPlace) {
   EXPECT_THAT(ended.add(key(5), identity(1), kQuarter), ElementsAre(key(2)));
 }
 
-TEST(EndedInstancesTest, OfAllTheIdentityWithMostGivesWay) {
+TEST(EndedInstancesTest, FullMemory_TheIdentityWithMostGivesWay) {
   EndedInstances ended;
   constexpr auto kShares = EndedInstances::kOctetsOfAll / EndedInstances::kOctetsOfOne;
   for (std::size_t of = 0; of < kShares; ++of)

@@ -14,7 +14,7 @@ using testing::socketless::World;
 
 EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
-TEST(Participant, ANonMatchIsAStatusAndAnEventWithBothValues) {
+TEST(Participant, ANonMatch_IsAStatusAndAnEventWithBothValues) {
   Node a(1), b(2);
   World world{{&a, &b}};
   auto offered = default_writer_qos();

@@ -45,13 +45,13 @@ TEST(DiscoveryData, ADurabilityServiceThatNoWriterCanHave_CountsAsTheDefault) {
   }
 }
 
-TEST(DiscoveryData, RoundTripsInBothByteOrdersAndRefusesEveryTruncation) {
+TEST(DiscoveryData, EachByteOrder_RoundTripsAndEveryTruncationIsRefused) {
   expect_sound(participant(), read_participant_data);
   expect_sound(publication(), read_publication_data);
   expect_sound(subscription(), read_subscription_data);
 }
 
-TEST(DiscoveryData, AbsentPoliciesTakeTheirDefaults) {
+TEST(DiscoveryData, AbsentPolicies_TakeTheirDefaults) {
   EndpointData plain;
   plain.guid = publication().guid;
   plain.topic_name = "t", plain.type_name = "T";
@@ -64,14 +64,14 @@ TEST(DiscoveryData, AbsentPoliciesTakeTheirDefaults) {
   EXPECT_EQ(read_publication_data(octets), plain);
 }
 
-TEST(DiscoveryData, AnEndpointMustBeWhatItsTopicIsFor) {
+TEST(DiscoveryData, AnEndpoint_MustBeWhatItsTopicIsFor) {
   EXPECT_EQ(code_of(read_subscription_data(payload_of(publication()))),
             Code::rtps_parameter_invalid);
   EXPECT_EQ(code_of(read_publication_data(payload_of(subscription()))),
             Code::rtps_parameter_invalid);
 }
 
-TEST(DiscoveryData, TypeConsistencyMayEndEarlyAndItsKindsAreBounded) {
+TEST(DiscoveryData, TypeConsistency_MayEndEarlyAndItsKindsAreBounded) {
   const auto octets = payload_of(subscription());
   const Bytes whole = {0x74, 0, 8, 0, 0, 0, 0, 0, 1, 1, 1};
   const auto read = [&](const Bytes& by) {
@@ -94,7 +94,7 @@ TEST(DiscoveryData, TypeConsistencyMayEndEarlyAndItsKindsAreBounded) {
 }
 
 // Found by fuzzing: it was kept, and not written again.
-TEST(DiscoveryData, AWritersTypeConsistencySaysNothing) {
+TEST(DiscoveryData, AWritersTypeConsistency_SaysNothing) {
   const auto octets = payload_of(publication());
   // In the place of PRESENTATION: the kind DISALLOW_TYPE_COERCION and no flag.
   const auto with = replaced(octets, {0x21, 0, 8, 0, 1, 0, 0, 0, 1, 1},  //
@@ -106,7 +106,7 @@ TEST(DiscoveryData, AWritersTypeConsistencySaysNothing) {
             Code::rtps_parameter_invalid);
 }
 
-TEST(DiscoveryData, AnotherParticipantsGuidIsRefused) {
+TEST(DiscoveryData, AnotherParticipantsGuid_IsRefused) {
   EXPECT_EQ(code_of(read_publication_data(
                 replaced(payload_of(publication()), {0x50, 0, 16, 0, 1}, {0x50, 0, 16, 0, 2}))),
             Code::rtps_parameter_invalid);
@@ -116,7 +116,7 @@ TEST(DiscoveryData, AnotherParticipantsGuidIsRefused) {
 }
 
 // Before: it was believed, and the sets of the publisher that it named waited for this writer.
-TEST(DiscoveryData, AnotherParticipantsGroupIsPassedOver) {
+TEST(DiscoveryData, AnotherParticipantsGroup_IsPassedOver) {
   auto data = publication();
   data.group_guid = Guid{data.guid.prefix, EntityId{{0, 0, 1, 8}}};
   EXPECT_EQ(read_publication_data(payload_of(data))->group_guid, data.group_guid);
@@ -125,7 +125,7 @@ TEST(DiscoveryData, AnotherParticipantsGroupIsPassedOver) {
 }
 
 // A dispose that names two endpoints ends neither.
-TEST(DiscoveryData, TwoKeysInOneAreRefused) {
+TEST(DiscoveryData, TwoKeysInOne_AreRefused) {
   std::array<std::uint8_t, 64> buffer{};
   SpanWriter out(buffer);
   write_endpoint_key(out, publication().guid);
@@ -139,7 +139,7 @@ TEST(DiscoveryData, TwoKeysInOneAreRefused) {
   EXPECT_EQ(code_of(read_endpoint_key(octets)), Code::rtps_parameter_invalid);
 }
 
-TEST(DiscoveryData, EnumerationsBeyondTheirRangeAreRefused) {
+TEST(DiscoveryData, EnumerationsBeyondTheirRange_AreRefused) {
   EXPECT_EQ(code_of(read_publication_data(
                 replaced(payload_of(publication()), {0x1a, 0, 12, 0, 2}, {0x1a, 0, 12, 0, 3}))),
             Code::rtps_parameter_invalid);
@@ -148,7 +148,7 @@ TEST(DiscoveryData, EnumerationsBeyondTheirRangeAreRefused) {
             Code::rtps_parameter_invalid);
 }
 
-TEST(DiscoveryData, KeysOfDisposes) {
+TEST(DiscoveryData, KeysOfDisposes_AreRead) {
   std::array<std::uint8_t, 64> buffer{};
   SpanWriter out(buffer);
   write_endpoint_key(out, publication().guid);

@@ -15,7 +15,7 @@ using testing::socketless::World;
 
 EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
-TEST(Participant, ChangedPoliciesAreAnnouncedAndMatchedAnew) {
+TEST(Participant, ChangedPolicies_AreAnnouncedAndMatchedAnew) {
   Node a(1), b(2);
   World world{{&a, &b}};
   auto offered = default_writer_qos();
@@ -46,7 +46,7 @@ TEST(Participant, ChangedPoliciesAreAnnouncedAndMatchedAnew) {
 }
 
 // By what one identity matches, it could make each write of ours as slow as it liked.
-TEST(Participant, OneIdentityMatchesABoundedNumberOfTimesWithOneEndpoint) {
+TEST(Participant, OneIdentity_MatchesABoundedNumberOfTimesWithOneEndpoint) {
   Node a{1}, b{2}, c{3};
   World world{{&a, &b, &c}};
   ASSERT_TRUE(a.participant.create_writer(square(default_writer_qos()), a.listener, world.now));

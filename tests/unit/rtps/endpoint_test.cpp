@@ -12,7 +12,7 @@ using testing::reliable;
 
 using Entities = testing::Polled;
 
-TEST_P(Entities, PoliciesThatMayNotChangeAreNamed) {
+TEST_P(Entities, PoliciesThatMayNotChange_AreNamed) {
   auto& writer = a.writer();
   const auto refused = [&](auto&& change) {
     auto qos = writer.qos();
@@ -49,7 +49,7 @@ TEST_P(Entities, PoliciesThatMayNotChangeAreNamed) {
   EXPECT_TRUE(a.topic->set_qos(topic));
 }
 
-TEST_P(Entities, APolicyStandsAtItsOwnEntity) {
+TEST_P(Entities, APolicy_StandsAtItsOwnEntity) {
   const auto refused = [&](auto&& change) {
     auto qos = reliable();
     change(qos);

@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 using test::succeeds;
 using testing::taken;
 
-TEST_P(Access, StatusConditionsFollowTheStatusesTheyAreFor) {
+TEST_P(Access, StatusConditions_FollowTheStatusesTheyAreFor) {
   auto& condition = reader.status_condition();
   EXPECT_TRUE(reader.status_changes().contains(StatusKind::subscription_matched));
   EXPECT_TRUE(condition.trigger_value());

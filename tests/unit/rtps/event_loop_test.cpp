@@ -8,7 +8,7 @@
 namespace ddssec::rtps {
 namespace {
 
-TEST(EventLoop, WakesForASocketForACallAndForTime) {
+TEST(EventLoop, SocketCallOrTime_WakesIt) {
   auto loop = *EventLoop::create();
   auto socket = *UdpSocket::bind(*Locator::parse("127.0.0.1", 0));
   int readable = 0;

@@ -48,7 +48,7 @@ void expect_heard(int link, const Bytes& frame, const std::string& from = "10.0.
   EXPECT_EQ(heard->payload, kPayload);
 }
 
-TEST(Frames, OfEveryKindOfInterface) {
+TEST(Frames, EveryKindOfInterface_IsHeard) {
   const Bytes addresses(12, 0xee);
   expect_heard(kEthernet, addresses + number(0x0800) + ipv4(udp()));
   expect_heard(kEthernet, addresses + number(0x8100) + number(5) + number(0x0800) + ipv4(udp()));
@@ -64,14 +64,14 @@ TEST(Frames, OfEveryKindOfInterface) {
   EXPECT_FALSE(Frames::knows(105));
 }
 
-TEST(Frames, WhatIsNotUdpIsNothing) {
+TEST(Frames, WhatIsNotUdp_IsNothing) {
   EXPECT_FALSE(Frames().read(kEthernet, Bytes(12, 0xee) + number(0x0806) + ipv4(udp())));
   auto tcp = ipv4(udp());
   tcp[9] = 6;
   EXPECT_FALSE(Frames().read(kRaw, tcp));
 }
 
-TEST(Frames, FragmentsInAnyOrderAndTwice) {
+TEST(Frames, FragmentsInAnyOrderAndTwice_GiveOneMessage) {
   const auto whole = udp();
   const auto part = [&](std::size_t begin, std::size_t end) {
     const auto octets = BytesView(whole).subspan(begin, end - begin);
@@ -87,7 +87,7 @@ TEST(Frames, FragmentsInAnyOrderAndTwice) {
   EXPECT_FALSE(frames.read(kRaw, part(0, 8))) << "the rest is used up";
 }
 
-TEST(Frames, ForgetsTheOldestThatIsNotWhole) {
+TEST(Frames, TooManyUnfinished_TheOldestIsForgotten) {
   const auto whole = udp();
   const auto first = to_bytes(BytesView(whole).first(16)),
              second = to_bytes(BytesView(whole).subspan(16));
@@ -98,7 +98,7 @@ TEST(Frames, ForgetsTheOldestThatIsNotWhole) {
   EXPECT_TRUE(frames.read(kRaw, ipv4(second, 16, false, 5)));
 }
 
-TEST(Frames, CutAtEachOctetAndWithLengthsThatLie) {
+TEST(Frames, FramesCutAnywhereOrWithLyingLengths_GiveNothingMore) {
   const auto frame = Bytes(12, 0xee) + number(0x0800) + ipv4(udp());
   for (std::size_t size = 0; size < frame.size(); ++size) {
     const auto heard = Frames().read(kEthernet, BytesView(frame).first(size));

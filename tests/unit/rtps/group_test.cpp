@@ -12,7 +12,7 @@ using testing::reliable;
 
 using Entities = testing::Polled;
 
-TEST_P(Entities, AGroupMayLeaveEnablingToTheApplication) {
+TEST_P(Entities, AGroup_MayLeaveEnablingToTheApplication) {
   auto* group = *a.participant->create_subscriber({.autoenable_created_entities = false});
   auto* reader = *group->create_datareader<Reading>(*a.topic, reliable());
   Samples<Reading> samples;
@@ -25,7 +25,7 @@ TEST_P(Entities, AGroupMayLeaveEnablingToTheApplication) {
   EXPECT_EQ(reader->read(samples), 0u);
 }
 
-TEST_P(Entities, DefaultsArePassedOn) {
+TEST_P(Entities, Defaults_ArePassedOn) {
   auto qos = reliable();
   qos.history.depth = 7;
   qos.ownership = OwnershipKind::exclusive;

@@ -14,7 +14,7 @@ using testing::code_of;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-TEST_P(Presenting, AGroupsSetComesAsAWholeToAllReaders) {
+TEST_P(Presenting, AGroupsSet_ComesAsAWholeToAllReaders) {
   const Presentation access{PresentationScope::group, true, true};
   auto& pub = publisher(access);
   auto& sub = subscriber(access);

@@ -10,7 +10,7 @@ using namespace testing;
 
 using ReaderCacheTest = Cache;
 
-TEST_F(ReaderCacheTest, AnEndedInstanceMakesRoomForANewOne) {
+TEST_F(ReaderCacheTest, AnEndedInstance_MakesRoomForANewOne) {
   qos.resource_limits.max_instances = 2;
   put(1, 10), put(2, 20), put(1, 0, kDispose);
   EXPECT_EQ(put(3, 30).reason, Reason::by_instances_limit);
@@ -19,7 +19,7 @@ TEST_F(ReaderCacheTest, AnEndedInstanceMakesRoomForANewOne) {
   EXPECT_TRUE(cache().lookup(KeyHash{1}).is_nil());
 }
 
-TEST_F(ReaderCacheTest, TheKeyIsKnownWhileTheInstanceIs) {
+TEST_F(ReaderCacheTest, TheKey_IsKnownWhileTheInstanceIs) {
   put(5, 50);
   const auto instance = cache().lookup(KeyHash{5});
   ASSERT_NE(cache().key_value(instance), nullptr);
@@ -27,7 +27,7 @@ TEST_F(ReaderCacheTest, TheKeyIsKnownWhileTheInstanceIs) {
   EXPECT_EQ(cache().key_value({99}), nullptr);
 }
 
-TEST_F(ReaderCacheTest, WhatEndedIsPurgedAfterItsDelay) {
+TEST_F(ReaderCacheTest, EndedInstances_ArePurgedAfterTheirDelay) {
   qos.reader_data_lifecycle = {Duration::from(milliseconds(100)), Duration::from(milliseconds(50))};
   put(1, 10), put(2, 20), put(3, 30);
   put(1, 1, kDispose), put(2, 2, kUnregister);
@@ -48,7 +48,7 @@ TEST_F(ReaderCacheTest, WhatEndedIsPurgedAfterItsDelay) {
   EXPECT_FALSE(cache().any({}));
 }
 
-TEST_F(ReaderCacheTest, ADisposedInstanceThatLosesItsWritersIsPurgedAsDisposed) {
+TEST_F(ReaderCacheTest, ADisposedInstanceThatLosesItsWriters_IsPurgedAsDisposed) {
   qos.reader_data_lifecycle = {Duration::from(milliseconds(10)), Duration::from(milliseconds(50))};
   put(1, 10), put(1, 1, kDispose);
   cache().lose_writer(writer(1), true, now);

@@ -31,7 +31,7 @@ struct NetworkTrouble : ::testing::Test {
   }
 };
 
-TEST_F(NetworkTrouble, ASmallReceiveBufferIsOneWarning) {
+TEST_F(NetworkTrouble, ASmallReceiveBuffer_IsOneWarning) {
   const auto participant =
       create({.domain_id = 74, .interfaces = {"lo"}, .receive_buffer = 64 << 10});
   ASSERT_TRUE(participant);
@@ -40,7 +40,7 @@ TEST_F(NetworkTrouble, ASmallReceiveBufferIsOneWarning) {
   EXPECT_EQ(events.seen[0].severity, Severity::warning);
 }
 
-TEST_F(NetworkTrouble, WhereAllPortsAreTakenIsSaid) {
+TEST_F(NetworkTrouble, AllPortsTaken_IsSaid) {
   const auto octet = [](int shift) { return std::to_string(::getpid() >> shift & 0xff); };
   const auto address = "127.74." + octet(8) + "." + octet(0);
   std::vector<UdpSocket> taken;
@@ -80,14 +80,14 @@ TEST_F(NetworkTrouble, Thread_OfAParticipant_BlocksTheSignalsOfTheProcess) {
     EXPECT_TRUE(masks.back() >> (signal - 1) & 1) << signal;
 }
 
-TEST_F(NetworkTrouble, AnAddressOfNobodyIsSaid) {
+TEST_F(NetworkTrouble, AddressOfNoInterface_IsSaid) {
   const auto refused = create({.domain_id = 74, .interfaces = {"192.0.2.1"}});
   ASSERT_EQ(code_of(refused), Code::rtps_address_not_here);
   EXPECT_THAT(refused.error().to_sentence(), ::testing::HasSubstr("ip -brief address"));
 }
 
 // The group is one of IPv4.
-TEST_F(NetworkTrouble, WithoutMulticastPeersAreEnoughAndNobodyIsAnError) {
+TEST_F(NetworkTrouble, WithoutMulticast_PeersAreEnoughAndNoneIsAnError) {
   const auto with_peers = create({.domain_id = 75, .interfaces = {"::1"}, .peers = {"::1"}});
   ASSERT_TRUE(with_peers) << with_peers.error().to_sentence();
   EXPECT_THAT(said(), ::testing::Contains(Code::rtps_no_multicast));

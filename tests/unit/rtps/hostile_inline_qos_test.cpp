@@ -71,7 +71,7 @@ struct HostileInlineQos : Polled {
   }
 };
 
-TEST_P(HostileInlineQos, NeitherStopsAReaderNorTouchesWhatHonestWritersSend) {
+TEST_P(HostileInlineQos, HostileParameters_StopNoReaderAndSpareHonestWriters) {
   Publisher& liar = **a.participant->create_publisher({.presentation = kByGroup});
   Publisher& honest = **a.participant->create_publisher({.presentation = kByGroup});
   Subscriber& subscriber = **b.participant->create_subscriber({.presentation = kByGroup});
@@ -105,7 +105,7 @@ TEST_P(HostileInlineQos, NeitherStopsAReaderNorTouchesWhatHonestWritersSend) {
 }
 
 // Nothing but the payload says which instance it is, and it is no key.
-TEST_P(HostileInlineQos, ADisposeWhoseKeyCannotBeReadIsReportedAndChangesNothing) {
+TEST_P(HostileInlineQos, ADisposeWhoseKeyCannotBeRead_IsReportedAndChangesNothing) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(match(writer, reader));

@@ -10,7 +10,7 @@ using namespace testing;
 
 using ReaderCacheTest = Cache;
 
-TEST_F(ReaderCacheTest, TheStrongestWriterOwnsAnInstance) {
+TEST_F(ReaderCacheTest, TheStrongestWriter_OwnsAnInstance) {
   qos.ownership = OwnershipKind::exclusive;
   cache().set_writer(writer(1), 5, kDurationInfinite);
   cache().set_writer(writer(2), 10, kDurationInfinite);
@@ -26,13 +26,13 @@ TEST_F(ReaderCacheTest, TheStrongestWriterOwnsAnInstance) {
   EXPECT_THAT(values(take()), ElementsAre(13));
 }
 
-TEST_F(ReaderCacheTest, EquallyStrongWritersAreDecidedByTheirGuid) {
+TEST_F(ReaderCacheTest, EquallyStrongWriters_AreDecidedByTheirGuid) {
   qos.ownership = OwnershipKind::exclusive;
   put(1, 20, {}, 2), put(1, 10, {}, 1), put(1, 21, {}, 2);
   EXPECT_THAT(values(take()), ElementsAre(20, 10));
 }
 
-TEST_F(ReaderCacheTest, OwnershipPassesOnWhenItsOwnerGoesUnregistersOrIsLate) {
+TEST_F(ReaderCacheTest, Ownership_PassesOnWhenItsOwnerGoesUnregistersOrIsLate) {
   qos.ownership = OwnershipKind::exclusive;
   qos.deadline = Duration::from(milliseconds(100));
   cache().set_writer(writer(1), 1, kDurationInfinite);

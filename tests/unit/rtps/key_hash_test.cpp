@@ -8,7 +8,7 @@
 namespace ddssec::rtps {
 namespace {
 
-TEST(KeyHash, ShortKeysStandForThemselvesLongOnesAreHashed) {
+TEST(KeyHash, ShortKeys_StandForThemselvesAndLongOnesAreHashed) {
   Bytes scratch;
   EXPECT_EQ(to_hex(key_hash(Point{0x01020304, 9}, scratch)), "01020304000000000000000000000000");
   // MD5 of 00000005 "BLUE" 00.

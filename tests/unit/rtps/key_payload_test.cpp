@@ -121,7 +121,7 @@ const Form kForms[] = {
 
 Bytes octets_of(const char* hex) { return *from_hex(hex); }
 
-TEST(KeyPayload, AllThreeFormsNameTheSameInstance) {
+TEST(KeyPayload, AllThreeForms_NameTheSameInstance) {
   for (const auto& form : kForms) {
     EXPECT_EQ(deserialize_key<Alarm>(octets_of(form.alarm)), kAlarm) << form.what;
     EXPECT_EQ(deserialize_key<Device>(octets_of(form.device)), kDevice) << form.what;
@@ -133,7 +133,7 @@ TEST(KeyPayload, AllThreeFormsNameTheSameInstance) {
   }
 }
 
-TEST(KeyPayload, WhatIsWrittenHasADHeaderForEachAppendableType) {
+TEST(KeyPayload, WhatIsWritten_HasADHeaderForEachAppendableType) {
   Bytes out;
   serialize_key(kAlarm, out, XcdrVersion::xcdr2);
   EXPECT_EQ(out, octets_of(kForms[0].alarm));
@@ -146,7 +146,7 @@ TEST(KeyPayload, WhatIsWrittenHasADHeaderForEachAppendableType) {
   EXPECT_EQ(deserialize_key<Alarm>(out), kAlarm);
 }
 
-TEST(KeyPayload, PaddingAtTheEndIsNoMember) {
+TEST(KeyPayload, PaddingAtTheEnd_IsNoMember) {
   Bytes out;
   for (const auto layout : {KeyLayout::delimited, KeyLayout::bare}) {
     for (std::size_t length = 0; length < 9; ++length) {
@@ -160,7 +160,7 @@ TEST(KeyPayload, PaddingAtTheEndIsNoMember) {
 }
 
 // What is left of a key with DHEADERs may be a whole key without, never the same one.
-TEST(KeyPayload, EveryTruncationIsRefusedOrAnotherKey) {
+TEST(KeyPayload, EveryTruncation_IsRefusedOrAnotherKey) {
   for (const auto& form : kForms) {
     const auto alarm = octets_of(form.alarm), device = octets_of(form.device);
     for (std::size_t size = 0; size < alarm.size(); ++size) {
@@ -173,7 +173,7 @@ TEST(KeyPayload, EveryTruncationIsRefusedOrAnotherKey) {
   }
 }
 
-TEST(KeyPayload, WhatIsLeftOverIsRefusedAndSoIsALyingDHeader) {
+TEST(KeyPayload, WhatIsLeftOver_IsRefusedAndSoIsALyingDHeader) {
   for (const auto& form : kForms) {
     auto longer = octets_of(form.alarm);
     longer.insert(longer.end(), 8, 0);
@@ -186,14 +186,14 @@ TEST(KeyPayload, WhatIsLeftOverIsRefusedAndSoIsALyingDHeader) {
   }
 }
 
-TEST(KeyPayload, AFinalTypeHasNoDHeader) {
+TEST(KeyPayload, AFinalType_HasNoDHeader) {
   EXPECT_EQ(code_of(deserialize_key<Colour4>(octets_of("000900000500000066697265000000"))),
             Code::rtps_encapsulation_unsupported);
   EXPECT_EQ(code_of(deserialize_key<Colour4>(octets_of("000300000500000066697265000000"))),
             Code::rtps_encapsulation_unsupported);
 }
 
-TEST(KeyPayload, ReadersOfCyclone010GetNoDHeader) {
+TEST(KeyPayload, ReadersOfCyclone010_GetNoDHeader) {
   const auto support = type_support<Device>();
   const auto ours = octets_of(kForms[0].device);
   Bytes scratch;
@@ -206,7 +206,7 @@ TEST(KeyPayload, ReadersOfCyclone010GetNoDHeader) {
             to_hex(garbage));
 }
 
-TEST(KeyPayload, ReadersOfFastDds2GetMoreThanAKeyHash) {
+TEST(KeyPayload, ReadersOfFastDds2_GetMoreThanAKeyHash) {
   Bytes out, scratch;
   for (std::size_t length = 0; length < 20; ++length) {
     const Colour4 shape{std::string(length, 'x'), 0};
@@ -221,7 +221,7 @@ TEST(KeyPayload, ReadersOfFastDds2GetMoreThanAKeyHash) {
   }
 }
 
-TEST(VendorVersion, IsComparedByItsFirstTwoNumbers) {
+TEST(VendorVersion, OnlyTheFirstTwoNumbers_AreCompared) {
   for (const auto* version : {"0.10.2", "0.10", "0.9.1", "0.10-beta"})
     EXPECT_TRUE(is_up_to(version, 0, 10)) << version;
   for (const auto* version : {"0.11.0", "1.0", "11.0.1", "", ".", "0", "0.", "x", "-1.2"})

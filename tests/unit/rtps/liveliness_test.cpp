@@ -16,7 +16,7 @@ namespace {
 using std::chrono::milliseconds;
 using ::testing::ElementsAre;
 
-TEST(WriterLease, IsLostOnceAndComesBack) {
+TEST(WriterLease, AfterItsTime_IsLostOnceAndComesBack) {
   const Duration second{{1, 0}};
   WriterLease lease({LivelinessKind::manual_by_topic, second}, milliseconds(0));
   EXPECT_FALSE(lease.check(milliseconds(999)));
@@ -30,7 +30,7 @@ TEST(WriterLease, IsLostOnceAndComesBack) {
   EXPECT_FALSE(automatic.check(std::chrono::hours(1)));
 }
 
-TEST(LivelinessMonitor, CountsWhoLives) {
+TEST(LivelinessMonitor, AliveAndLostWriters_AreCounted) {
   const Guid a{GuidPrefix::from(Bytes(12, 1)), {}}, b{GuidPrefix::from(Bytes(12, 2)), {}};
   LivelinessMonitor monitor;
   monitor.add(a, Duration{{1, 0}}, milliseconds(0));
@@ -64,7 +64,7 @@ TEST(LivelinessMonitor, CountsWhoLives) {
   EXPECT_EQ(monitor.next_tick(), kNever);
 }
 
-TEST(LivelinessMonitor, ASignalAssertsAllThatFollowIt) {
+TEST(LivelinessMonitor, ASignal_AssertsAllThatFollowIt) {
   const Guid a{GuidPrefix::from(Bytes(12, 1)), {}}, b{GuidPrefix::from(Bytes(12, 2)), {}};
   const auto signal = std::make_shared<LivelinessSignal>(milliseconds(0));
   LivelinessMonitor monitor;
@@ -92,7 +92,7 @@ TEST(LivelinessMonitor, ASignalAssertsAllThatFollowIt) {
   EXPECT_EQ(monitor.next_tick(), kNever);
 }
 
-TEST(LivelinessMonitor, ALeaseThatIsNextToNothingCountsAsTheLeast) {
+TEST(LivelinessMonitor, ALeaseThatIsNextToNothing_CountsAsTheLeast) {
   const Guid a{GuidPrefix::from(Bytes(12, 1)), {}};
   LivelinessMonitor monitor;
   monitor.add(a, Duration{{0, 1}}, milliseconds(5));

@@ -112,7 +112,7 @@ TEST_F(LocalDeliveryTest, TheGroupIsTold_OnceAllIsTaken) {
   EXPECT_THAT(groups, ElementsAre(7));
 }
 
-TEST(ReaderMessages, CountsGoOnOverAllWriters) {
+TEST(ReaderMessages, Counts_GoOnOverAllWriters) {
   struct Counts final : Transport {
     std::vector<std::int32_t> seen;
     void send(BytesView message, std::span<const Locator>) override {

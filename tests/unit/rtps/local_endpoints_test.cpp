@@ -14,7 +14,7 @@ using testing::socketless::Node;
 
 EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
-TEST(Participant, InconsistentQosIsRefused) {
+TEST(Participant, InconsistentQos_IsRefused) {
   Node a(1);
   auto qos = default_writer_qos();
   qos.history.depth = 0;

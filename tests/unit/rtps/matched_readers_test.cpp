@@ -19,7 +19,7 @@ struct Filter final : ChangeFilter {
   std::optional<bool> passes(const Change& change) override { return change.payload.size() > 1; }
 };
 
-TEST(MatchedReaders, OnlyReliablePairsAcknowledge) {
+TEST(MatchedReaders, OnlyReliablePairs_Acknowledge) {
   MatchedReaders readers(testing::kWriter, true);
   readers.add({guid(1), false}, {{1}});
   EXPECT_TRUE(readers.acknowledged().reach({5}));
@@ -65,7 +65,7 @@ TEST(MatchedReaders, OfTheVolatileChannel_IsAddressedAsOne) {
   EXPECT_EQ(readers.everybody().to.prefix, peer.prefix);
 }
 
-TEST(MatchedReaders, KeysAreReadAsTheMostDemandingReaderDoes) {
+TEST(MatchedReaders, Keys_AreReadAsTheMostDemandingReaderDoes) {
   MatchedReaders readers(testing::kWriter, true);
   auto& bare = readers.add({.guid = guid(1), .keys = {.bare_only = true}}, {{1}});
   readers.add({.guid = guid(2), .keys = {.short_is_hash = true}}, {{1}});
@@ -74,7 +74,7 @@ TEST(MatchedReaders, KeysAreReadAsTheMostDemandingReaderDoes) {
   EXPECT_EQ(readers.key_reading(), (KeyReading{false, true}));
 }
 
-TEST(MatchedReaders, CountsThoseThatDoNotGetEverything) {
+TEST(MatchedReaders, ReadersThatDoNotGetEverything_AreCounted) {
   MatchedReaders readers(testing::kWriter, true);
   auto& whole = readers.add({guid(1), true}, {{1}});
   auto& history_only = readers.add({guid(2), true}, {{1}, {4}});

@@ -19,7 +19,7 @@ struct Row {
   std::string policy, offered, requested;
 };
 
-TEST(Matching, DurationsAreComparedToTheNanosecond) {
+TEST(Matching, Durations_AreComparedToTheNanosecond) {
   Qos offered = default_writer_qos(), requested;
   offered.deadline = {{0, 0xb3333334}};    // 700 ms, rounded up
   requested.deadline = {{0, 0xb3333333}};  // and down
@@ -32,7 +32,7 @@ TEST(Matching, DurationsAreComparedToTheNanosecond) {
   EXPECT_TRUE(mismatch(offered, requested));
 }
 
-TEST(Matching, EachPolicyIsNamedWithBothValues) {
+TEST(Matching, EachPolicy_IsNamedWithBothValues) {
   const auto longer = Duration{{2, 0}}, shorter = Duration{{1, 0}};
   const Row rows[] = {
       {[](Qos& o, Qos& r) {
@@ -79,7 +79,7 @@ TEST(Matching, EachPolicyIsNamedWithBothValues) {
   }
 }
 
-TEST(Matching, TheRemedyNamesBothSidesAndTheirValues) {
+TEST(Matching, TheRemedy_NamesBothSidesAndTheirValues) {
   auto offered = default_writer_qos();
   auto requested = default_reader_qos();
   offered.deadline = Duration::from(std::chrono::milliseconds(500));
@@ -95,7 +95,7 @@ TEST(Matching, TheRemedyNamesBothSidesAndTheirValues) {
             std::string::npos);
 }
 
-TEST(Matching, MoreThanAskedForMatches) {
+TEST(Matching, MoreThanAskedFor_Matches) {
   auto offered = default_writer_qos();
   auto requested = default_reader_qos();
   offered.durability = DurabilityKind::persistent;
@@ -106,7 +106,7 @@ TEST(Matching, MoreThanAskedForMatches) {
   EXPECT_EQ(mismatch(offered, requested), std::nullopt);
 }
 
-TEST(Matching, Partitions) {
+TEST(Matching, Partitions_MatchByExpression) {
   EXPECT_TRUE(partitions_match({}, {""}));
   EXPECT_FALSE(partitions_match({}, {"a"}));
   EXPECT_TRUE(partitions_match({"a*"}, {"x", "abc"}));
@@ -116,7 +116,7 @@ TEST(Matching, Partitions) {
   EXPECT_FALSE(partitions_match({"A"}, {"a"}));
 }
 
-TEST(Matching, Globs) {
+TEST(Matching, Globs_MatchAsFnmatchDoes) {
   EXPECT_TRUE(glob_match("", ""));
   EXPECT_TRUE(glob_match("*", ""));
   EXPECT_FALSE(glob_match("?", ""));
@@ -132,14 +132,14 @@ TEST(Matching, Globs) {
 }
 
 // CVE-2026-22591 was a recursion; here the worst pattern takes text times pattern steps.
-TEST(Matching, ManyStarsStayCheap) {
+TEST(Matching, ManyStars_StayCheap) {
   std::string pattern;
   for (int i = 0; i < 128; ++i) pattern += "*a";
   EXPECT_FALSE(glob_match(pattern + "b", std::string(256, 'a')));
 }
 
 // A '[' that nothing closes is not read to the end at each character.
-TEST(Matching, ManyBracketsStayCheap) {
+TEST(Matching, ManyBrackets_StayCheap) {
   const std::string text(6'000, '[');
   for (const std::string end : {"b", "]b"}) {
     const auto begin = std::clock();

@@ -50,8 +50,8 @@ struct Heard final : MessageListener {
   std::vector<Guid> heartbeats;
 };
 
-struct Received : ::testing::Test {
-  Received()
+struct MessageReceiverTest : ::testing::Test {
+  MessageReceiverTest()
       : receiver(kOurs, endpoints, heard, counters,
                  [this](const GuidPrefix& source, const Error& error, Origin origin) {
                    reported.emplace_back(source, error.code(), origin);
@@ -88,7 +88,7 @@ struct Received : ::testing::Test {
   MessageReceiver receiver;
 };
 
-TEST_F(Received, MessageOfTheParticipantItself_IsIgnored) {
+TEST_F(MessageReceiverTest, MessageOfTheParticipantItself_IsIgnored) {
   receive({heartbeat(), announcement()}, kOurs);
   EXPECT_EQ(counters.messages, 1u);
   EXPECT_EQ(counters.malformed, 0u);
@@ -97,7 +97,7 @@ TEST_F(Received, MessageOfTheParticipantItself_IsIgnored) {
   EXPECT_THAT(heard.sources, IsEmpty());
 }
 
-TEST_F(Received, NoHeader_IsCountedAndReportedWithoutASource) {
+TEST_F(MessageReceiverTest, NoHeader_IsCountedAndReportedWithoutASource) {
   receiver.receive(Bytes{'R', 'T', 'P', 'X'}, std::chrono::seconds(1));
   EXPECT_EQ(counters.messages, 1u);
   EXPECT_EQ(counters.malformed, 1u);
@@ -108,7 +108,7 @@ TEST_F(Received, NoHeader_IsCountedAndReportedWithoutASource) {
 }
 
 // RTPS 8.3.4.1.
-TEST_F(Received, InvalidSubmessage_EndsTheMessageAndKeepsWhatCameBefore) {
+TEST_F(MessageReceiverTest, InvalidSubmessage_EndsTheMessageAndKeepsWhatCameBefore) {
   receive({heartbeat(), invalid(), heartbeat(), announcement()});
   EXPECT_EQ(heard.heartbeats.size(), 1u);
   EXPECT_THAT(heard.announced, IsEmpty());
@@ -119,7 +119,7 @@ TEST_F(Received, InvalidSubmessage_EndsTheMessageAndKeepsWhatCameBefore) {
   EXPECT_THAT(heard.sources, ElementsAre(kPeer)) << "what came before still shows that it is alive";
 }
 
-TEST_F(Received, AnnouncementThatCannotBeRead_EndsTheMessage) {
+TEST_F(MessageReceiverTest, AnnouncementThatCannotBeRead_EndsTheMessage) {
   heard.announcement = fail(Code::truncated);
   receive({announcement(), heartbeat()});
   EXPECT_THAT(heard.announced, ElementsAre(kPeer));
@@ -128,20 +128,20 @@ TEST_F(Received, AnnouncementThatCannotBeRead_EndsTheMessage) {
   EXPECT_EQ(std::get<1>(reported[0]), Code::truncated);
 }
 
-TEST_F(Received, UnknownSubmessage_IsSteppedOver) {
+TEST_F(MessageReceiverTest, UnknownSubmessage_IsSteppedOver) {
   receive({Bytes{0x7e, 0x01, 4, 0, 1, 2, 3, 4}, heartbeat()});
   EXPECT_EQ(heard.heartbeats.size(), 1u);
   EXPECT_EQ(counters.malformed, 0u);
 }
 
 // Without keys there is nothing that could open the group.
-TEST_F(Received, ProtectedGroupWithoutKeys_IsSteppedOver) {
+TEST_F(MessageReceiverTest, ProtectedGroupWithoutKeys_IsSteppedOver) {
   receive({Bytes{0x31, 0x01, 4, 0, 1, 2, 3, 4}, heartbeat()});
   EXPECT_EQ(heard.heartbeats.size(), 1u);
   EXPECT_EQ(counters.malformed, 0u);
 }
 
-TEST_F(Received, InfoDestination_DecidesForWhomTheNextSubmessagesAre) {
+TEST_F(MessageReceiverTest, InfoDestination_DecidesForWhomTheNextSubmessagesAre) {
   receive({written(InfoDestination{kOther}), heartbeat(), stateless(),
            written(InfoDestination{kOurs}), heartbeat(), written(InfoDestination{kOther}),
            heartbeat(), written(InfoDestination{}), stateless()});
@@ -150,12 +150,12 @@ TEST_F(Received, InfoDestination_DecidesForWhomTheNextSubmessagesAre) {
   EXPECT_THAT(heard.directed, ElementsAre(true));
 }
 
-TEST_F(Received, MessageToEveryParticipant_IsNotDirected) {
+TEST_F(MessageReceiverTest, MessageToEveryParticipant_IsNotDirected) {
   receive({written(InfoDestination{}), heartbeat()});
   EXPECT_THAT(heard.directed, ElementsAre(false));
 }
 
-TEST_F(Received, InfoSource_IsTheSourceOfTheNextSubmessages) {
+TEST_F(MessageReceiverTest, InfoSource_IsTheSourceOfTheNextSubmessages) {
   InfoSource other;
   other.source.prefix = kOther;
   receive({heartbeat(), written(other), heartbeat(), stateless()});
@@ -165,7 +165,7 @@ TEST_F(Received, InfoSource_IsTheSourceOfTheNextSubmessages) {
   EXPECT_THAT(heard.sources, ElementsAre(kPeer, kOther)) << "each source by itself";
 }
 
-TEST_F(Received, MessageCutOffAnywhere_ReachesNoOneTwiceAndIsNeverReadPastItsEnd) {
+TEST_F(MessageReceiverTest, MessageCutOffAnywhere_ReachesNoOneTwiceAndIsNeverReadPastItsEnd) {
   const auto whole = from(kPeer, {heartbeat(), stateless(), announcement()});
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));

@@ -86,7 +86,7 @@ class Packing : public ::testing::Test {
   StatefulWriter writer;
 };
 
-TEST_F(Packing, SmallSamplesInAHurryShareMessages) {
+TEST_F(Packing, SmallSamplesInQuickSuccession_ShareMessages) {
   write_quickly(200);
   EXPECT_LT(transport.sent.size(), 10u);
   EXPECT_LE(sender.flush_by(), now + WritePace::kLinger);
@@ -96,7 +96,7 @@ TEST_F(Packing, SmallSamplesInAHurryShareMessages) {
   for (const auto& octets : transport.sent) EXPECT_LE(octets.size(), MessageSender::kMaxMessage);
 }
 
-TEST_F(Packing, WithoutLeaveToLingerEachSampleLeavesAtOnce) {
+TEST_F(Packing, WithoutALingerTime_EachSampleLeavesAtOnce) {
   Recorder other;
   MessageSender strict(other, kA);
   StatefulWriter at_once({kA, testing::kWriter}, keep_all(), strict);
@@ -106,7 +106,7 @@ TEST_F(Packing, WithoutLeaveToLingerEachSampleLeavesAtOnce) {
   EXPECT_EQ(other.sent.size(), 20u);
 }
 
-TEST_F(Packing, WhoWritesSlowlyOrAnswersIsNotKeptWaiting) {
+TEST_F(Packing, SlowWritesAndAnswers_AreNotKeptWaiting) {
   for (int i = 0; i < 20; ++i) {
     now += microseconds(60);
     write();
@@ -120,7 +120,7 @@ TEST_F(Packing, WhoWritesSlowlyOrAnswersIsNotKeptWaiting) {
   }
 }
 
-TEST_F(Packing, WhatOneEventBringsAboutSharesMessages) {
+TEST_F(Packing, WhatOneEventBringsAbout_SharesMessages) {
   const auto other = *Locator::parse("127.0.0.1", 2);
   const auto speak = [&](const Locator& to) {
     sender.add({kB, {&to, 1}}, AckNack{testing::kReader, testing::kWriter, {}, 1, true});
@@ -144,12 +144,12 @@ TEST_F(Packing, WhatOneEventBringsAboutSharesMessages) {
   EXPECT_EQ(count({transport.sent.front()}, SubmessageId::info_destination), 1u);
 }
 
-TEST_F(Packing, LargeSamplesDoNotWait) {
+TEST_F(Packing, LargeSamples_DoNotWait) {
   write_quickly(20, 8192);
   EXPECT_EQ(transport.sent.size(), 20u);
 }
 
-TEST_F(Packing, WhatWaitsLeavesBeforeItsReaderOrItsWriterDoes) {
+TEST_F(Packing, WhatWaits_LeavesBeforeItsReaderOrItsWriterDoes) {
   write_quickly(20);
   writer.unmatch({kB, testing::kReader});
   EXPECT_EQ(count(transport.sent, SubmessageId::data), 20u);
@@ -164,7 +164,7 @@ TEST_F(Packing, WhatWaitsLeavesBeforeItsReaderOrItsWriterDoes) {
   EXPECT_EQ(count(other.sent, SubmessageId::data), 20u);
 }
 
-TEST_F(Packing, ReadersAreAskedNowAndThen) {
+TEST_F(Packing, Readers_AreAskedNowAndThen) {
   for (int i = 0; i < 1024; ++i) {
     now += microseconds(100);
     write();
@@ -176,7 +176,7 @@ TEST_F(Packing, ReadersAreAskedNowAndThen) {
   EXPECT_LE(heartbeats, 110u);
 }
 
-TEST_F(Packing, WhoWaitsForAcknowledgmentsAsksAtOnce) {
+TEST_F(Packing, WaitForAcknowledgments_AsksAtOnce) {
   write();
   EXPECT_EQ(questions(transport.sent), 0u);
   writer.ask_for_acknowledgments();
@@ -192,7 +192,7 @@ class SmallHistory : public Packing {
   SmallHistory() : Packing(keep_all(8)) {}
 };
 
-TEST_F(SmallHistory, AsksBeforeAndWhenItIsFull) {
+TEST_F(SmallHistory, FillingUp_AsksBeforeAndWhenItIsFull) {
   write_quickly(8);
   EXPECT_FALSE(writer.has_room(64));
   EXPECT_EQ(count(transport.sent, SubmessageId::data), 8u);
@@ -200,7 +200,7 @@ TEST_F(SmallHistory, AsksBeforeAndWhenItIsFull) {
   EXPECT_EQ(questions({transport.sent.back()}), 1u);
 }
 
-TEST_F(Packing, TheFragmentsOfASampleShareCallsOfTheTransport) {
+TEST_F(Packing, FragmentsOfASample_ShareCallsOfTheTransport) {
   transport.calls.clear();
   write(1 << 20);
   constexpr std::size_t kFragments = 74;
@@ -213,7 +213,7 @@ TEST_F(Packing, TheFragmentsOfASampleShareCallsOfTheTransport) {
       EXPECT_EQ(read_data_frag(view)->first.value, ++last);
 }
 
-TEST_F(Packing, ToThisMachineMessagesAreAsLargeAsADatagram) {
+TEST_F(Packing, ToThisMachine_MessagesAreAsLargeAsADatagram) {
   transport.is_here = true;
   write_quickly(10, 8192);
   transport.sent.clear();
@@ -254,7 +254,7 @@ struct Wrapping final : SendProtection {
 };
 
 // Before: with 297 receivers and more, no message of four fragments was sent.
-TEST_F(Packing, ProtectedMessagesToThisMachineLeaveRoomForTheirMacs) {
+TEST_F(Packing, ProtectedMessagesToThisMachine_LeaveRoomForTheirMacs) {
   for (const std::size_t receivers : {200u, 300u, 480u}) {
     Wrapping protection(receivers);
     transport.is_here = true;
@@ -276,7 +276,7 @@ TEST_F(Packing, ProtectedMessagesToThisMachineLeaveRoomForTheirMacs) {
   }
 }
 
-TEST_F(Packing, WhatIsForOthersDoesNotWaitWithAFullMessage) {
+TEST_F(Packing, WhatIsForOthers_DoesNotWaitWithAFullMessage) {
   const Locator there = *Locator::parse("127.0.0.1", 2);
   const Locator one[] = {kHere}, other[] = {there};
   const Bytes octets(10'000);
@@ -292,17 +292,17 @@ TEST_F(Packing, WhatIsForOthersDoesNotWaitWithAFullMessage) {
   EXPECT_EQ(count(transport.sent, SubmessageId::data), 3u);
 }
 
-class Unhurried : public Packing {
+class LatencyBudgetWriter : public Packing {
  protected:
   static Qos qos() {
     auto out = keep_all();
     out.latency_budget = Duration::from(milliseconds(10));
     return out;
   }
-  Unhurried() : Packing(qos()) {}
+  LatencyBudgetWriter() : Packing(qos()) {}
 };
 
-TEST_F(Unhurried, SmallSamplesWaitForOthersWithinTheLatencyBudget) {
+TEST_F(LatencyBudgetWriter, SmallSamples_WaitForOthersWithinTheLatencyBudget) {
   const auto first = now;
   for (int i = 0; i < 8; ++i, now += milliseconds(1)) write();
   EXPECT_TRUE(transport.sent.empty());
@@ -314,7 +314,7 @@ TEST_F(Unhurried, SmallSamplesWaitForOthersWithinTheLatencyBudget) {
   EXPECT_EQ(transport.sent.size(), 2u) << "large ones do not wait";
 }
 
-TEST_F(Unhurried, ABudgetMayChangeAndIsNeverLong) {
+TEST_F(LatencyBudgetWriter, ABudget_MayChangeAndIsNeverLong) {
   auto changed = qos();
   changed.latency_budget = kDurationInfinite;
   writer.set_urgency(changed);
@@ -328,7 +328,7 @@ TEST_F(Unhurried, ABudgetMayChangeAndIsNeverLong) {
   EXPECT_EQ(transport.sent.size(), 2u);
 }
 
-TEST_F(Packing, ThePriorityOfAWriterGoesWithItsMessages) {
+TEST_F(Packing, ThePriorityOfAWriter_GoesWithItsMessages) {
   auto urgent = keep_all();
   urgent.transport_priority = 46;
   writer.set_urgency(urgent);
@@ -343,7 +343,7 @@ TEST_F(Packing, ThePriorityOfAWriterGoesWithItsMessages) {
   EXPECT_THAT(transport.calls, ::testing::ElementsAre(46, 0, 63));
 }
 
-TEST(PackingReader, AnswersWhatAsksOrWhatItMisses) {
+TEST(PackingReader, QuestionOrMissingSample_IsAnswered) {
   Recorder transport;
   MessageSender sender(transport, kB);
   StatefulReader reader({kB, testing::kReader}, true, sender, [](Change&) { return true; });
@@ -367,7 +367,7 @@ TEST(PackingReader, AnswersWhatAsksOrWhatItMisses) {
   EXPECT_EQ(heartbeat(4, true), 1u);
 }
 
-TEST(PackingReader, AFullReaderMissesNothing) {
+TEST(PackingReader, AFullReader_MissesNothing) {
   Recorder transport;
   MessageSender sender(transport, kB);
   StatefulReader reader({kB, testing::kReader}, true, sender, [](Change&) { return false; });
@@ -381,7 +381,7 @@ TEST(PackingReader, AFullReaderMissesNothing) {
   EXPECT_EQ(transport.sent.size(), 1u);
 }
 
-TEST(PackingLoop, WaitsLessThanAMillisecondIfItMay) {
+TEST(PackingLoop, ShortWaitAllowed_IsLessThanAMillisecond) {
   auto loop = *EventLoop::create();
   auto shortest = std::chrono::steady_clock::duration::max();
   for (int i = 0; i < 200; ++i) {

@@ -12,7 +12,7 @@ using testing::code_of;
 using ::testing::ElementsAre;
 using testing::taken;
 
-TEST_P(Access, AListenerMayNotDelete) {
+TEST_P(Access, AListener_MayNotDelete) {
   Heard heard;
   heard.to_delete = &reader;
   reader.set_listener(&heard);

@@ -10,20 +10,20 @@ namespace {
 
 using testing::code_of;
 
-TEST(DiscoveryData, TheSameParameterTwiceIsRefused) {
+TEST(DiscoveryData, TheSameParameterTwice_IsRefused) {
   EXPECT_EQ(code_of(read_participant_data(
                 replaced(payload_of(participant()), {0x34, 0, 4, 0}, {0x58, 0, 4, 0}))),
             Code::rtps_parameter_invalid);
 }
 
-TEST(DiscoveryData, WhatMustBeUnderstoodStopsTheSample) {
+TEST(DiscoveryData, WhatMustBeUnderstood_StopsTheSample) {
   EXPECT_EQ(code_of(read_participant_data(
                 replaced(payload_of(participant()), {0x34, 0, 4, 0}, {0x34, 0x40, 4, 0}))),
             Code::rtps_parameter_not_understood);
 }
 
 // CVE-2026-49861, -49862, -49863, -53589, -53590, -55063: lists, locators, properties, partitions.
-TEST(DiscoveryData, LyingLengthsAreRefusedOrHarmless) {
+TEST(DiscoveryData, LyingLengths_AreRefusedOrHarmless) {
   for (const auto& honest : {payload_of(participant()), payload_of(publication())}) {
     for (std::size_t at = 4; at + 4 <= honest.size(); at += 4) {
       for (std::uint8_t high : {0x01, 0x7f, 0x80, 0xff}) {
@@ -38,7 +38,7 @@ TEST(DiscoveryData, LyingLengthsAreRefusedOrHarmless) {
   }
 }
 
-TEST(DiscoveryData, OtherEncapsulationsAreRefused) {
+TEST(DiscoveryData, OtherEncapsulations_AreRefused) {
   auto octets = payload_of(participant());
   octets[1] = 1;
   EXPECT_EQ(code_of(read_participant_data(octets)), Code::rtps_encapsulation_unsupported);

@@ -83,7 +83,7 @@ TEST_F(PartialSamplesTest, OneTooManyOfBestEffort_TheOldestMakesRoom) {
   EXPECT_EQ(newest.last(), SequenceNumber{5});
 }
 
-TEST_F(PartialSamplesTest, ASampleCountsInFullBeforeItComes) {
+TEST_F(PartialSamplesTest, ASample_CountsInFullBeforeItComes) {
   add(fragment(1, 1));
   EXPECT_GE(held.octets(), PartialSamples::kPrice + 2500);
   add(fragment(2, 1));

@@ -15,7 +15,7 @@ namespace {
 
 using testing::code_of;
 
-TEST(DiscoveryData, RequiredParametersMustBeThere) {
+TEST(DiscoveryData, RequiredParameters_MustBeThere) {
   EXPECT_EQ(code_of(read_participant_data(
                 replaced(payload_of(participant()), {0x58, 0, 4, 0}, {0x00, 0x0f, 4, 0}))),
             Code::rtps_parameter_missing);
@@ -23,7 +23,7 @@ TEST(DiscoveryData, RequiredParametersMustBeThere) {
             Code::rtps_parameter_missing);
 }
 
-TEST(DiscoveryData, ListsAreBounded) {
+TEST(DiscoveryData, Lists_AreBounded) {
   auto data = participant();
   data.metatraffic_unicast.assign(kMaxLocators + 1, *Locator::parse("10.0.0.1", 1));
   EXPECT_EQ(code_of(read_participant_data(payload_of(data))), Code::length_out_of_range);
@@ -38,7 +38,7 @@ TEST(DiscoveryData, ListsAreBounded) {
   EXPECT_EQ(code_of(read_publication_data(payload_of(endpoint))), Code::length_out_of_range);
 }
 
-TEST(DiscoveryData, WhatCycloneAnnouncesUnderRosIsRead) {
+TEST(DiscoveryData, WhatCycloneAnnouncesUnderRos_IsRead) {
   int read = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(test::data_path("fuzz/discovery_data"))) {
@@ -53,7 +53,7 @@ TEST(DiscoveryData, WhatCycloneAnnouncesUnderRosIsRead) {
   EXPECT_GT(read, 10);
 }
 
-TEST(DiscoveryData, TheLongSecurityInfoOfVersion12IsRead) {
+TEST(DiscoveryData, TheLongSecurityInfoOfVersion12_IsRead) {
   const Bytes octets = {0x80, 0, 0, 1, 0x80, 0, 0, 2, 0, 1, 0, 1};
   Reader reader(octets);
   std::optional<spi::SecurityInfo> info;

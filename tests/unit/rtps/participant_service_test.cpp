@@ -14,7 +14,7 @@ using test::succeeds;
 using ::testing::ElementsAre;
 using testing::taken;
 
-TEST_P(Access, WaitingServesAParticipantWithoutAThread) {
+TEST_P(Access, Waiting_ServesAParticipantWithoutAThread) {
   ASSERT_TRUE(succeeds(writer.write({"a", 1})));
   const bool delivered = GetParam() == testing::Way::in_process;
   EXPECT_EQ(writer.wait_for_acknowledgments(1ms).has_value(), delivered);

@@ -16,7 +16,7 @@ using testing::socketless::World;
 EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
 // What waits to be read may be the answer.
-TEST(Participant, NothingIsDueBeforeABacklogIsRead) {
+TEST(Participant, BacklogUnread_NothingIsDue) {
   Node a(1);
   a.participant.note_backlog(true);
   a.participant.tick(seconds(1));
@@ -36,7 +36,7 @@ TEST(Participant, NothingIsDueBeforeABacklogIsRead) {
   EXPECT_FALSE(a.post.sent.empty());
 }
 
-TEST(Participant, AWritersLeaseOfNoTimeCausesNoEndlessWork) {
+TEST(Participant, AWritersLeaseOfNoTime_CausesNoEndlessWork) {
   Node a(1), b(2);
   World world{{&a, &b}};
   auto qos = default_writer_qos();
@@ -52,7 +52,7 @@ TEST(Participant, AWritersLeaseOfNoTimeCausesNoEndlessWork) {
 }
 
 // Datagrams to services of this machine, for whoever can send one announcement.
-TEST(Participant, LoopbackAddressesCountOnlyIfTheyAreAnnouncedHere) {
+TEST(Participant, LoopbackAddresses_CountOnlyIfTheyAreAnnouncedHere) {
   const auto at = [](const char* address) { return *Locator::parse(address, 7009); };
   auto config = Node::config(1, 0, {}, 10);
   config.interfaces = {{"eth0", at("192.0.2.1"), 24, true}};
@@ -68,7 +68,7 @@ TEST(Participant, LoopbackAddressesCountOnlyIfTheyAreAnnouncedHere) {
   }
 }
 
-TEST(Participant, MalformedMessagesAreCountedAndNamed) {
+TEST(Participant, MalformedMessages_AreCountedAndNamed) {
   Node a(1);
   auto broken = message({written(InfoDestination{})});
   std::ranges::fill(std::span(broken).subspan(8, 12), std::uint8_t{7});

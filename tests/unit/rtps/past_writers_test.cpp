@@ -11,7 +11,7 @@ Guid writer(std::uint8_t of, std::uint32_t n) {
 }
 PastWriters::Position position(std::int64_t next) { return {{}, {next}, 7}; }
 
-TEST(PastWriters, AreTakenOnce) {
+TEST(PastWriters, SecondTake_FindsNothing) {
   PastWriters past;
   past.add(writer(1, 1), identity(1), position(5));
   past.add(writer(1, 1), identity(1), position(6));
@@ -24,7 +24,7 @@ TEST(PastWriters, AreTakenOnce) {
 }
 
 // 1100 writers of an insider that came and went made recorded samples of others new again.
-TEST(PastWriters, OfOneIdentityDoNotDisplaceThoseOfOthers) {
+TEST(PastWriters, ManyOfOneIdentity_DoNotDisplaceThoseOfOthers) {
   PastWriters past;
   past.add(writer(1, 1), identity(1), position(5));
   for (std::uint32_t i = 0; i < 3 * PastWriters::kMax; ++i)

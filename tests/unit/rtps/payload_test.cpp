@@ -6,7 +6,7 @@
 namespace ddssec::rtps {
 namespace {
 
-TEST(Payloads, MemoryOfTheLastIsThatOfTheNext) {
+TEST(Payloads, MemoryOfTheLast_IsThatOfTheNext) {
   auto first = Payload::copy_of(Bytes(1000, 1));
   const auto* place = first.view().data();
   auto second = first;
@@ -19,7 +19,7 @@ TEST(Payloads, MemoryOfTheLastIsThatOfTheNext) {
   EXPECT_EQ(first.size(), 990u);
 }
 
-TEST(Payloads, WhatHoldsKeysIsWiped) {
+TEST(Payloads, WhatHoldsKeys_IsWiped) {
   auto secret = Payload::copy_of(Bytes(5000, 0x5a));
   secret.wipe_at_end();
   const auto* place = secret.view().data();
@@ -29,7 +29,7 @@ TEST(Payloads, WhatHoldsKeysIsWiped) {
   EXPECT_EQ(std::ranges::count(next.view(), 0x5a), 0);
 }
 
-TEST(Payloads, OnlyABoundedAmountIsKept) {
+TEST(Payloads, OnlyABoundedAmount_IsKept) {
   const auto held = [] { return static_cast<std::size_t>(counted_memory::octets()); };
   std::vector<Payload> many(100);
   const auto before = held();

@@ -24,7 +24,7 @@ int samples_before_question(PiggybackHeartbeats& heartbeats, std::size_t octets)
   return -1;
 }
 
-TEST(PiggybackHeartbeats, OneEachMillisecond) {
+TEST(PiggybackHeartbeats, WithinAMillisecond_OneIsSent) {
   PiggybackHeartbeats heartbeats(keep_all());
   const auto at = [&](MonotonicTime now) {
     return heartbeats.on_sample(1, now, [] { return false; });
@@ -34,7 +34,7 @@ TEST(PiggybackHeartbeats, OneEachMillisecond) {
   EXPECT_EQ(at(kStart + microseconds(1000)), Kind::final);
 }
 
-TEST(PiggybackHeartbeats, QuestionsCountSamplesAndOctets) {
+TEST(PiggybackHeartbeats, Questions_CountSamplesAndOctets) {
   PiggybackHeartbeats heartbeats(keep_all());
   EXPECT_EQ(samples_before_question(heartbeats, 1),
             PiggybackHeartbeats::kMaxSamplesPerQuestion - 1);

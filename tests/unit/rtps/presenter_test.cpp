@@ -64,7 +64,7 @@ struct Presenting : ::testing::Test {
   std::vector<std::int64_t> take() { return std::exchange(seen, {}); }
 };
 
-struct Coherent : Presenting {
+struct CoherentSets : Presenting {
   Presenter presenter{false, true, false};
   void SetUp() override { presenter.add(one, writer(1), {}, identity(1)); }
   bool put(std::int64_t number, std::uint8_t value, std::int64_t set) {
@@ -73,7 +73,7 @@ struct Coherent : Presenting {
   }
 };
 
-TEST_F(Coherent, ASetEndsWithAMarkerAnotherSetOrNone) {
+TEST_F(CoherentSets, ASet_EndsWithAMarkerAnotherSetOrNone) {
   put(1, 1, 1), put(2, 2, 1);
   EXPECT_THAT(take(), IsEmpty());
   put(3, 0, 0);
@@ -85,7 +85,7 @@ TEST_F(Coherent, ASetEndsWithAMarkerAnotherSetOrNone) {
 }
 
 // Its writer was told that it has arrived.
-TEST_F(Coherent, WhatTheReaderRefusesAfterAllWaits) {
+TEST_F(CoherentSets, WhatTheReaderRefusesAfterAll_Waits) {
   one.takes = 1;
   put(1, 1, 1), put(2, 2, 1), put(3, 3, 1), put(4, 0, 0), put(5, 5, 0);
   EXPECT_THAT(take(), ElementsAre(1));
@@ -100,7 +100,7 @@ TEST_F(Coherent, WhatTheReaderRefusesAfterAllWaits) {
 }
 
 // A set of 40,000 samples that waited made each take() of the reader last 15 ms.
-TEST_F(Coherent, WhatWaits_CostsLittleOfTheReadersTime) {
+TEST_F(CoherentSets, WhatWaits_CostsLittleOfTheReadersTime) {
   one.room = 10, one.most = 10'000;
   constexpr int kMany = 1000;
   for (int i = 1; i <= kMany; ++i) put(i, 1, 1);
@@ -120,7 +120,7 @@ TEST_F(Coherent, WhatWaits_CostsLittleOfTheReadersTime) {
   EXPECT_EQ(take().size(), kMany + 0u);
 }
 
-TEST_F(Coherent, SetsThatWait_HaveTurns) {
+TEST_F(CoherentSets, SetsThatWait_HaveTurns) {
   presenter.add(one, writer(2), {}, identity(2));
   presenter.add(one, writer(3), {}, identity(3));
   one.room = 0, one.most = 10'000;
@@ -141,7 +141,7 @@ TEST_F(Coherent, SetsThatWait_HaveTurns) {
 }
 
 // The same with many sets of few samples, each of a writer of its own.
-TEST_F(Coherent, ManySetsThatWait_CostLittleOfTheReadersTime) {
+TEST_F(CoherentSets, ManySetsThatWait_CostLittleOfTheReadersTime) {
   one.room = 0;
   for (std::uint8_t from = 10; from < 250; ++from) {
     presenter.add(one, writer(from), {}, identity(2));
@@ -161,7 +161,7 @@ TEST_F(Coherent, ManySetsThatWait_CostLittleOfTheReadersTime) {
   EXPECT_EQ(take().size(), 2400u);
 }
 
-TEST_F(Coherent, WhatWaitsIsKeptWhenItsWriterLeaves) {
+TEST_F(CoherentSets, WhatWaits_IsKeptWhenItsWriterLeaves) {
   one.takes = 1;
   put(1, 1, 1), put(2, 2, 1), put(3, 3, 1), put(4, 0, 0), put(5, 5, 5);
   EXPECT_TRUE(presenter.remove(one, writer(1), now));
@@ -176,7 +176,7 @@ TEST_F(Coherent, WhatWaitsIsKeptWhenItsWriterLeaves) {
   EXPECT_FALSE(presenter.remove(one, writer(1), now));
 }
 
-TEST_F(Coherent, WhatASetNeedsIsCountedWithoutEndsOfUnknownInstances) {
+TEST_F(CoherentSets, WhatASetNeeds_IsCountedWithoutEndsOfUnknownInstances) {
   auto sample = change(1, 1, 1, {{1}, {}, {}, {}});
   auto end = change(1, 2, 2, {{1}, {}, {}, {}});
   end.status.unregistered = true;
@@ -186,7 +186,7 @@ TEST_F(Coherent, WhatASetNeedsIsCountedWithoutEndsOfUnknownInstances) {
   EXPECT_EQ(one.instances, 1u);
 }
 
-TEST_F(Coherent, AWriterThatComesBackBeforeHasNotLeft) {
+TEST_F(CoherentSets, AWriterThatComesBackBefore_HasNotLeft) {
   one.room = 1;
   put(1, 1, 1), put(2, 2, 1), put(3, 0, 0);
   EXPECT_TRUE(presenter.remove(one, writer(1), now));
@@ -199,7 +199,7 @@ TEST_F(Coherent, AWriterThatComesBackBeforeHasNotLeft) {
   EXPECT_EQ(presenter.octets(), 0u);
 }
 
-TEST_F(Coherent, WhatWaitsOfAWriterThatLeftGoesWithTheReader) {
+TEST_F(CoherentSets, WaitingSetOfAWriterThatLeft_GoesWithTheReader) {
   one.room = 1;
   put(1, 1, 1), put(2, 2, 1), put(3, 0, 0);
   EXPECT_TRUE(presenter.remove(one, writer(1), now));
@@ -211,7 +211,7 @@ TEST_F(Coherent, WhatWaitsOfAWriterThatLeftGoesWithTheReader) {
   EXPECT_THAT(one.gone, IsEmpty());
 }
 
-TEST_F(Coherent, ASetThatWaitsCostsNothingUntilTheReaderHasRoom) {
+TEST_F(CoherentSets, ASetThatWaits_CostsNothingUntilTheReaderHasRoom) {
   one.room = 1;
   put(1, 1, 1), put(2, 2, 1), put(3, 0, 0);
   const auto asked = one.asked;
@@ -222,7 +222,7 @@ TEST_F(Coherent, ASetThatWaitsCostsNothingUntilTheReaderHasRoom) {
   EXPECT_EQ(take().size(), 2u + 95);
 }
 
-TEST_F(Coherent, ASetWithAHoleIsNeverSeen) {
+TEST_F(CoherentSets, ASetWithAHole_IsNeverSeen) {
   put(2, 2, 1), put(3, 0, 0);  // without its first
   put(4, 4, 4), put(6, 6, 4), put(7, 0, 0);
   put(8, 8, 8), put(10, 0, 0);  // without its last
@@ -232,7 +232,7 @@ TEST_F(Coherent, ASetWithAHoleIsNeverSeen) {
   EXPECT_THAT(take(), ElementsAre(11));
 }
 
-TEST_F(Coherent, WhatDoesNotFitWaitsAndRefusesMore) {
+TEST_F(CoherentSets, WhatDoesNotFit_WaitsAndRefusesMore) {
   one.room = 1;
   put(1, 1, 1), put(2, 2, 1);
   EXPECT_TRUE(put(3, 0, 0));
@@ -242,7 +242,7 @@ TEST_F(Coherent, WhatDoesNotFitWaitsAndRefusesMore) {
   EXPECT_THAT(take(), ElementsAre(1, 2));
 }
 
-TEST_F(Coherent, ASetWithoutEndIsGivenUp) {
+TEST_F(CoherentSets, ASetWithoutEnd_IsGivenUp) {
   for (std::size_t i = 1; i <= kMaxSamples; ++i)
     ASSERT_TRUE(put(static_cast<std::int64_t>(i), 1, 1));
   EXPECT_EQ(one.lost, kMaxSamples);
@@ -254,7 +254,7 @@ TEST_F(Coherent, ASetWithoutEndIsGivenUp) {
 }
 
 // 64 MiB of each writer: six writers with an open set each took 376 MiB.
-TEST_F(Coherent, OpenSetsOfAllWritersHaveOneAccount) {
+TEST_F(CoherentSets, OpenSetsOfAllWriters_HaveOneAccount) {
   constexpr std::uint8_t kWriters = 40;
   const auto payload = Payload::copy_of(Bytes(4 << 20));
   for (std::uint8_t from = 1; from <= kWriters; ++from)
@@ -271,7 +271,7 @@ TEST_F(Coherent, OpenSetsOfAllWritersHaveOneAccount) {
 
 // Many writers of one identity, each below the set of another one. They may be of as many
 // participants: 40 of one certificate displaced all sets of an honest writer.
-TEST_F(Coherent, OpenSetsOfOneIdentityDoNotDisplaceThoseOfAnother) {
+TEST_F(CoherentSets, OpenSetsOfOneIdentity_DoNotDisplaceThoseOfAnother) {
   put(1, 1, 1);
   auto large = change(1, 2, 2, {{1}, {}, {}, {}});
   large.payload = Payload::copy_of(Bytes(1 << 20, 2));
@@ -289,7 +289,7 @@ TEST_F(Coherent, OpenSetsOfOneIdentityDoNotDisplaceThoseOfAnother) {
   EXPECT_THAT(take(), ElementsAre(1, 2));
 }
 
-TEST_F(Coherent, ASetThatWasGivenUpIsNotSeenWithoutItsBeginning) {
+TEST_F(CoherentSets, ASetThatWasGivenUp_IsNotSeenWithoutItsBeginning) {
   for (std::size_t i = 1; i <= kMaxSamples; ++i) put(static_cast<std::int64_t>(i), 1, 1);
   const auto next = static_cast<std::int64_t>(kMaxSamples) + 1;
   put(next, 1, 1), put(next + 1, 1, 1), put(next + 2, 0, 0);
@@ -298,7 +298,7 @@ TEST_F(Coherent, ASetThatWasGivenUpIsNotSeenWithoutItsBeginning) {
 }
 
 // Sets of 1001 samples for a reader of 1000 waited for ever, and were seen in part at the end.
-TEST_F(Coherent, ASetThatTheReaderCannotHoldIsGivenUpWhole) {
+TEST_F(CoherentSets, ASetThatTheReaderCannotHold_IsGivenUpWhole) {
   one.most = 2;
   put(1, 1, 1), put(2, 2, 1), put(3, 3, 1), put(4, 4, 4), put(5, 0, 0);
   EXPECT_EQ(one.lost, 3u);
@@ -307,7 +307,7 @@ TEST_F(Coherent, ASetThatTheReaderCannotHoldIsGivenUpWhole) {
   EXPECT_EQ(presenter.octets(), 0u);
 }
 
-TEST_F(Coherent, ASetWithoutRoomAtTheEndOfItsWriterIsSeenWholeLater) {
+TEST_F(CoherentSets, ASetWithoutRoomAtTheEndOfItsWriter_IsSeenWholeLater) {
   one.room = 1;
   put(1, 1, 1), put(2, 2, 1), put(3, 0, 0);
   presenter.remove(one, writer(1), now);
@@ -321,7 +321,7 @@ TEST_F(Coherent, ASetWithoutRoomAtTheEndOfItsWriterIsSeenWholeLater) {
 
 // Whole sets of one identity that wait for the reader: the writers of others go on, and of its own
 // nothing is lost.
-TEST_F(Coherent, WholeSetsOfOneIdentityThatWaitLeaveRoomForAnother) {
+TEST_F(CoherentSets, WaitingSetsOfOneIdentity_LeaveRoomForAnother) {
   one.room = 3;
   constexpr std::int64_t kSamples = 8;
   const auto payload = Payload::copy_of(Bytes(1 << 20, 9));
@@ -340,7 +340,7 @@ TEST_F(Coherent, WholeSetsOfOneIdentityThatWaitLeaveRoomForAnother) {
   EXPECT_EQ(one.lost, 0u);
 }
 
-TEST_F(Coherent, AWriterThatGoesTakesItsOpenSetAlong) {
+TEST_F(CoherentSets, AWriterThatGoes_TakesItsOpenSetAlong) {
   put(1, 1, 1);
   presenter.remove(one, writer(1), now);
   EXPECT_EQ(one.lost, 1u);
@@ -348,7 +348,7 @@ TEST_F(Coherent, AWriterThatGoesTakesItsOpenSetAlong) {
   EXPECT_THAT(take(), IsEmpty());
 }
 
-struct Grouped : Presenting {
+struct GroupSets : Presenting {
   Presenter presenter{true, true, true};
   void SetUp() override {
     presenter.add(one, writer(1), kGroup, identity(1));
@@ -362,7 +362,7 @@ struct Grouped : Presenting {
   }
 };
 
-TEST_F(Grouped, ASetIsSeenWhenAllWritersEndedIt) {
+TEST_F(GroupSets, ASet_IsSeenWhenAllWritersEndedIt) {
   put(1, 1, 1, 1, 1, 1), put(1, 2, 3, 1, 1, 3);
   put(1, 3, 0, 0, 1, 4);
   EXPECT_THAT(take(), IsEmpty());
@@ -375,14 +375,14 @@ TEST_F(Grouped, ASetIsSeenWhenAllWritersEndedIt) {
   EXPECT_THAT(take(), ElementsAre(5));
 }
 
-TEST_F(Grouped, OneHoleSpoilsTheSetForAll) {
+TEST_F(GroupSets, OneHole_SpoilsTheSetForAll) {
   put(1, 1, 1, 1, 1, 1), put(1, 2, 0, 0, 1, 4);
   put(2, 2, 3, 1, 1, 3), put(2, 3, 0, 0, 1, 4);  // its first is missing
   EXPECT_THAT(take(), IsEmpty());
   EXPECT_EQ(one.lost + two.lost, 2u);
 }
 
-TEST_F(Grouped, SetsThatNotAllEndAreBounded) {
+TEST_F(GroupSets, SetsThatNotAllEnd_AreBounded) {
   const auto most = static_cast<std::int64_t>(Presenter::kMaxSets);
   for (std::int64_t n = 1; n <= most; ++n) put(1, n, 1, n, n, n);
   EXPECT_EQ(one.lost, 0u);
@@ -392,7 +392,7 @@ TEST_F(Grouped, SetsThatNotAllEndAreBounded) {
   EXPECT_THAT(take(), IsEmpty());
 }
 
-TEST_F(Grouped, AWriterThatGoesIsNotWaitedFor) {
+TEST_F(GroupSets, AWriterThatGoes_IsNotWaitedFor) {
   put(1, 1, 1, 1, 1, 1), put(1, 2, 0, 0, 1, 2);
   presenter.remove(two, writer(2), now);
   EXPECT_THAT(take(), ElementsAre(1));
@@ -403,7 +403,7 @@ TEST_F(Grouped, AWriterThatGoesIsNotWaitedFor) {
   EXPECT_THAT(take(), IsEmpty());
 }
 
-TEST_F(Grouped, PausedNothingIsSeen) {
+TEST_F(GroupSets, WhilePaused_NothingIsSeen) {
   presenter.pause(true, now);
   put(1, 1, 1, 0, 0, 1);
   EXPECT_THAT(take(), IsEmpty());
@@ -412,7 +412,7 @@ TEST_F(Grouped, PausedNothingIsSeen) {
   EXPECT_THAT(take(), ElementsAre(1));
 }
 
-TEST_F(Grouped, WhatComesTooEarlyWaitsForWhatIsBefore) {
+TEST_F(GroupSets, WhatComesTooEarly_WaitsForWhatIsBefore) {
   put(2, 1, 2, 0, 0, 2);
   EXPECT_THAT(take(), IsEmpty());
   put(1, 1, 1, 0, 0, 1);
@@ -423,7 +423,7 @@ TEST_F(Grouped, WhatComesTooEarlyWaitsForWhatIsBefore) {
   EXPECT_THAT(take(), ElementsAre(4));
 }
 
-TEST_F(Grouped, AHoleIsWaitedForOnlySoLong) {
+TEST_F(GroupSets, AHole_IsWaitedForOnlySoLong) {
   put(1, 1, 3, 0, 0, 3);
   EXPECT_EQ(presenter.next_tick(), now + Presenter::kPatience);
   now += Presenter::kPatience;
@@ -432,7 +432,7 @@ TEST_F(Grouped, AHoleIsWaitedForOnlySoLong) {
 }
 
 // While access is paused, equal group numbers were looked for one by one.
-TEST_F(Grouped, EqualGroupNumbersArePresentedAsTheyCame) {
+TEST_F(GroupSets, EqualGroupNumbers_ArePresentedAsTheyCame) {
   presenter.pause(true, now);
   for (std::int64_t number = 1; number <= 50'000; ++number)
     put(1, number, static_cast<std::uint8_t>(1 + number % 2), 0, 0, 1);
@@ -441,7 +441,7 @@ TEST_F(Grouped, EqualGroupNumbersArePresentedAsTheyCame) {
   for (std::size_t i = 0; i < seen.size(); ++i) ASSERT_EQ(seen[i], i % 2 == 0 ? 2 : 1);
 }
 
-TEST_F(Grouped, AReaderThatGoesTakesItsSamplesAlong) {
+TEST_F(GroupSets, AReaderThatGoes_TakesItsSamplesAlong) {
   put(1, 1, 1, 1, 1, 1), put(2, 1, 2, 1, 1, 2), put(1, 2, 0, 0, 1, 3);
   presenter.remove(one, now);
   put(2, 2, 0, 0, 1, 3);

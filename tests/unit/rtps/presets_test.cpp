@@ -9,7 +9,7 @@
 namespace ddssec::rtps {
 namespace {
 
-TEST(QosPresets, AreThoseOfRos2) {
+TEST(QosPresets, EachPreset_IsThatOfRos2) {
   struct Row {
     const char* name;
     bool reliable;
@@ -37,7 +37,7 @@ TEST(QosPresets, AreThoseOfRos2) {
   }
 }
 
-TEST(QosPresets, EachIsConsistentMatchesItselfAndHasANameOfItsOwn) {
+TEST(QosPresets, EachPreset_IsConsistentMatchesItselfAndHasANameOfItsOwn) {
   std::set<std::string_view> names;
   for (const auto& preset : qos_presets()) {
     const auto qos = qos_preset(preset.name);
@@ -48,7 +48,7 @@ TEST(QosPresets, EachIsConsistentMatchesItselfAndHasANameOfItsOwn) {
   }
 }
 
-TEST(QosPresets, WhoIsFitForWhom) {
+TEST(QosPresets, EachPair_MatchesAsItsPoliciesSay) {
   const auto compatible = [](const char* offered, const char* requested) {
     return !mismatch(*qos_preset(offered), *qos_preset(requested));
   };
@@ -58,7 +58,7 @@ TEST(QosPresets, WhoIsFitForWhom) {
   EXPECT_TRUE(compatible("latched", "default"));
 }
 
-TEST(QosPresets, AnUnknownNameIsNone) {
+TEST(QosPresets, AnUnknownName_IsNone) {
   EXPECT_FALSE(qos_preset("sensors"));
   EXPECT_FALSE(qos_preset(""));
 }

@@ -16,7 +16,7 @@ using ::testing::IsEmpty;
 using testing::reliable;
 using testing::taken;
 
-TEST_P(Presenting, SuspendedPublicationsComeWhenTheyAreResumed) {
+TEST_P(Presenting, SuspendedPublications_ComeWhenTheyAreResumed) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(match(writer, reader));

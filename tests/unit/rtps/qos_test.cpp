@@ -11,7 +11,7 @@ namespace {
 
 using test::code_of;
 
-TEST(Qos, ContradictionsAreRefused) {
+TEST(Qos, Contradictions_AreRefused) {
   const std::pair<std::function<void(Qos&)>, std::string> rows[] = {
       {[](Qos& q) { q.history.depth = 0; }, "HISTORY.depth"},
       {[](Qos& q) { q.durability_service.history.depth = 0; }, "DURABILITY_SERVICE.history_depth"},

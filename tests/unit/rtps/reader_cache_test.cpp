@@ -177,7 +177,7 @@ TEST_F(ReaderCacheTest, AClockThatWasSetBack_DoesNotSilenceSourceOrder) {
   EXPECT_EQ(read().back().info.instance_state, InstanceState::not_alive_disposed);
 }
 
-TEST_F(ReaderCacheTest, ReadKeepsAndTakeRemoves) {
+TEST_F(ReaderCacheTest, Samples_ReadKeepsAndTakeRemoves) {
   put(1, 10), put(1, 11);
   auto first = read();
   EXPECT_THAT(values(first), ElementsAre(10, 11));
@@ -196,7 +196,7 @@ TEST_F(ReaderCacheTest, ReadKeepsAndTakeRemoves) {
   EXPECT_EQ(cache().held().all().size(), 1u);  // its writer lives
 }
 
-TEST_F(ReaderCacheTest, AnInstanceEndsAndComesBackAsANewGeneration) {
+TEST_F(ReaderCacheTest, AnInstance_EndsAndComesBackAsANewGeneration) {
   put(1, 10), put(1, 0, kDispose);
   auto samples = read();
   ASSERT_EQ(samples.size(), 2u);
@@ -227,7 +227,7 @@ TEST_F(ReaderCacheTest, AnInstanceEndsAndComesBackAsANewGeneration) {
   EXPECT_EQ(samples[0].info.absolute_generation_rank, 2);
 }
 
-TEST_F(ReaderCacheTest, AnInstanceWithoutWritersSaysSoAndIsForgottenOnceTaken) {
+TEST_F(ReaderCacheTest, AnInstanceWithoutWriters_SaysSoAndIsForgottenOnceTaken) {
   put(1, 10, {}, 1), put(1, 11, {}, 2), put(2, 20, {}, 2);
   EXPECT_FALSE(cache().lose_writer(writer(1), true, now));
   EXPECT_EQ(read({.instance = InstanceState::alive}).size(), 3u);
@@ -240,7 +240,7 @@ TEST_F(ReaderCacheTest, AnInstanceWithoutWritersSaysSoAndIsForgottenOnceTaken) {
   EXPECT_EQ(cache().held().octets(), 0u);
 }
 
-TEST_F(ReaderCacheTest, DisposedAndUnregisteredAtOnceIsDisposed) {
+TEST_F(ReaderCacheTest, DisposedAndUnregisteredAtOnce_IsDisposed) {
   put(1, 10), put(1, 0, kBoth);
   EXPECT_EQ(take().back().info.instance_state, InstanceState::not_alive_disposed);
   EXPECT_EQ(cache().held().all().size(), 0u);
@@ -248,7 +248,7 @@ TEST_F(ReaderCacheTest, DisposedAndUnregisteredAtOnceIsDisposed) {
   EXPECT_EQ(cache().held().all().size(), 0u);
 }
 
-TEST_F(ReaderCacheTest, LifespanEndsSamplesFromTheirSourceTimeOn) {
+TEST_F(ReaderCacheTest, Lifespan_EndsSamplesFromTheirSourceTimeOn) {
   cache().set_writer(writer(1), 0, Duration::from(milliseconds(100)));
   put(1, 10), put(1, 11, {}, 2);
   EXPECT_EQ(put(1, 12, {}, 1, now - milliseconds(100)).outcome, Outcome::dropped);
@@ -263,7 +263,7 @@ TEST_F(ReaderCacheTest, LifespanEndsSamplesFromTheirSourceTimeOn) {
   EXPECT_EQ(cache().next_tick(), kNever);
 }
 
-TEST_F(ReaderCacheTest, SamplesExpireInAnyOrderAndWhenTheyAreTaken) {
+TEST_F(ReaderCacheTest, Samples_ExpireInAnyOrderAndWhenTheyAreTaken) {
   cache().set_writer(writer(1), 0, Duration::from(milliseconds(100)));
   for (int i = 0; i < 10; ++i)
     put(static_cast<std::uint8_t>(i % 2), static_cast<std::uint8_t>(i), {}, 1,
@@ -280,7 +280,7 @@ TEST_F(ReaderCacheTest, SamplesExpireInAnyOrderAndWhenTheyAreTaken) {
   EXPECT_EQ(cache().next_tick(), kNever);
 }
 
-TEST_F(ReaderCacheTest, DeadlinesAreOfEachInstance) {
+TEST_F(ReaderCacheTest, Deadlines_AreOfEachInstance) {
   qos.deadline = Duration::from(milliseconds(100));
   std::vector<InstanceHandle> missed;
   const auto check = [&] { cache().check_deadlines(now, [&](auto i) { missed.push_back(i); }); };
@@ -305,7 +305,7 @@ TEST_F(ReaderCacheTest, DeadlinesAreOfEachInstance) {
   EXPECT_NE(missed.back(), two);
 }
 
-TEST_F(ReaderCacheTest, AMillionSamplesThroughAFewInstancesGrowNothing) {
+TEST_F(ReaderCacheTest, AMillionSamplesThroughAFewInstances_GrowNothing) {
   for (int i = 0; i < 20'000; ++i) {
     put(static_cast<std::uint8_t>(i % 7), 1);
     if (i % 50 == 0) take();

@@ -15,7 +15,7 @@ using testing::reliable;
 using testing::taken;
 
 // A writer's GAPs would be holes.
-TEST_P(Presenting, AFilteredReaderGetsWhatPassesOfAWholeSetOrGroup) {
+TEST_P(Presenting, AFilteredReader_GetsWhatPassesOfAWholeSetOrGroup) {
   auto* large = *b.participant->create_contentfilteredtopic("large", *b.topic, {"value >= 2", {}});
   for (const auto& access : {Presentation{PresentationScope::topic, true, false},
                              Presentation{PresentationScope::group, false, true}}) {

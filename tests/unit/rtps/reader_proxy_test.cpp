@@ -13,7 +13,7 @@ struct Filter final : ChangeFilter {
   std::optional<bool> passes(const Change& change) override { return change.payload.size() > 1; }
 };
 
-TEST(ReaderProxy, GetsWhatPassesItsFilterWithinItsRange) {
+TEST(ReaderProxy, ChangesInItsRange_PassItsFilter) {
   ReaderProxy proxy({.guid = guid(1), .filter = std::make_shared<Filter>()}, {{1}, {4}}, true);
   Change change;
   change.sequence_number = {3};

@@ -10,7 +10,7 @@ using namespace testing;
 using ReaderCacheTest = Cache;
 
 // One identity took all 65,536, and no other writer was heard.
-TEST_F(ReaderCacheTest, NoIdentityTakesAllInstances) {
+TEST_F(ReaderCacheTest, OneIdentity_NeverTakesAllInstances) {
   const auto identity = [](std::uint8_t n) { return writer(n).prefix; };
   for (std::uint8_t i = 1; i <= 3; ++i)
     cache().set_writer(writer(i), 0, kDurationInfinite, identity(i == 2 ? 1 : i));
@@ -63,7 +63,7 @@ struct Shares : Cache {
 };
 
 // One identity took all octets, and the samples of others were rejected as long as its own stayed.
-TEST_F(Shares, NoIdentityTakesAllOctets) {
+TEST_F(Shares, OneIdentity_NeverTakesAllOctets) {
   constexpr auto kHalf = HeldInstances::kMaxOctetsOfOne / kLarge;
   EXPECT_EQ(fill(1, kLarge, 20), kHalf);
   EXPECT_EQ(fill(2, kLarge, 2), 0u) << "another participant of the same identity";
@@ -79,7 +79,7 @@ TEST_F(Shares, NoIdentityTakesAllOctets) {
   EXPECT_EQ(fill(3, kLarge, 20), kHalf) << "their room is free again";
 }
 
-TEST_F(Shares, OwnSamplesGiveWayInAFullShare) {
+TEST_F(Shares, FullShare_OwnSamplesGiveWay) {
   qos.history = {HistoryKind::keep_last, 1};
   made.reset();
   cache().set_writer(writer(1), 0, kDurationInfinite, writer(1).prefix);
@@ -89,7 +89,7 @@ TEST_F(Shares, OwnSamplesGiveWayInAFullShare) {
 }
 
 // A reader that takes all samples holds the keys as long as the instances are alive.
-TEST_F(Shares, NoIdentityTakesAllOctetsWithKeys) {
+TEST_F(Shares, OneIdentity_NeverTakesAllOctetsWithKeys) {
   made.emplace(qos, [](const Change&) { return Bytes(kLarge); });
   for (const auto i : kTwo) cache().set_writer(writer(i), 0, kDurationInfinite, writer(i).prefix);
   std::size_t stored = 0;
@@ -101,7 +101,7 @@ TEST_F(Shares, NoIdentityTakesAllOctetsWithKeys) {
 }
 
 // A reader that does not take was full after 65,536 samples of one identity.
-TEST_F(Shares, NoIdentityTakesAllPlaces) {
+TEST_F(Shares, OneIdentity_NeverTakesAllPlaces) {
   const auto store = [&](std::uint8_t from, std::size_t count) {
     std::size_t stored = 0;
     for (std::size_t i = 0; i < count; ++i)
@@ -121,7 +121,7 @@ TEST_F(Shares, NoIdentityTakesAllPlaces) {
 }
 
 // What TIME_BASED_FILTER holds back is stored when its writer goes, and still counts for it.
-TEST_F(Shares, WhatIsKeptForLaterCountsForItsWriter) {
+TEST_F(Shares, WhatIsKeptForLater_CountsForItsWriter) {
   qos.time_based_filter = Duration::from(std::chrono::seconds(1));
   made.reset();
   qos.reliability.kind = ReliabilityKind::reliable;
@@ -188,8 +188,8 @@ TEST_F(Shares, WhatWasKeptForLater_IsNotLostWhenOthersFillTheirShares) {
 }
 
 /// Instances that the first identity begins and leaves, and that another one also writes.
-struct Left : Cache {
-  Left() {
+struct LeftInstances : Cache {
+  LeftInstances() {
     for (std::uint8_t i = 1; i <= 3; ++i)
       cache().set_writer(writer(i), 0, kDurationInfinite, writer(i).prefix);
   }
@@ -205,7 +205,7 @@ struct Left : Cache {
 };
 
 // The other one kept 65,536 instances in the first one's account, which was locked out for good.
-TEST_F(Left, AnInstanceThatAnotherIdentityKeeps_CountsForThatOne) {
+TEST_F(LeftInstances, AnInstanceThatAnotherIdentityKeeps_CountsForThatOne) {
   std::uint32_t refused = 0, refused_of_other = 0;
   for (std::uint32_t key = 0; key < kHalf + 1000; ++key) {
     refused += put_many(1, key) == Outcome::stored ? 0 : 1;
@@ -221,7 +221,7 @@ TEST_F(Left, AnInstanceThatAnotherIdentityKeeps_CountsForThatOne) {
   EXPECT_EQ(put_many(2, 6'000'000), Outcome::stored);
 }
 
-TEST_F(Left, WhoHasNoRoomForAnInstance_LeavesItWithTheLastOneThatHas) {
+TEST_F(LeftInstances, WhoHasNoRoomForAnInstance_LeavesItWithTheLastOneThatHas) {
   for (std::uint32_t key = 0; key < kHalf; ++key) {
     ASSERT_EQ(put_many(3, key), Outcome::stored);
     if (key % 1000 == 0) take();
@@ -235,7 +235,7 @@ TEST_F(Left, WhoHasNoRoomForAnInstance_LeavesItWithTheLastOneThatHas) {
   EXPECT_EQ(put_many(3, 1'000'000), Outcome::stored);
 }
 
-TEST_F(Left, WhatIsKeptForLater_KeepsNoInstanceInTheAccountOfAnother) {
+TEST_F(LeftInstances, WhatIsKeptForLater_KeepsNoInstanceInTheAccountOfAnother) {
   qos.time_based_filter = Duration::from(std::chrono::seconds(1));
   qos.reliability.kind = ReliabilityKind::reliable;
   made.reset();
@@ -257,7 +257,7 @@ TEST_F(Left, WhatIsKeptForLater_KeepsNoInstanceInTheAccountOfAnother) {
   EXPECT_EQ(put_many(3, 2'000'000), Outcome::rejected) << "not even kept for later";
 }
 
-TEST_F(ReaderCacheTest, MemoryIsBoundedWhateverTheLimits) {
+TEST_F(ReaderCacheTest, Memory_IsBoundedWhateverTheLimits) {
   const auto large = [&](std::uint8_t key) {
     Change change;
     change.key_hash = KeyHash{key};
@@ -270,7 +270,7 @@ TEST_F(ReaderCacheTest, MemoryIsBoundedWhateverTheLimits) {
 }
 
 // Before: each end looked at all that was held, 16 s of CPU for so many.
-TEST_F(ReaderCacheTest, EndsOfManySamplesCostEachTheirOwn) {
+TEST_F(ReaderCacheTest, EndsOfManySamples_CostEachTheirOwn) {
   constexpr int kMany = 60'000;
   cache().set_writer(writer(1), 0, Duration::from(std::chrono::seconds(1)));
   for (int i = 0; i < kMany; ++i) {
@@ -290,7 +290,7 @@ Guid writer_of(std::uint8_t identity, std::uint32_t number) {
   return out;
 }
 
-struct Joins : Cache {
+struct InstanceJoins : Cache {
   /// Returns false if it was rejected.
   bool join(const Guid& by, std::uint32_t instance) {
     Change change;
@@ -306,7 +306,7 @@ struct Joins : Cache {
 };
 
 // Before: 1024 writers of one identity with 8192 instances took 649 MB, and 107 s when they left.
-TEST_F(Joins, OfOneIdentity_AreBoundedAndLeaveRoomForAnother) {
+TEST_F(InstanceJoins, OfOneIdentity_AreBoundedAndLeaveRoomForAnother) {
   qos.history = {HistoryKind::keep_last, 1};
   constexpr std::uint32_t kWriters = 1024, kInstances = 1024;
   std::size_t joined = 0;
@@ -330,7 +330,7 @@ TEST_F(Joins, OfOneIdentity_AreBoundedAndLeaveRoomForAnother) {
 }
 
 // Before: 83 s.
-TEST_F(Joins, SamplesOfOneInstance_InTheOppositeOrderOfTheirTimes_CostEachTheirOwn) {
+TEST_F(InstanceJoins, SamplesOfOneInstance_InTheOppositeOrderOfTheirTimes_CostEachTheirOwn) {
   qos.destination_order = DestinationOrderKind::by_source;
   constexpr int kCount = 60'000;
   const auto begin = std::clock();
@@ -344,7 +344,7 @@ TEST_F(Joins, SamplesOfOneInstance_InTheOppositeOrderOfTheirTimes_CostEachTheirO
 }
 
 // Before, each sample looked for the one that reports the end among all.
-TEST_F(Joins, SamplesAfterAnEndThatWasNotRead_CostEachTheirOwn) {
+TEST_F(InstanceJoins, SamplesAfterAnEndThatWasNotRead_CostEachTheirOwn) {
   constexpr int kCount = 60'000;
   for (int i = 0; i < kCount; ++i) put(1, 0);
   put(1, 0, kDispose);

@@ -9,7 +9,7 @@ namespace {
 using namespace of_reliability;
 using ::testing::ElementsAre;
 
-TEST(Reliability, StrangersAreNotHeard) {
+TEST(Reliability, Strangers_AreNotHeard) {
   Pair pair(keep_all());
   pair.match();
   pair.run(5);
@@ -24,7 +24,7 @@ TEST(Reliability, StrangersAreNotHeard) {
   EXPECT_THAT(pair.numbers(), ElementsAre(1));
 }
 
-TEST(Reliability, AnAcknackForMoreThanWasWrittenIsNotBelieved) {
+TEST(Reliability, AnAcknackForMoreThanWasWritten_IsNotBelieved) {
   Pair pair(keep_all());
   pair.match();
   pair.net.loss_percent = 100;
@@ -35,7 +35,7 @@ TEST(Reliability, AnAcknackForMoreThanWasWrittenIsNotBelieved) {
 }
 
 // A pre-emptive one (base 0 of Fast DDS, count 0 of Cyclone DDS) is answered, and changes nothing.
-TEST(Reliability, APreEmptiveAcknackDoesNotMakeRecordedOnesNew) {
+TEST(Reliability, APreEmptiveAcknack_DoesNotMakeRecordedOnesNew) {
   Pair pair(keep_all());
   pair.match();
   for (int i = 0; i < 6; ++i) pair.write(Bytes(700));
@@ -114,7 +114,7 @@ TEST(Reliability, UnprotectedRepetitions_AreNotAnsweredAgain) {
 }
 
 // Only what is new is a sign of life.
-TEST(Reliability, WhatIsRepeatedIsNotNew) {
+TEST(Reliability, WhatIsRepeated_IsNotNew) {
   for (const bool reliable : {true, false}) {
     Pair pair(keep_all(), reliable);
     pair.match(false, reliable);
@@ -149,7 +149,7 @@ TEST(Reliability, WhatIsRepeatedIsNotNew) {
 }
 
 // 1100 writers of another identity that come and go do not make what was recorded new.
-TEST(Reliability, WhoComesAndGoesDoesNotMakeOthersForgotten) {
+TEST(Reliability, ReadersThatComeAndGo_DoNotMakeOthersForgotten) {
   Pair pair(keep_all());
   auto& reader = pair.reader;
   const MatchedWriter honest{pair.writer.guid(), true, {kHere}, false, Sha256Digest{1}, kA};
@@ -170,7 +170,7 @@ TEST(Reliability, WhoComesAndGoesDoesNotMakeOthersForgotten) {
 }
 
 // A million early numbers, a GAP over 2^61 numbers ahead, fragments of samples that never complete.
-TEST(Reliability, WhatNeverCompletesStaysBounded) {
+TEST(Reliability, WhatNeverCompletes_StaysBounded) {
   Pair pair(keep_all());
   pair.match();
   for (std::int64_t i = 2; i < 100'000; ++i)
@@ -189,7 +189,7 @@ TEST(Reliability, WhatNeverCompletesStaysBounded) {
   EXPECT_EQ(pair.delivered.size(), 1 + WriterProxy::kMaxEarlyChanges);
 }
 
-TEST(Reliability, ASampleBeyondTheLargestIsGivenUpNotAskedForAgain) {
+TEST(Reliability, ASampleBeyondTheLargest_IsGivenUpNotAskedForAgain) {
   Pair pair(keep_all());
   pair.match();
   const Bytes part(1000);
@@ -199,7 +199,7 @@ TEST(Reliability, ASampleBeyondTheLargestIsGivenUpNotAskedForAgain) {
   EXPECT_THAT(pair.numbers(), ElementsAre(2));
 }
 
-TEST(Reliability, ASampleBeyondTheLargestIsReportedOnce) {
+TEST(Reliability, ASampleBeyondTheLargest_IsReportedOnce) {
   Pair pair(keep_all());
   std::vector<std::uint32_t> dropped;
   pair.reader.on_dropped([&](const Guid& writer, std::uint32_t octets) {
@@ -232,7 +232,7 @@ Qos durable() {
 
 // An insider announces readers at any address, and asks for nothing. Before: each of them was sent
 // the whole history at once.
-TEST(BestEffortReaders, ShareTheHistoryThatTheyGet) {
+TEST(BestEffortReaders, ManyReaders_ShareTheHistoryThatTheyGet) {
   constexpr std::size_t kSamples = 2 * HistoryAllowance::kMaxOctets / 32'000;
   Pair pair(durable());
   for (std::size_t i = 0; i < kSamples; ++i) pair.write(Bytes(32'000, 1));
@@ -246,7 +246,7 @@ TEST(BestEffortReaders, ShareTheHistoryThatTheyGet) {
   EXPECT_GT(octets_to_a_best_effort_reader(pair, 42), 900'000u);
 }
 
-TEST(BestEffortReaders, GetTheLatestOfTheHistoryInOrder) {
+TEST(BestEffortReaders, LongHistory_IsCutToItsLatestInOrder) {
   Pair pair(durable(), false);
   constexpr std::size_t kSize = HistoryAllowance::kMaxOctets / 4;
   for (std::uint8_t i = 1; i <= 6; ++i) pair.write(Bytes(kSize, i));

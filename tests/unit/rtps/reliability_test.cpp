@@ -9,7 +9,7 @@ namespace {
 using namespace of_reliability;
 using ::testing::ElementsAre;
 
-TEST(Reliability, DeliversInOrderAndForgetsWhatIsAcknowledged) {
+TEST(Reliability, Samples_AreDeliveredInOrderAndForgottenOnceAcknowledged) {
   Pair pair(keep_all());
   pair.match();
   pair.run(3);
@@ -25,7 +25,7 @@ TEST(Reliability, DeliversInOrderAndForgetsWhatIsAcknowledged) {
   EXPECT_EQ(pair.net.messages, before) << "an idle pair is silent";
 }
 
-TEST(Reliability, LossDuplicationAndReorderingLoseNothing) {
+TEST(Reliability, LossDuplicationAndReordering_LoseNothing) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     Pair pair(keep_all());
     pair.net.random.seed(seed);
@@ -43,7 +43,7 @@ TEST(Reliability, LossDuplicationAndReorderingLoseNothing) {
   }
 }
 
-TEST(Reliability, LargeSamplesComeInFragmentsAndAreRepairedSelectively) {
+TEST(Reliability, LargeSamples_ComeInFragmentsAndAreRepairedSelectively) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     Pair pair(keep_all());
     pair.net.random.seed(seed);
@@ -64,7 +64,7 @@ TEST(Reliability, LargeSamplesComeInFragmentsAndAreRepairedSelectively) {
 }
 
 // Cyclone DDS asks for 256 fragments and then not again for 100 ms.
-TEST(Reliability, OneRequestIsAnsweredInPortionsWithoutAnother) {
+TEST(Reliability, OneRequest_IsAnsweredInPortionsWithoutAnother) {
   Pair pair(keep_all());
   pair.match();
   pair.run(3);
@@ -85,7 +85,7 @@ TEST(Reliability, OneRequestIsAnsweredInPortionsWithoutAnother) {
   EXPECT_LE(most, 10u) << "a portion at a time";
 }
 
-TEST(Reliability, RepairOfSeveralLargeSamplesStaysInProportion) {
+TEST(Reliability, RepairOfSeveralLargeSamples_StaysInProportion) {
   Pair pair(keep_all());
   pair.match();
   pair.run(3);

@@ -35,7 +35,7 @@ struct Ignorer final : DiscoveryListener {
 };
 
 // Under the address sanitizer: nothing is touched after it was forgotten.
-TEST(Participant, WhatAListenerIgnoresIsForgottenWhenTheCallIsOver) {
+TEST(Participant, WhatAListenerIgnores_IsForgottenWhenTheCallIsOver) {
   for (const int kind : {0, 1, 2, 3})
     for (const bool listens_first : {true, false}) {
       Node a(1), b(2);

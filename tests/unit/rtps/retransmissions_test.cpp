@@ -85,7 +85,7 @@ TEST(SparseHistory, LateJoiner_CostsWhatIsHeld) {
   EXPECT_GT(transport.messages, 0u);
 }
 
-TEST_F(WriterParts, AnAnswerIsBounded) {
+TEST_F(WriterParts, AnAnswer_IsBounded) {
   constexpr auto kHalf = Retransmissions::kMaxOctetsPerAnswer / 2;
   for (int i = 0; i < 4; ++i) add(kHalf);
   sender.fragment_at(10'000);
@@ -94,7 +94,7 @@ TEST_F(WriterParts, AnAnswerIsBounded) {
   EXPECT_EQ(said().size(), 2 * ((kHalf + 9'999) / 10'000));
 }
 
-TEST_F(WriterParts, FragmentsComeInPortions) {
+TEST_F(WriterParts, Fragments_ComeInPortions) {
   add(20'000);
   sender.fragment_at(1'000);
   auto& proxy = readers.add({guid(1), true, false, {kHere}}, {{1}});

@@ -10,13 +10,13 @@ using namespace testing;
 
 using ReaderCacheTest = Cache;
 
-TEST_F(ReaderCacheTest, KeepLastReplacesTheOldestOfItsInstance) {
+TEST_F(ReaderCacheTest, KeepLast_ReplacesTheOldestOfItsInstance) {
   qos.history = {HistoryKind::keep_last, 2};
   for (std::uint8_t i = 0; i < 5; ++i) put(1, i), put(2, i);
   EXPECT_THAT(values(take()), ElementsAre(3, 4, 3, 4));
 }
 
-TEST_F(ReaderCacheTest, EachLimitRejectsByItsNameAndChangesNothing) {
+TEST_F(ReaderCacheTest, EachLimit_RejectsByItsNameAndChangesNothing) {
   qos.resource_limits = {.max_samples = 3, .max_instances = 2, .max_samples_per_instance = 2};
   put(1, 10), put(1, 11);
   EXPECT_EQ(put(1, 12).reason, Reason::by_samples_per_instance_limit);
@@ -33,7 +33,7 @@ TEST_F(ReaderCacheTest, EachLimitRejectsByItsNameAndChangesNothing) {
   EXPECT_EQ(put(1, 0, kDispose).outcome, Outcome::stored);
 }
 
-TEST_F(ReaderCacheTest, BySourceOrdersAndNeverGoesBack) {
+TEST_F(ReaderCacheTest, BySource_OrdersAndNeverGoesBack) {
   qos.destination_order = DestinationOrderKind::by_source;
   put(1, 12, {}, 1, milliseconds(2)), put(1, 11, {}, 2, milliseconds(1));
   EXPECT_THAT(values(take()), ElementsAre(11, 12));
@@ -45,7 +45,7 @@ TEST_F(ReaderCacheTest, BySourceOrdersAndNeverGoesBack) {
 }
 
 // One sample from the far future ended what all others wrote to the instance.
-TEST_F(ReaderCacheTest, BySourceATimeFarAheadCountsAsArrival) {
+TEST_F(ReaderCacheTest, BySource_ATimeFarAheadCountsAsArrival) {
   qos.destination_order = DestinationOrderKind::by_source;
   constexpr auto kMax = ReaderCache::kMaxAhead;
   put(1, 10, {}, 1, now + std::chrono::hours(100'000));
@@ -63,7 +63,7 @@ TEST_F(ReaderCacheTest, BySourceATimeFarAheadCountsAsArrival) {
   EXPECT_EQ(put(1, 13, {}, 2).outcome, Outcome::stored);
 }
 
-TEST_F(ReaderCacheTest, BySourceAFullHistoryKeepsTheNewest) {
+TEST_F(ReaderCacheTest, BySource_AFullHistoryKeepsTheNewest) {
   qos.destination_order = DestinationOrderKind::by_source;
   qos.history = {HistoryKind::keep_last, 2};
   put(1, 12, {}, 1, milliseconds(2)), put(1, 13, {}, 1, milliseconds(3));

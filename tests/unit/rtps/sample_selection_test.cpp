@@ -10,14 +10,14 @@ using namespace testing;
 
 using ReaderCacheTest = Cache;
 
-TEST_F(ReaderCacheTest, SamplesOfAnInstanceStandTogetherAndMostIsKept) {
+TEST_F(ReaderCacheTest, SamplesOfAnInstance_StandTogetherAndMostIsKept) {
   put(1, 10), put(2, 20), put(1, 11), put(2, 21);
   EXPECT_THAT(values(read()), ElementsAre(10, 11, 20, 21));
   EXPECT_THAT(values(select({.max_samples = 3, .take = true})), ElementsAre(10, 11, 20));
   EXPECT_THAT(values(take()), ElementsAre(21));
 }
 
-TEST_F(ReaderCacheTest, ByInstanceAndByNextInstance) {
+TEST_F(ReaderCacheTest, ByInstanceAndByNextInstance_SelectsTheirSamples) {
   put(1, 10), put(2, 20), put(3, 30);
   const auto second = cache().lookup(KeyHash{2});
   using Scope = Query::Scope;
@@ -36,7 +36,7 @@ TEST_F(ReaderCacheTest, ByInstanceAndByNextInstance) {
       ElementsAre(31));
 }
 
-TEST_F(ReaderCacheTest, RanksCountTheCollectionAndTheReader) {
+TEST_F(ReaderCacheTest, Ranks_CountTheCollectionAndTheReader) {
   put(1, 10), put(1, 0, kDispose), put(1, 11), put(1, 0, kDispose), put(1, 12);
   const auto first = select({.max_samples = 2});
   EXPECT_EQ(first[0].info.sample_rank, 1);
@@ -44,7 +44,7 @@ TEST_F(ReaderCacheTest, RanksCountTheCollectionAndTheReader) {
   EXPECT_EQ(first[0].info.absolute_generation_rank, 2);
 }
 
-TEST_F(ReaderCacheTest, AnyKnowsWhatSelectWouldFind) {
+TEST_F(ReaderCacheTest, Any_KnowsWhatSelectWouldFind) {
   const States fresh{.sample = SampleState::not_read}, ended{.instance = kNotAlive};
   EXPECT_FALSE(cache().any({}));
   put(1, 10);

@@ -89,7 +89,7 @@ Work work_of_pairs(int count) {
   return out;
 }
 
-TEST(Scale, TheWorkOfAnEndpointDoesNotGrowWithTheirNumber) {
+TEST(Scale, TheWorkOfAnEndpoint_DoesNotGrowWithTheirNumber) {
   ASSERT_GT(work_of([] { Pairs pairs; }), 0u) << "built without a call at every branch";
   constexpr int kFew = 250, kMany = 5000;
   const auto few = work_of_pairs(kFew), many = work_of_pairs(kMany);
@@ -134,7 +134,7 @@ std::uint64_t work_of_a_sign_of_life(int writers) {
 }
 
 // 16 ms for each datagram at 2000 writers, and about 1.1 s at the bound of 16,384.
-TEST(Scale, ASignOfLifeCostsTheSameForAnyNumberOfWriters) {
+TEST(Scale, ASignOfLife_CostsTheSameForAnyNumberOfWriters) {
   const auto few = work_of_a_sign_of_life(10), many = work_of_a_sign_of_life(1000);
   EXPECT_LT(many, 2 * few);
 }
@@ -175,7 +175,7 @@ CrowdWork work_of_a_crowd(int count) {
 }
 
 // 52 s of CPU to match 16,000 readers of one participant, and 48 s in one call when it went.
-TEST(Scale, AnEndpointOnOneTopicCostsTheSameForAnyNumberOfThem) {
+TEST(Scale, AnEndpointOnOneTopic_CostsTheSameForAnyNumberOfThem) {
   const auto few = work_of_a_crowd(50), many = work_of_a_crowd(1000);
   EXPECT_LT(many.match, 2 * few.match) << few.match << " becomes " << many.match;
   EXPECT_LT(many.part, 2 * few.part) << few.part << " becomes " << many.part;
@@ -199,7 +199,7 @@ std::uint64_t work_of_leases(int writers) {
   });
 }
 
-TEST(Scale, AnAssertionCostsTheSameForAnyNumberOfLeases) {
+TEST(Scale, AnAssertion_CostsTheSameForAnyNumberOfLeases) {
   EXPECT_LT(work_of_leases(10'000), 3 * work_of_leases(10)) << "a search in log n";
 }
 

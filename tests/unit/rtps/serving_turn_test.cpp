@@ -181,7 +181,7 @@ TEST_F(ServingTurns, CloseWhileAThreadIsHeldUp_ReturnsAfterThat) {
 
 // ---- participants -----------------------------------------------------------------------------
 
-struct Served : ::testing::Test {
+struct ServingParticipants : ::testing::Test {
   const SystemClock clock;
   SystemRandom random;
   Events events;
@@ -251,26 +251,26 @@ struct Served : ::testing::Test {
   }
 };
 
-TEST_F(Served, ThreadsThatWaitForUnread_GetEverySample) {
+TEST_F(ServingParticipants, ThreadsThatWaitForUnread_GetEverySample) {
   for (const bool in_process : {false, true}) {
     create(in_process);
     exchange(500, false);
   }
 }
 
-TEST_F(Served, ThreadsThatWaitBySet_GetEverySample) {
+TEST_F(ServingParticipants, ThreadsThatWaitBySet_GetEverySample) {
   for (const bool in_process : {false, true}) {
     create(in_process);
     exchange(500, true);
   }
 }
 
-TEST_F(Served, BusyWait_GetsEverySample) {
+TEST_F(ServingParticipants, BusyWait_GetsEverySample) {
   create(false, 50us);
   exchange(200, true);
 }
 
-TEST_F(Served, BusyWaitOutsideItsLimits_IsRefused) {
+TEST_F(ServingParticipants, BusyWaitOutsideItsLimits_IsRefused) {
   for (const std::chrono::nanoseconds busy :
        {std::chrono::nanoseconds(-1), DomainParticipantOptions::kMaxBusyWait + 1ns}) {
     const auto created = DomainParticipant::create(options(false, busy), environment);
@@ -279,7 +279,7 @@ TEST_F(Served, BusyWaitOutsideItsLimits_IsRefused) {
   }
 }
 
-TEST_F(Served, GuardConditionWhileAThreadServes_EndsItsWait) {
+TEST_F(ServingParticipants, GuardConditionWhileAThreadServes_EndsItsWait) {
   create();
   exchange(50, true);  // from now on the waiting threads serve
   GuardCondition guard;
@@ -296,7 +296,7 @@ TEST_F(Served, GuardConditionWhileAThreadServes_EndsItsWait) {
 }
 
 // Before, the process ended, or no other thread could wait by the set.
-TEST_F(Served, ThreadThatIsCancelled_LeavesSetAndParticipantInOrder) {
+TEST_F(ServingParticipants, ThreadThatIsCancelled_LeavesSetAndParticipantInOrder) {
   create();
   exchange(50, true);  // from now on the waiting threads serve
   for (int i = 0; i < 200; ++i) {
@@ -333,7 +333,7 @@ class HeldUp {
 };
 
 // Before, the participant received and answered nothing meanwhile.
-TEST_F(Served, WaitingThreadIsHeldUp_ParticipantAnswersAllTheSame) {
+TEST_F(ServingParticipants, WaitingThreadIsHeldUp_ParticipantAnswersAllTheSame) {
   create();
   exchange(50, true);  // from now on the waiting threads serve
   const HeldUp handler;
@@ -361,7 +361,7 @@ TEST_F(Served, WaitingThreadIsHeldUp_ParticipantAnswersAllTheSame) {
   exchange(20, true);
 }
 
-TEST_F(Served, SampleWithinTheProcessWhileAThreadServes_EndsItsWait) {
+TEST_F(ServingParticipants, SampleWithinTheProcessWhileAThreadServes_EndsItsWait) {
   create(true);
   for (int i = 0; i < 100; ++i) {
     a->reader->wait_for_unread(1us);
@@ -373,7 +373,7 @@ TEST_F(Served, SampleWithinTheProcessWhileAThreadServes_EndsItsWait) {
   }
 }
 
-TEST_F(Served, NoThreadWaitsAnyMore_SamplesAreAcknowledgedAndTaken) {
+TEST_F(ServingParticipants, NoThreadWaitsAnyMore_SamplesAreAcknowledgedAndTaken) {
   create();
   exchange(200, true);
   // Nothing waits for data, but reliable samples still arrive and are acknowledged.
@@ -387,7 +387,7 @@ TEST_F(Served, NoThreadWaitsAnyMore_SamplesAreAcknowledgedAndTaken) {
   EXPECT_EQ(got.back(), 1019);
 }
 
-TEST_F(Served, SeveralThreadsWait_EachGetsItsData) {
+TEST_F(ServingParticipants, SeveralThreadsWait_EachGetsItsData) {
   create();
   exchange(50, false);
   auto& further = a->end.reader(reliable());
@@ -422,7 +422,8 @@ struct Locking final : DataReaderListener {
   }
 };
 
-TEST_F(Served, ListenerThatNeedsALockOfTheWaitingThread_IsCalledByTheParticipantsThread) {
+TEST_F(ServingParticipants,
+       ListenerThatNeedsALockOfTheWaitingThread_IsCalledByTheParticipantsThread) {
   create();
   exchange(100, false);
   std::mutex mutex;
@@ -443,7 +444,7 @@ TEST_F(Served, ListenerThatNeedsALockOfTheWaitingThread_IsCalledByTheParticipant
   other.set_listener(nullptr);
 }
 
-TEST_F(Served, ParticipantEndsWhileAThreadServesIt_ThreadWaitsOnUntilItsTime) {
+TEST_F(ServingParticipants, ParticipantEndsWhileAThreadServesIt_ThreadWaitsOnUntilItsTime) {
   for (int i = 0; i < 20; ++i) {
     create();
     exchange(20, true);
@@ -468,7 +469,7 @@ TEST_F(Served, ParticipantEndsWhileAThreadServesIt_ThreadWaitsOnUntilItsTime) {
   }
 }
 
-TEST_F(Served, ShortTimeouts_EndInTime) {
+TEST_F(ServingParticipants, ShortTimeouts_EndInTime) {
   create();
   exchange(50, false);
   taken(*a->reader);

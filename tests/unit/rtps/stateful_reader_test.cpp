@@ -11,7 +11,7 @@ namespace {
 using namespace of_reliability;
 using ::testing::ElementsAre;
 
-TEST(Reliability, AFullReaderIsAWriterThatWaits) {
+TEST(Reliability, AFullReader_IsAWriterThatWaits) {
   auto qos = keep_all();
   qos.resource_limits.max_samples = 5;
   Pair pair(qos);
@@ -29,7 +29,7 @@ TEST(Reliability, AFullReaderIsAWriterThatWaits) {
   EXPECT_TRUE(pair.writer.all_acknowledged());
 }
 
-TEST(Reliability, BestEffortNeitherAsksNorGoesBack) {
+TEST(Reliability, BestEffort_NeitherAsksNorGoesBack) {
   auto qos = default_writer_qos();
   qos.reliability.kind = ReliabilityKind::best_effort;
   Pair pair(qos, false);
@@ -44,7 +44,7 @@ TEST(Reliability, BestEffortNeitherAsksNorGoesBack) {
   EXPECT_TRUE(pair.net.b.sent.empty());
 }
 
-TEST(Reliability, RoomInAFullReaderIsUsedAtOnce) {
+TEST(Reliability, RoomInAFullReader_IsUsedAtOnce) {
   Pair pair(keep_all());
   pair.most = 3;
   pair.match();
@@ -59,7 +59,7 @@ TEST(Reliability, RoomInAFullReaderIsUsedAtOnce) {
   EXPECT_TRUE(pair.writer.all_acknowledged());
 }
 
-TEST(Reliability, LostIsWhatABestEffortReaderMissesAfterItsFirstSample) {
+TEST(Reliability, BestEffort_LosesWhatItMissesAfterItsFirstSample) {
   auto qos = default_writer_qos();
   qos.reliability.kind = ReliabilityKind::best_effort;
   Pair pair(qos, false);
@@ -79,7 +79,7 @@ TEST(Reliability, LostIsWhatABestEffortReaderMissesAfterItsFirstSample) {
   EXPECT_EQ(lost, 3);
 }
 
-TEST(Reliability, LostIsWhatAReliableWriterNoLongerHas) {
+TEST(Reliability, Reliable_LosesWhatItsWriterNoLongerHas) {
   Pair pair;
   std::int64_t lost = 0;
   pair.reader.on_lost([&](std::int64_t count) { lost += count; });
@@ -96,7 +96,7 @@ TEST(Reliability, LostIsWhatAReliableWriterNoLongerHas) {
 }
 
 // A keeper's: what it has taken is acknowledged when it is stored.
-TEST(Reliability, WhatIsUnfinishedIsNotAcknowledged) {
+TEST(Reliability, WhatIsUnfinished_IsNotAcknowledged) {
   Pair pair(keep_all());
   SequenceNumber unfinished{3};
   pair.reader.acknowledge_before(
@@ -119,7 +119,7 @@ TEST(Reliability, WhatIsUnfinishedIsNotAcknowledged) {
 }
 
 // With losses: what is missing is asked for although what came before is not acknowledged.
-TEST(Reliability, WhatIsUnfinishedHidesNoLoss) {
+TEST(Reliability, WhatIsUnfinished_HidesNoLoss) {
   Pair pair(keep_all());
   pair.reader.acknowledge_before([](const Guid&, SequenceNumber) { return SequenceNumber{1}; });
   pair.net.loss_percent = 30;
@@ -130,7 +130,7 @@ TEST(Reliability, WhatIsUnfinishedHidesNoLoss) {
   EXPECT_EQ(pair.writer.history().first(), SequenceNumber{1});
 }
 
-TEST(Reliability, AGapAtTheFrontIsSkippedAsAWhole) {
+TEST(Reliability, AGapAtTheFront_IsSkippedAsAWhole) {
   Pair pair(keep_all());
   pair.match();
   pair.reader.on_gap(kA, Gap{{}, testing::kWriter, {1}, SequenceNumberSet({1ll << 61})});

@@ -11,7 +11,7 @@ namespace {
 using namespace of_reliability;
 using ::testing::ElementsAre;
 
-TEST(Reliability, ALateJoinerOfAVolatileWriterGetsOnlyWhatIsNew) {
+TEST(Reliability, ALateJoinerOfAVolatileWriter_GetsOnlyWhatIsNew) {
   Pair pair(keep_all());
   for (int i = 0; i < 5; ++i) pair.write({1});
   EXPECT_EQ(pair.writer.history().size(), 0u);
@@ -23,7 +23,7 @@ TEST(Reliability, ALateJoinerOfAVolatileWriterGetsOnlyWhatIsNew) {
   EXPECT_TRUE(pair.writer.all_acknowledged());
 }
 
-TEST(Reliability, ALateJoinerOfATransientLocalWriterGetsItsHistory) {
+TEST(Reliability, ALateJoinerOfATransientLocalWriter_GetsItsHistory) {
   auto qos = default_writer_qos();
   qos.durability = DurabilityKind::transient_local;
   qos.history.depth = 2;
@@ -37,7 +37,7 @@ TEST(Reliability, ALateJoinerOfATransientLocalWriterGetsItsHistory) {
   EXPECT_TRUE(pair.writer.all_acknowledged());
 }
 
-TEST(Reliability, KeepLastReplacesUnacknowledgedChangesAndGapsThem) {
+TEST(Reliability, KeepLast_ReplacesUnacknowledgedChangesAndGapsThem) {
   Pair pair;  // depth 1
   pair.match();
   pair.run(3);
@@ -50,7 +50,7 @@ TEST(Reliability, KeepLastReplacesUnacknowledgedChangesAndGapsThem) {
   EXPECT_TRUE(pair.writer.all_acknowledged());
 }
 
-TEST(Reliability, KeepAllRefusesWhenItsLimitIsReached) {
+TEST(Reliability, KeepAll_RefusesWhenItsLimitIsReached) {
   auto qos = keep_all();
   qos.resource_limits.max_samples = 3;
   Pair pair(qos);
@@ -67,7 +67,7 @@ TEST(Reliability, KeepAllRefusesWhenItsLimitIsReached) {
   EXPECT_TRUE(pair.writer.has_room(1));
 }
 
-TEST(Reliability, KeepAllRefusesWhenAnInstanceIsFull) {
+TEST(Reliability, KeepAll_RefusesWhenAnInstanceIsFull) {
   auto qos = keep_all();
   qos.resource_limits.max_samples_per_instance = 2;
   Pair pair(qos);
@@ -83,7 +83,7 @@ TEST(Reliability, KeepAllRefusesWhenAnInstanceIsFull) {
   EXPECT_TRUE(pair.writer.has_room(1, one));
 }
 
-TEST(Reliability, WhatIsDiscardedIsNeverSentAgain) {
+TEST(Reliability, WhatIsDiscarded_IsNeverSentAgain) {
   auto qos = keep_all();
   qos.durability = DurabilityKind::transient_local;
   Pair pair(qos);
@@ -99,7 +99,7 @@ TEST(Reliability, WhatIsDiscardedIsNeverSentAgain) {
 }
 
 // What is sent depends on who reads; what is held does not.
-TEST(Reliability, AKeyGoesOutAsAllMatchedReadersReadIt) {
+TEST(Reliability, AKey_GoesOutAsAllMatchedReadersReadIt) {
   Pair pair(keep_all());
   pair.writer.rewrite_keys_with([](BytesView) { return Bytes{0, 9, 0, 0, 'b', 'a', 'r', 'e'}; });
   pair.match();
@@ -125,7 +125,7 @@ TEST(Reliability, AKeyGoesOutAsAllMatchedReadersReadIt) {
   EXPECT_EQ(dispose(), delimited);
 }
 
-TEST(Reliability, AWriterKnowsWhenItIsAhead) {
+TEST(Reliability, AWriter_KnowsWhenItIsAhead) {
   Pair pair(keep_all());
   pair.match();
   pair.run(3);

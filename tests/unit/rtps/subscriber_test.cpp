@@ -16,7 +16,7 @@ using ::testing::IsEmpty;
 using testing::taken;
 
 // Each scope but GROUP has presenters of its own.
-TEST_P(Presenting, NothingOfACoherentSetIsSeenDuringAnAccessAtAnyScope) {
+TEST_P(Presenting, CoherentSetDuringAnAccess_IsNotSeenAtAnyScope) {
   for (const auto scope :
        {PresentationScope::instance, PresentationScope::topic, PresentationScope::group}) {
     const Presentation access{scope, true, false};
@@ -49,7 +49,7 @@ TEST_P(Presenting, NothingOfACoherentSetIsSeenDuringAnAccessAtAnyScope) {
   }
 }
 
-TEST_P(Presenting, NothingNewIsSeenDuringAnAccess) {
+TEST_P(Presenting, NewSamplesDuringAnAccess_AreNotSeen) {
   const Presentation access{PresentationScope::group, false, true};
   auto& pub = publisher(access);
   auto& sub = subscriber(access);

@@ -21,7 +21,7 @@ struct Alarm final : Timed {
   std::vector<MonotonicTime> rang;
 };
 
-TEST(TimerQueue, CallsAtTheEarliestTimeWanted) {
+TEST(TimerQueue, SeveralTimes_CallAtTheEarliestWanted) {
   TimerQueue queue;
   Alarm a(queue);
   {

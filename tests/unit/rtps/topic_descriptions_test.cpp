@@ -11,7 +11,7 @@ using testing::code_of;
 
 using Entities = testing::Polled;
 
-TEST_P(Entities, TopicsHaveOneNameAndOneType) {
+TEST_P(Entities, Topics_HaveOneNameAndOneType) {
   EXPECT_EQ(code_of(a.participant->create_topic<Reading>("Readings")),
             Code::rtps_precondition_not_met);
   EXPECT_EQ(code_of(a.participant->create_topic<Reading>("")), Code::rtps_bad_parameter);

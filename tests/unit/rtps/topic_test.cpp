@@ -11,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 using test::succeeds;
 
-TEST_P(Access, AnotherTypeIsAnInconsistentTopic) {
+TEST_P(Access, AnotherType_IsAnInconsistentTopic) {
   Heard heard;
   b.topic->set_listener(&heard);
   testing::End c(environment, options());

@@ -14,7 +14,7 @@ using testing::socketless::World;
 
 EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
-TEST(Participant, OtherTypesAndKeysAreNamed) {
+TEST(Participant, OtherTypesAndKeys_AreNamed) {
   for (auto other : {EndpointDescription{"Square", "Other", default_reader_qos(), true},
                      EndpointDescription{"Square", "ShapeType", default_reader_qos(), false}}) {
     Node a(1), b(2);

@@ -17,7 +17,7 @@ namespace {
 
 using testing::code_of;
 
-TEST(UdpSocket, SendsToManyAndReceivesInBatches) {
+TEST(UdpSocket, ManyDestinations_GetEachAndReceiveInBatches) {
   const auto loopback = *Locator::parse("127.0.0.1", 0);
   auto a = *UdpSocket::bind(loopback);
   auto b = *UdpSocket::bind(loopback);
@@ -37,20 +37,20 @@ TEST(UdpSocket, SendsToManyAndReceivesInBatches) {
   EXPECT_GT(a.receive_buffer_size(), 10'000u);
 }
 
-TEST(UdpSocket, ATakenPortIsNamed) {
+TEST(UdpSocket, ATakenPort_IsNamed) {
   const auto first = *UdpSocket::bind(*Locator::parse("127.0.0.1", 0));
   const auto second = UdpSocket::bind(first.local());
   ASSERT_EQ(code_of(second), Code::rtps_port_taken);
   EXPECT_EQ(second.error().details().document, to_string(first.local()));
 }
 
-TEST(UdpSocket, AnAddressThatIsNotOursIsRefused) {
+TEST(UdpSocket, AnAddressThatIsNotOurs_IsRefused) {
   const auto foreign = *Locator::parse("192.0.2.1", 0);
   EXPECT_EQ(code_of(UdpSocket::bind(foreign)), Code::rtps_address_not_here);
   EXPECT_EQ(code_of(UdpSocket::on_interface(foreign)), Code::rtps_address_not_here);
 }
 
-TEST(UdpSocket, OnAnInterfaceIsReachedByLoopbackTooAndShowsTheInterface) {
+TEST(UdpSocket, OnAnInterface_IsReachedByLoopbackTooAndShowsTheInterface) {
   const auto address = choose_interfaces({})->front().address;
   auto socket = *UdpSocket::on_interface(address);
   EXPECT_EQ(socket.local().address, address.address);
@@ -67,7 +67,7 @@ TEST(UdpSocket, OnAnInterfaceIsReachedByLoopbackTooAndShowsTheInterface) {
   EXPECT_EQ(came, 1u);
 }
 
-TEST(UdpSocket, ManyMessagesToManyLeaveInOrder) {
+TEST(UdpSocket, ManyMessagesToMany_LeaveInOrder) {
   const auto loopback = *Locator::parse("127.0.0.1", 0);
   auto a = *UdpSocket::bind(loopback), b = *UdpSocket::bind(loopback);
   const auto from = *UdpSocket::bind(loopback);
@@ -103,7 +103,7 @@ int traffic_class_at(const UdpSocket& socket, int type) {
   return -1;
 }
 
-TEST(UdpSocket, APriorityIsTheTrafficClassOfItsDatagrams) {
+TEST(UdpSocket, APriority_IsTheTrafficClassOfItsDatagrams) {
   struct Family {
     const char* address;
     int level, option, type;
@@ -124,7 +124,7 @@ TEST(UdpSocket, APriorityIsTheTrafficClassOfItsDatagrams) {
   }
 }
 
-TEST(UdpSocket, ASmallReceiveBufferIsSaidWithItsRemedy) {
+TEST(UdpSocket, ASmallReceiveBuffer_IsSaidWithItsRemedy) {
   const auto small = *UdpSocket::bind(*Locator::parse("127.0.0.1", 0), 64 << 10);
   const auto checked = small.check_receive_buffer();
   ASSERT_EQ(code_of(checked), Code::rtps_receive_buffer_small);
@@ -133,14 +133,14 @@ TEST(UdpSocket, ASmallReceiveBufferIsSaidWithItsRemedy) {
               ::testing::HasSubstr("sysctl -w net.core.rmem_max=4194304"));
 }
 
-TEST(UdpSocket, AGroupThatCannotBeJoinedIsNamed) {
+TEST(UdpSocket, AGroupThatCannotBeJoined_IsNamed) {
   const auto group = *Locator::parse("239.255.0.1", 7400);
   const auto joined = UdpSocket::join(group, *Locator::parse("::1", 0));
   ASSERT_EQ(code_of(joined), Code::rtps_no_multicast);
   EXPECT_THAT(joined.error().to_sentence(), ::testing::HasSubstr("peers"));
 }
 
-TEST(UdpSocket, WhatTheSystemRefusesIsNamed) {
+TEST(UdpSocket, WhatTheSystemRefuses_IsNamed) {
   // A sanitizer needs descriptors to look at an error's type for the first time: here it has them.
   ASSERT_FALSE(UdpSocket::join(*Locator::parse("239.255.0.1", 7400), *Locator::parse("::1", 0)));
   rlimit before{};

@@ -19,7 +19,7 @@ using testing::code_of;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 
-TEST(WaitSet, ReturnsWhatIsTriggered) {
+TEST(WaitSet, TriggeredConditions_AreReturned) {
   WaitSet set;
   GuardCondition one, two;
   set.attach_condition(one);
@@ -38,7 +38,7 @@ TEST(WaitSet, ReturnsWhatIsTriggered) {
   EXPECT_EQ(code_of(set.wait(milliseconds(0))), Code::rtps_timeout);
 }
 
-TEST(WaitSet, WakesForAnotherThread) {
+TEST(WaitSet, TriggerOfAnotherThread_WakesIt) {
   WaitSet set;
   GuardCondition first;
   set.attach_condition(first);
@@ -66,7 +66,7 @@ TEST(WaitSet, WakesForAnotherThread) {
   waiting.join();
 }
 
-TEST(WaitSet, EitherMayDieFirst) {
+TEST(WaitSet, Either_MayDieFirst) {
   GuardCondition stays;
   {
     WaitSet set;
@@ -93,7 +93,7 @@ struct Overwritten {
   }
 };
 
-TEST(WaitSet, EndsInOneThreadWhileConditionsOfItEndInAnother) {
+TEST(WaitSet, EndInOneThread_AllowsItsConditionsToEndInAnother) {
   constexpr int kRounds = 200, kConditions = 1'000;
   std::barrier pace(2);
   std::optional<WaitSet> set;
@@ -118,7 +118,7 @@ TEST(WaitSet, EndsInOneThreadWhileConditionsOfItEndInAnother) {
   EXPECT_FALSE(set);
 }
 
-TEST(WaitSet, WaitsOnWhileConditionsOfItEnd) {
+TEST(WaitSet, ConditionsThatEnd_DoNotEndTheWait) {
   constexpr int kRounds = 2'000;
   WaitSet set;
   GuardCondition stays;

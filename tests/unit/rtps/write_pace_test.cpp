@@ -11,7 +11,7 @@ using Kind = PiggybackHeartbeats::Kind;
 
 constexpr MonotonicTime kStart = std::chrono::seconds(5);
 
-TEST(WritePace, OnlyQuickWritesWait) {
+TEST(WritePace, OnlyQuickWrites_Wait) {
   WritePace pace;
   auto now = kStart;
   for (int i = 0; i < WritePace::kQuickWrites; ++i) pace.note_write(now += microseconds(1), 0);

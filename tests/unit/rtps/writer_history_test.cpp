@@ -34,7 +34,7 @@ std::vector<std::int64_t> held(const WriterHistory& history) {
 }
 
 // Before: every change after the first took a place for ever, 200 octets each.
-TEST(WriterHistory, ForgetsWhatWasDroppedAfterOneThatStays) {
+TEST(WriterHistory, DroppedAfterOneThatStays_AreForgotten) {
   WriterHistory history(keep_last());
   history.add(change_of(1));
   for (int i = 0; i < 100'000; ++i) {
@@ -53,7 +53,7 @@ TEST(WriterHistory, ForgetsWhatWasDroppedAfterOneThatStays) {
 }
 
 // Against a list of what must be held.
-TEST(WriterHistory, HoldsTheLastOfEachInstanceWhateverIsDropped) {
+TEST(WriterHistory, RandomDrops_LeaveTheLastOfEachInstance) {
   WriterHistory history(keep_last());
   std::map<int, std::int64_t> last;
   std::uint32_t random = 1;

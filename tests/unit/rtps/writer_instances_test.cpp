@@ -17,7 +17,7 @@ using ::testing::ElementsAre;
 
 constexpr KeyHash kOne{1}, kTwo{2}, kThree{3};
 
-TEST(WriterInstances, AreRegisteredLookedUpAndForgotten) {
+TEST(WriterInstances, EachInstance_IsRegisteredLookedUpAndForgotten) {
   Qos qos;
   qos.resource_limits.max_instances = 2;
   WriterInstances instances(qos);
@@ -34,7 +34,7 @@ TEST(WriterInstances, AreRegisteredLookedUpAndForgotten) {
   EXPECT_EQ(instances.size(), 2u);
 }
 
-TEST(WriterInstances, DeadlinesRunFromTheLastWrite) {
+TEST(WriterInstances, Deadlines_RunFromTheLastWrite) {
   Qos qos;
   qos.deadline = Duration::from(milliseconds(100));
   WriterInstances instances(qos);

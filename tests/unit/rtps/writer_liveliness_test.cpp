@@ -29,13 +29,13 @@ struct ParticipantLiveliness : ::testing::Test {
   }
 };
 
-TEST_F(ParticipantLiveliness, AutomaticComesWithAnyMessage) {
+TEST_F(ParticipantLiveliness, Automatic_ComesWithAnyMessage) {
   match(LivelinessKind::automatic);
   b.participant.receive(announcement(a.participant.prefix(), a.participant.prefix()), world.now);
   EXPECT_THAT(b.listener.alive, ::testing::ElementsAre(writer));
 }
 
-TEST_F(ParticipantLiveliness, ManualComesWithSamplesAlone) {
+TEST_F(ParticipantLiveliness, Manual_ComesWithSamplesAlone) {
   for (auto kind : {LivelinessKind::manual_by_participant, LivelinessKind::manual_by_topic}) {
     match(kind);
     b.participant.receive(announcement(a.participant.prefix(), a.participant.prefix()), world.now);
@@ -50,7 +50,7 @@ TEST_F(ParticipantLiveliness, ManualComesWithSamplesAlone) {
   }
 }
 
-TEST_F(ParticipantLiveliness, ManualByTopicComesWithAHeartbeatThatSaysSo) {
+TEST_F(ParticipantLiveliness, ManualByTopic_ComesWithAHeartbeatThatSaysSo) {
   match(LivelinessKind::manual_by_topic);
   a.participant.local_endpoints().writer(writer)->assert_liveliness();
   world.run(2);

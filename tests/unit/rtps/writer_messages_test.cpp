@@ -27,7 +27,7 @@ TEST_F(WriterParts, LargeChanges_GoInFragments) {
   EXPECT_THAT(said(), ElementsAre("fragment 1"));
 }
 
-TEST_F(WriterParts, HeartbeatsAreCounted) {
+TEST_F(WriterParts, Heartbeats_AreCounted) {
   add();
   auto& proxy = readers.add({guid(1), true, false, {kHere}}, {{1}});
   for (int i = 0; i < 3; ++i) messages.heartbeat(readers.one(proxy), {1}, true);

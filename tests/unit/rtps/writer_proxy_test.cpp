@@ -215,7 +215,7 @@ TEST_F(WriterProxyTest, ResumedWithHistory_AnUnprotectedOldHeartbeatContinuesWhe
   EXPECT_THAT(delivered, ElementsAre(5)) << "the first was delivered before";
 }
 
-TEST(QuestionTimer, WaitsTwiceAsLongEachTime) {
+TEST(QuestionTimer, EachQuestion_WaitsTwiceAsLong) {
   QuestionTimer timer;
   EXPECT_EQ(timer.due(), kNever);
   MonotonicTime now{};

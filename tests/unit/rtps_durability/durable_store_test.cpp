@@ -20,7 +20,7 @@ struct DurableStoreTest : StoreTest {
   }
 };
 
-TEST_F(DurableStoreTest, WhatFlushWaitedForIsThere) {
+TEST_F(DurableStoreTest, WhatFlushWaitedFor_IsThere) {
   {
     auto store = open();
     const auto stream = *store->open_stream(kMap, keep_all(), at(1000));
@@ -32,7 +32,7 @@ TEST_F(DurableStoreTest, WhatFlushWaitedForIsThere) {
   EXPECT_EQ(open()->open_stream(kMap, keep_all(), at(1000))->history.size(), 1000u);
 }
 
-TEST_F(DurableStoreTest, ANextWriterGetsWhatTheOneBeforeLeft) {
+TEST_F(DurableStoreTest, ANextWriter_GetsWhatTheOneBeforeLeft) {
   auto store = open();
   const auto first = *store->open_stream(kMap, keep_all(), at(1000));
   const auto alike = *store->open_stream(kMap, keep_all(), at(1000));
@@ -46,7 +46,7 @@ TEST_F(DurableStoreTest, ANextWriterGetsWhatTheOneBeforeLeft) {
 }
 
 // As on a disk without room: no file of this process may grow.
-TEST_F(DurableStoreTest, WithoutRoomItSaysSoAndGoesOnWhenThereIsSome) {
+TEST_F(DurableStoreTest, WithoutRoom_SaysSoAndGoesOnWhenThereIsSome) {
   std::signal(SIGXFSZ, SIG_IGN);
   auto store = open();
   const auto stream = *store->open_stream(kMap, keep_all(), at(1000));
@@ -108,7 +108,7 @@ TEST_F(DurableStoreTest, AStream_OpenedWithoutRoom_IsStoredWhenThereIsSome) {
             std::vector<std::uint32_t>{2});
 }
 
-TEST_F(DurableStoreTest, IsBehindWhenItsQueueIsFull) {
+TEST_F(DurableStoreTest, FullQueue_IsBehind) {
   auto store = open();
   const auto stream = *store->open_stream(kMap, keep_last(1), at(1000));
   EXPECT_FALSE(store->is_behind());
@@ -124,7 +124,7 @@ TEST_F(DurableStoreTest, IsBehindWhenItsQueueIsFull) {
   EXPECT_FALSE(store->is_behind());
 }
 
-TEST_F(DurableStoreTest, LimitsThatAreReachedAreAnEvent) {
+TEST_F(DurableStoreTest, LimitsThatAreReached_AreAnEvent) {
   auto service = keep_all();
   service.limits.max_samples = 1;
   auto store = open();
@@ -157,7 +157,7 @@ TEST_F(DurableStoreTest, ASinkThatThrows_DoesNotEndTheThread) {
   EXPECT_EQ(store->left_out(), 2u);
 }
 
-TEST_F(DurableStoreTest, InMemoryItLastsAsLongAsItself) {
+TEST_F(DurableStoreTest, InMemory_LastsAsLongAsItself) {
   auto store = *DurableStore::open("", events);
   const auto stream = *store->open_stream(kMap, keep_all(), at(1000));
   store->append(stream.id, sample(1), at(0));

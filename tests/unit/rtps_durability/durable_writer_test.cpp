@@ -9,7 +9,7 @@ using namespace testing;
 
 struct DurableWriterTest : DurableFixture {};
 
-TEST_P(DurableWriterTest, ALateJoinerGetsWhatWasWrittenBeforeARestart) {
+TEST_P(DurableWriterTest, ALateJoiner_GetsWhatWasWrittenBeforeARestart) {
   const auto qos = durable(DurabilityKind::persistent);
   {
     End end(environment, with_store());
@@ -32,7 +32,7 @@ TEST_P(DurableWriterTest, ALateJoinerGetsWhatWasWrittenBeforeARestart) {
   EXPECT_EQ(taken(young), (std::vector<std::int64_t>{3}));
 }
 
-TEST_P(DurableWriterTest, SourceTimesAndLifespansOutliveARestart) {
+TEST_P(DurableWriterTest, SourceTimesAndLifespans_OutliveARestart) {
   auto qos = durable(DurabilityKind::persistent);
   qos.lifespan = Duration::from(10s);
   std::optional<Time> written;
@@ -60,7 +60,7 @@ TEST_P(DurableWriterTest, SourceTimesAndLifespansOutliveARestart) {
   EXPECT_EQ(samples[0].info.source_timestamp, written);
 }
 
-TEST_P(DurableWriterTest, TransientSamplesOutliveTheirWriterButNotTheParticipant) {
+TEST_P(DurableWriterTest, TransientSamples_OutliveTheirWriterButNotTheParticipant) {
   const auto qos = durable(DurabilityKind::transient);
   {
     End end(environment, options());
@@ -77,7 +77,7 @@ TEST_P(DurableWriterTest, TransientSamplesOutliveTheirWriterButNotTheParticipant
             (std::vector<std::int64_t>{2}));
 }
 
-TEST_P(DurableWriterTest, DurabilityServiceSaysHowMuchIsKept) {
+TEST_P(DurableWriterTest, DurabilityService_SaysHowMuchIsKept) {
   const auto qos = durable(DurabilityKind::persistent, 2);
   {
     End end(environment, with_store());
@@ -92,7 +92,7 @@ TEST_P(DurableWriterTest, DurabilityServiceSaysHowMuchIsKept) {
 
 // DDS 1.4, 2.2.3.5: HISTORY is for those that are there, DURABILITY_SERVICE for those that come
 // late.
-TEST_P(DurableWriterTest, ALateJoinerGetsMoreThanHistoryKeepsIfTheServiceKeepsMore) {
+TEST_P(DurableWriterTest, ALateJoiner_GetsMoreThanHistoryKeepsIfTheServiceKeepsMore) {
   auto qos = durable(DurabilityKind::transient, 1);
   for (const auto& [service, count] :
        {std::pair(keep_last(3), 3u), std::pair(keep_all(), 5u), std::pair(keep_last(1), 1u)}) {
@@ -111,7 +111,7 @@ TEST_P(DurableWriterTest, ALateJoinerGetsMoreThanHistoryKeepsIfTheServiceKeepsMo
   }
 }
 
-TEST_P(DurableWriterTest, AReaderThatStaysGetsNothingTwiceFromARestartedWriter) {
+TEST_P(DurableWriterTest, AReaderThatStays_GetsNothingTwiceFromARestartedWriter) {
   const auto qos = durable(DurabilityKind::persistent);
   auto& stays = b.reader(late(DurabilityKind::persistent));
   for (int round = 0; round < 3; ++round) {
@@ -125,7 +125,7 @@ TEST_P(DurableWriterTest, AReaderThatStaysGetsNothingTwiceFromARestartedWriter) 
   }
 }
 
-TEST_P(DurableWriterTest, WithoutAStorePersistentSamplesAreKeptInMemoryAndSomebodyIsTold) {
+TEST_P(DurableWriterTest, WithoutAStore_PersistentSamplesAreKeptInMemoryWithAWarning) {
   ASSERT_TRUE(a.writer(durable(DurabilityKind::persistent)).write({"north", 1}));
   const std::lock_guard held(events.mutex);
   ASSERT_EQ(std::ranges::count(events.seen, Code::rtps_store_unusable,
@@ -133,7 +133,7 @@ TEST_P(DurableWriterTest, WithoutAStorePersistentSamplesAreKeptInMemoryAndSomebo
             1);
 }
 
-TEST_P(DurableWriterTest, AStoreThatCannotBeUsedIsAnErrorAtTheStart) {
+TEST_P(DurableWriterTest, AStoreThatCannotBeUsed_IsAnErrorAtTheStart) {
   std::ofstream(folder / "samples") << std::string(5000, 'x');
   const auto participant = DomainParticipant::create(with_store(), environment);
   ASSERT_FALSE(participant);

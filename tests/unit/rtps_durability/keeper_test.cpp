@@ -11,7 +11,7 @@ namespace {
 
 using namespace testing;
 
-TEST_P(KeeperTest, ALateJoinerGetsWhatAWriterThatIsGoneHasWritten) {
+TEST_P(KeeperTest, ALateJoiner_GetsWhatAWriterThatIsGoneHasWritten) {
   const auto service = keeper();
   auto& writer = a.writer(durable(DurabilityKind::transient));
   ASSERT_TRUE(keeps(*service, 1));
@@ -41,7 +41,7 @@ TEST_P(KeeperTest, AReader_WithTheAccessOfTheWriter_GetsWhatIsKept) {
   EXPECT_EQ(taken(reader), (Values{0, 1, 2}));
 }
 
-TEST_P(KeeperTest, NothingComesTwiceWhileTheWriterIsThere) {
+TEST_P(KeeperTest, WhileTheWriterIsThere_NothingComesTwice) {
   const auto service = keeper();
   auto& stays = b.reader(late(DurabilityKind::transient));
   auto& writer = a.writer(durable(DurabilityKind::transient));
@@ -76,7 +76,7 @@ TEST_P(KeeperTest, NothingComesTwice_OfAHistoryWithManyGaps) {
   EXPECT_EQ(late_joiner(*service, b, kMany + 1).size(), kMany + 1u);
 }
 
-TEST_P(KeeperTest, WhatIsKeptOutlivesTheKeeper) {
+TEST_P(KeeperTest, WhatIsKept_OutlivesTheKeeper) {
   {
     const auto service = keeper();
     auto& writer = a.writer(durable(DurabilityKind::persistent));
@@ -136,7 +136,7 @@ class NoRoom {
   rlimit before_{};
 };
 
-TEST_P(KeeperTest, WhatIsNotStoredIsNotAcknowledged) {
+TEST_P(KeeperTest, WhatIsNotStored_IsNotAcknowledged) {
   if (GetParam() == testing::Way::in_process) return;  // there are no acknowledgments
   const auto service = keeper();
   auto& writer = a.writer(durable(DurabilityKind::transient, 100));
@@ -211,7 +211,7 @@ TEST_P(KeeperTest, AStoredTopic_ThatIsNotWanted_IsNotServedAndStays) {
   EXPECT_EQ(late_joiner(*service, b, 1), (Values{1}));
 }
 
-TEST_P(KeeperTest, ItStartsAndServesWithoutRoom) {
+TEST_P(KeeperTest, WithoutRoom_StartsAndServes) {
   {
     const auto service = keeper();
     auto& writer = a.writer(durable(DurabilityKind::persistent));
@@ -233,7 +233,7 @@ TEST_P(KeeperTest, ItStartsAndServesWithoutRoom) {
   EXPECT_EQ(late_joiner(**service, b, 3), (Values{0, 1, 2}));
 }
 
-TEST_P(KeeperTest, DurabilityServiceSaysHowMuchIsKept) {
+TEST_P(KeeperTest, DurabilityService_SaysHowMuchIsKept) {
   const auto service = keeper();
   auto& writer = a.writer(durable(DurabilityKind::transient, 2));
   ASSERT_TRUE(keeps(*service, 1));
@@ -246,7 +246,7 @@ TEST_P(KeeperTest, DurabilityServiceSaysHowMuchIsKept) {
 }
 
 // Beyond 65,536 samples, the next ones were stored and acknowledged, and given to no late joiner.
-TEST_P(KeeperTest, AllThatIsStoredIsServed) {
+TEST_P(KeeperTest, AllThatIsStored_IsServed) {
   if (GetParam() == testing::Way::network) return;  // takes long, and the keeper is the same
   constexpr std::uint64_t kCount = WriterHistory::kMaxChanges + 500;
   auto service = Keeper::create(options(), {}, environment).value();
@@ -264,7 +264,7 @@ TEST_P(KeeperTest, AllThatIsStoredIsServed) {
   EXPECT_EQ(service->served(), kCount);
 }
 
-TEST_P(KeeperTest, WhatTheStoreRemovesIsNoLongerServed) {
+TEST_P(KeeperTest, WhatTheStoreRemoves_IsNoLongerServed) {
   const auto service = keeper();
   auto& writer = a.writer(durable(DurabilityKind::transient, 2));
   ASSERT_TRUE(keeps(*service, 1));
@@ -285,7 +285,7 @@ TEST_P(KeeperTest, WhatTheStoreRemovesIsNoLongerServed) {
 }
 
 // A lease of some nanoseconds kept the keeper busy with assertions for good.
-TEST_P(KeeperTest, AVeryShortLeaseIsNotOffered) {
+TEST_P(KeeperTest, AVeryShortLease_IsNotOffered) {
   const auto service = keeper();
   auto qos = durable(DurabilityKind::transient);
   qos.liveliness.lease_duration = Duration{{0, 13}};
@@ -303,7 +303,7 @@ TEST_P(KeeperTest, AVeryShortLeaseIsNotOffered) {
   EXPECT_EQ(offered->qos.liveliness.lease_duration, (Duration{{1, 0}}));
 }
 
-TEST_P(KeeperTest, OnlyDurableWritersOfTheWantedTopicsAreKept) {
+TEST_P(KeeperTest, OnlyDurableWritersOfTheWantedTopics_AreKept) {
   const auto other = keeper({"Other*"});
   a.writer(durable(DurabilityKind::transient));
   both(*other, 60);
@@ -322,7 +322,7 @@ TEST_P(KeeperTest, OnlyDurableWritersOfTheWantedTopicsAreKept) {
 }
 
 // 256 topics without a sample filled a keeper for good, and so did its file for the next one.
-TEST_P(KeeperTest, TopicsWithoutSamplesGiveWay) {
+TEST_P(KeeperTest, TopicsWithoutSamples_GiveWay) {
   constexpr std::size_t kJunk = 280, kOfOne = Keeper::kMaxTopics / 2;
   {
     const auto service = keeper();
@@ -377,7 +377,7 @@ TEST_P(KeeperTest, TopicThatFoundNoRoom_IsKeptWhenThereIs) {
 }
 
 // Before: the first writer to announce a topic decided for ever how it is kept.
-TEST_P(KeeperTest, ATopicWithoutSamplesGoesWithTheWriterThatAnnouncedIt) {
+TEST_P(KeeperTest, ATopicWithoutSamples_GoesWithTheWriterThatAnnouncedIt) {
   const auto service = keeper();
   auto first = std::make_unique<End>(environment, options());
   auto other = durable(DurabilityKind::transient);

@@ -56,7 +56,7 @@ struct KillTest : StoreTest, ::testing::WithParamInterface<DurabilityService> {
   }
 };
 
-TEST_P(KillTest, NothingThatWasStoredIsLostAndNothingIsHalfThere) {
+TEST_P(KillTest, KilledAtAnyTime_LosesNothingStoredAndLeavesNothingHalf) {
   std::mt19937 random(7);
   std::uint32_t next = 0;
   const bool all = GetParam().history.kind == HistoryKind::keep_all;

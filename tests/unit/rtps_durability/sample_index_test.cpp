@@ -12,7 +12,7 @@ using namespace testing;
 using Numbers = std::vector<std::uint32_t>;
 using SampleIndexTest = StoreTest;
 
-TEST_F(SampleIndexTest, KeepLastKeepsTheLastOfEachInstance) {
+TEST_F(SampleIndexTest, KeepLast_KeepsTheLastOfEachInstance) {
   auto opened = *IndexedStore::open(path);
   const auto write = [&](std::uint32_t from, std::uint32_t to, std::int32_t depth) {
     const auto id = *opened.stream(kMap, keep_last(depth));
@@ -29,7 +29,7 @@ TEST_F(SampleIndexTest, KeepLastKeepsTheLastOfEachInstance) {
   EXPECT_EQ(stored(), (Numbers{5, 6, 8, 9, 10}));
 }
 
-TEST_F(SampleIndexTest, LimitsLeaveOutWhatDoesNotFit) {
+TEST_F(SampleIndexTest, Limits_LeaveOutWhatDoesNotFit) {
   auto service = keep_all();
   service.limits = {.max_samples = 5, .max_instances = 2, .max_samples_per_instance = 3};
   auto opened = *IndexedStore::open("");
@@ -55,7 +55,7 @@ TEST_F(SampleIndexTest, LimitsLeaveOutWhatDoesNotFit) {
 }
 
 // DDS 1.4, 2.2.3.5: service_cleanup_delay.
-TEST_F(SampleIndexTest, DisposedInstancesGoWhenTheirDelayIsOver) {
+TEST_F(SampleIndexTest, DisposedInstances_GoWhenTheirDelayIsOver) {
   auto service = keep_all();
   service.cleanup_delay = Duration{{10, 0}};
   auto opened = *IndexedStore::open(path);
@@ -72,7 +72,7 @@ TEST_F(SampleIndexTest, DisposedInstancesGoWhenTheirDelayIsOver) {
   EXPECT_EQ(opened.size(id), 0u);
 }
 
-TEST_F(SampleIndexTest, AnInstanceThatComesBackStays) {
+TEST_F(SampleIndexTest, AnInstanceThatComesBack_Stays) {
   auto service = keep_all();
   service.cleanup_delay = Duration{{10, 0}};
   auto opened = *IndexedStore::open("");
@@ -84,7 +84,7 @@ TEST_F(SampleIndexTest, AnInstanceThatComesBackStays) {
   EXPECT_EQ(opened.size(id), 3u);
 }
 
-TEST_F(SampleIndexTest, AnInstanceThatCameBackStaysAlsoInAStoreThatIsOpenedAgain) {
+TEST_F(SampleIndexTest, AnInstanceThatCameBack_StaysInAStoreThatIsOpenedAgain) {
   auto service = keep_all();
   service.cleanup_delay = Duration{{10, 0}};
   {
@@ -101,7 +101,7 @@ TEST_F(SampleIndexTest, AnInstanceThatCameBackStaysAlsoInAStoreThatIsOpenedAgain
 }
 
 // With each one that was ended, samples of all topics were stored later.
-TEST_F(SampleIndexTest, ManyEndedInstancesCostEachTheirOwn) {
+TEST_F(SampleIndexTest, ManyEndedInstances_CostEachTheirOwn) {
   constexpr std::uint32_t kMany = 60'000;
   auto service = keep_all();
   service.cleanup_delay = Duration{{10, 0}};
@@ -121,7 +121,7 @@ TEST_F(SampleIndexTest, ManyEndedInstancesCostEachTheirOwn) {
   EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 3);
 }
 
-TEST_F(SampleIndexTest, WithoutDelayDisposedInstancesGoAtOnce) {
+TEST_F(SampleIndexTest, WithoutDelay_DisposedInstancesGoAtOnce) {
   auto opened = *IndexedStore::open("");
   const auto id = *opened.stream(kMap, keep_all());
   ASSERT_TRUE(
@@ -168,7 +168,7 @@ struct ShareTest : StoreTest {
 };
 
 // One identity filled a store, and nothing of any topic was kept from then on.
-TEST_F(ShareTest, OneIdentityLeavesRoomForAnother) {
+TEST_F(ShareTest, OneIdentity_LeavesRoomForAnother) {
   for (const std::size_t octets : {0uz, 10uz, 1400uz, 2100uz, 5000uz, 60000uz}) {
     std::filesystem::remove(path);
     open();
@@ -207,7 +207,7 @@ TEST_F(ShareTest, ReopenedStore_CountsAsMuchAsBefore) {
 
 // One identity filled a stream with a million small samples. Samples of others were acknowledged
 // and not stored.
-TEST_F(ShareTest, OneIdentityLeavesPlacesOfAStreamForAnother) {
+TEST_F(ShareTest, OneIdentity_LeavesPlacesOfAStreamForAnother) {
   open();
   store->index.limit_samples(100);
   EXPECT_EQ(fill(1, 10, 200, 7), 50u);
@@ -222,7 +222,7 @@ TEST_F(ShareTest, OneIdentityLeavesPlacesOfAStreamForAnother) {
   EXPECT_GT(fill(1, 10, 10), 0u) << "what is removed makes room";
 }
 
-TEST_F(ShareTest, WithKeepLastOwnSamplesGiveWayInAFullStream) {
+TEST_F(ShareTest, KeepLast_OwnSamplesGiveWayInAFullStream) {
   service = keep_last(1);
   open();
   store->index.limit_samples(100);
@@ -272,7 +272,7 @@ TEST_F(ShareTest, AReplacement_ThatWaits_FitsWhenOthersLeave) {
   EXPECT_TRUE(put(1, 0, 1'900'000));
 }
 
-TEST_F(ShareTest, WithKeepLastWhatGoesMakesRoom) {
+TEST_F(ShareTest, KeepLast_WhatGoesMakesRoom) {
   service = keep_last(1);
   open();
   fill(1, 60000, 100, 100);
@@ -284,7 +284,7 @@ TEST_F(ShareTest, WithKeepLastWhatGoesMakesRoom) {
   EXPECT_EQ(store->waited, waited);
 }
 
-TEST_F(ShareTest, WithoutRoomTheEndOfAnInstanceRemovesIt) {
+TEST_F(ShareTest, WithoutRoom_TheEndOfAnInstanceRemovesIt) {
   service.cleanup_delay = Duration{{10, 0}};
   open();
   fill(1, 60000, 10, 10);
@@ -299,7 +299,7 @@ TEST_F(ShareTest, WithoutRoomTheEndOfAnInstanceRemovesIt) {
   EXPECT_EQ(store->size(id), held - 1);
 }
 
-TEST_F(ShareTest, OwnSamplesHaveNoBound) {
+TEST_F(ShareTest, OwnSamples_HaveNoBound) {
   open();
   const auto share = fill(1, 60000, 100);
   fill(1, 60000, 10);
@@ -358,7 +358,7 @@ TEST_F(SampleIndexTest, AHistoryWithoutDepth_KeepsOneSample) {
   EXPECT_EQ(opened.size(id), 0u);
 }
 
-struct LateTest : StoreTest {
+struct LateSamplesTest : StoreTest {
   /// What is late comes of another identity than the rest, unless `who` says otherwise.
   SampleIndex::Verdict put(Change change, std::int32_t time, bool is_late = false,
                            std::uint8_t who = 0) {
@@ -376,14 +376,14 @@ struct LateTest : StoreTest {
 using Verdict = SampleIndex::Verdict;
 
 // Before: a sample that had waited, or came with a history, replaced what was written meanwhile.
-TEST_F(LateTest, ALateSample_DoesNotReplaceALaterOne) {
+TEST_F(LateSamplesTest, ALateSample_DoesNotReplaceALaterOne) {
   EXPECT_EQ(put(sample(0), 20), Verdict::stored);
   EXPECT_EQ(put(sample(0), 10, true), Verdict::overtaken);
   EXPECT_EQ(put(sample(0), 30, true), Verdict::stored);
   EXPECT_EQ(put(sample(0), 10), Verdict::stored) << "it is not late";
 }
 
-TEST_F(LateTest, ALateSample_DoesNotBringAnEndedInstanceBack) {
+TEST_F(LateSamplesTest, ALateSample_DoesNotBringAnEndedInstanceBack) {
   put(sample(0), 10);
   put(dispose(0), 20);
   EXPECT_EQ(put(sample(0), 15, true), Verdict::overtaken);
@@ -391,20 +391,20 @@ TEST_F(LateTest, ALateSample_DoesNotBringAnEndedInstanceBack) {
 }
 
 // A clock that goes back must not keep a writer from its own instance.
-TEST_F(LateTest, ItsOwnIdentity_OvertakesNothing) {
+TEST_F(LateSamplesTest, ItsOwnIdentity_OvertakesNothing) {
   put(sample(0), 20);
   EXPECT_EQ(put(sample(0), 10, true, 1), Verdict::stored);
   put(dispose(0), 30);
   EXPECT_EQ(put(sample(0), 15, true, 1), Verdict::stored);
 }
 
-TEST_F(LateTest, ATimestampFromTheFuture_CountsAsTheTimeOfArrival) {
+TEST_F(LateSamplesTest, ATimestampFromTheFuture_CountsAsTheTimeOfArrival) {
   put(sample(0), 5000);
   EXPECT_EQ(put(sample(0), 51, true), Verdict::stored);
 }
 
 // Before, after a restart it kept out all that had waited, until its time came.
-TEST_F(LateTest, AStoredTimestampFromTheFuture_OvertakesNothing) {
+TEST_F(LateSamplesTest, AStoredTimestampFromTheFuture_OvertakesNothing) {
   put(sample(0), 5000);
   ASSERT_TRUE(store.close(id));
   store.opened_at = at(50);
@@ -412,7 +412,7 @@ TEST_F(LateTest, AStoredTimestampFromTheFuture_OvertakesNothing) {
   EXPECT_EQ(put(sample(0), 40, true), Verdict::stored);
 }
 
-TEST_F(LateTest, PastEnds_AreBounded) {
+TEST_F(LateSamplesTest, PastEnds_AreBounded) {
   const auto of = [](Change change, std::uint32_t instance) {
     (*change.key_hash)[0] = static_cast<std::uint8_t>(instance);
     (*change.key_hash)[1] = static_cast<std::uint8_t>(instance >> 8);
@@ -423,7 +423,7 @@ TEST_F(LateTest, PastEnds_AreBounded) {
   EXPECT_EQ(put(of(sample(0), 2999), 10, true), Verdict::overtaken);
 }
 
-TEST_F(LateTest, WithKeepAll_ALateSample_IsKeptUnlessItsInstanceEndedLater) {
+TEST_F(LateSamplesTest, WithKeepAll_ALateSample_IsKeptUnlessItsInstanceEndedLater) {
   service = keep_all();
   service.cleanup_delay = Duration{{100, 0}};
   id = *store.stream(kMap, service);

@@ -48,7 +48,7 @@ struct SampleStoreTest : StoreTest {
   }
 };
 
-TEST_F(SampleStoreTest, KeepsSamplesInTheirOrder) {
+TEST_F(SampleStoreTest, StoredSamples_KeepTheirOrder) {
   store(0, 10);
   store(10, 20);
   Numbers all(20);
@@ -56,7 +56,7 @@ TEST_F(SampleStoreTest, KeepsSamplesInTheirOrder) {
   EXPECT_EQ(stored(), all);
 }
 
-TEST_F(SampleStoreTest, IsReadableByItsOwnerAlone) {
+TEST_F(SampleStoreTest, File_IsReadableByItsOwnerAlone) {
   store(0, 1);
   struct stat status {};
   ASSERT_EQ(::stat(path.c_str(), &status), 0);
@@ -109,7 +109,7 @@ TEST_F(SampleStoreTest, APipe_InPlaceOfAFile_IsRefusedAtOnce) {
   EXPECT_EQ(opened.error().details().expected, "a regular file");
 }
 
-TEST_F(SampleStoreTest, StreamsDoNotMix) {
+TEST_F(SampleStoreTest, Streams_DoNotMix) {
   auto opened = IndexedStore::open("");
   ASSERT_TRUE(opened);
   std::vector<StreamKey> keys(8, kMap);
@@ -135,7 +135,7 @@ StreamKey junk(std::size_t number) {
   return key;
 }
 
-TEST_F(SampleStoreTest, StreamsWithoutSamplesLeaveNothingBehind) {
+TEST_F(SampleStoreTest, StreamsWithoutSamples_LeaveNothingBehind) {
   auto opened = *IndexedStore::open(path);
   const auto kept = *opened.stream(kMap, keep_all());
   ASSERT_TRUE(opened.commit({{StoredChange{kept, sample(0)}}}, seconds(0)));
@@ -158,7 +158,7 @@ TEST_F(SampleStoreTest, StreamsWithoutSamplesLeaveNothingBehind) {
 }
 
 // 1024 announcements filled a store for good.
-TEST_F(SampleStoreTest, AStoreThatWasFilledWithEmptyStreamsHasRoomAgain) {
+TEST_F(SampleStoreTest, AStoreThatWasFilledWithEmptyStreams_HasRoomAgain) {
   store(0, 3);
   {
     auto database = *Database::open(path);
@@ -178,7 +178,7 @@ TEST_F(SampleStoreTest, AStoreThatWasFilledWithEmptyStreamsHasRoomAgain) {
   EXPECT_EQ(numbers(opened.store.load(*id)->changes), Numbers{7});
 }
 
-TEST_F(SampleStoreTest, AFullStoreSaysSoAndLosesNothing) {
+TEST_F(SampleStoreTest, AFullStore_SaysSoAndLosesNothing) {
   store(0, 10);
   {
     auto small = IndexedStore::open(path, 64 << 10);
@@ -197,7 +197,7 @@ TEST_F(SampleStoreTest, AFullStoreSaysSoAndLosesNothing) {
   EXPECT_EQ(stored().size(), 11u);
 }
 
-TEST_F(SampleStoreTest, AStoreOfAnEarlierVersionIsTakenOver) {
+TEST_F(SampleStoreTest, AStoreOfAnEarlierVersion_IsTakenOver) {
   for (const int version : {2, 3, 4}) {
     std::filesystem::remove(path);
     store(0, 3);
@@ -318,7 +318,7 @@ TEST_F(SampleStoreTest, ACommitThatFails_RemembersNoWriter) {
   EXPECT_EQ(opened.store.load(id)->heard.size(), kMax / 2 + 3);
 }
 
-TEST_F(SampleStoreTest, ADiskWithoutRoomIsNamedAndNothingStoredIsLost) {
+TEST_F(SampleStoreTest, ADiskWithoutRoom_IsNamedAndNothingStoredIsLost) {
   store(0, 10);
   std::uint32_t next = 10;
   {
@@ -352,7 +352,7 @@ TEST_F(SampleStoreTest, ADiskWithoutRoomIsNamedAndNothingStoredIsLost) {
   EXPECT_EQ(stored(), all);
 }
 
-TEST_F(SampleStoreTest, IsForOneProcessAtATime) {
+TEST_F(SampleStoreTest, SecondProcess_IsRefused) {
   const auto first = IndexedStore::open(path);
   ASSERT_TRUE(first);
   const auto second = IndexedStore::open(path);
@@ -361,7 +361,7 @@ TEST_F(SampleStoreTest, IsForOneProcessAtATime) {
   EXPECT_NE(second.error().details().found.find("locked"), std::string::npos);
 }
 
-TEST_F(SampleStoreTest, WhatIsNotOursIsRefusedAndLeftAsItIs) {
+TEST_F(SampleStoreTest, WhatIsNotOurs_IsRefusedAndLeftAsItIs) {
   const auto refuse = [&](const char* what, const Bytes& octets) {
     write_octets(octets);
     const auto opened = IndexedStore::open(path);
@@ -389,7 +389,7 @@ TEST_F(SampleStoreTest, WhatIsNotOursIsRefusedAndLeftAsItIs) {
   refuse("a later version's", octets());
 }
 
-TEST_F(SampleStoreTest, ATriggerInAStoreIsNeverRun) {
+TEST_F(SampleStoreTest, ATriggerInAStore_IsNeverRun) {
   store(0, 3);
   {
     auto other = *Database::open(path);
@@ -399,7 +399,7 @@ TEST_F(SampleStoreTest, ATriggerInAStoreIsNeverRun) {
   EXPECT_EQ(code_of(IndexedStore::open(path)), Code::rtps_store_unusable);
 }
 
-TEST_F(SampleStoreTest, FoldersAndLinksAreRefused) {
+TEST_F(SampleStoreTest, FoldersAndLinks_AreRefused) {
   std::filesystem::create_directory(folder / "folder");
   EXPECT_EQ(code_of(IndexedStore::open(folder / "folder")), Code::rtps_store_unusable);
   EXPECT_EQ(code_of(IndexedStore::open(folder / "no" / "folder")), Code::rtps_store_unusable);
@@ -409,7 +409,7 @@ TEST_F(SampleStoreTest, FoldersAndLinksAreRefused) {
 }
 
 // Either it is noticed, or what is read is what was written.
-TEST_F(SampleStoreTest, DamageIsNoticed) {
+TEST_F(SampleStoreTest, Damage_IsNoticed) {
   store(0, 200);
   const auto whole = octets();
   const auto before = stored();
@@ -437,7 +437,7 @@ TEST_F(SampleStoreTest, DamageIsNoticed) {
   EXPECT_GT(noticed, 50);
 }
 
-TEST_F(SampleStoreTest, ATruncatedStoreIsRefusedOrWhole) {
+TEST_F(SampleStoreTest, ATruncatedStore_IsRefusedOrWhole) {
   store(0, 200);
   const auto whole = octets();
   for (std::size_t size = 1; size < whole.size(); size += 997) {

@@ -34,7 +34,7 @@ Change claimed(std::uint32_t relay, Change change) {
 
 void add(SeenOriginals& seen, const Change& change) { seen.add(SeenOriginals::of(change)); }
 
-TEST(SeenOriginals, KnowsExactlyWhatWasAddedInWhateverOrder) {
+TEST(SeenOriginals, AnyOrder_IsKnownExactly) {
   std::mt19937 random(3);
   SeenOriginals seen;
   std::set<std::int64_t> added;
@@ -49,7 +49,7 @@ TEST(SeenOriginals, KnowsExactlyWhatWasAddedInWhateverOrder) {
     EXPECT_EQ(seen.contains(heard(1, number)), added.contains(number)) << number;
 }
 
-TEST(SeenOriginals, ForgetsTheOldestBeyondItsBounds) {
+TEST(SeenOriginals, BeyondItsBounds_TheOldestIsForgotten) {
   SeenOriginals many;
   for (std::uint32_t i = 0; i < SeenOriginals::kMaxWriters; ++i) add(many, heard(i, 1));
   add(many, heard(0, 2));
@@ -110,7 +110,7 @@ TEST(SeenOriginals, ClaimThatEndsEarlier_IsNoReasonToDropALaterCopy) {
   EXPECT_TRUE(seen.contains(sample));
 }
 
-TEST(SeenOriginals, WhatTheWriterSaidItselfNobodySaysAgain) {
+TEST(SeenOriginals, WhatTheWriterSaidItself_IsNotAcceptedFromAnother) {
   SeenOriginals seen;
   add(seen, heard(1, 5));
   EXPECT_TRUE(seen.contains(claimed(2, heard(1, 5))));
@@ -121,7 +121,7 @@ TEST(SeenOriginals, WhatTheWriterSaidItselfNobodySaysAgain) {
 }
 
 // Who may write a topic must not keep others' samples away by saying that they were there.
-TEST(SeenOriginals, AClaimTakesThePlaceOfWhatSaysTheSameOnly) {
+TEST(SeenOriginals, AClaim_TakesThePlaceOfWhatSaysTheSameOnly) {
   const auto honest = heard(1, 5);
   const auto changed = [&](auto&& change_it) {
     auto change = honest;
@@ -159,7 +159,7 @@ TEST(SeenOriginals, AClaimTakesThePlaceOfWhatSaysTheSameOnly) {
 }
 
 // Padding that a submessage brought does not make it another sample; what is cut off does.
-TEST(SeenOriginals, PaddingOnTheWayIsNoDifference) {
+TEST(SeenOriginals, PaddingOnTheWay_IsNoDifference) {
   auto at_home = heard(1, 5), on_the_way = at_home;
   at_home.payload = Payload::copy_of(Bytes{0, 1, 0, 0, 7});
   on_the_way.payload = Payload::copy_of(Bytes{0, 1, 0, 0, 7, 0, 0, 0});
@@ -171,7 +171,7 @@ TEST(SeenOriginals, PaddingOnTheWayIsNoDifference) {
   EXPECT_FALSE(cut.contains(on_the_way));
 }
 
-TEST(SeenOriginals, ADisposeWithItsUnregistrationIsTheDisposeThatIsKept) {
+TEST(SeenOriginals, ADisposeWithItsUnregistration_IsTheDisposeThatIsKept) {
   auto both = heard(1, 5), kept = both;
   both.status = {true, true};
   kept.status = {true, false};
@@ -181,7 +181,7 @@ TEST(SeenOriginals, ADisposeWithItsUnregistrationIsTheDisposeThatIsKept) {
   EXPECT_TRUE(seen.contains(both));
 }
 
-TEST(SeenOriginals, ClaimsAreBounded) {
+TEST(SeenOriginals, Claims_AreBounded) {
   SeenOriginals seen;
   const auto most = static_cast<std::int64_t>(SeenOriginals::kMaxClaims);
   for (std::int64_t i = 1; i <= most + 1; ++i) add(seen, claimed(2, heard(1, i)));

@@ -32,7 +32,7 @@ Bytes payload_of(const EndpointData& data) {
   return to_bytes(out.view());
 }
 
-TEST(ContentFilterPropertyTest, TravelsWithTheReader) {
+TEST(ContentFilterPropertyTest, Filter_TravelsWithTheReader) {
   const auto data = subscription(property());
   const auto read = read_subscription_data(payload_of(data));
   ASSERT_TRUE(read);
@@ -40,7 +40,7 @@ TEST(ContentFilterPropertyTest, TravelsWithTheReader) {
   EXPECT_EQ(read_subscription_data(payload_of(subscription({})))->content_filter, std::nullopt);
 }
 
-TEST(ContentFilterPropertyTest, TheLongestFits) {
+TEST(ContentFilterPropertyTest, TheLongest_Fits) {
   auto longest = property();
   longest.filter.expression = std::string(Filter::kMaxExpression, 'x');
   longest.filter.parameters.assign(Filter::kMaxParameters, std::string(Filter::kMaxParameter, '1'));
@@ -48,7 +48,7 @@ TEST(ContentFilterPropertyTest, TheLongestFits) {
 }
 
 // Who announces it filters itself; it is no reason not to match.
-TEST(ContentFilterPropertyTest, WhatIsTooLongOrEmptyIsNone) {
+TEST(ContentFilterPropertyTest, WhatIsTooLongOrEmpty_IsNone) {
   const auto none = [](auto change) {
     auto changed = property();
     change(changed);
@@ -65,7 +65,7 @@ TEST(ContentFilterPropertyTest, WhatIsTooLongOrEmptyIsNone) {
   EXPECT_TRUE(none([](auto& p) { p.filter.parameters.assign(1, std::string(257, '1')); }));
 }
 
-TEST(ContentFilterPropertyTest, TruncatedIsRefusedOrNone) {
+TEST(ContentFilterPropertyTest, PropertyCutAnywhere_IsRefusedOrNone) {
   const auto whole = payload_of(subscription(property()));
   std::array<std::uint8_t, 512> buffer{};
   SpanWriter out(buffer);
@@ -78,7 +78,7 @@ TEST(ContentFilterPropertyTest, TruncatedIsRefusedOrNone) {
 }
 
 // All strings with their NULs, in their order; no length between them.
-TEST(ContentFilterPropertyTest, TheSignatureIsTheMd5OfItsStrings) {
+TEST(ContentFilterPropertyTest, TheSignature_IsTheMd5OfItsStrings) {
   constexpr std::string_view all("Few\0Square\0DDSSQL\0x < %0\0005\0'BLUE'\0", 34);
   EXPECT_EQ(signature_of(property()), md5(as_bytes(all)));
   auto other = property();

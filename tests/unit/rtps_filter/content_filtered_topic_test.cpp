@@ -32,7 +32,7 @@ struct ContentFilteredTopicTest : Polled {
   }
 };
 
-TEST_P(ContentFilteredTopicTest, ReadersGetWhatPasses) {
+TEST_P(ContentFilteredTopicTest, Readers_GetWhatPasses) {
   auto& writer = a.writer();
   auto& few = reader(filtered("value BETWEEN %0 AND %1 AND sensor LIKE 'no%'", {"2", "3"}));
   auto& all = b.reader(reliable());
@@ -48,7 +48,7 @@ TEST_P(ContentFilteredTopicTest, ReadersGetWhatPasses) {
 }
 
 // RTPS 2.5, 8.7.3: the writer applies the filter, and says GAP; everything is acknowledged.
-TEST_P(ContentFilteredTopicTest, WritersSendNothingThatDoesNotPass) {
+TEST_P(ContentFilteredTopicTest, SamplesThatDoNotPass_AreNotSent) {
   auto& writer = a.writer();
   auto& few = reader(filtered("value > 97"));
   ASSERT_TRUE(match(writer, few));
@@ -60,7 +60,7 @@ TEST_P(ContentFilteredTopicTest, WritersSendNothingThatDoesNotPass) {
   EXPECT_TRUE(eventually([&] { return writer.wait_for_acknowledgments(0ms).has_value(); }));
 }
 
-TEST_P(ContentFilteredTopicTest, EachReaderHasItsOwnFilter) {
+TEST_P(ContentFilteredTopicTest, EachReader_HasItsOwnFilter) {
   auto& writer = a.writer();
   auto& low = reader(filtered("value < 3", {}, "Low"));
   auto& high = reader(filtered("value >= 3", {}, "High"));
@@ -76,7 +76,7 @@ TEST_P(ContentFilteredTopicTest, EachReaderHasItsOwnFilter) {
     EXPECT_EQ(each->sample_lost_status().total_count, 0);
 }
 
-TEST_P(ContentFilteredTopicTest, ALateJoinerGetsOfTheHistoryWhatPasses) {
+TEST_P(ContentFilteredTopicTest, ALateJoiner_GetsOfTheHistoryWhatPasses) {
   auto qos = default_writer_qos();
   qos.durability = DurabilityKind::transient_local;
   qos.history = {HistoryKind::keep_all, 1};
@@ -93,7 +93,7 @@ TEST_P(ContentFilteredTopicTest, ALateJoinerGetsOfTheHistoryWhatPasses) {
   }
 }
 
-TEST_P(ContentFilteredTopicTest, ParametersChangeForTheSamplesToCome) {
+TEST_P(ContentFilteredTopicTest, Parameters_ChangeForTheSamplesToCome) {
   auto& writer = a.writer();
   auto& topic = filtered("value = %0", {"1"});
   auto& few = reader(topic);
@@ -112,7 +112,7 @@ TEST_P(ContentFilteredTopicTest, ParametersChangeForTheSamplesToCome) {
 }
 
 // RTPS 2.5, 8.7.4: only of instances that it saw.
-TEST_P(ContentFilteredTopicTest, AReaderHearsOfTheEndOfWhatItSaw) {
+TEST_P(ContentFilteredTopicTest, AReader_HearsOfTheEndOfWhatItSaw) {
   auto& writer = a.writer();
   auto& few = reader(filtered("value > 3"));
   ASSERT_TRUE(match(writer, few));
@@ -132,7 +132,7 @@ TEST_P(ContentFilteredTopicTest, AReaderHearsOfTheEndOfWhatItSaw) {
   EXPECT_EQ(samples[1].info.instance_state, InstanceState::not_alive_disposed);
 }
 
-TEST_P(ContentFilteredTopicTest, SamplesInFragmentsAreFilteredToo) {
+TEST_P(ContentFilteredTopicTest, SamplesInFragments_AreFilteredToo) {
   auto& writer = a.writer();
   auto& few = reader(filtered("value = 2"));
   ASSERT_TRUE(match(writer, few));
@@ -141,7 +141,7 @@ TEST_P(ContentFilteredTopicTest, SamplesInFragmentsAreFilteredToo) {
 }
 
 // Its writer sends everything, without a result, and the reader filters itself.
-TEST_P(ContentFilteredTopicTest, AnExpressionThatTakesTooLongIsAppliedByItsReaderAlone) {
+TEST_P(ContentFilteredTopicTest, AnExpressionThatTakesTooLong_IsAppliedByItsReaderAlone) {
   auto& writer = a.writer();
   std::string expression = "value = 2";
   while (expression.size() < 3000) expression += " OR sensor LIKE '%ab'";
@@ -158,7 +158,7 @@ TEST_P(ContentFilteredTopicTest, AnExpressionThatTakesTooLongIsAppliedByItsReade
   EXPECT_EQ(few.sample_lost_status().total_count, 0);
 }
 
-TEST_P(ContentFilteredTopicTest, ATakenNameIsToldWithTheCallThatReturnsItsTopic) {
+TEST_P(ContentFilteredTopicTest, ATakenName_IsToldWithTheCallThatReturnsItsTopic) {
   filtered("value = 1", {}, "F");
   const auto hint = [&](const std::string& name) {
     const auto plain = b.participant->create_topic<Reading>(name);
@@ -175,7 +175,7 @@ TEST_P(ContentFilteredTopicTest, ATakenNameIsToldWithTheCallThatReturnsItsTopic)
       "lookup_contentfilteredtopic(\"F\") returns the one that has the name; or choose another");
 }
 
-TEST_P(ContentFilteredTopicTest, WhatCannotBeUsedIsRefused) {
+TEST_P(ContentFilteredTopicTest, WhatCannotBeUsed_IsRefused) {
   const auto create = [&](std::string name, Topic& topic, std::string expression) {
     return code_of(b.participant->create_contentfilteredtopic(std::move(name), topic,
                                                               {std::move(expression)}));
@@ -194,7 +194,7 @@ TEST_P(ContentFilteredTopicTest, WhatCannotBeUsedIsRefused) {
   EXPECT_EQ(code_of(b.participant->create_topic<Reading>("F")), Code::rtps_precondition_not_met);
 }
 
-TEST_P(ContentFilteredTopicTest, IsDeletedBeforeItsTopicAndAfterItsReaders) {
+TEST_P(ContentFilteredTopicTest, TopicInUse_IsDeletedAfterItsReadersAndBeforeItsTopic) {
   auto& topic = filtered("value = 1");
   EXPECT_EQ(b.participant->lookup_contentfilteredtopic("FewReadings"), &topic);
   auto& few = reader(topic);
@@ -209,7 +209,7 @@ TEST_P(ContentFilteredTopicTest, IsDeletedBeforeItsTopicAndAfterItsReaders) {
   ASSERT_TRUE(b.participant->delete_topic(*b.topic));
 }
 
-TEST_P(ContentFilteredTopicTest, WhatCannotBeReadDoesNotPass) {
+TEST_P(ContentFilteredTopicTest, WhatCannotBeRead_DoesNotPass) {
   auto* octets = *a.publisher->create_datawriter(*a.topic, default_writer_qos());
   auto& few = reader(filtered("value <> 77"));
   ASSERT_TRUE(match(*octets, few));
@@ -221,7 +221,7 @@ TEST_P(ContentFilteredTopicTest, WhatCannotBeReadDoesNotPass) {
 
 struct QueryConditionTest : ContentFilteredTopicTest {};
 
-TEST_P(QueryConditionTest, FindsWhatItAsksFor) {
+TEST_P(QueryConditionTest, Expression_FindsWhatItAsksFor) {
   auto& writer = a.writer();
   auto& all = b.reader(reliable());
   auto& query = **all.create_querycondition({.sample = SampleState::not_read},
@@ -247,7 +247,7 @@ TEST_P(QueryConditionTest, FindsWhatItAsksFor) {
   EXPECT_EQ(values(samples).size(), 4u);
 }
 
-TEST_P(QueryConditionTest, ParametersChangeWhatItFinds) {
+TEST_P(QueryConditionTest, Parameters_ChangeWhatItFinds) {
   auto& writer = a.writer();
   auto& all = b.reader(reliable());
   auto& query = **all.create_querycondition({}, {"value = %0", {"9"}});
@@ -264,7 +264,7 @@ TEST_P(QueryConditionTest, ParametersChangeWhatItFinds) {
   EXPECT_TRUE(all.delete_readcondition(query));
 }
 
-TEST_P(QueryConditionTest, AnEmptyExpressionFindsAll) {
+TEST_P(QueryConditionTest, AnEmptyExpression_FindsAll) {
   auto& writer = a.writer();
   auto& all = b.reader(reliable());
   auto& query = **all.create_querycondition({}, {" "});
@@ -285,7 +285,7 @@ struct TimeBasedFilterTest : ContentFilteredTopicTest {
   }
 };
 
-TEST_P(TimeBasedFilterTest, EachInstanceComesAtMostSoOften) {
+TEST_P(TimeBasedFilterTest, EachInstance_ComesAtMostSoOften) {
   auto& writer = a.writer();
   auto& slow = b.reader(separated(ReliabilityKind::best_effort));
   auto& quick = b.reader(reliable());
@@ -303,7 +303,7 @@ TEST_P(TimeBasedFilterTest, EachInstanceComesAtMostSoOften) {
 }
 
 // DDS 1.4, 2.2.3.12: in the end a reliable reader has the last sample.
-TEST_P(TimeBasedFilterTest, AReliableReaderGetsTheLastSample) {
+TEST_P(TimeBasedFilterTest, AReliableReader_GetsTheLastSample) {
   auto& writer = a.writer();
   auto& slow = b.reader(separated(ReliabilityKind::reliable));
   ASSERT_TRUE(match(writer, slow));
@@ -320,7 +320,7 @@ TEST_P(TimeBasedFilterTest, AReliableReaderGetsTheLastSample) {
   EXPECT_TRUE(taken(slow).empty());
 }
 
-TEST_P(TimeBasedFilterTest, ADisposedInstanceDoesNotComeBack) {
+TEST_P(TimeBasedFilterTest, ADisposedInstance_DoesNotComeBack) {
   auto& writer = a.writer();
   auto& slow = b.reader(separated(ReliabilityKind::reliable));
   ASSERT_TRUE(match(writer, slow));
@@ -335,7 +335,7 @@ TEST_P(TimeBasedFilterTest, ADisposedInstanceDoesNotComeBack) {
   EXPECT_EQ(samples[1].info.instance_state, InstanceState::not_alive_disposed);
 }
 
-TEST_P(TimeBasedFilterTest, IsChangeable) {
+TEST_P(TimeBasedFilterTest, SeparationOfARunningReader_IsChangeable) {
   auto& writer = a.writer();
   auto qos = separated(ReliabilityKind::reliable);
   auto& slow = b.reader(qos);

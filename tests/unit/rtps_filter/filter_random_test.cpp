@@ -135,7 +135,7 @@ class Maker {
   std::mt19937 random_;
 };
 
-TEST(FilterRandomTest, AgreesWithANaiveEvaluator) {
+TEST(FilterRandomTest, RandomFilters_AgreeWithANaiveEvaluator) {
   SampleViewOf<Vehicle> view;
   Bytes payload;
   std::size_t passed = 0, all = 0;

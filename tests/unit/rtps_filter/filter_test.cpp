@@ -54,7 +54,7 @@ class FilterTest : public ::testing::Test {
                   .image = Bytes(100, 7)};
 };
 
-TEST_F(FilterTest, ComparesEveryKindOfMember) {
+TEST_F(FilterTest, EveryKindOfMember_IsCompared) {
   for (const auto* expression : {"name = 'BLUE'",
                                  "name <> 'RED'",
                                  "name < 'BLUF'",
@@ -101,7 +101,7 @@ TEST_F(FilterTest, ComparesEveryKindOfMember) {
   }
 }
 
-TEST_F(FilterTest, AndBindsMoreTightlyThanOrAndNotMoreThanBoth) {
+TEST_F(FilterTest, Operators_BindInTheOrderNotAndOr) {
   EXPECT_TRUE(passes("speed = 30 OR speed = 1 AND speed = 2"));
   EXPECT_FALSE(passes("(speed = 30 OR speed = 1) AND speed = 2"));
   EXPECT_TRUE(passes("NOT speed = 1 OR speed = 2"));
@@ -111,7 +111,7 @@ TEST_F(FilterTest, AndBindsMoreTightlyThanOrAndNotMoreThanBoth) {
   EXPECT_FALSE(passes("speed = 30 AND speed = 30 AND speed = 2 AND speed = 30"));
 }
 
-TEST_F(FilterTest, BetweenIncludesBothEnds) {
+TEST_F(FilterTest, Between_IncludesBothEnds) {
   EXPECT_TRUE(passes("speed BETWEEN 30 AND 40"));
   EXPECT_TRUE(passes("speed between 20 and 30 AND speed = 30"));
   EXPECT_FALSE(passes("speed BETWEEN 31 AND 40"));
@@ -121,7 +121,7 @@ TEST_F(FilterTest, BetweenIncludesBothEnds) {
   EXPECT_TRUE(passes("name BETWEEN 'A' AND %0", {"'C'"}));
 }
 
-TEST_F(FilterTest, LikeKnowsTwoWildcards) {
+TEST_F(FilterTest, Like_KnowsTwoWildcards) {
   EXPECT_TRUE(passes("name LIKE 'B%'"));
   EXPECT_TRUE(passes("name like '%U_'"));
   EXPECT_FALSE(passes("name LIKE 'B'"));
@@ -164,7 +164,7 @@ TEST_F(FilterTest, MatchesPattern_CountsEachCharacterItLooksAt) {
   EXPECT_FALSE(matches_pattern("a", "a", steps));
 }
 
-TEST_F(FilterTest, ParametersAreLiterals) {
+TEST_F(FilterTest, Parameters_AreLiterals) {
   EXPECT_TRUE(passes("name = %0 AND speed > %1", {"'BLUE'", "29"}));
   EXPECT_TRUE(passes("speed BETWEEN %1 AND %0", {"40", "20"}));
   EXPECT_TRUE(passes("moving = %0 AND place.north >= %1", {"TRUE", " 2.5 "}));
@@ -175,7 +175,7 @@ TEST_F(FilterTest, ParametersAreLiterals) {
   }()));
 }
 
-TEST_F(FilterTest, NotANumberComparesAsIeee754Says) {
+TEST_F(FilterTest, NotANumber_ComparesAsIeee754Says) {
   vehicle.place.north = std::nan("");
   EXPECT_FALSE(passes("place.north = place.north"));
   EXPECT_TRUE(passes("place.north <> 0"));
@@ -184,7 +184,7 @@ TEST_F(FilterTest, NotANumberComparesAsIeee754Says) {
 }
 
 // What lies behind the last member that is compared is not looked at.
-TEST_F(FilterTest, LooksAtNoMoreMembersThanItNeeds) {
+TEST_F(FilterTest, UnneededMembers_AreNotLookedAt) {
   EXPECT_EQ(compile("name = 'x'")->members(), 1u);
   EXPECT_EQ(compile("gear = 0 OR name = 'x'")->members(), 7u);
   EXPECT_EQ(compile("place.stamp = 0")->members(), 8u);
@@ -198,7 +198,7 @@ TEST_F(FilterTest, LooksAtNoMoreMembersThanItNeeds) {
 }
 
 // XTypes 7.6.3.4: an older writer's sample, behind one that had all members.
-TEST_F(FilterTest, MembersThatAreAbsentHaveTheirDefaults) {
+TEST_F(FilterTest, MembersThatAreAbsent_HaveTheirDefaults) {
   EXPECT_TRUE(passes("odometer = -1"));
   Bytes payload;
   serialize(vehicle, payload, XcdrVersion::xcdr1);
@@ -211,7 +211,7 @@ TEST_F(FilterTest, MembersThatAreAbsentHaveTheirDefaults) {
   EXPECT_TRUE(any);
 }
 
-TEST_F(FilterTest, RefusesWithPlaceAndBothValues) {
+TEST_F(FilterTest, EachError_NamesItsPlaceAndBothValues) {
   expect_refused("", "character 1", "a field, a value, NOT or (", "the end");
   expect_refused("  ", "character 3", "a field, a value, NOT or (", "the end");
   expect_refused("speed", "character 6", "=, <>, <, <=, >, >=, LIKE or BETWEEN", "the end");
@@ -258,13 +258,13 @@ TEST_F(FilterTest, RefusesWithPlaceAndBothValues) {
   expect_refused("AND speed = 1", "character 1", "a field, a value, NOT or (", "AND");
 }
 
-TEST_F(FilterTest, CollectionsAndMembersWithoutANameCannotBeCompared) {
+TEST_F(FilterTest, CollectionsAndMembersWithoutAName_CannotBeCompared) {
   for (const auto* field : {"wheels", "image", "secret", "place"})
     expect_refused(std::string(field) + " = 1", "character 1",
                    "a member of the type that can be compared", field);
 }
 
-TEST_F(FilterTest, RefusesParametersThatAreMissingOrNoLiterals) {
+TEST_F(FilterTest, MissingParametersAndNonLiterals_AreRefused) {
   expect_refused("speed = %0", "character 9", "one of 0 parameters", "%0");
   expect_refused("speed = %2", "character 9", "one of 2 parameters", "%2", {"1", "2"});
   expect_refused("speed = %100", "character 9", "a parameter, %0 to %99", "%100");
@@ -275,7 +275,7 @@ TEST_F(FilterTest, RefusesParametersThatAreMissingOrNoLiterals) {
   expect_refused("speed = %0", "character 9", "an integer for speed", "fast", {"'fast'"});
 }
 
-TEST_F(FilterTest, IsBounded) {
+TEST_F(FilterTest, LengthDepthAndParameters_AreBounded) {
   expect_refused(std::string(5000, ' '), "length", "at most 4096", "5000");
   expect_refused("speed = 1", "number of parameters", "at most 100", "101",
                  std::vector<std::string>(101, "1"));
@@ -296,13 +296,13 @@ TEST_F(FilterTest, IsBounded) {
 }
 
 // Text of a remote reader goes into logs.
-TEST_F(FilterTest, ShowsNothingThatATerminalWouldObey) {
+TEST_F(FilterTest, TextThatATerminalWouldObey_IsNotShown) {
   const auto filter = compile("speed = \x1b[2J\x07");
   ASSERT_FALSE(filter);
   EXPECT_EQ(filter.error().details().found, "?[2J?");
 }
 
-TEST_F(FilterTest, EveryPrefixIsParsedOrRefused) {
+TEST_F(FilterTest, EveryPrefix_IsParsedOrRefused) {
   const std::string whole =
       "NOT (name LIKE 'B%' AND speed BETWEEN %0 AND 0x20) OR place.east >= -1.5e3 AND gear <> "
       "'PARK'";

@@ -111,7 +111,7 @@ void expect_same(const T& value) {
   }
 }
 
-TEST(Idl, EveryTypeIsAsCycloneDdsWritesIt) {
+TEST(Idl, EveryType_IsAsCycloneDdsWritesIt) {
   expect_same(primitives());
   expect_same(collections());
   expect_same(everything());
@@ -119,12 +119,12 @@ TEST(Idl, EveryTypeIsAsCycloneDdsWritesIt) {
   expect_same(nested());
 }
 
-TEST(Idl, EmptyOnesAreAsCycloneDdsWritesThem) {
+TEST(Idl, EmptyOnes_AreAsCycloneDdsWritesThem) {
   expect_same(rich::Collections{});
   expect_same(rich::Everything{});
 }
 
-TEST(Idl, KeysOfEveryShapeHashAsInCycloneDds) {
+TEST(Idl, KeysOfEveryShape_HashAsInCycloneDds) {
   expect_same(rich::EnumKey{Color::BLUE, rich::Tiny::TWO, rich::Small::FAR, 1});
   expect_same(rich::ArrayKey{{{{1, 2}, {3, 4}}}, 2});
   expect_same(rich::PointKey{{1.5, 2.5}, 3});
@@ -132,7 +132,7 @@ TEST(Idl, KeysOfEveryShapeHashAsInCycloneDds) {
   expect_same(rich::inner::Id{1, 2, "three"});
 }
 
-TEST(Idl, PrimitivesAndCollectionsAreAsFastDdsWritesThem) {
+TEST(Idl, PrimitivesAndCollections_AreAsFastDdsWritesThem) {
   const auto p = primitives();
   Bytes ours;
   serialize(p, ours);
@@ -172,7 +172,7 @@ TEST(Idl, PrimitivesAndCollectionsAreAsFastDdsWritesThem) {
             ours);
 }
 
-TEST(Idl, TheHeaderSaysWhatTheFileSays) {
+TEST(Idl, TheHeader_SaysWhatTheFileSays) {
   EXPECT_EQ(TOP, 3);
   EXPECT_EQ(rich::GREETING, "h\"i");
   EXPECT_EQ(rich::LARGE, 18446744073709551615u);
@@ -192,7 +192,7 @@ TEST(Idl, TheHeaderSaysWhatTheFileSays) {
 }
 
 // Every bound that the file names, one above it.
-TEST(Idl, BoundsHold) {
+TEST(Idl, EachBoundExceeded_IsRefused) {
   const auto refuses = [](auto change) {
     auto value = collections();
     change(value);
@@ -210,7 +210,7 @@ TEST(Idl, BoundsHold) {
   EXPECT_TRUE(refuses([](auto& c) { c.label += "9"; }));
 }
 
-TEST(Idl, TruncatedAtAnyOctetIsRefusedOrShorter) {
+TEST(Idl, CutAtAnyOctet_IsRefusedOrShorter) {
   for (const auto version : {XcdrVersion::xcdr1, XcdrVersion::xcdr2}) {
     Bytes octets;
     serialize(collections(), octets, version);

@@ -23,24 +23,24 @@ TypeVerdict verdict() {
   return judge_types(description<Writer>(), description<Reader>()).verdict;
 }
 
-TEST(Types, TheSameFileIsTheSameType) {
+TEST(Types, TheSameFile_IsTheSameType) {
   EXPECT_EQ((verdict<one::Track, one::Track>()), TypeVerdict::same);
   EXPECT_EQ((verdict<one::Where, newer::Where>()), TypeVerdict::same);
   EXPECT_NE(minimal_hash(description<one::Track>().information),
             minimal_hash(description<newer::Track>().information));
 }
 
-TEST(Types, AnAppendableTypeMayGrowAndBoundsOfStringsDoNotCount) {
+TEST(Types, AnAppendableType_MayGrowAndBoundsOfStringsDoNotCount) {
   EXPECT_EQ((verdict<one::Track, newer::Track>()), TypeVerdict::assignable);
   EXPECT_EQ((verdict<newer::Track, one::Track>()), TypeVerdict::assignable);
 }
 
-TEST(Types, AFinalTypeMayNotGrow) {
+TEST(Types, AFinalType_MayNotGrow) {
   EXPECT_EQ((verdict<one::Solid, newer::Solid>()), TypeVerdict::different);
   EXPECT_EQ((verdict<newer::Solid, one::Solid>()), TypeVerdict::different);
 }
 
-TEST(Types, OtherMembersAnotherOrderOrAnotherTypeWithinIsAnotherType) {
+TEST(Types, OtherMembersAnotherOrderOrAnotherInnerType_IsAnotherType) {
   EXPECT_EQ((verdict<one::Solid, other::Solid>()), TypeVerdict::different);
   EXPECT_EQ((verdict<one::Track, other::Track>()), TypeVerdict::different);
   EXPECT_EQ((verdict<one::Where, other::Where>()), TypeVerdict::different);
@@ -53,7 +53,7 @@ std::string refused(const TypeConsistency& policy) {
   return judged.fits() ? "" : judged.refused_by.empty() ? "type" : std::string(judged.refused_by);
 }
 
-TEST(Types, WithoutCoercionOnlyTheSameTypeFits) {
+TEST(Types, WithoutCoercion_OnlyTheSameTypeFits) {
   const TypeConsistency same{.kind = TypeConsistencyKind::disallow_type_coercion};
   EXPECT_EQ((refused<one::Track, one::Track>(same)), "");
   EXPECT_EQ((refused<one::Track, newer::Track>(same)), "kind = DISALLOW_TYPE_COERCION");
@@ -63,13 +63,13 @@ TEST(Types, WithoutCoercionOnlyTheSameTypeFits) {
             TypeVerdict::different);
 }
 
-TEST(Types, AWiderTypeIsPreventedOneWayOnly) {
+TEST(Types, AWiderType_IsPreventedOneWayOnly) {
   const TypeConsistency narrow{.prevent_type_widening = true};
   EXPECT_EQ((refused<newer::Track, one::Track>(narrow)), "prevent_type_widening = true");
   EXPECT_EQ((refused<one::Track, newer::Track>(narrow)), "");
 }
 
-TEST(Types, BoundsCountWhereTheReaderSaysSo) {
+TEST(Types, Bounds_CountWhereTheReaderSaysSo) {
   EXPECT_EQ((refused<newer::Bounds, one::Bounds>({})), "");
   EXPECT_EQ((refused<other::Bounds, one::Bounds>({})), "");
   const TypeConsistency sequences{.ignore_sequence_bounds = false};
@@ -83,14 +83,14 @@ TEST(Types, BoundsCountWhereTheReaderSaysSo) {
   EXPECT_EQ((refused<newer::Bounds, one::Bounds>(strings)), "");
 }
 
-TEST(Types, NamesOfMembersCountUnlessTheReaderSaysOtherwise) {
+TEST(Types, NamesOfMembers_CountUnlessTheReaderSaysOtherwise) {
   const TypeConsistency any_name{.ignore_member_names = true};
   EXPECT_EQ((refused<one::Named, newer::Named>({})), "type");
   EXPECT_EQ((refused<one::Named, newer::Named>(any_name)), "");
   EXPECT_EQ((refused<one::Named, other::Named>(any_name)), "type");
 }
 
-TEST(Types, WhatCannotBeJudgedIsRefusedWhereValidationIsForced) {
+TEST(Types, WhatCannotBeJudged_IsRefusedWhereValidationIsForced) {
   const TypeConsistency forced{.force_type_validation = true};
   auto known = description<one::Track>(), silent = description<newer::Track>();
   EXPECT_TRUE(judge_types(known, silent, forced).fits());
@@ -101,7 +101,7 @@ TEST(Types, WhatCannotBeJudgedIsRefusedWhereValidationIsForced) {
   EXPECT_TRUE(judge_types({}, known).fits());
 }
 
-TEST(Types, WithoutTypeInformationOrWithoutTheObjectsNamesDecide) {
+TEST(Types, WithoutTypeInformationOrTheObjects_NamesDecide) {
   auto known = description<one::Solid>(), silent = description<other::Solid>();
   silent.objects.clear();
   EXPECT_EQ(judge_types(known, silent).verdict, TypeVerdict::unknown);
@@ -111,7 +111,7 @@ TEST(Types, WithoutTypeInformationOrWithoutTheObjectsNamesDecide) {
 
 // Cut off anywhere or with any octet changed: never a crash, and never "the same" with another
 // hash.
-TEST(Types, HostileDescriptionsAreJudgedWithoutHarm) {
+TEST(Types, HostileDescriptions_AreJudgedWithoutHarm) {
   const auto good = description<one::Track>();
   for (std::size_t size = 0; size < good.information.size(); ++size) {
     auto cut = good;
@@ -135,7 +135,7 @@ TEST(Types, HostileDescriptionsAreJudgedWithoutHarm) {
     }
 }
 
-TEST(Types, AreDescribedForAPerson) {
+TEST(Types, EachType_IsDescribedForAPerson) {
   const auto text = describe_type("Track", description<one::Track>());
   EXPECT_TRUE(text.starts_with("Track (minimal type ")) << text;
   EXPECT_EQ(describe_type("Track", {}), "Track");
@@ -187,7 +187,7 @@ class TypesOnTheWire : public testing::Test {
   Events events_;
 };
 
-TEST_F(TypesOnTheWire, EndpointsThatDisagreeDoNotMatchAndBothTypesAreNamed) {
+TEST_F(TypesOnTheWire, EndpointsThatDisagree_DoNotMatchAndBothTypesAreNamed) {
   const auto a = participant(187), b = participant(187);
   auto& fixed = writer<one::Solid>(*a, "Solid");
   auto& disagrees = reader<other::Solid>(*b, "Solid");
@@ -205,7 +205,7 @@ TEST_F(TypesOnTheWire, EndpointsThatDisagreeDoNotMatchAndBothTypesAreNamed) {
   EXPECT_EQ(agrees.take_next_sample()->data, (newer::Track{7, "seven", {1, 2}, {}, 0}));
 }
 
-TEST_F(TypesOnTheWire, ThePolicyThatRefusesIsNamedWithBothTypes) {
+TEST_F(TypesOnTheWire, ThePolicyThatRefuses_IsNamedWithBothTypes) {
   const auto a = participant(187), b = participant(187);
   auto& writes = writer<newer::Track>(*a, "Narrow");
   auto qos = default_reader_qos();
@@ -225,7 +225,7 @@ TEST_F(TypesOnTheWire, ThePolicyThatRefusesIsNamedWithBothTypes) {
   EXPECT_TRUE(reads.matched_publications().empty());
 }
 
-TEST_F(TypesOnTheWire, CycloneDdsAnnouncesTheSameOctetsAndMatches) {
+TEST_F(TypesOnTheWire, CycloneDds_AnnouncesTheSameOctetsAndMatches) {
   ASSERT_NE(cyclone_type("rich::MixedKey", false), nullptr);
   const auto ours = participant(188);
   auto& reads = reader<test_idl::rich::MixedKey>(*ours, "MixedKey0");

@@ -76,7 +76,7 @@ TEST(MemoryRoom, VersionOne_PathThatIsNotThere) {
   EXPECT_EQ(root.room(), 600u);
 }
 
-TEST(MemoryRoom, AsMuchAgainMustBeLeft) {
+TEST(MemoryRoom, AsMuchAgain_MustBeLeft) {
   EXPECT_TRUE(has_memory_room(1));
   EXPECT_TRUE(has_memory_room(0));
   if (const auto room = memory_room()) {

@@ -231,7 +231,7 @@ TEST(Segment, Copy_WhileTheSlotIsUsedAgain_IsWholeOrGone) {
   EXPECT_GT(whole.load(), 0U);
 }
 
-TEST(Seals, Memory_OfASegment_CannotBeWrittenOrResizedByAReader) {
+TEST(SegmentSeals, Memory_OfASegment_CannotBeWrittenOrResizedByAReader) {
   auto writer = segment();
   const auto descriptor = copy_of(writer);
   const int number = descriptor.number();
@@ -253,7 +253,7 @@ TEST(Seals, Memory_OfASegment_CannotBeWrittenOrResizedByAReader) {
 }
 
 // A writer that turns hostile after the reader has mapped its memory cannot take a page away.
-TEST(Seals, Memory_ThatAReaderMapped_CannotBePunchedByTheWriter) {
+TEST(SegmentSeals, Memory_ThatAReaderMapped_CannotBePunchedByTheWriter) {
   const auto descriptor = memory(8192, 8192, 0);
   void* const own =
       ::mmap(nullptr, 8192, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor.number(), 0);
@@ -265,7 +265,7 @@ TEST(Seals, Memory_ThatAReaderMapped_CannotBePunchedByTheWriter) {
   ::munmap(own, 8192);
 }
 
-TEST(Map, Descriptor_OfAnotherKind_IsRefused) {
+TEST(SegmentMapping, Descriptor_OfAnotherKind_IsRefused) {
   EXPECT_EQ(MappedSegment::map(Descriptor(), kId, {}).error(), Refusal::wrong_kind);
   EXPECT_EQ(refusal_of_map(Descriptor(::open("/dev/zero", O_RDWR))), Refusal::wrong_kind);
   EXPECT_EQ(refusal_of_map(Descriptor(::open("/tmp", O_RDONLY | O_DIRECTORY))),
@@ -276,7 +276,7 @@ TEST(Map, Descriptor_OfAnotherKind_IsRefused) {
   EXPECT_EQ(refusal_of_map(Descriptor(ends[0])), Refusal::wrong_kind);
 }
 
-TEST(Map, File_OfASharedFolder_IsRefused) {
+TEST(SegmentMapping, File_OfASharedFolder_IsRefused) {
   const std::string path = "/dev/shm/ddssec_segment_test_" + std::to_string(::getpid());
   const Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
   if (!file) GTEST_SKIP() << "no /dev/shm";
@@ -287,31 +287,31 @@ TEST(Map, File_OfASharedFolder_IsRefused) {
 }
 
 // Its pages may be missing although the seals are there.
-TEST(Map, Memory_OfHugePages_IsRefused) {
+TEST(SegmentMapping, Memory_OfHugePages_IsRefused) {
   const Descriptor huge(::memfd_create("test", MFD_ALLOW_SEALING | MFD_HUGETLB));
   if (!huge || ::fcntl(huge.number(), F_ADD_SEALS, kAllSeals) != 0) GTEST_SKIP() << "no huge pages";
   EXPECT_EQ(refusal_of_map(huge), Refusal::wrong_kind);
 }
 
-TEST(Map, Memory_WithoutOneOfTheSeals_IsRefused) {
+TEST(SegmentMapping, Memory_WithoutOneOfTheSeals_IsRefused) {
   for (const int missing : {F_SEAL_SHRINK, F_SEAL_GROW, 0x0010, F_SEAL_SEAL})
     EXPECT_EQ(refusal_of_map(memory(4096, 4096, kAllSeals & ~missing)), Refusal::not_sealed)
         << missing;
   EXPECT_EQ(refusal_of_map(memory(4096, 4096, 0)), Refusal::not_sealed);
 }
 
-TEST(Map, Memory_EmptyOrTooLarge_IsRefused) {
+TEST(SegmentMapping, Memory_EmptyOrTooLarge_IsRefused) {
   EXPECT_EQ(refusal_of_map(memory(0, 0, kAllSeals)), Refusal::wrong_size);
   EXPECT_EQ(refusal_of_map(memory(off_t{1} << 40, 0, kAllSeals)), Refusal::wrong_size);
 }
 
-TEST(Map, Memory_WithAHole_IsRefused) {
+TEST(SegmentMapping, Memory_WithAHole_IsRefused) {
   EXPECT_EQ(refusal_of_map(memory(16384, 0, kAllSeals)), Refusal::wrong_size);
   EXPECT_EQ(refusal_of_map(memory(16384, 8192, kAllSeals)), Refusal::wrong_size);
 }
 
 // Such blocks count as memory of the file, but are not where the reader looks.
-TEST(Map, Memory_WithBlocksBeyondItsEnd_IsRefused) {
+TEST(SegmentMapping, Memory_WithBlocksBeyondItsEnd_IsRefused) {
   const auto beyond = memory(16384, 0, 0);
   ASSERT_EQ(::fallocate(beyond.number(), FALLOC_FL_KEEP_SIZE, 16384, 16384), 0);
   ASSERT_EQ(::fcntl(beyond.number(), F_ADD_SEALS, kAllSeals), 0);
@@ -321,14 +321,14 @@ TEST(Map, Memory_WithBlocksBeyondItsEnd_IsRefused) {
   EXPECT_EQ(refusal_of_map(beyond), Refusal::wrong_size);
 }
 
-TEST(Map, Memory_OfASegment_IsAllThere) {
+TEST(SegmentMapping, Memory_OfASegment_IsAllThere) {
   for (const std::size_t largest : {std::size_t{64}, std::size_t{3} << 20}) {
     const auto whole = segment(largest, 3);
     EXPECT_EQ(::lseek(whole.descriptor(), 0, SEEK_HOLE), static_cast<off_t>(whole.octets()));
   }
 }
 
-TEST(Map, Memory_OtherThanTheOffered_IsRefused) {
+TEST(SegmentMapping, Memory_OtherThanTheOffered_IsRefused) {
   const auto writer = segment();
   const auto other = segment();
   const auto out = MappedSegment::map(copy_of(other), kId, writer.memory());
@@ -350,7 +350,7 @@ int refused_with_no_memory() {
   return !out && out.error() == Refusal::no_memory ? 0 : 1;
 }
 
-TEST(Limits, Descriptors_Exhausted_Refuse) {
+TEST(SegmentLimits, Descriptors_Exhausted_Refuse) {
   EXPECT_EQ(status_of_child([] {
               const rlimit none{.rlim_cur = 0, .rlim_max = 0};
               return ::setrlimit(RLIMIT_NOFILE, &none) == 0 ? refused_with_no_memory() : 2;
@@ -358,7 +358,7 @@ TEST(Limits, Descriptors_Exhausted_Refuse) {
             0);
 }
 
-TEST(Limits, AddressSpace_Exhausted_Refuses) {
+TEST(SegmentLimits, AddressSpace_Exhausted_Refuses) {
   EXPECT_EQ(status_of_child([] {
               const rlimit none{.rlim_cur = 0, .rlim_max = 0};
               return ::setrlimit(RLIMIT_AS, &none) == 0 ? refused_with_no_memory() : 2;
@@ -366,7 +366,7 @@ TEST(Limits, AddressSpace_Exhausted_Refuses) {
             0);
 }
 
-TEST(Limits, FileSize_Limited_RefusesAndRaisesNoSignal) {
+TEST(SegmentLimits, FileSize_Limited_RefusesAndRaisesNoSignal) {
   EXPECT_EQ(status_of_child([] {
               const rlimit small{.rlim_cur = 4096, .rlim_max = 4096};
               return ::setrlimit(RLIMIT_FSIZE, &small) == 0 ? refused_with_no_memory() : 2;

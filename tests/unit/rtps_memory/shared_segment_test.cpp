@@ -33,7 +33,7 @@ Descriptor descriptor_of(pid_t process, int number) {
   return Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
 }
 
-TEST(Crash, Writer_KilledWhileItWrites_LeavesReadersUnharmed) {
+TEST(CrashedWriter, Writer_KilledWhileItWrites_LeavesReadersUnharmed) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe(ends.data()), 0);
   const Descriptor in(ends[0]), out_of_child(ends[1]);
@@ -93,7 +93,7 @@ TEST(Fork, Child_HasNeitherSidesMapping) {
 
 // ---- whether others have it
 
-TEST(WithOthers, NobodyElse_HasIt) {
+TEST(SegmentsHeldByOthers, NobodyElse_HasIt) {
   auto writer = segment();
   EXPECT_FALSE(writer.is_with_others());
   ASSERT_TRUE(writer.store(Bytes(10, 1)).has_value());
@@ -102,7 +102,7 @@ TEST(WithOthers, NobodyElse_HasIt) {
   EXPECT_FALSE(writer.is_with_others());
 }
 
-TEST(WithOthers, OpenOrMapped_IsSeen) {
+TEST(SegmentsHeldByOthers, OpenOrMapped_IsSeen) {
   const auto writer = segment();
   {
     const auto open = writer.for_reader();
@@ -116,7 +116,7 @@ TEST(WithOthers, OpenOrMapped_IsSeen) {
   EXPECT_FALSE(writer.is_with_others());
 }
 
-TEST(WithOthers, SentAndNotReceived_IsSeen) {
+TEST(SegmentsHeldByOthers, SentAndNotReceived_IsSeen) {
   const auto writer = segment();
   std::array<int, 2> ends{};
   ASSERT_EQ(::socketpair(AF_UNIX, SOCK_SEQPACKET, 0, ends.data()), 0);
@@ -132,7 +132,7 @@ TEST(WithOthers, SentAndNotReceived_IsSeen) {
 }
 
 // A reader may open what it has once more, also for writing: the memory stays sealed.
-TEST(WithOthers, OpenedOnceMoreByAReader_IsSeen) {
+TEST(SegmentsHeldByOthers, OpenedOnceMoreByAReader_IsSeen) {
   const auto writer = segment();
   for (const int flags : {O_RDONLY, O_RDWR}) {
     const Descriptor again(::open(("/proc/self/fd/" + std::to_string(writer.descriptor())).c_str(),
@@ -145,7 +145,7 @@ TEST(WithOthers, OpenedOnceMoreByAReader_IsSeen) {
   EXPECT_FALSE(writer.is_with_others());
 }
 
-TEST(WithOthers, ReaderForbidsAll_OthersStillGetIt) {
+TEST(SegmentsHeldByOthers, ReaderForbidsAll_OthersStillGetIt) {
   const auto writer = segment();
   {
     const auto hostile = writer.for_reader();
@@ -155,7 +155,7 @@ TEST(WithOthers, ReaderForbidsAll_OthersStillGetIt) {
   EXPECT_FALSE(writer.is_with_others());
 }
 
-TEST(WithOthers, OtherProcess_IsSeenUntilItEnds) {
+TEST(SegmentsHeldByOthers, OtherProcess_IsSeenUntilItEnds) {
   const auto writer = segment();
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe(ends.data()), 0);

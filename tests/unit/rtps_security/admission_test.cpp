@@ -12,7 +12,7 @@ constexpr auto kNone = ProtectionKind::none;
 constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-TEST(Joining, OtherProtectionOfTheParticipantKeepsThemApart) {
+TEST(Joining, OtherProtectionOfTheParticipant_KeepsThemApart) {
   Pair pair({.rtps = kSign}, {.rtps = kEncrypt});
   pair.create_endpoints();
   pair.world.run(300);
@@ -22,7 +22,7 @@ TEST(Joining, OtherProtectionOfTheParticipantKeepsThemApart) {
   EXPECT_TRUE(pair.b.events.has(Code::rtps_security_info_mismatch));
 }
 
-TEST(Joining, OtherProtectionOfATopicKeepsEndpointsApart) {
+TEST(Joining, OtherProtectionOfATopic_KeepsEndpointsApart) {
   Pair pair({.metadata = kSign}, {.metadata = kEncrypt});
   pair.create_endpoints();
   pair.world.run(300);
@@ -32,7 +32,7 @@ TEST(Joining, OtherProtectionOfATopicKeepsEndpointsApart) {
   EXPECT_TRUE(pair.a.events.has(Code::rtps_security_info_mismatch));
 }
 
-TEST(Joining, APlainParticipantIsRefusedWithAReason) {
+TEST(Joining, APlainParticipant_IsRefusedWithAReason) {
   Node plain(1), secured(2, properties_of("CN=bob,O=Example", {}));
   World world{{&plain, &secured}};
   ASSERT_TRUE(plain->create_writer(square(default_writer_qos()), plain.listener, world.now));
@@ -42,7 +42,7 @@ TEST(Joining, APlainParticipantIsRefusedWithAReason) {
   EXPECT_EQ(secured.events.count(Code::rtps_peer_not_secured), 1);
 }
 
-TEST(Joining, APlainParticipantGetsWhatIsOpenAndNothingElse) {
+TEST(Joining, APlainParticipant_GetsWhatIsOpenAndNothingElse) {
   for (const bool open : {true, false}) {
     const Rules rules{
         .data = open ? kNone : kSign, .allow_unauthenticated = true, .access_control = false};
@@ -73,7 +73,7 @@ spi::PropertyList of_another_ca(const std::string& subject, const Rules& rules) 
 }
 
 // DDS-Security 1.2, clause 9.8.3.1.
-TEST(Joining, WhoFailsToAuthenticateGetsWhatIsOpenWhereThatIsAllowed) {
+TEST(Joining, PeerThatFailsToAuthenticate_GetsWhatIsOpenWhereThatIsAllowed) {
   struct Case {
     bool allowed, open;
   };
@@ -104,7 +104,7 @@ TEST(Joining, WhoFailsToAuthenticateGetsWhatIsOpenWhereThatIsAllowed) {
 
 // Admission without authentication is no end: nothing that an attacker does to handshakes keeps a
 // member from what is protected.
-TEST(Joining, WhoIsAdmittedWithoutStillAuthenticates) {
+TEST(Joining, PeerAdmittedWithoutAuthentication_StillAuthenticates) {
   const Rules rules{.discovery = kSign, .allow_unauthenticated = true, .access_control = false};
   Pair pair(rules);
   pair.create_endpoints();
@@ -127,7 +127,7 @@ TEST(Joining, WhoIsAdmittedWithoutStillAuthenticates) {
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }));
 }
 
-TEST(Joining, WhatIsAccessControlledIsNotForUnauthenticatedParticipants) {
+TEST(Joining, WhatIsAccessControlled_IsNotForUnauthenticatedParticipants) {
   const Rules rules{.allow_unauthenticated = true, .access_control = true};
   Node plain(1), secured(2, properties_of("CN=bob,O=Example", rules));
   World world{{&plain, &secured}};
@@ -137,7 +137,7 @@ TEST(Joining, WhatIsAccessControlledIsNotForUnauthenticatedParticipants) {
   EXPECT_EQ(secured.listener.matched, 0);
 }
 
-TEST(Joining, PermissionsDecideHereAndThere) {
+TEST(Joining, Permissions_DecideHereAndThere) {
   Node a(1, properties_of("CN=alice,O=Example", {}, {"Circle"}));
   EXPECT_EQ(code_of(a->create_writer(square(default_writer_qos()), a.listener, {})),
             Code::topic_not_allowed);

@@ -38,7 +38,7 @@ std::int64_t allocations(ProtectionKind kind, const Flow& flow) {
   return SampleFlow<Keyed>(clock, *a.participant, *b.participant, flow).allocations();
 }
 
-TEST(Allocation, ProtectionAddsNone) {
+TEST(Allocation, Protection_AddsNone) {
   for (auto kind : {ProtectionKind::sign, ProtectionKind::encrypt,
                     ProtectionKind::encrypt_with_origin_authentication}) {
     EXPECT_EQ(allocations(kind, {HistoryKind::keep_all, 64, 10'000}), 0) << to_string(kind);
@@ -46,7 +46,7 @@ TEST(Allocation, ProtectionAddsNone) {
   }
 }
 
-TEST(Allocation, SharedMemoryAddsNone) {
+TEST(Allocation, SharedMemory_AddsNone) {
   const spi::PropertyList on{{std::string(spi::property::kSharedMemory), "on", false}};
   for (const auto& rules : {everything(ProtectionKind::encrypt), Rules{}}) {
     ManualClock clock{pki::kNow};

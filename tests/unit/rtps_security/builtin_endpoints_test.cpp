@@ -11,7 +11,7 @@ using namespace testing;
 constexpr auto kNone = ProtectionKind::none;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-TEST(Joining, LivelinessIsAssertedOnTheRightTopic) {
+TEST(Joining, Liveliness_IsAssertedOnTheRightTopic) {
   for (auto kind : {kNone, kEncrypt}) {
     Pair pair({.liveliness = kind});
     auto qos = default_writer_qos();

@@ -81,7 +81,7 @@ struct FastDds : ::testing::Test {
   int said = 0;          ///< by us, there
 };
 
-TEST_F(FastDds, HasOurDataOnceItIsHeardThere) {
+TEST_F(FastDds, HeardPeer_GetsOurData) {
   is_heard = false;
   ASSERT_TRUE(meet());
   world.run(100);
@@ -90,7 +90,7 @@ TEST_F(FastDds, HasOurDataOnceItIsHeardThere) {
   EXPECT_TRUE(world.run_until([this] { return said >= 2; }, 300));
 }
 
-TEST_F(FastDds, IsNotSpokenToWhereItHasNoEndpoints) {
+TEST_F(FastDds, UnheardPeer_IsNotSpokenTo) {
   is_heard = false;
   ASSERT_TRUE(meet());
   world.run(1000);

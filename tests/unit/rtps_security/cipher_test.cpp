@@ -36,7 +36,7 @@ bool sample_comes(Pair& pair) {
   return pair.world.run_until([&] { return !pair.b.listener.changes.empty(); }, 500);
 }
 
-TEST(Cipher, OfAParticipantIsThatOfItsUserEndpoints) {
+TEST(Cipher, CipherOfAParticipant_IsThatOfItsUserEndpoints) {
   Pair pair(everything(kEncryptOa), everything(kEncryptOa), {kEndpoints}, {kEndpoints});
   ASSERT_TRUE(pair.match()) << pair.a.events.text() << pair.b.events.text();
   pair.world.run(100);
@@ -46,7 +46,7 @@ TEST(Cipher, OfAParticipantIsThatOfItsUserEndpoints) {
   EXPECT_TRUE(pair.a.events.is_quiet()) << pair.a.events.text();
 }
 
-TEST(Cipher, OfMessagesAndBuiltinEndpointsIsAskedForApart) {
+TEST(Cipher, CipherOfMessagesAndBuiltinEndpoints_IsAskedForApart) {
   for (const auto kind : {kSign, kEncrypt, kEncryptOa}) {
     Pair pair(everything(kind), everything(kind), {kEndpoints, kMessages}, {});
     const Kinds kinds(pair.world);
@@ -58,7 +58,7 @@ TEST(Cipher, OfMessagesAndBuiltinEndpointsIsAskedForApart) {
   }
 }
 
-TEST(Cipher, OfOneWriterIsAPropertyOfItsQos) {
+TEST(Cipher, CipherOfOneWriter_IsAPropertyOfItsQos) {
   Pair pair({.metadata = kEncrypt});
   auto qos = default_writer_qos();
   qos.properties = {kEndpoints};
@@ -82,7 +82,7 @@ TEST(Cipher, OfOneWriterIsAPropertyOfItsQos) {
 
 /// Whoever changes what discovery says of ciphers changes nothing: the handshake's signatures
 /// cover another copy.
-TEST(Cipher, AnAnnouncementChangedOnItsWayTakesNothingAway) {
+TEST(Cipher, AnAnnouncementChangedOnItsWay_TakesNothingAway) {
   Pair pair({.metadata = kEncrypt}, {.metadata = kEncrypt}, {kEndpoints}, {kEndpoints});
   const std::string name(spi::property::kAnnouncedCiphers);
   const std::string spdp_writer("\x00\x01\x00\xc2", 4);
@@ -100,7 +100,7 @@ TEST(Cipher, AnAnnouncementChangedOnItsWayTakesNothingAway) {
   EXPECT_GT(changed, 0);
 }
 
-TEST(Cipher, AGovernanceThatDoesNotListItKeepsEndpointsApart) {
+TEST(Cipher, AGovernanceThatDoesNotListIt_KeepsEndpointsApart) {
   const Rules rules{.metadata = kEncrypt}, only_aes{.metadata = kEncrypt, .only_aes = true};
   Pair pair(rules, only_aes, {kEndpoints}, {});
   pair.create_endpoints();
@@ -110,7 +110,7 @@ TEST(Cipher, AGovernanceThatDoesNotListItKeepsEndpointsApart) {
   EXPECT_TRUE(pair.b.events.has(Code::rtps_cipher_unsupported)) << pair.b.events.text();
 }
 
-TEST(Cipher, AGovernanceThatDoesNotListItKeepsParticipantsApart) {
+TEST(Cipher, AGovernanceThatDoesNotListIt_KeepsParticipantsApart) {
   const Rules rules{.rtps = kEncrypt}, only_aes{.rtps = kEncrypt, .only_aes = true};
   Pair pair(rules, only_aes, {kMessages}, {});
   pair.create_endpoints();

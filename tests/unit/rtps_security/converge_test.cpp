@@ -42,7 +42,7 @@ struct Crowd {
 class Converge : public ::testing::TestWithParam<int> {};
 class ConvergeInDisorder : public ::testing::TestWithParam<int> {};
 
-TEST_P(Converge, WithATwentyPercentLoss) {
+TEST_P(Converge, LossOfTwentyPercent_AllMatch) {
   Crowd crowd(GetParam());
   std::mt19937 random(static_cast<unsigned>(GetParam()));
   crowd.world.filter = [&](const Node&, Bytes datagram) {
@@ -59,7 +59,7 @@ TEST_P(Converge, WithATwentyPercentLoss) {
 }
 
 // Their messages change places, too, and come twice.
-TEST_P(ConvergeInDisorder, WithLossReorderingAndDuplicates) {
+TEST_P(ConvergeInDisorder, LossReorderingAndDuplicates_AllMatch) {
   Crowd crowd(GetParam());
   std::mt19937 random(static_cast<unsigned>(GetParam()) + 100);
   crowd.world.filter = [&](const Node&, Bytes datagram) {

@@ -25,7 +25,7 @@ struct DataTags : ::testing::Test {
   }
 };
 
-TEST_F(DataTags, OfOurOwnEndpointsMustBeAllowed) {
+TEST_F(DataTags, TagsOfOurOwnEndpoints_MustBeAllowed) {
   for (const auto& level : {"open", "secret"}) {
     const bool allowed = level == std::string("open");
     const auto writer =
@@ -37,7 +37,7 @@ TEST_F(DataTags, OfOurOwnEndpointsMustBeAllowed) {
   }
 }
 
-TEST_F(DataTags, OfARemoteWriterMustBeAllowed) {
+TEST_F(DataTags, TagsOfARemoteWriter_MustBeAllowed) {
   const auto writer =
       a->create_writer(square(tagged(default_writer_qos(), "open")), a.listener, world.now);
   ASSERT_TRUE(b->create_reader(square(default_reader_qos()), b.listener, world.now));
@@ -50,7 +50,7 @@ TEST_F(DataTags, OfARemoteWriterMustBeAllowed) {
 
 // Access control comes before QoS: the reader was told of a mismatch with a writer that may not
 // use its topic at all.
-TEST_F(DataTags, AWriterThatIsNotAllowedChangesNoStatusOfTheReader) {
+TEST_F(DataTags, AWriterThatIsNotAllowed_ChangesNoStatusOfTheReader) {
   const auto writer =
       a->create_writer(square(tagged(default_writer_qos(), "open")), a.listener, world.now);
   ASSERT_TRUE(b->create_reader(square(default_reader_qos()), b.listener, world.now));
@@ -69,7 +69,7 @@ TEST_F(DataTags, AWriterThatIsNotAllowedChangesNoStatusOfTheReader) {
   EXPECT_TRUE(b.events.has(Code::rtps_qos_incompatible)) << b.events.text();
 }
 
-TEST_F(DataTags, OfARemoteReaderMustBeAllowed) {
+TEST_F(DataTags, TagsOfARemoteReader_MustBeAllowed) {
   const auto reader =
       a->create_reader(square(tagged(default_reader_qos(), "open")), a.listener, world.now);
   ASSERT_TRUE(b->create_writer(square(default_writer_qos()), b.listener, world.now));
@@ -80,7 +80,7 @@ TEST_F(DataTags, OfARemoteReaderMustBeAllowed) {
 }
 
 // Tags say something of what they stand on.
-TEST_F(DataTags, AreNotReadableForEverybody) {
+TEST_F(DataTags, ProtectedDiscovery_HidesThem) {
   // Permissions, which name them too, go in the clear.
   ASSERT_TRUE(world.run_until([&] { return a.knows(b) && b.knows(a); }));
   bool seen = false;
@@ -96,7 +96,7 @@ TEST_F(DataTags, AreNotReadableForEverybody) {
   EXPECT_FALSE(seen);
 }
 
-TEST(DataTagsInTheClear, AreNotAnnounced) {
+TEST(DataTagsInTheClear, ClearDiscovery_DoesNotAnnounceThem) {
   Pair pair({});
   bool seen = false;
   pair.world.filter = [&](const Node&, Bytes datagram) {

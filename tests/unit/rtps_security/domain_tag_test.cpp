@@ -23,7 +23,7 @@ spi::PropertyList two_rules() {
   return properties;
 }
 
-TEST(DomainTag, SelectsTheGovernanceRuleOfAnEmbeddedParticipant) {
+TEST(DomainTag, EmbeddedParticipant_IsUnderTheGovernanceRuleOfItsTag) {
   Node host(1, member("host", {}));
   const auto own = [&](std::string_view tag) {
     return OwnSecurity::create(
@@ -70,7 +70,7 @@ Bytes with_other_tag(Bytes datagram) {
 }
 
 // Whoever is on the path could otherwise make participants of two domains talk.
-TEST(DomainTag, IsProvenAndNotWhatAnAnnouncementSays) {
+TEST(DomainTag, AnnouncedTag_IsNotBelievedAndTheProvenOneCounts) {
   for (const bool same : {true, false}) {
     Node alices(3, member("host-a", {})), bobs(4, member("host-b", {}));
     const auto a = tagged(1, alices, "CN=alice,O=Example", "tag-a");

@@ -10,7 +10,7 @@ using namespace testing;
 
 constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
-TEST(Joining, SeveralReadersOfOneParticipantGetTheSameWriter) {
+TEST(Joining, SeveralReadersOfOneParticipant_GetTheSameWriter) {
   Pair pair(everything(kEncryptOa));
   Listener second;
   auto qos = default_reader_qos();
@@ -24,7 +24,7 @@ TEST(Joining, SeveralReadersOfOneParticipantGetTheSameWriter) {
 }
 
 // The keyring's lists of receivers change one by one.
-TEST(Joining, ReadersThatComeAndGoLeaveTheOthersTheirKeys) {
+TEST(Joining, ReadersThatComeAndGo_LeaveTheOthersTheirKeys) {
   Pair pair(everything(ProtectionKind::encrypt_with_origin_authentication));
   ASSERT_TRUE(pair.match());
   auto qos = default_reader_qos();

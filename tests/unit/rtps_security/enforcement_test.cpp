@@ -16,7 +16,7 @@ struct Matched : Pair {
 
 // Our plugins in Cyclone DDS answer so whoever writes on to them after the end of a session, as a
 // revoked participant does.
-TEST(Enforcement, ASessionResetIsNoDamagedMessage) {
+TEST(Enforcement, ASessionReset_IsNoDamagedMessage) {
   Matched pair({.rtps = kSign});
   const auto before = pair.b->protection_counters();
   const spi::ResetToken token{.name = {}, .proof = *spi::ResetProof::copy_of(Bytes(32))};
@@ -27,7 +27,7 @@ TEST(Enforcement, ASessionResetIsNoDamagedMessage) {
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 200));
 }
 
-TEST(Enforcement, AClearDisposeOfAnAuthenticatedParticipantIsIgnored) {
+TEST(Enforcement, AClearDisposeOfAnAuthenticatedParticipant_IsIgnored) {
   Matched pair({});
   const Guid victim{pair.a->prefix(), kEntityIdParticipant};
   const auto dispose = forged(
@@ -39,7 +39,7 @@ TEST(Enforcement, AClearDisposeOfAnAuthenticatedParticipantIsIgnored) {
   EXPECT_EQ(pair.b.listener.matched, 1);
 }
 
-TEST(Enforcement, AClearAnnouncementDoesNotShortenTheLeaseOfAnAuthenticatedParticipant) {
+TEST(Enforcement, AClearAnnouncement_DoesNotShortenTheLeaseOfAnAuthenticatedParticipant) {
   Matched pair({});
   ParticipantData data;
   data.guid = {pair.a->prefix(), kEntityIdParticipant};
@@ -57,7 +57,7 @@ TEST(Enforcement, AClearAnnouncementDoesNotShortenTheLeaseOfAnAuthenticatedParti
 }
 
 // One such datagram from a stranger kept a participant busy for ten seconds.
-TEST(Enforcement, ALeaseOfNoTimeCausesNoEndlessWork) {
+TEST(Enforcement, ALeaseOfNoTime_CausesNoEndlessWork) {
   Matched pair({});
   auto data = secured_data(fake_prefix(1));
   data.lease_duration = Duration{{0, 1}};
@@ -72,7 +72,7 @@ TEST(Enforcement, ALeaseOfNoTimeCausesNoEndlessWork) {
   EXPECT_LT(ticks, 500);
 }
 
-TEST(Enforcement, WhatSecureDiscoverySaidIsNotUnsaidInTheClear) {
+TEST(Enforcement, WhatSecureDiscoverySaid_IsNotUnsaidInTheClear) {
   Matched pair({.discovery = kEncrypt});
   Bytes buffer(64);
   SpanWriter out(buffer);
@@ -85,7 +85,7 @@ TEST(Enforcement, WhatSecureDiscoverySaidIsNotUnsaidInTheClear) {
   EXPECT_GE(pair.b->counters().refused_discovery, 1u);
 }
 
-TEST(Enforcement, AnEndpointOfAProtectedTopicMustBeAnnouncedSecurely) {
+TEST(Enforcement, AnEndpointOfAProtectedTopic_MustBeAnnouncedSecurely) {
   Matched pair({.discovery = kSign});
   EndpointData data;
   data.guid = {pair.a->prefix(), {{0, 0, 99, 0x02}}};
@@ -105,7 +105,7 @@ TEST(Enforcement, AnEndpointOfAProtectedTopicMustBeAnnouncedSecurely) {
 }
 
 // Fast DDS without security matches no endpoint that announces masks of nothing.
-TEST(Enforcement, MasksAreLeftOutWhereStrangersMayReadAndNothingIsProtected) {
+TEST(Enforcement, Masks_AreLeftOutWhereStrangersMayReadAndNothingIsProtected) {
   const auto announced = [](const Rules& rules) {
     Pair pair(rules);
     EXPECT_TRUE(pair.match());

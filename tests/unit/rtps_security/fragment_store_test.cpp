@@ -29,7 +29,7 @@ struct Store : FragmentStore {
   }
 };
 
-TEST(FragmentStore, PutsAMessageTogetherInAnyOrder) {
+TEST(FragmentStore, FragmentsInAnyOrder_ArePutTogether) {
   Store store;
   EXPECT_TRUE(store.got(frag(3)).empty());
   EXPECT_TRUE(store.got(frag(1)).empty());
@@ -40,7 +40,7 @@ TEST(FragmentStore, PutsAMessageTogetherInAnyOrder) {
   EXPECT_EQ(store.size(), 0u);
 }
 
-TEST(FragmentStore, TakesSeveralFragmentsAtOnce) {
+TEST(FragmentStore, SeveralFragmentsAtOnce_AreTaken) {
   Store store;
   auto two = frag(1);
   two.count = 2;
@@ -49,7 +49,7 @@ TEST(FragmentStore, TakesSeveralFragmentsAtOnce) {
   EXPECT_EQ(store.got(frag(3)), std::vector<Bytes>{kWhole});
 }
 
-TEST(FragmentStore, DoesNotMixMessages) {
+TEST(FragmentStore, FragmentsOfOtherMessages_AreNotMixed) {
   Store store;
   const Bytes longer(10, 7);
   store.got(frag(1));
@@ -60,7 +60,7 @@ TEST(FragmentStore, DoesNotMixMessages) {
   EXPECT_EQ(store.got(frag(3)).size(), 1u);
 }
 
-TEST(FragmentStore, AForgedFragmentStandsBesideTheHonestOne) {
+TEST(FragmentStore, AForgedFragment_StandsBesideTheHonestOne) {
   const Bytes forged(9, 0x66);
   // Before each honest one, behind each, and all before.
   for (const bool before : {true, false}) {
@@ -81,7 +81,7 @@ TEST(FragmentStore, AForgedFragmentStandsBesideTheHonestOne) {
   EXPECT_EQ(made.front(), kWhole);
 }
 
-TEST(FragmentStore, WhatCameLatestIsTriedFirstAndNotAllOfIt) {
+TEST(FragmentStore, ManyForms_TheLatestIsTriedFirstAndNotAll) {
   Store store;
   for (std::uint8_t i = 0; i < 100; ++i) {
     store.got(frag(1, 1, Bytes(9, i)));
@@ -95,7 +95,7 @@ TEST(FragmentStore, WhatCameLatestIsTriedFirstAndNotAllOfIt) {
 }
 
 // In a flood one is made of each that comes, and others as long as there is a ration.
-TEST(FragmentStore, WorkIsRationed) {
+TEST(FragmentStore, Work_IsRateLimited) {
   Store store;
   std::size_t made = 0;
   for (int i = 0; i < 10'000; ++i) {
@@ -111,7 +111,7 @@ TEST(FragmentStore, WorkIsRationed) {
   EXPECT_EQ(store.got(one, 2s).size(), 1u);
 }
 
-TEST(FragmentStore, KeepsLittleAndNotForLong) {
+TEST(FragmentStore, ManyFragments_AreFewAndNotForLong) {
   Store store;
   for (std::int64_t number = 1; number <= 10'000; ++number) store.got(frag(1, number));
   EXPECT_LE(store.size() * FragmentStore::kPricePerFragment, FragmentStore::kMaxOctetsPerSender);

@@ -23,7 +23,7 @@ GenericMessage example() {
   return message;
 }
 
-TEST(GenericMessage, ComesBackAsItWasWritten) {
+TEST(GenericMessage, WrittenMessage_ComesBackAsItWas) {
   const auto octets = write_generic_message(example());
   // authentication-discovery reference, section 2: offsets behind the encapsulation.
   EXPECT_EQ(octets[1], 1);
@@ -36,14 +36,14 @@ TEST(GenericMessage, ComesBackAsItWasWritten) {
   EXPECT_EQ(*read, example());
 }
 
-TEST(GenericMessage, EveryTruncationIsRefused) {
+TEST(GenericMessage, EveryTruncation_IsRefused) {
   const auto octets = write_generic_message(example());
   // What pads the end does not count.
   for (std::size_t size = 0; size + 4 < octets.size(); ++size)
     EXPECT_FALSE(read_generic_message(BytesView(octets).first(size))) << size;
 }
 
-TEST(GenericMessage, HugeCountsAreRefusedBeforeAnythingIsAllocated) {
+TEST(GenericMessage, HugeCounts_AreRefusedBeforeAnythingIsAllocated) {
   auto message = example();
   message.data.clear();
   auto octets = write_generic_message(message);
@@ -54,7 +54,7 @@ TEST(GenericMessage, HugeCountsAreRefusedBeforeAnythingIsAllocated) {
             Code::length_out_of_range);
 }
 
-TEST(GenericMessage, OtherEncapsulationsAreRefused) {
+TEST(GenericMessage, OtherEncapsulations_AreRefused) {
   auto octets = write_generic_message(example());
   octets[1] = 3;
   EXPECT_EQ(code_of(read_generic_message(octets)), Code::rtps_encapsulation_unsupported);

@@ -31,9 +31,9 @@ struct Kinds {
   ProtectionKind rtps = kSign;
 };
 
-class Raised : public ::testing::TestWithParam<Kinds> {};
+class RaisedProtection : public ::testing::TestWithParam<Kinds> {};
 
-TEST_P(Raised, NothingIsLostAndNoMatchEnds) {
+TEST_P(RaisedProtection, RunningTraffic_LosesNothingAndNoMatch) {
   const auto& kinds = GetParam();
   Fleet fleet(rules_of(kinds.metadata_before, kinds.data_before, kinds.rtps));
   fleet.run(3);
@@ -50,7 +50,7 @@ TEST_P(Raised, NothingIsLostAndNoMatchEnds) {
   EXPECT_EQ(fleet.is_readable_on_the_network(), !is_encrypted && kinds.rtps != kEncrypt);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Raised,
+INSTANTIATE_TEST_SUITE_P(All, RaisedProtection,
                          ::testing::Values(Kinds{kSign, kSign, kEncrypt, kEncrypt},
                                            Kinds{kNone, kNone, kEncrypt, kEncrypt},
                                            Kinds{kNone, kNone, kSign, kSign},
@@ -256,7 +256,7 @@ TEST(GovernanceChange, AFloodOfDocuments_IsTakenOneAtATime) {
   for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) expect_in_force(fleet, *member);
 }
 
-TEST(GovernanceChangeTime, ANumberOfSecondsOrNone) {
+TEST(GovernanceChangeTime, OtherThanSeconds_IsRefused) {
   const auto value = [](std::string text) {
     return spi::governance_change_time(
         {{std::string(spi::property::kGovernanceChangeTime), std::move(text)}});
@@ -286,11 +286,11 @@ void expect_former_segment_is_given_up(ProtectionKind data) {
   expect_in_force(fleet, fleet.a);
 }
 
-TEST(RaisedInMemory, FormerSegment_IsGivenUpWithItsPlaintext) {
+TEST(RaisedProtectionInMemory, FormerSegment_IsGivenUpWithItsPlaintext) {
   expect_former_segment_is_given_up(kNone);
 }
 
-TEST(RaisedInMemory, FormerSegmentOfSignedData_IsGivenUpWithItsPlaintext) {
+TEST(RaisedProtectionInMemory, FormerSegmentOfSignedData_IsGivenUpWithItsPlaintext) {
   expect_former_segment_is_given_up(kSign);
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-class Answers : public ::testing::Test {
+class HandshakeAnswersTest : public ::testing::Test {
  protected:
   HandshakeAnswer answer(std::int64_t number, MonotonicTime since = 0s, std::size_t octets = 1000) {
     HandshakeAnswer out{{number}, {},    {},    Bytes(32, static_cast<std::uint8_t>(number)),
@@ -39,7 +39,7 @@ class Answers : public ::testing::Test {
   HandshakeAnswers answers_{*engine_, account_};
 };
 
-TEST_F(Answers, Octets_AreCountedForAllPeers) {
+TEST_F(HandshakeAnswersTest, Octets_AreCountedForAllPeers) {
   constexpr auto kEach = 1000 + HandshakeAnswers::kPrice;
   answers_.add(answer(1));
   answers_.add(answer(2));
@@ -54,7 +54,7 @@ TEST_F(Answers, Octets_AreCountedForAllPeers) {
   EXPECT_EQ(account_, 0u);
 }
 
-TEST_F(Answers, Death_GivesTheOctetsBack) {
+TEST_F(HandshakeAnswersTest, Death_GivesTheOctetsBack) {
   std::size_t account = 0;
   {
     ManualClock clock{pki::kNow};
@@ -68,14 +68,14 @@ TEST_F(Answers, Death_GivesTheOctetsBack) {
   EXPECT_EQ(account, 0u);
 }
 
-TEST_F(Answers, Finish_EndsAllOthers) {
+TEST_F(HandshakeAnswersTest, Finish_EndsAllOthers) {
   for (const std::int64_t number : {1, 2, 3}) answers_.add(answer(number));
   answers_.finish({2});
   EXPECT_TRUE(answers_.empty());
   EXPECT_EQ(account_, 0u);
 }
 
-TEST_F(Answers, ManyRequests_PushOutTheOldestThatIsOldEnough) {
+TEST_F(HandshakeAnswersTest, ManyRequests_PushOutTheOldestThatIsOldEnough) {
   const auto most = static_cast<std::int64_t>(HandshakeAnswers::kMax);
   for (std::int64_t number = 1; number <= most; ++number) answers_.add(answer(number));
   const Bytes challenge(32, 0xff);
@@ -85,7 +85,7 @@ TEST_F(Answers, ManyRequests_PushOutTheOldestThatIsOldEnough) {
   EXPECT_EQ(kept().front(), 2);
 }
 
-TEST_F(Answers, RequestsOfOneChallenge_PushOutEachOther) {
+TEST_F(HandshakeAnswersTest, RequestsOfOneChallenge_PushOutEachOther) {
   answers_.add(answer(9));
   for (std::size_t i = 0; i < HandshakeAnswers::kMaxPerChallenge; ++i) answers_.add(answer(1));
   EXPECT_TRUE(answers_.make_room(answer(1).challenge, 1s));
@@ -93,7 +93,7 @@ TEST_F(Answers, RequestsOfOneChallenge_PushOutEachOther) {
   EXPECT_EQ(kept().front(), 9);
 }
 
-TEST_F(Answers, Repetitions_TakeTurns) {
+TEST_F(HandshakeAnswersTest, Repetitions_TakeTurns) {
   for (std::int64_t number = 1; number <= 6; ++number) {
     auto one = answer(number);
     one.reply.identity.sequence_number = number;
@@ -107,7 +107,7 @@ TEST_F(Answers, Repetitions_TakeTurns) {
   EXPECT_EQ(numbers, (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 1, 2}));
 }
 
-TEST_F(Answers, Request_IsFoundByDigestAndHandle) {
+TEST_F(HandshakeAnswersTest, Request_IsFoundByDigestAndHandle) {
   answers_.add(answer(7));
   EXPECT_EQ(answers_.to(answer(7).request)->handle.value, 7);
   EXPECT_EQ(answers_.to(answer(8).request), nullptr);

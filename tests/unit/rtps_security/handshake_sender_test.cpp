@@ -24,7 +24,7 @@ std::optional<MonotonicTime> time_without(std::string_view text) {
   return pair.world.now - begin;
 }
 
-TEST(AddressProof, OurOwnPeerRepeatsTheChallenge) {
+TEST(AddressProof, OurOwnPeer_RepeatsTheChallenge) {
   Pair pair({});
   Eavesdropper ears;
   std::optional<bool> before_request;

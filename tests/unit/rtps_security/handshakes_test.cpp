@@ -12,7 +12,7 @@ namespace {
 
 using namespace testing;
 
-TEST(Handshake, SurvivesLossDuplicatesAndReordering) {
+TEST(Handshake, LossDuplicatesAndReordering_AreSurvived) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     Pair pair(everything(ProtectionKind::encrypt));
     std::mt19937 random(seed);
@@ -70,7 +70,7 @@ Bytes announcement_of(const ParticipantData& data, std::string_view version) {
 }
 
 // Being first to announce a GUID gives an attacker nothing.
-TEST(Handshake, WhatThePeerSignedReplacesTheNamesOfAForgedFirstAnnouncement) {
+TEST(Handshake, WhatThePeerSigned_ReplacesTheNamesOfAForgedFirstAnnouncement) {
   Pair pair({});
   auto data = secured_data(pair.a->prefix(), 7001);
   data.vendor = kVendorDdssec;
@@ -87,7 +87,7 @@ TEST(Handshake, WhatThePeerSignedReplacesTheNamesOfAForgedFirstAnnouncement) {
 }
 
 // Whoever loses messages, or forges them, for a while cannot keep two apart for good.
-TEST(Handshake, GoesOnAfterAnyTimeWithoutMessages) {
+TEST(Handshake, AnyTimeWithoutMessages_IsSurvived) {
   for (const auto seconds_without : {101, 250, 700}) {
     Pair pair({});
     // Announcements come through, handshake messages do not.
@@ -119,7 +119,7 @@ bool is_stateless(BytesView datagram) {
 }
 
 // The slow pace costs little: both sides together say less than once in ten seconds.
-TEST(Handshake, APeerThatOnlyAnnouncesItselfIsAskedRarelyAfterAWhile) {
+TEST(Handshake, APeerThatOnlyAnnouncesItself_IsAskedRarelyAfterAWhile) {
   Pair pair({});
   int asked = 0;
   pair.world.filter = [&](const Node&, Bytes datagram) {
@@ -135,7 +135,7 @@ TEST(Handshake, APeerThatOnlyAnnouncesItselfIsAskedRarelyAfterAWhile) {
 }
 
 // A participant that starts again has another GUID; the old one's lease ends.
-TEST(Handshake, ARestartedPeerJoinsAnew) {
+TEST(Handshake, ARestartedPeer_JoinsAnew) {
   const auto properties = properties_of("CN=bob,O=Example", {});
   Node a(1, properties_of("CN=alice,O=Example", {}));
   auto b = std::make_unique<Node>(2, properties);

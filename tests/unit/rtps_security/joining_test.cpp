@@ -12,7 +12,7 @@ constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kSignOa = ProtectionKind::sign_with_origin_authentication;
 constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
-TEST(Joining, DataFlowsUnderEveryGovernance) {
+TEST(Joining, EveryGovernance_LetsDataFlow) {
   const Rules kRules[] = {
       {},
       everything(kSign),
@@ -65,7 +65,7 @@ class Crowded final : public ForwardingAuthentication {
   int asked = 0, begun = 0;
 };
 
-TEST(Joining, APeerForWhichThereWasNoRoomIsTriedAgain) {
+TEST(Joining, APeerForWhichThereWasNoRoom_IsTriedAgain) {
   Node host(200);
   const Environment environment{host.clock, host.random, host.events};
   auto crowded = std::make_unique<Crowded>(authentication::make_authentication(environment));
@@ -89,7 +89,7 @@ TEST(Joining, APeerForWhichThereWasNoRoomIsTriedAgain) {
   EXPECT_GT(counted.begun, 2);
 }
 
-TEST(Joining, NothingPlainLeavesWhereEverythingIsEncrypted) {
+TEST(Joining, EverythingEncrypted_LetsNothingPlainOut) {
   Pair pair(everything(kEncrypt));
   bool seen = false;
   pair.world.filter = [&](const Node&, Bytes datagram) {
@@ -113,7 +113,7 @@ TEST(Joining, EndpointsOfAPeer_CountForItsIdentity) {
   EXPECT_NE(remote.account, pair.b->prefix());
 }
 
-TEST(Joining, TheGuidIsBoundToTheSubject) {
+TEST(Joining, TheGuid_IsBoundToTheSubject) {
   Pair pair({});
   for (auto* node : {&pair.a, &pair.b}) EXPECT_NE((*node)->prefix().octets[0] & 0x80, 0);
   EXPECT_NE(pair.a->prefix(), Node::candidate(1));
@@ -121,7 +121,7 @@ TEST(Joining, TheGuidIsBoundToTheSubject) {
 
 // A reader that does not know of the writer yet loses what a volatile writer sends: the writer's
 // owner hears of the match when the reader was heard.
-TEST(Joining, AWriterMatchesAProtectedReaderWhenItIsHeard) {
+TEST(Joining, AWriter_MatchesAProtectedReaderWhenItIsHeard) {
   for (const bool comes_late : {true, false}) {
     Pair pair(Rules{.rtps = kSign});
     ASSERT_TRUE(

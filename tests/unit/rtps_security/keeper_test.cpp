@@ -10,7 +10,7 @@ namespace {
 
 using namespace testing;
 
-TEST_F(SecuredKeeper, AWriterThatIsNotAllowedSaysNothingOfHowATopicIsKept) {
+TEST_F(SecuredKeeper, AWriterThatIsNotAllowed_SaysNothingOfHowATopicIsKept) {
   mallory->writer(durable(DurabilityKind::transient, OwnershipKind::exclusive));
   ASSERT_TRUE(heard_mallory()) << process.events.text();
   run(50);
@@ -214,7 +214,7 @@ TEST_F(SecuredKeeper, AStoredTopic_ThatRenewedPermissionsAllowAgain_IsServed) {
 }
 
 // Any participant could fill a keeper with announcements, and leave.
-TEST_F(SecuredKeeper, TopicsOfWritersThatAreNotAllowedTakeNoPlace) {
+TEST_F(SecuredKeeper, TopicsOfWritersThatAreNotAllowed_TakeNoPlace) {
   auto* publisher = *mallory->participant->create_publisher();
   for (int i = 0; i < 40; ++i) {
     auto* topic = *mallory->participant->create_topic<Sensor>("Junk" + std::to_string(i));

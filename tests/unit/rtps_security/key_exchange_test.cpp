@@ -12,7 +12,7 @@ constexpr auto kEncrypt = ProtectionKind::encrypt;
 
 // The key that protects keys is one of a pair: what is meant for one must not wait until it is
 // asked for because others are there too.
-TEST(Joining, KeysOfSeveralPeersLeaveAtOnce) {
+TEST(Joining, KeysOfSeveralPeers_LeaveAtOnce) {
   std::vector<std::unique_ptr<Node>> nodes;
   World world;
   std::size_t datagrams = 0;

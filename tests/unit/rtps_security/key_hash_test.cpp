@@ -57,7 +57,7 @@ KeyHash hash_under(const Rules& rules) {
   return out;
 }
 
-TEST(KeyHashes, OfEncryptedPayloadsDoNotShowShortKeys) {
+TEST(KeyHashes, EncryptedPayloads_DoNotShowShortKeys) {
   const KeyHash plain = {0, 0, 0, 7};
   const auto digest = md5(Bytes{0, 0, 0, 7});
   EXPECT_EQ(hash_under({}), plain);
@@ -81,7 +81,7 @@ bool are_matched(const auto& writer, const auto& reader) {
 }
 
 // The hash beside a payload is covered by no signature, so that anybody could choose the instance.
-TEST(KeyHashes, OfProtectedPayloadsAreComputedAnew) {
+TEST(KeyHashes, ProtectedPayloads_HaveThemComputedAnew) {
   for (const auto kind : {ProtectionKind::sign, kEncrypt}) {
     ManualClock clock{pki::kNow};
     Secured a("CN=alice,O=Example", {.data = kind}, clock);
@@ -110,7 +110,7 @@ TEST(KeyHashes, OfProtectedPayloadsAreComputedAnew) {
   }
 }
 
-TEST(KeyHashes, OfEncryptedPayloadsNameTheInstanceThatEnds) {
+TEST(KeyHashes, EncryptedPayloads_NameTheInstanceThatEnds) {
   for (const auto& rules : {Rules{.data = kEncrypt}, everything(kEncrypt)}) {
     ManualClock clock{pki::kNow};
     Secured a("CN=alice,O=Example", rules, clock), b("CN=bob,O=Example", rules, clock);

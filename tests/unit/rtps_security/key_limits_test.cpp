@@ -34,7 +34,7 @@ void expect_in_order(const Listener& reader, std::size_t written) {
 }
 
 /// Nobody lost its trust: what ends is what a key is good for that leaked, from carol or else.
-TEST(KeyLimits, OfTimeEndWhatALeakedKeyReads) {
+TEST(KeyLimits, TimeLimit_EndsWhatALeakedKeyReads) {
   for (const auto& rules : {everything(kEncryptOa), Rules{.data = kEncrypt}}) {
     Trio trio(revising(rules), Short::nothing, lifetime(60));
     ASSERT_TRUE(trio.match()) << trio.text();
@@ -56,7 +56,7 @@ TEST(KeyLimits, OfTimeEndWhatALeakedKeyReads) {
   }
 }
 
-TEST(KeyLimits, OfUseAreForWhoSends) {
+TEST(KeyLimits, BlockLimit_IsForTheSender) {
   Trio trio(revising({.data = kEncrypt}), Short::nothing, most_blocks(4000));
   ASSERT_TRUE(trio.match()) << trio.text();
   Recorder leaked(trio.stolen);
@@ -79,7 +79,7 @@ TEST(KeyLimits, OfUseAreForWhoSends) {
 class ConstantRevision : public ::testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(Network, ConstantRevision, ::testing::Values(false, true));
 
-TEST_P(ConstantRevision, LosesNothingThatIsReliable) {
+TEST_P(ConstantRevision, ReliableData_LosesNothing) {
   for (const auto& limit : {lifetime(20), most_blocks(1)}) {
     Trio trio(revising(everything(kEncryptOa)), Short::nothing, limit);
     ASSERT_TRUE(trio.match()) << trio.text();
@@ -104,7 +104,7 @@ TEST_P(ConstantRevision, LosesNothingThatIsReliable) {
   }
 }
 
-TEST(KeyLimits, OfWhoStartTogetherEndApart) {
+TEST(KeyLimits, ParticipantsThatStartTogether_EndApart) {
   constexpr int kMembers = 8;
   constexpr auto kLifetime = 80s;
   World world;
@@ -144,7 +144,7 @@ TEST(KeyLimits, OfWhoStartTogetherEndApart) {
 }
 
 /// A key lives as long as it says from each revision on, whatever that was for.
-TEST(KeyLimits, BeginAnewWhenTrustEnds) {
+TEST(KeyLimits, EndOfTrust_StartsThemAnew) {
   Trio trio(revising(everything(kEncrypt)), Short::nothing, lifetime(100));
   ASSERT_TRUE(trio.match()) << trio.text();
   live(trio.world, 50s);
@@ -157,7 +157,7 @@ TEST(KeyLimits, BeginAnewWhenTrustEnds) {
   EXPECT_TRUE(trio.bob_has_all()) << trio.text();
 }
 
-TEST(KeyLimits, ThatCannotBeKeptMakeNoParticipant) {
+TEST(KeyLimits, LimitsThatCannotBeKept_MakeNoParticipant) {
   struct Row {
     Rules rules;
     spi::PropertyList more;

@@ -39,7 +39,7 @@ INSTANTIATE_TEST_SUITE_P(
         Row{everything(kEncrypt), true, false, false},
         Row{everything(kEncryptOa), true, false, false}));
 
-TEST_P(LostTrust, ReadsNothingMoreWithAllTheKeysItHad) {
+TEST_P(LostTrust, PeerWithAllFormerKeys_ReadsNothingMore) {
   Trio trio(revising(GetParam().rules), Short::permissions);
   ASSERT_TRUE(trio.match()) << trio.text();
   Recorder recorder(trio.stolen);
@@ -62,14 +62,14 @@ TEST_P(LostTrust, ReadsNothingMoreWithAllTheKeysItHad) {
   EXPECT_FALSE(trio.a.events.has(Code::rtps_key_revision_unacknowledged)) << trio.text();
 }
 
-TEST(KeyRevision, FollowsTheEndOfACertificate) {
+TEST(KeyRevision, EndOfACertificate_CausesOne) {
   Trio trio(revising(everything(kEncrypt)), Short::certificate);
   ASSERT_TRUE(trio.match()) << trio.text();
   for (auto* node : {&trio.a, &trio.b}) node->clock.advance(13h);
   EXPECT_TRUE(trio.revised(1)) << trio.text();
 }
 
-TEST(KeyRevision, FollowsARevocation) {
+TEST(KeyRevision, RevokedCertificate_CausesOne) {
   Trio trio(revising({.data = kEncrypt}));
   ASSERT_TRUE(trio.match()) << trio.text();
   Recorder recorder(trio.stolen);
@@ -83,7 +83,7 @@ TEST(KeyRevision, FollowsARevocation) {
   EXPECT_EQ(recorder.payloads.opened, 0);
 }
 
-TEST(KeyRevision, FollowsTheApplicationsVerdict) {
+TEST(KeyRevision, ParticipantIgnoredByTheApplication_CausesOne) {
   Trio trio(revising({.data = kEncrypt}));
   ASSERT_TRUE(trio.match()) << trio.text();
   Recorder recorder(trio.stolen);
@@ -97,7 +97,7 @@ TEST(KeyRevision, FollowsTheApplicationsVerdict) {
   EXPECT_GT(recorder.payloads.seen, 0);
 }
 
-TEST(KeyRevision, IsToBeHadForTheAsking) {
+TEST(KeyRevision, RequestOfTheApplication_CausesOne) {
   Trio trio(revising(everything(kEncryptOa)));
   ASSERT_TRUE(trio.match()) << trio.text();
   for (int i = 1; i <= 3; ++i) {
@@ -113,7 +113,7 @@ TEST(KeyRevision, IsToBeHadForTheAsking) {
   }
 }
 
-TEST(KeyRevision, IsNotDoneWhereTheGovernanceDoesNotEnableIt) {
+TEST(KeyRevision, GovernanceWithoutIt_RefusesOne) {
   Trio trio(everything(kEncrypt));
   ASSERT_TRUE(trio.match());
   EXPECT_EQ(code_of(trio.a->revise_keys()), Code::rtps_key_revision_disabled);
@@ -123,7 +123,7 @@ TEST(KeyRevision, IsNotDoneWhereTheGovernanceDoesNotEnableIt) {
   EXPECT_FALSE(trio.a.events.has(Code::rtps_keys_revised));
 }
 
-TEST(KeyRevision, IsForBothSidesOrForNeither) {
+TEST(KeyRevision, OneSideWithoutIt_KeepsThemApart) {
   const Rules rules = everything(kEncrypt);
   for (const bool here : {true, false}) {
     Pair pair(here ? revising(rules) : rules, here ? rules : revising(rules));
@@ -136,11 +136,11 @@ TEST(KeyRevision, IsForBothSidesOrForNeither) {
 }
 
 /// Writes all the time, while every fifth datagram is lost.
-class LosesNothing : public ::testing::TestWithParam<bool> {};
+class RevisionUnderLoss : public ::testing::TestWithParam<bool> {};
 
-INSTANTIATE_TEST_SUITE_P(Network, LosesNothing, ::testing::Values(false, true));
+INSTANTIATE_TEST_SUITE_P(Network, RevisionUnderLoss, ::testing::Values(false, true));
 
-TEST_P(LosesNothing, OfWhatIsReliable) {
+TEST_P(RevisionUnderLoss, ReliableData_LosesNothing) {
   Trio trio(revising(everything(kEncryptOa)));
   ASSERT_TRUE(trio.match()) << trio.text();
   std::mt19937 random(5);
@@ -166,7 +166,7 @@ TEST_P(LosesNothing, OfWhatIsReliable) {
     EXPECT_EQ(trio.b.listener.changes[i].sequence_number.value, static_cast<std::int64_t>(i) + 1);
 }
 
-TEST(KeyRevision, OfTwoLossesAtOnceIsOne) {
+TEST(KeyRevision, TwoLossesAtOnce_CauseOne) {
   Trio trio(revising(everything(kEncrypt)));
   Node d(4, member("dave", trio.rules), 4);
   trio.world.nodes.push_back(&d);
@@ -180,7 +180,7 @@ TEST(KeyRevision, OfTwoLossesAtOnceIsOne) {
   EXPECT_EQ(trio.b.events.count(Code::rtps_keys_revised), 1);
 }
 
-TEST(KeyRevision, WaitsNoLongerThanItHasPatience) {
+TEST(KeyRevision, SilentPeer_IsWaitedForOnlySoLong) {
   Trio trio(revising(everything(kEncrypt)));
   ASSERT_TRUE(trio.match()) << trio.text();
   trio.silence(trio.b);
@@ -192,7 +192,7 @@ TEST(KeyRevision, WaitsNoLongerThanItHasPatience) {
   EXPECT_EQ(trio.a.events.count(Code::rtps_key_revision_unacknowledged), 1);
 }
 
-TEST(KeyRevision, DoesNotWaitForThoseWhoGo) {
+TEST(KeyRevision, PeersThatGo_AreNotWaitedFor) {
   Trio trio(revising(everything(kEncrypt)));
   ASSERT_TRUE(trio.match()) << trio.text();
   trio.silence(trio.b);
@@ -205,7 +205,7 @@ TEST(KeyRevision, DoesNotWaitForThoseWhoGo) {
   EXPECT_EQ(trio.a.events.count(Code::rtps_keys_revised), 2) << trio.a.events.text();
 }
 
-TEST(KeyRevision, OfWhoJoinsInTheMiddleNothingIsLost) {
+TEST(KeyRevision, PeerThatJoinsInTheMiddle_LosesNothing) {
   for (const auto& rules : {everything(kEncryptOa), Rules{.metadata = kSign, .data = kEncrypt}}) {
     Trio trio(revising(rules));
     Node d(4, member("dave", trio.rules), 4);
@@ -232,7 +232,7 @@ TEST(KeyRevision, OfWhoJoinsInTheMiddleNothingIsLost) {
 }
 
 /// A writer made while revised keys are on their way.
-TEST(KeyRevision, OfWhatIsMadeInTheMiddleNothingIsLost) {
+TEST(KeyRevision, WriterMadeInTheMiddle_LosesNothing) {
   Trio trio(revising(everything(kEncrypt)));
   ASSERT_TRUE(trio.match()) << trio.text();
   ASSERT_TRUE(trio.a->revise_keys());
@@ -257,7 +257,7 @@ TEST(KeyRevision, OfWhatIsMadeInTheMiddleNothingIsLost) {
 }
 
 /// What it knows is still good when it goes; not any more when its permissions end.
-TEST(KeyRevision, FollowsTheEndOfWhoHasLeft) {
+TEST(KeyRevision, EndOfAPeerThatHasLeft_CausesOne) {
   Trio trio(revising(everything(kEncrypt)), Short::permissions);
   ASSERT_TRUE(trio.match()) << trio.text();
   trio.c->leave();
@@ -269,7 +269,7 @@ TEST(KeyRevision, FollowsTheEndOfWhoHasLeft) {
   EXPECT_TRUE(trio.revised(1)) << trio.text();
 }
 
-TEST(KeyRevision, FollowsTheRevocationOfWhoHasLeft) {
+TEST(KeyRevision, RevocationOfAPeerThatHasLeft_CausesOne) {
   Trio trio(revising(everything(kEncrypt)));
   ASSERT_TRUE(trio.match()) << trio.text();
   trio.c->leave();
@@ -309,7 +309,7 @@ TEST(KeyRevision, ClearAnnouncementOfWhoHasLeft_RevisesNothing) {
 }
 
 /// Nobody watched it meanwhile.
-TEST(KeyRevision, IsMadeForWhoComesBack) {
+TEST(KeyRevision, PeerThatComesBack_CausesOne) {
   Trio trio(revising(everything(kEncrypt)));
   ASSERT_TRUE(trio.match()) << trio.text();
   trio.world.nodes = {&trio.a, &trio.b};

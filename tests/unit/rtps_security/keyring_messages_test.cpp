@@ -14,7 +14,7 @@ using namespace testing;
 constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-TEST(KeyringTransform, InfoSourceInAClearMessageGivesNobodysRights) {
+TEST(KeyringTransform, InfoSourceInAClearMessage_GivesNoRights) {
   Protected pair({.metadata = kSign});
   InfoSource source;
   source.source.prefix = pair.a->prefix();
@@ -22,7 +22,7 @@ TEST(KeyringTransform, InfoSourceInAClearMessageGivesNobodysRights) {
   EXPECT_TRUE(pair.b.listener.changes.empty());
 }
 
-TEST(KeyringTransform, AProtectedMessageWithOneOctetChangedOrCutIsNothing) {
+TEST(KeyringTransform, AProtectedMessageWithOneOctetChangedOrCut_IsNothing) {
   for (const auto& rules : {everything(kSign), everything(kEncrypt),
                             everything(ProtectionKind::encrypt_with_origin_authentication)}) {
     Protected pair(rules);

@@ -23,7 +23,7 @@ class WithoutParticipantKeys final : public KeyThief {
   }
 };
 
-TEST(Joining, ParticipantKeysAreWaitedForOnlyWhereTheyAreNeeded) {
+TEST(Joining, ParticipantKeys_AreWaitedForOnlyWhereTheyAreNeeded) {
   for (const auto& rules : {Rules{}, Rules{.data = kEncrypt}, Rules{.metadata = kEncrypt},
                             Rules{.discovery = kEncrypt}, Rules{.rtps = kEncrypt}}) {
     KeyThief::Stolen unused;

@@ -14,7 +14,7 @@ using namespace testing;
 constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-TEST(KeyringTransform, ClearSubmessagesOfProtectedEndpointsAreDroppedAndCounted) {
+TEST(KeyringTransform, ClearSubmessagesOfProtectedEndpoints_AreDroppedAndCounted) {
   for (const auto& rules : {Rules{.metadata = kSign}, Rules{.rtps = kSign}}) {
     Protected pair(rules);
     const auto& from = pair.a->prefix();
@@ -43,7 +43,7 @@ TEST(KeyringTransform, ClearSubmessagesOfProtectedEndpointsAreDroppedAndCounted)
   }
 }
 
-TEST(KeyringTransform, APlainPayloadWhereProtectionIsDueIsDropped) {
+TEST(KeyringTransform, APlainPayloadWhereProtectionIsDue_IsDropped) {
   Protected pair({.data = kEncrypt});
   pair.b->receive(forged(pair.a->prefix(), pair.data(1)), pair.world.now);
   EXPECT_TRUE(pair.b.listener.changes.empty());
@@ -53,7 +53,7 @@ TEST(KeyringTransform, APlainPayloadWhereProtectionIsDueIsDropped) {
 }
 
 // Nothing of it is protected by the payload key. Our writers send the key, so that it is.
-TEST(KeyringTransform, ADisposeWithoutAPayloadWherePayloadsAreProtectedIsDropped) {
+TEST(KeyringTransform, ADisposeWithoutAPayloadWherePayloadsAreProtected_IsDropped) {
   for (const auto kind : {kSign, kEncrypt}) {
     Protected pair({.data = kind});
     auto dispose = pair.data(1);

@@ -44,7 +44,7 @@ struct Listening {
   Observer observer;
 };
 
-TEST(Observer, SeesWhoAuthenticatesAndHowLongItTook) {
+TEST(Observer, Handshake_SaysWhoAuthenticatesAndHowLongItTook) {
   Pair pair(everything(ProtectionKind::encrypt));
   Listening listening(pair);
   ASSERT_TRUE(pair.match());
@@ -69,7 +69,7 @@ TEST(Observer, SeesWhoAuthenticatesAndHowLongItTook) {
   }
 }
 
-TEST(Observer, TellsWhatLaterVersionsOfFastDdsDoToCycloneDds) {
+TEST(Observer, LaterFastDdsBesideCycloneDds_IsReported) {
   Pair pair(everything(ProtectionKind::encrypt));
   auto vendors = std::array{kVendorFastDds, kVendorCyclone};
   Observer observer;
@@ -92,7 +92,7 @@ TEST(Observer, TellsWhatLaterVersionsOfFastDdsDoToCycloneDds) {
   EXPECT_FALSE(of_two().finding);
 }
 
-TEST(Observer, TellsWhatTwoGovernancesDifferIn) {
+TEST(Observer, DifferentGovernances_AreReportedWithTheirValues) {
   Pair pair(everything(ProtectionKind::encrypt), everything(ProtectionKind::sign));
   Listening listening(pair);
   pair.create_endpoints();
@@ -102,7 +102,7 @@ TEST(Observer, TellsWhatTwoGovernancesDifferIn) {
   EXPECT_THAT(reason, ::testing::HasSubstr("announces rtps SIGN, discovery SIGN"));
 }
 
-TEST(Observer, TellsThatARequestIsNotAnswered) {
+TEST(Observer, UnansweredRequest_IsReported) {
   Pair pair(everything(ProtectionKind::encrypt));
   Listening listening(
       pair, [](const Node&, const Bytes& datagram) { return !contains(datagram, "1.0+Reply"); });
@@ -113,7 +113,7 @@ TEST(Observer, TellsThatARequestIsNotAnswered) {
   EXPECT_THAT(listening.reason(Rule::CAP010), ::testing::HasSubstr("does not reply"));
 }
 
-TEST(Observer, TellsThatAReplyIsNotAccepted) {
+TEST(Observer, ReplyThatIsNotAccepted_IsReported) {
   Pair pair(everything(ProtectionKind::encrypt));
   Listening listening(
       pair, [](const Node&, const Bytes& datagram) { return !contains(datagram, "1.0+Final"); });
@@ -122,7 +122,7 @@ TEST(Observer, TellsThatAReplyIsNotAccepted) {
   EXPECT_THAT(listening.reason(Rule::CAP011), ::testing::HasSubstr("sends no final"));
 }
 
-TEST(Observer, TellsWhoSendsNoKeys) {
+TEST(Observer, PeerThatSendsNoKeys_IsNamed) {
   Pair pair(everything(ProtectionKind::encrypt));
   bool done = false;
   Listening listening(pair, [&](const Node& from, const Bytes& datagram) {
@@ -135,7 +135,7 @@ TEST(Observer, TellsWhoSendsNoKeys) {
               ::testing::HasSubstr("and /O=Example/CN=bob sends no keys"));
 }
 
-TEST(Observer, TellsThatNobodyBegins) {
+TEST(Observer, HandshakeThatNeitherBegins_IsReported) {
   Pair pair(everything(ProtectionKind::encrypt));
   Listening listening(pair);
   pair.world.filter = [&](const Node&, const Bytes& datagram) {
@@ -147,7 +147,7 @@ TEST(Observer, TellsThatNobodyBegins) {
   EXPECT_THAT(listening.reason(Rule::CAP013), ::testing::HasSubstr("neither sends"));
 }
 
-TEST(Observer, TellsWhoIsNotSecured) {
+TEST(Observer, ParticipantWithoutSecurity_IsNamed) {
   Pair pair(everything(ProtectionKind::encrypt));
   Node plain(2);
   pair.world.nodes = {&pair.a, &plain};
@@ -156,7 +156,7 @@ TEST(Observer, TellsWhoIsNotSecured) {
   EXPECT_THAT(listening.reason(Rule::CAP001), ::testing::HasSubstr("announces no identity"));
 }
 
-TEST(Observer, TellsWhatEverybodyCanRead) {
+TEST(Observer, WhatEveryListenerCanRead_IsReported) {
   Pair open(Rules{});
   Listening hears_all(open);
   ASSERT_TRUE(open.match());
@@ -214,7 +214,7 @@ std::optional<Rule> rule_of(const ParticipantData& a, const ParticipantData& b,
                                              : std::optional(all.front().finding->rule);
 }
 
-TEST(Observer, ComparesWhoIssuedAndSigned) {
+TEST(Observer, IssuersAndSigners_AreCompared) {
   const auto a = claims(1, "CN=Identity CA,O=Example", "CN=Permissions CA");
   EXPECT_EQ(rule_of(a, claims(2, "CN=Other CA,O=Example", "CN=Permissions CA")), Rule::CAP002);
   EXPECT_EQ(rule_of(a, claims(2, "/O=Example/CN=Identity CA", "CN=Other CA")), Rule::CAP003);
@@ -222,7 +222,7 @@ TEST(Observer, ComparesWhoIssuedAndSigned) {
   EXPECT_EQ(rule_of(a, claims(2, "/O=Example/CN=Identity CA", "/CN=Permissions CA")), std::nullopt);
 }
 
-TEST(Observer, ANameIsOneLine) {
+TEST(Observer, AName_IsOneLine) {
   auto data = claims(1, "CN=CA", "");
   data.identity_token->properties.push_back({"dds.cert.sn", "CN=a\nerror[x]: \033[31mforged"});
   Observer observer;
@@ -232,7 +232,7 @@ TEST(Observer, ANameIsOneLine) {
 }
 
 // A relay's message: what follows INFO_SRC is another's (RTPS 8.3.8.9.4).
-TEST(Observer, WhoSpeaksForAnother) {
+TEST(Observer, MessageOfARelay_SpeaksForItsSource) {
   const auto data = claims(1, "CN=CA", "");
   std::array<std::uint8_t, 64> head_octets;
   SpanWriter head(head_octets);
@@ -248,13 +248,13 @@ TEST(Observer, WhoSpeaksForAnother) {
   EXPECT_FALSE(observer.participants().at(GuidPrefix::from(Bytes(12, 9))).data);
 }
 
-TEST(Observer, DomainsDoNotMeet) {
+TEST(Observer, OtherDomains_DoNotMeet) {
   const auto a = claims(1, "CN=Identity CA", ""), b = claims(2, "CN=Other CA", "");
   EXPECT_EQ(rule_of(a, b), Rule::CAP002);
   EXPECT_EQ(rule_of(a, b, 7650), std::nullopt);
 }
 
-TEST(Observer, NobodyTakesItsMemory) {
+TEST(Observer, ManyInventedParticipants_AreBounded) {
   Observer observer;
   for (std::uint32_t i = 0; i < 5000; ++i) {
     auto data = claims(1, "CN=CA", "");
@@ -267,7 +267,7 @@ TEST(Observer, NobodyTakesItsMemory) {
   EXPECT_EQ(meetings_of(observer).size(), kMaxMeetings);
 }
 
-TEST(Observer, AnnouncementsCutAtEachOctet) {
+TEST(Observer, AnnouncementsCutAtEachOctet_AreNotTaken) {
   const auto whole = announcement(claims(1, "CN=Identity CA", "CN=Permissions CA"));
   for (std::size_t size = 0; size < whole.size(); ++size) {
     Observer observer;

@@ -11,7 +11,7 @@ using namespace testing;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr Rules kHidden{.rtps_psk = kEncrypt};
 
-TEST(PreSharedKey, WithoutAPassphraseThereIsNoParticipant) {
+TEST(PreSharedKey, WithoutAPassphrase_ThereIsNoParticipant) {
   Node node(9);
   const Environment environment{node.clock, node.random, node.events};
   const auto authentication = authentication::make_authentication(environment);

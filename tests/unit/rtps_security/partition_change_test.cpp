@@ -12,7 +12,7 @@ using namespace testing;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
 // Before: readers that had its keys read on, whatever they may read in the other partitions.
-TEST(KeyRevision, FollowsAWriterToOtherPartitions) {
+TEST(KeyRevision, WriterMovedToOtherPartitions_CausesOne) {
   Trio trio(revising({.data = kEncrypt, .partitions = "*"}));
   ASSERT_TRUE(trio.match()) << trio.text();
   auto reading = default_reader_qos();

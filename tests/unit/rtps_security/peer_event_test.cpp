@@ -24,7 +24,7 @@ const Event* mismatch_under(Pair& pair) {
   return find(pair.b.events, Code::rtps_qos_incompatible);
 }
 
-TEST(PeerEvent, WhatSecureDiscoveryAnnouncedIsOfTheAuthenticatedPeer) {
+TEST(PeerEvent, WhatSecureDiscoveryAnnounced_IsOfTheAuthenticatedPeer) {
   Pair pair({.discovery = ProtectionKind::sign});
   const auto* event = mismatch_under(pair);
   ASSERT_NE(event, nullptr);
@@ -32,7 +32,7 @@ TEST(PeerEvent, WhatSecureDiscoveryAnnouncedIsOfTheAuthenticatedPeer) {
   EXPECT_THAT(event->peer_subject, HasSubstr("CN=alice"));
 }
 
-TEST(PeerEvent, WhatAProtectedMessageAnnouncedIsOfTheAuthenticatedPeer) {
+TEST(PeerEvent, WhatAProtectedMessageAnnounced_IsOfTheAuthenticatedPeer) {
   Pair pair({.rtps = ProtectionKind::sign});
   const auto* event = mismatch_under(pair);
   ASSERT_NE(event, nullptr);
@@ -41,7 +41,7 @@ TEST(PeerEvent, WhatAProtectedMessageAnnouncedIsOfTheAuthenticatedPeer) {
 }
 
 // Anybody could have announced it in the name of the peer, whose places it must not use up.
-TEST(PeerEvent, WhatAClearAnnouncementSaysIsClaimedOnly) {
+TEST(PeerEvent, WhatAClearAnnouncementSays_IsClaimedOnly) {
   Pair pair({.metadata = ProtectionKind::sign});
   const auto* event = mismatch_under(pair);
   ASSERT_NE(event, nullptr);
@@ -49,7 +49,7 @@ TEST(PeerEvent, WhatAClearAnnouncementSaysIsClaimedOnly) {
   EXPECT_EQ(event->peer_subject, "");
 }
 
-TEST(PeerEvent, AnUnreadableMessageInTheNameOfAPeerIsClaimedOnly) {
+TEST(PeerEvent, AnUnreadableMessageInTheNameOfAPeer_IsClaimedOnly) {
   Pair pair(everything(ProtectionKind::encrypt));
   ASSERT_TRUE(pair.match());
   auto datagram = forged(pair.a->prefix(), Data{});
@@ -61,7 +61,7 @@ TEST(PeerEvent, AnUnreadableMessageInTheNameOfAPeerIsClaimedOnly) {
   EXPECT_EQ(event->guid, pair.a->prefix().to_string());
 }
 
-TEST(PeerEvent, AFloodOfStrangersHidesNothingThatAnAuthenticatedPeerCaused) {
+TEST(PeerEvent, AFloodOfStrangers_HidesNothingThatAnAuthenticatedPeerCaused) {
   Pair pair(everything(ProtectionKind::encrypt));
   ASSERT_TRUE(pair.match());
   for (std::uint32_t i = 0; i < 300; ++i) {

@@ -11,7 +11,7 @@ namespace {
 using namespace testing;
 
 // Each of the first stateless messages lost once: request, reply, final and their repetitions.
-TEST(Handshake, AnySingleMessageMayBeLost) {
+TEST(Handshake, AnySingleMessage_MayBeLost) {
   for (int lost = 0; lost < 14; ++lost) {
     Pair pair({});
     int number = 0;
@@ -23,7 +23,7 @@ TEST(Handshake, AnySingleMessageMayBeLost) {
   }
 }
 
-TEST(Handshake, EveryMessageTwiceIsAsGoodAsOnce) {
+TEST(Handshake, EveryMessageTwice_IsAsGoodAsOnce) {
   Pair pair(everything(ProtectionKind::encrypt_with_origin_authentication));
   pair.world.filter = [](const Node&, Bytes datagram) {
     return std::vector<Bytes>{datagram, datagram};
@@ -34,7 +34,7 @@ TEST(Handshake, EveryMessageTwiceIsAsGoodAsOnce) {
   EXPECT_EQ(pair.b.listener.changes.size(), 1u);
 }
 
-TEST(Handshake, AFlippedBitAnywhereInAMessageIsARefusalAndNoMore) {
+TEST(Handshake, AFlippedBitAnywhereInAMessage_IsARefusalAndNoMore) {
   Pair pair({});
   std::mt19937 random(7);
   pair.world.filter = [&](const Node&, Bytes datagram) {

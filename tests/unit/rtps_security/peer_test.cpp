@@ -73,7 +73,7 @@ std::optional<In> leads_to(In from, Edge edge) {
 }
 
 /// A peer whose handshakes hold a share of `data`, and whose association counts what is given back.
-class PeerEdges : public ::testing::Test {
+class PeerStatesTest : public ::testing::Test {
  protected:
   std::unique_ptr<PeerHandshake> handshake() {
     return std::make_unique<PeerHandshake>(*engine_, PeerHandshake::Sides{}, data_, account_, 0s);
@@ -168,7 +168,7 @@ class PeerEdges : public ::testing::Test {
   std::string given_back_;
 };
 
-TEST_F(PeerEdges, EachState_EachEdge_LeadsWhereTheListSays) {
+TEST_F(PeerStatesTest, EachState_EachEdge_LeadsWhereTheListSays) {
   for (const auto from : kAll)
     for (const auto edge : kEdges) {
       SCOPED_TRACE(std::to_string(static_cast<int>(from)) + " by " +
@@ -180,7 +180,7 @@ TEST_F(PeerEdges, EachState_EachEdge_LeadsWhereTheListSays) {
     }
 }
 
-TEST_F(PeerEdges, IllegalEdge_KeepsWhatTheStateOwns) {
+TEST_F(PeerStatesTest, IllegalEdge_KeepsWhatTheStateOwns) {
   for (const auto from : kAll)
     for (const auto edge : kEdges) {
       if (leads_to(from, edge)) continue;
@@ -196,7 +196,7 @@ TEST_F(PeerEdges, IllegalEdge_KeepsWhatTheStateOwns) {
     }
 }
 
-TEST_F(PeerEdges, Handshake_GoesFromStateToState) {
+TEST_F(PeerStatesTest, Handshake_GoesFromStateToState) {
   const auto peer = state(In::announced);
   const auto* handshake = peer->handshake();
   for (const auto edge : {Edge::begin, Edge::time_out, Edge::replace, Edge::associate, Edge::join,
@@ -207,7 +207,7 @@ TEST_F(PeerEdges, Handshake_GoesFromStateToState) {
   EXPECT_EQ(handshakes(), 1);
 }
 
-TEST_F(PeerEdges, NewProof_GivesBackKeysBeforePermissions) {
+TEST_F(PeerStatesTest, NewProof_GivesBackKeysBeforePermissions) {
   for (const auto from : {In::awaiting_keys, In::joined}) {
     const auto peer = state(from);
     given_back();
@@ -217,7 +217,7 @@ TEST_F(PeerEdges, NewProof_GivesBackKeysBeforePermissions) {
   }
 }
 
-TEST_F(PeerEdges, Refusal_GivesBackAll) {
+TEST_F(PeerStatesTest, Refusal_GivesBackAll) {
   for (const auto from : {In::announced, In::authenticating, In::waiting, In::awaiting_keys}) {
     const auto peer = state(from);
     given_back();
@@ -228,7 +228,7 @@ TEST_F(PeerEdges, Refusal_GivesBackAll) {
   }
 }
 
-TEST_F(PeerEdges, Distrusted_KeepsKeysForItsEndpointsUntilItDies) {
+TEST_F(PeerStatesTest, Distrusted_KeepsKeysForItsEndpointsUntilItDies) {
   auto peer = state(In::joined);
   ASSERT_TRUE(peer->distrust());
   EXPECT_EQ(given_back(), "");
@@ -239,7 +239,7 @@ TEST_F(PeerEdges, Distrusted_KeepsKeysForItsEndpointsUntilItDies) {
   EXPECT_EQ(handshakes(), 0);
 }
 
-TEST_F(PeerEdges, Admission_EndsWithAnAssociation) {
+TEST_F(PeerStatesTest, Admission_EndsWithAnAssociation) {
   const auto peer = state(In::authenticating);
   EXPECT_FALSE(peer->is_admitted());
   ASSERT_TRUE(peer->admit_unauthenticated());
@@ -252,7 +252,7 @@ TEST_F(PeerEdges, Admission_EndsWithAnAssociation) {
   EXPECT_FALSE(peer->is_admitted());
 }
 
-TEST_F(PeerEdges, ARefusedPeer_ThatIsAdmitted_StaysSoWhileItIsTriedAgain) {
+TEST_F(PeerStatesTest, ARefusedPeer_ThatIsAdmitted_StaysSoWhileItIsTriedAgain) {
   const auto peer = state(In::authenticating);
   for (const bool admits : {true, false}) {
     ASSERT_TRUE(peer->refuse(admits));
@@ -264,7 +264,7 @@ TEST_F(PeerEdges, ARefusedPeer_ThatIsAdmitted_StaysSoWhileItIsTriedAgain) {
   }
 }
 
-TEST_F(PeerEdges, Probe_HasADeadlineUntilItEnds) {
+TEST_F(PeerStatesTest, Probe_HasADeadlineUntilItEnds) {
   const auto peer = state(In::joined);
   EXPECT_EQ(peer->joined()->probe_deadline, kNever);
   ASSERT_TRUE(peer->probe(3s, 4s));
@@ -274,7 +274,7 @@ TEST_F(PeerEdges, Probe_HasADeadlineUntilItEnds) {
   EXPECT_EQ(peer->joined()->probe_deadline, kNever);
 }
 
-TEST_F(PeerEdges, AwaitingKeys_NotesTheKeyExchange) {
+TEST_F(PeerStatesTest, AwaitingKeys_NotesTheKeyExchange) {
   const auto peer = state(In::awaiting_keys);
   EXPECT_FALSE(peer->awaiting_keys()->exchanges_keys);
   ASSERT_TRUE(peer->note_key_exchange());

@@ -80,7 +80,7 @@ struct Recorder {
   std::vector<Bytes> heard;
 };
 
-TEST(PreSharedKey, ARecorderWithoutItSeesNeitherIdentityNorPermissionsNorTopic) {
+TEST(PreSharedKey, ARecorderWithoutIt_SeesNeitherIdentityNorPermissionsNorTopic) {
   const auto words = {std::string_view("alice"),
                       std::string_view("Identity CA"),
                       std::string_view("BEGIN CERTIFICATE"),
@@ -103,7 +103,7 @@ TEST(PreSharedKey, ARecorderWithoutItSeesNeitherIdentityNorPermissionsNorTopic) 
   EXPECT_EQ(of_open.count(true), 0u);
 }
 
-TEST(PreSharedKey, ParticipantsKeysProtectWhatIsTheirsAndThePreSharedKeyTheRest) {
+TEST(PreSharedKey, ParticipantsKeys_ProtectWhatIsTheirsAndThePreSharedKeyTheRest) {
   for (const auto psk : {kSign, kEncrypt})
     for (const auto kind : {kSign, kEncrypt}) {
       auto rules = everything(kind);
@@ -120,7 +120,7 @@ TEST(PreSharedKey, ParticipantsKeysProtectWhatIsTheirsAndThePreSharedKeyTheRest)
     }
 }
 
-TEST(PreSharedKey, WhoHasAnotherPassphraseOrIdIsNotHeard) {
+TEST(PreSharedKey, MemberWithAnotherPassphraseOrId_IsNotHeard) {
   const auto refusal = [](const spi::PropertyList& of_b) {
     Domain domain(kHidden, kPhrase, of_b);
     domain.create_endpoints();
@@ -134,7 +134,7 @@ TEST(PreSharedKey, WhoHasAnotherPassphraseOrIdIsNotHeard) {
   EXPECT_EQ(refusal(phrase("5633:castle super radar denial")), Code::psk_passphrase_unknown);
 }
 
-TEST(PreSharedKey, WhoHasNoneIsRefusedWithTheReasonOnBothSides) {
+TEST(PreSharedKey, ParticipantWithoutIt_IsRefusedWithTheReasonOnBothSides) {
   Domain domain(kHidden, Rules{}, kPhrase, {});
   domain.create_endpoints();
   domain.world.run(300);
@@ -145,7 +145,7 @@ TEST(PreSharedKey, WhoHasNoneIsRefusedWithTheReasonOnBothSides) {
   EXPECT_GT(domain.b->protection_counters().undecodable, 3u);
 }
 
-TEST(PreSharedKey, AVendorThatCannotIsNamed) {
+TEST(PreSharedKey, AVendorThatCannot_IsNamed) {
   Domain domain(kHidden);
   auto datagram = announcement(secured_data(fake_prefix(1)));
   std::ranges::copy(kVendorCyclone.octets, datagram.begin() + 6);
@@ -155,7 +155,7 @@ TEST(PreSharedKey, AVendorThatCannotIsNamed) {
   EXPECT_EQ(domain.a->remote_participants().size(), 0u);
 }
 
-TEST(PreSharedKey, SignedAndEncryptedDoNotMeet) {
+TEST(PreSharedKey, SignedAndEncrypted_DoNotMeet) {
   Domain domain(kHidden, Rules{.rtps_psk = kSign}, kPhrase, kPhrase);
   domain.world.run(200);
   EXPECT_EQ(domain.a->remote_participants().size() + domain.b->remote_participants().size(), 0u);
@@ -163,14 +163,14 @@ TEST(PreSharedKey, SignedAndEncryptedDoNotMeet) {
   EXPECT_TRUE(domain.b.events.has(Code::encrypted_where_signature_is_due));
 }
 
-TEST(PreSharedKey, IsPartOfWhatParticipantsAnnounceAndCompare) {
+TEST(PreSharedKey, AnnouncementWithoutIt_IsAMismatch) {
   Domain domain(kHidden);
   // Whoever has the passphrase and another governance announces no such protection.
   domain.a->receive(sealed(announcement(secured_data(fake_prefix(1))), domain.b), domain.world.now);
   EXPECT_TRUE(domain.a.events.has(Code::rtps_security_info_mismatch)) << domain.a.events.text();
 }
 
-TEST(PreSharedKey, APassphraseIsChangedInARunningDomain) {
+TEST(PreSharedKey, APassphrase_IsChangedInARunningDomain) {
   const auto before = phrase("1:old passphrase", "2:new passphrase");
   const auto between = phrase("2:new passphrase", "1:old passphrase");
   const auto after = phrase("2:new passphrase");
@@ -184,7 +184,7 @@ TEST(PreSharedKey, APassphraseIsChangedInARunningDomain) {
 }
 
 // The writer never pauses, and each participant looks at its files when it comes to it.
-TEST(PreSharedKey, IsChangedWhileParticipantsTalkAndNothingIsLost) {
+TEST(PreSharedKey, ChangeWhileParticipantsTalk_LosesNothing) {
   constexpr std::string_view kOld = "1:old passphrase", kNew = "2:new passphrase";
   const test::TemporaryFolder of_a, of_b;
   const auto put = [&](const std::string& name, std::string_view text) {
@@ -239,7 +239,7 @@ TEST(PreSharedKey, IsChangedWhileParticipantsTalkAndNothingIsLost) {
   EXPECT_EQ(read, 0) << "by who knows the old passphrase alone";
 }
 
-TEST(PreSharedKey, NothingThatWasChangedOrCutOffIsHeard) {
+TEST(PreSharedKey, ChangedOrCutOffMessages_AreNotHeard) {
   Domain domain(kHidden);
   const Recorder recorder(domain.world);
   ASSERT_TRUE(domain.talk());
@@ -263,7 +263,7 @@ TEST(PreSharedKey, NothingThatWasChangedOrCutOffIsHeard) {
 
 // 20,000 messages a second that name the right key, in ever other names and in that of the honest
 // peer: the work is bounded, and the honest peer joins.
-TEST(PreSharedKey, AFloodOfForgedMessagesCostsLittleAndKeepsNobodyOut) {
+TEST(PreSharedKey, AFloodOfForgedMessages_CostsLittleAndKeepsNoMemberOut) {
   Domain domain(kHidden);
   auto forged = sealed(announcement(secured_data(fake_prefix(1))), domain.b);
   forged[forged.size() - 10] ^= 1;

@@ -20,9 +20,9 @@ bool is_about(BytesView datagram, const EntityId& id) {
 }
 
 /// a writes, b reads.
-struct Doubt : ::testing::Test {
+struct ReaderPresenceTest : ::testing::Test {
   static constexpr Rules kRules{.discovery = kEncrypt};
-  Doubt() : pair(kRules) {
+  ReaderPresenceTest() : pair(kRules) {
     EXPECT_TRUE(pair.match());
     pair.world.filter = [this](const Node& from, Bytes datagram) {
       return is_cut_off && (&from == &pair.b || cuts_both) ? std::vector<Bytes>() : one(datagram);
@@ -57,7 +57,7 @@ struct Doubt : ::testing::Test {
   std::int64_t number = 0;
 };
 
-TEST_F(Doubt, ReaderThatAnswers_StaysMatched) {
+TEST_F(ReaderPresenceTest, ReaderThatAnswers_StaysMatched) {
   report_end(pair.reader);
   pair.world.run(2 * kPatience);
   EXPECT_EQ(matched(), 1);
@@ -66,14 +66,14 @@ TEST_F(Doubt, ReaderThatAnswers_StaysMatched) {
   EXPECT_TRUE(pair.world.run_until([&] { return received() == 1; }, 100));
 }
 
-TEST_F(Doubt, ManyReports_CostOneQuestionInFourSeconds) {
+TEST_F(ReaderPresenceTest, ManyReports_CostOneQuestionInFourSeconds) {
   const auto quiet = sent_in(2 * kPatience, false);
   const auto reported = sent_in(2 * kPatience, true);
   EXPECT_EQ(matched(), 1);
   EXPECT_LE(reported, quiet + 4);
 }
 
-TEST_F(Doubt, ReaderThatIsSilent_CountsAsEnded) {
+TEST_F(ReaderPresenceTest, ReaderThatIsSilent_CountsAsEnded) {
   pair.world.run(20);
   is_cut_off = true;
   pair.write();
@@ -89,7 +89,7 @@ TEST_F(Doubt, ReaderThatIsSilent_CountsAsEnded) {
 }
 
 // The report was forged while the reader was out of reach.
-TEST_F(Doubt, SilentReaderIsInReachAgain_Matches) {
+TEST_F(ReaderPresenceTest, SilentReaderIsInReachAgain_Matches) {
   is_cut_off = cuts_both = true;
   report_end(pair.reader);
   pair.world.run(kPatience + 40);
@@ -101,7 +101,7 @@ TEST_F(Doubt, SilentReaderIsInReachAgain_Matches) {
 }
 
 // Recorded before the reader fell silent.
-TEST_F(Doubt, RepeatedAnswer_DoesNotBringItBack) {
+TEST_F(ReaderPresenceTest, RepeatedAnswer_DoesNotBringItBack) {
   Bytes recorded;
   pair.world.filter = [&](const Node& from, Bytes datagram) {
     if (!is_cut_off && &from == &pair.b && is_about(datagram, pair.writer.entity))
@@ -121,7 +121,7 @@ TEST_F(Doubt, RepeatedAnswer_DoesNotBringItBack) {
 
 // Where only payloads are protected, anyone can send a HEARTBEAT or an ACKNACK. A count that no
 // honest message reaches does not keep the reader from being asked, or its answer from being heard.
-struct ForgedCount : Doubt, ::testing::WithParamInterface<bool> {
+struct ForgedCount : ReaderPresenceTest, ::testing::WithParamInterface<bool> {
   void forge() {
     constexpr std::int32_t kFarAhead = 0x40000000;
     if (GetParam())
@@ -157,7 +157,7 @@ TEST_P(ForgedCount, OfEitherSide_DoesNotKeepASilentReaderAway) {
 
 INSTANTIATE_TEST_SUITE_P(Doubt, ForgedCount, ::testing::Bool());
 
-TEST_F(Doubt, ReportOfAWriter_ChangesNothing) {
+TEST_F(ReaderPresenceTest, ReportOfAWriter_ChangesNothing) {
   pair.world.run(20);
   report_end(pair.writer);
   report_end({pair.b->prefix(), pair.writer.entity});
@@ -165,7 +165,7 @@ TEST_F(Doubt, ReportOfAWriter_ChangesNothing) {
   EXPECT_EQ(matched(), 1);
 }
 
-TEST_F(Doubt, EndThatIsProtected_EndsAtOnce) {
+TEST_F(ReaderPresenceTest, EndThatIsProtected_EndsAtOnce) {
   is_cut_off = true;
   report_end(pair.reader);
   pair.world.run(kPatience + 40);

@@ -138,7 +138,7 @@ spi::PropertyList with_passphrase(spi::PropertyList properties) {
   EXPECT_TRUE(world.run_until([&] { return b.listener.changes.size() == 10; }));
 }
 
-TEST(Remains, OfTheSecretsOfTwoParticipantsThereAreNone) {
+TEST(Remains, TwoParticipantsThatHaveLeft_LeaveNoSecrets) {
   Remains remains;
   test::at_depth([&] { live(remains); });
   // Both sides' shared secret, and at least participant's, writer's and reader's keys of each.
@@ -147,7 +147,7 @@ TEST(Remains, OfTheSecretsOfTwoParticipantsThereAreNone) {
 }
 
 /// The search itself: it finds what is on the heap, on the stack and in a thread's memory.
-TEST(Remains, AreFoundWhereTheyAre) {
+TEST(Remains, SecretsInAnyMemory_AreFound) {
   Remains remains;
   {
     auto phrase = spi::Property{"", passphrase()};

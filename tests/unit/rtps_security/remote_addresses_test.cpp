@@ -48,14 +48,14 @@ TEST_P(AddressChange, ReaderMoves_WriterFollows) {
 }
 
 // An insider could otherwise have others send to any host.
-TEST_P(AddressChange, OnlyHostsFromWhichItWasHeardAreUsed) {
+TEST_P(AddressChange, HostItWasNeverHeardFrom_IsNotUsed) {
   move(at("192.0.2.50", 7100));
   pair.world.run(100);
   EXPECT_EQ(b_as_known().metatraffic, LocatorList{at("127.0.0.1", 7100)});
   EXPECT_FALSE(is_sent_to("192.0.2.50"));
 }
 
-TEST_P(AddressChange, PlainAnnouncementsMoveNobody) {
+TEST_P(AddressChange, ClearAnnouncements_MoveNoPeer) {
   const auto before = b_as_known().metatraffic;
   auto lie = secured_data(pair.b->prefix(), 7666);
   lie.default_unicast = lie.metatraffic_unicast;

@@ -62,7 +62,7 @@ namespace {
 using namespace testing;
 
 // Every datagram comes twice, which is no work either.
-TEST(RepeatedWork, WhoIsKnownAlreadyIsAuthenticatedByItsSignatureAlone) {
+TEST(RepeatedWork, KnownPeer_IsAuthenticatedByItsSignatureAlone) {
   const auto rules = everything(ProtectionKind::encrypt);
   const auto of_bob = properties_of("CN=bob,O=Example", rules);
   Node alice(1, properties_of("CN=alice,O=Example", rules));
@@ -132,7 +132,7 @@ struct Hasty {
   Work by_bob;
 };
 
-TEST(RepeatedWork, OfAThousandRenewalsInASecondFewAreJudgedAndTheLastCounts) {
+TEST(RepeatedWork, AThousandRenewalsInASecond_FewAreJudgedAndTheLastCounts) {
   constexpr int kRenewals = 1000;
   Hasty two(everything(ProtectionKind::encrypt));
   two.bob.events.seen.clear();

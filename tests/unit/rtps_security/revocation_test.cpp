@@ -47,7 +47,7 @@ struct Three {
   Guid writer;
 };
 
-TEST(Revocation, CutsOffThePeerAndNobodyElse) {
+TEST(Revocation, RevokedPeer_IsCutOffAndNoOther) {
   for (const auto& rules : {everything(kEncrypt), Rules{.data = kEncrypt}}) {
     Three three(rules);
     ASSERT_TRUE(three.match()) << three.text();
@@ -68,7 +68,7 @@ TEST(Revocation, CutsOffThePeerAndNobodyElse) {
 }
 
 // In Cyclone DDS, a renewal list may let the other side keep a session that we have ended.
-TEST(Revocation, ThePeerIsToldThatTheSessionHasEnded) {
+TEST(Revocation, RevokedPeer_IsToldThatTheSessionHasEnded) {
   Three three;
   ASSERT_TRUE(three.match()) << three.text();
   int resets = 0;
@@ -100,7 +100,7 @@ TEST(Revocation, AParticipantThatItsPeerCutsOff_SaysSoOnce) {
 }
 
 // It announces itself on and on, and each of its handshakes is refused for the reason.
-TEST(Revocation, ThePeerDoesNotComeBack) {
+TEST(Revocation, RevokedPeer_DoesNotComeBack) {
   Three three;
   ASSERT_TRUE(three.match()) << three.text();
   three.revoke(three.carol);
@@ -113,7 +113,7 @@ TEST(Revocation, ThePeerDoesNotComeBack) {
 }
 
 // Made anew with the same certificate, it is a stranger with a bad name.
-TEST(Revocation, ARestartDoesNotHelp) {
+TEST(Revocation, ARestart_DoesNotHelp) {
   Three three;
   ASSERT_TRUE(three.match()) << three.text();
   three.revoke(three.carol);
@@ -126,7 +126,7 @@ TEST(Revocation, ARestartDoesNotHelp) {
   EXPECT_GT(three.a.events.count(Code::certificate_revoked), 1) << three.text();
 }
 
-TEST(Revocation, OfOurselvesEndsAllOurPeers) {
+TEST(Revocation, OwnRevocation_EndsAllOurPeers) {
   Three three;
   ASSERT_TRUE(three.match()) << three.text();
   three.revoke(three.alice);
@@ -140,7 +140,7 @@ TEST(Revocation, OfOurselvesEndsAllOurPeers) {
 }
 
 // In the middle of its handshake: whatever it still says is refused.
-TEST(Revocation, OfWhoIsJustJoiningKeepsItOut) {
+TEST(Revocation, RevocationOfAJoiningPeer_KeepsItOut) {
   for (int steps = 0; steps < 12; ++steps) {
     Three three;
     three.world.run(steps);

@@ -11,7 +11,7 @@ using namespace testing;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
-TEST(Joining, EndpointsAndParticipantsPart) {
+TEST(Joining, RemovedEndpointsAndParticipants_Part) {
   Pair pair(everything(kEncryptOa));
   ASSERT_TRUE(pair.match());
   pair.b->remove(pair.reader, pair.world.now);
@@ -20,7 +20,7 @@ TEST(Joining, EndpointsAndParticipantsPart) {
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b->remote_participants().size() == 0; }, 200));
 }
 
-TEST(Joining, AnEndedPermissionEndsTheParticipation) {
+TEST(Joining, AnEndedPermission_EndsTheParticipation) {
   Pair pair(everything(kEncrypt));
   ASSERT_TRUE(pair.match());
   pair.b.clock.advance(std::chrono::hours(25));
@@ -28,7 +28,7 @@ TEST(Joining, AnEndedPermissionEndsTheParticipation) {
 }
 
 // Two grants of one subject, one after the other: what the first gave ends with it.
-TEST(Joining, ANarrowerGrantThatFollowsIsInForceForWhatIsMatched) {
+TEST(Joining, ANarrowerGrantThatFollows_IsInForceForWhatIsMatched) {
   const auto rules = everything(kEncrypt);
   auto bob = properties_of("CN=bob,O=Example", rules);
   governance::Rule rule;

@@ -56,14 +56,14 @@ struct SharedEngines : ::testing::TestWithParam<ProtectionKind> {
   std::map<const Node*, Guid> writers;
 };
 
-TEST_P(SharedEngines, AllTalkToAll) {
+TEST_P(SharedEngines, AllPairs_TalkToEachOther) {
   join();
   expect_talk(*first, *remote);
   expect_talk(*second, *remote);
   expect_talk(*first, *second);
 }
 
-TEST_P(SharedEngines, OneLeavesAndTheOtherGoesOn) {
+TEST_P(SharedEngines, OneLeaves_TheOtherGoesOn) {
   join();
   (*first)->leave();
   world.run(50);
@@ -78,7 +78,7 @@ TEST_P(SharedEngines, OneLeavesAndTheOtherGoesOn) {
 }
 
 // The one no longer hears the remote, whose lease then ends there.
-TEST_P(SharedEngines, OneLosesTheRemoteAndTheOtherKeepsIt) {
+TEST_P(SharedEngines, OneLosesTheRemote_TheOtherKeepsIt) {
   join();
   const auto deaf = first->port;
   world.attack = [&](World::Traffic& traffic) {
@@ -91,7 +91,7 @@ TEST_P(SharedEngines, OneLosesTheRemoteAndTheOtherKeepsIt) {
   expect_talk(*second, *remote);
 }
 
-TEST_P(SharedEngines, OneEndsAndTheOtherGoesOn) {
+TEST_P(SharedEngines, OneEnds_TheOtherGoesOn) {
   join(1h);
   pass(2h);
   EXPECT_TRUE(first->events.has(Code::grant_expired) || engines->events.has(Code::grant_expired));
@@ -99,7 +99,7 @@ TEST_P(SharedEngines, OneEndsAndTheOtherGoesOn) {
   expect_talk(*second, *remote);
 }
 
-TEST_P(SharedEngines, TheEndOfTheRemoteIsTheEndForBoth) {
+TEST_P(SharedEngines, TheEndOfTheRemote_IsTheEndForBoth) {
   join(24h, 1h);
   pass(2h);
   EXPECT_FALSE(first->knows(*remote));

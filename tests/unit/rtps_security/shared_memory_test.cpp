@@ -28,9 +28,9 @@ struct Case {
 
 void PrintTo(const Case& it, std::ostream* out) { *out << it.name; }
 
-class Kinds : public ::testing::TestWithParam<Case> {};
+class SharedMemoryGovernance : public ::testing::TestWithParam<Case> {};
 
-TEST_P(Kinds, LargeSamples_GoAsTheGovernanceAllows) {
+TEST_P(SharedMemoryGovernance, LargeSamples_GoAsTheGovernanceAllows) {
   for (const bool trusted : {false, true}) {
     Shared pair(GetParam().rules, shm("on", trusted ? "true" : "false"));
     const bool expected = trusted ? GetParam().when_trusted : GetParam().goes_through_memory;
@@ -49,7 +49,7 @@ TEST_P(Kinds, LargeSamples_GoAsTheGovernanceAllows) {
 using enum ProtectionKind;
 
 INSTANTIATE_TEST_SUITE_P(
-    Governance, Kinds,
+    Governance, SharedMemoryGovernance,
     ::testing::Values(
         Case{"nothing", {}, true, true}, Case{"data_encrypted", {.data = encrypt}, true, true},
         Case{"data_signed", {.data = sign}, true, true},

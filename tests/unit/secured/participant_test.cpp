@@ -34,7 +34,7 @@ std::string value_of(const spi::PropertyList& properties, std::string_view name)
   return {};
 }
 
-TEST(FolderProperties, NameTheFilesOfEitherLayout) {
+TEST(FolderProperties, FilesOfEitherLayout_AreNamed) {
   const Folder folder;
   auto properties = folder_properties(folder.path);
   ASSERT_TRUE(properties);
@@ -47,14 +47,14 @@ TEST(FolderProperties, NameTheFilesOfEitherLayout) {
 }
 
 // A list of revoked certificates that somebody meant to be there must not go missing in silence.
-TEST(FolderProperties, AListOfRevokedCertificatesCountsEvenAsABrokenLink) {
+TEST(FolderProperties, AListOfRevokedCertificates_CountsEvenAsABrokenLink) {
   const Folder folder;
   fs::create_symlink("nowhere", folder.path / "crl.pem");
   const auto properties = folder_properties(folder.path);
   EXPECT_THAT(value_of(*properties, spi::property::kCrl), EndsWith("/crl.pem"));
 }
 
-TEST(FolderProperties, AListOfRevokedCertificatesMayComeLater) {
+TEST(FolderProperties, AListOfRevokedCertificates_MayComeLater) {
   const Folder folder;
   const auto before = folder_properties(folder.path);
   EXPECT_EQ(value_of(*before, spi::property::kCrl), "");
@@ -65,7 +65,7 @@ TEST(FolderProperties, AListOfRevokedCertificatesMayComeLater) {
   EXPECT_EQ(value_of(*after, spi::property::kLaterCrl), "");
 }
 
-TEST(FolderProperties, FurtherOnesComeFromAFile) {
+TEST(FolderProperties, FurtherProperties_ComeFromAFile) {
   const Folder folder;
   std::ofstream(folder.path / "security.properties") << "dds.sec.crypto.keysize = 128\n";
   const auto properties = folder_properties(folder.path);
@@ -117,7 +117,7 @@ TEST(ReportedCalendar, StepThatIsUndone_IsNotBelievedAndReportedTwice) {
   EXPECT_EQ(events.all, (std::vector{Code::clock_stepped, Code::clock_step_undone}));
 }
 
-TEST(SecuredParticipant, WithoutAFolderThereIsNone) {
+TEST(SecuredParticipant, WithoutAFolder_ThereIsNone) {
   test::Silent quiet;
   const auto participant = Participant::join("/nowhere/at/all", {.domain_id = 122}, &quiet);
   ASSERT_FALSE(participant);
@@ -130,7 +130,7 @@ std::string sentence_of(const fs::path& path) {
   return properties ? "" : properties.error().to_sentence();
 }
 
-TEST(FolderProperties, OfAnotherFolderNameTheParticipantsNearby) {
+TEST(FolderProperties, AnotherFolder_IsAnsweredWithTheParticipantsNearby) {
   const Folder folder;
   for (const auto* name : {"demo/talker", "demo/listener", "demo/ca/identity"})
     fs::create_directories(folder.path / name);
@@ -149,7 +149,7 @@ TEST(FolderProperties, OfAnotherFolderNameTheParticipantsNearby) {
   EXPECT_THAT(sentence_of(folder.path / "else/where"), HasSubstr("ddssec init"));
 }
 
-TEST(SecuredParticipant, AFileThatIsMissingIsNamed) {
+TEST(SecuredParticipant, AFileThatIsMissing_IsNamed) {
   const Folder folder;
   test::Silent quiet;
   const auto participant = Participant::join(folder.path, {.domain_id = 122}, &quiet);
@@ -158,7 +158,7 @@ TEST(SecuredParticipant, AFileThatIsMissingIsNamed) {
 }
 
 // The program that gets the error prints it: or_exit does.
-TEST(SecuredParticipant, WhatJoinReturnsIsNotPrintedByTheDefaultSinkToo) {
+TEST(SecuredParticipant, WhatJoinReturns_IsNotPrintedByTheDefaultSinkToo) {
   const Folder folder;
   ::testing::internal::CaptureStderr();
   const auto participant = Participant::join(folder.path, {.domain_id = 122});
@@ -166,7 +166,7 @@ TEST(SecuredParticipant, WhatJoinReturnsIsNotPrintedByTheDefaultSinkToo) {
   EXPECT_FALSE(participant);
 }
 
-TEST(StandardErrorEvents, WarningsOfWhatNoCallReturnsArePrinted) {
+TEST(StandardErrorEvents, WarningsOfWhatNoCallReturns_ArePrinted) {
   StandardErrorEvents events;
   ::testing::internal::CaptureStderr();
   events.raise(Event(Error(Code::file_unreadable, {.document = "crl.pem"})));
@@ -176,7 +176,7 @@ TEST(StandardErrorEvents, WarningsOfWhatNoCallReturnsArePrinted) {
   EXPECT_THAT(printed, ::testing::Not(HasSubstr("key.pem")));
 }
 
-TEST(StandardErrorEvents, PeersThatAuthenticatedArePrinted) {
+TEST(StandardErrorEvents, AuthenticatedPeers_ArePrinted) {
   StandardErrorEvents events;
   ::testing::internal::CaptureStderr();
   events.raise(
@@ -187,7 +187,7 @@ TEST(StandardErrorEvents, PeersThatAuthenticatedArePrinted) {
             "[rtps_peer_authenticated 1726]\n");
 }
 
-TEST(StandardErrorEvents, RenewedDocumentsArePrinted) {
+TEST(StandardErrorEvents, RenewedDocuments_ArePrinted) {
   StandardErrorEvents events;
   ::testing::internal::CaptureStderr();
   events.raise(Event(Error(Code::identity_renewed)));
@@ -217,7 +217,7 @@ TEST(SecuredParticipant, Qos_ThatAnApplicationChanges_IsReliableFromTheStart) {
   EXPECT_EQ(Participant::writer_qos().reliability.kind, rtps::ReliabilityKind::reliable);
 }
 
-TEST(SecuredParticipant, AnErrorThatNobodyHandlesEndsTheProgramWithItsSentence) {
+TEST(SecuredParticipant, UnhandledError_EndsTheProgramWithItsSentence) {
   EXPECT_EXIT(or_exit<int>(fail(Code::file_unreadable, {.document = "a.pem"})), ExitedWithCode(1),
               "a.pem");
   EXPECT_EQ(or_exit(Result<int>(7)), 7);

@@ -10,13 +10,13 @@ using enum ProtectionKind;
 constexpr ProtectionKind kAll[] = {none, sign, encrypt, sign_with_origin_authentication,
                                    encrypt_with_origin_authentication};
 
-TEST(ProtectionKind, NamesGoBothWaysAndNothingElseIsRead) {
+TEST(ProtectionKind, Names_GoBothWaysAndNothingElseIsRead) {
   for (auto kind : kAll) EXPECT_EQ(protection_kind_from(to_string(kind)), kind);
   for (const char* text : {"", "none", "Encrypt", " SIGN", "SIGN "})
     EXPECT_EQ(protection_kind_from(text), std::nullopt) << text;
 }
 
-TEST(ProtectionKind, IsRecoveredFromTheFlagsOfAMask) {
+TEST(ProtectionKind, FlagsOfAMask_GiveItBack) {
   for (auto kind : kAll)
     EXPECT_EQ(
         protection_kind({is_protected(kind), is_encrypted(kind), is_origin_authenticated(kind)}),
@@ -24,7 +24,7 @@ TEST(ProtectionKind, IsRecoveredFromTheFlagsOfAMask) {
   EXPECT_EQ(protection_kind({.is_encrypted = true, .is_origin_authenticated = true}), none);
 }
 
-TEST(SecurityInfo, ParticipantMasksAsTheStandardNumbersThem) {
+TEST(SecurityInfo, ParticipantMasks_AreAsTheStandardNumbersThem) {
   EXPECT_EQ(security_info(ParticipantSecurityAttributes{}),
             (SecurityInfo{0x80000000u, 0x80000000u}));
   const ParticipantSecurityAttributes all{.rtps = encrypt_with_origin_authentication,
@@ -40,7 +40,7 @@ TEST(SecurityInfo, ParticipantMasksAsTheStandardNumbersThem) {
             (SecurityInfo{0x80000008u, 0x80000000u}));
 }
 
-TEST(SecurityInfo, EndpointMasksAsTheStandardNumbersThem) {
+TEST(SecurityInfo, EndpointMasks_AreAsTheStandardNumbersThem) {
   const EndpointSecurityAttributes a{
       .topic = {.is_read_protected = true, .is_liveliness_protected = true},
       .submessage = sign_with_origin_authentication,
@@ -48,7 +48,7 @@ TEST(SecurityInfo, EndpointMasksAsTheStandardNumbersThem) {
   EXPECT_EQ(security_info(a), (SecurityInfo{0x80000079u, 0x80000006u}));
 }
 
-TEST(SecurityInfo, ComparesOnlyWhereBothAreValid) {
+TEST(SecurityInfo, OneInvalidMask_IsNotCompared) {
   const SecurityInfo a{0x80000001u, 0x80000001u};
   EXPECT_TRUE(is_compatible(a, a));
   EXPECT_FALSE(is_compatible(a, {0x80000003u, 0x80000001u}));

@@ -12,7 +12,7 @@ Result<std::chrono::seconds> grace(std::string value) {
   return clock_step_grace({{std::string(property::kClockStepGrace), std::move(value), false}});
 }
 
-TEST(ClockStepGrace, IsANumberOfSecondsUpToAnHour) {
+TEST(ClockStepGrace, SecondsUpToAnHour_AreRead) {
   EXPECT_EQ(clock_step_grace({}), SteadyCalendar::kDefaultGrace);
   EXPECT_EQ(grace("0"), std::chrono::seconds(0));
   EXPECT_EQ(grace("90"), std::chrono::seconds(90));

@@ -11,14 +11,14 @@ Result<std::chrono::seconds> interval(std::string value) {
   return files_poll_interval({{std::string(property::kFilesPollInterval), std::move(value)}});
 }
 
-TEST(FilesPollInterval, IsANumberOfSeconds) {
+TEST(FilesPollInterval, SecondsUpToTheBound_AreRead) {
   EXPECT_EQ(files_poll_interval({}), kDefaultFilesPollInterval);
   EXPECT_EQ(interval("0"), std::chrono::seconds(0));
   EXPECT_EQ(interval("90"), std::chrono::seconds(90));
   EXPECT_EQ(interval("86400"), kMaxFilesPollInterval);
 }
 
-TEST(FilesPollInterval, IsRefusedIfItIsNothingElse) {
+TEST(FilesPollInterval, OtherThanSeconds_IsRefused) {
   for (const auto* const bad :
        {"", "-1", "5s", " 5", "1.5", "86401", "4294967296", "99999999999999999999"}) {
     const auto refused = interval(bad);

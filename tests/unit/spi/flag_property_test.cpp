@@ -9,13 +9,13 @@ constexpr std::string_view kName = "org.ddssec.test";
 
 Result<bool> flag(std::string value) { return flag_property({{std::string(kName), value}}, kName); }
 
-TEST(FlagProperty, IsFalseUnlessItSaysTrue) {
+TEST(FlagProperty, WithoutAValue_IsFalse) {
   EXPECT_EQ(flag_property({}, kName), false);
   EXPECT_EQ(flag("false"), false);
   EXPECT_EQ(flag("true"), true);
 }
 
-TEST(FlagProperty, ThatSaysAnythingElseIsRefused) {
+TEST(FlagProperty, OtherWords_AreRefused) {
   for (const char* const bad : {"", "yes", "1", "True", "true "}) {
     const auto refused = flag(bad);
     ASSERT_FALSE(refused) << bad;

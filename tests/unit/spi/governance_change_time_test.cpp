@@ -12,7 +12,7 @@ Result<std::chrono::seconds> change_time(std::string value) {
       {{std::string(property::kGovernanceChangeTime), std::move(value), false}});
 }
 
-TEST(GovernanceChangeTime, IsANumberOfSecondsUpToAnHour) {
+TEST(GovernanceChangeTime, SecondsUpToAnHour_AreRead) {
   EXPECT_EQ(governance_change_time({}), std::chrono::minutes(1));
   EXPECT_EQ(change_time("0"), std::chrono::seconds(0));
   EXPECT_EQ(change_time("90"), std::chrono::seconds(90));

@@ -14,7 +14,7 @@ namespace {
 static_assert(!std::is_convertible_v<IdentityHandle, PermissionsHandle>);
 static_assert(!std::is_copy_constructible_v<SharedSecret>);
 
-TEST(Handle, ZeroIsNil) {
+TEST(Handle, Zero_IsNil) {
   EXPECT_FALSE(IdentityHandle{});
   EXPECT_TRUE(IdentityHandle{1});
 }

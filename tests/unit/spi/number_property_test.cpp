@@ -18,7 +18,7 @@ TEST(NumberProperty, MissingProperty_HasTheOtherValue) {
   EXPECT_EQ(number_property({{"org.ddssec.other", "9", false}}, kName, kRange, 7), 7u);
 }
 
-TEST(NumberProperty, RangeIncludesBothEndsAndZero) {
+TEST(NumberProperty, Range_IncludesBothEndsAndZero) {
   EXPECT_EQ(number("5"), 5u);
   EXPECT_EQ(number("20"), 20u);
   EXPECT_EQ(number("0"), 0u);

@@ -12,7 +12,7 @@ Result<OcspPolicy> policy_of(std::string value) {
   return ocsp_policy({{std::string(property::kOcsp), std::move(value)}});
 }
 
-TEST(OcspPolicyProperty, IsOneOfThreeWords) {
+TEST(OcspPolicyProperty, OtherThanThreeWords_IsRefused) {
   EXPECT_EQ(ocsp_policy({}), OcspPolicy::soft);
   EXPECT_EQ(policy_of("ignore"), OcspPolicy::ignore);
   EXPECT_EQ(policy_of("soft"), OcspPolicy::soft);

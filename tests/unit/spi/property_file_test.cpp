@@ -9,7 +9,7 @@
 namespace ddssec::spi {
 namespace {
 
-TEST(PropertyFile, ReadsNamesAndValues) {
+TEST(PropertyFile, NamesAndValues_AreRead) {
   const PropertyList expected = {{std::string(property::kPassword), "c = d", false},
                                  {std::string(property::kKeySize), "", false},
                                  {std::string(property::kCrl), "g", false}};
@@ -21,7 +21,7 @@ TEST(PropertyFile, ReadsNamesAndValues) {
   EXPECT_TRUE(parse_properties("").value().empty());
 }
 
-TEST(PropertyFile, NamesTheLineItRefuses) {
+TEST(PropertyFile, RefusedLine_IsNamed) {
   const std::string name(property::kPassword);
   const std::pair<std::string, int> bad[] = {{name + "=b\nc", 2},
                                              {"= b", 1},
@@ -79,7 +79,7 @@ TEST(PropertyFile, EveryNameThatConfiguresAParticipant_IsKnown) {
     EXPECT_EQ(parse_properties(std::string(name) + " = x").value().front().name, name);
 }
 
-TEST(PropertyFile, IsThereReadableAndSmall) {
+TEST(PropertyFile, MissingUnreadableOrLargeFile_IsRefused) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / "ddssec-property-file";
   std::filesystem::create_directories(folder);
   const auto file = folder / "security.properties";

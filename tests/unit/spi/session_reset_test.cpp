@@ -22,7 +22,7 @@ Bytes proof_of(const ResetToken& token) {
   return token.proof.expose([](BytesView view) { return to_bytes(view); });
 }
 
-TEST(SessionReset, DerivesTheSameTokenOnBothSides) {
+TEST(SessionReset, BothSides_DeriveTheSameToken) {
   const auto one = derive_reset_token(secret_of(1), kA),
              other = derive_reset_token(secret_of(1), kA);
   EXPECT_EQ(one.name, other.name);
@@ -30,7 +30,7 @@ TEST(SessionReset, DerivesTheSameTokenOnBothSides) {
   EXPECT_EQ(one.proof.size(), 32u);
 }
 
-TEST(SessionReset, EverySessionAndEachDirectionHasItsOwn) {
+TEST(SessionReset, EverySessionAndEachDirection_HasItsOwn) {
   const auto token = derive_reset_token(secret_of(1), kA);
   auto later = secret_of(1);
   later.challenge2.fill(4);
@@ -42,7 +42,7 @@ TEST(SessionReset, EverySessionAndEachDirectionHasItsOwn) {
   EXPECT_NE(to_hex(token.name), to_hex(BytesView(proof_of(token)).first(16)));
 }
 
-TEST(SessionReset, IsReadAsItWasWritten) {
+TEST(SessionReset, WrittenMessage_ReadsBack) {
   const auto token = derive_reset_token(secret_of(1), kA);
   const auto message = write_reset(kA, token);
   EXPECT_EQ(to_hex(BytesView(message).first(4)), to_hex(as_bytes("RTPS")));
@@ -54,7 +54,7 @@ TEST(SessionReset, IsReadAsItWasWritten) {
   EXPECT_EQ(to_hex(read->proof), to_hex(proof_of(token)));
 }
 
-TEST(SessionReset, OtherMessagesAreNone) {
+TEST(SessionReset, OtherMessages_AreNone) {
   const auto message = write_reset(kA, derive_reset_token(secret_of(1), kA));
   for (std::size_t size = 0; size < message.size(); ++size)
     EXPECT_FALSE(read_reset(BytesView(message).first(size)));

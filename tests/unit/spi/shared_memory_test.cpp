@@ -11,7 +11,7 @@ PropertyList with(std::string_view name, std::string value) {
   return {{std::string(name), std::move(value)}};
 }
 
-TEST(SharedMemory, IsOffUnlessItSaysOn) {
+TEST(SharedMemory, WithoutProperties_IsOff) {
   EXPECT_EQ(shared_memory({}), SharedMemory{});
   EXPECT_EQ(shared_memory(with(property::kSharedMemory, "off")), SharedMemory{});
   EXPECT_EQ(shared_memory(with(property::kSharedMemory, "on")), (SharedMemory{true, false}));

@@ -5,7 +5,7 @@
 namespace ddssec::spi {
 namespace {
 
-TEST(SymmetricCipher, NamesAndBitsBelongTogether) {
+TEST(SymmetricCipher, NamesAndBits_BelongTogether) {
   for (const auto bit : {kAes128Bit, kAes256Bit, kChaCha20Poly1305Bit})
     EXPECT_EQ(cipher_of(names_of(bit)), bit);
   EXPECT_EQ(names_of(kAllCiphers), "AES128+GCM,AES256+GCM,org.ddssec.ChaCha20-Poly1305");
@@ -15,7 +15,7 @@ TEST(SymmetricCipher, NamesAndBitsBelongTogether) {
     EXPECT_EQ(cipher_of(unknown), std::nullopt) << unknown;
 }
 
-TEST(SymmetricCipher, AListMayNameWhatWeDoNotKnow) {
+TEST(SymmetricCipher, AList_MayNameUnknownCiphers) {
   EXPECT_EQ(ciphers_in(names_of(kAllCiphers)), kAllCiphers);
   EXPECT_EQ(ciphers_in("com.example.X,org.ddssec.ChaCha20-Poly1305,"), kChaCha20Poly1305Bit);
   for (const auto* const nothing : {"", ",", ",,", "none", " AES128+GCM", "AES128+GCM AES256+GCM"})
@@ -23,7 +23,7 @@ TEST(SymmetricCipher, AListMayNameWhatWeDoNotKnow) {
 }
 
 // DDS-Security 1.2, clause 7.3.9
-TEST(SymmetricCipher, AllThatIsRequiredOrAnyInCompatibilityMode) {
+TEST(SymmetricCipher, PeersCiphers_MustHoldAllOrInCompatibilityModeAny) {
   constexpr CipherMask kCompatible = CipherMask{1} << 31;
   EXPECT_TRUE(is_supported_by(0x2, 0x3));
   EXPECT_TRUE(is_supported_by(0x0, 0x3));

@@ -13,7 +13,7 @@ Token sample() {
           .binary_properties = {{"c.id", Bytes{1, 2, 3}}, {"c.perm", {}}}};
 }
 
-TEST(Token, RoundTripsInBothByteOrdersWithoutWhatDoesNotPropagate) {
+TEST(Token, EachByteOrder_RoundTripsWithoutWhatDoesNotPropagate) {
   for (auto endian : {Endian::big, Endian::little}) {
     Writer writer(endian);
     write_token(writer, sample());
@@ -26,7 +26,7 @@ TEST(Token, RoundTripsInBothByteOrdersWithoutWhatDoesNotPropagate) {
   }
 }
 
-TEST(Token, EveryTruncationIsRefused) {
+TEST(Token, EveryTruncation_IsRefused) {
   Writer writer;
   write_token(writer, sample());
   const auto octets = writer.take();
@@ -37,7 +37,7 @@ TEST(Token, EveryTruncationIsRefused) {
 }
 
 // CVE-2025-62599, -62600, -62602: lying lengths inside tokens.
-TEST(Token, LyingCountsAndLengthsAreRefusedBeforeAllocating) {
+TEST(Token, LyingCountsAndLengths_AreRefusedBeforeAllocating) {
   Writer writer;
   write_token(writer, sample());
   const auto honest = writer.take();
@@ -52,7 +52,7 @@ TEST(Token, LyingCountsAndLengthsAreRefusedBeforeAllocating) {
   }
 }
 
-TEST(Token, MorePropertiesThanTheBoundAreRefused) {
+TEST(Token, MorePropertiesThanTheBound_AreRefused) {
   Token token = sample();
   token.properties.assign(kMaxPropertiesPerToken + 1, {"n", "v"});
   Writer writer;
@@ -63,7 +63,7 @@ TEST(Token, MorePropertiesThanTheBoundAreRefused) {
 }
 
 // Both vectors were computed independently from the rule of DDS-Security 1.2, clause 10.3.2.5.1.
-TEST(BinaryProperties, SerializeAsTheHashInputOfTheHandshake) {
+TEST(BinaryProperties, KnownProperties_GiveTheHashInputOfTheHandshake) {
   const Bytes pdata = {0, 1, 0, 0};
   const NamedOctets a[] = {{"c.id", as_bytes("-----BEGIN")},
                            {"c.perm", as_bytes("P")},

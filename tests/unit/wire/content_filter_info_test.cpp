@@ -9,7 +9,7 @@ namespace {
 
 using namespace testing;
 
-TEST(ContentFilterInfoTest, HasABitForEachSignature) {
+TEST(ContentFilterInfoTest, EachSignature_HasABit) {
   std::vector<FilterResult> results(33);
   for (std::size_t i = 0; i < results.size(); ++i) {
     results[i].signature.fill(static_cast<std::uint8_t>(i));
@@ -24,7 +24,7 @@ TEST(ContentFilterInfoTest, HasABitForEachSignature) {
   EXPECT_EQ(out.view()[head.size() + 16], 1);
 }
 
-TEST(ContentFilterInfoTest, IsSteppedOverByReaders) {
+TEST(ContentFilterInfoTest, FilterInfo_IsSteppedOverByReaders) {
   const FilterResult result{{7}, true};
   const auto octets = written(Data{.reader = kReader,
                                    .writer = kWriter,
@@ -37,7 +37,7 @@ TEST(ContentFilterInfoTest, IsSteppedOverByReaders) {
   EXPECT_EQ(as_text(data->payload), "data");
 }
 
-TEST(FilteredStatusTest, IsRead) {
+TEST(FilteredStatusTest, FilteredFlag_IsRead) {
   const auto octets = written(
       Data{.reader = kReader, .writer = kWriter, .inline_qos = {.status = {.filtered = true}}});
   EXPECT_TRUE(read_data(view_of(octets))->inline_qos.status.filtered);

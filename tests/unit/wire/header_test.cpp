@@ -12,7 +12,7 @@ using testing::message;
 using testing::view_of;
 using testing::written;
 
-TEST(Message, HeaderNamesUsByOneConstant) {
+TEST(Message, Header_NamesUsByOneConstant) {
   const auto octets = message({});
   const auto header = read_header(octets);
   ASSERT_TRUE(header);
@@ -20,7 +20,7 @@ TEST(Message, HeaderNamesUsByOneConstant) {
   EXPECT_EQ(header->version, kProtocolVersion);
 }
 
-TEST(Message, OtherProtocolsAndVersionsAreRefused) {
+TEST(Message, OtherProtocolsAndVersions_AreRefused) {
   auto octets = message({});
   octets[0] = 'X';
   EXPECT_EQ(code_of(MessageReader::open(octets)), Code::rtps_not_a_message);

@@ -15,12 +15,12 @@ using testing::kWriter;
 using testing::view_of;
 using testing::written;
 
-TEST(Submessage, Heartbeat) {
+TEST(Submessage, Heartbeat_RoundTrips) {
   expect_round_trip(Heartbeat{kReader, kWriter, {1}, {9}, 3, true, true}, read_heartbeat);
   expect_round_trip(Heartbeat{{}, kWriter, {10}, {9}, 3, false, false}, read_heartbeat);
 }
 
-TEST(Submessage, HeartbeatOfAGroup) {
+TEST(Submessage, HeartbeatOfAGroup_RoundTripsAndInvalidNumbersAreRefused) {
   Heartbeat heartbeat{kReader, kWriter, {1}, {9}, 3, true, false, {}};
   heartbeat.group = GroupState{{40}, {12}, {30}, {1, 2, 3, 4}, {5, 6, 7, 8}};
   for (auto endian : {Endian::big, Endian::little}) {

@@ -14,7 +14,7 @@ using testing::code_of;
 
 const Bytes kSentinel = {0, 1, 0, 0};
 
-TEST(InlineQos, CoherenceRoundTrips) {
+TEST(InlineQos, Coherence_RoundTrips) {
   for (auto endian : {Endian::big, Endian::little}) {
     Bytes octets(128);
     SpanWriter out(octets, endian);
@@ -25,7 +25,7 @@ TEST(InlineQos, CoherenceRoundTrips) {
   }
 }
 
-TEST(InlineQos, TheOriginalWriterRoundTripsAndImpossibleOnesAreRefused) {
+TEST(InlineQos, OriginalWriter_RoundTripsAndImpossibleOnesAreRefused) {
   InlineQos qos;
   qos.original = {{GuidPrefix::from(Bytes(12, 7)), EntityId{{1, 2, 3, 4}}}, {(1ll << 40) + 6}};
   for (auto endian : {Endian::little, Endian::big}) {
@@ -52,7 +52,7 @@ TEST(InlineQos, TheOriginalWriterRoundTripsAndImpossibleOnesAreRefused) {
   EXPECT_EQ(code_of(read_inline_qos(tiny, Endian::little)), Code::rtps_parameter_invalid);
 }
 
-TEST(InlineQos, AnUnknownSetIsNoneAndAnImpossibleOneIsRefused) {
+TEST(InlineQos, AnUnknownSet_IsNoneAndAnImpossibleOneIsRefused) {
   const Bytes unknown = {0, 0x56, 0, 8, 0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0, 0, 1, 0, 0};
   EXPECT_TRUE(read_inline_qos(unknown, Endian::big)->empty());
   for (const std::uint8_t id : {0x56, 0x63, 0x64}) {
@@ -65,7 +65,7 @@ TEST(InlineQos, AnUnknownSetIsNoneAndAnImpossibleOneIsRefused) {
   EXPECT_EQ(code_of(read_inline_qos(empty, Endian::big)), Code::rtps_parameter_invalid);
 }
 
-TEST(InlineQos, RefusesWhatItMustUnderstandAndShortValues) {
+TEST(InlineQos, UnknownParametersThatMatterAndShortValues_AreRefused) {
   EXPECT_EQ(code_of(read_inline_qos(list({{0x40, 0x77, 0, 0}, kSentinel}), Endian::big)),
             Code::rtps_parameter_not_understood);
   EXPECT_TRUE(
@@ -115,7 +115,7 @@ TEST(InlineQos, AnUnknownParameterThatComesTwice_IsSkipped) {
           ->empty());
 }
 
-TEST(InlineQos, StatusIsBigEndianInEitherList) {
+TEST(InlineQos, Status_IsBigEndianInEitherList) {
   const Bytes octets = {0x71, 0, 4, 0, 0, 0, 0, 3, 1, 0, 0, 0};
   EXPECT_EQ(read_inline_qos(octets, Endian::little)->status, (StatusInfo{true, true}));
 }

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Locator, TellsItsNature) {
+TEST(Locator, EachAddress_TellsItsNature) {
   EXPECT_EQ(to_string(*Locator::parse("127.0.0.1", 7400)), "udp/127.0.0.1:7400");
   EXPECT_EQ(to_string(*Locator::parse("::1", 7400)), "udp/[::1]:7400");
   EXPECT_EQ(to_string(Locator{LocatorKind{16}, 1, {}}), "kind 16");
@@ -33,7 +33,7 @@ TEST(Locator, TellsItsNature) {
   EXPECT_FALSE(out_of_range.is_usable());
 }
 
-TEST(EntityIds, KindsAreTold) {
+TEST(EntityIds, Kinds_AreTold) {
   EXPECT_TRUE(is_builtin(kSpdpWriter));
   EXPECT_TRUE(is_writer(kSpdpWriter));
   EXPECT_TRUE(has_key(kSpdpWriter));

@@ -21,7 +21,7 @@ using testing::message;
 using testing::written;
 
 // Cyclone DDS #2402: datagrams of 0 to 40 octets.
-TEST(Message, EveryTruncationIsAShorterWalkOrARefusal) {
+TEST(Message, EveryTruncation_IsAShorterWalkOrARefusal) {
   const auto whole = message({written(InfoDestination{}), written(Heartbeat{{}, {}, {1}, {2}, 1})});
   for (std::size_t size = 0; size < whole.size(); ++size) {
     auto opened = MessageReader::open(BytesView(whole).first(size));
@@ -38,7 +38,7 @@ TEST(Message, EveryTruncationIsAShorterWalkOrARefusal) {
   }
 }
 
-TEST(Message, LengthZeroMeansToTheEndExceptWhereAnEmptyBodyIsLegal) {
+TEST(Message, LengthZero_MeansToTheEndExceptWhereAnEmptyBodyIsLegal) {
   auto octets = message({written(InfoTimestamp{}), written(InfoDestination{})});
   octets[26] = 0;  // INFO_DST's length
   auto reader = *MessageReader::open(octets);
@@ -47,7 +47,7 @@ TEST(Message, LengthZeroMeansToTheEndExceptWhereAnEmptyBodyIsLegal) {
   EXPECT_FALSE(*reader.next());
 }
 
-TEST(Message, ASubmessageCannotReachBeyondItsMessage) {
+TEST(Message, ASubmessage_CannotReachBeyondItsMessage) {
   for (std::uint8_t length : {13, 16, 255}) {
     auto octets = message({written(InfoDestination{})});
     octets[22] = length;
@@ -56,7 +56,7 @@ TEST(Message, ASubmessageCannotReachBeyondItsMessage) {
   }
 }
 
-TEST(Message, OnlyTheLastSubmessageMayHaveAnOddLength) {
+TEST(Message, OnlyTheLastSubmessage_MayHaveAnOddLength) {
   auto octets = message({written(InfoDestination{}), written(InfoDestination{})});
   octets[22] = 13;
   auto reader = *MessageReader::open(octets);
@@ -110,7 +110,7 @@ Status read_all(BytesView octets) {
   return {};
 }
 
-TEST(Message, ACapturedRosSystemIsUnderstoodCompletely) {
+TEST(Message, ACapturedRosSystem_IsUnderstoodCompletely) {
   int messages = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(test::data_path("foxglove-rtps/messages"))) {

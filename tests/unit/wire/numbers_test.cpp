@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(NumberSet, HoldsWhatItReaches) {
+TEST(NumberSet, NumbersWithinReach_AreHeld) {
   SequenceNumberSet set(SequenceNumber{10});
   EXPECT_TRUE(set.insert({10}));
   EXPECT_TRUE(set.insert({41}));
@@ -27,7 +27,7 @@ TEST(NumberSet, HoldsWhatItReaches) {
   EXPECT_FALSE(set.contains({INT64_MIN}));
 }
 
-TEST(Count, BeginsAgainBehindItsGreatest) {
+TEST(Count, AfterItsGreatest_BeginsAgain) {
   constexpr auto kMax = std::numeric_limits<std::int32_t>::max();
   constexpr auto kMin = std::numeric_limits<std::int32_t>::min();
   EXPECT_TRUE(is_later(2, 1));
@@ -39,7 +39,7 @@ TEST(Count, BeginsAgainBehindItsGreatest) {
   EXPECT_TRUE(is_later(kMax, 1));
 }
 
-TEST(NumberSet, BitsBeyondTheCountAreDropped) {
+TEST(NumberSet, BitsBeyondTheCount_AreDropped) {
   const Bytes octets = {0, 0, 0, 3, 0xff, 0xff, 0xff, 0xff};
   Reader reader(octets);
   SequenceNumberSet set(SequenceNumber{1});

@@ -13,7 +13,7 @@ using testing::code_of;
 
 const Bytes kSentinel = {0, 1, 0, 0};
 
-TEST(ParameterList, WalksToItsSentinelAndOverPadding) {
+TEST(ParameterList, SentinelAndPadding_EndAndDoNotEndTheWalk) {
   const auto octets = list({{0, 0, 0, 4, 9, 9, 9, 9}, {0, 5, 0, 0}, kSentinel, {1, 2, 3}});
   ParameterReader reader(octets, Endian::big);
   EXPECT_EQ((*reader.next())->id, 5);
@@ -23,7 +23,7 @@ TEST(ParameterList, WalksToItsSentinelAndOverPadding) {
 }
 
 // Cyclone DDS #1555: the scan for a list's end.
-TEST(ParameterList, EveryTruncationIsRefused) {
+TEST(ParameterList, EveryTruncation_IsRefused) {
   const auto octets =
       list({{0, 5, 0, 4, 1, 2, 3, 4}, {0x40, 0, 0, 8, 1, 2, 3, 4, 5, 6, 7, 8}, kSentinel});
   for (std::size_t size = 0; size < octets.size(); ++size)
@@ -31,7 +31,7 @@ TEST(ParameterList, EveryTruncationIsRefused) {
               Code::truncated);
 }
 
-TEST(ParameterList, OddAndLyingLengthsAreRefused) {
+TEST(ParameterList, OddAndLyingLengths_AreRefused) {
   for (std::uint8_t length : {1, 2, 3, 5})
     EXPECT_EQ(code_of(parameter_list_prefix(
                   list({{0, 5, 0, length, 1, 2, 3, 4, 5, 6, 7, 8}, kSentinel}), Endian::big)),

@@ -26,7 +26,7 @@ using testing::kWriter;
 using testing::view_of;
 using testing::written;
 
-TEST(Submessage, NumbersOutOfRangeAreRefused) {
+TEST(Submessage, NumbersOutOfRange_AreRefused) {
   using F = std::function<Code()>;
   const std::int64_t huge = (std::int64_t{1} << 62) + 1;
   const F cases[] = {
@@ -69,7 +69,7 @@ TEST(Submessage, NumbersOutOfRangeAreRefused) {
   for (const auto& refused : cases) EXPECT_EQ(refused(), Code::rtps_number_invalid);
 }
 
-TEST(Submessage, WhatDoesNotFitTheBufferIsNoticed) {
+TEST(Submessage, WhatDoesNotFitTheBuffer_IsNoticed) {
   std::array<std::uint8_t, 30> small{};
   SpanWriter out(small);
   write(out, AckNack{kReader, kWriter, set_of({5, 6}), 1, true});

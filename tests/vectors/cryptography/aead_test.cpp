@@ -87,7 +87,7 @@ std::size_t for_each_wycheproof(const std::string& name, F&& f) {
   return tried;
 }
 
-TEST_P(Aead, Wycheproof) {
+TEST_P(Aead, WycheproofVectors_AreReproduced) {
   for (const auto* const name : {"aes_gcm_test.json", "chacha20_poly1305_test.json"}) {
     const auto tried = for_each_wycheproof(name, [](const Case& one, bool valid) {
       if (valid) expect_seals(one);
@@ -98,7 +98,7 @@ TEST_P(Aead, Wycheproof) {
 }
 
 // RFC 8439 2.8.2
-TEST_P(Aead, Rfc8439) {
+TEST_P(Aead, Rfc8439Example_IsReproduced) {
   const auto text = as_bytes(
       "Ladies and Gentlemen of the class of '99: If I could offer you only one tip for the future, "
       "sunscreen would be it.");
@@ -117,7 +117,7 @@ TEST_P(Aead, Rfc8439) {
 }
 
 // RFC 8439 appendix A.5
-TEST_P(Aead, Rfc8439Decryption) {
+TEST_P(Aead, Rfc8439DecryptionExample_IsReproduced) {
   const Case one{
       kChacha,
       hex("1c9240a5eb55d38af333888604f6b5f0473917c1402b80099dca5cbc207075c0"),
@@ -142,7 +142,7 @@ TEST_P(Aead, Rfc8439Decryption) {
   expect_seals(one);
 }
 
-TEST_P(Aead, WycheproofGmac) {
+TEST_P(Aead, WycheproofGmacVectors_AreReproduced) {
   std::size_t tried = 0;
   const auto file = json_file("wycheproof/aes_gmac_test.json");
   for (const auto& group : file["testGroups"]) {
@@ -178,7 +178,7 @@ std::vector<Case> nist_file(const std::string& name) {
   return cases;
 }
 
-TEST_P(Aead, NistEncrypt) {
+TEST_P(Aead, NistEncryptionVectors_AreReproduced) {
   for (const auto* const name :
        {"gcmEncryptExtIV128_iv96_tag128.rsp", "gcmEncryptExtIV256_iv96_tag128.rsp"}) {
     const auto cases = nist_file(name);
@@ -205,7 +205,7 @@ Case sealed(std::size_t size, Cipher cipher, std::size_t aad_size = 0) {
   return one;
 }
 
-TEST_P(Aead, AgreesWithOpensslAtEverySize) {
+TEST_P(Aead, EverySize_AgreesWithOpenssl) {
   for (const auto cipher : kCiphers) {
     for (std::size_t size = 0; size < 600; ++size) {
       expect_seals(sealed(size, cipher, size % 37));
@@ -218,7 +218,7 @@ TEST_P(Aead, AgreesWithOpensslAtEverySize) {
   }
 }
 
-TEST_P(Aead, RefusesATagWrongInAnyBit) {
+TEST_P(Aead, TagWrongInAnyBit_IsRefused) {
   for (const auto cipher : kCiphers) {
     auto one = sealed(40, cipher, 8);
     for (std::size_t bit = 0; bit < 8 * kTagSize; ++bit) {
@@ -232,7 +232,7 @@ TEST_P(Aead, RefusesATagWrongInAnyBit) {
   }
 }
 
-TEST_P(Aead, RefusesOtherIvAadAndCipher) {
+TEST_P(Aead, OtherIvAadCipherOrKey_IsRefused) {
   for (const auto cipher : kCiphers)
     for (auto Case::*field : {&Case::iv, &Case::aad, &Case::cipher, &Case::key}) {
       auto bad = sealed(40, cipher, 8);
@@ -241,7 +241,7 @@ TEST_P(Aead, RefusesOtherIvAadAndCipher) {
     }
 }
 
-TEST_P(Aead, WorksInPlace) {
+TEST_P(Aead, SameBuffer_WorksInPlace) {
   for (const auto cipher : kCiphers)
     for (const std::size_t size : {1u, 16u, 63u, 64u, 65u, 1000u, 5000u}) {
       const auto one = sealed(size, cipher);
@@ -259,7 +259,7 @@ TEST_P(Aead, WorksInPlace) {
     }
 }
 
-TEST_P(Aead, WritesNoOctetBeside) {
+TEST_P(Aead, EverySize_WritesNoOctetBeside) {
   for (const auto cipher : kCiphers)
     for (std::size_t size = 0; size < 300; ++size) {
       const auto one = sealed(size, cipher);
@@ -273,7 +273,7 @@ TEST_P(Aead, WritesNoOctetBeside) {
     }
 }
 
-TEST_P(Aead, RefusesOtherKeySizesAndNoKey) {
+TEST_P(Aead, OtherKeySizesAndNoKey_AreRefused) {
   ExpandedKey key;
   for (const std::size_t size : {0u, 8u, 15u, 17u, 24u, 31u, 33u})
     for (const auto cipher : {Cipher::aes128_gcm, Cipher::aes256_gcm, Cipher::chacha20_poly1305})
@@ -284,7 +284,7 @@ TEST_P(Aead, RefusesOtherKeySizesAndNoKey) {
   EXPECT_FALSE(key.open({}, {}, {}, nullptr, tag_of(tag)));
 }
 
-TEST_P(Aead, LeavesNothingOfTheKeyBehind) {
+TEST_P(Aead, Destruction_LeavesNothingOfTheKey) {
   for (const auto cipher : {kAes256, kChacha}) {
     alignas(ExpandedKey) std::array<std::byte, sizeof(ExpandedKey)> place{};
     auto* const key = new (place.data()) ExpandedKey;
@@ -301,7 +301,7 @@ INSTANTIATE_TEST_SUITE_P(Backends, Aead,
                            return info.param->name() == "openssl" ? "openssl" : "ipsec_mb";
                          });
 
-TEST(AeadChoice, OffersOpensslEverywhere) {
+TEST(AeadChoice, EveryMachine_OffersOpenssl) {
   ASSERT_NE(aead_backend(AeadChoice::openssl), nullptr);
   EXPECT_EQ(aead_backend(AeadChoice::openssl)->name(), "openssl");
   EXPECT_EQ(aead_backend(AeadChoice::automatic), aead_backends().front());

@@ -63,7 +63,7 @@ std::string hex_of(const Key& key) {
   return key.expose([](BytesView octets) { return to_hex(octets); });
 }
 
-TEST(Kat, SessionKeys) {
+TEST(Kat, SessionKeys_AreReproduced) {
   const auto session = SessionId::from(input("session_id"));
   for (const auto& entry : kat()["session_keys"]) {
     const auto material = material_of(entry, true);
@@ -74,7 +74,7 @@ TEST(Kat, SessionKeys) {
   }
 }
 
-TEST(Kat, KeyMaterial) {
+TEST(Kat, KeyMaterial_IsReproducedAndParsed) {
   for (const auto& entry : kat()["keymat"]) {
     const auto octets = serialize_key_material(material_of(entry, entry["receiver_specific"]));
     EXPECT_EQ(to_hex(octets), entry["cdr"].get<std::string>());
@@ -92,7 +92,7 @@ spi::SharedSecret shared_of(const Json& entry, const char* secret) {
   return shared;
 }
 
-TEST(Kat, KeyExchange) {
+TEST(Kat, KeyExchange_IsReproduced) {
   const auto expect = [](const Json& entry, const char* secret) {
     const auto material = derive_key_exchange_material(shared_of(entry, secret));
     EXPECT_EQ(hex_of(material.salt), entry["kx_master_salt"].get<std::string>());
@@ -174,7 +174,7 @@ struct Scripted {
   std::unique_ptr<spi::Cryptography> engine;
 };
 
-TEST_P(KatTransform, PayloadsEncode) {
+TEST_P(KatTransform, Payloads_Encode) {
   for (const auto& entry : kat()["payload"]) {
     Scripted side(options());
     auto& factory = side.engine->key_factory();
@@ -193,7 +193,7 @@ TEST_P(KatTransform, PayloadsEncode) {
   }
 }
 
-TEST_P(KatTransform, PayloadsDecode) {
+TEST_P(KatTransform, Payloads_Decode) {
   for (const auto& entry : kat()["payload"]) {
     TwoSides two(ProtectionKind::none, {}, options());
     const auto e = two.endpoints(endpoint_attributes(ProtectionKind::none, protection(entry)));
@@ -204,7 +204,7 @@ TEST_P(KatTransform, PayloadsDecode) {
   }
 }
 
-TEST_P(KatTransform, SubmessagesEncode) {
+TEST_P(KatTransform, Submessages_Encode) {
   for (const auto& entry : kat()["submessage"]) {
     if (entry["receiver_specific"]) continue;  // a receiver key id of our own choice: decoded below
     Scripted side(options());
@@ -224,7 +224,7 @@ TEST_P(KatTransform, SubmessagesEncode) {
   }
 }
 
-TEST_P(KatTransform, SubmessagesDecode) {
+TEST_P(KatTransform, Submessages_Decode) {
   for (const auto& entry : kat()["submessage"]) {
     TwoSides two(ProtectionKind::none, {}, options());
     const bool origin = entry["receiver_specific"];
@@ -240,7 +240,7 @@ TEST_P(KatTransform, SubmessagesDecode) {
   }
 }
 
-TEST_P(KatTransform, MessagesEncode) {
+TEST_P(KatTransform, Messages_Encode) {
   for (const auto& entry : kat()["rtps"]) {
     if (entry["receiver_specific"]) continue;
     Scripted side(options());
@@ -267,7 +267,7 @@ Bytes with_info_source(const Bytes& plain) {
   return out;
 }
 
-TEST_P(KatTransform, MessagesDecode) {
+TEST_P(KatTransform, Messages_Decode) {
   for (const auto& entry : kat()["rtps"]) {
     const bool origin = entry["receiver_specific"];
     TwoSides two(protection(entry, origin), {}, options());
@@ -278,7 +278,7 @@ TEST_P(KatTransform, MessagesDecode) {
   }
 }
 
-TEST_P(KatTransform, VolatileSubmessage) {
+TEST_P(KatTransform, VolatileSubmessage_EncodesAndDecodes) {
   const auto& entry = kat()["kx"];
   const auto shared = shared_of(entry, "shared_secret_sha256");
   const auto matched = [&](Scripted& side) {
@@ -324,7 +324,7 @@ Passphrase passphrase_of(const Json& entry) {
 }
 
 /// The example of DDS-Security 1.2, clause 10.5.2.1.3.
-TEST(Kat, PreSharedKeyExample) {
+TEST(Kat, PreSharedKeyExample_IsReproduced) {
   const auto& entry = kat()["psk_spec_example"];
   const auto passphrase = passphrase_of(entry);
   const auto key_id = pre_shared_key_id(passphrase.id, entry["domain_id"].get<DomainId>(),
@@ -346,7 +346,7 @@ TEST(Kat, PreSharedKeyExample) {
 }
 
 /// Additional authenticated data (flag A) is not ours.
-TEST_P(KatTransform, PreSharedKeyMessages) {
+TEST_P(KatTransform, PreSharedKeyMessages_Encode) {
   for (const auto& entry : kat()["psk_messages"]) {
     Scripted side(options());
     side.random.start();
@@ -376,7 +376,7 @@ TEST_P(KatTransform, PreSharedKeyMessages) {
 
 /// Kinds with a key revision other than 0, as pre-shared keys have, and their flags are not those
 /// of participants' keys.
-TEST_P(KatTransform, PreSharedKeyMessagesAreRefused) {
+TEST_P(KatTransform, ParticipantsKeys_RefusePreSharedKeyMessages) {
   TwoSides two(ProtectionKind::encrypt, {}, options());
   for (const auto& entry : kat()["psk_messages"])
     EXPECT_EQ(decode_message(two, hex(entry["encoded"])).error().code(),

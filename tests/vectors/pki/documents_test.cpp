@@ -47,7 +47,7 @@ std::string ca_beside(const CycloneRow& row) {
   return there ? folder + row.ca : "cyclonedds/validate_local_permissions/Test_Permissions_ca.pem";
 }
 
-TEST(CycloneDocuments, HaveTheVerdictsThatOpensslGave) {
+TEST(CycloneDocuments, EachDocument_HasTheVerdictThatOpensslGave) {
   const auto rows = cyclone_rows();
   EXPECT_EQ(rows.size(), 46u);
   int accepted = 0;
@@ -64,7 +64,7 @@ TEST(CycloneDocuments, HaveTheVerdictsThatOpensslGave) {
   EXPECT_EQ(accepted, 40);
 }
 
-TEST(CycloneDocuments, SayWhyTheyAreRefused) {
+TEST(CycloneDocuments, RefusedDocuments_SayWhy) {
   const std::string folder = "cyclonedds/validate_local_permissions/";
   const auto v = verifier(folder + "Test_Permissions_ca.pem");
   EXPECT_CODE(v.verify(data_file(folder + "Test_Permissions_not_signed.p7s"), kNow),
@@ -76,14 +76,14 @@ TEST(CycloneDocuments, SayWhyTheyAreRefused) {
   EXPECT_FALSE(v.verify(data_file(folder + "Test_Permissions_unknown_ca.p7s"), kNow));
 }
 
-TEST(CycloneDocuments, NoneIsAcceptedUnderAnotherCa) {
+TEST(CycloneDocuments, AnotherCa_AcceptsNone) {
   const auto other = make_ca("CN=Somebody else");
   const auto v = *DocumentVerifier::make({other.certificate()});
   for (const auto& row : cyclone_rows())
     EXPECT_FALSE(v.verify(data_file(row.file), kNow)) << row.file;
 }
 
-TEST(Sros2Documents, GoodAndBad) {
+TEST(Sros2Documents, GoodAndBadDocuments_AreToldApart) {
   const std::string base = "sros2/generated/";
   const auto v = verifier(base + "keystore/public/ca.cert.pem");
   const auto check = [&](const std::string& name) {
@@ -100,7 +100,7 @@ TEST(Sros2Documents, GoodAndBad) {
   EXPECT_CODE(check("negative/permissions.no_text.p7s"), smime_content_type);
 }
 
-TEST(Sros2Identities, ChainAndRevocation) {
+TEST(Sros2Identities, ChainAndRevocation_AreJudged) {
   const std::string base = "sros2/generated/";
   const auto cas = ca_file(base + "keystore/public/ca.cert.pem");
   const auto enclave = base + "keystore/enclaves/talker_listener/";
@@ -116,7 +116,7 @@ TEST(Sros2Identities, ChainAndRevocation) {
   EXPECT_TRUE(make_verifier(cas).verify(listener, at));
 }
 
-TEST(BoringsslSignatures, AreParsedAndRefusedForTheirSigner) {
+TEST(BoringsslSignatures, SignatureOfALeaf_IsParsedAndRefusedForItsSigner) {
   // The signer is an end-entity certificate, so it cannot be in a CA file at all.
   const auto leaf = Certificate::bundle_from_pem(data_file("boringssl/pkcs7/sign_cert.pem"));
   ASSERT_TRUE(leaf) << leaf.error().to_sentence();

@@ -35,7 +35,7 @@ SubjectName name_from_der(const Bytes& der) {
   return *SubjectName::parse(name_rfc2253(name.get()));
 }
 
-TEST(BotanNames, ValidOnesMeanWhatTheirDerSays) {
+TEST(BotanNames, ValidOnes_MeanWhatTheirDerSays) {
   int checked = 0;
   for (const auto& record : records("x509_dn_valid.vec", "Input")) {
     const auto& input = record.at("Input");
@@ -52,7 +52,7 @@ TEST(BotanNames, ValidOnesMeanWhatTheirDerSays) {
   EXPECT_GE(checked, 15);
 }
 
-TEST(BotanNames, InvalidOnesAreRefused) {
+TEST(BotanNames, InvalidOnes_AreRefused) {
   // DDS-Security 1.2 lets blanks stand around '='; RFC 4514 lets '#' and '=' stand inside a value.
   const std::map<std::string, bool> allowed = {
       {"CN =Alice", true}, {"CN=A#B", true}, {"CN=A=B", true}};
@@ -65,7 +65,7 @@ TEST(BotanNames, InvalidOnesAreRefused) {
   EXPECT_GE(refused, 20);
 }
 
-TEST(BotanNames, UnequalPairsDoNotMatch) {
+TEST(BotanNames, UnequalPairs_DoNotMatch) {
   int differ = 0, same = 0;
   for (const auto& record : records("x509_dn_ordering.vec", "DN1")) {
     const auto one = SubjectName::parse(record.at("DN1"));

@@ -93,7 +93,7 @@ bool expected(const std::string& name, bool openssl) {
   return openssl;
 }
 
-TEST(Pkits, EveryDeltaListIsRefusedAndNoCompleteOne) {
+TEST(Pkits, EveryDeltaList_IsRefusedAndNoCompleteOne) {
   std::set<std::string> refused;
   for (const auto& entry :
        std::filesystem::directory_iterator(test::data_path("nist-pkits/crls"))) {
@@ -106,7 +106,7 @@ TEST(Pkits, EveryDeltaListIsRefusedAndNoCompleteOne) {
                                    "deltaCRLCA3deltaCRL.crl", "deltaCRLIndicatorNoBaseCACRL.crl"}));
 }
 
-TEST(Pkits, VerdictsAreThoseOfOpensslWithRevocationLists) {
+TEST(Pkits, Verdicts_AreThoseOfOpensslWithRevocationLists) {
   const auto crls = all_crls();
   EXPECT_GE(crls.size(), 160u);
   const auto table = data_file("nist-pkits/smime-expected.tsv");

@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(Wycheproof, Signatures,
                                          "ecdsa_secp384r1_sha384_test",
                                          "rsa_pss_2048_sha256_mgf1_32_test"));
 
-TEST_P(Signatures, ValidOnesPassAndInvalidOnesDoNot) {
+TEST_P(Signatures, ValidOnes_PassAndInvalidOnesDoNot) {
   int valid = 0, invalid = 0;
   const auto file = vectors(GetParam());
   for (const auto& group : file["testGroups"]) {
@@ -73,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(std::pair("ecdh_secp256r1_ecpoint_test", KeyAgreementKind::ecdh_p256),
                     std::pair("ecdh_secp384r1_ecpoint_test", KeyAgreementKind::ecdh_p384)));
 
-TEST_P(Points, ValidOnesGiveTheSharedSecretAndInvalidOnesAreRefused) {
+TEST_P(Points, ValidOnes_GiveTheSharedSecretAndInvalidOnesAreRefused) {
   const auto [name, kind] = GetParam();
   int valid = 0, invalid = 0;
   const auto file = vectors(name);
