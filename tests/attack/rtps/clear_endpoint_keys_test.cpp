@@ -164,7 +164,7 @@ TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_EndWhenTheyAreRead) {
   EXPECT_TRUE(delivers());
 }
 
-// The keys of some that have ended are kept all the same, because a reading can be disturbed.
+// The keys of some that have ended are still kept, because a reading can be disturbed.
 TEST_P(ClearEndpointsWithKeys, OfWritersThatHaveEnded_AreForgottenWhenOthersEnd) {
   pair.a->remove(pair.writer, pair.world.now);
   pair.world.run(1000);

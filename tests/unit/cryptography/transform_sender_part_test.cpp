@@ -61,7 +61,7 @@ TEST(TransformSenderPart, MessageThatAlsoNamesAnotherPeer_IsReportedOnce) {
   for (int i = 0; i < 3; ++i) {
     const auto opened = decode_message(two, encode_message(two, naming(kVictim)).value());
     ASSERT_TRUE(opened);
-    EXPECT_EQ(opened->size(), honest.size() + 24) << "what follows is dropped all the same";
+    EXPECT_EQ(opened->size(), honest.size() + 24) << "what follows is still dropped";
   }
   EXPECT_EQ(two.b.events.codes, std::vector{Code::info_source_of_peer});
   // A participant that has not authenticated is no such peer.
