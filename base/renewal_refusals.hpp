@@ -53,7 +53,7 @@ class RenewalRefusals {
 std::optional<Error> folder_refused(const Error& why, const std::string& path);
 
 /// The event about a file that stays refused: `code`, with what `why` says; or folder_refused.
-/// `stays`: what is still in force.
+/// `stays`: the document that is still in force.
 Error renewal_refused(Code code, const Error& why, const std::string& path, std::string_view stays);
 
 }  // namespace ddssec

@@ -46,7 +46,7 @@ def endpoints(is_short):
         yield writer, "writer Mixed durable 20000 64"
     for reader in ("e1", "e4", "e5", "e6", "c2", "c3", "c4"):
         yield reader, "reader Mixed durable"
-    for writer in ("e3", "c1"):  # VOLATILE: what is sent between two sessions is lost
+    for writer in ("e3", "c1"):  # VOLATILE: samples sent between two sessions are lost
         yield writer, "writer Fleeting reliable 20000 64"
     for reader in ("e1", "e4", "c2", "c3"):
         yield reader, "reader Fleeting reliable"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Permissions with fewer rights are put in place of those of a running participant: what was taken away ends, and
-equal and wider rights end nothing. In Cyclone DDS with our plugins, with peers of the same kind and embedded ones.
+"""A running participant gets permissions with fewer rights: the matches that they no longer allow end. Equal and wider
+rights end nothing. In Cyclone DDS with our plugins, with peers of the same kind and embedded ones.
 Usage: rights_test.py BUILD [FILTER]"""
 
 import concurrent.futures
