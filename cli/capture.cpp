@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/hash.hpp"
-#include "cli/frame/transaction.hpp"
+#include "cli/frame/file_transaction.hpp"
 #include "cli/inputs.hpp"
 
 namespace ddssec::cli {

@@ -15,8 +15,8 @@
 
 #include "base/hash.hpp"
 #include "base/tool_code.hpp"
+#include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
-#include "cli/frame/transaction.hpp"
 #include "governance/date_time.hpp"
 #include "pki/ocsp_address.hpp"
 #include "pki/participant_folder.hpp"

@@ -13,10 +13,10 @@
 #include "base/text.hpp"
 #include "cli/agent/agent_worker.hpp"
 #include "cli/frame/explain_severities.hpp"
+#include "cli/frame/file_transaction.hpp"
 #include "cli/frame/notices.hpp"
-#include "cli/frame/parse.hpp"
+#include "cli/frame/parsed_command.hpp"
 #include "cli/frame/progress.hpp"
-#include "cli/frame/transaction.hpp"
 #include "cli/inputs.hpp"
 #include "pki/token_logins.hpp"
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "governance/dialect.hpp"
-#include "governance/domain_pieces.hpp"
+#include "governance/domain_cuts.hpp"
 #include "governance/expression_text.hpp"
 
 namespace ddssec::governance {

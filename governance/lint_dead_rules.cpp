@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "governance/domain_pieces.hpp"
+#include "governance/domain_cuts.hpp"
 #include "governance/lint_grant.hpp"
 #include "governance/matcher.hpp"
-#include "governance/shadowed.hpp"
+#include "governance/shadowed_expressions.hpp"
 #include "governance/topic_sets.hpp"
 #include "pki/subject_name.hpp"
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/ordered.hpp"
+#include "base/stable_sort.hpp"
 #include "base/text.hpp"
 #include "governance/dialect.hpp"
 #include "governance/lint.hpp"

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include "governance/domain_pieces.hpp"
+#include "governance/domain_cuts.hpp"
 #include "governance/lint.hpp"
 #include "governance/lint_access.hpp"
 #include "governance/lint_findings.hpp"
 #include "governance/live_change.hpp"
 #include "governance/matcher.hpp"
-#include "governance/shadowed.hpp"
+#include "governance/shadowed_expressions.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "governance/decision.hpp"
-#include "governance/domain_pieces.hpp"
+#include "governance/domain_cuts.hpp"
 #include "governance/lint_grant.hpp"
 #include "governance/matcher.hpp"
 #include "governance/topic_sets.hpp"

@@ -5,7 +5,7 @@
 
 #include "governance/lint_grant.hpp"
 #include "governance/matcher.hpp"
-#include "governance/shadowed.hpp"
+#include "governance/shadowed_expressions.hpp"
 
 namespace ddssec::governance {
 namespace {

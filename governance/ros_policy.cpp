@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/ordered.hpp"
+#include "base/stable_sort.hpp"
 #include "governance/write.hpp"
 
 namespace ddssec::governance {

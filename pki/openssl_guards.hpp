@@ -1,5 +1,5 @@
 // Checks that refuse input before OpenSSL reads it, because some patch levels of OpenSSL have flaws
-// with it. base/openssl_advice.cpp lists them. Only sources of pki/ include this.
+// with it. base/openssl_flaws.cpp lists them. Only sources of pki/ include this.
 #pragma once
 
 #include "base/result.hpp"

@@ -12,9 +12,9 @@
 #include "cli/ca/renewal_list.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/documents/extended_permissions.hpp"
+#include "cli/documents/signed_permissions.hpp"
+#include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
-#include "cli/frame/transaction.hpp"
 #include "cli/inputs.hpp"
 #include "pki/smime.hpp"
 

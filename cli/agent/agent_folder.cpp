@@ -18,7 +18,7 @@
 
 #include "base/guarded_path.hpp"
 #include "base/tool_code.hpp"
-#include "cli/frame/transaction.hpp"
+#include "cli/frame/file_transaction.hpp"
 
 namespace ddssec::cli {
 namespace {

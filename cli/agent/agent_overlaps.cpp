@@ -8,11 +8,11 @@
 
 #include "base/tool_code.hpp"
 #include "cli/agent/agent_messages.hpp"
+#include "cli/ca/affected_participants.hpp"
 #include "cli/ca/ca_folder.hpp"
-#include "cli/ca/ca_followers.hpp"
 #include "cli/ca/ca_overlap.hpp"
 #include "cli/frame/notices.hpp"
-#include "cli/frame/parse.hpp"
+#include "cli/frame/parsed_command.hpp"
 
 namespace ddssec::cli {
 namespace {

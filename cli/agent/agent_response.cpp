@@ -8,7 +8,7 @@
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/ocsp_response.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/frame/transaction.hpp"
+#include "cli/frame/file_transaction.hpp"
 #include "cli/inputs.hpp"
 #include "pki/chain.hpp"
 #include "pki/ocsp_fetch.hpp"

@@ -8,8 +8,8 @@
 
 #include "cli/frame/command.hpp"
 #include "cli/frame/file_lock.hpp"
+#include "cli/frame/file_transaction.hpp"
 #include "cli/frame/new_folder.hpp"
-#include "cli/frame/transaction.hpp"
 #include "cli/inputs.hpp"
 #include "pki/authority.hpp"
 #include "pki/issue_log.hpp"

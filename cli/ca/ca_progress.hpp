@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/ca/ca_followers.hpp"
+#include "cli/ca/affected_participants.hpp"
 #include "cli/ca/ca_overlap.hpp"
 #include "cli/frame/fields.hpp"
 #include "pki/issue_log.hpp"

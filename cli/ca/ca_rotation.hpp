@@ -9,7 +9,7 @@
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/ca_overlap.hpp"
 #include "cli/frame/command.hpp"
-#include "cli/frame/transaction.hpp"
+#include "cli/frame/file_transaction.hpp"
 #include "pki/participant_folder.hpp"
 
 namespace ddssec::cli {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cli/ca/ca_folder.hpp"
-#include "cli/frame/transaction.hpp"
+#include "cli/frame/file_transaction.hpp"
 #include "governance/model.hpp"
 #include "pki/crl.hpp"
 #include "pki/participant_folder.hpp"

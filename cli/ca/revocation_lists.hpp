@@ -8,7 +8,7 @@
 
 #include "cli/ca/ca_folder.hpp"
 #include "cli/frame/command.hpp"
-#include "cli/frame/transaction.hpp"
+#include "cli/frame/file_transaction.hpp"
 #include "pki/crl.hpp"
 #include "pki/issue_log.hpp"
 

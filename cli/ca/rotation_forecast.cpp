@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "cli/ca/ca_followers.hpp"
+#include "cli/ca/affected_participants.hpp"
 #include "cli/ca/ca_progress.hpp"
 #include "cli/documents/signed_documents.hpp"
 #include "cli/inputs.hpp"

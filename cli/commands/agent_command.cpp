@@ -1,5 +1,5 @@
 // agent: keeps participants' folders current.
-#include "cli/agent/agent_loop.hpp"
+#include "cli/agent/agent.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/frame/options.hpp"
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/tool_code.hpp"
-#include "cli/ca/ca_followers.hpp"
+#include "cli/ca/affected_participants.hpp"
 #include "cli/ca/ca_overlap.hpp"
 #include "cli/ca/ca_progress.hpp"
 #include "cli/ca/ca_rotation.hpp"

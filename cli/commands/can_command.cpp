@@ -20,7 +20,7 @@
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
-#include "governance/refusal.hpp"
+#include "governance/refusal_advice.hpp"
 #include "pki/participant_folder.hpp"
 
 namespace ddssec::cli {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/hash.hpp"
-#include "base/ordered.hpp"
+#include "base/stable_sort.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"

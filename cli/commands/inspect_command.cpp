@@ -5,8 +5,8 @@
 
 #include "cli/capture.hpp"
 #include "cli/commands/groups.hpp"
+#include "cli/frame/file_transaction.hpp"
 #include "cli/frame/progress.hpp"
-#include "cli/frame/transaction.hpp"
 #include "pki/certificate.hpp"
 #include "rtps/observer/frames.hpp"
 #include "rtps/observer/meetings.hpp"

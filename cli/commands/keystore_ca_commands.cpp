@@ -10,8 +10,8 @@
 #include "cli/ca/list_dates.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
+#include "cli/frame/file_transaction.hpp"
 #include "cli/frame/options.hpp"
-#include "cli/frame/transaction.hpp"
 #include "cli/inputs.hpp"
 #include "cli/participant/keystore.hpp"
 

@@ -1,7 +1,7 @@
 // version: the version of ddssec, the schema of its JSON, and known flaws of the running OpenSSL.
 #include <fmt/format.h>
 
-#include "base/openssl_advice.hpp"
+#include "base/openssl_flaws.hpp"
 #include "base/openssl_version.hpp"
 #include "cli/commands/groups.hpp"
 

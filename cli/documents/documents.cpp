@@ -8,7 +8,7 @@
 #include "cli/ca/ca_folder.hpp"
 #include "cli/documents/governance_revision.hpp"
 #include "cli/documents/signed_documents.hpp"
-#include "cli/frame/transaction.hpp"
+#include "cli/frame/file_transaction.hpp"
 #include "cli/inputs.hpp"
 #include "governance/lint.hpp"
 #include "pki/smime_diagnosis.hpp"

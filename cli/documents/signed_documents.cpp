@@ -6,8 +6,8 @@
 
 #include "base/tool_code.hpp"
 #include "cli/documents/documents.hpp"
+#include "cli/frame/file_transaction.hpp"
 #include "cli/frame/notices.hpp"
-#include "cli/frame/transaction.hpp"
 #include "cli/inputs.hpp"
 #include "pki/smime.hpp"
 #include "pki/source.hpp"

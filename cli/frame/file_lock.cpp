@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-#include "cli/frame/transaction.hpp"
+#include "cli/frame/file_transaction.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "cli/frame/parse.hpp"
+#include "cli/frame/parsed_command.hpp"
 
 namespace ddssec::cli {
 namespace {

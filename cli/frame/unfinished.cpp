@@ -16,9 +16,9 @@
 #include "base/descriptor.hpp"
 #include "base/tool_code.hpp"
 #include "cli/frame/file_lock.hpp"
+#include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
 #include "cli/frame/notices.hpp"
-#include "cli/frame/transaction.hpp"
 
 namespace ddssec::cli {
 namespace {

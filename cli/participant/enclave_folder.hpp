@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "cli/frame/file_transaction.hpp"
 #include "cli/frame/new_folder.hpp"
-#include "cli/frame/transaction.hpp"
 
 namespace ddssec::cli {
 

@@ -9,7 +9,7 @@
 #include "cli/documents/documents.hpp"
 #include "cli/documents/signed_documents.hpp"
 #include "cli/inputs.hpp"
-#include "cli/participant/snippets.hpp"
+#include "cli/participant/configuration_files.hpp"
 #include "pki/participant_folder.hpp"
 
 namespace ddssec::cli {

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/frame/file_transaction.hpp"
 #include "cli/frame/new_folder.hpp"
-#include "cli/frame/transaction.hpp"
 #include "cli/participant/enclave_folder.hpp"
 #include "cli/participant/participant.hpp"
 

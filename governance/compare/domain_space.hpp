@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "governance/compare/name_kinds.hpp"
-#include "governance/domain_pieces.hpp"
+#include "governance/domain_cuts.hpp"
 #include "governance/model.hpp"
 
 namespace ddssec::governance {

@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-#include "base/ordered.hpp"
+#include "base/stable_sort.hpp"
 #include "governance/as_read.hpp"
 #include "governance/compare/effort.hpp"
 #include "governance/compare/stock_changes.hpp"

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "governance/compare/verdict.hpp"
+#include "governance/compare/change_class.hpp"
 #include "governance/model.hpp"
 
 namespace ddssec::governance {

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "governance/compare/change_class.hpp"
 #include "governance/compare/domain_space.hpp"
 #include "governance/compare/topic_words.hpp"
-#include "governance/compare/verdict.hpp"
 #include "governance/model.hpp"
 #include "governance/topic_sets.hpp"
 

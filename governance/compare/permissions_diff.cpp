@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "base/ordered.hpp"
+#include "base/stable_sort.hpp"
 #include "governance/as_read.hpp"
 #include "governance/compare/effort.hpp"
 #include "governance/compare/stock_changes.hpp"

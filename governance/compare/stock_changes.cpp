@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "governance/domain_pieces.hpp"
+#include "governance/domain_cuts.hpp"
 #include "governance/lint_findings.hpp"
 
 namespace ddssec::governance {

@@ -12,7 +12,7 @@
 #include "governance/doctor/subject_form.hpp"
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
-#include "governance/refusal.hpp"
+#include "governance/refusal_advice.hpp"
 #include "pki/smime_diagnosis.hpp"
 #include "pki/source.hpp"
 

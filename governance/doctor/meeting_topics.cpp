@@ -12,7 +12,7 @@
 #include "governance/doctor/meeting_steps.hpp"
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
-#include "governance/refusal.hpp"
+#include "governance/refusal_advice.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance::doctor {

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "plugins/access_control/access_decisions.hpp"
 #include "plugins/access_control/handle_table.hpp"
-#include "plugins/access_control/judgement.hpp"
 #include "plugins/access_control/listed_peers.hpp"
 #include "plugins/access_control/loading.hpp"
 #include "plugins/access_control/protection.hpp"

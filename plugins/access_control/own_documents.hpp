@@ -13,7 +13,7 @@
 #include "pki/renewal_list_watch.hpp"
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/access_control/listed_permissions.hpp"
-#include "plugins/access_control/participant.hpp"
+#include "plugins/access_control/local_participant.hpp"
 
 namespace ddssec::access_control {
 

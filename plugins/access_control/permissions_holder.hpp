@@ -11,8 +11,8 @@
 #include "plugins/access_control/announced.hpp"
 #include "plugins/access_control/documents.hpp"
 #include "plugins/access_control/listed_permissions.hpp"
+#include "plugins/access_control/local_participant.hpp"
 #include "plugins/access_control/own_documents.hpp"
-#include "plugins/access_control/participant.hpp"
 #include "plugins/spi/session_facts.hpp"
 
 namespace ddssec::access_control {

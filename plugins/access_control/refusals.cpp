@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "governance/refusal.hpp"
+#include "governance/refusal_advice.hpp"
 
 namespace ddssec::access_control {
 namespace {

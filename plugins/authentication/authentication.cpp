@@ -9,7 +9,7 @@
 #include "plugins/authentication/listed_peers.hpp"
 #include "plugins/authentication/pki_dh.hpp"
 #include "plugins/authentication/renewal.hpp"
-#include "plugins/authentication/revocation.hpp"
+#include "plugins/authentication/revocations.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::authentication {

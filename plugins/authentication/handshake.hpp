@@ -8,8 +8,8 @@
 
 #include "pki/key_agreement.hpp"
 #include "pki/signature.hpp"
+#include "plugins/authentication/judged_peer.hpp"
 #include "plugins/authentication/local_identity.hpp"
-#include "plugins/authentication/peer.hpp"
 #include "plugins/authentication/transcript.hpp"
 #include "plugins/spi/authentication.hpp"
 #include "plugins/spi/shared_secret.hpp"

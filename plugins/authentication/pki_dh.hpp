@@ -21,7 +21,7 @@ using spi::ValidationResult;
 /// DDS-Security 1.2, clause 10.3.3: the lower GUID, octet by octet, begins.
 inline bool initiates(const Guid& local, const Guid& remote) { return local < remote; }
 
-struct Revocations;  // revocation.hpp
+struct Revocations;  // revocations.hpp
 
 class PkiDh final : public spi::Authentication {
  public:

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "plugins/cryptography/cryptography_state.hpp"
-#include "plugins/cryptography/source_checks.hpp"
+#include "plugins/cryptography/sender_part.hpp"
 #include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography {

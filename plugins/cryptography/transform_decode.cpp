@@ -240,7 +240,7 @@ std::array<std::uint8_t, 16> source_of(BytesView rtps_header, bool prefix_is_net
 /// The header is not authenticated, but the INFO_SRC inside is, so both must name the same source.
 /// Another INFO_SRC may follow: Cyclone DDS puts submessages of several participants of one process
 /// into one message. A host that does not check sources gets only the sender's part
-/// (source_checks.hpp).
+/// (sender_part.hpp).
 Status check_source(BytesView content, const std::array<std::uint8_t, 16>& outside) {
   if (content.size() < kInfoSourceSize) return fail(Code::info_source_missing);
   const auto header = read_submessage_header(content);

@@ -1,9 +1,9 @@
-// The part of a protected message that its sender may send (source_checks.hpp), for a host that
+// The part of a protected message that its sender may send (sender_part.hpp), for a host that
 // does not check sources.
 #include <algorithm>
 
 #include "plugins/cryptography/message.hpp"
-#include "plugins/cryptography/source_checks.hpp"
+#include "plugins/cryptography/sender_part.hpp"
 #include "plugins/cryptography/transform.hpp"
 
 namespace ddssec::cryptography {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/openssl_advice.hpp"
+#include "base/openssl_flaws.hpp"
 #include "plugins/cyclonedds/abi.hpp"
 
 namespace ddssec::cyclonedds {

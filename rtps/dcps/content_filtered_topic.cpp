@@ -1,7 +1,7 @@
 #include "rtps/dcps/content_filtered_topic.hpp"
 
 #include "rtps/dcps/domain_participant.hpp"
-#include "rtps/participant/participant.hpp"
+#include "rtps/participant/rtps_participant.hpp"
 
 namespace ddssec::rtps {
 

@@ -1,6 +1,6 @@
 #include "rtps/dcps/discovered_entities.hpp"
 
-#include "rtps/participant/participant.hpp"
+#include "rtps/participant/rtps_participant.hpp"
 
 namespace ddssec::rtps {
 

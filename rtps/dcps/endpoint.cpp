@@ -4,8 +4,8 @@
 
 #include "rtps/dcps/count_status.hpp"
 #include "rtps/dcps/group.hpp"
-#include "rtps/participant/participant.hpp"
 #include "rtps/participant/partition_change.hpp"
+#include "rtps/participant/rtps_participant.hpp"
 
 namespace ddssec::rtps {
 

@@ -1,7 +1,7 @@
 #include "rtps/dcps/participant_context.hpp"
 
 #include "rtps/dcps/entity.hpp"
-#include "rtps/participant/participant.hpp"
+#include "rtps/participant/rtps_participant.hpp"
 
 namespace ddssec::rtps {
 

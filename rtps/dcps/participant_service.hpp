@@ -5,7 +5,7 @@
 
 #include "rtps/dcps/caught_exceptions.hpp"
 #include "rtps/dcps/participant_context.hpp"
-#include "rtps/participant/participant.hpp"
+#include "rtps/participant/rtps_participant.hpp"
 #include "rtps/transport/interface_watch.hpp"
 #include "rtps/transport/participant_sockets.hpp"
 

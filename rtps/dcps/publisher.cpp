@@ -4,7 +4,7 @@
 
 #include "base/hash.hpp"
 #include "rtps/dcps/domain_participant.hpp"
-#include "rtps/participant/participant.hpp"
+#include "rtps/participant/rtps_participant.hpp"
 
 namespace ddssec::rtps {
 

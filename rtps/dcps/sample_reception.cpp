@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "rtps/dcps/count_status.hpp"
-#include "rtps/participant/participant.hpp"
+#include "rtps/participant/rtps_participant.hpp"
 
 namespace ddssec::rtps {
 

@@ -4,7 +4,7 @@
 
 #include "rtps/dcps/domain_participant.hpp"
 #include "rtps/dcps/no_callbacks.hpp"
-#include "rtps/participant/participant.hpp"
+#include "rtps/participant/rtps_participant.hpp"
 
 namespace ddssec::rtps {
 

@@ -11,7 +11,7 @@
 #include "rtps/durability/store_security.hpp"
 #include "rtps/keeper/kept_topic.hpp"
 #include "rtps/keeper/refused_writers.hpp"
-#include "rtps/participant/participant.hpp"
+#include "rtps/participant/rtps_participant.hpp"
 
 namespace ddssec::rtps {
 namespace {

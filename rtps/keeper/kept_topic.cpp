@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "rtps/participant/participant.hpp"
+#include "rtps/participant/rtps_participant.hpp"
 
 namespace ddssec::rtps {
 namespace {

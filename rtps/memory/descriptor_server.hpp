@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "rtps/memory/open_offers.hpp"
-#include "rtps/memory/outside_descriptor.hpp"
 #include "rtps/memory/segment.hpp"
+#include "rtps/memory/untrusted_socket.hpp"
 
 namespace ddssec::rtps::memory {
 

@@ -10,7 +10,7 @@
 #include "base/clock.hpp"
 #include "base/descriptor.hpp"
 #include "base/secret.hpp"
-#include "rtps/memory/refusal.hpp"
+#include "rtps/memory/memory_refusal.hpp"
 
 namespace ddssec::rtps::memory {
 

@@ -14,7 +14,7 @@
 
 #include "base/bytes.hpp"
 #include "base/descriptor.hpp"
-#include "rtps/memory/refusal.hpp"
+#include "rtps/memory/memory_refusal.hpp"
 #include "wire/memory_reference.hpp"
 
 namespace ddssec::rtps::memory {

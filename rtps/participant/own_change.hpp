@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "rtps/transport/interfaces.hpp"
+#include "rtps/transport/network_interfaces.hpp"
 
 namespace ddssec::rtps {
 

@@ -7,7 +7,7 @@
 #include "rtps/participant/neighbourhood.hpp"
 #include "rtps/participant/participant_counters.hpp"
 #include "rtps/security/security.hpp"
-#include "rtps/transport/interfaces.hpp"
+#include "rtps/transport/network_interfaces.hpp"
 
 namespace ddssec::rtps {
 

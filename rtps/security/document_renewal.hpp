@@ -3,7 +3,7 @@
 // and their sessions end with the documents of the handshake.
 #pragma once
 
-#include "rtps/security/key_revision.hpp"
+#include "rtps/security/key_reviser.hpp"
 
 namespace ddssec::rtps {
 

@@ -7,7 +7,7 @@
 #include "rtps/security/admission.hpp"
 #include "rtps/security/fragment_store.hpp"
 #include "rtps/security/handshake_sender.hpp"
-#include "rtps/security/key_revision.hpp"
+#include "rtps/security/key_reviser.hpp"
 
 namespace ddssec::rtps {
 

@@ -14,7 +14,7 @@
 #pragma once
 
 #include "rtps/security/document_renewal.hpp"
-#include "rtps/security/governance_change.hpp"
+#include "rtps/security/governance_transition.hpp"
 #include "rtps/security/handshakes.hpp"
 
 namespace ddssec::rtps {

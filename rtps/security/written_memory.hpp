@@ -7,8 +7,8 @@
 #include "rtps/budget/work_budget.hpp"
 #include "rtps/memory/descriptor_passing.hpp"
 #include "rtps/reliability/stateful_writer.hpp"
+#include "rtps/security/crypto_token_exchange.hpp"
 #include "rtps/security/kept_memory.hpp"
-#include "rtps/security/key_exchange.hpp"
 #include "rtps/security/memory_messages.hpp"
 
 namespace ddssec::rtps {

@@ -6,7 +6,7 @@
 
 #include "rtps/transport/event_loop.hpp"
 #include "rtps/transport/host_sockets.hpp"
-#include "rtps/transport/interfaces.hpp"
+#include "rtps/transport/network_interfaces.hpp"
 #include "rtps/transport/ports.hpp"
 #include "rtps/transport/transport.hpp"
 #include "rtps/transport/udp_socket.hpp"

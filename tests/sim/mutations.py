@@ -91,7 +91,7 @@ FAULTS = [
      "if (core_.now < handshake.next_tick() || !may_tick(peer) || (FAULT && handshake.is_overdue())) return;"),
     ("the limit on handshakes with strangers", "rtps/security/handshakes.cpp",
      "if (!handshake.started() && !may_start()) {", "if (!FAULT && !handshake.started() && !may_start()) {"),
-    ("the binding of a GUID to its certificate", "plugins/authentication/peer.cpp",
+    ("the binding of a GUID to its certificate", "plugins/authentication/judged_peer.cpp",
      "if (is_bound_to(", "if (FAULT || is_bound_to("),
     ("that only news is a sign of life", "rtps/participant/message_receiver.hpp",
      "signs.is_proof |= is_new && is_protected();", "signs.is_proof |= (is_new || FAULT) && is_protected();"),

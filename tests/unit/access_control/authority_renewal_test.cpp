@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "pki/renewal_list.hpp"
-#include "plugins/access_control/participant.hpp"
+#include "plugins/access_control/local_participant.hpp"
 #include "tests/support/recorded_document.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/access_control/fixture.hpp"

@@ -1,9 +1,9 @@
-// DATA and DATA_FRAG to try the checks of source_checks.hpp and builtin_checks.hpp with.
+// DATA and DATA_FRAG to try the checks of sender_part.hpp and builtin_checks.hpp with.
 #pragma once
 
 #include <optional>
 
-#include "plugins/cryptography/source_checks.hpp"
+#include "plugins/cryptography/sender_part.hpp"
 #include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography::testing {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "plugins/cryptography/builtin_checks.hpp"
-#include "plugins/cryptography/source_checks.hpp"
+#include "plugins/cryptography/sender_part.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "tests/unit/cryptography/data_message.hpp"
 #include "tests/unit/cryptography/insider.hpp"

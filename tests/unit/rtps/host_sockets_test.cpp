@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "rtps/transport/interfaces.hpp"
+#include "rtps/transport/network_interfaces.hpp"
 #include "rtps/transport/ports.hpp"
 #include "rtps/transport/udp_socket.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "rtps/participant/participant.hpp"
+#include "rtps/participant/rtps_participant.hpp"
 #include "rtps/transport/event_loop.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 

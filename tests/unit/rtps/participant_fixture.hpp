@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "rtps/participant/participant.hpp"
+#include "rtps/participant/rtps_participant.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 
 namespace ddssec::rtps::testing::socketless {

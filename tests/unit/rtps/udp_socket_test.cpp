@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 
 #include "rtps/transport/event_loop.hpp"
-#include "rtps/transport/interfaces.hpp"
+#include "rtps/transport/network_interfaces.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 
 namespace ddssec::rtps {

@@ -13,7 +13,7 @@
 #include "plugins/authentication/authentication.hpp"
 #include "plugins/cryptography/cryptography.hpp"
 #include "plugins/spi/property_names.hpp"
-#include "rtps/participant/participant.hpp"
+#include "rtps/participant/rtps_participant.hpp"
 #include "tests/support/code_of.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/pki/fixture.hpp"

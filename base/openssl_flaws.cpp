@@ -1,0 +1,161 @@
+#include "base/openssl_flaws.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+
+namespace ddssec {
+namespace {
+
+struct Version {
+  unsigned major = 0, minor = 0, patch = 0;
+  auto operator<=>(const Version&) const = default;
+};
+
+constexpr unsigned kNotFixed = 0;  // as a patch: no release of the series has the fix
+
+struct Row {
+  std::string_view id, summary, guard;
+  std::array<Version, 8> fixes;  ///< the first release with the fix, by series; 0.0.0: unused
+};
+
+// From OpenSSL's advisories (https://openssl-library.org/news/vulnerabilities/). Only flaws that
+// input of ddssec can reach are listed: flaws in TLS, PKCS#12 or CMS encryption are not. Of OCSP
+// (pki/ocsp.cpp) there is none in a version that ddssec runs with: CVE-2022-1343, in OpenSSL before
+// 3.0.3, needs a flag that is not used.
+constexpr std::array kRows = {
+    Row{.id = "CVE-2023-0286",
+        .summary = "a revocation list or certificate with an X.400 address can read invalid memory",
+        .guard = "",
+        .fixes = {{{3, 0, 8}}}},
+    Row{.id = "CVE-2023-2650",
+        .summary = "a huge object identifier in a certificate keeps the processor busy for minutes",
+        .guard = "",
+        .fixes = {{{3, 0, 9}, {3, 1, 1}}}},
+    Row{.id = "CVE-2026-22796",
+        .summary = "PKCS7_verify reads a messageDigest of a wrong type as invalid memory",
+        .guard = "ddssec refuses such a signature itself (code 1174)",
+        .fixes = {{{3, 0, 19},
+                   {3, 1, kNotFixed},
+                   {3, 2, kNotFixed},
+                   {3, 3, 6},
+                   {3, 4, 4},
+                   {3, 5, 5},
+                   {3, 6, 1}}}},
+    Row{.id = "CVE-2026-45447",
+        .summary =
+            "PKCS7_verify frees memory of its caller if a signature lists no digest algorithm",
+        .guard = "ddssec refuses such a signature itself (code 1173)",
+        .fixes = {{{3, 0, 21},
+                   {3, 1, kNotFixed},
+                   {3, 2, kNotFixed},
+                   {3, 3, kNotFixed},
+                   {3, 4, 6},
+                   {3, 5, 7},
+                   {3, 6, 3},
+                   {4, 0, 1}}}},
+    // OpenSSL's change 31044, without a CVE. Seen with Debian's 3.0.17, 3.0.19 and 3.0.20,
+    // not 3.0.22.
+    Row{.id = "delta-crl-as-complete",
+        .summary =
+            "a delta revocation list counts as a complete one, so that a revoked certificate "
+            "can be accepted",
+        .guard = "ddssec refuses delta lists itself (code 1158)",
+        .fixes = {{{3, 0, 22},
+                   {3, 1, kNotFixed},
+                   {3, 2, kNotFixed},
+                   {3, 3, kNotFixed},
+                   {3, 4, 7},
+                   {3, 5, 8},
+                   {3, 6, 4},
+                   {4, 0, 2}}}},
+    Row{.id = "CVE-2026-35189",
+        .summary = "a certificate of 64 KiB can take hundreds of MiB of memory",
+        .guard = "ddssec refuses such a certificate itself (code 1115)",
+        .fixes = {{{3, 0, 23},
+                   {3, 1, kNotFixed},
+                   {3, 2, kNotFixed},
+                   {3, 3, kNotFixed},
+                   {3, 4, 8},
+                   {3, 5, 9},
+                   {3, 6, 5},
+                   {4, 0, 3}}}},
+};
+
+// Ubuntu 22.04 and 24.04 backport every fix into these versions.
+constexpr std::array kKeptNumbers = {Version{3, 0, 2}, Version{3, 0, 13}};
+
+std::optional<Version> parse(std::string_view text) {
+  const auto first = text.find_first_of("0123456789");
+  if (first == text.npos) return std::nullopt;
+  text.remove_prefix(first);
+  Version out;
+  const auto number = [&](unsigned& to, bool is_first) {
+    if (!is_first && !text.starts_with('.')) return false;
+    if (!is_first) text.remove_prefix(1);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), to);
+    if (error != std::errc()) return false;
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    return true;
+  };
+  if (!number(out.major, true) || !number(out.minor, false) || !number(out.patch, false))
+    return std::nullopt;
+  return out;
+}
+
+std::string to_text(const Version& version) {
+  return std::to_string(version.major) + "." + std::to_string(version.minor) + "." +
+         std::to_string(version.patch);
+}
+
+/// A security update of a distribution often contains the fix under the previous number: Debian 12
+/// has the fixes of 3.0.19, 3.0.21 and 3.0.23 in 3.0.18-1~deb12u2, 3.0.20-1~deb12u2 and
+/// 3.0.22-1~deb12u2.
+bool says_number(const Version& version, const Version& fix) {
+  return (fix.patch == kNotFixed || version.patch + 1 < fix.patch) &&
+         std::ranges::find(kKeptNumbers, version) == kKeptNumbers.end();
+}
+
+std::optional<OpensslFlaw> judge(const Row& row, const Version& version) {
+  const auto fix = std::ranges::find_if(row.fixes, [&](const Version& it) {
+    return it.major == version.major && it.minor == version.minor && it.major != 0;
+  });
+  if (fix == row.fixes.end()) return std::nullopt;
+  if (fix->patch != kNotFixed && version >= *fix) return std::nullopt;
+  return OpensslFlaw{row.id, row.summary, row.guard,
+                     fix->patch == kNotFixed ? std::string() : to_text(*fix),
+                     says_number(version, *fix)};
+}
+
+// "OpenSSL 3.0.19" of "OpenSSL 3.0.19 27 Jan 2026".
+std::string without_date(const std::string& version) {
+  const auto name = version.find(' ');
+  return name == version.npos ? version : version.substr(0, version.find(' ', name + 1));
+}
+
+}  // namespace
+
+std::vector<OpensslFlaw> openssl_flaws(std::string_view version) {
+  std::vector<OpensslFlaw> out;
+  const auto parsed = parse(version);
+  if (!parsed) return out;
+  for (const auto& row : kRows)
+    if (auto flaw = judge(row, *parsed)) out.push_back(*std::move(flaw));
+  return out;
+}
+
+Status openssl_advice(const std::string& version) {
+  auto flaws = openssl_flaws(version);
+  std::erase_if(flaws, [](const OpensslFlaw& flaw) { return !flaw.is_certain; });
+  if (flaws.empty()) return {};
+  const bool all_guarded =
+      std::ranges::none_of(flaws, [](const OpensslFlaw& flaw) { return flaw.guard.empty(); });
+  return fail(Code::openssl_known_unsafe,
+              {.found = without_date(version),
+               .note = all_guarded ? "ddssec refuses such input itself"
+                                   : "ddssec cannot refuse all such input",
+               .hint = "update its package; ddssec explain 1624 says more"});
+}
+
+}  // namespace ddssec

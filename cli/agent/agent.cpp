@@ -1,0 +1,486 @@
+#include "cli/agent/agent.hpp"
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "base/tool_code.hpp"
+#include "cli/agent/agent_ca.hpp"
+#include "cli/agent/agent_schedule.hpp"
+#include "cli/agent/agent_worker.hpp"
+#include "cli/ca/ca_folder.hpp"
+#include "cli/ca/renewal_list.hpp"
+#include "cli/ca/revocation_lists.hpp"
+#include "cli/frame/file_transaction.hpp"
+#include "cli/frame/held_folder.hpp"
+#include "cli/frame/new_file.hpp"
+#include "cli/inputs.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+using End = ChildProcess::End;
+using std::chrono::seconds;
+using std::chrono::steady_clock;
+
+constexpr seconds kMaxRest{600};      // a folder may be changed by hand, and a clock be set
+constexpr seconds kTimeForFiles{60};  // a token, or another command that has locked the folder
+constexpr seconds kMinRestOfOthers{60};
+constexpr seconds kMaxLook{60};  // an overlap may be begun at any time
+constexpr seconds kRetryEnd{3600};
+constexpr seconds kTimeForOwnCa{120};  // other commands may use the CA; each waits for 20 s
+
+// After that, for an hour: otherwise one user could keep the agent from the other folders.
+constexpr seconds kTimeForSlowOwner{3};
+constexpr seconds kSlowFor{3600};
+
+std::unexpected<Error> no_answer(End end) {
+  if (end == End::stopped) return fail(Code::interrupted);
+  return fail(Code::internal, {.field = "a process of the agent",
+                               .note = end == End::too_slow ? "it took too long" : "it has ended"});
+}
+
+// Tried again with the same PIN or passphrase, it may lock the token.
+bool must_not_be_tried_again(Code code) {
+  return code == Code::pkcs11_pin_wrong || code == Code::passphrase_wrong;
+}
+
+Result<Json> event_from(const Json& json) {
+  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
+  return known_members(json);
+}
+
+}  // namespace
+
+Agent::Agent(const Arguments& arguments, AgentHooks hooks, const Context& context)
+    : arguments_(arguments),
+      hooks_(std::move(hooks)),
+      context_(context),
+      events_(arguments.text("--format") == "json" ? AgentEvents::To::report
+                                                   : AgentEvents::To::standard_output,
+              context.clock) {
+  ::signal(SIGPIPE, SIG_IGN);
+  for (const auto& folder : arguments.all("FOLDERS"))
+    folders_.push_back({.task = {.folder = folder,
+                                 .is_rekeying = arguments.has("--rekey"),
+                                 .takes_permissions = arguments.has("--permissions"),
+                                 .is_dry_run = writes_nothing()}});
+}
+
+Json Agent::mode() const {
+  return {{"folders", folders_.size()},
+          {"by", hooks_.certificates ? "hook" : "ca"},
+          {"pid", ::getpid()}};
+}
+
+// In a process of its own, like each use of the CA's key. A passphrase that is wrong would be
+// noticed only when the first certificate is due.
+Status Agent::prove_ca() {
+  if (hooks_.certificates) return {};
+  const auto json = from_process([&]() -> Result<Json> {
+    const auto status = prove_passphrase(arguments_);
+    if (!status) return std::unexpected(status.error());
+    return Json::object();
+  });
+  if (!json) return std::unexpected(json.error());
+  return {};
+}
+
+Answer<AgentRun> Agent::run_once() {
+  if (const auto proven = prove_ca(); !proven) return {{}, report_of(proven.error())};
+  end_overlaps();
+  for (auto& folder : folders_)
+    if (!signals_.is_stopped()) renew(folder);
+  complete_lists();
+  if (signals_.is_stopped()) errors_.emplace_back(Code::interrupted);
+  Report out{.exit = errors_.empty() ? Exit::done : exit_of(errors_.front().code()), .text = {}};
+  out.errors = std::move(errors_);
+  out.files_written = std::move(written_);
+  return {{events_.kept()}, std::move(out)};
+}
+
+Answer<AgentRun> Agent::run() {
+  constexpr bool kHasResult = false;
+  if (const auto proven = prove_ca(); !proven) return {{}, report_of(proven.error()), kHasResult};
+  events_.report("started", mode());
+  while (!signals_.is_stopped()) {
+    if (signals_.take_reload()) look_at_all_now();
+    if (next_end_ <= context_.clock.since_boot()) end_overlaps();
+    auto& folder = *std::ranges::min_element(folders_, {}, &Folder::next);
+    const auto now = context_.clock.since_boot();
+    const auto rest = std::min(folder.next, next_end_) - now;
+    if (folder.next <= now)
+      renew(folder);
+    else
+      signals_.wait(-1, 0, steady_clock::now() + std::min<Moment>(rest, seconds(60)), true);
+    errors_.clear();
+    written_.clear();
+  }
+  for (auto& folder : folders_) folder.lock.reset();
+  events_.report("stopped");
+  return {{}, {}, kHasResult};
+}
+
+void Agent::look_at_all_now() {
+  for (auto& folder : folders_) {
+    folder.next = folder.next_documents = {};
+    folder.is_paused = false;
+  }
+  next_end_ = {};
+  ca_refusal_.reset();
+  owners_with_wrong_pin_.clear();
+  slow_owners_.clear();
+  silent_responders_.clear();
+}
+
+// Before the folders are looked at: the CA that ends renews no certificate that has not moved.
+void Agent::end_overlaps() {
+  const auto now = context_.clock.now();
+  auto rest = kMaxLook;
+  for (const auto& overlap : overlaps_to_end(arguments_)) {
+    if (signals_.is_stopped()) return;
+    if (overlap.until > now) {
+      rest = std::clamp(std::chrono::ceil<seconds>(overlap.until - now), seconds(1), rest);
+      continue;
+    }
+    end(overlap);
+    if (failed_ends_ > 0) break;
+  }
+  const bool is_paused = failed_ends_ > 0 && ca_refusal_;
+  next_end_ = is_paused ? Moment::max()
+                        : context_.clock.since_boot() + (failed_ends_ > 0 ? kRetryEnd : rest);
+}
+
+// In a process of its own, like each use of the CA's key.
+void Agent::end(const OverlapToEnd& overlap) {
+  auto json = ca_refusal_
+                  ? Result<Json>(std::unexpected(*ca_refusal_))
+                  : from_process([&] { return end_overlap(overlap, arguments_, context_); });
+  if (!json) {
+    if (json.error().code() == Code::interrupted && signals_.is_stopped()) return;
+    if (must_not_be_tried_again(json.error().code())) ca_refusal_ = json.error();
+    auto members = event_members(json.error());
+    members["failures"] = ++failed_ends_;
+    members["again_in"] = ca_refusal_ ? Json() : Json(kRetryEnd.count());
+    events_.report("failed", arguments_.text("--ca"), std::move(members));
+    errors_.push_back(json.error());
+    return;
+  }
+  failed_ends_ = 0;
+  if (!writes_nothing())
+    for (auto& file : files_from(*json)) written_.push_back(std::move(file));
+  if (json->contains("problem")) {
+    const auto problem = error_from((*json)["problem"]);
+    errors_.push_back(problem);
+    (*json)["problem"] = event_members(problem);
+  }
+  events_.report(writes_nothing() ? "overlap_due" : "overlap_ended", arguments_.text("--ca"),
+                 *std::move(json));
+  for (auto& folder : folders_) folder.next = {};  // each has new files
+}
+
+// A folder lacks what was renewed after it. The error of a folder that failed is reported already.
+void Agent::complete_lists() {
+  const auto list = renewals();
+  if (list.empty()) return;
+  for (auto& folder : folders_) {
+    if (signals_.is_stopped()) return;
+    if (!folder.lock || folder.task.renewals == list) continue;
+    folder.task.is_only_for_list = true;
+    auto event = try_to_renew(folder);
+    folder.task.is_only_for_list = false;
+    const bool is_known = folder.failures > 0 || folder.has_problem;
+    if (!is_known && (!event || event->contains("problem"))) note(folder, std::move(event));
+  }
+}
+
+void Agent::renew(Folder& folder) { note(folder, try_to_renew(folder)); }
+
+void Agent::note(Folder& folder, Result<Json> event) {
+  if (event) return note_success(folder, *std::move(event));
+  if (event.error().code() != Code::interrupted || !signals_.is_stopped())
+    note_failure(folder, event.error());
+}
+
+Result<Json> Agent::try_to_renew(Folder& folder) {
+  const auto& path = folder.task.folder;
+  if (folder.lock && !folder.lock->is_in_place(path)) folder.lock.reset();
+  if (!folder.lock && !folder.task.is_dry_run) {
+    DDSSEC_ASSIGN_OR_RETURN(folder.lock, FolderLock::take(path));
+  }
+  if (folder.lock)
+    folder.task.uses_no_token = owners_with_wrong_pin_.contains(folder.lock->owner().user);
+  folder.task.responders = responders_for(folder);
+  folder.task.renewals = renewals();
+  folder.task.fetches_documents =
+      hooks_.documents && folder.lock && folder.next_documents <= context_.clock.since_boot();
+  const int lock = folder.lock ? folder.lock->descriptor() : -1;
+  const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
+  DDSSEC_ASSIGN_OR_RETURN(auto worker, ChildProcess::start(
+                                           signals_,
+                                           [&](int in, int out) {
+                                             return become_worker(
+                                                 worker_variables(is_own, secret_variables()), in,
+                                                 out, lock);
+                                           },
+                                           lock));
+  const auto order =
+      order_line(folder.task, folder.lock ? &folder.lock->folder() : nullptr,
+                 arguments_.has("--now") ? std::optional(context_.clock.now()) : std::nullopt);
+  const auto sent = worker.write(order, time_for(folder));
+  if (sent != End::done) return worker_ended(folder, sent);
+  return converse(folder, worker);
+}
+
+steady_clock::time_point Agent::time_for(const Folder& folder) const {
+  const auto slow = folder.lock ? slow_owners_.find(folder.lock->owner().user) : slow_owners_.end();
+  const bool is_slow = slow != slow_owners_.end() && context_.clock.since_boot() < slow->second;
+  return steady_clock::now() + (is_slow ? kTimeForSlowOwner : kTimeForFiles);
+}
+
+// The owner of a folder can stop its process.
+std::unexpected<Error> Agent::worker_ended(const Folder& folder, End end) {
+  if (end == End::too_slow && folder.lock)
+    slow_owners_.insert_or_assign(folder.lock->owner().user,
+                                  context_.clock.since_boot() + kSlowFor);
+  return no_answer(end);
+}
+
+// The agent's own user could ask any responder anyway.
+RespondersAsked Agent::responders_for(const Folder& folder) const {
+  RespondersAsked out{.of_cas_from = hooks_.certificates ? "--trust" : "--ca"};
+  if (!folder.lock) return out;  // with --dry-run none is asked
+  const auto owner = folder.lock->owner().user;
+  out.not_now = silent_responders_.of(owner, context_.clock.since_boot());
+  if (hooks_.certificates && !arguments_.has("--trust")) {
+    out.none = owner != ::geteuid();
+    return out;
+  }
+  const auto cas = read_certificates(
+      hooks_.certificates ? std::filesystem::path(arguments_.text("--trust"))
+                          : ca_paths(arguments_.text("--ca"), "identity").certificate);
+  if (cas) out.of_cas = to_pem(*cas);
+  out.none = !cas;
+  return out;
+}
+
+// Of a CA behind a hook there is none. One that is too long for a worker is left to crl distribute.
+std::string Agent::renewals() const {
+  if (hooks_.certificates) return {};
+  const std::filesystem::path given = arguments_.text("--ca");
+  const auto crl = present_crl(ca_paths(given, "identity"));
+  const auto list = renewals_of(given, crl && *crl ? &**crl : nullptr).list;
+  if (list.is_empty()) return {};
+  const auto text = list.text();
+  return text && text->size() < kMaxAgentLine / 2 ? *text : std::string();
+}
+
+// The others get the list with the new certificate soon, if that is not too much work.
+void Agent::look_at_others(const Folder& renewed) {
+  constexpr std::size_t kMax = 64;
+  if (hooks_.certificates || folders_.size() > kMax) return;
+  const auto soon = context_.clock.since_boot() + seconds(1);
+  for (auto& other : folders_)
+    if (&other != &renewed && other.failures == 0) other.next = std::min(other.next, soon);
+}
+
+// Only the process that asks the CA, and the hook, need them.
+std::vector<std::string> Agent::secret_variables() const {
+  auto out = arguments_.all("--hook-env");
+  if (arguments_.has("--passphrase-env")) out.push_back(arguments_.text("--passphrase-env"));
+  return out;
+}
+
+// Answers what it asks about documents, first of all. The result is the line after that. Errors do
+// not end its work.
+Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
+  constexpr int kMaxLines = 4;  // one of each kind, and what became of them
+  for (int lines = 0;; ++lines) {
+    std::string line;
+    if (const auto end = worker.read_line(line, kMaxAgentLine, time_for(folder)); end != End::done)
+      return worker_ended(folder, end);
+    DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
+    const bool is_told = json.contains("documents");
+    if (!is_told && !json.contains("wanted")) return json;
+    if (lines == kMaxLines || !folder.task.fetches_documents) return no_answer(End::closed);
+    if (is_told) {
+      note_documents(folder, json["documents"]);
+      continue;
+    }
+    const auto document = ask_document(folder, document_request_from(json));
+    if (!document && signals_.is_stopped()) return std::unexpected(document.error());
+    const auto answer = document ? document_line(*document) : error_line(document.error());
+    const auto sent = worker.write(to_line(answer) + '\n', time_for(folder));
+    if (sent != End::done) return worker_ended(folder, sent);
+  }
+}
+
+// Lists are public. Permissions are given to the key that they are for.
+Result<Bytes> Agent::ask_document(const Folder& folder, const DocumentRequest& request) {
+  constexpr std::array<std::string_view, 3> kKinds = {"permissions", "crl", "renewals"};
+  if (std::ranges::find(kKinds, request.wanted) == kKinds.end()) return no_answer(End::closed);
+  DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
+  if (request.wanted == kKinds.front())
+    DDSSEC_RETURN_IF_ERROR(check_request({request.request, request.certificate}));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate,
+                          pki::Certificate::from_pem(as_bytes(request.certificate)));
+  std::error_code ignored;
+  const HookRequest asked{std::filesystem::absolute(folder.task.folder, ignored),
+                          certificate.subject(), certificate.pem(), request.wanted,
+                          kMaxHookDocument};
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, run_hook(*hooks_.documents, asked, signals_));
+  const auto octets = as_bytes(text);
+  return Bytes(octets.begin(), octets.end());
+}
+
+// The owner of a folder says when to ask again: not too often for a folder of another user.
+void Agent::note_documents(Folder& folder, const Json& told) {
+  const bool is_own = folder.lock->owner().user == ::geteuid();
+  const auto now = context_.clock.now();
+  const auto next = time_from(text_in(told, "documents_next"));
+  const auto rest = std::clamp(next.value_or(now + kMaxRest) - now,
+                               is_own ? seconds(1) : kMinRestOfOthers, kMaxRest);
+  folder.next_documents = context_.clock.since_boot() + rest;
+  auto members = known_members(told);
+  for (auto& file : files_from(members)) written_.push_back(std::move(file));
+  if (members.contains("problem")) {
+    const auto problem = error_from(members["problem"]);
+    errors_.push_back(problem);
+    members["problem"] = event_members(problem);
+  }
+  if (members.empty()) return;
+  if (!members.contains("files")) members["files"] = Json::array();
+  events_.report("documents_fetched", folder.task.folder, std::move(members));
+}
+
+// The worker asks at most once. If the CA's answer is an error, the worker ends without an answer:
+// it has written nothing yet.
+Result<Json> Agent::converse(Folder& folder, ChildProcess& worker) {
+  std::string line;
+  const auto read = [&] { return worker.read_line(line, kMaxAgentLine, time_for(folder)); };
+  DDSSEC_ASSIGN_OR_RETURN(const auto json, answer_documents(folder, worker));
+  if (!json.contains("request")) return event_from(json);
+  DDSSEC_ASSIGN_OR_RETURN(const auto request, request_from(json));
+  const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
+  const auto asked_lifetime = std::max(seconds(1), request.lifetime);
+  if (is_own) folder.lifetime = asked_lifetime;
+  DDSSEC_ASSIGN_OR_RETURN(auto answer, ask_ca(folder, request));
+  folder.lifetime = asked_lifetime;  // the CA knows the certificate
+  answer.renewals = renewals();      // with the new certificate
+  const auto sent = worker.write(answer_line(answer), time_for(folder));
+  if (sent != End::done) return worker_ended(folder, sent);
+  if (const auto end = read(); end != End::done) return worker_ended(folder, end);
+  DDSSEC_ASSIGN_OR_RETURN(const auto json_value, json_from(line));
+  DDSSEC_ASSIGN_OR_RETURN(auto event, event_from(json_value));
+  if (!answer.renewals.empty()) folder.task.renewals = std::move(answer.renewals);
+  return event;
+}
+
+Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
+  if (!folder.lock) return no_answer(End::closed);  // with --dry-run nothing is asked
+  DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
+  if (!hooks_.certificates) return ask_own_ca(folder, request);
+  DDSSEC_RETURN_IF_ERROR(check_request(request));
+  DDSSEC_ASSIGN_OR_RETURN(const auto old,
+                          pki::Certificate::from_pem(as_bytes(request.certificate)));
+  std::error_code ignored;
+  const HookRequest asked{std::filesystem::absolute(folder.task.folder, ignored), old.subject(),
+                          request.request};
+  DDSSEC_ASSIGN_OR_RETURN(auto pem, run_hook(*hooks_.certificates, asked, signals_));
+  return RenewalAnswer{std::move(pem)};
+}
+
+// What `work` returns, from a process of its own with the agent's rights.
+Result<Json> Agent::from_process(const std::function<Result<Json>()>& work) {
+  DDSSEC_ASSIGN_OR_RETURN(auto process, ChildProcess::start(signals_, [&](int, int out) {
+                            const auto result = work();
+                            return send_line(out, result ? *result : error_line(result.error()));
+                          }));
+  std::string line;
+  const auto end = process.read_line(line, kMaxAgentLine, steady_clock::now() + kTimeForOwnCa);
+  if (end != End::done) return no_answer(end);
+  DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
+  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
+  return json;
+}
+
+// The key of the CA is in that process alone. It judges the locked folder, to which the path may no
+// longer lead.
+Result<RenewalAnswer> Agent::ask_own_ca(const Folder& folder, const RenewalRequest& request) {
+  if (ca_refusal_) return std::unexpected(*ca_refusal_);
+  const auto json = from_process([&]() -> Result<Json> {
+    const auto& path = folder.task.folder;
+    DDSSEC_RETURN_IF_ERROR(hold_folder(path));
+    DDSSEC_RETURN_IF_ERROR(folder.lock->folder().check_same(folder_descriptor(path), path));
+    const auto answer = renew_by_ca(request, path, arguments_, context_);
+    if (!answer) return std::unexpected(answer.error());
+    return to_json(*answer);
+  });
+  if (json) return answer_from(*json);
+  if (must_not_be_tried_again(json.error().code())) ca_refusal_ = json.error();
+  return std::unexpected(json.error());
+}
+
+Status Agent::check_request(const RenewalRequest& request) {
+  const auto json = from_process([&]() -> Result<Json> {
+    const auto status = check_asker(request, {arguments_.text("--trust"), arguments_.text("--crl")},
+                                    arguments_.has("--rekey"));
+    if (!status) return std::unexpected(status.error());
+    return Json::object();
+  });
+  if (!json) return std::unexpected(json.error());
+  return {};
+}
+
+void Agent::note_success(Folder& folder, Json event) {
+  const auto name = text_in(event, "event");
+  const auto next = time_from(text_in(event, "next"));
+  folder.failures = 0;
+  const auto now = context_.clock.now();
+  const auto rest = std::clamp(next.value_or(now) - now, seconds(1), kMaxRest);
+  folder.next = context_.clock.since_boot() + rest;
+  if (hooks_.documents && folder.next_documents > Moment(0))
+    folder.next = std::min(folder.next, folder.next_documents);
+  if (name == "renewed") {
+    folder.task.known = text_in(event, "sha256");
+    folder.task.known_renewal = next.value_or(now);
+    look_at_others(folder);
+  }
+  for (auto& file : files_from(event)) written_.push_back(std::move(file));
+  const bool is_news =
+      name != "current" || event.contains("problem") || folder.told != text_in(event, "serial");
+  folder.told = text_in(event, "serial");
+  folder.has_problem = event.contains("problem");
+  if (folder.has_problem) {
+    const auto problem = error_from(event["problem"]);
+    errors_.push_back(problem);
+    event["problem"] = event_members(problem);
+  }
+  if (folder.lock)
+    silent_responders_.note(folder.lock->owner().user, text_in(event, "ocsp_silent"),
+                            context_.clock.since_boot());
+  event.erase("ocsp_silent");
+  event.erase("event");
+  if (is_news) events_.report(name, folder.task.folder, std::move(event));
+}
+
+void Agent::note_failure(Folder& folder, const Error& error) {
+  ++folder.failures;
+  folder.is_paused = must_not_be_tried_again(error.code());
+  if (folder.is_paused && !ca_refusal_ && folder.lock)
+    owners_with_wrong_pin_.insert(folder.lock->owner().user);
+  std::array<std::uint8_t, 1> jitter{};
+  static_cast<void>(context_.random.fill(jitter));
+  const auto wait = retry_after(folder.failures, folder.lifetime, jitter[0]);
+  folder.next = folder.is_paused ? Moment::max() : context_.clock.since_boot() + wait;
+  auto members = event_members(error);
+  members["failures"] = folder.failures;
+  members["again_in"] = folder.is_paused ? Json() : Json(wait.count());
+  events_.report("failed", folder.task.folder, std::move(members));
+  errors_.push_back(error.in(folder.task.folder));
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,100 @@
+// The agent: looks after participants' folders, one after the other.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "cli/agent/agent_events.hpp"
+#include "cli/agent/agent_folder.hpp"
+#include "cli/agent/agent_hook.hpp"
+#include "cli/agent/agent_messages.hpp"
+#include "cli/agent/agent_overlaps.hpp"
+#include "cli/agent/agent_participant.hpp"
+#include "cli/agent/agent_process.hpp"
+#include "cli/agent/silent_responders.hpp"
+#include "cli/frame/command.hpp"
+
+namespace ddssec::cli {
+
+/// The programs that get something from a CA elsewhere.
+struct AgentHooks {
+  std::optional<Hook> certificates = {};  ///< empty: a CA of this machine (--ca)
+  std::optional<Hook> documents = {};     ///< permissions and lists
+};
+
+/// Renews what is due in some folders. For each of them a process with the rights of the folder's
+/// owner reads and writes the files (agent_participant.hpp), and another one with the agent's own
+/// rights asks the CA. The agent itself reads no file of a folder, and no key.
+class Agent {
+ public:
+  Agent(const Arguments& arguments, AgentHooks hooks, const Context& context);
+
+  /// Looks at each folder once. The errors of those that failed are in the report.
+  Answer<AgentRun> run_once();
+  /// Goes on until SIGTERM or SIGINT. SIGHUP: looks at all folders now.
+  Answer<AgentRun> run();
+
+ private:
+  using Moment = std::chrono::nanoseconds;  ///< of Clock::since_boot
+  struct Folder {
+    AgentTask task;
+    std::optional<FolderLock> lock = {};
+    Moment next{0};
+    Moment next_documents{0};
+    unsigned failures = 0;
+    /// Of its certificate. How often the CA is asked follows from it, so of another user's folder
+    /// only what the CA has accepted counts.
+    std::chrono::seconds lifetime{std::chrono::days(1)};
+    std::string told = {};  ///< the certificate that was reported as current
+    bool is_paused = false;
+    bool has_problem = false;  ///< said the last event about it
+  };
+
+  void renew(Folder& folder);
+  void note(Folder& folder, Result<Json> event);
+  void complete_lists();
+  void end_overlaps();
+  void end(const OverlapToEnd& overlap);
+  Result<Json> try_to_renew(Folder& folder);
+  RespondersAsked responders_for(const Folder& folder) const;
+  /// Until when the process for a folder must have answered.
+  std::chrono::steady_clock::time_point time_for(const Folder& folder) const;
+  std::unexpected<Error> worker_ended(const Folder& folder, ChildProcess::End end);
+  std::string renewals() const;
+  void note_documents(Folder& folder, const Json& told);
+  Result<Bytes> ask_document(const Folder& folder, const DocumentRequest& request);
+  Result<Json> converse(Folder& folder, ChildProcess& worker);
+  Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
+  Result<Json> answer_documents(Folder& folder, ChildProcess& worker);
+  Result<RenewalAnswer> ask_own_ca(const Folder& folder, const RenewalRequest& request);
+  Status check_request(const RenewalRequest& request);
+  Status prove_ca();
+  Result<Json> from_process(const std::function<Result<Json>()>& work);
+  void note_success(Folder& folder, Json event);
+  void note_failure(Folder& folder, const Error& error);
+  void look_at_all_now();
+  void look_at_others(const Folder& renewed);
+  Json mode() const;
+  std::vector<std::string> secret_variables() const;
+
+  const Arguments& arguments_;
+  AgentHooks hooks_;
+  const Context& context_;
+  HeldSignals signals_;
+  AgentEvents events_;
+  std::vector<Folder> folders_;
+  std::optional<Error> ca_refusal_ = {};        ///< the CA's key did not take its PIN or passphrase
+  std::set<uid_t> owners_with_wrong_pin_ = {};  ///< so said a token that a folder of theirs names
+  std::map<uid_t, Moment> slow_owners_ = {};    ///< whose processes took too long; until then
+  SilentResponders silent_responders_ = {};
+  Moment next_end_{0};  ///< when overlaps of the CA are looked at again
+  unsigned failed_ends_ = 0;
+  std::vector<Error> errors_ = {};
+  std::vector<WrittenFile> written_ = {};
+};
+
+}  // namespace ddssec::cli

@@ -1,0 +1,102 @@
+#include "cli/ca/affected_participants.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <set>
+
+#include "cli/ca/logged_certificate.hpp"
+#include "cli/documents/documents.hpp"
+#include "cli/inputs.hpp"
+#include "cli/participant/participant_places.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder may have been moved, or may now belong to another CA's participant. An unreadable folder
+// counts as found, and so does a certificate that an earlier key of the CA may have issued, also
+// outside of the log: the rotation reports them.
+bool is_participant_of(const pki::Certificate& ca, const pki::IssueLog& log,
+                       const fs::path& folder) {
+  const auto certificate = read_certificate(folder / "cert.pem");
+  if (!certificate) return certificate.error().code() != Code::file_not_found;
+  return certificate->issuer() == ca.subject() || is_logged(*certificate, log);
+}
+
+// Of each subject only the last certificate counts: the folder may have moved.
+std::vector<std::string> gone_among(const std::vector<std::string>& elsewhere,
+                                    const LoggedFolders& folders, const pki::IssueLog& log) {
+  std::set<std::string> seen, gone;
+  for (auto issued = log.issued().rbegin(); issued != log.issued().rend(); ++issued) {
+    if (!seen.insert(issued->subject).second || issued->folder.empty() || !issued->file.empty())
+      continue;
+    std::error_code failed;
+    if (!fs::exists(folders.today(issued->folder) / "cert.pem", failed) && !failed)
+      gone.insert(issued->place());
+  }
+  std::vector<std::string> out;
+  std::ranges::copy_if(elsewhere, std::back_inserter(out),
+                       [&](const std::string& place) { return gone.contains(place); });
+  return out;
+}
+
+KnownFollowers known_to(const CaPaths& ca, const pki::IssueLog& log,
+                        const pki::Certificate& identity, WallTime now) {
+  const LoggedFolders folders(ca, log);
+  const auto present = log.present_places();
+  KnownFollowers out;
+  std::set<std::string> seen;
+  std::set<fs::path> seen_here;
+  for (const auto& issued : log.issued()) {
+    const auto place = issued.folder.empty() ? issued.subject : issued.place();
+    if (!seen.insert(place).second) continue;
+    const bool has_folder = !issued.folder.empty() && issued.file.empty();
+    const auto folder = has_folder ? folders.today(issued.folder) : fs::path();
+    const bool is_here = !folder.empty() && !folders.is_of_another_copy(folder) &&
+                         is_participant_of(identity, log, folder);
+    if (is_here && seen_here.insert(folder).second)  // moved, it has two names in the log
+      out.here.push_back(follower_in(folder));
+    else if (is_here)
+      continue;
+    else if (!issued.revoked && now < issued.not_after &&
+             (issued.folder.empty() || present.contains(place)))
+      out.elsewhere.push_back(place);
+  }
+  out.gone = gone_among(out.elsewhere, folders, log);
+  return out;
+}
+
+}  // namespace
+
+Status log_places(const fs::path& given, const std::vector<Follower>& followers,
+                  const std::vector<std::string>& again, WallTime now) {
+  const auto paths = ca_paths(given, "identity");
+  if (!is_there(paths.certificate) || !is_there(paths.log)) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
+  std::string lines;
+  for (const auto& follower : followers) {
+    const auto& files = follower.files;
+    if (!follower.is_named || std::ranges::find(again, follower.name) == again.end()) continue;
+    const auto certificate = read_certificate(files.certificate);
+    if (!certificate || belonging_of(*certificate, files.folder, paths, log) != Belonging::moved)
+      continue;
+    const auto folder = recorded_folder(*certificate, files.folder, paths, log);
+    lines += pki::IssueLog::issued_line(*certificate, folder.string(), now);
+  }
+  return lines.empty() ? Status() : log_issued(paths, lines);
+}
+
+Follower follower_in(const fs::path& folder) {
+  return {folder.string(), pki::participant_folder(folder)};
+}
+
+Result<KnownFollowers> known_followers(const fs::path& given, WallTime now) {
+  const auto paths = ca_paths(given, "identity");
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
+  if (log.issued().empty()) return KnownFollowers();
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(paths.certificate));
+  return known_to(paths, log, certificate, now);
+}
+
+}  // namespace ddssec::cli

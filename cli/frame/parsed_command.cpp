@@ -1,0 +1,300 @@
+#include "cli/frame/parsed_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <list>
+#include <ranges>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "cli/frame/choices.hpp"
+#include "cli/frame/suggestions.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+std::unexpected<Error> wrong(std::string note) {
+  return fail(Code::usage, {.note = std::move(note)});
+}
+
+std::unexpected<Error> unknown(std::string_view word, const std::vector<std::string>& guesses) {
+  return wrong("\"" + std::string(word) + "\" is unknown here" + did_you_mean(guesses));
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string out;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    out += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  return out;
+}
+
+// The probable intention of a surplus argument.
+std::string_view instead_of_one_more(std::string_view command) {
+  if (command == "doctor") return "; ddssec check compares two participants";
+  if (command == "governance show") return "; --topic names a topic";
+  return {};
+}
+
+// CLI11 parses the arguments of one command; the command itself was determined before.
+class CommandLine {
+ public:
+  explicit CommandLine(const Command& command) : command_(command) {
+    app_.set_help_flag();
+    app_.allow_extras(false);
+    for (const auto& option : command.options) add(option);
+    for (const auto& option : common_options()) add(option);
+    for (const auto& positional : command.positionals) add(positional);
+  }
+
+  Result<Arguments> parse(std::span<const std::string> words) {
+    DDSSEC_RETURN_IF_ERROR(check_values(words));
+    DDSSEC_RETURN_IF_ERROR(check_names(words));
+    std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 takes them
+    try {
+      app_.parse(std::move(reversed));
+    } catch (const CLI::ParseError& error) {
+      return explained(error);
+    }
+    return Arguments(values());
+  }
+
+ private:
+  struct Slot {
+    std::string name;
+    std::string_view fallback;
+    std::vector<std::string> values;
+    CLI::Option* option;
+    bool required = false;
+    std::string_view unless = {};
+  };
+
+  void add(const Option& option) {
+    auto& slot = slots_.emplace_back(std::string(option.name), option.fallback);
+    if (option.value.empty()) {
+      slot.option = app_.add_flag(option.spellings());
+      return;
+    }
+    slot.option = app_.add_option(option.spellings(), slot.values)->allow_extra_args(false);
+    if (!option.repeated) slot.option->expected(1);
+    slot.option->required(option.required);
+    slot.required = option.required;
+  }
+
+  void add(const Positional& positional) {
+    auto& slot = slots_.emplace_back(std::string(positional.name));
+    slot.option = app_.add_option(slot.name, slot.values)->required(!positional.optional);
+    if (!positional.repeated) slot.option->expected(1)->allow_extra_args(false);
+    slot.required = !positional.optional;
+    slot.unless = positional.unless;
+  }
+
+  // If nothing follows the equals sign, CLI11 takes the next word, which would be another option's
+  // name or a file.
+  Status check_values(std::span<const std::string> words) const {
+    for (const auto& word : words) {
+      const std::string_view name = std::string_view(word).substr(0, word.find('='));
+      const bool ends_there = name.starts_with("--") && name.size() + 1 == word.size();
+      if (ends_there && std::ranges::find(slots_, name, &Slot::name) != slots_.end())
+        return wrong(
+            fmt::format("nothing follows \"{}\"; an empty value is written {} ''", word, name));
+    }
+    return {};
+  }
+
+  const Option* option_named(std::string_view name) const {
+    for (const auto* options : {&command_.options, &common_options()})
+      for (const auto& option : *options)
+        if (option.name == name || (!option.letter.empty() && option.letter == name))
+          return &option;
+    return nullptr;
+  }
+
+  // CLI11 reads an option's name as the value of the option before. It also does not report which
+  // option is unknown, only that there are too many words.
+  Status check_names(std::span<const std::string> words) const {
+    const Option* waits = nullptr;  // for its value
+    for (const auto& word : words) {
+      auto name = std::string_view(word).substr(0, word.find('='));
+      if (word == "--" && waits == nullptr) return {};
+      const bool looks_like_one = name.starts_with("-") && name != "-";
+      const bool has_letter = looks_like_one && name[1] != '-' && option_named(name.substr(0, 2));
+      if (has_letter) name = name.substr(0, 2);  // "-oFILE"
+      const auto* option = looks_like_one ? option_named(name) : nullptr;
+      if (waits != nullptr && option != nullptr)
+        return wrong(
+            fmt::format("no value follows \"{0}\": \"{1}\" is an option; if it is meant as "
+                        "the value, write {0}={1}",
+                        waits->name, word));
+      const bool is_value = waits != nullptr;
+      waits = nullptr;
+      if (is_value || !looks_like_one) continue;
+      if (option == nullptr) return unknown(name, options_like(name, command_));
+      if (!option->value.empty() && name.size() == word.size()) waits = option;
+    }
+    if (waits != nullptr) return wrong(fmt::format("no value follows \"{}\"", waits->name));
+    return {};
+  }
+
+  // If only the last positional lacks, and the one before it holds a word that it cannot have, then
+  // that one was left out.
+  std::string left_out(const std::string& lacking) const {
+    const auto& positionals = command_.positionals;
+    if (positionals.size() < 2 || lacking != positionals.back().name) return lacking;
+    const auto before = std::string(positionals[positionals.size() - 2].name);
+    const auto slot = std::ranges::find(slots_, before, &Slot::name);
+    const auto words = choices_of(command_, before);
+    if (words.empty() || slot->values.empty()) return lacking;
+    const bool is_choice = (" " + words + " ").contains(" " + ascii_lower(slot->values[0]) + " ");
+    return is_choice ? lacking : before;
+  }
+
+  // Everything that must be given and was not, in one sentence.
+  std::vector<std::string> missing() const {
+    std::vector<std::string> out;
+    for (const auto& slot : slots_) {
+      if (slot.option->count() > 0) continue;
+      if (slot.required) out.push_back(shown(slot.name));
+      if (!slot.unless.empty() && !is_given(slot.unless))
+        out.push_back(fmt::format("{} (or {})", slot.name, shown(slot.unless)));
+    }
+    if (out.size() == 1) out[0] = left_out(out[0]);
+    return out;
+  }
+  // An option with its value.
+  std::string shown(std::string_view name) const {
+    const auto* option = option_named(name);
+    return option == nullptr ? std::string(name)
+                             : fmt::format("{} {}", option->name, option->value);
+  }
+  bool is_given(std::string_view name) const {
+    const auto slot = std::ranges::find(slots_, name, &Slot::name);
+    return slot != slots_.end() && slot->option->count() > 0;
+  }
+
+  std::unexpected<Error> explained(const CLI::ParseError& error) const {
+    const auto lacking = missing();
+    const auto rest = app_.remaining();
+    std::string extra;
+    for (const auto& word : rest)
+      extra += fmt::format("{}\"{}\"", extra.empty() ? "" : ", ", word.substr(0, 64));
+    if (!extra.empty())
+      extra += rest.size() == 1 ? " is one argument too many" : " are arguments too many";
+    if (rest.size() == 1) extra += instead_of_one_more(command_.full_name());
+    if (lacking.empty()) return wrong(extra.empty() ? std::string(error.what()) : extra);
+    return wrong(fmt::format("missing argument{} {}{}{}; for example: {}",
+                             lacking.size() == 1 ? "" : "s", listed(lacking),
+                             extra.empty() ? "" : "; ", extra, command_.examples.front()));
+  }
+
+  // Words of a table count in any letter case, also before the version of a product.
+  std::vector<std::string> as_chosen(const Slot& slot) const {
+    auto out = slot.values;
+    const auto words = choices_of(command_, slot.name);
+    for (auto& value : out) {
+      const auto end = std::min(value.find('@'), value.size());
+      for (const auto word : std::views::split(words, ' '))
+        if (ascii_lower(std::string_view(word)) == ascii_lower(value.substr(0, end)))
+          value.replace(0, end, std::string_view(word));
+    }
+    return out;
+  }
+
+  Arguments::Values values() const {
+    Arguments::Values out;
+    for (const auto& slot : slots_) {
+      if (slot.option->count() > 0) {
+        out[slot.name] = as_chosen(slot);
+      } else if (!slot.fallback.empty()) {
+        out[slot.name] = {std::string(slot.fallback)};
+      }
+    }
+    return out;
+  }
+
+  const Command& command_;
+  CLI::App app_;
+  std::list<Slot> slots_;  // CLI11 keeps references into it
+};
+
+// Options of every command may stand before it as well: from there they are put behind it.
+std::vector<std::string> command_first(std::span<const std::string> words) {
+  std::vector<std::string> options;
+  std::size_t at = 0;
+  while (at < words.size()) {
+    const auto& word = words[at];
+    const auto name = word.substr(0, word.find('='));
+    const auto option = std::ranges::find_if(common_options(), [&](const Option& o) {
+      return o.name == name || (!o.letter.empty() && o.letter == word);
+    });
+    if (option == common_options().end()) break;
+    const bool takes_next = !option->value.empty() && name.size() == word.size();
+    for (std::size_t i = 0; i <= (takes_next ? 1 : 0) && at < words.size(); ++i)
+      options.push_back(words[at++]);
+  }
+  std::vector<std::string> out(words.begin() + static_cast<std::ptrdiff_t>(at), words.end());
+  if (!out.empty() && (out[0] == "--version" || out[0] == "-V")) out[0] = "version";
+  out.insert(out.end(), options.begin(), options.end());
+  return out;
+}
+
+bool asks_for_help(std::span<const std::string> words) {
+  return std::ranges::any_of(words, [](const auto& w) { return w == "--help" || w == "-h"; });
+}
+
+const Command* find(std::string_view full_name) {
+  const auto found = std::ranges::find_if(
+      commands(), [&](const Command& c) { return c.full_name() == full_name; });
+  return found == commands().end() ? nullptr : &*found;
+}
+
+// "create, import, show or renew".
+std::string second_words(std::string_view group) {
+  std::string out;
+  for (const auto& command : commands())
+    if (command.group == group) out += fmt::format("{}{}", out.empty() ? "" : ", ", command.name);
+  return out;
+}
+
+Request help_request(std::string_view what) {
+  Request out;
+  out.help = help_on(what);
+  return out;
+}
+
+}  // namespace
+
+std::string command_named(std::span<const std::string> given) {
+  const auto words = command_first(given);
+  if (words.size() > 1 && find(words[0] + " " + words[1]) != nullptr)
+    return words[0] + " " + words[1];
+  return words.empty() || help_on(words[0]).empty() ? std::string() : words[0];
+}
+
+Result<Request> parse(std::span<const std::string> given) {
+  auto words = command_first(given);
+  if (!words.empty() && words[0] == "help") {
+    words.erase(words.begin());
+    words.emplace_back("--help");
+  }
+  if (words.empty() || words[0].starts_with("-"))
+    return asks_for_help(words) ? Result<Request>(help_request("")) : wrong("no command is given");
+  const Command* command = find(words[0]);
+  std::size_t used = 1;
+  if (command == nullptr) {
+    if (help_on(words[0]).empty()) return unknown(words[0], commands_like(words));
+    if (words.size() > 1 && (command = find(words[0] + " " + words[1])) != nullptr) used = 2;
+  }
+  if (asks_for_help(words)) return help_request(command ? command->full_name() : words[0]);
+  if (command == nullptr)
+    return words.size() > 1 && !words[1].starts_with("-")
+               ? unknown(words[1], commands_like(words))
+               : wrong("\"" + words[0] + "\" needs a second word: " + second_words(words[0]));
+  CommandLine line(*command);
+  Request out;
+  DDSSEC_ASSIGN_OR_RETURN(out.arguments, line.parse(std::span(words).subspan(used)));
+  out.command = command;
+  return out;
+}
+
+}  // namespace ddssec::cli

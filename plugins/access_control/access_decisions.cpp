@@ -1,0 +1,124 @@
+#include "plugins/access_control/access_decisions.hpp"
+
+#include <algorithm>
+
+#include "plugins/access_control/refusals.hpp"
+
+namespace ddssec::access_control {
+namespace {
+
+using governance::Action;
+using spi::EndpointRequest;
+
+bool is_access_controlled(const governance::TopicRule& rule, Action action) {
+  return action == Action::publish ? rule.enable_write_access_control
+                                   : rule.enable_read_access_control;
+}
+
+std::vector<governance::DataTag> data_tags_of(const EndpointRequest& request) {
+  std::vector<governance::DataTag> tags;
+  for (const auto& tag : request.data_tags) tags.push_back({tag.name, tag.value});
+  return tags;
+}
+
+}  // namespace
+
+Status Judgement::participant(PermissionsHolder& holder) const {
+  const auto basis = holder.participant()->basis();
+  if (!basis->governance->domain_rule().enable_join_access_control) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
+  const auto verdict = grant->judge_participant();
+  if (!verdict.allowed) return std::unexpected(participant_denied(holder, *grant, verdict));
+  return {};
+}
+
+Status Judgement::topic(PermissionsHolder& holder, std::string_view name) const {
+  if (holder.remote()) DDSSEC_RETURN_IF_ERROR(check_topic_length(name));
+  const auto& participant = *holder.participant();
+  const auto basis = participant.basis();
+  const auto* rule = basis->governance->topic_rule(name);
+  if (!rule) return std::unexpected(topic_not_covered(participant, name));
+  if (!rule->enable_read_access_control || !rule->enable_write_access_control) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
+  const auto publish = grant->judge_topic(Action::publish, name);
+  if (publish.allowed || grant->judge_topic(Action::subscribe, name).allowed) return {};
+  return std::unexpected(topic_denied(holder, *grant, publish, name));
+}
+
+Status Judgement::endpoint(PermissionsHolder& holder, Action action,
+                           const EndpointRequest& request) const {
+  const auto basis = holder.participant()->basis();
+  return by(*basis->governance, holder, action, request);
+}
+
+Status Judgement::by(const governance::CompiledGovernance& rules, PermissionsHolder& holder,
+                     Action action, const EndpointRequest& request) const {
+  const auto& participant = *holder.participant();
+  const auto* rule = rules.topic_rule(request.topic_name);
+  if (!rule) return std::unexpected(topic_not_covered(participant, request.topic_name));
+  if (!is_access_controlled(*rule, action)) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
+  const auto tags = data_tags_of(request);
+  const auto verdict = grant->judge(action, {request.topic_name, request.partitions, tags});
+  if (!verdict.allowed)
+    return std::unexpected(endpoint_denied(holder, *grant, verdict, action, request));
+  return {};
+}
+
+Status Judgement::announced(PermissionsHolder& holder, Action action,
+                            const EndpointRequest& request) const {
+  if (holder.remote()) DDSSEC_RETURN_IF_ERROR(check_lengths(request));
+  const auto status = endpoint(holder, action, request);
+  if (!holder.remote()) return status;
+  if (status)
+    holder.announced().note(action, request);
+  else
+    holder.note_denied(action, request);
+  return status;
+}
+
+/// Judged anew by what was announced, since a grant may have ended.
+bool Judgement::may_as_announced(PermissionsHolder& holder, Action action,
+                                 const EndpointRequest& local) const {
+  const auto announced = holder.announced().of_topic(action, local.topic_name);
+  if (announced.empty()) return false;
+  const PartitionNames ours(local.partitions);
+  return std::ranges::any_of(announced, [&](const AnnouncedEndpoints::One& one) {
+    if (!one->partitions.meet(ours)) return false;
+    const auto partitions = one->partitions.views();
+    return endpoint(holder, action, {one->topic, partitions, one->data_tags}).has_value();
+  });
+}
+
+/// Only what a <relay> element allows: a default is not meant for relays.
+bool Judgement::may_relay(PermissionsHolder& holder, const EndpointRequest& request) const {
+  const auto grant = grant_now(holder);
+  if (!grant) return false;
+  const auto tags = data_tags_of(request);
+  const auto verdict =
+      (*grant)->judge(Action::relay, {request.topic_name, request.partitions, tags});
+  return verdict.allowed && verdict.criteria;
+}
+
+Result<spi::AccessControl::RemoteDatareader> Judgement::reader(
+    PermissionsHolder& holder, const EndpointRequest& request) const {
+  const auto status = announced(holder, Action::subscribe, request);
+  if (status) return spi::AccessControl::RemoteDatareader{};
+  if (status.error().code() == Code::announced_reader_not_allowed && accept_relays_ &&
+      may_relay(holder, request))
+    return spi::AccessControl::RemoteDatareader{.relay_only = true};
+  return std::unexpected(status.error());
+}
+
+std::optional<spi::AccessControl::RemoteDatareader> Judgement::pending(
+    PermissionsHolder& holder, Action action, const EndpointRequest& request) const {
+  const auto document = holder.participant()->pending();
+  if (!document) return std::nullopt;
+  if (by(*document->governance, holder, action, request))
+    return spi::AccessControl::RemoteDatareader{};
+  if (action != Action::subscribe || !accept_relays_ || !may_relay(holder, request))
+    return std::nullopt;
+  return spi::AccessControl::RemoteDatareader{.relay_only = true};
+}
+
+}  // namespace ddssec::access_control

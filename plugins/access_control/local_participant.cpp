@@ -1,0 +1,199 @@
+#include "plugins/access_control/local_participant.hpp"
+
+#include "governance/live_change.hpp"
+
+namespace ddssec::access_control {
+namespace {
+
+bool are_alike(const governance::TopicRule* former, const governance::TopicRule* next) {
+  if (former == nullptr || next == nullptr) return former == next;
+  return governance::protect_alike(*former, *next);
+}
+
+/// A document with the revision in force has the content in force.
+bool is_same_revision(const governance::CompiledGovernance& former,
+                      const governance::CompiledGovernance& next) {
+  return next.revision() != 0 && next.revision() == former.revision();
+}
+
+Error old_revision(const governance::CompiledGovernance& former,
+                   const governance::CompiledGovernance& next) {
+  const auto revision = next.revision();
+  return Error(Code::governance_renewal_refused,
+               {.field = "revision",
+                .expected = "more than " + std::to_string(former.revision()) + ", the one in force",
+                .found = revision == 0 ? "none" : std::to_string(revision),
+                .hint = "sign the document anew with ddssec governance sign, which writes the next "
+                        "revision, if it is not an old one that was put back"});
+}
+
+Status check_has_revision(const governance::CompiledGovernance& next,
+                          const governance::TopicRule& raised) {
+  if (next.revision() != 0) return {};
+  return fail(
+      Code::governance_renewal_refused,
+      {.line = raised.line,
+       .field = "revision",
+       .expected = "a revision, since the document changes the protection of \"" +
+                   raised.topic_expression + "\"",
+       .found = "none",
+       .hint = "sign the document with ddssec governance sign, which writes one, or restart "
+               "the participant"});
+}
+
+/// The topic cannot change while this participant uses it.
+Error in_use(const std::string& topic, const governance::TopicRule* rule, const Error& why) {
+  auto details = why.details();
+  if (details.field.empty()) {
+    details.field = "topic_rule";
+    details.found = rule == nullptr ? "no rule" : "a rule";
+  }
+  details.line = rule == nullptr ? 0 : rule->line;
+  if (!details.note.empty()) details.note += "; ";
+  details.note += "this participant uses the topic \"" + topic + "\": restart it";
+  return Error(Code::governance_renewal_refused, std::move(details));
+}
+
+Error not_at_once() {
+  return Error(Code::governance_renewal_refused,
+               {.field = "topic_rule",
+                .expected = "the protection that the topics in use have",
+                .found = "more protection, which this host cannot give endpoints that exist",
+                .hint = "restart the participant"});
+}
+
+}  // namespace
+
+std::shared_ptr<const Basis> Participant::basis() const {
+  const std::lock_guard lock(mutex_);
+  return basis_;
+}
+
+std::shared_ptr<const ListedPermissions> Participant::listed() const {
+  const std::lock_guard lock(mutex_);
+  return listed_;
+}
+
+void Participant::set_listed(std::shared_ptr<const ListedPermissions> listed) {
+  const std::lock_guard lock(mutex_);
+  listed_ = std::move(listed);
+}
+
+Result<std::shared_ptr<const Basis>> Participant::basis_for(std::string_view topic) const {
+  const std::lock_guard lock(mutex_);
+  if (topics_in_use_.contains(topic)) return basis_;
+  DDSSEC_RETURN_IF_ERROR(check_new_topic(topic));
+  has_more_topics_ = has_more_topics_ || topics_in_use_.size() >= kMaxTopicsInUse;
+  if (!has_more_topics_) topics_in_use_.emplace(topic);
+  return basis_;
+}
+
+/// mutex_ is held. What was checked of the document that waits holds for the topics that were in
+/// use then.
+Status Participant::check_new_topic(std::string_view topic) const {
+  if (!pending_) return {};
+  const auto refused = [&](ErrorDetails details) {
+    details.note += (details.note.empty() ? "" : "; ") + std::string("the topic \"") +
+                    std::string(topic) + "\" was not in use when revision " +
+                    std::to_string(pending_->governance->revision()) + " of the document was taken";
+    return std::unexpected(Error(Code::governance_change_under_way, std::move(details)));
+  };
+  if (topics_in_use_.size() >= kMaxTopicsInUse)
+    return refused({.field = "topics in use",
+                    .expected = "fewer than " + std::to_string(kMaxTopicsInUse),
+                    .found = "more"});
+  const auto* const before = basis_->governance->topic_rule(topic);
+  const auto* const after = pending_->governance->topic_rule(topic);
+  if (are_alike(before, after)) return {};
+  if (before == nullptr || after == nullptr)
+    return refused({.line = after == nullptr ? 0 : after->line,
+                    .field = "topic_rule",
+                    .expected = before == nullptr ? "none" : "one, as in the document in force",
+                    .found = after == nullptr ? "none" : "one"});
+  const auto fits =
+      governance::check_topic_change(*before, pending_->governance->domain_rule(), *after);
+  if (fits) return {};
+  return refused(fits.error().details());
+}
+
+Result<Participant::Change> Participant::check_governance(
+    const governance::CompiledGovernance& next) const {
+  const std::lock_guard lock(mutex_);
+  return check(next);
+}
+
+Status Participant::set_basis(Basis basis) {
+  auto next = std::make_shared<const Basis>(std::move(basis));
+  const std::lock_guard lock(mutex_);
+  if (basis_ && next->governance != basis_->governance) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto change, check(*next->governance));
+    if (change == Change::phased) return std::unexpected(not_at_once());
+  }
+  basis_ = std::move(next);
+  return {};
+}
+
+std::shared_ptr<const Participant::Pending> Participant::pending() const {
+  const std::lock_guard lock(mutex_);
+  return pending_;
+}
+
+void Participant::set_pending(Pending pending) {
+  auto next = std::make_shared<const Pending>(std::move(pending));
+  const std::lock_guard lock(mutex_);
+  pending_ = std::move(next);
+}
+
+void Participant::drop_pending() {
+  const std::lock_guard lock(mutex_);
+  pending_ = nullptr;
+}
+
+std::shared_ptr<const governance::CompiledGovernance> Participant::other_governance() const {
+  const std::lock_guard lock(mutex_);
+  return pending_ ? pending_->governance : former_;
+}
+
+bool Participant::apply_pending(const Sha256Digest& digest) {
+  const std::lock_guard lock(mutex_);
+  if (!pending_ || pending_->digest != digest) return false;
+  auto basis = std::make_shared<Basis>(*basis_);
+  former_ = basis->governance;
+  basis->governance = pending_->governance;
+  basis->governance_digest = pending_->digest;
+  basis_ = std::move(basis);
+  pending_ = nullptr;
+  return true;
+}
+
+/// mutex_ is held.
+Result<Participant::Change> Participant::check(const governance::CompiledGovernance& next) const {
+  const auto& former = *basis_->governance;
+  if (next.revision() < former.revision()) return std::unexpected(old_revision(former, next));
+  DDSSEC_ASSIGN_OR_RETURN(const auto change,
+                          governance::live_change(former.domain_rule(), next.domain_rule()));
+  if (!change.raised.empty()) DDSSEC_RETURN_IF_ERROR(check_has_revision(next, *change.raised[0]));
+  if (is_same_revision(former, next) && (!change.rules.empty() || !change.raised.empty()))
+    return std::unexpected(old_revision(former, next));
+  auto out = Change::at_once;
+  for (const auto& topic : topics_in_use_) {
+    const auto* const before = former.topic_rule(topic);
+    const auto* const after = next.topic_rule(topic);
+    if (are_alike(before, after)) continue;
+    const auto fits = before == nullptr || after == nullptr
+                          ? Status(std::unexpected(Error(Code::governance_renewal_refused)))
+                          : governance::check_topic_change(*before, next.domain_rule(), *after);
+    if (!fits) return std::unexpected(in_use(topic, after, fits.error()));
+    DDSSEC_RETURN_IF_ERROR(check_has_revision(next, *after));
+    out = Change::phased;
+  }
+  // A topic that had no rule is not in use.
+  if (!has_more_topics_ || (change.are_last && change.raised.empty())) return out;
+  return fail(Code::governance_renewal_refused,
+              {.field = "topic_rule",
+               .expected = "further rules after the others: this participant uses more than " +
+                           std::to_string(kMaxTopicsInUse) + " topics; restart it",
+               .found = "a rule before another one, or one with other values"});
+}
+
+}  // namespace ddssec::access_control

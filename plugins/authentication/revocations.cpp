@@ -1,0 +1,119 @@
+#include "plugins/authentication/revocations.hpp"
+
+#include <optional>
+
+#include "plugins/authentication/listed_peers.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+using OurOwn = IdentityTable::OurOwn;
+
+/// The reason why the identity must be revoked: it is on a list and its verification fails, even if
+/// only because memory ran out. A peer that is on no list stays: its expiry or its next handshake
+/// decides.
+std::optional<Error> refusal(const pki::Certificate& certificate, const TrustStore& trust,
+                             const LocalIdentity& whose, WallTime now) {
+  if (!trust.may_be_revoked(certificate)) return std::nullopt;
+  const auto verdict = trust.verify(certificate, now);
+  if (verdict) return std::nullopt;
+  const auto& error = verdict.error();
+  return Error(error.code(), {.document = whose.revocation_list_path(),
+                              .field = error.details().field,
+                              .found = "serial number " + certificate.serial(),
+                              .note = "it is in use, and cut off"});
+}
+
+/// Whether the path ends at a CA that is trusted is decided before anything else about it: any
+/// other reason means that it does. Those ends have events of their own.
+bool is_about_time_or_lists(Code code) {
+  switch (code) {
+    case Code::certificate_expired:
+    case Code::certificate_not_yet_valid:
+    case Code::certificate_revoked:
+    case Code::crl_missing:
+    case Code::crl_expired:
+    case Code::crl_not_yet_valid:
+      return true;
+    default:
+      return false;
+  }
+}
+
+/// The reason why a peer must go after CAs have left the file: none that is left issued its
+/// certificate. For one that stays, the end of the session is found anew.
+std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authenticated& peer,
+                                const LocalIdentity& whose, const Environment& environment) {
+  const auto now = environment.clock.now();
+  const auto verdict = whose.peer_trust()->verify(peer.latest(), now);
+  if (!verdict && is_about_time_or_lists(verdict.error().code())) return std::nullopt;
+  if (!verdict && follow_renewal_list(table, peer, whose, environment)) return std::nullopt;
+  if (!verdict)
+    return Error(Code::identity_ca_withdrawn,
+                 {.document = whose.authorities_path(),
+                  .field = peer.latest().subject(),
+                  .expected = "a certificate of " + whose.authorities(),
+                  .found = "issuer " + peer.latest().issuer(),
+                  .note = "serial number " + peer.latest().serial()});
+  if (const auto own = whose.verify(peer.own, now))
+    table.note_verified_again(peer.handle, {*verdict, *own});
+  return std::nullopt;
+}
+
+void look_at_lists(const OurOwn& local, TrustStores& stores, const Environment& environment) {
+  const auto renewed = local.identity->renew_revocation_lists(stores, environment.clock);
+  const auto us = our_name(local.identity->guid());
+  if (!renewed) return environment.events.raise(event_about(us, renewed.error()));
+  if (!*renewed) return;
+  environment.events.raise(
+      event_about(us, Error(Code::crl_renewed, {.document = local.identity->revocation_list_path(),
+                                                .found = local.identity->revocation_lists()})));
+}
+
+/// The same of a peer whose session goes on with a later certificate: that of its handshake may
+/// have expired since, but must not have been revoked.
+std::optional<Error> refusal(const IdentityTable::Authenticated& peer, const TrustStore& trust,
+                             const LocalIdentity& whose, WallTime now) {
+  auto reason = refusal(peer.latest(), trust, whose, now);
+  if (reason || !peer.listed) return reason;
+  reason = refusal(peer.certificate, trust, whose, now);
+  const bool has_expired = reason && reason->code() == Code::certificate_expired;
+  return has_expired ? std::nullopt : std::move(reason);
+}
+
+void judge(IdentityTable& table, const OurOwn& local, bool by_other_authorities,
+           const Environment& environment, Revocations& out) {
+  const auto now = environment.clock.now();
+  // Waits for handshake steps that began under the former lists, so that no peer authenticates
+  // under them after the judgement.
+  for (const auto& pair : table.pairs_of(local.handle)) const std::scoped_lock wait(pair->mutex);
+  const auto trust = local.identity->peer_trust();
+  if (auto reason = refusal(local.identity->certificate(), *trust, *local.identity, now))
+    out.identities.push_back({local.handle, our_name(local.identity->guid()), *std::move(reason)});
+  for (auto& peer : table.authenticated_with(local.handle)) {
+    std::optional<Error> reason;
+    if (by_other_authorities) reason = withdrawal(table, peer, *local.identity, environment);
+    if (!reason) reason = refusal(peer, *trust, *local.identity, now);
+    if (reason) out.identities.push_back({peer.handle, std::move(peer.name), *std::move(reason)});
+  }
+}
+
+}  // namespace
+
+Revocations find_revocations(IdentityTable& table, spi::IdentityHandle which, TrustStores& stores,
+                             const Environment& environment) {
+  Revocations out;
+  for (const auto& local : table.locals(which)) {
+    look_at_lists(local, stores, environment);
+    if (auto reason = local.identity->ocsp_revoked())
+      out.identities.push_back(
+          {local.handle, our_name(local.identity->guid()), *std::move(reason)});
+    if (const auto unapplied = local.identity->unapplied_renewal()) {
+      judge(table, local, unapplied->authorities, environment, out);
+      out.judgements.push_back({local.identity, unapplied->renewal});
+    }
+  }
+  return out;
+}
+
+}  // namespace ddssec::authentication

@@ -1,0 +1,376 @@
+#include "rtps/security/crypto_token_exchange.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+namespace {
+
+Qos volatile_qos() {
+  auto qos = default_writer_qos();
+  qos.history.kind = HistoryKind::keep_all;
+  return qos;
+}
+
+bool is_for_readers(const GenericMessage& message) {
+  return message.message_class == message_class::kDatawriterTokens ||
+         message.message_class == message_class::kDatawriterTokensOfOne;
+}
+
+bool is_for_writers(const GenericMessage& message) {
+  return message.message_class == message_class::kDatareaderTokens ||
+         message.message_class == message_class::kDatareaderTokensOfOne;
+}
+
+/// The protection that the keys of an endpoint are for; 0: the message names none.
+ProtectionId protection_in(const GenericMessage& message) {
+  const bool names_one = message.message_class == message_class::kDatawriterTokensOfOne ||
+                         message.message_class == message_class::kDatareaderTokensOfOne;
+  return names_one ? static_cast<ProtectionId>(message.related.sequence_number) : 0;
+}
+
+}  // namespace
+
+Status KeyExchange::open(Peer& peer) {
+  auto& association = *peer.state.association();
+  const auto prefix = peer.prefix();
+  const auto own = core_.own->guid().prefix;
+  association.volatile_writer = std::make_unique<StatefulWriter>(
+      Guid{own, kVolatileMessageWriter}, volatile_qos(), core_.sender, &core_.timers);
+  association.volatile_reader = std::make_unique<StatefulReader>(
+      Guid{own, kVolatileMessageReader}, true, core_.sender,
+      [this, prefix](Change& change) { return on_message(prefix, change); }, &core_.timers);
+  association.volatile_reader->limit(kVolatileLimits);
+  association.volatile_writer->match(
+      {{prefix, kVolatileMessageReader}, true, false, peer.metatraffic}, core_.now);
+  association.volatile_reader->match({{prefix, kVolatileMessageWriter}, true, peer.metatraffic},
+                                     core_.now);
+  DDSSEC_ASSIGN_OR_RETURN(auto tokens, core_.keyring.participant_tokens(prefix));
+  send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(tokens));
+  if (revising_) send_revised(peer);
+  return {};
+}
+
+void KeyExchange::readdress(Peer& peer, const LocatorList& addresses) {
+  peer.metatraffic = addresses;
+  auto* association = peer.state.association();
+  if (association == nullptr || !association->volatile_writer) return;
+  association->volatile_writer->readdress({peer.prefix(), kVolatileMessageReader}, addresses,
+                                          core_.now);
+  association->volatile_reader->readdress({peer.prefix(), kVolatileMessageWriter}, addresses);
+}
+
+StatefulWriter* KeyExchange::volatile_writer(const GuidPrefix& prefix) {
+  auto* peer = core_.find(prefix);
+  auto* association = peer == nullptr ? nullptr : peer->state.association();
+  return association == nullptr ? nullptr : association->volatile_writer.get();
+}
+
+StatefulReader* KeyExchange::volatile_reader(const GuidPrefix& prefix) {
+  auto* peer = core_.find(prefix);
+  auto* association = peer == nullptr ? nullptr : peer->state.association();
+  return association == nullptr ? nullptr : association->volatile_reader.get();
+}
+
+void KeyExchange::join(Peer& peer) {
+  if (!peer.state.join()) return;
+  ++core_.counters.authenticated;
+  if (peer.state.association() != nullptr)
+    core_.raise(Error(Code::rtps_peer_authenticated), peer, Origin::its_keys);
+  core_.host.on_authenticated(GuidPrefix(peer.prefix()));
+}
+
+// ---- sending
+
+void KeyExchange::send(Peer& peer, GenericMessage message) {
+  auto* association = peer.state.association();
+  if (association == nullptr || !association->volatile_writer) return;
+  message.identity = {{core_.own->guid().prefix, kVolatileMessageWriter}, ++last_number_};
+  message.destination_participant = peer.data.guid;
+  Change change;
+  auto octets = write_generic_message(message);
+  change.payload = Payload::copy_of(octets);
+  change.payload.wipe_at_end();
+  wipe(octets);
+  association->volatile_writer->write(std::move(change), core_.now);
+}
+
+// The peer has never acknowledged this message before, so a recorded acknowledgment does not answer
+// it. If other messages to the peer are still unacknowledged, a query is as good and leaves nothing
+// stored.
+void KeyExchange::probe(Peer& peer) {
+  if (!is_up_to_date(peer)) return ask_for_sign_of_life(peer);
+  GenericMessage message;
+  message.message_class = message_class::kQuestion;
+  send(peer, std::move(message));
+}
+
+void KeyExchange::ask_for_sign_of_life(Peer& peer) {
+  if (is_trusted(peer)) peer.state.association()->volatile_writer->ask_for_acknowledgments(true);
+}
+
+void KeyExchange::send_tokens(Peer& peer, std::string_view message_class, const Guid& from,
+                              const Guid& to, std::vector<spi::Token> tokens) {
+  if (tokens.empty()) return;
+  GenericMessage message;
+  message.destination_endpoint = to;
+  message.source_endpoint = from;
+  message.message_class = message_class;
+  message.data = std::move(tokens);
+  send(peer, std::move(message));
+}
+
+void KeyExchange::send_token(Peer& peer, std::string_view message_class, spi::Token token) {
+  std::vector<spi::Token> tokens;
+  tokens.push_back(std::move(token));
+  send_tokens(peer, message_class, {}, {}, std::move(tokens));
+}
+
+// Other vendors would ignore it.
+void KeyExchange::request_tokens(const EntityId& local, const Guid& remote) {
+  auto* peer = core_.find(remote.prefix);
+  if (peer == nullptr || peer->data.vendor != kVendorDdssec || !has_room(*peer)) return;
+  GenericMessage message;
+  message.destination_endpoint = remote;
+  message.source_endpoint = {core_.own->guid().prefix, local};
+  message.message_class = message_class::kTokensWanted;
+  send(*peer, std::move(message));
+}
+
+// A peer that accepts both protections, too, is told which one the keys are for.
+void KeyExchange::send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,
+                                       std::vector<spi::Token> tokens, ProtectionId protection) {
+  if (tokens.empty()) return;
+  const bool writes = is_writer(local);
+  GenericMessage message;
+  message.destination_endpoint = remote;
+  message.source_endpoint = {core_.own->guid().prefix, local};
+  message.message_class =
+      writes ? message_class::kDatawriterTokens : message_class::kDatareaderTokens;
+  message.data = std::move(tokens);
+  if (protection == 0) protection = core_.keyring.second().first_of(local);
+  if (protection != 0 && peer.state.association()->governance.takes_part) {
+    message.message_class =
+        writes ? message_class::kDatawriterTokensOfOne : message_class::kDatareaderTokensOfOne;
+    message.related.sequence_number = static_cast<std::int64_t>(protection);
+  }
+  send(peer, std::move(message));
+}
+
+void KeyExchange::complete(Peer& peer, const EntityId& local, const Guid& remote) {
+  auto completed = core_.keyring.second().complete(local, remote);
+  if (!completed) return core_.raise(completed.error(), remote, Origin::its_keys);
+  if (completed->protection == 0) return;
+  send_endpoint_tokens(peer, local, remote, std::move(completed->tokens), completed->protection);
+  if (revising_ && is_trusted(peer) &&
+      completed->protection == core_.keyring.second().first_of(local))
+    add_waiting(*peer.state.association(), local, remote, spi::KeyStage::revised);
+}
+
+bool KeyExchange::complete_pairs(Peer& peer) {
+  for (const auto& [local, remote] : core_.keyring.second().incomplete_pairs(peer.prefix())) {
+    if (!has_room(peer)) return false;
+    complete(peer, local, remote);
+  }
+  return true;
+}
+
+// ---- key revision
+
+bool KeyExchange::is_trusted(const Peer& peer) {
+  const auto* association = peer.state.association();
+  return association != nullptr && association->volatile_writer;
+}
+
+bool KeyExchange::is_up_to_date(const Peer& peer) {
+  if (!is_trusted(peer)) return true;
+  const auto& association = *peer.state.association();
+  return association.volatile_writer->all_acknowledged() && association.waiting.empty();
+}
+
+void KeyExchange::set_revising(bool revising) {
+  if (std::exchange(revising_, revising) && !revising)
+    for (auto& [prefix, peer] : core_.peers)
+      if (auto* association = peer.state.association()) association->waiting.end_revision();
+}
+
+void KeyExchange::send_revised(Peer& peer) {
+  if (!is_trusted(peer)) return;
+  auto own = core_.keyring.participant_tokens(peer.prefix(), spi::KeyStage::revised);
+  if (!own) return core_.raise(own.error(), peer, Origin::its_keys);
+  send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(*own));
+  auto& association = *peer.state.association();
+  for (const auto& [local, remote] : core_.keyring.pairs_with_keys(peer.prefix()))
+    add_waiting(association, local, remote, spi::KeyStage::revised);
+  send_waiting(peer);
+}
+
+// ---- waiting messages
+
+bool KeyExchange::may_send(const Association& association) const {
+  return association.volatile_writer &&
+         association.volatile_writer->history().octets() < kMaxUnacknowledgedOctets;
+}
+
+bool KeyExchange::has_room(const Peer& peer) const {
+  const auto* association = peer.state.association();
+  return association != nullptr && may_send(*association);
+}
+
+void KeyExchange::note_acknowledged(Peer& peer) {
+  if (is_trusted(peer)) send_waiting(peer);
+}
+
+void KeyExchange::add_waiting(Association& association, const EntityId& local, const Guid& remote,
+                              spi::KeyStage stage) {
+  association.waiting.add(local, remote, stage);
+  association.waiting.forget_unless([this](const EntityId& ours, const Guid& theirs) {
+    return core_.keyring.is_introduced(ours, theirs);
+  });
+}
+
+// Tokens are created when they are sent.
+void KeyExchange::send_waiting(Peer& peer) {
+  auto& association = *peer.state.association();
+  auto& keyring = core_.keyring;
+  while (may_send(association)) {
+    const auto next = association.waiting.take();
+    if (!next) return;
+    const auto& [local, remote, stage] = *next;
+    if (!keyring.is_introduced(local, remote)) continue;
+    auto tokens = keyring.endpoint_tokens(local, remote, stage);
+    if (tokens)
+      send_endpoint_tokens(peer, local, remote, std::move(*tokens));
+    else
+      core_.raise(tokens.error(), remote, Origin::its_keys);
+  }
+}
+
+// Otherwise a refused message would wait for the peer's next HEARTBEAT.
+void KeyExchange::tick() {
+  for (const auto& prefix : std::exchange(have_room_, {}))
+    if (auto* reader = volatile_reader(prefix)) reader->offer_again();
+}
+
+// ---- receiving
+
+// The key of this pair of participants protected the message. Its content is still checked.
+bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
+  auto* peer = core_.find(prefix);
+  if (peer == nullptr || peer->state.association() == nullptr) return true;
+  const auto size = change.payload.size();
+  auto message = read_generic_message(change.payload.view());
+  if (!message) return true;
+  // Fast DDS names its stateless writer as the source.
+  if (message->identity.source.prefix != prefix ||
+      message->destination_participant != core_.own->guid())
+    return true;
+  if (message->message_class == message_class::kRenewal ||
+      message->message_class == message_class::kRenewalTaken) {
+    renewal_listener_(*peer, *message);
+    return true;
+  }
+  if (message->message_class == message_class::kGovernance) {
+    governance_listener_(*peer, *message);
+    return true;
+  }
+  if (message->message_class == message_class::kMemory) {
+    if (memory_listener_) memory_listener_(*peer, *message);
+    return true;
+  }
+  if (size > kMaxTokenOctets) {
+    core_.raise(Error(Code::length_out_of_range,
+                      {.document = "key tokens",
+                       .expected = "at most " + std::to_string(kMaxTokenOctets) + " octets",
+                       .found = std::to_string(size)}),
+                *peer, Origin::its_keys);
+    return true;
+  }
+  if (is_for_readers(*message) || is_for_writers(*message))
+    return on_endpoint_tokens(*peer, std::move(*message), size);
+  if (message->message_class == message_class::kParticipantTokens)
+    on_participant_tokens(*peer, *message);
+  if (message->message_class == message_class::kTokensWanted) on_tokens_wanted(*peer, *message);
+  return true;
+}
+
+void KeyExchange::on_participant_tokens(Peer& peer, const GenericMessage& message) {
+  const auto status = core_.keyring.set_participant_tokens(peer.prefix(), message.data);
+  if (!status) return core_.raise(status.error(), peer, Origin::its_keys);
+  // The peer can read the local messages now: what it could not read before is offered again at
+  // once.
+  if (auto* association = peer.state.association(); association->volatile_writer)
+    association->volatile_writer->ask_for_acknowledgments();
+  join(peer);
+}
+
+// A peer gets no more in answer than it acknowledges, and each pair at most once meanwhile.
+void KeyExchange::on_tokens_wanted(Peer& peer, const GenericMessage& message) {
+  const auto local = message.destination_endpoint;
+  const auto remote = message.source_endpoint;
+  const bool fits = local.prefix == core_.own->guid().prefix && remote.prefix == peer.prefix() &&
+                    core_.keyring.is_introduced(local.entity, remote);
+  if (!fits) return;
+  add_waiting(*peer.state.association(), local.entity, remote, spi::KeyStage::in_use);
+  send_waiting(peer);
+}
+
+// Discovery and keys may arrive in any order.
+bool KeyExchange::on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets) {
+  const Guid local = message.destination_endpoint;
+  const Guid remote = message.source_endpoint;
+  const bool to_reader = is_for_readers(message);
+  const bool fits = local.prefix == core_.own->guid().prefix && remote.prefix == peer.prefix() &&
+                    is_reader(local.entity) == to_reader && is_writer(remote.entity) == to_reader;
+  // Local endpoints exist before they are announced to others.
+  if (!fits || core_.keyring.attributes(local.entity) == nullptr) return true;
+  const auto protection = protection_in(message);
+  if (protection != 0 && !core_.keyring.second().has(local.entity, protection)) return true;
+  if (core_.keyring.kind_of(local.entity, remote) != Keyring::PairKind::unknown ||
+      core_.keyring.second().of(local.entity, remote) != nullptr) {
+    if (apply_tokens(peer, message)) core_.host.on_keys(local.entity, remote);
+    return true;
+  }
+  if (!peer.state.association()->early.keep(std::move(message), octets, core_.now)) return false;
+  core_.host.on_early_keys(remote);
+  return true;
+}
+
+// The peer may find the pair first.
+bool KeyExchange::apply_tokens(Peer& peer, const GenericMessage& message) {
+  const auto protection = protection_in(message);
+  if (protection != 0) complete(peer, message.destination_endpoint.entity, message.source_endpoint);
+  const auto ready = core_.keyring.set_endpoint_tokens(
+      message.destination_endpoint.entity, message.source_endpoint, message.data, protection);
+  if (!ready) core_.raise(ready.error(), peer, Origin::its_keys);
+  return ready && *ready;
+}
+
+bool KeyExchange::introduce(const EntityId& local, const Guid& remote, bool relay_only) {
+  auto introduced = core_.keyring.introduce(local, remote, relay_only);
+  if (!introduced) {
+    const auto* attributes = core_.keyring.attributes(local);
+    const bool is_secure = attributes != nullptr && attributes->topic.is_discovery_protected;
+    core_.raise(introduced.error(), remote, core_.origin_of_announcement(remote, is_secure));
+    return false;
+  }
+  auto* peer = core_.find(remote.prefix);
+  auto* association = peer == nullptr ? nullptr : peer->state.association();
+  if (!introduced->is_new || association == nullptr) return introduced->ready;
+  if (may_send(*association) && association->waiting.empty())
+    send_endpoint_tokens(*peer, local, remote, std::move(introduced->tokens));
+  else if (!introduced->tokens.empty())
+    add_waiting(*association, local, remote, spi::KeyStage::in_use);
+  if (revising_ && is_trusted(*peer)) {
+    add_waiting(*association, local, remote, spi::KeyStage::revised);
+    send_waiting(*peer);
+  }
+  bool ready = introduced->ready;
+  const bool any = association->early.take(
+      {core_.own->guid().prefix, local}, remote,
+      [&](const auto& early) { ready = apply_tokens(*peer, early) || ready; });
+  if (any && (have_room_.empty() || have_room_.back() != remote.prefix))
+    have_room_.push_back(remote.prefix);
+  return ready;
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,75 @@
+// Puts a governance document that protects topics more into force while participants run, in two
+// phases: first both protections are accepted, then the new one alone.
+//
+// A participant that has taken the document says so to its authenticated peers, in their protected
+// channel. Those that have it, too, exchange keys for the new protection. A participant goes on to
+// send with the former one until all peers that it shares changed topics with have its new keys, or
+// until its time is over; then it sends with the new one. It accepts the former protection until
+// all peers have said that they send with the new one, or until that time is over once more. What
+// peers say decides when that happens within this time, and nothing else: the document comes from
+// the own file, and the protection of what is sent never becomes less.
+#pragma once
+
+#include "rtps/security/admission.hpp"
+#include "rtps/security/key_reviser.hpp"
+
+namespace ddssec::rtps {
+
+class GovernanceChange {
+ public:
+  /// Added to the second phase: messages take time, and what was lost is sent again.
+  static constexpr MonotonicTime kMargin = std::chrono::seconds(5);
+
+  GovernanceChange(SecurityCore& core, Admission& admission, KeyExchange& exchange,
+                   KeyRevision& revision);
+
+  /// Must be called once a second.
+  void tick();
+  /// Keys are to be revised: the second phase begins now, and does not last long.
+  void finish();
+
+ private:
+  using Version = spi::AccessControl::GovernanceVersion;
+  using State = GovernanceOfPeer::State;
+  enum class Phase : std::uint8_t {
+    none,
+    accepting,  ///< both protections are accepted, the former one is sent
+    draining,   ///< both are accepted, the new one is sent
+  };
+
+  void look();
+  bool may_begin();
+  void begin(const Version& next);
+  void change();
+  void end();
+  /// Gives endpoints on topics that change their second protection. False: one has none. An event
+  /// says so, once; nothing changes before that succeeds, so that no endpoint sends with less.
+  bool add_protections();
+  bool complete_pairs();
+  /// True if the peer has all that it needs for the new protection, or shares no changed topic.
+  bool is_ready(const Peer& peer) const;
+  bool has_changed(const Peer& peer) const;
+  void refresh(Peer& peer) const;
+  /// What this participant says of itself.
+  GovernanceOfPeer::Said own() const;
+  void tell(Peer& peer, bool wants_answer);
+  void tell_all();
+  void on_message(Peer& peer, const spi::Token& said);
+  void report_behind();
+  void judge_matches();
+  template <class F>
+  void each_joined(F&& f);
+
+  SecurityCore& core_;
+  Admission& admission_;
+  KeyExchange& exchange_;
+  KeyRevision& revision_;
+  Phase phase_ = Phase::none;
+  std::optional<Version> target_;             ///< of the change under way, or of the last one
+  std::optional<MonotonicTime> waits_since_;  ///< a document waits, and its change has not begun
+  MonotonicTime deadline_ = kNever;
+  bool has_failed_ = false;
+  bool any_lost_ = false;  ///< an endpoint of a peer that matched lost its right
+};
+
+}  // namespace ddssec::rtps

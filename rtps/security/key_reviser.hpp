@@ -1,0 +1,79 @@
+// Excludes participants that lost their trust: creates new keys for all others (DDS-Security 1.2,
+// clause 9.8.10.4), and uses them once the others have them.
+#pragma once
+
+#include "rtps/security/crypto_token_exchange.hpp"
+
+namespace ddssec::rtps {
+
+/// One revision runs at a time. Without `enable_key_revision` in the governance nothing happens.
+class KeyRevision {
+ public:
+  /// Revised keys are used this long after they were sent, at the latest. Receivers accept the
+  /// former keys for twice as long.
+  static constexpr MonotonicTime kPatience = std::chrono::seconds(5);
+  /// Time until the next attempt after creating revised keys failed.
+  static constexpr MonotonicTime kRetry = std::chrono::seconds(1);
+  /// How long a revision that can wait does so at most, while the governance changes.
+  static constexpr MonotonicTime kMaxDelay = std::chrono::seconds(60);
+  /// Limit for peers that left with the local keys and whose trust is still watched. If there is
+  /// one more, keys are revised.
+  static constexpr std::size_t kMaxAbsent = 256;
+
+  KeyRevision(SecurityCore& core, KeyExchange& exchange) : core_(core), exchange_(exchange) {}
+
+  bool is_enabled() const { return core_.own->attributes().is_key_revision_enabled; }
+  /// True if a revision is under way, or requested and does not wait.
+  bool is_busy() const { return under_way_ || is_urgent(); }
+  enum class Why : std::uint8_t {
+    trust_lost,  ///< or asked for by the application: as soon as possible
+    right_lost,  ///< a peer may do less than before: when the governance does not change
+  };
+  void request(Why why = Why::trust_lost);
+  void tick();
+  MonotonicTime next_tick() const;
+  /// Must be called once a second: checks whether the lifetime of the keys has ended.
+  void check_key_life();
+
+  // Peers that left while they were trusted. Their knowledge of the local keys is acceptable as
+  // long as they are trusted.
+  /// Takes over the identity and the permissions of a peer that leaves.
+  void note_absent(Peer& peer);
+  /// Returns nullptr if the peer did not leave, or is forgotten.
+  std::shared_ptr<const PeerIdentity> identity_of_absent(const GuidPrefix& prefix) const;
+  /// This participant is no longer watched from here on, so a key revision must make its keys
+  /// useless.
+  void drop_absent(const GuidPrefix& prefix);
+  /// Requests a revision if `ended(identity, permissions)` is true for any of them.
+  template <class F>
+  void check_absent(F&& ended) {
+    for (const auto& absent : absent_)
+      if (ended(absent.identity->handle(), absent.permissions.handle)) request();
+  }
+
+ private:
+  struct Absent {
+    GuidPrefix prefix;
+    PeerPermissions permissions;
+    std::shared_ptr<const PeerIdentity> identity;
+  };
+  /// Revised keys that are being sent to the trusted peers.
+  struct UnderWay {
+    spi::KeyRevision number;
+    MonotonicTime deadline;
+  };
+
+  bool is_urgent() const { return due_by_ && core_.now >= *due_by_; }
+  void begin();
+  void finish();
+  bool all_are_up_to_date() const;
+
+  SecurityCore& core_;
+  KeyExchange& exchange_;
+  std::vector<Absent> absent_;
+  std::optional<MonotonicTime> due_by_;  ///< one is requested, and must begin then
+  std::optional<UnderWay> under_way_;
+  MonotonicTime retry_{};
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,272 @@
+// Governance documents with another protection of topics in use, and revisions.
+#include "plugins/access_control/local_participant.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/support/recorded_document.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/access_control/fixture.hpp"
+
+namespace ddssec::access_control {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr auto kSign = ProtectionKind::sign, kEncrypt = ProtectionKind::encrypt;
+
+class GovernancePhases : public AccessControlTest {
+ protected:
+  explicit GovernancePhases(bool changes_protection = true) {
+    make({.host_changes_protection = changes_protection});
+    topic().metadata_protection_kind = topic().data_protection_kind = kSign;
+    put(1);
+    auto all = properties("", open_permissions(kTalker));
+    for (auto& one : all)
+      if (one.name == spi::property::kGovernance) one.value = "file:" + path_;
+    own_ = plugin->validate_local_permissions(kLocalIdentity, 0, all);
+    EXPECT_TRUE(own_) << own_.error().to_sentence();
+    EXPECT_EQ(data_of("t"), kSign);
+    log.events.clear();
+  }
+  governance::TopicRule& topic() { return governance_document.domain_rules[0].topic_rules[0]; }
+  std::string document(std::uint32_t revision) {
+    governance_document.revision = revision;
+    return signed_document(governance::to_xml(governance_document));
+  }
+  void put(const std::string& text) { folder_.replace("governance.p7s", text); }
+  void put(std::uint32_t revision) { put(document(revision)); }
+  void raise() { topic().metadata_protection_kind = topic().data_protection_kind = kEncrypt; }
+  std::vector<Code> codes_after_looking() {
+    log.events.clear();
+    for (int i = 0; i < 3; ++i) {
+      clock.advance(5s);
+      plugin->expire();
+    }
+    std::vector<Code> out;
+    for (const auto& event : log.events) out.push_back(event.error.code());
+    return out;
+  }
+  void expect_refused(std::string_view field, std::string_view why) {
+    EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewal_refused));
+    ASSERT_FALSE(log.events.empty());
+    EXPECT_EQ(log.events.front().error.details().field, field);
+    EXPECT_THAT(log.events.front().error.to_sentence(), HasSubstr(why));
+    EXPECT_THAT(codes_after_looking(), IsEmpty()) << "told twice";
+  }
+  ProtectionKind data_of(std::string_view name) {
+    const auto attributes = plugin->datawriter_sec_attributes(*own_, {.topic_name = name});
+    return attributes ? attributes->payload : ProtectionKind::none;
+  }
+  std::uint32_t revision() { return plugin->governance_version(*own_)->revision; }
+  bool apply() {
+    const auto pending = plugin->pending_governance(*own_);
+    return pending && plugin->apply_pending_governance(*own_, *pending);
+  }
+  bool waits() { return plugin->pending_governance(*own_).has_value(); }
+
+  const test::TemporaryFolder folder_;
+  const std::string path_ = folder_.path() + "/governance.p7s";
+  Result<spi::PermissionsHandle> own_ = fail(Code::unknown_permissions_handle);
+};
+
+TEST_F(GovernancePhases, MoreProtection_WaitsUntilTheHostHasChangedItsEndpoints) {
+  raise();
+  const auto text = document(2);
+  put(text);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_changing));
+  EXPECT_EQ(log.events.front().error.details().document, path_);
+  EXPECT_EQ(log.events.front().error.details().found, "2");
+  EXPECT_EQ(data_of("t"), kSign);
+  EXPECT_EQ(data_of("new"), kSign) << "endpoints that are made meanwhile are as the others";
+  EXPECT_EQ(revision(), 1u);
+  ASSERT_TRUE(waits());
+  const auto shown = test::recorded_document(documents, "governance");
+  EXPECT_EQ(shown["in_force"][0]["subject"], "revision 1");
+  EXPECT_EQ(shown["waiting"]["subject"], "revision 2");
+  EXPECT_EQ(shown["waiting"]["sha256"], to_hex(sha256(as_bytes(text))));
+  EXPECT_EQ(plugin->pending_governance(*own_)->revision, 2u);
+  EXPECT_EQ(plugin->other_attributes(*own_, "t")->payload, kEncrypt);
+  EXPECT_THAT(codes_after_looking(), IsEmpty()) << "begins once";
+  const auto digest = plugin->pending_governance(*own_)->digest;
+  EXPECT_TRUE(apply());
+  EXPECT_EQ(data_of("t"), kEncrypt);
+  EXPECT_EQ(plugin->other_attributes(*own_, "t")->payload, kSign) << "for the second phase";
+  EXPECT_FALSE(waits());
+  EXPECT_EQ(plugin->governance_version(*own_)->digest, digest);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
+  EXPECT_EQ(log.events.front().error.details().found, "2");
+  EXPECT_EQ(test::recorded_document(documents, "governance")["in_force"][0]["sha256"],
+            to_hex(sha256(as_bytes(text))));
+}
+
+TEST_F(GovernancePhases, OldDocument_IsRefusedAsARollBack) {
+  const auto old = document(1);
+  raise();
+  put(3);
+  codes_after_looking();
+  EXPECT_TRUE(apply());
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
+  for (const auto& text : {old, document(2), document(0)}) {
+    put(text);
+    expect_refused("revision", "more than 3");
+    EXPECT_EQ(data_of("t"), kEncrypt);
+  }
+}
+
+TEST_F(GovernancePhases, OtherContentOfTheSameRevision_IsRefused) {
+  raise();
+  put(1);
+  expect_refused("revision", "more than 1");
+  EXPECT_FALSE(waits());
+}
+
+TEST_F(GovernancePhases, SameContentSignedAnew_IsNoEvent) {
+  put(1);
+  EXPECT_THAT(codes_after_looking(), IsEmpty());
+  put(2);
+  EXPECT_THAT(codes_after_looking(), IsEmpty());
+  EXPECT_EQ(revision(), 2u);
+}
+
+TEST_F(GovernancePhases, WithoutARevision_MoreProtectionIsRefused) {
+  put(5);  // so that the one in force is known
+  codes_after_looking();
+  raise();
+  put(0);
+  expect_refused("revision", "more than 5");
+}
+
+TEST_F(GovernancePhases, LessProtection_NamesWhatMustRestart) {
+  raise();
+  put(2);
+  codes_after_looking();
+  EXPECT_TRUE(apply());
+  codes_after_looking();
+  topic().data_protection_kind = kSign;
+  put(3);
+  expect_refused("data_protection_kind", "expected ENCRYPT, found SIGN");
+  EXPECT_THAT(log.events.empty() ? "" : log.events.front().error.hint(), HasSubstr(""));
+  EXPECT_EQ(data_of("t"), kEncrypt);
+}
+
+TEST_F(GovernancePhases, FurtherDocumentsWhileOneWaits_AreLookedAtAfterwards) {
+  raise();
+  put(2);
+  codes_after_looking();
+  for (std::uint32_t i = 3; i < 20; ++i) {
+    put(i);
+    EXPECT_THAT(codes_after_looking(), IsEmpty());
+  }
+  EXPECT_EQ(plugin->pending_governance(*own_)->revision, 2u);
+  EXPECT_TRUE(apply());
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
+  EXPECT_EQ(revision(), 19u);
+}
+
+TEST_F(GovernancePhases, AnotherVersionThanTheOneThatWaits_IsNotApplied) {
+  raise();
+  put(2);
+  codes_after_looking();
+  auto other = *plugin->pending_governance(*own_);
+  other.digest[0] ^= 1;
+  EXPECT_FALSE(plugin->apply_pending_governance(*own_, other));
+  EXPECT_EQ(data_of("t"), kSign);
+}
+
+TEST_F(GovernancePhases, NewTopicWhileOneWaits_MustFitIt) {
+  raise();
+  auto& rules = governance_document.domain_rules[0].topic_rules;
+  auto less = topic();
+  less.topic_expression = "less";
+  less.metadata_protection_kind = less.data_protection_kind = ProtectionKind::none;
+  rules.insert(rules.begin(), less);
+  put(2);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_changing));
+  EXPECT_EQ(data_of("new"), kSign);
+  const auto refused = plugin->datawriter_sec_attributes(*own_, {.topic_name = "less"});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code(), Code::governance_change_under_way);
+  EXPECT_THAT(refused.error().to_sentence(), HasSubstr("\"less\" was not in use when revision 2"));
+  EXPECT_TRUE(apply());
+  EXPECT_TRUE(plugin->datawriter_sec_attributes(*own_, {.topic_name = "less"}));
+  EXPECT_EQ(data_of("less"), ProtectionKind::none);
+}
+
+TEST_F(GovernancePhases, HalfOfADocumentOrOneOfAnotherCa_ChangesNothing) {
+  raise();
+  const auto whole = document(2);
+  for (const auto& text :
+       {whole.substr(0, whole.size() / 2), std::string(),
+        signed_by(authorities().other_ca, governance::to_xml(governance_document))}) {
+    put(text);
+    EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewal_refused));
+    EXPECT_FALSE(waits());
+    EXPECT_EQ(data_of("t"), kSign);
+  }
+}
+
+TEST_F(GovernancePhases, EachBitOfTheRevision_IsSigned) {
+  auto text = document(1);
+  raise();
+  text = document(2);
+  const auto at = text.find("revision=\"2\"");
+  ASSERT_NE(at, std::string::npos);
+  text[at + 10] = '9';
+  put(text);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewal_refused));
+  EXPECT_FALSE(waits());
+}
+
+TEST_F(GovernancePhases, RuleBeforeTheOneInUse_ThatProtectsMore_Waits) {
+  auto first = topic();
+  first.topic_expression = "t";
+  first.metadata_protection_kind = first.data_protection_kind = kEncrypt;
+  auto& rules = governance_document.domain_rules[0].topic_rules;
+  rules.insert(rules.begin(), first);
+  put(2);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_changing));
+}
+
+TEST_F(GovernancePhases, RuleBeforeTheOneInUse_ThatProtectsLess_IsRefused) {
+  auto first = topic();
+  first.topic_expression = "t";
+  first.data_protection_kind = ProtectionKind::none;
+  auto& rules = governance_document.domain_rules[0].topic_rules;
+  rules.insert(rules.begin(), first);
+  put(2);
+  expect_refused("data_protection_kind", "\"t\": restart it");
+}
+
+/// As in Cyclone DDS, whose endpoints keep the protection that they were made with.
+class GovernanceOfAFixedHost : public GovernancePhases {
+ protected:
+  GovernanceOfAFixedHost() : GovernancePhases(false) {}
+};
+
+TEST_F(GovernanceOfAFixedHost, MoreProtectionOfATopicInUse_IsRefusedAndNamesWhatMustRestart) {
+  raise();
+  put(2);
+  expect_refused("topic_rule", "restart the participant");
+  EXPECT_FALSE(waits());
+  EXPECT_EQ(data_of("t"), kSign);
+}
+
+TEST_F(GovernanceOfAFixedHost, MoreProtectionOfATopicThatItDoesNotUse_IsTaken) {
+  auto& rules = governance_document.domain_rules[0].topic_rules;
+  auto other = topic();
+  other.topic_expression = "other";
+  rules.insert(rules.begin(), other);
+  put(2);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
+  rules[0].metadata_protection_kind = rules[0].data_protection_kind = kEncrypt;
+  put(3);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
+  EXPECT_THAT(log.events.front().error.to_sentence(), HasSubstr("with more protection"));
+  EXPECT_EQ(data_of("other"), kEncrypt);
+  EXPECT_EQ(data_of("t"), kSign);
+}
+
+}  // namespace
+}  // namespace ddssec::access_control
