@@ -54,15 +54,15 @@ class Walk {
  public:
   explicit Walk(fs::path given) : given_(std::move(given)), rest_(names_of(given_)) {}
 
-  Result<Descriptor> open(int flags) {
+  Result<FileDescriptor> open(int flags) {
     start();
     while (at_ && rest_.size() > 1) {
       DDSSEC_ASSIGN_OR_RETURN(const bool is_done, step());
-      if (!is_done) return Descriptor();
+      if (!is_done) return FileDescriptor();
     }
-    if (!at_) return Descriptor();
+    if (!at_) return FileDescriptor();
     const auto last = rest_.empty() ? "." : rest_.front();
-    return Descriptor(
+    return FileDescriptor(
         ::openat(at_.number(), last.c_str(), flags | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   }
 
@@ -72,13 +72,13 @@ class Walk {
  private:
   void start() {
     if (given_.is_absolute()) return enter_root();
-    at_ = Descriptor(::open(".", kEnter));
+    at_ = FileDescriptor(::open(".", kEnter));
     is_guarded_ = at_ && is_working_folder_guarded();
   }
 
   void enter_root() {
     is_guarded_ = true;
-    enter(Descriptor(::open("/", kEnter)));
+    enter(FileDescriptor(::open("/", kEnter)));
   }
 
   bool is_working_folder_guarded() const {
@@ -98,9 +98,9 @@ class Walk {
     return is_trusted(status) && (!is_writable_for_others(status) || is_sticky(status));
   }
 
-  void enter(Descriptor folder) {
+  void enter(FileDescriptor folder) {
     struct stat status {};
-    if (folder && ::fstat(folder.number(), &status) != 0) folder = Descriptor();
+    if (folder && ::fstat(folder.number(), &status) != 0) folder = FileDescriptor();
     is_guarded_ = is_guarded_ && is_closed(status);
     at_ = std::move(folder);
   }
@@ -108,13 +108,14 @@ class Walk {
   // False if the system refuses.
   Result<bool> step() {
     const auto name = rest_.front();
-    if (Descriptor folder(::openat(at_.number(), name.c_str(), kEnter)); folder) {
+    if (FileDescriptor folder(::openat(at_.number(), name.c_str(), kEnter)); folder) {
       rest_.pop_front();
       enter(std::move(folder));
       return bool(at_);
     }
     if (errno != ENOTDIR && errno != ELOOP) return false;
-    const Descriptor link(::openat(at_.number(), name.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
+    const FileDescriptor link(
+        ::openat(at_.number(), name.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
     return link ? follow(link.number(), name) : false;
   }
 
@@ -152,14 +153,14 @@ class Walk {
 
   fs::path given_;
   std::deque<std::string> rest_;
-  Descriptor at_;
+  FileDescriptor at_;
   bool is_guarded_ = false;
   int links_ = 0;
 };
 
 }  // namespace
 
-Result<Descriptor> open_guarded(const fs::path& folder, int flags) {
+Result<FileDescriptor> open_guarded(const fs::path& folder, int flags) {
   return Walk(folder).open(flags);
 }
 

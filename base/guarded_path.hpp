@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "base/result.hpp"
 
 namespace ddssec {
@@ -16,6 +16,6 @@ namespace ddssec {
 /// suffices that the link itself belongs to one of them. Folders of other users are entered, but no
 /// link in or below them is followed. The result is empty if the system refuses, with errno. Error:
 /// link_untrusted.
-Result<Descriptor> open_guarded(const std::filesystem::path& folder, int flags);
+Result<FileDescriptor> open_guarded(const std::filesystem::path& folder, int flags);
 
 }  // namespace ddssec

@@ -10,35 +10,21 @@
 #include <system_error>
 #include <unistd.h>
 
+#include "base/file_descriptor.hpp"
+
 namespace ddssec {
 namespace {
 
-class File {
- public:
-  // O_NONBLOCK: a FIFO put in the way of the file must not hang the process.
-  explicit File(const std::string& path)
-      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
-  ~File() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-  int descriptor() const { return descriptor_; }
-
- private:
-  int descriptor_;
-};
-
 std::string reason(int error) { return std::generic_category().message(error); }
 
-Result<std::size_t> file_size(const File& file, const std::string& path) {
-  if (file.descriptor() < 0) {
+Result<std::size_t> file_size(const FileDescriptor& file, const std::string& path) {
+  if (file.number() < 0) {
     if (errno == ENOENT || errno == ENOTDIR)
       return fail(Code::file_not_found, {.note = "looked for " + path});
     return fail(Code::file_unreadable, {.found = path, .note = reason(errno)});
   }
   struct stat status {};
-  if (::fstat(file.descriptor(), &status) != 0)
+  if (::fstat(file.number(), &status) != 0)
     return fail(Code::file_unreadable, {.found = path, .note = reason(errno)});
   if (!S_ISREG(status.st_mode))
     return fail(Code::file_unreadable, {.expected = "a regular file", .found = path});
@@ -46,10 +32,11 @@ Result<std::size_t> file_size(const File& file, const std::string& path) {
 }
 
 // Fills `out` up to the end of the file; how many octets that were.
-Result<std::size_t> read_up_to(const File& file, const std::string& path, MutableBytes out) {
+Result<std::size_t> read_up_to(const FileDescriptor& file, const std::string& path,
+                               MutableBytes out) {
   std::size_t done = 0;
   while (done < out.size()) {
-    const auto got = ::read(file.descriptor(), out.data() + done, out.size() - done);
+    const auto got = ::read(file.number(), out.data() + done, out.size() - done);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return fail(Code::file_unreadable, {.found = path, .note = reason(errno)});
     if (got == 0) break;
@@ -89,7 +76,8 @@ Error too_large(std::size_t max_octets, std::size_t found) {
 }
 
 Result<Bytes> load_file(const std::string& path, std::size_t max_octets) {
-  const File file(path);
+  // O_NONBLOCK: a FIFO put in the way of the file must not hang the process.
+  const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   DDSSEC_ASSIGN_OR_RETURN(const std::size_t size, file_size(file, path));
   if (size > max_octets) return std::unexpected(too_large(max_octets, size));
   Bytes octets(size);

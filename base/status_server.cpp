@@ -28,8 +28,8 @@ constexpr std::chrono::milliseconds kRecoveryStep{50};
 
 std::string errno_text(int error) { return std::generic_category().message(error); }
 
-Descriptor unix_socket() {
-  return Descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+FileDescriptor unix_socket() {
+  return FileDescriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
 }
 
 sockaddr_un address_of(const std::string& path) {
@@ -65,7 +65,7 @@ Result<std::unique_ptr<StatusServer>> StatusServer::start(const std::string& fol
   return out;
 }
 
-StatusServer::StatusServer(std::string folder_name, Descriptor folder, Answer answer)
+StatusServer::StatusServer(std::string folder_name, FileDescriptor folder, Answer answer)
     : folder_name_(std::move(folder_name)),
       folder_(std::move(folder)),
       answer_(std::move(answer)),
@@ -237,7 +237,8 @@ bool StatusServer::has_time_to_recover() const {
 
 void StatusServer::accept_one() {
   const auto now = steady_clock::now();
-  Descriptor socket(::accept4(socket_.number(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  FileDescriptor socket(
+      ::accept4(socket_.number(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!socket) {
     // No descriptor is free: the connection waits, and poll() would report it at once.
     if (errno != EAGAIN && errno != EINTR) paused_until_ = now + kSecond;

@@ -10,7 +10,7 @@
 #include <sys/types.h>
 #include <thread>
 
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "base/result.hpp"
 
 namespace ddssec {
@@ -47,13 +47,13 @@ class StatusServer {
  private:
   using Time = std::chrono::steady_clock::time_point;
   struct Client {
-    Descriptor socket = Descriptor();
+    FileDescriptor socket = FileDescriptor();
     std::string text = {};
     std::size_t sent = 0;
     Time until = {};
   };
 
-  StatusServer(std::string folder_name, Descriptor folder, Answer answer);
+  StatusServer(std::string folder_name, FileDescriptor folder, Answer answer);
   std::unexpected<Error> not_served(std::string expected, std::string found) const;
   Status check_folder() const;
   Status listen();
@@ -73,13 +73,13 @@ class StatusServer {
   int milliseconds_to_wait() const;
 
   const std::string folder_name_;
-  const Descriptor folder_;
+  const FileDescriptor folder_;
   const Answer answer_;
   const pid_t pid_;
   const uid_t user_;
   std::string name_;  ///< of the socket in the folder; empty: there is none
-  Descriptor socket_;
-  Descriptor stop_;  ///< an eventfd
+  FileDescriptor socket_;
+  FileDescriptor stop_;  ///< an eventfd
   std::array<Client, kMaxClients> clients_;
   Time second_ = {};  ///< the start of the second in which `accepted_` counts
   unsigned accepted_ = 0;

@@ -154,7 +154,7 @@ set(DDSSEC_CARRIED_HEADERS
   rtps/reliability/payload.hpp
   rtps/reliability/timer_queue.hpp
   rtps/reliability/writer_group.hpp
-  rtps/transport/file_descriptor.hpp
+  base/file_descriptor.hpp
   # what discovery announces, which the builtin topics deliver
   rtps/discovery/content_filter_property.hpp
   rtps/discovery/discovery_listener.hpp

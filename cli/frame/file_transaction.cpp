@@ -268,7 +268,8 @@ Replacement::~Replacement() {
 Status append_lines(const fs::path& target, std::string_view lines, const fs::path& lock) {
   if (writes_nothing()) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto held, FileLock::of(lock));
-  const Descriptor file(::open(target.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644));
+  const FileDescriptor file(
+      ::open(target.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644));
   if (!file) return unwritable(target, errno);
   const auto end = end_of_log(file.number());
   if (!end || ::ftruncate(file.number(), end->at) != 0 ||

@@ -57,7 +57,7 @@ int open_and_keep(const std::string& name) {
   return folder;
 }
 
-Result<Descriptor> open_to_hold(const std::string& name) {
+Result<FileDescriptor> open_to_hold(const std::string& name) {
   auto folder = open_guarded(name, O_PATH);
   const bool is_full = folder && !*folder && errno == EMFILE;
   return is_full && raise_limit() ? open_guarded(name, O_PATH) : std::move(folder);
@@ -117,8 +117,8 @@ int folder_descriptor(const fs::path& folder) {
   return found != folders().end() ? found->second.descriptor : open_and_keep(name);
 }
 
-Descriptor open_folder_in(int parent, const fs::path& name) {
-  return Descriptor(open_folder(parent, name, O_RDONLY | O_NOFOLLOW));
+FileDescriptor open_folder_in(int parent, const fs::path& name) {
+  return FileDescriptor(open_folder(parent, name, O_RDONLY | O_NOFOLLOW));
 }
 
 fs::path as_held(const fs::path& path) {

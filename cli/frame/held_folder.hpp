@@ -22,7 +22,7 @@ int folder_descriptor(const std::filesystem::path& folder);
 
 /// Opens a folder in an open folder, for listing and writing; a symbolic link is not followed.
 /// Error: -1, with errno.
-Descriptor open_folder_in(int parent, const std::filesystem::path& name);
+FileDescriptor open_folder_in(int parent, const std::filesystem::path& name);
 
 /// The path with which to read a file directly in a held folder, or the folder itself; any other
 /// path is returned unchanged. For system calls, not for messages.

@@ -57,9 +57,9 @@ Status check_nothing_at(const fs::path& path) {
   return fail(Code::would_overwrite, {.document = path});
 }
 
-Descriptor open_new(const FilePlace& at, unsigned mode) {
+FileDescriptor open_new(const FilePlace& at, unsigned mode) {
   constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW;
-  return Descriptor(::openat(at.folder, at.path.c_str(), kFlags, mode));
+  return FileDescriptor(::openat(at.folder, at.path.c_str(), kFlags, mode));
 }
 
 int write_all(int file, BytesView octets) {
@@ -71,7 +71,7 @@ int write_all(int file, BytesView octets) {
   return 0;
 }
 
-Status write_and_close(Descriptor file, const FilePlace& at, const fs::path& meant,
+Status write_and_close(FileDescriptor file, const FilePlace& at, const fs::path& meant,
                        BytesView octets, Flush flush) {
   int error = write_all(file.number(), octets);
   if (error == 0 && flush == Flush::now && ::fsync(file.number()) != 0) error = errno;

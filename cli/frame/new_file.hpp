@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/bytes.hpp"
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "base/result.hpp"
 #include "cli/frame/report.hpp"
 
@@ -38,12 +38,12 @@ struct FilePlace {
 enum class Flush : std::uint8_t { now, later };
 
 /// Creates a file that does not exist, without following links. -1 with errno if it cannot.
-Descriptor open_new(const FilePlace& at, unsigned mode);
+FileDescriptor open_new(const FilePlace& at, unsigned mode);
 /// Writes everything. 0 or errno.
 int write_all(int file, BytesView octets);
 /// Writes to a file of open_new and closes it; on an error it is removed. `meant` is its final
 /// path, which errors name. Error: file_unwritable.
-Status write_and_close(Descriptor file, const FilePlace& at, const std::filesystem::path& meant,
+Status write_and_close(FileDescriptor file, const FilePlace& at, const std::filesystem::path& meant,
                        BytesView octets, Flush flush);
 
 /// The line of the report about a file.

@@ -78,7 +78,7 @@ Result<NewFolder::Staging> NewFolder::make_staging(const fs::path& target) {
   constexpr int kMaxTries = 100;
   const int parent = folder_descriptor(folder_of(target));
   if (parent < 0) return unwritable(target, errno);
-  Staging out{.parent = parent, .name = {}, .folder = Descriptor()};
+  Staging out{.parent = parent, .name = {}, .folder = FileDescriptor()};
   for (int i = 0, made = -1; made != 0; ++i) {
     out.name =
         fmt::format(".{}.{}.{}", target.filename().string(), process_mark(), random_letters());
@@ -104,7 +104,7 @@ Result<NewFolder> NewFolder::at(const fs::path& given) {
 }
 
 // Folders are made one by one, with their final mode from the beginning.
-Result<Descriptor> NewFolder::open_folder_of(const fs::path& name) const {
+Result<FileDescriptor> NewFolder::open_folder_of(const fs::path& name) const {
   auto at = open_folder_in(staging_->folder.number(), ".");
   for (const auto& part : name.parent_path()) {
     if (!at) break;
@@ -155,8 +155,8 @@ Status NewFolder::flush() const {
     return ::syncfs(staging_->folder.number()) == 0 ? Status() : unwritable(target_, errno);
   for (const auto& name : names_) {
     DDSSEC_ASSIGN_OR_RETURN(const auto folder, open_folder_of(name));
-    const Descriptor file(::openat(folder.number(), name.filename().c_str(),
-                                   O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+    const FileDescriptor file(::openat(folder.number(), name.filename().c_str(),
+                                       O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
     if (!file || ::fsync(file.number()) != 0) return unwritable_in(target_, name, errno);
   }
   return {};

@@ -49,12 +49,12 @@ class NewFolder {
   struct Staging {
     int parent;        ///< a descriptor that stays open until the process ends
     std::string name;  ///< in the parent
-    Descriptor folder;
+    FileDescriptor folder;
     Drafting drafting = {};
   };
   explicit NewFolder(std::filesystem::path target) : target_(std::move(target)) {}
   static Result<Staging> make_staging(const std::filesystem::path& target);
-  Result<Descriptor> open_folder_of(const std::filesystem::path& name) const;
+  Result<FileDescriptor> open_folder_of(const std::filesystem::path& name) const;
   Status create(const std::filesystem::path& name, BytesView octets, unsigned mode);
   Status flush() const;
   Status put_in_place();

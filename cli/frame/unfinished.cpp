@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "base/tool_code.hpp"
 #include "cli/frame/file_lock.hpp"
 #include "cli/frame/file_transaction.hpp"
@@ -157,7 +157,7 @@ struct List {
   // The folder's owner may prevent the file, or may have replaced the draft. False if the draft
   // stays on the list.
   bool put_elsewhere(const Entry& entry) const {
-    const Descriptor parent(open_folder(entry.target.parent_path()));
+    const FileDescriptor parent(open_folder(entry.target.parent_path()));
     if (!parent) return errno == ENOENT || errno == ENOTDIR;
     const auto put = put_in_place(parent.number(), entry.target.filename().string(), entry.ending);
     if (put || put.error().code() == Code::unfinished_untrusted) return true;
@@ -220,9 +220,9 @@ std::vector<Draft> left_besides(std::vector<Entry> left, std::span<const Draft> 
 // Waits for a process that is alive.
 Result<std::vector<Entry>> finish_list(const fs::path& given, Reach reach) {
   const fs::path at = given.empty() ? fs::path(".") : given;
-  const Descriptor folder(open_folder(at));
+  const FileDescriptor folder(open_folder(at));
   if (!folder) return std::vector<Entry>();
-  const Descriptor file(
+  const FileDescriptor file(
       ::openat(folder.number(), kListName, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (!file || !is_still_there(file.number())) return std::vector<Entry>();
   const List list{at / kListName, folder.number(), reach};

@@ -99,7 +99,8 @@ bool LoggedFolders::is_inside(const fs::path& folder) const { return is_below(fo
 std::optional<pki::Certificate> certificate_of_others(const fs::path& folder) {
   const auto opened = open_guarded(folder, O_PATH);
   if (!opened || !*opened) return std::nullopt;
-  const Descriptor file(::openat(opened->number(), "cert.pem", O_PATH | O_NOFOLLOW | O_CLOEXEC));
+  const FileDescriptor file(
+      ::openat(opened->number(), "cert.pem", O_PATH | O_NOFOLLOW | O_CLOEXEC));
   struct stat status {};
   if (!file || ::fstat(file.number(), &status) != 0 || !S_ISREG(status.st_mode))
     return std::nullopt;

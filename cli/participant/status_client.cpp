@@ -105,7 +105,7 @@ class Reading {
 
 bool is_running(pid_t pid) { return ::kill(pid, 0) == 0 || errno != ESRCH; }
 
-StatusFolder::StatusFolder(fs::path path, Descriptor folder, uid_t owner)
+StatusFolder::StatusFolder(fs::path path, FileDescriptor folder, uid_t owner)
     : path_(std::move(path)),
       folder_(std::move(folder)),
       owner_(owner),
@@ -135,7 +135,7 @@ Result<StatusFolder> StatusFolder::open(const fs::path& path) {
 }
 
 void StatusFolder::list() {
-  Descriptor again(::openat(folder_.number(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  FileDescriptor again(::openat(folder_.number(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!again) return;
   const std::unique_ptr<DIR, int (*)(DIR*)> entries(::fdopendir(again.number()), ::closedir);
   if (!entries) return;
@@ -158,13 +158,13 @@ std::unexpected<Error> StatusFolder::cannot(const Socket& socket, Code code,
                      .note = std::move(note)});
 }
 
-Result<Descriptor> StatusFolder::connect(const Socket& socket) const {
+Result<FileDescriptor> StatusFolder::connect(const Socket& socket) const {
   struct stat status {};
   if (::fstatat(folder_.number(), socket.name.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0)
     return cannot(socket, tool_code::status_process_ended, errno_text(errno));
   if (!S_ISSOCK(status.st_mode))
     return cannot(socket, tool_code::status_unanswered, "this is no socket");
-  Descriptor out(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  FileDescriptor out(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   // Through the descriptor: a path may be too long for an address.
   const auto path = fmt::format("/proc/self/fd/{}/{}", folder_.number(), socket.name);
   sockaddr_un address{};

@@ -8,7 +8,7 @@
 #include <sys/types.h>
 #include <vector>
 
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "base/result.hpp"
 #include "cli/frame/fields.hpp"
 
@@ -115,15 +115,15 @@ class StatusFolder {
   Result<Answer> ask(const Socket& socket);
 
  private:
-  StatusFolder(std::filesystem::path path, Descriptor folder, uid_t owner);
+  StatusFolder(std::filesystem::path path, FileDescriptor folder, uid_t owner);
   void list();
   std::unexpected<Error> cannot(const Socket& socket, Code code, std::string note) const;
-  Result<Descriptor> connect(const Socket& socket) const;
+  Result<FileDescriptor> connect(const Socket& socket) const;
   Status check_answering(const Socket& socket, int connection) const;
   Result<std::string> read_all(const Socket& socket, int connection);
 
   std::filesystem::path path_;
-  Descriptor folder_;
+  FileDescriptor folder_;
   uid_t owner_;
   std::vector<Socket> sockets_;
   std::size_t left_out_ = 0;

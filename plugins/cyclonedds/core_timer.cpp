@@ -7,7 +7,7 @@
 #include <optional>
 #include <unistd.h>
 
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "plugins/cyclonedds/core_handshake.hpp"
 #include "plugins/cyclonedds/host_entities.hpp"
 
@@ -28,7 +28,7 @@ template <class T>
 std::optional<T> read_memory(const void* from) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) return std::nullopt;
-  const Descriptor reading(ends[0]), writing(ends[1]);
+  const FileDescriptor reading(ends[0]), writing(ends[1]);
   constexpr auto kOctets = static_cast<ssize_t>(sizeof(T));
   T out;
   if (::write(writing.number(), from, sizeof(T)) != kOctets) return std::nullopt;

@@ -10,7 +10,7 @@ namespace ddssec::rtps {
 
 ServingTurn::ServingTurn(Server& server)
     : server_(server), timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
-  if (timer_.value() < 0) own_until_ = Clock::time_point::max();
+  if (timer_.number() < 0) own_until_ = Clock::time_point::max();
 }
 
 ServingTurn::Waiting::Waiting(ServingTurn& turn, For reason, std::shared_ptr<WaitSetState> set)
@@ -95,7 +95,7 @@ void ServingTurn::arm(std::chrono::nanoseconds after) {
   at_once_ = after == std::chrono::nanoseconds::zero();
   itimerspec when{};
   if (armed_) when.it_value.tv_nsec = std::max<std::int64_t>(after.count(), 1);
-  ::timerfd_settime(timer_.value(), 0, &when, nullptr);
+  ::timerfd_settime(timer_.number(), 0, &when, nullptr);
 }
 
 bool ServingTurn::await() {
@@ -119,11 +119,11 @@ bool ServingTurn::await() {
 
 /// Returns true if the timer has fired.
 bool ServingTurn::sleep() const {
-  pollfd timer{timer_.value(), POLLIN, 0};
+  pollfd timer{timer_.number(), POLLIN, 0};
   constexpr auto kMax = std::chrono::duration_cast<std::chrono::milliseconds>(kMaxServe);
   if (::poll(&timer, 1, static_cast<int>(kMax.count())) <= 0) return false;
   std::uint64_t expirations = 0;
-  return ::read(timer_.value(), &expirations, sizeof expirations) == sizeof expirations;
+  return ::read(timer_.number(), &expirations, sizeof expirations) == sizeof expirations;
 }
 
 bool ServingTurn::take_from_held(Watch& watch, Clock::time_point now) {

@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "base/clock.hpp"
-#include "rtps/transport/file_descriptor.hpp"
+#include "base/file_descriptor.hpp"
 
 namespace ddssec::rtps {
 

@@ -44,18 +44,18 @@ struct Request {
 
 MonotonicTime now_of_thread() { return std::chrono::steady_clock::now().time_since_epoch(); }
 
-void signal(const Descriptor& event) {
+void signal(const FileDescriptor& event) {
   const std::uint64_t one = 1;
   // Full: it is readable already.
   if (::write(event.number(), &one, sizeof one) < 0) return;
 }
 
-void drain(const Descriptor& event) {
+void drain(const FileDescriptor& event) {
   std::uint64_t count = 0;
   if (::read(event.number(), &count, sizeof count) < 0) return;
 }
 
-Descriptor new_event() { return Descriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)); }
+FileDescriptor new_event() { return FileDescriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)); }
 
 // A thread that is held up still needs its code, also if the program unloads the library.
 void keep_code() {
@@ -99,7 +99,7 @@ struct DescriptorPassing::Shared {
   std::vector<Request> requests;
   std::vector<pollfd> waiting;
 
-  const Descriptor wake = new_event(), ready = new_event();
+  const FileDescriptor wake = new_event(), ready = new_event();
   std::atomic<bool> ends = false;
   /// When the thread began what it does; 0: it waits.
   std::atomic<MonotonicTime::rep> busy_since = 0;

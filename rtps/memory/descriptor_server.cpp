@@ -43,9 +43,9 @@ Address address_of(const SocketName& name) {
   return out;
 }
 
-Descriptor local_socket() {
+FileDescriptor local_socket() {
   // Packets: a token arrives whole or not at all.
-  return Descriptor(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  return FileDescriptor(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
 }
 
 bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
@@ -87,8 +87,8 @@ struct ManyDescriptors {
   alignas(cmsghdr) std::array<char, CMSG_SPACE(kMax * sizeof(int)) + kTime> octets{};
 };
 
-std::vector<Descriptor> received_with(msghdr& message) {
-  std::vector<Descriptor> out;
+std::vector<FileDescriptor> received_with(msghdr& message) {
+  std::vector<FileDescriptor> out;
   for (auto* head = CMSG_FIRSTHDR(&message); head != nullptr; head = CMSG_NXTHDR(&message, head)) {
     if (head->cmsg_level != SOL_SOCKET || head->cmsg_type != SCM_RIGHTS) continue;
     for (std::size_t at = CMSG_LEN(0); at + sizeof(int) <= head->cmsg_len; at += sizeof(int)) {
@@ -142,7 +142,8 @@ DescriptorServer::~DescriptorServer() {
   if (!listener_) return;
   ::shutdown(listener_.number(), SHUT_RDWR);
   for (int i = 0; i <= kBacklog; ++i)
-    if (!OutsideSocket(Descriptor(::accept4(listener_.number(), nullptr, nullptr, SOCK_CLOEXEC))))
+    if (!OutsideSocket(
+            FileDescriptor(::accept4(listener_.number(), nullptr, nullptr, SOCK_CLOEXEC))))
       return;
 }
 
@@ -195,8 +196,8 @@ void DescriptorServer::accept_waiting(MonotonicTime now) {
       paused_until_ = now + kPauseForCloses;
       return;
     }
-    OutsideSocket socket(
-        Descriptor(::accept4(listener_.number(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK)));
+    OutsideSocket socket(FileDescriptor(
+        ::accept4(listener_.number(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK)));
     if (!socket) {
       if (would_block(errno) || errno == ECONNABORTED) return;
       // No descriptors are left. The waiting connection would wake the caller again and again.

@@ -80,7 +80,7 @@ class DescriptorServer {
 
   SocketName name_{};
   Users users_ = Users::own;
-  Descriptor listener_;
+  FileDescriptor listener_;
   std::unique_ptr<OpenOffers> offers_ = std::make_unique<OpenOffers>();
   std::vector<Connection> connections_;  // the oldest first
   std::optional<MonotonicTime> paused_until_;

@@ -8,7 +8,7 @@
 #include <sys/inotify.h>
 #include <sys/stat.h>
 
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 
 namespace ddssec::rtps::memory {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 // One for the process: a user may have few (fs.inotify.max_user_instances).
 struct Watches {
   std::mutex lock;
-  Descriptor inotify;
+  FileDescriptor inotify;
   std::set<int> gone;
 };
 
@@ -45,7 +45,7 @@ void read_events(Watches& all) {
 std::optional<MemoryEnd> MemoryEnd::watch(int descriptor) {
   auto& all = watches();
   const std::lock_guard held(all.lock);
-  if (!all.inotify) all.inotify = Descriptor(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC));
+  if (!all.inotify) all.inotify = FileDescriptor(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC));
   if (!all.inotify) return std::nullopt;
   read_events(all);
   const auto path = "/proc/self/fd/" + std::to_string(descriptor);

@@ -30,12 +30,12 @@ std::optional<MonotonicTime> OpenOffers::next_end() const {
   return out;
 }
 
-Descriptor OpenOffers::redeem(const Token& token) {
+FileDescriptor OpenOffers::redeem(const Token& token) {
   const std::lock_guard held(lock_);
   std::size_t found = offers_.size();
   for (std::size_t i = 0; i < offers_.size(); ++i)
     if (offers_[i].token == token) found = i;
-  if (found == offers_.size()) return Descriptor();
+  if (found == offers_.size()) return FileDescriptor();
   auto out = std::move(offers_[found].descriptor);
   offers_.erase(offers_.begin() + static_cast<std::ptrdiff_t>(found));
   return out;

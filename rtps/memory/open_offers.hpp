@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "base/secret.hpp"
 #include "rtps/memory/memory_refusal.hpp"
 
@@ -25,7 +25,7 @@ class OpenOffers {
 
   struct Offer {
     Token token;
-    Descriptor descriptor;
+    FileDescriptor descriptor;
     std::uint64_t segment = 0;
     MonotonicTime until{};
     std::string identity = {};  ///< of the peer
@@ -40,7 +40,7 @@ class OpenOffers {
   std::optional<MonotonicTime> next_end() const;
   /// Takes the offer away, so that its token does not work again; an empty descriptor: there is
   /// none. All are compared, so that the time says nothing about them.
-  Descriptor redeem(const Token& token);
+  FileDescriptor redeem(const Token& token);
   std::size_t size() const;
 
  private:

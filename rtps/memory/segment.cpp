@@ -28,10 +28,10 @@ namespace {
 constexpr int kSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL;
 constexpr std::size_t kMaxSlots = std::size_t{1} << 20;
 
-Descriptor make_memory() {
+FileDescriptor make_memory() {
   constexpr unsigned kFlags = MFD_CLOEXEC | MFD_ALLOW_SEALING;
-  Descriptor out(::memfd_create("ddssec", kFlags | MFD_NOEXEC_SEAL));
-  if (!out) out = Descriptor(::memfd_create("ddssec", kFlags));  // Linux before 6.3
+  FileDescriptor out(::memfd_create("ddssec", kFlags | MFD_NOEXEC_SEAL));
+  if (!out) out = FileDescriptor(::memfd_create("ddssec", kFlags));  // Linux before 6.3
   if (out) ::fchmod(out.number(), S_IRUSR | S_IWUSR);  // readers need not open it themselves
   return out;
 }
@@ -139,11 +139,11 @@ Reference Segment::end(std::size_t length) {
                    .length = static_cast<std::uint32_t>(length)};
 }
 
-Descriptor Segment::for_reader() const {
+FileDescriptor Segment::for_reader() const {
   const auto path = "/proc/self/fd/" + std::to_string(descriptor());
   // A reader of the same user may have changed it.
   ::fchmod(descriptor(), S_IRUSR | S_IWUSR);
-  return Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  return FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
 }
 
 // A write lease is granted only to the one file description of the memory. Ours of all writing is
@@ -184,7 +184,7 @@ bool Segment::release(const Reference& reference) {
   return true;
 }
 
-Outcome<MappedSegment> MappedSegment::map(const Descriptor& descriptor, std::uint64_t id,
+Outcome<MappedSegment> MappedSegment::map(const FileDescriptor& descriptor, std::uint64_t id,
                                           MemoryId memory) {
   struct stat info {};
   struct statfs system {};

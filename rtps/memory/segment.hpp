@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "base/bytes.hpp"
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "rtps/memory/memory_refusal.hpp"
 #include "wire/memory_reference.hpp"
 
@@ -82,7 +82,7 @@ class Segment {
   int descriptor() const { return descriptor_.number(); }
   /// A descriptor for one reader, opened for it alone, so that `is_with_others` knows of it. Empty:
   /// the system gave none, or /proc is missing.
-  Descriptor for_reader() const;
+  FileDescriptor for_reader() const;
   /// Whether a descriptor for a reader, or a mapping that was made with one, still exists in any
   /// process or on its way to one. True, too, if that cannot be seen (Linux before 5.3, leases
   /// off). A path to it (O_PATH) is not seen; see MemoryEnd.
@@ -103,7 +103,7 @@ class Segment {
   std::uint64_t id_ = 0;
   std::size_t slot_size_ = 0;
   MemoryId memory_;
-  Descriptor descriptor_;
+  FileDescriptor descriptor_;
   Mapping mapping_;
   std::vector<Slot> slots_;        // the writer's own: nothing is believed that the memory says
   std::vector<std::size_t> free_;  // a ring: `free_count_` slots from `first_free_` on
@@ -117,7 +117,7 @@ class MappedSegment {
  public:
   /// Checks and maps the segment `id` of a writer that offered `memory`. The descriptor is not
   /// kept. Errors: wrong_kind, not_sealed, wrong_size, other_memory, no_memory.
-  static Outcome<MappedSegment> map(const Descriptor& descriptor, std::uint64_t id,
+  static Outcome<MappedSegment> map(const FileDescriptor& descriptor, std::uint64_t id,
                                     MemoryId memory);
 
   std::size_t octets() const { return mapping_.octets().size(); }

@@ -81,7 +81,7 @@ bool is_empty(int socket) {
 
 }  // namespace
 
-void close_elsewhere(Descriptor descriptor) {
+void close_elsewhere(FileDescriptor descriptor) {
   auto& all = closer();
   const std::lock_guard held(all.lock);
   const int number = descriptor.release();
@@ -102,7 +102,7 @@ bool closes_too_many() {
   return all.waiting.size() + (all.runs ? 1 : 0) >= kTooMany;
 }
 
-OutsideSocket::OutsideSocket(Descriptor socket) : socket_(std::move(socket)) {
+OutsideSocket::OutsideSocket(FileDescriptor socket) : socket_(std::move(socket)) {
   const int on = 1;
   if (socket_) ::setsockopt(number(), SOL_SOCKET, SO_TIMESTAMP, &on, sizeof on);
 }

@@ -3,14 +3,14 @@
 
 #include <cstdint>
 
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 
 namespace ddssec::rtps::memory {
 
 /// To close a descriptor can take as long as another process likes: a file of FUSE, or a TCP socket
 /// that lingers. So one thread of the process closes them, which starts when it is needed. If too
 /// many wait for it, the descriptor stays open. Never blocks.
-void close_elsewhere(Descriptor descriptor);
+void close_elsewhere(FileDescriptor descriptor);
 /// So many wait that no more should be taken from other processes.
 bool closes_too_many();
 
@@ -18,7 +18,7 @@ bool closes_too_many();
 /// what is in it, so a socket with messages is closed elsewhere.
 class OutsideSocket {
  public:
-  explicit OutsideSocket(Descriptor socket = Descriptor());
+  explicit OutsideSocket(FileDescriptor socket = FileDescriptor());
   ~OutsideSocket();
   OutsideSocket(OutsideSocket&&) noexcept = default;
   OutsideSocket& operator=(OutsideSocket&& other) noexcept {
@@ -32,7 +32,7 @@ class OutsideSocket {
   Next next() const;
 
  private:
-  Descriptor socket_;
+  FileDescriptor socket_;
 };
 
 }  // namespace ddssec::rtps::memory

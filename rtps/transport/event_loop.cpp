@@ -47,15 +47,15 @@ int look_for_events(int epoll, std::span<epoll_event> events, std::chrono::nanos
 
 Result<EventLoop> EventLoop::create() {
   FileDescriptor epoll(::epoll_create1(EPOLL_CLOEXEC));
-  if (epoll.value() < 0) return failed("epoll_create1");
+  if (epoll.number() < 0) return failed("epoll_create1");
   FileDescriptor wake_up(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-  if (wake_up.value() < 0 || !add(epoll.value(), wake_up.value(), kWakeUp))
+  if (wake_up.number() < 0 || !add(epoll.number(), wake_up.number(), kWakeUp))
     return failed("eventfd");
   return EventLoop(std::move(epoll), std::move(wake_up));
 }
 
 Status EventLoop::watch(int fd, std::function<void()> on_readable) {
-  if (!add(epoll_.value(), fd, handlers_.size())) return failed("epoll_ctl");
+  if (!add(epoll_.number(), fd, handlers_.size())) return failed("epoll_ctl");
   handlers_.push_back(std::move(on_readable));
   return {};
 }
@@ -66,10 +66,10 @@ EventLoop::Readable EventLoop::look(std::chrono::nanoseconds timeout) const {
   const auto busy = for_ever ? busy_wait_ : std::min(busy_wait_, timeout);
   auto& count = readable.count_;
   if (busy > std::chrono::nanoseconds::zero()) {
-    count = look_for_events(epoll_.value(), readable.events_, busy);
+    count = look_for_events(epoll_.number(), readable.events_, busy);
     if (!for_ever) timeout -= busy;
   }
-  if (count == 0) count = wait_for_events(epoll_.value(), readable.events_, timeout);
+  if (count == 0) count = wait_for_events(epoll_.number(), readable.events_, timeout);
   return readable;
 }
 
@@ -81,13 +81,13 @@ void EventLoop::handle(const Readable& readable) {
       continue;
     }
     std::uint64_t drained = 0;
-    [[maybe_unused]] const auto size = ::read(wake_up_.value(), &drained, sizeof drained);
+    [[maybe_unused]] const auto size = ::read(wake_up_.number(), &drained, sizeof drained);
   }
 }
 
 void EventLoop::wake() const {
   const std::uint64_t one = 1;
-  [[maybe_unused]] const auto size = ::write(wake_up_.value(), &one, sizeof one);
+  [[maybe_unused]] const auto size = ::write(wake_up_.number(), &one, sizeof one);
 }
 
 }  // namespace ddssec::rtps

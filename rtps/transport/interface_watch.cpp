@@ -16,11 +16,11 @@ Result<InterfaceWatch> InterfaceWatch::open() {
                                            .found = std::strerror(errno)});
   };
   FileDescriptor fd(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, NETLINK_ROUTE));
-  if (fd.value() < 0) return failed("socket");
+  if (fd.number() < 0) return failed("socket");
   sockaddr_nl address{};
   address.nl_family = AF_NETLINK;
   address.nl_groups = RTMGRP_LINK | RTMGRP_IPV4_IFADDR | RTMGRP_IPV6_IFADDR;
-  if (::bind(fd.value(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+  if (::bind(fd.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
     return failed("bind");
   return InterfaceWatch(std::move(fd));
 }

@@ -13,7 +13,7 @@ class InterfaceWatch {
   static Result<InterfaceWatch> open();
 
   /// Readable after a change.
-  int fd() const { return socket_.value(); }
+  int fd() const { return socket_.number(); }
   /// Returns true if anything has changed since the last call.
   bool drain() const;
 

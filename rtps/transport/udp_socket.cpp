@@ -91,10 +91,6 @@ bool change_group(int fd, const Locator& group, const Locator& interface, bool j
 
 }  // namespace
 
-FileDescriptor::~FileDescriptor() {
-  if (fd_ >= 0) ::close(fd_);
-}
-
 struct UdpSocket::Batch {
   std::array<std::array<std::uint8_t, kMaxDatagram + 1>, kBatch> octets;
   std::array<sockaddr_storage, kBatch> sources;
@@ -122,15 +118,15 @@ Result<UdpSocket> UdpSocket::open(const Locator& at, bool shared, std::size_t bu
   const auto octets = static_cast<int>(buffer);
   const int family = at.kind == LocatorKind::udp_v6 ? AF_INET6 : AF_INET;
   FileDescriptor fd(::socket(family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (fd.value() < 0) return failed(Code::rtps_socket_failed, "socket", at);
-  if (shared) set_option(fd.value(), SOL_SOCKET, SO_REUSEADDR, 1);
-  if (family == AF_INET6) set_option(fd.value(), IPPROTO_IPV6, IPV6_V6ONLY, 1);
-  set_option(fd.value(), SOL_SOCKET, SO_RCVBUF, octets);
-  set_option(fd.value(), SOL_SOCKET, SO_SNDBUF, octets);
+  if (fd.number() < 0) return failed(Code::rtps_socket_failed, "socket", at);
+  if (shared) set_option(fd.number(), SOL_SOCKET, SO_REUSEADDR, 1);
+  if (family == AF_INET6) set_option(fd.number(), IPPROTO_IPV6, IPV6_V6ONLY, 1);
+  set_option(fd.number(), SOL_SOCKET, SO_RCVBUF, octets);
+  set_option(fd.number(), SOL_SOCKET, SO_SNDBUF, octets);
   auto address = address_of(at);
-  if (::bind(fd.value(), address.raw(), address.size) != 0)
+  if (::bind(fd.number(), address.raw(), address.size) != 0)
     return failed(code_of_errno(), "bind", at);
-  if (::getsockname(fd.value(), address.raw(), &address.size) != 0)
+  if (::getsockname(fd.number(), address.raw(), &address.size) != 0)
     return failed(Code::rtps_socket_failed, "getsockname", at);
   return UdpSocket(std::move(fd), locator_of(address.storage));
 }

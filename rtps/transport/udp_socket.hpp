@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/bytes.hpp"
+#include "base/file_descriptor.hpp"
 #include "base/result.hpp"
-#include "rtps/transport/file_descriptor.hpp"
 #include "rtps/transport/transport.hpp"
 
 namespace ddssec::rtps {
@@ -50,7 +50,7 @@ class UdpSocket {
   /// From now on almost nothing that arrives is kept: for a socket that only sends.
   void keep_no_input() const;
 
-  int fd() const { return fd_.value(); }
+  int fd() const { return fd_.number(); }
   const Locator& local() const { return local_; }
   /// The buffer that the system granted, in octets.
   std::size_t receive_buffer_size() const;

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace ddssec {
@@ -59,7 +59,7 @@ TEST_F(EventFileTest, WhatIsNoOutput_IsNotOpenedAndSaysWhy) {
 
 TEST_F(EventFileTest, SlowReaderOfAFifo_LosesLinesAndBlocksNobody) {
   ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
-  const Descriptor reader(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  const FileDescriptor reader(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   EventFile file(path_.c_str());
   ASSERT_TRUE(file.is_open());
   const std::string line(4095, 'x');  // with its end, as much as is written at once or not at all
@@ -73,9 +73,9 @@ TEST_F(EventFileTest, SlowReaderOfAFifo_LosesLinesAndBlocksNobody) {
 
 TEST_F(EventFileTest, ReaderThatHasLeft_EndsNoProcess) {
   ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
-  Descriptor reader(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  FileDescriptor reader(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   EventFile file(path_.c_str());
-  reader = Descriptor();
+  reader = FileDescriptor();
   EXPECT_FALSE(file.append("lost"));  // without the guard, SIGPIPE ends this test
   sigset_t pending;
   sigpending(&pending);

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace ddssec {
@@ -77,7 +77,7 @@ TEST_F(EventLogTest, FileThatCannotBeOpened_IsReportedWithTheReason) {
 
 TEST_F(EventLogTest, LostEvents_AreReportedOnceAndCounted) {
   ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
-  const Descriptor reader(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  const FileDescriptor reader(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   EventLog log(path_.c_str());
   const auto large = event(std::string(300, 'x'));
   std::optional<Event> told;

@@ -60,7 +60,7 @@ TEST_F(Server, ClientThatSendsAndClosesAtOnce_HarmsNoOther) {
 TEST_F(Server, ClientsThatDoNotRead_AreDroppedAndOthersAnswered) {
   const auto server = start([] { return std::string(1024 * 1024, 'x'); });
   ASSERT_OK(server);
-  std::vector<Descriptor> lazy;
+  std::vector<FileDescriptor> lazy;
   for (std::size_t i = 0; i < StatusServer::kMaxClients; ++i) lazy.push_back(connected(path()));
   const auto begin = steady_clock::now();
   EXPECT_EQ(answer_at(path()).size(), 1024u * 1024);
@@ -91,7 +91,7 @@ TEST_F(Server, ProcessWithoutDescriptorsForAWhile_AnswersAgain) {
   ASSERT_OK(server);
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
-  const Descriptor client(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  const FileDescriptor client(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   const rlimit few{4, before.rlim_max};  // below what poll() is given
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
   const auto address = address_of(path());
@@ -112,7 +112,7 @@ TEST_F(Server, SecondLibraryOfTheProcess_HasASocketOfItsOwn) {
 
 TEST_F(Server, SocketLeftByAKilledProcess_IsReplaced) {
   {
-    const Descriptor left(::socket(AF_UNIX, SOCK_STREAM, 0));
+    const FileDescriptor left(::socket(AF_UNIX, SOCK_STREAM, 0));
     const auto address = address_of(path());
     ASSERT_EQ(::bind(left.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address),
               0);
@@ -138,7 +138,7 @@ TEST_F(Server, LongPathOfTheFolder_IsNoHindrance) {
   ::chmod(deep.c_str(), 0700);
   const auto server = StatusServer::start(deep, [] { return std::string("deep"); });
   ASSERT_OK(server);
-  const Descriptor folder(::open(deep.c_str(), O_PATH));
+  const FileDescriptor folder(::open(deep.c_str(), O_PATH));
   EXPECT_EQ(answer_at("/proc/self/fd/" + std::to_string(folder.number()) + "/ddssec-" +
                       std::to_string(::getpid()) + ".sock"),
             "deep");

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "base/status_server.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -26,16 +26,16 @@ inline sockaddr_un address_of(const std::string& path) {
   return out;
 }
 
-inline Descriptor connected(const std::string& path) {
-  Descriptor out(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+inline FileDescriptor connected(const std::string& path) {
+  FileDescriptor out(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   const auto address = address_of(path);
   const auto* const generic = reinterpret_cast<const sockaddr*>(&address);
-  if (::connect(out.number(), generic, sizeof address) != 0) return Descriptor();
+  if (::connect(out.number(), generic, sizeof address) != 0) return FileDescriptor();
   return out;
 }
 
 /// Empty: nothing came within the time, or nothing at all.
-inline std::string read_all(const Descriptor& socket, std::chrono::milliseconds within = 30s) {
+inline std::string read_all(const FileDescriptor& socket, std::chrono::milliseconds within = 30s) {
   std::string out;
   char piece[4096];
   while (true) {

@@ -143,7 +143,7 @@ struct HeldUp {
     rlimit before{};
     EXPECT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
     impostor.socket =
-        Descriptor(::accept4(impostor.listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
+        FileDescriptor(::accept4(impostor.listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
     const rlimit none{.rlim_cur = 0, .rlim_max = before.rlim_max};
     EXPECT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
     is_held = hostile.send_over(impostor.socket);
@@ -186,7 +186,7 @@ TEST(DescriptorPassing, ThreadIsHeldUp_EndDoesNotWait) {
 
 TEST(DescriptorPassing, ThreadIsNoLongerHeldUp_WorkIsTakenAgain) {
   const auto held = held_up();
-  { const Descriptor reset(held->hostile.other.release()); }
+  { const FileDescriptor reset(held->hostile.other.release()); }
   EXPECT_TRUE(until([&] { return held->passing.it->takes_work(); }));
 }
 

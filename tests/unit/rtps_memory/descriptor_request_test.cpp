@@ -57,7 +57,7 @@ TEST(DescriptorRequestTest, Answer_WithoutOrWithTwoDescriptors_IsRefused) {
 }
 
 TEST(DescriptorRequestTest, Answer_WithADescriptorOfAnotherKind_IsRefused) {
-  const Descriptor null(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  const FileDescriptor null(::open("/dev/null", O_RDONLY | O_CLOEXEC));
   EXPECT_EQ(answered_with({null.number()}, {}).error(), Refusal::wrong_kind);
 }
 
@@ -72,8 +72,8 @@ TEST(DescriptorRequestTest, Writer_KilledBeforeItAnswers_IsNoticed) {
   SystemRandom random;
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
-  const Descriptor in(ends[0]);
-  const Descriptor out(ends[1]);
+  const FileDescriptor in(ends[0]);
+  const FileDescriptor out(ends[1]);
   const pid_t child = ::fork();
   if (child == 0) {
     auto server = DescriptorServer::listen(random);

@@ -39,7 +39,7 @@ Offer copy_of(const Offer& offer) {
 }
 
 /// Octets that the server sent; 0 if it closed the connection, -1 if it says nothing.
-ssize_t answer_on(const Descriptor& socket) {
+ssize_t answer_on(const FileDescriptor& socket) {
   std::array<char, 64> octets{};
   return ::recv(socket.number(), octets.data(), octets.size(), MSG_DONTWAIT);
 }
@@ -184,7 +184,7 @@ TEST_F(DescriptorServerTest, Connection_ThatSaysNothing_LearnsNothing) {
 
 TEST_F(DescriptorServerTest, Flood_OfSilentConnections_KeepsNoReaderOut) {
   const auto made = offer();
-  std::vector<Descriptor> silent;
+  std::vector<FileDescriptor> silent;
   for (int i = 0; i < 200; ++i) {
     silent.push_back(connected(made.name));
     server_.serve(kStart);
@@ -287,9 +287,9 @@ TEST_F(DescriptorServerTest, SlowDescriptor_BehindAnError_HoldsNobodyUp) {
   ASSERT_EQ(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()), 0);
   SlowToClose hostile;
   std::optional<OutsideSocket> ours;
-  ours.emplace(Descriptor(ends[0]));
+  ours.emplace(FileDescriptor(ends[0]));
   {
-    const Descriptor theirs(ends[1]);
+    const FileDescriptor theirs(ends[1]);
     EXPECT_EQ(::send(ends[0], "x", 1, 0), 1);
     hostile.send_over(theirs);
   }
@@ -396,7 +396,7 @@ TEST_F(DescriptorServerTest, OtherUser_Admitted_GetsTheDescriptor) {
 
 TEST_F(DescriptorServerTest, OneProcess_HoldsFewConnections) {
   const auto made = offer();
-  std::vector<Descriptor> silent;
+  std::vector<FileDescriptor> silent;
   for (int i = 0; i < 10; ++i) silent.push_back(connected(made.name));
   server_.serve(kStart);
   EXPECT_EQ(server_.connections(), DescriptorServer::kMaxOfOne);

@@ -36,15 +36,15 @@ struct SocketAddress {
 };
 
 /// A socket that is connected to `name` (SOCK_SEQPACKET), as an outsider opens it.
-inline Descriptor connected(const SocketName& name) {
-  Descriptor out(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+inline FileDescriptor connected(const SocketName& name) {
+  FileDescriptor out(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const SocketAddress address(name);
-  if (::connect(out.number(), address.generic(), address.size) != 0) return Descriptor();
+  if (::connect(out.number(), address.generic(), address.size) != 0) return FileDescriptor();
   return out;
 }
 
 /// Sends one octet with the descriptors.
-inline ssize_t send_with(const Descriptor& socket, const std::vector<int>& descriptors) {
+inline ssize_t send_with(const FileDescriptor& socket, const std::vector<int>& descriptors) {
   alignas(cmsghdr) std::array<char, CMSG_SPACE(64 * sizeof(int))> control{};
   char octet = 1;
   iovec part{.iov_base = &octet, .iov_len = 1};
@@ -77,18 +77,18 @@ struct Impostor {
   }
   /// Answers the request that waits, or comes.
   void answer(const std::vector<int>& descriptors) {
-    socket = Descriptor(::accept4(listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
+    socket = FileDescriptor(::accept4(listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
     EXPECT_EQ(send_with(socket, descriptors), 1);
   }
-  Descriptor listener{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
-  Descriptor socket;
+  FileDescriptor listener{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
+  FileDescriptor socket;
   Offer offer{.token = *Token::copy_of(Bytes(32)), .process = ::getpid()};
 };
 
 /// A TCP socket with octets that the other side never takes: its close waits for a minute.
 struct SlowToClose {
   SlowToClose() {
-    const Descriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    const FileDescriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -99,9 +99,9 @@ struct SlowToClose {
     EXPECT_EQ(::bind(listener.number(), generic, size), 0);
     EXPECT_EQ(::listen(listener.number(), 1), 0);
     EXPECT_EQ(::getsockname(listener.number(), generic, &size), 0);
-    slow = Descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    slow = FileDescriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
     EXPECT_EQ(::connect(slow.number(), generic, size), 0);
-    other = Descriptor(::accept4(listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
+    other = FileDescriptor(::accept4(listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
     const linger wait{.l_onoff = 1, .l_linger = 60};
     ::setsockopt(slow.number(), SOL_SOCKET, SO_LINGER, &wait, sizeof wait);
     // Until the other side has taken all that it takes.
@@ -113,19 +113,19 @@ struct SlowToClose {
   }
   /// The reset ends the close.
   ~SlowToClose() {
-    { const Descriptor last(other.release()); }
+    { const FileDescriptor last(other.release()); }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   /// Afterwards the descriptor is with the receiver alone. False: the receiver dropped it at once,
   /// so that our own close was the slow one.
-  bool send_over(const Descriptor& socket) {
+  bool send_over(const FileDescriptor& socket) {
     EXPECT_EQ(send_with(socket, {slow.number()}), 1);
     auto closed = std::async(std::launch::async, [own = slow.release()] { ::close(own); });
     if (closed.wait_for(std::chrono::seconds(1)) == std::future_status::ready) return true;
-    { const Descriptor reset(other.release()); }
+    { const FileDescriptor reset(other.release()); }
     return false;
   }
-  Descriptor slow, other;
+  FileDescriptor slow, other;
 };
 
 /// Runs `f`, which must not wait for a socket that lingers.

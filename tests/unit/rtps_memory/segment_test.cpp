@@ -31,8 +31,8 @@ Segment segment(std::size_t largest = 1000, std::size_t count = 4) {
   return *std::move(out);
 }
 
-Descriptor copy_of(const Segment& segment) {
-  return Descriptor(::fcntl(segment.descriptor(), F_DUPFD_CLOEXEC, 0));
+FileDescriptor copy_of(const Segment& segment) {
+  return FileDescriptor(::fcntl(segment.descriptor(), F_DUPFD_CLOEXEC, 0));
 }
 
 MappedSegment mapped(const Segment& segment) {
@@ -49,8 +49,8 @@ Refusal refusal_of(const MappedSegment& segment, const Reference& reference) {
 }
 
 /// Memory of a hostile writer: `size` octets, of which the first `taken` are there.
-Descriptor memory(off_t size, off_t taken, int seals, unsigned flags = MFD_ALLOW_SEALING) {
-  Descriptor out(::memfd_create("test", flags));
+FileDescriptor memory(off_t size, off_t taken, int seals, unsigned flags = MFD_ALLOW_SEALING) {
+  FileDescriptor out(::memfd_create("test", flags));
   EXPECT_EQ(::ftruncate(out.number(), size), 0);
   if (taken > 0) {
     EXPECT_EQ(::fallocate(out.number(), 0, 0, taken), 0);
@@ -61,13 +61,13 @@ Descriptor memory(off_t size, off_t taken, int seals, unsigned flags = MFD_ALLOW
   return out;
 }
 
-MemoryId id_of(const Descriptor& descriptor) {
+MemoryId id_of(const FileDescriptor& descriptor) {
   struct stat info {};
   EXPECT_EQ(::fstat(descriptor.number(), &info), 0);
   return {info.st_dev, info.st_ino};
 }
 
-Refusal refusal_of_map(const Descriptor& descriptor) {
+Refusal refusal_of_map(const FileDescriptor& descriptor) {
   auto out = MappedSegment::map(descriptor, kId, id_of(descriptor));
   EXPECT_FALSE(out.has_value());
   return out ? Refusal::no_socket : out.error();
@@ -245,7 +245,7 @@ TEST(SegmentSeals, Memory_OfASegment_CannotBeWrittenOrResizedByAReader) {
   ASSERT_NE(read_only, MAP_FAILED);
   EXPECT_NE(::mprotect(read_only, 64, PROT_READ | PROT_WRITE), 0);
   ::munmap(read_only, 64);
-  const Descriptor again(
+  const FileDescriptor again(
       ::open(("/proc/self/fd/" + std::to_string(number)).c_str(), O_RDWR | O_CLOEXEC));
   if (again) {
     EXPECT_LT(::pwrite(again.number(), "x", 1, 0), 0);
@@ -266,19 +266,19 @@ TEST(SegmentSeals, Memory_ThatAReaderMapped_CannotBePunchedByTheWriter) {
 }
 
 TEST(SegmentMapping, Descriptor_OfAnotherKind_IsRefused) {
-  EXPECT_EQ(MappedSegment::map(Descriptor(), kId, {}).error(), Refusal::wrong_kind);
-  EXPECT_EQ(refusal_of_map(Descriptor(::open("/dev/zero", O_RDWR))), Refusal::wrong_kind);
-  EXPECT_EQ(refusal_of_map(Descriptor(::open("/tmp", O_RDONLY | O_DIRECTORY))),
+  EXPECT_EQ(MappedSegment::map(FileDescriptor(), kId, {}).error(), Refusal::wrong_kind);
+  EXPECT_EQ(refusal_of_map(FileDescriptor(::open("/dev/zero", O_RDWR))), Refusal::wrong_kind);
+  EXPECT_EQ(refusal_of_map(FileDescriptor(::open("/tmp", O_RDONLY | O_DIRECTORY))),
             Refusal::wrong_kind);
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe(ends.data()), 0);
-  const Descriptor other(ends[1]);
-  EXPECT_EQ(refusal_of_map(Descriptor(ends[0])), Refusal::wrong_kind);
+  const FileDescriptor other(ends[1]);
+  EXPECT_EQ(refusal_of_map(FileDescriptor(ends[0])), Refusal::wrong_kind);
 }
 
 TEST(SegmentMapping, File_OfASharedFolder_IsRefused) {
   const std::string path = "/dev/shm/ddssec_segment_test_" + std::to_string(::getpid());
-  const Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+  const FileDescriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
   if (!file) GTEST_SKIP() << "no /dev/shm";
   ::unlink(path.c_str());
   ASSERT_EQ(::fallocate(file.number(), 0, 0, 4096), 0);
@@ -288,7 +288,7 @@ TEST(SegmentMapping, File_OfASharedFolder_IsRefused) {
 
 // Its pages may be missing although the seals are there.
 TEST(SegmentMapping, Memory_OfHugePages_IsRefused) {
-  const Descriptor huge(::memfd_create("test", MFD_ALLOW_SEALING | MFD_HUGETLB));
+  const FileDescriptor huge(::memfd_create("test", MFD_ALLOW_SEALING | MFD_HUGETLB));
   if (!huge || ::fcntl(huge.number(), F_ADD_SEALS, kAllSeals) != 0) GTEST_SKIP() << "no huge pages";
   EXPECT_EQ(refusal_of_map(huge), Refusal::wrong_kind);
 }

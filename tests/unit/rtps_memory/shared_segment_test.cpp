@@ -28,15 +28,15 @@ MappedSegment mapped(const Segment& segment) {
 }
 
 /// A descriptor that another process has.
-Descriptor descriptor_of(pid_t process, int number) {
+FileDescriptor descriptor_of(pid_t process, int number) {
   const auto path = "/proc/" + std::to_string(process) + "/fd/" + std::to_string(number);
-  return Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  return FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
 }
 
 TEST(CrashedWriter, Writer_KilledWhileItWrites_LeavesReadersUnharmed) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe(ends.data()), 0);
-  const Descriptor in(ends[0]), out_of_child(ends[1]);
+  const FileDescriptor in(ends[0]), out_of_child(ends[1]);
   const pid_t child = ::fork();
   if (child == 0) {
     auto writer = segment(100000, 1);
@@ -120,8 +120,8 @@ TEST(SegmentsHeldByOthers, SentAndNotReceived_IsSeen) {
   const auto writer = segment();
   std::array<int, 2> ends{};
   ASSERT_EQ(::socketpair(AF_UNIX, SOCK_SEQPACKET, 0, ends.data()), 0);
-  const Descriptor near(ends[0]);
-  std::optional<Descriptor> far(ends[1]);
+  const FileDescriptor near(ends[0]);
+  std::optional<FileDescriptor> far(ends[1]);
   {
     const auto open = writer.for_reader();
     ASSERT_EQ(testing::send_with(near, {open.number()}), 1);
@@ -135,8 +135,8 @@ TEST(SegmentsHeldByOthers, SentAndNotReceived_IsSeen) {
 TEST(SegmentsHeldByOthers, OpenedOnceMoreByAReader_IsSeen) {
   const auto writer = segment();
   for (const int flags : {O_RDONLY, O_RDWR}) {
-    const Descriptor again(::open(("/proc/self/fd/" + std::to_string(writer.descriptor())).c_str(),
-                                  flags | O_CLOEXEC));
+    const FileDescriptor again(::open(
+        ("/proc/self/fd/" + std::to_string(writer.descriptor())).c_str(), flags | O_CLOEXEC));
     ASSERT_TRUE(again);
     EXPECT_TRUE(writer.is_with_others());
     EXPECT_EQ(::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, again.number(), 0),

@@ -39,7 +39,7 @@ struct Ledger {
   }
   KeptMemory kept;
   std::uint64_t last = 0;
-  std::map<std::uint64_t, Descriptor> with_others;
+  std::map<std::uint64_t, FileDescriptor> with_others;
 };
 
 TEST(KeptMemory, UsedAgain_WhenAllThatMayHaveItMayRead) {
@@ -92,7 +92,7 @@ TEST(KeptMemory, Returned_IsForgottenAtOnce) {
 TEST(KeptMemory, ReaderKeepsOnlyAPath_StillCounts) {
   Ledger ledger;
   for (std::uint8_t i = 1; i <= KeptMemory::kMaxOfOne; ++i) ledger.keep({i});
-  std::vector<Descriptor> paths;
+  std::vector<FileDescriptor> paths;
   for (const auto& [segment, descriptor] : ledger.with_others)
     paths.emplace_back(::open(("/proc/self/fd/" + std::to_string(descriptor.number())).c_str(),
                               O_PATH | O_CLOEXEC));

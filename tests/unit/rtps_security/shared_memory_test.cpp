@@ -5,7 +5,7 @@
 #include <dirent.h>
 #include <unistd.h>
 
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "rtps/security/written_memory.hpp"
 #include "tests/unit/rtps_memory/hostile_sockets.hpp"
 #include "tests/unit/rtps_security/segments.hpp"

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "rtps/participant/shared_memory.hpp"
 #include "rtps/security/memory_exchange.hpp"
 #include "tests/unit/rtps_memory/hostile_sockets.hpp"
@@ -36,7 +36,7 @@ struct KeptMapping {
       if (::readlink(path.c_str(), target.data(), target.size() - 1) < 0 ||
           std::string_view(target.data()).find("memfd:ddssec") == std::string_view::npos)
         continue;
-      const Descriptor copy(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+      const FileDescriptor copy(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
       struct stat info {};
       if (!copy || ::fstat(copy.number(), &info) != 0) continue;
       const auto size = static_cast<std::size_t>(info.st_size);
@@ -283,7 +283,7 @@ TEST(SharedMemory, SegmentUsedAgain_HasNoFormerSamples) {
 TEST(SharedMemory, PeerPassesAnotherDescriptor_ItsIdentityIsAskedForNoOther) {
   Shared pair({.data = encrypt});
   auto& memory = *memory_of(pair.b->remote_participants().core());
-  const Descriptor null(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  const FileDescriptor null(::open("/dev/null", O_RDONLY | O_CLOEXEC));
   memory::testing::Impostor impostor;
   memory.mapped().on_offer(pair.a->prefix(), {pair.writer.entity, std::move(impostor.offer)},
                            pair.world.now);
