@@ -22,7 +22,7 @@ namespace {
 using governance::Action;
 using spi::EndpointRequest;
 using spi::PermissionsHandle;
-using Participants = std::set<const Participant*>;
+using Participants = std::set<const LocalParticipant*>;
 
 class Plugin final : public spi::AccessControl {
  public:
@@ -216,7 +216,7 @@ class Plugin final : public spi::AccessControl {
     return {};
   }
 
-  std::shared_ptr<const Participant::Pending> pending_of(PermissionsHandle local) {
+  std::shared_ptr<const LocalParticipant::Pending> pending_of(PermissionsHandle local) {
     const Holder holder = handles_.find(local);
     return holder && !holder->remote() ? holder->participant()->pending() : nullptr;
   }

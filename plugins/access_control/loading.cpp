@@ -91,7 +91,7 @@ Status check_own_algorithms(Basis& basis, const pki::Certificate& certificate,
   return {};
 }
 
-Result<Basis> first_basis(const LoadContext& context, const Participant& participant,
+Result<Basis> first_basis(const LoadContext& context, const LocalParticipant& participant,
                           const DocumentPlaces& places, BytesView governance_file) {
   Basis out;
   DDSSEC_ASSIGN_OR_RETURN(
@@ -162,7 +162,7 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   DDSSEC_ASSIGN_OR_RETURN(const auto places, places_of(properties));
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, local_certificate(properties));
   Subject subject{pki::SubjectName::of(certificate), certificate.subject()};
-  auto participant = std::make_shared<Participant>();
+  auto participant = std::make_shared<LocalParticipant>();
   participant->identity = identity;
   participant->domain = domain;
   participant->domain_tag = domain_tag;
@@ -193,7 +193,7 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   return holder;
 }
 
-Status check_remote_algorithms(const Participant& local, const spi::Token& credential,
+Status check_remote_algorithms(const LocalParticipant& local, const spi::Token& credential,
                                Subject& subject) {
   const auto basis = local.basis();
   const auto* const allowed = basis->allowed_algorithms();
@@ -208,7 +208,7 @@ Status check_remote_algorithms(const Participant& local, const spi::Token& crede
 }
 
 Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& context,
-                                                          const Participant& local,
+                                                          const LocalParticipant& local,
                                                           const spi::Token& permissions_token,
                                                           const spi::Token& credential,
                                                           Subject& subject) {

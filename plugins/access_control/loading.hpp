@@ -19,7 +19,7 @@ struct LoadContext {
 /// What compiling a governance document needs besides it.
 struct GovernanceContext {
   const PermissionsCa& ca;
-  const Participant& participant;
+  const LocalParticipant& participant;
   const Options& options;
 };
 struct VerifiedGovernance {
@@ -46,7 +46,7 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
 /// Errors: permissions_token_class, peer_certificate_missing, permissions_missing,
 /// permissions_too_large, and those of certificate and document.
 Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& context,
-                                                          const Participant& local,
+                                                          const LocalParticipant& local,
                                                           const spi::Token& permissions_token,
                                                           const spi::Token& credential,
                                                           Subject& subject);
@@ -54,7 +54,7 @@ Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& con
 /// What <allowed_crypto_algorithms> says to a peer's identity and its handshake; `subject` as
 /// above. Success if the credential holds no certificate: judge_remote refuses that. Errors: those
 /// of allowed_algorithms.hpp, of Certificate::from_pem.
-Status check_remote_algorithms(const Participant& local, const spi::Token& credential,
+Status check_remote_algorithms(const LocalParticipant& local, const spi::Token& credential,
                                Subject& subject);
 
 }  // namespace ddssec::access_control

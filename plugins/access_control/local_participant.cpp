@@ -64,22 +64,22 @@ Error not_at_once() {
 
 }  // namespace
 
-std::shared_ptr<const Basis> Participant::basis() const {
+std::shared_ptr<const Basis> LocalParticipant::basis() const {
   const std::lock_guard lock(mutex_);
   return basis_;
 }
 
-std::shared_ptr<const ListedPermissions> Participant::listed() const {
+std::shared_ptr<const ListedPermissions> LocalParticipant::listed() const {
   const std::lock_guard lock(mutex_);
   return listed_;
 }
 
-void Participant::set_listed(std::shared_ptr<const ListedPermissions> listed) {
+void LocalParticipant::set_listed(std::shared_ptr<const ListedPermissions> listed) {
   const std::lock_guard lock(mutex_);
   listed_ = std::move(listed);
 }
 
-Result<std::shared_ptr<const Basis>> Participant::basis_for(std::string_view topic) const {
+Result<std::shared_ptr<const Basis>> LocalParticipant::basis_for(std::string_view topic) const {
   const std::lock_guard lock(mutex_);
   if (topics_in_use_.contains(topic)) return basis_;
   DDSSEC_RETURN_IF_ERROR(check_new_topic(topic));
@@ -90,7 +90,7 @@ Result<std::shared_ptr<const Basis>> Participant::basis_for(std::string_view top
 
 /// mutex_ is held. What was checked of the document that waits holds for the topics that were in
 /// use then.
-Status Participant::check_new_topic(std::string_view topic) const {
+Status LocalParticipant::check_new_topic(std::string_view topic) const {
   if (!pending_) return {};
   const auto refused = [&](ErrorDetails details) {
     details.note += (details.note.empty() ? "" : "; ") + std::string("the topic \"") +
@@ -116,13 +116,13 @@ Status Participant::check_new_topic(std::string_view topic) const {
   return refused(fits.error().details());
 }
 
-Result<Participant::Change> Participant::check_governance(
+Result<LocalParticipant::Change> LocalParticipant::check_governance(
     const governance::CompiledGovernance& next) const {
   const std::lock_guard lock(mutex_);
   return check(next);
 }
 
-Status Participant::set_basis(Basis basis) {
+Status LocalParticipant::set_basis(Basis basis) {
   auto next = std::make_shared<const Basis>(std::move(basis));
   const std::lock_guard lock(mutex_);
   if (basis_ && next->governance != basis_->governance) {
@@ -133,28 +133,28 @@ Status Participant::set_basis(Basis basis) {
   return {};
 }
 
-std::shared_ptr<const Participant::Pending> Participant::pending() const {
+std::shared_ptr<const LocalParticipant::Pending> LocalParticipant::pending() const {
   const std::lock_guard lock(mutex_);
   return pending_;
 }
 
-void Participant::set_pending(Pending pending) {
+void LocalParticipant::set_pending(Pending pending) {
   auto next = std::make_shared<const Pending>(std::move(pending));
   const std::lock_guard lock(mutex_);
   pending_ = std::move(next);
 }
 
-void Participant::drop_pending() {
+void LocalParticipant::drop_pending() {
   const std::lock_guard lock(mutex_);
   pending_ = nullptr;
 }
 
-std::shared_ptr<const governance::CompiledGovernance> Participant::other_governance() const {
+std::shared_ptr<const governance::CompiledGovernance> LocalParticipant::other_governance() const {
   const std::lock_guard lock(mutex_);
   return pending_ ? pending_->governance : former_;
 }
 
-bool Participant::apply_pending(const Sha256Digest& digest) {
+bool LocalParticipant::apply_pending(const Sha256Digest& digest) {
   const std::lock_guard lock(mutex_);
   if (!pending_ || pending_->digest != digest) return false;
   auto basis = std::make_shared<Basis>(*basis_);
@@ -167,7 +167,8 @@ bool Participant::apply_pending(const Sha256Digest& digest) {
 }
 
 /// mutex_ is held.
-Result<Participant::Change> Participant::check(const governance::CompiledGovernance& next) const {
+Result<LocalParticipant::Change> LocalParticipant::check(
+    const governance::CompiledGovernance& next) const {
   const auto& former = *basis_->governance;
   if (next.revision() < former.revision()) return std::unexpected(old_revision(former, next));
   DDSSEC_ASSIGN_OR_RETURN(const auto change,

@@ -32,7 +32,7 @@ struct Basis {
 };
 
 /// Thread-safe, once it is shared.
-class Participant {
+class LocalParticipant {
  public:
   /// The largest number of topics that are remembered.
   static constexpr std::size_t kMaxTopicsInUse = 4096;

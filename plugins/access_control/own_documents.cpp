@@ -67,7 +67,7 @@ Error renewed(const std::string& file, const DocumentPart& permissions) {
 
 struct OwnDocuments::Renewal {
   PermissionsHolder& holder;
-  Participant& participant;
+  LocalParticipant& participant;
   DocumentCache& documents;
   const Clock& clock;
 };
@@ -107,7 +107,7 @@ void OwnDocuments::look_now() {
   renewal_list_.look_now();
 }
 
-std::vector<DocumentState> OwnDocuments::states(const Participant& participant,
+std::vector<DocumentState> OwnDocuments::states(const LocalParticipant& participant,
                                                 DocumentPart permissions) const {
   const auto basis = participant.basis();
   const auto part_of = [](const governance::CompiledGovernance& rules, BytesView file) {
@@ -135,7 +135,7 @@ std::vector<DocumentState> OwnDocuments::states(const Participant& participant,
            .waiting = std::move(waiting)}};
 }
 
-std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, Participant& participant,
+std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, LocalParticipant& participant,
                                        DocumentCache& documents, const Clock& clock) {
   const Renewal now{holder, participant, documents, clock};
   std::vector<Error> events;
@@ -261,7 +261,7 @@ Result<OwnDocuments::Judged> OwnDocuments::judge_governance(const Renewal& now, 
   DDSSEC_ASSIGN_OR_RETURN(const auto change, now.participant.check_governance(*verified.rules));
   out.basis.governance = std::move(verified.rules);
   out.basis.governance_digest = verified.digest;
-  out.is_phased = change == Participant::Change::phased;
+  out.is_phased = change == LocalParticipant::Change::phased;
   return out;
 }
 
@@ -277,7 +277,7 @@ Status OwnDocuments::take_governance(const Renewal& now, const Basis& former, By
   return {};
 }
 
-std::optional<Error> OwnDocuments::note_applied(const Participant& participant) {
+std::optional<Error> OwnDocuments::note_applied(const LocalParticipant& participant) {
   if (!governance_waiting_ || participant.pending()) return std::nullopt;
   governance_in_force_ = *std::exchange(governance_waiting_, std::nullopt);
   return Error(Code::governance_renewed,

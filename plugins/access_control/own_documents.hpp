@@ -43,7 +43,8 @@ class OwnDocuments {
 
   /// CAs, permissions and governance as they are in force, and what was refused. `permissions`: the
   /// part that is in force.
-  std::vector<DocumentState> states(const Participant& participant, DocumentPart permissions) const;
+  std::vector<DocumentState> states(const LocalParticipant& participant,
+                                    DocumentPart permissions) const;
 
   /// Takes what the files hold, if they have changed:
   /// - Other permissions CAs, if the governance and the permissions of the participant are signed
@@ -55,11 +56,12 @@ class OwnDocuments {
   ///   them.
   /// - Further identity CAs, where the governance restricts algorithms. Authentication decides
   ///   which of them are trusted, and reports a file that cannot be used.
-  /// - Permissions of peers in the renewal list, as Participant::listed has them. Authentication
+  /// - Permissions of peers in the renewal list, as LocalParticipant::listed has them.
+  /// Authentication
   ///   reports a list that cannot be read.
   /// Returns events: what was taken, and what cannot be used (once as long as the file stays the
   /// same). What cannot be used changes nothing.
-  std::vector<Error> renew(PermissionsHolder& holder, Participant& participant,
+  std::vector<Error> renew(PermissionsHolder& holder, LocalParticipant& participant,
                            DocumentCache& documents, const Clock& clock);
 
  private:
@@ -88,7 +90,7 @@ class OwnDocuments {
   Result<Judged> judge_governance(const Renewal& now, const Basis& basis, BytesView file) const;
   std::optional<Error> drop_withdrawn(const Renewal& now);
   /// Empty: the document that waited waits still, or none does.
-  std::optional<Error> note_applied(const Participant& participant);
+  std::optional<Error> note_applied(const LocalParticipant& participant);
   /// What the file holds now, in force or pending.
   Status take_governance(const Renewal& now, const Basis& former, BytesView file);
 

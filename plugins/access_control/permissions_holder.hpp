@@ -28,7 +28,7 @@ class PermissionsHolder {
  public:
   /// `remote`: the peer's identity, if it is one. `document` null: a peer without usable
   /// permissions, to which only unprotected topics are open.
-  PermissionsHolder(std::shared_ptr<Participant> participant,
+  PermissionsHolder(std::shared_ptr<LocalParticipant> participant,
                     std::optional<spi::IdentityHandle> remote, Subject subject,
                     std::string document_name, std::shared_ptr<PermissionsDocument> document)
       : participant_(std::move(participant)),
@@ -38,7 +38,7 @@ class PermissionsHolder {
         document_(std::move(document)),
         warning_(participant_->warn_before_end) {}
 
-  const std::shared_ptr<Participant>& participant() const { return participant_; }
+  const std::shared_ptr<LocalParticipant>& participant() const { return participant_; }
   const std::optional<spi::IdentityHandle>& remote() const { return remote_; }
   /// Subject of a peer, for events; empty for a local participant.
   std::string peer_subject() const { return remote_ ? subject_.shown : std::string(); }
@@ -108,7 +108,7 @@ class PermissionsHolder {
   void mark_reported();
 
  private:
-  const std::shared_ptr<Participant> participant_;
+  const std::shared_ptr<LocalParticipant> participant_;
   const std::optional<spi::IdentityHandle> remote_;
   const Subject subject_;
   const std::string document_name_;

@@ -71,7 +71,7 @@ Error as_announced(const Error& refusal, Action action) {
 
 }  // namespace
 
-Error topic_not_covered(const Participant& participant, std::string_view topic) {
+Error topic_not_covered(const LocalParticipant& participant, std::string_view topic) {
   const auto basis = participant.basis();
   return Error(Code::topic_not_covered,
                {.document = participant.governance_name,

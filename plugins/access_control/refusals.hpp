@@ -18,7 +18,7 @@ inline Event event_about(const std::string& peer_subject, const Error& error,
 }
 
 /// No topic_rule matches. Code topic_not_covered.
-Error topic_not_covered(const Participant& participant, std::string_view topic);
+Error topic_not_covered(const LocalParticipant& participant, std::string_view topic);
 /// A rule or the default of the grant denies. Codes: publish_not_allowed, subscribe_not_allowed;
 /// for an endpoint announced in a peer's name, announced_writer_not_allowed,
 /// announced_reader_not_allowed.

@@ -33,7 +33,7 @@ std::vector<TopicBuiltinTopicData> DiscoveredEntities::topics() const {
   return out;
 }
 
-Status DiscoveredEntities::change(const std::function<void(Participant&)>& f) {
+Status DiscoveredEntities::change(const std::function<void(RtpsParticipant&)>& f) {
   const std::lock_guard held(context_.mutex());
   DDSSEC_RETURN_IF_ERROR(check_());
   f(context_.protocol());
@@ -42,15 +42,16 @@ Status DiscoveredEntities::change(const std::function<void(Participant&)>& f) {
 }
 
 Status DiscoveredEntities::ignore_participant(const Guid& participant) {
-  return change([&](Participant& protocol) { protocol.ignore_participant(participant.prefix); });
+  return change(
+      [&](RtpsParticipant& protocol) { protocol.ignore_participant(participant.prefix); });
 }
 
 Status DiscoveredEntities::ignore_topic(const std::string& name) {
-  return change([&](Participant& protocol) { protocol.ignore_topic(name); });
+  return change([&](RtpsParticipant& protocol) { protocol.ignore_topic(name); });
 }
 
 Status DiscoveredEntities::ignore_endpoint(const Guid& endpoint) {
-  return change([&](Participant& protocol) { protocol.ignore_endpoint(endpoint); });
+  return change([&](RtpsParticipant& protocol) { protocol.ignore_endpoint(endpoint); });
 }
 
 }  // namespace ddssec::rtps

@@ -27,7 +27,7 @@ class DiscoveredEntities {
   Status ignore_endpoint(const Guid& endpoint);
 
  private:
-  Status change(const std::function<void(Participant&)>& f);
+  Status change(const std::function<void(RtpsParticipant&)>& f);
 
   ParticipantContext& context_;
   std::function<Status()> check_;

@@ -147,7 +147,7 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   DDSSEC_ASSIGN_OR_RETURN(auto config, config_of(options, prefix, service.sockets(), environment));
   config.neighbourhood = out->context_.neighbourhood();
   auto protocol =
-      std::make_unique<Participant>(std::move(config), service.sockets(), environment.events);
+      std::make_unique<RtpsParticipant>(std::move(config), service.sockets(), environment.events);
   if (security) DDSSEC_RETURN_IF_ERROR(protocol->secure(std::move(security)));
   DDSSEC_RETURN_IF_ERROR(service.adopt(std::move(protocol)));
   service.follow_interfaces(options.interfaces);

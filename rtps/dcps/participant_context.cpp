@@ -20,7 +20,7 @@ ParticipantContext::~ParticipantContext() = default;
 
 const GuidPrefix& ParticipantContext::prefix() const { return protocol_->prefix(); }
 
-void ParticipantContext::adopt(std::unique_ptr<Participant> protocol) {
+void ParticipantContext::adopt(std::unique_ptr<RtpsParticipant> protocol) {
   protocol_ = std::move(protocol);
   neighbourhood_->enter(protocol_->local_endpoints());
 }

@@ -17,7 +17,7 @@
 namespace ddssec::rtps {
 
 class Entity;
-class Participant;
+class RtpsParticipant;
 
 /// The lock is never held while a listener is called. Locks are taken in this order: the callback
 /// lock, the lock of members, the lock.
@@ -46,9 +46,9 @@ class ParticipantContext {
   Moment moment() const { return {now(), Time::from(environment_.clock.wall())}; }
 
   // The caller holds the lock:
-  Participant& protocol() const { return *protocol_; }
+  RtpsParticipant& protocol() const { return *protocol_; }
   const GuidPrefix& prefix() const;  ///< of the protocol
-  void adopt(std::unique_ptr<Participant> protocol);
+  void adopt(std::unique_ptr<RtpsParticipant> protocol);
   /// From now on nothing outside calls the protocol.
   void leave();
   bool has_protocol() const { return protocol_ != nullptr; }
@@ -166,7 +166,7 @@ class ParticipantContext {
   bool waiting_serves_ = false;  ///< a thread that waits here serves, and must be woken
   bool serving_ = false;
   bool changed_while_serving_ = false;
-  std::unique_ptr<Participant> protocol_;
+  std::unique_ptr<RtpsParticipant> protocol_;
   TimerQueue timers_;
   LinkedList<Entity> pending_;
   MonotonicTime waiting_until_ = kNever;

@@ -18,7 +18,7 @@ constexpr std::size_t kBulk = 2;
 
 }  // namespace
 
-Status ParticipantService::adopt(std::unique_ptr<Participant> protocol) {
+Status ParticipantService::adopt(std::unique_ptr<RtpsParticipant> protocol) {
   const std::lock_guard held(context_.mutex());
   context_.adopt(std::move(protocol));
   const auto& core = context_.protocol().remote_participants().core();

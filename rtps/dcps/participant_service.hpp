@@ -30,7 +30,7 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
   ParticipantSockets& sockets() const { return *sockets_; }
   /// From now on passes what the sockets receive to the protocol. Errors: those of
   /// ParticipantSockets::listen.
-  Status adopt(std::unique_ptr<Participant> protocol);
+  Status adopt(std::unique_ptr<RtpsParticipant> protocol);
   /// From now on follows the changes of this machine's interfaces: sockets and protocol use those
   /// that choose_interfaces returns for `wanted`. If that is not possible, an event says so. Must
   /// be called after `adopt`.

@@ -37,7 +37,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   ~KeptTopic() override;
 
   /// The caller does not hold the lock. Errors: those of DurableStore::open_stream,
-  /// Participant::create_writer and create_reader.
+  /// RtpsParticipant::create_writer and create_reader.
   Status open(DomainId domain, const std::string& domain_tag);
   /// The caller holds the lock:
   std::uint64_t without_key() const { return without_key_; }

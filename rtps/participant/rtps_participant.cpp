@@ -48,14 +48,14 @@ bool take_addresses(ParticipantCore& core, OwnChange::Addresses addresses) {
 }  // namespace
 
 // A change for a builtin reader is never refused for now.
-Participant::Participant(ParticipantConfig config, Transport& transport, EventSink& events)
+RtpsParticipant::RtpsParticipant(ParticipantConfig config, Transport& transport, EventSink& events)
     : core_(std::move(config), transport, events),
       local_(core_, [this](BuiltinTopic topic, Change& change) {
         discovery_.on_builtin(topic, change);
         return true;
       }) {}
 
-Status Participant::secure(std::unique_ptr<OwnSecurity> own) {
+Status RtpsParticipant::secure(std::unique_ptr<OwnSecurity> own) {
   core_.security = std::make_unique<Security>(std::move(own), core_.sender, core_.timers,
                                               discovery_, core_.events);
   core_.security->admission().on_protection(
@@ -69,19 +69,19 @@ Status Participant::secure(std::unique_ptr<OwnSecurity> own) {
   return {};
 }
 
-ProtectionCounters Participant::protection_counters() const {
+ProtectionCounters RtpsParticipant::protection_counters() const {
   return core_.security ? core_.security->keyring().counters() : ProtectionCounters{};
 }
 
-AuthenticationCounters Participant::authentication_counters() const {
+AuthenticationCounters RtpsParticipant::authentication_counters() const {
   return core_.security ? core_.security->authentication_counters() : AuthenticationCounters{};
 }
 
-Status Participant::revise_keys() {
+Status RtpsParticipant::revise_keys() {
   return core_.security ? core_.security->revise_keys() : fail(Code::rtps_key_revision_disabled);
 }
 
-void Participant::receive(BytesView datagram, MonotonicTime now, const Locator& source) {
+void RtpsParticipant::receive(BytesView datagram, MonotonicTime now, const Locator& source) {
   const auto call = calls_.enter();
   core_.now = now;
   core_.source = SourceAddress(source);
@@ -93,7 +93,7 @@ void Participant::receive(BytesView datagram, MonotonicTime now, const Locator& 
   discovery_.remove_gone();
 }
 
-void Participant::tick(MonotonicTime now) {
+void RtpsParticipant::tick(MonotonicTime now) {
   const auto call = calls_.enter();
   core_.now = now;
   core_.source_host = {};
@@ -108,15 +108,15 @@ void Participant::tick(MonotonicTime now) {
   discovery_.tick();
 }
 
-MonotonicTime Participant::next_tick() const {
+MonotonicTime RtpsParticipant::next_tick() const {
   const auto next =
       std::min({announcer_.next_tick(), liveliness_.next_tick(), matcher_.presence().next_tick(),
                 remotes_.next_end(), core_.sender.flush_by(), core_.timers.next()});
   return core_.security ? std::min(next, core_.security->next_tick()) : next;
 }
 
-Result<Guid> Participant::create_writer(EndpointDescription request, EndpointListener& listener,
-                                        MonotonicTime now) {
+Result<Guid> RtpsParticipant::create_writer(EndpointDescription request, EndpointListener& listener,
+                                            MonotonicTime now) {
   const auto call = calls_.enter();
   core_.now = now;
   const auto gathering = gather();
@@ -129,8 +129,8 @@ Result<Guid> Participant::create_writer(EndpointDescription request, EndpointLis
   return writer.data.guid;
 }
 
-Result<Guid> Participant::create_reader(EndpointDescription request, EndpointListener& listener,
-                                        MonotonicTime now) {
+Result<Guid> RtpsParticipant::create_reader(EndpointDescription request, EndpointListener& listener,
+                                            MonotonicTime now) {
   const auto call = calls_.enter();
   core_.now = now;
   const auto gathering = gather();
@@ -143,7 +143,7 @@ Result<Guid> Participant::create_reader(EndpointDescription request, EndpointLis
   return reader.data.guid;
 }
 
-void Participant::remove(const Guid& endpoint, MonotonicTime now) {
+void RtpsParticipant::remove(const Guid& endpoint, MonotonicTime now) {
   const auto call = calls_.enter();
   core_.now = now;
   if (auto* reader = local_.find_reader(endpoint.entity)) matcher_.remove(*reader);
@@ -151,7 +151,7 @@ void Participant::remove(const Guid& endpoint, MonotonicTime now) {
   local_.remove(endpoint);
 }
 
-Status Participant::change_qos(const Guid& endpoint, Qos qos, MonotonicTime now) {
+Status RtpsParticipant::change_qos(const Guid& endpoint, Qos qos, MonotonicTime now) {
   const auto call = calls_.enter();
   core_.now = now;
   DDSSEC_RETURN_IF_ERROR(check_consistency(qos));
@@ -172,8 +172,8 @@ Status Participant::change_qos(const Guid& endpoint, Qos qos, MonotonicTime now)
   return {};
 }
 
-void Participant::change_filter(const Guid& reader, ContentFilterProperty filter,
-                                MonotonicTime now) {
+void RtpsParticipant::change_filter(const Guid& reader, ContentFilterProperty filter,
+                                    MonotonicTime now) {
   core_.now = now;
   auto* local = local_.find_reader(reader.entity);
   if (local == nullptr) return;
@@ -181,7 +181,7 @@ void Participant::change_filter(const Guid& reader, ContentFilterProperty filter
   local_.publish(local->data);
 }
 
-void Participant::change_own(OwnChange change, MonotonicTime now) {
+void RtpsParticipant::change_own(OwnChange change, MonotonicTime now) {
   const auto call = calls_.enter();
   core_.now = now;
   core_.source_host = {};
@@ -199,17 +199,17 @@ void Participant::change_own(OwnChange change, MonotonicTime now) {
   announcer_.announce_again();
 }
 
-void Participant::assert_liveliness(LivelinessKind kind, MonotonicTime now) {
+void RtpsParticipant::assert_liveliness(LivelinessKind kind, MonotonicTime now) {
   core_.now = now;
   liveliness_.assert_liveliness(kind);
 }
 
-void Participant::listen(DiscoveryListener* listener) {
+void RtpsParticipant::listen(DiscoveryListener* listener) {
   const auto call = calls_.enter();
   remotes_.listen(listener);
 }
 
-void Participant::ignore_participant(const GuidPrefix& prefix) {
+void RtpsParticipant::ignore_participant(const GuidPrefix& prefix) {
   if (!core_.ignored.add_participant(prefix)) return;
   calls_.after_call([this, prefix] {
     if (core_.security) core_.security->distrust(prefix);
@@ -220,7 +220,7 @@ void Participant::ignore_participant(const GuidPrefix& prefix) {
   });
 }
 
-void Participant::ignore_endpoint(const Guid& guid) {
+void RtpsParticipant::ignore_endpoint(const Guid& guid) {
   if (!core_.ignored.add_endpoint(guid)) return;
   calls_.after_call([this, guid] {
     if (auto* remote = remotes_.find(guid.prefix)) matcher_.remove(*remote, guid.entity);
@@ -230,7 +230,7 @@ void Participant::ignore_endpoint(const Guid& guid) {
   });
 }
 
-void Participant::ignore_topic(const std::string& name) {
+void RtpsParticipant::ignore_topic(const std::string& name) {
   if (core_.ignored.add_topic(name))
     calls_.after_call([this, name] { matcher_.remove_topic(name); });
 }

@@ -23,13 +23,13 @@
 
 namespace ddssec::rtps {
 
-class Participant {
+class RtpsParticipant {
  public:
   /// Number of batches that are read before due work is done.
   static constexpr unsigned kMaxBacklog = 16;
 
   /// `transport` and `events` are borrowed and must outlive the participant.
-  Participant(ParticipantConfig config, Transport& transport, EventSink& events);
+  RtpsParticipant(ParticipantConfig config, Transport& transport, EventSink& events);
 
   /// Makes it a secured participant. Must be called before all others; the GUID prefix must be that
   /// of `own`. Errors: those of the plugins.

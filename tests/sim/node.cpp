@@ -138,7 +138,7 @@ void Node::start(const GuidPrefix& name) {
   const auto prefix = (*own)->guid().prefix;
   Transport& transport = *this;
   EventSink& events = *this;
-  participant_ = std::make_unique<Participant>(config(prefix), transport, events);
+  participant_ = std::make_unique<RtpsParticipant>(config(prefix), transport, events);
   if (const auto secured = participant_->secure(std::move(*own)); !secured)
     return around_.invariants.fail("a participant starts", secured.error().to_sentence());
   if (subject_.role != Role::impostor)

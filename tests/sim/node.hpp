@@ -62,7 +62,7 @@ class Node final : private Transport, private EventSink {
   bool is_sibling() const { return subject_.role == Role::sibling; }
   bool is_running() const { return participant_ != nullptr; }
   const GuidPrefix& prefix() const { return participant_->prefix(); }
-  const Participant& participant() const { return *participant_; }
+  const RtpsParticipant& participant() const { return *participant_; }
   const std::vector<std::unique_ptr<Endpoint>>& endpoints() const { return endpoints_; }
   const Cost& cost() const { return cost_; }
   const Locator& address() const { return address_; }
@@ -112,7 +112,7 @@ class Node final : private Transport, private EventSink {
   SeededRandom random_;
   Engines engines_;
   std::vector<std::unique_ptr<Endpoint>> endpoints_;
-  std::unique_ptr<Participant> participant_;
+  std::unique_ptr<RtpsParticipant> participant_;
   Cost cost_;
   MonotonicTime asleep_until_{};
   std::vector<Datagram> in_socket_;

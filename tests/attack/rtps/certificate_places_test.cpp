@@ -29,7 +29,7 @@ class Insiders {
  private:
   struct Insider {
     Node::Post post;
-    std::unique_ptr<Participant> participant;
+    std::unique_ptr<RtpsParticipant> participant;
   };
   static std::uint32_t port_of(std::uint32_t number) { return 20'000 + number; }
 
@@ -42,7 +42,7 @@ class Insiders {
     const auto at = [](std::uint32_t port) {
       return *Locator::parse("127.0.0.1", static_cast<std::uint16_t>(port));
     };
-    out->participant = std::make_unique<Participant>(
+    out->participant = std::make_unique<RtpsParticipant>(
         ParticipantConfig{.prefix = (*own)->guid().prefix,
                           .lease_duration = kDurationInfinite,
                           .metatraffic_unicast = {at(port_of(number))},

@@ -42,7 +42,7 @@ struct InsiderAddresses : ::testing::Test {
     auto config = Node::config(2, (*own)->guid().prefix);
     config.metatraffic_unicast = config.default_unicast = addresses;
     mallory.participant =
-        std::make_unique<Participant>(std::move(config), mallory.post, mallory.events);
+        std::make_unique<RtpsParticipant>(std::move(config), mallory.post, mallory.events);
     ASSERT_TRUE(mallory.participant->secure(std::move(*own)));
   }
   void create_writer() {
@@ -259,7 +259,7 @@ struct AddressesItNeverSendsFrom : InsiderAddresses {
         Node::candidate(1));
     ASSERT_TRUE(own);
     auto config = Node::config(1, (*own)->guid().prefix);
-    alice.participant = std::make_unique<Participant>(std::move(config), routers, alice.events);
+    alice.participant = std::make_unique<RtpsParticipant>(std::move(config), routers, alice.events);
     ASSERT_TRUE(alice.participant->secure(std::move(*own)));
     announce_participant_at({at("192.0.2.1", 7990), at("192.0.2.2", 7991)});
     world.nodes = {&alice, &mallory};

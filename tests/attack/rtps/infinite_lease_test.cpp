@@ -20,7 +20,7 @@ struct InfiniteLease : ::testing::Test {
     ASSERT_TRUE(own);
     auto config = Node::config(2, (*own)->guid().prefix);
     config.lease_duration = kDurationInfinite;
-    bob.participant = std::make_unique<Participant>(std::move(config), bob.post, bob.events);
+    bob.participant = std::make_unique<RtpsParticipant>(std::move(config), bob.post, bob.events);
     ASSERT_TRUE(bob.participant->secure(std::move(*own)));
     world.nodes = {&alice, &bob};
     ASSERT_TRUE(world.run_until([&] { return alice.knows(bob) && bob.knows(alice); }));

@@ -405,7 +405,8 @@ TEST_F(AuthorityRenewal, GovernanceOfAnotherCa_IsRefused) {
 }
 
 TEST_F(AuthorityRenewal, MoreTopicsThanAreRemembered_LeaveOnlyRulesAtTheEnd) {
-  for (std::size_t i = 0; i <= Participant::kMaxTopicsInUse; ++i) data_of("t" + std::to_string(i));
+  for (std::size_t i = 0; i <= LocalParticipant::kMaxTopicsInUse; ++i)
+    data_of("t" + std::to_string(i));
   const auto all = topic_rules();
   topic_rules().insert(topic_rules().begin(), open_rule());
   folder_.replace("governance.p7s", governance(first()));

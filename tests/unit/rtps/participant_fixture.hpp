@@ -70,7 +70,7 @@ struct Node {
   Events events;
   std::uint32_t port;
   Listener listener;  // outlives its endpoints
-  Participant participant;
+  RtpsParticipant participant;
 
   static ParticipantConfig config(std::uint8_t n, DomainId domain, std::string tag,
                                   std::int32_t lease) {

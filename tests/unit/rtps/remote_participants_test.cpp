@@ -16,7 +16,7 @@ EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(q
 
 /// Ignores whatever it is told of, at once.
 struct Ignorer final : DiscoveryListener {
-  explicit Ignorer(Participant& participant) : own(participant) {}
+  explicit Ignorer(RtpsParticipant& participant) : own(participant) {}
   void on_participant(const ParticipantData& data) override { ignore(data.guid, participants); }
   void on_participant_gone(const Guid& guid) override { ignore(guid, participants); }
   void on_endpoint(const EndpointData& data) override {
@@ -29,7 +29,7 @@ struct Ignorer final : DiscoveryListener {
     if (whole) own.ignore_participant(guid.prefix);
     if (endpoints) own.ignore_endpoint(guid);
   }
-  Participant& own;
+  RtpsParticipant& own;
   bool participants = false, endpoints = false, topics = false;
   int told = 0;
 };

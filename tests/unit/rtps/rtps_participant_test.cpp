@@ -24,7 +24,7 @@ TEST(Participant, BacklogUnread_NothingIsDue) {
   a.participant.tick(seconds(1));
   EXPECT_FALSE(a.post.sent.empty()) << "there was nothing more to read";
   a.post.sent.clear();
-  for (unsigned i = 0; i < 2 * Participant::kMaxBacklog; ++i) {
+  for (unsigned i = 0; i < 2 * RtpsParticipant::kMaxBacklog; ++i) {
     a.participant.note_backlog(true);
     a.participant.tick(seconds(2 + i));
   }
@@ -59,7 +59,7 @@ TEST(Participant, LoopbackAddresses_CountOnlyIfTheyAreAnnouncedHere) {
   for (const auto* source : {"192.0.2.9", "127.0.0.1", "192.0.2.1"}) {
     Node::Post post;
     testing::socketless::Events events;
-    Participant participant(config, post, events);
+    RtpsParticipant participant(config, post, events);
     const auto other = GuidPrefix::from(Bytes(12, 7));
     participant.receive(announcement(other, other), seconds(1), at(source));
     const bool here = std::string_view(source) != "192.0.2.9";

@@ -49,7 +49,7 @@ std::unique_ptr<Node> tagged(std::uint8_t n, Node& host, const std::string& subj
   EXPECT_TRUE(own) << own.error().to_sentence();
   auto config = Node::config(n, (*own)->guid().prefix);
   config.domain_tag = tag;
-  node->participant = std::make_unique<Participant>(config, node->post, node->events);
+  node->participant = std::make_unique<RtpsParticipant>(config, node->post, node->events);
   EXPECT_TRUE(node->participant->secure(std::move(*own)));
   return node;
 }

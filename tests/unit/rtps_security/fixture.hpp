@@ -235,7 +235,7 @@ struct Node {
   }
   /// Unsecured.
   explicit Node(std::uint8_t n) : port(7000u + n), random(n) {
-    participant = std::make_unique<Participant>(config(n, candidate(n)), post, events);
+    participant = std::make_unique<RtpsParticipant>(config(n, candidate(n)), post, events);
   }
   /// What may stand between a participant and its keys.
   using Wrap =
@@ -257,7 +257,7 @@ struct Node {
       : port(7000u + n), random(n) {
     join(n, host, properties, 3);
   }
-  Participant* operator->() { return participant.get(); }
+  RtpsParticipant* operator->() { return participant.get(); }
   bool knows(const Node& other) const {
     return participant->is_authenticated(other.participant->prefix());
   }
@@ -271,7 +271,7 @@ struct Node {
   std::unique_ptr<spi::AccessControl> access_control;
   std::unique_ptr<spi::Cryptography> cryptography;
   Listener listener;
-  std::unique_ptr<Participant> participant;
+  std::unique_ptr<RtpsParticipant> participant;
 
  private:
   void join(std::uint8_t n, Node& host, const spi::PropertyList& properties, int others) {
@@ -281,7 +281,7 @@ struct Node {
     EXPECT_TRUE(own) << own.error().to_sentence();
     if (!own) return;
     participant =
-        std::make_unique<Participant>(config(n, (*own)->guid().prefix, others), post, events);
+        std::make_unique<RtpsParticipant>(config(n, (*own)->guid().prefix, others), post, events);
     const auto secured = participant->secure(std::move(*own));
     EXPECT_TRUE(secured) << secured.error().to_sentence();
   }
