@@ -73,7 +73,7 @@ Result<cli::Style> style_of(const cli::Arguments& arguments) {
   return cli::Style{color, quiet, verbose};
 }
 
-Result<cli::Report> run(const cli::Request& request) {
+Result<cli::Report> run(const cli::ParsedCommand& request) {
   const auto format = request.arguments.text("--format");
   if (format != "text" && format != "json")
     return fail(Code::usage, {.field = "--format", .expected = "text or json", .found = format});

@@ -55,7 +55,7 @@ bool change_expressions(DomainRule& rule, StockProduct product) {
   return any;
 }
 
-bool change_expressions(Rule& rule, StockProduct product) {
+bool change_expressions(GrantRule& rule, StockProduct product) {
   const bool any = change_expressions(rule.publish, product);
   return change_expressions(rule.subscribe, product) || any;
 }
@@ -102,7 +102,7 @@ bool join_elements(std::vector<Criteria>& list) {
   return true;
 }
 
-bool join_elements(Rule& rule) {
+bool join_elements(GrantRule& rule) {
   const bool any = join_elements(rule.publish);
   return join_elements(rule.subscribe) || any;
 }
@@ -122,8 +122,8 @@ std::vector<Criteria> denied_besides(const std::vector<Criteria>& list) {
 }
 
 // For each rule: true if it is an allow_rule and later rules list partitions that it does not.
-std::vector<bool> is_followed_by_more(const std::vector<Rule>& rules,
-                                      std::vector<Criteria> Rule::*list) {
+std::vector<bool> is_followed_by_more(const std::vector<GrantRule>& rules,
+                                      std::vector<Criteria> GrantRule::*list) {
   std::vector<bool> out(rules.size());
   Names later;
   for (std::size_t i = rules.size(); i-- > 0;) {
@@ -139,13 +139,13 @@ std::vector<bool> is_followed_by_more(const std::vector<Rule>& rules,
 }
 
 // Fast DDS stops at an allow_rule with the topic, whether its partitions match or not.
-bool end_at_first(std::vector<Rule>& rules) {
-  const auto in_publish = is_followed_by_more(rules, &Rule::publish),
-             in_subscribe = is_followed_by_more(rules, &Rule::subscribe);
-  std::vector<Rule> out;
+bool end_at_first(std::vector<GrantRule>& rules) {
+  const auto in_publish = is_followed_by_more(rules, &GrantRule::publish),
+             in_subscribe = is_followed_by_more(rules, &GrantRule::subscribe);
+  std::vector<GrantRule> out;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     out.push_back(rules[i]);
-    Rule denial{.domains = rules[i].domains, .line = rules[i].line};
+    GrantRule denial{.domains = rules[i].domains, .line = rules[i].line};
     if (in_publish[i]) denial.publish = denied_besides(rules[i].publish);
     if (in_subscribe[i]) denial.subscribe = denied_besides(rules[i].subscribe);
     if (!denial.publish.empty() || !denial.subscribe.empty()) out.push_back(std::move(denial));
@@ -155,7 +155,7 @@ bool end_at_first(std::vector<Rule>& rules) {
   return any;
 }
 
-bool change_rule(Rule& rule, StockProduct product) {
+bool change_rule(GrantRule& rule, StockProduct product) {
   bool any = close_ranges(rule.domains);
   if (change_expressions(rule, product)) any = true;
   if (product == StockProduct::cyclonedds && !rule.domains.tags.empty() &&
@@ -173,7 +173,7 @@ bool change_rule(Rule& rule, StockProduct product) {
 using Ranges = std::vector<DomainRange>;
 
 bool have_same_domains(const Grant& grant) {
-  return std::ranges::all_of(grant.rules, [&](const Rule& rule) {
+  return std::ranges::all_of(grant.rules, [&](const GrantRule& rule) {
     return rule.domains.ranges == grant.rules.front().domains.ranges;
   });
 }

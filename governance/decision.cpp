@@ -67,7 +67,7 @@ bool lists(const std::vector<DataTag>& listed, const DataTag& tag) {
   return std::ranges::find(listed, tag) != listed.end();
 }
 
-bool data_tags_fit(const Rule& rule, const Criteria& criteria, std::span<const DataTag> tags) {
+bool data_tags_fit(const GrantRule& rule, const Criteria& criteria, std::span<const DataTag> tags) {
   if (!criteria.data_tags) return !rule.allow || tags.empty();
   const auto listed = [&](const DataTag& tag) { return lists(*criteria.data_tags, tag); };
   return rule.allow ? std::ranges::all_of(tags, listed) : std::ranges::any_of(tags, listed);
@@ -122,7 +122,7 @@ std::string_view to_string(Action action) {
   return kNames.at(static_cast<std::size_t>(action));
 }
 
-bool decides_joining(const Rule& rule) {
+bool decides_joining(const GrantRule& rule) {
   return rule.allow || (rule.publish.empty() && rule.subscribe.empty());
 }
 
@@ -134,16 +134,16 @@ CompiledGrant::CompiledGrant(std::shared_ptr<const Permissions> permissions, con
   }
   for (auto& index : actions_) index.topics.seal();
   partition_numbers_.clear();
-  participant_ = participant_verdict(domain, tag);
+  participant_ = participant_decision(domain, tag);
 }
 
-void CompiledGrant::add_rule(const Rule& rule) {
+void CompiledGrant::add_rule(const GrantRule& rule) {
   add_entries(Action::publish, rule, rule.publish);
   add_entries(Action::subscribe, rule, rule.subscribe);
   add_entries(Action::relay, rule, rule.relay);
 }
 
-void CompiledGrant::add_entries(Action action, const Rule& rule,
+void CompiledGrant::add_entries(Action action, const GrantRule& rule,
                                 const std::vector<Criteria>& list) {
   auto& index = actions_.at(static_cast<std::size_t>(action));
   for (const auto& criteria : list) {
@@ -177,8 +177,8 @@ std::uint32_t CompiledGrant::partition_pattern(const std::string& text) {
   return entry->second;
 }
 
-Verdict CompiledGrant::participant_verdict(DomainId domain, std::string_view tag) const {
-  const auto first = std::ranges::find_if(grant_.rules, [&](const Rule& rule) {
+Decision CompiledGrant::participant_decision(DomainId domain, std::string_view tag) const {
+  const auto first = std::ranges::find_if(grant_.rules, [&](const GrantRule& rule) {
     return decides_joining(rule) && rule.domains.contains(domain, tag);
   });
   if (first != grant_.rules.end()) return {first->allow, &*first, nullptr};
@@ -186,8 +186,8 @@ Verdict CompiledGrant::participant_verdict(DomainId domain, std::string_view tag
 }
 
 template <class Fits>
-Verdict CompiledGrant::first_fitting(const ActionIndex& index, std::string_view topic,
-                                     Fits&& fits) const {
+Decision CompiledGrant::first_fitting(const ActionIndex& index, std::string_view topic,
+                                      Fits&& fits) const {
   std::vector<PatternSet::Id> matching;
   index.topics.match(topic, matching);
   // All entries of all matching expressions in document order, without sorting those never reached.
@@ -221,31 +221,31 @@ bool CompiledGrant::partitions_fit(const Entry& entry,
   return all ? std::ranges::all_of(partitions, listed) : std::ranges::any_of(partitions, listed);
 }
 
-Verdict CompiledGrant::judge(Action action, const Request& request) const {
+Decision CompiledGrant::judge(Action action, const Request& request) const {
   const std::string key = cache_key(action, request);
-  if (const auto verdict = seen_.find(key)) return *verdict;
+  if (const auto decision = seen_.find(key)) return *decision;
   std::vector<RequestedPartition> partitions(request.partitions.begin(), request.partitions.end());
   if (partitions.empty()) partitions.emplace_back("");
   const auto& index = actions_.at(static_cast<std::size_t>(action));
-  const Verdict verdict = first_fitting(index, request.topic, [&](const Entry& entry) {
+  const Decision decision = first_fitting(index, request.topic, [&](const Entry& entry) {
     return partitions_fit(entry, partitions) &&
            data_tags_fit(*entry.rule, *entry.criteria, request.data_tags);
   });
-  seen_.remember(key, verdict);
-  return verdict;
+  seen_.remember(key, decision);
+  return decision;
 }
 
-Verdict CompiledGrant::judge_topic(Action action, std::string_view topic) const {
+Decision CompiledGrant::judge_topic(Action action, std::string_view topic) const {
   // The key of an entity never begins with 't'.
   std::string key(1, 't');
   key += cache_key(action, {.topic = topic});
-  if (const auto verdict = seen_.find(key)) return *verdict;
+  if (const auto decision = seen_.find(key)) return *decision;
   const auto& index = actions_.at(static_cast<std::size_t>(action));
-  const Verdict verdict = first_fitting(index, topic, [](const Entry& entry) {
+  const Decision decision = first_fitting(index, topic, [](const Entry& entry) {
     return entry.rule->allow || is_unconditional(*entry.criteria);
   });
-  seen_.remember(key, verdict);
-  return verdict;
+  seen_.remember(key, decision);
+  return decision;
 }
 
 CompiledGovernance::CompiledGovernance(std::shared_ptr<const Governance> governance,

@@ -33,10 +33,10 @@ struct Request {
 class RequestedPartition;
 
 /// A decision and the rule that decided. The pointers are valid as long as the CompiledGrant.
-struct Verdict {
+struct Decision {
   bool allowed = false;
   /// The deciding rule; nullptr if the grant's default decided.
-  const Rule* rule = nullptr;
+  const GrantRule* rule = nullptr;
   /// The deciding publish, subscribe or relay element of the rule, if there is one.
   const Criteria* criteria = nullptr;
 
@@ -49,7 +49,7 @@ struct Verdict {
 /// True if a rule decides which participants may join its domains. An allow rule admits them; a
 /// deny rule without publish and subscribe refuses them (DDS-Security 1.2 table 70). A deny rule
 /// about topics does not decide: sros2 writes such rules first.
-bool decides_joining(const Rule& rule);
+bool decides_joining(const GrantRule& rule);
 
 /// One grant, compiled for one domain and domain tag. Immutable and thread-safe.
 ///
@@ -70,18 +70,18 @@ class CompiledGrant {
 
   const Grant& grant() const { return grant_; }
 
-  Verdict judge(Action action, const Request& request) const;
+  Decision judge(Action action, const Request& request) const;
   /// Whether the topic may be used with at least some partitions and data tags.
-  Verdict judge_topic(Action action, std::string_view topic) const;
+  Decision judge_topic(Action action, std::string_view topic) const;
   /// Whether the participant may join: decided by the first rule for the domain for which
   /// decides_joining is true, otherwise by the default.
-  Verdict judge_participant() const { return participant_; }
+  Decision judge_participant() const { return participant_; }
   /// The elements of allow rules for the action, in document order.
   std::vector<const Criteria*> allowed(Action action) const;
 
  private:
   struct Entry {
-    const Rule* rule;
+    const GrantRule* rule;
     const Criteria* criteria;
     std::vector<std::uint32_t> partitions;  ///< indices into partition_patterns_
   };
@@ -91,12 +91,12 @@ class CompiledGrant {
     std::vector<std::vector<std::uint32_t>> entries_of_topic;
   };
 
-  void add_rule(const Rule& rule);
-  void add_entries(Action action, const Rule& rule, const std::vector<Criteria>& list);
+  void add_rule(const GrantRule& rule);
+  void add_entries(Action action, const GrantRule& rule, const std::vector<Criteria>& list);
   std::uint32_t partition_pattern(const std::string& text);
-  Verdict participant_verdict(DomainId domain, std::string_view tag) const;
+  Decision participant_decision(DomainId domain, std::string_view tag) const;
   template <class Fits>
-  Verdict first_fitting(const ActionIndex& index, std::string_view topic, Fits&& fits) const;
+  Decision first_fitting(const ActionIndex& index, std::string_view topic, Fits&& fits) const;
   bool partitions_fit(const Entry& entry, std::span<RequestedPartition> requested) const;
 
   std::shared_ptr<const Permissions> permissions_;
@@ -105,8 +105,8 @@ class CompiledGrant {
   std::array<ActionIndex, 3> actions_;
   std::vector<Pattern> partition_patterns_;
   std::unordered_map<std::string, std::uint32_t> partition_numbers_;
-  Verdict participant_;
-  mutable VerdictCache<Verdict> seen_;
+  Decision participant_;
+  mutable DecisionCache<Decision> seen_;
 };
 
 /// The rule of a governance document for one domain, compiled. Thread-safe.
@@ -129,7 +129,7 @@ class CompiledGovernance {
   const DomainRule& rule_;
   PatternSet topics_;
   std::vector<const TopicRule*> rule_of_topic_;
-  mutable VerdictCache<const TopicRule*> seen_;
+  mutable DecisionCache<const TopicRule*> seen_;
 };
 
 }  // namespace ddssec::governance

@@ -12,7 +12,7 @@ namespace ddssec::governance {
 /// The cache has two generations. When the younger is full it becomes the older, and the older is
 /// dropped. Names that are asked for often stay. Thread-safe.
 template <class Value>
-class VerdictCache {
+class DecisionCache {
  public:
   /// The size of one generation; the cache has at most twice as many entries.
   static constexpr std::size_t kMaxPerGeneration = 2048;

@@ -19,10 +19,10 @@ struct DomainPlace {
   std::string topic_path(std::size_t index) const {
     return fmt::format("{}/topic_access_rules/topic_rule[{}]", path, index + 1);
   }
-  Finding about(ddssec::Rule id, std::string message) const {
+  Finding about(Rule id, std::string message) const {
     return {.rule = id, .message = std::move(message), .line = rule.line, .path = path};
   }
-  Finding about(ddssec::Rule id, std::size_t topic, std::string message) const {
+  Finding about(Rule id, std::size_t topic, std::string message) const {
     return {.rule = id,
             .message = std::move(message),
             .line = rule.topic_rules[topic].line,

@@ -13,7 +13,7 @@ bool say_the_same(const Criteria& a, const Criteria& b) {
   return a.topics == b.topics && a.partitions == b.partitions && a.data_tags == b.data_tags;
 }
 
-bool say_the_same(const Rule& a, const Rule& b) {
+bool say_the_same(const GrantRule& a, const GrantRule& b) {
   const auto equal = [](const auto& of_a, const auto& of_b) {
     return std::ranges::equal(of_a, of_b,
                               [](const auto& x, const auto& y) { return say_the_same(x, y); });
@@ -71,14 +71,14 @@ bool covers(const std::vector<Criteria>& wide, const std::vector<Criteria>& narr
 }
 
 /// What `narrow` matches, `wide` matches too.
-bool matches_all_of(const Rule& wide, const Rule& narrow, bool is_denial) {
+bool matches_all_of(const GrantRule& wide, const GrantRule& narrow, bool is_denial) {
   return covers(wide.publish, narrow.publish, is_denial) &&
          covers(wide.subscribe, narrow.subscribe, is_denial) &&
          covers(wide.relay, narrow.relay, is_denial);
 }
 
 /// `next` may take the place of `former`.
-bool fits(const Rule& next, const Rule& former) {
+bool fits(const GrantRule& next, const GrantRule& former) {
   if (next.allow != former.allow) return false;
   if (next.allow) return matches_all_of(next, former, false);
   return matches_all_of(former, next, true) && (decides_joining(former) || !decides_joining(next));
@@ -86,14 +86,14 @@ bool fits(const Rule& next, const Rule& former) {
 
 }  // namespace
 
-std::vector<const Rule*> rules_for(const Grant& grant, DomainId domain, std::string_view tag) {
-  std::vector<const Rule*> out;
+std::vector<const GrantRule*> rules_for(const Grant& grant, DomainId domain, std::string_view tag) {
+  std::vector<const GrantRule*> out;
   for (const auto& rule : grant.rules)
     if (rule.domains.contains(domain, tag)) out.push_back(&rule);
   return out;
 }
 
-bool say_the_same(std::span<const Rule* const> a, std::span<const Rule* const> b) {
+bool say_the_same(std::span<const GrantRule* const> a, std::span<const GrantRule* const> b) {
   return std::ranges::equal(a, b,
                             [](const auto* x, const auto* y) { return say_the_same(*x, *y); });
 }

@@ -9,14 +9,14 @@
 namespace ddssec::governance {
 
 /// The rules of a grant for a domain with a tag, in order.
-std::vector<const Rule*> rules_for(const Grant& grant, DomainId domain, std::string_view tag);
+std::vector<const GrantRule*> rules_for(const Grant& grant, DomainId domain, std::string_view tag);
 
 /// True if the rules differ in nothing but their lines and domains.
-bool say_the_same(std::span<const Rule* const> a, std::span<const Rule* const> b);
+bool say_the_same(std::span<const GrantRule* const> a, std::span<const GrantRule* const> b);
 
 /// Rules and the default after them.
 struct Decisions {
-  std::span<const Rule* const> rules;
+  std::span<const GrantRule* const> rules;
   bool default_allow = false;
 };
 

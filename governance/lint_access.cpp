@@ -6,12 +6,12 @@
 namespace ddssec::governance {
 namespace {
 
-using enum ddssec::Rule;
+using enum Rule;
 
 bool controls_access(const TopicRule& rule) {
   return rule.enable_read_access_control || rule.enable_write_access_control;
 }
-void check_strangers(Findings& out, const DomainPlace& place) {
+void check_strangers(LintFindings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   if (!rule.allow_unauthenticated_participants || !protects_anything(rule)) return;
   if (is_protected(rule.rtps_protection_kind))
@@ -31,7 +31,7 @@ void check_strangers(Findings& out, const DomainPlace& place) {
   out.add(std::move(finding));
 }
 
-void check_controls(Findings& out, const DomainPlace& place, std::size_t i) {
+void check_controls(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto name = in_quotes(topic.topic_expression);
   if (controls_access(topic) && !place.rule.enable_join_access_control)
@@ -62,7 +62,7 @@ bool matches_everything(std::string_view expression) {
 }
 
 // One open topic may be meant. A rule for all topics takes in those that were not thought of.
-void check_open_topic(Findings& out, const DomainPlace& place, std::size_t i) {
+void check_open_topic(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   if (is_protected(place.rule.rtps_protection_kind) || !is_plain(topic) || controls_access(topic))
     return;
@@ -76,7 +76,7 @@ void check_open_topic(Findings& out, const DomainPlace& place, std::size_t i) {
 }
 
 // What hides the samples from participants that may not read: a key that only readers get.
-void check_reading(Findings& out, const DomainPlace& place, std::size_t i) {
+void check_reading(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto name = in_quotes(topic.topic_expression);
   const bool is_secret =
@@ -97,7 +97,7 @@ void check_reading(Findings& out, const DomainPlace& place, std::size_t i) {
                                                     : "every host on the network")));
 }
 
-void check_writing(Findings& out, const DomainPlace& place, std::size_t i) {
+void check_writing(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   if (is_plain(topic) || !topic.enable_read_access_control || topic.enable_write_access_control)
     return;
@@ -108,7 +108,7 @@ void check_writing(Findings& out, const DomainPlace& place, std::size_t i) {
                   in_quotes(topic.topic_expression))));
 }
 
-void check_joining(Findings& out, const DomainPlace& place) {
+void check_joining(LintFindings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   if (rule.enable_join_access_control || !protects_anything(rule) ||
       std::ranges::any_of(rule.topic_rules, controls_access))
@@ -134,7 +134,7 @@ bool protects_anything(const DomainRule& rule) {
          std::ranges::any_of(rule.topic_rules, is_protected_topic);
 }
 
-void check_access(Findings& out, const DomainPlace& place) {
+void check_access(LintFindings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
   check_strangers(out, place);
   check_joining(out, place);

@@ -12,6 +12,6 @@ bool is_plain(const TopicRule& rule);
 bool protects_anything(const DomainRule& rule);
 
 /// GOV021, GOV022, GOV025, GOV040, GOV041, GOV043, and GOV047 to GOV050.
-void check_access(Findings& out, const DomainPlace& place);
+void check_access(LintFindings& out, const DomainPlace& place);
 
 }  // namespace ddssec::governance

@@ -13,7 +13,7 @@
 namespace ddssec::governance {
 namespace {
 
-using enum ddssec::Rule;
+using enum Rule;
 
 bool within(const DomainSet& inner, const DomainSet& outer) {
   if (inner == outer) return true;
@@ -50,7 +50,7 @@ std::vector<std::string_view> partitions_of(const Criteria& criteria) {
 // True if entities with partitions or data tags have any rights.
 bool conditions_matter(const Grant& grant) {
   const auto has = [](const Criteria& c) { return c.partitions || c.data_tags; };
-  return grant.default_allow || std::ranges::any_of(grant.rules, [&](const Rule& rule) {
+  return grant.default_allow || std::ranges::any_of(grant.rules, [&](const GrantRule& rule) {
            return rule.allow && (std::ranges::any_of(rule.publish, has) ||
                                  std::ranges::any_of(rule.subscribe, has));
          });
@@ -202,7 +202,7 @@ std::vector<std::size_t> entries_by_rule(const GrantPlace& place) {
   return out;
 }
 
-void add_rule(Findings& out, const GrantPlace& place, const std::vector<const Dead*>& all) {
+void add_rule(LintFindings& out, const GrantPlace& place, const std::vector<const Dead*>& all) {
   const auto& first = *all.front();
   auto finding = place.about_rule(
       PERM012, first.entry.rule_number,
@@ -216,7 +216,7 @@ void add_rule(Findings& out, const GrantPlace& place, const std::vector<const De
 
 }  // namespace
 
-void lint_dead_rules(Findings& out, const GrantPlace& place) {
+void lint_dead_rules(LintFindings& out, const GrantPlace& place) {
   const auto dead = dead_entries(place, out.effort());
   std::map<std::size_t, std::vector<const Dead*>> by_rule;
   for (const auto& one : dead) by_rule[one.entry.rule_number].push_back(&one);
@@ -238,7 +238,7 @@ void lint_dead_rules(Findings& out, const GrantPlace& place) {
   }
 }
 
-void lint_unmatchable(Findings& out, const GrantPlace& place) {
+void lint_unmatchable(LintFindings& out, const GrantPlace& place) {
   const auto add = [&](std::string_view what, const Text& text, Finding finding) {
     finding.message = fmt::format("{} can never apply: {}", what, matches_nothing(text.text));
     finding.hint = kUnmatchableHint;

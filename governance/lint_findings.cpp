@@ -32,11 +32,11 @@ std::string to_sentence(std::string_view expression, const Unportable& found) {
   return out;
 }
 
-void Findings::add(Finding finding) {
+void LintFindings::add(Finding finding) {
   if (++count_[finding.rule] <= kMaxFindingsPerRule) all_.push_back(std::move(finding));
 }
 
-void Findings::add(ddssec::Rule rule, const Note& note, std::vector<std::string> vendors) {
+void LintFindings::add(Rule rule, const Note& note, std::vector<std::string> vendors) {
   add({.rule = rule,
        .message = note.text,
        .line = note.line,
@@ -45,8 +45,7 @@ void Findings::add(ddssec::Rule rule, const Note& note, std::vector<std::string>
   count_[rule] += note.more;
 }
 
-void Findings::add_if_unportable(ddssec::Rule rule, const Text& expression,
-                                 const std::string& path) {
+void LintFindings::add_if_unportable(Rule rule, const Text& expression, const std::string& path) {
   const auto found = unportable(expression.text, effort_);
   if (!found) return;
   Finding finding{.rule = rule,
@@ -59,7 +58,7 @@ void Findings::add_if_unportable(ddssec::Rule rule, const Text& expression,
   add(std::move(finding));
 }
 
-void Findings::add_if_ros_name(ddssec::Rule rule, const Text& expression, const std::string& path) {
+void LintFindings::add_if_ros_name(Rule rule, const Text& expression, const std::string& path) {
   if (!expression.text.starts_with('/')) return;
   add({.rule = rule,
        .message = fmt::format("{} begins with a slash, as names of ROS do and DDS topics do not",
@@ -68,8 +67,8 @@ void Findings::add_if_ros_name(ddssec::Rule rule, const Text& expression, const 
        .path = path});
 }
 
-void Findings::add_if_misleading(ddssec::Rule rule, std::string_view what, const Text& name,
-                                 const std::string& path) {
+void LintFindings::add_if_misleading(Rule rule, std::string_view what, const Text& name,
+                                     const std::string& path) {
   const auto found = first_misleading(name.text);
   if (!found) return;
   const auto character = *found == 0xfffd ? std::string("octets that are not UTF-8")
@@ -80,7 +79,7 @@ void Findings::add_if_misleading(ddssec::Rule rule, std::string_view what, const
        .path = path});
 }
 
-void Findings::add_if_cut_short() {
+void LintFindings::add_if_cut_short() {
   if (effort_.steps > 0 && effort_.plain_steps > 0) return;
   all_.push_back(
       {.rule = if_cut_short_,
@@ -91,7 +90,7 @@ void Findings::add_if_cut_short() {
        .severity = Severity::warning});
 }
 
-std::vector<Finding> Findings::take() {
+std::vector<Finding> LintFindings::take() {
   for (const auto& [rule, count] : count_) {
     if (count <= kMaxFindingsPerRule) continue;
     const auto last = std::find_if(all_.rbegin(), all_.rend(),

@@ -18,10 +18,10 @@ inline constexpr auto kOpenDds = "opendds";
 inline std::vector<std::string> stock_vendors() { return {kCyclone, kFastDds}; }
 
 /// The findings of one document, and the effort left for further checks.
-class Findings {
+class LintFindings {
  public:
   /// `rule`: the rule of the finding about checks that were skipped because the effort ran out.
-  explicit Findings(ddssec::Rule rule) : if_cut_short_(rule) {}
+  explicit LintFindings(Rule rule) : if_cut_short_(rule) {}
 
   /// For questions about sets of names.
   SetEffort& effort() { return effort_; }
@@ -29,14 +29,14 @@ class Findings {
   /// Adds a finding unless its rule has kMaxFindingsPerRule.
   void add(Finding finding);
   /// Adds a note of a reader, as a finding of the rule.
-  void add(ddssec::Rule rule, const Note& note, std::vector<std::string> vendors);
+  void add(Rule rule, const Note& note, std::vector<std::string> vendors);
   /// Adds GOV012 or PERM013 if the expression is not portable.
-  void add_if_unportable(ddssec::Rule rule, const Text& expression, const std::string& path);
+  void add_if_unportable(Rule rule, const Text& expression, const std::string& path);
   /// Adds GOV013 or PERM034 if the expression begins like a name of ROS.
-  void add_if_ros_name(ddssec::Rule rule, const Text& expression, const std::string& path);
+  void add_if_ros_name(Rule rule, const Text& expression, const std::string& path);
 
   /// Adds a finding if the name contains characters that a terminal hides or reorders.
-  void add_if_misleading(ddssec::Rule rule, std::string_view what, const Text& name,
+  void add_if_misleading(Rule rule, std::string_view what, const Text& name,
                          const std::string& path);
 
   /// All findings by line. If some were left out, the last one of the rule says so.
@@ -48,10 +48,10 @@ class Findings {
 
   void add_if_cut_short();
 
-  ddssec::Rule if_cut_short_;
+  Rule if_cut_short_;
   SetEffort effort_ = kEffort;
   std::vector<Finding> all_;
-  std::map<ddssec::Rule, std::size_t> count_;
+  std::map<Rule, std::size_t> count_;
 };
 
 /// `no name matches "[z-a]"`.

@@ -14,10 +14,10 @@
 namespace ddssec::governance {
 namespace {
 
-using enum ddssec::Rule;
-using Id = ddssec::Rule;
+using enum Rule;
+using Id = Rule;
 
-void add_notes(Findings& out, const Governance& document) {
+void add_notes(LintFindings& out, const Governance& document) {
   for (const auto& note : document.notes) {
     switch (note.kind) {
       case NoteKind::order:
@@ -94,7 +94,7 @@ Taken taken_from(const Governance& document, std::size_t at) {
   return out;
 }
 
-void check_coverage(Findings& out, const Governance& document, std::size_t at,
+void check_coverage(LintFindings& out, const Governance& document, std::size_t at,
                     const DomainPlace& place) {
   if (has_tags(place.rule)) return;
   const auto taken = taken_from(document, at);
@@ -132,7 +132,7 @@ Finding unmatchable(const DomainPlace& place, std::size_t topic) {
 }
 
 // Harmless if the earlier rules have the same effect.
-void check_dead_rules(Findings& out, const DomainPlace& place) {
+void check_dead_rules(LintFindings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
   const auto found = shadows(expressions_of(place.rule), out.effort());
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -157,7 +157,7 @@ void check_dead_rules(Findings& out, const DomainPlace& place) {
   }
 }
 
-void check_topics_without_rule(Findings& out, const DomainPlace& place) {
+void check_topics_without_rule(LintFindings& out, const DomainPlace& place) {
   const auto expressions = expressions_of(place.rule);
   const auto is_everything = [](std::string_view e) { return e.find_first_not_of('*') == e.npos; };
   if (std::ranges::any_of(expressions, is_everything)) return;
@@ -171,7 +171,7 @@ void check_topics_without_rule(Findings& out, const DomainPlace& place) {
       GOV011, fmt::format("the last topic_rule is not \"*\": topics{} have no rule", example)));
 }
 
-void check_domain_kinds(Findings& out, const DomainPlace& place) {
+void check_domain_kinds(LintFindings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   for (const auto& [name, kind] :
        {std::pair("discovery_protection_kind", rule.discovery_protection_kind),
@@ -185,7 +185,7 @@ void check_domain_kinds(Findings& out, const DomainPlace& place) {
 }
 
 // Flags that demand something that the domain rule does not provide.
-void check_flags(Findings& out, const DomainPlace& place, std::size_t i) {
+void check_flags(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto check = [&](bool flag, ProtectionKind kind, std::string_view what) {
     if (flag && !is_protected(kind))
@@ -222,7 +222,7 @@ Finding payload_alone(const DomainPlace& place, std::size_t i) {
                                      : "anyone on the network"));
 }
 
-void check_kinds(Findings& out, const DomainPlace& place, std::size_t i) {
+void check_kinds(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto name = in_quotes(topic.topic_expression);
   if (is_origin_authenticated(topic.metadata_protection_kind)) {
@@ -239,7 +239,7 @@ void check_kinds(Findings& out, const DomainPlace& place, std::size_t i) {
 // All readers of a topic share its writer's key. So each of them can forge messages that the others
 // accept as the writer's, unless every reader gets its own MAC (DDS-Security 1.2, clauses 7.1.1.3
 // and 10.5.3.3.4).
-void check_origin(Findings& out, const DomainPlace& place) {
+void check_origin(LintFindings& out, const DomainPlace& place) {
   if (is_origin_authenticated(place.rule.rtps_protection_kind)) return;
   std::vector<std::string> names;
   for (const auto& topic : place.rule.topic_rules)
@@ -278,7 +278,7 @@ Finding of_clear_discovery(const DomainPlace& place) {
 
 // Cyclone's core trusts unprotected announcements in the name of every authenticated peer. ddssec's
 // plugins stop them only where no honest peer sends any.
-void check_clear_discovery(Findings& out, const DomainPlace& place) {
+void check_clear_discovery(LintFindings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
   const bool is_closed = is_protected(place.rule.discovery_protection_kind) &&
                          std::ranges::all_of(rules, &TopicRule::enable_discovery_protection);
@@ -290,7 +290,7 @@ void check_clear_discovery(Findings& out, const DomainPlace& place) {
 
 // The destination is unprotected in front of a protected submessage, and one key serves all
 // receivers. Only a MAC for each of them, or a protected message around both, connects the two.
-void check_redirection(Findings& out, const DomainPlace& place) {
+void check_redirection(LintFindings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   if (is_protected(rule.rtps_protection_kind)) return;
   const auto is_exposed = [](ProtectionKind kind) {
@@ -315,7 +315,7 @@ void check_redirection(Findings& out, const DomainPlace& place) {
 }
 
 // The same for the builtin writers, whose keys go to every participant that may join.
-void check_builtin_origin(Findings& out, const DomainPlace& place) {
+void check_builtin_origin(LintFindings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   if (is_origin_authenticated(rule.rtps_protection_kind)) return;
   std::vector<std::string> kinds;
@@ -330,7 +330,7 @@ void check_builtin_origin(Findings& out, const DomainPlace& place) {
                                           fmt::join(kinds, " and "))));
 }
 
-void check_tags(Findings& out, const DomainPlace& place) {
+void check_tags(LintFindings& out, const DomainPlace& place) {
   for (const auto& tag : place.rule.domains.tag_expressions) {
     if (!Pattern(tag.text).matches_no_name()) continue;
     auto finding =
@@ -341,7 +341,7 @@ void check_tags(Findings& out, const DomainPlace& place) {
   }
 }
 
-void check_topics(Findings& out, const DomainPlace& place) {
+void check_topics(LintFindings& out, const DomainPlace& place) {
   for (std::size_t i = 0; i < place.rule.topic_rules.size(); ++i) {
     const auto& topic = place.rule.topic_rules[i];
     const Text expression{topic.topic_expression, topic.line};
@@ -356,7 +356,7 @@ void check_topics(Findings& out, const DomainPlace& place) {
 }  // namespace
 
 std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use) {
-  Findings out(GOV010);
+  LintFindings out(GOV010);
   add_notes(out, governance);
   for (std::size_t i = 0; i < governance.domain_rules.size(); ++i) {
     const DomainPlace place{governance.domain_rules[i],

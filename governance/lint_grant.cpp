@@ -20,19 +20,18 @@ GrantPlace::GrantPlace(const Grant& grant, std::size_t number)
   }
 }
 
-Finding GrantPlace::about(ddssec::Rule id, std::string message) const {
+Finding GrantPlace::about(Rule id, std::string message) const {
   return {.rule = id, .message = std::move(message), .line = grant_.line, .path = path_};
 }
 
-Finding GrantPlace::about(ddssec::Rule id, const GrantEntry& entry, std::string message) const {
+Finding GrantPlace::about(Rule id, const GrantEntry& entry, std::string message) const {
   return {.rule = id,
           .message = std::move(message),
           .line = entry.topic->line,
           .path = rule_path(entry.rule_number)};
 }
 
-Finding GrantPlace::about_rule(ddssec::Rule id, std::size_t rule_number,
-                               std::string message) const {
+Finding GrantPlace::about_rule(Rule id, std::size_t rule_number, std::string message) const {
   return {.rule = id,
           .message = std::move(message),
           .line = grant_.rules.at(rule_number - 1).line,

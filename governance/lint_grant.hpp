@@ -12,7 +12,7 @@ namespace ddssec::governance {
 
 /// One topic expression of a rule.
 struct GrantEntry {
-  const Rule* rule;
+  const GrantRule* rule;
   std::size_t rule_number;  ///< from 1, among all rules of the grant
   const Criteria* criteria;
   const Text* topic;
@@ -33,9 +33,9 @@ class GrantPlace {
   const std::vector<GrantEntry>& subscribe() const { return entries_[1]; }
   const std::array<std::vector<GrantEntry>, 2>& actions() const { return entries_; }
 
-  Finding about(ddssec::Rule id, std::string message) const;
-  Finding about(ddssec::Rule id, const GrantEntry& entry, std::string message) const;
-  Finding about_rule(ddssec::Rule id, std::size_t rule_number, std::string message) const;
+  Finding about(Rule id, std::string message) const;
+  Finding about(Rule id, const GrantEntry& entry, std::string message) const;
+  Finding about_rule(Rule id, std::size_t rule_number, std::string message) const;
 
  private:
   const Grant& grant_;
@@ -57,12 +57,12 @@ const std::vector<Text>& listed_partitions(const Criteria& criteria);
 std::vector<std::string_view> allowed_texts(const std::vector<GrantEntry>& entries);
 
 /// Checks PERM012: rules that can never apply.
-void lint_dead_rules(Findings& out, const GrantPlace& place);
+void lint_dead_rules(LintFindings& out, const GrantPlace& place);
 /// Checks PERM012: partitions, tags, relayed topics and subjects that no name matches.
-void lint_unmatchable(Findings& out, const GrantPlace& place);
+void lint_unmatchable(LintFindings& out, const GrantPlace& place);
 /// Checks PERM013 to PERM015, PERM020, PERM021, PERM023 to PERM027, PERM034.
-void lint_rights(Findings& out, const GrantPlace& place, const Governance* governance);
+void lint_rights(LintFindings& out, const GrantPlace& place, const Governance* governance);
 /// Checks PERM030, PERM032, PERM033, if the grant concerns ROS 2.
-void lint_ros(Findings& out, const GrantPlace& place);
+void lint_ros(LintFindings& out, const GrantPlace& place);
 
 }  // namespace ddssec::governance

@@ -16,9 +16,9 @@
 namespace ddssec::governance {
 namespace {
 
-using enum ddssec::Rule;
+using enum Rule;
 
-void add_notes(Findings& out, const Permissions& document) {
+void add_notes(LintFindings& out, const Permissions& document) {
   const std::vector<std::string> stock = {kCyclone, kFastDds};
   for (const auto& note : document.notes) {
     switch (note.kind) {
@@ -67,7 +67,7 @@ void add_notes(Findings& out, const Permissions& document) {
   }
 }
 
-void check_dates(Findings& out, const GrantPlace& place, const PermissionsUse& use) {
+void check_dates(LintFindings& out, const GrantPlace& place, const PermissionsUse& use) {
   const auto from = place.grant().validity.not_before, to = place.grant().validity.not_after;
   const auto add = [&](Severity severity, std::string message) {
     auto finding = place.about(PERM002, std::move(message));
@@ -106,7 +106,7 @@ bool overlap_in_time(const Grant& one, const Grant& other) {
 }
 
 // Successive grants are a renewal, but Cyclone DDS knows only the first.
-void check_repeated_subjects(Findings& out, const std::vector<GrantPlace>& places) {
+void check_repeated_subjects(LintFindings& out, const std::vector<GrantPlace>& places) {
   std::map<std::string, const GrantPlace*> first;
   for (const auto& place : places) {
     const auto [entry, is_new] = first.try_emplace(key_of(place.grant()), &place);
@@ -125,7 +125,7 @@ void check_repeated_subjects(Findings& out, const std::vector<GrantPlace>& place
 
 // An expression for many subjects before the grant of one of them. Each comparison takes
 // microseconds, and a document may hold thousands of grants.
-void check_matched_subjects(Findings& out, const std::vector<GrantPlace>& places) {
+void check_matched_subjects(LintFindings& out, const std::vector<GrantPlace>& places) {
   constexpr std::size_t kMaxExpressions = 64;
   std::vector<const Grant*> expressions;
   for (const auto& place : places) {
@@ -148,7 +148,7 @@ void check_matched_subjects(Findings& out, const std::vector<GrantPlace>& places
 }
 
 // The order of the grants counts for Cyclone DDS.
-void check_stray_grants(Findings& out, const Permissions& document,
+void check_stray_grants(LintFindings& out, const Permissions& document,
                         const std::vector<GrantPlace>& places) {
   const Permissions* const subjects[] = {&document};
   for (const auto& stray : stray_grants(document, subjects)) {
@@ -161,7 +161,7 @@ void check_stray_grants(Findings& out, const Permissions& document,
   }
 }
 
-void check_spelling(Findings& out, const GrantPlace& place) {
+void check_spelling(LintFindings& out, const GrantPlace& place) {
   auto found = misspelt(place.grant());
   if (!found) return;
   auto finding = place.about(PERM011, std::move(found->message));
@@ -173,7 +173,7 @@ void check_spelling(Findings& out, const GrantPlace& place) {
   out.add(std::move(finding));
 }
 
-void check_letters(Findings& out, const GrantPlace& place) {
+void check_letters(LintFindings& out, const GrantPlace& place) {
   auto found = letters_beyond_ascii(place.grant());
   if (!found) return;
   auto finding = place.about(PERM011, std::move(found->message));
@@ -185,7 +185,7 @@ void check_letters(Findings& out, const GrantPlace& place) {
 }
 
 // One grant must be for the certificate, in its own spelling.
-void check_subject(Findings& out, const std::vector<GrantPlace>& places,
+void check_subject(LintFindings& out, const std::vector<GrantPlace>& places,
                    const pki::Certificate& certificate) {
   const auto subject = pki::SubjectName::of(certificate);
   const auto own = std::ranges::find_if(
@@ -217,7 +217,7 @@ void check_subject(Findings& out, const std::vector<GrantPlace>& places,
   out.add(std::move(finding));
 }
 
-void check_names(Findings& out, const GrantPlace& place) {
+void check_names(LintFindings& out, const GrantPlace& place) {
   const auto& grant = place.grant();
   const auto check = [&](std::string_view what, const Text& name) {
     out.add_if_misleading(PERM041, what, name, place.path());
@@ -244,7 +244,7 @@ Finding too_long_for_peers(std::size_t signed_octets) {
 }
 
 std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& use) {
-  Findings out(PERM012);
+  LintFindings out(PERM012);
   add_notes(out, permissions);
   std::vector<GrantPlace> places;
   places.reserve(permissions.grants.size());

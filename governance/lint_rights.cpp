@@ -12,7 +12,7 @@
 namespace ddssec::governance {
 namespace {
 
-using enum ddssec::Rule;
+using enum Rule;
 
 constexpr SetLimits kLimits{.states = 20'000, .atoms = 5'000, .steps = 20'000'000};
 /// Pairs of expressions, and rules that deny, that are looked at for their effect in one product.
@@ -26,7 +26,7 @@ std::vector<std::string_view> texts_of(const std::vector<Criteria>& list) {
   return out;
 }
 
-void check_expressions(Findings& out, const GrantPlace& place) {
+void check_expressions(LintFindings& out, const GrantPlace& place) {
   for (const auto& entries : place.actions())
     for (const auto& entry : entries) {
       out.add_if_unportable(PERM013, *entry.topic, place.rule_path(entry.rule_number));
@@ -41,7 +41,7 @@ void check_expressions(Findings& out, const GrantPlace& place) {
           out.add_if_unportable(PERM013, partition, place.rule_path(i + 1));
 }
 
-void check_unread_conditions(Findings& out, const GrantPlace& place) {
+void check_unread_conditions(LintFindings& out, const GrantPlace& place) {
   const auto& rules = place.grant().rules;
   const auto has_tags = [](const Criteria& c) { return c.data_tags.has_value(); };
   for (std::size_t i = 0; i < rules.size(); ++i) {
@@ -62,7 +62,7 @@ void check_unread_conditions(Findings& out, const GrantPlace& place) {
 }
 
 // Fast DDS stops at the first rule whose topic matches.
-void check_partitions_by_rule(Findings& out, const GrantPlace& place,
+void check_partitions_by_rule(LintFindings& out, const GrantPlace& place,
                               const std::vector<GrantEntry>& entries) {
   const auto has_partitions = [](const GrantEntry& e) {
     return e.criteria->partitions.has_value();
@@ -89,7 +89,7 @@ void check_partitions_by_rule(Findings& out, const GrantPlace& place,
 }
 
 // Fast DDS looks for the partitions in all elements of the rule that decides.
-void check_joined_partitions(Findings& out, const GrantPlace& place,
+void check_joined_partitions(LintFindings& out, const GrantPlace& place,
                              const std::vector<GrantEntry>& entries) {
   const auto partitions_of = [](const GrantEntry& entry) {
     return entry.criteria->partitions.value_or(std::vector<Text>{Text{}});
@@ -137,9 +137,9 @@ void append(std::vector<std::string_view>& to, const std::vector<std::string_vie
   to.insert(to.end(), from.begin(), from.end());
 }
 
-void check_half_denied(Findings& out, const GrantPlace& place, std::size_t at, bool publish) {
+void check_half_denied(LintFindings& out, const GrantPlace& place, std::size_t at, bool publish) {
   const auto& rules = place.grant().rules;
-  const auto half = [](const Rule& rule, bool first) {
+  const auto half = [](const GrantRule& rule, bool first) {
     return texts_of(first ? rule.publish : rule.subscribe);
   };
   HalfDenied lists{half(rules[at], publish), half(rules[at], !publish), {}, {}};
@@ -163,7 +163,7 @@ void check_half_denied(Findings& out, const GrantPlace& place, std::size_t at, b
   out.add(std::move(finding));
 }
 
-void check_denials(Findings& out, const GrantPlace& place) {
+void check_denials(LintFindings& out, const GrantPlace& place) {
   const auto& rules = place.grant().rules;
   int denials = 0;
   for (std::size_t i = 0; i < rules.size(); ++i) {
@@ -182,7 +182,7 @@ std::vector<const GrantEntry*> allowed_in_partitions(const std::vector<GrantEntr
 }
 
 // Cyclone replaces a missing list of a deny rule by the default partition.
-void check_open_denial(Findings& out, const GrantPlace& place,
+void check_open_denial(LintFindings& out, const GrantPlace& place,
                        const std::vector<GrantEntry>& entries) {
   const auto allowed = allowed_in_partitions(entries);
   const auto number_of = [](const GrantEntry* entry) { return entry->rule_number; };
@@ -213,14 +213,15 @@ void check_open_denial(Findings& out, const GrantPlace& place,
   }
 }
 
-bool lists_partitions(const Rule& rule) {
+bool lists_partitions(const GrantRule& rule) {
   const auto listed = [](const Criteria& c) { return c.partitions.has_value(); };
   return std::ranges::any_of(rule.publish, listed) || std::ranges::any_of(rule.subscribe, listed);
 }
 
 // Measured with Cyclone DDS 0.10.2: it creates no topic whose first rule is a deny_rule, and that
 // decision knows no partitions.
-void check_topic_denied_with_partitions(Findings& out, const GrantPlace& place, std::size_t at) {
+void check_topic_denied_with_partitions(LintFindings& out, const GrantPlace& place,
+                                        std::size_t at) {
   const auto& rules = place.grant().rules;
   HalfDenied lists;
   for (std::size_t i = 0; i < rules.size(); ++i) {
@@ -246,7 +247,7 @@ void check_topic_denied_with_partitions(Findings& out, const GrantPlace& place, 
   out.add(std::move(finding));
 }
 
-void check_denied_partitions(Findings& out, const GrantPlace& place) {
+void check_denied_partitions(LintFindings& out, const GrantPlace& place) {
   const auto& rules = place.grant().rules;
   int denials = 0;
   for (std::size_t i = 0; i < rules.size(); ++i) {
@@ -261,13 +262,13 @@ void check_denied_partitions(Findings& out, const GrantPlace& place) {
   }
 }
 
-void check_default(Findings& out, const GrantPlace& place) {
+void check_default(LintFindings& out, const GrantPlace& place) {
   const auto& grant = place.grant();
   if (grant.default_allow)
     out.add(place.about(PERM022,
                         "<default> is ALLOW: every topic that no rule names is allowed, "
                         "also those that were not thought of"));
-  if (std::ranges::any_of(grant.rules, &Rule::allow)) return;
+  if (std::ranges::any_of(grant.rules, &GrantRule::allow)) return;
   auto finding = place.about(PERM023, "there is no allow_rule");
   finding.vendors = {kFastDds};
   out.add(std::move(finding));
@@ -277,10 +278,10 @@ void check_default(Findings& out, const GrantPlace& place) {
 std::vector<DomainRange> domains_that_begin_with_denials(const Grant& grant) {
   std::vector<DomainRange> out;
   for (DomainId id = 0; id <= kMaxDomainId; ++id) {
-    const auto is_for = [id](const Rule& rule) { return rule.domains.contains(id); };
+    const auto is_for = [id](const GrantRule& rule) { return rule.domains.contains(id); };
     const auto first = std::ranges::find_if(grant.rules, is_for);
     if (first == grant.rules.end() || decides_joining(*first)) continue;
-    const auto decides = std::find_if(first, grant.rules.end(), [&](const Rule& rule) {
+    const auto decides = std::find_if(first, grant.rules.end(), [&](const GrantRule& rule) {
       return decides_joining(rule) && is_for(rule);
     });
     if (decides != grant.rules.end() && decides->allow) out.push_back({id, id});
@@ -288,7 +289,7 @@ std::vector<DomainRange> domains_that_begin_with_denials(const Grant& grant) {
   return joined(std::move(out));
 }
 
-void check_joining(Findings& out, const GrantPlace& place) {
+void check_joining(LintFindings& out, const GrantPlace& place) {
   if (place.grant().default_allow) return;
   const auto domains = domains_that_begin_with_denials(place.grant());
   if (domains.empty()) return;
@@ -302,13 +303,13 @@ void check_joining(Findings& out, const GrantPlace& place) {
 
 /// The domains that the deny_rule closes to ddssec's plugins, and in which stock products let the
 /// participant join by some allow_rule (doctor: judge_participant_as).
-std::vector<DomainRange> closed_by(const Grant& grant, const Rule& denial) {
+std::vector<DomainRange> closed_by(const Grant& grant, const GrantRule& denial) {
   std::vector<DomainRange> out;
   for (DomainId id = 0; id <= kMaxDomainId; ++id) {
-    const auto decides = std::ranges::find_if(grant.rules, [id](const Rule& rule) {
+    const auto decides = std::ranges::find_if(grant.rules, [id](const GrantRule& rule) {
       return decides_joining(rule) && rule.domains.contains(id);
     });
-    const bool joins_stock = std::ranges::any_of(grant.rules, [id](const Rule& rule) {
+    const bool joins_stock = std::ranges::any_of(grant.rules, [id](const GrantRule& rule) {
       return rule.allow && rule.domains.contains_for_stock(id);
     });
     if (decides != grant.rules.end() && &*decides == &denial && joins_stock)
@@ -317,7 +318,7 @@ std::vector<DomainRange> closed_by(const Grant& grant, const Rule& denial) {
   return joined(std::move(out));
 }
 
-void check_closed_domains(Findings& out, const GrantPlace& place) {
+void check_closed_domains(LintFindings& out, const GrantPlace& place) {
   const auto& rules = place.grant().rules;
   int denials = 0;
   for (std::size_t i = 0; i < rules.size(); ++i) {
@@ -334,7 +335,7 @@ void check_closed_domains(Findings& out, const GrantPlace& place) {
   }
 }
 
-std::vector<DomainRange> uncovered(const Rule& rule, const Governance& governance) {
+std::vector<DomainRange> uncovered(const GrantRule& rule, const Governance& governance) {
   std::vector<DomainRange> out;
   for (const auto& range : rule.domains.ranges)
     for (auto id = range.first; id <= range.last; ++id)
@@ -342,7 +343,7 @@ std::vector<DomainRange> uncovered(const Rule& rule, const Governance& governanc
   return joined(std::move(out));
 }
 
-void check_domains(Findings& out, const GrantPlace& place, const Governance& governance) {
+void check_domains(LintFindings& out, const GrantPlace& place, const Governance& governance) {
   const auto& rules = place.grant().rules;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     const auto missing = uncovered(rules[i], governance);
@@ -355,7 +356,7 @@ void check_domains(Findings& out, const GrantPlace& place, const Governance& gov
 }
 
 // By the domain rule of the first domain that is covered.
-const DomainRule* domain_rule_for(const Rule& rule, const Governance& governance) {
+const DomainRule* domain_rule_for(const GrantRule& rule, const Governance& governance) {
   for (const auto& range : rule.domains.ranges)
     for (auto id = range.first; id <= range.last; ++id)
       if (const auto* found = governance.find(id)) return found;
@@ -385,7 +386,7 @@ class TopicRules {
   PatternSet patterns_;
 };
 
-void check_topic_rules(Findings& out, const GrantPlace& place, const Governance& governance) {
+void check_topic_rules(LintFindings& out, const GrantPlace& place, const Governance& governance) {
   std::map<const DomainRule*, TopicRules> known;
   for (const auto& entries : place.actions())
     for (const auto& entry : entries) {
@@ -402,7 +403,7 @@ void check_topic_rules(Findings& out, const GrantPlace& place, const Governance&
 
 }  // namespace
 
-void lint_rights(Findings& out, const GrantPlace& place, const Governance* governance) {
+void lint_rights(LintFindings& out, const GrantPlace& place, const Governance* governance) {
   check_expressions(out, place);
   check_unread_conditions(out, place);
   for (const auto& entries : place.actions()) {

@@ -10,7 +10,7 @@
 namespace ddssec::governance {
 namespace {
 
-using enum ddssec::Rule;
+using enum Rule;
 
 constexpr std::string_view kRequest = "Request", kReply = "Reply";
 
@@ -38,7 +38,7 @@ std::optional<std::string> other_half(std::string_view text) {
 }
 
 // Each half must lie within what is allowed in the other direction.
-void check_services(Findings& out, const GrantPlace& place, std::size_t action) {
+void check_services(LintFindings& out, const GrantPlace& place, std::size_t action) {
   std::vector<const GrantEntry*> halves;
   std::vector<std::string> others;
   for (const auto& entry : place.actions()[action]) {
@@ -68,7 +68,7 @@ bool allows(const std::vector<GrantEntry>& entries, std::string_view name) {
   });
 }
 
-void check_discovery(Findings& out, const GrantPlace& place) {
+void check_discovery(LintFindings& out, const GrantPlace& place) {
   constexpr std::string_view kTopic = "ros_discovery_info";
   for (const auto action : {0u, 1u})
     if (!allows(place.actions()[action], kTopic))
@@ -76,7 +76,7 @@ void check_discovery(Findings& out, const GrantPlace& place) {
           PERM032, fmt::format("to {} ros_discovery_info is not allowed", kActionNames[action])));
 }
 
-void check_log_topic(Findings& out, const GrantPlace& place) {
+void check_log_topic(LintFindings& out, const GrantPlace& place) {
   if (allows(place.publish(), "rt/rosout")) return;
   for (const auto& entry : place.publish()) {
     const std::string_view text = entry.topic->text;
@@ -89,7 +89,7 @@ void check_log_topic(Findings& out, const GrantPlace& place) {
 
 }  // namespace
 
-void lint_ros(Findings& out, const GrantPlace& place) {
+void lint_ros(LintFindings& out, const GrantPlace& place) {
   if (!names_ros_topics(place)) return;
   check_services(out, place, 0);
   check_services(out, place, 1);

@@ -23,9 +23,9 @@ Status differs(std::string_view element, std::string former, std::string next, i
                                                  .found = std::move(next)});
 }
 
-template <class Rule, class Value>
-Status check_same(std::string_view element, const Rule& former, const Rule& next,
-                  Value Rule::*value) {
+template <class GrantRule, class Value>
+Status check_same(std::string_view element, const GrantRule& former, const GrantRule& next,
+                  Value GrantRule::*value) {
   if (former.*value == next.*value) return {};
   return differs(element, shown(former.*value), shown(next.*value), next.line);
 }

@@ -168,7 +168,7 @@ struct Criteria {
 };
 
 /// allow_rule or deny_rule.
-struct Rule {
+struct GrantRule {
   bool allow = false;
   DomainSet domains = {};
   std::vector<Criteria> publish = {};
@@ -199,7 +199,7 @@ struct Grant {
   /// name.
   bool subject_has_line_breaks = false;
   Validity validity = {};
-  std::vector<Rule> rules = {};
+  std::vector<GrantRule> rules = {};
   bool default_allow = false;
   int line = 0;
 };

@@ -122,12 +122,12 @@ void note_order(ReadContext& context, XmlElement rule, const XmlChildren& childr
                  "is not in the schema's order: Fast DDS takes it, others may not");
 }
 
-Result<Rule> read_rule(ReadContext& context, XmlElement element) {
+Result<GrantRule> read_rule(ReadContext& context, XmlElement element) {
   constexpr ChildSpec kSpecs[] = {
       {"domains"}, {"publish", Count::many}, {"subscribe", Count::many}, {"relay", Count::many}};
   DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(element, kSpecs));
   note_order(context, element, children);
-  Rule rule{.allow = element.name() == "allow_rule", .line = element.line()};
+  GrantRule rule{.allow = element.name() == "allow_rule", .line = element.line()};
   DDSSEC_ASSIGN_OR_RETURN(rule.domains, read_domains(context, children.one(0)));
   for (const auto& [kind, child] : children.all()) {
     if (kind == 0) continue;

@@ -164,9 +164,9 @@ std::string partitions_of(const Criteria& criteria) {
 }
 
 RefusalAdvice advice_on_endpoint(const CompiledGrant& grant, Action action, const Request& request,
-                                 const Verdict& verdict) {
-  const bool is_denied = verdict.rule != nullptr && !verdict.rule->allow;
-  if (verdict.allowed || is_denied || grant.judge(action, request).allowed) return {};
+                                 const Decision& decision) {
+  const bool is_denied = decision.rule != nullptr && !decision.rule->allow;
+  if (decision.allowed || is_denied || grant.judge(action, request).allowed) return {};
   const auto somewhere = grant.judge_topic(action, request.topic);
   if (!somewhere.allowed || somewhere.criteria == nullptr) return {};
   const Request untagged{.topic = request.topic, .partitions = request.partitions};
@@ -196,9 +196,9 @@ RefusalAdvice advice_on_name(const CompiledGrant& grant, Action action, std::str
 }
 
 RefusalAdvice advice_on(const CompiledGrant& grant, Action action, const Request& request,
-                        const Verdict& verdict) {
-  auto out = advice_on_endpoint(grant, action, request, verdict);
-  if (!out.hint.empty() || verdict.allowed || verdict.rule != nullptr) return out;
+                        const Decision& decision) {
+  auto out = advice_on_endpoint(grant, action, request, decision);
+  if (!out.hint.empty() || decision.allowed || decision.rule != nullptr) return out;
   return advice_on_name(grant, action, request.topic);
 }
 

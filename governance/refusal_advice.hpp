@@ -17,11 +17,11 @@ struct RefusalAdvice {
 /// in \"\")"; empty if in every partition.
 std::string partitions_of(const Criteria& criteria);
 
-/// Advice for an endpoint that `verdict` refuses: whether an allow_rule has its topic, and only its
-/// partitions or data tags do not match. Empty if a deny_rule refuses. Cheap, because a peer may
-/// cause many refusals.
+/// Advice for an endpoint that `decision` refuses: whether an allow_rule has its topic, and only
+/// its partitions or data tags do not match. Empty if a deny_rule refuses. Cheap, because a peer
+/// may cause many refusals.
 RefusalAdvice advice_on_endpoint(const CompiledGrant& grant, Action action, const Request& request,
-                                 const Verdict& verdict);
+                                 const Decision& decision);
 
 /// Advice for a topic that no rule names: whether its name is similar to one in an allow_rule, or
 /// to names that an expression of "*" and "?" there matches (a typo in either, another case, the
@@ -30,6 +30,6 @@ RefusalAdvice advice_on_name(const CompiledGrant& grant, Action action, std::str
 
 /// Both: the second if the first is empty and no rule decided.
 RefusalAdvice advice_on(const CompiledGrant& grant, Action action, const Request& request,
-                        const Verdict& verdict);
+                        const Decision& decision);
 
 }  // namespace ddssec::governance

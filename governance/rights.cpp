@@ -26,10 +26,10 @@ Grant grant_of(std::string name, const pki::Certificate& certificate, const Righ
                Validity validity) {
   const auto rule = [&](bool allow, const auto& publish, const auto& subscribe,
                         const std::vector<std::string>& partitions) {
-    return Rule{.allow = allow,
-                .domains = {.ranges = rights.domains},
-                .publish = criteria_of(publish, partitions),
-                .subscribe = criteria_of(subscribe, partitions)};
+    return GrantRule{.allow = allow,
+                     .domains = {.ranges = rights.domains},
+                     .publish = criteria_of(publish, partitions),
+                     .subscribe = criteria_of(subscribe, partitions)};
   };
   const std::vector<std::string> none;
   Grant grant{.name = std::move(name), .subject_name = certificate.subject(), .validity = validity};

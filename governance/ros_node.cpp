@@ -177,7 +177,7 @@ class NodeRights {
 
 Nodes nodes_of(const Grant& grant) {
   Nodes out;
-  each_topic(grant, [&](const Rule& rule, const std::string& text, bool publish) {
+  each_topic(grant, [&](const GrantRule& rule, const std::string& text, bool publish) {
     if (rule.allow && publish) out.add(text);
   });
   if (grant.default_allow) out.guessed.emplace("/node");
@@ -215,7 +215,7 @@ RosPolicy with_node_defaults(RosPolicy policy) {
 
 bool speaks_of_ros(const Grant& grant) {
   bool out = false;
-  each_topic(grant, [&](const Rule&, std::string_view text, bool) {
+  each_topic(grant, [&](const GrantRule&, std::string_view text, bool) {
     out = out || text == "ros_discovery_info" || text.starts_with("rt/") ||
           text.starts_with("rq/") || text.starts_with("rr/");
   });
@@ -247,7 +247,7 @@ std::optional<Finding> missing_node_defaults(const Permissions& permissions) {
   if (grants == 0) return std::nullopt;
   if (grants > kMaxNamedGrants)
     said += fmt::format("; {} more grants lack such rights", grants - kMaxNamedGrants);
-  return Finding{.rule = ddssec::Rule::PERM040,
+  return Finding{.rule = Rule::PERM040,
                  .message = fmt::format("an rclcpp node would not start: {}", said),
                  .line = line,
                  .path = std::move(path)};

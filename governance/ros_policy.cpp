@@ -121,7 +121,7 @@ using Order = std::vector<Text> (*)(std::vector<Group>);
 
 void add_rule(Grant& grant, bool allow, DomainId domain, std::vector<Text> publish,
               std::vector<Text> subscribe) {
-  Rule rule{.allow = allow, .domains = {.ranges = {{domain, domain}}}};
+  GrantRule rule{.allow = allow, .domains = {.ranges = {{domain, domain}}}};
   if (!publish.empty()) rule.publish.push_back({.topics = std::move(publish)});
   if (!subscribe.empty()) rule.subscribe.push_back({.topics = std::move(subscribe)});
   grant.rules.push_back(std::move(rule));

@@ -149,7 +149,7 @@ void write(Out& out, std::string_view name, const Criteria& criteria) {
   });
 }
 
-void write(Out& out, const Rule& rule) {
+void write(Out& out, const GrantRule& rule) {
   out.element(rule.allow ? "allow_rule" : "deny_rule", [&] {
     write(out, rule.domains);
     for (const auto& criteria : rule.publish) write(out, "publish", criteria);

@@ -174,13 +174,13 @@ class Explainer {
   std::vector<fs::path> folders_, seen_;
 };
 
-enum class Outcome { done, failed, timed_out };
+enum class RunResult { done, failed, timed_out };
 
 /// The alarm survives execvp and the end of this process, so that idlc does not continue after an
 /// interrupted build.
-Outcome run(char* const* command, unsigned seconds) {
+RunResult run(char* const* command, unsigned seconds) {
   const auto child = fork();
-  if (child < 0) return Outcome::failed;
+  if (child < 0) return RunResult::failed;
   if (child == 0) {
     alarm(seconds);
     execvp(command[0], command);
@@ -189,9 +189,10 @@ Outcome run(char* const* command, unsigned seconds) {
   }
   int status = 0;
   while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return Outcome::failed;
-  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM) return Outcome::timed_out;
-  return WIFEXITED(status) && WEXITSTATUS(status) == EXIT_SUCCESS ? Outcome::done : Outcome::failed;
+    if (errno != EINTR) return RunResult::failed;
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM) return RunResult::timed_out;
+  return WIFEXITED(status) && WEXITSTATUS(status) == EXIT_SUCCESS ? RunResult::done
+                                                                  : RunResult::failed;
 }
 
 }  // namespace
@@ -205,8 +206,8 @@ int main(int argc, char** argv) {
   const auto* file = argv[at];
   const auto seconds = static_cast<unsigned>(std::max(1, std::atoi(argv[at + 1])));
   const auto outcome = run(argv + at + 2, seconds);
-  if (outcome == Outcome::done) return EXIT_SUCCESS;
-  if (outcome == Outcome::timed_out)
+  if (outcome == RunResult::done) return EXIT_SUCCESS;
+  if (outcome == RunResult::timed_out)
     std::fprintf(
         stderr,
         "%s: idlc was stopped after %u s: if it hangs on the last change of the file, write "

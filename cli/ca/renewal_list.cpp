@@ -57,8 +57,8 @@ bool give_the_same(const Grant& a, const Grant& b) {
   return a.subject_name == b.subject_name && rights_in(a) == rights_in(b);
 }
 
-std::vector<const governance::Rule*> rules_of(const Grant& grant) {
-  std::vector<const governance::Rule*> out;
+std::vector<const governance::GrantRule*> rules_of(const Grant& grant) {
+  std::vector<const governance::GrantRule*> out;
   for (const auto& rule : grant.rules) out.push_back(&rule);
   return out;
 }

@@ -127,12 +127,12 @@ Status check_identity(const Question& question) {
 }
 
 Ruling by_grant(const Question& question, const governance::CompiledGrant& grant,
-                const governance::Verdict& verdict, std::string_view what) {
-  const auto who = verdict.rule == nullptr ? "no rule decides; the default"
-                   : verdict.allowed       ? "an allow_rule"
-                                           : "a deny_rule";
-  return {verdict.allowed, fmt::format("{}{} of grant \"{}\"", what, who, grant.grant().name),
-          question.folder.paths.permissions, verdict.line(grant.grant())};
+                const governance::Decision& decision, std::string_view what) {
+  const auto who = decision.rule == nullptr ? "no rule decides; the default"
+                   : decision.allowed       ? "an allow_rule"
+                                            : "a deny_rule";
+  return {decision.allowed, fmt::format("{}{} of grant \"{}\"", what, who, grant.grant().name),
+          question.folder.paths.permissions, decision.line(grant.grant())};
 }
 
 // True if the chain verifier of ddssec's plugins would ignore the list.
@@ -280,15 +280,15 @@ Result<Ruling> answer_to(const Question& question) {
   if (!controlled)
     return Ruling{true, "the topic_rule \"" + rule->topic_expression + "\" asks for no permission",
                   file, rule->line};
-  const auto verdict = grant->judge(question.action, question.request);
-  auto out = by_grant(question, *grant, verdict, "");
-  const auto advice = advice_on(*grant, question.action, question.request, verdict);
+  const auto decision = grant->judge(question.action, question.request);
+  auto out = by_grant(question, *grant, decision, "");
+  const auto advice = advice_on(*grant, question.action, question.request, decision);
   if (!advice.because.empty()) out.because += "; " + advice.because;
   // The question names no partition, so the answer must not look as if it covered partitions.
-  if (verdict.allowed && verdict.criteria != nullptr && question.request.partitions.empty())
-    if (const auto where = partitions_of(*verdict.criteria); !where.empty())
+  if (decision.allowed && decision.criteria != nullptr && question.request.partitions.empty())
+    if (const auto where = partitions_of(*decision.criteria); !where.empty())
       out.because += ", but " + where;
-  if (!verdict.allowed) out.hint = !advice.hint.empty() ? advice.hint : way_out(question);
+  if (!decision.allowed) out.hint = !advice.hint.empty() ? advice.hint : way_out(question);
   return out;
 }
 

@@ -286,7 +286,7 @@ Result<pki::Crl> list_to_distribute(const CaPaths& paths, const pki::Certificate
 }
 
 /// The distributed list, and the result.
-struct Outcome {
+struct DistributedList {
   pki::Crl list;
   Distributed done;
 };
@@ -295,8 +295,8 @@ struct Outcome {
 // distributed a newer list, which this command then replaced with an older one. The newer list is
 // in the CA's folder before it is in any other. So it is found there, and distributed after the
 // older one.
-Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallTime now,
-                           const std::vector<fs::path>& folders, bool is_alone) {
+Result<DistributedList> distribute(const CaPaths& paths, const std::string& given, WallTime now,
+                                   const std::vector<fs::path>& folders, bool is_alone) {
   constexpr int kMaxRounds = 16;
   for (int round = 1;; ++round) {
     DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
@@ -307,7 +307,8 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
     if (!is_alone) {
       DDSSEC_ASSIGN_OR_RETURN(present, present_crl(paths));
     }
-    if (!present || present->pem() == list.pem()) return Outcome{std::move(list), std::move(done)};
+    if (!present || present->pem() == list.pem())
+      return DistributedList{std::move(list), std::move(done)};
     if (round == kMaxRounds)
       return fail(Code::crl_older,
                   {.document = paths.crl,

@@ -94,7 +94,7 @@ std::string text_of(const GuidPrefix& prefix, const rtps::ObservedParticipant& p
   return out;
 }
 
-std::string text_of(const rtps::Meeting& meeting, const rtps::Observer& observer) {
+std::string text_of(const rtps::ObservedMeeting& meeting, const rtps::Observer& observer) {
   const auto name = [&](const GuidPrefix& prefix) {
     return name_of(prefix, observer.participants().at(prefix));
   };
@@ -204,7 +204,7 @@ struct Listed<rtps::HandshakeFlow> {
 namespace {
 
 struct Pair {
-  rtps::Meeting meeting;
+  rtps::ObservedMeeting meeting;
   const rtps::Observer* observer;
 
   static constexpr auto fields() {
@@ -214,7 +214,7 @@ struct Pair {
                 {.def = "guid prefix"}),
         made<T>("b", [](const T& one) { return one.meeting.b.to_string(); },
                 {.def = "guid prefix"}),
-        field("state", &T::meeting, &rtps::Meeting::state,
+        field("state", &T::meeting, &rtps::ObservedMeeting::state,
               {.words = "unsecured|apart|under way|authenticated"}),
         made<T>("milliseconds",
                 [](const T& one) {

@@ -325,8 +325,8 @@ struct Listed<governance::Criteria> {
 };
 
 template <>
-struct Listed<governance::Rule> {
-  using T = governance::Rule;
+struct Listed<governance::GrantRule> {
+  using T = governance::GrantRule;
   static constexpr auto fields() {
     constexpr Shown kTheSame{.note = "the same", .same = true};
     // Of DDS-Security 1.2: only where there are some.
@@ -345,7 +345,7 @@ struct Listed<governance::Rule> {
 
 namespace {
 
-std::string text_of(const governance::Rule& rule, std::size_t number) {
+std::string text_of(const governance::GrantRule& rule, std::size_t number) {
   auto out = fmt::format("  {:>2}  {:<5} {}  (line {})\n", number, rule.allow ? "allow" : "deny",
                          shown(rule.domains.ranges), rule.line);
   for (const auto& [action, list] :

@@ -11,9 +11,9 @@ namespace ddssec::cli {
 namespace {
 
 namespace doctor = governance::doctor;
-using doctor::Direction;
-using doctor::Judgement;
 using doctor::Meeting;
+using doctor::PartyDecision;
+using doctor::TopicDirection;
 using doctor::TopicMeeting;
 
 bool works(const TopicMeeting& topic, Wanted wanted) {
@@ -34,7 +34,7 @@ bool works(const TopicMeeting& topic, Wanted wanted) {
 
 std::string_view yes_or_no(bool ok) { return ok ? "ok" : "NO"; }
 
-std::string place_of(const Judgement& judgement) {
+std::string place_of(const PartyDecision& judgement) {
   if (judgement.document.empty()) return {};
   const auto file = std::filesystem::path(judgement.document).filename().string();
   return judgement.line > 0 ? fmt::format(" ({}:{})", file, judgement.line)
@@ -42,7 +42,7 @@ std::string place_of(const Judgement& judgement) {
 }
 
 // "listener accepts talker: ok    talker accepts listener: ok".
-std::string step_line(std::string_view title, const std::vector<Judgement>& judgements,
+std::string step_line(std::string_view title, const std::vector<PartyDecision>& judgements,
                       const MeetingView& view) {
   auto out = fmt::format("{:<17}", title);
   for (const auto& one : judgements)
@@ -60,7 +60,7 @@ std::string mask_of(const governance::DomainRule& rule) {
 
 std::string join_line(const MeetingView& view) {
   const auto& meeting = view.meeting;
-  const bool ok = std::ranges::all_of(meeting.join, &Judgement::ok);
+  const bool ok = std::ranges::all_of(meeting.join, &PartyDecision::ok);
   auto out = fmt::format("{:<17}domain {} {}", "join", view.domain, ok ? "ok (both)" : "NO");
   if (meeting.rules[0] != nullptr && meeting.rules[1] != nullptr)
     out += meeting.differences.empty()
@@ -81,7 +81,7 @@ std::string handshake_line(const MeetingView& view) {
   std::string_view outcome;
   if (!view.meeting.handshake_works)
     outcome = ": NO, if Fast DDS sends it these two products never finish the handshake";
-  else if (!std::ranges::all_of(view.meeting.authentication, &doctor::Judgement::ok))
+  else if (!std::ranges::all_of(view.meeting.authentication, &doctor::PartyDecision::ok))
     outcome = "; the handshake fails (authentication: NO)";
   return fmt::format("{:<17}{}{}\n", "handshake", who, outcome);
 }
@@ -93,7 +93,7 @@ std::string protection_of(const TopicMeeting& topic) {
                      to_string(rule->metadata_protection_kind));
 }
 
-std::string judgement_line(const Judgement& one, const MeetingView& view) {
+std::string judgement_line(const PartyDecision& one, const MeetingView& view) {
   const auto who = one.judge == one.about
                        ? fmt::format("{}, locally", view.names[one.judge])
                        : fmt::format("{} about {}", view.names[one.judge], view.names[one.about]);
@@ -101,16 +101,16 @@ std::string judgement_line(const Judgement& one, const MeetingView& view) {
                      place_of(one));
 }
 
-std::string reason_apart(const Direction& direction, const MeetingView& view);
+std::string reason_apart(const TopicDirection& direction, const MeetingView& view);
 
 // The reason, if the lines below do not give it.
-std::string reason_beside(const Direction& direction, const MeetingView& view) {
+std::string reason_beside(const TopicDirection& direction, const MeetingView& view) {
   const bool is_below = view.explain || view.topics_named || !direction.differences.empty() ||
                         !direction.obstacle.reason.empty();
   return is_below ? std::string() : ": " + reason_apart(direction, view);
 }
 
-std::string direction_text(const TopicMeeting& topic, const Direction& direction,
+std::string direction_text(const TopicMeeting& topic, const TopicDirection& direction,
                            const MeetingView& view) {
   auto out = fmt::format("  {} publishes -> {} subscribes   {}{}\n", view.names[direction.writer],
                          view.names[1 - direction.writer], direction.ok ? "YES" : "NO",
@@ -148,20 +148,20 @@ bool is_idle(const TopicMeeting& topic) {
 // True if the permissions allow the topic in one direction, and something else separates the
 // participants: the protection, or the behaviour of a product.
 bool is_kept_apart(const TopicMeeting& topic) {
-  return is_idle(topic) && std::ranges::any_of(topic.directions, [](const Direction& one) {
+  return is_idle(topic) && std::ranges::any_of(topic.directions, [](const TopicDirection& one) {
            return (!one.differences.empty() || !one.obstacle.reason.empty()) &&
-                  std::ranges::all_of(one.steps, &Judgement::ok);
+                  std::ranges::all_of(one.steps, &PartyDecision::ok);
          });
 }
 
 bool protection_differs(const TopicMeeting& topic) {
-  return std::ranges::any_of(topic.directions, [](const Direction& one) {
-    return !one.differences.empty() && std::ranges::all_of(one.steps, &Judgement::ok);
+  return std::ranges::any_of(topic.directions, [](const TopicDirection& one) {
+    return !one.differences.empty() && std::ranges::all_of(one.steps, &PartyDecision::ok);
   });
 }
 
 // The first reason why a writer and a reader do not match; "" if they do.
-std::string reason_apart(const Direction& direction, const MeetingView& view) {
+std::string reason_apart(const TopicDirection& direction, const MeetingView& view) {
   for (const auto& one : direction.steps) {
     if (one.ok) continue;
     const auto* may = one.operation == "publish" ? "publish" : "subscribe to";
@@ -179,8 +179,8 @@ std::string reason_apart(const Direction& direction, const MeetingView& view) {
 
 // The reason for the direction that comes closest to working.
 std::string reason_apart(const TopicMeeting& topic, const MeetingView& view) {
-  const auto refusals = [](const Direction& one) {
-    return std::ranges::count_if(one.steps, [](const Judgement& step) { return !step.ok; });
+  const auto refusals = [](const TopicDirection& one) {
+    return std::ranges::count_if(one.steps, [](const PartyDecision& step) { return !step.ok; });
   };
   const auto nearest = refusals(topic.directions[1]) < refusals(topic.directions[0]) ? 1 : 0;
   return reason_apart(topic.directions[nearest], view);
@@ -287,7 +287,7 @@ bool MeetingView::talk() const {
 
 ShownJoin MeetingView::join() const {
   ShownJoin out{domain,
-                std::ranges::all_of(meeting.join, &Judgement::ok),
+                std::ranges::all_of(meeting.join, &PartyDecision::ok),
                 meeting.join,
                 meeting.differences,
                 {}};

@@ -22,8 +22,8 @@ enum class Wanted : std::uint8_t {
 inline constexpr std::string_view kSides[] = {"A", "B"}, kSideWords = "A|B";
 
 template <>
-struct Listed<governance::doctor::Judgement> {
-  using T = governance::doctor::Judgement;
+struct Listed<governance::doctor::PartyDecision> {
+  using T = governance::doctor::PartyDecision;
   static constexpr std::string_view kDef = "judgement";
   static constexpr auto fields() {
     return std::tuple(
@@ -50,11 +50,11 @@ struct Listed<governance::doctor::Difference> {
 
 /// The rule that decides a judgement about a topic.
 struct DecidingRule {
-  const governance::doctor::Judgement* by;
+  const governance::doctor::PartyDecision* by;
 
   static constexpr auto fields() {
     using T = DecidingRule;
-    using By = governance::doctor::Judgement;
+    using By = governance::doctor::PartyDecision;
     return std::tuple(
         field("grant", &T::by, &By::grant), field("index", &T::by, &By::rule),
         made<T>("kind",
@@ -69,11 +69,11 @@ struct DecidingRule {
 
 /// A judgement about a topic.
 struct JudgementStep {
-  const governance::doctor::Judgement* by;
+  const governance::doctor::PartyDecision* by;
 
   static constexpr auto fields() {
     using T = JudgementStep;
-    using By = governance::doctor::Judgement;
+    using By = governance::doctor::PartyDecision;
     return std::tuple(
         made<T>("judge", [](const T& one) { return kSides[one.by->judge]; }, {.words = kSideWords}),
         made<T>("about", [](const T& one) { return kSides[one.by->about]; }, {.words = kSideWords}),
@@ -101,7 +101,7 @@ struct ShownDirection {
   static constexpr std::string_view kDef = "direction";
   const MeetingView* view;
   const governance::doctor::TopicMeeting* topic;
-  const governance::doctor::Direction* by;
+  const governance::doctor::TopicDirection* by;
 
   std::vector<JudgementStep> steps() const;
   std::optional<TopicProtection> protection() const;
@@ -111,7 +111,7 @@ struct ShownDirection {
 
   static constexpr auto fields() {
     using T = ShownDirection;
-    using By = governance::doctor::Direction;
+    using By = governance::doctor::TopicDirection;
     constexpr Shown kIfAny{.absent = true};
     return std::tuple(
         made<T>("writer", [](const T& one) { return kSides[one.by->writer]; },
@@ -153,7 +153,7 @@ struct ShownTopic {
 struct ShownJoin {
   DomainId domain;
   bool ok;
-  std::vector<governance::doctor::Judgement> judgements;
+  std::vector<governance::doctor::PartyDecision> judgements;
   std::vector<governance::doctor::Difference> differences;
   std::vector<std::optional<std::string>> masks;
 

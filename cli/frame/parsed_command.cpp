@@ -256,8 +256,8 @@ std::string second_words(std::string_view group) {
   return out;
 }
 
-Request help_request(std::string_view what) {
-  Request out;
+ParsedCommand help_request(std::string_view what) {
+  ParsedCommand out;
   out.help = help_on(what);
   return out;
 }
@@ -271,14 +271,15 @@ std::string command_named(std::span<const std::string> given) {
   return words.empty() || help_on(words[0]).empty() ? std::string() : words[0];
 }
 
-Result<Request> parse(std::span<const std::string> given) {
+Result<ParsedCommand> parse(std::span<const std::string> given) {
   auto words = command_first(given);
   if (!words.empty() && words[0] == "help") {
     words.erase(words.begin());
     words.emplace_back("--help");
   }
   if (words.empty() || words[0].starts_with("-"))
-    return asks_for_help(words) ? Result<Request>(help_request("")) : wrong("no command is given");
+    return asks_for_help(words) ? Result<ParsedCommand>(help_request(""))
+                                : wrong("no command is given");
   const Command* command = find(words[0]);
   std::size_t used = 1;
   if (command == nullptr) {
@@ -291,7 +292,7 @@ Result<Request> parse(std::span<const std::string> given) {
                ? unknown(words[1], commands_like(words))
                : wrong("\"" + words[0] + "\" needs a second word: " + second_words(words[0]));
   CommandLine line(*command);
-  Request out;
+  ParsedCommand out;
   DDSSEC_ASSIGN_OR_RETURN(out.arguments, line.parse(std::span(words).subspan(used)));
   out.command = command;
   return out;

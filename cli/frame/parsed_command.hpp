@@ -9,7 +9,7 @@
 namespace ddssec::cli {
 
 /// The parsed request. `command` null: only print `help`.
-struct Request {
+struct ParsedCommand {
   const Command* command = nullptr;
   Arguments arguments{{}};
   std::string help;
@@ -17,7 +17,7 @@ struct Request {
 
 /// Parses the words after the program's name. Error: usage, with the most similar known word if
 /// there is one.
-Result<Request> parse(std::span<const std::string> words);
+Result<ParsedCommand> parse(std::span<const std::string> words);
 
 /// The command, or the group of commands, that these words begin with; "" if they name none.
 std::string command_named(std::span<const std::string> words);

@@ -25,7 +25,7 @@ std::vector<governance::Text> texts(const std::vector<std::string>& expressions)
 }
 
 governance::Grant grant_from_lists(const ParticipantSpec& spec) {
-  governance::Rule rule{.allow = true, .domains = {.ranges = spec.domains}};
+  governance::GrantRule rule{.allow = true, .domains = {.ranges = spec.domains}};
   const auto partitions =
       spec.partitions.empty() ? std::nullopt : std::optional(texts(spec.partitions));
   if (!spec.publish.empty())

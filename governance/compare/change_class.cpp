@@ -10,14 +10,14 @@ std::string_view to_string(ChangeClass change) {
   return kNames.at(static_cast<std::size_t>(change));
 }
 
-void Direction::add(ChangeClass change) {
+void CombinedChange::add(ChangeClass change) {
   const bool mixed = change == ChangeClass::mixed;
   down_ |= mixed || change == ChangeClass::weaker || change == ChangeClass::wider;
   up_ |= mixed || change == ChangeClass::stronger || change == ChangeClass::narrower;
   unknown_ |= change == ChangeClass::unknown;
 }
 
-ChangeClass Direction::verdict(ChangeClass if_up, ChangeClass if_down) const {
+ChangeClass CombinedChange::change_class(ChangeClass if_up, ChangeClass if_down) const {
   // Whatever else there may be, it cannot make this better or worse.
   if (up_ && down_) return ChangeClass::mixed;
   if (unknown_) return ChangeClass::unknown;

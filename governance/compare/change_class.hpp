@@ -20,17 +20,17 @@ enum class ChangeClass : std::uint8_t {
 std::string_view to_string(ChangeClass change);
 
 /// Combines classes; wider counts as down, narrower as up.
-class Direction {
+class CombinedChange {
  public:
   void add(ChangeClass change);
-  void add(const Direction& other) {
+  void add(const CombinedChange& other) {
     down_ |= other.down_, up_ |= other.up_, unknown_ |= other.unknown_;
   }
   bool down() const { return down_; }
   bool up() const { return up_; }
   bool unknown() const { return unknown_; }
   /// neutral, `if_up`, `if_down`, mixed (also if more is unknown), or unknown.
-  ChangeClass verdict(ChangeClass if_up, ChangeClass if_down) const;
+  ChangeClass change_class(ChangeClass if_up, ChangeClass if_down) const;
 
  private:
   bool down_ = false, up_ = false, unknown_ = false;

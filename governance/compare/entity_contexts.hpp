@@ -15,7 +15,7 @@ namespace ddssec::governance {
 
 /// A publish, subscribe or relay element and its rule.
 struct RuleElement {
-  const Rule* rule;
+  const GrantRule* rule;
   const Criteria* criteria;
 };
 

@@ -272,7 +272,7 @@ class GovernanceComparison {
 
   /// The verdict and the exit code follow from the lines.
   void finish() {
-    Direction direction;
+    CombinedChange direction;
     if (is_unknown_) direction.add(ChangeClass::unknown);
     for (const auto& change : diff_.changes) {
       direction.add(change.element.change);
@@ -281,7 +281,7 @@ class GovernanceComparison {
       const auto& domains = change.scope.domains;
       diff_.flag_day_domains.insert(diff_.flag_day_domains.end(), domains.begin(), domains.end());
     }
-    diff_.verdict = direction.verdict(ChangeClass::stronger, ChangeClass::weaker);
+    diff_.verdict = direction.change_class(ChangeClass::stronger, ChangeClass::weaker);
     diff_.flag_day_domains = joined(std::move(diff_.flag_day_domains));
     diff_.unknown_domains = joined(std::move(diff_.unknown_domains));
     order_by_greatest(diff_.changes, [](const GovernanceChange& change) {

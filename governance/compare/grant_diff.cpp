@@ -15,9 +15,9 @@ namespace {
 using RuleNumbers = std::vector<std::uint32_t>;
 using RegionRules = std::pair<RuleNumbers, RuleNumbers>;
 
-constexpr std::array<Operation, 3> kOperations = {{{"publish", &Rule::publish, true},
-                                                   {"subscribe", &Rule::subscribe, true},
-                                                   {"relay", &Rule::relay, false}}};
+constexpr std::array<Operation, 3> kOperations = {{{"publish", &GrantRule::publish, true},
+                                                   {"subscribe", &GrantRule::subscribe, true},
+                                                   {"relay", &GrantRule::relay, false}}};
 
 RuleNumbers rules_for(const Grant& grant, DomainId domain, std::string_view tag) {
   RuleNumbers numbers;
@@ -33,8 +33,8 @@ RulePointers pointers(const Grant& grant, const RuleNumbers& numbers) {
 }
 
 /// Whether a participant may join, and the deciding rule; as CompiledGrant::judge_participant.
-std::pair<bool, const Rule*> may_join(const Grant& grant, const RulePointers& rules) {
-  for (const Rule* rule : rules)
+std::pair<bool, const GrantRule*> may_join(const Grant& grant, const RulePointers& rules) {
+  for (const GrantRule* rule : rules)
     if (decides_joining(*rule)) return {rule->allow, rule};
   return {grant.default_allow, nullptr};
 }
@@ -160,7 +160,7 @@ class GrantComparison {
 
   void compare_defaults() {
     if (old_.default_allow == new_.default_allow) return;
-    const auto change = by_default_.verdict(ChangeClass::narrower, ChangeClass::wider);
+    const auto change = by_default_.change_class(ChangeClass::narrower, ChangeClass::wider);
     diff_.changes.insert(diff_.changes.begin(),
                          {.element = "default",
                           .change = change,
@@ -175,7 +175,7 @@ class GrantComparison {
   SetLimits limits_;
   bool first_rule_creates_topic_;
   GrantDiff diff_;
-  Direction by_default_;
+  CombinedChange by_default_;
   std::map<Told, std::size_t> told_;  ///< where in diff_.changes
 };
 

@@ -55,7 +55,7 @@ struct PermissionChange {
 
 struct GrantDiff {
   std::vector<PermissionChange> changes = {};
-  Direction direction = {};
+  CombinedChange direction = {};
   /// False: some rules that changed are not listed.
   bool is_complete = true;
   /// False: there are more than kMaxContexts kinds of endpoints; direction is unknown then.

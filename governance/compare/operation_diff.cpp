@@ -13,9 +13,10 @@
 namespace ddssec::governance {
 namespace {
 
-std::vector<RuleElement> elements_of(const RulePointers& rules, std::vector<Criteria> Rule::*list) {
+std::vector<RuleElement> elements_of(const RulePointers& rules,
+                                     std::vector<Criteria> GrantRule::*list) {
   std::vector<RuleElement> elements;
-  for (const Rule* rule : rules) {
+  for (const GrantRule* rule : rules) {
     for (const auto& criteria : rule->*list) elements.push_back({rule, &criteria});
   }
   return elements;
@@ -54,7 +55,7 @@ struct ItemList {
 std::vector<RuleElement> gate_elements(const RulePointers& rules) {
   std::vector<RuleElement> elements;
   std::size_t size = 0;
-  for (const Rule* rule : rules) {
+  for (const GrantRule* rule : rules) {
     for (const auto* list : {&rule->publish, &rule->subscribe})
       for (const auto& criteria : *list) elements.push_back({rule, &criteria});
     if (!rule->allow) size = elements.size();

@@ -9,12 +9,12 @@
 
 namespace ddssec::governance {
 
-using RulePointers = std::vector<const Rule*>;
+using RulePointers = std::vector<const GrantRule*>;
 
 /// "publish", "subscribe" or "relay", and the member of Rule with its elements.
 struct Operation {
   std::string_view name;
-  std::vector<Criteria> Rule::*list;
+  std::vector<Criteria> GrantRule::*list;
   bool has_default;  ///< the grant's default decides where no rule does; else it is denied
 };
 
@@ -33,7 +33,7 @@ struct OperationDiff {
   /// Without subject and scope.
   std::vector<PermissionChange> changes = {};
   /// The change where both defaults decide.
-  Direction by_default = {};
+  CombinedChange by_default = {};
   bool is_complete = true;  ///< false: some rules that changed are not named
   bool is_exact = true;     ///< false: not every kind of endpoint was tried
   bool is_known = true;     ///< false: a limit was reached

@@ -105,7 +105,7 @@ class PermissionsComparison {
     }
     if (options_.map_subjects_by_grant_name) map_subjects();
     for (const auto& subject : subjects_.all) compare_subject(subject);
-    diff_.verdict = direction_.verdict(ChangeClass::narrower, ChangeClass::wider);
+    diff_.verdict = direction_.change_class(ChangeClass::narrower, ChangeClass::wider);
     order_by_greatest(diff_.changes, [](const PermissionChange& change) {
       return std::pair(change.element == "default", change.change);
     });
@@ -131,7 +131,7 @@ class PermissionsComparison {
   SetLimits limits_;
   Subjects subjects_;
   PermissionsDiff diff_;
-  Direction direction_;
+  CombinedChange direction_;
   std::string shown_subject_;
 };
 
@@ -233,12 +233,12 @@ void PermissionsComparison::compare_spelling(const Grant& o, const Grant& n) {
 
 void PermissionsComparison::compare_times(const Subject& subject, const GrantPairs& pairs) {
   const Grant &o = *subject.old_grants[0], &n = *subject.new_grants[0];
-  Direction direction;
+  CombinedChange direction;
   if (!pairs.only_old.empty()) direction.add(ChangeClass::narrower);
   if (!pairs.only_new.empty()) direction.add(ChangeClass::wider);
   if (!direction.up() && !direction.down()) return;
   add({.element = "validity",
-       .change = direction.verdict(ChangeClass::narrower, ChangeClass::wider),
+       .change = direction.change_class(ChangeClass::narrower, ChangeClass::wider),
        .old_value = period(o),
        .new_value = period(n),
        .old_line = o.line,
@@ -277,7 +277,7 @@ void PermissionsComparison::add_rules(const GrantDiff& rules) {
 /// A deny_rule about topics: Cyclone DDS may not let them be created at all.
 bool denies_topics(const Permissions& document) {
   return std::ranges::any_of(document.grants, [](const Grant& grant) {
-    return std::ranges::any_of(grant.rules, [](const Rule& rule) {
+    return std::ranges::any_of(grant.rules, [](const GrantRule& rule) {
       return !rule.allow && (!rule.publish.empty() || !rule.subscribe.empty());
     });
   });

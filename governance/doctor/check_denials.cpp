@@ -48,7 +48,7 @@ constexpr std::string_view kHintOfPartitions =
     "name the partitions that are allowed in an allow_rule, and leave the deny_rule out";
 
 void check_one_way(const DenialScene& scene, const Grant& grant) {
-  const auto is_deny = [](const governance::Rule& rule) { return !rule.allow; };
+  const auto is_deny = [](const governance::GrantRule& rule) { return !rule.allow; };
   const auto outcomes = measured(Variant::grant_deny_one_way, scene.settings.lineup);
   if (std::ranges::none_of(grant.rules, is_deny) || outcomes.all_ok())
     return scene.out.pass(Rule::DOC053);
@@ -77,7 +77,7 @@ void check_one_way(const DenialScene& scene, const Grant& grant) {
   scene.out.pass(Rule::DOC053);
 }
 
-bool denies_partitions(const governance::Rule& rule) {
+bool denies_partitions(const governance::GrantRule& rule) {
   const auto has_partitions = [](const Criteria& criteria) {
     return criteria.partitions.has_value();
   };
@@ -92,9 +92,9 @@ void check_denied_partitions(const DenialScene& scene, const Grant& grant) {
   const CompiledGrant compiled(scene.folder.permissions.model, grant, domain);
   for (const auto& topic : sample_topics(grant))
     for (const auto action : {Action::publish, Action::subscribe}) {
-      const auto verdict = judge_as(Vendor::fastdds, compiled, domain, action, {.topic = topic});
-      const bool is_for_partitions = verdict.criteria != nullptr && verdict.criteria->partitions;
-      if (!is_for_partitions || verdict.rule->allow) continue;
+      const auto decision = judge_as(Vendor::fastdds, compiled, domain, action, {.topic = topic});
+      const bool is_for_partitions = decision.criteria != nullptr && decision.criteria->partitions;
+      if (!is_for_partitions || decision.rule->allow) continue;
       if (!compiled.judge_topic(action, topic).allowed) continue;
       return scene.out.report(
           {.fastdds = Outcome::late},
@@ -104,14 +104,14 @@ void check_denied_partitions(const DenialScene& scene, const Grant& grant) {
                                   grant.name, to_string(action), topic,
                                   name(Vendor::fastdds, scene.settings.lineup)),
            .document = scene.file(),
-           .line = verdict.rule->line,
+           .line = decision.rule->line,
            .hint = std::string(kHintOfPartitions)});
     }
 }
 
 // A deny_rule for this domain that stock products read as one for another domain.
-const governance::Rule* denial_elsewhere(const Grant& grant, DomainId domain) {
-  const auto found = std::ranges::find_if(grant.rules, [&](const governance::Rule& rule) {
+const governance::GrantRule* denial_elsewhere(const Grant& grant, DomainId domain) {
+  const auto found = std::ranges::find_if(grant.rules, [&](const governance::GrantRule& rule) {
     return !rule.allow && rule.domains.contains(domain) && !rule.domains.contains_for_stock(domain);
   });
   return found == grant.rules.end() ? nullptr : &*found;
@@ -162,7 +162,7 @@ bool is_controlled(const DomainRule* domain, Action action, std::string_view top
 void check_rules_of_other_domains(const DenialScene& scene, const Grant& grant) {
   scene.out.pass(Rule::DOC109);
   const auto domain = scene.settings.domain;
-  const auto is_for_others = [&](const governance::Rule& rule) {
+  const auto is_for_others = [&](const governance::GrantRule& rule) {
     return !rule.domains.contains_for_stock(domain);
   };
   if (!scene.folder.governance.model || std::ranges::none_of(grant.rules, is_for_others)) return;

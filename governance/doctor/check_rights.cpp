@@ -262,7 +262,7 @@ std::string why_not_joining(const Grant& grant, const Outcomes& outcomes, Domain
 // governance document does not ask to join (measured with 2.9.1). DOC052 reports it of a grant with
 // <default>ALLOW.
 bool lacks_allow_rule(const Grant& grant) {
-  return !grant.default_allow && std::ranges::none_of(grant.rules, &governance::Rule::allow);
+  return !grant.default_allow && std::ranges::none_of(grant.rules, &governance::GrantRule::allow);
 }
 
 void report_no_allow_rule(const Scene& scene, const Grant& grant) {
@@ -306,7 +306,7 @@ void check_join(const Scene& scene, const Grant& grant, const DomainRule* govern
 void check_default(const Scene& scene, const Grant& grant) {
   auto outcomes = measured(Variant::grant_default_allow, scene.settings.lineup);
   if (!grant.default_allow || outcomes.all_ok()) return scene.out.pass(Rule::DOC052);
-  const bool any_allow = std::ranges::any_of(grant.rules, &governance::Rule::allow);
+  const bool any_allow = std::ranges::any_of(grant.rules, &governance::GrantRule::allow);
   if (!any_allow && outcomes.fastdds == Outcome::late) outcomes.fastdds = Outcome::fail;
   scene.out.report(
       outcomes, {.rule = Rule::DOC052,

@@ -14,7 +14,7 @@
 
 namespace ddssec::governance::doctor {
 
-/// The rule of a finding; a document's rule is governance::Rule.
+/// The rule of a finding; a document's rule is governance::GrantRule.
 using ddssec::Rule;
 
 /// One check, and its outcome for each product.

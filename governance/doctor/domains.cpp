@@ -84,7 +84,7 @@ std::optional<Contradiction> contradiction_of(const LoadedFolder& folder, WallTi
   if (!intersection(out.governed, out.granted).empty()) return std::nullopt;
   out.line_of_governance = folder.governance.model->domain_rules.front().domains.line;
   const auto& rules = grant_of(folder, now)->rules;
-  const auto allows = std::ranges::find(rules, true, &governance::Rule::allow);
+  const auto allows = std::ranges::find(rules, true, &governance::GrantRule::allow);
   out.line_of_permissions = allows == rules.end() ? 0 : allows->domains.line;
   return out;
 }

@@ -77,7 +77,7 @@ void judge_authentication(const MeetingScene& scene, int judge) {
   const auto& self = scene.party(judge);
   const auto& other = scene.party(1 - judge);
   const auto status = judge_certificate(self, other, scene.settings.now);
-  Judgement out{.judge = judge, .about = 1 - judge, .ok = status.has_value()};
+  PartyDecision out{.judge = judge, .about = 1 - judge, .ok = status.has_value()};
   out.document = self.folder.paths.identity_ca.string();
   if (!status) {
     if (is_about_lists(status.error().code())) out.document = self.folder.paths.crl.string();
@@ -194,7 +194,7 @@ std::string why_announced_cas_differ(const Party& judge, const Party& subject) {
       own->name, own->algorithm, judge.name, other->name, other->algorithm, subject.name);
 }
 
-void judge_announced_ca(const MeetingScene& scene, int judge, Judgement& out) {
+void judge_announced_ca(const MeetingScene& scene, int judge, PartyDecision& out) {
   const auto& self = scene.party(judge);
   const auto& other = scene.party(1 - judge);
   out.reason = why_announced_cas_differ(self, other);
@@ -211,7 +211,7 @@ void judge_permissions(const MeetingScene& scene, int judge) {
   const auto& self = scene.party(judge);
   const auto& other = scene.party(1 - judge);
   const auto status = judge_permissions_of(self, other, scene.settings.now);
-  Judgement out{.judge = judge, .about = 1 - judge, .ok = status.has_value()};
+  PartyDecision out{.judge = judge, .about = 1 - judge, .ok = status.has_value()};
   out.document = other.folder.paths.permissions.string();
   if (!status) {
     out.reason = status.error().message();
@@ -237,22 +237,22 @@ void judge_permissions(const MeetingScene& scene, int judge) {
 void judge_join(const MeetingScene& scene, int judge, int about) {
   const auto* rule = scene.out.rules[judge];
   const auto& folder = scene.folder(about);
-  Judgement out{.judge = judge, .about = about, .ok = true};
+  PartyDecision out{.judge = judge, .about = about, .ok = true};
   const auto* grant = scene.grants[about].get();
   if (rule == nullptr) {
     out.ok = false;
     out.document = scene.folder(judge).paths.governance.string();
     out.reason = fmt::format("no <domain_rule> covers domain {}", scene.settings.domain);
   } else if (rule->enable_join_access_control && grant != nullptr) {
-    const auto verdict =
+    const auto decision =
         judge_participant_as(scene.party(judge).vendor, *grant, scene.settings.domain);
-    out.ok = verdict.allowed;
+    out.ok = decision.allowed;
     out.grant = grant->grant().name;
     out.document = folder.paths.permissions.string();
-    out.line = verdict.line(grant->grant());
+    out.line = decision.line(grant->grant());
     out.reason =
         fmt::format("{} rule of grant \"{}\" for domain {}",
-                    verdict.allowed ? "an allow" : "no allow", out.grant, scene.settings.domain);
+                    decision.allowed ? "an allow" : "no allow", out.grant, scene.settings.domain);
     if (!out.ok && judge != about)
       add_finding(scene, Rule::DOC088, out,
                   fmt::format("{} does not let {} join domain {}: {}", scene.party(judge).name,
@@ -364,8 +364,8 @@ void judge_discovery(const MeetingScene& scene, int fast) {
   scene.out.notes.push_back(std::move(finding));
 }
 
-bool all_ok(const std::vector<Judgement>& judgements) {
-  return std::ranges::all_of(judgements, &Judgement::ok);
+bool all_ok(const std::vector<PartyDecision>& judgements) {
+  return std::ranges::all_of(judgements, &PartyDecision::ok);
 }
 
 std::string_view verb(Action action) {
@@ -402,7 +402,7 @@ std::string near_misses(const MeetingScene& scene) {
 
 void report_no_topic(const MeetingScene& scene) {
   // If the permissions allow it, something else separates them and has its own finding.
-  const auto is_allowed = [](const Direction& one) { return all_ok(one.steps); };
+  const auto is_allowed = [](const TopicDirection& one) { return all_ok(one.steps); };
   const bool any = std::ranges::any_of(scene.out.topics, [&](const TopicMeeting& topic) {
     return std::ranges::any_of(topic.directions, is_allowed);
   });
@@ -430,7 +430,7 @@ void report_no_topic(const MeetingScene& scene) {
 
 }  // namespace
 
-void add_finding(const MeetingScene& scene, Rule rule, const Judgement& judgement,
+void add_finding(const MeetingScene& scene, Rule rule, const PartyDecision& judgement,
                  std::string message, std::string hint) {
   scene.out.findings.push_back({.rule = rule,
                                 .message = std::move(message),

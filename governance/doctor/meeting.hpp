@@ -22,7 +22,7 @@ struct Party {
 };
 
 /// The decision of one party on one question, and the deciding line.
-struct Judgement {
+struct PartyDecision {
   int judge = 0;  ///< 0 or 1: index of the party
   int about = 0;  ///< index of the judged participant, possibly the judge itself
   bool ok = false;
@@ -54,10 +54,10 @@ struct Obstacle {
 };
 
 /// One writer and one reader of a topic.
-struct Direction {
+struct TopicDirection {
   int writer = 0;  ///< index of the party
   bool ok = false;
-  std::vector<Judgement> steps = {};
+  std::vector<PartyDecision> steps = {};
   std::vector<Difference> differences = {};
   Obstacle obstacle = {};
 };
@@ -67,7 +67,7 @@ struct TopicMeeting {
   /// The expression in the documents of which `topic` is only an example. Empty: it is the name of
   /// a topic, from the documents or from the caller.
   std::string expression = {};
-  Direction directions[2];  ///< by the writer's index
+  TopicDirection directions[2];  ///< by the writer's index
   /// The rules for the topic, if both documents have one.
   const TopicRule* rules[2] = {};
 };
@@ -78,16 +78,16 @@ enum class Starter : std::uint8_t { first, second, chance };
 
 /// The whole prediction.
 struct Meeting {
-  std::vector<Judgement> start;           ///< whether each participant starts
-  std::vector<Judgement> authentication;  ///< certificates, each by the other
-  std::vector<Judgement> permissions;     ///< permissions documents, each by the other
-  std::vector<Judgement> join;            ///< the domain, each by itself and by the other
-  std::vector<Difference> differences;    ///< governance of the domain
-  const DomainRule* rules[2] = {};        ///< of the domain, if the documents have one
-  std::optional<Starter> starter;         ///< if both certificates can be read
-  bool handshake_works = true;            ///< between these two products
-  bool discovery_works = true;            ///< between these two versions
-  bool properties_fit = true;             ///< set by the caller that can read them, not by meet()
+  std::vector<PartyDecision> start;           ///< whether each participant starts
+  std::vector<PartyDecision> authentication;  ///< certificates, each by the other
+  std::vector<PartyDecision> permissions;     ///< permissions documents, each by the other
+  std::vector<PartyDecision> join;            ///< the domain, each by itself and by the other
+  std::vector<Difference> differences;        ///< governance of the domain
+  const DomainRule* rules[2] = {};            ///< of the domain, if the documents have one
+  std::optional<Starter> starter;             ///< if both certificates can be read
+  bool handshake_works = true;                ///< between these two products
+  bool discovery_works = true;                ///< between these two versions
+  bool properties_fit = true;  ///< set by the caller that can read them, not by meet()
   std::vector<TopicMeeting> topics;
   bool topics_complete = true;    ///< false: there are more topics than were checked
   std::vector<Finding> findings;  ///< reasons why they do not communicate

@@ -65,7 +65,7 @@ void note_places(const MeetingScene& scene, const Party& party, const Diagnosis&
 void judge_start(const MeetingScene& scene, int index) {
   const auto& party = scene.party(index);
   const auto& folder = party.folder;
-  Judgement out{.judge = index, .about = index, .ok = true};
+  PartyDecision out{.judge = index, .about = index, .ok = true};
   if (folder.is_empty()) {
     const auto& other = scene.party(1 - index);
     out.ok = false;

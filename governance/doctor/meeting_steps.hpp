@@ -31,7 +31,7 @@ struct TopicOfInterest {
 };
 
 /// Adds a finding about the place that was judged.
-void add_finding(const MeetingScene& scene, Rule rule, const Judgement& judgement,
+void add_finding(const MeetingScene& scene, Rule rule, const PartyDecision& judgement,
                  std::string message, std::string hint = {});
 
 /// Whether a party starts on its own, and whether the CA has revoked it without its peers knowing.

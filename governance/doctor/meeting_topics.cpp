@@ -69,9 +69,9 @@ std::string in_partitions(const MeetingScene& scene) {
   return (scene.settings.partitions.size() == 1 ? " in partition " : " in partitions ") + out;
 }
 
-Judgement by_grant(const MeetingScene& scene, const Question& question) {
+PartyDecision by_grant(const MeetingScene& scene, const Question& question) {
   const auto& folder = scene.folder(question.about);
-  Judgement out{.judge = question.judge, .about = question.about};
+  PartyDecision out{.judge = question.judge, .about = question.about};
   out.operation = to_string(question.action);
   out.document = folder.paths.permissions.string();
   const auto* compiled = scene.grants[question.about].get();
@@ -84,26 +84,26 @@ Judgement by_grant(const MeetingScene& scene, const Question& question) {
   const std::vector<std::string_view> partitions(asked.begin(), asked.end());
   const Request request{.topic = question.topic, .partitions = partitions};
   const auto judge = question.judge == question.about ? judge_local_as : judge_as;
-  const auto verdict = judge(scene.party(question.judge).vendor, *compiled, scene.settings.domain,
-                             question.action, request);
+  const auto decision = judge(scene.party(question.judge).vendor, *compiled, scene.settings.domain,
+                              question.action, request);
   const auto advice =
-      scene.named ? advice_on(*compiled, question.action, request, verdict) : RefusalAdvice();
+      scene.named ? advice_on(*compiled, question.action, request, decision) : RefusalAdvice();
   out.hint = advice.hint;
   out.grant = grant.name;
-  out.line = verdict.line(grant);
-  out.ok = verdict.allowed;
-  if (verdict.rule == nullptr) {
+  out.line = decision.line(grant);
+  out.ok = decision.allowed;
+  if (decision.rule == nullptr) {
     out.reason =
         fmt::format("no {} rule of grant \"{}\" matches{}, default {}", out.operation, grant.name,
                     in_partitions(scene), grant.default_allow ? "ALLOW" : "DENY");
     if (!advice.because.empty()) out.reason += "; " + advice.because;
     return out;
   }
-  out.rule = static_cast<int>(verdict.rule - grant.rules.data()) + 1;
-  if (verdict.criteria != nullptr)
+  out.rule = static_cast<int>(decision.rule - grant.rules.data()) + 1;
+  if (decision.criteria != nullptr)
     out.expression =
-        matching_expression(scene.party(question.judge).vendor, *verdict.criteria, question.topic);
-  out.is_allow_rule = verdict.rule->allow;
+        matching_expression(scene.party(question.judge).vendor, *decision.criteria, question.topic);
+  out.is_allow_rule = decision.rule->allow;
   out.reason = fmt::format("grant \"{}\" rule {} ({}) {} \"{}\"", grant.name, out.rule,
                            out.is_allow_rule ? "allow" : "deny", out.operation, out.expression);
   if (out.is_allow_rule && !out.ok)
@@ -113,9 +113,9 @@ Judgement by_grant(const MeetingScene& scene, const Question& question) {
 }
 
 // The judge's governance decides whether permissions are checked at all.
-Judgement judge(const MeetingScene& scene, const Question& question) {
+PartyDecision judge(const MeetingScene& scene, const Question& question) {
   const auto* rule = topic_rule(scene, question.judge, question.topic);
-  Judgement out{.judge = question.judge, .about = question.about};
+  PartyDecision out{.judge = question.judge, .about = question.about};
   out.operation = to_string(question.action);
   out.document = scene.folder(question.judge).paths.governance.string();
   if (rule == nullptr) {
@@ -221,8 +221,8 @@ Obstacle obstacle_between(const MeetingScene& scene, const TopicMeeting& topic, 
   return refused_topic(scene, topic, 1 - writer);
 }
 
-Direction meet_in_direction(const MeetingScene& scene, const TopicMeeting& topic, int writer) {
-  Direction out{.writer = writer};
+TopicDirection meet_in_direction(const MeetingScene& scene, const TopicMeeting& topic, int writer) {
+  TopicDirection out{.writer = writer};
   const int reader = 1 - writer;
   for (const auto& question : {Question{writer, writer, Action::publish, topic.topic},
                                Question{reader, writer, Action::publish, topic.topic},
@@ -232,14 +232,15 @@ Direction meet_in_direction(const MeetingScene& scene, const TopicMeeting& topic
   if (topic.rules[0] != nullptr && topic.rules[1] != nullptr)
     out.differences = differences(*topic.rules[0], *topic.rules[1]);
   out.obstacle = obstacle_between(scene, topic, writer);
-  out.ok = scene.out.joined() && std::ranges::all_of(out.steps, &Judgement::ok) &&
+  out.ok = scene.out.joined() && std::ranges::all_of(out.steps, &PartyDecision::ok) &&
            out.differences.empty() && out.obstacle.reason.empty();
   return out;
 }
 
 /// Whether it matters that this direction does not work. If the other one works and neither was
 /// requested, the permissions are probably meant that way.
-bool is_missed(const MeetingScene& scene, const TopicMeeting& topic, const Direction& direction) {
+bool is_missed(const MeetingScene& scene, const TopicMeeting& topic,
+               const TopicDirection& direction) {
   const auto& asked = scene.settings.writes;
   if (direction.ok) return false;
   return asked[0] || asked[1] ? asked[direction.writer]
@@ -337,7 +338,8 @@ void report_differences(const MeetingScene& scene, const TopicMeeting& topic) {
 void report_obstacles(const MeetingScene& scene, const TopicMeeting& topic) {
   for (const auto& direction : topic.directions) {
     const auto& obstacle = direction.obstacle;
-    if (obstacle.reason.empty() || !std::ranges::all_of(direction.steps, &Judgement::ok)) continue;
+    if (obstacle.reason.empty() || !std::ranges::all_of(direction.steps, &PartyDecision::ok))
+      continue;
     auto message = fmt::format("{}: {}", subject_of(topic), obstacle.reason);
     if (std::ranges::find(scene.out.findings, message, &Finding::message) ==
         scene.out.findings.end())

@@ -23,13 +23,13 @@ namespace fs = std::filesystem;
 
 constexpr Outcomes kAll = Outcomes::all(Outcome::fail);
 
-std::string value(const Environment& environment, std::string_view name) {
+std::string value(const RosEnvironment& environment, std::string_view name) {
   const auto found = environment.find(name);
   return found == environment.end() ? "" : found->second;
 }
 
 // These two count only when spelt exactly so.
-void check_word(const Environment& environment, std::string_view name, std::string_view wanted,
+void check_word(const RosEnvironment& environment, std::string_view name, std::string_view wanted,
                 Rule rule, Diagnosis& out) {
   const auto found = value(environment, name);
   if (found == wanted) return out.pass(rule);
@@ -46,7 +46,7 @@ fs::path resolved(const fs::path& path) {
   return error ? path : out;
 }
 
-void check_enclave(const LoadedFolder& folder, const Environment& environment, Diagnosis& out) {
+void check_enclave(const LoadedFolder& folder, const RosEnvironment& environment, Diagnosis& out) {
   const auto keystore = value(environment, "ROS_SECURITY_KEYSTORE");
   const auto name = value(environment, "ROS_SECURITY_ENCLAVE_OVERRIDE");
   const auto report = [&](std::string message) {
@@ -75,7 +75,7 @@ void check_enclave(const LoadedFolder& folder, const Environment& environment, D
 }
 
 // A node runs in the domain of its environment, whatever the documents say.
-void check_domain(const LoadedFolder& folder, const Environment& environment,
+void check_domain(const LoadedFolder& folder, const RosEnvironment& environment,
                   const Settings& settings, Diagnosis& out) {
   const auto found = value(environment, "ROS_DOMAIN_ID");
   const auto domain = node_domain(found).value_or(0);
@@ -92,7 +92,7 @@ void check_domain(const LoadedFolder& folder, const Environment& environment,
                                   named.front().first)});
 }
 
-void check_names(const LoadedFolder& folder, const Environment& environment, Diagnosis& out) {
+void check_names(const LoadedFolder& folder, const RosEnvironment& environment, Diagnosis& out) {
   out.pass(Rule::DOC063);
   if (folder.paths.layout != pki::FolderLayout::sros2)
     out.report(kAll, {.rule = Rule::DOC063,
@@ -135,7 +135,7 @@ std::string reason_without_ours(std::string_view path, const char* library,
 }
 
 // Without ddssec's plugins a node still runs, with the installed ones.
-void check_plugins_of_node(const Environment& environment, Diagnosis& out) {
+void check_plugins_of_node(const RosEnvironment& environment, Diagnosis& out) {
   const auto rmw = value(environment, "RMW_IMPLEMENTATION");
   if (rmw != "rmw_cyclonedds_cpp")
     return out.report(
@@ -175,15 +175,15 @@ void check_plugins_of_node(const Environment& environment, Diagnosis& out) {
 void check_discovery_topic(const LoadedFolder& folder, const CompiledGrant& grant, Diagnosis& out) {
   out.pass(Rule::DOC064);
   for (const auto action : {Action::publish, Action::subscribe}) {
-    const auto verdict = grant.judge(action, {.topic = "ros_discovery_info"});
-    if (!verdict.allowed)
+    const auto decision = grant.judge(action, {.topic = "ros_discovery_info"});
+    if (!decision.allowed)
       out.report(Outcomes::all(Outcome::late),
                  {.rule = Rule::DOC064,
                   .message = fmt::format("grant \"{}\" does not allow to {} ros_discovery_info",
                                          grant.grant().name,
                                          action == Action::publish ? "publish" : "subscribe to"),
                   .document = folder.paths.permissions,
-                  .line = verdict.line(grant.grant())});
+                  .line = decision.line(grant.grant())});
   }
 }
 
@@ -253,8 +253,8 @@ void check_rosout(const LoadedFolder& folder, const CompiledGrant& grant, Diagno
 
 }  // namespace
 
-Environment ros_environment() {
-  Environment out;
+RosEnvironment ros_environment() {
+  RosEnvironment out;
   for (const auto* name :
        {"ROS_SECURITY_ENABLE", "ROS_SECURITY_STRATEGY", "ROS_SECURITY_KEYSTORE",
         "ROS_SECURITY_ENCLAVE_OVERRIDE", "ROS_DOMAIN_ID", "RMW_IMPLEMENTATION", "LD_LIBRARY_PATH"})
@@ -274,8 +274,8 @@ std::optional<DomainId> node_domain(const std::string& ros_domain_id) {
   return static_cast<DomainId>(number);
 }
 
-void check_ros(const LoadedFolder& folder, const Environment& environment, const Settings& settings,
-               Diagnosis& out) {
+void check_ros(const LoadedFolder& folder, const RosEnvironment& environment,
+               const Settings& settings, Diagnosis& out) {
   check_word(environment, "ROS_SECURITY_ENABLE", "true", Rule::DOC060, out);
   check_word(environment, "ROS_SECURITY_STRATEGY", "Enforce", Rule::DOC061, out);
   check_enclave(folder, environment, out);

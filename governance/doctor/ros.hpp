@@ -10,12 +10,12 @@
 namespace ddssec::governance::doctor {
 
 /// Environment variables that are set, by name.
-using Environment = std::map<std::string, std::string, std::less<>>;
+using RosEnvironment = std::map<std::string, std::string, std::less<>>;
 
 /// The variables ROS_SECURITY_ENABLE, ROS_SECURITY_STRATEGY, ROS_SECURITY_KEYSTORE,
 /// ROS_SECURITY_ENCLAVE_OVERRIDE, ROS_DOMAIN_ID, RMW_IMPLEMENTATION and LD_LIBRARY_PATH that are
 /// set in this process.
-Environment ros_environment();
+RosEnvironment ros_environment();
 
 /// The domain of a node that is started with this ROS_DOMAIN_ID, as rcl reads it: octal with a
 /// leading 0, hexadecimal with 0x, and text after the digits is ignored. Domain 0 if it is empty.
@@ -25,8 +25,8 @@ std::optional<DomainId> node_domain(const std::string& ros_domain_id);
 /// Checks whether a node started in this environment uses the folder and ddssec's plugins. Also
 /// checks whether its grant contains the names that ROS 2 needs in settings.domain, or in a domain
 /// of the documents if ROS_DOMAIN_ID is not one of them.
-void check_ros(const LoadedFolder& folder, const Environment& environment, const Settings& settings,
-               Diagnosis& out);
+void check_ros(const LoadedFolder& folder, const RosEnvironment& environment,
+               const Settings& settings, Diagnosis& out);
 
 /// The last part of check_ros(): whether the grant has what a node of ROS 2 needs to start, without
 /// the environment. A grant that names no topic of ROS 2 is not judged.

@@ -49,8 +49,8 @@ bool fits_fastdds(const std::vector<Criteria>& list, Partitions partitions) {
 }
 
 // Without a domain: each rule counts, whatever its domains are.
-Verdict judge_by_rules(Vendor vendor, const CompiledGrant& grant, std::optional<DomainId> domain,
-                       Action action, const Request& request) {
+Decision judge_by_rules(Vendor vendor, const CompiledGrant& grant, std::optional<DomainId> domain,
+                        Action action, const Request& request) {
   constexpr std::array<std::string_view, 1> kDefaultPartition{""};
   const auto partitions =
       request.partitions.empty() ? Partitions(kDefaultPartition) : request.partitions;
@@ -95,9 +95,9 @@ const Criteria* naming(Vendor vendor, const std::vector<Criteria>& list, std::st
   return found == list.end() ? nullptr : &*found;
 }
 
-const governance::Rule* first_rule_naming(const Grant& grant, DomainId domain,
-                                          std::string_view topic) {
-  const auto found = std::ranges::find_if(grant.rules, [&](const Rule& rule) {
+const governance::GrantRule* first_rule_naming(const Grant& grant, DomainId domain,
+                                               std::string_view topic) {
+  const auto found = std::ranges::find_if(grant.rules, [&](const GrantRule& rule) {
     return rule.domains.contains_for_stock(domain) &&
            (naming(Vendor::cyclonedds, rule.publish, topic) != nullptr ||
             naming(Vendor::cyclonedds, rule.subscribe, topic) != nullptr);
@@ -105,15 +105,15 @@ const governance::Rule* first_rule_naming(const Grant& grant, DomainId domain,
   return found == grant.rules.end() ? nullptr : &*found;
 }
 
-Verdict judge_local_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
-                       const Request& request) {
+Decision judge_local_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
+                        const Request& request) {
   if (vendor == Vendor::fastdds)
     return judge_by_rules(vendor, grant, std::nullopt, action, request);
   return judge_as(vendor, grant, domain, action, request);
 }
 
-Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
-                 const Request& request) {
+Decision judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
+                  const Request& request) {
   if (vendor == Vendor::ours) return grant.judge(action, request);
   return judge_by_rules(vendor, grant, domain, action, request);
 }
@@ -124,10 +124,10 @@ Validity validity_as(Vendor vendor, const Validity& validity) {
       validity, vendor == Vendor::cyclonedds ? StockProduct::cyclonedds : StockProduct::fastdds);
 }
 
-Verdict judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain) {
+Decision judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain) {
   if (vendor == Vendor::ours) return grant.judge_participant();
   const auto& rules = grant.grant().rules;
-  const auto found = std::ranges::find_if(rules, [&](const Rule& rule) {
+  const auto found = std::ranges::find_if(rules, [&](const GrantRule& rule) {
     return rule.allow && rule.domains.contains_for_stock(domain);
   });
   if (found != rules.end()) return {true, &*found, nullptr};

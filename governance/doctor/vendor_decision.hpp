@@ -24,27 +24,27 @@ const TopicRule* topic_rule_as(Vendor vendor, const DomainRule& domain, std::str
 
 /// The rule by which Cyclone DDS 0.10 decides whether a topic may be created at all: the first one
 /// for the domain that names it in any direction. Null if none does.
-const governance::Rule* first_rule_naming(const Grant& grant, DomainId domain,
-                                          std::string_view topic);
+const governance::GrantRule* first_rule_naming(const Grant& grant, DomainId domain,
+                                               std::string_view topic);
 
 /// As CompiledGrant::judge, but with the decision of `vendor` in `domain`, and with expressions as
 /// it reads them. Cyclone DDS applies a deny_rule without partitions to the partition "" only. With
 /// Fast DDS the first rule whose topic matches decides, whatever its partitions are: a deny_rule
 /// denies in all of them, and an allow_rule that does not list the partitions denies too; <default>
 /// is DENY. Neither evaluates data tags.
-Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
-                 const Request& request);
+Decision judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
+                  const Request& request);
 
 /// The same for the process that makes the endpoint. Measured with Fast DDS 2.9.1: it ignores the
 /// <domains> of a rule there, and only there.
-Verdict judge_local_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
-                       const Request& request);
+Decision judge_local_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
+                        const Request& request);
 
 /// The validity as the product reads it (as_read.hpp).
 Validity validity_as(Vendor vendor, const Validity& validity);
 
 /// As CompiledGrant::judge_participant. Cyclone DDS and Fast DDS admit a participant by any
 /// allow_rule for the domain, wherever it is; Fast DDS reads <default> as DENY.
-Verdict judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain);
+Decision judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain);
 
 }  // namespace ddssec::governance::doctor

@@ -233,7 +233,7 @@ class Plugin final : public spi::AccessControl {
 
   const Environment environment_;
   const Options options_;
-  const Judgement judgement_;
+  const AccessDecisions judgement_;
   DocumentCache documents_;
   HandleTable handles_;
   std::mutex noting_mutex_;  ///< so that a participant that has left is not noted again

@@ -23,50 +23,50 @@ std::vector<governance::DataTag> data_tags_of(const EndpointRequest& request) {
 
 }  // namespace
 
-Status Judgement::participant(PermissionsHolder& holder) const {
+Status AccessDecisions::participant(PermissionsHolder& holder) const {
   const auto basis = holder.participant()->basis();
   if (!basis->governance->domain_rule().enable_join_access_control) return {};
-  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
-  const auto verdict = grant->judge_participant();
-  if (!verdict.allowed) return std::unexpected(participant_denied(holder, *grant, verdict));
+  DDSSEC_ASSIGN_OR_RETURN(const SharedGrant grant, grant_now(holder));
+  const auto decision = grant->judge_participant();
+  if (!decision.allowed) return std::unexpected(participant_denied(holder, *grant, decision));
   return {};
 }
 
-Status Judgement::topic(PermissionsHolder& holder, std::string_view name) const {
+Status AccessDecisions::topic(PermissionsHolder& holder, std::string_view name) const {
   if (holder.remote()) DDSSEC_RETURN_IF_ERROR(check_topic_length(name));
   const auto& participant = *holder.participant();
   const auto basis = participant.basis();
   const auto* rule = basis->governance->topic_rule(name);
   if (!rule) return std::unexpected(topic_not_covered(participant, name));
   if (!rule->enable_read_access_control || !rule->enable_write_access_control) return {};
-  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
+  DDSSEC_ASSIGN_OR_RETURN(const SharedGrant grant, grant_now(holder));
   const auto publish = grant->judge_topic(Action::publish, name);
   if (publish.allowed || grant->judge_topic(Action::subscribe, name).allowed) return {};
   return std::unexpected(topic_denied(holder, *grant, publish, name));
 }
 
-Status Judgement::endpoint(PermissionsHolder& holder, Action action,
-                           const EndpointRequest& request) const {
+Status AccessDecisions::endpoint(PermissionsHolder& holder, Action action,
+                                 const EndpointRequest& request) const {
   const auto basis = holder.participant()->basis();
   return by(*basis->governance, holder, action, request);
 }
 
-Status Judgement::by(const governance::CompiledGovernance& rules, PermissionsHolder& holder,
-                     Action action, const EndpointRequest& request) const {
+Status AccessDecisions::by(const governance::CompiledGovernance& rules, PermissionsHolder& holder,
+                           Action action, const EndpointRequest& request) const {
   const auto& participant = *holder.participant();
   const auto* rule = rules.topic_rule(request.topic_name);
   if (!rule) return std::unexpected(topic_not_covered(participant, request.topic_name));
   if (!is_access_controlled(*rule, action)) return {};
-  DDSSEC_ASSIGN_OR_RETURN(const Grant grant, grant_now(holder));
+  DDSSEC_ASSIGN_OR_RETURN(const SharedGrant grant, grant_now(holder));
   const auto tags = data_tags_of(request);
-  const auto verdict = grant->judge(action, {request.topic_name, request.partitions, tags});
-  if (!verdict.allowed)
-    return std::unexpected(endpoint_denied(holder, *grant, verdict, action, request));
+  const auto decision = grant->judge(action, {request.topic_name, request.partitions, tags});
+  if (!decision.allowed)
+    return std::unexpected(endpoint_denied(holder, *grant, decision, action, request));
   return {};
 }
 
-Status Judgement::announced(PermissionsHolder& holder, Action action,
-                            const EndpointRequest& request) const {
+Status AccessDecisions::announced(PermissionsHolder& holder, Action action,
+                                  const EndpointRequest& request) const {
   if (holder.remote()) DDSSEC_RETURN_IF_ERROR(check_lengths(request));
   const auto status = endpoint(holder, action, request);
   if (!holder.remote()) return status;
@@ -78,8 +78,8 @@ Status Judgement::announced(PermissionsHolder& holder, Action action,
 }
 
 /// Judged anew by what was announced, since a grant may have ended.
-bool Judgement::may_as_announced(PermissionsHolder& holder, Action action,
-                                 const EndpointRequest& local) const {
+bool AccessDecisions::may_as_announced(PermissionsHolder& holder, Action action,
+                                       const EndpointRequest& local) const {
   const auto announced = holder.announced().of_topic(action, local.topic_name);
   if (announced.empty()) return false;
   const PartitionNames ours(local.partitions);
@@ -91,16 +91,16 @@ bool Judgement::may_as_announced(PermissionsHolder& holder, Action action,
 }
 
 /// Only what a <relay> element allows: a default is not meant for relays.
-bool Judgement::may_relay(PermissionsHolder& holder, const EndpointRequest& request) const {
+bool AccessDecisions::may_relay(PermissionsHolder& holder, const EndpointRequest& request) const {
   const auto grant = grant_now(holder);
   if (!grant) return false;
   const auto tags = data_tags_of(request);
-  const auto verdict =
+  const auto decision =
       (*grant)->judge(Action::relay, {request.topic_name, request.partitions, tags});
-  return verdict.allowed && verdict.criteria;
+  return decision.allowed && decision.criteria;
 }
 
-Result<spi::AccessControl::RemoteDatareader> Judgement::reader(
+Result<spi::AccessControl::RemoteDatareader> AccessDecisions::reader(
     PermissionsHolder& holder, const EndpointRequest& request) const {
   const auto status = announced(holder, Action::subscribe, request);
   if (status) return spi::AccessControl::RemoteDatareader{};
@@ -110,7 +110,7 @@ Result<spi::AccessControl::RemoteDatareader> Judgement::reader(
   return std::unexpected(status.error());
 }
 
-std::optional<spi::AccessControl::RemoteDatareader> Judgement::pending(
+std::optional<spi::AccessControl::RemoteDatareader> AccessDecisions::pending(
     PermissionsHolder& holder, Action action, const EndpointRequest& request) const {
   const auto document = holder.participant()->pending();
   if (!document) return std::nullopt;

@@ -8,13 +8,15 @@
 namespace ddssec::access_control {
 
 /// Thread-safe. Raises no events. Errors: the refusals of refusals.hpp, and why there is no grant.
-class Judgement {
+class AccessDecisions {
  public:
   /// `clock` must outlive this object.
-  Judgement(const Clock& clock, bool accept_relays)
+  AccessDecisions(const Clock& clock, bool accept_relays)
       : clock_(clock), accept_relays_(accept_relays) {}
 
-  Result<Grant> grant_now(PermissionsHolder& holder) const { return holder.grant(clock_.now()); }
+  Result<SharedGrant> grant_now(PermissionsHolder& holder) const {
+    return holder.grant(clock_.now());
+  }
   Status participant(PermissionsHolder& holder) const;
   Status topic(PermissionsHolder& holder, std::string_view name) const;
   Status endpoint(PermissionsHolder& holder, governance::Action action,

@@ -57,17 +57,17 @@ bool PermissionsDocument::has_grant_for(const pki::SubjectName& subject) const {
                              [&](const auto& grant) { return governance::is_for(grant, subject); });
 }
 
-Result<Grant> PermissionsDocument::grant_for(const pki::SubjectName& subject,
-                                             std::string_view shown, DomainId domain,
-                                             const std::string& tag, WallTime now) {
+Result<SharedGrant> PermissionsDocument::grant_for(const pki::SubjectName& subject,
+                                                   std::string_view shown, DomainId domain,
+                                                   const std::string& tag, WallTime now) {
   DDSSEC_RETURN_IF_ERROR(check_signer(now));
   DDSSEC_ASSIGN_OR_RETURN(const governance::Grant* grant,
                           governance::find_grant(*permissions_, subject, shown, now));
   return compiled(*grant, domain, tag);
 }
 
-Grant PermissionsDocument::compiled(const governance::Grant& grant, DomainId domain,
-                                    const std::string& tag) {
+SharedGrant PermissionsDocument::compiled(const governance::Grant& grant, DomainId domain,
+                                          const std::string& tag) {
   const std::lock_guard lock(mutex_);
   const std::tuple key(&grant, domain, tag);
   if (compiled_.size() >= kMaxCompiled && !compiled_.contains(key)) compiled_.clear();

@@ -43,7 +43,7 @@ class PermissionsCa {
 };
 
 /// A compiled grant.
-using Grant = std::shared_ptr<const governance::CompiledGrant>;
+using SharedGrant = std::shared_ptr<const governance::CompiledGrant>;
 
 /// A permissions document whose signature was verified. Thread-safe.
 class PermissionsDocument {
@@ -53,8 +53,8 @@ class PermissionsDocument {
   /// The grant of the subject that is valid at `now`. Compiled at most once for each domain and
   /// domain tag. Errors: those of governance::find_grant, and certificate_expired or
   /// certificate_not_yet_valid for the CA certificate that signed.
-  Result<Grant> grant_for(const pki::SubjectName& subject, std::string_view shown, DomainId domain,
-                          const std::string& tag, WallTime now);
+  Result<SharedGrant> grant_for(const pki::SubjectName& subject, std::string_view shown,
+                                DomainId domain, const std::string& tag, WallTime now);
   /// True if it has a grant for the subject, whatever its validity.
   bool has_grant_for(const pki::SubjectName& subject) const;
   /// Success while the signer's certificate is valid. Errors: certificate_expired,
@@ -71,7 +71,7 @@ class PermissionsDocument {
   /// The number of compiled grants that are stored; with more subjects, grants are compiled again.
   static constexpr std::size_t kMaxCompiled = 64;
 
-  Grant compiled(const governance::Grant& grant, DomainId domain, const std::string& tag);
+  SharedGrant compiled(const governance::Grant& grant, DomainId domain, const std::string& tag);
 
   std::shared_ptr<const governance::Permissions> permissions_;
   WallTime signer_not_before_;
@@ -80,7 +80,7 @@ class PermissionsDocument {
   std::optional<WallTime> signing_time_;
   governance::PartitionMatch partition_match_ = governance::PartitionMatch::all;
   mutable std::mutex mutex_;
-  std::map<std::tuple<const governance::Grant*, DomainId, std::string>, Grant> compiled_;
+  std::map<std::tuple<const governance::Grant*, DomainId, std::string>, SharedGrant> compiled_;
 };
 
 /// Cache of verified permissions documents, by their octets and the CA. Bounded; the least recently

@@ -16,7 +16,7 @@ namespace ddssec::access_control {
 /// A grant and its document.
 struct GrantOfDocument {
   std::shared_ptr<PermissionsDocument> document;
-  Grant grant;
+  SharedGrant grant;
 };
 
 /// The end of the grant, or of the signer's certificate if that ends before.

@@ -15,7 +15,7 @@ Sha256Digest digest_of_file(std::string_view text) {
   return sha256(as_bytes(text.empty() ? kNone : text));
 }
 
-bool is_over(const Grant& grant, const PermissionsDocument& document, WallTime now) {
+bool is_over(const SharedGrant& grant, const PermissionsDocument& document, WallTime now) {
   return now >= grant->grant().validity.not_after || now > document.signer_not_after();
 }
 
@@ -40,8 +40,8 @@ Status check_signed_later(const PermissionsDocument& former, const PermissionsDo
                        "--replace"});
 }
 
-// Some tools end a file with a NUL. It is not part of what is signed, and hosts whose texts end at a
-// NUL cannot send it.
+// Some tools end a file with a NUL. It is not part of what is signed, and hosts whose texts end at
+// a NUL cannot send it.
 std::string without_trailing_nul(std::string text) {
   if (text.ends_with('\0')) text.pop_back();
   return text;
@@ -80,7 +80,7 @@ std::shared_ptr<PermissionsDocument> PermissionsHolder::document() const {
   return document_;
 }
 
-Result<Grant> PermissionsHolder::grant_in(PermissionsDocument& document, WallTime now) const {
+Result<SharedGrant> PermissionsHolder::grant_in(PermissionsDocument& document, WallTime now) const {
   return document.grant_for(subject_.name, subject_.shown, participant_->domain,
                             participant_->domain_tag, now);
 }
@@ -96,7 +96,7 @@ Status PermissionsHolder::check_signer(const PermissionsDocument& document) cons
 }
 
 /// The lock is held.
-Result<Grant> PermissionsHolder::presented_grant(WallTime now) {
+Result<SharedGrant> PermissionsHolder::presented_grant(WallTime now) {
   if (const auto ca = participant_->basis()->ca; remote_ && ca != accepted_by_) {
     DDSSEC_RETURN_IF_ERROR(check_signer(*document_));
     accepted_by_ = ca;
@@ -121,7 +121,7 @@ Status PermissionsHolder::check_extension(WallTime now) const {
 }
 
 /// The lock is held. The extension may give more, so it decides only for how long.
-Result<Grant> PermissionsHolder::valid_grant(WallTime now) {
+Result<SharedGrant> PermissionsHolder::valid_grant(WallTime now) {
   if (!document_) return fail(Code::peer_has_no_permissions);
   if (!extension_) return presented_grant(now);
   const auto status = check_extension(now);
@@ -130,7 +130,7 @@ Result<Grant> PermissionsHolder::valid_grant(WallTime now) {
   return std::unexpected(status.error().in(document_name_));
 }
 
-Result<Grant> PermissionsHolder::grant(WallTime now) {
+Result<SharedGrant> PermissionsHolder::grant(WallTime now) {
   const std::lock_guard lock(mutex_);
   return valid_grant(now);
 }
@@ -216,7 +216,7 @@ void PermissionsHolder::look_at_list_now() {
 
 /// The lock is held.
 Status PermissionsHolder::check_follows(const PermissionsDocument& document,
-                                        const Grant& renewed) const {
+                                        const SharedGrant& renewed) const {
   // The host has cut the participant off, and keeps to that.
   if (reported_)
     return fail(Code::permissions_renewal_refused, {.note = "the participant has ended"});
@@ -274,7 +274,7 @@ std::optional<GrantOfDocument> PermissionsHolder::extension_of(const GrantOfDocu
 
 /// The lock is held. True if the peer announced something that its permissions do not allow, and
 /// these do.
-bool PermissionsHolder::are_wanted(const Grant& others) const {
+bool PermissionsHolder::are_wanted(const SharedGrant& others) const {
   return std::ranges::any_of(denied_.all(), [&](const AnnouncedEndpoints::One& one) {
     std::vector<governance::DataTag> tags;
     for (const auto& tag : one->data_tags) tags.push_back({tag.name, tag.value});

@@ -93,7 +93,7 @@ class PermissionsHolder {
   /// the same document takes over; a peer's only if it gives the same: else the peer ends, and what
   /// it may have is judged when it comes again. Errors: those of PermissionsDocument::grant_for,
   /// peer_has_no_permissions, permissions_ca_withdrawn.
-  Result<Grant> grant(WallTime now);
+  Result<SharedGrant> grant(WallTime now);
 
   /// When the grant found last ends, if it was not reported as ended.
   std::optional<WallTime> ends() const;
@@ -117,15 +117,15 @@ class PermissionsHolder {
 
   Status check_signer(const PermissionsDocument& document) const;
   Status check_extension(WallTime now) const;
-  Result<Grant> presented_grant(WallTime now);
-  Result<Grant> valid_grant(WallTime now);
+  Result<SharedGrant> presented_grant(WallTime now);
+  Result<SharedGrant> valid_grant(WallTime now);
   std::optional<WallTime> last_end() const;
   std::shared_ptr<PermissionsDocument> document() const;
   GrantOfDocument presented(const std::optional<Sha256Digest>& digest) const;
-  Result<Grant> grant_in(PermissionsDocument& document, WallTime now) const;
-  Status check_follows(const PermissionsDocument& document, const Grant& renewed) const;
+  Result<SharedGrant> grant_in(PermissionsDocument& document, WallTime now) const;
+  Status check_follows(const PermissionsDocument& document, const SharedGrant& renewed) const;
   std::optional<Error> outlived(WallTime now);
-  bool are_wanted(const Grant& others) const;
+  bool are_wanted(const SharedGrant& others) const;
   std::optional<GrantOfDocument> extension_of(const GrantOfDocument& presented,
                                               bool only_by_the_same, WallTime now) const;
 
@@ -148,7 +148,7 @@ class PermissionsHolder {
   std::vector<Former> former_;
   std::uint64_t renewals_ = 0;
   std::shared_ptr<const PermissionsCa> accepted_by_;  ///< of a peer: what it presented
-  Grant grant_;
+  SharedGrant grant_;
   bool reported_ = false;
   spi::EndWarning warning_;
 };

@@ -9,7 +9,7 @@ namespace {
 
 using governance::Action;
 using governance::CompiledGrant;
-using governance::Verdict;
+using governance::Decision;
 
 /// Keeps names in events short, whatever a peer sends.
 std::string shortened(std::string_view text) {
@@ -44,15 +44,15 @@ std::string hint_about_peer(const PermissionsHolder& holder, Code code,
 
 /// The refusal by a deny_rule or by the grant's default.
 Error denied(Code code, const PermissionsHolder& holder, const CompiledGrant& grant,
-             const Verdict& verdict, std::string expected,
+             const Decision& decision, std::string expected,
              const governance::RefusalAdvice& advice = {}) {
   return Error(
       code, {.document = holder.document_name(),
-             .line = verdict.line(grant.grant()),
-             .field = verdict.rule ? "<deny_rule>" : "<default>",
+             .line = decision.line(grant.grant()),
+             .field = decision.rule ? "<deny_rule>" : "<default>",
              .expected = std::move(expected),
-             .found = verdict.rule ? "a deny_rule that matches first"
-                                   : "no rule that matches, and the default DENY",
+             .found = decision.rule ? "a deny_rule that matches first"
+                                    : "no rule that matches, and the default DENY",
              .note = fmt::format(
                  "{}grant \"{}\" of {}{}{}", holder.remote() ? "the peer's own permissions, " : "",
                  shortened(grant.grant().name), shortened(grant.grant().subject_name),
@@ -82,7 +82,8 @@ Error topic_not_covered(const LocalParticipant& participant, std::string_view to
 }
 
 Error endpoint_denied(const PermissionsHolder& holder, const CompiledGrant& grant,
-                      const Verdict& verdict, Action action, const spi::EndpointRequest& request) {
+                      const Decision& decision, Action action,
+                      const spi::EndpointRequest& request) {
   const Code code =
       action == Action::publish ? Code::publish_not_allowed : Code::subscribe_not_allowed;
   std::vector<governance::DataTag> tags;
@@ -90,10 +91,10 @@ Error endpoint_denied(const PermissionsHolder& holder, const CompiledGrant& gran
   const governance::Request asked{request.topic_name, request.partitions, tags};
   // Names are compared only in local permissions: with a peer's own permissions, the peer could
   // make that as expensive as it likes.
-  const auto advice = holder.remote() ? advice_on_endpoint(grant, action, asked, verdict)
-                                      : advice_on(grant, action, asked, verdict);
+  const auto advice = holder.remote() ? advice_on_endpoint(grant, action, asked, decision)
+                                      : advice_on(grant, action, asked, decision);
   const auto refusal =
-      denied(code, holder, grant, verdict,
+      denied(code, holder, grant, decision,
              fmt::format("an allow_rule to {} {}", to_string(action), shown(request)), advice);
   return holder.remote() ? as_announced(refusal, action) : refusal;
 }
@@ -112,19 +113,19 @@ Error match_denied(const Error& why, Action action, const spi::AccessControl::Ma
 }
 
 Error topic_denied(const PermissionsHolder& holder, const CompiledGrant& grant,
-                   const Verdict& verdict, std::string_view topic) {
+                   const Decision& decision, std::string_view topic) {
   governance::RefusalAdvice advice;
-  if (!holder.remote() && verdict.rule == nullptr) {
+  if (!holder.remote() && decision.rule == nullptr) {
     advice = advice_on_name(grant, Action::publish, topic);
     if (advice.hint.empty()) advice = advice_on_name(grant, Action::subscribe, topic);
   }
-  return denied(Code::topic_not_allowed, holder, grant, verdict,
+  return denied(Code::topic_not_allowed, holder, grant, decision,
                 fmt::format("an allow_rule for topic \"{}\"", shortened(topic)), advice);
 }
 
 Error participant_denied(const PermissionsHolder& holder, const CompiledGrant& grant,
-                         const Verdict& verdict) {
-  return denied(Code::participant_not_allowed, holder, grant, verdict,
+                         const Decision& decision) {
+  return denied(Code::participant_not_allowed, holder, grant, decision,
                 "an allow_rule as the first rule for " +
                     governance::describe_domain(holder.participant()->domain,
                                                 holder.participant()->domain_tag));

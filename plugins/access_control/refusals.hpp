@@ -23,7 +23,7 @@ Error topic_not_covered(const LocalParticipant& participant, std::string_view to
 /// for an endpoint announced in a peer's name, announced_writer_not_allowed,
 /// announced_reader_not_allowed.
 Error endpoint_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
-                      const governance::Verdict& verdict, governance::Action action,
+                      const governance::Decision& decision, governance::Action action,
                       const spi::EndpointRequest& request);
 /// The peer's permissions do not allow the keys of a match, for the reason `why`. Code
 /// match_not_permitted.
@@ -31,9 +31,9 @@ Error match_denied(const Error& why, governance::Action action,
                    const spi::AccessControl::Match& match);
 /// The grant allows neither to publish nor to subscribe to the topic. Code topic_not_allowed.
 Error topic_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
-                   const governance::Verdict& verdict, std::string_view topic);
+                   const governance::Decision& decision, std::string_view topic);
 /// The grant does not let the participant join the domain. Code participant_not_allowed.
 Error participant_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
-                         const governance::Verdict& verdict);
+                         const governance::Decision& decision);
 
 }  // namespace ddssec::access_control

@@ -30,7 +30,8 @@ struct PairHandshake {
   std::chrono::nanoseconds since;
   /// Memory share of the peer's request, until the handshake is established.
   UnprovenOctets::Share unproven = {};
-  std::optional<Offer> offer = {};  ///< the last one to the peer, once the handshake is established
+  std::optional<RenewalOffer> offer =
+      {};  ///< the last one to the peer, once the handshake is established
 };
 
 /// A remote participant as one local participant knows it. Lock order: a pair's mutex before the

@@ -38,7 +38,7 @@ spi::Token answer_to(const Sha256Digest& digest) {
 }  // namespace
 
 Result<std::optional<spi::Token>> next_offer(const Established& session, const LocalIdentity& local,
-                                             std::optional<Offer>& last, WallTime now) {
+                                             std::optional<RenewalOffer>& last, WallTime now) {
   auto own = local.presented();
   if (own == session.own) return std::nullopt;
   const bool is_new = !last || last->documents != own;
@@ -53,7 +53,7 @@ Result<std::optional<spi::Token>> next_offer(const Established& session, const L
   if (const auto ocsp = local.ocsp_response_for(own->certificate, now))
     add_field(offer, kOcspStatus.name, ocsp->octets);
   add_field(offer, kSignature.name, signature);
-  if (is_new) last = Offer{std::move(own), sha256(octets)};
+  if (is_new) last = RenewalOffer{std::move(own), sha256(octets)};
   ++last->times;
   return offer;
 }
@@ -73,7 +73,7 @@ Result<JudgedOffer> judge_offer(const Established& session, const spi::Token& of
   return JudgedOffer{std::move(peer), answer_to(sha256(octets))};
 }
 
-Status check_answer(const std::optional<Offer>& offer, const spi::Token& answer) {
+Status check_answer(const std::optional<RenewalOffer>& offer, const spi::Token& answer) {
   DDSSEC_ASSIGN_OR_RETURN(const auto fields, TokenFields::of(answer, TokenClass::renewal_taken));
   DDSSEC_ASSIGN_OR_RETURN(const auto digest, fields.required(kDigest));
   if (offer && std::ranges::equal(digest, offer->digest)) return {};

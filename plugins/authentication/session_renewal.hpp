@@ -7,7 +7,7 @@
 namespace ddssec::authentication {
 
 /// What one side of a session presents anew.
-struct Offer {
+struct RenewalOffer {
   std::shared_ptr<const Presented> documents;
   Sha256Digest digest;  ///< of what its signature covers
   int times = 0;        ///< how often it was sent
@@ -17,7 +17,7 @@ struct Offer {
 /// made with what `local` presents now, or if that was offered as often as is sensible. Errors of
 /// pki::sign.
 Result<std::optional<spi::Token>> next_offer(const Established& session, const LocalIdentity& local,
-                                             std::optional<Offer>& last, WallTime now);
+                                             std::optional<RenewalOffer>& last, WallTime now);
 
 /// An offer of the peer that was found to be genuine.
 struct JudgedOffer {
@@ -36,6 +36,6 @@ Result<JudgedOffer> judge_offer(const Established& session, const spi::Token& of
                                 const Guid& guid, const OfferRules& rules);
 
 /// Success if `answer` is to that offer. Errors: those of TokenFields, unexpected_message.
-Status check_answer(const std::optional<Offer>& offer, const spi::Token& answer);
+Status check_answer(const std::optional<RenewalOffer>& offer, const spi::Token& answer);
 
 }  // namespace ddssec::authentication

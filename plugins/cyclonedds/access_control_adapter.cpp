@@ -99,12 +99,12 @@ DDS_Security_boolean check_create_participant(Instance* instance, const CPermiss
 struct WriterCalls {
   static constexpr auto kCheck = &spi::AccessControl::check_create_datawriter;
   static constexpr auto kAttributes = &spi::AccessControl::datawriter_sec_attributes;
-  static constexpr auto kDirection = Direction::writes;
+  static constexpr auto kDirection = EndpointDirection::writes;
 };
 struct ReaderCalls {
   static constexpr auto kCheck = &spi::AccessControl::check_create_datareader;
   static constexpr auto kAttributes = &spi::AccessControl::datareader_sec_attributes;
-  static constexpr auto kDirection = Direction::reads;
+  static constexpr auto kDirection = EndpointDirection::reads;
 };
 
 /// What the host's call says about a local endpoint, besides its question.
@@ -122,7 +122,7 @@ Status check_create_endpoint(Adapter& adapter, const LocalEndpoint& endpoint,
   auto& engine = adapter.engine();
   DDSSEC_RETURN_IF_ERROR((engine.*Calls::kCheck)(local, endpoint.domain_id, request));
   DDSSEC_ASSIGN_OR_RETURN(const auto attributes, (engine.*Calls::kAttributes)(local, request));
-  constexpr bool kIsWriter = Calls::kDirection == Direction::writes;
+  constexpr bool kIsWriter = Calls::kDirection == EndpointDirection::writes;
   DDSSEC_RETURN_IF_ERROR(
       refuse_what_nothing_guards(adapter, local, request, attributes, kIsWriter));
   return refuse_what_shared_memory_exposes(adapter, local, request.topic_name, endpoint.qos,
@@ -288,7 +288,7 @@ Status tell_attributes(Adapter& adapter, const CPermissions handle,
                        DDS_Security_EndpointSecurityAttributes& attributes) {
   DDSSEC_ASSIGN_OR_RETURN(const auto found,
                           (adapter.engine().*Calls::kAttributes)(permissions(handle), request));
-  constexpr bool kWrites = Calls::kDirection == Direction::writes;
+  constexpr bool kWrites = Calls::kDirection == EndpointDirection::writes;
   auto& endpoints = adapter.endpoints();
   // First: nothing that the host would have to free exists if there is no memory for it.
   if (!found.is_builtin) endpoints.add(&attributes, permissions(handle), kWrites, request);

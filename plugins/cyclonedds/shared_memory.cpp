@@ -72,7 +72,7 @@ Result<std::optional<Bypass>> find_bypass(const char* mappings_file) {
 
 std::string promise_for_samples(const spi::ParticipantSecurityAttributes& participant,
                                 const spi::EndpointSecurityAttributes& endpoint,
-                                Direction direction) {
+                                EndpointDirection direction) {
   const auto kind = [](std::string_view element, spi::ProtectionKind value) {
     return std::string(element) + ' ' + std::string(spi::to_string(value));
   };
@@ -80,9 +80,9 @@ std::string promise_for_samples(const spi::ParticipantSecurityAttributes& partic
   if (endpoint.is_submessage_protected())
     return kind("metadata_protection_kind", endpoint.submessage);
   if (participant.is_rtps_protected()) return kind("rtps_protection_kind", participant.rtps);
-  if (direction == Direction::writes && endpoint.topic.is_read_protected)
+  if (direction == EndpointDirection::writes && endpoint.topic.is_read_protected)
     return "enable_read_access_control true";
-  if (direction == Direction::reads && endpoint.topic.is_write_protected)
+  if (direction == EndpointDirection::reads && endpoint.topic.is_write_protected)
     return "enable_write_access_control true";
   return {};
 }

@@ -32,13 +32,13 @@ std::optional<std::string> iceoryx_segment(std::string_view mappings);
 Result<std::optional<Bypass>> find_bypass(const char* mappings_file = "/proc/self/maps");
 
 /// The direction of a local endpoint; access control of the opposite direction is what counts.
-enum class Direction : std::uint8_t { writes, reads };
+enum class EndpointDirection : std::uint8_t { writes, reads };
 
 /// The protection of the endpoint's samples that governance demands and shared memory would not
 /// provide, such as "data_protection_kind ENCRYPT"; empty if there is none.
 std::string promise_for_samples(const spi::ParticipantSecurityAttributes& participant,
                                 const spi::EndpointSecurityAttributes& endpoint,
-                                Direction direction);
+                                EndpointDirection direction);
 
 /// The check for one domain. Cyclone DDS sets up shared memory with the domain, before it loads a
 /// plugin. So one probe is enough; it is made for the first endpoint that needs it. Thread-safe.

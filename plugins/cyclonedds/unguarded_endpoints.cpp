@@ -32,7 +32,7 @@ Status refuse_what_shared_memory_exposes(AccessControlAdapter& adapter,
                                          spi::PermissionsHandle handle, std::string_view topic,
                                          const DDS_Security_Qos* qos,
                                          const spi::EndpointSecurityAttributes& endpoint,
-                                         Direction direction) {
+                                         EndpointDirection direction) {
   auto& guard = adapter.shared_memory();
   if (guard.is_allowed(handle)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto participant,

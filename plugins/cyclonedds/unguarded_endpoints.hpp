@@ -27,6 +27,6 @@ Status refuse_what_shared_memory_exposes(AccessControlAdapter& adapter,
                                          spi::PermissionsHandle handle, std::string_view topic,
                                          const DDS_Security_Qos* qos,
                                          const spi::EndpointSecurityAttributes& endpoint,
-                                         Direction direction);
+                                         EndpointDirection direction);
 
 }  // namespace ddssec::cyclonedds

@@ -91,7 +91,7 @@ class BuiltinDataReader final
   Status check_unused() const override {
     return precondition_not_met("reader", "one that was created", "a builtin one");
   }
-  Result<std::size_t> fill(const Query& query, std::vector<BuiltinSample<T>>& out) {
+  Result<std::size_t> fill(const SampleQuery& query, std::vector<BuiltinSample<T>>& out) {
     std::vector<OctetSample> raw;
     out.clear();
     if (auto found = access(query, raw); !found) return found;

@@ -74,11 +74,11 @@ Status AnyDataReader::check_unused() const {
                               std::to_string(conditions_.size()));
 }
 
-Result<std::size_t> AnyDataReader::access(const Query& query, std::vector<OctetSample>& out) {
+Result<std::size_t> AnyDataReader::access(const SampleQuery& query, std::vector<OctetSample>& out) {
   const auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
   DDSSEC_RETURN_IF_ERROR(subscriber().check_access());
-  const bool of_instance = query.scope == Query::Scope::instance;
+  const bool of_instance = query.scope == SampleQuery::Scope::instance;
   if (of_instance && reception_.cache().key_value(query.instance) == nullptr)
     return no_such_instance();
   const auto before = out.size();

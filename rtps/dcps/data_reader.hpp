@@ -39,7 +39,7 @@ class AnyDataReader : public Endpoint {
   /// Appends the samples that match the query to `out` and returns their number. Errors:
   /// rtps_not_enabled, rtps_bad_parameter (no such instance), rtps_precondition_not_met (coherent
   /// or ordered access of GROUP scope, and the call is not between begin_access and end_access).
-  Result<std::size_t> access(const Query& query, std::vector<OctetSample>& out);
+  Result<std::size_t> access(const SampleQuery& query, std::vector<OctetSample>& out);
   /// Returns HANDLE_NIL if the instance is not known.
   InstanceHandle lookup_key(const KeyHash& key) const;
   /// Returns the serialized key of an instance. Errors: rtps_bad_parameter (no such instance).
@@ -133,7 +133,7 @@ class OctetDataReader final : public AnyDataReader,
   friend class Subscriber;
   friend class SampleAccess<OctetDataReader, std::vector<OctetSample>>;
   using AnyDataReader::AnyDataReader;
-  Result<std::size_t> fill(const Query& query, std::vector<OctetSample>& out) {
+  Result<std::size_t> fill(const SampleQuery& query, std::vector<OctetSample>& out) {
     out.clear();
     return access(query, out);
   }
@@ -170,7 +170,7 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
   // A sample that cannot be deserialized is removed, and the next one is found in its place, so
   // that no writer hides what others wrote. A writer could send such samples as fast as they are
   // removed, so their number is bounded.
-  Result<std::size_t> fill(Query query, Samples<T>& out) {
+  Result<std::size_t> fill(SampleQuery query, Samples<T>& out) {
     out.size_ = 0;
     const auto wanted = query.max_samples;
     std::size_t discarded = 0;
@@ -188,17 +188,18 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
   }
   /// Whether the query can find more, without finding again what it found. Changes a query for
   /// the next instance to one for the instance that was found.
-  static bool has_more(Query& query, const Samples<T>& found) {
+  static bool has_more(SampleQuery& query, const Samples<T>& found) {
     if (found.empty()) return true;
-    if (query.scope == Query::Scope::next_instance) {
-      query.scope = Query::Scope::instance;
+    if (query.scope == SampleQuery::Scope::next_instance) {
+      query.scope = SampleQuery::Scope::instance;
       query.instance = found[0].info.instance_handle;
     }
     return query.take || !query.states.sample.contains(SampleState::read);
   }
   std::optional<Sample<T>> next(bool take) {
     Samples<T> one;
-    const Query query{.states = {.sample = SampleState::not_read}, .max_samples = 1, .take = take};
+    const SampleQuery query{
+        .states = {.sample = SampleState::not_read}, .max_samples = 1, .take = take};
     if (!fill(query, one) || one.empty()) return std::nullopt;
     return std::move(one[0]);
   }

@@ -401,7 +401,8 @@ bool ReaderCache::lose_writer(const Guid& writer, bool unmatched, MonotonicTime 
   return changed;
 }
 
-void ReaderCache::select(const Query& query, const Moment& at, std::vector<OctetSample>& out) {
+void ReaderCache::select(const SampleQuery& query, const Moment& at,
+                         std::vector<OctetSample>& out) {
   expire(at.now);
   rtps::select(held_, query, out);
 }

@@ -62,7 +62,7 @@ class ReaderCache {
   /// change must be stored again, because the owner replaced it in the meantime.
   bool is_wanted_again(const Change& change);
   /// Appends the samples that match the query to `out`; samples of one instance are adjacent.
-  void select(const Query& query, const Moment& at, std::vector<OctetSample>& out);
+  void select(const SampleQuery& query, const Moment& at, std::vector<OctetSample>& out);
   /// True if a select with these states, and with this query if it is not nullptr, would find
   /// something.
   bool any(const States& states, const QueryMatches* matching = nullptr) const {

@@ -144,8 +144,8 @@ class SampleAccess {
   }
 
  private:
-  using Scope = Query::Scope;
-  Count find(Collection& out, std::int32_t max_samples, Query query,
+  using Scope = SampleQuery::Scope;
+  Count find(Collection& out, std::int32_t max_samples, SampleQuery query,
              const ReadCondition* condition = nullptr) {
     auto& reader = static_cast<Reader&>(*this);
     if (max_samples != kLengthUnlimited)

@@ -254,7 +254,7 @@ void SampleReception::on_dropped(const Guid& writer, std::uint32_t octets) {
 }
 
 // Reading resets DATA_AVAILABLE and DATA_ON_READERS (DDS 1.4, 2.2.4.2.2).
-bool SampleReception::select(const Query& query, std::vector<OctetSample>& out) {
+bool SampleReception::select(const SampleQuery& query, std::vector<OctetSample>& out) {
   samples_.cache().select(query, context_.moment(), out);
   reports_.of_reader.clear(StatusKind::data_available);
   reports_.of_subscriber.clear(StatusKind::data_on_readers);

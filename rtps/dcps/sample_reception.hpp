@@ -59,7 +59,7 @@ class SampleReception final : private PresentedReader, private Timed {
   /// Appends the samples that match the query and marks the data statuses as read. Returns true if
   /// a change that was refused for lack of room may be offered again. Call `after_access`
   /// afterwards.
-  bool select(const Query& query, std::vector<OctetSample>& out);
+  bool select(const SampleQuery& query, std::vector<OctetSample>& out);
   void after_access(bool taken);
   /// Removes samples that cannot be deserialized as the type, unless they were taken. Returns as
   /// `select` does.

@@ -47,7 +47,8 @@ HeldSamples::iterator hand_out(HeldInstances& instances, HeldInstance& instance,
 }
 
 // The samples of one instance that the query finds, at most so many.
-std::vector<HeldSamples::iterator> find_matching(const HeldInstance& instance, const Query& query,
+std::vector<HeldSamples::iterator> find_matching(const HeldInstance& instance,
+                                                 const SampleQuery& query,
                                                  std::size_t max_samples) {
   std::vector<HeldSamples::iterator> out;
   const auto* passing = query.matching->of(instance.handle);
@@ -65,7 +66,7 @@ HeldSamples::iterator first_unread(HeldInstance& instance) {
   return first;
 }
 
-void hand_out_of(HeldInstances& instances, HeldInstance& instance, const Query& query,
+void hand_out_of(HeldInstances& instances, HeldInstance& instance, const SampleQuery& query,
                  std::size_t max_samples, std::vector<OctetSample>& out) {
   if (query.matching != nullptr) {
     for (const auto at : find_matching(instance, query, max_samples))
@@ -82,7 +83,7 @@ void hand_out_of(HeldInstances& instances, HeldInstance& instance, const Query& 
              : std::next(at);
 }
 
-void select_from(HeldInstances& instances, HeldInstance& instance, const Query& query,
+void select_from(HeldInstances& instances, HeldInstance& instance, const SampleQuery& query,
                  std::size_t max_samples, std::vector<OctetSample>& out) {
   if (instance.held.empty() || max_samples == 0 || !has_states(instance, query.states)) return;
   const auto begin = out.size();
@@ -112,7 +113,8 @@ void rank(std::span<SampleInfo* const> infos) {
   }
 }
 
-void select_ordered(HeldInstances& instances, const Query& query, std::vector<OctetSample>& out) {
+void select_ordered(HeldInstances& instances, const SampleQuery& query,
+                    std::vector<OctetSample>& out) {
   const auto begin = out.size();
   const auto& order = query.matching == nullptr ? instances.order() : query.matching->order();
   const auto found = order.first(query.states, query.max_samples);
@@ -138,21 +140,21 @@ void select_ordered(HeldInstances& instances, const Query& query, std::vector<Oc
 
 }  // namespace
 
-void select(HeldInstances& instances, const Query& query, std::vector<OctetSample>& out) {
-  if (query.scope == Query::Scope::all && instances.is_ordered())
+void select(HeldInstances& instances, const SampleQuery& query, std::vector<OctetSample>& out) {
+  if (query.scope == SampleQuery::Scope::all && instances.is_ordered())
     return select_ordered(instances, query, out);
   const auto begin = out.size();
   const auto left = [&] { return query.max_samples - (out.size() - begin); };
   const auto from = [&](HeldInstance& instance) {
     select_from(instances, instance, query, left(), out);
   };
-  if (query.scope == Query::Scope::instance) {
+  if (query.scope == SampleQuery::Scope::instance) {
     if (auto* instance = instances.find(query.instance)) from(*instance);
-  } else if (query.scope == Query::Scope::all && query.matching != nullptr) {
+  } else if (query.scope == SampleQuery::Scope::all && query.matching != nullptr) {
     const auto& passing = query.matching->instances();
     for (auto next = passing.begin(); next != passing.end() && left() > 0;)
       from(*(next++)->instance);
-  } else if (query.scope == Query::Scope::all) {
+  } else if (query.scope == SampleQuery::Scope::all) {
     const auto& ready = instances.ready();
     for (auto next = ready.begin(); next != ready.end() && left() > 0;) from(**next++);
   } else if (query.matching != nullptr) {

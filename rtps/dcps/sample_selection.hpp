@@ -8,7 +8,7 @@
 namespace ddssec::rtps {
 
 /// The arguments of one read or take.
-struct Query {
+struct SampleQuery {
   States states = {};
   std::size_t max_samples = ~std::size_t{0};
   bool take = false;
@@ -21,7 +21,7 @@ struct Query {
 /// Appends the samples that match to `out`. Samples of one instance are adjacent, unless
 /// `instances` keeps the order of arrival: then they are in that order. The samples found are
 /// marked as read, or taken.
-void select(HeldInstances& instances, const Query& query, std::vector<OctetSample>& out);
+void select(HeldInstances& instances, const SampleQuery& query, std::vector<OctetSample>& out);
 
 /// Makes the infos of samples from several selections those of one collection: their ranks, and the
 /// view state of an instance, which is the one before the first selection.

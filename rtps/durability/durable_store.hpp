@@ -51,7 +51,7 @@ class DurableStore {
   void close_stream(StreamId stream);
 
   struct Appended {
-    SampleIndex::Outcome outcome;
+    SampleIndex::AddResult outcome;
     std::uint64_t number = 0;  ///< committed() reaches it when this is stored
     /// It waits although nothing else of its identity is being stored: it may wait for long.
     bool has_no_share = false;

@@ -83,14 +83,14 @@ std::vector<MonotonicTime> SampleIndex::open(StreamId stream, const DurabilitySe
   return out;
 }
 
-SampleIndex::Outcome SampleIndex::add(StoredChange& entry, const Moment& now) {
+SampleIndex::AddResult SampleIndex::add(StoredChange& entry, const Moment& now) {
   using enum Verdict;
   const auto& change = entry.change;
   const auto found = streams_.find(entry.stream);
   if (found == streams_.end()) return {ended};
   auto& stream = found->second;
-  stream.is_kept |= stream.samples > 0 &&
-                    (entry.is_remembered || entry.relay_order != RelayOrder::direct);
+  stream.is_kept |=
+      stream.samples > 0 && (entry.is_remembered || entry.relay_order != RelayOrder::direct);
   const auto key = key_of(change);
   if (!change.is_alive() && !change.status.disposed) return {ended};
   const auto account = account_of(shares_, entry.identity);
@@ -112,16 +112,16 @@ SampleIndex::Outcome SampleIndex::add(StoredChange& entry, const Moment& now) {
   const bool has_share_left = !is_kept || has_share(stream, key, account, octets);
   if (!has_share_left && !change.status.disposed) return {waits};
   const bool is_within_limits = has_room(stream, key, count);
-  if (!is_within_limits && !change.status.disposed) return ++left_out_, Outcome{left_out};
+  if (!is_within_limits && !change.status.disposed) return ++left_out_, AddResult{left_out};
   if (!is_kept || !has_share_left || !is_within_limits) {
-    Outcome out{ended};
+    AddResult out{ended};
     note_end(stream, entry, key, row);
     if (all == 0) return out;
     entry.removed = out.removed = oldest(held->second, all);
     erase_instance(stream, key);
     return out;
   }
-  Outcome out{stored, row.id};
+  AddResult out{stored, row.id};
   if (count > 0) entry.removed = out.removed = oldest(held->second, count);
   insert(stream, key, place, row, end_of(change, stream.service, now.wall, now));
   entry.row = ++last_row_;

@@ -42,7 +42,7 @@ class SampleIndex {
     overtaken,  ///< it is late or was relayed, and its instance was written or ended later
     waits,      ///< above the share of its identity, in octets or in samples of the stream
   };
-  struct Outcome {
+  struct AddResult {
     Verdict verdict = Verdict::waits;
     std::int64_t row = 0;
     std::vector<std::int64_t> removed = {};
@@ -52,7 +52,7 @@ class SampleIndex {
   /// well. With KEEP_LAST it replaces the oldest of its instance. The end of an instance that has
   /// no room removes the instance. What waits or is left out changes nothing, nor does an exception
   /// (std::bad_alloc).
-  Outcome add(StoredChange& entry, const Moment& now);
+  AddResult add(StoredChange& entry, const Moment& now);
   /// Limit for the rows that one call of clean_up removes.
   static constexpr std::size_t kMaxRemoved = 256;
   /// Removes samples of `entry.stream` that have expired, and of disposed instances whose

@@ -22,7 +22,7 @@ constexpr MonotonicTime kHeldUp = std::chrono::seconds(1);
 constexpr std::size_t kMaxAtOnce = 16;
 
 struct Fetch {
-  Offer offer;
+  DescriptorOffer offer;
 };
 struct Make {
   std::uint64_t segment = 0;
@@ -65,8 +65,8 @@ void keep_code() {
   static_cast<void>(::dlopen(info.dli_fname, RTLD_NOW | RTLD_NOLOAD | RTLD_NODELETE));
 }
 
-Outcome<SampleSlots> slots_of(const Make& make) {
-  if (!has_memory_room(SampleSlots::size_for(make.largest))) return refuse(Refusal::no_room);
+MemoryResult<SampleSlots> slots_of(const Make& make) {
+  if (!has_memory_room(SampleSlots::size_for(make.largest))) return refuse(MemoryRefusal::no_room);
   return SampleSlots::make(make.segment, make.largest);
 }
 
@@ -81,7 +81,7 @@ struct DescriptorPassing::Shared {
   void run();
   void wait_for_work(MonotonicTime now);
   void begin(Work work, MonotonicTime now);
-  void fetch(std::uint64_t id, const Offer& offer, MonotonicTime now);
+  void fetch(std::uint64_t id, const DescriptorOffer& offer, MonotonicTime now);
   /// Returns true if the request has ended.
   bool look_at(Request& request, MonotonicTime now);
   /// `fetches`: not only what no other process can delay.
@@ -89,7 +89,7 @@ struct DescriptorPassing::Shared {
   template <class T, class R>
   void give(std::vector<T>& results, std::uint64_t id, R result);
   bool takes_work() const;
-  Outcome<std::uint64_t> add(decltype(Work::what) what);
+  MemoryResult<std::uint64_t> add(decltype(Work::what) what);
   std::uint64_t push(decltype(Work::what) what);
   bool is_held_up() const;
 
@@ -157,9 +157,9 @@ void DescriptorPassing::Shared::turn(MonotonicTime now, bool wait) {
       begin(*std::move(next), now);
     } catch (const std::bad_alloc&) {
       if (is_fetch)
-        give(fetched, id, Outcome<MappedSegment>(refuse(Refusal::no_memory)));
+        give(fetched, id, MemoryResult<MappedSegment>(refuse(MemoryRefusal::no_memory)));
       else
-        give(prepared, id, Outcome<SampleSlots>(refuse(Refusal::no_memory)));
+        give(prepared, id, MemoryResult<SampleSlots>(refuse(MemoryRefusal::no_memory)));
     }
     if (wait) busy_since = now_of_thread().count();
   }
@@ -182,13 +182,14 @@ void DescriptorPassing::Shared::begin(Work next, MonotonicTime now) {
   if (auto* const it = std::get_if<Make>(&next.what)) give(prepared, next.id, slots_of(*it));
   if (auto* const it = std::get_if<Wipe>(&next.what)) {
     it->slots.wipe();
-    give(prepared, next.id, Outcome<SampleSlots>(std::move(it->slots)));
+    give(prepared, next.id, MemoryResult<SampleSlots>(std::move(it->slots)));
   }
 }
 
-void DescriptorPassing::Shared::fetch(std::uint64_t id, const Offer& offer, MonotonicTime now) {
+void DescriptorPassing::Shared::fetch(std::uint64_t id, const DescriptorOffer& offer,
+                                      MonotonicTime now) {
   auto sent = DescriptorRequest::send(offer, users);
-  if (!sent) return give(fetched, id, Outcome<MappedSegment>(refuse(sent.error())));
+  if (!sent) return give(fetched, id, MemoryResult<MappedSegment>(refuse(sent.error())));
   requests.push_back({id, *std::move(sent), now + kMaxRequest});
 }
 
@@ -196,7 +197,7 @@ bool DescriptorPassing::Shared::look_at(Request& request, MonotonicTime now) {
   auto taken = request.request.take();
   const bool is_there = !taken || *taken;
   if (!is_there && now < request.until) return false;
-  Outcome<MappedSegment> out = refuse(Refusal::no_answer);
+  MemoryResult<MappedSegment> out = refuse(MemoryRefusal::no_answer);
   if (!taken) out = refuse(taken.error());
   if (taken && *taken) out = **std::move(taken);
   give(fetched, request.id, std::move(out));
@@ -214,11 +215,12 @@ void DescriptorPassing::Shared::give(std::vector<T>& results, std::uint64_t id, 
 
 // ---- the participant's side
 
-Outcome<std::unique_ptr<DescriptorPassing>> DescriptorPassing::make(Random& random, Users users) {
+MemoryResult<std::unique_ptr<DescriptorPassing>> DescriptorPassing::make(Random& random,
+                                                                         Users users) {
   auto server = DescriptorServer::listen(random, users);
   if (!server) return refuse(server.error());
   auto shared = std::make_shared<Shared>(*std::move(server), users);
-  if (!shared->wake || !shared->ready) return refuse(Refusal::no_socket);
+  if (!shared->wake || !shared->ready) return refuse(MemoryRefusal::no_socket);
   return std::unique_ptr<DescriptorPassing>(new DescriptorPassing(std::move(shared)));
 }
 
@@ -260,9 +262,9 @@ bool DescriptorPassing::Shared::is_held_up() const {
   return since != 0 && now_of_thread() - MonotonicTime(since) > kHeldUp;
 }
 
-Outcome<Offer> DescriptorPassing::offer(const Segment& segment, Random& random, MonotonicTime now,
-                                        std::string identity) {
-  if (shared_->is_held_up() || closes_too_many()) return refuse(Refusal::held_up);
+MemoryResult<DescriptorOffer> DescriptorPassing::offer(const Segment& segment, Random& random,
+                                                       MonotonicTime now, std::string identity) {
+  if (shared_->is_held_up() || closes_too_many()) return refuse(MemoryRefusal::held_up);
   return shared_->server.offer(segment, random, now, std::move(identity));
 }
 
@@ -286,18 +288,19 @@ std::uint64_t DescriptorPassing::Shared::push(decltype(Work::what) what) {
   return id;
 }
 
-Outcome<std::uint64_t> DescriptorPassing::Shared::add(decltype(Work::what) what) {
-  if (!takes_work()) return refuse(Refusal::held_up);
+MemoryResult<std::uint64_t> DescriptorPassing::Shared::add(decltype(Work::what) what) {
+  if (!takes_work()) return refuse(MemoryRefusal::held_up);
   return push(std::move(what));
 }
 
 bool DescriptorPassing::takes_work() const { return shared_->takes_work(); }
 
-Outcome<std::uint64_t> DescriptorPassing::fetch(Offer offer) {
+MemoryResult<std::uint64_t> DescriptorPassing::fetch(DescriptorOffer offer) {
   return shared_->add(Fetch{std::move(offer)});
 }
 
-Outcome<std::uint64_t> DescriptorPassing::make_slots(std::uint64_t segment, std::size_t largest) {
+MemoryResult<std::uint64_t> DescriptorPassing::make_slots(std::uint64_t segment,
+                                                          std::size_t largest) {
   return shared_->add(Make{segment, largest});
 }
 

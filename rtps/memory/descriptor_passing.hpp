@@ -26,16 +26,17 @@ class DescriptorPassing {
   /// A descriptor that was fetched.
   struct Fetched {
     std::uint64_t id = 0;
-    Outcome<MappedSegment> segment;
+    MemoryResult<MappedSegment> segment;
   };
   /// Slots that were made or wiped.
   struct Prepared {
     std::uint64_t id = 0;
-    Outcome<SampleSlots> slots;
+    MemoryResult<SampleSlots> slots;
   };
 
   /// Errors: those of the local socket.
-  static Outcome<std::unique_ptr<DescriptorPassing>> make(Random& random, Users users = Users::own);
+  static MemoryResult<std::unique_ptr<DescriptorPassing>> make(Random& random,
+                                                               Users users = Users::own);
   ~DescriptorPassing();
 
   /// From now on a thread does the work. Until then `serve` does it, for tests. Returns false if
@@ -47,16 +48,16 @@ class DescriptorPassing {
   std::optional<MonotonicTime> deadline() const { return offers().next_end(); }
 
   /// See DescriptorServer. Also: held_up.
-  Outcome<Offer> offer(const Segment& segment, Random& random, MonotonicTime now,
-                       std::string identity = {});
+  MemoryResult<DescriptorOffer> offer(const Segment& segment, Random& random, MonotonicTime now,
+                                      std::string identity = {});
   OpenOffers& offers();
   const OpenOffers& offers() const;
 
   bool takes_work() const;
   // Each returns the id of the result. Error: held_up, unless takes_work().
-  Outcome<std::uint64_t> fetch(Offer offer);
+  MemoryResult<std::uint64_t> fetch(DescriptorOffer offer);
   /// See SampleSlots::make; also no_room.
-  Outcome<std::uint64_t> make_slots(std::uint64_t segment, std::size_t largest);
+  MemoryResult<std::uint64_t> make_slots(std::uint64_t segment, std::size_t largest);
   /// See SampleSlots. Also if work is no longer taken.
   std::uint64_t wipe(SampleSlots slots);
 

@@ -50,9 +50,9 @@ FileDescriptor local_socket() {
 
 bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
 
-Outcome<Token> new_token(Random& random) {
+MemoryResult<Token> new_token(Random& random) {
   auto out = Token::fill(kTokenSize, [&](MutableBytes octets) { return random.fill(octets); });
-  if (!out) return refuse(Refusal::no_socket);
+  if (!out) return refuse(MemoryRefusal::no_socket);
   return *std::move(out);
 }
 
@@ -114,15 +114,15 @@ bool admits(Users users, uid_t user) {
 
 }  // namespace
 
-Outcome<DescriptorServer> DescriptorServer::listen(Random& random, Users users) {
+MemoryResult<DescriptorServer> DescriptorServer::listen(Random& random, Users users) {
   DescriptorServer out;
-  if (!random.fill(out.name_)) return refuse(Refusal::no_socket);
+  if (!random.fill(out.name_)) return refuse(MemoryRefusal::no_socket);
   out.users_ = users;
   out.listener_ = local_socket();
   const Address address = address_of(out.name_);
   if (!out.listener_ || ::bind(out.listener_.number(), address.generic(), address.size) != 0 ||
       ::listen(out.listener_.number(), kBacklog) != 0)
-    return refuse(Refusal::no_socket);
+    return refuse(MemoryRefusal::no_socket);
   out.connections_.reserve(kMaxConnections + 1);
   return out;
 }
@@ -147,11 +147,11 @@ DescriptorServer::~DescriptorServer() {
       return;
 }
 
-Outcome<Offer> DescriptorServer::offer(const Segment& segment, Random& random, MonotonicTime now,
-                                       std::string identity) {
+MemoryResult<DescriptorOffer> DescriptorServer::offer(const Segment& segment, Random& random,
+                                                      MonotonicTime now, std::string identity) {
   offers_->forget_late(now);
   auto descriptor = segment.for_reader();
-  if (!descriptor) return refuse(Refusal::no_memory);
+  if (!descriptor) return refuse(MemoryRefusal::no_memory);
   auto token = new_token(random);
   if (!token) return refuse(token.error());
   const auto added = offers_->add({.token = token->clone(),
@@ -160,11 +160,11 @@ Outcome<Offer> DescriptorServer::offer(const Segment& segment, Random& random, M
                                    .until = now + OpenOffers::kLifetime,
                                    .identity = std::move(identity)});
   if (!added) return refuse(added.error());
-  return Offer{.name = name_,
-               .token = *std::move(token),
-               .process = ::getpid(),
-               .segment = segment.id(),
-               .memory = segment.memory()};
+  return DescriptorOffer{.name = name_,
+                         .token = *std::move(token),
+                         .process = ::getpid(),
+                         .segment = segment.id(),
+                         .memory = segment.memory()};
 }
 
 void DescriptorServer::watch(std::vector<pollfd>& out) const {
@@ -243,29 +243,30 @@ bool DescriptorServer::is_done(const Connection& connection) {
   return true;
 }
 
-Outcome<DescriptorRequest> DescriptorRequest::send(const Offer& offer, Users users) {
-  if (closes_too_many()) return refuse(Refusal::held_up);
+MemoryResult<DescriptorRequest> DescriptorRequest::send(const DescriptorOffer& offer, Users users) {
+  if (closes_too_many()) return refuse(MemoryRefusal::held_up);
   DescriptorRequest out;
   out.socket_ = OutsideSocket(local_socket());
   const Address address = address_of(offer.name);
   const int socket = out.descriptor();
   if (socket < 0 || ::connect(socket, address.generic(), address.size) != 0)
-    return refuse(Refusal::no_socket);
+    return refuse(MemoryRefusal::no_socket);
   const auto who = other_side(socket);
-  if (!who || who->pid != offer.process || who->pid <= 0) return refuse(Refusal::wrong_process);
-  if (!admits(users, who->uid)) return refuse(Refusal::other_user);
+  if (!who || who->pid != offer.process || who->pid <= 0)
+    return refuse(MemoryRefusal::wrong_process);
+  if (!admits(users, who->uid)) return refuse(MemoryRefusal::other_user);
   const bool is_sent = offer.token.expose([&](BytesView token) {
     return ::send(socket, token.data(), token.size(), MSG_NOSIGNAL | MSG_DONTWAIT) ==
            static_cast<ssize_t>(token.size());
   });
-  if (!is_sent) return refuse(Refusal::no_socket);
+  if (!is_sent) return refuse(MemoryRefusal::no_socket);
   out.segment_ = offer.segment;
   out.memory_ = offer.memory;
   return out;
 }
 
-Outcome<std::optional<MappedSegment>> DescriptorRequest::take() {
-  if (closes_too_many()) return refuse(Refusal::held_up);
+MemoryResult<std::optional<MappedSegment>> DescriptorRequest::take() {
+  if (closes_too_many()) return refuse(MemoryRefusal::held_up);
   std::uint8_t octet = 0;
   iovec part{.iov_base = &octet, .iov_len = 1};
   ManyDescriptors control;
@@ -276,16 +277,16 @@ Outcome<std::optional<MappedSegment>> DescriptorRequest::take() {
   message.msg_controllen = control.octets.size();
   const auto size = ::recvmsg(descriptor(), &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
   if (size < 0 && would_block(errno)) return std::optional<MappedSegment>();
-  if (size < 0) return refuse(Refusal::no_answer);
+  if (size < 0) return refuse(MemoryRefusal::no_answer);
   auto received = received_with(message);
   // Only what can be sealed is closed here: no other process has a part in that.
   const auto is_foreign = [](const auto& one) { return ::fcntl(one.number(), F_GET_SEALS) < 0; };
   const bool any_foreign = std::ranges::any_of(received, is_foreign);
   for (auto& one : received)
     if (is_foreign(one)) close_elsewhere(std::move(one));
-  if (any_foreign) return refuse(Refusal::wrong_kind);
+  if (any_foreign) return refuse(MemoryRefusal::wrong_kind);
   if (received.size() != 1 || size != 1 || (message.msg_flags & (MSG_CTRUNC | MSG_TRUNC)) != 0)
-    return refuse(Refusal::no_answer);
+    return refuse(MemoryRefusal::no_answer);
   auto segment = MappedSegment::map(received[0], segment_, memory_);
   if (!segment) return refuse(segment.error());
   return std::optional<MappedSegment>(*std::move(segment));

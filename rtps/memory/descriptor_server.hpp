@@ -25,7 +25,7 @@ using SocketName = std::array<std::uint8_t, 16>;
 enum class Users : std::uint8_t { own, any };
 
 /// What a reader needs to fetch and check a descriptor. Secret, because of the token.
-struct Offer {
+struct DescriptorOffer {
   SocketName name{};          ///< of the abstract socket
   Token token;                ///< works once
   pid_t process = 0;          ///< which process must listen
@@ -43,7 +43,7 @@ class DescriptorServer {
   static constexpr std::chrono::seconds kSilence{2};  ///< how long a connection may say nothing
 
   /// A socket with a random name. Error: no_socket.
-  static Outcome<DescriptorServer> listen(Random& random, Users users = Users::own);
+  static MemoryResult<DescriptorServer> listen(Random& random, Users users = Users::own);
   DescriptorServer(DescriptorServer&&) = default;
   DescriptorServer& operator=(DescriptorServer&& other) noexcept;
   ~DescriptorServer();
@@ -51,8 +51,8 @@ class DescriptorServer {
   /// An offer of the segment for one peer of this identity. The caller has checked that the peer
   /// has authenticated and may read the topic. May be called beside `serve`. Errors:
   /// too_many_tokens, no_memory (or /proc is missing), no_socket (no random octets).
-  Outcome<Offer> offer(const Segment& segment, Random& random, MonotonicTime now,
-                       std::string identity = {});
+  MemoryResult<DescriptorOffer> offer(const Segment& segment, Random& random, MonotonicTime now,
+                                      std::string identity = {});
   /// May be used beside `serve`.
   OpenOffers& offers() { return *offers_; }
   const OpenOffers& offers() const { return *offers_; }
@@ -92,13 +92,14 @@ class DescriptorRequest {
  public:
   /// Connects and shows the token, unless another process listens. Errors: no_socket,
   /// wrong_process, other_user, held_up.
-  static Outcome<DescriptorRequest> send(const Offer& offer, Users users = Users::own);
+  static MemoryResult<DescriptorRequest> send(const DescriptorOffer& offer,
+                                              Users users = Users::own);
 
   /// Readable when the answer is there.
   int descriptor() const { return socket_.number(); }
   /// The mapped segment; nothing if the answer is not there yet. Errors: no_answer, those of
   /// MappedSegment::map.
-  Outcome<std::optional<MappedSegment>> take();
+  MemoryResult<std::optional<MappedSegment>> take();
 
  private:
   DescriptorRequest() = default;

@@ -2,61 +2,61 @@
 
 namespace ddssec::rtps::memory {
 
-bool may_pass_by(Refusal why) {
-  using enum Refusal;
+bool may_pass_by(MemoryRefusal why) {
+  using enum MemoryRefusal;
   return why == not_matched || why == no_answer || why == no_socket || why == too_many_tokens ||
          why == other_segment || why == held_up;
 }
 
-std::string_view to_string(Refusal why) {
+std::string_view to_string(MemoryRefusal why) {
   switch (why) {
-    case Refusal::no_memory:
+    case MemoryRefusal::no_memory:
       return "the system gave no memory, descriptor or mapping";
-    case Refusal::no_seals:
+    case MemoryRefusal::no_seals:
       return "the kernel cannot seal memory against writing (Linux before 5.1)";
-    case Refusal::bad_shape:
+    case MemoryRefusal::bad_shape:
       return "the samples are too large for shared memory";
-    case Refusal::too_large:
+    case MemoryRefusal::too_large:
       return "a payload does not fit";
-    case Refusal::full:
+    case MemoryRefusal::full:
       return "readers still need all of the memory";
-    case Refusal::wrong_kind:
+    case MemoryRefusal::wrong_kind:
       return "the descriptor is not of memory that can be sealed";
-    case Refusal::not_sealed:
+    case MemoryRefusal::not_sealed:
       return "the memory is not sealed";
-    case Refusal::wrong_size:
+    case MemoryRefusal::wrong_size:
       return "the memory is empty, too large or not all there";
-    case Refusal::other_memory:
+    case MemoryRefusal::other_memory:
       return "another memory than the one offered was passed on";
-    case Refusal::other_segment:
+    case MemoryRefusal::other_segment:
       return "the memory is not mapped";
-    case Refusal::outside:
+    case MemoryRefusal::outside:
       return "a reference leaves the memory";
-    case Refusal::gone:
+    case MemoryRefusal::gone:
       return "the payload was replaced";
-    case Refusal::no_socket:
+    case MemoryRefusal::no_socket:
       return "the local socket cannot be made or reached: another network namespace, or no "
              "descriptors are left";
-    case Refusal::wrong_process:
+    case MemoryRefusal::wrong_process:
       return "another process than the writer's listens, or the process is in another PID "
              "namespace";
-    case Refusal::no_answer:
+    case MemoryRefusal::no_answer:
       return "there is no answer: the other process has an earlier version, is too slow, or runs "
              "as another user and org.ddssec.shm.other_users is not true in both";
-    case Refusal::too_many_tokens:
+    case MemoryRefusal::too_many_tokens:
       return "too many offers are open";
-    case Refusal::not_matched:
+    case MemoryRefusal::not_matched:
       return "the reader has not matched the writer";
-    case Refusal::limit_reached:
+    case MemoryRefusal::limit_reached:
       return "the limit is reached that the property org.ddssec.shm.max_octets sets";
-    case Refusal::other_user:
+    case MemoryRefusal::other_user:
       return "the processes are of different users: if both are to share memory, set the property "
              "org.ddssec.shm.other_users to true in both";
-    case Refusal::no_room:
+    case MemoryRefusal::no_room:
       return "the memory limit of the process (cgroup) leaves too little room";
-    case Refusal::held_up:
+    case MemoryRefusal::held_up:
       return "another process holds up the thread that passes descriptors on";
-    case Refusal::off:
+    case MemoryRefusal::off:
       return "the property org.ddssec.shm is off there: to share memory, set it to on in both";
   }
   return "unknown";

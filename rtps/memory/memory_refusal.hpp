@@ -7,7 +7,7 @@
 
 namespace ddssec::rtps::memory {
 
-enum class Refusal : std::uint8_t {
+enum class MemoryRefusal : std::uint8_t {
   no_memory,        ///< the system gave no memory, descriptor or mapping
   no_seals,         ///< the kernel cannot seal memory against writing (Linux before 5.1)
   bad_shape,        ///< slots of no size, or too many
@@ -31,18 +31,18 @@ enum class Refusal : std::uint8_t {
   held_up,          ///< what passes descriptors on is held up by another process
   off               ///< shared memory is off in the reader's participant
 };
-inline constexpr std::uint32_t kRefusals = 1 + static_cast<std::uint32_t>(Refusal::off);
+inline constexpr std::uint32_t kRefusals = 1 + static_cast<std::uint32_t>(MemoryRefusal::off);
 
 /// The next attempt may succeed: the reader has not matched yet, its process is slow, or strangers
 /// fill the socket.
-bool may_pass_by(Refusal why);
+bool may_pass_by(MemoryRefusal why);
 
 /// The reason for people: "the token was refused, ...".
-std::string_view to_string(Refusal why);
+std::string_view to_string(MemoryRefusal why);
 
 template <class T>
-using Outcome = std::expected<T, Refusal>;
+using MemoryResult = std::expected<T, MemoryRefusal>;
 
-inline std::unexpected<Refusal> refuse(Refusal why) { return std::unexpected(why); }
+inline std::unexpected<MemoryRefusal> refuse(MemoryRefusal why) { return std::unexpected(why); }
 
 }  // namespace ddssec::rtps::memory

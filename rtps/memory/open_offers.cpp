@@ -4,11 +4,11 @@
 
 namespace ddssec::rtps::memory {
 
-Outcome<void> OpenOffers::add(Offer offer) {
+MemoryResult<void> OpenOffers::add(Offer offer) {
   const std::lock_guard held(lock_);
   const auto of_one = std::ranges::count(offers_, offer.identity, &Offer::identity);
   if (offers_.size() >= kMax || of_one >= static_cast<std::ptrdiff_t>(kMaxOfOne))
-    return refuse(Refusal::too_many_tokens);
+    return refuse(MemoryRefusal::too_many_tokens);
   offers_.push_back(std::move(offer));
   return {};
 }

@@ -33,7 +33,7 @@ class OpenOffers {
 
   OpenOffers() { offers_.reserve(kMax); }
   /// Error: too_many_tokens.
-  Outcome<void> add(Offer offer);
+  MemoryResult<void> add(Offer offer);
   void withdraw(std::uint64_t segment);
   void forget_late(MonotonicTime now);
   /// When the next one is late.

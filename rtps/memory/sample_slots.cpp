@@ -24,15 +24,15 @@ std::size_t SampleSlots::size_for(std::size_t largest) {
   return slots_of(size) * (size + kSlotHead);
 }
 
-Outcome<SampleSlots> SampleSlots::make(std::uint64_t id, std::size_t largest) {
-  if (largest == 0 || largest > kMaxSegment) return refuse(Refusal::bad_shape);
+MemoryResult<SampleSlots> SampleSlots::make(std::uint64_t id, std::size_t largest) {
+  if (largest == 0 || largest > kMaxSegment) return refuse(MemoryRefusal::bad_shape);
   const auto size = rounded(largest);
   auto segment = Segment::make(id, size, slots_of(size));
   if (!segment) return refuse(segment.error());
   return SampleSlots(*std::move(segment));
 }
 
-Outcome<MutableBytes> SampleSlots::begin(SequenceNumber needed_from, MonotonicTime now) {
+MemoryResult<MutableBytes> SampleSlots::begin(SequenceNumber needed_from, MonotonicTime now) {
   while (count_ > 0 && oldest().number < needed_from) release_oldest();
   if (count_ == used_.size() && now - oldest().since >= kMaxUse) release_oldest();
   return segment_.begin();

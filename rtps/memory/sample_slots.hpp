@@ -22,7 +22,7 @@ class SampleSlots {
   /// About how much memory `make` takes, in octets.
   static std::size_t size_for(std::size_t largest);
   /// For payloads of up to `largest` octets, or somewhat more. Errors: those of Segment::make.
-  static Outcome<SampleSlots> make(std::uint64_t id, std::size_t largest);
+  static MemoryResult<SampleSlots> make(std::uint64_t id, std::size_t largest);
 
   const Segment& segment() const { return segment_; }
   /// Frees all slots, and overwrites what was in them.
@@ -32,7 +32,7 @@ class SampleSlots {
 
   /// Returns the place for the next sample. `needed_from`: readers may still need the samples from
   /// this number on. Error: full.
-  Outcome<MutableBytes> begin(SequenceNumber needed_from, MonotonicTime now);
+  MemoryResult<MutableBytes> begin(SequenceNumber needed_from, MonotonicTime now);
   /// The sample is there.
   Reference end(SequenceNumber number, std::size_t length, MonotonicTime now);
   /// It is not there after all.

@@ -47,9 +47,9 @@ bool take_memory(int descriptor, std::size_t size) {
   return status == 0;
 }
 
-Outcome<Mapping> map_octets(int descriptor, std::size_t size, int protection, int flags = 0) {
+MemoryResult<Mapping> map_octets(int descriptor, std::size_t size, int protection, int flags = 0) {
   void* at = ::mmap(nullptr, size, protection, MAP_SHARED | flags, descriptor, 0);
-  if (at == MAP_FAILED) return refuse(Refusal::no_memory);
+  if (at == MAP_FAILED) return refuse(MemoryRefusal::no_memory);
   // A child process neither sees nor changes what is written later.
   ::madvise(at, size, MADV_DONTFORK);
   return Mapping({static_cast<std::uint8_t*>(at), size});
@@ -79,24 +79,25 @@ Mapping::~Mapping() {
   if (!octets_.empty()) ::munmap(octets_.data(), octets_.size());
 }
 
-Outcome<Segment> Segment::make(std::uint64_t id, std::size_t largest, std::size_t count) {
-  if (!is_shape(largest, count)) return refuse(Refusal::bad_shape);
+MemoryResult<Segment> Segment::make(std::uint64_t id, std::size_t largest, std::size_t count) {
+  if (!is_shape(largest, count)) return refuse(MemoryRefusal::bad_shape);
   const std::size_t slot_size = kSlotHead + (largest + kSlotHead - 1) / kSlotHead * kSlotHead;
-  if (slot_size > kMaxSegment / count) return refuse(Refusal::bad_shape);
+  if (slot_size > kMaxSegment / count) return refuse(MemoryRefusal::bad_shape);
   const std::size_t size = slot_size * count;
   Segment out;
   out.id_ = id;
   out.slot_size_ = slot_size;
   out.descriptor_ = make_memory();
   const int number = out.descriptor();
-  if (number < 0 || !take_memory(number, size)) return refuse(Refusal::no_memory);
+  if (number < 0 || !take_memory(number, size)) return refuse(MemoryRefusal::no_memory);
   // Written to at once: to readers, a page that was never written is a hole.
   auto mapping = map_octets(number, size, PROT_READ | PROT_WRITE, MAP_POPULATE);
   if (!mapping) return refuse(mapping.error());
   out.mapping_ = *std::move(mapping);
-  if (::fcntl(number, F_ADD_SEALS, kSeals) != 0) return refuse(Refusal::no_seals);
+  if (::fcntl(number, F_ADD_SEALS, kSeals) != 0) return refuse(MemoryRefusal::no_seals);
   struct stat info {};
-  if (::fstat(number, &info) != 0 || !is_complete(number, info)) return refuse(Refusal::no_memory);
+  if (::fstat(number, &info) != 0 || !is_complete(number, info))
+    return refuse(MemoryRefusal::no_memory);
   out.memory_ = id_of(info);
   out.slots_.resize(count);
   out.free_.resize(count);
@@ -109,16 +110,16 @@ std::uint8_t* Segment::slot(std::size_t index) const {
   return mapping_.octets().data() + index * slot_size_;
 }
 
-Outcome<Reference> Segment::store(BytesView payload) {
-  if (payload.size() > largest_payload()) return refuse(Refusal::too_large);
+MemoryResult<Reference> Segment::store(BytesView payload) {
+  if (payload.size() > largest_payload()) return refuse(MemoryRefusal::too_large);
   const auto place = begin();
   if (!place) return refuse(place.error());
   if (!payload.empty()) std::memcpy(place->data(), payload.data(), payload.size());
   return end(payload.size());
 }
 
-Outcome<MutableBytes> Segment::begin() {
-  if (free_count_ == 0) return refuse(Refusal::full);
+MemoryResult<MutableBytes> Segment::begin() {
+  if (free_count_ == 0) return refuse(MemoryRefusal::full);
   const std::size_t index = free_[first_free_];
   first_free_ = (first_free_ + 1) % free_.size();
   --free_count_;
@@ -184,21 +185,22 @@ bool Segment::release(const Reference& reference) {
   return true;
 }
 
-Outcome<MappedSegment> MappedSegment::map(const FileDescriptor& descriptor, std::uint64_t id,
-                                          MemoryId memory) {
+MemoryResult<MappedSegment> MappedSegment::map(const FileDescriptor& descriptor, std::uint64_t id,
+                                               MemoryId memory) {
   struct stat info {};
   struct statfs system {};
   const int number = descriptor.number();
   // First of all: it asks no file system, which might be another process (FUSE).
   const int seals = ::fcntl(number, F_GET_SEALS);
-  if (seals < 0) return refuse(Refusal::wrong_kind);
+  if (seals < 0) return refuse(MemoryRefusal::wrong_kind);
   if (::fstat(number, &info) != 0 || !S_ISREG(info.st_mode) || ::fstatfs(number, &system) != 0 ||
       system.f_type != TMPFS_MAGIC)
-    return refuse(Refusal::wrong_kind);
-  if ((seals & kSeals) != kSeals) return refuse(Refusal::not_sealed);
+    return refuse(MemoryRefusal::wrong_kind);
+  if ((seals & kSeals) != kSeals) return refuse(MemoryRefusal::not_sealed);
   // The size is final only because the seals were there before it was read.
-  if (::fstat(number, &info) != 0 || !is_complete(number, info)) return refuse(Refusal::wrong_size);
-  if (id_of(info) != memory) return refuse(Refusal::other_memory);
+  if (::fstat(number, &info) != 0 || !is_complete(number, info))
+    return refuse(MemoryRefusal::wrong_size);
+  if (id_of(info) != memory) return refuse(MemoryRefusal::other_memory);
   auto mapping = map_octets(number, static_cast<std::size_t>(info.st_size), PROT_READ);
   if (!mapping) return refuse(mapping.error());
   MappedSegment out;
@@ -207,28 +209,28 @@ Outcome<MappedSegment> MappedSegment::map(const FileDescriptor& descriptor, std:
   return out;
 }
 
-Outcome<void> MappedSegment::check(const Reference& reference) const {
-  if (reference.segment != id_) return refuse(Refusal::other_segment);
+MemoryResult<void> MappedSegment::check(const Reference& reference) const {
+  if (reference.segment != id_) return refuse(MemoryRefusal::other_segment);
   const std::size_t size = mapping_.octets().size();
   // By subtraction, so that no sum overflows.
   if (reference.offset % kSlotHead != 0 || size < kSlotHead ||
       reference.offset > size - kSlotHead || reference.length > size - kSlotHead - reference.offset)
-    return refuse(Refusal::outside);
+    return refuse(MemoryRefusal::outside);
   const auto generation = generation_of(mapping_.octets().data() + reference.offset);
   if (reference.generation % 2 != 0 || reference.generation == 0 ||
       generation.load(std::memory_order_acquire) != reference.generation)
-    return refuse(Refusal::gone);
+    return refuse(MemoryRefusal::gone);
   return {};
 }
 
-Outcome<void> MappedSegment::copy(const Reference& reference, MutableBytes out) const {
+MemoryResult<void> MappedSegment::copy(const Reference& reference, MutableBytes out) const {
   if (const auto leads_there = check(reference); !leads_there) return leads_there;
-  if (reference.length != out.size()) return refuse(Refusal::outside);
+  if (reference.length != out.size()) return refuse(MemoryRefusal::outside);
   std::uint8_t* const slot = mapping_.octets().data() + reference.offset;
   if (!out.empty()) std::memcpy(out.data(), slot + kSlotHead, out.size());
   std::atomic_thread_fence(std::memory_order_acquire);
   if (generation_of(slot).load(std::memory_order_relaxed) != reference.generation)
-    return refuse(Refusal::gone);
+    return refuse(MemoryRefusal::gone);
   return {};
 }
 

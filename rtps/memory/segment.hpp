@@ -59,13 +59,13 @@ class Segment {
   /// written to, so that no reader finds a page missing. A system without memory refuses, but in a
   /// memory cgroup at its limit the system ends a process instead. Errors: bad_shape, no_memory,
   /// no_seals.
-  static Outcome<Segment> make(std::uint64_t id, std::size_t largest, std::size_t count);
+  static MemoryResult<Segment> make(std::uint64_t id, std::size_t largest, std::size_t count);
 
   /// Copies the payload into the slot that has been free for longest. Errors: too_large, full.
-  Outcome<Reference> store(BytesView payload);
+  MemoryResult<Reference> store(BytesView payload);
   /// The same in two steps: a slot to write to, of largest_payload() octets, and its reference once
   /// the first `length` of them are written. Until then readers find nothing there. Error: full.
-  Outcome<MutableBytes> begin();
+  MemoryResult<MutableBytes> begin();
   Reference end(std::size_t length);
   /// Nothing was written after all.
   void cancel();
@@ -117,15 +117,15 @@ class MappedSegment {
  public:
   /// Checks and maps the segment `id` of a writer that offered `memory`. The descriptor is not
   /// kept. Errors: wrong_kind, not_sealed, wrong_size, other_memory, no_memory.
-  static Outcome<MappedSegment> map(const FileDescriptor& descriptor, std::uint64_t id,
-                                    MemoryId memory);
+  static MemoryResult<MappedSegment> map(const FileDescriptor& descriptor, std::uint64_t id,
+                                         MemoryId memory);
 
   std::size_t octets() const { return mapping_.octets().size(); }
   /// Whether the reference leads to a payload now. Errors: other_segment, outside, gone.
-  Outcome<void> check(const Reference& reference) const;
+  MemoryResult<void> check(const Reference& reference) const;
   /// Copies the payload to `out`, whose size must be the length of the reference. After an
   /// error, `out` does not contain a payload. Errors: other_segment, outside, gone.
-  Outcome<void> copy(const Reference& reference, MutableBytes out) const;
+  MemoryResult<void> copy(const Reference& reference, MutableBytes out) const;
 
  private:
   MappedSegment() = default;

@@ -141,7 +141,7 @@ std::optional<Finding> doubt(const Side& a, const Side& b) {
                              fast.name(), cyclone.name())};
 }
 
-void judge(Meeting& meeting, const Side& a, const Side& b, MonotonicTime end) {
+void judge(ObservedMeeting& meeting, const Side& a, const Side& b, MonotonicTime end) {
   if (!a.participant.is_secured() && !b.participant.is_secured()) {
     meeting.state = MeetingState::unsecured;
     return;
@@ -199,13 +199,13 @@ std::string issuer_of(const ObservedParticipant& participant) {
   return ca != nullptr ? printable(*ca) : "";
 }
 
-std::vector<Meeting> meetings_of(const Observer& observer) {
-  std::vector<Meeting> out;
+std::vector<ObservedMeeting> meetings_of(const Observer& observer) {
+  std::vector<ObservedMeeting> out;
   const auto& all = observer.participants();
   for (auto a = all.begin(); a != all.end(); ++a)
     for (auto b = std::next(a); b != all.end() && out.size() < kMaxMeetings; ++b) {
       if (!a->second.data || !b->second.data || a->second.domain != b->second.domain) continue;
-      Meeting meeting{.a = a->first, .b = b->first};
+      ObservedMeeting meeting{.a = a->first, .b = b->first};
       meeting.met = std::max(a->second.messages.first, b->second.messages.first);
       const auto end =
           std::min(a->second.left ? a->second.messages.last : observer.datagrams().last,

@@ -15,7 +15,7 @@ enum class MeetingState : std::uint8_t {
 };
 std::string_view to_string(MeetingState state);
 
-struct Meeting {
+struct ObservedMeeting {
   GuidPrefix a, b;
   MeetingState state = MeetingState::under_way;
   MonotonicTime met{};                     ///< when both had been heard
@@ -34,7 +34,7 @@ std::string issuer_of(const ObservedParticipant& participant);
 /// Returns every pair of participants of one domain that announced themselves, at most
 /// kMaxMeetings.
 inline constexpr std::size_t kMaxMeetings = 10'000;
-std::vector<Meeting> meetings_of(const Observer& observer);
+std::vector<ObservedMeeting> meetings_of(const Observer& observer);
 
 /// Returns CAP005 if several participants announced themselves and each is in a domain of its own,
 /// so that no two of them can communicate.

@@ -70,7 +70,7 @@ bool ClearAnnouncements::remove(RemoteParticipant& remote, const EntityId& endpo
 bool ClearAnnouncements::is_doubtful(const RemoteParticipant& remote, const EntityId& endpoint,
                                      bool secure) const {
   return core_.is_authenticated(remote.prefix()) &&
-         core_.origin_of_announcement({remote.prefix(), endpoint}, secure) == Origin::anyone;
+         core_.origin_of_announcement({remote.prefix(), endpoint}, secure) == EventOrigin::anyone;
 }
 
 // ---- keys

@@ -176,17 +176,17 @@ void Discovery::add(ParticipantData data, std::size_t octets) {
   }
   auto user = usable(core_, data.default_unicast, metatraffic);
   auto* security = core_.security.get();
-  const auto verdict =
-      security != nullptr ? security->judge(data) : Security::Verdict::admit_unauthenticated;
+  const auto decision = security != nullptr ? security->judge(data)
+                                            : Security::AdmissionDecision::admit_unauthenticated;
   auto& remote = remotes.add(std::move(data), std::move(metatraffic), std::move(user), octets);
   core_.sender.limit().limit(remote.prefix(), remote.metatraffic, remote.metatraffic_sources);
   core_.sender.limit().credit(remote.prefix());
   parts_.announcer.answer(remote.prefix(), where_to_answer(remote.metatraffic, core_.source));
-  if (verdict == Security::Verdict::authenticate)
+  if (decision == Security::AdmissionDecision::authenticate)
     security->discovered(remote.data,
                          {remote.metatraffic, remote.metatraffic_sources, core_.source}, core_.now);
   remotes.renew_lease(remote, remote.data);
-  if (verdict == Security::Verdict::admit_unauthenticated) accept(remote);
+  if (decision == Security::AdmissionDecision::admit_unauthenticated) accept(remote);
 }
 
 bool Discovery::make_room(std::size_t octets) {

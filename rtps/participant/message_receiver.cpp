@@ -28,7 +28,7 @@ void MessageReceiver::receive(BytesView datagram, MonotonicTime now) {
   const auto header = read_header(datagram);
   if (header) return read(*header, datagram, now);
   ++counters_.malformed;
-  report_({}, header.error(), Origin::anyone);
+  report_({}, header.error(), EventOrigin::anyone);
 }
 
 void MessageReceiver::read(const Header& header, BytesView datagram, MonotonicTime now) {
@@ -46,7 +46,7 @@ void MessageReceiver::read(const Header& header, BytesView datagram, MonotonicTi
   ++counters_.malformed;
   const bool by_keys = context.shield.message || context.shield.submessage != Guid{};
   report_(by_keys ? context.source : header.prefix, status.error(),
-          by_keys ? Origin::its_keys : Origin::anyone);
+          by_keys ? EventOrigin::its_keys : EventOrigin::anyone);
 }
 
 void MessageReceiver::report(Context& context) {

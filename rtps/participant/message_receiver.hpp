@@ -17,7 +17,8 @@ class MessageReceiver {
  public:
   /// Reports a message that cannot be read. `source`: the participant; zero if not even the header
   /// can be read.
-  using Report = std::function<void(const GuidPrefix& source, const Error& error, Origin origin)>;
+  using Report =
+      std::function<void(const GuidPrefix& source, const Error& error, EventOrigin origin)>;
   /// Everything is borrowed and must outlive the receiver.
   MessageReceiver(const GuidPrefix& own, EndpointLookup& endpoints, MessageListener& listener,
                   ParticipantCounters& counters, Report report);

@@ -69,11 +69,11 @@ struct ParticipantCore {
   /// Raises an event about a remote participant, or about its endpoint with that GUID. `origin`,
   /// who can have sent the data in question, decides whether the event names the peer as proven
   /// (peer_event.hpp).
-  void raise(Error error, const GuidPrefix& prefix, std::string guid, Origin origin) {
+  void raise(Error error, const GuidPrefix& prefix, std::string guid, EventOrigin origin) {
     if (security) return security->core().raise(std::move(error), prefix, std::move(guid), origin);
     events.raise(peer_event(std::move(error), std::move(guid)));
   }
-  void raise(Error error, const Guid& guid, Origin origin) {
+  void raise(Error error, const Guid& guid, EventOrigin origin) {
     raise(std::move(error), guid.prefix, guid.to_string(), origin);
   }
   /// Raises an event about what is announced of a remote endpoint.
@@ -84,16 +84,16 @@ struct ParticipantCore {
   /// Raises an event about what a remote endpoint sent to a local one.
   void raise_about(Error error, const EntityId& local, const Guid& remote) {
     raise(std::move(error), remote,
-          security ? security->core().origin(local, remote) : Origin::anyone);
+          security ? security->core().origin(local, remote) : EventOrigin::anyone);
   }
-  Origin origin_of_announcement(const Guid& endpoint, bool by_secure_discovery) const {
+  EventOrigin origin_of_announcement(const Guid& endpoint, bool by_secure_discovery) const {
     return security ? security->core().origin_of_announcement(endpoint, by_secure_discovery)
-                    : Origin::anyone;
+                    : EventOrigin::anyone;
   }
   /// Only its participant can have announced the endpoint.
   bool is_proven(const EndpointData& announced) const {
     return origin_of_announcement(announced.guid, announced.by_secure_discovery) ==
-           Origin::its_keys;
+           EventOrigin::its_keys;
   }
   /// The governance's attributes of the domain. Without security: nothing is protected.
   const spi::ParticipantSecurityAttributes& attributes() const {

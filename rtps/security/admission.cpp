@@ -60,17 +60,17 @@ bool Admission::may_authenticate(const ParticipantData& data) const {
   return data.identity_token && check_participant(data);
 }
 
-Admission::Verdict Admission::judge(const ParticipantData& data) {
-  if (may_authenticate(data)) return Verdict::authenticate;
-  if (admits_unauthenticated()) return Verdict::admit_unauthenticated;
+Admission::Decision Admission::judge(const ParticipantData& data) {
+  if (may_authenticate(data)) return Decision::authenticate;
+  if (admits_unauthenticated()) return Decision::admit_unauthenticated;
   ++core_.counters.failed;
   const auto document = "participant " + data.guid.to_string();
   auto why = data.identity_token
                  ? check_participant(data).error().in(document)
                  : Error(Code::rtps_peer_not_secured,
                          {.document = document, .expected = "an identity token", .found = "none"});
-  core_.raise(std::move(why), data.guid, Origin::anyone);
-  return Verdict::refuse;
+  core_.raise(std::move(why), data.guid, EventOrigin::anyone);
+  return Decision::refuse;
 }
 
 /// Checks whether the participant announces attributes with which it can communicate with the local
@@ -105,7 +105,7 @@ Status Admission::check_domain(const ParticipantData& proven) const {
                       .field = "DOMAIN_ID and DOMAIN_TAG",
                       .expected = text(own_id, core_.own->domain_tag()),
                       .found = text(proven.domain_id.value_or(own_id), proven.domain_tag)});
-  core_.raise(error, proven.guid, Origin::its_keys);
+  core_.raise(error, proven.guid, EventOrigin::its_keys);
   return std::unexpected(std::move(error));
 }
 

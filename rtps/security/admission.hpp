@@ -16,9 +16,9 @@ class Admission {
  public:
   explicit Admission(SecurityCore& core) : core_(core) {}
 
-  enum class Verdict { authenticate, admit_unauthenticated, refuse };
+  enum class Decision { authenticate, admit_unauthenticated, refuse };
   /// Decides what to do with a participant that announced itself. A refusal raises an event.
-  Verdict judge(const ParticipantData& data);
+  Decision judge(const ParticipantData& data);
   /// True if the participant announces that it can authenticate, with attributes that the local
   /// governance accepts.
   bool may_authenticate(const ParticipantData& data) const;

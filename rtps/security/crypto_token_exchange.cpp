@@ -30,7 +30,7 @@ ProtectionId protection_in(const GenericMessage& message) {
 
 }  // namespace
 
-Status KeyExchange::open(Peer& peer) {
+Status CryptoTokenExchange::open(Peer& peer) {
   auto& association = *peer.state.association();
   const auto prefix = peer.prefix();
   const auto own = core_.own->guid().prefix;
@@ -50,7 +50,7 @@ Status KeyExchange::open(Peer& peer) {
   return {};
 }
 
-void KeyExchange::readdress(Peer& peer, const LocatorList& addresses) {
+void CryptoTokenExchange::readdress(Peer& peer, const LocatorList& addresses) {
   peer.metatraffic = addresses;
   auto* association = peer.state.association();
   if (association == nullptr || !association->volatile_writer) return;
@@ -59,29 +59,29 @@ void KeyExchange::readdress(Peer& peer, const LocatorList& addresses) {
   association->volatile_reader->readdress({peer.prefix(), kVolatileMessageWriter}, addresses);
 }
 
-StatefulWriter* KeyExchange::volatile_writer(const GuidPrefix& prefix) {
+StatefulWriter* CryptoTokenExchange::volatile_writer(const GuidPrefix& prefix) {
   auto* peer = core_.find(prefix);
   auto* association = peer == nullptr ? nullptr : peer->state.association();
   return association == nullptr ? nullptr : association->volatile_writer.get();
 }
 
-StatefulReader* KeyExchange::volatile_reader(const GuidPrefix& prefix) {
+StatefulReader* CryptoTokenExchange::volatile_reader(const GuidPrefix& prefix) {
   auto* peer = core_.find(prefix);
   auto* association = peer == nullptr ? nullptr : peer->state.association();
   return association == nullptr ? nullptr : association->volatile_reader.get();
 }
 
-void KeyExchange::join(Peer& peer) {
+void CryptoTokenExchange::join(Peer& peer) {
   if (!peer.state.join()) return;
   ++core_.counters.authenticated;
   if (peer.state.association() != nullptr)
-    core_.raise(Error(Code::rtps_peer_authenticated), peer, Origin::its_keys);
+    core_.raise(Error(Code::rtps_peer_authenticated), peer, EventOrigin::its_keys);
   core_.host.on_authenticated(GuidPrefix(peer.prefix()));
 }
 
 // ---- sending
 
-void KeyExchange::send(Peer& peer, GenericMessage message) {
+void CryptoTokenExchange::send(Peer& peer, GenericMessage message) {
   auto* association = peer.state.association();
   if (association == nullptr || !association->volatile_writer) return;
   message.identity = {{core_.own->guid().prefix, kVolatileMessageWriter}, ++last_number_};
@@ -97,19 +97,19 @@ void KeyExchange::send(Peer& peer, GenericMessage message) {
 // The peer has never acknowledged this message before, so a recorded acknowledgment does not answer
 // it. If other messages to the peer are still unacknowledged, a query is as good and leaves nothing
 // stored.
-void KeyExchange::probe(Peer& peer) {
+void CryptoTokenExchange::probe(Peer& peer) {
   if (!is_up_to_date(peer)) return ask_for_sign_of_life(peer);
   GenericMessage message;
   message.message_class = message_class::kQuestion;
   send(peer, std::move(message));
 }
 
-void KeyExchange::ask_for_sign_of_life(Peer& peer) {
+void CryptoTokenExchange::ask_for_sign_of_life(Peer& peer) {
   if (is_trusted(peer)) peer.state.association()->volatile_writer->ask_for_acknowledgments(true);
 }
 
-void KeyExchange::send_tokens(Peer& peer, std::string_view message_class, const Guid& from,
-                              const Guid& to, std::vector<spi::Token> tokens) {
+void CryptoTokenExchange::send_tokens(Peer& peer, std::string_view message_class, const Guid& from,
+                                      const Guid& to, std::vector<spi::Token> tokens) {
   if (tokens.empty()) return;
   GenericMessage message;
   message.destination_endpoint = to;
@@ -119,14 +119,14 @@ void KeyExchange::send_tokens(Peer& peer, std::string_view message_class, const 
   send(peer, std::move(message));
 }
 
-void KeyExchange::send_token(Peer& peer, std::string_view message_class, spi::Token token) {
+void CryptoTokenExchange::send_token(Peer& peer, std::string_view message_class, spi::Token token) {
   std::vector<spi::Token> tokens;
   tokens.push_back(std::move(token));
   send_tokens(peer, message_class, {}, {}, std::move(tokens));
 }
 
 // Other vendors would ignore it.
-void KeyExchange::request_tokens(const EntityId& local, const Guid& remote) {
+void CryptoTokenExchange::request_tokens(const EntityId& local, const Guid& remote) {
   auto* peer = core_.find(remote.prefix);
   if (peer == nullptr || peer->data.vendor != kVendorDdssec || !has_room(*peer)) return;
   GenericMessage message;
@@ -137,8 +137,9 @@ void KeyExchange::request_tokens(const EntityId& local, const Guid& remote) {
 }
 
 // A peer that accepts both protections, too, is told which one the keys are for.
-void KeyExchange::send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,
-                                       std::vector<spi::Token> tokens, ProtectionId protection) {
+void CryptoTokenExchange::send_endpoint_tokens(Peer& peer, const EntityId& local,
+                                               const Guid& remote, std::vector<spi::Token> tokens,
+                                               ProtectionId protection) {
   if (tokens.empty()) return;
   const bool writes = is_writer(local);
   GenericMessage message;
@@ -156,9 +157,9 @@ void KeyExchange::send_endpoint_tokens(Peer& peer, const EntityId& local, const 
   send(peer, std::move(message));
 }
 
-void KeyExchange::complete(Peer& peer, const EntityId& local, const Guid& remote) {
+void CryptoTokenExchange::complete(Peer& peer, const EntityId& local, const Guid& remote) {
   auto completed = core_.keyring.second().complete(local, remote);
-  if (!completed) return core_.raise(completed.error(), remote, Origin::its_keys);
+  if (!completed) return core_.raise(completed.error(), remote, EventOrigin::its_keys);
   if (completed->protection == 0) return;
   send_endpoint_tokens(peer, local, remote, std::move(completed->tokens), completed->protection);
   if (revising_ && is_trusted(peer) &&
@@ -166,7 +167,7 @@ void KeyExchange::complete(Peer& peer, const EntityId& local, const Guid& remote
     add_waiting(*peer.state.association(), local, remote, spi::KeyStage::revised);
 }
 
-bool KeyExchange::complete_pairs(Peer& peer) {
+bool CryptoTokenExchange::complete_pairs(Peer& peer) {
   for (const auto& [local, remote] : core_.keyring.second().incomplete_pairs(peer.prefix())) {
     if (!has_room(peer)) return false;
     complete(peer, local, remote);
@@ -176,27 +177,27 @@ bool KeyExchange::complete_pairs(Peer& peer) {
 
 // ---- key revision
 
-bool KeyExchange::is_trusted(const Peer& peer) {
+bool CryptoTokenExchange::is_trusted(const Peer& peer) {
   const auto* association = peer.state.association();
   return association != nullptr && association->volatile_writer;
 }
 
-bool KeyExchange::is_up_to_date(const Peer& peer) {
+bool CryptoTokenExchange::is_up_to_date(const Peer& peer) {
   if (!is_trusted(peer)) return true;
   const auto& association = *peer.state.association();
   return association.volatile_writer->all_acknowledged() && association.waiting.empty();
 }
 
-void KeyExchange::set_revising(bool revising) {
+void CryptoTokenExchange::set_revising(bool revising) {
   if (std::exchange(revising_, revising) && !revising)
     for (auto& [prefix, peer] : core_.peers)
       if (auto* association = peer.state.association()) association->waiting.end_revision();
 }
 
-void KeyExchange::send_revised(Peer& peer) {
+void CryptoTokenExchange::send_revised(Peer& peer) {
   if (!is_trusted(peer)) return;
   auto own = core_.keyring.participant_tokens(peer.prefix(), spi::KeyStage::revised);
-  if (!own) return core_.raise(own.error(), peer, Origin::its_keys);
+  if (!own) return core_.raise(own.error(), peer, EventOrigin::its_keys);
   send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(*own));
   auto& association = *peer.state.association();
   for (const auto& [local, remote] : core_.keyring.pairs_with_keys(peer.prefix()))
@@ -206,22 +207,22 @@ void KeyExchange::send_revised(Peer& peer) {
 
 // ---- waiting messages
 
-bool KeyExchange::may_send(const Association& association) const {
+bool CryptoTokenExchange::may_send(const Association& association) const {
   return association.volatile_writer &&
          association.volatile_writer->history().octets() < kMaxUnacknowledgedOctets;
 }
 
-bool KeyExchange::has_room(const Peer& peer) const {
+bool CryptoTokenExchange::has_room(const Peer& peer) const {
   const auto* association = peer.state.association();
   return association != nullptr && may_send(*association);
 }
 
-void KeyExchange::note_acknowledged(Peer& peer) {
+void CryptoTokenExchange::note_acknowledged(Peer& peer) {
   if (is_trusted(peer)) send_waiting(peer);
 }
 
-void KeyExchange::add_waiting(Association& association, const EntityId& local, const Guid& remote,
-                              spi::KeyStage stage) {
+void CryptoTokenExchange::add_waiting(Association& association, const EntityId& local,
+                                      const Guid& remote, spi::KeyStage stage) {
   association.waiting.add(local, remote, stage);
   association.waiting.forget_unless([this](const EntityId& ours, const Guid& theirs) {
     return core_.keyring.is_introduced(ours, theirs);
@@ -229,7 +230,7 @@ void KeyExchange::add_waiting(Association& association, const EntityId& local, c
 }
 
 // Tokens are created when they are sent.
-void KeyExchange::send_waiting(Peer& peer) {
+void CryptoTokenExchange::send_waiting(Peer& peer) {
   auto& association = *peer.state.association();
   auto& keyring = core_.keyring;
   while (may_send(association)) {
@@ -241,12 +242,12 @@ void KeyExchange::send_waiting(Peer& peer) {
     if (tokens)
       send_endpoint_tokens(peer, local, remote, std::move(*tokens));
     else
-      core_.raise(tokens.error(), remote, Origin::its_keys);
+      core_.raise(tokens.error(), remote, EventOrigin::its_keys);
   }
 }
 
 // Otherwise a refused message would wait for the peer's next HEARTBEAT.
-void KeyExchange::tick() {
+void CryptoTokenExchange::tick() {
   for (const auto& prefix : std::exchange(have_room_, {}))
     if (auto* reader = volatile_reader(prefix)) reader->offer_again();
 }
@@ -254,7 +255,7 @@ void KeyExchange::tick() {
 // ---- receiving
 
 // The key of this pair of participants protected the message. Its content is still checked.
-bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
+bool CryptoTokenExchange::on_message(const GuidPrefix& prefix, const Change& change) {
   auto* peer = core_.find(prefix);
   if (peer == nullptr || peer->state.association() == nullptr) return true;
   const auto size = change.payload.size();
@@ -282,7 +283,7 @@ bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
                       {.document = "key tokens",
                        .expected = "at most " + std::to_string(kMaxTokenOctets) + " octets",
                        .found = std::to_string(size)}),
-                *peer, Origin::its_keys);
+                *peer, EventOrigin::its_keys);
     return true;
   }
   if (is_for_readers(*message) || is_for_writers(*message))
@@ -293,9 +294,9 @@ bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
   return true;
 }
 
-void KeyExchange::on_participant_tokens(Peer& peer, const GenericMessage& message) {
+void CryptoTokenExchange::on_participant_tokens(Peer& peer, const GenericMessage& message) {
   const auto status = core_.keyring.set_participant_tokens(peer.prefix(), message.data);
-  if (!status) return core_.raise(status.error(), peer, Origin::its_keys);
+  if (!status) return core_.raise(status.error(), peer, EventOrigin::its_keys);
   // The peer can read the local messages now: what it could not read before is offered again at
   // once.
   if (auto* association = peer.state.association(); association->volatile_writer)
@@ -304,7 +305,7 @@ void KeyExchange::on_participant_tokens(Peer& peer, const GenericMessage& messag
 }
 
 // A peer gets no more in answer than it acknowledges, and each pair at most once meanwhile.
-void KeyExchange::on_tokens_wanted(Peer& peer, const GenericMessage& message) {
+void CryptoTokenExchange::on_tokens_wanted(Peer& peer, const GenericMessage& message) {
   const auto local = message.destination_endpoint;
   const auto remote = message.source_endpoint;
   const bool fits = local.prefix == core_.own->guid().prefix && remote.prefix == peer.prefix() &&
@@ -315,7 +316,8 @@ void KeyExchange::on_tokens_wanted(Peer& peer, const GenericMessage& message) {
 }
 
 // Discovery and keys may arrive in any order.
-bool KeyExchange::on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets) {
+bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
+                                             std::size_t octets) {
   const Guid local = message.destination_endpoint;
   const Guid remote = message.source_endpoint;
   const bool to_reader = is_for_readers(message);
@@ -336,16 +338,16 @@ bool KeyExchange::on_endpoint_tokens(Peer& peer, GenericMessage message, std::si
 }
 
 // The peer may find the pair first.
-bool KeyExchange::apply_tokens(Peer& peer, const GenericMessage& message) {
+bool CryptoTokenExchange::apply_tokens(Peer& peer, const GenericMessage& message) {
   const auto protection = protection_in(message);
   if (protection != 0) complete(peer, message.destination_endpoint.entity, message.source_endpoint);
   const auto ready = core_.keyring.set_endpoint_tokens(
       message.destination_endpoint.entity, message.source_endpoint, message.data, protection);
-  if (!ready) core_.raise(ready.error(), peer, Origin::its_keys);
+  if (!ready) core_.raise(ready.error(), peer, EventOrigin::its_keys);
   return ready && *ready;
 }
 
-bool KeyExchange::introduce(const EntityId& local, const Guid& remote, bool relay_only) {
+bool CryptoTokenExchange::introduce(const EntityId& local, const Guid& remote, bool relay_only) {
   auto introduced = core_.keyring.introduce(local, remote, relay_only);
   if (!introduced) {
     const auto* attributes = core_.keyring.attributes(local);

@@ -8,7 +8,7 @@
 
 namespace ddssec::rtps {
 
-class KeyExchange {
+class CryptoTokenExchange {
  public:
   /// Size limit for one message with key tokens, several times what keys need.
   static constexpr std::size_t kMaxTokenOctets = 4096;
@@ -21,7 +21,7 @@ class KeyExchange {
   /// Limit for messages that a peer has not acknowledged. Further ones are created when it has.
   static constexpr std::size_t kMaxUnacknowledgedOctets = std::size_t{256} << 10;
 
-  explicit KeyExchange(SecurityCore& core) : core_(core) {}
+  explicit CryptoTokenExchange(SecurityCore& core) : core_(core) {}
 
   /// Opens the channel to a peer that has just authenticated, and sends the local participant key.
   /// Errors: those of creating its tokens.

@@ -11,7 +11,8 @@ std::size_t octets_of(const spi::Token& token) {
 
 }  // namespace
 
-DocumentRenewal::DocumentRenewal(SecurityCore& core, KeyExchange& exchange, KeyRevision& revision)
+DocumentRenewal::DocumentRenewal(SecurityCore& core, CryptoTokenExchange& exchange,
+                                 KeyReviser& revision)
     : core_(core), exchange_(exchange), revision_(revision) {
   exchange.on_renewal([this](Peer& peer, const GenericMessage& message) {
     if (message.data.size() != 1 || peer.state.joined() == nullptr) return;
@@ -33,7 +34,8 @@ void DocumentRenewal::offer(Peer& peer) {
   auto offer = authentication.offer_renewal(peer.state.handshake()->handle());
   if (!offer || !*offer) return;
   next_offer = core_.now + kOfferPeriod;
-  if (octets_of(**offer) > KeyExchange::kMaxDocumentOctets) return report_too_large(peer, **offer);
+  if (octets_of(**offer) > CryptoTokenExchange::kMaxDocumentOctets)
+    return report_too_large(peer, **offer);
   exchange_.send_token(peer, message_class::kRenewal, **std::move(offer));
 }
 
@@ -41,11 +43,12 @@ void DocumentRenewal::report_too_large(const Peer& peer, const spi::Token& offer
   core_.raise(
       Error(Code::length_out_of_range,
             {.document = "renewed certificate and permissions",
-             .expected = "at most " + std::to_string(KeyExchange::kMaxDocumentOctets) + " octets",
+             .expected =
+                 "at most " + std::to_string(CryptoTokenExchange::kMaxDocumentOctets) + " octets",
              .found = std::to_string(octets_of(offer)),
              .hint = "make the permissions shorter, if the session with this peer is to go on "
                      "after the former documents end; it begins again otherwise"}),
-      peer, Origin::its_keys);
+      peer, EventOrigin::its_keys);
 }
 
 void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
@@ -70,7 +73,7 @@ void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
 
 // A reader that no longer matches has the keys of its writers.
 void DocumentRenewal::judge_endpoints_of(const GuidPrefix& prefix) {
-  if (core_.host.on_rights_changed(prefix)) revision_.request(KeyRevision::Why::right_lost);
+  if (core_.host.on_rights_changed(prefix)) revision_.request(KeyReviser::Why::right_lost);
 }
 
 void DocumentRenewal::on_own_rights_changed() {

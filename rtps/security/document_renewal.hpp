@@ -12,7 +12,7 @@ class DocumentRenewal {
   /// A peer that does not answer is shown the documents again after this time.
   static constexpr MonotonicTime kOfferPeriod = std::chrono::seconds(10);
 
-  DocumentRenewal(SecurityCore& core, KeyExchange& exchange, KeyRevision& revision);
+  DocumentRenewal(SecurityCore& core, CryptoTokenExchange& exchange, KeyReviser& revision);
 
   /// Must be called once a second: shows the peers what was renewed.
   void offer();
@@ -29,8 +29,8 @@ class DocumentRenewal {
   void on_taken(Peer& peer, const spi::Token& answer);
 
   SecurityCore& core_;
-  KeyExchange& exchange_;
-  KeyRevision& revision_;
+  CryptoTokenExchange& exchange_;
+  KeyReviser& revision_;
   std::vector<GuidPrefix> excluded_;
 };
 

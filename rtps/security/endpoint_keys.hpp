@@ -100,8 +100,8 @@ class EndpointKeys {
 };
 
 /// Another protection of local endpoints, while a governance document takes the place of another
-/// one (GovernanceChange). Messages with either protection are opened; the first one protects what
-/// is sent. Each has keys of its own.
+/// one (GovernanceTransition). Messages with either protection are opened; the first one protects
+/// what is sent. Each has keys of its own.
 class SecondProtections {
  public:
   /// `first`: the endpoints with the protection that counts when they send.

@@ -37,8 +37,8 @@ std::optional<Said> said_in(const spi::Token& token) {
 
 }  // namespace
 
-GovernanceChange::GovernanceChange(SecurityCore& core, Admission& admission, KeyExchange& exchange,
-                                   KeyRevision& revision)
+GovernanceTransition::GovernanceTransition(SecurityCore& core, Admission& admission,
+                                           CryptoTokenExchange& exchange, KeyReviser& revision)
     : core_(core), admission_(admission), exchange_(exchange), revision_(revision) {
   exchange.on_governance([this](Peer& peer, const GenericMessage& message) {
     if (message.data.size() == 1) on_message(peer, message.data[0]);
@@ -46,14 +46,14 @@ GovernanceChange::GovernanceChange(SecurityCore& core, Admission& admission, Key
 }
 
 template <class F>
-void GovernanceChange::each_joined(F&& f) {
+void GovernanceTransition::each_joined(F&& f) {
   for (auto& [prefix, peer] : core_.peers)
     if (peer.state.joined() != nullptr) f(peer);
 }
 
 // ---- phases
 
-void GovernanceChange::tick() {
+void GovernanceTransition::tick() {
   if (phase_ != Phase::draining) look();
   if (phase_ == Phase::none) return tell_all();
   // Peers send keys for the second protection as soon as they hear of it.
@@ -76,7 +76,7 @@ void GovernanceChange::tick() {
   }
 }
 
-void GovernanceChange::look() {
+void GovernanceTransition::look() {
   const auto next =
       core_.own->plugins().access_control.pending_governance(core_.own->permissions());
   if (phase_ == Phase::accepting && next != target_) end();  // its CA has left; another may wait
@@ -87,20 +87,20 @@ void GovernanceChange::look() {
 
 // The keys of a revision that is under way count for the first protection. Revisions without end,
 // which an insider may cause, delay the change for no longer than its own time.
-bool GovernanceChange::may_begin() {
+bool GovernanceTransition::may_begin() {
   if (!waits_since_) waits_since_ = core_.now;
   return !revision_.is_busy() || core_.now >= *waits_since_ + core_.own->governance_change_time();
 }
 
 // Keys of the second protection are not revised. They are not used to send from here on, and
 // accepted for no longer than former keys are.
-void GovernanceChange::finish() {
+void GovernanceTransition::finish() {
   if (phase_ == Phase::accepting && add_protections()) change();
   if (phase_ == Phase::draining)
-    deadline_ = std::min(deadline_, core_.now + 2 * KeyRevision::kPatience);
+    deadline_ = std::min(deadline_, core_.now + 2 * KeyReviser::kPatience);
 }
 
-void GovernanceChange::begin(const Version& next) {
+void GovernanceTransition::begin(const Version& next) {
   target_ = next;
   phase_ = Phase::accepting;
   has_failed_ = false;
@@ -113,7 +113,7 @@ void GovernanceChange::begin(const Version& next) {
 }
 
 // The document may have been dropped since, because its CA has left.
-void GovernanceChange::change() {
+void GovernanceTransition::change() {
   auto& access = core_.own->plugins().access_control;
   if (!access.apply_pending_governance(core_.own->permissions(), *target_)) return end();
   report_behind();
@@ -128,7 +128,7 @@ void GovernanceChange::change() {
   judge_matches();
 }
 
-void GovernanceChange::end() {
+void GovernanceTransition::end() {
   core_.keyring.second().remove_all();
   core_.governance_changes = core_.governance_waits = false;
   phase_ = Phase::none;
@@ -136,10 +136,10 @@ void GovernanceChange::end() {
   each_joined([&](Peer& peer) { refresh(peer); });
   tell_all();
   judge_matches();
-  if (std::exchange(any_lost_, false)) revision_.request(KeyRevision::Why::right_lost);
+  if (std::exchange(any_lost_, false)) revision_.request(KeyReviser::Why::right_lost);
 }
 
-bool GovernanceChange::add_protections() {
+bool GovernanceTransition::add_protections() {
   for (const auto& [id, topic] : admission_.own_topics()) {
     const auto status = admission_.add_other_protection(id, topic);
     if (status) continue;
@@ -150,7 +150,7 @@ bool GovernanceChange::add_protections() {
   return true;
 }
 
-bool GovernanceChange::complete_pairs() {
+bool GovernanceTransition::complete_pairs() {
   bool all = true;
   each_joined([&](Peer& peer) {
     if (peer.state.association()->governance.takes_part)
@@ -159,26 +159,26 @@ bool GovernanceChange::complete_pairs() {
   return all;
 }
 
-bool GovernanceChange::has_changed(const Peer& peer) const {
+bool GovernanceTransition::has_changed(const Peer& peer) const {
   const auto* association = peer.state.association();
   return association != nullptr && association->governance.said &&
          association->governance.said->version == own().version;
 }
 
 // One that is not joined gets its keys later.
-bool GovernanceChange::is_ready(const Peer& peer) const {
+bool GovernanceTransition::is_ready(const Peer& peer) const {
   if (peer.state.joined() == nullptr || !core_.keyring.second().any_with(peer.prefix()))
     return true;
-  return has_changed(peer) && KeyExchange::is_up_to_date(peer);
+  return has_changed(peer) && CryptoTokenExchange::is_up_to_date(peer);
 }
 
-void GovernanceChange::refresh(Peer& peer) const {
+void GovernanceTransition::refresh(Peer& peer) const {
   auto* association = peer.state.association();
   if (association == nullptr) return;
   association->governance.takes_part = has_changed(peer);
 }
 
-void GovernanceChange::report_behind() {
+void GovernanceTransition::report_behind() {
   each_joined([&](Peer& peer) {
     if (!core_.keyring.second().any_with(peer.prefix()) || has_changed(peer)) return;
     const auto& said = peer.state.association()->governance.said;
@@ -191,11 +191,11 @@ void GovernanceChange::report_behind() {
                .found = said ? std::to_string(said->version.revision) : "an earlier one or none",
                .note = "its endpoints no longer match on topics that the two documents protect "
                        "differently"}),
-        peer, Origin::its_keys);
+        peer, EventOrigin::its_keys);
   });
 }
 
-void GovernanceChange::judge_matches() {
+void GovernanceTransition::judge_matches() {
   std::vector<GuidPrefix> prefixes;
   each_joined([&](Peer& peer) { prefixes.push_back(peer.prefix()); });
   for (const auto& prefix : prefixes) any_lost_ = core_.host.on_rights_changed(prefix) || any_lost_;
@@ -203,7 +203,7 @@ void GovernanceChange::judge_matches() {
 
 // ---- messages
 
-GovernanceOfPeer::Said GovernanceChange::own() const {
+GovernanceOfPeer::Said GovernanceTransition::own() const {
   if (phase_ != Phase::none)
     return {*target_, phase_ == Phase::accepting ? State::changing : State::changed};
   const auto version =
@@ -211,7 +211,7 @@ GovernanceOfPeer::Said GovernanceChange::own() const {
   return {version.value_or(Version{}), State::in_force};
 }
 
-void GovernanceChange::tell(Peer& peer, bool wants_answer) {
+void GovernanceTransition::tell(Peer& peer, bool wants_answer) {
   if (peer.data.vendor != kVendorDdssec || !exchange_.has_room(peer)) return;
   auto& governance = peer.state.association()->governance;
   const auto said = own();
@@ -221,14 +221,14 @@ void GovernanceChange::tell(Peer& peer, bool wants_answer) {
 }
 
 // Without a change nothing is said, unless it was said before or a peer asks.
-void GovernanceChange::tell_all() {
+void GovernanceTransition::tell_all() {
   each_joined([&](Peer& peer) {
     const auto& governance = peer.state.association()->governance;
     if (phase_ != Phase::none || governance.told) tell(peer, !governance.told);
   });
 }
 
-void GovernanceChange::on_message(Peer& peer, const spi::Token& token) {
+void GovernanceTransition::on_message(Peer& peer, const spi::Token& token) {
   const auto said = said_in(token);
   auto* association = peer.state.association();
   if (!said || association == nullptr) return;

@@ -15,13 +15,13 @@
 
 namespace ddssec::rtps {
 
-class GovernanceChange {
+class GovernanceTransition {
  public:
   /// Added to the second phase: messages take time, and what was lost is sent again.
   static constexpr MonotonicTime kMargin = std::chrono::seconds(5);
 
-  GovernanceChange(SecurityCore& core, Admission& admission, KeyExchange& exchange,
-                   KeyRevision& revision);
+  GovernanceTransition(SecurityCore& core, Admission& admission, CryptoTokenExchange& exchange,
+                       KeyReviser& revision);
 
   /// Must be called once a second.
   void tick();
@@ -62,8 +62,8 @@ class GovernanceChange {
 
   SecurityCore& core_;
   Admission& admission_;
-  KeyExchange& exchange_;
-  KeyRevision& revision_;
+  CryptoTokenExchange& exchange_;
+  KeyReviser& revision_;
   Phase phase_ = Phase::none;
   std::optional<Version> target_;             ///< of the change under way, or of the last one
   std::optional<MonotonicTime> waits_since_;  ///< a document waits, and its change has not begun

@@ -278,7 +278,7 @@ Error Handshakes::no_place_for(const Peer& peer) {
               {.document = "the certificate of participant " + peer.name(),
                .expected = "no more participants than places are free",
                .found = "one more than " + std::to_string(subjects_.count(peer.prefix()))});
-  if (!peer.failed) core_.raise(error, peer, Origin::its_keys);
+  if (!peer.failed) core_.raise(error, peer, EventOrigin::its_keys);
   return error;
 }
 
@@ -446,7 +446,8 @@ MonotonicTime Handshakes::next_of_association(const Peer& peer) const {
 
 void Handshakes::end_probe(Peer& peer) {
   peer.state.end_probe();
-  const bool answered = KeyExchange::is_trusted(peer) && KeyExchange::is_up_to_date(peer);
+  const bool answered =
+      CryptoTokenExchange::is_trusted(peer) && CryptoTokenExchange::is_up_to_date(peer);
   if (!answered && starts_.take(peer.source, core_.now))
     peer.state.handshake()->begin_again(core_.now);
 }
@@ -460,7 +461,7 @@ void Handshakes::note_overdue(Peer& peer) {
                      .expected = "that it ends within 100 s",
                      .found = "no end",
                      .note = "it goes on, and is not told of again"}),
-              peer, Origin::anyone);
+              peer, EventOrigin::anyone);
 }
 
 // DDS-Security 1.2, clause 9.8.3.1: a participant that could authenticate but fails to is matched
@@ -481,7 +482,7 @@ void Handshakes::admit_meanwhile(Peer& peer) {
                      .field = "allow_unauthenticated_participants",
                      .expected = "a handshake that succeeds within 3 s",
                      .found = was_refused ? "one whose messages were refused" : "none"}),
-              peer, Origin::anyone);
+              peer, EventOrigin::anyone);
   core_.host.on_refused(GuidPrefix(peer.prefix()));
 }
 

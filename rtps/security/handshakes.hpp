@@ -69,8 +69,8 @@ class Handshakes {
   static constexpr MonotonicTime kRefusedPause = std::chrono::seconds(5);
   static constexpr MonotonicTime kMaxRefusedPause = std::chrono::seconds(60);
 
-  Handshakes(SecurityCore& core, const Admission& admission, KeyExchange& exchange,
-             KeyRevision& revision)
+  Handshakes(SecurityCore& core, const Admission& admission, CryptoTokenExchange& exchange,
+             KeyReviser& revision)
       : core_(core), admission_(admission), exchange_(exchange), revision_(revision) {}
 
   /// A participant that can authenticate announced itself for the first time.
@@ -142,8 +142,8 @@ class Handshakes {
 
   SecurityCore& core_;
   const Admission& admission_;
-  KeyExchange& exchange_;
-  KeyRevision& revision_;
+  CryptoTokenExchange& exchange_;
+  KeyReviser& revision_;
   HandshakeAccount account_;
   HandshakeSender messages_{core_.sender};
   FragmentStore fragments_;

@@ -4,7 +4,7 @@
 
 namespace ddssec::rtps {
 
-void KeyRevision::request(Why why) {
+void KeyReviser::request(Why why) {
   if (!is_enabled()) return;
   const auto by = why == Why::trust_lost ? core_.now : core_.now + kMaxDelay;
   due_by_ = std::min(due_by_.value_or(kNever), by);
@@ -12,19 +12,19 @@ void KeyRevision::request(Why why) {
 
 // A peer that loses its trust meanwhile may have the keys that are being sent. Then these are still
 // put to use, and another revision follows, which excludes all peers that lost trust until then.
-void KeyRevision::tick() {
+void KeyReviser::tick() {
   if (under_way_ && (core_.now >= under_way_->deadline || all_are_up_to_date())) finish();
   const bool is_due = due_by_ && (!core_.governance_waits || is_urgent());
   if (!under_way_ && is_due && core_.now >= retry_) begin();
 }
 
-MonotonicTime KeyRevision::next_tick() const {
+MonotonicTime KeyReviser::next_tick() const {
   if (under_way_) return all_are_up_to_date() ? core_.now : under_way_->deadline;
   if (!due_by_) return kNever;
   return std::max({core_.now, retry_, core_.governance_waits ? *due_by_ : MonotonicTime::zero()});
 }
 
-void KeyRevision::begin() {
+void KeyReviser::begin() {
   const auto number = core_.keyring.revise();
   if (!number) {
     core_.events.raise(Event(number.error()));
@@ -38,12 +38,12 @@ void KeyRevision::begin() {
   for (auto& [prefix, peer] : core_.peers) exchange_.send_revised(peer);
 }
 
-bool KeyRevision::all_are_up_to_date() const {
+bool KeyReviser::all_are_up_to_date() const {
   return std::ranges::all_of(
-      core_.peers, [](const auto& one) { return KeyExchange::is_up_to_date(one.second); });
+      core_.peers, [](const auto& one) { return CryptoTokenExchange::is_up_to_date(one.second); });
 }
 
-void KeyRevision::finish() {
+void KeyReviser::finish() {
   const auto status = core_.keyring.activate(under_way_->number);
   const auto number = std::to_string(under_way_->number);
   under_way_.reset();
@@ -52,33 +52,32 @@ void KeyRevision::finish() {
   core_.events.raise(
       Event(Error(Code::rtps_keys_revised, {.field = "key revision", .found = number})));
   for (const auto& [prefix, peer] : core_.peers)
-    if (!KeyExchange::is_up_to_date(peer))
+    if (!CryptoTokenExchange::is_up_to_date(peer))
       core_.raise(Error(Code::rtps_key_revision_unacknowledged, {.found = number}), peer,
-                  Origin::its_keys);
+                  EventOrigin::its_keys);
 }
 
-void KeyRevision::check_key_life() {
+void KeyReviser::check_key_life() {
   if (!is_enabled()) return;
   if (core_.keyring.end_former_keys()) request();
 }
 
 // ---- participants that left
 
-void KeyRevision::note_absent(Peer& peer) {
-  if (!is_enabled() || !KeyExchange::is_trusted(peer)) return;
+void KeyReviser::note_absent(Peer& peer) {
+  if (!is_enabled() || !CryptoTokenExchange::is_trusted(peer)) return;
   if (absent_.size() >= kMaxAbsent) return request();
   auto& association = *peer.state.association();
   absent_.push_back({peer.prefix(), std::exchange(association.permissions, {}),
                      association.handshake->identity()});
 }
 
-std::shared_ptr<const PeerIdentity> KeyRevision::identity_of_absent(
-    const GuidPrefix& prefix) const {
+std::shared_ptr<const PeerIdentity> KeyReviser::identity_of_absent(const GuidPrefix& prefix) const {
   const auto at = std::ranges::find(absent_, prefix, &Absent::prefix);
   return at == absent_.end() ? nullptr : at->identity;
 }
 
-void KeyRevision::drop_absent(const GuidPrefix& prefix) {
+void KeyReviser::drop_absent(const GuidPrefix& prefix) {
   if (std::erase_if(absent_, [&](const auto& absent) { return absent.prefix == prefix; }) > 0)
     request();
 }

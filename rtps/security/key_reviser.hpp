@@ -7,7 +7,7 @@
 namespace ddssec::rtps {
 
 /// One revision runs at a time. Without `enable_key_revision` in the governance nothing happens.
-class KeyRevision {
+class KeyReviser {
  public:
   /// Revised keys are used this long after they were sent, at the latest. Receivers accept the
   /// former keys for twice as long.
@@ -20,7 +20,8 @@ class KeyRevision {
   /// one more, keys are revised.
   static constexpr std::size_t kMaxAbsent = 256;
 
-  KeyRevision(SecurityCore& core, KeyExchange& exchange) : core_(core), exchange_(exchange) {}
+  KeyReviser(SecurityCore& core, CryptoTokenExchange& exchange)
+      : core_(core), exchange_(exchange) {}
 
   bool is_enabled() const { return core_.own->attributes().is_key_revision_enabled; }
   /// True if a revision is under way, or requested and does not wait.
@@ -69,7 +70,7 @@ class KeyRevision {
   bool all_are_up_to_date() const;
 
   SecurityCore& core_;
-  KeyExchange& exchange_;
+  CryptoTokenExchange& exchange_;
   std::vector<Absent> absent_;
   std::optional<MonotonicTime> due_by_;  ///< one is requested, and must begin then
   std::optional<UnderWay> under_way_;

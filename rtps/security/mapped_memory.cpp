@@ -37,7 +37,7 @@ void MappedMemory::remove_reader(const Guid& writer, const EntityId& reader) {
 }
 
 void MappedMemory::answer(const Guid& writer, std::uint64_t segment,
-                          std::optional<memory::Refusal> refusal) {
+                          std::optional<memory::MemoryRefusal> refusal) {
   answer_(writer.prefix, {writer.entity, segment, refusal});
 }
 
@@ -45,12 +45,12 @@ void MappedMemory::on_offer(const GuidPrefix& from, MemoryOffer offer, Monotonic
   const Guid writer{from, offer.writer};
   const auto segment = offer.offer.segment;
   const auto at = writers_.find(writer);
-  if (at == writers_.end()) return answer(writer, segment, memory::Refusal::not_matched);
+  if (at == writers_.end()) return answer(writer, segment, memory::MemoryRefusal::not_matched);
   auto& it = at->second;
   it.expects_offer = false;
   if (!it.offers.take(now)) return;
   abandon_request(from, it);
-  if (!has_room(from)) return answer(writer, segment, memory::Refusal::no_memory);
+  if (!has_room(from)) return answer(writer, segment, memory::MemoryRefusal::no_memory);
   const auto id = passing_.fetch(std::move(offer.offer));
   if (!id) return answer(writer, segment, id.error());
   it.request = {segment, *id, now + kMaxRequest};
@@ -126,7 +126,7 @@ void MappedMemory::serve(MonotonicTime now) {
   for (auto& [writer, it] : writers_) {
     if (it.former && now >= it.former_until) forget_former(it);
     if (!it.request || now < it.request->until) continue;
-    answer(writer, it.request->segment, memory::Refusal::no_answer);
+    answer(writer, it.request->segment, memory::MemoryRefusal::no_answer);
     abandon_request(writer.prefix, it);
   }
 }
@@ -144,7 +144,7 @@ void MappedMemory::take(memory::DescriptorPassing::Fetched fetched, MonotonicTim
   end_request(it);
   if (!fetched.segment) return answer(writer, segment, fetched.segment.error());
   if (!has_octets_for(writer.prefix, fetched.segment->octets()))
-    return answer(writer, segment, memory::Refusal::no_memory);
+    return answer(writer, segment, memory::MemoryRefusal::no_memory);
   keep(it, {segment, *std::move(fetched.segment)}, now);
   answer(writer, segment, std::nullopt);
 }
@@ -191,7 +191,7 @@ Payload MappedMemory::fetch(const Guid& writer, const MemoryReference& reference
   }
   const bool is_awaited = it.request && it.request->segment == reference.segment;
   if (!is_awaited && it.complaints.take(now))
-    answer(writer, reference.segment, memory::Refusal::other_segment);
+    answer(writer, reference.segment, memory::MemoryRefusal::other_segment);
   return {};
 }
 

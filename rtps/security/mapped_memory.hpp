@@ -104,7 +104,8 @@ class MappedMemory {
     std::optional<MonotonicTime> large_since = {};  ///< in messages, without an offer
   };
 
-  void answer(const Guid& writer, std::uint64_t segment, std::optional<memory::Refusal> refusal);
+  void answer(const Guid& writer, std::uint64_t segment,
+              std::optional<memory::MemoryRefusal> refusal);
   bool has_room(const GuidPrefix& from) const;
   bool has_octets_for(const GuidPrefix& from, std::size_t more) const;
   std::shared_ptr<Copies> copies_for(const GuidPrefix& from, MonotonicTime now);

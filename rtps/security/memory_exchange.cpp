@@ -4,8 +4,8 @@
 
 namespace ddssec::rtps {
 
-memory::Outcome<std::unique_ptr<MemoryExchange>> MemoryExchange::make(
-    SecurityCore& core, KeyExchange& exchange, const spi::SharedMemory& settings) {
+memory::MemoryResult<std::unique_ptr<MemoryExchange>> MemoryExchange::make(
+    SecurityCore& core, CryptoTokenExchange& exchange, const spi::SharedMemory& settings) {
   SystemRandom random;
   const auto users = settings.with_other_users ? memory::Users::any : memory::Users::own;
   auto passing = memory::DescriptorPassing::make(random, users);
@@ -14,7 +14,7 @@ memory::Outcome<std::unique_ptr<MemoryExchange>> MemoryExchange::make(
       new MemoryExchange(core, exchange, settings, *std::move(passing)));
 }
 
-MemoryExchange::MemoryExchange(SecurityCore& core, KeyExchange& exchange,
+MemoryExchange::MemoryExchange(SecurityCore& core, CryptoTokenExchange& exchange,
                                const spi::SharedMemory& settings,
                                std::unique_ptr<memory::DescriptorPassing> passing)
     : core_{core, exchange, settings, std::move(passing)},
@@ -106,7 +106,7 @@ void MemoryExchange::on_message(Peer& peer, const spi::Token& token) {
   auto offer = offer_in(token);
   if (offer && is_barred(peer))
     return answer(peer.prefix(),
-                  {offer->writer, offer->offer.segment, memory::Refusal::wrong_kind});
+                  {offer->writer, offer->offer.segment, memory::MemoryRefusal::wrong_kind});
   if (offer) return mapped_.on_offer(peer.prefix(), *std::move(offer), core_.security.now);
   const auto answer = answer_in(token);
   if (!answer) return;
@@ -123,7 +123,7 @@ bool MemoryExchange::is_barred(const Peer& peer) const {
 void MemoryExchange::answer(const GuidPrefix& to, const MemoryAnswer& answer) {
   auto* const peer = core_.security.find(to);
   // No honest process passes a descriptor of another kind, and each may stay open for ever.
-  if (peer != nullptr && answer.refusal == memory::Refusal::wrong_kind && !is_barred(*peer))
+  if (peer != nullptr && answer.refusal == memory::MemoryRefusal::wrong_kind && !is_barred(*peer))
     barred_.insert(*core_.security.proven_subject(*peer));
   if (peer == nullptr || peer->state.joined() == nullptr || !core_.exchange.has_room(*peer)) return;
   core_.exchange.send_token(*peer, message_class::kMemory, token_of(answer));
@@ -131,13 +131,13 @@ void MemoryExchange::answer(const GuidPrefix& to, const MemoryAnswer& answer) {
     core_.report(to, memory::to_string(*answer.refusal));
 }
 
-void decline_memory(KeyExchange& exchange, Peer& peer, const GenericMessage& message) {
+void decline_memory(CryptoTokenExchange& exchange, Peer& peer, const GenericMessage& message) {
   if (message.data.size() != 1 || peer.state.joined() == nullptr || !exchange.has_room(peer))
     return;
   if (const auto offer = offer_in(message.data[0]))
     exchange.send_token(
         peer, message_class::kMemory,
-        token_of(MemoryAnswer{offer->writer, offer->offer.segment, memory::Refusal::off}));
+        token_of(MemoryAnswer{offer->writer, offer->offer.segment, memory::MemoryRefusal::off}));
 }
 
 }  // namespace ddssec::rtps

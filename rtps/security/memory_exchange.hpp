@@ -16,9 +16,8 @@ namespace ddssec::rtps {
 class MemoryExchange {
  public:
   /// Both must outlive it. Errors: those of the local socket.
-  static memory::Outcome<std::unique_ptr<MemoryExchange>> make(SecurityCore& core,
-                                                               KeyExchange& exchange,
-                                                               const spi::SharedMemory& settings);
+  static memory::MemoryResult<std::unique_ptr<MemoryExchange>> make(
+      SecurityCore& core, CryptoTokenExchange& exchange, const spi::SharedMemory& settings);
 
   /// From now on a thread of its own does what other processes could hold up. Must be called before
   /// the participant is served, unless by a test. If there is no thread, an event says so.
@@ -44,7 +43,8 @@ class MemoryExchange {
   MappedMemory& mapped() { return mapped_; }
 
  private:
-  MemoryExchange(SecurityCore& core, KeyExchange& exchange, const spi::SharedMemory& settings,
+  MemoryExchange(SecurityCore& core, CryptoTokenExchange& exchange,
+                 const spi::SharedMemory& settings,
                  std::unique_ptr<memory::DescriptorPassing> passing);
   void take_prepared(MonotonicTime now);
   void look_after_kept(MonotonicTime now);
@@ -69,6 +69,6 @@ class MemoryExchange {
 };
 
 /// Answers an offer where shared memory is off, so that the peer can report it.
-void decline_memory(KeyExchange& exchange, Peer& peer, const GenericMessage& message);
+void decline_memory(CryptoTokenExchange& exchange, Peer& peer, const GenericMessage& message);
 
 }  // namespace ddssec::rtps

@@ -53,8 +53,8 @@ Result<MemoryAnswer> read_answer(BytesView content) {
   DDSSEC_ASSIGN_OR_RETURN(const auto reason, reader.read<std::uint32_t>());
   DDSSEC_RETURN_IF_ERROR(reader.finish());
   if (reason == kMapped) return out;
-  out.refusal = reason <= memory::kRefusals ? static_cast<memory::Refusal>(reason - 1)
-                                            : memory::Refusal::no_answer;
+  out.refusal = reason <= memory::kRefusals ? static_cast<memory::MemoryRefusal>(reason - 1)
+                                            : memory::MemoryRefusal::no_answer;
   return out;
 }
 

@@ -12,14 +12,14 @@ namespace ddssec::rtps {
 /// A writer's participant offers the writer's memory to one that has a matched reader.
 struct MemoryOffer {
   EntityId writer = {};
-  memory::Offer offer = {};
+  memory::DescriptorOffer offer = {};
 };
 
 /// The reader's participant has mapped it, or says why it cannot be read.
 struct MemoryAnswer {
   EntityId writer = {};
   std::uint64_t segment = 0;
-  std::optional<memory::Refusal> refusal = {};  ///< empty: mapped
+  std::optional<memory::MemoryRefusal> refusal = {};  ///< empty: mapped
   bool operator==(const MemoryAnswer&) const = default;
 };
 

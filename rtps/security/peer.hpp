@@ -42,7 +42,7 @@ struct PeerPermissions {
   Cleanup give_back = {};
 };
 
-/// What a peer says about its governance document; see GovernanceChange.
+/// What a peer says about its governance document; see GovernanceTransition.
 struct GovernanceOfPeer {
   enum class State : std::uint8_t {
     changing,  ///< accepts the former protection and that of the document; sends by the former

@@ -9,7 +9,7 @@
 namespace ddssec::rtps {
 
 /// Who can have sent the data that an event reports.
-enum class Origin : std::uint8_t {
+enum class EventOrigin : std::uint8_t {
   anyone,   ///< anyone who sends in the peer's name
   its_keys  ///< only the peer: its keys protected the data, or it follows from such data
 };

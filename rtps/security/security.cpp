@@ -96,7 +96,7 @@ void Security::note_announced(const GuidPrefix& prefix, MonotonicTime now) {
                     {.document = "the session with participant " + peer->name(),
                      .expected = "that the peer authenticates us again",
                      .found = "no new session for " + std::to_string(kPatience.count()) + " s"}),
-              *peer, Origin::its_keys);
+              *peer, EventOrigin::its_keys);
 }
 
 std::optional<Bytes> Security::lost(const GuidPrefix& prefix) {

@@ -2,13 +2,14 @@
 // exchange of keys (DDS-Security 1.2, clauses 7.5.3 and 9.8). Sends only through the sender; has no
 // clock and no lock. It connects these parts, which do the work:
 //
-//   MemoryExchange    shares memory with peers on the same machine
-//   GovernanceChange  puts more protection into force while participants run
-//   Handshakes    authenticates the peers, and limits what that costs
-//   KeyRevision   creates new keys for all others when a peer loses its trust
-//   KeyExchange   exchanges key tokens through the volatile secure endpoints
-//   Admission     decides who may try to authenticate, and which endpoints may match
-//   SecurityCore  what all of them use: the peers (see peer.hpp), the keyring, the local identity
+//   MemoryExchange        shares memory with peers on the same machine
+//   GovernanceTransition  puts more protection into force while participants run
+//   Handshakes            authenticates the peers, and limits what that costs
+//   KeyReviser            creates new keys for all others when a peer loses its trust
+//   CryptoTokenExchange   exchanges key tokens through the volatile secure endpoints
+//   Admission             decides who may try to authenticate, and which endpoints may match
+//   SecurityCore          what all of them use: the peers (see peer.hpp), the keyring, the local
+//   identity
 //
 // Each part calls only those below it.
 #pragma once
@@ -21,7 +22,7 @@ namespace ddssec::rtps {
 
 class Security {
  public:
-  using Verdict = Admission::Verdict;
+  using AdmissionDecision = Admission::Decision;
 
   /// The owner must run `timers` and call tick at the times that they ask for (next_tick).
   Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, TimerQueue& timers,
@@ -37,7 +38,7 @@ class Security {
   Status start();
 
   /// See Admission.
-  Verdict judge(const ParticipantData& data) { return admission_.judge(data); }
+  AdmissionDecision judge(const ParticipantData& data) { return admission_.judge(data); }
   bool may_authenticate(const ParticipantData& data) const {
     return admission_.may_authenticate(data);
   }
@@ -103,7 +104,7 @@ class Security {
   void readdress(const GuidPrefix& prefix, const LocatorList& addresses) {
     if (auto* peer = core_.find(prefix)) exchange_.readdress(*peer, addresses);
   }
-  /// See KeyExchange.
+  /// See CryptoTokenExchange.
   StatefulWriter* volatile_writer(const GuidPrefix& prefix) {
     return exchange_.volatile_writer(prefix);
   }
@@ -133,11 +134,11 @@ class Security {
 
   SecurityCore core_;
   Admission admission_{core_};
-  KeyExchange exchange_{core_};
-  KeyRevision revision_{core_, exchange_};
+  CryptoTokenExchange exchange_{core_};
+  KeyReviser revision_{core_, exchange_};
   Handshakes handshakes_{core_, admission_, exchange_, revision_};
   DocumentRenewal renewal_{core_, exchange_, revision_};
-  GovernanceChange change_{core_, admission_, exchange_, revision_};
+  GovernanceTransition change_{core_, admission_, exchange_, revision_};
   std::unique_ptr<MemoryExchange> memory_;  ///< nullptr: shared memory is off
   MonotonicTime next_expiry_{};
 };

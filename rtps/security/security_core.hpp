@@ -60,33 +60,33 @@ struct SecurityCore {
     return at == peers.end() ? nullptr : &at->second;
   }
   /// Who can have sent a message that a local endpoint accepts as one of the remote endpoint.
-  Origin origin(const EntityId& local, const Guid& remote) const {
+  EventOrigin origin(const EntityId& local, const Guid& remote) const {
     const auto* attributes = keyring.attributes(local);
-    if (attributes == nullptr) return Origin::anyone;
-    if (attributes->is_submessage_protected()) return Origin::its_keys;
+    if (attributes == nullptr) return EventOrigin::anyone;
+    if (attributes->is_submessage_protected()) return EventOrigin::its_keys;
     const auto* peer = find(remote.prefix);
     const bool is_wrapped = own->attributes().is_rtps_protected() && peer != nullptr &&
                             (!is_plain_builtin(local) || peer->data.vendor != kVendorCyclone);
-    return is_wrapped ? Origin::its_keys : Origin::anyone;
+    return is_wrapped ? EventOrigin::its_keys : EventOrigin::anyone;
   }
   /// Who can have sent the announcement of a remote endpoint.
-  Origin origin_of_announcement(const Guid& endpoint, bool by_secure_discovery) const {
+  EventOrigin origin_of_announcement(const Guid& endpoint, bool by_secure_discovery) const {
     const bool writes = is_writer(endpoint.entity);
     const auto& plain = writes ? kPublicationsReader : kSubscriptionsReader;
     const auto& secure = writes ? kPublicationsSecureReader : kSubscriptionsSecureReader;
     return origin(by_secure_discovery ? secure : plain, endpoint);
   }
   /// Raises an event about this peer.
-  void raise(Error error, const Peer& peer, Origin origin) {
+  void raise(Error error, const Peer& peer, EventOrigin origin) {
     raise(std::move(error), peer.prefix(), peer.name(), origin);
   }
   /// The same about a participant that may be unknown, or about one of its endpoints. `guid`: of
   /// the participant or endpoint.
-  void raise(Error error, const Guid& guid, Origin origin) {
+  void raise(Error error, const Guid& guid, EventOrigin origin) {
     raise(std::move(error), guid.prefix, guid.to_string(), origin);
   }
-  void raise(Error error, const GuidPrefix& prefix, std::string guid, Origin origin) {
-    const auto* peer = origin == Origin::its_keys ? find(prefix) : nullptr;
+  void raise(Error error, const GuidPrefix& prefix, std::string guid, EventOrigin origin) {
+    const auto* peer = origin == EventOrigin::its_keys ? find(prefix) : nullptr;
     auto subject = peer == nullptr ? std::nullopt : proven_subject(*peer);
     events.raise(peer_event(std::move(error), std::move(guid), std::move(subject)));
   }
@@ -109,7 +109,7 @@ struct SecurityCore {
   /// c.pdata of the handshakes that begin from now on: a big-endian parameter list.
   std::shared_ptr<const Bytes> own_data;
   MonotonicTime now{};              ///< time of the current call
-  bool governance_changes = false;  ///< endpoints have two protections (GovernanceChange)
+  bool governance_changes = false;  ///< endpoints have two protections (GovernanceTransition)
   bool governance_has_changed = false;
   bool governance_waits = false;     ///< they have, or will as soon as no keys are being revised
   MemoryExchange* memory = nullptr;  ///< nullptr: shared memory is off

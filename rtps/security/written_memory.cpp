@@ -19,7 +19,7 @@ void MemoryCore::report(const GuidPrefix& peer, std::string_view why) {
                                                   .found = std::string(why),
                                                   .note = "no further event about this peer "
                                                           "follows"}),
-                 Guid{peer, kEntityIdParticipant}, Origin::its_keys);
+                 Guid{peer, kEntityIdParticipant}, EventOrigin::its_keys);
 }
 
 WrittenMemory::~WrittenMemory() {
@@ -72,7 +72,7 @@ void WrittenMemory::set_mapped(const GuidPrefix& prefix, Reading& reading) {
       Error(Code::rtps_memory_used, {.document = "writer " + id().to_string(),
                                      .note = "payloads from " + std::to_string(kMin) + " to " +
                                              std::to_string(kMax) + " octets"}),
-      Guid{prefix, kEntityIdParticipant}, Origin::its_keys);
+      Guid{prefix, kEntityIdParticipant}, EventOrigin::its_keys);
 }
 
 void WrittenMemory::set_waiting(const GuidPrefix& prefix, Reading& reading) {
@@ -83,8 +83,8 @@ void WrittenMemory::set_waiting(const GuidPrefix& prefix, Reading& reading) {
   reading.state = Reading::State::waiting;
 }
 
-void WrittenMemory::note_refusal(const GuidPrefix& prefix, Reading& reading, memory::Refusal why,
-                                 MonotonicTime now) {
+void WrittenMemory::note_refusal(const GuidPrefix& prefix, Reading& reading,
+                                 memory::MemoryRefusal why, MonotonicTime now) {
   set_waiting(prefix, reading);
   reading.next = now + std::min(kPause * (1 << reading.tries), kMaxPause);
   reading.tries = std::min(reading.tries + 1, 6);
@@ -190,13 +190,13 @@ bool WrittenMemory::prepare(std::size_t payload_size, MonotonicTime now) {
   return false;
 }
 
-memory::Outcome<void> WrittenMemory::request_segment(std::size_t largest) {
+memory::MemoryResult<void> WrittenMemory::request_segment(std::size_t largest) {
   std::array<std::uint8_t, sizeof(std::uint64_t)> octets{};
   const auto size = memory::SampleSlots::size_for(largest);
   core_.kept.forget_returned();
   if (core_.octets + core_.kept.octets() + size > core_.settings.max_octets)
-    return memory::refuse(memory::Refusal::limit_reached);
-  if (!core_.random.fill(octets)) return memory::refuse(memory::Refusal::no_memory);
+    return memory::refuse(memory::MemoryRefusal::limit_reached);
+  if (!core_.random.fill(octets)) return memory::refuse(memory::MemoryRefusal::no_memory);
   const auto asked = core_.passing->make_slots(std::bit_cast<std::uint64_t>(octets), largest);
   if (!asked) return memory::refuse(asked.error());
   core_.octets += size;
@@ -204,7 +204,8 @@ memory::Outcome<void> WrittenMemory::request_segment(std::size_t largest) {
   return {};
 }
 
-void WrittenMemory::on_prepared(memory::Outcome<memory::SampleSlots> slots, MonotonicTime now) {
+void WrittenMemory::on_prepared(memory::MemoryResult<memory::SampleSlots> slots,
+                                MonotonicTime now) {
   auto awaited = *std::exchange(awaited_, std::nullopt);
   core_.octets -= awaited.octets;
   if (!slots) {
@@ -231,7 +232,7 @@ void WrittenMemory::offer_to_all(MonotonicTime now) {
   for (auto& [prefix, reading] : readings_) {
     if (reading.state == Reading::State::mapped || now < reading.next) continue;
     if (reading.state == Reading::State::offered)
-      note_refusal(prefix, reading, memory::Refusal::no_answer, now);
+      note_refusal(prefix, reading, memory::MemoryRefusal::no_answer, now);
     else
       offer(prefix, reading, now);
   }

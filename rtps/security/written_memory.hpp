@@ -16,7 +16,7 @@ namespace ddssec::rtps {
 /// What the memory of all writers of a participant has in common.
 struct MemoryCore {
   SecurityCore& security;
-  KeyExchange& exchange;
+  CryptoTokenExchange& exchange;
   spi::SharedMemory settings = {};
   std::unique_ptr<memory::DescriptorPassing> passing;
   SystemRandom random = {};
@@ -59,7 +59,7 @@ class WrittenMemory final : public SampleMemory {
   void on_answer(const GuidPrefix& from, const MemoryAnswer& answer);
   /// What this writer waits for was made.
   bool waits_for(std::uint64_t id) const { return awaited_ && awaited_->id == id; }
-  void on_prepared(memory::Outcome<memory::SampleSlots> slots, MonotonicTime now);
+  void on_prepared(memory::MemoryResult<memory::SampleSlots> slots, MonotonicTime now);
 
   std::optional<MemoryReference> store(const Change& change, SequenceNumber needed_from,
                                        MonotonicTime now) override;
@@ -92,7 +92,7 @@ class WrittenMemory final : public SampleMemory {
   /// Returns false if the payload cannot go through memory.
   bool prepare(std::size_t payload_size, MonotonicTime now);
   /// Asks for a segment for payloads of up to `largest` octets.
-  memory::Outcome<void> request_segment(std::size_t largest);
+  memory::MemoryResult<void> request_segment(std::size_t largest);
   /// Uses a former segment again if all that may have it may read, and more than have this one.
   bool reuse(std::size_t needed);
   bool may_all_read(const KeptMemory::Holders& holders) const;
@@ -101,7 +101,7 @@ class WrittenMemory final : public SampleMemory {
   void stop_waiting();
   void offer_to_all(MonotonicTime now);
   void offer(const GuidPrefix& prefix, Reading& reading, MonotonicTime now);
-  void note_refusal(const GuidPrefix& prefix, Reading& reading, memory::Refusal why,
+  void note_refusal(const GuidPrefix& prefix, Reading& reading, memory::MemoryRefusal why,
                     MonotonicTime now);
   void set_mapped(const GuidPrefix& prefix, Reading& reading);
   void set_waiting(const GuidPrefix& prefix, Reading& reading);

@@ -16,7 +16,7 @@ bool same(const Criteria& a, const Criteria& b) {
 bool same(const std::vector<Criteria>& a, const std::vector<Criteria>& b) {
   return std::ranges::equal(a, b, [](const auto& x, const auto& y) { return same(x, y); });
 }
-bool same(const Rule& a, const Rule& b) {
+bool same(const GrantRule& a, const GrantRule& b) {
   return a.allow == b.allow && a.domains == b.domains && same(a.publish, b.publish) &&
          same(a.subscribe, b.subscribe) && same(a.relay, b.relay);
 }

@@ -100,7 +100,7 @@ governance::Criteria criteria(const std::vector<std::string>& topics) {
 }
 
 governance::Permissions permissions_of(const Subject& subject, const std::string& name) {
-  governance::Rule rule;
+  governance::GrantRule rule;
   rule.allow = true;
   rule.domains = testing::any_domain();
   if (!subject.publishes.empty()) rule.publish = {criteria(subject.publishes)};

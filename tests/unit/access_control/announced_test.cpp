@@ -66,7 +66,7 @@ TEST(AnnouncedEndpoints, Memory_IsBoundedAndTheNewestStays) {
 class HostilePartitions : public AccessControlTest {
  protected:
   void SetUp() override { ASSERT_TRUE(local(open_permissions(kTalker))); }
-  spi::PermissionsHandle peer(std::vector<governance::Rule> rules) {
+  spi::PermissionsHandle peer(std::vector<governance::GrantRule> rules) {
     return remote(signed_permissions({grant(kListener, std::move(rules))})).value();
   }
   /// Of its own processor time: a busy machine changes little.

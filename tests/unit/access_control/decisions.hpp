@@ -20,14 +20,15 @@ class Decisions : public AccessControlTest {
              {.topic_expression = "written", .enable_read_access_control = false},
              {.topic_expression = "closed*"}};
   }
-  spi::PermissionsHandle with(std::vector<governance::Rule> rules, bool default_allow = false) {
+  spi::PermissionsHandle with(std::vector<governance::GrantRule> rules,
+                              bool default_allow = false) {
     auto content = grant(kTalker, std::move(rules));
     content.default_allow = default_allow;
     const auto handle = local(signed_permissions({content}));
     EXPECT_TRUE(handle) << handle.error().to_sentence();
     return *handle;
   }
-  spi::PermissionsHandle peer_with(std::vector<governance::Rule> rules,
+  spi::PermissionsHandle peer_with(std::vector<governance::GrantRule> rules,
                                    bool default_allow = false) {
     if (!local_) local_ = with({rule(true)});
     auto content = grant(kListener, std::move(rules));

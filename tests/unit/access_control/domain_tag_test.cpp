@@ -23,7 +23,8 @@ class DomainTags : public AccessControlTest {
     out.topic_rules.push_back({.topic_expression = "*"});
     return out;
   }
-  static governance::Rule rule_for(bool allow, DomainSet domains, std::vector<std::string> names) {
+  static governance::GrantRule rule_for(bool allow, DomainSet domains,
+                                        std::vector<std::string> names) {
     auto out = publish_rule(allow, std::move(names));
     out.domains = std::move(domains);
     return out;

@@ -57,26 +57,26 @@ inline governance::Criteria topics(std::vector<std::string> names) {
 }
 
 /// Domains 0 to 230.
-inline governance::Rule rule(bool allow) {
-  governance::Rule out;
+inline governance::GrantRule rule(bool allow) {
+  governance::GrantRule out;
   out.allow = allow;
   out.domains.ranges = {{0, 230}};
   return out;
 }
 
-inline governance::Rule publish_rule(bool allow, std::vector<std::string> names) {
+inline governance::GrantRule publish_rule(bool allow, std::vector<std::string> names) {
   auto out = rule(allow);
   out.publish = {topics(std::move(names))};
   return out;
 }
 
-inline governance::Rule subscribe_rule(bool allow, std::vector<std::string> names) {
+inline governance::GrantRule subscribe_rule(bool allow, std::vector<std::string> names) {
   auto out = rule(allow);
   out.subscribe = {topics(std::move(names))};
   return out;
 }
 
-inline governance::Grant grant(std::string subject, std::vector<governance::Rule> rules) {
+inline governance::Grant grant(std::string subject, std::vector<governance::GrantRule> rules) {
   governance::Grant out;
   out.name = "test";
   out.subject_name = std::move(subject);

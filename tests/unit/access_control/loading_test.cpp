@@ -38,7 +38,7 @@ TEST_F(LocalPermissions, OtherOrderOfTheSubject_IsTheSameSubject) {
 }
 
 TEST_F(LocalPermissions, LongerThanPeersAreSent_AreRefusedByTheirName) {
-  std::vector<governance::Rule> rules = {rule(true)};
+  std::vector<governance::GrantRule> rules = {rule(true)};
   std::string long_name(1000, 'x');
   rules[0].publish = {topics(std::vector<std::string>(1050, long_name))};
   const auto result = local(signed_permissions({grant(kTalker, rules)}));

@@ -139,7 +139,7 @@ TEST_F(Expiry, AnotherGrantOfTheDocument_TakesOver) {
 TEST_F(Expiry, EndOfAPeersGrant_EndsThePeerUnlessTheNextGivesTheSame) {
   const auto own = local(open_permissions(kTalker));
   ASSERT_TRUE(own);
-  const auto first_then = [&](governance::Rule rule, bool default_allow) {
+  const auto first_then = [&](governance::GrantRule rule, bool default_allow) {
     auto first = grant(kListener, {publish_rule(true, {"t", "u"})}), next = first;
     first.validity.not_after = clock.now() + 10s;
     next.validity.not_before = clock.now() + 5s;

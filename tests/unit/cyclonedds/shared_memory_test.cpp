@@ -94,24 +94,25 @@ TEST(PromiseForSamples, EachProtection_IsNamedIfSharedMemoryWouldBreakIt) {
   participant.discovery = participant.liveliness = ProtectionKind::encrypt;
   spi::EndpointSecurityAttributes endpoint;
   endpoint.topic.is_discovery_protected = endpoint.topic.is_liveliness_protected = true;
-  const auto promise = [&](Direction direction) {
+  const auto promise = [&](EndpointDirection direction) {
     return promise_for_samples(participant, endpoint, direction);
   };
-  EXPECT_EQ(promise(Direction::writes), "");
-  EXPECT_EQ(promise(Direction::reads), "");
+  EXPECT_EQ(promise(EndpointDirection::writes), "");
+  EXPECT_EQ(promise(EndpointDirection::reads), "");
   endpoint.topic.is_read_protected = true;
-  EXPECT_EQ(promise(Direction::writes), "enable_read_access_control true");
-  EXPECT_EQ(promise(Direction::reads), "");
+  EXPECT_EQ(promise(EndpointDirection::writes), "enable_read_access_control true");
+  EXPECT_EQ(promise(EndpointDirection::reads), "");
   endpoint.topic.is_read_protected = false;
   endpoint.topic.is_write_protected = true;
-  EXPECT_EQ(promise(Direction::writes), "");
-  EXPECT_EQ(promise(Direction::reads), "enable_write_access_control true");
+  EXPECT_EQ(promise(EndpointDirection::writes), "");
+  EXPECT_EQ(promise(EndpointDirection::reads), "enable_write_access_control true");
   participant.rtps = ProtectionKind::sign;
-  EXPECT_EQ(promise(Direction::writes), "rtps_protection_kind SIGN");
+  EXPECT_EQ(promise(EndpointDirection::writes), "rtps_protection_kind SIGN");
   endpoint.submessage = ProtectionKind::sign_with_origin_authentication;
-  EXPECT_EQ(promise(Direction::reads), "metadata_protection_kind SIGN_WITH_ORIGIN_AUTHENTICATION");
+  EXPECT_EQ(promise(EndpointDirection::reads),
+            "metadata_protection_kind SIGN_WITH_ORIGIN_AUTHENTICATION");
   endpoint.payload = ProtectionKind::encrypt;
-  EXPECT_EQ(promise(Direction::reads), "data_protection_kind ENCRYPT");
+  EXPECT_EQ(promise(EndpointDirection::reads), "data_protection_kind ENCRYPT");
 }
 
 TEST(SharedMemoryGuard, SeveralChecks_LookOnceUnlessTheLookFails) {

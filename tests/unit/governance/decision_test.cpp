@@ -23,15 +23,15 @@ Criteria criteria(std::vector<std::string> topics,
   return out;
 }
 
-Rule rule(bool allow, std::vector<Criteria> publish, DomainRange domains = {0, 230}) {
-  Rule out;
+GrantRule rule(bool allow, std::vector<Criteria> publish, DomainRange domains = {0, 230}) {
+  GrantRule out;
   out.allow = allow;
   out.domains.ranges = {domains};
   out.publish = std::move(publish);
   return out;
 }
 
-CompiledGrant compiled(std::vector<Rule> rules, bool default_allow = false,
+CompiledGrant compiled(std::vector<GrantRule> rules, bool default_allow = false,
                        PartitionMatch match = PartitionMatch::all, DomainId domain = 0) {
   auto permissions = std::make_shared<Permissions>();
   auto& grant = permissions->grants.emplace_back();
@@ -70,9 +70,9 @@ TEST(Decision, Verdict_TellsTheLineThatDecided) {
   const auto shared = std::make_shared<const Permissions>(*permissions);
   const CompiledGrant grant(shared, shared->grants[0], 3);
   const Names partition = {"a1"};
-  const auto verdict = grant.judge(Action::publish, {"Square", partition, {}});
-  EXPECT_TRUE(verdict.allowed);
-  EXPECT_EQ(verdict.line(grant.grant()), 12);
+  const auto decision = grant.judge(Action::publish, {"Square", partition, {}});
+  EXPECT_TRUE(decision.allowed);
+  EXPECT_EQ(decision.line(grant.grant()), 12);
   EXPECT_EQ(grant.judge(Action::publish, {"Circle"}).line(grant.grant()), 4);
 }
 
@@ -290,9 +290,9 @@ TEST(GovernanceRules, FirstDomainRule_Wins) {
 }
 
 TEST(VerdictCache, ManyEntries_StayBounded) {
-  VerdictCache<int> cache;
+  DecisionCache<int> cache;
   for (int i = 0; i < 20'000; ++i) cache.remember(std::to_string(i), i);
-  EXPECT_LE(cache.size(), 2 * VerdictCache<int>::kMaxPerGeneration);
+  EXPECT_LE(cache.size(), 2 * DecisionCache<int>::kMaxPerGeneration);
   EXPECT_EQ(cache.find("19999"), 19999);
   EXPECT_EQ(cache.find("0"), std::nullopt);
   cache.remember(std::string(5000, 'x'), 1);
@@ -300,7 +300,8 @@ TEST(VerdictCache, ManyEntries_StayBounded) {
 }
 
 /// What the standard says, word for word and without any index (T5, T6).
-bool model_allows(const std::vector<Rule>& rules, std::string_view topic, const Names& partitions) {
+bool model_allows(const std::vector<GrantRule>& rules, std::string_view topic,
+                  const Names& partitions) {
   const auto hit = [](const Text& text, std::string_view name) {
     return fnmatch(text.text.c_str(), std::string(name).c_str(), 0) == 0;
   };
@@ -331,7 +332,7 @@ TEST(Decision, RandomRules_AgreeWithTheModel) {
   };
   int allowed = 0;
   for (int round = 0; round < 2000; ++round) {
-    std::vector<Rule> rules;
+    std::vector<GrantRule> rules;
     for (unsigned r = 0; r < 1 + random() % 8; ++r) {
       std::vector<Criteria> elements;
       for (unsigned e = 0; e < 1 + random() % 3; ++e) {

@@ -31,15 +31,15 @@ Criteria tagged(std::vector<std::string> topics, const std::vector<DataTag>& tag
   return out;
 }
 
-Rule rule(bool allow, const std::vector<Criteria>& publish,
-          const std::vector<Criteria>& subscribe = {}) {
+GrantRule rule(bool allow, const std::vector<Criteria>& publish,
+               const std::vector<Criteria>& subscribe = {}) {
   return {.allow = allow,
           .domains = {.ranges = {{.first = 0, .last = 0}}},
           .publish = publish,
           .subscribe = subscribe};
 }
 
-bool at_least(const std::vector<Rule>& next, const std::vector<Rule>& former,
+bool at_least(const std::vector<GrantRule>& next, const std::vector<GrantRule>& former,
               bool next_default = false, bool former_default = false) {
   const Grant a{.rules = next}, b{.rules = former};
   const auto rules = rules_for(a, 0, ""), former_rules = rules_for(b, 0, "");

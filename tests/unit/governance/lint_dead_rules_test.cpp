@@ -41,7 +41,7 @@ TEST(LintPermissions, PartitionsOfDeadRules_MustBeCoveredToo) {
   const auto dead = [](std::vector<std::string> earlier, bool earlier_allows,
                        std::vector<std::string> later, bool later_allows) {
     auto a = rule(earlier_allows, {"*"}), b = rule(later_allows, {"a"});
-    const auto set = [](Rule& r, const auto& names) {
+    const auto set = [](GrantRule& r, const auto& names) {
       if (names.empty()) return;
       r.publish[0].partitions.emplace();
       for (const auto& name : names) r.publish[0].partitions->push_back({name, 0});
@@ -77,8 +77,9 @@ Partitions in(std::initializer_list<const char*> names) {
 
 /// The severity of "deny_rule 2 denies nothing" of `allow *; deny Secret`, and further rules.
 std::optional<Severity> of_denial(Partitions allowed, Partitions denied,
-                                  const std::vector<Rule>& later = {}, bool by_default = false) {
-  std::vector<Rule> rules = {rule(true, {"*"}), rule(false, {"Secret"})};
+                                  const std::vector<GrantRule>& later = {},
+                                  bool by_default = false) {
+  std::vector<GrantRule> rules = {rule(true, {"*"}), rule(false, {"Secret"})};
   rules[0].publish[0].partitions = std::move(allowed);
   rules[1].publish[0].partitions = std::move(denied);
   rules.insert(rules.end(), later.begin(), later.end());
@@ -151,7 +152,7 @@ TEST(LintPermissions, ExpressionsThatMatchNoName_AreDead) {
 
 // A newcomer's list of denials must not take minutes, and what was not looked at is said.
 TEST(LintPermissions, RulesThatTakeTooLongToCompare_AreTold) {
-  std::vector<Rule> rules;
+  std::vector<GrantRule> rules;
   for (int i = 0; i < 400; ++i)
     rules.push_back(rule(false, {(i % 2 ? "*a" : "*b") + std::string(i % 40, '?')}));
   rules.push_back(rule(true, {"*"}));

@@ -15,7 +15,7 @@ Finding at_line(int line, ddssec::Rule rule = PERM012) {
 }
 
 TEST(Findings, SeveralLines_AreOrdered) {
-  Findings findings(PERM012);
+  LintFindings findings(PERM012);
   for (const int line : {3, 1, 2}) findings.add(at_line(line));
   const auto all = findings.take();
   ASSERT_EQ(all.size(), 3u);
@@ -23,7 +23,7 @@ TEST(Findings, SeveralLines_AreOrdered) {
 }
 
 TEST(Findings, AboveTheLimitOfARule_AreCountedAtItsLastOne) {
-  Findings findings(PERM012);
+  LintFindings findings(PERM012);
   const int most = static_cast<int>(kMaxFindingsPerRule);
   for (int line = 1; line <= most + 3; ++line) findings.add(at_line(line));
   findings.add(at_line(1, PERM013));
@@ -34,7 +34,7 @@ TEST(Findings, AboveTheLimitOfARule_AreCountedAtItsLastOne) {
 }
 
 TEST(Findings, PlacesOfANoteThatHaveNone_AreCountedToo) {
-  Findings findings(PERM012);
+  LintFindings findings(PERM012);
   findings.add(PERM003, Note{.line = 7, .path = "/dds", .text = "no zone", .more = 40}, {kFastDds});
   const auto all = findings.take();
   ASSERT_EQ(all.size(), 1u);
@@ -46,7 +46,7 @@ TEST(Findings, PlacesOfANoteThatHaveNone_AreCountedToo) {
 
 TEST(Findings, ChecksThatWereLeftOut_AreAWarning) {
   for (const auto effort : {&SetEffort::steps, &SetEffort::plain_steps}) {
-    Findings findings(GOV012);
+    LintFindings findings(GOV012);
     findings.effort().*effort = 0;
     const auto all = findings.take();
     ASSERT_EQ(all.size(), 1u);
@@ -57,7 +57,7 @@ TEST(Findings, ChecksThatWereLeftOut_AreAWarning) {
 }
 
 TEST(Findings, NameThatBeginsWithASlash_IsReported) {
-  Findings findings(PERM012);
+  LintFindings findings(PERM012);
   findings.add_if_ros_name(PERM034, {"rt/a", 1}, "/dds");
   findings.add_if_ros_name(PERM034, {"/a", 2}, "/dds");
   const auto all = findings.take();
@@ -66,7 +66,7 @@ TEST(Findings, NameThatBeginsWithASlash_IsReported) {
 }
 
 TEST(Findings, NameThatATerminalShowsInAnotherWay_IsReportedWithTheCharacter) {
-  Findings findings(PERM012);
+  LintFindings findings(PERM012);
   findings.add_if_misleading(PERM041, "the topic", {"a\xe2\x80\xae", 1}, "/dds");
   findings.add_if_misleading(PERM041, "the topic", {"a\xff", 2}, "/dds");
   findings.add_if_misleading(PERM041, "the topic", {"\xc3\xa4", 3}, "/dds");

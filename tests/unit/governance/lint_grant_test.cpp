@@ -17,7 +17,7 @@ Grant grant() {
   Grant out;
   out.line = 4;
   for (const bool allow : {false, true, false}) {
-    Rule rule;
+    GrantRule rule;
     rule.allow = allow;
     rule.line = 10 * static_cast<int>(out.rules.size() + 1);
     out.rules.push_back(std::move(rule));

@@ -43,13 +43,13 @@ inline Permissions changed(const std::function<void(Grant&)>& change,
   return read_again({.grants = {std::move(grant)}});
 }
 
-inline Rule rule(bool allow, std::vector<std::string> publish,
-                 std::vector<std::string> subscribe = {}) {
+inline GrantRule rule(bool allow, std::vector<std::string> publish,
+                      std::vector<std::string> subscribe = {}) {
   auto out = grant_for(rights(std::move(publish), std::move(subscribe))).rules.at(0);
   out.allow = allow;
   return out;
 }
-inline Permissions with_rules(std::vector<Rule> rules) {
+inline Permissions with_rules(std::vector<GrantRule> rules) {
   return changed([&](Grant& grant) { grant.rules = std::move(rules); });
 }
 

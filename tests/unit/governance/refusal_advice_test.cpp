@@ -9,9 +9,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Rule publishes(std::vector<std::string> topics, std::optional<std::string> partition = {},
-               std::optional<DataTag> tag = {}) {
-  Rule out{.allow = true, .domains = {.ranges = {{0, 0}}}};
+GrantRule publishes(std::vector<std::string> topics, std::optional<std::string> partition = {},
+                    std::optional<DataTag> tag = {}) {
+  GrantRule out{.allow = true, .domains = {.ranges = {{0, 0}}}};
   Criteria criteria{.line = 7};
   for (auto& topic : topics) criteria.topics.push_back({std::move(topic), 0});
   if (partition) criteria.partitions = {{{*partition, 0}}};
@@ -20,7 +20,7 @@ Rule publishes(std::vector<std::string> topics, std::optional<std::string> parti
   return out;
 }
 
-CompiledGrant compiled(Rule rule) {
+CompiledGrant compiled(GrantRule rule) {
   auto permissions = std::make_shared<Permissions>();
   auto& grant = permissions->grants.emplace_back();
   grant.rules.push_back(std::move(rule));

@@ -31,7 +31,7 @@ bool may(const Permissions& document, Action action, std::string_view topic) {
 }
 
 Permissions allowing(std::vector<std::string> publish, std::vector<std::string> subscribe) {
-  Rule rule{.allow = true, .domains = {.ranges = {{0, 0}}}};
+  GrantRule rule{.allow = true, .domains = {.ranges = {{0, 0}}}};
   const auto texts = [](const std::vector<std::string>& names) {
     std::vector<Text> out;
     for (const auto& name : names) out.push_back({name, 1});

@@ -83,7 +83,7 @@ TEST_P(HostileDocuments, HostileGovernance_IsUnknownWithinSeconds) {
 
 TEST_P(HostileDocuments, HostilePermissions_AreUnknownWithinSeconds) {
   const auto document = [](unsigned seed) {
-    Rule rule{.allow = true};
+    GrantRule rule{.allow = true};
     rule.domains.ranges = {{0, 0}};
     rule.publish.emplace_back();
     for (auto& expression : expressions(GetParam(), seed))

@@ -14,7 +14,7 @@ using namespace of_permissions;
 /// What a change of the rules is, with the witness where something is wider or narrower.
 struct Row {
   const char* name;
-  std::vector<Rule> before, after;
+  std::vector<GrantRule> before, after;
   ChangeClass verdict;
   std::string narrower_at = "-", wider_at = "-";
 };
@@ -36,16 +36,16 @@ TEST_P(RuleChanges, EachChange_GrowsOrShrinksTheSet) {
   EXPECT_EQ(witness(wider), row.wider_at);
 }
 
-Rule in_domains(Rule rule, std::vector<DomainRange> ranges) {
+GrantRule in_domains(GrantRule rule, std::vector<DomainRange> ranges) {
   rule.domains.ranges = std::move(ranges);
   return rule;
 }
-Rule with_partitions(Rule rule, std::vector<Text> partitions) {
+GrantRule with_partitions(GrantRule rule, std::vector<Text> partitions) {
   rule.publish[0].partitions = std::move(partitions);
   return rule;
 }
 
-const std::vector<Rule> kCmdDeniedLate = {allow({{"rt/*"}}), deny({{"rt/cmd*"}})};
+const std::vector<GrantRule> kCmdDeniedLate = {allow({{"rt/*"}}), deny({{"rt/cmd*"}})};
 
 INSTANTIATE_TEST_SUITE_P(
     Table, RuleChanges,
@@ -283,7 +283,7 @@ TEST(PermissionsDiff, DomainTags_AreToldApart) {
 
 // p2, DDS-Security 1.2 table 70.
 TEST(PermissionsDiff, ADenialOfEverythingInFront_RefusesToJoin) {
-  Rule nothing = join();
+  GrantRule nothing = join();
   nothing.allow = false;
   const auto before = document({nothing, allow({{"a"}})});
   const auto diff = compare(before, document({allow({{"a"}})}));
@@ -317,7 +317,7 @@ TEST(PermissionsDiff, ManyPartitions_AreStillCompared) {
 }
 
 TEST(PermissionsDiff, MoreKindsOfEndpointsThanCanBeTried_AreUnknown) {
-  std::vector<Rule> rules;
+  std::vector<GrantRule> rules;
   for (int i = 0; i < 12; ++i)
     rules.push_back(
         with_partitions(deny({{"t" + std::to_string(i)}}), {{"p" + std::to_string(i)}}));

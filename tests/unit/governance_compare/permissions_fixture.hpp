@@ -12,18 +12,18 @@ namespace ddssec::governance::of_permissions {
 inline WallTime at(int seconds) { return WallTime(std::chrono::seconds(seconds)); }
 
 /// A rule about publishing in domain 0.
-inline Rule rule(bool allow, std::vector<Text> topics) {
-  Rule rule{.allow = allow};
+inline GrantRule rule(bool allow, std::vector<Text> topics) {
+  GrantRule rule{.allow = allow};
   rule.domains.ranges = {{0, 0}};
   rule.publish = {{.topics = std::move(topics)}};
   return rule;
 }
-inline Rule allow(std::vector<Text> topics) { return rule(true, std::move(topics)); }
-inline Rule deny(std::vector<Text> topics) { return rule(false, std::move(topics)); }
+inline GrantRule allow(std::vector<Text> topics) { return rule(true, std::move(topics)); }
+inline GrantRule deny(std::vector<Text> topics) { return rule(false, std::move(topics)); }
 /// Lets the participant join and do nothing else.
-inline Rule join() { return {.allow = true, .domains = {.ranges = {{0, 0}}}}; }
+inline GrantRule join() { return {.allow = true, .domains = {.ranges = {{0, 0}}}}; }
 
-inline Permissions document(std::vector<Rule> rules) {
+inline Permissions document(std::vector<GrantRule> rules) {
   Grant grant{.name = "g", .subject_name = "CN=talker,O=Acme", .validity = {at(100), at(200)}};
   grant.rules = std::move(rules);
   grant.line = 3;
@@ -32,13 +32,13 @@ inline Permissions document(std::vector<Rule> rules) {
   return permissions;
 }
 
-inline Grant grant_for(std::string subject, std::vector<Rule> rules) {
+inline Grant grant_for(std::string subject, std::vector<GrantRule> rules) {
   auto grant = document(std::move(rules)).grants[0];
   grant.subject_name = std::move(subject);
   return grant;
 }
 
-inline const std::vector<Rule> kCmdDenied = {join(), deny({{"rt/cmd*"}}), allow({{"rt/*"}})};
-inline const std::vector<Rule> kAll = {allow({{"rt/*"}})};
+inline const std::vector<GrantRule> kCmdDenied = {join(), deny({{"rt/cmd*"}}), allow({{"rt/*"}})};
+inline const std::vector<GrantRule> kAll = {allow({{"rt/*"}})};
 
 }  // namespace ddssec::governance::of_permissions

@@ -72,8 +72,8 @@ class Author {
     }
     return criteria;
   }
-  Rule rule() {
-    Rule rule{.allow = !dice_.once_in(3)};
+  GrantRule rule() {
+    GrantRule rule{.allow = !dice_.once_in(3)};
     const auto first = static_cast<DomainId>(dice_.below(kDomains));
     rule.domains.ranges = {{first, dice_.once_in(2) ? first : kDomains - 1}};
     if (!dice_.once_in(5)) rule.publish.push_back(criteria());
@@ -169,7 +169,7 @@ struct Entity {
   std::vector<DataTag> tags;
 };
 
-bool fits(const Rule& rule, const Criteria& criteria, const Entity& entity) {
+bool fits(const GrantRule& rule, const Criteria& criteria, const Entity& entity) {
   const auto listed = [&](const std::string& partition) { return lists(criteria, partition); };
   const auto tag_listed = [&](const DataTag& tag) {
     return criteria.data_tags &&
@@ -188,7 +188,7 @@ struct Cell {
   std::string tag;
 };
 
-bool is_in(const Rule& rule, const Cell& cell) {
+bool is_in(const GrantRule& rule, const Cell& cell) {
   const bool in_range = std::ranges::any_of(rule.domains.ranges, [&](const DomainRange& range) {
     return range.first <= cell.domain && cell.domain <= range.last;
   });
@@ -211,7 +211,7 @@ const Words& matching(const std::string& expression) {
   return at->second;
 }
 
-Words allowed(const Grant& grant, const Cell& cell, std::vector<Criteria> Rule::*list,
+Words allowed(const Grant& grant, const Cell& cell, std::vector<Criteria> GrantRule::*list,
               const Entity& entity) {
   Words result, decided;
   for (const auto& rule : grant.rules) {
@@ -226,7 +226,7 @@ Words allowed(const Grant& grant, const Cell& cell, std::vector<Criteria> Rule::
     }
   }
   // Only a relay element lets relays be.
-  if (grant.default_allow && list != &Rule::relay) result |= ~decided;
+  if (grant.default_allow && list != &GrantRule::relay) result |= ~decided;
   return result;
 }
 
@@ -290,7 +290,7 @@ Moves reference(const Permissions& before, const Permissions& after) {
           const Cell cell{domain, tag};
           moves.add(may_join(old_grant, cell), may_join(new_grant, cell));
           for (const auto& entity : all)
-            for (auto list : {&Rule::publish, &Rule::subscribe, &Rule::relay})
+            for (auto list : {&GrantRule::publish, &GrantRule::subscribe, &GrantRule::relay})
               moves.add(allowed(old_grant, cell, list, entity),
                         allowed(new_grant, cell, list, entity));
         }

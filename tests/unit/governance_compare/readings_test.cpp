@@ -32,14 +32,14 @@ Governance governance(std::vector<TopicRule> topics) {
 }
 
 /// Allows to publish in domain 0.
-Rule allow(std::vector<Text> topics) {
-  Rule rule{.allow = true};
+GrantRule allow(std::vector<Text> topics) {
+  GrantRule rule{.allow = true};
   rule.domains.ranges = {{0, 0}};
   rule.publish = {{.topics = std::move(topics)}};
   return rule;
 }
 
-Permissions permissions(std::vector<Rule> rules) {
+Permissions permissions(std::vector<GrantRule> rules) {
   Grant grant{.name = "g",
               .subject_name = "CN=talker",
               .validity = {WallTime(), WallTime(std::chrono::seconds(100))}};

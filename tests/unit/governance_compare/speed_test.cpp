@@ -67,7 +67,7 @@ Permissions permissions(const Shape& shape, std::size_t from) {
   Grant grant{.subject_name = "CN=talker",
               .validity = {WallTime(), WallTime(std::chrono::days(1))}};
   for (std::size_t i = from; i < from + kRules; ++i) {
-    Rule rule{.allow = i % 10 != 0};
+    GrantRule rule{.allow = i % 10 != 0};
     rule.domains.ranges = {{0, 0}};
     rule.publish = {{.topics = {{shape.expression(i)}}}};
     grant.rules.push_back(rule);

@@ -103,7 +103,7 @@ TEST(StockChanges, ExpressionThatProductsReadInTheirWay_IsWeakerToThem) {
   EXPECT_THAT(weaker_with(protects("secre[t]")), IsEmpty());
 }
 
-Rule rule(bool allow, std::vector<Text> partitions, DomainRange domains = {0, 0}) {
+GrantRule rule(bool allow, std::vector<Text> partitions, DomainRange domains = {0, 0}) {
   const Criteria criteria{.topics = {{"Square"}}, .partitions = std::move(partitions)};
   return {.allow = allow,
           .domains = {.ranges = {domains}},
@@ -111,7 +111,7 @@ Rule rule(bool allow, std::vector<Text> partitions, DomainRange domains = {0, 0}
           .subscribe = {criteria}};
 }
 
-Permissions with(std::vector<Rule> rules) {
+Permissions with(std::vector<GrantRule> rules) {
   return {.grants = {{.name = "talker",
                       .subject_name = "CN=talker",
                       .validity = {WallTime(), WallTime() + std::chrono::hours(1)},
@@ -138,7 +138,7 @@ Criteria publish(std::string topic, std::string partition) {
   return {.topics = {{std::move(topic)}}, .partitions = {{{std::move(partition)}}}};
 }
 
-Rule about(bool allow, std::vector<Criteria> criteria) {
+GrantRule about(bool allow, std::vector<Criteria> criteria) {
   return {.allow = allow, .domains = {.ranges = {{0, 0}}}, .publish = std::move(criteria)};
 }
 

@@ -16,7 +16,7 @@ using DiagnosisTest = Folders;
 TEST_F(DiagnosisTest, DenyFirst_MattersOnlyWhereOneDirectionIsAllowed) {
   const auto with_deny = [&](bool publish, bool subscribe) {
     auto grant = grant_for("CN=talker", "rt/*");
-    governance::Rule deny{.allow = false, .domains = {.ranges = {{0, 0}}}};
+    governance::GrantRule deny{.allow = false, .domains = {.ranges = {{0, 0}}}};
     if (publish) deny.publish.push_back({.topics = {{"rt/cmd*"}}});
     if (subscribe) deny.subscribe.push_back({.topics = {{"rt/cmd*"}}});
     grant.rules.insert(grant.rules.begin(), {{.allow = true, .domains = deny.domains}, deny});
@@ -32,7 +32,7 @@ TEST_F(DiagnosisTest, DenyFirst_MattersOnlyWhereOneDirectionIsAllowed) {
 TEST_F(DiagnosisTest, DenialInOnePartition_StockProductsRefuseTheTopicInAll) {
   const auto with_deny = [&](bool is_first) {
     auto grant = grant_for("CN=talker", "rt/*");
-    governance::Rule deny{.allow = false, .domains = {.ranges = {{0, 0}}}};
+    governance::GrantRule deny{.allow = false, .domains = {.ranges = {{0, 0}}}};
     deny.publish.push_back({.topics = {{"rt/cmd"}}, .partitions = std::vector<Text>{{"p", 0}}});
     grant.rules.insert(is_first ? grant.rules.begin() : grant.rules.end(), deny);
     return diagnosis(participant("talker", strict_governance(), {.grants = {grant}}));

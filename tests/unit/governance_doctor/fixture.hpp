@@ -51,7 +51,7 @@ inline Governance strict_governance(DomainId domain = 0) {
 
 /// One grant that allows topics in both directions.
 inline Grant grant_for(std::string subject, std::string topic = "Square", DomainId domain = 0) {
-  governance::Rule rule{.allow = true, .domains = {.ranges = {{domain, domain}}}};
+  governance::GrantRule rule{.allow = true, .domains = {.ranges = {{domain, domain}}}};
   rule.publish.push_back({.topics = {{topic}}});
   rule.subscribe.push_back({.topics = {{topic}}});
   return {.name = "participant",

@@ -42,7 +42,7 @@ TEST_F(MeetingTest, FastDds_DoesNotActOnDefaultAllow) {
 // Measured (grant-deny-one-way): Cyclone DDS 0.10 refuses that topic and uses the others.
 TEST_F(MeetingTest, ATopicThatCycloneDdsRefuses_LeavesTheOthers) {
   auto grant = grant_for("CN=talker", "*");
-  governance::Rule deny{.allow = false, .domains = {.ranges = {{0, 0}}}};
+  governance::GrantRule deny{.allow = false, .domains = {.ranges = {{0, 0}}}};
   deny.subscribe.push_back({.topics = {{"Circle"}}});
   grant.rules.insert(grant.rules.begin(), {{.allow = true, .domains = deny.domains}, deny});
   sign(talker_.permissions, to_xml(Permissions{.grants = {grant}}));

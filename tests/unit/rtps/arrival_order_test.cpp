@@ -20,7 +20,7 @@ struct ArrivalOrderTest : Cache {
   ArrivalOrderTest() { cache().order_by_arrival(arrivals); }
 
   /// The CPU time of as many accesses to one sample each.
-  double cost_of(int samples, const Query& one) {
+  double cost_of(int samples, const SampleQuery& one) {
     made.reset();
     cache().order_by_arrival(arrivals);
     for (int i = 0; i < samples; ++i) put(static_cast<std::uint8_t>(i % 200), 1);
@@ -32,7 +32,7 @@ struct ArrivalOrderTest : Cache {
   }
   // Twice as many may cost a little more than twice as much. Four times as much is quadratic, and
   // then each access to 20,000 takes about a millisecond.
-  void expect_linear(const Query& one) {
+  void expect_linear(const SampleQuery& one) {
     const auto few = cost_of(10'000, one), many = cost_of(20'000, one);
     EXPECT_LT(many, 3 * few + 300 * test::kSlowdown) << few << " ms for half of them";
   }

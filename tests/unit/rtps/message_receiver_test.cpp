@@ -53,7 +53,7 @@ struct Heard final : MessageListener {
 struct MessageReceiverTest : ::testing::Test {
   MessageReceiverTest()
       : receiver(kOurs, endpoints, heard, counters,
-                 [this](const GuidPrefix& source, const Error& error, Origin origin) {
+                 [this](const GuidPrefix& source, const Error& error, EventOrigin origin) {
                    reported.emplace_back(source, error.code(), origin);
                  }) {}
 
@@ -84,7 +84,7 @@ struct MessageReceiverTest : ::testing::Test {
   NoEndpoints endpoints;
   Heard heard;
   ParticipantCounters counters;
-  std::vector<std::tuple<GuidPrefix, Code, Origin>> reported;
+  std::vector<std::tuple<GuidPrefix, Code, EventOrigin>> reported;
   MessageReceiver receiver;
 };
 
@@ -103,7 +103,7 @@ TEST_F(MessageReceiverTest, NoHeader_IsCountedAndReportedWithoutASource) {
   EXPECT_EQ(counters.malformed, 1u);
   ASSERT_EQ(reported.size(), 1u);
   EXPECT_EQ(std::get<0>(reported[0]), GuidPrefix{});
-  EXPECT_EQ(std::get<2>(reported[0]), Origin::anyone);
+  EXPECT_EQ(std::get<2>(reported[0]), EventOrigin::anyone);
   EXPECT_THAT(heard.sources, IsEmpty());
 }
 
@@ -115,7 +115,7 @@ TEST_F(MessageReceiverTest, InvalidSubmessage_EndsTheMessageAndKeepsWhatCameBefo
   EXPECT_EQ(counters.malformed, 1u);
   ASSERT_EQ(reported.size(), 1u);
   EXPECT_EQ(std::get<0>(reported[0]), kPeer);
-  EXPECT_EQ(std::get<2>(reported[0]), Origin::anyone);
+  EXPECT_EQ(std::get<2>(reported[0]), EventOrigin::anyone);
   EXPECT_THAT(heard.sources, ElementsAre(kPeer)) << "what came before still shows that it is alive";
 }
 

@@ -46,7 +46,7 @@ struct Cache : ::testing::Test {
     change.payload = Payload::copy_of(Bytes{value});
     return cache().store(change, moment());
   }
-  std::vector<OctetSample> select(Query query) {
+  std::vector<OctetSample> select(SampleQuery query) {
     std::vector<OctetSample> out;
     cache().select(query, moment(), out);
     return out;

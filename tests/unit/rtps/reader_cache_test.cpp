@@ -100,7 +100,8 @@ TEST_F(ReaderCacheTest, SamplesThatAreTakenOneByOne_BesideReadOnes_CostEachTheir
   for (int i = 0; i < kMany; ++i) put(1, 1);
   read();
   for (int i = 0; i < kMany; ++i) put(1, 2);
-  const Query next{.states = {.sample = SampleState::not_read}, .max_samples = 1, .take = true};
+  const SampleQuery next{
+      .states = {.sample = SampleState::not_read}, .max_samples = 1, .take = true};
   const auto start = std::clock();
   for (int i = 0; i < kMany; ++i) ASSERT_THAT(values(select(next)), ElementsAre(2));
   EXPECT_THAT(select(next), IsEmpty());
@@ -146,7 +147,7 @@ TEST_F(ReaderCacheTest, UnreadSamples_InAnyOrder_AreFound) {
         at->is_read = true;
         at = takes ? model.erase(at) : std::next(at);
       }
-      Query query{.max_samples = most, .take = takes};
+      SampleQuery query{.max_samples = most, .take = takes};
       if (unread_only) query.states.sample = SampleState::not_read;
       ASSERT_EQ(values(select(query)), expected) << i;
     }

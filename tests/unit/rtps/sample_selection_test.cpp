@@ -20,7 +20,7 @@ TEST_F(ReaderCacheTest, SamplesOfAnInstance_StandTogetherAndMostIsKept) {
 TEST_F(ReaderCacheTest, ByInstanceAndByNextInstance_SelectsTheirSamples) {
   put(1, 10), put(2, 20), put(3, 30);
   const auto second = cache().lookup(KeyHash{2});
-  using Scope = Query::Scope;
+  using Scope = SampleQuery::Scope;
   EXPECT_THAT(values(select({.scope = Scope::instance, .instance = second})), ElementsAre(20));
   EXPECT_THAT(values(select({.scope = Scope::next_instance})), ElementsAre(10));
   EXPECT_THAT(values(select({.scope = Scope::next_instance, .instance = second})), ElementsAre(30));

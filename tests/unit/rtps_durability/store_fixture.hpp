@@ -81,7 +81,7 @@ class IndexedStore {
   Moment opened_at = at(1000);
   SampleIndex index{store.last_row()};
   std::vector<StoredChange> pending = {};
-  std::vector<SampleIndex::Outcome> outcomes = {};
+  std::vector<SampleIndex::AddResult> outcomes = {};
   std::size_t waited = 0;
 
  private:

@@ -72,7 +72,7 @@ TEST(DescriptorPassing, SilentProcess_AnswerComesInTime) {
   ASSERT_TRUE(passing.it->fetch(std::move(impostor.offer)).has_value());
   const auto fetched = passing.next_fetched();
   ASSERT_TRUE(fetched);
-  EXPECT_EQ(fetched->segment.error(), Refusal::no_answer);
+  EXPECT_EQ(fetched->segment.error(), MemoryRefusal::no_answer);
 }
 
 TEST(DescriptorPassing, ManySilentProcesses_OwnMemoryIsMadeMeanwhile) {
@@ -100,7 +100,7 @@ TEST(DescriptorPassing, Wiped_NothingIsLeft) {
   passing.it->wipe(std::move(slots));
   const auto prepared = passing.next_prepared();
   ASSERT_TRUE(prepared && prepared->slots);
-  EXPECT_EQ(reader.check(reference).error(), Refusal::gone);
+  EXPECT_EQ(reader.check(reference).error(), MemoryRefusal::gone);
   // A reference that has the right generation finds nothing but zeros.
   auto again = reference;
   again.generation += 4;  // freed, and wiped
@@ -169,10 +169,10 @@ TEST(DescriptorPassing, ThreadIsHeldUp_NoCallWaits) {
   const auto segment = *Segment::make(7, 1000, 4);
   const auto before = real_now();
   EXPECT_EQ(held->passing.it->offer(segment, held->passing.random, kStart).error(),
-            Refusal::held_up);
-  EXPECT_EQ(held->passing.it->make_slots(1, 100).error(), Refusal::held_up);
+            MemoryRefusal::held_up);
+  EXPECT_EQ(held->passing.it->make_slots(1, 100).error(), MemoryRefusal::held_up);
   EXPECT_EQ(held->passing.it->fetch({.token = *Token::copy_of(Bytes(32))}).error(),
-            Refusal::held_up);
+            MemoryRefusal::held_up);
   held->passing.it->serve(kStart);
   EXPECT_LT(real_now() - before, 500ms);
 }

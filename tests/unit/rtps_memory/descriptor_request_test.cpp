@@ -30,8 +30,8 @@ constexpr MonotonicTime kStart = std::chrono::seconds(5);
 constexpr std::uint64_t kSegmentId = 7;
 
 /// What comes of an answer with these descriptors.
-Outcome<std::optional<MappedSegment>> answered_with(const std::vector<int>& descriptors,
-                                                    MemoryId memory) {
+MemoryResult<std::optional<MappedSegment>> answered_with(const std::vector<int>& descriptors,
+                                                         MemoryId memory) {
   Impostor impostor(memory);
   auto request = DescriptorRequest::send(impostor.offer);
   EXPECT_TRUE(request.has_value());
@@ -49,23 +49,24 @@ TEST(DescriptorRequestTest, Answer_WithoutOrWithTwoDescriptors_IsRefused) {
   const int number = segment.descriptor();
   const auto before = open_descriptors();
   EXPECT_TRUE(answered_with({number}, segment.memory()).has_value());
-  EXPECT_EQ(answered_with({}, segment.memory()).error(), Refusal::no_answer);
-  EXPECT_EQ(answered_with({number, number}, segment.memory()).error(), Refusal::no_answer);
+  EXPECT_EQ(answered_with({}, segment.memory()).error(), MemoryRefusal::no_answer);
+  EXPECT_EQ(answered_with({number, number}, segment.memory()).error(), MemoryRefusal::no_answer);
   EXPECT_EQ(answered_with(std::vector<int>(20, number), segment.memory()).error(),
-            Refusal::no_answer);
+            MemoryRefusal::no_answer);
   EXPECT_EQ(open_descriptors(), before) << "no descriptor leaks";
 }
 
 TEST(DescriptorRequestTest, Answer_WithADescriptorOfAnotherKind_IsRefused) {
   const FileDescriptor null(::open("/dev/null", O_RDONLY | O_CLOEXEC));
-  EXPECT_EQ(answered_with({null.number()}, {}).error(), Refusal::wrong_kind);
+  EXPECT_EQ(answered_with({null.number()}, {}).error(), MemoryRefusal::wrong_kind);
 }
 
 // A relay in another network namespace, which puts memory of its own in the place of the writer's.
 TEST(DescriptorRequestTest, Answer_WithSealedMemoryOfARelay_IsRefused) {
   const auto writers = *Segment::make(kSegmentId, 64, 1);
   const auto relays = *Segment::make(kSegmentId, 64, 1);
-  EXPECT_EQ(answered_with({relays.descriptor()}, writers.memory()).error(), Refusal::other_memory);
+  EXPECT_EQ(answered_with({relays.descriptor()}, writers.memory()).error(),
+            MemoryRefusal::other_memory);
 }
 
 TEST(DescriptorRequestTest, Writer_KilledBeforeItAnswers_IsNoticed) {
@@ -95,7 +96,7 @@ TEST(DescriptorRequestTest, Writer_KilledBeforeItAnswers_IsNoticed) {
   ASSERT_EQ(::waitpid(child, nullptr, 0), child);
   const auto answer = request->take();
   ASSERT_FALSE(answer.has_value());
-  EXPECT_EQ(answer.error(), Refusal::no_answer);
+  EXPECT_EQ(answer.error(), MemoryRefusal::no_answer);
   EXPECT_FALSE(connected(name)) << "the name is gone with the process";
 }
 
@@ -106,7 +107,7 @@ TEST(DescriptorRequestTest, Descriptor_ThatIsSlowToClose_HoldsNobodyUp) {
   SlowToClose hostile;
   impostor.answer({hostile.slow.number()});
   ::close(hostile.slow.release());
-  expect_quick([&] { EXPECT_EQ(request->take().error(), Refusal::wrong_kind); });
+  expect_quick([&] { EXPECT_EQ(request->take().error(), MemoryRefusal::wrong_kind); });
 }
 
 TEST(DescriptorRequestTest, SlowDescriptor_BesideAGoodOne_HoldsNobodyUp) {
@@ -117,7 +118,7 @@ TEST(DescriptorRequestTest, SlowDescriptor_BesideAGoodOne_HoldsNobodyUp) {
   SlowToClose hostile;
   impostor.answer({segment.descriptor(), hostile.slow.number()});
   ::close(hostile.slow.release());
-  expect_quick([&] { EXPECT_EQ(request->take().error(), Refusal::wrong_kind); });
+  expect_quick([&] { EXPECT_EQ(request->take().error(), MemoryRefusal::wrong_kind); });
 }
 
 TEST(DescriptorRequestTest, SlowDescriptor_AfterTheAnswer_HoldsNobodyUp) {

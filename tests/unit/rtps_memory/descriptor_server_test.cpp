@@ -30,7 +30,7 @@ using namespace testing;
 constexpr MonotonicTime kStart = std::chrono::seconds(5);
 constexpr std::uint64_t kSegmentId = 7;
 
-Offer copy_of(const Offer& offer) {
+DescriptorOffer copy_of(const DescriptorOffer& offer) {
   return {.name = offer.name,
           .token = offer.token.clone(),
           .process = offer.process,
@@ -46,23 +46,24 @@ ssize_t answer_on(const FileDescriptor& socket) {
 
 class DescriptorServerTest : public ::testing::Test {
  protected:
-  Offer offer() {
+  DescriptorOffer offer() {
     auto out = server_.offer(segment_, random_, kStart);
     EXPECT_TRUE(out.has_value());
     return *std::move(out);
   }
   /// What a request for the offer ends with.
-  Outcome<std::optional<MappedSegment>> fetch(const Offer& offer, MonotonicTime now = kStart) {
+  MemoryResult<std::optional<MappedSegment>> fetch(const DescriptorOffer& offer,
+                                                   MonotonicTime now = kStart) {
     auto request = DescriptorRequest::send(offer);
     if (!request) return refuse(request.error());
     server_.offers().forget_late(now);
     server_.serve(now);
     return request->take();
   }
-  Refusal refusal_of(const Offer& offer, MonotonicTime now = kStart) {
+  MemoryRefusal refusal_of(const DescriptorOffer& offer, MonotonicTime now = kStart) {
     auto out = fetch(offer, now);
     EXPECT_FALSE(out.has_value());
-    return out ? Refusal::full : out.error();
+    return out ? MemoryRefusal::full : out.error();
   }
 
   bool is_readable() const {
@@ -102,7 +103,7 @@ TEST_F(DescriptorServerTest, Answer_NotThereYet_IsNothing) {
 TEST_F(DescriptorServerTest, Token_ShownTwice_WorksOnce) {
   const auto made = offer();
   EXPECT_TRUE(fetch(made).has_value());
-  EXPECT_EQ(refusal_of(made), Refusal::no_answer);
+  EXPECT_EQ(refusal_of(made), MemoryRefusal::no_answer);
 }
 
 TEST_F(DescriptorServerTest, Token_WithAWrongBit_IsRefused) {
@@ -114,7 +115,7 @@ TEST_F(DescriptorServerTest, Token_WithAWrongBit_IsRefused) {
       changed[at] ^= 1U;
       wrong.token = *Token::copy_of(changed);
     });
-    EXPECT_EQ(refusal_of(wrong), Refusal::no_answer) << at;
+    EXPECT_EQ(refusal_of(wrong), MemoryRefusal::no_answer) << at;
   }
   EXPECT_TRUE(fetch(made).has_value()) << "wrong tokens do not use up the right one";
 }
@@ -137,7 +138,7 @@ TEST_F(DescriptorServerTest, Token_OfAnotherLength_IsRefused) {
 TEST_F(DescriptorServerTest, Offer_AfterItsLifetime_IsRefused) {
   const auto made = offer();
   EXPECT_EQ(server_.offers().next_end(), kStart + OpenOffers::kLifetime);
-  EXPECT_EQ(refusal_of(made, kStart + OpenOffers::kLifetime), Refusal::no_answer);
+  EXPECT_EQ(refusal_of(made, kStart + OpenOffers::kLifetime), MemoryRefusal::no_answer);
   EXPECT_EQ(server_.offers().size(), 0U);
 }
 
@@ -146,7 +147,7 @@ TEST_F(DescriptorServerTest, Offer_Withdrawn_IsRefused) {
   server_.offers().withdraw(kSegmentId + 1);
   EXPECT_EQ(server_.offers().size(), 1U);
   server_.offers().withdraw(kSegmentId);
-  EXPECT_EQ(refusal_of(made), Refusal::no_answer);
+  EXPECT_EQ(refusal_of(made), MemoryRefusal::no_answer);
 }
 
 TEST_F(DescriptorServerTest, Offers_AboveTheLimit_AreRefusedUntilSomeExpire) {
@@ -154,7 +155,7 @@ TEST_F(DescriptorServerTest, Offers_AboveTheLimit_AreRefusedUntilSomeExpire) {
     return server_.offer(segment_, random_, now, std::to_string(identity));
   };
   for (std::size_t i = 0; i < OpenOffers::kMax; ++i) EXPECT_TRUE(offered_to(i, kStart));
-  EXPECT_EQ(offered_to(100, kStart).error(), Refusal::too_many_tokens);
+  EXPECT_EQ(offered_to(100, kStart).error(), MemoryRefusal::too_many_tokens);
   EXPECT_TRUE(offered_to(100, kStart + OpenOffers::kLifetime));
 }
 
@@ -207,21 +208,21 @@ TEST_F(DescriptorServerTest, Connection_ClosedByTheOtherSide_IsForgotten) {
 TEST_F(DescriptorServerTest, Process_OtherThanTheOffered_GetsNoToken) {
   auto made = offer();
   made.process = ::getppid();
-  EXPECT_EQ(refusal_of(made), Refusal::wrong_process);
+  EXPECT_EQ(refusal_of(made), MemoryRefusal::wrong_process);
   made.process = 0;  // what a process of another PID namespace looks like
-  EXPECT_EQ(refusal_of(made), Refusal::wrong_process);
+  EXPECT_EQ(refusal_of(made), MemoryRefusal::wrong_process);
 }
 
 TEST_F(DescriptorServerTest, Socket_ThatIsNotThere_IsRefused) {
   auto made = offer();
   made.name[0] ^= 1U;
-  EXPECT_EQ(refusal_of(made), Refusal::no_socket);
+  EXPECT_EQ(refusal_of(made), MemoryRefusal::no_socket);
 }
 
 TEST_F(DescriptorServerTest, Memory_OtherThanTheOffered_IsRefused) {
   auto made = offer();
   ++made.memory.inode;
-  EXPECT_EQ(refusal_of(made), Refusal::other_memory);
+  EXPECT_EQ(refusal_of(made), MemoryRefusal::other_memory);
 }
 
 TEST_F(DescriptorServerTest, Descriptors_Exhausted_PauseTheServer) {
@@ -233,7 +234,7 @@ TEST_F(DescriptorServerTest, Descriptors_Exhausted_PauseTheServer) {
   const rlimit none{.rlim_cur = 0, .rlim_max = before.rlim_max};
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
   server_.serve(kStart);
-  EXPECT_EQ(server_.offer(segment_, random_, kStart).error(), Refusal::no_memory);
+  EXPECT_EQ(server_.offer(segment_, random_, kStart).error(), MemoryRefusal::no_memory);
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
   // The waiting connection does not wake the caller meanwhile.
   EXPECT_FALSE(is_readable());
@@ -348,7 +349,7 @@ TEST_F(DescriptorServerTest, SlowDescriptors_Many_ServerTakesNoMoreUntilTheyAreC
   }
   EXPECT_TRUE(closes_too_many());
   EXPECT_FALSE(is_readable()) << "it pauses";
-  EXPECT_EQ(DescriptorRequest::send(made).error(), Refusal::held_up);
+  EXPECT_EQ(DescriptorRequest::send(made).error(), MemoryRefusal::held_up);
   hostile.clear();
   auto now = kStart;
   for (int i = 0; i < 4; ++i) {  // those that waited to be accepted
@@ -361,7 +362,7 @@ TEST_F(DescriptorServerTest, SlowDescriptors_Many_ServerTakesNoMoreUntilTheyAreC
 // ---- strangers of other users, and shares
 
 /// Shows the token as a process of another user; true if a descriptor comes.
-bool gets_descriptor(const Offer& made, DescriptorServer& server) {
+bool gets_descriptor(const DescriptorOffer& made, DescriptorServer& server) {
   std::array<int, 2> ends{};
   EXPECT_EQ(::pipe(ends.data()), 0);
   const pid_t child = ::fork();

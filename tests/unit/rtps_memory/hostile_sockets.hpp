@@ -82,7 +82,7 @@ struct Impostor {
   }
   FileDescriptor listener{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
   FileDescriptor socket;
-  Offer offer{.token = *Token::copy_of(Bytes(32)), .process = ::getpid()};
+  DescriptorOffer offer{.token = *Token::copy_of(Bytes(32)), .process = ::getpid()};
 };
 
 /// A TCP socket with octets that the other side never takes: its close waits for a minute.

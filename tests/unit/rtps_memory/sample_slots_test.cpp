@@ -17,7 +17,7 @@ struct Slots {
   std::optional<Reference> put(std::int64_t needed_from) {
     const auto place = slots.begin({needed_from}, now);
     if (!place) {
-      EXPECT_EQ(place.error(), Refusal::full);
+      EXPECT_EQ(place.error(), MemoryRefusal::full);
       return std::nullopt;
     }
     std::ranges::fill(place->first(16), static_cast<std::uint8_t>(next));
@@ -86,9 +86,9 @@ TEST(SampleSlots, Shapes_AreWithinTheirLimits) {
     EXPECT_GE(it.slots.segment().largest_payload(), largest);
     EXPECT_LE(it.slots.segment().largest_payload(), largest + largest / 4 + 4096);
   }
-  EXPECT_EQ(SampleSlots::make(1, 0).error(), Refusal::bad_shape);
-  EXPECT_EQ(SampleSlots::make(1, kMaxSegment + 1).error(), Refusal::bad_shape);
-  EXPECT_EQ(SampleSlots::make(1, kMaxSegment).error(), Refusal::bad_shape);
+  EXPECT_EQ(SampleSlots::make(1, 0).error(), MemoryRefusal::bad_shape);
+  EXPECT_EQ(SampleSlots::make(1, kMaxSegment + 1).error(), MemoryRefusal::bad_shape);
+  EXPECT_EQ(SampleSlots::make(1, kMaxSegment).error(), MemoryRefusal::bad_shape);
 }
 
 }  // namespace

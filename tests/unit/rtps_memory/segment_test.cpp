@@ -41,11 +41,11 @@ MappedSegment mapped(const Segment& segment) {
   return *std::move(out);
 }
 
-Refusal refusal_of(const MappedSegment& segment, const Reference& reference) {
+MemoryRefusal refusal_of(const MappedSegment& segment, const Reference& reference) {
   Bytes out(reference.length < 4096 ? reference.length : 0);
   auto status = segment.copy(reference, out);
   EXPECT_FALSE(status.has_value());
-  return status ? Refusal::no_socket : status.error();
+  return status ? MemoryRefusal::no_socket : status.error();
 }
 
 /// Memory of a hostile writer: `size` octets, of which the first `taken` are there.
@@ -67,10 +67,10 @@ MemoryId id_of(const FileDescriptor& descriptor) {
   return {info.st_dev, info.st_ino};
 }
 
-Refusal refusal_of_map(const FileDescriptor& descriptor) {
+MemoryRefusal refusal_of_map(const FileDescriptor& descriptor) {
   auto out = MappedSegment::map(descriptor, kId, id_of(descriptor));
   EXPECT_FALSE(out.has_value());
-  return out ? Refusal::no_socket : out.error();
+  return out ? MemoryRefusal::no_socket : out.error();
 }
 
 TEST(Segment, Payload_StoredByTheWriter_IsCopiedByTheReader) {
@@ -99,13 +99,13 @@ TEST(Segment, Shapes_ThatCannotBe_AreRefused) {
            {0, 1}, {1, 0}, {kMax, 1}, {1, kMax}, {kMaxSegment, 1}, {kMax, kMax}}) {
     const auto out = Segment::make(kId, largest, count);
     ASSERT_FALSE(out.has_value()) << largest << " " << count;
-    EXPECT_EQ(out.error(), Refusal::bad_shape);
+    EXPECT_EQ(out.error(), MemoryRefusal::bad_shape);
   }
 }
 
 TEST(Segment, Payload_LargerThanASlot_IsRefused) {
   auto writer = segment(64, 2);
-  EXPECT_EQ(writer.store(Bytes(65)).error(), Refusal::too_large);
+  EXPECT_EQ(writer.store(Bytes(65)).error(), MemoryRefusal::too_large);
   EXPECT_EQ(writer.slots_in_use(), 0U);
 }
 
@@ -113,7 +113,7 @@ TEST(Segment, Slots_AllInUse_RefuseUntilOneIsReleased) {
   auto writer = segment(64, 2);
   const auto first = writer.store(Bytes(64, 1));
   ASSERT_TRUE(writer.store(Bytes(64, 2)).has_value());
-  EXPECT_EQ(writer.store(Bytes(64, 3)).error(), Refusal::full);
+  EXPECT_EQ(writer.store(Bytes(64, 3)).error(), MemoryRefusal::full);
   EXPECT_TRUE(writer.release(*first));
   EXPECT_TRUE(writer.store(Bytes(64, 3)).has_value());
 }
@@ -147,7 +147,7 @@ TEST(Segment, Copy_OfASlotUsedAgain_IsGone) {
   const auto old = writer.store(Bytes(64, 1));
   ASSERT_TRUE(writer.release(*old));
   ASSERT_TRUE(writer.store(Bytes(64, 2)).has_value());
-  EXPECT_EQ(refusal_of(reader, *old), Refusal::gone);
+  EXPECT_EQ(refusal_of(reader, *old), MemoryRefusal::gone);
 }
 
 TEST(Segment, Copy_OfASlotNeverUsedOrBeingWritten_IsGone) {
@@ -157,11 +157,11 @@ TEST(Segment, Copy_OfASlotNeverUsedOrBeingWritten_IsGone) {
   const auto slot = reference.offset;
   for (const std::uint64_t generation : {0U, 1U, 3U, 4U}) {
     reference.generation = generation;
-    EXPECT_EQ(refusal_of(reader, reference), Refusal::gone) << generation;
+    EXPECT_EQ(refusal_of(reader, reference), MemoryRefusal::gone) << generation;
   }
   reference.offset = slot == 0 ? 128 : 0;
   reference.generation = 0;
-  EXPECT_EQ(refusal_of(reader, reference), Refusal::gone);
+  EXPECT_EQ(refusal_of(reader, reference), MemoryRefusal::gone);
 }
 
 TEST(Segment, Copy_OutsideTheSegment_IsRefused) {
@@ -173,15 +173,15 @@ TEST(Segment, Copy_OutsideTheSegment_IsRefused) {
                                      std::uint64_t{1} << 40, kMax, kMax - 63, kMax - 127}) {
     auto reference = good;
     reference.offset = offset;
-    EXPECT_EQ(refusal_of(reader, reference), Refusal::outside) << offset;
+    EXPECT_EQ(refusal_of(reader, reference), MemoryRefusal::outside) << offset;
   }
   auto last = good;
   last.offset = 192;  // only the head of a slot fits there
-  EXPECT_EQ(refusal_of(reader, last), Refusal::outside);
+  EXPECT_EQ(refusal_of(reader, last), MemoryRefusal::outside);
   Bytes more(256);
   auto longer = good;
   longer.length = 256;
-  EXPECT_EQ(reader.copy(longer, more).error(), Refusal::outside);
+  EXPECT_EQ(reader.copy(longer, more).error(), MemoryRefusal::outside);
 }
 
 TEST(Segment, Copy_ToAPlaceOfAnotherSize_IsRefused) {
@@ -189,7 +189,7 @@ TEST(Segment, Copy_ToAPlaceOfAnotherSize_IsRefused) {
   const auto reader = mapped(writer);
   const auto reference = *writer.store(Bytes(64, 1));
   Bytes out(63);
-  EXPECT_EQ(reader.copy(reference, out).error(), Refusal::outside);
+  EXPECT_EQ(reader.copy(reference, out).error(), MemoryRefusal::outside);
 }
 
 TEST(Segment, Copy_FromAnotherSegment_IsRefused) {
@@ -197,7 +197,7 @@ TEST(Segment, Copy_FromAnotherSegment_IsRefused) {
   const auto reader = mapped(writer);
   auto reference = *writer.store(Bytes(64, 1));
   reference.segment = kId + 1;
-  EXPECT_EQ(refusal_of(reader, reference), Refusal::other_segment);
+  EXPECT_EQ(refusal_of(reader, reference), MemoryRefusal::other_segment);
 }
 
 // Each payload is one octet many times: a copy that mixes two of them is noticed.
@@ -266,14 +266,14 @@ TEST(SegmentSeals, Memory_ThatAReaderMapped_CannotBePunchedByTheWriter) {
 }
 
 TEST(SegmentMapping, Descriptor_OfAnotherKind_IsRefused) {
-  EXPECT_EQ(MappedSegment::map(FileDescriptor(), kId, {}).error(), Refusal::wrong_kind);
-  EXPECT_EQ(refusal_of_map(FileDescriptor(::open("/dev/zero", O_RDWR))), Refusal::wrong_kind);
+  EXPECT_EQ(MappedSegment::map(FileDescriptor(), kId, {}).error(), MemoryRefusal::wrong_kind);
+  EXPECT_EQ(refusal_of_map(FileDescriptor(::open("/dev/zero", O_RDWR))), MemoryRefusal::wrong_kind);
   EXPECT_EQ(refusal_of_map(FileDescriptor(::open("/tmp", O_RDONLY | O_DIRECTORY))),
-            Refusal::wrong_kind);
+            MemoryRefusal::wrong_kind);
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe(ends.data()), 0);
   const FileDescriptor other(ends[1]);
-  EXPECT_EQ(refusal_of_map(FileDescriptor(ends[0])), Refusal::wrong_kind);
+  EXPECT_EQ(refusal_of_map(FileDescriptor(ends[0])), MemoryRefusal::wrong_kind);
 }
 
 TEST(SegmentMapping, File_OfASharedFolder_IsRefused) {
@@ -283,31 +283,31 @@ TEST(SegmentMapping, File_OfASharedFolder_IsRefused) {
   ::unlink(path.c_str());
   ASSERT_EQ(::fallocate(file.number(), 0, 0, 4096), 0);
   const auto refusal = refusal_of_map(file);
-  EXPECT_TRUE(refusal == Refusal::not_sealed || refusal == Refusal::wrong_kind);
+  EXPECT_TRUE(refusal == MemoryRefusal::not_sealed || refusal == MemoryRefusal::wrong_kind);
 }
 
 // Its pages may be missing although the seals are there.
 TEST(SegmentMapping, Memory_OfHugePages_IsRefused) {
   const FileDescriptor huge(::memfd_create("test", MFD_ALLOW_SEALING | MFD_HUGETLB));
   if (!huge || ::fcntl(huge.number(), F_ADD_SEALS, kAllSeals) != 0) GTEST_SKIP() << "no huge pages";
-  EXPECT_EQ(refusal_of_map(huge), Refusal::wrong_kind);
+  EXPECT_EQ(refusal_of_map(huge), MemoryRefusal::wrong_kind);
 }
 
 TEST(SegmentMapping, Memory_WithoutOneOfTheSeals_IsRefused) {
   for (const int missing : {F_SEAL_SHRINK, F_SEAL_GROW, 0x0010, F_SEAL_SEAL})
-    EXPECT_EQ(refusal_of_map(memory(4096, 4096, kAllSeals & ~missing)), Refusal::not_sealed)
+    EXPECT_EQ(refusal_of_map(memory(4096, 4096, kAllSeals & ~missing)), MemoryRefusal::not_sealed)
         << missing;
-  EXPECT_EQ(refusal_of_map(memory(4096, 4096, 0)), Refusal::not_sealed);
+  EXPECT_EQ(refusal_of_map(memory(4096, 4096, 0)), MemoryRefusal::not_sealed);
 }
 
 TEST(SegmentMapping, Memory_EmptyOrTooLarge_IsRefused) {
-  EXPECT_EQ(refusal_of_map(memory(0, 0, kAllSeals)), Refusal::wrong_size);
-  EXPECT_EQ(refusal_of_map(memory(off_t{1} << 40, 0, kAllSeals)), Refusal::wrong_size);
+  EXPECT_EQ(refusal_of_map(memory(0, 0, kAllSeals)), MemoryRefusal::wrong_size);
+  EXPECT_EQ(refusal_of_map(memory(off_t{1} << 40, 0, kAllSeals)), MemoryRefusal::wrong_size);
 }
 
 TEST(SegmentMapping, Memory_WithAHole_IsRefused) {
-  EXPECT_EQ(refusal_of_map(memory(16384, 0, kAllSeals)), Refusal::wrong_size);
-  EXPECT_EQ(refusal_of_map(memory(16384, 8192, kAllSeals)), Refusal::wrong_size);
+  EXPECT_EQ(refusal_of_map(memory(16384, 0, kAllSeals)), MemoryRefusal::wrong_size);
+  EXPECT_EQ(refusal_of_map(memory(16384, 8192, kAllSeals)), MemoryRefusal::wrong_size);
 }
 
 // Such blocks count as memory of the file, but are not where the reader looks.
@@ -318,7 +318,7 @@ TEST(SegmentMapping, Memory_WithBlocksBeyondItsEnd_IsRefused) {
   struct stat info {};
   ASSERT_EQ(::fstat(beyond.number(), &info), 0);
   ASSERT_GE(info.st_blocks * 512, info.st_size);
-  EXPECT_EQ(refusal_of_map(beyond), Refusal::wrong_size);
+  EXPECT_EQ(refusal_of_map(beyond), MemoryRefusal::wrong_size);
 }
 
 TEST(SegmentMapping, Memory_OfASegment_IsAllThere) {
@@ -333,7 +333,7 @@ TEST(SegmentMapping, Memory_OtherThanTheOffered_IsRefused) {
   const auto other = segment();
   const auto out = MappedSegment::map(copy_of(other), kId, writer.memory());
   ASSERT_FALSE(out.has_value());
-  EXPECT_EQ(out.error(), Refusal::other_memory);
+  EXPECT_EQ(out.error(), MemoryRefusal::other_memory);
 }
 
 // Runs in a process of its own, since a limit that was lowered stays.
@@ -347,7 +347,7 @@ int status_of_child(int (*run)()) {
 
 int refused_with_no_memory() {
   const auto out = Segment::make(kId, std::size_t{1} << 20, 16);
-  return !out && out.error() == Refusal::no_memory ? 0 : 1;
+  return !out && out.error() == MemoryRefusal::no_memory ? 0 : 1;
 }
 
 TEST(SegmentLimits, Descriptors_Exhausted_Refuse) {

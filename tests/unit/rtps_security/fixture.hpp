@@ -155,7 +155,7 @@ inline spi::PropertyList properties_of(const std::string& subject, const Rules& 
   for (auto& name : topics) criteria.topics.push_back({std::move(name), 0});
   criteria.data_tags = std::move(tags);
   if (rules.partitions != nullptr) criteria.partitions = {{rules.partitions, 0}};
-  governance::Rule rule;
+  governance::GrantRule rule;
   rule.allow = true;
   rule.domains = any_domain();
   rule.publish = {criteria};

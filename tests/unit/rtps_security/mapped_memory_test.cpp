@@ -11,7 +11,7 @@
 namespace ddssec::rtps::mapped {
 namespace {
 
-using memory::Refusal;
+using memory::MemoryRefusal;
 using namespace std::chrono_literals;
 
 TEST(MappedMemory, Offered_PayloadsAreFetched) {
@@ -180,7 +180,7 @@ TEST(MappedMemory, UnknownSegment_WriterIsToldWithinABudget) {
     EXPECT_EQ(sides.fetched(reference), 0u);
   }
   ASSERT_EQ(sides.answers.size(), 1u);
-  EXPECT_EQ(sides.answers[0].refusal, Refusal::other_segment);
+  EXPECT_EQ(sides.answers[0].refusal, MemoryRefusal::other_segment);
 }
 
 TEST(MappedMemory, WriterNotMatched_Refused) {
@@ -189,12 +189,12 @@ TEST(MappedMemory, WriterNotMatched_Refused) {
   offer.writer = kReader;
   sides.mapped.on_offer(sides.prefix, std::move(offer), sides.now);
   ASSERT_EQ(sides.answers.size(), 1u);
-  EXPECT_EQ(sides.answers[0].refusal, Refusal::not_matched);
+  EXPECT_EQ(sides.answers[0].refusal, MemoryRefusal::not_matched);
 }
 
 /// What is answered to an offer that `change` has changed.
 template <class F>
-std::optional<Refusal> answer_to(F&& change) {
+std::optional<MemoryRefusal> answer_to(F&& change) {
   Sides sides;
   auto offer = sides.offer();
   change(offer.offer, sides);
@@ -208,20 +208,22 @@ std::optional<Refusal> answer_to(F&& change) {
 }
 
 TEST(MappedMemory, HostileOffer_RefusedWithItsReason) {
-  EXPECT_EQ(answer_to([](auto& offer, auto&) { offer.name[0] ^= 1; }), Refusal::no_socket);
-  EXPECT_EQ(answer_to([](auto& offer, auto&) { ++offer.process; }), Refusal::wrong_process);
-  EXPECT_EQ(answer_to([](auto& offer, auto&) { offer.process = 0; }), Refusal::wrong_process);
-  EXPECT_EQ(answer_to([](auto& offer, auto&) { ++offer.memory.inode; }), Refusal::other_memory);
-  EXPECT_EQ(answer_to([](auto& offer, auto&) { ++offer.memory.device; }), Refusal::other_memory);
+  EXPECT_EQ(answer_to([](auto& offer, auto&) { offer.name[0] ^= 1; }), MemoryRefusal::no_socket);
+  EXPECT_EQ(answer_to([](auto& offer, auto&) { ++offer.process; }), MemoryRefusal::wrong_process);
+  EXPECT_EQ(answer_to([](auto& offer, auto&) { offer.process = 0; }), MemoryRefusal::wrong_process);
+  EXPECT_EQ(answer_to([](auto& offer, auto&) { ++offer.memory.inode; }),
+            MemoryRefusal::other_memory);
+  EXPECT_EQ(answer_to([](auto& offer, auto&) { ++offer.memory.device; }),
+            MemoryRefusal::other_memory);
   const auto wrong_token = [](auto& offer, auto&) {
     offer.token = memory::Token::copy_of(Bytes(32, 1)).value();
   };
-  EXPECT_EQ(answer_to(wrong_token), Refusal::no_answer);
+  EXPECT_EQ(answer_to(wrong_token), MemoryRefusal::no_answer);
   const auto late = [](auto&, auto& sides) {
     sides.now += memory::OpenOffers::kLifetime;
     sides.passing->serve(sides.now);
   };
-  EXPECT_EQ(answer_to(late), Refusal::no_answer);
+  EXPECT_EQ(answer_to(late), MemoryRefusal::no_answer);
 }
 
 TEST(MappedMemory, SilentProcess_RequestEndsInTime) {
@@ -232,7 +234,7 @@ TEST(MappedMemory, SilentProcess_RequestEndsInTime) {
   sides.now += MappedMemory::kMaxRequest;
   sides.mapped.serve(sides.now);
   ASSERT_EQ(sides.answers.size(), 1u);
-  EXPECT_EQ(sides.answers[0].refusal, Refusal::no_answer);
+  EXPECT_EQ(sides.answers[0].refusal, MemoryRefusal::no_answer);
   EXPECT_EQ(sides.mapped.next_tick(), kNever);
 }
 
@@ -291,7 +293,7 @@ TEST(MappedMemory, ManySegmentsOfOneParticipant_Limited) {
     sides.mapped.on_offer(sides.prefix, std::move(offer), sides.now);
     sides.exchange();
     ASSERT_EQ(sides.answers.size(), 1u);
-    refused += sides.answers[0].refusal == Refusal::no_memory ? 1 : 0;
+    refused += sides.answers[0].refusal == MemoryRefusal::no_memory ? 1 : 0;
     sides.answers.clear();
     sides.now += memory::OpenOffers::kLifetime;
   }

@@ -11,7 +11,7 @@
 namespace ddssec::rtps::mapped {
 namespace {
 
-using memory::Refusal;
+using memory::MemoryRefusal;
 using namespace std::chrono_literals;
 
 TEST(MemoryMessages, Offer_ComesAsItWasSent) {
@@ -33,7 +33,7 @@ TEST(MemoryMessages, Answer_ComesAsItWasSent) {
   EXPECT_EQ(answer_in(token_of(mapped)), mapped);
   EXPECT_FALSE(offer_in(token_of(mapped)));
   for (std::uint32_t i = 0; i < memory::kRefusals; ++i) {
-    const MemoryAnswer refused{kWriter, 77, static_cast<Refusal>(i)};
+    const MemoryAnswer refused{kWriter, 77, static_cast<MemoryRefusal>(i)};
     EXPECT_EQ(answer_in(token_of(refused)), refused);
     EXPECT_NE(memory::to_string(*refused.refusal), "unknown");
   }
@@ -58,11 +58,11 @@ TEST(MemoryMessages, CutAnywhereOrLonger_Refused) {
 }
 
 TEST(MemoryMessages, UnknownReason_IsARefusal) {
-  auto token = token_of(MemoryAnswer{kWriter, 77, Refusal::full});
+  auto token = token_of(MemoryAnswer{kWriter, 77, MemoryRefusal::full});
   token.binary_properties[0].value[12] = 0xff;
   const auto read = answer_in(token);
   ASSERT_TRUE(read);
-  EXPECT_EQ(read->refusal, Refusal::no_answer);
+  EXPECT_EQ(read->refusal, MemoryRefusal::no_answer);
 }
 
 }  // namespace

@@ -23,10 +23,10 @@ struct Listening {
       return one(std::move(datagram));
     };
   }
-  Meeting meeting() const {
+  ObservedMeeting meeting() const {
     const auto all = meetings_of(observer);
     EXPECT_EQ(all.size(), 1u);
-    return all.empty() ? Meeting{} : all.front();
+    return all.empty() ? ObservedMeeting{} : all.front();
   }
   /// They do not talk, for this reason; the sentence.
   std::string reason(Rule rule) const {

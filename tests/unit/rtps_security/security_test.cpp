@@ -31,7 +31,7 @@ TEST(Joining, AnEndedPermission_EndsTheParticipation) {
 TEST(Joining, ANarrowerGrantThatFollows_IsInForceForWhatIsMatched) {
   const auto rules = everything(kEncrypt);
   auto bob = properties_of("CN=bob,O=Example", rules);
-  governance::Rule rule;
+  governance::GrantRule rule;
   rule.allow = true;
   rule.domains.ranges = {{0, 230}};
   governance::Criteria criteria;
