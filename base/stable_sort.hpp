@@ -13,7 +13,7 @@ namespace ddssec {
 /// Sorts by key_of(item) in ascending order; equal items keep their order. Copies the keys and
 /// allocates a second list.
 template <class T, class KeyOf>
-void order_by_least(std::vector<T>& items, KeyOf&& key_of) {
+void stable_sort_by(std::vector<T>& items, KeyOf&& key_of) {
   using Key = std::decay_t<decltype(std::invoke(key_of, items.front()))>;
   std::vector<std::pair<Key, std::size_t>> order;
   order.reserve(items.size());
@@ -27,9 +27,9 @@ void order_by_least(std::vector<T>& items, KeyOf&& key_of) {
 
 /// The same in descending order.
 template <class T, class KeyOf>
-void order_by_greatest(std::vector<T>& items, KeyOf&& key_of) {
+void stable_sort_descending_by(std::vector<T>& items, KeyOf&& key_of) {
   std::ranges::reverse(items);
-  order_by_least(items, std::forward<KeyOf>(key_of));
+  stable_sort_by(items, std::forward<KeyOf>(key_of));
   std::ranges::reverse(items);
 }
 

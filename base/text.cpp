@@ -51,7 +51,7 @@ void append_octets(std::string& out, std::string_view octets) {
   for (const char c : octets) append_number(out, "\\x", static_cast<unsigned char>(c), 2);
 }
 
-bool is_wanted(char32_t c, Printing as_is) {
+bool is_wanted(char32_t c, PrintableOptions as_is) {
   return (as_is.lines && (c == '\n' || c == '\t')) || (as_is.escapes && c == '\033');
 }
 
@@ -82,7 +82,7 @@ std::optional<char32_t> first_misleading(std::string_view text) {
   return std::nullopt;
 }
 
-std::string printable(std::string_view text, Printing as_is) {
+std::string printable(std::string_view text, PrintableOptions as_is) {
   std::string out;
   out.reserve(text.size());
   while (!text.empty()) {

@@ -30,7 +30,7 @@ bool is_misleading(char32_t character);
 std::optional<char32_t> first_misleading(std::string_view text);
 
 /// Characters that `printable` keeps although they are misleading or not ASCII.
-struct Printing {
+struct PrintableOptions {
   bool lines = false;    ///< line feeds and tabs
   bool escapes = false;  ///< ESC, for colours that the program itself prints
   bool utf8 = true;      ///< letters outside of ASCII
@@ -39,7 +39,7 @@ struct Printing {
 /// `text` with '?' for C0 controls and DEL, "\u202e" for other misleading characters, and "\x9b"
 /// for octets that are not UTF-8. Names from a file or a peer must not reach a terminal as a
 /// control sequence, imitate a line of the program, or change the order of the text beside them.
-std::string printable(std::string_view text, Printing as_is);
+std::string printable(std::string_view text, PrintableOptions as_is);
 inline std::string printable(std::string_view text) { return printable(text, {}); }
 
 /// Pointers into the texts, with a null pointer at the end: what programs are started with.

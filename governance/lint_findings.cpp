@@ -99,7 +99,7 @@ std::vector<Finding> LintFindings::take() {
   }
   count_.clear();
   add_if_cut_short();
-  order_by_least(all_, &Finding::line);
+  stable_sort_by(all_, &Finding::line);
   return std::move(all_);
 }
 

@@ -107,7 +107,7 @@ std::vector<Text> each_once(const std::vector<Group>& groups) {
 }
 
 std::vector<Text> in_order(std::vector<Group> groups) {
-  order_by_least(groups, [](const Group& group) { return group.front(); });
+  stable_sort_by(groups, [](const Group& group) { return group.front(); });
   return each_once(groups);
 }
 

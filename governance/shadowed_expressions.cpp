@@ -56,7 +56,7 @@ class Earlier {
     set_.seal();
   }
 
-  Shadow shadow_of(std::uint32_t at) const {
+  ShadowedExpression shadow_of(std::uint32_t at) const {
     std::vector<std::uint32_t> suspects;
     const auto name = sample(expressions_[at]);
     if (name && !add_matching(*name, at, suspects)) return {};  // it is the first for this one
@@ -122,10 +122,11 @@ class Earlier {
 
 }  // namespace
 
-std::vector<Shadow> shadows(std::span<const std::string_view> expressions, SetEffort& effort,
-                            const std::function<bool(std::uint32_t, std::uint32_t)>& covers) {
+std::vector<ShadowedExpression> shadows(
+    std::span<const std::string_view> expressions, SetEffort& effort,
+    const std::function<bool(std::uint32_t, std::uint32_t)>& covers) {
   const Earlier earlier(expressions, effort, covers);
-  std::vector<Shadow> out;
+  std::vector<ShadowedExpression> out;
   out.reserve(expressions.size());
   for (std::uint32_t i = 0; i < expressions.size(); ++i) out.push_back(earlier.shadow_of(i));
   return out;

@@ -12,7 +12,7 @@
 namespace ddssec::governance {
 
 /// The result for one expression.
-struct Shadow {
+struct ShadowedExpression {
   /// True if it is never the first match.
   bool is_dead = false;
   /// If it is dead: positions of the earlier expressions that together match all its names,
@@ -24,7 +24,7 @@ struct Shadow {
 /// names from the later one at `b` at all (rules for other partitions cannot). It is called for
 /// some pairs only. An expression that cannot be decided within the limits, or with the effort
 /// left, counts as not dead.
-std::vector<Shadow> shadows(
+std::vector<ShadowedExpression> shadows(
     std::span<const std::string_view> expressions, SetEffort& effort,
     const std::function<bool(std::uint32_t a, std::uint32_t b)>& covers = {});
 

@@ -111,8 +111,6 @@ Status add_extensions(X509* x509, X509* issuer, const CertificateTemplate& conte
   return {};
 }
 
-Result<Asn1TimePtr> encoded(WallTime time) { return to_asn1_time(time); }
-
 struct Subject {
   const X509_NAME* name;
   EVP_PKEY* key;
@@ -124,8 +122,8 @@ Result<Certificate> build(const CertificateTemplate& content, Subject subject,
                           Random& random) {
   const X509Ptr x509(X509_new());
   X509* by = issuer != nullptr ? impl_of(*issuer).x509.get() : x509.get();
-  DDSSEC_ASSIGN_OR_RETURN(const auto from, encoded(content.validity.not_before));
-  DDSSEC_ASSIGN_OR_RETURN(const auto until, encoded(content.validity.not_after));
+  DDSSEC_ASSIGN_OR_RETURN(const auto from, to_asn1_time(content.validity.not_before));
+  DDSSEC_ASSIGN_OR_RETURN(const auto until, to_asn1_time(content.validity.not_after));
   if (!x509 || X509_set_version(x509.get(), X509_VERSION_3) != 1 ||
       X509_set_subject_name(x509.get(), subject.name) != 1 ||
       X509_set_issuer_name(x509.get(), X509_get_subject_name(by)) != 1 ||
@@ -152,7 +150,7 @@ CertificateTemplate ca_template(std::string_view subject, Validity validity) {
 }
 
 // The template of a certificate that takes another's place.
-CertificateTemplate again(const Certificate& old, Validity validity) {
+CertificateTemplate template_of_successor(const Certificate& old, Validity validity) {
   if (!old.is_ca())
     return {.subject = {}, .validity = validity, .ocsp_responder = ocsp_responder_of(old)};
   auto content = ca_template("", validity);
@@ -197,7 +195,7 @@ bool add_reason(X509_REVOKED* entry, RevocationReason reason) {
 Status add_revoked(X509_CRL* crl, const Revocation& revocation) {
   RevokedPtr entry(X509_REVOKED_new());
   DDSSEC_ASSIGN_OR_RETURN(const auto serial, to_serial(revocation.serial));
-  DDSSEC_ASSIGN_OR_RETURN(const auto when, encoded(revocation.time));
+  DDSSEC_ASSIGN_OR_RETURN(const auto when, to_asn1_time(revocation.time));
   if (!entry || X509_REVOKED_set_serialNumber(entry.get(), serial.get()) != 1 ||
       X509_REVOKED_set_revocationDate(entry.get(), when.get()) != 1 ||
       !add_reason(entry.get(), revocation.reason) || X509_CRL_add0_revoked(crl, entry.get()) != 1)
@@ -226,7 +224,7 @@ Result<Bytes> detached_signature(const Credential& signer, BytesView content, Wa
   constexpr unsigned kFlags = CMS_DETACHED | CMS_BINARY;
   const CmsPtr cms(CMS_sign(nullptr, nullptr, nullptr, nullptr, kFlags | CMS_PARTIAL));
   const BioPtr data = bio_over(content);
-  DDSSEC_ASSIGN_OR_RETURN(const auto signing_time, encoded(time));
+  DDSSEC_ASSIGN_OR_RETURN(const auto signing_time, to_asn1_time(time));
   CMS_SignerInfo* info =
       cms ? CMS_add1_signer(cms.get(), impl_of(signer.certificate).x509.get(),
                             impl_of(signer.key).pkey.get(), digest_of(signer.key),
@@ -360,7 +358,7 @@ Result<Certificate> Authority::certify(const CertificateTemplate& content, const
 Result<Certificate> Authority::reissue(const Certificate& old, Validity validity, Random& random,
                                        const PrivateKey* key) const {
   X509* x509 = impl_of(old).x509.get();
-  return build(again(old, validity),
+  return build(template_of_successor(old, validity),
                {X509_get_subject_name(x509),
                 key != nullptr ? impl_of(*key).pkey.get() : X509_get0_pubkey(x509)},
                &self_.certificate, self_.key, random);
@@ -368,7 +366,7 @@ Result<Certificate> Authority::reissue(const Certificate& old, Validity validity
 
 Result<Certificate> Authority::renewed(Validity validity, Random& random) const {
   X509* x509 = impl_of(self_.certificate).x509.get();
-  return build(again(self_.certificate, validity),
+  return build(template_of_successor(self_.certificate, validity),
                {X509_get_subject_name(x509), X509_get0_pubkey(x509)}, nullptr, self_.key, random);
 }
 
@@ -395,8 +393,8 @@ Result<RequestContent> read_request(BytesView request_pem) {
 Result<Crl> Authority::make_crl(const CrlTemplate& content) const {
   const CrlPtr crl(X509_CRL_new());
   X509* issuer = impl_of(self_.certificate).x509.get();
-  DDSSEC_ASSIGN_OR_RETURN(const auto this_update, encoded(content.this_update));
-  DDSSEC_ASSIGN_OR_RETURN(const auto next_update, encoded(content.next_update));
+  DDSSEC_ASSIGN_OR_RETURN(const auto this_update, to_asn1_time(content.this_update));
+  DDSSEC_ASSIGN_OR_RETURN(const auto next_update, to_asn1_time(content.next_update));
   if (!crl || X509_CRL_set_version(crl.get(), X509_CRL_VERSION_2) != 1 ||
       X509_CRL_set_issuer_name(crl.get(), X509_get_subject_name(issuer)) != 1 ||
       X509_CRL_set1_lastUpdate(crl.get(), this_update.get()) != 1 ||

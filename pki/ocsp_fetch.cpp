@@ -27,7 +27,7 @@ std::unexpected<Error> failed(const std::string& url, std::string note) {
 constexpr std::size_t kMaxFetched = 64 * 1024;
 
 /// SHA-1 identifies the certificate: it is what every responder understands (RFC 5019).
-Result<BioPtr> request_for(const OcspQuestion& question) {
+Result<BioPtr> request_for(const OcspRequest& question) {
   const OcspRequestPtr request(OCSP_REQUEST_new());
   OCSP_CERTID* const id = OCSP_cert_to_id(EVP_sha1(), impl_of(question.certificate).x509.get(),
                                           impl_of(question.ca).x509.get());
@@ -66,7 +66,7 @@ Bytes all_of(BIO* bio) {
 
 }  // namespace
 
-Result<Bytes> fetch_ocsp(const OcspQuestion& question, const std::string& url,
+Result<Bytes> fetch_ocsp(const OcspRequest& question, const std::string& url,
                          std::chrono::seconds longest) {
   DDSSEC_ASSIGN_OR_RETURN(const auto address, parse_ocsp_address(url));
   DDSSEC_ASSIGN_OR_RETURN(const auto request, request_for(question));

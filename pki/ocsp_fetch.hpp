@@ -13,7 +13,7 @@
 
 namespace ddssec::pki {
 
-struct OcspQuestion {
+struct OcspRequest {
   const Certificate& certificate;
   const Certificate& ca;  ///< that issued it
 };
@@ -21,7 +21,7 @@ struct OcspQuestion {
 /// The answer of the responder (DER), not judged yet. The request has no nonce, because the answer
 /// is for others to see, too. No proxy is used, and no redirection followed. The name of the host
 /// is looked up before the time is counted. Errors: ocsp_fetch_failed, out_of_memory.
-Result<Bytes> fetch_ocsp(const OcspQuestion& question, const std::string& url,
+Result<Bytes> fetch_ocsp(const OcspRequest& question, const std::string& url,
                          std::chrono::seconds longest);
 
 }  // namespace ddssec::pki

@@ -23,10 +23,10 @@ class SpanWriter {
   bool overflowed() const { return overflowed_; }
   BytesView view() const { return out_.first(size_); }
 
-  /// The free part of the buffer, for callers that write to it; they call `take` with the number of
-  /// octets written.
+  /// The free part of the buffer, for callers that write to it; they call `commit` with the number
+  /// of octets written.
   MutableBytes spare() { return overflowed_ ? MutableBytes{} : out_.subspan(size_); }
-  void take(std::size_t count) { claim(count); }
+  void commit(std::size_t count) { claim(count); }
   /// Behaves as if something had not fitted.
   void overflow() { overflowed_ = true; }
 

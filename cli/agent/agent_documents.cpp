@@ -107,7 +107,7 @@ Result<unsigned> mode_of(const fs::path& file) {
   return (status.st_mode & kNew) | 0600U;
 }
 
-Status put(Replacement& out, const fs::path& file, BytesView octets) {
+Status put(FileTransaction& out, const fs::path& file, BytesView octets) {
   DDSSEC_ASSIGN_OR_RETURN(const auto mode, mode_of(file));
   return out.put(file, octets, mode);
 }
@@ -166,7 +166,7 @@ class Fetching {
       return fail(Code::file_too_large, {.document = file});
     DDSSEC_ASSIGN_OR_RETURN(const auto next, rights_in(task_, octets));
     DDSSEC_RETURN_IF_ERROR(check_follows(task_, next, former));
-    Replacement out;
+    FileTransaction out;
     // The same text without its signature, for people.
     if (const auto plain = fs::path(file).replace_extension("xml"); is_there(plain))
       DDSSEC_RETURN_IF_ERROR(put(out, plain, as_bytes(next.text)));
@@ -178,7 +178,7 @@ class Fetching {
     DDSSEC_ASSIGN_OR_RETURN(const auto octets, fetch("renewals"));
     if (octets.empty()) return {};
     DDSSEC_ASSIGN_OR_RETURN(const auto list, pki::RenewalList::parse(octets));
-    Replacement out;
+    FileTransaction out;
     DDSSEC_RETURN_IF_ERROR(put_renewals(out, task_.files, {list, {}, {}, task_.clock.now()}));
     return note_files(out.commit_each());
   }
@@ -246,7 +246,7 @@ class Fetching {
     std::ranges::stable_partition(lists, is_own);
     const auto ca = *signer_of(lists.front(), cas);
     const std::vector<pki::Crl> others(lists.begin() + 1, lists.end());
-    Replacement out;
+    FileTransaction out;
     DDSSEC_RETURN_IF_ERROR(put_list(
         out, task_.files.crl,
         {lists.front(), ca, "CA", &task_.certificate, std::move(cas), task_.clock.now(), others}));

@@ -235,7 +235,7 @@ Result<pki::Certificate> checked(const Participant& self, const std::string& pem
 
 // The key, then its certificate, as `identity renew` does.
 Status put_certificate(const Participant& self, const pki::Certificate& renewed,
-                       const pki::PrivateKey& key, Replacement& out) {
+                       const pki::PrivateKey& key, FileTransaction& out) {
   const auto& files = self.files;
   if (self.task.is_rekeying) {
     DDSSEC_ASSIGN_OR_RETURN(const auto mode, mode_of(files.key, 0640));
@@ -247,7 +247,7 @@ Status put_certificate(const Participant& self, const pki::Certificate& renewed,
   return out.put(files.certificate, as_bytes(renewed.pem()), mode);
 }
 
-Status put_permissions(const Participant& self, const Bytes& octets, Replacement& out) {
+Status put_permissions(const Participant& self, const Bytes& octets, FileTransaction& out) {
   const auto& file = self.files.permissions;
   DDSSEC_ASSIGN_OR_RETURN(auto permissions, verified_permissions(self, octets));
   const auto text = std::move(permissions).text;
@@ -274,7 +274,7 @@ WallTime renewal_from(const pki::Certificate& renewed, WallTime now) {
 
 Status put_list_of_ca(const Participant& self, const std::string& renewals) {
   DDSSEC_ASSIGN_OR_RETURN(const auto list, pki::RenewalList::parse(as_bytes(renewals)));
-  Replacement out;
+  FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(put_renewals(out, self.files, {list, {}, {}, self.now()}));
   DDSSEC_RETURN_IF_ERROR(out.commit_each());
   return {};
@@ -301,7 +301,7 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
   if (answer.permissions.empty() && answer.problem && due_by_certificate(self) > self.now())
     return std::unexpected(*answer.problem);
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed, checked(self, answer.certificate, key));
-  Replacement out;
+  FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(put_certificate(self, renewed, key, out));
   if (!answer.permissions.empty())
     DDSSEC_RETURN_IF_ERROR(put_permissions(self, answer.permissions, out));

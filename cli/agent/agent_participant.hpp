@@ -54,8 +54,8 @@ struct AgentServices {
 /// renewal list is put into the folder, too, if it is another one. Before that, with
 /// fetches_documents, what the second hook brings (agent_documents.hpp). Errors:
 /// folder_untrusted, key_in_token, key_mismatch, renewal_unfit, renewal_goes_back, those of `ask`,
-/// of ChainVerifier::verify and of Replacement. With a locked folder, the one of the task must be
-/// that one.
+/// of ChainVerifier::verify and of FileTransaction. With a locked folder, the one of the task must
+/// be that one.
 Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked,
                          const AgentServices& agent, const Context& context);
 

@@ -67,7 +67,7 @@ Result<pki::OcspGood> renew(const ResponseTask& task, Json& event) {
       event["ocsp_silent"] = pki::ocsp_responder_of(task.certificate);
     return std::unexpected(fetched.error());
   }
-  Replacement out;
+  FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(out.put(ocsp_file(task.files), fetched->octets, 0644));
   DDSSEC_ASSIGN_OR_RETURN(const auto written, out.commit());
   for (const auto& file : written)

@@ -29,9 +29,9 @@ std::unexpected<Error> unreadable(const fs::path& file) {
 
 }  // namespace
 
-Overlap overlap_of(std::vector<pki::Certificate> next, const std::vector<pki::Certificate>& former,
-                   WallTime until) {
-  Overlap out{std::move(next), {}, until};
+CaOverlap overlap_of(std::vector<pki::Certificate> next,
+                     const std::vector<pki::Certificate>& former, WallTime until) {
+  CaOverlap out{std::move(next), {}, until};
   std::ranges::copy_if(former, std::back_inserter(out.former),
                        [&](const auto& ca) { return !holds(out.next, ca); });
   return out;
@@ -39,13 +39,13 @@ Overlap overlap_of(std::vector<pki::Certificate> next, const std::vector<pki::Ce
 
 fs::path overlap_file(const CaPaths& ca) { return beside(ca, ".overlap.json"); }
 
-std::string overlap_text(const Overlap& overlap) {
+std::string overlap_text(const CaOverlap& overlap) {
   Json former = Json::array();
   for (const auto& ca : overlap.former) former.push_back(to_hex(ca.fingerprint()));
   return Json{{"until", to_string(overlap.until)}, {"former", former}}.dump(2) + "\n";
 }
 
-Result<std::optional<Overlap>> read_overlap(const CaPaths& ca) {
+Result<std::optional<CaOverlap>> read_overlap(const CaPaths& ca) {
   const auto file = overlap_file(ca);
   if (!is_there(file)) return std::nullopt;
   DDSSEC_ASSIGN_OR_RETURN(const auto text, read_file(file, pki::kMaxBundleOctets));
@@ -56,7 +56,7 @@ Result<std::optional<Overlap>> read_overlap(const CaPaths& ca) {
   const auto until =
       governance::parse_date_time(json["until"].get<std::string>(), governance::Round::down);
   if (!until) return unreadable(file);
-  Overlap out{{}, {}, until->time};
+  CaOverlap out{{}, {}, until->time};
   DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(ca.certificate));
   for (auto& certificate : certificates) {
     const bool is_former =
@@ -86,7 +86,7 @@ std::vector<std::string> read_unreached(const CaPaths& ca) {
   return out;
 }
 
-Result<std::vector<pki::Crl>> lists_of_former(const CaPaths& ca, const Overlap& overlap) {
+Result<std::vector<pki::Crl>> lists_of_former(const CaPaths& ca, const CaOverlap& overlap) {
   DDSSEC_ASSIGN_OR_RETURN(auto lists, read_crls(ca.crl));
   std::erase_if(lists, [&](const pki::Crl& list) {
     return std::ranges::none_of(overlap.former,

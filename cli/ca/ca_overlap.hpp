@@ -13,7 +13,7 @@ namespace ddssec::cli {
 
 /// Both are in the CA's file, the successor first. A stock Cyclone DDS reads only the first
 /// certificate of a CA file, so in a participant's file the CA of its own documents comes first.
-struct Overlap {
+struct CaOverlap {
   std::vector<pki::Certificate> next;    ///< the successor, and the CAs above it
   std::vector<pki::Certificate> former;  ///< what only the former CA needs
   WallTime until;                        ///< the date on which the former CA should end
@@ -26,16 +26,16 @@ struct Overlap {
 };
 
 /// The overlap that begins with a successor. `former`: the CA's file before.
-Overlap overlap_of(std::vector<pki::Certificate> next, const std::vector<pki::Certificate>& former,
-                   WallTime until);
+CaOverlap overlap_of(std::vector<pki::Certificate> next,
+                     const std::vector<pki::Certificate>& former, WallTime until);
 
 /// The file with the date and the former CA's fingerprints, beside the CA's certificate.
 std::filesystem::path overlap_file(const CaPaths& ca);
-std::string overlap_text(const Overlap& overlap);
+std::string overlap_text(const CaOverlap& overlap);
 
 /// The overlap that is under way; empty if there is none, also if the CA was replaced since.
 /// Errors: those of read_certificates and read_file; overlap_unreadable.
-Result<std::optional<Overlap>> read_overlap(const CaPaths& ca);
+Result<std::optional<CaOverlap>> read_overlap(const CaPaths& ca);
 
 /// The file with the folders that the end of a rotation did not find, beside the CA's certificate.
 std::filesystem::path unreached_file(const CaPaths& ca);
@@ -44,7 +44,7 @@ std::string unreached_text(const std::vector<std::string>& folders);
 std::vector<std::string> read_unreached(const CaPaths& ca);
 
 /// The lists in the CA's file that its former key signed.
-Result<std::vector<pki::Crl>> lists_of_former(const CaPaths& ca, const Overlap& overlap);
+Result<std::vector<pki::Crl>> lists_of_former(const CaPaths& ca, const CaOverlap& overlap);
 /// The CA's file of lists with its next list: in an overlap the lists of its former key stay.
 Result<std::string> file_of_lists(const CaPaths& ca, const pki::Crl& next);
 

@@ -21,7 +21,7 @@ class RotationProgress {
                                      WallTime now);
 
   /// The overlap that is under way, if there is one.
-  const std::optional<Overlap>& overlap() const { return overlap_; }
+  const std::optional<CaOverlap>& overlap() const { return overlap_; }
   /// The CA's file after the end of the overlap; the CA's own certificate is the first.
   const std::vector<pki::Certificate>& next() const { return next_; }
 
@@ -47,7 +47,7 @@ class RotationProgress {
   bool is_identity_ = false;
   WallTime now_;
   pki::IssueLog log_;
-  std::optional<Overlap> overlap_;
+  std::optional<CaOverlap> overlap_;
   std::vector<pki::Certificate> next_;
 };
 

@@ -18,7 +18,7 @@ namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using Links = Replacement::Links;
+using Links = FileTransaction::Links;
 
 /// The former CA may end that much later than planned.
 constexpr int kListDaysAfterOverlap = 90;
@@ -33,14 +33,14 @@ bool is_moving(const Succession& change) {
   return change.step == Step::move || change.step == Step::end;
 }
 
-Status put_key_of_ca(Replacement& out, const Succession& change) {
+Status put_key_of_ca(FileTransaction& out, const Succession& change) {
   DDSSEC_ASSIGN_OR_RETURN(const auto pem, change.ca.key().to_pem(change.passphrase));
   return pem.expose([&](BytesView octets) {
     return out.put(change.old.paths.key, octets, 0600, Links::replaced);
   });
 }
 
-Status put_ca(Replacement& out, const Succession& change) {
+Status put_ca(FileTransaction& out, const Succession& change) {
   const auto& paths = change.old.paths;
   const bool is_begin = change.step == Step::begin;
   if (change.step == Step::move || change.is_repeated) return {};
@@ -54,7 +54,7 @@ Status put_ca(Replacement& out, const Succession& change) {
 /// Signs the documents of the old CA with the new one.
 class SignerAnew {
  public:
-  SignerAnew(Replacement& out, const Succession& change, const pki::SigningLog& log,
+  SignerAnew(FileTransaction& out, const Succession& change, const pki::SigningLog& log,
              const Context& context)
       : out_(out), change_(change), log_(log), context_(context) {}
 
@@ -89,7 +89,7 @@ class SignerAnew {
   const NewlyListed& renewals() const { return renewals_; }
 
  private:
-  Replacement& out_;
+  FileTransaction& out_;
   const Succession& change_;
   const pki::SigningLog& log_;
   const Context& context_;
@@ -106,7 +106,7 @@ bool is_to_be_replaced(const fs::path& path) {
   return type > fs::file_type::not_found && type != fs::file_type::symlink;
 }
 
-Status put_if_there(Replacement& out, const fs::path& file, const std::string& text) {
+Status put_if_there(FileTransaction& out, const fs::path& file, const std::string& text) {
   return is_to_be_replaced(file) ? out.put_public(file, text) : Status{};
 }
 
@@ -203,7 +203,7 @@ Followed nothing_yet(const Succession& change) {
 /// Drafts the files of the followers one after the other: all files of a follower, or none.
 class Following {
  public:
-  Following(Replacement& out, Followed& followed) : out_(out), followed_(followed) {}
+  Following(FileTransaction& out, Followed& followed) : out_(out), followed_(followed) {}
 
   /// `draft` puts the files of a follower. Error: interrupted.
   template <class DraftFiles>
@@ -232,13 +232,13 @@ class Following {
   }
 
  private:
-  Replacement& out_;
+  FileTransaction& out_;
   Followed& followed_;
 };
 
 }  // namespace
 
-Result<std::vector<WrittenFile>> put_in_place(Replacement& out, Followed& followed) {
+Result<std::vector<WrittenFile>> put_in_place(FileTransaction& out, Followed& followed) {
   DDSSEC_ASSIGN_OR_RETURN(auto files, out.commit());
   for (const auto& [name, error] : out.failures()) {
     std::erase(followed.again, name);
@@ -284,7 +284,7 @@ bool keeps_documents(const Follower& follower, const Succession& change, WallTim
   return is_of_next(follower.files.permissions) && is_of_next(follower.files.governance);
 }
 
-Result<Followed> follow_with(Replacement& out, SignerAnew& signer, const Succession& change,
+Result<Followed> follow_with(FileTransaction& out, SignerAnew& signer, const Succession& change,
                              const std::vector<Follower>& followers,
                              const std::vector<fs::path>& shared) {
   auto followed = nothing_yet(change);
@@ -305,7 +305,7 @@ Result<Followed> follow_with(Replacement& out, SignerAnew& signer, const Success
 
 }  // namespace
 
-Result<Followed> follow_permissions_ca(Replacement& out, const Succession& change,
+Result<Followed> follow_permissions_ca(FileTransaction& out, const Succession& change,
                                        const std::vector<Follower>& followers,
                                        const std::vector<fs::path>& shared,
                                        const Context& context) {
@@ -343,7 +343,7 @@ std::vector<Follower> left_with_another_ca(const std::vector<Follower>& follower
   return out;
 }
 
-Result<Followed> follow_present_permissions_ca(Replacement& out, const Succession& change,
+Result<Followed> follow_present_permissions_ca(FileTransaction& out, const Succession& change,
                                                const std::vector<Follower>& followers,
                                                const std::vector<fs::path>& shared,
                                                const Context& context) {
@@ -365,7 +365,7 @@ struct Reissue {
   NewlyListed& renewals;
 
   // Only what the follower trusts.
-  Status put_trust(Replacement& out, const Follower& follower,
+  Status put_trust(FileTransaction& out, const Follower& follower,
                    const pki::Certificate& certificate) const {
     const auto& files = follower.files;
     DDSSEC_RETURN_IF_ERROR(put_if_there(out, files.identity_ca, change.trust_pem));
@@ -377,7 +377,7 @@ struct Reissue {
   }
 
   // The line for the log; none if the certificate stays.
-  Result<std::string> put(Replacement& out, const Follower& follower,
+  Result<std::string> put(FileTransaction& out, const Follower& follower,
                           const pki::Certificate& certificate) const {
     const auto& files = follower.files;
     const auto now = context.clock.now();
@@ -421,7 +421,7 @@ Result<std::vector<pki::Crl>> lists_beside(const Succession& change, const pki::
 
 }  // namespace
 
-Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
+Result<Followed> follow_identity_ca(FileTransaction& out, const Succession& change,
                                     const std::vector<Follower>& followers,
                                     const Context& context) {
   const auto& paths = change.old.paths;

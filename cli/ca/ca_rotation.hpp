@@ -38,7 +38,7 @@ struct Succession {
   const pki::Passphrase* passphrase;  ///< of the new key; null: it is not encrypted
   bool takes_unlogged = false;        ///< also handle what the old CA's log does not contain
   Step step = Step::replace;
-  std::optional<Overlap> overlap = {};  ///< for every step but Step::replace
+  std::optional<CaOverlap> overlap = {};  ///< for every step but Step::replace
   /// The step was made already, and is made for followers that it did not reach: nothing is written
   /// for the CA itself.
   bool is_repeated = false;
@@ -62,8 +62,8 @@ struct Followed {
 
 /// Puts the new CA in place, and then the files of each follower. A follower whose files cannot be
 /// put in place moves from `again` to `unwritten`. The next rotation includes it, because the log
-/// has recorded its files. Errors: those of Replacement::commit, for the CA's own files.
-Result<std::vector<WrittenFile>> put_in_place(Replacement& out, Followed& followed);
+/// has recorded its files. Errors: those of FileTransaction::commit, for the CA's own files.
+Result<std::vector<WrittenFile>> put_in_place(FileTransaction& out, Followed& followed);
 
 /// Reports the followers that were left unchanged.
 void add_left(const Followed& followed, Report& report);
@@ -82,7 +82,7 @@ Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& 
 /// because the old key may be stolen. A follower with any other document is left unchanged. The
 /// caller holds the CA's lock (lock_records). Errors: those of document_of() for a shared document;
 /// the first of `doubtful` and `unwritten` if no follower is left.
-Result<Followed> follow_permissions_ca(Replacement& out, const Succession& change,
+Result<Followed> follow_permissions_ca(FileTransaction& out, const Succession& change,
                                        const std::vector<Follower>& followers,
                                        const std::vector<std::filesystem::path>& shared,
                                        const Context& context);
@@ -94,7 +94,7 @@ std::vector<Follower> left_with_another_ca(const std::vector<Follower>& follower
 
 /// Like follow_permissions_ca() for followers that an earlier command could not update: `change.ca`
 /// is in place already, and nothing is written for the CA itself or for `shared`.
-Result<Followed> follow_present_permissions_ca(Replacement& out, const Succession& change,
+Result<Followed> follow_present_permissions_ca(FileTransaction& out, const Succession& change,
                                                const std::vector<Follower>& followers,
                                                const std::vector<std::filesystem::path>& shared,
                                                const Context& context);
@@ -105,7 +105,7 @@ Result<Followed> follow_present_permissions_ca(Replacement& out, const Successio
 /// because the old key may be stolen. A revoked participant gets none. The caller holds the CA's
 /// lock (lock_records). Errors: the first of `doubtful` (issuer_unknown: a certificate that the old
 /// CA did not issue) and `unwritten` if nothing is left to issue; those of Authority::reissue.
-Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
+Result<Followed> follow_identity_ca(FileTransaction& out, const Succession& change,
                                     const std::vector<Follower>& followers, const Context& context);
 
 }  // namespace ddssec::cli

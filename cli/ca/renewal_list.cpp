@@ -230,7 +230,7 @@ Status add_to(const fs::path& file, const pki::RenewalList& next, WallTime now) 
   const auto list = entries.list();
   if (list.is_empty()) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto text, list.text());
-  Replacement out;
+  FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(out.put_public(file, text));
   DDSSEC_RETURN_IF_ERROR(out.commit_each());
   if (!former) return std::unexpected(begun_anew(file, former.error()));
@@ -335,7 +335,7 @@ RenewalsOfCas renewals_of(const fs::path& given, const pki::Crl* revoked) {
   return out;
 }
 
-Status put_renewals(Replacement& out, const pki::ParticipantFolder& files,
+Status put_renewals(FileTransaction& out, const pki::ParticipantFolder& files,
                     const RenewalsForFolder& what) {
   // The entries can only extend, so none leaves because another list lacks it.
   auto former =

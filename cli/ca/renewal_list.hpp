@@ -30,7 +30,7 @@ class NewlyListed {
   /// cannot be read is begun anew. If a list has more than is read, older permissions of a subject
   /// that has later ones leave first, and then what ends first. Errors, after the files are
   /// written: renewal_list_malformed (begun anew), file_too_large (something left); those of
-  /// Replacement.
+  /// FileTransaction.
   Status write(WallTime now) const;
 
  private:
@@ -67,8 +67,8 @@ struct RenewalsForFolder {
 /// Drafts the renewal list of a participant's folder: the entries, and those that are there of
 /// CAs that the folder has, as NewlyListed::write adds them. A list that cannot be read is
 /// made anew, and one whose entries have all left is emptied. Nothing if the list is there already.
-/// A notice (file_too_large) if something was left out. Errors: those of Replacement::put.
-Status put_renewals(Replacement& out, const pki::ParticipantFolder& files,
+/// A notice (file_too_large) if something was left out. Errors: those of FileTransaction::put.
+Status put_renewals(FileTransaction& out, const pki::ParticipantFolder& files,
                     const RenewalsForFolder& what);
 
 /// True if put_renewals can judge permissions: a permissions CA is in the folder. Otherwise it adds

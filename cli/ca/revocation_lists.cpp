@@ -325,7 +325,7 @@ Status put_own_first(std::vector<pki::Crl>& lists, const fs::path& file,
 
 }  // namespace
 
-Status put_list(Replacement& out, const fs::path& file, const ListForFolder& what) {
+Status put_list(FileTransaction& out, const fs::path& file, const ListForFolder& what) {
   const bool is_trusted = std::ranges::find(what.trusted, what.ca) != what.trusted.end();
   if (what.participant != nullptr && !is_trusted && !is_under(*what.participant, what))
     return fail(Code::issuer_unknown, {.document = file.parent_path() / "cert.pem",

@@ -106,7 +106,7 @@ struct ListForFolder {
 /// Errors: issuer_unknown if the CA is not above the participant and not among those that it
 /// trusts; crl_older if the existing list is newer or contains more; crl_missing if there would be
 /// no list of the CA that issued the certificate, so that no peer would be authenticated; those of
-/// read_file and Replacement::put.
-Status put_list(Replacement& out, const std::filesystem::path& file, const ListForFolder& what);
+/// read_file and FileTransaction::put.
+Status put_list(FileTransaction& out, const std::filesystem::path& file, const ListForFolder& what);
 
 }  // namespace ddssec::cli

@@ -317,7 +317,7 @@ Result<Answer<RenewedCa>> ca_renew(const Arguments& arguments, const Context& co
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open(ca_paths(arguments.text("DIR"), role)));
   DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, context.clock.now()));
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed, renewed_ca(ca, life, arguments, context));
-  Replacement files;
+  FileTransaction files;
   DDSSEC_RETURN_IF_ERROR(
       files.put_public(ca.paths.certificate, renewed_trust(renewed, ca.trust_pem)));
   DDSSEC_ASSIGN_OR_RETURN(

@@ -141,7 +141,7 @@ std::string next_step(const std::string& role, Step step, const std::string& giv
 }
 
 RotatedCa rotated(const std::string& role, std::string_view step, const pki::Certificate& ca,
-                  const std::optional<Overlap>& overlap) {
+                  const std::optional<CaOverlap>& overlap) {
   RotatedCa out{.role = role,
                 .step = std::string(step),
                 .until = {},
@@ -188,7 +188,7 @@ Result<Step> step_of(const Arguments& arguments) {
 }
 
 // The successor is in place already, and its file has both.
-Succession on_the_way(const OpenCa& ca, Step step, const Overlap& overlap,
+Succession on_the_way(const OpenCa& ca, Step step, const CaOverlap& overlap,
                       const pki::Passphrase* passphrase) {
   return {.old = ca,
           .ca = ca.authority,
@@ -318,7 +318,7 @@ Result<Answer<RotatedCa>> follow(const std::string& role, const Work& work,
                                  const Arguments& arguments, const Context& context) {
   const fs::path given = arguments.text("DIR");
   const auto& change = work.change;
-  Replacement out;
+  FileTransaction out;
   const bool is_over = change.step == Step::end || change.step == Step::replace;
   DDSSEC_ASSIGN_OR_RETURN(const auto away, left_away(work, role, arguments, context.clock.now()));
   const auto& paths = change.old.paths;
@@ -369,7 +369,7 @@ Result<Work> made_again(const OpenCa& ca, Step step, const RotationProgress& pro
   if (left.empty())
     return nothing_left(step, ca, progress.not_moved(known.here).size(), known.here.size());
   auto overlap =
-      is_begin ? *progress.overlap() : Overlap{progress.next(), {}, ca.certificate().not_after()};
+      is_begin ? *progress.overlap() : CaOverlap{progress.next(), {}, ca.certificate().not_after()};
   Succession change{.old = ca,
                     .ca = ca.authority,
                     .trust_pem = is_begin ? overlap.former_first() : overlap.next_only(),

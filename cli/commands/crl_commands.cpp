@@ -76,7 +76,7 @@ Result<Answer<NewList>> crl_new(const Arguments& arguments, const Context& conte
   std::vector<fs::path> more;
   for (const auto& given : arguments.all("--from")) more.push_back(list_at(given));
   DDSSEC_ASSIGN_OR_RETURN(const auto crl, next_crl(ca, log, now, days, more, date));
-  Replacement out;
+  FileTransaction out;
   DDSSEC_ASSIGN_OR_RETURN(const auto lists, file_of_lists(ca.paths, crl));
   DDSSEC_RETURN_IF_ERROR(out.put_public(ca.paths.crl, lists));
   DDSSEC_ASSIGN_OR_RETURN(const auto revoked, crl.revoked());
@@ -194,7 +194,7 @@ struct Distribution {
 };
 
 // The folder is opened first. The condition for which it was chosen must still be true.
-Status put_list_into(Replacement& out, const fs::path& folder, const Distribution& what) {
+Status put_list_into(FileTransaction& out, const fs::path& folder, const Distribution& what) {
   DDSSEC_RETURN_IF_ERROR(hold_folder(folder));
   const auto files = pki::participant_folder(folder);
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_in(files));
@@ -218,7 +218,7 @@ struct Distributed {
 Status put_renewal_lists(Distributed& done, const Distribution& what) {
   std::ranges::copy(what.renewals.problems, std::back_inserter(done.errors));
   for (const auto& folder : done.folders) {
-    Replacement out;
+    FileTransaction out;
     const auto files_of = pki::participant_folder(folder);
     if (!what.renewals.list.permissions.empty() && !takes_permissions(files_of))
       done.without_permissions.push_back(folder);
@@ -241,7 +241,7 @@ Status put_renewal_lists(Distributed& done, const Distribution& what) {
 // A folder that cannot be written does not prevent the distribution to others.
 Result<Distributed> put_lists(const std::vector<fs::path>& folders, const Distribution& what) {
   Distributed done;
-  Replacement out;
+  FileTransaction out;
   for (const auto& folder : folders) {
     out.begin_folder(folder.string());
     if (auto drafted = put_list_into(out, folder, what); drafted) {

@@ -93,7 +93,7 @@ class Search {
     for (const auto& [key, ending] : found_) out.push_back(ending);
     for (const auto& [key, ending] : signers_)
       if (!found_.contains(key)) out.push_back(ending);
-    order_by_least(out, [](const Ending& e) { return std::tuple(e.end, e.file.string()); });
+    stable_sort_by(out, [](const Ending& e) { return std::tuple(e.end, e.file.string()); });
     return out;
   }
   const std::vector<Error>& unreadable() const { return unreadable_; }

@@ -259,7 +259,7 @@ class Completion {
 
  private:
   const Job& job_;
-  Replacement out_;
+  FileTransaction out_;
   std::size_t count_ = 0;
 };
 
@@ -342,7 +342,7 @@ Result<IssueAnswer> fill_folder(Job& job) {
   DDSSEC_ASSIGN_OR_RETURN(const auto issued, issue(job));
   const auto& [cas, made] = issued;
   const auto& files = job.files;
-  Replacement out;
+  FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(out.put_public(files.identity_ca, cas.identity.trust_pem));
   if (cas.permissions)
     DDSSEC_RETURN_IF_ERROR(out.put_public(files.permissions_ca, cas.permissions->trust_pem));

@@ -33,8 +33,8 @@ namespace fs = std::filesystem;
 
 // Only permissions that the permissions CA of --ca signed: the CA's certificate in the
 // participant's folder is controlled by the participant.
-Result<OldPermissions> permissions_in(const pki::ParticipantFolder& files, const fs::path& ca,
-                                      const pki::Certificate& certificate, WallTime now) {
+Result<SignedPermissions> permissions_in(const pki::ParticipantFolder& files, const fs::path& ca,
+                                         const pki::Certificate& certificate, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(files.permissions, ca, now));
   return named(own_permissions(proof, certificate, now), files.permissions);
 }
@@ -47,9 +47,10 @@ fs::path permissions_ca(const Arguments& arguments) {
 }
 
 // Reports about permissions only if the CA signed them.
-std::optional<OldPermissions> permissions_seen(const pki::ParticipantFolder& files,
-                                               const Arguments& arguments,
-                                               const pki::Certificate& certificate, WallTime now) {
+std::optional<SignedPermissions> permissions_seen(const pki::ParticipantFolder& files,
+                                                  const Arguments& arguments,
+                                                  const pki::Certificate& certificate,
+                                                  WallTime now) {
   const auto ca = permissions_ca(arguments);
   if (!is_there(files.permissions) || ca.empty()) return std::nullopt;
   auto out = permissions_in(files, ca, certificate, now);
@@ -73,7 +74,7 @@ Status check_same_ca(const pki::ParticipantFolder& files, const OpenCa& ca) {
 }
 
 // A right that has expired may have been left to expire intentionally.
-Status check_not_ended(const OldPermissions& old, const pki::ParticipantFolder& files,
+Status check_not_ended(const SignedPermissions& old, const pki::ParticipantFolder& files,
                        const Arguments& arguments) {
   if (!old.has_ended || arguments.has("--ended-permissions")) return {};
   return fail(Code::grant_expired,
@@ -107,8 +108,8 @@ struct Renewal {
   fs::path path;  ///< of the certificate
   pki::ParticipantFolder files;
   pki::Certificate old;
-  fs::path recorded = {};                          ///< the folder by the CA's log
-  std::optional<OldPermissions> permissions = {};  ///< those in place, if the CA signed them
+  fs::path recorded = {};                             ///< the folder by the CA's log
+  std::optional<SignedPermissions> permissions = {};  ///< those in place, if the CA signed them
 
   WallTime now() const { return context.clock.now(); }
   bool is_rekeying() const { return arguments.has("--rekey"); }
@@ -175,7 +176,7 @@ struct NotRenewed {
 
 using IdentityRenewal = Answer<std::variant<RenewedIdentity, NotRenewed>>;
 
-Result<governance::Permissions> put_extended(Replacement& out, const Renewal& job,
+Result<governance::Permissions> put_extended(FileTransaction& out, const Renewal& job,
                                              const pki::Certificate& renewed, const OpenCa& ca,
                                              Report& report) {
   const auto& files = job.files;
@@ -259,7 +260,7 @@ Status check_has_key(const pki::ParticipantFolder& files, const pki::Certificate
   return key.matches(certificate) ? Status() : unfit_key(files, certificate, "another key");
 }
 
-Status put_key(Replacement& out, const fs::path& path, const pki::PrivateKey& key) {
+Status put_key(FileTransaction& out, const fs::path& path, const pki::PrivateKey& key) {
   DDSSEC_ASSIGN_OR_RETURN(const auto pem, key.to_pem());
   return pem.expose([&](BytesView octets) { return out.put(path, octets, 0600); });
 }
@@ -299,7 +300,7 @@ Status check_no_broken_link(const fs::path& permissions) {
 
 // The permissions with the certificate, if that was asked for and is needed.
 Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, CaOpener& opener,
-                         Replacement& out, Answer<RenewedIdentity>& answer) {
+                         FileTransaction& out, Answer<RenewedIdentity>& answer) {
   if (job.arguments.has("--permissions"))
     DDSSEC_RETURN_IF_ERROR(check_no_broken_link(job.files.permissions));
   auto& [result, report, has_result] = answer;
@@ -369,7 +370,7 @@ Result<IdentityRenewal> renew(Renewal job) {
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed,
                           ca.authority.reissue(old, life, context.random, key ? &*key : nullptr));
-  Replacement out;
+  FileTransaction out;
   if (key) DDSSEC_RETURN_IF_ERROR(put_key(out, files.key, *key));
   DDSSEC_RETURN_IF_ERROR(out.put_public(path, renewed.pem()));
   Answer<RenewedIdentity> answer{{{true, path, CertificateFacts::of(renewed)}, job.is_rekeying()}};

@@ -296,7 +296,7 @@ Result<Answer<Revoked>> identity_revoke(const Arguments& arguments, const Contex
     DDSSEC_RETURN_IF_ERROR(log.add(pki::Revocation{serial, now, reason}));
   const auto lines = log_lines(what, log.revocations());
   DDSSEC_ASSIGN_OR_RETURN(const auto crl, next_crl(ca, log, now, days));
-  Replacement out;
+  FileTransaction out;
   DDSSEC_ASSIGN_OR_RETURN(const auto lists, file_of_lists(ca.paths, crl));
   DDSSEC_RETURN_IF_ERROR(out.put_public(ca.paths.crl, lists));
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());

@@ -89,7 +89,7 @@ Result<Answer<KeystoreCa>> new_permissions_ca(const fs::path& keystore, const st
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, new_root(old.certificate(), subject, context));
   const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
                           arguments.has("--unlogged")};
-  Replacement out;
+  FileTransaction out;
   const auto enclaves = enclaves_of(keystore);
   DDSSEC_ASSIGN_OR_RETURN(auto followed,
                           follow_permissions_ca(out, change, followers_in(keystore, enclaves),
@@ -119,7 +119,7 @@ Result<Answer<KeystoreCa>> finish_split(const fs::path& keystore, const Enclaves
   DDSSEC_ASSIGN_OR_RETURN(const auto present, opener.open(ca_paths(keystore, "permissions")));
   const Succession change{former, present.authority, present.trust_pem, nullptr,
                           arguments.has("--unlogged")};
-  Replacement out;
+  FileTransaction out;
   DDSSEC_ASSIGN_OR_RETURN(auto followed,
                           follow_present_permissions_ca(
                               out, change, left, {keystore / "enclaves/governance.p7s"}, context));
@@ -152,7 +152,7 @@ Result<Answer<KeystoreCa>> new_identity_ca(const fs::path& keystore, const Argum
                           new_root(old.certificate(), old.certificate().subject(), context));
   const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
                           arguments.has("--unlogged")};
-  Replacement out;
+  FileTransaction out;
   const auto enclaves = enclaves_of(keystore);
   DDSSEC_ASSIGN_OR_RETURN(
       auto followed, follow_identity_ca(out, change, followers_in(keystore, enclaves), context));

@@ -229,7 +229,7 @@ Result<EnclaveJob> enclave_job(const Arguments& arguments, const Context& contex
 Result<std::string> about_kept_permissions(const EnclaveJob& job,
                                            const pki::Certificate& certificate) {
   const auto now = job.context.clock.now();
-  const auto old = [&]() -> Result<OldPermissions> {
+  const auto old = [&]() -> Result<SignedPermissions> {
     const auto ca = ca_paths(job.keystore, "permissions").certificate;
     DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(job.files.permissions, ca, now));
     DDSSEC_ASSIGN_OR_RETURN(auto out, own_permissions(proof, certificate, now));
@@ -360,7 +360,7 @@ Result<Answer<SignedForEnclave>> keystore_permission(const Arguments& arguments,
   DDSSEC_ASSIGN_OR_RETURN(const auto document,
                           sign_permissions(ca.authority, xml, now, context.random));
   DDSSEC_RETURN_IF_ERROR(warn_of_missing_rights(xml, files.permissions, report));
-  Replacement out;
+  FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(out.put_public(files.folder / "permissions.xml", xml));
   DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, document, 0644));
   DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), files.permissions, now));

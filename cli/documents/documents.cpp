@@ -162,7 +162,7 @@ Status check_result_place(const fs::path& target, const Arguments& arguments) {
 Result<WrittenFile> write_result(const fs::path& target, BytesView octets,
                                  const Arguments& arguments) {
   if (arguments.has("--replace")) {
-    Replacement out;
+    FileTransaction out;
     DDSSEC_RETURN_IF_ERROR(out.put(target, octets, 0644));
     DDSSEC_ASSIGN_OR_RETURN(const auto written, out.commit());
     return written.front();
@@ -198,7 +198,7 @@ Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Ar
   DDSSEC_RETURN_IF_ERROR(log_signed(
       ca.paths, signed_line(ca.certificate(), text, signed_path(plain), context.clock.now())));
   if (arguments.has("--replace")) {
-    Replacement both;
+    FileTransaction both;
     DDSSEC_RETURN_IF_ERROR(both.put_public(plain, xml));
     DDSSEC_RETURN_IF_ERROR(both.put(signed_path(plain), signature, 0644));
     return both.commit();

@@ -117,7 +117,7 @@ std::filesystem::path signed_path(const std::filesystem::path& document);
 /// written. Error: would_overwrite.
 Status check_result_place(const std::filesystem::path& target, const Arguments& arguments);
 /// Writes a document for a command that has --replace. Errors: those of write_new_file and, with
-/// that option, of Replacement.
+/// that option, of FileTransaction.
 Result<WrittenFile> write_result(const std::filesystem::path& target, BytesView octets,
                                  const Arguments& arguments);
 

@@ -10,8 +10,8 @@
 
 namespace ddssec::cli {
 
-Result<OldPermissions> own_permissions(const pki::SignedDocument& signed_document,
-                                       const pki::Certificate& certificate, WallTime now) {
+Result<SignedPermissions> own_permissions(const pki::SignedDocument& signed_document,
+                                          const pki::Certificate& certificate, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(
       const auto document,
       governance::read_permissions(signed_document.content(), signed_document.first_line()));
@@ -35,11 +35,11 @@ Result<OldPermissions> own_permissions(const pki::SignedDocument& signed_documen
                  .found = "another that begins on " + to_string(planned->validity.not_before),
                  .note = "a document that plans other rights is not extended",
                  .hint = "sign a document for the time that follows: ddssec permissions sign"});
-  return OldPermissions{*found, found->validity.not_after <= now,
-                        to_bytes(signed_document.content())};
+  return SignedPermissions{*found, found->validity.not_after <= now,
+                           to_bytes(signed_document.content())};
 }
 
-governance::Permissions extended(const OldPermissions& old, const pki::Certificate& certificate,
+governance::Permissions extended(const SignedPermissions& old, const pki::Certificate& certificate,
                                  WallTime until) {
   auto grant = old.grant;
   grant.subject_name = certificate.subject();

@@ -11,7 +11,7 @@
 namespace ddssec::cli {
 
 /// A participant's permissions that the CA signed.
-struct OldPermissions {
+struct SignedPermissions {
   governance::Grant grant;  ///< the participant's own
   bool has_ended;
   Bytes text;  ///< of the whole document
@@ -19,11 +19,11 @@ struct OldPermissions {
 
 /// The grant for the certificate's subject. Errors: no_grant_for_subject, those of
 /// governance::read_permissions.
-Result<OldPermissions> own_permissions(const pki::SignedDocument& document,
-                                       const pki::Certificate& certificate, WallTime now);
+Result<SignedPermissions> own_permissions(const pki::SignedDocument& document,
+                                          const pki::Certificate& certificate, WallTime now);
 
 /// A document with this one grant until `until`, and no other grant that its name may match.
-governance::Permissions extended(const OldPermissions& old, const pki::Certificate& certificate,
+governance::Permissions extended(const SignedPermissions& old, const pki::Certificate& certificate,
                                  WallTime until);
 
 }  // namespace ddssec::cli

@@ -3,7 +3,7 @@
 namespace ddssec::cli {
 namespace {
 
-constexpr Example kExamples[] = {
+constexpr ExplainExample kExamples[] = {
     // Files and their places.
     {"openssl_known_unsafe", "ddssec version"},
     {"openssl_known_unsafe", "sudo apt install --only-upgrade libssl3"},
@@ -128,6 +128,6 @@ constexpr Example kExamples[] = {
 
 }  // namespace
 
-std::span<const Example> explain_examples() { return kExamples; }
+std::span<const ExplainExample> explain_examples() { return kExamples; }
 
 }  // namespace ddssec::cli

@@ -8,12 +8,12 @@ namespace ddssec::cli {
 
 /// The correction, in the names of `ddssec init demo`. `names` are those of codes and rules, with
 /// blanks between them; a line that begins with "ddssec " is a command.
-struct Example {
+struct ExplainExample {
   std::string_view names;
   std::string_view line;
 };
 
 /// All examples, in the order in which they are shown.
-std::span<const Example> explain_examples();
+std::span<const ExplainExample> explain_examples();
 
 }  // namespace ddssec::cli

@@ -178,7 +178,7 @@ Result<WrittenFile> write_link(const fs::path& target, const fs::path& to) {
   return out;
 }
 
-Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode, Links links) {
+Status FileTransaction::put(const fs::path& target, BytesView octets, unsigned mode, Links links) {
   const auto kind = kind_at(target);
   if (!kind) return unwritable(target, kind.error());
   const bool may_go = *kind == S_IFLNK && links == Links::replaced;
@@ -194,21 +194,23 @@ Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode,
   return check_not_interrupted();
 }
 
-void Replacement::begin_folder(std::string name) { folders_.push_back({.name = std::move(name)}); }
+void FileTransaction::begin_folder(std::string name) {
+  folders_.push_back({.name = std::move(name)});
+}
 
-void Replacement::abandon_folder() {
+void FileTransaction::abandon_folder() {
   for (const auto& draft : folders_.back().drafts) remove_draft(draft);
   folders_.back() = {.name = folders_.back().name};
 }
 
-std::vector<Draft> Replacement::all_drafts() const {
+std::vector<Draft> FileTransaction::all_drafts() const {
   std::vector<Draft> out;
   for (const auto& folder : folders_)
     out.insert(out.end(), folder.drafts.begin(), folder.drafts.end());
   return out;
 }
 
-Result<std::vector<WrittenFile>> Replacement::commit() {
+Result<std::vector<WrittenFile>> FileTransaction::commit() {
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   const auto drafts = all_drafts();
   if (drafts.size() < 2) return put_in_place(nullptr);
@@ -216,14 +218,14 @@ Result<std::vector<WrittenFile>> Replacement::commit() {
   return put_in_place(&intent);
 }
 
-Result<std::vector<WrittenFile>> Replacement::commit_each() {
+Result<std::vector<WrittenFile>> FileTransaction::commit_each() {
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   return put_in_place(nullptr);
 }
 
 // Checks first, so that a folder gets all of its files or none. Changes by its owner between the
 // check and a rename can still stop this half way; then the next command does the rest.
-Status Replacement::put_in_place(Folder& folder) {
+Status FileTransaction::put_in_place(Folder& folder) {
   for (const auto& draft : folder.drafts)
     if (!draft.draft.empty()) DDSSEC_RETURN_IF_ERROR(check_can_be_put(draft));
   for (auto& draft : folder.drafts) {
@@ -236,7 +238,7 @@ Status Replacement::put_in_place(Folder& folder) {
   return {};
 }
 
-Result<std::vector<WrittenFile>> Replacement::put_in_place(Intent* intent) {
+Result<std::vector<WrittenFile>> FileTransaction::put_in_place(Intent* intent) {
   const bool may_leave = intent != nullptr && intent->is_believed();
   if (auto own = put_in_place(folders_.front()); !own) {
     if (may_leave && has_begun(folders_.front().drafts)) {
@@ -260,7 +262,7 @@ Result<std::vector<WrittenFile>> Replacement::put_in_place(Intent* intent) {
   return files;
 }
 
-Replacement::~Replacement() {
+FileTransaction::~FileTransaction() {
   for (const auto& draft : all_drafts())
     if (!draft.draft.empty()) remove_draft(draft);
 }

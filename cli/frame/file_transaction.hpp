@@ -26,7 +26,7 @@ namespace ddssec::cli {
 /// Files that are put before begin_folder() belong together: if one cannot be put in place, none
 /// is. Files that are put after it belong to one participant's folder, which may be another user's:
 /// if that folder cannot be written, other folders still get their files.
-class Replacement {
+class FileTransaction {
  public:
   /// The reaction to a symbolic link: `replaced` replaces the link itself, never its target.
   enum class Links : std::uint8_t { refused, replaced };
@@ -57,10 +57,10 @@ class Replacement {
   };
   const std::vector<Failure>& failures() const { return failures_; }
 
-  Replacement() = default;
-  ~Replacement();
-  Replacement(const Replacement&) = delete;
-  Replacement& operator=(const Replacement&) = delete;
+  FileTransaction() = default;
+  ~FileTransaction();
+  FileTransaction(const FileTransaction&) = delete;
+  FileTransaction& operator=(const FileTransaction&) = delete;
 
  private:
   struct Folder {
@@ -74,7 +74,7 @@ class Replacement {
   std::vector<Draft> all_drafts() const;
   std::vector<Folder> folders_ = {{}};  ///< first what is for no folder
   std::vector<Failure> failures_;
-  std::optional<Drafting> drafting_;  ///< once there are drafts
+  std::optional<InterruptionGuard> drafting_;  ///< once there are drafts
 };
 
 /// Writes one new file, completely or not at all, and never in place of another one. Errors:

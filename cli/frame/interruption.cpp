@@ -9,7 +9,7 @@ namespace ddssec::cli {
 namespace {
 
 volatile std::sig_atomic_t interrupted_by = 0;
-std::atomic<int> unfinished = 0;  // how many objects of Drafting are alive
+std::atomic<int> unfinished = 0;  // how many objects of InterruptionGuard are alive
 static_assert(std::atomic<int>::is_always_lock_free);
 constexpr itimerval kTimeToNotice = {.it_interval = {}, .it_value = {0, 200'000}};
 
@@ -46,13 +46,13 @@ void note_interruptions() {
   ::sigaction(SIGALRM, &action, nullptr);
 }
 
-Drafting::Drafting() { ++unfinished; }
+InterruptionGuard::InterruptionGuard() { ++unfinished; }
 
-Drafting::~Drafting() {
+InterruptionGuard::~InterruptionGuard() {
   if (is_counted_) --unfinished;
 }
 
-Drafting::Drafting(Drafting&& other) noexcept
+InterruptionGuard::InterruptionGuard(InterruptionGuard&& other) noexcept
     : is_counted_(std::exchange(other.is_counted_, false)) {}
 
 }  // namespace ddssec::cli

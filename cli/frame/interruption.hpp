@@ -6,18 +6,18 @@
 namespace ddssec::cli {
 
 /// From now on SIGINT, SIGTERM and SIGHUP end the command at the next file with `interrupted`. If
-/// no file follows within 200 ms, the signal itself ends it, unless a Drafting is alive.
+/// no file follows within 200 ms, the signal itself ends it, unless a InterruptionGuard is alive.
 void note_interruptions();
 /// Success unless a signal came. Error: interrupted.
 Status check_not_interrupted();
 
 /// Lives as long as files or folders are drafted, and neither in place nor removed.
-class Drafting {
+class InterruptionGuard {
  public:
-  Drafting();
-  ~Drafting();
-  Drafting(Drafting&& other) noexcept;
-  Drafting& operator=(Drafting&&) = delete;
+  InterruptionGuard();
+  ~InterruptionGuard();
+  InterruptionGuard(InterruptionGuard&& other) noexcept;
+  InterruptionGuard& operator=(InterruptionGuard&&) = delete;
 
  private:
   bool is_counted_ = true;

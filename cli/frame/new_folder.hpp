@@ -50,7 +50,7 @@ class NewFolder {
     int parent;        ///< a descriptor that stays open until the process ends
     std::string name;  ///< in the parent
     FileDescriptor folder;
-    Drafting drafting = {};
+    InterruptionGuard drafting = {};
   };
   explicit NewFolder(std::filesystem::path target) : target_(std::move(target)) {}
   static Result<Staging> make_staging(const std::filesystem::path& target);

@@ -51,7 +51,7 @@ Result<EnclaveFolder> EnclaveFolder::at(const fs::path& keystore, const fs::path
   out.existing_ = existing;
   if (is_plain_folder(target)) {
     DDSSEC_RETURN_IF_ERROR(check_inside(keystore, target, target));
-    out.files_ = std::make_unique<Replacement>();
+    out.files_ = std::make_unique<FileTransaction>();
     return out;
   }
   const auto first = first_new_part(target);
@@ -79,7 +79,7 @@ Status EnclaveFolder::link(const fs::path& name, const fs::path& to) {
   const auto fits = check_link_place(place, to);
   if (!fits && existing_ == Existing::replaced && is_anything(place)) {
     DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(target_ / to, pki::kMaxDocumentOctets));
-    return files_->put(place, octets, 0644, Replacement::Links::replaced);
+    return files_->put(place, octets, 0644, FileTransaction::Links::replaced);
   }
   links_.emplace_back(place, to);
   return fits;

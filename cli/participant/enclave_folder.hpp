@@ -14,8 +14,8 @@
 namespace ddssec::cli {
 
 /// Collects the files of one enclave. If there is no folder with the name, it appears with all
-/// files at once. If there is one, the files are put into it like those of a Replacement. Folders
-/// of deeper enclaves in it stay as they are.
+/// files at once. If there is one, the files are put into it like those of a FileTransaction.
+/// Folders of deeper enclaves in it stay as they are.
 class EnclaveFolder {
  public:
   /// The reaction to a file of the enclave that is there already.
@@ -37,9 +37,9 @@ class EnclaveFolder {
 
   std::filesystem::path target_;
   Existing existing_ = Existing::refused;
-  std::optional<NewFolder> folder_ = std::nullopt;  ///< begins at or above the target
-  std::filesystem::path below_ = {};                ///< the target within it
-  std::unique_ptr<Replacement> files_ = nullptr;    ///< used if the folder exists
+  std::optional<NewFolder> folder_ = std::nullopt;    ///< begins at or above the target
+  std::filesystem::path below_ = {};                  ///< the target within it
+  std::unique_ptr<FileTransaction> files_ = nullptr;  ///< used if the folder exists
   /// The links with their targets; created before the files.
   std::vector<std::pair<std::filesystem::path, std::filesystem::path>> links_ = {};
 };

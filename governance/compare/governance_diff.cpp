@@ -284,7 +284,7 @@ class GovernanceComparison {
     diff_.verdict = direction.change_class(ChangeClass::stronger, ChangeClass::weaker);
     diff_.flag_day_domains = joined(std::move(diff_.flag_day_domains));
     diff_.unknown_domains = joined(std::move(diff_.unknown_domains));
-    order_by_greatest(diff_.changes, [](const GovernanceChange& change) {
+    stable_sort_descending_by(diff_.changes, [](const GovernanceChange& change) {
       return std::pair(change.element.change, !change.is_about_topics);
     });
   }

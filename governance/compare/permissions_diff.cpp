@@ -106,7 +106,7 @@ class PermissionsComparison {
     if (options_.map_subjects_by_grant_name) map_subjects();
     for (const auto& subject : subjects_.all) compare_subject(subject);
     diff_.verdict = direction_.change_class(ChangeClass::narrower, ChangeClass::wider);
-    order_by_greatest(diff_.changes, [](const PermissionChange& change) {
+    stable_sort_descending_by(diff_.changes, [](const PermissionChange& change) {
       return std::pair(change.element == "default", change.change);
     });
     return std::move(diff_);

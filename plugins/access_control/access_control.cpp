@@ -24,9 +24,9 @@ using spi::EndpointRequest;
 using spi::PermissionsHandle;
 using Participants = std::set<const LocalParticipant*>;
 
-class Plugin final : public spi::AccessControl {
+class AccessControlPlugin final : public spi::AccessControl {
  public:
-  Plugin(const Environment& environment, Options options)
+  AccessControlPlugin(const Environment& environment, Options options)
       : environment_(environment),
         options_(std::move(options)),
         judgement_(environment_.clock, options_.accept_relays),
@@ -40,7 +40,7 @@ class Plugin final : public spi::AccessControl {
                                                        const spi::PropertyList& properties,
                                                        std::string_view domain_tag) override {
     auto holder = load_local(context(), identity, domain_id, properties, domain_tag);
-    if (!holder) return refuse_us(holder.error());
+    if (!holder) return refuse_local(holder.error());
     DDSSEC_ASSIGN_OR_RETURN(const auto handle, add(*holder));
     note_documents(handle);
     return handle;
@@ -93,19 +93,19 @@ class Plugin final : public spi::AccessControl {
   }
 
   Result<spi::Token> permissions_token(PermissionsHandle local) override {
-    DDSSEC_RETURN_IF_ERROR(known(local));
+    DDSSEC_RETURN_IF_ERROR(find_or_refuse(local));
     // Fast DDS refuses any dds.perm_ca.sn or dds.perm_ca.algo but its own spelling: none is best.
     return spi::Token{.class_id = std::string(spi::class_id::kPermissions)};
   }
   Result<spi::Token> permissions_credential_token(PermissionsHandle local) override {
-    DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(local));
+    DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(local));
     return spi::Token{.class_id = std::string(spi::class_id::kPermissionsCredential),
                       .properties = {{"dds.perm.cert", holder->text()}}};
   }
 
   Result<spi::ParticipantSecurityAttributes> participant_sec_attributes(
       PermissionsHandle local) override {
-    DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(local));
+    DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(local));
     return participant_attributes(holder->participant()->basis()->governance->domain_rule());
   }
   Result<spi::TopicSecurityAttributes> topic_sec_attributes(PermissionsHandle local,
@@ -184,12 +184,12 @@ class Plugin final : public spi::AccessControl {
   }
 
   /// The same of a call of the application, which gets the error.
-  std::unexpected<Error> refuse_us(const Error& error) {
+  std::unexpected<Error> refuse_local(const Error& error) {
     environment_.events.raise(Event::of_returned(error));
     return std::unexpected(error);
   }
   std::unexpected<Error> refuse(const Error& error, const PermissionsHolder& holder) {
-    return holder.remote() ? refuse(error, holder.peer_subject()) : refuse_us(error);
+    return holder.remote() ? refuse(error, holder.peer_subject()) : refuse_local(error);
   }
 
   Result<PermissionsHandle> add(Holder holder) {
@@ -198,7 +198,7 @@ class Plugin final : public spi::AccessControl {
     return handle;
   }
 
-  Result<Holder> known(PermissionsHandle handle) {
+  Result<Holder> find_or_refuse(PermissionsHandle handle) {
     if (Holder holder = handles_.find(handle)) return holder;
     return refuse(Error(Code::unknown_permissions_handle));
   }
@@ -206,7 +206,7 @@ class Plugin final : public spi::AccessControl {
   /// Finds the holder, lets `judge` decide and raises what it refuses.
   template <class Judge>
   Status check(PermissionsHandle handle, DomainId domain_id, Judge&& judge) {
-    DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(handle));
+    DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(handle));
     const DomainId own = holder->participant()->domain;
     const Status status =
         own == domain_id ? judge(*holder)
@@ -239,10 +239,9 @@ class Plugin final : public spi::AccessControl {
   std::mutex noting_mutex_;  ///< so that a participant that has left is not noted again
 };
 
-Result<PermissionsHandle> Plugin::validate_remote_permissions(spi::IdentityHandle local_identity,
-                                                              spi::IdentityHandle remote_identity,
-                                                              const spi::Token& permissions_token,
-                                                              const spi::Token& credential) {
+Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
+    spi::IdentityHandle local_identity, spi::IdentityHandle remote_identity,
+    const spi::Token& permissions_token, const spi::Token& credential) {
   const Holder local = handles_.find_local(local_identity);
   if (!local) return refuse(Error(Code::unknown_local_identity));
   const auto& participant = local->participant();
@@ -273,10 +272,10 @@ Result<PermissionsHandle> Plugin::validate_remote_permissions(spi::IdentityHandl
   return add(std::move(holder));
 }
 
-Status Plugin::renew_remote_permissions(PermissionsHandle remote,
-                                        const spi::Token& permissions_token,
-                                        const spi::Token& credential) {
-  DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(remote));
+Status AccessControlPlugin::renew_remote_permissions(PermissionsHandle remote,
+                                                     const spi::Token& permissions_token,
+                                                     const spi::Token& credential) {
+  DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(remote));
   const auto& participant = *holder->participant();
   const auto& name = holder->document_name();
   Subject subject;
@@ -296,8 +295,9 @@ Status Plugin::renew_remote_permissions(PermissionsHandle remote,
   return {};
 }
 
-Status Plugin::note_presented(PermissionsHandle remote, const spi::SessionFacts& facts) {
-  DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(remote));
+Status AccessControlPlugin::note_presented(PermissionsHandle remote,
+                                           const spi::SessionFacts& facts) {
+  DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(remote));
   const Holder local = handles_.find_local(holder->participant()->identity);
   if (!local) return refuse(Error(Code::unknown_local_identity));
   if (!facts.peer_keeps_session) holder->note_seen(local, facts);
@@ -305,7 +305,7 @@ Status Plugin::note_presented(PermissionsHandle remote, const spi::SessionFacts&
 }
 
 /// Our endpoint was judged when it was made. Renewed permissions may give less.
-Status Plugin::judge_own(const PermissionsHolder& remote, const Match& match) {
+Status AccessControlPlugin::judge_own(const PermissionsHolder& remote, const Match& match) {
   const Holder own = handles_.find_local(remote.participant()->identity);
   if (!own || own->renewals() == 0) return {};
   const auto action = match.remote_writes ? Action::subscribe : Action::publish;
@@ -314,8 +314,8 @@ Status Plugin::judge_own(const PermissionsHolder& remote, const Match& match) {
   return status;
 }
 
-Status Plugin::check_remote_match(PermissionsHandle remote, const Match& match) {
-  DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(remote));
+Status AccessControlPlugin::check_remote_match(PermissionsHandle remote, const Match& match) {
+  DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(remote));
   DDSSEC_RETURN_IF_ERROR(judge_own(*holder, match));
   const auto action = match.remote_writes ? Action::publish : Action::subscribe;
   if (!match.remote_hides && judgement_.may_as_announced(*holder, action, match.local)) return {};
@@ -326,7 +326,7 @@ Status Plugin::check_remote_match(PermissionsHandle remote, const Match& match) 
   return refuse(match_denied(status.error(), action, match), holder->peer_subject(), guid);
 }
 
-Result<spi::AccessControl::RemoteDatareader> Plugin::check_remote_datareader(
+Result<spi::AccessControl::RemoteDatareader> AccessControlPlugin::check_remote_datareader(
     PermissionsHandle remote, DomainId domain_id, const EndpointRequest& request) {
   RemoteDatareader answer;
   DDSSEC_RETURN_IF_ERROR(check(remote, domain_id, [&](PermissionsHolder& holder) -> Status {
@@ -337,16 +337,16 @@ Result<spi::AccessControl::RemoteDatareader> Plugin::check_remote_datareader(
 }
 
 /// No event: nothing is refused before the document is in force.
-std::optional<spi::AccessControl::RemoteDatareader> Plugin::pending_permission(
+std::optional<spi::AccessControl::RemoteDatareader> AccessControlPlugin::pending_permission(
     PermissionsHandle remote, bool writes, const EndpointRequest& request) {
   const Holder holder = handles_.find(remote);
   if (!holder || !holder->remote()) return std::nullopt;
   return judgement_.pending(*holder, writes ? Action::publish : Action::subscribe, request);
 }
 
-Result<spi::EndpointSecurityAttributes> Plugin::attributes(PermissionsHandle local,
-                                                           std::string_view topic) {
-  DDSSEC_ASSIGN_OR_RETURN(const Holder holder, known(local));
+Result<spi::EndpointSecurityAttributes> AccessControlPlugin::attributes(PermissionsHandle local,
+                                                                        std::string_view topic) {
+  DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(local));
   const auto& participant = *holder->participant();
   const auto domain = participant.basis();
   if (const auto builtin = builtin_attributes(domain->governance->domain_rule(), topic))
@@ -357,7 +357,7 @@ Result<spi::EndpointSecurityAttributes> Plugin::attributes(PermissionsHandle loc
   return refuse(topic_not_covered(participant, topic), *holder);
 }
 
-std::optional<WallTime> Plugin::next_expiry() {
+std::optional<WallTime> AccessControlPlugin::next_expiry() {
   std::optional<WallTime> earliest;
   for (const auto& [handle, holder] : handles_.all()) {
     const auto end = holder->ends();
@@ -368,8 +368,9 @@ std::optional<WallTime> Plugin::next_expiry() {
 
 // Peers that a participant which stays deals with under the same identity stay too: such a host
 // knows each peer once only.
-std::vector<PermissionsHandle> Plugin::peers_of_only(const Participants& gone, const Entries& all,
-                                                     WallTime now) {
+std::vector<PermissionsHandle> AccessControlPlugin::peers_of_only(const Participants& gone,
+                                                                  const Entries& all,
+                                                                  WallTime now) {
   Participants staying;
   for (const auto& [handle, holder] : all)
     if (!holder->remote() && holder->grant(now)) staying.insert(holder->participant().get());
@@ -388,7 +389,7 @@ std::vector<PermissionsHandle> Plugin::peers_of_only(const Participants& gone, c
 /// Before anything is judged by the documents in force. Each participant looks at its files in a
 /// rhythm of its own. Before one of them ends, all look: participants with the same files end
 /// together, and what was put into place before the end counts.
-void Plugin::renew_documents(const Entries& all, PermissionsHandle which) {
+void AccessControlPlugin::renew_documents(const Entries& all, PermissionsHandle which) {
   Entries own;
   std::ranges::copy_if(all, std::back_inserter(own), [&](const auto& one) {
     return !one.second->remote() && (!which || one.first == which);
@@ -407,7 +408,7 @@ void Plugin::renew_documents(const Entries& all, PermissionsHandle which) {
 }
 
 /// For a person who asks, if there is a record.
-void Plugin::note_documents(PermissionsHandle local) noexcept {
+void AccessControlPlugin::note_documents(PermissionsHandle local) noexcept {
   if (environment_.documents == nullptr) return;
   try {
     const std::scoped_lock lock(noting_mutex_);
@@ -421,12 +422,12 @@ void Plugin::note_documents(PermissionsHandle local) noexcept {
   }
 }
 
-void Plugin::note_end(const PermissionsHolder& local, const Error& why, WallTime now) {
+void AccessControlPlugin::note_end(const PermissionsHolder& local, const Error& why, WallTime now) {
   if (environment_.documents != nullptr)
     environment_.documents->note_end(local.participant()->identity.value, why, now);
 }
 
-void Plugin::forget_documents(const PermissionsHolder& gone) {
+void AccessControlPlugin::forget_documents(const PermissionsHolder& gone) {
   constexpr std::array kOurs = {DocumentKind::permissions_ca, DocumentKind::permissions,
                                 DocumentKind::governance};
   if (environment_.documents == nullptr || gone.remote()) return;
@@ -434,7 +435,7 @@ void Plugin::forget_documents(const PermissionsHolder& gone) {
   environment_.documents->forget(gone.participant()->identity.value, kOurs);
 }
 
-std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
+std::vector<PermissionsHandle> AccessControlPlugin::expire(PermissionsHandle local) {
   const auto all = handles_.all();
   const Holder own = handles_.find(local);
   renew_documents(all, local);
@@ -478,7 +479,7 @@ std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
 
 std::unique_ptr<spi::AccessControl> make_access_control(const Environment& environment,
                                                         Options options) {
-  return std::make_unique<Plugin>(environment, std::move(options));
+  return std::make_unique<AccessControlPlugin>(environment, std::move(options));
 }
 
 }  // namespace ddssec::access_control

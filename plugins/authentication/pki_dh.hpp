@@ -92,22 +92,22 @@ class PkiDh final : public spi::Authentication {
   Result<LocalIdentity> load_local(const spi::PropertyList& properties, const Guid& candidate);
   Result<RemoteIdentity> admit(IdentityHandle local, const std::optional<Token>& auth_request,
                                const Token& identity_token, const Guid& guid);
-  Result<HandshakeStep> request(IdentityHandle local, IdentityHandle remote,
-                                BytesView participant_data);
-  Result<HandshakeStep> reply(const Token& request, IdentityHandle local, IdentityHandle remote,
-                              BytesView participant_data);
-  Result<HandshakeStep> answer(const std::shared_ptr<Pair>& pair, const Token& request,
-                               BytesView participant_data);
+  Result<HandshakeStep> begin_request(IdentityHandle local, IdentityHandle remote,
+                                      BytesView participant_data);
+  Result<HandshakeStep> begin_reply(const Token& request, IdentityHandle local,
+                                    IdentityHandle remote, BytesView participant_data);
+  Result<HandshakeStep> answer_request(const std::shared_ptr<Pair>& pair, const Token& request,
+                                       BytesView participant_data);
   void drop_excess(HandshakeHandle newest);
-  Result<HandshakeStep> step(HandshakeHandle handle, const Token& message);
-  Result<HandshakeContext> context(const Pair& pair) const;
+  Result<HandshakeStep> process_step(HandshakeHandle handle, const Token& message);
+  Result<HandshakeContext> handshake_context(const Pair& pair) const;
   Status note_authenticated(const Pair& pair, const Established& done);
   void note_unused_ocsp(const Pair& pair, const Established& done) const;
-  Result<JudgedOffer> judged(const Pair& pair, const Established& session,
-                             const Token& offer) const;
+  Result<JudgedOffer> judge_peer_offer(const Pair& pair, const Established& session,
+                                       const Token& offer) const;
   Event renewed_peer(const Pair& pair, const Established& session) const;
   void take_up_request(const std::shared_ptr<Pair>& pair);
-  Token shown(const Token& message, const Pair& pair, const Presented& own) const;
+  Token presented_token(const Token& message, const Pair& pair, const Presented& own) const;
   Status check_room(const Pair& pair) const;
   void make_room(Pair& pair);
   HandshakeStep keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,
@@ -116,11 +116,11 @@ class PkiDh final : public spi::Authentication {
                                  const HandshakeOutcome& outcome);
   /// `f(const Pair&, PairHandshake&, Established&)` under the pair's lock.
   template <class F>
-  auto session(HandshakeHandle handle, F&& f) const
+  auto with_session(HandshakeHandle handle, F&& f) const
       -> std::invoke_result_t<F, const Pair&, PairHandshake&, Established&>;
   /// `f(const Established&)`, the same for what only reads.
   template <class F>
-  auto established(HandshakeHandle handle, F&& f) const
+  auto with_established(HandshakeHandle handle, F&& f) const
       -> Result<std::invoke_result_t<F, const Established&>>;
 
   const Environment environment_;
@@ -134,7 +134,7 @@ class PkiDh final : public spi::Authentication {
 };
 
 template <class F>
-auto PkiDh::session(HandshakeHandle handle, F&& f) const
+auto PkiDh::with_session(HandshakeHandle handle, F&& f) const
     -> std::invoke_result_t<F, const Pair&, PairHandshake&, Established&> {
   DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair_of(handle));
   const std::scoped_lock lock(pair->mutex);
@@ -146,10 +146,10 @@ auto PkiDh::session(HandshakeHandle handle, F&& f) const
 }
 
 template <class F>
-auto PkiDh::established(HandshakeHandle handle, F&& f) const
+auto PkiDh::with_established(HandshakeHandle handle, F&& f) const
     -> Result<std::invoke_result_t<F, const Established&>> {
   using Answer = Result<std::invoke_result_t<F, const Established&>>;
-  return session(handle, [&](const Pair&, PairHandshake&, const Established& done) -> Answer {
+  return with_session(handle, [&](const Pair&, PairHandshake&, const Established& done) -> Answer {
     return f(done);
   });
 }

@@ -29,7 +29,7 @@ Status check_participant_data_size(BytesView participant_data) {
 
 }  // namespace
 
-Result<HandshakeContext> PkiDh::context(const Pair& pair) const {
+Result<HandshakeContext> PkiDh::handshake_context(const Pair& pair) const {
   const WallTime now = environment_.clock.now();
   DDSSEC_RETURN_IF_ERROR(pair.local->verify(now));
   return HandshakeContext{*pair.local, pair.remote_guid, pair.own_challenge,
@@ -94,7 +94,7 @@ PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<Pair>& pair, HandshakeOut
   return {handle, outcome.result, std::move(outcome.message)};
 }
 
-Token PkiDh::shown(const Token& message, const Pair& pair, const Presented& own) const {
+Token PkiDh::presented_token(const Token& message, const Pair& pair, const Presented& own) const {
   return with_ocsp_response(message, *pair.local, own, environment_.clock.now());
 }
 
@@ -116,11 +116,11 @@ PkiDh::Outline PkiDh::outline(const Token& message) const {
 Result<PkiDh::HandshakeStep> PkiDh::begin_handshake_request(IdentityHandle initiator,
                                                             IdentityHandle replier,
                                                             BytesView participant_data) {
-  return reported(request(initiator, replier, participant_data), replier);
+  return reported(begin_request(initiator, replier, participant_data), replier);
 }
 
-Result<PkiDh::HandshakeStep> PkiDh::request(IdentityHandle local, IdentityHandle remote,
-                                            BytesView participant_data) {
+Result<PkiDh::HandshakeStep> PkiDh::begin_request(IdentityHandle local, IdentityHandle remote,
+                                                  BytesView participant_data) {
   DDSSEC_RETURN_IF_ERROR(check_participant_data_size(participant_data));
   DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair(local, remote));
   DDSSEC_RETURN_IF_ERROR(
@@ -131,9 +131,9 @@ Result<PkiDh::HandshakeStep> PkiDh::request(IdentityHandle local, IdentityHandle
     if (waiting != nullptr && may_go_on(*pair, handshake, waiting->own) &&
         std::ranges::equal(handshake.participant_data, participant_data))
       return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
-                           shown(waiting->request, *pair, *waiting->own)};
+                           presented_token(waiting->request, *pair, *waiting->own)};
   }
-  DDSSEC_ASSIGN_OR_RETURN(const auto what, context(*pair));
+  DDSSEC_ASSIGN_OR_RETURN(const auto what, handshake_context(*pair));
   DDSSEC_RETURN_IF_ERROR(check_room(*pair));
   DDSSEC_ASSIGN_OR_RETURN(auto request, start_request(what, participant_data));
   return keep(pair, std::move(request), participant_data);
@@ -143,23 +143,24 @@ Result<PkiDh::HandshakeStep> PkiDh::begin_handshake_reply(const Token& request,
                                                           IdentityHandle initiator,
                                                           IdentityHandle replier,
                                                           BytesView participant_data) {
-  return reported(reply(request, replier, initiator, participant_data), initiator);
+  return reported(begin_reply(request, replier, initiator, participant_data), initiator);
 }
 
-Result<PkiDh::HandshakeStep> PkiDh::reply(const Token& request, IdentityHandle local,
-                                          IdentityHandle remote, BytesView participant_data) {
+Result<PkiDh::HandshakeStep> PkiDh::begin_reply(const Token& request, IdentityHandle local,
+                                                IdentityHandle remote, BytesView participant_data) {
   DDSSEC_RETURN_IF_ERROR(check_participant_data_size(participant_data));
   DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair(local, remote));
   DDSSEC_RETURN_IF_ERROR(
       check_role(!initiates(pair->local->guid(), pair->remote_guid), "begin_handshake_reply"));
-  auto step = answer(pair, request, participant_data);
+  auto step = answer_request(pair, request, participant_data);
   // No lock of a pair is held: those to drop belong to others.
   if (step) drop_excess(step->handle);
   return step;
 }
 
-Result<PkiDh::HandshakeStep> PkiDh::answer(const std::shared_ptr<Pair>& pair, const Token& request,
-                                           BytesView participant_data) {
+Result<PkiDh::HandshakeStep> PkiDh::answer_request(const std::shared_ptr<Pair>& pair,
+                                                   const Token& request,
+                                                   BytesView participant_data) {
   const std::scoped_lock lock(pair->mutex);
   for (const auto& handshake : pair->handshakes) {
     if (!is_answer_to(handshake.state, request)) continue;
@@ -169,9 +170,9 @@ Result<PkiDh::HandshakeStep> PkiDh::answer(const std::shared_ptr<Pair>& pair, co
                   {.document = "handshake request", .note = "after the handshake that it began"});
     if (!may_go_on(*pair, handshake, waiting->own)) continue;
     return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
-                         shown(waiting->reply, *pair, *waiting->own)};
+                         presented_token(waiting->reply, *pair, *waiting->own)};
   }
-  DDSSEC_ASSIGN_OR_RETURN(auto what, context(*pair));
+  DDSSEC_ASSIGN_OR_RETURN(auto what, handshake_context(*pair));
   what.reply_keys = &pair->reply_keys;
   DDSSEC_RETURN_IF_ERROR(check_room(*pair));
   DDSSEC_ASSIGN_OR_RETURN(auto outcome, start_reply(what, request, participant_data));
@@ -235,15 +236,15 @@ void PkiDh::note_unused_ocsp(const Pair& pair, const Established& done) const {
 Result<PkiDh::HandshakeStep> PkiDh::process_handshake(HandshakeHandle handshake,
                                                       const Token& message) {
   DDSSEC_ASSIGN_OR_RETURN(const auto pair, reported(table_.pair_of(handshake)));
-  return reported(step(handshake, message), pair->remote_handle);
+  return reported(process_step(handshake, message), pair->remote_handle);
 }
 
-Result<PkiDh::HandshakeStep> PkiDh::step(HandshakeHandle handle, const Token& message) {
+Result<PkiDh::HandshakeStep> PkiDh::process_step(HandshakeHandle handle, const Token& message) {
   DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair_of(handle));
   const std::scoped_lock lock(pair->mutex);
   const auto handshake = std::ranges::find(pair->handshakes, handle, &PairHandshake::handle);
   if (handshake == pair->handshakes.end()) return fail(Code::unknown_handshake);
-  DDSSEC_ASSIGN_OR_RETURN(const auto what, context(*pair));
+  DDSSEC_ASSIGN_OR_RETURN(const auto what, handshake_context(*pair));
   DDSSEC_ASSIGN_OR_RETURN(auto outcome, process(handshake->state, what, message));
   if (outcome.next) {
     if (const auto* done = std::get_if<Established>(&*outcome.next)) {

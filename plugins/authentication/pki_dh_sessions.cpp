@@ -12,7 +12,7 @@ spi::SessionFacts facts_of(const Established& session) {
 }  // namespace
 
 Result<std::shared_ptr<const spi::SharedSecret>> PkiDh::shared_secret(HandshakeHandle handshake) {
-  return reported(established(handshake, [](const Established& done) { return done.secret; }));
+  return reported(with_established(handshake, [](const Established& done) { return done.secret; }));
 }
 
 Result<Token> PkiDh::authenticated_peer_credential_token(HandshakeHandle handshake) {
@@ -21,7 +21,7 @@ Result<Token> PkiDh::authenticated_peer_credential_token(HandshakeHandle handsha
     if (credential) spi::add_session_facts(*credential, facts_of(done));
     return credential;
   };
-  DDSSEC_ASSIGN_OR_RETURN(auto credential, reported(established(handshake, with_facts)));
+  DDSSEC_ASSIGN_OR_RETURN(auto credential, reported(with_established(handshake, with_facts)));
   if (!credential) return reported(Result<Token>(fail(Code::credential_given_out)));
   const std::scoped_lock lock(given_out_mutex_);
   if (std::ranges::find(given_out_, handshake) == given_out_.end()) given_out_.push_back(handshake);
@@ -29,7 +29,7 @@ Result<Token> PkiDh::authenticated_peer_credential_token(HandshakeHandle handsha
 }
 
 std::string PkiDh::authenticated_subject(HandshakeHandle handshake) {
-  return established(
+  return with_established(
              handshake,
              [](const Established& done) { return done.peer.chain().certificate().subject(); })
       .value_or(std::string());
@@ -57,14 +57,14 @@ void PkiDh::drop_credentials_given_out() {
 
 Result<std::optional<Token>> PkiDh::offer_renewal(HandshakeHandle handle) {
   using Offered = Result<std::optional<Token>>;
-  return session(handle,
-                 [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Offered {
-                   return next_offer(done, *pair.local, handshake.offer, environment_.clock.now());
-                 });
+  return with_session(
+      handle, [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Offered {
+        return next_offer(done, *pair.local, handshake.offer, environment_.clock.now());
+      });
 }
 
-Result<JudgedOffer> PkiDh::judged(const Pair& pair, const Established& session,
-                                  const Token& offer) const {
+Result<JudgedOffer> PkiDh::judge_peer_offer(const Pair& pair, const Established& session,
+                                            const Token& offer) const {
   const auto trust = pair.local->peer_trust();
   auto judged = judge_offer(session, offer, pair.remote_guid,
                             {*trust, pair.local->ocsp_policy(), environment_.clock.now()});
@@ -75,25 +75,27 @@ Result<JudgedOffer> PkiDh::judged(const Pair& pair, const Established& session,
 }
 
 Result<Token> PkiDh::judge_renewal(HandshakeHandle handle, const Token& offer) {
-  return session(handle, [&](const Pair& pair, PairHandshake&, Established& done) -> Result<Token> {
-    DDSSEC_ASSIGN_OR_RETURN(const auto found, judged(pair, done, offer));
-    return *found.peer.credential();
-  });
+  return with_session(
+      handle, [&](const Pair& pair, PairHandshake&, Established& done) -> Result<Token> {
+        DDSSEC_ASSIGN_OR_RETURN(const auto found, judge_peer_offer(pair, done, offer));
+        return *found.peer.credential();
+      });
 }
 
 Result<Token> PkiDh::take_renewal(HandshakeHandle handle, const Token& offer) {
-  return session(handle, [&](const Pair& pair, PairHandshake&, Established& done) -> Result<Token> {
-    DDSSEC_ASSIGN_OR_RETURN(auto found, judged(pair, done, offer));
-    const bool is_new = found.peer.certificate() != done.peer.certificate();
-    auto former = std::exchange(done.peer, std::move(found.peer));
-    done.peer.drop_credential();
-    if (auto noted = note_authenticated(pair, done); !noted) {
-      done.peer = std::move(former);
-      return std::unexpected(noted.error());
-    }
-    if (is_new) environment_.events.raise(renewed_peer(pair, done));
-    return found.answer;
-  });
+  return with_session(handle,
+                      [&](const Pair& pair, PairHandshake&, Established& done) -> Result<Token> {
+                        DDSSEC_ASSIGN_OR_RETURN(auto found, judge_peer_offer(pair, done, offer));
+                        const bool is_new = found.peer.certificate() != done.peer.certificate();
+                        auto former = std::exchange(done.peer, std::move(found.peer));
+                        done.peer.drop_credential();
+                        if (auto noted = note_authenticated(pair, done); !noted) {
+                          done.peer = std::move(former);
+                          return std::unexpected(noted.error());
+                        }
+                        if (is_new) environment_.events.raise(renewed_peer(pair, done));
+                        return found.answer;
+                      });
 }
 
 Event PkiDh::renewed_peer(const Pair& pair, const Established& session) const {
@@ -108,8 +110,8 @@ Event PkiDh::renewed_peer(const Pair& pair, const Established& session) const {
 
 Result<spi::SessionFacts> PkiDh::note_renewal_taken(HandshakeHandle handle, const Token& answer) {
   using Facts = Result<spi::SessionFacts>;
-  return reported(
-      session(handle, [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Facts {
+  return reported(with_session(
+      handle, [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Facts {
         if (const auto fits = check_answer(handshake.offer, answer); !fits)
           return std::unexpected(fits.error().in("answer of " + done.peer.certificate().subject()));
         const auto former = std::exchange(done.own, handshake.offer->documents);

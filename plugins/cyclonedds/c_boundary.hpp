@@ -22,14 +22,14 @@ void fill_exception(Exception* ex, const Error& error, DDS_Security_long code) n
 void fill_exception_of_logged(Exception* ex, const Error& error, DDS_Security_long code) noexcept;
 
 /// How a failure is reported: the code in the host's exception, and the event, if one is raised.
-struct Telling {
+struct FailureReport {
   DDS_Security_long host_code;
   Severity severity;
   bool raises_event = true;
 };
 /// The default: number and severity of the Code. For keys_not_permitted access control raises the
 /// event.
-inline Telling plainly(const Error& error) {
+inline FailureReport default_report(const Error& error) {
   return {static_cast<DDS_Security_long>(error.code()), info(error.code()).severity,
           error.code() != Code::keys_not_permitted};
 }
@@ -60,18 +60,18 @@ auto at_c_boundary(Host& host, Exception* ex, F&& f, Tell&& tell) noexcept
     }
   }();
   if (!outcome) [[unlikely]] {
-    const Telling telling = tell(outcome.error());
-    fill_exception_of_logged(ex, outcome.error(), telling.host_code);
+    const FailureReport report = tell(outcome.error());
+    fill_exception_of_logged(ex, outcome.error(), report.host_code);
     // If the engine raised its own event, with subject and GUID, that one is better.
-    if (telling.raises_event && Host::raised_by_this_thread() == raised_before)
-      host.refused(outcome.error(), telling.severity);
+    if (report.raises_event && Host::raised_by_this_thread() == raised_before)
+      host.refused(outcome.error(), report.severity);
   }
   return outcome;
 }
 
 template <class F>
 auto at_c_boundary(Host& host, Exception* ex, F&& f) noexcept -> decltype(std::forward<F>(f)()) {
-  return at_c_boundary(host, ex, std::forward<F>(f), plainly);
+  return at_c_boundary(host, ex, std::forward<F>(f), default_report);
 }
 
 /// The outcome as C boolean: 1 for success, otherwise 0.
@@ -90,7 +90,7 @@ DDS_Security_long_long handle_at_c_boundary(Host& host, Exception* ex, F&& f) no
 /// Fills the exception when the host passes no instance.
 inline void refuse_null_instance(Exception* ex) noexcept {
   const Error error(Code::null_argument);
-  fill_exception(ex, error, plainly(error).host_code);
+  fill_exception(ex, error, default_report(error).host_code);
 }
 
 /// Success if all pointers are set. Error: null_argument.

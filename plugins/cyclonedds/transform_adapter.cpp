@@ -143,16 +143,16 @@ constexpr DDS_Security_long kAskNext = DDS_SECURITY_ERR_INVALID_CRYPTO_RECEIVER_
 /// Cyclone asks for each local participant in turn. A message may be for the next participant if it
 /// has no MAC for this one, if the sender's keys have not come yet, or if it is older than they
 /// are. Such errors are no reason for an alarm.
-Telling as_one_of_several_receivers(const Error& error) {
-  auto telling = plainly(error);
+FailureReport as_one_of_several_receivers(const Error& error) {
+  auto report = default_report(error);
   if (error.code() == Code::receiver_specific_mac_missing || error.code() == Code::identity_ended)
-    telling.severity = Severity::debug;
+    report.severity = Severity::debug;
   if (error.code() == Code::receiver_specific_mac_missing ||
       error.code() == Code::receiver_specific_mac_mismatch ||
       error.code() == Code::identity_ended || error.code() == Code::message_from_before ||
       error.code() == Code::key_material_not_received)
-    telling.host_code = kAskNext;
-  return telling;
+    report.host_code = kAskNext;
+  return report;
 }
 
 Status decode_rtps_message(Adapter& adapter, Octets* plain, const Octets* encoded, CHandle receiver,

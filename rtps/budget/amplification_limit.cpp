@@ -59,7 +59,7 @@ void AmplificationLimit::begin_datagram(const SourceAddress& source, std::size_t
   not_credited_ = octets;
 }
 
-void AmplificationLimit::limit(const GuidPrefix& participant, std::span<const Locator> addresses,
+void AmplificationLimit::begin(const GuidPrefix& participant, std::span<const Locator> addresses,
                                std::span<const SourceAddress> sources) {
   accounts_[participant] = {};
   set_addresses(participant, addresses, sources);
@@ -88,7 +88,7 @@ void AmplificationLimit::set_addresses(const GuidPrefix& participant,
 
 // If a peer sends from none of its announced addresses, it is not known which of them is its own.
 // So they are credited in turn.
-std::size_t AmplificationLimit::credit(const GuidPrefix& participant) {
+std::size_t AmplificationLimit::add_credit(const GuidPrefix& participant) {
   auto* account = not_credited_ == 0 ? nullptr : find(participant);
   if (account == nullptr || account->addresses.empty()) return 0;
   auto* known = account->find(source_);

@@ -32,20 +32,20 @@ class AmplificationLimit {
   void begin_datagram(const SourceAddress& source, std::size_t octets);
   /// Limits the participant from now on. `addresses`: its addresses; `sources`: the source that
   /// announced each.
-  void limit(const GuidPrefix& participant, std::span<const Locator> addresses,
+  void begin(const GuidPrefix& participant, std::span<const Locator> addresses,
              std::span<const SourceAddress> sources);
   /// The participant's addresses have changed. What was saved is lost, except by these sources and
   /// by the addresses themselves.
   void set_addresses(const GuidPrefix& participant, std::span<const Locator> addresses,
                      std::span<const SourceAddress> sources);
   /// The participant authenticated, or was removed.
-  void lift(const GuidPrefix& participant) { accounts_.erase(participant); }
+  void end(const GuidPrefix& participant) { accounts_.erase(participant); }
   bool is_limited(const GuidPrefix& participant) const {
     return !accounts_.empty() && accounts_.contains(participant);
   }
   /// The datagram arrived in the name of this participant. It counts once, for the first
   /// participant. Returns how many more octets may be sent.
-  std::size_t credit(const GuidPrefix& participant);
+  std::size_t add_credit(const GuidPrefix& participant);
   /// The challenge in a message to that participant at that address, whatever its port. Only a
   /// receiver there can repeat it. Empty: there is no secret.
   Bytes challenge(const GuidPrefix& participant, const Locator& host) const;

@@ -97,7 +97,7 @@ BuiltinTopics& BuiltinTopics::of(std::unique_ptr<BuiltinTopics>& made,
 
 BuiltinTopics::~BuiltinTopics() {
   const std::lock_guard lock(context_.mutex());
-  context_.protocol().listen(nullptr);
+  context_.protocol().set_discovery_listener(nullptr);
 }
 
 // The caller ensures that only one thread creates readers.
@@ -111,7 +111,7 @@ void BuiltinTopics::make() {
   const std::lock_guard lock(context_.mutex());
   only_ = BuiltinTopicOf<T>::topic;
   told_.try_emplace(only_);
-  context_.protocol().listen(this);
+  context_.protocol().set_discovery_listener(this);
   only_ = {};
 }
 template void BuiltinTopics::make<ParticipantBuiltinTopicData>();

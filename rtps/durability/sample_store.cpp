@@ -84,7 +84,7 @@ Status SampleStore::prepare(std::size_t max_octets, Time now) {
       DDSSEC_RETURN_IF_ERROR(create_schema());
     else {
       DDSSEC_ASSIGN_OR_RETURN(const auto user_version, database_.number("PRAGMA user_version"));
-      DDSSEC_RETURN_IF_ERROR(renew_schema(user_version));
+      DDSSEC_RETURN_IF_ERROR(upgrade_schema(user_version));
     }
     DDSSEC_RETURN_IF_ERROR(transaction.commit());
   }
@@ -148,7 +148,7 @@ Status SampleStore::create_schema() {
   return database_.run("PRAGMA user_version=" + std::to_string(kVersion));
 }
 
-Status SampleStore::renew_schema(std::int64_t version) {
+Status SampleStore::upgrade_schema(std::int64_t version) {
   if (version == kVersion) return {};
   for (const auto& [since, column] : kAddedColumns)
     if (version < since)
@@ -186,7 +186,7 @@ Status SampleStore::erase_unused_streams() {
   return count == 0 ? Status() : database_.run("DELETE " + unused);
 }
 
-Status SampleStore::make_place() {
+Status SampleStore::forget_least_used_stream() {
   DDSSEC_ASSIGN_OR_RETURN(
       auto rows, database_.prepare(fmt::format("SELECT id FROM stream WHERE {} ORDER BY (SELECT "
                                                "max(used) FROM heard WHERE heard.stream = id)",
@@ -252,7 +252,7 @@ Result<StreamId> SampleStore::stream(const StreamKey& key) {
     return *id;
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto stream_count, streams());
-  if (stream_count >= kMaxStreams) DDSSEC_RETURN_IF_ERROR(make_place());
+  if (stream_count >= kMaxStreams) DDSSEC_RETURN_IF_ERROR(forget_least_used_stream());
   const StreamId next{last_stream_ + 1};
   streams_.emplace(next, Stream{key});
   last_stream_ = next.value;

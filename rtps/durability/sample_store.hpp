@@ -72,13 +72,13 @@ class SampleStore {
   Status check_schema(std::int64_t version);
   Status create_schema();
   /// Upgrades the schema of an earlier version.
-  Status renew_schema(std::int64_t version);
+  Status upgrade_schema(std::int64_t version);
   /// Of all streams. The caller holds none of them.
   Status erase_expired(Time now);
   /// Removes all streams without samples and remembered writers.
   Status erase_unused_streams();
   /// Forgets the stream without samples that was not heard on for the longest time.
-  Status make_place();
+  Status forget_least_used_stream();
   /// Removes a stream without samples, and the writers that were heard on it.
   Status forget(StreamId id);
   /// Empty: not in the database.

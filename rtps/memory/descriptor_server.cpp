@@ -83,7 +83,7 @@ void send_descriptor(int socket, int descriptor) {
 // more room would let a peer use up the descriptors of the process.
 struct ManyDescriptors {
   static constexpr std::size_t kMax = 16;
-  static constexpr std::size_t kTime = CMSG_SPACE(sizeof(timeval));  // see OutsideSocket
+  static constexpr std::size_t kTime = CMSG_SPACE(sizeof(timeval));  // see UntrustedSocket
   alignas(cmsghdr) std::array<char, CMSG_SPACE(kMax * sizeof(int)) + kTime> octets{};
 };
 
@@ -142,7 +142,7 @@ DescriptorServer::~DescriptorServer() {
   if (!listener_) return;
   ::shutdown(listener_.number(), SHUT_RDWR);
   for (int i = 0; i <= kBacklog; ++i)
-    if (!OutsideSocket(
+    if (!UntrustedSocket(
             FileDescriptor(::accept4(listener_.number(), nullptr, nullptr, SOCK_CLOEXEC))))
       return;
 }
@@ -196,7 +196,7 @@ void DescriptorServer::accept_waiting(MonotonicTime now) {
       paused_until_ = now + kPauseForCloses;
       return;
     }
-    OutsideSocket socket(FileDescriptor(
+    UntrustedSocket socket(FileDescriptor(
         ::accept4(listener_.number(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK)));
     if (!socket) {
       if (would_block(errno) || errno == ECONNABORTED) return;
@@ -231,8 +231,8 @@ bool DescriptorServer::is_done(const Connection& connection) {
   std::array<std::uint8_t, kTokenSize + 1> octets{};
   const int socket = connection.socket.number();
   const auto next = connection.socket.next();
-  if (next == OutsideSocket::Next::nothing) return false;
-  if (next == OutsideSocket::Next::descriptors) return true;  // it is closed elsewhere, with them
+  if (next == UntrustedSocket::Next::nothing) return false;
+  if (next == UntrustedSocket::Next::descriptors) return true;  // it is closed elsewhere, with them
   const auto size = ::recv(socket, octets.data(), octets.size(), MSG_DONTWAIT);
   if (size < 0 && would_block(errno)) return false;
   if (size != static_cast<ssize_t>(kTokenSize)) return true;
@@ -246,7 +246,7 @@ bool DescriptorServer::is_done(const Connection& connection) {
 MemoryResult<DescriptorRequest> DescriptorRequest::send(const DescriptorOffer& offer, Users users) {
   if (closes_too_many()) return refuse(MemoryRefusal::held_up);
   DescriptorRequest out;
-  out.socket_ = OutsideSocket(local_socket());
+  out.socket_ = UntrustedSocket(local_socket());
   const Address address = address_of(offer.name);
   const int socket = out.descriptor();
   if (socket < 0 || ::connect(socket, address.generic(), address.size) != 0)

@@ -67,7 +67,7 @@ class DescriptorServer {
 
  private:
   struct Connection {
-    OutsideSocket socket;
+    UntrustedSocket socket;
     pid_t process = 0;
     uid_t user = 0;
     MonotonicTime until{};
@@ -104,7 +104,7 @@ class DescriptorRequest {
  private:
   DescriptorRequest() = default;
 
-  OutsideSocket socket_;
+  UntrustedSocket socket_;
   std::uint64_t segment_ = 0;
   MemoryId memory_;
 };

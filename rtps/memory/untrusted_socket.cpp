@@ -102,18 +102,18 @@ bool closes_too_many() {
   return all.waiting.size() + (all.runs ? 1 : 0) >= kTooMany;
 }
 
-OutsideSocket::OutsideSocket(FileDescriptor socket) : socket_(std::move(socket)) {
+UntrustedSocket::UntrustedSocket(FileDescriptor socket) : socket_(std::move(socket)) {
   const int on = 1;
   if (socket_) ::setsockopt(number(), SOL_SOCKET, SO_TIMESTAMP, &on, sizeof on);
 }
 
-OutsideSocket::~OutsideSocket() {
+UntrustedSocket::~UntrustedSocket() {
   if (!socket_) return;
   ::shutdown(socket_.number(), SHUT_RDWR);
   if (!is_empty(socket_.number())) close_elsewhere(std::move(socket_));
 }
 
-OutsideSocket::Next OutsideSocket::next() const {
+UntrustedSocket::Next UntrustedSocket::next() const {
   auto front = front_of(number());
   for (int i = 0; i < 4 && front == Front::error; ++i) front = front_of(number());
   if (front == Front::error) return Next::descriptors;  // it may be: nothing is received

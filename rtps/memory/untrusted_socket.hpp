@@ -16,12 +16,12 @@ bool closes_too_many();
 
 /// A local socket to which another process may send descriptors. To drop a message closes
 /// what is in it, so a socket with messages is closed elsewhere.
-class OutsideSocket {
+class UntrustedSocket {
  public:
-  explicit OutsideSocket(FileDescriptor socket = FileDescriptor());
-  ~OutsideSocket();
-  OutsideSocket(OutsideSocket&&) noexcept = default;
-  OutsideSocket& operator=(OutsideSocket&& other) noexcept {
+  explicit UntrustedSocket(FileDescriptor socket = FileDescriptor());
+  ~UntrustedSocket();
+  UntrustedSocket(UntrustedSocket&&) noexcept = default;
+  UntrustedSocket& operator=(UntrustedSocket&& other) noexcept {
     std::swap(socket_, other.socket_);
     return *this;
   }

@@ -95,7 +95,7 @@ void raise_unreadable(ParticipantCore& core, const Error& error, const GuidPrefi
 /// Another host of the participant is proven, so that other addresses may be used.
 void readdress(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& builtin,
                RemoteParticipant& remote) {
-  if (has_proven_address(core, remote)) core.sender.limit().lift(remote.prefix());
+  if (has_proven_address(core, remote)) core.sender.amplification_limit().end(remote.prefix());
   if (core.security) core.security->readdress(remote.prefix(), remote.metatraffic);
   builtin.readdress(remote, core.now);
   matcher.readdress(remote);
@@ -117,14 +117,15 @@ void follow(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& bui
   if (remote.signed_metatraffic == metatraffic && remote.signed_user == user) return;
   adopt_signed_addresses(core, remote, std::move(metatraffic), std::move(user));
   if (!has_proven_address(core, remote))
-    core.sender.limit().limit(remote.prefix(), remote.metatraffic, remote.metatraffic_sources);
+    core.sender.amplification_limit().begin(remote.prefix(), remote.metatraffic,
+                                            remote.metatraffic_sources);
   readdress(core, matcher, builtin, remote);
 }
 
 /// A datagram arrived in this participant's name. If sending to it is limited, more may now be
 /// sent.
 void note_earned(ParticipantCore& core, const GuidPrefix& source) {
-  const auto octets = core.sender.limit().credit(source);
+  const auto octets = core.sender.amplification_limit().add_credit(source);
   if (octets > 0 && core.security) core.security->note_earned(source, octets);
 }
 
@@ -179,8 +180,9 @@ void Discovery::add(ParticipantData data, std::size_t octets) {
   const auto decision = security != nullptr ? security->judge(data)
                                             : Security::AdmissionDecision::admit_unauthenticated;
   auto& remote = remotes.add(std::move(data), std::move(metatraffic), std::move(user), octets);
-  core_.sender.limit().limit(remote.prefix(), remote.metatraffic, remote.metatraffic_sources);
-  core_.sender.limit().credit(remote.prefix());
+  core_.sender.amplification_limit().begin(remote.prefix(), remote.metatraffic,
+                                           remote.metatraffic_sources);
+  core_.sender.amplification_limit().add_credit(remote.prefix());
   parts_.announcer.answer(remote.prefix(), where_to_answer(remote.metatraffic, core_.source));
   if (decision == Security::AdmissionDecision::authenticate)
     security->discovered(remote.data,
@@ -231,7 +233,8 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
                                   usable(core_, data.metatraffic_unicast), core_.source);
   if (added.displaced) remote.has_displaced_addresses = true;
   add_locators(remote.user, remote.user_sources, usable(core_, data.default_unicast), core_.source);
-  core_.sender.limit().set_addresses(prefix, remote.metatraffic, remote.metatraffic_sources);
+  core_.sender.amplification_limit().set_addresses(prefix, remote.metatraffic,
+                                                   remote.metatraffic_sources);
   if (!differs && !added.any) return;
   security->announced_again(data, {remote.metatraffic, remote.metatraffic_sources, core_.source},
                             core_.now);
@@ -255,7 +258,7 @@ void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
   if (signs.is_proof && prove_host(core_, *remote, core_.source_host))
     readdress(core_, parts_.matcher, builtin_, *remote);
   if (signs.is_directed && remote->accepted && has_proven_address(core_, *remote))
-    core_.sender.limit().lift(source);
+    core_.sender.amplification_limit().end(source);
   const bool anything_counts = !core_.is_authenticated(source);
   const auto& attributes = core_.attributes();
   const bool may_be_clear =
@@ -306,7 +309,7 @@ void Discovery::remove(const GuidPrefix& prefix) {
   if (reset && !core_.ignored.contains(prefix))
     core_.sender.send_alone(*reset, remote->metatraffic);
   core_.sender.flush_now();  // before the limit is lifted, because waiting messages count for it
-  core_.sender.limit().lift(prefix);
+  core_.sender.amplification_limit().end(prefix);
   parts_.remotes.remove(prefix);
 }
 
@@ -434,12 +437,13 @@ void Discovery::on_authenticated(const GuidPrefix& peer) {
   if (remote == nullptr) return;
   if (remote->signed_metatraffic.empty()) adopt_signed_addresses(core_, *remote, {}, {});
   if (!has_proven_address(core_, *remote))
-    core_.sender.limit().limit(peer, remote->metatraffic, remote->metatraffic_sources);
+    core_.sender.amplification_limit().begin(peer, remote->metatraffic,
+                                             remote->metatraffic_sources);
   accept(*remote);
 }
 
 // DDS-Security 1.2, clause 9.8.3.1: the participant may then be admitted without authentication.
-void Discovery::on_refused(const GuidPrefix& peer) {
+void Discovery::on_unauthenticated(const GuidPrefix& peer) {
   auto* remote = parts_.remotes.find(peer);
   if (remote != nullptr && core_.security->admits_unauthenticated()) accept(*remote);
 }
@@ -463,7 +467,8 @@ void Discovery::on_unconfirmed(const GuidPrefix& peer) {
   auto* remote = parts_.remotes.find(peer);
   if (remote == nullptr || !exchange_hosts(core_, *remote)) return;
   if (!has_proven_address(core_, *remote))
-    core_.sender.limit().limit(peer, remote->metatraffic, remote->metatraffic_sources);
+    core_.sender.amplification_limit().begin(peer, remote->metatraffic,
+                                             remote->metatraffic_sources);
   readdress(core_, parts_.matcher, builtin_, *remote);
 }
 

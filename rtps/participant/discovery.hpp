@@ -48,7 +48,7 @@ class Discovery final : public MessageListener, public SecurityHost {
 
   // SecurityHost:
   void on_authenticated(const GuidPrefix& peer) override;
-  void on_refused(const GuidPrefix& peer) override;
+  void on_unauthenticated(const GuidPrefix& peer) override;
   LocatorList on_proven(const GuidPrefix& peer, const ParticipantData& proven) override;
   void on_unconfirmed(const GuidPrefix& peer) override;
   void on_replaced(const GuidPrefix& peer) override;

@@ -46,7 +46,7 @@ struct ParticipantCore {
   ParticipantCore(ParticipantConfig configuration, Transport& transport, EventSink& sink)
       : config(std::move(configuration)), events(sink), sender(transport, config.prefix) {
     sender.fragment_at(config.fragment_size);
-    if (config.address_secret) sender.limit().set_secret(*config.address_secret);
+    if (config.address_secret) sender.amplification_limit().set_secret(*config.address_secret);
   }
 
   bool is_authenticated(const GuidPrefix& peer) const {

@@ -156,7 +156,7 @@ bool adopt_signed_addresses(ParticipantCore& core, RemoteParticipant& remote,
   remote.hosts.add(answered);
   remote.doubted_hosts = {};
   for (const auto& address : remote.signed_metatraffic)
-    if (core.sender.limit().is_proven(remote.prefix(), address))
+    if (core.sender.amplification_limit().is_proven(remote.prefix(), address))
       remote.hosts.add(core.host_of(address));
   remote.hosts.add(core.host_of(core.source_host));  // the addresses of this machine are new
   settle(core, remote);

@@ -274,7 +274,7 @@ void RemoteParticipants::remove(RemoteParticipant& remote, const EntityId& id) {
   remote.clear_addresses.release(id);
 }
 
-void RemoteParticipants::listen(DiscoveryListener* listener) {
+void RemoteParticipants::set_discovery_listener(DiscoveryListener* listener) {
   discovery_ = listener;
   if (discovery_ == nullptr) return;
   for (const auto& [prefix, remote] : remotes_) {

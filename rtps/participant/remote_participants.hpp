@@ -171,7 +171,7 @@ class RemoteParticipants {
 
   // For the application:
   /// Reports to `listener` what is already known and from now on; nullptr: stops reporting.
-  void listen(DiscoveryListener* listener);
+  void set_discovery_listener(DiscoveryListener* listener);
   /// The participants that were accepted (see DiscoveryListener).
   std::vector<ParticipantData> participants() const;
   std::vector<EndpointData> endpoints() const;

@@ -86,7 +86,7 @@ void RtpsParticipant::receive(BytesView datagram, MonotonicTime now, const Locat
   core_.now = now;
   core_.source = SourceAddress(source);
   core_.source_host = core_.host_of(source);
-  core_.sender.limit().begin_datagram(core_.source, datagram.size());
+  core_.sender.amplification_limit().begin_datagram(core_.source, datagram.size());
   core_.is_from_elsewhere = is_from_elsewhere(source, core_.config.interfaces);
   const auto gathering = gather();
   receiver_.receive(datagram, now);
@@ -204,9 +204,9 @@ void RtpsParticipant::assert_liveliness(LivelinessKind kind, MonotonicTime now) 
   liveliness_.assert_liveliness(kind);
 }
 
-void RtpsParticipant::listen(DiscoveryListener* listener) {
+void RtpsParticipant::set_discovery_listener(DiscoveryListener* listener) {
   const auto call = calls_.enter();
-  remotes_.listen(listener);
+  remotes_.set_discovery_listener(listener);
 }
 
 void RtpsParticipant::ignore_participant(const GuidPrefix& prefix) {

@@ -53,11 +53,11 @@ class RtpsParticipant {
   /// Processes one datagram. `source`: the address it came from, which limits how much unproven
   /// data one address can store.
   void receive(BytesView datagram, MonotonicTime now, const Locator& source = {});
-  /// Must be called after each batch of datagrams. `any`: more datagrams wait to be received. Some
-  /// of them may answer what would otherwise be repeated. So no work is due before they have been
-  /// read, or before many batches have been read.
-  void note_backlog(bool any) {
-    backlog_ = any ? backlog_ + 1 : 0;
+  /// Must be called after each batch of datagrams. `has_backlog`: more datagrams wait to be
+  /// received. Some of them may answer what would otherwise be repeated. So no work is due before
+  /// they have been read, or before many batches have been read.
+  void note_backlog(bool has_backlog) {
+    backlog_ = has_backlog ? backlog_ + 1 : 0;
     reads_first_ = backlog_ % kMaxBacklog != 0;
   }
   /// Does what is due: announcements, HEARTBEATs, leases.
@@ -93,7 +93,7 @@ class RtpsParticipant {
   Status revise_keys();
 
   /// See RemoteParticipants.
-  void listen(DiscoveryListener* listener);
+  void set_discovery_listener(DiscoveryListener* listener);
   /// Returns any remote endpoint on that topic.
   std::optional<EndpointData> endpoint_on(const std::string& topic_name) const {
     return matcher_.endpoint_on(topic_name);

@@ -84,7 +84,7 @@ bool MessageSender::write_protected_submessage(const EntityId& sender, const Gui
                                                BytesView plain) {
   const auto size = protection_->protect_submessage(sender, receiver, plain, out_.spare());
   if (size) {
-    out_.take(*size);
+    out_.commit(*size);
     return true;
   }
   const bool first = out_.size() <= kHeaderSize + 16;

@@ -79,7 +79,7 @@ class MessageSender {
     put(to, nullptr, submessage, kStatelessMessageWriter);
   }
   /// The limits for what unproven participants may be sent. A message above the limit is not sent.
-  AmplificationLimit& limit() { return limit_; }
+  AmplificationLimit& amplification_limit() { return limit_; }
   /// Sends what was added. While a Gathering exists, this happens at its end.
   void flush();
   /// Sends a whole message, which is sent as it is.

@@ -17,7 +17,7 @@ std::size_t HandshakeSender::send(const Peer& peer, const GenericMessage& messag
                                   const LocatorList& addresses) {
   const auto payload = write_generic_message(message);
   const auto size = payload.size() + kHeaders;
-  if (size > sender_.limit().left(peer.prefix(), addresses)) return size;
+  if (size > sender_.amplification_limit().left(peer.prefix(), addresses)) return size;
   sender_.add({peer.prefix(), addresses}, Data{kStatelessMessageReader,
                                                kStatelessMessageWriter,
                                                {++last_number_},
@@ -39,13 +39,14 @@ std::size_t HandshakeSender::send_auth_request(const Peer& peer, const GenericMe
     });
     const LocatorList there(here.begin(), here.end());
     addresses.erase(here.begin(), here.end());
-    if (sender_.limit().left(peer.prefix(), there) < kHeaders) {
+    if (sender_.amplification_limit().left(peer.prefix(), there) < kHeaders) {
       held_back = std::max(held_back, kHeaders);
       continue;
     }
     auto challenging = message;
     challenging.data.front().binary_properties.push_back(
-        {std::string(PeerHandshake::kChallenge), sender_.limit().challenge(peer.prefix(), host)});
+        {std::string(PeerHandshake::kChallenge),
+         sender_.amplification_limit().challenge(peer.prefix(), host)});
     held_back = std::max(held_back, send(peer, challenging, there));
   }
   return held_back;
@@ -62,7 +63,7 @@ void HandshakeSender::earn(Peer& peer, const LocatorList& addresses) {
   constexpr std::size_t kQuestions = 84, kAnswers = 90, kGain = 3 * kAnswers - kQuestions;
   constexpr std::size_t kMaxRounds = 64;
   if (peer.data.vendor != kVendorCyclone) return;
-  const auto left = sender_.limit().left(peer.prefix(), addresses);
+  const auto left = sender_.amplification_limit().left(peer.prefix(), addresses);
   if (left <= kHeaders || left + peer.expected >= peer.held_back) return;
   const auto needed = (peer.held_back - left - peer.expected) / kGain + 1;
   const auto rounds = std::min({needed, (left - kHeaders) / kQuestions, kMaxRounds});

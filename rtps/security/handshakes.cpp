@@ -133,7 +133,7 @@ void Handshakes::note_earned(Peer& peer, std::size_t octets) {
   if (peer.held_back == 0 || handshake == nullptr) return;
   const auto addresses = addresses_of(peer);
   peer.expected -= std::min(peer.expected, octets);
-  if (peer.held_back > core_.sender.limit().left(peer.prefix(), addresses))
+  if (peer.held_back > core_.sender.amplification_limit().left(peer.prefix(), addresses))
     return messages_.earn(peer, addresses);
   peer.held_back = 0;
   peer.may_go_on = true;
@@ -178,7 +178,7 @@ void Handshakes::on_auth_request(Peer& peer, const GenericMessage& message) {
   auto& handshake = *peer.state.handshake();
   PeerHandshake::Messages out;
   const auto repeated = handshake.receive_auth_request(message, out);
-  if (core_.sender.limit().prove(peer.prefix(), repeated)) note_earned(peer, 0);
+  if (core_.sender.amplification_limit().prove(peer.prefix(), repeated)) note_earned(peer, 0);
   if (!out.empty()) send(peer, out);
   if (!handshake.begins()) return;
   if (peer.state.association() == nullptr) return request_resend(peer);
@@ -248,7 +248,7 @@ bool Handshakes::advance(Peer& peer) {
   // The peer has returned and knows earlier keys: from here on it is watched like any other.
   revision_.drop_absent(peer.prefix());
   fragments_.forget(peer.prefix());
-  core_.sender.limit().lift(peer.prefix());
+  core_.sender.amplification_limit().end(peer.prefix());
   return peer.state.associate(std::move(*association), core_.now);
 }
 
@@ -355,7 +355,7 @@ void Handshakes::refuse(Peer& peer) {
   peer.again_at = core_.now + pause_after_refusal(peer);
   ++peer.refusals;
   schedule(peer);
-  if (!was_admitted) core_.host.on_refused(GuidPrefix(peer.prefix()));
+  if (!was_admitted) core_.host.on_unauthenticated(GuidPrefix(peer.prefix()));
 }
 
 void Handshakes::note_failure(Peer& peer) {
@@ -483,7 +483,7 @@ void Handshakes::admit_meanwhile(Peer& peer) {
                      .expected = "a handshake that succeeds within 3 s",
                      .found = was_refused ? "one whose messages were refused" : "none"}),
               peer, EventOrigin::anyone);
-  core_.host.on_refused(GuidPrefix(peer.prefix()));
+  core_.host.on_unauthenticated(GuidPrefix(peer.prefix()));
 }
 
 MonotonicTime Handshakes::next_of(const Peer& peer) const {

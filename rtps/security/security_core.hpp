@@ -17,7 +17,7 @@ class SecurityHost {
   /// The peer's keys have arrived: builtin endpoints may be matched.
   virtual void on_authenticated(const GuidPrefix& peer) = 0;
   /// The peer did not authenticate, has not authenticated yet, or is not allowed to join.
-  virtual void on_refused(const GuidPrefix& peer) = 0;
+  virtual void on_unauthenticated(const GuidPrefix& peer) = 0;
   /// The peer authenticated, and `proven` is the data that it signed. Returns the addresses at
   /// which it can be reached.
   virtual LocatorList on_proven(const GuidPrefix& peer, const ParticipantData& proven) = 0;

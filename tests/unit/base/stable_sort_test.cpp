@@ -23,20 +23,20 @@ const std::vector<Item> kItems = {{2, "a"}, {1, "z"}, {2, "0"}, {3, "b"}, {1, "c
 
 TEST(Ordered, TheLeast_IsFirstAndEqualOnesKeepTheirOrder) {
   auto items = kItems;
-  order_by_least(items, &Item::key);
+  stable_sort_by(items, &Item::key);
   EXPECT_THAT(names(items), ElementsAre("z", "c", "a", "0", "b"));
 }
 
 TEST(Ordered, TheGreatest_IsFirstAndEqualOnesKeepTheirOrder) {
   auto items = kItems;
-  order_by_greatest(items, [](const Item& item) { return item.key; });
+  stable_sort_descending_by(items, [](const Item& item) { return item.key; });
   EXPECT_THAT(names(items), ElementsAre("b", "a", "0", "z", "c"));
 }
 
 TEST(Ordered, NothingAdded_IsInOrder) {
   std::vector<Item> none;
-  order_by_least(none, &Item::key);
-  order_by_greatest(none, &Item::key);
+  stable_sort_by(none, &Item::key);
+  stable_sort_descending_by(none, &Item::key);
   EXPECT_THAT(none, IsEmpty());
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using By = std::vector<std::uint32_t>;
 
-std::vector<Shadow> found_shadows(std::span<const std::string_view> expressions) {
+std::vector<ShadowedExpression> found_shadows(std::span<const std::string_view> expressions) {
   SetEffort effort{100'000'000};
   return shadows(expressions, effort);
 }
@@ -86,7 +86,7 @@ TEST(Shadows, TwentyThousandExpressions_TakeNoTime) {
   const auto found = found_shadows(expressions);
   EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC);  // of a processor
   EXPECT_EQ(found.back().by, By{18'077});
-  EXPECT_EQ(std::ranges::count_if(found, &Shadow::is_dead), 1);
+  EXPECT_EQ(std::ranges::count_if(found, &ShadowedExpression::is_dead), 1);
 }
 
 // Each question may take ten million steps, and each expression asks some.

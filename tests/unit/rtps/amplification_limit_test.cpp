@@ -15,12 +15,12 @@ class AmplificationLimitTest : public ::testing::Test {
   void announce(std::uint8_t host, const LocatorList& addresses, std::size_t octets) {
     const std::vector sources(addresses.size(), SourceAddress(at(host)));
     limit_.begin_datagram(SourceAddress(at(host)), octets);
-    limit_.limit(name_, addresses, sources);
-    limit_.credit(name_);
+    limit_.begin(name_, addresses, sources);
+    limit_.add_credit(name_);
   }
   std::size_t hear(std::uint8_t host, std::size_t octets) {
     limit_.begin_datagram(SourceAddress(at(host)), octets);
-    return limit_.credit(name_);
+    return limit_.add_credit(name_);
   }
   std::size_t sent(std::size_t octets, const LocatorList& to) {
     return octets * limit_.take(name_, octets, to).size();
@@ -59,10 +59,10 @@ TEST_F(AmplificationLimitTest, AMessageThatDoesNotFit_IsNotChargedAndFitsAfterTh
 
 TEST_F(AmplificationLimitTest, ADatagram_CountsOnce) {
   announce(1, {at(1)}, 400);
-  EXPECT_EQ(limit_.credit(name_), 0u);
+  EXPECT_EQ(limit_.add_credit(name_), 0u);
   const auto other = GuidPrefix::from(Bytes(12, 2));
-  limit_.limit(other, LocatorList{at(1)}, std::vector{SourceAddress(at(1))});
-  EXPECT_EQ(limit_.credit(other), 0u);
+  limit_.begin(other, LocatorList{at(1)}, std::vector{SourceAddress(at(1))});
+  EXPECT_EQ(limit_.add_credit(other), 0u);
 }
 
 TEST_F(AmplificationLimitTest, OneSource_DoesNotUseUpWhatAnotherEarned) {
@@ -131,7 +131,7 @@ TEST_F(AmplificationLimitTest, WhatWasSentToOneHost_ProvesNoOther) {
 
 TEST_F(AmplificationLimitTest, OneIpv6Address_ProvesNoOtherOfItsNetwork) {
   const auto own = *Locator::parse("fd77::1", 7410), other = *Locator::parse("fd77::3", 7410);
-  limit_.limit(name_, LocatorList{own, other}, std::vector(2, SourceAddress(own)));
+  limit_.begin(name_, LocatorList{own, other}, std::vector(2, SourceAddress(own)));
   EXPECT_TRUE(limit_.prove(name_, limit_.challenge(name_, own)));
   EXPECT_TRUE(limit_.is_proven(name_, own));
   EXPECT_FALSE(limit_.is_proven(name_, other));
@@ -154,7 +154,7 @@ TEST_F(AmplificationLimitTest, TheChallengeOfAnotherParticipantOrSecret_ProvesNo
 
 TEST_F(AmplificationLimitTest, WithoutASecret_NothingIsProven) {
   AmplificationLimit limit;
-  limit.limit(name_, LocatorList{at(1)}, std::vector{SourceAddress(at(1))});
+  limit.begin(name_, LocatorList{at(1)}, std::vector{SourceAddress(at(1))});
   EXPECT_TRUE(limit.challenge(name_, at(1)).empty());
   EXPECT_FALSE(limit.prove(name_, {}));
 }
@@ -167,9 +167,9 @@ TEST_F(AmplificationLimitTest, WhatIsSaved_IsBounded) {
 
 TEST_F(AmplificationLimitTest, WhoIsLimitedAgain_BeginsWithNothing) {
   announce(1, {at(1)}, 400);
-  limit_.lift(name_);
+  limit_.end(name_);
   EXPECT_EQ(sent(50'000, {at(1)}), 50'000u);
-  limit_.limit(name_, LocatorList{at(1)}, std::vector{SourceAddress(at(1))});
+  limit_.begin(name_, LocatorList{at(1)}, std::vector{SourceAddress(at(1))});
   EXPECT_EQ(sent(1, {at(1)}), 0u);
 }
 

@@ -44,7 +44,7 @@ TEST(Participant, WhatAListenerIgnores_IsForgottenWhenTheCallIsOver) {
       ignorer.participants = kind == 0 || kind == 3;
       ignorer.endpoints = kind == 1 || kind == 3;
       ignorer.topics = kind == 2 || kind == 3;
-      if (listens_first) b.participant.listen(&ignorer);
+      if (listens_first) b.participant.set_discovery_listener(&ignorer);
       for (int i = 0; i < 3; ++i) {
         ASSERT_TRUE(
             a.participant.create_writer(square(default_writer_qos()), a.listener, world.now));
@@ -52,12 +52,12 @@ TEST(Participant, WhatAListenerIgnores_IsForgottenWhenTheCallIsOver) {
             b.participant.create_reader(square(default_reader_qos()), b.listener, world.now));
         world.run();
       }
-      if (!listens_first) b.participant.listen(&ignorer);
+      if (!listens_first) b.participant.set_discovery_listener(&ignorer);
       world.run();
       EXPECT_GT(ignorer.told, 0);
       EXPECT_EQ(b.listener.matched, 0);
       EXPECT_EQ(b.participant.remote_participants().size(), ignorer.participants ? 0u : 1u);
-      b.participant.listen(nullptr);
+      b.participant.set_discovery_listener(nullptr);
     }
 }
 

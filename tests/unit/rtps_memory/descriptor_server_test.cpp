@@ -287,7 +287,7 @@ TEST_F(DescriptorServerTest, SlowDescriptor_BehindAnError_HoldsNobodyUp) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()), 0);
   SlowToClose hostile;
-  std::optional<OutsideSocket> ours;
+  std::optional<UntrustedSocket> ours;
   ours.emplace(FileDescriptor(ends[0]));
   {
     const FileDescriptor theirs(ends[1]);
