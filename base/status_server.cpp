@@ -254,7 +254,7 @@ void StatusServer::accept_one() {
   if (free == clients_.end()) return;
   auto text = answer_();
   // A process that lacks the processor may have taken seconds for the text.
-  *free = Client{std::move(socket), std::move(text), 0, steady_clock::now() + kPatience};
+  *free = Client{std::move(socket), std::move(text), 0, steady_clock::now() + kClientTimeout};
   send_to(*free);
 }
 

@@ -24,7 +24,7 @@ class StatusServer {
   static constexpr std::size_t kMaxClients = 8;
   static constexpr unsigned kMaxPerSecond = 32;
   /// A client that has not taken the whole answer by then is dropped.
-  static constexpr std::chrono::seconds kPatience{5};
+  static constexpr std::chrono::seconds kClientTimeout{5};
   /// Libraries of one process that serve, each with a socket of its own.
   static constexpr int kMaxOfAProcess = 8;
 

@@ -38,7 +38,7 @@ std::string holder_of(int file) {
 // 0 (of another container) and -1 are no process that can be named.
 bool is_process(const std::string& pid) { return !pid.empty() && pid != "0" && pid[0] != '-'; }
 
-std::unexpected<Error> still_locked(int file, const fs::path& path, std::chrono::seconds patience) {
+std::unexpected<Error> still_locked(int file, const fs::path& path, std::chrono::seconds timeout) {
   const auto pid = holder_of(file);
   struct stat process {};
   std::string holder = "another process";
@@ -49,7 +49,7 @@ std::unexpected<Error> still_locked(int file, const fs::path& path, std::chrono:
   }
   return fail(Code::file_unwritable,
               {.document = path,
-               .note = fmt::format("{} has locked it for more than {} s", holder, patience.count()),
+               .note = fmt::format("{} has locked it for more than {} s", holder, timeout.count()),
                .hint = "wait until that process has ended, or end it; then run the command again"});
 }
 
@@ -69,13 +69,13 @@ bool is_still_at(const fs::path& path, int file) {
 
 }  // namespace
 
-Status lock_file(int file, const fs::path& path, std::chrono::seconds patience) {
+Status lock_file(int file, const fs::path& path, std::chrono::seconds timeout) {
   constexpr std::chrono::milliseconds kPause{20};
-  const auto end = Clock::now() + patience;
+  const auto end = Clock::now() + timeout;
   while (::flock(file, LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK && errno != EINTR) return unwritable(path, errno);
     DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
-    if (Clock::now() >= end) return still_locked(file, path, patience);
+    if (Clock::now() >= end) return still_locked(file, path, timeout);
     std::this_thread::sleep_for(kPause);
   }
   return {};
@@ -117,7 +117,7 @@ Result<FileLock> FileLock::of(const fs::path& path) {
     const auto opened = std::make_shared<Held>(file);
     for (const auto& other : all())
       if (auto held = other.lock(); held && is_same_file(held->file(), file)) return FileLock(held);
-    DDSSEC_RETURN_IF_ERROR(lock_file(file, path, kLockPatience));
+    DDSSEC_RETURN_IF_ERROR(lock_file(file, path, kLockTimeout));
     if (is_still_at(path, file)) {
       all().push_back(opened);
       return FileLock(opened);

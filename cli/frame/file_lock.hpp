@@ -12,12 +12,12 @@
 namespace ddssec::cli {
 
 /// For how long a command waits for another one that reads and then writes a CA's files.
-inline constexpr std::chrono::seconds kLockPatience{20};
+inline constexpr std::chrono::seconds kLockTimeout{20};
 
-/// Locks an open file (flock) exclusively for this process; waits at most `patience`. `path` is for
+/// Locks an open file (flock) exclusively for this process; waits at most `timeout`. `path` is for
 /// messages. Errors: file_unwritable, with the process that holds the lock if /proc/locks names it;
 /// interrupted.
-Status lock_file(int file, const std::filesystem::path& path, std::chrono::seconds patience);
+Status lock_file(int file, const std::filesystem::path& path, std::chrono::seconds timeout);
 
 /// While it lives, other commands that lock the same file wait. So what one command reads and then
 /// rewrites cannot lose what another one wrote in between. A command that holds the lock of a file

@@ -26,8 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr auto kListName = ".ddssec-unfinished";
-constexpr std::chrono::seconds kListPatience{10};  // a list is there during the renames alone
-constexpr std::string_view kEnd("end\0", 4);       // of a list that is whole
+constexpr std::chrono::seconds kListTimeout{10};  // a list is there during the renames alone
+constexpr std::string_view kEnd("end\0", 4);      // of a list that is whole
 
 std::unexpected<Error> cannot_write(const fs::path& path) {
   return fail(Code::file_unwritable,
@@ -228,7 +228,7 @@ Result<std::vector<Entry>> finish_list(const fs::path& given, Reach reach) {
   const List list{at / kListName, folder.number(), reach};
   // The owner is checked first, because another user may hold a lock on their own file forever.
   DDSSEC_RETURN_IF_ERROR(check_trusted(list, file.number()));
-  DDSSEC_RETURN_IF_ERROR(lock_file(file.number(), list.path, kListPatience));
+  DDSSEC_RETURN_IF_ERROR(lock_file(file.number(), list.path, kListTimeout));
   if (!is_still_there(file.number())) return std::vector<Entry>();
   DDSSEC_RETURN_IF_ERROR(check_trusted(list, file.number()));
   DDSSEC_ASSIGN_OR_RETURN(auto left, list.finish(content_of(file.number())));

@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 using std::chrono::steady_clock;
 
 // For all sockets of a folder together: its owner can put many into it that never answer.
-constexpr std::chrono::seconds kAnswerPatience{10};
+constexpr std::chrono::seconds kAnswerTimeout{10};
 constexpr std::size_t kMaxAnswerOctets = 2 * 1024 * 1024;
 constexpr std::size_t kMaxOctetsOfAll = 32 * 1024 * 1024;
 
@@ -129,7 +129,7 @@ Result<StatusFolder> StatusFolder::open(const fs::path& path) {
                  .expected = "a folder that only its owner can write to",
                  .found = fmt::format("mode {:04o}", status.st_mode & 07777)});
   StatusFolder out(path, std::move(folder), status.st_uid);
-  out.until_ = steady_clock::now() + kAnswerPatience;
+  out.until_ = steady_clock::now() + kAnswerTimeout;
   out.list();
   return out;
 }

@@ -28,7 +28,7 @@ class AwaitedTokens {
   /// For how long tokens are awaited before `review` asks about them, and how often `review` must
   /// have been called meanwhile. The second condition exists because a process that was stopped has
   /// not waited.
-  static constexpr std::chrono::seconds kPatience{20};
+  static constexpr std::chrono::seconds kTokenTimeout{20};
   static constexpr unsigned kMinReviews = 10;
   /// The largest number of entries for all exchanges; further ones are not recorded. If discovery
   /// is not protected, an attacker can invent endpoints.
@@ -49,7 +49,7 @@ class AwaitedTokens {
     for (auto at = first_of(exchange); at != awaited_.end() && at->first.first == exchange;) {
       const auto one = at++;
       auto& [since, reviews] = one->second;
-      if (++reviews < kMinReviews || now - since < kPatience) continue;
+      if (++reviews < kMinReviews || now - since < kTokenTimeout) continue;
       if (!is_undecided(one->first.second, since)) awaited_.erase(one);
     }
   }

@@ -104,8 +104,8 @@ void HandshakeWatch::forget(IdentityHandle participant) {
   });
 }
 
-HandshakeWatch::Duration HandshakeWatch::patience(const Remote& remote) const {
-  auto wait = remote.was_disturbed && !remote.is_under_way ? kPatience : kLongPatience;
+HandshakeWatch::Duration HandshakeWatch::timeout(const Remote& remote) const {
+  auto wait = remote.was_disturbed && !remote.is_under_way ? kTimeoutAfterRefusal : kTimeout;
   const auto past = past_.find(remote.guid);
   for (unsigned i = 0; past != past_.end() && i < past->second.times && wait < kMaxWait; ++i)
     wait *= 2;
@@ -116,7 +116,7 @@ HandshakeWatch::Duration HandshakeWatch::patience(const Remote& remote) const {
 bool HandshakeWatch::is_stuck(const Remote& remote, Duration now) const {
   if (remote.is_settled) return false;
   if (!remote.lacks_endpoints && now - remote.met >= kMaxWait) return true;
-  return now - remote.since >= patience(remote);
+  return now - remote.since >= timeout(remote);
 }
 
 /// The memory is bounded: an attacker that invents GUIDs makes it forget those that were given up

@@ -23,11 +23,11 @@ class HandshakeWatch {
  public:
   using Duration = std::chrono::nanoseconds;
   /// The longest time without progress after a request was refused and before anything was sent.
-  static constexpr Duration kPatience = std::chrono::milliseconds(2500);
+  static constexpr Duration kTimeoutAfterRefusal = std::chrono::milliseconds(2500);
   /// The longest time without progress in every other case. It is long, because a busy peer may
   /// only be slow. A peer that has answered, or has finished its half, does not notice that the
   /// local side begins again.
-  static constexpr Duration kLongPatience = std::chrono::seconds(20);
+  static constexpr Duration kTimeout = std::chrono::seconds(20);
   /// The wait doubles each further time, up to this value. It is shorter than that of the core's
   /// own timer (CoreTimer).
   static constexpr Duration kMaxWait = std::chrono::seconds(80);
@@ -133,7 +133,7 @@ class HandshakeWatch {
     Duration last{};
     bool was_longest = false;  ///< it was waited for as long as possible
   };
-  Duration patience(const Remote& remote) const;
+  Duration timeout(const Remote& remote) const;
   bool is_settled(spi::IdentityHandle handle, Remote& remote, const Questions& ask) const;
   void await_keys(spi::IdentityHandle handle, Remote& remote, const Questions& ask) const;
   bool is_stuck(const Remote& remote, Duration now) const;

@@ -37,7 +37,7 @@ class LostSessions {
   /// The time from a loss to the first and to the second reset for a peer that the host does not
   /// meet again. Each further one is sent after twice the time. The time between the first two is
   /// long enough for the peer to notice that the local side does not answer
-  /// (HandshakeWatch::kLongPatience): the farewell sent with a reset makes it begin anew.
+  /// (HandshakeWatch::kTimeout): the farewell sent with a reset makes it begin anew.
   static constexpr Duration kFirstUnmet = std::chrono::seconds(4);
   static constexpr Duration kSecondUnmet = std::chrono::seconds(32);
   /// The time from a loss to the first reset for a peer that is cut off.

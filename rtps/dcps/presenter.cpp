@@ -298,7 +298,7 @@ bool Presenter::may_present(const Source& source, SequenceNumber first, const Ba
   if (!by_group_ || batch.last.value == 0) return true;
   if (first <= source.presented.next()) return true;
   const auto passed = [&](const auto& entry) { return entry.second.progress >= first.previous(); };
-  return std::ranges::all_of(source.streams, passed) || now >= batch.since + kPatience;
+  return std::ranges::all_of(source.streams, passed) || now >= batch.since + kGapTimeout;
 }
 
 void Presenter::note_wanted(Batch& batch) {
@@ -403,7 +403,7 @@ MonotonicTime Presenter::next_tick() const {
   auto next = retries_ ? search_at_ : kNever;
   for (const auto& [key, source] : sources_)
     if (!source.ready.empty() && !source.ready.begin()->second.is_blocked)
-      next = std::min(next, source.ready.begin()->second.since + kPatience);
+      next = std::min(next, source.ready.begin()->second.since + kGapTimeout);
   return next;
 }
 

@@ -51,7 +51,7 @@ class Presenter {
   /// oldest set is given up.
   static constexpr std::size_t kMaxSets = 1024;
   /// How long a gap in a group's sequence numbers delays the samples after it.
-  static constexpr MonotonicTime kPatience = std::chrono::milliseconds(200);
+  static constexpr MonotonicTime kGapTimeout = std::chrono::milliseconds(200);
 
   /// A search for room costs time for each item of a batch. After searches in vain for so many
   /// items there is none for a while, which is this long for each of them: what waits costs little

@@ -13,7 +13,7 @@ namespace {
 constexpr std::chrono::milliseconds kRetry{200};
 constexpr std::chrono::seconds kMaxOpen{5};
 // While something waits for room: other programs may have freed some of the disk.
-constexpr std::chrono::seconds kRoomLook{1};
+constexpr std::chrono::seconds kRoomPollInterval{1};
 constexpr std::uint32_t kMaxAlike = 64;
 
 /// What a commit has to do for a change, in octets. A row that goes costs about as much as one.
@@ -167,7 +167,7 @@ DurableStore::Appended DurableStore::append(StoredChange change, const Moment& n
   // What is being stored counts twice until it is stored: then there may be room.
   if (identity && pending_.empty() && appended_ == committed_) index_.shares().refuse(*identity);
   if (now.now >= look_at_room_at_) {
-    look_at_room_at_ = now.now + kRoomLook;
+    look_at_room_at_ = now.now + kRoomPollInterval;
     looks_at_room_ = true;
   }
   if (looks_at_room_ || index_.shares().has_news()) work_.notify_one();

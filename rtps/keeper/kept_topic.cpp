@@ -11,11 +11,11 @@ namespace ddssec::rtps {
 namespace {
 
 // A commit takes about this long.
-constexpr MonotonicTime kLook = std::chrono::milliseconds(5);
+constexpr MonotonicTime kCommitPollInterval = std::chrono::milliseconds(5);
 // How often changes are offered again that wait for an owner to come back.
-constexpr MonotonicTime kDeferredLook = std::chrono::milliseconds(100);
+constexpr MonotonicTime kDeferredPollInterval = std::chrono::milliseconds(100);
 // How often writers are looked for that have caught up.
-constexpr MonotonicTime kLateLook = std::chrono::milliseconds(500);
+constexpr MonotonicTime kLateWriterPollInterval = std::chrono::milliseconds(500);
 // What a late joiner is offered at least, because assertions go to all participants for as long as
 // the topic is kept.
 constexpr Duration kMinLease{{1, 0}};
@@ -330,10 +330,10 @@ void KeptTopic::discard(const std::vector<std::int64_t>& rows) {
 
 void KeptTopic::look_again(MonotonicTime now) {
   auto next = liveliness_.next_tick();
-  if (deferred_) next = std::min(next, now + kDeferredLook);
+  if (deferred_) next = std::min(next, now + kDeferredPollInterval);
   const auto due = unstored_.empty() ? store_.next_due(*stream_) : now;
   if (announced_lifespan_ != longest_lifespan_) next = now;
-  call_at(std::min(next, std::max(due, now + kLook)));
+  call_at(std::min(next, std::max(due, now + kCommitPollInterval)));
 }
 
 void KeptTopic::on_time(MonotonicTime now) {
@@ -365,7 +365,7 @@ void KeptTopic::look_at_waiting(MonotonicTime now) {
     pace_.note_requested(octets, now);
   }
   if (now < look_at_late_at_) return;
-  look_at_late_at_ = now + kLateLook;
+  look_at_late_at_ = now + kLateWriterPollInterval;
   std::erase_if(have_waited_, [&](const Guid& writer) {
     const auto* const proxy = reader->writer(writer);
     return proxy == nullptr || proxy->has_caught_up();

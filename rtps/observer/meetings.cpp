@@ -13,7 +13,7 @@ namespace {
 
 /// A step that is not answered for this long counts as unanswered: Cyclone DDS and Fast DDS repeat
 /// theirs after a second.
-constexpr MonotonicTime kPatience = std::chrono::milliseconds(2500);
+constexpr MonotonicTime kAnswerTimeout = std::chrono::milliseconds(2500);
 
 // Properties of an identity token (DDS-Security 1.2, clause 10.3.2.1).
 constexpr std::string_view kSubject = "dds.cert.sn", kIdentityCa = "dds.ca.sn";
@@ -105,7 +105,7 @@ std::optional<Finding> standstill(const Side& a, const Side& b, MonotonicTime en
   const auto& request = a.sent.at(HandshakeStep::request);
   const auto& reply = b.sent.at(HandshakeStep::reply);
   const auto& final = a.sent.at(HandshakeStep::final);
-  const auto waited = [&](const Seen& seen) { return end - seen.first >= kPatience; };
+  const auto waited = [&](const Seen& seen) { return end - seen.first >= kAnswerTimeout; };
   if (final && waited(final)) {
     const auto& silent = a.sent.at(HandshakeStep::keys) ? b : a;
     return Finding{Rule::CAP012, fmt::format("the handshake of {} with {} is done, and {} sends no "
@@ -160,7 +160,7 @@ void judge(ObservedMeeting& meeting, const Side& a, const Side& b, MonotonicTime
   const auto began = [](const Side& side) {
     return side.sent.at(HandshakeStep::request) || side.sent.at(HandshakeStep::reply);
   };
-  if (!meeting.finding && !began(a) && !began(b) && end - meeting.met >= kPatience)
+  if (!meeting.finding && !began(a) && !began(b) && end - meeting.met >= kAnswerTimeout)
     meeting.finding = Finding{
         Rule::CAP013, fmt::format("{} and {} announce themselves for {:.1f} s, and neither sends a "
                                   "handshake request",

@@ -9,7 +9,7 @@ void DoubtedReaders::add(const Pair& pair, MonotonicTime now) {
   if (doubts_.contains(pair)) return;
   const auto answers = host_.answers(pair);
   if (!answers) return;
-  doubts_.emplace(pair, Doubt{*answers, now, now + kPatience});
+  doubts_.emplace(pair, Doubt{*answers, now, now + kAnswerTimeout});
   next_ = std::min(next_, now);
 }
 

@@ -11,14 +11,14 @@ namespace ddssec::rtps {
 
 /// Where discovery is protected, Cyclone DDS still reports the end of a reader without protection.
 /// Anyone can send such a report. So a reliable writer asks the reader, whose answers its keys
-/// protect. If no answer comes within kPatience, the reader counts as ended. It may only have been
-/// out of reach, so it is still asked, less and less often.
+/// protect. If no answer comes within kAnswerTimeout, the reader counts as ended. It may only have
+/// been out of reach, so it is still asked, less and less often.
 ///
-/// However many reports arrive, a pair is doubted at most once within kPatience. No I/O, clock or
-/// lock.
+/// However many reports arrive, a pair is doubted at most once within kAnswerTimeout. No I/O, clock
+/// or lock.
 class DoubtedReaders {
  public:
-  static constexpr MonotonicTime kPatience = std::chrono::seconds(4);
+  static constexpr MonotonicTime kAnswerTimeout = std::chrono::seconds(4);
   /// How often it is asked: until it counts as ended, and at least afterwards.
   static constexpr MonotonicTime kInterval = std::chrono::seconds(1);
   static constexpr MonotonicTime kMaxInterval = std::chrono::seconds(32);
@@ -49,7 +49,7 @@ class DoubtedReaders {
   struct Doubt {
     std::uint64_t answers;  ///< before
     MonotonicTime due;      ///< when it is asked next
-    MonotonicTime end;      ///< of kPatience
+    MonotonicTime end;      ///< of kAnswerTimeout
     MonotonicTime interval = kInterval;
     bool answered = false, ended = false;
   };

@@ -12,18 +12,19 @@ namespace ddssec::rtps {
 
 /// Where anything of a topic is protected, another participant may receive its keys some time after
 /// the local participant. What a volatile writer sends before that is lost to the reader. So a
-/// reliable reader counts as matched when the first message from it arrives, or after kPatience.
+/// reliable reader counts as matched when the first message from it arrives, or after
+/// kMatchTimeout.
 class ReadinessQueue {
  public:
-  static constexpr MonotonicTime kPatience = std::chrono::seconds(1);
+  static constexpr MonotonicTime kMatchTimeout = std::chrono::seconds(1);
   struct Pair {
     Guid writer, reader;
     MonotonicTime deadline;
   };
 
   void add(const Guid& writer, const Guid& reader, MonotonicTime now) {
-    waiting_[{writer, reader}] = now + kPatience;
-    pairs_.push_back({writer, reader, now + kPatience});
+    waiting_[{writer, reader}] = now + kMatchTimeout;
+    pairs_.push_back({writer, reader, now + kMatchTimeout});
   }
   void remove(const Guid& writer, const Guid& reader) {
     waiting_.erase({writer, reader});

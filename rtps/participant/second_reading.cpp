@@ -39,7 +39,7 @@ bool SecondReading::take_due(MonotonicTime now) {
   last_ = now;
   pause_ = std::min(pause_ * 2, kMaxPause);
   for (auto& [endpoint, state] : ended_) state.is_read = true;
-  over_ = now + kPatience;
+  over_ = now + kAnswerTimeout;
   return true;
 }
 

@@ -23,7 +23,7 @@ class SecondReading {
   static constexpr MonotonicTime kMinPause = std::chrono::seconds(4);
   static constexpr MonotonicTime kMaxPause = std::chrono::seconds(256);
   /// How long the answer may take. If it takes longer, everything is read again.
-  static constexpr MonotonicTime kPatience = std::chrono::seconds(4);
+  static constexpr MonotonicTime kAnswerTimeout = std::chrono::seconds(4);
   /// Limit for the endpoints whose end counts before it was read. Their keys are kept.
   static constexpr std::size_t kMaxEnded = 64;
   /// Limit for the endpoints that a reading did not bring back and whose keys are kept all the

@@ -29,16 +29,16 @@ struct MatchedReader {
 };
 
 /// Whether a reader acknowledges in time: everything that was written before a point in time, at
-/// most kPatience later.
+/// most kMaxDelay later.
 class Timeliness {
  public:
-  static constexpr MonotonicTime kPatience = std::chrono::milliseconds(500);
+  static constexpr MonotonicTime kMaxDelay = std::chrono::milliseconds(500);
 
   /// `written`: the last number that was written.
   void check(SequenceNumber acknowledged, SequenceNumber written, MonotonicTime now) {
     if (acknowledged >= awaited_) {
       awaited_ = written;
-      due_ = now + kPatience;
+      due_ = now + kMaxDelay;
       is_late_ = false;
     } else if (now >= due_) {
       is_late_ = true;

@@ -9,7 +9,7 @@ bool EarlyTokens::keep(GenericMessage message, std::size_t octets, MonotonicTime
   const auto of_pair = [&](const Kept& kept) { return kept.is_of(local, remote); };
   if (std::ranges::count_if(kept_, of_pair) >= std::ptrdiff_t{kMaxOfPair})
     drop(std::ranges::find_if(kept_, of_pair));
-  while (!kept_.empty() && !has_room(octets) && now - kept_.front().since >= kPatience)
+  while (!kept_.empty() && !has_room(octets) && now - kept_.front().since >= kMinKept)
     drop(kept_.begin());
   if (!has_room(octets)) return false;
   octets_ += octets;

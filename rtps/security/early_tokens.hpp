@@ -18,7 +18,7 @@ class EarlyTokens {
   static constexpr std::size_t kMaxOctets = std::size_t{512} << 10;
   /// Limit for one pair of endpoints: the tokens in use and revised ones.
   static constexpr std::size_t kMaxOfPair = 2;
-  static constexpr MonotonicTime kPatience = std::chrono::seconds(30);
+  static constexpr MonotonicTime kMinKept = std::chrono::seconds(30);
 
   /// `octets`: size of the message as received. Returns false if there is no room now.
   bool keep(GenericMessage message, std::size_t octets, MonotonicTime now);

@@ -97,7 +97,7 @@ bool GovernanceTransition::may_begin() {
 void GovernanceTransition::finish() {
   if (phase_ == Phase::accepting && add_protections()) change();
   if (phase_ == Phase::draining)
-    deadline_ = std::min(deadline_, core_.now + 2 * KeyReviser::kPatience);
+    deadline_ = std::min(deadline_, core_.now + 2 * KeyReviser::kTimeout);
 }
 
 void GovernanceTransition::begin(const Version& next) {

@@ -184,7 +184,7 @@ void Handshakes::on_auth_request(Peer& peer, const GenericMessage& message) {
   if (peer.state.association() == nullptr) return request_resend(peer);
   const auto* joined = peer.state.joined();
   if (joined == nullptr || core_.now < joined->next_probe) return;
-  peer.state.probe(core_.now + kProbePatience, core_.now + kProbePeriod);
+  peer.state.probe(core_.now + kProbeTimeout, core_.now + kProbePeriod);
   exchange_.probe(peer);
 }
 
@@ -430,7 +430,7 @@ void Handshakes::tick_association(Peer& peer) {
   if (now < next_of_association(peer)) return;
   if (peer.state.joined() != nullptr) return end_probe(peer);
   const auto since = peer.state.awaiting_keys()->since;
-  if (needs_no_tokens(core_, peer) && now >= since + kTokenPatience) return exchange_.join(peer);
+  if (needs_no_tokens(core_, peer) && now >= since + kTokenTimeout) return exchange_.join(peer);
   if (now < since + kConfirmation) return;
   peer.state.ask_again(now);
   core_.host.on_unconfirmed(GuidPrefix(peer.prefix()));
@@ -441,7 +441,7 @@ MonotonicTime Handshakes::next_of_association(const Peer& peer) const {
   if (const auto* joined = peer.state.joined()) return joined->probe_deadline;
   const auto* awaiting = peer.state.awaiting_keys();
   if (awaiting == nullptr) return kNever;
-  return awaiting->since + (needs_no_tokens(core_, peer) ? kTokenPatience : kConfirmation);
+  return awaiting->since + (needs_no_tokens(core_, peer) ? kTokenTimeout : kConfirmation);
 }
 
 void Handshakes::end_probe(Peer& peer) {
@@ -471,7 +471,7 @@ MonotonicTime Handshakes::next_admission(const Peer& peer) const {
   const auto* unproven = peer.state.unproven();
   if (unproven == nullptr || unproven->admitted) return kNever;
   const auto began = unproven->handshake->began();
-  return began && admission_.admits_unauthenticated() ? *began + kAdmissionPatience : kNever;
+  return began && admission_.admits_unauthenticated() ? *began + kAdmissionTimeout : kNever;
 }
 
 void Handshakes::admit_meanwhile(Peer& peer) {

@@ -51,19 +51,19 @@ class Handshakes {
   /// Where unauthenticated participants are allowed, a peer whose handshake has not succeeded after
   /// this time is treated as unauthenticated, and its handshake continues. No message sent in its
   /// name makes this happen sooner or makes it final.
-  static constexpr MonotonicTime kAdmissionPatience = std::chrono::seconds(3);
+  static constexpr MonotonicTime kAdmissionTimeout = std::chrono::seconds(3);
   /// If a peer's keys have not arrived this long after its handshake, another handshake is
   /// requested.
   static constexpr MonotonicTime kConfirmation = std::chrono::seconds(10);
   /// Where messages are not protected, a peer without participant tokens counts as joined after
   /// this time, if the key exchange works. OpenDDS sends no participant tokens in that case.
-  static constexpr MonotonicTime kTokenPatience = std::chrono::seconds(1);
+  static constexpr MonotonicTime kTokenTimeout = std::chrono::seconds(1);
   /// How often a joined peer is probed that requests a handshake again, as if it had lost its
   /// state.
   static constexpr MonotonicTime kProbePeriod = std::chrono::seconds(5);
   /// How long the peer may take to answer a probe with the keys that it has. The request for a
   /// handshake may be forged.
-  static constexpr MonotonicTime kProbePatience = std::chrono::seconds(2);
+  static constexpr MonotonicTime kProbeTimeout = std::chrono::seconds(2);
 
   /// How long a refused peer waits for another try: first, and at most. Each time twice as long.
   static constexpr MonotonicTime kRefusedPause = std::chrono::seconds(5);

@@ -33,7 +33,7 @@ void KeyReviser::begin() {
   }
   due_by_.reset();
   absent_.clear();
-  under_way_ = {*number, core_.now + kPatience};
+  under_way_ = {*number, core_.now + kTimeout};
   exchange_.set_revising(true);
   for (auto& [prefix, peer] : core_.peers) exchange_.send_revised(peer);
 }

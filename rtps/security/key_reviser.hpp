@@ -11,7 +11,7 @@ class KeyReviser {
  public:
   /// Revised keys are used this long after they were sent, at the latest. Receivers accept the
   /// former keys for twice as long.
-  static constexpr MonotonicTime kPatience = std::chrono::seconds(5);
+  static constexpr MonotonicTime kTimeout = std::chrono::seconds(5);
   /// Time until the next attempt after creating revised keys failed.
   static constexpr MonotonicTime kRetry = std::chrono::seconds(1);
   /// How long a revision that can wait does so at most, while the governance changes.

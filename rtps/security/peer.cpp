@@ -43,7 +43,7 @@ using peer::Waiting;
 // The events that cause transitions.
 struct HandshakeBegins {};
 struct TakesTooLong {};
-struct PatienceEnds {};
+struct AdmissionTimeout {};
 struct HandshakeFinished {};
 struct PermissionsAreGood {
   Association association;
@@ -79,11 +79,11 @@ Authenticating on(Announced& state, const HandshakeBegins&) { return {std::move(
 Waiting on(Announced& state, const TakesTooLong&) { return {std::move(state)}; }
 Waiting on(Authenticating& state, const TakesTooLong&) { return {std::move(state)}; }
 
-Stays on(Authenticating& state, const PatienceEnds&) {
+Stays on(Authenticating& state, const AdmissionTimeout&) {
   state.admitted = true;
   return kStays;
 }
-Stays on(Waiting& state, const PatienceEnds&) {
+Stays on(Waiting& state, const AdmissionTimeout&) {
   state.admitted = true;
   return kStays;
 }
@@ -172,7 +172,7 @@ bool PeerState::take(Event&& event) {
 
 bool PeerState::begin() { return take(HandshakeBegins{}); }
 bool PeerState::time_out() { return take(TakesTooLong{}); }
-bool PeerState::admit_unauthenticated() { return take(PatienceEnds{}); }
+bool PeerState::admit_unauthenticated() { return take(AdmissionTimeout{}); }
 bool PeerState::replace() { return take(HandshakeFinished{}); }
 bool PeerState::associate(Association association, MonotonicTime now) {
   return take(PermissionsAreGood{std::move(association), now});

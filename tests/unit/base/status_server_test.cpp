@@ -64,7 +64,7 @@ TEST_F(Server, ClientsThatDoNotRead_AreDroppedAndOthersAnswered) {
   for (std::size_t i = 0; i < StatusServer::kMaxClients; ++i) lazy.push_back(connected(path()));
   const auto begin = steady_clock::now();
   EXPECT_EQ(answer_at(path()).size(), 1024u * 1024);
-  EXPECT_LT(steady_clock::now() - begin, 4 * StatusServer::kPatience);
+  EXPECT_LT(steady_clock::now() - begin, 4 * StatusServer::kClientTimeout);
 }
 
 TEST_F(Server, ManyClients_AreAnsweredAtABoundedRate) {

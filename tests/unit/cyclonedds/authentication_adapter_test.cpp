@@ -445,7 +445,7 @@ TEST_F(AuthenticationAdapterTest, HandshakeThatAStrangerDisturbed_IsBegunAgain) 
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
   EXPECT_EQ(revoked_identity, stuck);
-  EXPECT_GE(std::chrono::steady_clock::now() - start, HandshakeWatch::kPatience / 2);
+  EXPECT_GE(std::chrono::steady_clock::now() - start, HandshakeWatch::kTimeoutAfterRefusal / 2);
   std::vector<std::string> told;
   for (const auto& event : harness.events)
     if (event.error.code() == Code::handshake_begun_again) told.push_back(event.guid);

@@ -425,8 +425,8 @@ TEST_F(GroupSets, WhatComesTooEarly_WaitsForWhatIsBefore) {
 
 TEST_F(GroupSets, AHole_IsWaitedForOnlySoLong) {
   put(1, 1, 3, 0, 0, 3);
-  EXPECT_EQ(presenter.next_tick(), now + Presenter::kPatience);
-  now += Presenter::kPatience;
+  EXPECT_EQ(presenter.next_tick(), now + Presenter::kGapTimeout);
+  now += Presenter::kGapTimeout;
   presenter.release(now);
   EXPECT_THAT(take(), ElementsAre(3));
 }

@@ -53,7 +53,7 @@ TEST(SecondReadingTest, EndpointsThatEnded_AreReturnedWhenTheReadingIsOver) {
   EXPECT_TRUE(reading.note_end(endpoint(1), kStart));
   EXPECT_FALSE(reading.take_over(kStart + SecondReading::kMinPause));
   ASSERT_TRUE(reading.take_due(kStart + SecondReading::kMinPause));
-  const auto over = kStart + SecondReading::kMinPause + SecondReading::kPatience;
+  const auto over = kStart + SecondReading::kMinPause + SecondReading::kAnswerTimeout;
   EXPECT_EQ(reading.next(), over);
   EXPECT_TRUE(reading.note_end(endpoint(2), over));
   ASSERT_TRUE(reading.take_over(over));

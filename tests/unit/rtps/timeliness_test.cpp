@@ -8,7 +8,7 @@ namespace {
 
 using namespace of_reliability;
 
-constexpr auto kPatience = Timeliness::kPatience;
+constexpr auto kMaxDelay = Timeliness::kMaxDelay;
 const Guid kSilent{GuidPrefix::from(Bytes(12, 0xcc)), testing::kReader};
 
 /// A writer with many instances (KEEP_LAST 1), one honest reader and one that acknowledges nothing.
@@ -39,7 +39,7 @@ TEST_F(TimelinessTest, ReaderThatNeverAcknowledges_HoldsUpForABoundedTime) {
   pair.run(3);
   write(60);
   EXPECT_TRUE(is_ahead());
-  is_ahead_during(kPatience + milliseconds(50));
+  is_ahead_during(kMaxDelay + milliseconds(50));
   EXPECT_FALSE(is_ahead_during(milliseconds(10'000)));
   EXPECT_GT(pair.writer.history().octets(), 1'000'000u);  // held for it, but nothing waits for it
 }
@@ -48,7 +48,7 @@ TEST_F(TimelinessTest, AloneAndNeverAcknowledging_HoldsUpForABoundedTime) {
   match_silent();
   write(60);
   EXPECT_TRUE(is_ahead());
-  is_ahead_during(kPatience + milliseconds(50));
+  is_ahead_during(kMaxDelay + milliseconds(50));
   EXPECT_FALSE(is_ahead_during(milliseconds(10'000)));
 }
 
@@ -74,7 +74,7 @@ TEST_F(TimelinessTest, HonestReaderBesideASilentOne_StillHoldsUpABurst) {
   match_silent();
   pair.run(3);
   write(60);
-  is_ahead_during(kPatience + milliseconds(50));
+  is_ahead_during(kMaxDelay + milliseconds(50));
   ASSERT_FALSE(is_ahead_during(milliseconds(1'000)));
   write(60);
   EXPECT_TRUE(is_ahead());
@@ -87,7 +87,7 @@ TEST_F(TimelinessTest, ReaderThatCatchesUp_HoldsUpAgain) {
   pair.run(3);
   pair.net.loss_percent = 100;
   write(60);
-  is_ahead_during(kPatience + milliseconds(50));
+  is_ahead_during(kMaxDelay + milliseconds(50));
   ASSERT_FALSE(is_ahead());
   pair.net.loss_percent = 0;
   pair.run(300);

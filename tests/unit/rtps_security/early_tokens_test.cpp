@@ -52,7 +52,7 @@ TEST_F(EarlyTokensTest, OfOnePair_OnlyTheLatestStay) {
 TEST_F(EarlyTokensTest, WithoutRoom_AreRefusedUntilTheOldestHasWaited) {
   EXPECT_TRUE(keep(1, EarlyTokens::kMaxOctets));
   EXPECT_FALSE(keep(2));
-  now += EarlyTokens::kPatience + 1s;
+  now += EarlyTokens::kMinKept + 1s;
   EXPECT_TRUE(keep(2));
   EXPECT_EQ(taken(1), 0) << "the oldest gave way";
   EXPECT_EQ(taken(2), 1);

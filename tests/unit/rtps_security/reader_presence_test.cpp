@@ -13,7 +13,7 @@ namespace {
 using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
-constexpr int kPatience = DoubtedReaders::kPatience / 10ms;  // steps
+constexpr int kAnswerTimeout = DoubtedReaders::kAnswerTimeout / 10ms;  // steps
 
 bool is_about(BytesView datagram, const EntityId& id) {
   return !std::ranges::search(datagram, id.octets).empty();
@@ -59,7 +59,7 @@ struct ReaderPresenceTest : ::testing::Test {
 
 TEST_F(ReaderPresenceTest, ReaderThatAnswers_StaysMatched) {
   report_end(pair.reader);
-  pair.world.run(2 * kPatience);
+  pair.world.run(2 * kAnswerTimeout);
   EXPECT_EQ(matched(), 1);
   EXPECT_FALSE(pair.a.events.has(Code::rtps_reader_silent));
   pair.write();
@@ -67,8 +67,8 @@ TEST_F(ReaderPresenceTest, ReaderThatAnswers_StaysMatched) {
 }
 
 TEST_F(ReaderPresenceTest, ManyReports_CostOneQuestionInFourSeconds) {
-  const auto quiet = sent_in(2 * kPatience, false);
-  const auto reported = sent_in(2 * kPatience, true);
+  const auto quiet = sent_in(2 * kAnswerTimeout, false);
+  const auto reported = sent_in(2 * kAnswerTimeout, true);
   EXPECT_EQ(matched(), 1);
   EXPECT_LE(reported, quiet + 4);
 }
@@ -78,7 +78,7 @@ TEST_F(ReaderPresenceTest, ReaderThatIsSilent_CountsAsEnded) {
   is_cut_off = true;
   pair.write();
   report_end(pair.reader);
-  pair.world.run(kPatience - 20);
+  pair.world.run(kAnswerTimeout - 20);
   EXPECT_EQ(matched(), 1);
   EXPECT_FALSE(acknowledged());
   pair.world.run(40);
@@ -92,10 +92,10 @@ TEST_F(ReaderPresenceTest, ReaderThatIsSilent_CountsAsEnded) {
 TEST_F(ReaderPresenceTest, SilentReaderIsInReachAgain_Matches) {
   is_cut_off = cuts_both = true;
   report_end(pair.reader);
-  pair.world.run(kPatience + 40);
+  pair.world.run(kAnswerTimeout + 40);
   ASSERT_EQ(matched(), 0);
   is_cut_off = false;
-  EXPECT_TRUE(pair.world.run_until([&] { return matched() == 1; }, 2 * kPatience));
+  EXPECT_TRUE(pair.world.run_until([&] { return matched() == 1; }, 2 * kAnswerTimeout));
   pair.write();
   EXPECT_TRUE(pair.world.run_until([&] { return received() == 1; }, 100));
 }
@@ -113,7 +113,7 @@ TEST_F(ReaderPresenceTest, RepeatedAnswer_DoesNotBringItBack) {
   ASSERT_FALSE(recorded.empty());
   is_cut_off = true;
   report_end(pair.reader);
-  pair.world.run(kPatience + 40);
+  pair.world.run(kAnswerTimeout + 40);
   ASSERT_EQ(matched(), 0);
   pair.a->receive(recorded, pair.world.now);
   EXPECT_EQ(matched(), 0);
@@ -139,7 +139,7 @@ TEST_P(ForgedCount, OfEitherSide_DoesNotMakeTheReaderSilent) {
   pair.world.run(20);
   forge();
   report_end(pair.reader);
-  pair.world.run(2 * kPatience);
+  pair.world.run(2 * kAnswerTimeout);
   EXPECT_EQ(matched(), 1);
   EXPECT_FALSE(pair.a.events.has(Code::rtps_reader_silent));
 }
@@ -149,10 +149,10 @@ TEST_P(ForgedCount, OfEitherSide_DoesNotKeepASilentReaderAway) {
   forge();
   is_cut_off = cuts_both = true;
   report_end(pair.reader);
-  pair.world.run(kPatience + 40);
+  pair.world.run(kAnswerTimeout + 40);
   ASSERT_EQ(matched(), 0);
   is_cut_off = false;
-  EXPECT_TRUE(pair.world.run_until([&] { return matched() == 1; }, 2 * kPatience));
+  EXPECT_TRUE(pair.world.run_until([&] { return matched() == 1; }, 2 * kAnswerTimeout));
 }
 
 INSTANTIATE_TEST_SUITE_P(Doubt, ForgedCount, ::testing::Bool());
@@ -161,14 +161,14 @@ TEST_F(ReaderPresenceTest, ReportOfAWriter_ChangesNothing) {
   pair.world.run(20);
   report_end(pair.writer);
   report_end({pair.b->prefix(), pair.writer.entity});
-  pair.world.run(kPatience + 40);
+  pair.world.run(kAnswerTimeout + 40);
   EXPECT_EQ(matched(), 1);
 }
 
 TEST_F(ReaderPresenceTest, EndThatIsProtected_EndsAtOnce) {
   is_cut_off = true;
   report_end(pair.reader);
-  pair.world.run(kPatience + 40);
+  pair.world.run(kAnswerTimeout + 40);
   ASSERT_EQ(matched(), 0);
   is_cut_off = false;
   pair.b->remove(pair.reader, pair.world.now);
