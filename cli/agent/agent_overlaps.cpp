@@ -25,13 +25,13 @@ std::vector<std::string> words_by_hand(const OverlapToEnd& overlap, const Argume
 
 // By hand, a user who runs the command as root answers for the folders of other users.
 Status check_owners(const OverlapToEnd& overlap, const Arguments& agent, WallTime now) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto known, known_followers(agent.text("--ca"), now));
-  for (const auto& follower : known.here) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto known, affected_participants(agent.text("--ca"), now));
+  for (const auto& participant : known.here) {
     struct stat status {};
-    if (::stat(follower.files.folder.c_str(), &status) != 0 || status.st_uid == ::geteuid())
+    if (::stat(participant.files.folder.c_str(), &status) != 0 || status.st_uid == ::geteuid())
       continue;
     return fail(tool_code::folder_untrusted,
-                {.document = follower.files.folder,
+                {.document = participant.files.folder,
                  .expected = "only folders of the agent's own user, at the end of an overlap",
                  .found = fmt::format("a folder of user {}", status.st_uid),
                  .hint = "end the overlap by hand: ddssec " +

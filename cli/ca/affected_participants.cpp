@@ -41,11 +41,11 @@ std::vector<std::string> gone_among(const std::vector<std::string>& elsewhere,
   return out;
 }
 
-KnownFollowers known_to(const CaPaths& ca, const pki::IssueLog& log,
-                        const pki::Certificate& identity, WallTime now) {
+AffectedParticipants known_to(const CaPaths& ca, const pki::IssueLog& log,
+                              const pki::Certificate& identity, WallTime now) {
   const LoggedFolders folders(ca, log);
   const auto present = log.present_places();
-  KnownFollowers out;
+  AffectedParticipants out;
   std::set<std::string> seen;
   std::set<fs::path> seen_here;
   for (const auto& issued : log.issued()) {
@@ -56,7 +56,7 @@ KnownFollowers known_to(const CaPaths& ca, const pki::IssueLog& log,
     const bool is_here = !folder.empty() && !folders.is_of_another_copy(folder) &&
                          is_participant_of(identity, log, folder);
     if (is_here && seen_here.insert(folder).second)  // moved, it has two names in the log
-      out.here.push_back(follower_in(folder));
+      out.here.push_back(participant_in(folder));
     else if (is_here)
       continue;
     else if (!issued.revoked && now < issued.not_after &&
@@ -69,15 +69,16 @@ KnownFollowers known_to(const CaPaths& ca, const pki::IssueLog& log,
 
 }  // namespace
 
-Status log_places(const fs::path& given, const std::vector<Follower>& followers,
-                  const std::vector<std::string>& again, WallTime now) {
+Status log_places(const fs::path& given, const std::vector<AffectedParticipant>& participants,
+                  const std::vector<std::string>& updated, WallTime now) {
   const auto paths = ca_paths(given, "identity");
   if (!is_there(paths.certificate) || !is_there(paths.log)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
   std::string lines;
-  for (const auto& follower : followers) {
-    const auto& files = follower.files;
-    if (!follower.is_named || std::ranges::find(again, follower.name) == again.end()) continue;
+  for (const auto& participant : participants) {
+    const auto& files = participant.files;
+    if (!participant.is_named || std::ranges::find(updated, participant.name) == updated.end())
+      continue;
     const auto certificate = read_certificate(files.certificate);
     if (!certificate || belonging_of(*certificate, files.folder, paths, log) != Belonging::moved)
       continue;
@@ -87,14 +88,14 @@ Status log_places(const fs::path& given, const std::vector<Follower>& followers,
   return lines.empty() ? Status() : log_issued(paths, lines);
 }
 
-Follower follower_in(const fs::path& folder) {
+AffectedParticipant participant_in(const fs::path& folder) {
   return {folder.string(), pki::participant_folder(folder)};
 }
 
-Result<KnownFollowers> known_followers(const fs::path& given, WallTime now) {
+Result<AffectedParticipants> affected_participants(const fs::path& given, WallTime now) {
   const auto paths = ca_paths(given, "identity");
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
-  if (log.issued().empty()) return KnownFollowers();
+  if (log.issued().empty()) return AffectedParticipants();
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(paths.certificate));
   return known_to(paths, log, certificate, now);
 }

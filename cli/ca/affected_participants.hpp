@@ -10,25 +10,27 @@
 namespace ddssec::cli {
 
 /// The participants that change with the CA, and those in the log that cannot be found.
-struct KnownFollowers {
-  std::vector<Follower> here;
+struct AffectedParticipants {
+  std::vector<AffectedParticipant> here;
   std::vector<std::string> elsewhere;  ///< folders, or subjects of CAs below
   /// Those in `elsewhere` whose folder was on this machine by the log, and is not there any more.
   std::vector<std::string> gone = {};
 };
 
 /// The participant of a folder, named by its path.
-Follower follower_in(const std::filesystem::path& folder);
+AffectedParticipant participant_in(const std::filesystem::path& folder);
 
 /// All that the log of the identity CA has; none if it has no log. `given` is a folder as for
 /// ca_paths(). Errors: those of read_issue_log and read_certificate.
-Result<KnownFollowers> known_followers(const std::filesystem::path& given, WallTime now);
+Result<AffectedParticipants> affected_participants(const std::filesystem::path& given,
+                                                   WallTime now);
 
 /// Records where the participants are whose folders the command line names, if the identity CA's
 /// log has their certificates for other folders, in which they no longer lie. A permissions CA
-/// issues no certificate that would tell the log. `again`: the names of followers that get new
+/// issues no certificate that would tell the log. `updated`: the names of participants that get new
 /// files. The caller holds the identity CA's lock. Errors: those of read_issue_log and log_issued.
-Status log_places(const std::filesystem::path& given, const std::vector<Follower>& followers,
-                  const std::vector<std::string>& again, WallTime now);
+Status log_places(const std::filesystem::path& given,
+                  const std::vector<AffectedParticipant>& participants,
+                  const std::vector<std::string>& updated, WallTime now);
 
 }  // namespace ddssec::cli

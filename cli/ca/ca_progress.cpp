@@ -17,15 +17,16 @@ namespace {
 namespace fs = std::filesystem;
 
 template <class Predicate>
-std::vector<Follower> those(const std::vector<Follower>& followers, Predicate predicate) {
-  std::vector<Follower> out;
-  std::ranges::copy_if(followers, std::back_inserter(out), predicate);
+std::vector<AffectedParticipant> those(const std::vector<AffectedParticipant>& participants,
+                                       Predicate predicate) {
+  std::vector<AffectedParticipant> out;
+  std::ranges::copy_if(participants, std::back_inserter(out), predicate);
   return out;
 }
 
-std::vector<std::string> names_of(const std::vector<Follower>& followers) {
+std::vector<std::string> names_of(const std::vector<AffectedParticipant>& participants) {
   std::vector<std::string> out;
-  for (const auto& follower : followers) out.push_back(follower.name);
+  for (const auto& participant : participants) out.push_back(participant.name);
   return out;
 }
 
@@ -45,8 +46,8 @@ Result<RotationProgress> RotationProgress::of(const fs::path& given, const std::
   return out;
 }
 
-const fs::path& RotationProgress::ca_file(const Follower& follower) const {
-  return is_identity_ ? follower.files.identity_ca : follower.files.permissions_ca;
+const fs::path& RotationProgress::ca_file(const AffectedParticipant& participant) const {
+  return is_identity_ ? participant.files.identity_ca : participant.files.permissions_ca;
 }
 
 bool RotationProgress::is_same_ca(const pki::Certificate& other) const {
@@ -54,15 +55,15 @@ bool RotationProgress::is_same_ca(const pki::Certificate& other) const {
          pki::key_digest(other) == pki::key_digest(next_.front());
 }
 
-bool RotationProgress::accepts_successor(const Follower& follower) const {
-  const auto& file = ca_file(follower);
+bool RotationProgress::accepts_successor(const AffectedParticipant& participant) const {
+  const auto& file = ca_file(participant);
   if (!is_there(file)) return true;  // a rotation makes no file that is missing
   const auto trusted = read_certificates(file);
   return trusted && std::ranges::any_of(*trusted, [&](const auto& one) { return is_same_ca(one); });
 }
 
-bool RotationProgress::trusts_former(const Follower& follower) const {
-  const auto& file = ca_file(follower);
+bool RotationProgress::trusts_former(const AffectedParticipant& participant) const {
+  const auto& file = ca_file(participant);
   if (!is_there(file)) return false;
   const auto trusted = read_certificates(file);
   return !trusted || std::ranges::any_of(*trusted, [&](const auto& one) {
@@ -70,8 +71,8 @@ bool RotationProgress::trusts_former(const Follower& follower) const {
   });
 }
 
-bool RotationProgress::has_moved(const Follower& follower) const {
-  const auto& files = follower.files;
+bool RotationProgress::has_moved(const AffectedParticipant& participant) const {
+  const auto& files = participant.files;
   if (is_identity_) {
     const auto certificate = read_certificate(files.certificate);
     return certificate && certificate->is_issued_by(next_.front());
@@ -82,36 +83,39 @@ bool RotationProgress::has_moved(const Follower& follower) const {
 }
 
 // A revoked participant gets no certificate of the successor.
-bool RotationProgress::is_revoked(const Follower& follower) const {
+bool RotationProgress::is_revoked(const AffectedParticipant& participant) const {
   if (!is_identity_) return false;
-  const auto certificate = read_certificate(follower.files.certificate);
+  const auto certificate = read_certificate(participant.files.certificate);
   if (!certificate) return false;
   const auto serial = revoked_serial(*certificate, paths_, log_, NextKey::same);
   return serial && !serial->empty();
 }
 
-std::vector<Follower> RotationProgress::without_successor(
-    const std::vector<Follower>& followers) const {
-  return those(followers,
+std::vector<AffectedParticipant> RotationProgress::without_successor(
+    const std::vector<AffectedParticipant>& participants) const {
+  return those(participants,
                [&](const auto& one) { return !accepts_successor(one) && !is_revoked(one); });
 }
 
-std::vector<Follower> RotationProgress::not_moved(const std::vector<Follower>& followers) const {
-  return those(followers, [&](const auto& one) { return !has_moved(one) && !is_revoked(one); });
+std::vector<AffectedParticipant> RotationProgress::not_moved(
+    const std::vector<AffectedParticipant>& participants) const {
+  return those(participants, [&](const auto& one) { return !has_moved(one) && !is_revoked(one); });
 }
 
-std::vector<Follower> RotationProgress::not_ended(const std::vector<Follower>& followers) const {
-  return those(followers, [&](const auto& one) {
+std::vector<AffectedParticipant> RotationProgress::not_ended(
+    const std::vector<AffectedParticipant>& participants) const {
+  return those(participants, [&](const auto& one) {
     const bool is_of_ca = is_there(ca_file(one)) && accepts_successor(one);
     return (trusts_former(one) || (is_of_ca && !has_moved(one))) && !is_revoked(one);
   });
 }
 
-std::vector<Follower> RotationProgress::revoked(const std::vector<Follower>& followers) const {
-  return those(followers, [&](const auto& one) { return is_revoked(one); });
+std::vector<AffectedParticipant> RotationProgress::revoked(
+    const std::vector<AffectedParticipant>& participants) const {
+  return those(participants, [&](const auto& one) { return is_revoked(one); });
 }
 
-std::vector<std::string> not_reached(const CaPaths& ca, const KnownFollowers& known) {
+std::vector<std::string> not_reached(const CaPaths& ca, const AffectedParticipants& known) {
   const auto unreached = read_unreached(ca);
   std::vector<std::string> out;
   std::ranges::copy_if(known.gone, std::back_inserter(out), [&](const std::string& folder) {
@@ -183,7 +187,7 @@ std::string RotationFacts::text() const {
 Result<std::optional<RotationFacts>> shown_rotation(const fs::path& given, const std::string& role,
                                                     WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));
-  DDSSEC_ASSIGN_OR_RETURN(const auto known, known_followers(given, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto known, affected_participants(given, now));
   const auto& overlap = progress.overlap();
   const auto left = overlap ? progress.not_moved(known.here) : progress.not_ended(known.here);
   const auto away =

@@ -26,22 +26,26 @@ class RotationProgress {
   const std::vector<pki::Certificate>& next() const { return next_; }
 
   /// Those whose CA file lacks the CA, or its successor in an overlap.
-  std::vector<Follower> without_successor(const std::vector<Follower>& followers) const;
+  std::vector<AffectedParticipant> without_successor(
+      const std::vector<AffectedParticipant>& participants) const;
   /// Those with a certificate or documents that the CA's present key did not issue or sign.
-  std::vector<Follower> not_moved(const std::vector<Follower>& followers) const;
+  std::vector<AffectedParticipant> not_moved(
+      const std::vector<AffectedParticipant>& participants) const;
   /// Those that trust a former CA of the same name, or trust this one and have not moved. A
   /// participant of a CA of another name is none of them.
-  std::vector<Follower> not_ended(const std::vector<Follower>& followers) const;
+  std::vector<AffectedParticipant> not_ended(
+      const std::vector<AffectedParticipant>& participants) const;
   /// Those that are revoked, and so get no certificate of the successor. Of an identity CA only.
-  std::vector<Follower> revoked(const std::vector<Follower>& followers) const;
+  std::vector<AffectedParticipant> revoked(
+      const std::vector<AffectedParticipant>& participants) const;
 
  private:
-  bool accepts_successor(const Follower& follower) const;
-  bool has_moved(const Follower& follower) const;
-  bool trusts_former(const Follower& follower) const;
-  bool is_revoked(const Follower& follower) const;
+  bool accepts_successor(const AffectedParticipant& participant) const;
+  bool has_moved(const AffectedParticipant& participant) const;
+  bool trusts_former(const AffectedParticipant& participant) const;
+  bool is_revoked(const AffectedParticipant& participant) const;
   bool is_same_ca(const pki::Certificate& other) const;
-  const std::filesystem::path& ca_file(const Follower& follower) const;
+  const std::filesystem::path& ca_file(const AffectedParticipant& participant) const;
 
   CaPaths paths_;
   bool is_identity_ = false;
@@ -52,7 +56,7 @@ class RotationProgress {
 };
 
 /// The folders that the last end of a rotation did not find, and that are still not here.
-std::vector<std::string> not_reached(const CaPaths& ca, const KnownFollowers& known);
+std::vector<std::string> not_reached(const CaPaths& ca, const AffectedParticipants& known);
 
 /// "1 of 4 folders has moved".
 std::string moved_words(std::size_t moved, std::size_t all);
@@ -87,7 +91,7 @@ struct RotationFacts {
   std::string text() const;
 };
 /// Empty if no overlap is under way and no folder is left. Errors: those of RotationProgress::of
-/// and known_followers.
+/// and affected_participants.
 Result<std::optional<RotationFacts>> shown_rotation(const std::filesystem::path& given,
                                                     const std::string& role, WallTime now);
 

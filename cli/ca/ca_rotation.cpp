@@ -29,22 +29,23 @@ bool is_file_or_link(const fs::path& path) {
 }
 
 /// Peers may go on with what is issued and signed anew. After the theft of a key they begin again.
-bool is_moving(const Succession& change) {
-  return change.step == Step::move || change.step == Step::end;
+bool is_moving(const CaRotation& change) {
+  return change.step == RotationStep::move || change.step == RotationStep::end;
 }
 
-Status put_key_of_ca(FileTransaction& out, const Succession& change) {
+Status put_key_of_ca(FileTransaction& out, const CaRotation& change) {
   DDSSEC_ASSIGN_OR_RETURN(const auto pem, change.ca.key().to_pem(change.passphrase));
   return pem.expose([&](BytesView octets) {
     return out.put(change.old.paths.key, octets, 0600, Links::replaced);
   });
 }
 
-Status put_ca(FileTransaction& out, const Succession& change) {
+Status put_ca(FileTransaction& out, const CaRotation& change) {
   const auto& paths = change.old.paths;
-  const bool is_begin = change.step == Step::begin;
-  if (change.step == Step::move || change.is_repeated) return {};
-  if (is_begin || change.step == Step::replace) DDSSEC_RETURN_IF_ERROR(put_key_of_ca(out, change));
+  const bool is_begin = change.step == RotationStep::begin;
+  if (change.step == RotationStep::move || change.is_repeated) return {};
+  if (is_begin || change.step == RotationStep::replace)
+    DDSSEC_RETURN_IF_ERROR(put_key_of_ca(out, change));
   const auto trust = is_begin ? change.overlap->next_first() : change.trust_pem;
   DDSSEC_RETURN_IF_ERROR(out.put(paths.certificate, as_bytes(trust), 0644, Links::replaced));
   if (!is_begin) return {};
@@ -52,22 +53,22 @@ Status put_ca(FileTransaction& out, const Succession& change) {
 }
 
 /// Signs the documents of the old CA with the new one.
-class SignerAnew {
+class DocumentResigner {
  public:
-  SignerAnew(FileTransaction& out, const Succession& change, const pki::SigningLog& log,
-             const Context& context)
+  DocumentResigner(FileTransaction& out, const CaRotation& change, const pki::SigningLog& log,
+                   const Context& context)
       : out_(out), change_(change), log_(log), context_(context) {}
 
   /// The document of a file, for sign(). Errors: those of document_of().
   Result<DocumentOfCa> read(const fs::path& file) const {
     return document_of(file, change_.old, log_, change_.takes_unlogged, context_.clock.now());
   }
-  /// The same for a follower, which an earlier rotation may not have reached.
-  Result<DocumentOfCa> read(const fs::path& file, const Follower& follower) const {
+  /// The same for a participant, which an earlier rotation may not have reached.
+  Result<DocumentOfCa> read(const fs::path& file, const AffectedParticipant& participant) const {
     auto document = read(file);
     if (document) return document;
     auto former =
-        document_of_former_key(file, follower.files.permissions_ca, change_.old, log_, now());
+        document_of_former_key(file, participant.files.permissions_ca, change_.old, log_, now());
     return former ? std::move(former) : std::move(document);
   }
 
@@ -90,7 +91,7 @@ class SignerAnew {
 
  private:
   FileTransaction& out_;
-  const Succession& change_;
+  const CaRotation& change_;
   const pki::SigningLog& log_;
   const Context& context_;
   std::string lines_;
@@ -112,27 +113,27 @@ Status put_if_there(FileTransaction& out, const fs::path& file, const std::strin
 
 // If an earlier rotation could not write the folder, it still contains a certificate of the CA
 // before. The log contains that certificate.
-Status check_of_old_ca(const Follower& follower, const pki::Certificate& certificate,
-                       const Succession& change, const pki::IssueLog& log) {
+Status check_of_old_ca(const AffectedParticipant& participant, const pki::Certificate& certificate,
+                       const CaRotation& change, const pki::IssueLog& log) {
   const auto& before = change.old.certificate();
   const auto is_issuer = [&](const auto& ca) { return certificate.is_issued_by(ca); };
   if (is_issuer(before) || is_logged(certificate, log)) return {};
   if (change.overlap && std::ranges::any_of(change.overlap->former, is_issuer)) return {};
   return fail(Code::issuer_unknown,
-              {.document = follower.files.certificate,
+              {.document = participant.files.certificate,
                .expected = "one that the old CA, " + before.subject() + ", issued",
                .found = "one of " + certificate.issuer()});
 }
 
 // The old key may have signed certificates that the CA never issued.
-Status check_follows(const Follower& follower, const pki::Certificate& certificate,
-                     const Succession& change, const pki::IssueLog& log) {
+Status check_follows(const AffectedParticipant& participant, const pki::Certificate& certificate,
+                     const CaRotation& change, const pki::IssueLog& log) {
   const auto& paths = change.old.paths;
-  const auto belonging = belonging_of(certificate, follower.files.folder, paths, log);
-  if (belonging == Belonging::moved && follower.is_named) return {};
+  const auto belonging = belonging_of(certificate, participant.files.folder, paths, log);
+  if (belonging == Belonging::moved && participant.is_named) return {};
   const bool is_unlogged = log.find(certificate.serial()) == nullptr;
   if (is_unlogged && change.takes_unlogged) return {};
-  const auto own = check_own(certificate, follower.files.folder, paths, log, {});
+  const auto own = check_own(certificate, participant.files.folder, paths, log, {});
   if (own) return {};
   auto details = own.error().details();
   details.note = "left as it is";
@@ -159,18 +160,18 @@ Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& 
 
 namespace {
 
-/// The documents of a follower that are its own.
+/// The documents of a participant that are its own.
 struct OwnDocuments {
   std::map<fs::path, DocumentOfCa> sound;
   std::vector<Error> doubtful;  ///< one is enough to leave all as they are
 };
 
-OwnDocuments documents_of(const Follower& follower, const std::vector<fs::path>& shared,
-                          const SignerAnew& signer) {
-  const auto& files = follower.files;
+OwnDocuments documents_of(const AffectedParticipant& participant,
+                          const std::vector<fs::path>& shared, const DocumentResigner& signer) {
+  const auto& files = participant.files;
   OwnDocuments out;
   const auto add = [&](const fs::path& file) {
-    auto document = signer.read(file, follower);
+    auto document = signer.read(file, participant);
     if (document)
       out.sound.emplace(file, *std::move(document));
     else
@@ -182,10 +183,10 @@ OwnDocuments documents_of(const Follower& follower, const std::vector<fs::path>&
   return out;
 }
 
-// Adds the consequence for every follower that keeps its old files.
-Error left_behind(const Error& error, const std::string& lead_out) {
+// Adds the consequence for every participant that keeps its old files.
+Error with_unwritten_hint(const Error& error, const std::string& unwritten_hint) {
   auto details = error.details();
-  if (details.hint.empty()) details.hint = lead_out;
+  if (details.hint.empty()) details.hint = unwritten_hint;
   return Error(error.code(), std::move(details));
 }
 
@@ -194,63 +195,65 @@ bool is_unwritable(const Error& error) {
          error.code() == tool_code::link_untrusted;
 }
 
-Followed nothing_yet(const Succession& change) {
-  Followed out;
-  if (!change.lead_out.empty()) out.lead_out = change.lead_out;
+RotationResult empty_result(const CaRotation& change) {
+  RotationResult out;
+  if (!change.unwritten_hint.empty()) out.unwritten_hint = change.unwritten_hint;
   return out;
 }
 
-/// Drafts the files of the followers one after the other: all files of a follower, or none.
-class Following {
+/// Drafts the files of the participants one after the other: all files of a participant, or none.
+class ParticipantDrafts {
  public:
-  Following(FileTransaction& out, Followed& followed) : out_(out), followed_(followed) {}
+  ParticipantDrafts(FileTransaction& out, RotationResult& rotation)
+      : out_(out), rotation_(rotation) {}
 
-  /// `draft` puts the files of a follower. Error: interrupted.
+  /// `draft` puts the files of a participant. Error: interrupted.
   template <class DraftFiles>
-  Status add(const Follower& follower, DraftFiles draft) {
-    out_.begin_folder(follower.name);
-    Status drafted = hold_folder(follower.files.folder);
+  Status add(const AffectedParticipant& participant, DraftFiles draft) {
+    out_.begin_folder(participant.name);
+    Status drafted = hold_folder(participant.files.folder);
     if (drafted) drafted = draft();
     if (drafted) {
-      followed_.again.push_back(follower.name);
+      rotation_.updated.push_back(participant.name);
       return {};
     }
     out_.abandon_folder();
     const auto& error = drafted.error();
     if (error.code() == Code::interrupted) return drafted;
-    auto& left = is_unwritable(error) ? followed_.unwritten : followed_.doubtful;
-    left.push_back(is_unwritable(error) ? left_behind(error, followed_.lead_out) : error);
+    auto& left = is_unwritable(error) ? rotation_.unwritten : rotation_.doubtful;
+    left.push_back(is_unwritable(error) ? with_unwritten_hint(error, rotation_.unwritten_hint)
+                                        : error);
     return {};
   }
 
   /// Success if a participant follows the new CA, or none had to.
   Status check() const {
-    if (!followed_.again.empty()) return {};
-    for (const auto* left : {&followed_.doubtful, &followed_.unwritten})
+    if (!rotation_.updated.empty()) return {};
+    for (const auto* left : {&rotation_.doubtful, &rotation_.unwritten})
       if (!left->empty()) return std::unexpected(left->front());
     return {};
   }
 
  private:
   FileTransaction& out_;
-  Followed& followed_;
+  RotationResult& rotation_;
 };
 
 }  // namespace
 
-Result<std::vector<WrittenFile>> put_in_place(FileTransaction& out, Followed& followed) {
+Result<std::vector<WrittenFile>> put_in_place(FileTransaction& out, RotationResult& rotation) {
   DDSSEC_ASSIGN_OR_RETURN(auto files, out.commit());
   for (const auto& [name, error] : out.failures()) {
-    std::erase(followed.again, name);
-    followed.unwritten.push_back(left_behind(error, followed.lead_out));
+    std::erase(rotation.updated, name);
+    rotation.unwritten.push_back(with_unwritten_hint(error, rotation.unwritten_hint));
   }
   return files;
 }
 
-void add_left(const Followed& followed, Report& report) {
-  for (const auto& error : followed.doubtful) report.errors.push_back(error);
-  if (!followed.doubtful.empty()) report.exit = Exit::no;
-  for (const auto& error : followed.unwritten) {
+void add_left(const RotationResult& rotation, Report& report) {
+  for (const auto& error : rotation.doubtful) report.errors.push_back(error);
+  if (!rotation.doubtful.empty()) report.exit = Exit::no;
+  for (const auto& error : rotation.unwritten) {
     report.errors.push_back(error);
     report.exit = std::max(report.exit, exit_of(error.code()));
   }
@@ -258,14 +261,15 @@ void add_left(const Followed& followed, Report& report) {
 
 namespace {
 
-// If any document of a follower is not its own, none is signed.
-Status sign_documents_of(const Follower& follower, const std::vector<fs::path>& shared,
-                         SignerAnew& signer, Followed& followed) {
-  auto documents = documents_of(follower, shared, signer);
+// If any document of a participant is not its own, none is signed.
+Status sign_documents_of(const AffectedParticipant& participant,
+                         const std::vector<fs::path>& shared, DocumentResigner& signer,
+                         RotationResult& rotation) {
+  auto documents = documents_of(participant, shared, signer);
   if (!documents.doubtful.empty()) {
     auto last = std::move(documents.doubtful.back());
     documents.doubtful.pop_back();
-    std::ranges::move(documents.doubtful, std::back_inserter(followed.doubtful));
+    std::ranges::move(documents.doubtful, std::back_inserter(rotation.doubtful));
     return std::unexpected(std::move(last));
   }
   for (const auto& [file, document] : documents.sound)
@@ -274,57 +278,59 @@ Status sign_documents_of(const Follower& follower, const std::vector<fs::path>& 
 }
 
 /// It has moved already, or does not move in this step.
-bool keeps_documents(const Follower& follower, const Succession& change, WallTime now) {
-  if (change.step == Step::replace) return false;
-  if (change.step == Step::begin) return true;
+bool keeps_documents(const AffectedParticipant& participant, const CaRotation& change,
+                     WallTime now) {
+  if (change.step == RotationStep::replace) return false;
+  if (change.step == RotationStep::begin) return true;
   const auto& own = change.ca.certificate().pem();
   const auto is_of_next = [&](const fs::path& file) {
     return !is_file_or_link(file) || is_signed_by(file, own, now);
   };
-  return is_of_next(follower.files.permissions) && is_of_next(follower.files.governance);
+  return is_of_next(participant.files.permissions) && is_of_next(participant.files.governance);
 }
 
-Result<Followed> follow_with(FileTransaction& out, SignerAnew& signer, const Succession& change,
-                             const std::vector<Follower>& followers,
-                             const std::vector<fs::path>& shared) {
-  auto followed = nothing_yet(change);
-  Following following(out, followed);
-  for (const auto& follower : followers)
-    DDSSEC_RETURN_IF_ERROR(following.add(follower, [&]() -> Status {
-      if (!keeps_documents(follower, change, signer.now()))
-        DDSSEC_RETURN_IF_ERROR(sign_documents_of(follower, shared, signer, followed));
-      return put_if_there(out, follower.files.permissions_ca, change.trust_pem);
+Result<RotationResult> rotate_documents(FileTransaction& out, DocumentResigner& signer,
+                                        const CaRotation& change,
+                                        const std::vector<AffectedParticipant>& participants,
+                                        const std::vector<fs::path>& shared) {
+  auto rotation = empty_result(change);
+  ParticipantDrafts drafts(out, rotation);
+  for (const auto& participant : participants)
+    DDSSEC_RETURN_IF_ERROR(drafts.add(participant, [&]() -> Status {
+      if (!keeps_documents(participant, change, signer.now()))
+        DDSSEC_RETURN_IF_ERROR(sign_documents_of(participant, shared, signer, rotation));
+      return put_if_there(out, participant.files.permissions_ca, change.trust_pem);
     }));
-  DDSSEC_RETURN_IF_ERROR(following.check());
-  followed.unlogged = signer.unlogged();
+  DDSSEC_RETURN_IF_ERROR(drafts.check());
+  rotation.unlogged = signer.unlogged();
   DDSSEC_RETURN_IF_ERROR(log_signed(change.old.paths, signer.lines()));
   if (auto written = signer.renewals().write(signer.now()); !written)
     add_notice(std::move(written).error());
-  return followed;
+  return rotation;
 }
 
 }  // namespace
 
-Result<Followed> follow_permissions_ca(FileTransaction& out, const Succession& change,
-                                       const std::vector<Follower>& followers,
-                                       const std::vector<fs::path>& shared,
-                                       const Context& context) {
+Result<RotationResult> rotate_permissions_ca(FileTransaction& out, const CaRotation& change,
+                                             const std::vector<AffectedParticipant>& participants,
+                                             const std::vector<fs::path>& shared,
+                                             const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(change.old.paths));
-  SignerAnew signer(out, change, log, context);
+  DocumentResigner signer(out, change, log, context);
   DDSSEC_RETURN_IF_ERROR(put_ca(out, change));
-  const bool is_first_step =
-      !change.is_repeated && (change.step == Step::replace || change.step == Step::begin);
+  const bool is_first_step = !change.is_repeated && (change.step == RotationStep::replace ||
+                                                     change.step == RotationStep::begin);
   for (const auto& file : is_first_step ? shared : std::vector<fs::path>()) {
     DDSSEC_ASSIGN_OR_RETURN(const auto document, signer.read(file));
     DDSSEC_RETURN_IF_ERROR(signer.sign(file, document));
   }
-  return follow_with(out, signer, change, followers, shared);
+  return rotate_documents(out, signer, change, participants, shared);
 }
 
 namespace {
 
-bool is_of_ca(const Follower& follower, std::string_view trust_pem, WallTime now) {
-  const auto& files = follower.files;
+bool is_of_ca(const AffectedParticipant& participant, std::string_view trust_pem, WallTime now) {
+  const auto& files = participant.files;
   for (const auto& file : {files.permissions, files.governance})
     if (is_file_or_link(file) && !is_signed_by(file, trust_pem, now)) return false;
   if (!is_to_be_replaced(files.permissions_ca)) return true;
@@ -334,29 +340,31 @@ bool is_of_ca(const Follower& follower, std::string_view trust_pem, WallTime now
 
 }  // namespace
 
-std::vector<Follower> left_with_another_ca(const std::vector<Follower>& followers,
-                                           std::string_view trust_pem, WallTime now) {
-  std::vector<Follower> out;
-  std::ranges::copy_if(followers, std::back_inserter(out), [&](const Follower& follower) {
-    return !is_of_ca(follower, trust_pem, now);
-  });
+std::vector<AffectedParticipant> left_with_another_ca(
+    const std::vector<AffectedParticipant>& participants, std::string_view trust_pem,
+    WallTime now) {
+  std::vector<AffectedParticipant> out;
+  std::ranges::copy_if(participants, std::back_inserter(out),
+                       [&](const AffectedParticipant& participant) {
+                         return !is_of_ca(participant, trust_pem, now);
+                       });
   return out;
 }
 
-Result<Followed> follow_present_permissions_ca(FileTransaction& out, const Succession& change,
-                                               const std::vector<Follower>& followers,
-                                               const std::vector<fs::path>& shared,
-                                               const Context& context) {
+Result<RotationResult> finish_permissions_rotation(
+    FileTransaction& out, const CaRotation& change,
+    const std::vector<AffectedParticipant>& participants, const std::vector<fs::path>& shared,
+    const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(change.old.paths));
-  SignerAnew signer(out, change, log, context);
-  return follow_with(out, signer, change, followers, shared);
+  DocumentResigner signer(out, change, log, context);
+  return rotate_documents(out, signer, change, participants, shared);
 }
 
 namespace {
 
-/// The new files for the followers of an identity CA.
+/// The new files for the participants of an identity CA.
 struct Reissue {
-  const Succession& change;
+  const CaRotation& change;
   const pki::IssueLog& log;
   const pki::Crl& crl;
   const std::vector<pki::Certificate>& trusted;  ///< the certificates of change.trust_pem
@@ -364,10 +372,10 @@ struct Reissue {
   const Context& context;
   NewlyListed& renewals;
 
-  // Only what the follower trusts.
-  Status put_trust(FileTransaction& out, const Follower& follower,
+  // Only what the participant trusts.
+  Status put_trust(FileTransaction& out, const AffectedParticipant& participant,
                    const pki::Certificate& certificate) const {
-    const auto& files = follower.files;
+    const auto& files = participant.files;
     DDSSEC_RETURN_IF_ERROR(put_if_there(out, files.identity_ca, change.trust_pem));
     if (!is_to_be_replaced(files.crl)) return {};
     // With the old list alone no peer of the new CA would be accepted, and the other way round.
@@ -377,21 +385,21 @@ struct Reissue {
   }
 
   // The line for the log; none if the certificate stays.
-  Result<std::string> put(FileTransaction& out, const Follower& follower,
+  Result<std::string> put(FileTransaction& out, const AffectedParticipant& participant,
                           const pki::Certificate& certificate) const {
-    const auto& files = follower.files;
+    const auto& files = participant.files;
     const auto now = context.clock.now();
-    DDSSEC_RETURN_IF_ERROR(check_of_old_ca(follower, certificate, change, log));
+    DDSSEC_RETURN_IF_ERROR(check_of_old_ca(participant, certificate, change, log));
     const bool has_moved = certificate.is_issued_by(change.ca.certificate());
-    if (change.step == Step::begin || has_moved) {
-      DDSSEC_RETURN_IF_ERROR(put_trust(out, follower, certificate));
+    if (change.step == RotationStep::begin || has_moved) {
+      DDSSEC_RETURN_IF_ERROR(put_trust(out, participant, certificate));
       return std::string();
     }
-    DDSSEC_RETURN_IF_ERROR(check_follows(follower, certificate, change, log));
+    DDSSEC_RETURN_IF_ERROR(check_follows(participant, certificate, change, log));
     const auto life = validity_after(certificate, {now - kBackdated, certificate.not_after()}, now);
     DDSSEC_ASSIGN_OR_RETURN(const auto again, change.ca.reissue(certificate, life, context.random));
     DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, again.pem()));
-    DDSSEC_RETURN_IF_ERROR(put_trust(out, follower, again));
+    DDSSEC_RETURN_IF_ERROR(put_trust(out, participant, again));
     if (is_moving(change)) renewals.add(change.old.paths, again);
     const auto folder = recorded_folder(certificate, files.folder, change.old.paths, log);
     return pki::IssueLog::issued_line(again, folder.string(), now);
@@ -405,10 +413,10 @@ std::string to_pem(const std::vector<pki::Crl>& lists) {
 }
 
 /// The former CA's key is replaced when the overlap begins: its last list is valid for longer.
-Result<std::vector<pki::Crl>> lists_beside(const Succession& change, const pki::IssueLog& log,
+Result<std::vector<pki::Crl>> lists_beside(const CaRotation& change, const pki::IssueLog& log,
                                            const Context& context) {
-  const bool is_begin = change.step == Step::begin;
-  if (change.step == Step::move || (is_begin && change.is_repeated))
+  const bool is_begin = change.step == RotationStep::begin;
+  if (change.step == RotationStep::move || (is_begin && change.is_repeated))
     return lists_of_former(change.old.paths, *change.overlap);
   if (!is_begin) return std::vector<pki::Crl>();
   const auto now = context.clock.now();
@@ -421,9 +429,9 @@ Result<std::vector<pki::Crl>> lists_beside(const Succession& change, const pki::
 
 }  // namespace
 
-Result<Followed> follow_identity_ca(FileTransaction& out, const Succession& change,
-                                    const std::vector<Follower>& followers,
-                                    const Context& context) {
+Result<RotationResult> rotate_identity_ca(FileTransaction& out, const CaRotation& change,
+                                          const std::vector<AffectedParticipant>& participants,
+                                          const Context& context) {
   const auto& paths = change.old.paths;
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
   DDSSEC_ASSIGN_OR_RETURN(
@@ -431,39 +439,40 @@ Result<Followed> follow_identity_ca(FileTransaction& out, const Succession& chan
   DDSSEC_RETURN_IF_ERROR(put_ca(out, change));
   DDSSEC_ASSIGN_OR_RETURN(const auto of_former, lists_beside(change, log, context));
   DDSSEC_RETURN_IF_ERROR(out.put_public(paths.crl, crl.pem() + to_pem(of_former)));
-  auto followed = nothing_yet(change);
+  auto rotation = empty_result(change);
   std::string lines;
   DDSSEC_ASSIGN_OR_RETURN(const auto trusted,
                           pki::Certificate::bundle_from_pem(as_bytes(change.trust_pem)));
   DDSSEC_ASSIGN_OR_RETURN(const auto listed, crl.revoked());
   NewlyListed renewals;
   const Reissue reissue{change, log, crl, trusted, of_former, context, renewals};
-  Following following(out, followed);
-  for (const auto& follower : followers) {
+  ParticipantDrafts drafts(out, rotation);
+  for (const auto& participant : participants) {
     std::string revoked;
-    DDSSEC_RETURN_IF_ERROR(following.add(follower, [&]() -> Status {
-      DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(follower.files.certificate));
+    DDSSEC_RETURN_IF_ERROR(drafts.add(participant, [&]() -> Status {
+      DDSSEC_ASSIGN_OR_RETURN(const auto certificate,
+                              read_certificate(participant.files.certificate));
       DDSSEC_ASSIGN_OR_RETURN(revoked, revoked_serial(certificate, paths, log, NextKey::same));
       // A participant's list may be newer than the CA's own.
       const auto serial = certificate.serial();
       if (std::ranges::find(listed, serial, &pki::Revocation::serial) != listed.end())
         revoked = serial;
       if (revoked.empty()) {
-        DDSSEC_ASSIGN_OR_RETURN(const auto added_lines, reissue.put(out, follower, certificate));
+        DDSSEC_ASSIGN_OR_RETURN(const auto added_lines, reissue.put(out, participant, certificate));
         lines += added_lines;
       }
       return {};
     }));
     if (revoked.empty()) continue;
-    followed.again.pop_back();
-    followed.revoked.push_back(follower.name);
+    rotation.updated.pop_back();
+    rotation.revoked.push_back(participant.name);
   }
-  if (lines.empty()) DDSSEC_RETURN_IF_ERROR(following.check());
+  if (lines.empty()) DDSSEC_RETURN_IF_ERROR(drafts.check());
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   DDSSEC_RETURN_IF_ERROR(log_issued(paths, lines));
   if (auto written = renewals.write(context.clock.now()); !written)
     add_notice(std::move(written).error());
-  return followed;
+  return rotation;
 }
 
 }  // namespace ddssec::cli

@@ -16,14 +16,14 @@ namespace ddssec::cli {
 
 /// A participant whose files change with the CA. Symbolic links among them are kept: the file that
 /// a link leads to is replaced.
-struct Follower {
+struct AffectedParticipant {
   std::string name;  ///< its name in reports
   pki::ParticipantFolder files;
   bool is_named = false;  ///< named on the command line, so it may have been moved
 };
 
 /// One step of a rotation.
-enum class Step : std::uint8_t {
+enum class RotationStep : std::uint8_t {
   replace,  ///< the CA, and everything of it, at once
   begin,    ///< of an overlap: the CA gets its successor, participants accept both
   move,     ///< participants get certificates and documents of the successor, and accept both
@@ -31,42 +31,43 @@ enum class Step : std::uint8_t {
 };
 
 /// The replaced CA and its successor.
-struct Succession {
-  const OpenCa& old;  ///< from Step::move on the successor itself, whose file has both
+struct CaRotation {
+  const OpenCa& old;  ///< from RotationStep::move on the successor itself, whose file has both
   const pki::Authority& ca;
-  std::string trust_pem;              ///< the CA file of the followers
+  std::string trust_pem;              ///< the CA file of the participants
   const pki::Passphrase* passphrase;  ///< of the new key; null: it is not encrypted
   bool takes_unlogged = false;        ///< also handle what the old CA's log does not contain
-  Step step = Step::replace;
-  std::optional<CaOverlap> overlap = {};  ///< for every step but Step::replace
-  /// The step was made already, and is made for followers that it did not reach: nothing is written
-  /// for the CA itself.
+  RotationStep step = RotationStep::replace;
+  std::optional<CaOverlap> overlap = {};  ///< for every step but RotationStep::replace
+  /// The step was made already, and is made for participants that it did not reach: nothing is
+  /// written for the CA itself.
   bool is_repeated = false;
-  std::string lead_out = {};  ///< Followed::lead_out; empty: the default
+  std::string unwritten_hint = {};  ///< RotationResult::unwritten_hint; empty: the default
 };
 
-/// The result for each follower, by name.
-struct Followed {
-  std::vector<std::string> again;    ///< have new files
+/// The result for each participant, by name.
+struct RotationResult {
+  std::vector<std::string> updated;  ///< have new files
   std::vector<std::string> revoked;  ///< left as they are
   /// Left unchanged: they differ from what the log contains for the folder.
   std::vector<Error> doubtful;
   std::vector<Error> unwritten = {};       ///< left unchanged: their folders cannot be written
   std::vector<std::string> unlogged = {};  ///< documents signed although the log lacks them
-  /// What it means that a follower is left unchanged because its folder cannot be written, and what
-  /// to do then.
-  std::string lead_out =
+  /// What it means that a participant is left unchanged because its folder cannot be written, and
+  /// what to do then.
+  std::string unwritten_hint =
       "the participant keeps its old files and meets no other one until it has new ones; make its "
       "folder writable, then rotate the CA once more";
 };
 
-/// Puts the new CA in place, and then the files of each follower. A follower whose files cannot be
-/// put in place moves from `again` to `unwritten`. The next rotation includes it, because the log
-/// has recorded its files. Errors: those of FileTransaction::commit, for the CA's own files.
-Result<std::vector<WrittenFile>> put_in_place(FileTransaction& out, Followed& followed);
+/// Puts the new CA in place, and then the files of each participant. A participant whose files
+/// cannot be put in place moves from `updated` to `unwritten`. The next rotation includes it,
+/// because the log has recorded its files. Errors: those of FileTransaction::commit, for the CA's
+/// own files.
+Result<std::vector<WrittenFile>> put_in_place(FileTransaction& out, RotationResult& rotation);
 
-/// Reports the followers that were left unchanged.
-void add_left(const Followed& followed, Report& report);
+/// Reports the participants that were left unchanged.
+void add_left(const RotationResult& rotation, Report& report);
 
 /// A validity that begins now and lasts as long as that of `old`.
 pki::Validity life_like(const pki::Certificate& old, WallTime now);
@@ -76,36 +77,37 @@ pki::Validity life_like(const pki::Certificate& old, WallTime now);
 Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& subject,
                                 const Context& context);
 
-/// Drafts the new permissions CA, and signs every document of the followers and of `shared` anew
-/// (those of the followers only if the step asks for it);
+/// Drafts the new permissions CA, and signs every document of the participants and of `shared` anew
+/// (those of the participants only if the step asks for it);
 /// then writes the log. Signs only documents that the old CA signed and that its log contains,
-/// because the old key may be stolen. A follower with any other document is left unchanged. The
+/// because the old key may be stolen. A participant with any other document is left unchanged. The
 /// caller holds the CA's lock (lock_records). Errors: those of document_of() for a shared document;
-/// the first of `doubtful` and `unwritten` if no follower is left.
-Result<Followed> follow_permissions_ca(FileTransaction& out, const Succession& change,
-                                       const std::vector<Follower>& followers,
-                                       const std::vector<std::filesystem::path>& shared,
-                                       const Context& context);
+/// the first of `doubtful` and `unwritten` if no participant is left.
+Result<RotationResult> rotate_permissions_ca(FileTransaction& out, const CaRotation& change,
+                                             const std::vector<AffectedParticipant>& participants,
+                                             const std::vector<std::filesystem::path>& shared,
+                                             const Context& context);
 
-/// The followers that have a document or a certificate of another permissions CA than that of
+/// The participants that have a document or a certificate of another permissions CA than that of
 /// `trust_pem`, which is in place: an earlier command could not write their files.
-std::vector<Follower> left_with_another_ca(const std::vector<Follower>& followers,
-                                           std::string_view trust_pem, WallTime now);
+std::vector<AffectedParticipant> left_with_another_ca(
+    const std::vector<AffectedParticipant>& participants, std::string_view trust_pem, WallTime now);
 
-/// Like follow_permissions_ca() for followers that an earlier command could not update: `change.ca`
-/// is in place already, and nothing is written for the CA itself or for `shared`.
-Result<Followed> follow_present_permissions_ca(FileTransaction& out, const Succession& change,
-                                               const std::vector<Follower>& followers,
-                                               const std::vector<std::filesystem::path>& shared,
-                                               const Context& context);
+/// Like rotate_permissions_ca() for participants that an earlier command could not update:
+/// `change.ca` is in place already, and nothing is written for the CA itself or for `shared`.
+Result<RotationResult> finish_permissions_rotation(
+    FileTransaction& out, const CaRotation& change,
+    const std::vector<AffectedParticipant>& participants,
+    const std::vector<std::filesystem::path>& shared, const Context& context);
 
-/// Drafts the new identity CA with its revocation list, and the followers' certificates with the
+/// Drafts the new identity CA with its revocation list, and the participants' certificates with the
 /// same subject, key and end, if the step asks for them; then writes the log. Issues a certificate
 /// only if the log contains the old one with this serial number and SHA-256 and for this folder,
 /// because the old key may be stolen. A revoked participant gets none. The caller holds the CA's
 /// lock (lock_records). Errors: the first of `doubtful` (issuer_unknown: a certificate that the old
 /// CA did not issue) and `unwritten` if nothing is left to issue; those of Authority::reissue.
-Result<Followed> follow_identity_ca(FileTransaction& out, const Succession& change,
-                                    const std::vector<Follower>& followers, const Context& context);
+Result<RotationResult> rotate_identity_ca(FileTransaction& out, const CaRotation& change,
+                                          const std::vector<AffectedParticipant>& participants,
+                                          const Context& context);
 
 }  // namespace ddssec::cli

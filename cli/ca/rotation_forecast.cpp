@@ -86,37 +86,38 @@ class Sides {
       next_ = *std::move(next);
   }
 
-  std::optional<Side> of(const Follower& follower) const {
-    const auto& file = is_identity() ? follower.files.identity_ca : follower.files.permissions_ca;
+  std::optional<Side> of(const AffectedParticipant& participant) const {
+    const auto& file =
+        is_identity() ? participant.files.identity_ca : participant.files.permissions_ca;
     const auto trusted = read_certificates(file);
     if (!trusted) return std::nullopt;
-    const auto own = issuer_of(follower, *trusted);
+    const auto own = issuer_of(participant, *trusted);
     if (!own) return std::nullopt;
     Stand now{*own, ids_of(*trusted)};
     auto then = now;
     std::error_code ignored;
-    if (std::ranges::find(step_.again, follower.name) != step_.again.end()) {
+    if (std::ranges::find(step_.again, participant.name) != step_.again.end()) {
       if (!fs::is_symlink(file, ignored)) then.trusted = ids_of(next_);
-      if (step_.change.step != Step::begin) then.own = id_of(step_.change.ca.certificate());
+      if (step_.change.step != RotationStep::begin) then.own = id_of(step_.change.ca.certificate());
     }
-    return Side{follower.name, std::move(now), std::move(then),
-                may_be_stock(follower.files.folder)};
+    return Side{participant.name, std::move(now), std::move(then),
+                may_be_stock(participant.files.folder)};
   }
 
  private:
   bool is_identity() const { return step_.role == "identity"; }
 
-  bool is_issuer(const Follower& follower, const pki::Certificate& ca) const {
-    if (!is_identity()) return is_signed_by(follower.files.permissions, ca.pem(), step_.now);
-    const auto certificate = read_certificate(follower.files.certificate);
+  bool is_issuer(const AffectedParticipant& participant, const pki::Certificate& ca) const {
+    if (!is_identity()) return is_signed_by(participant.files.permissions, ca.pem(), step_.now);
+    const auto certificate = read_certificate(participant.files.certificate);
     return certificate && certificate->is_issued_by(ca);
   }
 
-  std::optional<std::string> issuer_of(const Follower& follower,
+  std::optional<std::string> issuer_of(const AffectedParticipant& participant,
                                        std::vector<pki::Certificate> cas) const {
     cas.insert(cas.end(), next_.begin(), next_.end());
     for (const auto& ca : cas)
-      if (is_issuer(follower, ca)) return id_of(ca);
+      if (is_issuer(participant, ca)) return id_of(ca);
     return std::nullopt;
   }
 
@@ -148,39 +149,41 @@ std::string RotationForecast::text() const {
 namespace {
 
 // The step leaves some as they are. Revoked ones talk to none.
-Result<std::vector<Follower>> all_here(const fs::path& given, std::vector<Follower> followers,
-                                       WallTime now) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto known, known_followers(given, now));
+Result<std::vector<AffectedParticipant>> all_here(const fs::path& given,
+                                                  std::vector<AffectedParticipant> participants,
+                                                  WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto known, affected_participants(given, now));
   for (const auto& other : known.here) {
-    const auto is_it = [&](const Follower& one) {
+    const auto is_it = [&](const AffectedParticipant& one) {
       std::error_code ignored;
       return fs::equivalent(one.files.folder, other.files.folder, ignored);
     };
-    if (std::ranges::none_of(followers, is_it)) followers.push_back(other);
+    if (std::ranges::none_of(participants, is_it)) participants.push_back(other);
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, "identity", now));
-  for (const auto& revoked : progress.revoked(followers))
-    std::erase_if(followers, [&](const Follower& one) { return one.name == revoked.name; });
-  return followers;
+  for (const auto& revoked : progress.revoked(participants))
+    std::erase_if(participants,
+                  [&](const AffectedParticipant& one) { return one.name == revoked.name; });
+  return participants;
 }
 
 }  // namespace
 
 Result<RotationForecast> forecast_of(const ForecastStep& step, const fs::path& given,
-                                     const std::vector<Follower>& followers) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto all, all_here(given, followers, step.now));
+                                     const std::vector<AffectedParticipant>& participants) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto all, all_here(given, participants, step.now));
   const Sides reader(step);
   std::vector<Side> sides;
   RotationForecast out;
-  for (const auto& follower : all) {
-    auto side = reader.of(follower);
+  for (const auto& participant : all) {
+    auto side = reader.of(participant);
     if (side)
       sides.push_back(*std::move(side));
     else
-      out.unread.push_back(follower.name);
+      out.unread.push_back(participant.name);
   }
   out.judged = sides.size();
-  out.needs_restarts = step.change.step != Step::begin &&
+  out.needs_restarts = step.change.step != RotationStep::begin &&
                        std::ranges::any_of(sides, [](const auto& one) { return one.may_be_stock; });
   for (auto a = sides.begin(); a != sides.end(); ++a)
     for (auto b = a + 1; b != sides.end(); ++b) {

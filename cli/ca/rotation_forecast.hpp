@@ -49,16 +49,16 @@ struct RotationForecast {
 /// A step that has been drafted.
 struct ForecastStep {
   const std::string& role;
-  const Succession& change;
-  const std::vector<std::string>& again;  ///< names of the followers that get new files
+  const CaRotation& change;
+  const std::vector<std::string>& again;  ///< names of the participants that get new files
   WallTime now;
 };
 
 /// Compares the files in the folders with what the step makes of them. Of two participants only the
 /// CAs of this role are judged, as the plugins read them: `ddssec check` judges the rest. Judged
-/// are the followers of the step and all others that the log of the CA at `given` has here, but
-/// none that is revoked. Errors: those of known_followers and RotationProgress::of.
+/// are the participants of the step and all others that the log of the CA at `given` has here, but
+/// none that is revoked. Errors: those of affected_participants and RotationProgress::of.
 Result<RotationForecast> forecast_of(const ForecastStep& step, const std::filesystem::path& given,
-                                     const std::vector<Follower>& followers);
+                                     const std::vector<AffectedParticipant>& participants);
 
 }  // namespace ddssec::cli

@@ -26,16 +26,16 @@ namespace {
 namespace fs = std::filesystem;
 
 // The folders of the command line, or all folders in the identity CA's log.
-Result<KnownFollowers> followers_of(const Arguments& arguments, const fs::path& given,
-                                    WallTime now) {
-  KnownFollowers out;
+Result<AffectedParticipants> participants_of(const Arguments& arguments, const fs::path& given,
+                                             WallTime now) {
+  AffectedParticipants out;
   for (const auto& folder : arguments.all("DIRS")) {
     DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
-    out.here.push_back(follower_in(folder));
+    out.here.push_back(participant_in(folder));
     out.here.back().is_named = true;
   }
   if (!out.here.empty()) return out;
-  DDSSEC_ASSIGN_OR_RETURN(out, known_followers(given, now));
+  DDSSEC_ASSIGN_OR_RETURN(out, affected_participants(given, now));
   if (!out.here.empty()) return out;
   return fail(Code::usage, {.field = "DIRS",
                             .note = "no participant's folder that the CA's log knows is here: "
@@ -95,33 +95,33 @@ std::vector<fs::path> shared_documents(const fs::path& given) {
   return out;
 }
 
-std::string_view step_word(Step step) {
+std::string_view step_word(RotationStep step) {
   switch (step) {
-    case Step::replace:
+    case RotationStep::replace:
       return "replaced";
-    case Step::begin:
+    case RotationStep::begin:
       return "begun";
-    case Step::move:
+    case RotationStep::move:
       return "moved";
-    case Step::end:
+    case RotationStep::end:
       return "ended";
   }
   return "";
 }
 
-std::string next_step(const std::string& role, Step step, const std::string& given) {
+std::string next_step(const std::string& role, RotationStep step, const std::string& given) {
   const auto command = fmt::format("ddssec ca rotate {} --role {}", given, role);
   switch (step) {
-    case Step::replace:
+    case RotationStep::replace:
       break;
-    case Step::begin:
+    case RotationStep::begin:
       return fmt::format(
           "Participants on ddssec's plugins take the files while they run. When all have them, "
           "those on other machines too: {} --move\n"
           "With stock plugins, restart a participant after it was moved. Until then it talks only "
           "to those that have not moved: ddssec check A B\n",
           command);
-    case Step::move: {
+    case RotationStep::move: {
       const auto lists = distribution_before_end(given);
       return fmt::format("{}When all have moved{}, those on other machines too: {} --end\n",
                          lists.empty() ? ""
@@ -130,7 +130,7 @@ std::string next_step(const std::string& role, Step step, const std::string& giv
                                                      lists),
                          lists.empty() ? "" : " and have renewed.pem", command);
     }
-    case Step::end:
+    case RotationStep::end:
       return "Copy the folders of participants on other machines there. Sessions of Cyclone DDS "
              "that began with the former CA end and begin again, unless both sides have "
              "renewed.pem.\n";
@@ -152,61 +152,63 @@ RotatedCa rotated(const std::string& role, std::string_view step, const pki::Cer
   return out;
 }
 
-Answer<RotatedCa> answer_of(const std::string& role, const Succession& change,
-                            const Followed& followed, const std::vector<std::string>& elsewhere,
-                            const std::string& given) {
+Answer<RotatedCa> answer_of(const std::string& role, const CaRotation& change,
+                            const RotationResult& rotation,
+                            const std::vector<std::string>& elsewhere, const std::string& given) {
   Answer<RotatedCa> out{
       rotated(role, step_word(change.step), change.ca.certificate(), change.overlap)};
   auto& [result, report, has_result] = out;
-  result.folders = followed.again;
-  result.revoked = followed.revoked;
-  result.unlogged = followed.unlogged;
+  result.folders = rotation.updated;
+  result.revoked = rotation.revoked;
+  result.unlogged = rotation.unlogged;
   result.elsewhere = elsewhere;
-  add_left(followed, report);
+  add_left(rotation, report);
   for (const auto& name : elsewhere)
     report.errors.emplace_back(Code::participant_elsewhere, ErrorDetails{.found = name});
   report.text += next_step(role, change.step, given);
-  if (role == "permissions" && change.step == Step::replace)
+  if (role == "permissions" && change.step == RotationStep::replace)
     report.text += "A signed document that lies elsewhere is still the old CA's: sign it again.\n";
   return out;
 }
 
-Result<Step> step_of(const Arguments& arguments) {
-  const std::vector<std::pair<std::string_view, Step>> kOptions = {
-      {"--overlap", Step::begin}, {"--move", Step::move}, {"--end", Step::end}};
-  auto step = Step::replace;
+Result<RotationStep> step_of(const Arguments& arguments) {
+  const std::vector<std::pair<std::string_view, RotationStep>> kOptions = {
+      {"--overlap", RotationStep::begin},
+      {"--move", RotationStep::move},
+      {"--end", RotationStep::end}};
+  auto step = RotationStep::replace;
   for (const auto& [option, meaning] : kOptions) {
     if (!arguments.has(option)) continue;
-    if (step != Step::replace)
+    if (step != RotationStep::replace)
       return fail(Code::usage, {.field = std::string(option),
                                 .note = "give one of --overlap, --move and --end"});
     step = meaning;
   }
-  if (arguments.has("--when-due") && step != Step::end)
+  if (arguments.has("--when-due") && step != RotationStep::end)
     return fail(Code::usage, {.field = "--when-due", .note = "it belongs to --end"});
   return step;
 }
 
 // The successor is in place already, and its file has both.
-Succession on_the_way(const OpenCa& ca, Step step, const CaOverlap& overlap,
+CaRotation on_the_way(const OpenCa& ca, RotationStep step, const CaOverlap& overlap,
                       const pki::Passphrase* passphrase) {
   return {.old = ca,
           .ca = ca.authority,
-          .trust_pem = step == Step::end ? overlap.next_only() : overlap.next_first(),
+          .trust_pem = step == RotationStep::end ? overlap.next_only() : overlap.next_first(),
           .passphrase = passphrase,
           .step = step,
           .overlap = overlap};
 }
 
 // With a new key.
-Result<Succession> with_successor(const OpenCa& old, const Successor& successor, Step step,
+Result<CaRotation> with_successor(const OpenCa& old, const Successor& successor, RotationStep step,
                                   const Arguments& arguments, const Context& context) {
-  Succession change{.old = old,
+  CaRotation change{.old = old,
                     .ca = successor.ca,
                     .trust_pem = successor.trust_pem,
                     .passphrase = nullptr,
                     .step = step};
-  if (step == Step::replace) return change;
+  if (step == RotationStep::replace) return change;
   DDSSEC_ASSIGN_OR_RETURN(const auto span_of_time, duration(arguments, "--overlap"));
   const auto until = context.clock.now() + span_of_time;
   DDSSEC_ASSIGN_OR_RETURN(auto next,
@@ -218,21 +220,21 @@ Result<Succession> with_successor(const OpenCa& old, const Successor& successor,
 }
 
 // What it means for a participant that a step cannot write its folder, and what to do then.
-std::string lead_out(const std::string& role, Step step, const std::string& given) {
+std::string unwritten_hint(const std::string& role, RotationStep step, const std::string& given) {
   const auto command = fmt::format("ddssec ca rotate {} --role {}", given, role);
   const auto again = "make its folder writable, then: " + command;
   switch (step) {
-    case Step::replace:
+    case RotationStep::replace:
       break;
-    case Step::begin:
+    case RotationStep::begin:
       return fmt::format(
           "the participant keeps its old files, and does not accept those that move before it has "
           "the successor; {} --overlap TIME",
           again);
-    case Step::move:
+    case RotationStep::move:
       return fmt::format("the participant keeps its old files, which count until --end; {} --move",
                          again);
-    case Step::end:
+    case RotationStep::end:
       return fmt::format(
           "the participant keeps its old files, and still trusts the former CA; {} "
           "--end",
@@ -245,20 +247,20 @@ std::string lead_out(const std::string& role, Step step, const std::string& give
 
 /// One step for the participants that it is for.
 struct Work {
-  Succession change;
-  KnownFollowers known;
+  CaRotation change;
+  AffectedParticipants known;
   std::vector<Error> warnings = {};
 };
 
 // Those of the log that the command line does not name.
-Result<std::vector<Follower>> unnamed(const Arguments& arguments, WallTime now) {
+Result<std::vector<AffectedParticipant>> unnamed(const Arguments& arguments, WallTime now) {
   const fs::path given = arguments.text("DIR");
-  if (arguments.all("DIRS").empty()) return std::vector<Follower>();
-  DDSSEC_ASSIGN_OR_RETURN(auto known, known_followers(given, now));
-  std::erase_if(known.here, [&](const Follower& follower) {
+  if (arguments.all("DIRS").empty()) return std::vector<AffectedParticipant>();
+  DDSSEC_ASSIGN_OR_RETURN(auto known, affected_participants(given, now));
+  std::erase_if(known.here, [&](const AffectedParticipant& participant) {
     return std::ranges::any_of(arguments.all("DIRS"), [&](const std::string& folder) {
       std::error_code ignored;
-      return fs::equivalent(folder, follower.files.folder, ignored);
+      return fs::equivalent(folder, participant.files.folder, ignored);
     });
   });
   return known.here;
@@ -266,21 +268,21 @@ Result<std::vector<Follower>> unnamed(const Arguments& arguments, WallTime now) 
 
 // --move works on folders that --overlap did not name, and --end may name fewer than --move. A
 // rotation at once leaves all that are not named.
-Result<std::vector<Error>> warnings_of(Step step, const std::string& role,
-                                       const std::vector<Follower>& followers,
+Result<std::vector<Error>> warnings_of(RotationStep step, const std::string& role,
+                                       const std::vector<AffectedParticipant>& participants,
                                        const Arguments& arguments, WallTime now) {
   std::vector<Error> out;
-  if (step == Step::begin) return out;
+  if (step == RotationStep::begin) return out;
   const fs::path given = arguments.text("DIR");
   DDSSEC_ASSIGN_OR_RETURN(auto others, unnamed(arguments, now));
-  if (step == Step::replace) {
+  if (step == RotationStep::replace) {
     for (const auto& one : others)
       out.emplace_back(tool_code::rotation_unfinished, ErrorDetails{.document = one.files.folder});
     return out;
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));
-  const bool is_end = step == Step::end;
-  if (!is_end) others.insert(others.end(), followers.begin(), followers.end());
+  const bool is_end = step == RotationStep::end;
+  if (!is_end) others.insert(others.end(), participants.begin(), participants.end());
   const auto code = is_end ? tool_code::rotation_unfinished : tool_code::successor_unknown;
   for (const auto& one : is_end ? progress.not_ended(others) : progress.without_successor(others))
     out.emplace_back(code, ErrorDetails{.document = one.files.folder});
@@ -288,13 +290,13 @@ Result<std::vector<Error>> warnings_of(Step step, const std::string& role,
 }
 
 // Those that have new files, and run without taking them.
-void add_not_taken(const std::string& role, const std::vector<Follower>& followers,
-                   const Followed& followed, Report& report) {
-  for (const auto& follower : followers) {
-    if (std::ranges::find(followed.again, follower.name) == followed.again.end()) continue;
-    const auto certificate = read_certificate(follower.files.certificate);
-    const auto problem = role == "permissions" ? permissions_not_there(follower.files)
-                         : certificate         ? key_not_there(follower.files, *certificate)
+void add_not_taken(const std::string& role, const std::vector<AffectedParticipant>& participants,
+                   const RotationResult& rotation, Report& report) {
+  for (const auto& participant : participants) {
+    if (std::ranges::find(rotation.updated, participant.name) == rotation.updated.end()) continue;
+    const auto certificate = read_certificate(participant.files.certificate);
+    const auto problem = role == "permissions" ? permissions_not_there(participant.files)
+                         : certificate         ? key_not_there(participant.files, *certificate)
                                                : std::nullopt;
     if (problem) report.errors.push_back(*problem);
   }
@@ -305,7 +307,7 @@ Result<std::vector<std::string>> left_away(const Work& work, const std::string& 
                                            const Arguments& arguments, WallTime now) {
   if (arguments.all("DIRS").empty()) return work.known.gone;
   const fs::path given = arguments.text("DIR");
-  DDSSEC_ASSIGN_OR_RETURN(const auto known, known_followers(given, now));
+  DDSSEC_ASSIGN_OR_RETURN(const auto known, affected_participants(given, now));
   return not_reached(ca_paths(given, role), known);
 }
 
@@ -319,39 +321,41 @@ Result<Answer<RotatedCa>> follow(const std::string& role, const Work& work,
   const fs::path given = arguments.text("DIR");
   const auto& change = work.change;
   FileTransaction out;
-  const bool is_over = change.step == Step::end || change.step == Step::replace;
+  const bool is_over = change.step == RotationStep::end || change.step == RotationStep::replace;
   DDSSEC_ASSIGN_OR_RETURN(const auto away, left_away(work, role, arguments, context.clock.now()));
   const auto& paths = change.old.paths;
   if (is_over && !away.empty())
     DDSSEC_RETURN_IF_ERROR(out.put_public(unreached_file(paths), unreached_text(away)));
   DDSSEC_ASSIGN_OR_RETURN(
-      auto followed, role == "identity" ? follow_identity_ca(out, change, work.known.here, context)
-                                        : follow_permissions_ca(out, change, work.known.here,
+      auto rotation, role == "identity" ? rotate_identity_ca(out, change, work.known.here, context)
+                                        : rotate_permissions_ca(out, change, work.known.here,
                                                                 shared_documents(given), context));
   if (role == "permissions")
-    DDSSEC_RETURN_IF_ERROR(log_places(given, work.known.here, followed.again, context.clock.now()));
-  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
+    DDSSEC_RETURN_IF_ERROR(
+        log_places(given, work.known.here, rotation.updated, context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, rotation));
   // If this fails, nothing is wrong: the former CA is not in the CA's file any more.
   if (is_over) remove_file(overlap_file(paths));
   if (is_over && away.empty()) remove_file(unreached_file(paths));
-  auto answer = answer_of(role, change, followed, work.known.elsewhere, given.string());
+  auto answer = answer_of(role, change, rotation, work.known.elsewhere, given.string());
   auto& report = answer.report;
-  if (change.step != Step::replace && !work.known.gone.empty())
+  if (change.step != RotationStep::replace && !work.known.gone.empty())
     report.exit = std::max(report.exit, Exit::no);
   report.errors.insert(report.errors.end(), work.warnings.begin(), work.warnings.end());
-  if (change.step != Step::begin) add_not_taken(role, work.known.here, followed, report);
+  if (change.step != RotationStep::begin) add_not_taken(role, work.known.here, rotation, report);
   report.files_written = std::move(files);
   if (writes_nothing()) {
-    const ForecastStep step{role, change, followed.again, context.clock.now()};
+    const ForecastStep step{role, change, rotation.updated, context.clock.now()};
     DDSSEC_ASSIGN_OR_RETURN(answer.result.forecast, forecast_of(step, given, work.known.here));
     report.forecast = answer.result.forecast->text();
   }
   return answer;
 }
 
-std::unexpected<Error> nothing_left(Step step, const OpenCa& ca, std::size_t unmoved,
+std::unexpected<Error> nothing_left(RotationStep step, const OpenCa& ca, std::size_t unmoved,
                                     std::size_t all) {
-  if (step == Step::end) return fail(tool_code::no_overlap, {.document = ca.paths.certificate});
+  if (step == RotationStep::end)
+    return fail(tool_code::no_overlap, {.document = ca.paths.certificate});
   const auto next = unmoved == 0 ? "--end" : "--move; when all have moved, --end";
   return fail(tool_code::overlap_under_way,
               {.document = overlap_file(ca.paths),
@@ -361,16 +365,17 @@ std::unexpected<Error> nothing_left(Step step, const OpenCa& ca, std::size_t unm
 
 /// --overlap or --end once more, for the folders that it did not reach. `waiting`: those whose
 /// files waited beside their places before the CA was opened, which put them in place.
-Result<Work> made_again(const OpenCa& ca, Step step, const RotationProgress& progress,
-                        KnownFollowers known, const std::vector<Follower>& waiting) {
-  const bool is_begin = step == Step::begin;
+Result<Work> made_again(const OpenCa& ca, RotationStep step, const RotationProgress& progress,
+                        AffectedParticipants known,
+                        const std::vector<AffectedParticipant>& waiting) {
+  const bool is_begin = step == RotationStep::begin;
   auto left = is_begin ? progress.without_successor(known.here) : progress.not_ended(known.here);
   if (left.empty()) left = waiting;
   if (left.empty())
     return nothing_left(step, ca, progress.not_moved(known.here).size(), known.here.size());
   auto overlap =
       is_begin ? *progress.overlap() : CaOverlap{progress.next(), {}, ca.certificate().not_after()};
-  Succession change{.old = ca,
+  CaRotation change{.old = ca,
                     .ca = ca.authority,
                     .trust_pem = is_begin ? overlap.former_first() : overlap.next_only(),
                     .passphrase = nullptr,
@@ -382,12 +387,12 @@ Result<Work> made_again(const OpenCa& ca, Step step, const RotationProgress& pro
 }
 
 // The folders that an earlier --end, or a rotation at once, did not reach.
-std::vector<Follower> left_before(const std::string& role, Step step, const Arguments& arguments,
-                                  WallTime now) {
-  if (step != Step::end) return {};
+std::vector<AffectedParticipant> left_before(const std::string& role, RotationStep step,
+                                             const Arguments& arguments, WallTime now) {
+  if (step != RotationStep::end) return {};
   const fs::path given = arguments.text("DIR");
   const auto progress = RotationProgress::of(given, role, now);
-  const auto known = followers_of(arguments, given, now);
+  const auto known = participants_of(arguments, given, now);
   if (!progress || !known || progress->overlap()) return {};
   return progress->not_ended(known->here);
 }
@@ -414,27 +419,27 @@ Result<Answer<RotatedCa>> ca_rotate(const Arguments& arguments, const Context& c
     DDSSEC_RETURN_IF_ERROR(check_list_date(now, log, arguments));
   if (old.authority.key().in_token()) return fail(Code::key_in_token, {.document = old.paths.key});
   auto overlap_read = read_overlap(old.paths);
-  if (!overlap_read && step != Step::replace) return std::unexpected(overlap_read.error());
+  if (!overlap_read && step != RotationStep::replace) return std::unexpected(overlap_read.error());
   const auto overlap = std::move(overlap_read).value_or(std::nullopt);
-  if (step == Step::end && overlap && arguments.has("--when-due") && now < overlap->until)
+  if (step == RotationStep::end && overlap && arguments.has("--when-due") && now < overlap->until)
     return Answer<RotatedCa>{rotated(role, "not due", old.certificate(), overlap)};
   const auto run = [&](Work work) -> Result<Answer<RotatedCa>> {
     work.change.takes_unlogged = arguments.has("--unlogged");
-    work.change.lead_out = lead_out(role, step, given.string());
+    work.change.unwritten_hint = unwritten_hint(role, step, given.string());
     DDSSEC_ASSIGN_OR_RETURN(work.warnings,
                             warnings_of(step, role, work.known.here, arguments, now));
     return follow(role, work, arguments, context);
   };
-  if (step == Step::move && !overlap)
+  if (step == RotationStep::move && !overlap)
     return fail(tool_code::no_overlap, {.document = old.paths.certificate});
   // Before a CA above has logged a successor.
-  DDSSEC_ASSIGN_OR_RETURN(auto known, followers_of(arguments, given, now));
-  if ((step == Step::begin && overlap) || (step == Step::end && !overlap)) {
+  DDSSEC_ASSIGN_OR_RETURN(auto known, participants_of(arguments, given, now));
+  if ((step == RotationStep::begin && overlap) || (step == RotationStep::end && !overlap)) {
     DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));
     DDSSEC_ASSIGN_OR_RETURN(auto work, made_again(old, step, progress, std::move(known), waiting));
     return run(std::move(work));
   }
-  if (step == Step::move || step == Step::end)
+  if (step == RotationStep::move || step == RotationStep::end)
     return run({on_the_way(old, step, *overlap, opener.used_passphrase()), std::move(known)});
   DDSSEC_ASSIGN_OR_RETURN(const auto successor,
                           successor_of(old.certificate(), arguments, context));

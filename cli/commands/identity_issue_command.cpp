@@ -87,7 +87,7 @@ Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now, Findin
 }
 
 // The files without which a participant cannot start and that this command was not given.
-std::string not_in_it(bool has_permissions, bool has_governance) {
+std::string missing_documents(bool has_permissions, bool has_governance) {
   std::string out;
   if (!has_governance)
     out += "no governance.p7s is in it yet: --governance FILE copies a signed one\n";
@@ -148,7 +148,7 @@ Result<IssueAnswer> issue_fleet(const Arguments& arguments, const Context& conte
 }
 
 /// One participant, as the command line asks for it.
-struct Job {
+struct IssueRequest {
   const Arguments& arguments;
   const Context& context;
   ParticipantSpec spec;
@@ -159,8 +159,9 @@ struct Job {
   bool is_replacing() const { return arguments.has("--replace"); }
 };
 
-IssuedFacts issued_of(const Job& job, const pki::Certificate& certificate, std::string done = {}) {
-  return {job.spec.name, job.target, CertificateFacts::of(certificate), std::move(done)};
+IssuedFacts issued_of(const IssueRequest& request, const pki::Certificate& certificate,
+                      std::string done = {}) {
+  return {request.spec.name, request.target, CertificateFacts::of(certificate), std::move(done)};
 }
 
 /// The contents of one participant's folder, and the CAs that signed it.
@@ -169,44 +170,44 @@ struct Issued {
   NewParticipant made;
 };
 
-Result<Issued> issue(Job& job) {
-  const auto now = job.context.clock.now();
+Result<Issued> issue(IssueRequest& request) {
+  const auto now = request.context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(auto cas,
-                          open_issuing_cas(job.arguments, job.spec.has_permissions(), now));
+                          open_issuing_cas(request.arguments, request.spec.has_permissions(), now));
   // A rotation that this command waited for has signed it anew.
-  DDSSEC_ASSIGN_OR_RETURN(job.governance, governance_of(job.arguments, now));
-  DDSSEC_ASSIGN_OR_RETURN(auto made, make(job.spec, cas, job.arguments, job.context,
-                                          job.arguments.text("--permissions")));
+  DDSSEC_ASSIGN_OR_RETURN(request.governance, governance_of(request.arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto made, make(request.spec, cas, request.arguments, request.context,
+                                          request.arguments.text("--permissions")));
   return Issued{std::move(cas), std::move(made)};
 }
 
 // Reports what the folder lacks after everything is in place; in a dry run it reports nothing about
 // that.
-Result<IssueAnswer> finished(IssuedFacts issued, Report report, const Job& job,
-                             Result<std::vector<WrittenFile>> committed) {
+Result<IssueAnswer> issue_answer(IssuedFacts issued, Report report, const IssueRequest& request,
+                                 Result<std::vector<WrittenFile>> committed) {
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, std::move(committed));
-  const bool has_permissions = is_there(job.files.permissions);
-  const bool has_governance = is_there(job.files.governance);
-  report.text += not_in_it(has_permissions, has_governance);
+  const bool has_permissions = is_there(request.files.permissions);
+  const bool has_governance = is_there(request.files.governance);
+  report.text += missing_documents(has_permissions, has_governance);
   if (has_permissions && has_governance)
-    report.text += configuration_lines(job.spec.name, job.target);
-  if (!job.spec.dropin.empty() || leaves_libraries_open(job.target))
-    report.text += drop_in_line(job.spec.dropin);
-  warn_of_rights(job.spec, job.arguments.text("--permissions"), report);
+    report.text += configuration_lines(request.spec.name, request.target);
+  if (!request.spec.dropin.empty() || leaves_libraries_open(request.target))
+    report.text += drop_in_line(request.spec.dropin);
+  warn_of_rights(request.spec, request.arguments.text("--permissions"), report);
   return IssueAnswer{std::move(issued), std::move(report)};
 }
 
-Result<IssueAnswer> make_folder(Job& job) {
-  DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(job.target));
-  DDSSEC_ASSIGN_OR_RETURN(const auto issued, issue(job));
+Result<IssueAnswer> create_folder(IssueRequest& request) {
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(request.target));
+  DDSSEC_ASSIGN_OR_RETURN(const auto issued, issue(request));
   const auto& [cas, made] = issued;
   DDSSEC_RETURN_IF_ERROR(
-      add_flat(folder, "", made, cas.issuers(job.spec.has_permissions()), job.governance));
-  DDSSEC_RETURN_IF_ERROR(log_one(cas, made, job.target, job.context.clock.now()));
-  return finished(issued_of(job, made.self.certificate), {}, job, folder.commit());
+      add_flat(folder, "", made, cas.issuers(request.spec.has_permissions()), request.governance));
+  DDSSEC_RETURN_IF_ERROR(log_one(cas, made, request.target, request.context.clock.now()));
+  return issue_answer(issued_of(request, made.self.certificate), {}, request, folder.commit());
 }
 
-std::unexpected<Error> in_the_way(const fs::path& file, std::string note) {
+std::unexpected<Error> refuse_existing(const fs::path& file, std::string note) {
   return fail(Code::would_overwrite,
               {.document = file,
                .note = std::move(note),
@@ -216,11 +217,11 @@ std::unexpected<Error> in_the_way(const fs::path& file, std::string note) {
 }
 
 // A key on its own waits for its certificate, and the other way round.
-Status check_pair(const Job& job) {
-  const bool has_certificate = is_there(job.files.certificate);
-  const bool has_key = is_there(job.files.key);
+Status check_pair(const IssueRequest& request) {
+  const bool has_certificate = is_there(request.files.certificate);
+  const bool has_key = is_there(request.files.key);
   if (has_certificate == has_key) return {};
-  const auto& file = has_key ? job.files.key : job.files.certificate;
+  const auto& file = has_key ? request.files.key : request.files.certificate;
   return fail(
       Code::would_overwrite,
       {.document = file,
@@ -235,7 +236,7 @@ Status check_pair(const Job& job) {
 /// The missing files of a folder that this command can add.
 class Completion {
  public:
-  explicit Completion(const Job& job) : job_(job) {}
+  explicit Completion(const IssueRequest& request) : request_(request) {}
 
   /// Leaves an identical file unchanged; any other existing file is an error.
   Status add(const fs::path& file, BytesView octets, unsigned mode, bool is_asked_for) {
@@ -246,102 +247,107 @@ class Completion {
     if (!is_asked_for) return {};
     DDSSEC_ASSIGN_OR_RETURN(const auto found, read_file(file, pki::kMaxDocumentOctets));
     if (std::ranges::equal(found, octets)) return {};
-    return in_the_way(file, "it is another one");
+    return refuse_existing(file, "it is another one");
   }
   Status put(const fs::path& file, std::string_view text) {
     ++count_;
     return out_.put_public(file, text);
   }
   Result<std::vector<WrittenFile>> commit() {
-    if (count_ == 0) return in_the_way(job_.target, "nothing is missing in it");
+    if (count_ == 0) return refuse_existing(request_.target, "nothing is missing in it");
     return out_.commit();
   }
 
  private:
-  const Job& job_;
+  const IssueRequest& request_;
   FileTransaction out_;
   std::size_t count_ = 0;
 };
 
 // The certificate that is there must be the one that was asked for, of this CA.
-Status check_same(const Job& job, const pki::Certificate& certificate, const pki::Certificate& ca) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto wanted, pki::SubjectName::parse(job.spec.subject));
+Status check_same(const IssueRequest& request, const pki::Certificate& certificate,
+                  const pki::Certificate& ca) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto wanted, pki::SubjectName::parse(request.spec.subject));
   if (pki::SubjectName::of(certificate).key() != wanted.key())
-    return in_the_way(job.files.certificate, fmt::format("it is that of {}, not of {}",
-                                                         certificate.subject(), job.spec.subject));
+    return refuse_existing(
+        request.files.certificate,
+        fmt::format("it is that of {}, not of {}", certificate.subject(), request.spec.subject));
   if (!certificate.is_issued_by(ca))
-    return in_the_way(job.files.certificate,
-                      fmt::format("it was issued by {}, not by this CA", certificate.issuer()));
+    return refuse_existing(
+        request.files.certificate,
+        fmt::format("it was issued by {}, not by this CA", certificate.issuer()));
   return {};
 }
 
-Status add_permissions(const Job& job, const pki::Certificate& certificate, Completion& out) {
-  const auto now = job.context.clock.now();
-  const auto paths = ca_paths(job.arguments.text("--ca"), "permissions");
-  if (!job.spec.has_permissions()) {
-    if (!is_there(job.files.permissions) && job.governance.empty()) return {};
+Status add_permissions(const IssueRequest& request, const pki::Certificate& certificate,
+                       Completion& out) {
+  const auto now = request.context.clock.now();
+  const auto paths = ca_paths(request.arguments.text("--ca"), "permissions");
+  if (!request.spec.has_permissions()) {
+    if (!is_there(request.files.permissions) && request.governance.empty()) return {};
     DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(paths.certificate));
     const auto trust = to_pem(std::move(certificates));
-    return out.add(job.files.permissions_ca, as_bytes(trust), 0644, true);
+    return out.add(request.files.permissions_ca, as_bytes(trust), 0644, true);
   }
-  if (is_there(job.files.permissions))
-    return in_the_way(job.files.permissions, "the participant has permissions");
-  DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(job.arguments).open("permissions"));
-  DDSSEC_ASSIGN_OR_RETURN(const auto xml, named(permissions_xml(job.spec, certificate, now),
-                                                job.arguments.text("--permissions")));
+  if (is_there(request.files.permissions))
+    return refuse_existing(request.files.permissions, "the participant has permissions");
+  DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(request.arguments).open("permissions"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto xml, named(permissions_xml(request.spec, certificate, now),
+                                                request.arguments.text("--permissions")));
   DDSSEC_ASSIGN_OR_RETURN(const auto document,
-                          sign_permissions(ca.authority, xml, now, job.context.random));
-  DDSSEC_RETURN_IF_ERROR(out.add(job.files.permissions_ca, as_bytes(ca.trust_pem), 0644, true));
-  DDSSEC_RETURN_IF_ERROR(out.add(job.files.permissions, document, 0644, true));
-  return log_signed(ca, as_bytes(xml), job.files.permissions, now);
+                          sign_permissions(ca.authority, xml, now, request.context.random));
+  DDSSEC_RETURN_IF_ERROR(out.add(request.files.permissions_ca, as_bytes(ca.trust_pem), 0644, true));
+  DDSSEC_RETURN_IF_ERROR(out.add(request.files.permissions, document, 0644, true));
+  return log_signed(ca, as_bytes(xml), request.files.permissions, now);
 }
 
 // Key and certificate stay; only missing files are added.
-Result<IssueAnswer> complete_folder(Job& job) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(job.files.certificate));
-  const auto paths = ca_paths(job.arguments.text("--ca"), "identity");
+Result<IssueAnswer> add_missing_files(IssueRequest& request) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(request.files.certificate));
+  const auto paths = ca_paths(request.arguments.text("--ca"), "identity");
   DDSSEC_ASSIGN_OR_RETURN(const auto lock, lock_records(paths));
   DDSSEC_ASSIGN_OR_RETURN(const auto cas, read_certificates(paths.certificate));
-  DDSSEC_RETURN_IF_ERROR(check_same(job, certificate, cas.front()));
+  DDSSEC_RETURN_IF_ERROR(check_same(request, certificate, cas.front()));
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
   DDSSEC_RETURN_IF_ERROR(
-      check_not_revoked(certificate, job.files.certificate, paths, log, NextKey::same));
-  Completion out(job);
-  DDSSEC_RETURN_IF_ERROR(out.add(job.files.identity_ca, as_bytes(to_pem(cas)), 0644, false));
-  DDSSEC_RETURN_IF_ERROR(add_permissions(job, certificate, out));
-  if (!job.governance.empty())
-    DDSSEC_RETURN_IF_ERROR(out.add(job.files.governance, job.governance, 0644, true));
-  DDSSEC_ASSIGN_OR_RETURN(const auto crl, list_for_newcomers(paths, job.context.clock.now()));
+      check_not_revoked(certificate, request.files.certificate, paths, log, NextKey::same));
+  Completion out(request);
+  DDSSEC_RETURN_IF_ERROR(out.add(request.files.identity_ca, as_bytes(to_pem(cas)), 0644, false));
+  DDSSEC_RETURN_IF_ERROR(add_permissions(request, certificate, out));
+  if (!request.governance.empty())
+    DDSSEC_RETURN_IF_ERROR(out.add(request.files.governance, request.governance, 0644, true));
+  DDSSEC_ASSIGN_OR_RETURN(const auto crl, list_for_newcomers(paths, request.context.clock.now()));
   if (crl) {
     DDSSEC_ASSIGN_OR_RETURN(const auto lists, file_of_lists(paths, *crl));
-    DDSSEC_RETURN_IF_ERROR(out.add(job.files.crl, as_bytes(lists), 0644, false));
+    DDSSEC_RETURN_IF_ERROR(out.add(request.files.crl, as_bytes(lists), 0644, false));
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto missing_files,
-                          missing_configuration_files(job.files, job.spec.dropin));
+                          missing_configuration_files(request.files, request.spec.dropin));
   for (const auto& [name, text] : missing_files)
-    DDSSEC_RETURN_IF_ERROR(out.put(job.target / name, text));
-  return finished(issued_of(job, certificate, "completed, key and certificate are as before, "), {},
-                  job, out.commit());
+    DDSSEC_RETURN_IF_ERROR(out.put(request.target / name, text));
+  return issue_answer(
+      issued_of(request, certificate, "completed, key and certificate are as before, "), {},
+      request, out.commit());
 }
 
 // A *.p11 file names an object of a token, so PEM text in it would be useless.
-Status check_nothing_in_token(const Job& job) {
+Status check_nothing_in_token(const IssueRequest& request) {
   for (const auto* file :
-       {&job.files.certificate, &job.files.identity_ca, &job.files.permissions_ca})
-    if (file->extension() == ".p11") return in_the_way(*file, "it names what a token holds");
-  if (job.files.key.extension() != ".p11") return {};
+       {&request.files.certificate, &request.files.identity_ca, &request.files.permissions_ca})
+    if (file->extension() == ".p11") return refuse_existing(*file, "it names what a token holds");
+  if (request.files.key.extension() != ".p11") return {};
   return fail(Code::key_in_token,
-              {.document = job.files.key,
+              {.document = request.files.key,
                .hint = "remove key.p11 if the participant is to have a key in a file; for one in a "
                        "token: ddssec identity csr --key pkcs11:..., then identity sign-csr"});
 }
 
 // Everything that the command creates replaces existing files; other files stay.
-Result<IssueAnswer> fill_folder(Job& job) {
-  DDSSEC_RETURN_IF_ERROR(check_nothing_in_token(job));
-  DDSSEC_ASSIGN_OR_RETURN(const auto issued, issue(job));
+Result<IssueAnswer> write_folder(IssueRequest& request) {
+  DDSSEC_RETURN_IF_ERROR(check_nothing_in_token(request));
+  DDSSEC_ASSIGN_OR_RETURN(const auto issued, issue(request));
   const auto& [cas, made] = issued;
-  const auto& files = job.files;
+  const auto& files = request.files;
   FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(out.put_public(files.identity_ca, cas.identity.trust_pem));
   if (cas.permissions)
@@ -351,37 +357,40 @@ Result<IssueAnswer> fill_folder(Job& job) {
   const auto plain = fs::path(files.permissions).replace_extension("xml");
   if (!made.permissions.empty() && is_there(plain))
     DDSSEC_RETURN_IF_ERROR(out.put_public(plain, made.permissions_xml));
-  if (!job.governance.empty())
-    DDSSEC_RETURN_IF_ERROR(out.put(files.governance, job.governance, 0644));
+  if (!request.governance.empty())
+    DDSSEC_RETURN_IF_ERROR(out.put(files.governance, request.governance, 0644));
   if (cas.list) {
     DDSSEC_ASSIGN_OR_RETURN(auto trusted, read_certificates(cas.identity.paths.certificate));
     DDSSEC_RETURN_IF_ERROR(
         put_list(out, files.crl,
-                 {*cas.list, cas.identity.certificate(), job.arguments.text("--ca"),
-                  &made.self.certificate, std::move(trusted), job.context.clock.now()}));
+                 {*cas.list, cas.identity.certificate(), request.arguments.text("--ca"),
+                  &made.self.certificate, std::move(trusted), request.context.clock.now()}));
   }
   // Changes by the user, such as the network interface, stay.
   DDSSEC_ASSIGN_OR_RETURN(const auto missing_files,
-                          missing_configuration_files(files, job.spec.dropin));
+                          missing_configuration_files(files, request.spec.dropin));
   for (const auto& [name, text] : missing_files)
-    DDSSEC_RETURN_IF_ERROR(out.put_public(job.target / name, text));
+    DDSSEC_RETURN_IF_ERROR(out.put_public(request.target / name, text));
   DDSSEC_ASSIGN_OR_RETURN(const auto pem, made.self.key.to_pem());
   DDSSEC_RETURN_IF_ERROR(
       pem.expose([&](BytesView octets) { return out.put(files.key, octets, 0600); }));
   DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, made.self.certificate.pem()));
-  DDSSEC_RETURN_IF_ERROR(log_one(cas, made, job.target, job.context.clock.now()));
+  DDSSEC_RETURN_IF_ERROR(log_one(cas, made, request.target, request.context.clock.now()));
   Report report;
-  report.text =
-      about_former(job.files.certificate, job.arguments.text("--ca"), job.context.clock.now());
-  return finished(issued_of(job, made.self.certificate), std::move(report), job, out.commit());
+  report.text = about_former(request.files.certificate, request.arguments.text("--ca"),
+                             request.context.clock.now());
+  return issue_answer(issued_of(request, made.self.certificate), std::move(report), request,
+                      out.commit());
 }
 
 // A folder without a participant: nothing of one may be there.
-Result<IssueAnswer> start_folder(Job& job) {
-  for (const auto* file : {&job.files.identity_ca, &job.files.permissions_ca, &job.files.governance,
-                           &job.files.permissions, &job.files.crl})
-    if (is_there(*file)) return in_the_way(*file, "it is there without a key and a certificate");
-  return fill_folder(job);
+Result<IssueAnswer> fill_existing_folder(IssueRequest& request) {
+  for (const auto* file :
+       {&request.files.identity_ca, &request.files.permissions_ca, &request.files.governance,
+        &request.files.permissions, &request.files.crl})
+    if (is_there(*file))
+      return refuse_existing(*file, "it is there without a key and a certificate");
+  return write_folder(request);
 }
 
 Result<IssueAnswer> issue_one(const Arguments& arguments, const Context& context,
@@ -394,19 +403,20 @@ Result<IssueAnswer> issue_one(const Arguments& arguments, const Context& context
   // A link is followed nowhere.
   const bool is_folder = fs::symlink_status(target, ignored).type() == fs::file_type::directory;
   DDSSEC_ASSIGN_OR_RETURN(auto governance, governance_of(arguments, context.clock.now()));
-  Job job{arguments,
-          context,
-          std::move(spec),
-          target,
-          std::move(governance),
-          pki::participant_folder(target, pki::FolderLayout::flat)};
-  if (!is_folder) return make_folder(job);
+  IssueRequest request{arguments,
+                       context,
+                       std::move(spec),
+                       target,
+                       std::move(governance),
+                       pki::participant_folder(target, pki::FolderLayout::flat)};
+  if (!is_folder) return create_folder(request);
   DDSSEC_RETURN_IF_ERROR(hold_folder(target));
-  DDSSEC_RETURN_IF_ERROR(check_not_above_participants(target, job.spec.name));
+  DDSSEC_RETURN_IF_ERROR(check_not_above_participants(target, request.spec.name));
   DDSSEC_RETURN_IF_ERROR(finish_interrupted(target));
-  if (job.is_replacing()) return fill_folder(job);
-  DDSSEC_RETURN_IF_ERROR(check_pair(job));
-  return is_there(job.files.certificate) ? complete_folder(job) : start_folder(job);
+  if (request.is_replacing()) return write_folder(request);
+  DDSSEC_RETURN_IF_ERROR(check_pair(request));
+  return is_there(request.files.certificate) ? add_missing_files(request)
+                                             : fill_existing_folder(request);
 }
 
 Result<IssueAnswer> identity_issue(const Arguments& arguments, const Context& context) {

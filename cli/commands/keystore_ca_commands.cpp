@@ -29,8 +29,9 @@ Result<bool> has_one_ca(const fs::path& keystore) {
                         keystore / "private/permissions_ca.key.pem", ignored);
 }
 
-std::vector<Follower> followers_in(const fs::path& keystore, const Enclaves& enclaves) {
-  std::vector<Follower> out;
+std::vector<AffectedParticipant> participants_in(const fs::path& keystore,
+                                                 const Enclaves& enclaves) {
+  std::vector<AffectedParticipant> out;
   for (const auto& name : enclaves.names)
     out.push_back(
         {name, pki::participant_folder(keystore / enclave_folder(name), pki::FolderLayout::sros2)});
@@ -76,9 +77,10 @@ std::string subject_for(const fs::path& keystore, std::string_view role) {
   return ca_subject(fs::absolute(keystore, ignored).lexically_normal().filename().string(), role);
 }
 
-void add_followed(const Followed& followed, const Enclaves& enclaves, Answer<KeystoreCa>& out) {
-  out.result.unlogged = followed.unlogged;
-  add_left(followed, out.report);
+void add_rotation(const RotationResult& rotation, const Enclaves& enclaves,
+                  Answer<KeystoreCa>& out) {
+  out.result.unlogged = rotation.unlogged;
+  add_left(rotation, out.report);
   add_unseen(enclaves, out.report);
 }
 
@@ -87,16 +89,16 @@ Result<Answer<KeystoreCa>> new_permissions_ca(const fs::path& keystore, const st
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto old, opener.open(ca_paths(keystore, "permissions")));
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, new_root(old.certificate(), subject, context));
-  const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
+  const CaRotation change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
                           arguments.has("--unlogged")};
   FileTransaction out;
   const auto enclaves = enclaves_of(keystore);
-  DDSSEC_ASSIGN_OR_RETURN(auto followed,
-                          follow_permissions_ca(out, change, followers_in(keystore, enclaves),
+  DDSSEC_ASSIGN_OR_RETURN(auto rotation,
+                          rotate_permissions_ca(out, change, participants_in(keystore, enclaves),
                                                 {keystore / "enclaves/governance.p7s"}, context));
-  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
-  auto answer = answer_of(keystore, "permissions", ca.certificate(), followed.again);
-  add_followed(followed, enclaves, answer);
+  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, rotation));
+  auto answer = answer_of(keystore, "permissions", ca.certificate(), rotation.updated);
+  add_rotation(rotation, enclaves, answer);
   answer.report.files_written = std::move(files);
   return answer;
 }
@@ -112,20 +114,20 @@ Result<OpenCa> former_signer(const fs::path& keystore, CaOpener& opener) {
 
 // For enclaves whose folders took no files when the keystore was split.
 Result<Answer<KeystoreCa>> finish_split(const fs::path& keystore, const Enclaves& enclaves,
-                                        const std::vector<Follower>& left,
+                                        const std::vector<AffectedParticipant>& left,
                                         const Arguments& arguments, const Context& context) {
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto former, former_signer(keystore, opener));
   DDSSEC_ASSIGN_OR_RETURN(const auto present, opener.open(ca_paths(keystore, "permissions")));
-  const Succession change{former, present.authority, present.trust_pem, nullptr,
+  const CaRotation change{former, present.authority, present.trust_pem, nullptr,
                           arguments.has("--unlogged")};
   FileTransaction out;
-  DDSSEC_ASSIGN_OR_RETURN(auto followed,
-                          follow_present_permissions_ca(
-                              out, change, left, {keystore / "enclaves/governance.p7s"}, context));
-  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
-  auto answer = answer_of(keystore, "permissions", present.certificate(), followed.again);
-  add_followed(followed, enclaves, answer);
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto rotation, finish_permissions_rotation(out, change, left,
+                                                 {keystore / "enclaves/governance.p7s"}, context));
+  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, rotation));
+  auto answer = answer_of(keystore, "permissions", present.certificate(), rotation.updated);
+  add_rotation(rotation, enclaves, answer);
   answer.report.files_written = std::move(files);
   return answer;
 }
@@ -135,8 +137,8 @@ Result<Answer<KeystoreCa>> already_split(const fs::path& keystore, const Argumen
   DDSSEC_ASSIGN_OR_RETURN(const auto trusted,
                           read_certificates(ca_paths(keystore, "permissions").certificate));
   const auto enclaves = enclaves_of(keystore);
-  const auto left =
-      left_with_another_ca(followers_in(keystore, enclaves), to_pem(trusted), context.clock.now());
+  const auto left = left_with_another_ca(participants_in(keystore, enclaves), to_pem(trusted),
+                                         context.clock.now());
   if (!left.empty()) return finish_split(keystore, enclaves, left, arguments, context);
   auto answer = answer_of(keystore, "permissions", trusted.front(), {});
   answer.result.is_new = false;
@@ -150,17 +152,17 @@ Result<Answer<KeystoreCa>> new_identity_ca(const fs::path& keystore, const Argum
   DDSSEC_ASSIGN_OR_RETURN(const auto old, opener.open(ca_paths(keystore, "identity")));
   DDSSEC_ASSIGN_OR_RETURN(const auto ca,
                           new_root(old.certificate(), old.certificate().subject(), context));
-  const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
+  const CaRotation change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
                           arguments.has("--unlogged")};
   FileTransaction out;
   const auto enclaves = enclaves_of(keystore);
   DDSSEC_ASSIGN_OR_RETURN(
-      auto followed, follow_identity_ca(out, change, followers_in(keystore, enclaves), context));
-  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, followed));
-  auto answer = answer_of(keystore, "identity", ca.certificate(), followed.again);
-  for (const auto& name : followed.revoked)
+      auto rotation, rotate_identity_ca(out, change, participants_in(keystore, enclaves), context));
+  DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, rotation));
+  auto answer = answer_of(keystore, "identity", ca.certificate(), rotation.updated);
+  for (const auto& name : rotation.revoked)
     answer.report.text += name + " is revoked and was left out\n";
-  add_left(followed, answer.report);
+  add_left(rotation, answer.report);
   add_unseen(enclaves, answer.report);
   answer.report.files_written = std::move(files);
   return answer;
