@@ -104,6 +104,8 @@ std::string describe_domain(DomainId domain, std::string_view tag) {
   return text;
 }
 
+namespace {
+
 // "0, 5 to 7": the domains of the document, for an error message.
 std::string describe_domains(const Governance& governance) {
   constexpr std::size_t kMax = 128;
@@ -116,6 +118,8 @@ std::string describe_domains(const Governance& governance) {
     }
   return out.empty() ? "none" : out;
 }
+
+}  // namespace
 
 std::string_view to_string(Action action) {
   constexpr std::array<std::string_view, 3> kNames = {"publish", "subscribe", "relay"};
