@@ -1,6 +1,6 @@
 # The Debian packages: `cpack` in a build folder, or scripts/packages.sh. One for each component of install.cmake.
 # What only packages contain is EXCLUDE_FROM_ALL: `cmake --install` leaves it out.
-set(DDSSEC_PACKAGE_VERSION "${PROJECT_VERSION}-1" CACHE STRING "Version of the Debian packages")
+set(DDSSEC_PACKAGE_VERSION "" CACHE STRING "Version of the Debian packages; default: that of the project and -1")
 set(DDSSEC_PACKAGE_MAINTAINER "ddssec maintainers <maintainers@ddssec.example.org>" CACHE STRING
     "Maintainer of the Debian packages: a name and an address")
 
@@ -69,7 +69,10 @@ set(CPACK_THREADS 0)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
     OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_DEBIAN_PACKAGE_VERSION ${DDSSEC_PACKAGE_VERSION})
+set(CPACK_DEBIAN_PACKAGE_VERSION "${PROJECT_VERSION}-1")
+if(DDSSEC_PACKAGE_VERSION)
+  set(CPACK_DEBIAN_PACKAGE_VERSION "${DDSSEC_PACKAGE_VERSION}")
+endif()
 set(CPACK_DEBIAN_PACKAGE_RELEASE "")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_MAINTAINER "${DDSSEC_PACKAGE_MAINTAINER}")
