@@ -119,7 +119,7 @@ class RateLimitedSink final : public EventSink {
 class DocumentsInUse;
 
 /// The services that every engine gets at construction. All of them must outlive it.
-struct Environment {
+struct EngineServices {
   const Clock& clock;
   Random& random;
   EventSink& events;

@@ -18,19 +18,19 @@
 namespace ddssec::secured {
 
 struct Engines::Parts {
-  explicit Parts(const Environment& environment)
-      : documents(documents_shown(&environment.events)),
-        calendar(environment.clock, environment.events),
-        authentication(authentication::make_authentication(judging(environment))),
-        access_control(access_control::make_access_control(judging(environment),
+  explicit Parts(const EngineServices& services)
+      : documents(documents_shown(&services.events)),
+        calendar(services.clock, services.events),
+        authentication(authentication::make_authentication(judging(services))),
+        access_control(access_control::make_access_control(judging(services),
                                                            {.host_revises_keys = true,
                                                             .host_has_pre_shared_keys = true,
                                                             .host_changes_protection = true})),
-        cryptography(cryptography::make_cryptography(environment)) {}
+        cryptography(cryptography::make_cryptography(services)) {}
 
   /// For the plugins that judge documents.
-  Environment judging(const Environment& environment) const {
-    Environment out{calendar, environment.random, environment.events};
+  EngineServices judging(const EngineServices& services) const {
+    EngineServices out{calendar, services.random, services.events};
     out.documents = documents.get();
     return out;
   }
@@ -42,7 +42,7 @@ struct Engines::Parts {
   std::unique_ptr<spi::Cryptography> cryptography;
 };
 
-Engines::Engines(const Environment& environment) : parts_(std::make_unique<Parts>(environment)) {}
+Engines::Engines(const EngineServices& services) : parts_(std::make_unique<Parts>(services)) {}
 Engines::~Engines() = default;
 
 rtps::SecurityPlugins Engines::view() {

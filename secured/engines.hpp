@@ -14,10 +14,10 @@ namespace ddssec::secured {
 /// Owns the three builtin plugins of DDS-Security. It must outlive the participants that use them.
 class Engines {
  public:
-  /// The clock, random source and event sink in `environment` must outlive this object.
+  /// The clock, random source and event sink in `services` must outlive this object.
   /// If the environment variable DDSSEC_STATUS_DIR names a folder, a socket there shows the
   /// documents in use (base/status_service.hpp).
-  explicit Engines(const Environment& environment);
+  explicit Engines(const EngineServices& services);
   ~Engines();
 
   /// Takes the property org.ddssec.clock_step_grace: how long a system clock that was set is not

@@ -51,10 +51,10 @@ Status start(spi::PropertyList properties, const access_control::Options& option
   const StoppedClock clock(settings.now);
   SystemRandom random;
   NoEvents events;
-  const Environment environment{clock, random, events};
-  const auto authentication = authentication::make_authentication(environment);
-  const auto access_control = access_control::make_access_control(environment, options);
-  const auto cryptography = cryptography::make_cryptography(environment);
+  const EngineServices services{clock, random, events};
+  const auto authentication = authentication::make_authentication(services);
+  const auto access_control = access_control::make_access_control(services, options);
+  const auto cryptography = cryptography::make_cryptography(services);
   DDSSEC_ASSIGN_OR_RETURN(
       const auto own, rtps::OwnSecurity::create({{*authentication, *access_control, *cryptography},
                                                  std::move(properties)},

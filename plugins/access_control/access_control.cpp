@@ -26,10 +26,10 @@ using Participants = std::set<const LocalParticipant*>;
 
 class AccessControlPlugin final : public spi::AccessControl {
  public:
-  AccessControlPlugin(const Environment& environment, Options options)
-      : environment_(environment),
+  AccessControlPlugin(const EngineServices& services, Options options)
+      : services_(services),
         options_(std::move(options)),
-        judgement_(environment_.clock, options_.accept_relays),
+        judgement_(services_.clock, options_.accept_relays),
         documents_(options_.one_partition_suffices ? governance::PartitionMatch::one
                                                    : governance::PartitionMatch::all,
                    kMaxCachedDocuments, kMaxCachedOctets),
@@ -174,18 +174,18 @@ class AccessControlPlugin final : public spi::AccessControl {
   std::vector<PermissionsHandle> expire(PermissionsHandle local) override;
 
  private:
-  LoadContext context() { return {documents_, options_, environment_.clock.now()}; }
+  LoadContext context() { return {documents_, options_, services_.clock.now()}; }
 
   /// Raises the one event of a refusal.
   std::unexpected<Error> refuse(const Error& error, const std::string& peer_subject = {},
                                 const std::string& peer_guid = {}) {
-    environment_.events.raise(event_about(peer_subject, error, peer_guid));
+    services_.events.raise(event_about(peer_subject, error, peer_guid));
     return std::unexpected(error);
   }
 
   /// The same of a call of the application, which gets the error.
   std::unexpected<Error> refuse_local(const Error& error) {
-    environment_.events.raise(Event::of_returned(error));
+    services_.events.raise(Event::of_returned(error));
     return std::unexpected(error);
   }
   std::unexpected<Error> refuse(const Error& error, const PermissionsHolder& holder) {
@@ -231,7 +231,7 @@ class AccessControlPlugin final : public spi::AccessControl {
   Result<spi::EndpointSecurityAttributes> attributes(PermissionsHandle local,
                                                      std::string_view topic);
 
-  const Environment environment_;
+  const EngineServices services_;
   const Options options_;
   const AccessDecisions judgement_;
   DocumentCache documents_;
@@ -267,8 +267,8 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
   if (!facts.peer_keeps_session) holder->note_seen(local, facts);
   // So that next_expiry knows its end before the first check; an error will come again there.
   if (holder->has_document()) static_cast<void>(judgement_.grant_now(*holder));
-  if (const auto listed = holder->follow_list(environment_.clock.now()))
-    environment_.events.raise(event_about(holder->peer_subject(), *listed));
+  if (const auto listed = holder->follow_list(services_.clock.now()))
+    services_.events.raise(event_about(holder->peer_subject(), *listed));
   return add(std::move(holder));
 }
 
@@ -283,11 +283,11 @@ Status AccessControlPlugin::renew_remote_permissions(PermissionsHandle remote,
     return refuse(status.error().in(participant.governance_name), *holder);
   auto judged = judge_remote(context(), participant, permissions_token, credential, subject);
   if (!judged) return refuse(judged.error().in(name), *holder);
-  const auto taken = holder->take_shown(*std::move(judged), environment_.clock.now());
+  const auto taken = holder->take_shown(*std::move(judged), services_.clock.now());
   if (!taken) return refuse(taken.error().in(name), *holder);
   if (!*taken) return {};
   const auto end = holder->ends();
-  environment_.events.raise(event_about(
+  services_.events.raise(event_about(
       holder->peer_subject(),
       Error(Code::peer_permissions_renewed, {.document = name,
                                              .field = "not_after",
@@ -310,7 +310,7 @@ Status AccessControlPlugin::judge_own(const PermissionsHolder& remote, const Mat
   if (!own || own->renewals() == 0) return {};
   const auto action = match.remote_writes ? Action::subscribe : Action::publish;
   const auto status = judgement_.endpoint(*own, action, match.local);
-  if (!status) environment_.events.raise(event_about({}, status.error()));
+  if (!status) services_.events.raise(event_about({}, status.error()));
   return status;
 }
 
@@ -396,11 +396,11 @@ void AccessControlPlugin::renew_documents(const Entries& all, PermissionsHandle 
   });
   const auto renew = [&] {
     for (const auto& [handle, holder] : own)
-      for (const auto& event : holder->renew(documents_, environment_.clock))
-        environment_.events.raise(event_about({}, event));
+      for (const auto& event : holder->renew(documents_, services_.clock))
+        services_.events.raise(event_about({}, event));
   };
   renew();
-  const WallTime now = environment_.clock.now();
+  const WallTime now = services_.clock.now();
   const auto ends = [&](const auto& one) { return one.second->newly_ended(now).has_value(); };
   if (std::ranges::none_of(own, ends)) return;
   for (const auto& [handle, holder] : own) holder->look_now();
@@ -409,30 +409,30 @@ void AccessControlPlugin::renew_documents(const Entries& all, PermissionsHandle 
 
 /// For a person who asks, if there is a record.
 void AccessControlPlugin::note_documents(PermissionsHandle local) noexcept {
-  if (environment_.documents == nullptr) return;
+  if (services_.documents == nullptr) return;
   try {
     const std::scoped_lock lock(noting_mutex_);
     const Holder holder = handles_.find(local);
     if (!holder || holder->remote()) return;
     const auto identity = holder->participant()->identity.value;
-    environment_.documents->note_participant(identity, {}, holder->subject());
-    environment_.documents->note(identity, holder->documents(), environment_.clock.now());
+    services_.documents->note_participant(identity, {}, holder->subject());
+    services_.documents->note(identity, holder->documents(), services_.clock.now());
   } catch (...) {
     // Without memory: the next look notes them.
   }
 }
 
 void AccessControlPlugin::note_end(const PermissionsHolder& local, const Error& why, WallTime now) {
-  if (environment_.documents != nullptr)
-    environment_.documents->note_end(local.participant()->identity.value, why, now);
+  if (services_.documents != nullptr)
+    services_.documents->note_end(local.participant()->identity.value, why, now);
 }
 
 void AccessControlPlugin::forget_documents(const PermissionsHolder& gone) {
   constexpr std::array kOurs = {DocumentKind::permissions_ca, DocumentKind::permissions,
                                 DocumentKind::governance};
-  if (environment_.documents == nullptr || gone.remote()) return;
+  if (services_.documents == nullptr || gone.remote()) return;
   const std::scoped_lock lock(noting_mutex_);
-  environment_.documents->forget(gone.participant()->identity.value, kOurs);
+  services_.documents->forget(gone.participant()->identity.value, kOurs);
 }
 
 std::vector<PermissionsHandle> AccessControlPlugin::expire(PermissionsHandle local) {
@@ -444,10 +444,10 @@ std::vector<PermissionsHandle> AccessControlPlugin::expire(PermissionsHandle loc
   };
   Entries judged;
   std::ranges::copy_if(all, std::back_inserter(judged), own_or_peer);
-  follow_renewal_lists(judged, documents_, environment_);
+  follow_renewal_lists(judged, documents_, services_);
   for (const auto& [handle, holder] : all)
     if (!local || handle == local) note_documents(handle);
-  const WallTime now = environment_.clock.now();
+  const WallTime now = services_.clock.now();
   // Without the memory to tell, none is marked: the next call finds them again.
   std::vector<PermissionsHandle> ended;
   Participants gone;
@@ -468,18 +468,18 @@ std::vector<PermissionsHandle> AccessControlPlugin::expire(PermissionsHandle loc
   if (!gone.empty())
     std::ranges::set_difference(peers_of_only(gone, all, now), std::vector(ended),
                                 std::back_inserter(ended));
-  for (const auto& warning : warnings) environment_.events.raise(event_about({}, warning));
+  for (const auto& warning : warnings) services_.events.raise(event_about({}, warning));
   // Last what needs no memory: marked participants are reported.
-  for (const auto& [event, holder] : reasons) environment_.events.raise(event);
+  for (const auto& [event, holder] : reasons) services_.events.raise(event);
   for (const auto& [event, holder] : reasons) holder->mark_reported();
   return ended;
 }
 
 }  // namespace
 
-std::unique_ptr<spi::AccessControl> make_access_control(const Environment& environment,
+std::unique_ptr<spi::AccessControl> make_access_control(const EngineServices& services,
                                                         Options options) {
-  return std::make_unique<AccessControlPlugin>(environment, std::move(options));
+  return std::make_unique<AccessControlPlugin>(services, std::move(options));
 }
 
 }  // namespace ddssec::access_control

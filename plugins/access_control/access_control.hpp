@@ -40,9 +40,9 @@ struct Options {
 /// How many judged documents, and octets of them, are kept for later peers.
 inline constexpr std::size_t kMaxCachedDocuments = 256;
 inline constexpr std::size_t kMaxCachedOctets = 64 * 1024 * 1024;
-/// A plugin without any participant yet; `environment` outlives it. Each local participant's own
+/// A plugin without any participant yet; `services` outlives it. Each local participant's own
 /// documents govern what it does and which peers it trusts.
-std::unique_ptr<spi::AccessControl> make_access_control(const Environment& environment,
+std::unique_ptr<spi::AccessControl> make_access_control(const EngineServices& services,
                                                         Options options = {});
 
 }  // namespace ddssec::access_control

@@ -6,13 +6,13 @@ namespace ddssec::access_control {
 namespace {
 
 /// True: a peer ends.
-bool follow(const Entries& entries, const Environment& environment) {
-  const WallTime now = environment.clock.now();
+bool follow(const Entries& entries, const EngineServices& services) {
+  const WallTime now = services.clock.now();
   bool one_ends = false;
   for (const auto& [handle, holder] : entries) {
     if (!holder->remote()) continue;
     if (const auto listed = holder->follow_list(now))
-      environment.events.raise(event_about(holder->peer_subject(), *listed));
+      services.events.raise(event_about(holder->peer_subject(), *listed));
     one_ends = one_ends || holder->newly_ended(now);
   }
   return one_ends;
@@ -21,15 +21,15 @@ bool follow(const Entries& entries, const Environment& environment) {
 }  // namespace
 
 void follow_renewal_lists(const Entries& entries, DocumentCache& documents,
-                          const Environment& environment) {
-  if (!follow(entries, environment)) return;
+                          const EngineServices& services) {
+  if (!follow(entries, services)) return;
   for (const auto& [handle, holder] : entries) {
     if (holder->remote()) continue;
     holder->look_at_list_now();
-    for (const auto& event : holder->renew(documents, environment.clock))
-      environment.events.raise(event_about({}, event));
+    for (const auto& event : holder->renew(documents, services.clock))
+      services.events.raise(event_about({}, event));
   }
-  follow(entries, environment);
+  follow(entries, services);
 }
 
 }  // namespace ddssec::access_control

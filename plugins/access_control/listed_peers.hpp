@@ -10,6 +10,6 @@ namespace ddssec::access_control {
 /// that knows the peer (PermissionsHolder::follow_list). Before a peer's permissions end, the list
 /// is read once more. Raises the events about extensions and about unusable lists.
 void follow_renewal_lists(const Entries& entries, DocumentCache& documents,
-                          const Environment& environment);
+                          const EngineServices& services);
 
 }  // namespace ddssec::access_control

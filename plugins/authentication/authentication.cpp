@@ -39,19 +39,19 @@ Result<PkiDh::LocalIdentity> PkiDh::validate_local_identity(DomainId,
                                                             const spi::PropertyList& properties,
                                                             const Guid& candidate_guid) {
   auto loaded = load_local(properties, candidate_guid);
-  if (!loaded) environment_.events.raise(Event::of_returned(loaded.error()));
+  if (!loaded) services_.events.raise(Event::of_returned(loaded.error()));
   return loaded;
 }
 
 Result<PkiDh::LocalIdentity> PkiDh::load_local(const spi::PropertyList& properties,
                                                const Guid& candidate) {
-  const WallTime now = environment_.clock.now();
+  const WallTime now = services_.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(auto files, IdentityFiles::load(properties, stores_, now));
   const auto no_list = files.revocation_lists.absence();
   auto identity = std::make_shared<authentication::LocalIdentity>(std::move(files), candidate);
   DDSSEC_ASSIGN_OR_RETURN(const auto chain, identity->verify(now));
   DDSSEC_ASSIGN_OR_RETURN(const auto handle, table_.add_local(identity, chain));
-  if (no_list) environment_.events.raise(event_about(our_name(identity->guid()), *no_list));
+  if (no_list) services_.events.raise(event_about(our_name(identity->guid()), *no_list));
   note_documents_in_use(handle);
   return LocalIdentity{handle, identity->guid()};
 }
@@ -90,10 +90,10 @@ Result<PkiDh::RemoteIdentity> PkiDh::admit(IdentityHandle local,
   if (auth_request) {
     DDSSEC_ASSIGN_OR_RETURN(announced, read_auth_request(*auth_request));
   }
-  DDSSEC_RETURN_IF_ERROR(identity->verify(environment_.clock.now()));
-  const auto kept = kept_requests_.challenge(local, guid, environment_.clock.monotonic());
+  DDSSEC_RETURN_IF_ERROR(identity->verify(services_.clock.now()));
+  const auto kept = kept_requests_.challenge(local, guid, services_.clock.monotonic());
   auto own_challenge = kept.value_or(spi::Challenge{});
-  if (!kept) DDSSEC_RETURN_IF_ERROR(environment_.random.fill(own_challenge));
+  if (!kept) DDSSEC_RETURN_IF_ERROR(services_.random.fill(own_challenge));
 
   DDSSEC_ASSIGN_OR_RETURN(
       const auto pair,
@@ -113,18 +113,18 @@ Status PkiDh::return_identity_handle(IdentityHandle identity) {
   const auto pair = table_.pair_of(identity);
   if (!table_.remove(identity)) return fail(Code::unknown_identity);
   if (pair)
-    kept_requests_.keep(*pair, environment_.clock.monotonic());
+    kept_requests_.keep(*pair, services_.clock.monotonic());
   else
     kept_requests_.forget(identity);
   const std::scoped_lock lock(noting_mutex_);
-  forget_documents(identity, environment_);
+  forget_documents(identity, services_);
   return {};
 }
 
 void PkiDh::note_documents_in_use(IdentityHandle local) noexcept {
   try {
     const std::scoped_lock lock(noting_mutex_);
-    note_documents(table_, local, environment_);
+    note_documents(table_, local, services_);
   } catch (...) {
     // Without memory: the next look notes them.
   }
@@ -132,7 +132,7 @@ void PkiDh::note_documents_in_use(IdentityHandle local) noexcept {
 
 /// For a person who asks. Of peers there is no record.
 void PkiDh::note_end(IdentityHandle identity, const Error& why, WallTime now) {
-  if (environment_.documents != nullptr) environment_.documents->note_end(identity.value, why, now);
+  if (services_.documents != nullptr) services_.documents->note_end(identity.value, why, now);
 }
 
 /// True if our own end is not what ended the session: it would have its own event.
@@ -147,28 +147,28 @@ bool PkiDh::has_outlived(const std::vector<IdentityTable::Ended>& all,
 /// own. Before one of them ends, all look: identities with the same files end together, and what
 /// was put into place before the end counts.
 Revocations PkiDh::look_at_files(IdentityHandle local) {
-  renew_identities(table_, local, stores_, environment_);
-  auto revocations = find_revocations(table_, local, stores_, environment_);
+  renew_identities(table_, local, stores_, services_);
+  auto revocations = find_revocations(table_, local, stores_, services_);
   const auto own = table_.locals(local);
   const auto is_own = [&](IdentityHandle handle) {
     return std::ranges::find(own, handle, &IdentityTable::OurOwn::handle) != own.end();
   };
-  const auto ended = table_.ended_by(environment_.clock.now(), local);
+  const auto ended = table_.ended_by(services_.clock.now(), local);
   if (std::ranges::none_of(revocations.identities, is_own, &IdentityTable::Revoked::handle) &&
       std::ranges::none_of(ended, is_own, &IdentityTable::Ended::handle))
     return revocations;
   for (const auto& one : own) one.identity->look_now();
-  renew_identities(table_, local, stores_, environment_);
-  return find_revocations(table_, local, stores_, environment_);
+  renew_identities(table_, local, stores_, services_);
+  return find_revocations(table_, local, stores_, services_);
 }
 
 std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   drop_credentials_given_out();
   const auto revocations = look_at_files(local);
   note_documents_in_use(local);
-  const auto now = environment_.clock.now();
+  const auto now = services_.clock.now();
   auto all = table_.ended_by(now, local);
-  follow_renewal_lists(table_, all, environment_);
+  follow_renewal_lists(table_, all, services_);
   // Without the memory to tell, none is marked: the next call finds them again.
   std::vector<IdentityHandle> handles;
   std::set<IdentityHandle> told;
@@ -195,16 +195,16 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
     for (const auto& error : own.identity->ends_soon(now))
       events.push_back(event_about(our_name(own.identity->guid()), error));
   // Last what needs no memory: marked identities are reported.
-  for (const auto& event : events) environment_.events.raise(event);
+  for (const auto& event : events) services_.events.raise(event);
   table_.mark_revoked(revocations.identities);
   table_.mark_ended(all);
   for (const auto& judgement : revocations.judgements) judgement.note_applied();
   return handles;
 }
 
-std::unique_ptr<spi::Authentication> make_authentication(const Environment& environment,
+std::unique_ptr<spi::Authentication> make_authentication(const EngineServices& services,
                                                          Options options) {
-  return std::make_unique<PkiDh>(environment, options);
+  return std::make_unique<PkiDh>(services, options);
 }
 
 }  // namespace ddssec::authentication

@@ -47,7 +47,7 @@ inline constexpr std::chrono::seconds kPendingAge{5};
 ///   handle. Another identity token replaces the first one as long as no peer authenticated under
 ///   that GUID (neither token proves anything); afterwards it is refused until
 ///   return_identity_handle.
-std::unique_ptr<spi::Authentication> make_authentication(const Environment& environment,
+std::unique_ptr<spi::Authentication> make_authentication(const EngineServices& services,
                                                          Options options = {});
 
 }  // namespace ddssec::authentication

@@ -48,26 +48,26 @@ Error listed(const pki::ChainValid& chain) {
 
 /// Empty: the session goes on. Else a note about the peer's certificate, or a blank.
 std::optional<std::string> follow(IdentityTable& table, const Authenticated& peer,
-                                  const LocalIdentity& local, const Environment& environment) {
-  const auto now = environment.clock.now();
+                                  const LocalIdentity& local, const EngineServices& services) {
+  const auto now = services.clock.now();
   const auto found = followed_peer(peer, local, now);
   if (!found.peer) return found.why_not;
   const auto own = followed_own(peer, local, now);
   if (!own) return "";
   table.note_followed(peer.handle, {*found.peer, *own});
-  if (found.by_list) environment.events.raise(event_about(peer.name, listed(*found.peer)));
+  if (found.by_list) services.events.raise(event_about(peer.name, listed(*found.peer)));
   return std::nullopt;
 }
 
 }  // namespace
 
 bool follow_renewal_list(IdentityTable& table, const Authenticated& peer,
-                         const LocalIdentity& local, const Environment& environment) {
-  return !follow(table, peer, local, environment);
+                         const LocalIdentity& local, const EngineServices& services) {
+  return !follow(table, peer, local, services);
 }
 
 void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::Ended>& ended,
-                          const Environment& environment) {
+                          const EngineServices& services) {
   std::set<const LocalIdentity*> looked;
   std::erase_if(ended, [&](IdentityTable::Ended& one) {
     const auto peer = table.authenticated(one.handle);
@@ -76,9 +76,9 @@ void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::Ended
     const auto& local = *pair->local;
     if (looked.insert(&local).second) {
       local.listed().look_now();
-      look_at_renewal_list(local, environment);
+      look_at_renewal_list(local, services);
     }
-    auto why_not = follow(table, *peer, local, environment);
+    auto why_not = follow(table, *peer, local, services);
     if (why_not) one.note = *std::move(why_not);
     return !why_not;
   });

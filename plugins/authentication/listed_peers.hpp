@@ -17,11 +17,11 @@ namespace ddssec::authentication {
 /// The others say in Ended::note why a listed certificate does not count. The lists are read once
 /// more before, if a peer has ended.
 void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::Ended>& ended,
-                          const Environment& environment);
+                          const EngineServices& services);
 
 /// The same for a peer whose certificate none of the CAs trusted now has issued. Returns true if
 /// the session goes on.
 bool follow_renewal_list(IdentityTable& table, const IdentityTable::Authenticated& peer,
-                         const LocalIdentity& local, const Environment& environment);
+                         const LocalIdentity& local, const EngineServices& services);
 
 }  // namespace ddssec::authentication

@@ -25,8 +25,8 @@ struct Revocations;  // revocations.hpp
 
 class PkiDh final : public spi::Authentication {
  public:
-  PkiDh(const Environment& environment, const Options& options)
-      : environment_(environment),
+  PkiDh(const EngineServices& services, const Options& options)
+      : services_(services),
         stores_(options.crl_policy),
         table_(options.max_local_identities,
                {.max_claimed = options.max_remote_identities,
@@ -72,7 +72,7 @@ class PkiDh final : public spi::Authentication {
 
   template <class T>
   Result<T> reported(Result<T> result, const PeerName& peer = {}) const {
-    if (!result) environment_.events.raise(event_about(peer, result.error()));
+    if (!result) services_.events.raise(event_about(peer, result.error()));
     return result;
   }
   /// Of a message of a handshake: a stranger can send one in the name of a peer that authenticated.
@@ -123,11 +123,11 @@ class PkiDh final : public spi::Authentication {
   auto with_established(HandshakeHandle handle, F&& f) const
       -> Result<std::invoke_result_t<F, const Established&>>;
 
-  const Environment environment_;
+  const EngineServices services_;
   TrustStores stores_;
   UnprovenOctets unproven_;
   IdentityTable table_;
-  KeptRequests kept_requests_{environment_.random};
+  KeptRequests kept_requests_{services_.random};
   std::mutex noting_mutex_;  ///< so that an identity that has left is not noted again
   std::mutex given_out_mutex_;
   std::vector<HandshakeHandle> given_out_;  ///< whose credentials, since the last `expire`

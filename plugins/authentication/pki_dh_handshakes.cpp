@@ -30,7 +30,7 @@ Status check_participant_data_size(BytesView participant_data) {
 }  // namespace
 
 Result<HandshakeContext> PkiDh::handshake_context(const Pair& pair) const {
-  const WallTime now = environment_.clock.now();
+  const WallTime now = services_.clock.now();
   DDSSEC_RETURN_IF_ERROR(pair.local->verify(now));
   return HandshakeContext{*pair.local, pair.remote_guid, pair.own_challenge,
                           pair.announced_challenge, now};
@@ -51,7 +51,7 @@ void PkiDh::take_up_request(const std::shared_ptr<Pair>& pair) {
 bool PkiDh::may_go_on(const Pair& pair, const PairHandshake& handshake,
                       const std::shared_ptr<const Presented>& own) const {
   return own == pair.local->presented() ||
-         environment_.clock.monotonic() - handshake.since < kPendingAge;
+         services_.clock.monotonic() - handshake.since < kPendingAge;
 }
 
 /// Only one that waited long gives way to another.
@@ -60,7 +60,7 @@ Status PkiDh::check_room(const Pair& pair) const {
   const auto pending = std::ranges::count_if(all, is_pending);
   if (static_cast<std::size_t>(pending) < kMaxPendingPerPair) return {};
   const auto oldest = std::ranges::find_if(all, is_pending);
-  if (environment_.clock.monotonic() - oldest->since >= kPendingAge) return {};
+  if (services_.clock.monotonic() - oldest->since >= kPendingAge) return {};
   return fail(Code::too_many_handshakes,
               {.expected = "at most " + std::to_string(kMaxPendingPerPair)});
 }
@@ -84,7 +84,7 @@ PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<Pair>& pair, HandshakeOut
   PairHandshake kept{{},
                      std::move(*outcome.next),
                      to_bytes(participant_data),
-                     environment_.clock.monotonic(),
+                     services_.clock.monotonic(),
                      std::move(unproven)};
   pair->handshakes.reserve(pair->handshakes.size() + 1);
   const auto handle = kept.handle = table_.add_handshake(pair);
@@ -95,7 +95,7 @@ PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<Pair>& pair, HandshakeOut
 }
 
 Token PkiDh::presented_token(const Token& message, const Pair& pair, const Presented& own) const {
-  return with_ocsp_response(message, *pair.local, own, environment_.clock.now());
+  return with_ocsp_response(message, *pair.local, own, services_.clock.now());
 }
 
 PkiDh::Outline PkiDh::outline(const Token& message) const {
@@ -192,7 +192,7 @@ UnprovenOctets::Share PkiDh::share_of(const Pair& pair, const Token& request,
 
 /// The host finds that the handle of a dropped handshake is unknown, and begins anew.
 void PkiDh::drop_excess(HandshakeHandle newest) {
-  for (const auto handle : unproven_.excess(environment_.random, newest)) {
+  for (const auto handle : unproven_.excess(services_.random, newest)) {
     const auto pair = table_.pair_of(handle);
     if (!pair) continue;
     {
@@ -215,7 +215,7 @@ void PkiDh::drop_excess(HandshakeHandle newest) {
 /// Our certificate may have ended since the handshake began, if it was renewed.
 Status PkiDh::note_authenticated(const Pair& pair, const Established& done) {
   DDSSEC_ASSIGN_OR_RETURN(const auto own,
-                          pair.local->verify(done.own->certificate, environment_.clock.now()));
+                          pair.local->verify(done.own->certificate, services_.clock.now()));
   return table_.note_authenticated(
       pair.remote_handle,
       {done.peer.chain(), own, done.peer.keeps_session(), done.peer.reads_lists()});
@@ -229,8 +229,8 @@ void PkiDh::note_unused_ocsp(const Pair& pair, const Established& done) const {
   details.hint.clear();
   const auto reason = std::string(info(why->code()).summary);
   details.note = details.note.empty() ? reason : reason + "; " + details.note;
-  environment_.events.raise(event_about(table_.name_of(pair.remote_handle),
-                                        Error(Code::ocsp_status_unused, std::move(details))));
+  services_.events.raise(event_about(table_.name_of(pair.remote_handle),
+                                     Error(Code::ocsp_status_unused, std::move(details))));
 }
 
 Result<PkiDh::HandshakeStep> PkiDh::process_handshake(HandshakeHandle handshake,

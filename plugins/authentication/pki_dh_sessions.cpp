@@ -59,7 +59,7 @@ Result<std::optional<Token>> PkiDh::offer_renewal(HandshakeHandle handle) {
   using Offered = Result<std::optional<Token>>;
   return with_session(
       handle, [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Offered {
-        return next_offer(done, *pair.local, handshake.offer, environment_.clock.now());
+        return next_offer(done, *pair.local, handshake.offer, services_.clock.now());
       });
 }
 
@@ -67,7 +67,7 @@ Result<JudgedOffer> PkiDh::judge_peer_offer(const Pair& pair, const Established&
                                             const Token& offer) const {
   const auto trust = pair.local->peer_trust();
   auto judged = judge_offer(session, offer, pair.remote_guid,
-                            {*trust, pair.local->ocsp_policy(), environment_.clock.now()});
+                            {*trust, pair.local->ocsp_policy(), services_.clock.now()});
   if (judged) return judged;
   return reported(Result<JudgedOffer>(std::unexpected(judged.error().in(
                       "renewed documents of " + session.peer.certificate().subject()))),
@@ -93,7 +93,7 @@ Result<Token> PkiDh::take_renewal(HandshakeHandle handle, const Token& offer) {
                           done.peer = std::move(former);
                           return std::unexpected(noted.error());
                         }
-                        if (is_new) environment_.events.raise(renewed_peer(pair, done));
+                        if (is_new) services_.events.raise(renewed_peer(pair, done));
                         return found.answer;
                       });
 }

@@ -8,32 +8,32 @@ namespace {
 using Taken = LocalIdentity::AuthoritiesTaken;
 
 Taken renew_authorities(LocalIdentity& identity, TrustStores& stores,
-                        const Environment& environment) {
+                        const EngineServices& services) {
   const auto us = our_name(identity.guid());
-  const auto taken = identity.renew_authorities(stores, environment.clock);
-  if (!taken) environment.events.raise(event_about(us, taken.error()));
+  const auto taken = identity.renew_authorities(stores, services.clock);
+  if (!taken) services.events.raise(event_about(us, taken.error()));
   if (!taken || !taken->authorities) return {};
-  environment.events.raise(event_about(
+  services.events.raise(event_about(
       us, Error(Code::identity_ca_renewed,
                 {.document = identity.authorities_path(), .found = identity.authorities()})));
   return *taken;
 }
 
-bool renew_certificate(LocalIdentity& identity, const Environment& environment) {
-  const auto renewed = identity.renew_identity(environment.clock);
-  if (!renewed) environment.events.raise(event_about(our_name(identity.guid()), renewed.error()));
+bool renew_certificate(LocalIdentity& identity, const EngineServices& services) {
+  const auto renewed = identity.renew_identity(services.clock);
+  if (!renewed) services.events.raise(event_about(our_name(identity.guid()), renewed.error()));
   return renewed && *renewed;
 }
 
 /// That we are revoked is told by the revocations (revocations.cpp).
-void renew_ocsp_response(LocalIdentity& identity, const Environment& environment) {
+void renew_ocsp_response(LocalIdentity& identity, const EngineServices& services) {
   const auto us = our_name(identity.guid());
-  const auto renewed = identity.renew_ocsp_response(environment.clock);
+  const auto renewed = identity.renew_ocsp_response(services.clock);
   if (!renewed && renewed.error().code() != Code::ocsp_revoked)
-    environment.events.raise(event_about(us, renewed.error()));
+    services.events.raise(event_about(us, renewed.error()));
   if (!renewed || !*renewed) return;
-  const auto response = identity.ocsp_response_for(identity.certificate(), environment.clock.now());
-  environment.events.raise(event_about(
+  const auto response = identity.ocsp_response_for(identity.certificate(), services.clock.now());
+  services.events.raise(event_about(
       us, Error(Code::ocsp_response_renewed,
                 {.document = identity.ocsp_response_path(),
                  .field = "nextUpdate",
@@ -49,48 +49,48 @@ Error renewed_until(const LocalIdentity& identity, const pki::ChainValid& chain)
 
 }  // namespace
 
-void look_at_renewal_list(const LocalIdentity& identity, const Environment& environment) {
+void look_at_renewal_list(const LocalIdentity& identity, const EngineServices& services) {
   const auto us = our_name(identity.guid());
-  const auto taken = identity.listed().look(environment.clock, *identity.peer_trust());
-  if (!taken) environment.events.raise(event_about(us, taken.error()));
-  if (taken && *taken) environment.events.raise(event_about(us, **taken));
+  const auto taken = identity.listed().look(services.clock, *identity.peer_trust());
+  if (!taken) services.events.raise(event_about(us, taken.error()));
+  if (taken && *taken) services.events.raise(event_about(us, **taken));
 }
 
 void renew_identities(IdentityTable& table, spi::IdentityHandle which, TrustStores& stores,
-                      const Environment& environment) {
+                      const EngineServices& services) {
   for (const auto& local : table.locals(which)) {
     auto& identity = *local.identity;
     // The CAs come first: a renewed certificate may be of a new one.
-    const auto taken = renew_authorities(identity, stores, environment);
-    const bool is_renewed = renew_certificate(identity, environment) || taken.identity;
-    look_at_renewal_list(identity, environment);
-    renew_ocsp_response(identity, environment);
+    const auto taken = renew_authorities(identity, stores, services);
+    const bool is_renewed = renew_certificate(identity, services) || taken.identity;
+    look_at_renewal_list(identity, services);
+    renew_ocsp_response(identity, services);
     if (!is_renewed && !taken.authorities) continue;
-    const auto chain = identity.verify(environment.clock.now());
+    const auto chain = identity.verify(services.clock.now());
     if (!chain) continue;  // it has just ended, and `expire` says so
     table.note_renewed(local.handle, *chain);
     if (is_renewed)
-      environment.events.raise(
+      services.events.raise(
           event_about(our_name(identity.guid()), renewed_until(identity, *chain)));
   }
 }
 
 void note_documents(const IdentityTable& table, spi::IdentityHandle which,
-                    const Environment& environment) {
-  if (environment.documents == nullptr) return;
+                    const EngineServices& services) {
+  if (services.documents == nullptr) return;
   for (const auto& local : table.locals(which)) {
     const auto& identity = *local.identity;
-    environment.documents->note_participant(local.handle.value, identity.guid().to_string(),
-                                            identity.certificate().subject());
-    environment.documents->note(local.handle.value, identity.documents(), environment.clock.now());
+    services.documents->note_participant(local.handle.value, identity.guid().to_string(),
+                                         identity.certificate().subject());
+    services.documents->note(local.handle.value, identity.documents(), services.clock.now());
   }
 }
 
-void forget_documents(spi::IdentityHandle local, const Environment& environment) {
+void forget_documents(spi::IdentityHandle local, const EngineServices& services) {
   constexpr std::array kOurs = {DocumentKind::identity_certificate, DocumentKind::identity_ca,
                                 DocumentKind::revocation_list, DocumentKind::renewal_list,
                                 DocumentKind::ocsp_response};
-  if (environment.documents != nullptr) environment.documents->forget(local.value, kOurs);
+  if (services.documents != nullptr) services.documents->forget(local.value, kOurs);
 }
 
 }  // namespace ddssec::authentication

@@ -11,15 +11,15 @@ namespace ddssec::authentication {
 /// moves its end. Raises an event for each file that was taken or cannot be used. Call it before
 /// anything is judged by what is in force.
 void renew_identities(IdentityTable& table, spi::IdentityHandle local, TrustStores& stores,
-                      const Environment& environment);
+                      const EngineServices& services);
 
 /// Reads the renewal list of one, if it may have changed, and raises the events about it.
-void look_at_renewal_list(const LocalIdentity& identity, const Environment& environment);
+void look_at_renewal_list(const LocalIdentity& identity, const EngineServices& services);
 
-/// Notes what one local identity uses, or what all do (nil), if the environment has a record.
+/// Notes what one local identity uses, or what all do (nil), if the services include a record.
 void note_documents(const IdentityTable& table, spi::IdentityHandle local,
-                    const Environment& environment);
+                    const EngineServices& services);
 /// A local identity has left.
-void forget_documents(spi::IdentityHandle local, const Environment& environment);
+void forget_documents(spi::IdentityHandle local, const EngineServices& services);
 
 }  // namespace ddssec::authentication

@@ -43,11 +43,11 @@ bool is_about_time_or_lists(Code code) {
 /// The reason why a peer must go after CAs have left the file: none that is left issued its
 /// certificate. For one that stays, the end of the session is found anew.
 std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authenticated& peer,
-                                const LocalIdentity& whose, const Environment& environment) {
-  const auto now = environment.clock.now();
+                                const LocalIdentity& whose, const EngineServices& services) {
+  const auto now = services.clock.now();
   const auto verdict = whose.peer_trust()->verify(peer.latest(), now);
   if (!verdict && is_about_time_or_lists(verdict.error().code())) return std::nullopt;
-  if (!verdict && follow_renewal_list(table, peer, whose, environment)) return std::nullopt;
+  if (!verdict && follow_renewal_list(table, peer, whose, services)) return std::nullopt;
   if (!verdict)
     return Error(Code::identity_ca_withdrawn,
                  {.document = whose.authorities_path(),
@@ -60,12 +60,12 @@ std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authe
   return std::nullopt;
 }
 
-void look_at_lists(const OurOwn& local, TrustStores& stores, const Environment& environment) {
-  const auto renewed = local.identity->renew_revocation_lists(stores, environment.clock);
+void look_at_lists(const OurOwn& local, TrustStores& stores, const EngineServices& services) {
+  const auto renewed = local.identity->renew_revocation_lists(stores, services.clock);
   const auto us = our_name(local.identity->guid());
-  if (!renewed) return environment.events.raise(event_about(us, renewed.error()));
+  if (!renewed) return services.events.raise(event_about(us, renewed.error()));
   if (!*renewed) return;
-  environment.events.raise(
+  services.events.raise(
       event_about(us, Error(Code::crl_renewed, {.document = local.identity->revocation_list_path(),
                                                 .found = local.identity->revocation_lists()})));
 }
@@ -82,8 +82,8 @@ std::optional<Error> refusal(const IdentityTable::Authenticated& peer, const Tru
 }
 
 void judge(IdentityTable& table, const OurOwn& local, bool by_other_authorities,
-           const Environment& environment, Revocations& out) {
-  const auto now = environment.clock.now();
+           const EngineServices& services, Revocations& out) {
+  const auto now = services.clock.now();
   // Waits for handshake steps that began under the former lists, so that no peer authenticates
   // under them after the judgement.
   for (const auto& pair : table.pairs_of(local.handle)) const std::scoped_lock wait(pair->mutex);
@@ -92,7 +92,7 @@ void judge(IdentityTable& table, const OurOwn& local, bool by_other_authorities,
     out.identities.push_back({local.handle, our_name(local.identity->guid()), *std::move(reason)});
   for (auto& peer : table.authenticated_with(local.handle)) {
     std::optional<Error> reason;
-    if (by_other_authorities) reason = withdrawal(table, peer, *local.identity, environment);
+    if (by_other_authorities) reason = withdrawal(table, peer, *local.identity, services);
     if (!reason) reason = refusal(peer, *trust, *local.identity, now);
     if (reason) out.identities.push_back({peer.handle, std::move(peer.name), *std::move(reason)});
   }
@@ -101,15 +101,15 @@ void judge(IdentityTable& table, const OurOwn& local, bool by_other_authorities,
 }  // namespace
 
 Revocations find_revocations(IdentityTable& table, spi::IdentityHandle which, TrustStores& stores,
-                             const Environment& environment) {
+                             const EngineServices& services) {
   Revocations out;
   for (const auto& local : table.locals(which)) {
-    look_at_lists(local, stores, environment);
+    look_at_lists(local, stores, services);
     if (auto reason = local.identity->ocsp_revoked())
       out.identities.push_back(
           {local.handle, our_name(local.identity->guid()), *std::move(reason)});
     if (const auto unapplied = local.identity->unapplied_renewal()) {
-      judge(table, local, unapplied->authorities, environment, out);
+      judge(table, local, unapplied->authorities, services, out);
       out.judgements.push_back({local.identity, unapplied->renewal});
     }
   }

@@ -26,6 +26,6 @@ struct Revocations {
 /// file with newer lists, or with lists that cannot be used. Judges authenticated peers by new
 /// lists, and by CAs that renew_identities has taken. Does not mark any identity.
 Revocations find_revocations(IdentityTable& table, spi::IdentityHandle local, TrustStores& stores,
-                             const Environment& environment);
+                             const EngineServices& services);
 
 }  // namespace ddssec::authentication

@@ -24,9 +24,9 @@ T starting_number(Random& random) {
 
 class Engine final : public spi::Cryptography {
  public:
-  Engine(const Environment& environment, const AeadBackend& aead, const Options& options)
-      : state_(environment, aead, options, starting_number<std::uint64_t>(environment.random)),
-        factory_(state_, starting_number<std::uint32_t>(environment.random)),
+  Engine(const EngineServices& services, const AeadBackend& aead, const Options& options)
+      : state_(services, aead, options, starting_number<std::uint64_t>(services.random)),
+        factory_(state_, starting_number<std::uint32_t>(services.random)),
         exchange_(state_),
         transform_(state_) {}
 
@@ -49,14 +49,14 @@ spi::CipherMask supported_ciphers(AeadChoice choice) {
   return aead == nullptr ? 0 : ciphers_of(*aead);
 }
 
-std::unique_ptr<spi::Cryptography> make_cryptography(const Environment& environment,
+std::unique_ptr<spi::Cryptography> make_cryptography(const EngineServices& services,
                                                      Options options) {
   const auto* aead = aead_backend(options.aead);
   if (aead == nullptr) {
     aead = aead_backend(AeadChoice::automatic);
-    environment.events.raise(Event(Error(Code::aead_backend_unavailable)));
+    services.events.raise(Event(Error(Code::aead_backend_unavailable)));
   }
-  return std::make_unique<Engine>(environment, *aead, options);
+  return std::make_unique<Engine>(services, *aead, options);
 }
 
 }  // namespace ddssec::cryptography

@@ -40,10 +40,10 @@ struct Options {
 /// The ciphers that an engine made with `choice` can decrypt.
 spi::CipherMask supported_ciphers(AeadChoice choice = AeadChoice::automatic);
 
-/// Creates the plugin; never nullptr. `environment` must outlive it. Events are raised only for a
+/// Creates the plugin; never nullptr. `services` must outlive it. Events are raised only for a
 /// missing implementation and as described in Options. Other refusals are only returned, and the
 /// host decides whether to log them: an attacker who sends garbage must not fill a log.
-std::unique_ptr<spi::Cryptography> make_cryptography(const Environment& environment,
+std::unique_ptr<spi::Cryptography> make_cryptography(const EngineServices& services,
                                                      Options options = {});
 
 }  // namespace ddssec::cryptography

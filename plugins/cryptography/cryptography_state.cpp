@@ -8,8 +8,8 @@
 namespace ddssec::cryptography {
 namespace {
 
-KeyEnvironment key_environment(const AeadBackend& aead, Graveyard& graveyard, Random& random,
-                               const Options& options) {
+KeyServices key_services(const AeadBackend& aead, Graveyard& graveyard, Random& random,
+                         const Options& options) {
   constexpr auto kMax = std::uint64_t{1} << 32;
   return {aead, graveyard, std::clamp(options.max_blocks_per_session, std::uint64_t{1}, kMax),
           std::clamp(options.max_sessions_per_key, std::uint64_t{1}, kMax), random};
@@ -17,12 +17,12 @@ KeyEnvironment key_environment(const AeadBackend& aead, Graveyard& graveyard, Ra
 
 }  // namespace
 
-CryptographyState::CryptographyState(const Environment& given, const AeadBackend& aead,
+CryptographyState::CryptographyState(const EngineServices& given, const AeadBackend& aead,
                                      const Options& options, std::uint64_t first_generation)
-    : environment(given),
+    : services(given),
       header_prefix_is_network_order(options.header_prefix_is_network_order),
       host_checks_sources(options.host_checks_sources),
-      keys(key_environment(aead, graveyard, environment.random, options)),
+      keys(key_services(aead, graveyard, services.random, options)),
       registry(first_generation) {}
 
 std::uint64_t subject_of(std::int64_t identity, const Pair& pair) {
@@ -50,7 +50,7 @@ void CryptographyState::give_back_place(RemoteEndpoint& reader) noexcept {
 
 void CryptographyState::report(const Error& error, const std::optional<GuidPrefix>& prefix) const {
   const auto guid = prefix ? Guid{*prefix, kEntityIdParticipant}.to_string() : std::string();
-  environment.events.raise(Event(error, {}, guid, PeerProof::authenticated));
+  services.events.raise(Event(error, {}, guid, PeerProof::authenticated));
 }
 
 void CryptographyState::publish_route(RemoteEndpoint& endpoint) {

@@ -12,7 +12,7 @@ namespace ddssec::cryptography {
 
 /// Any change requires `mutex`.
 struct CryptographyState {
-  CryptographyState(const Environment& environment, const AeadBackend& aead, const Options& options,
+  CryptographyState(const EngineServices& services, const AeadBackend& aead, const Options& options,
                     std::uint64_t first_generation);
 
   template <class H>
@@ -45,11 +45,11 @@ struct CryptographyState {
   /// Call it when a remote entity has got new keys. Mutex held.
   void note_former(std::int64_t handle, const RemoteKeys& remote_keys);
 
-  const Environment environment;
+  const EngineServices services;
   const bool header_prefix_is_network_order;
   const bool host_checks_sources;
   Graveyard graveyard;  // before whatever retires into it
-  const KeyEnvironment keys;
+  const KeyServices keys;
   Registry registry;
   mutable std::mutex mutex;
   std::unordered_map<std::int64_t, std::chrono::nanoseconds> former_until;  ///< guarded by it

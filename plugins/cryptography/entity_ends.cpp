@@ -36,7 +36,7 @@ bool KeyFactory::take_stranded_keys(spi::IdentityHandle remote) {
   const std::lock_guard lock(state_.mutex);
   const auto known = by_identity_.find(remote.value);
   if (state_.host_checks_sources || known == by_identity_.end()) return false;
-  const auto now = state_.environment.clock.monotonic();
+  const auto now = state_.services.clock.monotonic();
   bool are_stranded = false;
   for (const auto& [local, pair] : known->second->pairs)
     are_stranded |= pair && state_.ledger.take_stranded(pair->number, now);
@@ -56,7 +56,7 @@ void KeyFactory::drop_remote(RemoteParticipant& participant) {
   for (const auto& [local, pair] : participant.pairs) {
     if (!pair) continue;
     if (!state_.host_checks_sources)
-      state_.ledger.end(pair->number, state_.environment.clock.monotonic());
+      state_.ledger.end(pair->number, state_.services.clock.monotonic());
     const auto found = state_.local_participant(spi::ParticipantCryptoHandle{local});
     if (!found) continue;
     (*found)->matched.erase(participant.handle());

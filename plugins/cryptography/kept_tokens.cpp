@@ -74,7 +74,7 @@ Result<Judgement> judge(const CryptographyState& state, const RemoteEndpoint& se
   if (!may_be_used(state, sender, message)) return Judgement{{Kind::hidden}};
   const bool are_matched = is_builtin(message.remote.entity) && are_builtin_matched(state, sender);
   auto noted = state.ledger.note(message, {pair.number, pair.peer_prefix.has_value()}, are_matched,
-                                 state.environment.clock.monotonic());
+                                 state.services.clock.monotonic());
   // A message that is not accepted would delay all that follow, including those of honest
   // endpoints.
   if (!noted) return Judgement{{Kind::hidden}, std::move(noted).error()};
@@ -156,7 +156,7 @@ void note_own_tokens(const CryptographyState& state, const LocalEndpoint& sender
   if (own.remote.entity == kEntityIdParticipant) return;
   if (!needs_tokens(state, sender.participant, own)) return;
   state.ledger.await(pair.number, {.remote = own.local, .local = own.remote},
-                     state.environment.clock.monotonic());
+                     state.services.clock.monotonic());
 }
 
 }  // namespace ddssec::cryptography

@@ -254,7 +254,7 @@ Status KeyExchange::take(const LocalParticipant& participant, spi::ParticipantCr
   }
   keep_position(*keys, pair.remote_keys.read());
   DDSSEC_RETURN_IF_ERROR(
-      inherit(*keys, pair.remote_keys.read(), state_.environment.clock.monotonic()));
+      inherit(*keys, pair.remote_keys.read(), state_.services.clock.monotonic()));
   state_.note_former(remote.value, *keys);
   pair.remote_keys.replace(std::move(keys), state_.graveyard);
   return {};
@@ -328,7 +328,7 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::checked_keys(RemoteEndpoint& en
   DDSSEC_RETURN_IF_ERROR(check_replacement(*keys, present, &pair));
   share_state(state_, *keys, endpoint);
   share_payload_position(state_, *keys, endpoint);
-  DDSSEC_RETURN_IF_ERROR(inherit(*keys, present, state_.environment.clock.monotonic()));
+  DDSSEC_RETURN_IF_ERROR(inherit(*keys, present, state_.services.clock.monotonic()));
   return keys;
 }
 

@@ -31,7 +31,7 @@ bool same_key_exchange(const Pair& a, const Pair& b) {
 template <class T>
 Result<T> KeyFactory::random() {
   std::array<std::uint8_t, sizeof(T)> octets;
-  DDSSEC_RETURN_IF_ERROR(state_.environment.random.fill(octets));
+  DDSSEC_RETURN_IF_ERROR(state_.services.random.fill(octets));
   T value;
   std::memcpy(&value, octets.data(), sizeof value);
   return value;
@@ -39,7 +39,7 @@ Result<T> KeyFactory::random() {
 
 template <class Key>
 Result<Key> KeyFactory::random_key(std::size_t size) {
-  return Key::fill(size, [&](MutableBytes out) { return state_.environment.random.fill(out); });
+  return Key::fill(size, [&](MutableBytes out) { return state_.services.random.fill(out); });
 }
 
 /// Unique among all local participants. Never 0, which is the id of the key exchange's key.
@@ -66,7 +66,7 @@ Result<KeyMaterial> KeyFactory::fresh_material(TransformKind kind, KeyId id) {
 }
 
 Result<std::unique_ptr<SendKey>> KeyFactory::send_key(KeyMaterial material) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto start, SendStart::draw(state_.environment.random));
+  DDSSEC_ASSIGN_OR_RETURN(const auto start, SendStart::draw(state_.services.random));
   return SendKey::create(std::move(material), start, state_.keys);
 }
 
@@ -142,7 +142,7 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
 Status KeyFactory::begin_life(LocalParticipant& participant) {
   if (!participant.life.is_limited()) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto random_number, random<std::uint64_t>());
-  participant.life.begin(state_.environment.clock.monotonic(), random_number);
+  participant.life.begin(state_.services.clock.monotonic(), random_number);
   return {};
 }
 
@@ -228,7 +228,7 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
   auto& pair = remote->pairs[local.value];
   participant->matched.insert(remote->handle());
   if (pair && !state_.host_checks_sources)
-    state_.ledger.end(pair->number, state_.environment.clock.monotonic());
+    state_.ledger.end(pair->number, state_.services.clock.monotonic());
   pair.swap(fresh);
   Rollback take_back([&] { pair.swap(fresh); });
   publish_pairs(*remote);

@@ -183,7 +183,7 @@ bool KeyFactory::is_key_revision_due(spi::ParticipantCryptoHandle local) {
   const auto found = state_.local_participant(local);
   if (!found || (*found)->is_revising) return false;
   const auto& life = (*found)->life;
-  const auto now = state_.environment.clock.monotonic();
+  const auto now = state_.services.clock.monotonic();
   return life.has_ended(now) || (life.counts_blocks(now) && life.is_used_up(blocks_used(**found)));
 }
 
@@ -210,7 +210,7 @@ void CryptographyState::note_former(std::int64_t handle, const RemoteKeys& remot
 
 void KeyFactory::forget_former_keys() {
   const std::lock_guard lock(state_.mutex);
-  const auto now = state_.environment.clock.monotonic();
+  const auto now = state_.services.clock.monotonic();
   std::erase_if(state_.former_until, [&](const auto& note) {
     if (now < note.second) return false;
     forget_former_keys(note.first, now);

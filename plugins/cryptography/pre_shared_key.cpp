@@ -71,11 +71,11 @@ KeyMaterial derive_pre_shared_material(const Passphrase& passphrase, TransformKi
 
 Result<std::unique_ptr<PreSharedKeyRing>> PreSharedKeyRing::create(PassphraseFiles files,
                                                                    Domain domain,
-                                                                   const Environment& environment,
-                                                                   const KeyEnvironment& keys) {
-  DDSSEC_ASSIGN_OR_RETURN(auto passphrases, files.load(environment.events));
+                                                                   const EngineServices& services,
+                                                                   const KeyServices& keys) {
+  DDSSEC_ASSIGN_OR_RETURN(auto passphrases, files.load(services.events));
   std::unique_ptr<PreSharedKeyRing> out(
-      new PreSharedKeyRing(std::move(files), std::move(domain), environment, keys));
+      new PreSharedKeyRing(std::move(files), std::move(domain), services, keys));
   out->use(std::move(passphrases));
   return out;
 }
@@ -104,8 +104,8 @@ bool PreSharedKeyRing::uses(const std::vector<Passphrase>& passphrases) const {
 // Unusable passphrases change nothing. The files are read again every time, because the cause may
 // have been temporary, and it is reported once.
 void PreSharedKeyRing::refresh() {
-  if (!files_.may_have_changed(environment_.clock.monotonic())) return;
-  auto passphrases = files_.load(environment_.events);
+  if (!files_.may_have_changed(services_.clock.monotonic())) return;
+  auto passphrases = files_.load(services_.events);
   if (!passphrases) return keep_despite(passphrases.error());
   complaint_.clear();
   if (uses(*passphrases)) return;
@@ -113,10 +113,10 @@ void PreSharedKeyRing::refresh() {
   std::string understood;
   for (const auto& entry : entries_)
     understood += (understood.empty() ? "" : ", ") + std::to_string(entry.passphrase.id);
-  environment_.events.raise(Event(Error(Code::psk_passphrases_changed,
-                                        {.found = std::to_string(entries_.front().passphrase.id) +
-                                                  " to send with, understood are " + understood}),
-                                  {}, {}, PeerProof::not_a_peer));
+  services_.events.raise(Event(Error(Code::psk_passphrases_changed,
+                                     {.found = std::to_string(entries_.front().passphrase.id) +
+                                               " to send with, understood are " + understood}),
+                               {}, {}, PeerProof::not_a_peer));
 }
 
 void PreSharedKeyRing::keep_despite(const Error& error) {
@@ -127,7 +127,7 @@ void PreSharedKeyRing::keep_despite(const Error& error) {
       std::string(info(error.code()).summary) + (details.note.empty() ? "" : ": " + details.note);
   const Error complaint(Code::psk_passphrases_kept, std::move(details));
   const auto before = std::exchange(complaint_, complaint.to_sentence());
-  if (complaint_ != before) environment_.events.raise(Event(complaint));
+  if (complaint_ != before) services_.events.raise(Event(complaint));
 }
 
 // A participant has the same source for its whole life. A participant with the same source after a
@@ -135,7 +135,7 @@ void PreSharedKeyRing::keep_despite(const Error& error) {
 Result<SendKey*> PreSharedKeyRing::send_key(const MessageSource& source) {
   if (send_ && source == own_) return send_.get();
   const auto& entry = entries_.front();
-  DDSSEC_ASSIGN_OR_RETURN(const auto start, SendStart::draw(environment_.random));
+  DDSSEC_ASSIGN_OR_RETURN(const auto start, SendStart::draw(services_.random));
   DDSSEC_ASSIGN_OR_RETURN(
       send_, SendKey::create(
                  derive_pre_shared_material(entry.passphrase, entry.kind, entry.key_id, source),
@@ -219,7 +219,7 @@ Result<std::unique_ptr<spi::PreSharedKeys>> KeyFactory::pre_shared_keys(
       PreSharedKeyRing::create(std::move(files),
                                {request.domain_id, std::string(request.domain_tag),
                                 kind_for(cipher, is_encrypted(kind))},
-                               state_.environment, state_.keys));
+                               state_.services, state_.keys));
   return pre_shared_key_ring;
 }
 

@@ -38,11 +38,11 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
     std::string tag;
     TransformKind algorithm;
   };
-  /// Reads the passphrases. `environment` and `keys` must outlive the result. Errors: those of
+  /// Reads the passphrases. `services` and `keys` must outlive the result. Errors: those of
   /// PassphraseFiles::load.
   static Result<std::unique_ptr<PreSharedKeyRing>> create(PassphraseFiles files, Domain domain,
-                                                          const Environment& environment,
-                                                          const KeyEnvironment& keys);
+                                                          const EngineServices& services,
+                                                          const KeyServices& keys);
 
   Result<std::size_t> encode(BytesView plain, MutableBytes out) override;
   bool remembers(BytesView encoded) const override;
@@ -68,12 +68,9 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
     std::uint64_t last_used;
   };
 
-  PreSharedKeyRing(PassphraseFiles files, Domain domain, const Environment& environment,
-                   const KeyEnvironment& keys)
-      : files_(std::move(files)),
-        domain_(std::move(domain)),
-        environment_(environment),
-        keys_(keys) {}
+  PreSharedKeyRing(PassphraseFiles files, Domain domain, const EngineServices& services,
+                   const KeyServices& keys)
+      : files_(std::move(files)), domain_(std::move(domain)), services_(services), keys_(keys) {}
   /// Uses these passphrases: at least one, the first to send with. Drops keys derived from others.
   void use(std::vector<Passphrase> passphrases);
   bool uses(const std::vector<Passphrase>& passphrases) const;
@@ -86,8 +83,8 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
 
   PassphraseFiles files_;
   const Domain domain_;
-  const Environment& environment_;
-  const KeyEnvironment& keys_;
+  const EngineServices& services_;
+  const KeyServices& keys_;
   std::vector<Entry> entries_;
   /// Last event about unusable passphrases, to report it once; empty: none.
   std::string complaint_;

@@ -12,7 +12,7 @@ void NewestPosition::note(const NewestPosition& other, Graveyard& graveyard) {
 
 void ReceiveKey::count_with(const std::shared_ptr<NewestPosition>& of_other) {
   if (!position_ || !of_other) return;
-  of_other->note(*position_, environment_.graveyard);
+  of_other->note(*position_, services_.graveyard);
   position_ = of_other;
 }
 
@@ -30,13 +30,12 @@ Result<ReceiveKey::Candidate> ReceiveKey::session(SessionId id) {
   auto fresh = blank();
   fresh->id = id;
   const auto key = derive_session_key(material_.sender_key, material_.salt, id);
-  DDSSEC_RETURN_IF_ERROR(key.expose([&](BytesView octets) {
-    return fresh->key.expand(environment_.aead, traits_.cipher, octets);
-  }));
+  DDSSEC_RETURN_IF_ERROR(key.expose(
+      [&](BytesView octets) { return fresh->key.expand(services_.aead, traits_.cipher, octets); }));
   if (material_.has_receiver_key()) {
     const auto receiver = derive_session_receiver_key(material_.receiver_key, material_.salt, id);
     DDSSEC_RETURN_IF_ERROR(receiver.expose([&](BytesView octets) {
-      return fresh->receiver->expand(environment_.aead, traits_.cipher, octets);
+      return fresh->receiver->expand(services_.aead, traits_.cipher, octets);
     }));
   }
   candidate.session_ = fresh.get();
@@ -77,7 +76,7 @@ void ReceiveKey::remember(Candidate candidate) {
   auto former = place_for_next().exchange(std::move(candidate.fresh_));
   if (!former) return;
   const auto epoch = retirement_epoch();
-  if (aside_.session) environment_.graveyard.retire(std::move(aside_.session));
+  if (aside_.session) services_.graveyard.retire(std::move(aside_.session));
   aside_ = {std::move(former), epoch};
 }
 

@@ -58,11 +58,11 @@ class ReceiveKey final : public Retirable {
  public:
   static constexpr std::size_t kMaxSessions = 4;
 
-  ReceiveKey(KeyMaterial material, KindTraits traits, const KeyEnvironment& environment)
+  ReceiveKey(KeyMaterial material, KindTraits traits, const KeyServices& services)
       : position_(position_of(std::exchange(material.position, std::nullopt))),
         material_(std::move(material)),
         traits_(traits),
-        environment_(environment) {
+        services_(services) {
     if (position_ && material_.has_receiver_key()) window_ = std::make_shared<ReplayWindow>();
   }
 
@@ -125,7 +125,7 @@ class ReceiveKey final : public Retirable {
   std::shared_ptr<ReplayWindow> window_;      ///< null: replay is not checked
   const KeyMaterial material_;
   const KindTraits traits_;
-  const KeyEnvironment& environment_;
+  const KeyServices& services_;
   std::array<Published<ReceiveSession>, kMaxSessions> sessions_;
   std::atomic<std::uint32_t> time_ = 0;  // counts remembered sessions
   std::mutex mutex_;                     // guards aside_ and writing to sessions_

@@ -37,10 +37,10 @@ std::uint64_t blocks(std::size_t size) { return size / 16 + 2; }
 }  // namespace
 
 Result<std::unique_ptr<SendKey>> SendKey::create(KeyMaterial material, SendStart start,
-                                                 const KeyEnvironment& environment) {
+                                                 const KeyServices& services) {
   const auto traits = traits_of(material.kind);
   if (!traits) return fail(Code::internal);
-  return std::unique_ptr<SendKey>(new SendKey(std::move(material), *traits, start, environment));
+  return std::unique_ptr<SendKey>(new SendKey(std::move(material), *traits, start, services));
 }
 
 Result<SendStart> SendStart::draw(Random& random) {
@@ -55,19 +55,18 @@ Result<SendStart> SendStart::draw(Random& random) {
 Status SendKey::expand(SendSession& session) const {
   session.id = id_from(session.begun.first + session.begun.further);
   const auto key = derive_session_key(material_.sender_key, material_.salt, session.id);
-  return key.expose([&](BytesView octets) {
-    return session.key.expand(environment_.aead, traits_.cipher, octets);
-  });
+  return key.expose(
+      [&](BytesView octets) { return session.key.expand(services_.aead, traits_.cipher, octets); });
 }
 
 /// A child of fork() draws a new start; the one in its memory is its parent's.
 Result<std::unique_ptr<SendSession>> SendKey::first_session() const {
   auto first = std::make_unique<SendSession>();
-  first->generation = environment_.generation.current();
+  first->generation = services_.generation.current();
   auto start = start_;
   if (first->generation != generation_) {
     first->begun_by_parents.push_back({start.session, 0});
-    DDSSEC_ASSIGN_OR_RETURN(start, SendStart::draw(environment_.random));
+    DDSSEC_ASSIGN_OR_RETURN(start, SendStart::draw(services_.random));
   }
   first->suffix = start.suffix;
   first->begun.first = start.session;
@@ -79,13 +78,13 @@ Result<std::unique_ptr<SendSession>> SendKey::first_session() const {
 Result<std::unique_ptr<SendSession>> SendKey::session_after(const SendSession& former) const {
   auto next = std::make_unique<SendSession>();
   next->number = former.number + 1;
-  next->generation = environment_.generation.current();
+  next->generation = services_.generation.current();
   next->begun_by_parents = former.begun_by_parents;
   if (former.generation == next->generation) {
     next->suffix = former.suffix;
     next->begun = {former.begun.first, former.begun.further + 1};
   } else {
-    DDSSEC_ASSIGN_OR_RETURN(const auto start, SendStart::draw(environment_.random));
+    DDSSEC_ASSIGN_OR_RETURN(const auto start, SendStart::draw(services_.random));
     next->suffix = start.suffix;
     next->begun.first = start.session;
     next->begun_by_parents.push_back(former.begun);
@@ -98,10 +97,10 @@ Result<SendKey::Reservation> SendKey::reserve(std::size_t size) {
   const auto wanted = blocks(size);
   for (;;) {
     auto* const session = current_.read();
-    if (session != nullptr && session->generation == environment_.generation.peek()) [[likely]] {
+    if (session != nullptr && session->generation == services_.generation.peek()) [[likely]] {
       const auto first = session->used.fetch_add(wanted, std::memory_order_relaxed);
       // A message larger than a whole session may be the only one of it.
-      if (first == 0 || first + wanted <= environment_.max_blocks_per_session) [[likely]]
+      if (first == 0 || first + wanted <= services_.max_blocks_per_session) [[likely]]
         return Reservation{session, iv_from(session->id, session->suffix + first)};
     }
     DDSSEC_RETURN_IF_ERROR(roll_over(session));
@@ -129,7 +128,7 @@ SendPosition SendKey::position() const {
 std::uint64_t SendKey::blocks_used() const {
   const auto* const session = current_.read();
   if (session == nullptr) return 0;
-  const auto most = environment_.max_blocks_per_session;
+  const auto most = services_.max_blocks_per_session;
   const auto of_session = std::min(session->used.load(std::memory_order_relaxed), most);
   const auto before = session->number * most;  // below 2^64
   return before + std::min(of_session, std::numeric_limits<std::uint64_t>::max() - before);
@@ -138,11 +137,11 @@ std::uint64_t SendKey::blocks_used() const {
 Status SendKey::roll_over(const SendSession* former) {
   const std::lock_guard lock(mutex_);
   if (current_.read() != former) return {};
-  if (former != nullptr && former->number + 1 >= environment_.max_sessions_per_key)
+  if (former != nullptr && former->number + 1 >= services_.max_sessions_per_key)
     return fail(Code::session_ids_exhausted);
   auto next = former != nullptr ? session_after(*former) : first_session();
   DDSSEC_RETURN_IF_ERROR(next);
-  current_.replace(*std::move(next), environment_.graveyard);
+  current_.replace(*std::move(next), services_.graveyard);
   return {};
 }
 
@@ -165,10 +164,10 @@ Result<const ReceiverKey::Session*> ReceiverKey::expand(const SendKey& sender, S
   next->kind = sender.material().kind;
   const auto key = derive_session_receiver_key(key_, sender.material().salt, id);
   DDSSEC_RETURN_IF_ERROR(key.expose([&](BytesView octets) {
-    return next->key.expand(environment_.aead, sender.traits().cipher, octets);
+    return next->key.expand(services_.aead, sender.traits().cipher, octets);
   }));
   const auto* const made = next.get();
-  current_.replace(std::move(next), environment_.graveyard);
+  current_.replace(std::move(next), services_.graveyard);
   return made;
 }
 

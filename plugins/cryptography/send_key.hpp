@@ -16,8 +16,8 @@
 
 namespace ddssec::cryptography {
 
-/// The environment that all keys of one engine share. It must outlive them.
-struct KeyEnvironment {
+/// The services that all keys of one engine share. It must outlive them.
+struct KeyServices {
   const AeadBackend& aead;
   Graveyard& graveyard;
   std::uint64_t max_blocks_per_session;  ///< at least 1
@@ -67,7 +67,7 @@ class SendKey final : public Retirable {
  public:
   /// Creates the key. Error: internal (the kind is not that of a key).
   static Result<std::unique_ptr<SendKey>> create(KeyMaterial material, SendStart start,
-                                                 const KeyEnvironment& environment);
+                                                 const KeyServices& services);
 
   const KeyMaterial& material() const { return material_; }
   const KindTraits& traits() const { return traits_; }
@@ -91,13 +91,12 @@ class SendKey final : public Retirable {
   std::uint64_t blocks_used() const;
 
  private:
-  SendKey(KeyMaterial material, KindTraits traits, SendStart start,
-          const KeyEnvironment& environment)
+  SendKey(KeyMaterial material, KindTraits traits, SendStart start, const KeyServices& services)
       : material_(std::move(material)),
         traits_(traits),
-        environment_(environment),
+        services_(services),
         start_(start),
-        generation_(environment.generation.current()) {}
+        generation_(services.generation.current()) {}
   Result<std::unique_ptr<SendSession>> first_session() const;
   Result<std::unique_ptr<SendSession>> session_after(const SendSession& former) const;
   Status expand(SendSession& session) const;
@@ -106,7 +105,7 @@ class SendKey final : public Retirable {
 
   const KeyMaterial material_;
   const KindTraits traits_;
-  const KeyEnvironment& environment_;
+  const KeyServices& services_;
   const SendStart start_;
   const std::uint64_t generation_;  // of the process that drew the start
   Published<SendSession> current_;  // null before the first message
@@ -117,8 +116,8 @@ class SendKey final : public Retirable {
 /// clause 10.5.3.3.3), expanded for the sender's current session.
 class ReceiverKey final : public Retirable {
  public:
-  ReceiverKey(KeyId id, MasterReceiverKey key, const KeyEnvironment& environment)
-      : id_(id), key_(std::move(key)), environment_(environment) {}
+  ReceiverKey(KeyId id, MasterReceiverKey key, const KeyServices& services)
+      : id_(id), key_(std::move(key)), services_(services) {}
 
   KeyId id() const { return id_; }
   const MasterReceiverKey& master() const { return key_; }
@@ -143,7 +142,7 @@ class ReceiverKey final : public Retirable {
 
   const KeyId id_;
   const MasterReceiverKey key_;
-  const KeyEnvironment& environment_;
+  const KeyServices& services_;
   Published<Session> current_;
   std::mutex mutex_;  // held while expanding
 };

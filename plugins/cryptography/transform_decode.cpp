@@ -81,7 +81,7 @@ Result<ReceiveKey*> received(const Published<RemoteKeys>& keys, KeyLevel level) 
                                               ReceiveKey& newest, TransformKind named) {
   if (named.octets[3] != newest.material().kind.octets[3]) return &newest;
   if (const auto* const published = keys.read(); published != nullptr)
-    if (auto* const key = former_key(*published, level, named, state.environment.clock.monotonic()))
+    if (auto* const key = former_key(*published, level, named, state.services.clock.monotonic()))
       return key;
   return fail(Code::key_revision_unknown);
 }
@@ -156,7 +156,7 @@ class DiscoveryOfOne final : public DiscoveryOfPeers {
 /// Checks a sample of a protected builtin writer, and hides its type information from the host.
 Status check_discovery(const CryptographyState& state, const RemoteEndpoint& sender,
                        const Owner& owner, MutableBytes plain) {
-  DiscoveryOfOne peers(sender.participant.discovery, state.environment.clock);
+  DiscoveryOfOne peers(sender.participant.discovery, state.services.clock);
   DDSSEC_ASSIGN_OR_RETURN(const auto types, check_builtin_source(plain, owner, peers));
   if (types && !sender.local.participant.trusts_type_information)
     hide_type_information(plain, *types);

@@ -167,8 +167,7 @@ Result<std::size_t> encode_volatile(const CryptographyState& state, const LocalE
   if (&remote->local != &sender || pair == nullptr) return fail(Code::crypto_not_matched);
   if (const auto acknowledged = read_acknowledgment(request.body);
       acknowledged && !state.host_checks_sources)
-    state.ledger.acknowledged(pair->number, acknowledged->next,
-                              state.environment.clock.monotonic());
+    state.ledger.acknowledged(pair->number, acknowledged->next, state.services.clock.monotonic());
   note_own_tokens(state, sender, *pair, request.body);
   request.receivers = 0;
   return encode_group(request, *pair->key_exchange_send, out,

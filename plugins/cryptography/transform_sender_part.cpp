@@ -26,7 +26,7 @@ class DiscoveryInMessage final : public DiscoveryOfPeers {
     const auto peer = find_peer(state_, **local, owner);
     return peer && *peer != nullptr ? &(*peer)->discovery : nullptr;
   }
-  MonotonicTime now() const override { return state_.environment.clock.monotonic(); }
+  MonotonicTime now() const override { return state_.services.clock.monotonic(); }
   bool is_closed(const EntityId& writer) const override {
     const auto local = state_.local_participant(receiver_);
     return local && (*local)->closed_discovery.includes(writer);

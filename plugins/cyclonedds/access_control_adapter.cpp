@@ -431,7 +431,7 @@ AccessControlAdapter::AccessControlAdapter(std::unique_ptr<Host> host,
     : dds_security_access_control(kTable),
       id_(next_id()),
       host_(std::move(host)),
-      engine_(make(host_->environment_with_record(!has_our_authentication()))),
+      engine_(make(host_->services_with_record(!has_our_authentication()))),
       shared_memory_(std::move(find_bypass)),
       timer_(host_->clock()) {
   gv = domain;

@@ -375,7 +375,7 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
                                              ddsi_domaingv* domain)
     : dds_security_authentication(kTable),
       host_(std::move(host)),
-      engine_(make(host_->environment_with_record(true))),
+      engine_(make(host_->services_with_record(true))),
       core_timer_(CoreTimer::of_host(host_->code())),
       watch_(host_->clock()),
       lost_sessions_(host_->clock()),

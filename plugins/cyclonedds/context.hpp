@@ -9,9 +9,9 @@
 
 namespace ddssec::cyclonedds {
 
-/// Creates an engine in the environment of its host.
+/// Creates an engine with the services of its host.
 template <class Engine>
-using MakeEngine = std::function<std::unique_ptr<Engine>(const Environment&)>;
+using MakeEngine = std::function<std::unique_ptr<Engine>(const EngineServices&)>;
 
 /// Calls `f(context) -> Result` inside the C boundary. A null instance is refused.
 template <class Context, class Instance, class F>

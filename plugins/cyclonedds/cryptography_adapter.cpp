@@ -23,7 +23,7 @@ CryptographyAdapter::CryptographyAdapter(std::unique_ptr<Host> host,
                                          ddsi_domaingv* domain)
     : dds_security_cryptography{},
       host_(std::move(host)),
-      engine_(make(host_->environment())),
+      engine_(make(host_->services())),
       key_factory_engine_(engine_->key_factory()),
       key_exchange_engine_(engine_->key_exchange()),
       transform_engine_(engine_->transform()),

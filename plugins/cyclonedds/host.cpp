@@ -18,10 +18,10 @@ void Host::CountingSink::raise(const Event& event) {
   }
 }
 
-const Environment& Host::environment_with_record(bool reports) {
+const EngineServices& Host::services_with_record(bool reports) {
   documents_ = documents_shown(reports ? &limited_ : nullptr);
-  environment_.documents = documents_.get();
-  return environment_;
+  services_.documents = documents_.get();
+  return services_;
 }
 
 unsigned Host::raised_by_this_thread() noexcept { return raised_by_thread; }

@@ -18,14 +18,14 @@ class Host {
   /// or null.
   explicit Host(std::unique_ptr<EventSink> log, const void* code = nullptr)
       : code_(code), log_(std::move(log)), limited_(*log_, clock_), counted_(limited_) {}
-  /// The environment with the record of DDSSEC_STATUS_DIR; call it before the engine is made.
+  /// The services with the record of DDSSEC_STATUS_DIR; call it before the engine is made.
   /// `reports`: an event says why there is none although the variable asks for it.
-  const Environment& environment_with_record(bool reports);
+  const EngineServices& services_with_record(bool reports);
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
-  /// The environment for the engine; owned by this object.
-  const Environment& environment() const { return environment_; }
+  /// The services for the engine; owned by this object.
+  const EngineServices& services() const { return services_; }
   const Clock& clock() const { return calendar_; }
   SteadyCalendar& calendar() { return calendar_; }
   const void* code() const { return code_; }
@@ -58,7 +58,7 @@ class Host {
   RateLimitedSink limited_;
   CountingSink counted_;
   std::shared_ptr<DocumentsInUse> documents_;  ///< null: the process shows none
-  Environment environment_{calendar_, random_, counted_};
+  EngineServices services_{calendar_, random_, counted_};
 };
 
 }  // namespace ddssec::cyclonedds

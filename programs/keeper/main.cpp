@@ -99,11 +99,11 @@ int run(const Options& options) {
   Log log;
   LoggedEvents logged(log, EventLog::of_environment());
   RateLimitedSink events(logged, clock);
-  const Environment environment{clock, random, events};
-  secured::Engines engines(environment);
+  const EngineServices services{clock, random, events};
+  secured::Engines engines(services);
   auto wanted = participant_options(options, engines);
   if (!wanted) return refused(wanted.error());
-  auto keeper = rtps::Keeper::create(*std::move(wanted), options.keeps, environment);
+  auto keeper = rtps::Keeper::create(*std::move(wanted), options.keeps, services);
   if (!keeper) return refused(keeper.error());
   std::printf("Keeping domain %d: %zu topics known\n", options.domain, (*keeper)->topics());
   std::fflush(stdout);

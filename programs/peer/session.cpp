@@ -26,19 +26,19 @@ void watch_signals() {
 
 Status Session::open() {
   end_ = nanoseconds() + static_cast<std::int64_t>(options_.timeout * 1e9);
-  const Environment environment{clock_, random_, limited_};
+  const EngineServices services{clock_, random_, limited_};
   rtps::DomainParticipantOptions wanted{.domain_id = options_.domain,
                                         .entity_name = "ddssec-peer " + options_.role,
                                         .interfaces = options_.interfaces,
                                         .multicast = options_.interfaces != Options{}.interfaces,
                                         .announce_types = false};
   if (options_.security != "off") {
-    engines_ = std::make_unique<secured::Engines>(environment);
+    engines_ = std::make_unique<secured::Engines>(services);
     DDSSEC_ASSIGN_OR_RETURN(auto properties, secured::folder_properties(options_.security));
     DDSSEC_RETURN_IF_ERROR(engines_->set_clock_step_grace(properties));
     wanted.security.emplace(engines_->view(), std::move(properties));
   }
-  auto created = rtps::DomainParticipant::create(std::move(wanted), environment);
+  auto created = rtps::DomainParticipant::create(std::move(wanted), services);
   if (!created) return std::unexpected(created.error());
   participant_ = std::move(*created);
   say("participant_created");

@@ -117,9 +117,9 @@ Status Session::open() {
   if (options_.announcement_period)
     wanted.announcement_period = std::chrono::milliseconds(*options_.announcement_period);
   if (options_.fragment_size) wanted.fragment_size = *options_.fragment_size;
-  const Environment environment{clock_, random_, limited_};
+  const EngineServices services{clock_, random_, limited_};
   DDSSEC_ASSIGN_OR_RETURN(participant_,
-                          rtps::DomainParticipant::create(std::move(wanted), environment));
+                          rtps::DomainParticipant::create(std::move(wanted), services));
   participant_->set_listener(&lines_);
   return {};
 }

@@ -179,7 +179,7 @@ void BuiltinTopics::give(AnyDataReader& reader, const News& news, Change change)
   }
   if (std::exchange(told.refused, !taken) || taken) return;
   const auto& cache = reader.reception_.cache();
-  context_.environment().events.raise(
+  context_.services().events.raise(
       Event(Error(Code::rtps_too_many_endpoints,
                   {.document = fmt::format("builtin topic {}", news.topic),
                    .expected = "room in its reader",

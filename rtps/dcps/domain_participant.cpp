@@ -55,7 +55,7 @@ Status announce_by_multicast(ParticipantSockets& sockets, ParticipantConfig& con
 
 Result<ParticipantConfig> config_of(const DomainParticipantOptions& options,
                                     const GuidPrefix& prefix, ParticipantSockets& sockets,
-                                    const Environment& environment) {
+                                    const EngineServices& services) {
   ParticipantConfig config{.prefix = prefix,
                            .domain_id = options.domain_id,
                            .domain_tag = options.domain_tag,
@@ -67,8 +67,8 @@ Result<ParticipantConfig> config_of(const DomainParticipantOptions& options,
                            .interfaces = sockets.interfaces()};
   config.announcement_period = options.announcement_period;
   config.fragment_size = options.fragment_size;
-  DDSSEC_ASSIGN_OR_RETURN(config.first_entity, random_entity(environment.random));
-  DDSSEC_RETURN_IF_ERROR(environment.random.fill(config.address_secret.emplace()));
+  DDSSEC_ASSIGN_OR_RETURN(config.first_entity, random_entity(services.random));
+  DDSSEC_RETURN_IF_ERROR(services.random.fill(config.address_secret.emplace()));
   for (const auto& peer : options.peers) {
     const auto address = Locator::parse(peer, 0);
     if (!address) return bad_option("peers", "IPv4 or IPv6 addresses", peer);
@@ -78,7 +78,7 @@ Result<ParticipantConfig> config_of(const DomainParticipantOptions& options,
     }
   }
   if (options.multicast)
-    DDSSEC_RETURN_IF_ERROR(announce_by_multicast(sockets, config, environment.events));
+    DDSSEC_RETURN_IF_ERROR(announce_by_multicast(sockets, config, services.events));
   return config;
 }
 
@@ -86,22 +86,22 @@ Result<ParticipantConfig> config_of(const DomainParticipantOptions& options,
 
 static_assert(DomainParticipantOptions::kMaxFragment == MessageSender::kMaxFragment);
 
-detail::ServiceHolder::ServiceHolder(const Environment& environment,
+detail::ServiceHolder::ServiceHolder(const EngineServices& services,
                                      const DomainParticipantOptions& options)
     : service_(std::make_unique<ParticipantService>(
-          environment, options.own_thread,
+          services, options.own_thread,
           options.in_process ? Neighbourhood::of(options.domain_id, options.domain_tag)
                              : std::make_shared<Neighbourhood>())) {}
 
 detail::ServiceHolder::~ServiceHolder() = default;
 
 DomainParticipant::DomainParticipant(DomainParticipantOptions options,
-                                     const Environment& environment)
-    : ServiceHolder(environment, options),
+                                     const EngineServices& services)
+    : ServiceHolder(services, options),
       Entity(service_->context()),
       options_(std::move(options)),
       qos_{options_.user_data},
-      stores_(std::make_unique<DurableStores>(environment.events)),
+      stores_(std::make_unique<DurableStores>(services.events)),
       manual_liveliness_([this](MonotonicTime now) {
         context_.protocol().assert_liveliness(LivelinessKind::manual_by_participant, now);
       }),
@@ -110,7 +110,7 @@ DomainParticipant::DomainParticipant(DomainParticipantOptions options,
       groups_(*this, context_) {}
 
 Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
-    DomainParticipantOptions wanted, const Environment& environment) {
+    DomainParticipantOptions wanted, const EngineServices& services) {
   if (wanted.domain_id < 0 || wanted.domain_id > kMaxDomain)
     return bad_option("domain_id", "0 to 232", std::to_string(wanted.domain_id));
   if (wanted.busy_wait < std::chrono::nanoseconds::zero() ||
@@ -119,9 +119,9 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   DDSSEC_ASSIGN_OR_RETURN(auto interfaces, choose_interfaces(wanted.interfaces));
   // RTPS 9.3.1.5: the first two octets name the vendor.
   GuidPrefix prefix;
-  DDSSEC_RETURN_IF_ERROR(environment.random.fill(prefix.octets));
+  DDSSEC_RETURN_IF_ERROR(services.random.fill(prefix.octets));
   std::ranges::copy(kVendorDdssec.octets, prefix.octets.begin());
-  std::unique_ptr<DomainParticipant> out(new DomainParticipant(std::move(wanted), environment));
+  std::unique_ptr<DomainParticipant> out(new DomainParticipant(std::move(wanted), services));
   const auto& options = out->options_;
   if (!options.durability_store.empty())
     DDSSEC_RETURN_IF_ERROR(
@@ -136,7 +136,7 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   participant_sockets->loop().busy_wait(options.busy_wait);
   service.use(std::move(participant_sockets));
   if (const auto enough = service.sockets().check_receive_buffer(); !enough)
-    environment.events.raise(Event(enough.error()));
+    services.events.raise(Event(enough.error()));
   std::unique_ptr<OwnSecurity> security;
   if (options.security) {
     DDSSEC_ASSIGN_OR_RETURN(security, OwnSecurity::create(*options.security, options.domain_id,
@@ -144,14 +144,14 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
     prefix = security->guid().prefix;
   }
   out->guid_ = {prefix, kEntityIdParticipant};
-  DDSSEC_ASSIGN_OR_RETURN(auto config, config_of(options, prefix, service.sockets(), environment));
+  DDSSEC_ASSIGN_OR_RETURN(auto config, config_of(options, prefix, service.sockets(), services));
   config.neighbourhood = out->context_.neighbourhood();
   auto protocol =
-      std::make_unique<RtpsParticipant>(std::move(config), service.sockets(), environment.events);
+      std::make_unique<RtpsParticipant>(std::move(config), service.sockets(), services.events);
   if (security) DDSSEC_RETURN_IF_ERROR(protocol->secure(std::move(security)));
   DDSSEC_RETURN_IF_ERROR(service.adopt(std::move(protocol)));
   service.follow_interfaces(options.interfaces);
-  raise_joined(options, service.sockets(), environment.events);
+  raise_joined(options, service.sockets(), services.events);
   if (options.enabled) DDSSEC_RETURN_IF_ERROR(out->enable());
   return out;
 }

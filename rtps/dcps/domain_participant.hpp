@@ -104,7 +104,7 @@ namespace detail {
 /// A base class of its own, because it must be constructed before Entity, which needs the context
 /// in it.
 struct ServiceHolder {
-  ServiceHolder(const Environment& environment, const DomainParticipantOptions& options);
+  ServiceHolder(const EngineServices& services, const DomainParticipantOptions& options);
   ~ServiceHolder();
   const std::unique_ptr<ParticipantService> service_;
 };
@@ -118,14 +118,14 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   static constexpr int kAnnouncedIndexes = 10;
 
   /// Creates a participant and raises the event rtps_joined, which names the interfaces. The clock,
-  /// random source and event sink in `environment` must outlive the participant.
+  /// random source and event sink in `services` must outlive the participant.
   /// Errors: invalid_property (invalid domain, peer address or busy_wait), rtps_address_not_here
   /// (no such interface), rtps_port_taken (all participant indexes are in use), rtps_no_multicast
   /// (multicast fails and there are no peers), rtps_socket_failed, random_failed,
   /// rtps_thread_failed, rtps_store_unusable, rtps_store_failed; with security also those of the
   /// plugins.
   static Result<std::unique_ptr<DomainParticipant>> create(DomainParticipantOptions options,
-                                                           const Environment& environment);
+                                                           const EngineServices& services);
   /// Waits until its listeners have returned. Must not be called from within one of them, nor from
   /// a listener of another participant that is being destroyed in a listener of this one: raises
   /// the event rtps_ended_in_listener and calls std::terminate.
@@ -280,7 +280,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   friend class Keeper;
   friend class Topic;
 
-  DomainParticipant(DomainParticipantOptions options, const Environment& environment);
+  DomainParticipant(DomainParticipantOptions options, const EngineServices& services);
   const DomainParticipantOptions options_;
   DomainParticipantQos qos_;
   Qos default_topic_qos_;

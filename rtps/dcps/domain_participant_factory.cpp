@@ -9,7 +9,7 @@ Result<DomainParticipant*> DomainParticipantFactory::create_participant(
   const bool enabled = options.enabled && autoenable_;
   options.enabled = false;  // so that the listener receives everything from the beginning
   DDSSEC_ASSIGN_OR_RETURN(auto participant,
-                          DomainParticipant::create(std::move(options), environment_));
+                          DomainParticipant::create(std::move(options), services_));
   participant->set_listener(listener, mask);
   if (enabled) DDSSEC_RETURN_IF_ERROR(participant->enable());
   const std::lock_guard lock(mutex_);

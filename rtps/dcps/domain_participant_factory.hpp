@@ -14,8 +14,8 @@ namespace ddssec::rtps {
 /// Owns its participants, which are deleted with it. Thread-safe.
 class DomainParticipantFactory {
  public:
-  /// The clock, random source and event sink in `environment` must outlive the factory.
-  explicit DomainParticipantFactory(const Environment& environment) : environment_(environment) {}
+  /// The clock, random source and event sink in `services` must outlive the factory.
+  explicit DomainParticipantFactory(const EngineServices& services) : services_(services) {}
 
   /// Sets whether new participants are enabled when they are created (ENTITY_FACTORY). The default
   /// is true.
@@ -33,7 +33,7 @@ class DomainParticipantFactory {
   DomainParticipant* lookup_participant(DomainId domain) const;
 
  private:
-  const Environment environment_;
+  const EngineServices services_;
   std::atomic<bool> autoenable_ = true;
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<DomainParticipant>> participants_;

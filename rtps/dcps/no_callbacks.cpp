@@ -17,7 +17,7 @@ Result<NoCallbacks> NoCallbacks::begin(ParticipantContext& context) {
 NoCallbacks NoCallbacks::begin_or_terminate(ParticipantContext& context, const Guid& whose) {
   const bool inside = context.in_callback();
   if (!inside && context.hold_callbacks(CallbackLock::Wait::first)) return NoCallbacks(context);
-  context.environment().events.raise(
+  context.services().events.raise(
       Event(Error(Code::rtps_ended_in_listener,
                   {.document = "participant " + whose.to_string(),
                    .expected = "its end after its listeners have returned",

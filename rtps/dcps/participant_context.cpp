@@ -7,10 +7,10 @@ namespace ddssec::rtps {
 
 thread_local const ParticipantContext::Calling* ParticipantContext::calling_ = nullptr;
 
-ParticipantContext::ParticipantContext(const Environment& environment, Server& server,
+ParticipantContext::ParticipantContext(const EngineServices& services, Server& server,
                                        std::shared_ptr<ServingTurn> turn,
                                        std::shared_ptr<Neighbourhood> neighbourhood)
-    : environment_(environment),
+    : services_(services),
       server_(server),
       turn_(std::move(turn)),
       neighbourhood_(std::move(neighbourhood)),

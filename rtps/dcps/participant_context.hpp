@@ -33,7 +33,7 @@ class ParticipantContext {
   };
 
   /// `turn`: nullptr if the participant has no thread of its own.
-  ParticipantContext(const Environment& environment, Server& server,
+  ParticipantContext(const EngineServices& services, Server& server,
                      std::shared_ptr<ServingTurn> turn,
                      std::shared_ptr<Neighbourhood> neighbourhood);
   ~ParticipantContext();
@@ -41,9 +41,9 @@ class ParticipantContext {
   std::mutex& mutex() const { return mutex_; }
   const std::shared_ptr<ServingTurn>& turn() const { return turn_; }
   const std::shared_ptr<Neighbourhood>& neighbourhood() const { return neighbourhood_; }
-  const Environment& environment() const { return environment_; }
-  MonotonicTime now() const { return environment_.clock.monotonic(); }
-  Moment moment() const { return {now(), Time::from(environment_.clock.wall())}; }
+  const EngineServices& services() const { return services_; }
+  MonotonicTime now() const { return services_.clock.monotonic(); }
+  Moment moment() const { return {now(), Time::from(services_.clock.wall())}; }
 
   // The caller holds the lock:
   RtpsParticipant& protocol() const { return *protocol_; }
@@ -157,7 +157,7 @@ class ParticipantContext {
   /// already been woken.
   void wake_if(MonotonicTime other);
 
-  const Environment environment_;
+  const EngineServices services_;
   Server& server_;
   const std::shared_ptr<ServingTurn> turn_;
   const std::shared_ptr<Neighbourhood> neighbourhood_;

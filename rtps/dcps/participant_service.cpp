@@ -35,7 +35,7 @@ void ParticipantService::follow_interfaces(std::vector<std::string> wanted) {
                       : Status(std::unexpected(watch.error()));
   if (!status) {
     auto error = Error(Code::rtps_interfaces_unwatched, {.note = status.error().to_sentence()});
-    return context_.environment().events.raise(Event(std::move(error)));
+    return context_.services().events.raise(Event(std::move(error)));
   }
   watch_.emplace(std::move(*watch));
 }
@@ -52,7 +52,7 @@ void ParticipantService::look_at_interfaces() {
 }
 
 void ParticipantService::change_interfaces(std::vector<NetworkInterface> chosen) {
-  auto& events = context_.environment().events;
+  auto& events = context_.services().events;
   auto former = to_string(sockets_->interfaces());
   for (auto& error : sockets_->use(std::move(chosen))) events.raise(Event(std::move(error)));
   context_.protocol().change_own(

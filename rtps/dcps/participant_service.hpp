@@ -16,11 +16,11 @@ namespace ddssec::rtps {
 /// reported.
 class ParticipantService final : private ParticipantContext::Server, private ServingTurn::Server {
  public:
-  ParticipantService(const Environment& environment, bool own_thread,
+  ParticipantService(const EngineServices& services, bool own_thread,
                      std::shared_ptr<Neighbourhood> neighbourhood)
       : turn_(own_thread ? std::make_shared<ServingTurn>(turn_server()) : nullptr),
-        context_(environment, *this, turn_, std::move(neighbourhood)),
-        caught_(environment.events) {}
+        context_(services, *this, turn_, std::move(neighbourhood)),
+        caught_(services.events) {}
   ~ParticipantService() override { stop(); }
 
   ParticipantContext& context() { return context_; }

@@ -96,15 +96,15 @@ Error no_room(const std::string& topic) {
 
 Result<std::unique_ptr<Keeper>> Keeper::create(DomainParticipantOptions options,
                                                KeeperOptions keeps,
-                                               const Environment& environment) {
+                                               const EngineServices& services) {
   DDSSEC_ASSIGN_OR_RETURN(auto store,
-                          DurableStore::open(keeps.store, environment.events, keeps.store_octets,
-                                             Time::from(environment.clock.wall())));
+                          DurableStore::open(keeps.store, services.events, keeps.store_octets,
+                                             Time::from(services.clock.wall())));
   DDSSEC_RETURN_IF_ERROR(check_store_security(*store, options.security.has_value(),
-                                              Time::from(environment.clock.wall())));
+                                              Time::from(services.clock.wall())));
   auto domain_tag = options.domain_tag;
   DDSSEC_ASSIGN_OR_RETURN(auto participant,
-                          DomainParticipant::create(std::move(options), environment));
+                          DomainParticipant::create(std::move(options), services));
   std::unique_ptr<Keeper> out(
       new Keeper(std::move(participant), std::move(store), std::move(keeps.topics)));
   out->domain_tag_ = std::move(domain_tag);
@@ -156,7 +156,7 @@ void Keeper::report(const Error& error, const EndpointData& writer) const {
   auto details = error.details();
   if (!details.note.empty()) details.note += "; ";
   details.note += "topic " + writer.topic_name + " is not kept now";
-  participant_->context_.environment().events.raise(Event(Error(error.code(), std::move(details))));
+  participant_->context_.services().events.raise(Event(Error(error.code(), std::move(details))));
 }
 
 void Keeper::on_data_available(AnyDataReader& any) {
@@ -270,7 +270,7 @@ Status Keeper::keep(const EndpointData& writer, const std::optional<Guid>& annou
     return {};
   }
   topics_[key] = {std::move(topic), identity, announcer.value_or(Guid{})};
-  context.environment().events.raise(kept_event(writer, !announcer));
+  context.services().events.raise(kept_event(writer, !announcer));
   return {};
 }
 

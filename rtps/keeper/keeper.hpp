@@ -44,7 +44,7 @@ class Keeper final : private DataReaderListener {
   /// of DomainParticipant::create and of DurableStore::open, rtps_store_unusable.
   static Result<std::unique_ptr<Keeper>> create(DomainParticipantOptions options,
                                                 KeeperOptions keeps,
-                                                const Environment& environment);
+                                                const EngineServices& services);
   ~Keeper() override;
 
   /// Number of topics (of different types and partitions) that are kept.

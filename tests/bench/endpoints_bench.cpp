@@ -49,7 +49,7 @@ struct World {
                                                  .interfaces = {"127.0.0.1"},
                                                  .multicast = false,
                                                  .in_process = false},
-                                                Environment{clock, random, events});
+                                                EngineServices{clock, random, events});
     if (!made) std::fprintf(stderr, "%s\n", made.error().to_sentence().c_str()), std::exit(1);
     return std::move(*made);
   }

@@ -163,13 +163,13 @@ class Side {
 
  private:
   static MeteredAuthentication& metered(Node& host) {
-    const Environment environment{host.clock, host.random, host.events};
+    const EngineServices services{host.clock, host.random, host.events};
     auto made =
-        std::make_unique<MeteredAuthentication>(authentication::make_authentication(environment));
+        std::make_unique<MeteredAuthentication>(authentication::make_authentication(services));
     auto& out = *made;
     host.authentication = std::move(made);
-    host.access_control = access_control::make_access_control(environment);
-    host.cryptography = cryptography::make_cryptography(environment);
+    host.access_control = access_control::make_access_control(services);
+    host.cryptography = cryptography::make_cryptography(services);
     return out;
   }
 

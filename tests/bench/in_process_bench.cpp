@@ -54,13 +54,13 @@ T must(Result<T> made) {
 }
 
 template <class T>
-void measure(const Environment& environment, const char* name) {
+void measure(const EngineServices& services, const char* name) {
   rtps::DomainParticipantOptions options{.domain_id = kDomain,
                                          .domain_tag = std::to_string(getpid()),
                                          .interfaces = {"127.0.0.1"},
                                          .multicast = false};
-  auto one = must(rtps::DomainParticipant::create(options, environment));
-  auto other = must(rtps::DomainParticipant::create(options, environment));
+  auto one = must(rtps::DomainParticipant::create(options, services));
+  auto other = must(rtps::DomainParticipant::create(options, services));
   auto* writer = must(must(one->create_publisher())
                           ->template create_datawriter<T>(*must(one->create_topic<T>(name))));
   auto* reader = must(must(other->create_subscriber())

@@ -102,8 +102,8 @@ int run(const bench_options& options) {
   SystemRandom random;
   secured::StandardErrorEvents log;
   RateLimitedSink events(log, clock);
-  const Environment environment{clock, random, events};
-  secured::Engines engines(environment);
+  const EngineServices services{clock, random, events};
+  secured::Engines engines(services);
   const bool fleet = !bench_is_local(&options);
   rtps::DomainParticipantOptions wanted{.domain_id = static_cast<DomainId>(options.domain),
                                         .interfaces = {options.address},
@@ -117,7 +117,7 @@ int run(const bench_options& options) {
   Embedded embedded;
   embedded.stack = {&embedded, readers,       writers,     write_blob,
                     take_blob, wait_for_data, acknowledged};
-  auto participant = rtps::DomainParticipant::create(std::move(wanted), environment);
+  auto participant = rtps::DomainParticipant::create(std::move(wanted), services);
   if (!participant) return bench_refused("participant", participant.error().to_sentence().c_str());
   if (const auto created = create(**participant, options, embedded); !created)
     return bench_refused("endpoint", created.error().to_sentence().c_str());

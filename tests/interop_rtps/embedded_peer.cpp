@@ -101,13 +101,13 @@ Status create(DomainParticipant& participant, const peer_options& options, Embed
 
 /// The three engines of one process.
 struct Plugins {
-  explicit Plugins(const Environment& environment)
-      : authentication(authentication::make_authentication(environment)),
+  explicit Plugins(const EngineServices& services)
+      : authentication(authentication::make_authentication(services)),
         access_control(
-            access_control::make_access_control(environment, {.host_revises_keys = true,
-                                                              .host_has_pre_shared_keys = true,
-                                                              .host_changes_protection = true})),
-        cryptography(cryptography::make_cryptography(environment)) {}
+            access_control::make_access_control(services, {.host_revises_keys = true,
+                                                           .host_has_pre_shared_keys = true,
+                                                           .host_changes_protection = true})),
+        cryptography(cryptography::make_cryptography(services)) {}
   std::unique_ptr<spi::Authentication> authentication;
   std::unique_ptr<spi::AccessControl> access_control;
   std::unique_ptr<spi::Cryptography> cryptography;
@@ -153,8 +153,8 @@ int run(const peer_options& options) {
   SystemRandom random;
   StderrSink log;
   RateLimitedSink events(log, clock);
-  const Environment environment{clock, random, events};
-  const Plugins plugins(environment);
+  const EngineServices services{clock, random, events};
+  const Plugins plugins(services);
   DomainParticipantOptions wanted{.domain_id = static_cast<DomainId>(options.domain),
                                   .interfaces = {options.address},
                                   .multicast = false,
@@ -172,7 +172,7 @@ int run(const peer_options& options) {
     wanted.security.emplace(
         SecurityPlugins{*plugins.authentication, *plugins.access_control, *plugins.cryptography},
         properties_of(options));
-  auto participant = DomainParticipant::create(std::move(wanted), environment);
+  auto participant = DomainParticipant::create(std::move(wanted), services);
   if (!participant) return peer_refused("participant", participant.error().to_sentence().c_str());
   Embedded embedded;
   const auto created = create(**participant, options, embedded);

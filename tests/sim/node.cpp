@@ -92,12 +92,12 @@ Node::Node(const Surroundings& around, const Subject& subject, std::size_t numbe
       random_(dice_.next()) {}
 
 void Node::make_engines(const GuidPrefix& name) {
-  const Environment environment{clock_, random_, *this};
-  engines_ = {authentication::make_authentication(environment),
-              access_control::make_access_control(environment, {.host_revises_keys = true,
-                                                                .host_has_pre_shared_keys = true,
-                                                                .host_changes_protection = true}),
-              cryptography::make_cryptography(environment)};
+  const EngineServices services{clock_, random_, *this};
+  engines_ = {authentication::make_authentication(services),
+              access_control::make_access_control(services, {.host_revises_keys = true,
+                                                             .host_has_pre_shared_keys = true,
+                                                             .host_changes_protection = true}),
+              cryptography::make_cryptography(services)};
   if (subject_.is_honest()) {
     engines_.authentication =
         std::make_unique<CountedAuthentication>(std::move(engines_.authentication), handshakes_);

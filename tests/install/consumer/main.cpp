@@ -15,10 +15,10 @@ int main() {
   ddssec::SystemClock clock;
   ddssec::SystemRandom random;
   Quiet quiet;
-  const ddssec::Environment environment{clock, random, quiet};
-  const auto authentication = ddssec::authentication::make_authentication(environment);
-  const auto access_control = ddssec::access_control::make_access_control(environment);
-  const auto cryptography = ddssec::cryptography::make_cryptography(environment);
+  const ddssec::EngineServices services{clock, random, quiet};
+  const auto authentication = ddssec::authentication::make_authentication(services);
+  const auto access_control = ddssec::access_control::make_access_control(services);
+  const auto cryptography = ddssec::cryptography::make_cryptography(services);
   const auto identity = authentication->validate_local_identity(0, {}, {});
   if (identity) return 1;
   std::puts(identity.error().to_sentence().c_str());

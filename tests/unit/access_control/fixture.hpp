@@ -136,7 +136,7 @@ class AccessControlTest : public testing::Test {
              "data:," + authorities().identity_ca.certificate().pem()}};
   }
 
-  void make(Options options = {}) { plugin = make_access_control(environment, std::move(options)); }
+  void make(Options options = {}) { plugin = make_access_control(services, std::move(options)); }
 
   /// A local participant of the talker in domain 0.
   Result<spi::PermissionsHandle> local(const std::string& permissions_file) {
@@ -168,8 +168,8 @@ class AccessControlTest : public testing::Test {
   SystemRandom random;
   EventLog log;
   DocumentsInUse documents;
-  Environment environment{clock, random, log, &documents};
-  std::unique_ptr<spi::AccessControl> plugin = make_access_control(environment);
+  EngineServices services{clock, random, log, &documents};
+  std::unique_ptr<spi::AccessControl> plugin = make_access_control(services);
   governance::Governance governance_document = protected_governance();
 };
 

@@ -204,12 +204,11 @@ struct BreakableRandom final : Random {
 TEST(Fork, AChildWithoutRandomOctets_SendsNothing) {
   BreakableRandom random;
   Graveyard graveyard;
-  const KeyEnvironment environment{*aead_backend(AeadChoice::automatic), graveyard, 1000, 1000,
-                                   random};
+  const KeyServices services{*aead_backend(AeadChoice::automatic), graveyard, 1000, 1000, random};
   KeyMaterial material{.kind = kAes256Gcm};
   material.salt = MasterSalt::copy_of(Bytes(32, 1)).value();
   material.sender_key = MasterKey::copy_of(Bytes(32, 2)).value();
-  const auto key = SendKey::create(std::move(material), {1, 1}, environment).value();
+  const auto key = SendKey::create(std::move(material), {1, 1}, services).value();
   random.is_broken = true;
   const auto reserve = [&] {
     const ReadGuard guard;

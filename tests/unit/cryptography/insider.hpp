@@ -11,14 +11,13 @@ namespace ddssec::cryptography::testing {
 struct Insider {
   Graveyard graveyard;
   SystemRandom random;
-  KeyEnvironment environment{*aead_backend(AeadChoice::automatic), graveyard, 1u << 20, 1u << 20,
-                             random};
+  KeyServices services{*aead_backend(AeadChoice::automatic), graveyard, 1u << 20, 1u << 20, random};
   std::unique_ptr<SendKey> key;
 
   /// With somebody's key, as one of its receivers has it.
   explicit Insider(KeyMaterial material, SendStart start = {5, 6})
-      : own_(material.receiver_key_id, material.clone().receiver_key, environment) {
-    key = std::move(SendKey::create(std::move(material), start, environment).value());
+      : own_(material.receiver_key_id, material.clone().receiver_key, services) {
+    key = std::move(SendKey::create(std::move(material), start, services).value());
   }
   /// With a key of its own.
   explicit Insider(TransformKind kind) : Insider(material_of(kind)) {}

@@ -197,11 +197,10 @@ TEST(PreSharedKey, DifferentSourcesInsideAndOutside_AreRefused) {
   const auto kind = pre_shared_kind(kAes256Gcm, 1);
   Graveyard graveyard;
   SystemRandom random;
-  const KeyEnvironment environment{*aead_backend(AeadChoice::openssl), graveyard, 1000, 1000,
-                                   random};
+  const KeyServices services{*aead_backend(AeadChoice::openssl), graveyard, 1000, 1000, random};
   auto key = SendKey::create(derive_pre_shared_material(phrase, kind, pre_shared_key_id(1, 7, ""),
                                                         source(hello_from(5))),
-                             {1, 1}, environment)
+                             {1, 1}, services)
                  .value();
   const auto plain = hello_from(6);
   auto encoded = into_bytes(plain.size() + 112, [&](MutableBytes out) {

@@ -14,12 +14,12 @@ using test::code_of;
 /// A key whose sessions have 10 blocks; after three sessions it is used up.
 struct SendKeyTest : ::testing::Test {
   std::unique_ptr<SendKey> made(SendStart start = {.session = 1, .suffix = 100}) {
-    return SendKey::create(material(kAes256Gcm), start, environment).value();
+    return SendKey::create(material(kAes256Gcm), start, services).value();
   }
 
   SystemRandom random;
   Graveyard graveyard;
-  const KeyEnvironment environment{*aead_backend(AeadChoice::automatic), graveyard, 10, 3, random};
+  const KeyServices services{*aead_backend(AeadChoice::automatic), graveyard, 10, 3, random};
 };
 
 TEST_F(SendKeyTest, TwoMessages_HaveDifferentIvsOfOneSession) {
@@ -64,7 +64,7 @@ TEST_F(SendKeyTest, BeforeTheFirstMessage_NoSessionHasBegun) {
 TEST_F(SendKeyTest, KindThatIsNoKey_IsRefused) {
   auto none = material(kAes256Gcm);
   none.kind = TransformKind{};
-  EXPECT_EQ(code_of(SendKey::create(std::move(none), {}, environment)), Code::internal);
+  EXPECT_EQ(code_of(SendKey::create(std::move(none), {}, services)), Code::internal);
 }
 
 }  // namespace

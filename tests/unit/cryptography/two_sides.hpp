@@ -79,7 +79,7 @@ inline constexpr std::string_view kVolatileReader = "BuiltinParticipantVolatileM
 /// One engine with what it needs.
 struct Side {
   explicit Side(const Options& options = {})
-      : environment{clock, random, events}, engine(make_cryptography(environment, options)) {}
+      : services{clock, random, events}, engine(make_cryptography(services, options)) {}
   spi::CryptoKeyFactory& factory() { return engine->key_factory(); }
   spi::CryptoKeyExchange& exchange() { return engine->key_exchange(); }
   spi::CryptoTransform& transform() { return engine->transform(); }
@@ -87,7 +87,7 @@ struct Side {
   ManualClock clock{WallTime{}};
   SystemRandom random;
   CountingSink events;
-  Environment environment;
+  EngineServices services;
   std::unique_ptr<spi::Cryptography> engine;
   ParticipantCryptoHandle participant;
   ParticipantCryptoHandle remote;  ///< the other side's, as matched here

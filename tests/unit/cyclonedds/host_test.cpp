@@ -12,7 +12,7 @@ namespace {
 
 TEST_F(Boundary, AnEnginesOwnEvent_IsNotRepeated) {
   const auto raise_and_refuse = [&]() -> Status {
-    host.environment().events.raise(Event(Error(Code::malformed), "CN=peer"));
+    host.services().events.raise(Event(Error(Code::malformed), "CN=peer"));
     return fail(Code::malformed);
   };
   EXPECT_EQ(allowed_at_c_boundary(host, &refusal, raise_and_refuse), 0);

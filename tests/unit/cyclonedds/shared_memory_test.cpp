@@ -197,7 +197,8 @@ struct AdapterWithSharedMemory : testing::Test {
   testing::NiceMock<MockAccessControl>* engine = new testing::NiceMock<MockAccessControl>;
   AccessControlAdapter adapter{
       std::make_unique<Host>(std::make_unique<Recorder>(events)),
-      [this](const Environment&) { return std::unique_ptr<spi::AccessControl>(engine); }, nullptr,
+      [this](const EngineServices&) { return std::unique_ptr<spi::AccessControl>(engine); },
+      nullptr,
       []() -> Result<std::optional<Bypass>> {
         return Bypass{"<SharedMemory><Enable>", "/dev/shm/iceoryx_mgmt is mapped"};
       }};

@@ -50,8 +50,8 @@ struct Harness {
   Harness()
       : adapter(
             std::make_unique<Host>(std::make_unique<Recorder>(events)),
-            [this](const Environment& given) {
-              environment.emplace(given);
+            [this](const EngineServices& given) {
+              services.emplace(given);
               auto made = std::make_unique<testing::NiceMock<Engine>>();
               engine = made.get();
               return std::unique_ptr<Spi>(std::move(made));
@@ -62,7 +62,7 @@ struct Harness {
   ddsi_domaingv* domain() { return reinterpret_cast<ddsi_domaingv*>(&events); }
 
   std::vector<Event> events;
-  std::optional<Environment> environment;
+  std::optional<EngineServices> services;
   testing::NiceMock<Engine>* engine = nullptr;
   Adapter adapter;
 };

@@ -18,7 +18,7 @@ struct Allocations : ::testing::Test {
   std::unique_ptr<DomainParticipant> participant() {
     auto options = testing::undisturbed();
     options.in_process = in_process;
-    return *DomainParticipant::create(std::move(options), Environment{clock, random, events});
+    return *DomainParticipant::create(std::move(options), EngineServices{clock, random, events});
   }
   template <DdsType T>
   std::int64_t of(const Flow& flow) {

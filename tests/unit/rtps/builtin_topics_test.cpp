@@ -23,7 +23,7 @@ struct BuiltinTopicsTest : testing::Polled {
 };
 
 TEST_P(BuiltinTopicsTest, Participants_ComeChangeAndGo) {
-  auto c = std::make_unique<testing::End>(environment, options());
+  auto c = std::make_unique<testing::End>(services, options());
   Bytes user_data{1, 2};
   ASSERT_TRUE(c->participant->set_qos({.user_data = user_data}));
   const auto guid = c->participant->guid();
@@ -143,7 +143,7 @@ TEST_P(BuiltinTopicsTest, OnlyTheReaderThatIsAskedFor_IsMade) {
 TEST_P(BuiltinTopicsTest, EndpointsThatCameAndWent_TakeABoundedPlace) {
   std::vector<BuiltinSample<SubscriptionBuiltinTopicData>> out;
   auto* builtin = b.participant->builtin_datareader<SubscriptionBuiltinTopicData>();
-  testing::End honest(environment, options());
+  testing::End honest(services, options());
   const auto carry = [&] { run(), honest.participant->poll(0ms), run(); };
   auto& seen = honest.reader(reliable());
   const auto guid = seen.guid();
@@ -269,7 +269,7 @@ TEST_P(BuiltinTopicsTest, OnesOwn_MayBeIgnored) {
 TEST_P(BuiltinTopicsTest, BeforeTheParticipantIsEnabled_NothingIsIgnored) {
   auto disabled = options();
   disabled.enabled = false;
-  const auto participant = *DomainParticipant::create(disabled, environment);
+  const auto participant = *DomainParticipant::create(disabled, services);
   EXPECT_EQ(code_of(participant->ignore_topic("x")), Code::rtps_not_enabled);
   EXPECT_EQ(code_of(participant->revise_keys()), Code::rtps_not_enabled);
 }

@@ -83,7 +83,7 @@ TEST_F(TwoThreads, AParticipantDestroyedWhileItsListenerDeletesElsewhere_Ends) {
 
 // Without entities of its own, nothing else prevents it: the listener is one of a builtin reader.
 TEST_F(TwoThreads, TheFactory_DoesNotDeleteAParticipantInItsListener) {
-  DomainParticipantFactory factory(environment);
+  DomainParticipantFactory factory(services);
   auto* participant = *factory.create_participant(own_thread());
   struct Deletes final : DataReaderListener {
     std::function<Code()> act;
@@ -133,7 +133,7 @@ TEST_P(PolledListeners, AListenerThatServesAnotherParticipant_IsStillProtected) 
 TEST_P(PolledListeners, AParticipantDestroyedInItsOwnListener_EndsTheProcessWithAReason) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   PrintedEvents printed;
-  const Environment loud{clock, random, printed};
+  const EngineServices loud{clock, random, printed};
   auto options = this->options();
   EXPECT_DEATH(
       {

@@ -60,8 +60,8 @@ struct End {
   Publisher* publisher = nullptr;
   Subscriber* subscriber = nullptr;
 
-  End(const Environment& environment, DomainParticipantOptions options) {
-    participant = *DomainParticipant::create(std::move(options), environment);
+  End(const EngineServices& services, DomainParticipantOptions options) {
+    participant = *DomainParticipant::create(std::move(options), services);
     topic = *participant->create_topic<Reading>("Readings");
     publisher = *participant->create_publisher();
     subscriber = *participant->create_subscriber();
@@ -91,7 +91,7 @@ struct Polled : ::testing::TestWithParam<Way> {
   ManualClock clock{WallTime(std::chrono::seconds(1'800'000'000))};
   SystemRandom random;
   Events events;
-  Environment environment{clock, random, events};
+  EngineServices services{clock, random, events};
 
   // Tests run in parallel processes: each takes a domain of its own.
   DomainParticipantOptions options() const {
@@ -102,7 +102,7 @@ struct Polled : ::testing::TestWithParam<Way> {
             .own_thread = false,
             .in_process = GetParam() == Way::in_process};
   }
-  End a{environment, options()}, b{environment, options()};
+  End a{services, options()}, b{services, options()};
 
   /// Everything that is on its way arrives, in `by` of the clock.
   void run(std::chrono::milliseconds by = 0ms) {

@@ -18,8 +18,8 @@ struct OneParticipant : ::testing::Test {
   ManualClock clock{WallTime(std::chrono::seconds(1'800'000'000))};
   SystemRandom random;
   testing::Events events;
-  Environment environment{clock, random, events};
-  testing::End a{environment,
+  EngineServices services{clock, random, events};
+  testing::End a{services,
                  {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
                   .domain_tag = std::to_string(::getpid()),
                   .interfaces = {"127.0.0.1"},
@@ -231,7 +231,7 @@ TEST_P(OneProcess, WhatIsWrittenBetweenTheTwoMatches_IsNotLost) {
 TEST_P(OneProcess, AParticipant_MayEndWhileAnotherWrites) {
   auto& writer = a.writer(reliable());
   {
-    testing::End c{environment, options()};
+    testing::End c{services, options()};
     auto& reader = c.reader(reliable());
     ASSERT_TRUE(eventually([&] {
       c.participant->poll(0ms);
@@ -247,7 +247,7 @@ TEST_P(OneProcess, AParticipant_MayEndWhileAnotherWrites) {
 TEST_P(OneProcess, OtherDomainsAndTags_StayApart) {
   auto other = options();
   other.domain_tag += "x";
-  testing::End c{environment, other};
+  testing::End c{services, other};
   auto& writer = a.writer(reliable());
   auto& reader = c.reader(reliable());
   for (int i = 0; i < 20; ++i) run(20ms), c.participant->poll(0ms);

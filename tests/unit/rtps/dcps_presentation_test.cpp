@@ -238,7 +238,7 @@ TEST(PresentingConcurrently, OneAccess_SeesAllTopicsOfASetOrNone) {
   const SystemClock clock;
   SystemRandom random;
   testing::Events events;
-  const Environment environment{clock, random, events};
+  const EngineServices services{clock, random, events};
   for (const auto scope : {PresentationScope::instance, PresentationScope::topic}) {
     for (const bool in_process : {true, false}) {
       const DomainParticipantOptions options{
@@ -247,7 +247,7 @@ TEST(PresentingConcurrently, OneAccess_SeesAllTopicsOfASetOrNone) {
           .interfaces = {"127.0.0.1"},
           .multicast = false,
           .in_process = in_process};
-      testing::End a(environment, options), b(environment, options);
+      testing::End a(services, options), b(services, options);
       const Presentation access{scope, true, false};
       auto& pub = **a.participant->create_publisher({.presentation = access});
       auto& sub = **b.participant->create_subscriber({.presentation = access});

@@ -398,7 +398,7 @@ TEST_P(Policies, DeletingAWriter_DisposesUnlessItIsToldNotTo) {
 
 TEST_P(Policies, AParticipantThatEnds_DisposesToo) {
   auto& reader = b.reader(reliable());
-  auto c = std::make_unique<testing::End>(environment, options());
+  auto c = std::make_unique<testing::End>(services, options());
   auto& writer = c->writer(reliable());
   ASSERT_TRUE(eventually([&] {
     c->participant->poll(0ms);

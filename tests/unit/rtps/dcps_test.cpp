@@ -16,7 +16,7 @@ struct DcpsParticipants : ::testing::TestWithParam<testing::Way> {
   SystemClock clock;
   SystemRandom random;
   testing::Events events;
-  Environment environment{clock, random, events};
+  EngineServices services{clock, random, events};
   static DomainParticipantOptions options() {
     return {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
             .domain_tag = std::to_string(::getpid()),
@@ -24,7 +24,7 @@ struct DcpsParticipants : ::testing::TestWithParam<testing::Way> {
             .multicast = false,
             .in_process = GetParam() == testing::Way::in_process};
   }
-  testing::End a{environment, options()}, b{environment, options()};
+  testing::End a{services, options()}, b{services, options()};
 
   template <class F>
   static bool eventually(F&& f) {
@@ -164,7 +164,7 @@ TEST_P(DcpsParticipants, ManyThreads_MayCreateWriteTakeAndDelete) {
 
 TEST_P(DcpsParticipants, BadOptions_AreNamed) {
   const auto refused = [&](DomainParticipantOptions options) {
-    return code_of(DomainParticipant::create(std::move(options), environment));
+    return code_of(DomainParticipant::create(std::move(options), services));
   };
   EXPECT_EQ(refused({.domain_id = 233}), Code::invalid_property);
   EXPECT_EQ(refused({.interfaces = {"0.0.0.0"}}), Code::invalid_property);

@@ -12,7 +12,7 @@ using testing::code_of;
 using Entities = testing::Polled;
 
 TEST_P(Entities, TheFactory_KeepsParticipantsUntilTheyAreEmpty) {
-  DomainParticipantFactory factory(environment);
+  DomainParticipantFactory factory(services);
   auto* participant = *factory.create_participant(options());
   EXPECT_EQ(factory.lookup_participant(options().domain_id), participant);
   EXPECT_EQ(factory.lookup_participant(options().domain_id + 1), nullptr);

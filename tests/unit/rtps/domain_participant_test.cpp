@@ -85,7 +85,7 @@ TEST_P(Entities, EachName_FindsItsEntity) {
 TEST_P(Entities, WhatIsNotEnabled_IsSilentAndItsContainerComesFirst) {
   auto asleep = options();
   asleep.enabled = false;
-  testing::End c(environment, asleep);
+  testing::End c(services, asleep);
   auto& writer = c.writer();
   EXPECT_FALSE(c.participant->is_enabled() || c.publisher->is_enabled() || writer.is_enabled());
   EXPECT_EQ(code_of(writer.enable()), Code::rtps_precondition_not_met);

@@ -41,7 +41,7 @@ struct OutOfMemory : Polled {
   }
   /// A further participant is heard and its samples arrive.
   void expect_to_go_on() {
-    End other(environment, options());
+    End other(services, options());
     auto& reader = a.reader(reliable());
     auto& writer = other.writer(reliable());
     ASSERT_TRUE(writer.write({"north", 7}));
@@ -80,7 +80,7 @@ TEST_P(OutOfMemory, AnyAllocation_WhileEndpointsAppear_EndsNothingElse) {
 TEST_P(OutOfMemory, AnyAllocation_WhileParticipantsAppear_EndsNothingElse) {
   a.reader(reliable());
   for (std::int64_t after = 0; after < kMaxAllocations; after += 1 + after / 8) {
-    End other(environment, options());
+    End other(services, options());
     ASSERT_TRUE(other.writer(reliable()).write({"north", after}));
     serve_with_failure(other, after);
     run(50ms);

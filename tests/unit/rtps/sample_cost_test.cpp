@@ -20,11 +20,11 @@ struct Side {
   WaitSet unread;
   Samples<Plain> taken;
 
-  Side(const Environment& environment, ReliabilityKind kind, const char* written,
+  Side(const EngineServices& services, ReliabilityKind kind, const char* written,
        const char* read) {
     auto options = testing::undisturbed();
     options.own_thread = true;
-    participant = *DomainParticipant::create(std::move(options), environment);
+    participant = *DomainParticipant::create(std::move(options), services);
     auto qos = default_writer_qos();
     qos.reliability.kind = kind;
     writer = *(*participant->create_publisher())
@@ -58,11 +58,11 @@ class SampleCost : public ::testing::TestWithParam<ReliabilityKind> {
   const SystemClock clock_;
   SystemRandom random_;
   test::Silent events_;
-  const Environment environment_{clock_, random_, events_};
+  const EngineServices services_{clock_, random_, events_};
 
   /// Of `kRounds` answered samples, so of twice as many samples.
   Costs measure() {
-    Side a(environment_, GetParam(), "There", "Back"), b(environment_, GetParam(), "Back", "There");
+    Side a(services_, GetParam(), "There", "Back"), b(services_, GetParam(), "Back", "There");
     for (int i = 0; i < 2000 && !(a.is_matched() && b.is_matched()); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     std::promise<void> counted;  // what a thread has counted ends with it

@@ -185,7 +185,7 @@ struct ServingParticipants : ::testing::Test {
   const SystemClock clock;
   SystemRandom random;
   Events events;
-  Environment environment{clock, random, events};
+  EngineServices services{clock, random, events};
 
   static DomainParticipantOptions options(bool in_process, std::chrono::nanoseconds busy = {}) {
     return {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
@@ -196,8 +196,8 @@ struct ServingParticipants : ::testing::Test {
             .in_process = in_process};
   }
   struct Side {
-    Side(const Environment& environment, bool in_process, std::chrono::nanoseconds busy)
-        : end(environment, options(in_process, busy)) {}
+    Side(const EngineServices& services, bool in_process, std::chrono::nanoseconds busy)
+        : end(services, options(in_process, busy)) {}
     End end;
     DataWriter<Reading>* writer = &end.writer(reliable());
     DataReader<Reading>* reader = &end.reader(reliable());
@@ -209,8 +209,8 @@ struct ServingParticipants : ::testing::Test {
   void create(bool in_process = false, std::chrono::nanoseconds busy = {}) {
     a.reset();  // former sides would count as matches of the new ones
     b.reset();
-    a = std::make_unique<Side>(environment, in_process, busy);
-    b = std::make_unique<Side>(environment, in_process, busy);
+    a = std::make_unique<Side>(services, in_process, busy);
+    b = std::make_unique<Side>(services, in_process, busy);
     const auto all = [](AnyDataReader& reader) {
       return reader.matched_publications().size() == 2;
     };
@@ -273,7 +273,7 @@ TEST_F(ServingParticipants, BusyWait_GetsEverySample) {
 TEST_F(ServingParticipants, BusyWaitOutsideItsLimits_IsRefused) {
   for (const std::chrono::nanoseconds busy :
        {std::chrono::nanoseconds(-1), DomainParticipantOptions::kMaxBusyWait + 1ns}) {
-    const auto created = DomainParticipant::create(options(false, busy), environment);
+    const auto created = DomainParticipant::create(options(false, busy), services);
     ASSERT_FALSE(created.has_value());
     EXPECT_EQ(created.error().code(), Code::invalid_property);
   }

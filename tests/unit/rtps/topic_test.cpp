@@ -14,7 +14,7 @@ using test::succeeds;
 TEST_P(Access, AnotherType_IsAnInconsistentTopic) {
   Heard heard;
   b.topic->set_listener(&heard);
-  testing::End c(environment, options());
+  testing::End c(services, options());
   ASSERT_TRUE(succeeds(c.participant->delete_contained_entities()));
   auto* topic = *c.participant->create_topic("Readings", {.name = "Other"});
   auto* group = *c.participant->create_publisher();

@@ -37,9 +37,9 @@ struct TwoThreads : ::testing::Test {
   const SystemClock clock;
   SystemRandom random;
   Events events;
-  Environment environment{clock, random, events};
+  EngineServices services{clock, random, events};
   struct Side {
-    explicit Side(const Environment& environment) : end(environment, own_thread()) {
+    explicit Side(const EngineServices& services) : end(services, own_thread()) {
       reader->set_listener(&listener, StatusKind::data_available);
     }
     End end;
@@ -47,8 +47,8 @@ struct TwoThreads : ::testing::Test {
     DataReader<Reading>* reader = &end.reader(reliable());
     Once listener;
   };
-  std::unique_ptr<Side> a = std::make_unique<Side>(environment);
-  std::unique_ptr<Side> b = std::make_unique<Side>(environment);
+  std::unique_ptr<Side> a = std::make_unique<Side>(services);
+  std::unique_ptr<Side> b = std::make_unique<Side>(services);
   std::barrier<> both{2};
 
   /// Both listeners run at the same time. A deadlock cannot be undone: it ends the test program.

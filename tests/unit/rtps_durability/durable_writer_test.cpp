@@ -12,14 +12,14 @@ struct DurableWriterTest : DurableFixture {};
 TEST_P(DurableWriterTest, ALateJoiner_GetsWhatWasWrittenBeforeARestart) {
   const auto qos = durable(DurabilityKind::persistent);
   {
-    End end(environment, with_store());
+    End end(services, with_store());
     auto& writer = end.writer(qos);
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(writer.write({"north", i}));
     ASSERT_TRUE(writer.write({"south", 7}));
     ASSERT_TRUE(writer.dispose({"south"}));
     ASSERT_TRUE(writer.wait_for_acknowledgments(10s));
   }
-  End end(environment, with_store());
+  End end(services, with_store());
   auto& writer = end.writer(qos);
   EXPECT_FALSE(writer.lookup_instance({"north"}).is_nil());
   EXPECT_TRUE(writer.lookup_instance({"south"}).is_nil());
@@ -37,7 +37,7 @@ TEST_P(DurableWriterTest, SourceTimesAndLifespans_OutliveARestart) {
   qos.lifespan = Duration::from(10s);
   std::optional<Time> written;
   {
-    End end(environment, with_store());
+    End end(services, with_store());
     auto& writer = end.writer(qos);
     ASSERT_TRUE(writer.write({"north", 1}));
     clock.advance(6s);
@@ -46,7 +46,7 @@ TEST_P(DurableWriterTest, SourceTimesAndLifespans_OutliveARestart) {
     ASSERT_TRUE(writer.wait_for_acknowledgments(10s));
   }
   clock.advance(6s);
-  End end(environment, with_store());
+  End end(services, with_store());
   end.writer(qos);
   auto& reader = b.reader(late(DurabilityKind::persistent));
   Samples<Reading> samples;
@@ -63,14 +63,14 @@ TEST_P(DurableWriterTest, SourceTimesAndLifespans_OutliveARestart) {
 TEST_P(DurableWriterTest, TransientSamples_OutliveTheirWriterButNotTheParticipant) {
   const auto qos = durable(DurabilityKind::transient);
   {
-    End end(environment, options());
+    End end(services, options());
     ASSERT_TRUE(end.writer(qos).write({"north", 1}));
     ASSERT_TRUE(end.publisher->delete_contained_entities());
     end.writer(qos);
     EXPECT_EQ(all_of(end, b.reader(late(DurabilityKind::transient)), 1),
               (std::vector<std::int64_t>{1}));
   }
-  End end(environment, options());
+  End end(services, options());
   auto& writer = end.writer(qos);
   ASSERT_TRUE(writer.write({"north", 2}));
   EXPECT_EQ(all_of(end, b.reader(late(DurabilityKind::transient)), 1),
@@ -80,11 +80,11 @@ TEST_P(DurableWriterTest, TransientSamples_OutliveTheirWriterButNotTheParticipan
 TEST_P(DurableWriterTest, DurabilityService_SaysHowMuchIsKept) {
   const auto qos = durable(DurabilityKind::persistent, 2);
   {
-    End end(environment, with_store());
+    End end(services, with_store());
     auto& writer = end.writer(qos);
     for (int i = 0; i < 9; ++i) ASSERT_TRUE(writer.write({"north", i}));
   }  // what is left is stored at the end
-  End end(environment, with_store());
+  End end(services, with_store());
   end.writer(qos);
   EXPECT_EQ(all_of(end, b.reader(late(DurabilityKind::persistent)), 2),
             (std::vector<std::int64_t>{7, 8}));
@@ -97,7 +97,7 @@ TEST_P(DurableWriterTest, ALateJoiner_GetsMoreThanHistoryKeepsIfTheServiceKeepsM
   for (const auto& [service, count] :
        {std::pair(keep_last(3), 3u), std::pair(keep_all(), 5u), std::pair(keep_last(1), 1u)}) {
     qos.durability_service = service;
-    End end(environment, options());
+    End end(services, options());
     auto& writer = end.writer(qos);
     for (int i = 0; i < 5; ++i) ASSERT_TRUE(writer.write({"north", i}));
     auto& reader = end.reader(late(DurabilityKind::transient));
@@ -115,7 +115,7 @@ TEST_P(DurableWriterTest, AReaderThatStays_GetsNothingTwiceFromARestartedWriter)
   const auto qos = durable(DurabilityKind::persistent);
   auto& stays = b.reader(late(DurabilityKind::persistent));
   for (int round = 0; round < 3; ++round) {
-    End end(environment, with_store());
+    End end(services, with_store());
     auto& writer = end.writer(qos);
     ASSERT_TRUE(writer.write({"north", round}));
     EXPECT_EQ(all_of(end, stays, 1), (std::vector<std::int64_t>{round}));
@@ -135,7 +135,7 @@ TEST_P(DurableWriterTest, WithoutAStore_PersistentSamplesAreKeptInMemoryWithAWar
 
 TEST_P(DurableWriterTest, AStoreThatCannotBeUsed_IsAnErrorAtTheStart) {
   std::ofstream(folder / "samples") << std::string(5000, 'x');
-  const auto participant = DomainParticipant::create(with_store(), environment);
+  const auto participant = DomainParticipant::create(with_store(), services);
   ASSERT_FALSE(participant);
   EXPECT_EQ(participant.error().code(), Code::rtps_store_unusable);
   EXPECT_EQ(participant.error().details().document, folder / "samples");

@@ -9,7 +9,7 @@ namespace ddssec::rtps::testing {
 struct KeeperTest : DurableFixture {
   std::unique_ptr<Keeper> keeper(std::vector<std::string> topics = {"*"}) {
     auto made = Keeper::create(options(), {.store = folder / "kept", .topics = std::move(topics)},
-                               environment);
+                               services);
     EXPECT_TRUE(made) << made.error().to_sentence();
     return *std::move(made);
   }

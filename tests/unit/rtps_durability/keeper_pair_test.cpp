@@ -9,8 +9,8 @@ using namespace testing;
 struct KeeperPairTest : KeeperTest {
   /// Each has a store of its own.
   void start(std::size_t which) {
-    auto made = Keeper::create(options(), {.store = folder / ("kept" + std::to_string(which))},
-                               environment);
+    auto made =
+        Keeper::create(options(), {.store = folder / ("kept" + std::to_string(which))}, services);
     ASSERT_TRUE(made) << made.error().to_sentence();
     keepers.at(which) = *std::move(made);
   }

@@ -39,7 +39,7 @@ struct ExclusiveKeeperTest : KeeperTest {
     ASSERT_TRUE(keeper.flush(10s));
     all(keeper);
   }
-  std::unique_ptr<End> other = std::make_unique<End>(environment, options());
+  std::unique_ptr<End> other = std::make_unique<End>(services, options());
 };
 
 // Before: the keeper kept what came last, and late joiners got the value of the weaker writer.

@@ -227,7 +227,7 @@ TEST_P(KeeperTest, WithoutRoom_StartsAndServes) {
   }
   ASSERT_GT(std::filesystem::file_size(folder / "killed-wal"), 0u);
   const NoRoom full;
-  auto service = Keeper::create(options(), {.store = folder / "killed"}, environment);
+  auto service = Keeper::create(options(), {.store = folder / "killed"}, services);
   ASSERT_TRUE(service) << service.error().to_sentence();
   EXPECT_EQ((*service)->topics(), 1u);
   EXPECT_EQ(late_joiner(**service, b, 3), (Values{0, 1, 2}));
@@ -249,7 +249,7 @@ TEST_P(KeeperTest, DurabilityService_SaysHowMuchIsKept) {
 TEST_P(KeeperTest, AllThatIsStored_IsServed) {
   if (GetParam() == testing::Way::network) return;  // takes long, and the keeper is the same
   constexpr std::uint64_t kCount = WriterHistory::kMaxChanges + 500;
-  auto service = Keeper::create(options(), {}, environment).value();
+  auto service = Keeper::create(options(), {}, services).value();
   auto qos = durable(DurabilityKind::transient, 100);
   qos.durability_service.history.kind = HistoryKind::keep_all;
   auto& writer = a.writer(qos);
@@ -308,10 +308,10 @@ TEST_P(KeeperTest, OnlyDurableWritersOfTheWantedTopics_AreKept) {
   a.writer(durable(DurabilityKind::transient));
   both(*other, 60);
   EXPECT_EQ(other->topics(), 0u);
-  auto all = Keeper::create(options(), {}, environment);
+  auto all = Keeper::create(options(), {}, services);
   ASSERT_TRUE(all);
   ASSERT_TRUE(keeps(**all, 1));
-  End end(environment, options());
+  End end(services, options());
   auto latched = default_writer_qos();
   latched.durability = DurabilityKind::transient_local;
   ASSERT_TRUE((*end.publisher)
@@ -326,7 +326,7 @@ TEST_P(KeeperTest, TopicsWithoutSamples_GiveWay) {
   constexpr std::size_t kJunk = 280, kOfOne = Keeper::kMaxTopics / 2;
   {
     const auto service = keeper();
-    End crowd(environment, options());
+    End crowd(services, options());
     for (std::size_t i = 0; i < kJunk; ++i) {
       auto* topic = *crowd.participant->create_topic<Reading>("Junk" + std::to_string(i));
       ASSERT_TRUE(
@@ -354,7 +354,7 @@ TEST_P(KeeperTest, TopicsWithoutSamples_GiveWay) {
 TEST_P(KeeperTest, TopicThatFoundNoRoom_IsKeptWhenThereIs) {
   constexpr std::size_t kAll = 280, kLeave = 100, kOfOne = Keeper::kMaxTopics / 2;
   const auto service = keeper();
-  End crowd(environment, options());
+  End crowd(services, options());
   std::vector<DataWriter<Reading>*> writers;
   const auto until = [&](std::size_t topics) {
     const auto end = std::chrono::steady_clock::now() + 20s;  // a thread considers writers again
@@ -379,7 +379,7 @@ TEST_P(KeeperTest, TopicThatFoundNoRoom_IsKeptWhenThereIs) {
 // Before: the first writer to announce a topic decided for ever how it is kept.
 TEST_P(KeeperTest, ATopicWithoutSamples_GoesWithTheWriterThatAnnouncedIt) {
   const auto service = keeper();
-  auto first = std::make_unique<End>(environment, options());
+  auto first = std::make_unique<End>(services, options());
   auto other = durable(DurabilityKind::transient);
   other.ownership = OwnershipKind::exclusive;
   first->writer(other);
@@ -413,7 +413,7 @@ TEST_P(KeeperTest, ADomainTag_IsNotServedWhatAnotherWrote) {
   auto tagged = options();
   tagged.domain_tag = "other";
   {
-    const auto other = Keeper::create(tagged, {.store = folder / "kept"}, environment).value();
+    const auto other = Keeper::create(tagged, {.store = folder / "kept"}, services).value();
     EXPECT_EQ(other->topics(), 0u);
   }
   const auto service = keeper();

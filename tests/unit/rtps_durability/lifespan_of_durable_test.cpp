@@ -28,7 +28,7 @@ struct DurableLifespanTest : DurableFixture {
 // Before, such a writer ended after about 100 samples: its store was full.
 TEST_P(DurableLifespanTest, AStoreOfLittleRoom_WithAShortLifespan_GoesOn) {
   for (int restart = 0; restart < 2; ++restart) {
-    End end(environment, with_little_room());
+    End end(services, with_little_room());
     auto& writer = end.writer(living());
     for (int i = 0; i < 300; ++i) {
       ASSERT_TRUE(writer.write({text, i, octets})) << i;
@@ -42,14 +42,14 @@ TEST_P(DurableLifespanTest, AStoreOfLittleRoom_WithAShortLifespan_GoesOn) {
 
 TEST_P(DurableLifespanTest, ARestartedWriter_WithALongerLifespan_DoesNotServeWhatHasExpired) {
   {
-    End end(environment, with_store());
+    End end(services, with_store());
     auto& writer = end.writer(living());
     ASSERT_TRUE(writer.write({"north", 1}));
     clock.advance(4s);
     ASSERT_TRUE(writer.write({"north", 2}));
     ASSERT_TRUE(writer.wait_for_acknowledgments(10s));
   }
-  End end(environment, with_store());
+  End end(services, with_store());
   end.writer(living(Duration{{1000, 0}}));
   EXPECT_EQ(all_of(end, b.reader(late(DurabilityKind::persistent)), 2), (Values{1, 2}));
   clock.advance(6s);
@@ -61,7 +61,7 @@ TEST_P(DurableLifespanTest, ARestartedWriter_WithALongerLifespan_DoesNotServeWha
 TEST_P(DurableLifespanTest, DisposedInstances_LeaveTheStoreWhenTheirDelayIsOver) {
   auto qos = living(kDurationInfinite);
   qos.durability_service.cleanup_delay = Duration{{10, 0}};
-  End end(environment, with_store());
+  End end(services, with_store());
   auto& writer = end.writer(qos);
   ASSERT_TRUE(writer.write({"north", 1}));
   ASSERT_TRUE(writer.dispose({"north"}));
@@ -79,7 +79,7 @@ TEST_P(DurableLifespanTest, DisposedInstances_LeaveTheStoreWhenTheirDelayIsOver)
 
 TEST_P(DurableLifespanTest, AChangedLifespan_CountsInTheStoreFromThenOn) {
   {
-    End end(environment, with_store());
+    End end(services, with_store());
     auto& writer = end.writer(living(kDurationInfinite));
     ASSERT_TRUE(writer.write({"north", 1}));
     ASSERT_TRUE(writer.set_qos(living()));
@@ -87,7 +87,7 @@ TEST_P(DurableLifespanTest, AChangedLifespan_CountsInTheStoreFromThenOn) {
     ASSERT_TRUE(writer.wait_for_acknowledgments(10s));
   }
   clock.advance(11s);
-  End end(environment, with_store());
+  End end(services, with_store());
   end.writer(living(kDurationInfinite));
   EXPECT_EQ(all_of(end, b.reader(late(DurabilityKind::persistent)), 1), (Values{1}));
 }

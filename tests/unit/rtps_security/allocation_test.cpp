@@ -13,18 +13,18 @@ struct Secured {
   Secured(ManualClock& clock, std::uint8_t seed, const std::string& subject, const Rules& rules,
           const spi::PropertyList& more = {})
       : random(seed),
-        environment{clock, random, events},
-        authentication(authentication::make_authentication(environment)),
-        access_control(access_control::make_access_control(environment)),
-        cryptography(cryptography::make_cryptography(environment)) {
+        services{clock, random, events},
+        authentication(authentication::make_authentication(services)),
+        access_control(access_control::make_access_control(services)),
+        cryptography(cryptography::make_cryptography(services)) {
     const SecurityPlugins plugins{*authentication, *access_control, *cryptography};
     auto options = undisturbed();
     options.security.emplace(plugins, Pair::both(properties_of(subject, rules), more));
-    participant = *DomainParticipant::create(std::move(options), environment);
+    participant = *DomainParticipant::create(std::move(options), services);
   }
   Events events;
   SeededRandom random;
-  Environment environment;
+  EngineServices services;
   std::unique_ptr<spi::Authentication> authentication;
   std::unique_ptr<spi::AccessControl> access_control;
   std::unique_ptr<spi::Cryptography> cryptography;

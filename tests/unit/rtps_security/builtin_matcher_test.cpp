@@ -63,11 +63,11 @@ struct FastDds : ::testing::Test {
     };
   }
   static Node& with_engines(Node& host) {
-    const Environment environment{host.clock, host.random, host.events};
+    const EngineServices services{host.clock, host.random, host.events};
     host.authentication =
-        std::make_unique<AsFastDds>(authentication::make_authentication(environment));
-    host.access_control = access_control::make_access_control(environment);
-    host.cryptography = cryptography::make_cryptography(environment);
+        std::make_unique<AsFastDds>(authentication::make_authentication(services));
+    host.access_control = access_control::make_access_control(services);
+    host.cryptography = cryptography::make_cryptography(services);
     return host;
   }
   bool meet() {

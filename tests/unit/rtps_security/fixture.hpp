@@ -242,13 +242,13 @@ struct Node {
       std::function<std::unique_ptr<spi::Cryptography>(std::unique_ptr<spi::Cryptography>)>;
   Node(std::uint8_t n, const spi::PropertyList& properties, int others = 3, const Wrap& wrap = {})
       : port(7000u + n), random(n) {
-    const Environment environment{clock, random, events};
-    authentication = authentication::make_authentication(environment);
+    const EngineServices services{clock, random, events};
+    authentication = authentication::make_authentication(services);
     access_control =
-        access_control::make_access_control(environment, {.host_revises_keys = true,
-                                                          .host_has_pre_shared_keys = true,
-                                                          .host_changes_protection = true});
-    cryptography = cryptography::make_cryptography(environment);
+        access_control::make_access_control(services, {.host_revises_keys = true,
+                                                       .host_has_pre_shared_keys = true,
+                                                       .host_changes_protection = true});
+    cryptography = cryptography::make_cryptography(services);
     if (wrap) cryptography = wrap(std::move(cryptography));
     join(n, *this, properties, others);
   }

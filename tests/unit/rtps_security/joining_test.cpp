@@ -67,12 +67,12 @@ class Crowded final : public ForwardingAuthentication {
 
 TEST(Joining, APeerForWhichThereWasNoRoom_IsTriedAgain) {
   Node host(200);
-  const Environment environment{host.clock, host.random, host.events};
-  auto crowded = std::make_unique<Crowded>(authentication::make_authentication(environment));
+  const EngineServices services{host.clock, host.random, host.events};
+  auto crowded = std::make_unique<Crowded>(authentication::make_authentication(services));
   auto& counted = *crowded;
   host.authentication = std::move(crowded);
-  host.access_control = access_control::make_access_control(environment);
-  host.cryptography = cryptography::make_cryptography(environment);
+  host.access_control = access_control::make_access_control(services);
+  host.cryptography = cryptography::make_cryptography(services);
   const Rules rules;
   // Of two of its peers at least one has the higher GUID, and gets the request of this one.
   Node ours(1, properties_of("CN=ours,O=Example", rules));

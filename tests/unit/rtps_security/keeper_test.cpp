@@ -42,13 +42,13 @@ TEST_F(SecuredKeeper, DataTags_OfTwoWriters_KeepTheirSamplesApart) {
       std::filesystem::temp_directory_path() / ("ddssec-tagged-" + std::to_string(::getpid()));
   const auto start = [&](const Tags& tags) {
     return Keeper::create(allow(in_keeper, "CN=keeper,O=Example", tags), {.store = store},
-                          process.environment)
+                          process.services)
         .value();
   };
   keeper = start(both);
   alice.participant = DomainParticipant::create(allow(alice.options("CN=alice,O=Example", rules),
                                                       "CN=alice,O=Example", both),
-                                                alice.environment)
+                                                alice.services)
                           .value();
   alice.topic = alice.participant->create_topic<Sensor>("Sensors").value();
   const auto tagged = [&](const std::string& level) -> DataWriter<Sensor>& {
@@ -93,7 +93,7 @@ TEST_F(SecuredKeeper, AStore_KeptWithSecurity_IsRefusedWithout) {
   auto open = secured;
   open.security.reset();
   const auto start = [&](const DomainParticipantOptions& options) {
-    return Keeper::create(options, {.store = store}, process.environment);
+    return Keeper::create(options, {.store = store}, process.services);
   };
   for (const bool is_secured : {true, false}) {
     ASSERT_TRUE(start(is_secured ? secured : open));
@@ -118,11 +118,11 @@ TEST_F(SecuredKeeper, AStore_OfASecuredParticipantOrOfUnknownOrigin_IsRefusedWit
   auto open = secured;
   open.security.reset();
   const auto participant = [&](const DomainParticipantOptions& options) {
-    return code_of(DomainParticipant::create(options, process.environment));
+    return code_of(DomainParticipant::create(options, process.services));
   };
   const auto keeps = [&](DomainParticipantOptions options) {
     options.durability_store.clear();
-    return code_of(Keeper::create(std::move(options), {.store = store}, process.environment));
+    return code_of(Keeper::create(std::move(options), {.store = store}, process.services));
   };
   const auto is_for_secured_only = [&] {
     EXPECT_EQ(participant(open), Code::rtps_store_unusable);
@@ -153,7 +153,7 @@ TEST_F(SecuredKeeper, AStoredTopic_ThatIsNoLongerAllowed_IsNamedAndTheOthersAreS
       std::filesystem::temp_directory_path() / ("ddssec-allowed-" + std::to_string(::getpid()));
   const auto start = [&](std::vector<std::string> topics) {
     return Keeper::create(process.options("CN=keeper,O=Example", rules, "", std::move(topics)),
-                          {.store = store}, process.environment);
+                          {.store = store}, process.services);
   };
   keeper = start({"*"}).value();
   auto* other = *alice.participant->create_topic<Sensor>("Other");
@@ -179,7 +179,7 @@ TEST_F(SecuredKeeper, ATopic_ThatRenewedPermissionsAllow_IsKept) {
   auto options = process.options("CN=keeper,O=Example", rules, "", {"Other"});
   DocumentFiles files(options.security->properties);
   options.security->properties = files.in(std::move(options.security->properties));
-  keeper = Keeper::create(std::move(options), {}, process.environment).value();
+  keeper = Keeper::create(std::move(options), {}, process.services).value();
   alice.writer(durable(DurabilityKind::transient));
   ASSERT_TRUE(eventually([&] {
     return process.events.text().find("topic Sensors is not kept now") != std::string::npos;
@@ -195,7 +195,7 @@ TEST_F(SecuredKeeper, AStoredTopic_ThatRenewedPermissionsAllowAgain_IsServed) {
   const auto store =
       std::filesystem::temp_directory_path() / ("ddssec-again-" + std::to_string(::getpid()));
   const auto start = [&](DomainParticipantOptions options) {
-    return Keeper::create(std::move(options), {.store = store}, process.environment).value();
+    return Keeper::create(std::move(options), {.store = store}, process.services).value();
   };
   keeper = start(process.options("CN=keeper,O=Example", rules));
   store_one(*alice.topic);

@@ -20,10 +20,10 @@ TEST(SharedMemory, Misspelled_Refused) {
     ManualClock clock{pki::kNow};
     Events events;
     SeededRandom random(1);
-    const Environment environment{clock, random, events};
-    const auto authentication = authentication::make_authentication(environment);
-    const auto access_control = access_control::make_access_control(environment, {});
-    const auto cryptography = cryptography::make_cryptography(environment);
+    const EngineServices services{clock, random, events};
+    const auto authentication = authentication::make_authentication(services);
+    const auto access_control = access_control::make_access_control(services, {});
+    const auto cryptography = cryptography::make_cryptography(services);
     const auto own = OwnSecurity::create({{*authentication, *access_control, *cryptography},
                                           Pair::both(properties_of("CN=a,O=Example", {}), wrong)},
                                          0, Node::candidate(1));

@@ -13,11 +13,11 @@ constexpr Rules kHidden{.rtps_psk = kEncrypt};
 
 TEST(PreSharedKey, WithoutAPassphrase_ThereIsNoParticipant) {
   Node node(9);
-  const Environment environment{node.clock, node.random, node.events};
-  const auto authentication = authentication::make_authentication(environment);
+  const EngineServices services{node.clock, node.random, node.events};
+  const auto authentication = authentication::make_authentication(services);
   const auto access_control =
-      access_control::make_access_control(environment, {.host_has_pre_shared_keys = true});
-  const auto cryptography = cryptography::make_cryptography(environment);
+      access_control::make_access_control(services, {.host_has_pre_shared_keys = true});
+  const auto cryptography = cryptography::make_cryptography(services);
   const auto refused = OwnSecurity::create({{*authentication, *access_control, *cryptography},
                                             properties_of("CN=alice,O=Example", kHidden)},
                                            0, Node::candidate(9));

@@ -82,7 +82,7 @@ class Recorder {
       const auto traits = *traits_of(material.kind);
       if (material.sender_key_id != what.header.key_id) continue;
       if (!std::exchange(known, true)) ++level.seen;
-      ReceiveKey key(material.clone(), traits, environment_);
+      ReceiveKey key(material.clone(), traits, services_);
       const ReadGuard guard;
       const auto session = key.session(what.header.session_id);
       Bytes plain(what.content.size());
@@ -101,7 +101,7 @@ class Recorder {
   std::vector<cryptography::KeyMaterial> materials_;
   cryptography::Graveyard graveyard_;
   SystemRandom random_;
-  cryptography::KeyEnvironment environment_{
+  cryptography::KeyServices services_{
       *cryptography::aead_backend(cryptography::AeadChoice::automatic), graveyard_, 1u << 20,
       1u << 20, random_};
 };

@@ -114,12 +114,12 @@ spi::PropertyList with_passphrase(spi::PropertyList properties) {
   auto phrase = spi::Property{"", passphrase()};
   remains.look_for("passphrase", as_bytes(phrase.value));
   Node engines(9);
-  const Environment environment{engines.clock, engines.random, engines.events};
+  const EngineServices services{engines.clock, engines.random, engines.events};
   engines.authentication =
-      std::make_unique<SecretWatch>(authentication::make_authentication(environment), remains);
-  engines.access_control = access_control::make_access_control(environment);
+      std::make_unique<SecretWatch>(authentication::make_authentication(services), remains);
+  engines.access_control = access_control::make_access_control(services);
   engines.cryptography =
-      std::make_unique<KeyWatch>(cryptography::make_cryptography(environment), remains);
+      std::make_unique<KeyWatch>(cryptography::make_cryptography(services), remains);
   const auto rules = everything(ProtectionKind::encrypt_with_origin_authentication);
   Node a(1, with_passphrase(properties_of("CN=alice,O=Example", rules)), engines);
   Node b(2, with_passphrase(properties_of("CN=bob,O=Example", rules)), engines);

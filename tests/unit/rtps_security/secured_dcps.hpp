@@ -29,10 +29,10 @@ struct SecuredProcess {
   using Wrap = std::unique_ptr<spi::AccessControl> (*)(std::unique_ptr<spi::AccessControl>);
   /// `wrap`: puts something around its access control.
   explicit SecuredProcess(ManualClock& clock, Wrap wrap = nullptr)
-      : environment{clock, random, events},
-        authentication(authentication::make_authentication(environment)),
-        access_control(access_control::make_access_control(environment)),
-        cryptography(cryptography::make_cryptography(environment)) {
+      : services{clock, random, events},
+        authentication(authentication::make_authentication(services)),
+        access_control(access_control::make_access_control(services)),
+        cryptography(cryptography::make_cryptography(services)) {
     if (wrap != nullptr) access_control = wrap(std::move(access_control));
   }
   /// `topics`: what it may publish and subscribe to.
@@ -52,7 +52,7 @@ struct SecuredProcess {
   static inline const auto kDomain = static_cast<DomainId>(::getpid() % 200 + 30);
   SystemRandom random;
   Events events;
-  Environment environment;
+  EngineServices services;
   std::unique_ptr<spi::Authentication> authentication;
   std::unique_ptr<spi::AccessControl> access_control;
   std::unique_ptr<spi::Cryptography> cryptography;
@@ -64,7 +64,7 @@ struct Secured : SecuredProcess {
           std::string store = {}, std::vector<std::string> topics = {"*"}, Wrap wrap = nullptr)
       : SecuredProcess(clock, wrap) {
     participant = DomainParticipant::create(
-                      options(subject, rules, std::move(store), std::move(topics)), environment)
+                      options(subject, rules, std::move(store), std::move(topics)), services)
                       .value();
     topic = participant->create_topic<Sensor>("Sensors").value();
   }

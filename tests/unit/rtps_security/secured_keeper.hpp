@@ -24,8 +24,7 @@ struct SecuredKeeper : ::testing::Test {
   const Rules rules = everything(ProtectionKind::encrypt);
   SecuredProcess process{clock};
   std::unique_ptr<Keeper> keeper =
-      Keeper::create(process.options("CN=keeper,O=Example", rules), {}, process.environment)
-          .value();
+      Keeper::create(process.options("CN=keeper,O=Example", rules), {}, process.services).value();
   Secured alice{"CN=alice,O=Example", rules, clock};
   /// May use another topic only, and does not keep to it.
   std::optional<Secured> mallory{std::in_place,
@@ -98,7 +97,7 @@ struct SmallSecuredKeeper : SecuredKeeper {
   void SetUp() override {
     keeper.reset();
     keeper = Keeper::create(process.options("CN=keeper,O=Example", rules),
-                            {.store_octets = std::size_t{256} << 10}, process.environment)
+                            {.store_octets = std::size_t{256} << 10}, process.services)
                  .value();
     mallory.emplace("CN=mallory,O=Example", rules, clock);  // may write the topic
     of_alice = &alice.writer(qos);

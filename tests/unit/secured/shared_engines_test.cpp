@@ -45,8 +45,8 @@ struct World {
   TestClock clock;
   SystemRandom random;
   test::Silent events;
-  const Environment environment{clock, random, events};
-  Engines shared{environment}, own{environment};
+  const EngineServices services{clock, random, events};
+  Engines shared{services}, own{services};
 
   // Tests run in parallel processes: each takes a domain of its own.
   std::unique_ptr<rtps::DomainParticipant> join(Engines& engines, const std::string& subject) {
@@ -59,7 +59,7 @@ struct World {
     options.security.emplace(
         engines.view(),
         properties_of(subject, everything(ProtectionKind::encrypt_with_origin_authentication)));
-    auto participant = rtps::DomainParticipant::create(std::move(options), environment);
+    auto participant = rtps::DomainParticipant::create(std::move(options), services);
     EXPECT_TRUE(participant) << participant.error().to_sentence();
     return *std::move(participant);
   }

@@ -162,15 +162,15 @@ class KatTransform : public ::testing::TestWithParam<AeadChoice> {
 
 /// An engine whose first key is the vectors' one.
 struct Scripted {
-  explicit Scripted(const Options& options) : environment{clock, random, events} {
+  explicit Scripted(const Options& options) : services{clock, random, events} {
     random.number<std::uint64_t>(0);
     random.number<std::uint32_t>(0x0000c0de);
-    engine = make_cryptography(environment, options);
+    engine = make_cryptography(services, options);
   }
   SystemClock clock;
   ScriptedRandom random;
   CountingSink events;
-  Environment environment;
+  EngineServices services;
   std::unique_ptr<spi::Cryptography> engine;
 };
 
