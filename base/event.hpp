@@ -2,15 +2,10 @@
 #pragma once
 
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <mutex>
 #include <string>
-#include <unordered_map>
 #include <utility>
 
-#include "base/clock.hpp"
 #include "base/result.hpp"
 
 namespace ddssec {
@@ -69,61 +64,6 @@ class EventSink {
   virtual ~EventSink() = default;
   /// Takes one event. The reference is valid only during the call. Must not throw.
   virtual void raise(const Event& event) = 0;
-};
-
-/// Passes an event on, unless an event with the same reason about the same peer was passed on less
-/// than `interval` ago. Thread-safe.
-///
-/// The reason consists of the code and the document. If no unauthenticated peer can have chosen
-/// them, the field and the expected value also count. The found value and names that are only
-/// claimed never count (exception: the found value of informational notices about the local
-/// participant).
-///
-/// Memory is bounded in shares, so that no peer can suppress events about others. There is one
-/// share for the local participant and one for all peers without proof. Each authenticated peer has
-/// one share for each code, because it chooses the names of its topics and partitions. If a share
-/// is full, or there are more than kMaxRemembered shares of peers, each code is still passed on
-/// once in each interval.
-class RateLimitedSink final : public EventSink {
- public:
-  /// About the local participant; also the number of shares of authenticated peers.
-  static constexpr std::size_t kMaxRemembered = 1024;
-  static constexpr std::size_t kMaxClaimed = 128;  ///< about all unauthenticated peers together
-  static constexpr std::size_t kMaxOfAPeer = 16;   ///< about one authenticated peer, for each code
-
-  RateLimitedSink(EventSink& next, const Clock& clock,
-                  std::chrono::seconds interval = std::chrono::seconds(10))
-      : next_(next), clock_(clock), interval_(interval) {}
-  void raise(const Event& event) override;
-
- private:
-  using Times = std::unordered_map<std::string, std::chrono::nanoseconds>;
-
-  Times& share_of(const std::string& peer, std::chrono::nanoseconds now);
-  bool has_room(Times& share, std::size_t limit, const std::string& reason,
-                std::chrono::nanoseconds now) const;
-  bool may_pass(Times& share, const std::string& reason, std::chrono::nanoseconds now) const;
-  void forget_old(Times& share, std::chrono::nanoseconds now) const;
-
-  EventSink& next_;
-  const Clock& clock_;
-  const std::chrono::nanoseconds interval_;
-  std::mutex mutex_;
-  Times ours_;
-  Times claimed_;
-  std::unordered_map<std::string, Times> proven_;  // by code and subject name
-  Times no_share_;
-  Times crowded_out_;  // by code; there are few
-};
-
-class DocumentsInUse;
-
-/// The services that every engine gets at construction. All of them must outlive it.
-struct EngineServices {
-  const Clock& clock;
-  Random& random;
-  EventSink& events;
-  DocumentsInUse* documents = nullptr;  ///< where the engine notes its documents; null: nowhere
 };
 
 }  // namespace ddssec

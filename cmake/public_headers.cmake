@@ -66,6 +66,7 @@ set(DDSSEC_PUBLIC_HEADERS
   base/bytes.hpp
   base/clock.hpp
   base/code.hpp
+  base/engine_services.hpp
   base/event.hpp
   base/event_log.hpp
   base/hash.hpp

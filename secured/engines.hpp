@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "base/event.hpp"
+#include "base/engine_services.hpp"
 #include "base/result.hpp"
 #include "rtps/security/security_options.hpp"
 

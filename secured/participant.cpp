@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "base/event_log.hpp"
+#include "base/rate_limited_sink.hpp"
 #include "secured/engines.hpp"
 
 namespace ddssec::secured {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/clock.hpp"
+#include "base/engine_services.hpp"
 #include "base/event.hpp"
 #include "cli/inputs.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"

@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "base/event.hpp"
+#include "base/engine_services.hpp"
 #include "plugins/spi/access_control.hpp"
 
 namespace ddssec::access_control {

@@ -1,7 +1,7 @@
 // Peers whose permissions the renewal list extends.
 #pragma once
 
-#include "base/event.hpp"
+#include "base/engine_services.hpp"
 #include "plugins/access_control/handle_table.hpp"
 
 namespace ddssec::access_control {

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <memory>
 
-#include "base/event.hpp"
+#include "base/engine_services.hpp"
 #include "pki/chain.hpp"
 #include "plugins/spi/authentication.hpp"
 

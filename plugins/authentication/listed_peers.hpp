@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "base/event.hpp"
+#include "base/engine_services.hpp"
 #include "plugins/authentication/identity_table.hpp"
 
 namespace ddssec::authentication {

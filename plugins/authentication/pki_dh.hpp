@@ -6,6 +6,7 @@
 #include <mutex>
 #include <vector>
 
+#include "base/engine_services.hpp"
 #include "plugins/authentication/authentication.hpp"
 #include "plugins/authentication/identity_table.hpp"
 #include "plugins/authentication/kept_requests.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/documents_in_use.hpp"
-#include "base/event.hpp"
+#include "base/engine_services.hpp"
 #include "plugins/authentication/identity_table.hpp"
 
 namespace ddssec::authentication {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "base/event.hpp"
+#include "base/engine_services.hpp"
 #include "plugins/authentication/identity_table.hpp"
 
 namespace ddssec::authentication {

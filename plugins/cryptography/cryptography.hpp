@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "base/event.hpp"
+#include "base/engine_services.hpp"
 #include "plugins/spi/cryptography.hpp"
 
 namespace ddssec::cryptography {

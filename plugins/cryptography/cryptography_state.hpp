@@ -4,6 +4,7 @@
 #include <mutex>
 #include <unordered_map>
 
+#include "base/engine_services.hpp"
 #include "plugins/cryptography/cryptography.hpp"
 #include "plugins/cryptography/entities.hpp"
 #include "plugins/cryptography/token_ledger.hpp"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "base/engine_services.hpp"
 #include "plugins/cryptography/message.hpp"
 #include "plugins/cryptography/passphrase.hpp"
 #include "plugins/spi/pre_shared_key.hpp"

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 
+#include "base/engine_services.hpp"
 #include "plugins/cyclonedds/c_boundary.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 

@@ -5,7 +5,9 @@
 #include <memory>
 
 #include "base/clock.hpp"
+#include "base/engine_services.hpp"
 #include "base/event.hpp"
+#include "base/rate_limited_sink.hpp"
 #include "base/steady_calendar.hpp"
 #include "plugins/cyclonedds/log.hpp"
 

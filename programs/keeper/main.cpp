@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "base/event_log.hpp"
+#include "base/rate_limited_sink.hpp"
 #include "rtps/keeper/keeper.hpp"
 #include "secured/engines.hpp"
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/event_log.hpp"
+#include "base/rate_limited_sink.hpp"
 #include "programs/peer/options.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 #include "secured/engines.hpp"

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/event_log.hpp"
+#include "base/rate_limited_sink.hpp"
 #include "programs/shapes/options.hpp"
 #include "programs/shapes/types.hpp"
 #include "rtps/dcps/domain_participant.hpp"

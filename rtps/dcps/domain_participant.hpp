@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/event.hpp"
+#include "base/engine_services.hpp"
 #include "base/ids.hpp"
 #include "base/result.hpp"
 #include "rtps/dcps/discovered_entities.hpp"

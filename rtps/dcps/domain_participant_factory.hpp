@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "base/engine_services.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 
 namespace ddssec::rtps {

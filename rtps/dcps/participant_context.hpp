@@ -6,7 +6,7 @@
 #include <mutex>
 #include <thread>
 
-#include "base/event.hpp"
+#include "base/engine_services.hpp"
 #include "rtps/dcps/callback_lock.hpp"
 #include "rtps/dcps/link.hpp"
 #include "rtps/dcps/reader_cache.hpp"

@@ -3,6 +3,7 @@
 
 #include <thread>
 
+#include "base/engine_services.hpp"
 #include "rtps/dcps/caught_exceptions.hpp"
 #include "rtps/dcps/participant_context.hpp"
 #include "rtps/participant/rtps_participant.hpp"

@@ -2,6 +2,7 @@
 // of a domain and gives them to late joiners, whether the writers still exist or not.
 #pragma once
 
+#include "base/engine_services.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 #include "rtps/durability/durable_store.hpp"
 

@@ -1,5 +1,6 @@
 // The measuring peer on the embedded participant: the roles that participants.h has and ddssec-peer
 // has not, or has in one way only.
+#include "base/rate_limited_sink.hpp"
 #include "bench/participants.h"
 #include "peer_types.hpp"
 #include "rtps/dcps/wait_set.hpp"

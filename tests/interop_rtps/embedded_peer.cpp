@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "base/rate_limited_sink.hpp"
 #include "interop/peers/peer.h"
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/authentication/authentication.hpp"

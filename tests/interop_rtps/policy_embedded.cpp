@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "appendable_shape.hpp"
+#include "base/rate_limited_sink.hpp"
 #include "interop_rtps/policy_peer.hpp"
 #include "secured/participant.hpp"
 #include "shape.hpp"

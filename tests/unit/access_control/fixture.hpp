@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "base/documents_in_use.hpp"
+#include "base/engine_services.hpp"
 #include "governance/write.hpp"
 #include "pki/authority.hpp"
 #include "plugins/access_control/access_control.hpp"

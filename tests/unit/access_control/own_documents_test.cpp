@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include "base/rate_limited_sink.hpp"
 #include "tests/support/recorded_document.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/access_control/fixture.hpp"

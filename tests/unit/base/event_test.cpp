@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "base/rate_limited_sink.hpp"
+
 namespace ddssec {
 namespace {
 

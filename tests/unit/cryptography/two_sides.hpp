@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/engine_services.hpp"
 #include "base/event.hpp"
 #include "plugins/cryptography/cryptography.hpp"
 #include "tests/support/code_of.hpp"

@@ -7,6 +7,7 @@
 
 #include <gmock/gmock.h>
 
+#include "base/engine_services.hpp"
 #include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"

@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 
+#include "base/engine_services.hpp"
 #include "rtps/dcps/domain_participant_factory.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <future>
 
+#include "base/engine_services.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"
 
 namespace ddssec::rtps::two_threads {

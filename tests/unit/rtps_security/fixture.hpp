@@ -7,6 +7,7 @@
 
 #include <gmock/gmock.h>
 
+#include "base/engine_services.hpp"
 #include "base/seeded_random.hpp"
 #include "governance/write.hpp"
 #include "plugins/access_control/access_control.hpp"

@@ -1,6 +1,7 @@
 // Which events count as about a peer that has authenticated: only those of what its keys brought.
 #include <gmock/gmock.h>
 
+#include "base/rate_limited_sink.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps::testing {

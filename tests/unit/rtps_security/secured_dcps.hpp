@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include "base/engine_services.hpp"
 #include "rtps/dcps/domain_participant_factory.hpp"
 #include "tests/unit/rtps_security/fixture.hpp"
 

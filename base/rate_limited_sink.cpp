@@ -1,0 +1,80 @@
+#include "base/rate_limited_sink.hpp"
+
+#include <fmt/format.h>
+
+namespace ddssec {
+namespace {
+
+// An attacker can cause such an event at little cost.
+bool names_an_unproven_peer(const Event& event) {
+  const bool names_a_peer = !event.peer_subject.empty() || !event.guid.empty();
+  return names_a_peer && event.proof == PeerProof::claimed;
+}
+
+/// The same for all participants of one certificate: the first six octets of an authenticated
+/// participant's GUID follow from the subject (DDS-Security 1.2, clause 10.3.3).
+std::string certificate_of(const Event& event) {
+  constexpr std::size_t kSubjectDigits = 12;
+  return event.peer_subject.empty() ? event.guid.substr(0, kSubjectDigits) : event.peer_subject;
+}
+
+}  // namespace
+
+void RateLimitedSink::raise(const Event& event) {
+  const auto& d = event.error.details();
+  const auto code = std::to_string(static_cast<int>(event.error.code()));
+  const bool is_claimed = names_an_unproven_peer(event);
+  const bool is_proven = event.proof == PeerProof::authenticated;
+  auto reason = fmt::format("{}\n{}\n{}", code, event.guid, d.document);
+  if (!is_claimed) reason += fmt::format("\n{}\n{}\n{}", event.peer_subject, d.field, d.expected);
+  // In a notice about the local participant no peer chooses the text, and each change of state is
+  // new information.
+  if (event.proof == PeerProof::not_a_peer && event.severity == Severity::informational)
+    reason += "\n" + d.found;
+  // Programs do not print it, so it must not suppress the same event that is not returned.
+  if (event.is_returned) reason += "\nreturned";
+
+  const std::lock_guard lock(mutex_);
+  const auto now = clock_.monotonic();
+  auto& share = is_claimed  ? claimed_
+                : is_proven ? share_of(code + "\n" + certificate_of(event), now)
+                            : ours_;
+  const auto limit = is_claimed ? kMaxClaimed : is_proven ? kMaxOfAPeer : kMaxRemembered;
+  const bool passes = has_room(share, limit, reason, now)
+                          ? may_pass(share, reason, now)
+                          : may_pass(crowded_out_, code + (is_claimed ? " claimed" : ""), now);
+  if (passes) next_.raise(event);
+}
+
+// If there are too many peers, all further ones use one common share that always counts as full.
+RateLimitedSink::Times& RateLimitedSink::share_of(const std::string& peer,
+                                                  std::chrono::nanoseconds now) {
+  if (const auto known = proven_.find(peer); known != proven_.end()) return known->second;
+  if (proven_.size() >= kMaxRemembered) {
+    for (auto& [_, share] : proven_) forget_old(share, now);
+    std::erase_if(proven_, [](const auto& entry) { return entry.second.empty(); });
+  }
+  return proven_.size() >= kMaxRemembered ? no_share_ : proven_[peer];
+}
+
+bool RateLimitedSink::has_room(Times& share, std::size_t limit, const std::string& reason,
+                               std::chrono::nanoseconds now) const {
+  if (&share == &no_share_) return false;
+  if (share.contains(reason) || share.size() < limit) return true;
+  forget_old(share, now);
+  return share.size() < limit;
+}
+
+bool RateLimitedSink::may_pass(Times& share, const std::string& reason,
+                               std::chrono::nanoseconds now) const {
+  const auto [known, is_new] = share.try_emplace(reason, now);
+  if (!is_new && now - known->second < interval_) return false;
+  known->second = now;
+  return true;
+}
+
+void RateLimitedSink::forget_old(Times& share, std::chrono::nanoseconds now) const {
+  std::erase_if(share, [&](const auto& entry) { return now - entry.second >= interval_; });
+}
+
+}  // namespace ddssec
