@@ -47,7 +47,7 @@ class NoEvents final : public EventSink {
   void raise(const Event&) override {}
 };
 
-Status start(spi::PropertyList properties, const access_control::Options& options,
+Status start(spi::PropertyList properties, const access_control::AccessControlOptions& options,
              const doctor::Settings& settings) {
   const StoppedClock clock(settings.now);
   SystemRandom random;

@@ -102,7 +102,7 @@ void check_profiles_file(const LoadedFolder& folder, const doctor::Settings& set
 
 /// As the plugins judge it when a participant is made.
 Status enforceable(const LoadedFolder& folder, const governance::DomainRule& rule,
-                   const access_control::Options& options) {
+                   const access_control::AccessControlOptions& options) {
   DDSSEC_RETURN_IF_ERROR(access_control::check_enforceable(rule, options));
   const auto& allowed = rule.allowed_algorithms;
   if (!allowed || !folder.certificate || !folder.identity_cas || !folder.permissions_cas) return {};
@@ -123,7 +123,7 @@ Finding finding_of(const LoadedFolder& folder, std::string message, int line) {
 void check_participant(const LoadedFolder& folder, const governance::DomainRule& rule,
                        bool is_in_use, doctor::Diagnosis& out) {
   const auto number = [](const Error& error) { return static_cast<int>(error.code()); };
-  const access_control::Options embedded{
+  const access_control::AccessControlOptions embedded{
       .host_revises_keys = true, .host_has_pre_shared_keys = true, .host_changes_protection = true};
   if (const auto status = enforceable(folder, rule, embedded); !status) {
     auto finding = finding_of(

@@ -26,7 +26,7 @@ using Participants = std::set<const LocalParticipant*>;
 
 class AccessControlPlugin final : public spi::AccessControl {
  public:
-  AccessControlPlugin(const EngineServices& services, Options options)
+  AccessControlPlugin(const EngineServices& services, AccessControlOptions options)
       : services_(services),
         options_(std::move(options)),
         judgement_(services_.clock, options_.accept_relays),
@@ -232,7 +232,7 @@ class AccessControlPlugin final : public spi::AccessControl {
                                                      std::string_view topic);
 
   const EngineServices services_;
-  const Options options_;
+  const AccessControlOptions options_;
   const AccessDecisions judgement_;
   DocumentCache documents_;
   HandleTable handles_;
@@ -478,7 +478,7 @@ std::vector<PermissionsHandle> AccessControlPlugin::expire(PermissionsHandle loc
 }  // namespace
 
 std::unique_ptr<spi::AccessControl> make_access_control(const EngineServices& services,
-                                                        Options options) {
+                                                        AccessControlOptions options) {
   return std::make_unique<AccessControlPlugin>(services, std::move(options));
 }
 

@@ -11,7 +11,7 @@
 namespace ddssec::access_control {
 
 /// What an integrator may choose; the defaults refuse.
-struct Options {
+struct AccessControlOptions {
   /// The largest permissions document that is taken from a peer, in octets.
   std::size_t max_permissions_octets = 16 * 1024 * 1024;
   /// How many permissions handles may be out at a time.
@@ -43,6 +43,6 @@ inline constexpr std::size_t kMaxCachedOctets = 64 * 1024 * 1024;
 /// A plugin without any participant yet; `services` outlives it. Each local participant's own
 /// documents govern what it does and which peers it trusts.
 std::unique_ptr<spi::AccessControl> make_access_control(const EngineServices& services,
-                                                        Options options = {});
+                                                        AccessControlOptions options = {});
 
 }  // namespace ddssec::access_control

@@ -12,7 +12,7 @@ namespace ddssec::access_control {
 /// What loading needs besides its arguments.
 struct LoadContext {
   DocumentCache& documents;
-  const Options& options;
+  const AccessControlOptions& options;
   WallTime now;
 };
 
@@ -20,7 +20,7 @@ struct LoadContext {
 struct GovernanceContext {
   const PermissionsCa& ca;
   const LocalParticipant& participant;
-  const Options& options;
+  const AccessControlOptions& options;
 };
 struct VerifiedGovernance {
   std::shared_ptr<const governance::CompiledGovernance> rules;

@@ -72,7 +72,7 @@ struct OwnDocuments::Renewal {
   const Clock& clock;
 };
 
-OwnDocuments::OwnDocuments(const DocumentPlaces& places, const Options& options,
+OwnDocuments::OwnDocuments(const DocumentPlaces& places, const AccessControlOptions& options,
                            std::chrono::seconds interval)
     : options_(options),
       permissions_stay_(!options.presents_renewed_permissions()),

@@ -30,7 +30,8 @@ struct DocumentPlaces {
 class OwnDocuments {
  public:
   /// Before the files are read for the first time.
-  OwnDocuments(const DocumentPlaces& places, const Options& options, std::chrono::seconds interval);
+  OwnDocuments(const DocumentPlaces& places, const AccessControlOptions& options,
+               std::chrono::seconds interval);
 
   /// The next renew() reads the files, whatever the interval is.
   void look_now();
@@ -94,7 +95,7 @@ class OwnDocuments {
   /// What the file holds now, in force or pending.
   Status take_governance(const Renewal& now, const Basis& former, BytesView file);
 
-  const Options options_;
+  const AccessControlOptions options_;
   const bool permissions_stay_;
   pki::AuthorityWatch authorities_;
   DocumentWatch governance_;

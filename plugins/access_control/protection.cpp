@@ -127,7 +127,7 @@ std::optional<spi::EndpointSecurityAttributes> builtin_attributes(
   return attributes;
 }
 
-Status check_enforceable(const governance::DomainRule& rule, const Options& options) {
+Status check_enforceable(const governance::DomainRule& rule, const AccessControlOptions& options) {
   if (is_protected(rule.rtps_psk_protection_kind) && !options.host_has_pre_shared_keys) {
     return not_enforceable(rule.line, "<rtps_psk_protection_kind>",
                            "NONE (only embedded participants of ddssec have pre-shared keys)",

@@ -24,6 +24,6 @@ std::optional<spi::EndpointSecurityAttributes> builtin_attributes(
 /// Success if the plugins can do everything that the rule demands. Refuses pre-shared keys and key
 /// revision unless the host supports them, and lists of allowed algorithms without one that the
 /// plugins always use. Error: governance_not_enforceable.
-Status check_enforceable(const governance::DomainRule& rule, const Options& options);
+Status check_enforceable(const governance::DomainRule& rule, const AccessControlOptions& options);
 
 }  // namespace ddssec::access_control

@@ -203,7 +203,7 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
 }
 
 std::unique_ptr<spi::Authentication> make_authentication(const EngineServices& services,
-                                                         Options options) {
+                                                         AuthenticationOptions options) {
   return std::make_unique<PkiDh>(services, options);
 }
 

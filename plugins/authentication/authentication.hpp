@@ -13,7 +13,7 @@
 namespace ddssec::authentication {
 
 /// What a host may choose.
-struct Options {
+struct AuthenticationOptions {
   /// What a missing or outdated revocation list means where one is configured.
   pki::CrlPolicy crl_policy = pki::CrlPolicy::hard_fail;
   /// Of each local identity: so many that have authenticated, and as many that have not. More are
@@ -48,6 +48,6 @@ inline constexpr std::chrono::seconds kPendingAge{5};
 ///   that GUID (neither token proves anything); afterwards it is refused until
 ///   return_identity_handle.
 std::unique_ptr<spi::Authentication> make_authentication(const EngineServices& services,
-                                                         Options options = {});
+                                                         AuthenticationOptions options = {});
 
 }  // namespace ddssec::authentication

@@ -26,7 +26,7 @@ struct Revocations;  // revocations.hpp
 
 class PkiDh final : public spi::Authentication {
  public:
-  PkiDh(const EngineServices& services, const Options& options)
+  PkiDh(const EngineServices& services, const AuthenticationOptions& options)
       : services_(services),
         stores_(options.crl_policy),
         table_(options.max_local_identities,

@@ -24,7 +24,8 @@ T starting_number(Random& random) {
 
 class Engine final : public spi::Cryptography {
  public:
-  Engine(const EngineServices& services, const AeadBackend& aead, const Options& options)
+  Engine(const EngineServices& services, const AeadBackend& aead,
+         const CryptographyOptions& options)
       : state_(services, aead, options, starting_number<std::uint64_t>(services.random)),
         factory_(state_, starting_number<std::uint32_t>(services.random)),
         exchange_(state_),
@@ -50,7 +51,7 @@ spi::CipherMask supported_ciphers(AeadChoice choice) {
 }
 
 std::unique_ptr<spi::Cryptography> make_cryptography(const EngineServices& services,
-                                                     Options options) {
+                                                     CryptographyOptions options) {
   const auto* aead = aead_backend(options.aead);
   if (aead == nullptr) {
     aead = aead_backend(AeadChoice::automatic);

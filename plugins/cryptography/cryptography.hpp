@@ -13,7 +13,7 @@ namespace ddssec::cryptography {
 enum class AeadChoice : std::uint8_t { automatic, ipsec_mb, openssl };
 
 /// What a host may choose. Cyclone DDS needs other values than the defaults.
-struct Options {
+struct CryptographyOptions {
   /// An implementation that is not available is replaced by the best one that is, with an event.
   AeadChoice aead = AeadChoice::automatic;
   /// False if the host converts the GUID prefix in the RTPS header to its own byte order, word by
@@ -41,9 +41,10 @@ struct Options {
 spi::CipherMask supported_ciphers(AeadChoice choice = AeadChoice::automatic);
 
 /// Creates the plugin; never nullptr. `services` must outlive it. Events are raised only for a
-/// missing implementation and as described in Options. Other refusals are only returned, and the
-/// host decides whether to log them: an attacker who sends garbage must not fill a log.
+/// missing implementation and as described in CryptographyOptions. Other refusals are only
+/// returned, and the host decides whether to log them: an attacker who sends garbage must not fill
+/// a log.
 std::unique_ptr<spi::Cryptography> make_cryptography(const EngineServices& services,
-                                                     Options options = {});
+                                                     CryptographyOptions options = {});
 
 }  // namespace ddssec::cryptography

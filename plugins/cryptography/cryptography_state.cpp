@@ -9,7 +9,7 @@ namespace ddssec::cryptography {
 namespace {
 
 KeyServices key_services(const AeadBackend& aead, Graveyard& graveyard, Random& random,
-                         const Options& options) {
+                         const CryptographyOptions& options) {
   constexpr auto kMax = std::uint64_t{1} << 32;
   return {aead, graveyard, std::clamp(options.max_blocks_per_session, std::uint64_t{1}, kMax),
           std::clamp(options.max_sessions_per_key, std::uint64_t{1}, kMax), random};
@@ -18,7 +18,8 @@ KeyServices key_services(const AeadBackend& aead, Graveyard& graveyard, Random& 
 }  // namespace
 
 CryptographyState::CryptographyState(const EngineServices& given, const AeadBackend& aead,
-                                     const Options& options, std::uint64_t first_generation)
+                                     const CryptographyOptions& options,
+                                     std::uint64_t first_generation)
     : services(given),
       header_prefix_is_network_order(options.header_prefix_is_network_order),
       host_checks_sources(options.host_checks_sources),

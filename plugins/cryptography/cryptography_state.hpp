@@ -13,8 +13,8 @@ namespace ddssec::cryptography {
 
 /// Any change requires `mutex`.
 struct CryptographyState {
-  CryptographyState(const EngineServices& services, const AeadBackend& aead, const Options& options,
-                    std::uint64_t first_generation);
+  CryptographyState(const EngineServices& services, const AeadBackend& aead,
+                    const CryptographyOptions& options, std::uint64_t first_generation);
 
   template <class H>
   Result<LocalParticipant*> local_participant(H handle) const {

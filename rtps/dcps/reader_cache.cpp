@@ -149,13 +149,13 @@ std::optional<ReaderCache::Stored> ReaderCache::rejects_again(const Change& chan
   const auto& share = writer_of(change.writer).share;
   if (instance != nullptr && waits(*instance, change, at)) {
     if (held_.can_hold_back(*instance, change, share)) return std::nullopt;
-    return Stored{Outcome::rejected, SampleRejectedReason::by_samples_limit, instance->handle,
+    return Stored{StoreResult::rejected, SampleRejectedReason::by_samples_limit, instance->handle,
                   true};
   }
   const auto [reason, crowded] =
       held_.rejects(instance, change, share, instance == nullptr ? change.key_octets : 0);
   if (reason == SampleRejectedReason::not_rejected) return std::nullopt;
-  return Stored{Outcome::rejected, reason,
+  return Stored{StoreResult::rejected, reason,
                 instance == nullptr ? InstanceHandle{} : instance->handle, crowded};
 }
 
@@ -165,7 +165,7 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
   const auto expires = expiry_of(change, at);
   auto* const instance = held_.find(change.key_hash.value_or(KeyHash{}));
   if (instance == nullptr) return store_first(change, expires, at.now);
-  const Stored dropped{Outcome::dropped, {}, instance->handle};
+  const Stored dropped{StoreResult::dropped, {}, instance->handle};
   if (expires <= at.now) return dropped;
   if (!may_own(*instance, change.writer)) {
     // It is still one of the writers of the instance, which ends when all of them have left.
@@ -180,7 +180,7 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
                  : was_replaced(held_, *instance, change)) {
     // Whenever it says so, the writer has left. Otherwise the instance would never end.
     const bool ends = change.status.unregistered && leave(*instance, change.writer, at.now);
-    return ends ? Stored{Outcome::stored, {}, dropped.instance} : dropped;
+    return ends ? Stored{StoreResult::stored, {}, dropped.instance} : dropped;
   }
   if (waits(*instance, change, at)) return hold_back(*instance, change, expires);
   return store_next(*instance, change, expires, at.now);
@@ -190,7 +190,7 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
 ReaderCache::Stored ReaderCache::store_first(Change& change, MonotonicTime expires,
                                              MonotonicTime now) {
   const bool says_something = change.is_alive() || change.status.disposed;
-  if (expires <= now || !says_something) return {Outcome::dropped, {}, {}};
+  if (expires <= now || !says_something) return {StoreResult::dropped, {}, {}};
   Payload key_value;
   if (key_of_ && change.key_octets == 0) {
     key_value = Payload::copy_of(key_of_(change));
@@ -199,7 +199,8 @@ ReaderCache::Stored ReaderCache::store_first(Change& change, MonotonicTime expir
   const auto& share = writer_of(change.writer).share;
   const auto [reason, crowded] =
       held_.rejects(nullptr, change, share, key_of_ ? change.key_octets : 0);
-  if (reason != SampleRejectedReason::not_rejected) return {Outcome::rejected, reason, {}, crowded};
+  if (reason != SampleRejectedReason::not_rejected)
+    return {StoreResult::rejected, reason, {}, crowded};
   if (key_of_ && key_value.size() == 0) key_value = Payload::copy_of(key_of_(change));
   auto& instance = held_.create(change.key_hash.value_or(KeyHash{}), std::move(key_value), share);
   return insert(instance, change, expires, now);
@@ -213,14 +214,14 @@ ReaderCache::Stored ReaderCache::store_next(Instance& instance, Change& change,
   const auto [reason, crowded] = held_.rejects(
       &instance, brings_last ? *instance.held_back : change, writer_of(change.writer).share, 0);
   if (reason != SampleRejectedReason::not_rejected)
-    return {Outcome::rejected, reason, instance.handle, crowded};
+    return {StoreResult::rejected, reason, instance.handle, crowded};
   if (brings_last) store_held_back(instance, now);
   return insert(instance, change, expires, now);
 }
 
 ReaderCache::Stored ReaderCache::insert(Instance& instance, Change& change, MonotonicTime expires,
                                         MonotonicTime now) {
-  const Stored stored{Outcome::stored, {}, instance.handle};
+  const Stored stored{StoreResult::stored, {}, instance.handle};
   if (change.is_alive()) {
     const auto& share = writer_of(change.writer).share;
     store_alive(instance, {.change = std::move(change), .expires = expires, .share = share}, now);
@@ -235,13 +236,13 @@ ReaderCache::Stored ReaderCache::insert(Instance& instance, Change& change, Mono
 // samples when it has.
 ReaderCache::Stored ReaderCache::hold_back(Instance& instance, Change& change,
                                            MonotonicTime expires) {
-  const Stored dropped{Outcome::dropped, {}, instance.handle};
+  const Stored dropped{StoreResult::dropped, {}, instance.handle};
   if (!reliable_) return dropped;
   const auto& share = writer_of(change.writer).share;
   const auto origin = change.origin();
   const auto writer = change.writer;
   if (!held_.hold_back(instance, change, share, expires))
-    return {Outcome::rejected, SampleRejectedReason::by_samples_limit, instance.handle, true};
+    return {StoreResult::rejected, SampleRejectedReason::by_samples_limit, instance.handle, true};
   held_.join(instance, writer, share);  // so that the instance does not end before it
   if (exclusive_) instance.owner = writer;
   if (exclusive_) instance.latest = origin;

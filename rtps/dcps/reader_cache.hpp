@@ -35,9 +35,9 @@ class ReaderCache {
   /// When the LIFESPAN of its writer ends the change. kNever: never.
   MonotonicTime expiry_of(const Change& change, const Moment& at) const;
 
-  enum class Outcome : std::uint8_t { stored, dropped, rejected };
+  enum class StoreResult : std::uint8_t { stored, dropped, rejected };
   struct Stored {
-    Outcome outcome = Outcome::stored;
+    StoreResult outcome = StoreResult::stored;
     SampleRejectedReason reason = SampleRejectedReason::not_rejected;
     InstanceHandle instance;
     bool crowded = false;  ///< rejected due to a limit that identities share

@@ -43,12 +43,12 @@ ReceivedSamples::Received ReceivedSamples::take(Change& change, BoundFilter* fil
                                                 const KeyProtection& keys, const Moment& at) {
   if (change.is_examined && seen_)  // before the digests of large payloads
     if (const auto refusal = cache_->rejects_again(change, at))
-      return {Outcome::rejected, *refusal};
+      return {Reception::rejected, *refusal};
   const bool is_new = !std::exchange(change.is_examined, false);
   if (is_new && filter != nullptr && change.is_alive() && !passes(change, *filter)) return {};
   if (is_new && !name_instance(change, keys)) {
     count_malformed();
-    return {change.is_alive() ? Outcome::unseen : Outcome::unreadable_key};
+    return {change.is_alive() ? Reception::unseen : Reception::unreadable_key};
   }
   const auto expires = cache_->expiry_of(change, at);
   if (seen_ && seen_->contains(change, expires) && !cache_->is_wanted_again(change)) return {};
@@ -57,14 +57,14 @@ ReceivedSamples::Received ReceivedSamples::take(Change& change, BoundFilter* fil
   if (filter != nullptr && !change.is_alive() && cache_->lookup(key).is_nil()) return {};
   const auto sighting = seen_ ? SeenOriginals::of(change, expires) : SeenOriginals::Sighting{};
   const auto stored = cache_->store(change, at);
-  if (stored.outcome == ReaderCache::Outcome::rejected) {
+  if (stored.outcome == ReaderCache::StoreResult::rejected) {
     change.is_examined = true;
-    return {Outcome::rejected, stored};
+    return {Reception::rejected, stored};
   }
   // Samples that the reader does not see do not take a place.
-  const bool is_seen = stored.outcome == ReaderCache::Outcome::stored;
+  const bool is_seen = stored.outcome == ReaderCache::StoreResult::stored;
   if (seen_ && (is_seen || !sighting.claim)) seen_->add(sighting);
-  return {is_seen ? Outcome::stored : Outcome::unseen, stored};
+  return {is_seen ? Reception::stored : Reception::unseen, stored};
 }
 
 }  // namespace ddssec::rtps

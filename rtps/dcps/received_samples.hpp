@@ -23,14 +23,14 @@ class ReceivedSamples {
   /// For a reader that requests history: a sample that several writers hold is taken only once.
   void expect_history() { seen_.emplace(); }
 
-  enum class Outcome : std::uint8_t {
+  enum class Reception : std::uint8_t {
     stored,
     unseen,          ///< taken, but the reader does not see it
     rejected,        ///< nothing has changed; the change may be offered again
     unreadable_key,  ///< taken: the end of an instance whose key cannot be read
   };
   struct Received {
-    Outcome outcome = Outcome::unseen;
+    Reception outcome = Reception::unseen;
     ReaderCache::Stored stored = {};  ///< set if the outcome is `stored` or `rejected`
   };
   /// `filter`: the reader's content filter; nullptr: none.

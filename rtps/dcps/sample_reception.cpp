@@ -109,23 +109,23 @@ Room SampleReception::room_for(const WantedRoom& wanted, const Guid& writer) con
 }
 
 bool SampleReception::store(Change& change) {
-  using Outcome = ReceivedSamples::Outcome;
+  using Reception = ReceivedSamples::Reception;
   const auto times_ahead = cache().times_ahead();
   const bool is_new = !change.is_examined;
   const auto received = samples_.take(change, filter_.filter(), keys_, context_.moment());
   if (cache().times_ahead() != times_ahead) report_time_ahead(change.writer);
   call_at(cache().next_tick());
   switch (received.outcome) {
-    case Outcome::rejected:
+    case Reception::rejected:
       reject(change, received.stored, is_new);
       return false;
-    case Outcome::unreadable_key:
+    case Reception::unreadable_key:
       report_unreadable_key(change);
       return true;
-    case Outcome::stored:
+    case Reception::stored:
       note_data();
       break;
-    case Outcome::unseen:
+    case Reception::unseen:
       break;
   }
   context_.attend();

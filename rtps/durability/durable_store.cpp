@@ -158,7 +158,7 @@ DurableStore::Appended DurableStore::append(StoredChange change, const Moment& n
     auto& stored = pending_.emplace_back(std::move(change));
     Rollback undo([&] { pending_.pop_back(); });
     Appended out{index_.add(stored, now)};
-    if (out.outcome.verdict != SampleIndex::Verdict::waits) {
+    if (out.outcome.decision != SampleIndex::Decision::waits) {
       undo.release();
       out.number = count_pending(now.wall);
       return out;

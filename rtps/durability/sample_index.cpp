@@ -84,7 +84,7 @@ std::vector<MonotonicTime> SampleIndex::open(StreamId stream, const DurabilitySe
 }
 
 SampleIndex::AddResult SampleIndex::add(StoredChange& entry, const Moment& now) {
-  using enum Verdict;
+  using enum Decision;
   const auto& change = entry.change;
   const auto found = streams_.find(entry.stream);
   if (found == streams_.end()) return {ended};

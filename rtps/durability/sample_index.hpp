@@ -35,7 +35,7 @@ class SampleIndex {
                                   Duration lifespan = kDurationInfinite);
   void close(StreamId stream) { streams_.erase(stream); }
 
-  enum class Verdict : std::uint8_t {
+  enum class Decision : std::uint8_t {
     stored,     ///< in `row`
     ended,      ///< no row: it ends an instance, has expired, or says nothing that is stored
     left_out,   ///< above the limits of DURABILITY_SERVICE, and counted
@@ -43,7 +43,7 @@ class SampleIndex {
     waits,      ///< above the share of its identity, in octets or in samples of the stream
   };
   struct AddResult {
-    Verdict verdict = Verdict::waits;
+    Decision decision = Decision::waits;
     std::int64_t row = 0;
     std::vector<std::int64_t> removed = {};
   };

@@ -239,7 +239,7 @@ bool KeptTopic::keep(Change& change) {
                                    .relay_order = relay_order(change, like_.qos),
                                    .lifespan = lifespan},
                                   moment);
-  if (kept.outcome.verdict == SampleIndex::Verdict::waits)
+  if (kept.outcome.decision == SampleIndex::Decision::waits)
     return wait_for_room(writer, kept.has_no_share);
   seen_.add(SeenOriginals::of(change, end_of_life(change.source_time, lifespan, moment)));
   if (!std::exchange(has_samples_, true)) on_first_sample_();

@@ -137,7 +137,9 @@ class AccessControlTest : public testing::Test {
              "data:," + authorities().identity_ca.certificate().pem()}};
   }
 
-  void make(Options options = {}) { plugin = make_access_control(services, std::move(options)); }
+  void make(AccessControlOptions options = {}) {
+    plugin = make_access_control(services, std::move(options));
+  }
 
   /// A local participant of the talker in domain 0.
   Result<spi::PermissionsHandle> local(const std::string& permissions_file) {

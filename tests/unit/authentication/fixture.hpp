@@ -106,7 +106,7 @@ struct Collector final : EventSink {
 
 /// One process: an engine with its clock.
 struct Engine {
-  explicit Engine(std::uint64_t seed = 1, Options options = {})
+  explicit Engine(std::uint64_t seed = 1, AuthenticationOptions options = {})
       : random(seed), plugin(make_authentication({clock, random, events, &documents}, options)) {}
   spi::Authentication* operator->() { return plugin.get(); }
 

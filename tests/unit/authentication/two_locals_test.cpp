@@ -8,7 +8,7 @@ namespace {
 /// A remote participant in its own engine, `first` and `second` in one.
 struct TwoLocals {
   explicit TwoLocals(pki::Validity of_first = kYear, pki::Validity of_remote = kYear,
-                     Options options = {})
+                     AuthenticationOptions options = {})
       : ours(1, options),
         first(ours, make_identity(test_ca(), "CN=first,O=Example", {}, of_first), 1),
         second(ours, make_identity(test_ca(), "CN=second,O=Example", {}, kYear, 1), 2),

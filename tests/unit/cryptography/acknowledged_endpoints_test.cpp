@@ -13,7 +13,7 @@ struct AcknowledgedEndpoints : ::testing::Test {
   static constexpr int kTimes = 2 * AnnouncedOctets::kMax / kUserData;
 
   void meet(ProtectionKind rtps) {
-    two.emplace(rtps, PropertyList{}, Options{.host_checks_sources = false});
+    two.emplace(rtps, PropertyList{}, CryptographyOptions{.host_checks_sources = false});
     auto secret = shared_secret(5);
     secret.peer_prefix = kPeer;
     for (auto* side : {&two->a, &two->b})

@@ -85,7 +85,7 @@ PropertyList most_blocks(std::string value) {
 }
 
 struct Limited {
-  explicit Limited(const PropertyList& properties, const Options& options = {})
+  explicit Limited(const PropertyList& properties, const CryptographyOptions& options = {})
       : two(participant_attributes(kEncrypt, true), properties, options) {}
   bool is_due() { return factory().is_key_revision_due(two.a.participant); }
   spi::CryptoKeyFactory& factory() { return two.a.factory(); }

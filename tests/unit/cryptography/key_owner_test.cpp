@@ -12,7 +12,7 @@ namespace {
 
 using namespace testing;
 
-constexpr Options kTrustingHost{.host_checks_sources = false};
+constexpr CryptographyOptions kTrustingHost{.host_checks_sources = false};
 constexpr GuidPrefix kPeer{{0x81, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 constexpr EntityId kTokenWriter{{0xff, 0x02, 0x02, 0xc3}};
 constexpr EntityId kTokenReader{{0xff, 0x02, 0x02, 0xc4}};

@@ -25,7 +25,7 @@ TEST(MatchShares, OneSubject_HasItsShareAndNoMore) {
 TwoSides trusting_host() {
   auto attributes = participant_attributes(ProtectionKind::encrypt);
   attributes.discovery = ProtectionKind::encrypt;
-  return TwoSides(attributes, {}, Options{.host_checks_sources = false});
+  return TwoSides(attributes, {}, CryptographyOptions{.host_checks_sources = false});
 }
 
 /// Matches one local writer with readers of one peer until that fails, or `most` are matched.

@@ -19,7 +19,8 @@ constexpr auto kSign = ProtectionKind::sign;
 /// One participant's keys, in an engine of its own.
 struct Member {
   explicit Member(const PropertyList& properties, ProtectionKind kind = kEncrypt,
-                  DomainId domain = 7, std::string_view tag = "", const Options& options = {})
+                  DomainId domain = 7, std::string_view tag = "",
+                  const CryptographyOptions& options = {})
       : side(options) {
     ParticipantSecurityAttributes attributes;
     attributes.rtps_psk = kind;

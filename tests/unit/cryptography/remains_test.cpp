@@ -36,8 +36,8 @@ INSTANTIATE_TEST_SUITE_P(EachCipher, Leftovers,
 // Contexts of older releases of OpenSSL (3.0) keep it beside their key, and wipe both in the end.
 TEST_P(Leftovers, KeyStreamOfTheLastBlock_IsWiped) {
   const auto [aead, algorithm] = GetParam();
-  auto two =
-      std::make_unique<TwoSides>(ProtectionKind::none, cipher(algorithm), Options{.aead = aead});
+  auto two = std::make_unique<TwoSides>(ProtectionKind::none, cipher(algorithm),
+                                        CryptographyOptions{.aead = aead});
   const auto e = two->endpoints(endpoint_attributes(ProtectionKind::none, ProtectionKind::encrypt),
                                 cipher(algorithm), cipher(algorithm));
   Bytes plain(kBlocks * kBlock + kPart);

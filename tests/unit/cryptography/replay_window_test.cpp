@@ -147,7 +147,7 @@ struct MessagesRepeatedElsewhere : ::testing::Test {
   static constexpr auto kOrigin = ProtectionKind::encrypt_with_origin_authentication;
 
   /// What the two readers say of one message of the writer, one after the other.
-  std::pair<Code, Code> both_readers(const Options& options) {
+  std::pair<Code, Code> both_readers(const CryptographyOptions& options) {
     testing::TwoSides two(ProtectionKind::none, {}, options);
     const auto attributes = testing::endpoint_attributes(kOrigin, ProtectionKind::none);
     const auto first = two.endpoints(attributes);
@@ -167,7 +167,7 @@ struct MessagesRepeatedElsewhere : ::testing::Test {
   }
 
   /// The same of two participants of one process and one RTPS message.
-  std::pair<Code, Code> both_participants(const Options& options) {
+  std::pair<Code, Code> both_participants(const CryptographyOptions& options) {
     testing::TwoSides two(kOrigin, {}, options);
     auto& a = two.a;
     auto& b = two.b;

@@ -298,7 +298,7 @@ TEST(SenderPart, GroupReadInTwoWays_HidesNothing) {
 
 // ---- in the engine
 
-constexpr Options kTrustingHost{.host_checks_sources = false};
+constexpr CryptographyOptions kTrustingHost{.host_checks_sources = false};
 
 TEST(TrustingHost, KeysAlreadySet_AreKept) {
   TwoSides two(ProtectionKind::encrypt, {}, kTrustingHost);

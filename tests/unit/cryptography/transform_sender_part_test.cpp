@@ -10,7 +10,7 @@ namespace {
 
 using namespace testing;
 
-constexpr Options kTrustingHost{.host_checks_sources = false};
+constexpr CryptographyOptions kTrustingHost{.host_checks_sources = false};
 
 GuidPrefix header_prefix(const Bytes& message) {
   return GuidPrefix::from(BytesView(message).subspan(8, 12));

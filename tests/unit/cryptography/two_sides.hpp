@@ -79,7 +79,7 @@ inline constexpr std::string_view kVolatileReader = "BuiltinParticipantVolatileM
 
 /// One engine with what it needs.
 struct Side {
-  explicit Side(const Options& options = {})
+  explicit Side(const CryptographyOptions& options = {})
       : services{clock, random, events}, engine(make_cryptography(services, options)) {}
   spi::CryptoKeyFactory& factory() { return engine->key_factory(); }
   spi::CryptoKeyExchange& exchange() { return engine->key_exchange(); }
@@ -104,10 +104,10 @@ struct WriterToReader {
 /// `a` writes, `b` reads.
 struct TwoSides {
   explicit TwoSides(ProtectionKind rtps = ProtectionKind::none, const PropertyList& properties = {},
-                    const Options& options = {})
+                    const CryptographyOptions& options = {})
       : TwoSides(participant_attributes(rtps), properties, options) {}
   explicit TwoSides(const ParticipantSecurityAttributes& attributes,
-                    const PropertyList& properties = {}, const Options& options = {})
+                    const PropertyList& properties = {}, const CryptographyOptions& options = {})
       : a(options), b(options) {
     for (auto* side : {&a, &b})
       side->participant =

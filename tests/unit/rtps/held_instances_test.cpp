@@ -15,7 +15,7 @@ TEST_F(ReaderCacheTest, AnEndedInstance_MakesRoomForANewOne) {
   put(1, 10), put(2, 20), put(1, 0, kDispose);
   EXPECT_EQ(put(3, 30).reason, Reason::by_instances_limit);
   take();
-  EXPECT_EQ(put(3, 30).outcome, Outcome::stored);
+  EXPECT_EQ(put(3, 30).outcome, StoreResult::stored);
   EXPECT_TRUE(cache().lookup(KeyHash{1}).is_nil());
 }
 

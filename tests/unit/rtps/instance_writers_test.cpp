@@ -16,13 +16,13 @@ TEST_F(ReaderCacheTest, TheStrongestWriter_OwnsAnInstance) {
   cache().set_writer(writer(2), 10, kDurationInfinite);
   put(1, 10, {}, 1);
   put(1, 20, {}, 2);
-  EXPECT_EQ(put(1, 11, {}, 1).outcome, Outcome::dropped);
-  EXPECT_EQ(put(1, 0, kDispose, 1).outcome, Outcome::dropped);
+  EXPECT_EQ(put(1, 11, {}, 1).outcome, StoreResult::dropped);
+  EXPECT_EQ(put(1, 0, kDispose, 1).outcome, StoreResult::dropped);
   put(2, 12, {}, 1);  // nobody stronger writes this one
   EXPECT_THAT(values(take()), ElementsAre(10, 20, 12));
   cache().set_writer(writer(1), 11, kDurationInfinite);
   put(1, 13, {}, 1);
-  EXPECT_EQ(put(1, 21, {}, 2).outcome, Outcome::dropped);
+  EXPECT_EQ(put(1, 21, {}, 2).outcome, StoreResult::dropped);
   EXPECT_THAT(values(take()), ElementsAre(13));
 }
 
@@ -40,7 +40,7 @@ TEST_F(ReaderCacheTest, Ownership_PassesOnWhenItsOwnerGoesUnregistersOrIsLate) {
   const auto weak_is_heard = [&] {
     const auto outcome = put(1, 10, {}, 1).outcome;
     put(1, 20, {}, 2);
-    return outcome == Outcome::stored;
+    return outcome == StoreResult::stored;
   };
   EXPECT_TRUE(weak_is_heard());
   EXPECT_FALSE(weak_is_heard());

@@ -10,7 +10,7 @@ namespace ddssec::rtps::testing {
 using std::chrono::milliseconds;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
-using Outcome = ReaderCache::Outcome;
+using StoreResult = ReaderCache::StoreResult;
 using Reason = SampleRejectedReason;
 
 inline constexpr StatusInfo kDispose{true, false}, kUnregister{false, true}, kBoth{true, true};

@@ -40,13 +40,13 @@ Change relayed(std::uint8_t relay, std::uint8_t from, std::int64_t number, std::
 TEST_F(ReaderCacheTest, KeepLast_AnOlderSampleOfTheSameWriter_ReplacesNoLaterOne) {
   qos.history = {HistoryKind::keep_last, 1};
   const auto store = [&](Change change) { return cache().store(change, moment()).outcome; };
-  EXPECT_EQ(store(relayed(8, 1, 7, 70)), Outcome::stored);
-  EXPECT_EQ(store(relayed(9, 1, 5, 50)), Outcome::dropped);
+  EXPECT_EQ(store(relayed(8, 1, 7, 70)), StoreResult::stored);
+  EXPECT_EQ(store(relayed(9, 1, 5, 50)), StoreResult::dropped);
   EXPECT_THAT(values(read()), ElementsAre(70));
   auto restarted = relayed(9, 1, 2, 20);
   restarted.source_time = Time{{100, 0}};
-  EXPECT_EQ(store(restarted), Outcome::stored) << "with the same GUID";
-  EXPECT_EQ(store(relayed(9, 2, 1, 10)), Outcome::stored) << "of another writer";
+  EXPECT_EQ(store(restarted), StoreResult::stored) << "with the same GUID";
+  EXPECT_EQ(store(relayed(9, 2, 1, 10)), StoreResult::stored) << "of another writer";
   EXPECT_THAT(values(take()), ElementsAre(10));
 }
 
@@ -81,7 +81,7 @@ TEST_F(ReaderCacheTest, ManyMalformedSamples_BesideValidOnes_CostEachTheirOwn) {
     change.sequence_number = {++number};
     change.key_hash = KeyHash{1};
     change.payload = Payload::copy_of(Bytes{value});
-    ASSERT_EQ(cache().store(change, moment()).outcome, Outcome::stored);
+    ASSERT_EQ(cache().store(change, moment()).outcome, StoreResult::stored);
   };
   for (int i = 0; i < kMany; ++i) store(1);
   for (int i = 0; i < kMany; ++i) store(2);
@@ -168,12 +168,12 @@ TEST_F(ReaderCacheTest, AClockThatWasSetBack_DoesNotSilenceSourceOrder) {
     change.payload = Payload::copy_of(Bytes{value});
     return cache().store(change, {now, Time::from(wall)}).outcome;
   };
-  EXPECT_EQ(store(later, 1), Outcome::stored);
+  EXPECT_EQ(store(later, 1), StoreResult::stored);
   EXPECT_THAT(values(take()), ElementsAre(1));
-  EXPECT_EQ(store(now, 2), Outcome::stored);
+  EXPECT_EQ(store(now, 2), StoreResult::stored);
   EXPECT_THAT(values(take()), ElementsAre(2));
-  EXPECT_EQ(store(later, 3), Outcome::stored);
-  EXPECT_EQ(store(now, 4), Outcome::stored) << "the former one is not read yet";
+  EXPECT_EQ(store(later, 3), StoreResult::stored);
+  EXPECT_EQ(store(now, 4), StoreResult::stored) << "the former one is not read yet";
   put(1, 0, kDispose);
   EXPECT_EQ(read().back().info.instance_state, InstanceState::not_alive_disposed);
 }
@@ -245,14 +245,14 @@ TEST_F(ReaderCacheTest, DisposedAndUnregisteredAtOnce_IsDisposed) {
   put(1, 10), put(1, 0, kBoth);
   EXPECT_EQ(take().back().info.instance_state, InstanceState::not_alive_disposed);
   EXPECT_EQ(cache().held().all().size(), 0u);
-  EXPECT_EQ(put(7, 0, kUnregister).outcome, Outcome::dropped);  // never heard of
+  EXPECT_EQ(put(7, 0, kUnregister).outcome, StoreResult::dropped);  // never heard of
   EXPECT_EQ(cache().held().all().size(), 0u);
 }
 
 TEST_F(ReaderCacheTest, Lifespan_EndsSamplesFromTheirSourceTimeOn) {
   cache().set_writer(writer(1), 0, Duration::from(milliseconds(100)));
   put(1, 10), put(1, 11, {}, 2);
-  EXPECT_EQ(put(1, 12, {}, 1, now - milliseconds(100)).outcome, Outcome::dropped);
+  EXPECT_EQ(put(1, 12, {}, 1, now - milliseconds(100)).outcome, StoreResult::dropped);
   put(1, 13, {}, 1, now - milliseconds(60));
   put(1, 14, {}, 1, now + std::chrono::hours(1));  // a clock ahead of ours
   EXPECT_EQ(cache().next_tick(), now + milliseconds(40));

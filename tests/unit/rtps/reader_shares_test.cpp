@@ -21,7 +21,7 @@ TEST_F(ReaderCacheTest, OneIdentity_NeverTakesAllInstances) {
       change.writer = writer(from);
       auto& key = change.key_hash.emplace();
       for (std::size_t at = 0; at < 4; ++at) key[at] = static_cast<std::uint8_t>(i >> (8 * at));
-      stored += cache().store(change, moment()).outcome == Outcome::stored ? 1 : 0;
+      stored += cache().store(change, moment()).outcome == StoreResult::stored ? 1 : 0;
       if (stored % 1000 == 0) take();
     }
     take();
@@ -56,7 +56,7 @@ struct Shares : Cache {
   std::size_t fill(std::uint8_t from, std::size_t octets, std::size_t count) {
     std::size_t stored = 0;
     for (std::size_t i = 0; i < count; ++i, ++keys)
-      stored += put_octets(from, keys, octets).outcome == Outcome::stored ? 1 : 0;
+      stored += put_octets(from, keys, octets).outcome == StoreResult::stored ? 1 : 0;
     return stored;
   }
   std::uint8_t keys = 0;
@@ -84,8 +84,8 @@ TEST_F(Shares, FullShare_OwnSamplesGiveWay) {
   made.reset();
   cache().set_writer(writer(1), 0, kDurationInfinite, writer(1).prefix);
   ASSERT_GT(fill(1, kLarge, 20), 0u);
-  EXPECT_EQ(put_octets(1, 0, kLarge).outcome, Outcome::stored);
-  EXPECT_EQ(put_octets(1, 100, kLarge).outcome, Outcome::rejected);
+  EXPECT_EQ(put_octets(1, 0, kLarge).outcome, StoreResult::stored);
+  EXPECT_EQ(put_octets(1, 100, kLarge).outcome, StoreResult::rejected);
 }
 
 // A reader that takes all samples holds the keys as long as the instances are alive.
@@ -105,7 +105,7 @@ TEST_F(Shares, OneIdentity_NeverTakesAllPlaces) {
   const auto store = [&](std::uint8_t from, std::size_t count) {
     std::size_t stored = 0;
     for (std::size_t i = 0; i < count; ++i)
-      stored += put_octets(from, from, 1).outcome == Outcome::stored ? 1 : 0;
+      stored += put_octets(from, from, 1).outcome == StoreResult::stored ? 1 : 0;
     return stored;
   };
   constexpr auto kHalf = HeldInstances::kMaxSamples / 2;
@@ -142,11 +142,11 @@ TEST_F(Shares, WhatFindsNoRoomToBeKeptForLater_IsRejectedAndTheFormerStays) {
   made.reset();
   qos.reliability.kind = ReliabilityKind::reliable;
   cache().set_writer(writer(1), 0, kDurationInfinite, writer(1).prefix);
-  ASSERT_EQ(put_octets(1, 0, 1).outcome, Outcome::stored);
-  ASSERT_EQ(put_octets(1, 0, 2).outcome, Outcome::dropped);  // kept for later
+  ASSERT_EQ(put_octets(1, 0, 1).outcome, StoreResult::stored);
+  ASSERT_EQ(put_octets(1, 0, 2).outcome, StoreResult::dropped);  // kept for later
   std::uint8_t key = 1;
-  while (put_octets(1, key, kLarge).outcome == Outcome::stored) ++key;
-  EXPECT_EQ(put_octets(1, 0, kLarge).outcome, Outcome::rejected);
+  while (put_octets(1, key, kLarge).outcome == StoreResult::stored) ++key;
+  EXPECT_EQ(put_octets(1, 0, kLarge).outcome, StoreResult::rejected);
   take();
   now += std::chrono::seconds(2);
   EXPECT_TRUE(cache().release(moment()));
@@ -173,7 +173,7 @@ TEST_F(Shares, WhatWasKeptForLater_IsNotLostWhenOthersFillTheirShares) {
   for (std::uint8_t from = 1; from <= 3; ++from)
     for (std::uint8_t key = 0; key < kMany; ++key)
       kept[from] += put_octets(from, static_cast<std::uint8_t>(50 * from + key), kLarge).outcome ==
-                            Outcome::dropped
+                            StoreResult::dropped
                         ? 1
                         : 0;
   ASSERT_EQ(kept[1], kMany);
@@ -193,7 +193,7 @@ struct LeftInstances : Cache {
     for (std::uint8_t i = 1; i <= 3; ++i)
       cache().set_writer(writer(i), 0, kDurationInfinite, writer(i).prefix);
   }
-  Outcome put_many(std::uint8_t from, std::uint32_t key, StatusInfo status = {}) {
+  StoreResult put_many(std::uint8_t from, std::uint32_t key, StatusInfo status = {}) {
     Change change;
     change.writer = writer(from);
     change.status = status;
@@ -208,31 +208,31 @@ struct LeftInstances : Cache {
 TEST_F(LeftInstances, AnInstanceThatAnotherIdentityKeeps_CountsForThatOne) {
   std::uint32_t refused = 0, refused_of_other = 0;
   for (std::uint32_t key = 0; key < kHalf + 1000; ++key) {
-    refused += put_many(1, key) == Outcome::stored ? 0 : 1;
-    refused_of_other += put_many(3, key) == Outcome::stored ? 0 : 1;
+    refused += put_many(1, key) == StoreResult::stored ? 0 : 1;
+    refused_of_other += put_many(3, key) == StoreResult::stored ? 0 : 1;
     put_many(1, key, kUnregister);
     take();
   }
   EXPECT_EQ(refused, 0u);
   EXPECT_EQ(refused_of_other, 0u) << "as long as it is not alone with the instance";
   EXPECT_LE(cache().held().all().size(), kHalf + 1) << "no more than its share";
-  EXPECT_EQ(put_many(3, 5'000'000), Outcome::rejected) << "its own share is used up";
-  EXPECT_EQ(put_many(1, 5'000'000), Outcome::stored);
-  EXPECT_EQ(put_many(2, 6'000'000), Outcome::stored);
+  EXPECT_EQ(put_many(3, 5'000'000), StoreResult::rejected) << "its own share is used up";
+  EXPECT_EQ(put_many(1, 5'000'000), StoreResult::stored);
+  EXPECT_EQ(put_many(2, 6'000'000), StoreResult::stored);
 }
 
 TEST_F(LeftInstances, WhoHasNoRoomForAnInstance_LeavesItWithTheLastOneThatHas) {
   for (std::uint32_t key = 0; key < kHalf; ++key) {
-    ASSERT_EQ(put_many(3, key), Outcome::stored);
+    ASSERT_EQ(put_many(3, key), StoreResult::stored);
     if (key % 1000 == 0) take();
   }
   take();
-  EXPECT_EQ(put_many(1, 1'000'000), Outcome::stored);
-  EXPECT_EQ(put_many(3, 1'000'000), Outcome::stored);
-  EXPECT_EQ(put_many(1, 1'000'000, kUnregister), Outcome::stored);
-  EXPECT_EQ(put_many(3, 1'000'000), Outcome::rejected) << "it would be its own";
-  EXPECT_EQ(put_many(1, 1'000'000), Outcome::stored) << "it begins again";
-  EXPECT_EQ(put_many(3, 1'000'000), Outcome::stored);
+  EXPECT_EQ(put_many(1, 1'000'000), StoreResult::stored);
+  EXPECT_EQ(put_many(3, 1'000'000), StoreResult::stored);
+  EXPECT_EQ(put_many(1, 1'000'000, kUnregister), StoreResult::stored);
+  EXPECT_EQ(put_many(3, 1'000'000), StoreResult::rejected) << "it would be its own";
+  EXPECT_EQ(put_many(1, 1'000'000), StoreResult::stored) << "it begins again";
+  EXPECT_EQ(put_many(3, 1'000'000), StoreResult::stored);
 }
 
 TEST_F(LeftInstances, WhatIsKeptForLater_KeepsNoInstanceInTheAccountOfAnother) {
@@ -242,19 +242,19 @@ TEST_F(LeftInstances, WhatIsKeptForLater_KeepsNoInstanceInTheAccountOfAnother) {
   for (const std::uint8_t i : {1, 3})
     cache().set_writer(writer(i), 0, kDurationInfinite, writer(i).prefix);
   for (std::uint32_t key = 0; key < kHalf; ++key) {
-    ASSERT_EQ(put_many(3, key), Outcome::stored);
+    ASSERT_EQ(put_many(3, key), StoreResult::stored);
     if (key % 1000 == 0) take();
   }
   take();
-  ASSERT_EQ(put_many(1, 1'000'000), Outcome::stored);
+  ASSERT_EQ(put_many(1, 1'000'000), StoreResult::stored);
   take();
-  EXPECT_EQ(put_many(3, 1'000'000), Outcome::dropped) << "kept for later";
-  EXPECT_EQ(put_many(1, 1'000'000, kUnregister), Outcome::stored);
+  EXPECT_EQ(put_many(3, 1'000'000), StoreResult::dropped) << "kept for later";
+  EXPECT_EQ(put_many(1, 1'000'000, kUnregister), StoreResult::stored);
   take();
   EXPECT_EQ(cache().held().all().size(), kHalf) << "it has ended";
-  ASSERT_EQ(put_many(1, 2'000'000), Outcome::stored);
-  EXPECT_EQ(put_many(1, 2'000'000, kUnregister), Outcome::stored);
-  EXPECT_EQ(put_many(3, 2'000'000), Outcome::rejected) << "not even kept for later";
+  ASSERT_EQ(put_many(1, 2'000'000), StoreResult::stored);
+  EXPECT_EQ(put_many(1, 2'000'000, kUnregister), StoreResult::stored);
+  EXPECT_EQ(put_many(3, 2'000'000), StoreResult::rejected) << "not even kept for later";
 }
 
 TEST_F(ReaderCacheTest, Memory_IsBoundedWhateverTheLimits) {
@@ -264,8 +264,8 @@ TEST_F(ReaderCacheTest, Memory_IsBoundedWhateverTheLimits) {
     change.payload = Payload::uninitialized(std::size_t{64} << 20);
     return cache().store(change, moment()).outcome;
   };
-  for (std::uint8_t i = 0; i < 3; ++i) EXPECT_EQ(large(i), Outcome::stored);
-  EXPECT_EQ(large(3), Outcome::rejected);
+  for (std::uint8_t i = 0; i < 3; ++i) EXPECT_EQ(large(i), StoreResult::stored);
+  EXPECT_EQ(large(3), StoreResult::rejected);
   EXPECT_LE(cache().held().octets(), HeldInstances::kMaxOctets);
 }
 
@@ -298,7 +298,7 @@ struct InstanceJoins : Cache {
     auto& key = change.key_hash.emplace();
     for (std::size_t at = 0; at < 4; ++at)
       key[at] = static_cast<std::uint8_t>(instance >> (8 * at));
-    return cache().store(change, moment()).outcome == Outcome::stored;
+    return cache().store(change, moment()).outcome == StoreResult::stored;
   }
   double seconds_since(std::clock_t begin) const {
     return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;

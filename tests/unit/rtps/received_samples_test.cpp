@@ -12,7 +12,7 @@ namespace {
 
 using namespace testing;
 
-using Outcome = ReceivedSamples::Outcome;
+using Reception = ReceivedSamples::Reception;
 
 Guid guid_of(std::uint8_t n) { return {GuidPrefix::from(Bytes(12, n)), EntityId{{0, 0, 1, 2}}}; }
 
@@ -40,7 +40,7 @@ struct ReceivedSamplesTest : ::testing::Test {
     out.payload = Payload::copy_of(payload);
     return out;
   }
-  Outcome take(ReceivedSamples& samples, Change change, BoundFilter* filter = nullptr) {
+  Reception take(ReceivedSamples& samples, Change change, BoundFilter* filter = nullptr) {
     return samples.take(change, filter, keys, {now, Time::from(now)}).outcome;
   }
   BoundFilter filter(const std::string& expression) const {
@@ -51,7 +51,7 @@ struct ReceivedSamplesTest : ::testing::Test {
 TEST_F(ReceivedSamplesTest, KeyedSample_WithoutHash_GetsItFromItsPayload) {
   ReceivedSamples samples(qos, type);
   auto one = change("kitchen");
-  EXPECT_EQ(samples.take(one, nullptr, keys, {now, Time::from(now)}).outcome, Outcome::stored);
+  EXPECT_EQ(samples.take(one, nullptr, keys, {now, Time::from(now)}).outcome, Reception::stored);
   ASSERT_TRUE(one.key_hash);
   EXPECT_FALSE(samples.cache().lookup(*one.key_hash).is_nil());
 }
@@ -63,7 +63,7 @@ TEST_F(ReceivedSamplesTest, ProvenPayload_IsBelievedMoreThanTheHashBesideIt) {
     keys.proven = proven;
     auto one = change("kitchen");
     one.key_hash = forged;
-    EXPECT_EQ(take(samples, one), Outcome::stored);
+    EXPECT_EQ(take(samples, one), Reception::stored);
     EXPECT_EQ(samples.cache().held().all().size(), proven ? 2u : 1u);
   }
 }
@@ -81,8 +81,8 @@ TEST_F(ReceivedSamplesTest, CopyWithAShorterLifespan_TakesNoPlaceOfTheSample) {
   auto copy = sample;
   copy.original = sample.origin();
   copy.writer = guid_of(2);
-  EXPECT_EQ(take(samples, copy), Outcome::stored);
-  EXPECT_EQ(take(samples, sample), Outcome::stored);
+  EXPECT_EQ(take(samples, copy), Reception::stored);
+  EXPECT_EQ(take(samples, sample), Reception::stored);
   now += seconds(2);
   samples.cache().expire(now);
   EXPECT_EQ(samples.cache().held().samples(), 1u);
@@ -103,21 +103,21 @@ TEST_F(ReceivedSamplesTest, RefusedChange_IsNotDeserializedAgain) {
   qos.resource_limits.max_instances = 1;
   keys.proven = true;
   ReceivedSamples samples(qos, counted);
-  EXPECT_EQ(take(samples, change("kitchen")), Outcome::stored);
+  EXPECT_EQ(take(samples, change("kitchen")), Reception::stored);
   auto refused = change("cellar");
   const auto offer = [&] {
     return samples.take(refused, nullptr, keys, {now, Time::from(now)}).outcome;
   };
-  EXPECT_EQ(offer(), Outcome::rejected);
+  EXPECT_EQ(offer(), Reception::rejected);
   const auto before = std::pair(hashes, serialized);
-  for (int i = 0; i < 100; ++i) EXPECT_EQ(offer(), Outcome::rejected);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(offer(), Reception::rejected);
   EXPECT_EQ(std::pair(hashes, serialized), before);
   auto end = change("kitchen");
   end.status = {true, true};
-  EXPECT_EQ(take(samples, end), Outcome::stored);
+  EXPECT_EQ(take(samples, end), Reception::stored);
   std::vector<OctetSample> out;
   samples.cache().select({.take = true}, {now, Time::from(now)}, out);
-  EXPECT_EQ(offer(), Outcome::stored);
+  EXPECT_EQ(offer(), Reception::stored);
   EXPECT_FALSE(refused.is_examined) << "another reader has to examine it";
 }
 
@@ -126,55 +126,55 @@ TEST_F(ReceivedSamplesTest, RefusedChange_IsNotReadAgainForItsDigest) {
   qos.resource_limits.max_instances = 1;
   ReceivedSamples samples(qos, type);
   samples.expect_history();
-  EXPECT_EQ(take(samples, change("kitchen")), Outcome::stored);
+  EXPECT_EQ(take(samples, change("kitchen")), Reception::stored);
   auto refused = change("cellar");
   refused.original = {guid_of(2), {1}};
   const Moment at{now, Time::from(now)};
-  EXPECT_EQ(samples.take(refused, nullptr, keys, at).outcome, Outcome::rejected);
+  EXPECT_EQ(samples.take(refused, nullptr, keys, at).outcome, Reception::rejected);
   const auto octets = std::exchange(refused.payload, Payload::uninitialized(std::size_t{1} << 30));
   for (int i = 0; i < 1000; ++i)
-    ASSERT_EQ(samples.take(refused, nullptr, keys, at).outcome, Outcome::rejected);
+    ASSERT_EQ(samples.take(refused, nullptr, keys, at).outcome, Reception::rejected);
   refused.payload = octets;
   auto end = change("kitchen");
   end.status = {true, true};
-  EXPECT_EQ(take(samples, end), Outcome::stored);
+  EXPECT_EQ(take(samples, end), Reception::stored);
   std::vector<OctetSample> out;
   samples.cache().select({.take = true}, at, out);
-  EXPECT_EQ(samples.take(refused, nullptr, keys, at).outcome, Outcome::stored);
+  EXPECT_EQ(samples.take(refused, nullptr, keys, at).outcome, Reception::stored);
 }
 
 TEST_F(ReceivedSamplesTest, RefusedChange_HasPassedTheFilterOnce) {
   qos.resource_limits.max_instances = 1;
   ReceivedSamples samples(qos, type);
   auto above = filter("value > 10");
-  EXPECT_EQ(take(samples, change("kitchen", 11), &above), Outcome::stored);
+  EXPECT_EQ(take(samples, change("kitchen", 11), &above), Reception::stored);
   auto refused = change("cellar", 11);
   const Moment at{now, Time::from(now)};
-  EXPECT_EQ(samples.take(refused, &above, keys, at).outcome, Outcome::rejected);
+  EXPECT_EQ(samples.take(refused, &above, keys, at).outcome, Reception::rejected);
   auto below = filter("value < 10");
-  EXPECT_EQ(samples.take(refused, &below, keys, at).outcome, Outcome::rejected);
+  EXPECT_EQ(samples.take(refused, &below, keys, at).outcome, Reception::rejected);
 }
 
 TEST_F(ReceivedSamplesTest, UnreadableKey_IsCounted_AndReportedForAnEnd) {
   ReceivedSamples samples(qos, type);
   auto broken = change("kitchen");
   broken.payload = Payload::copy_of(Bytes{0, 1, 0, 0, 9});
-  EXPECT_EQ(take(samples, broken), Outcome::unseen);
-  EXPECT_EQ(take(samples, unnamed_dispose({0, 1, 0, 0, 9})), Outcome::unreadable_key);
+  EXPECT_EQ(take(samples, broken), Reception::unseen);
+  EXPECT_EQ(take(samples, unnamed_dispose({0, 1, 0, 0, 9})), Reception::unreadable_key);
   EXPECT_EQ(samples.malformed(), 2u);
 }
 
 TEST_F(ReceivedSamplesTest, ContentFilter_KeepsOutSamplesAndTheEndsOfTheirInstances) {
   ReceivedSamples samples(qos, type);
   auto above = filter("value > 10");
-  EXPECT_EQ(take(samples, change("low", 10), &above), Outcome::unseen);
-  EXPECT_EQ(take(samples, change("high", 11), &above), Outcome::stored);
+  EXPECT_EQ(take(samples, change("low", 10), &above), Reception::unseen);
+  EXPECT_EQ(take(samples, change("high", 11), &above), Reception::stored);
   auto end = change("low");
   end.status.disposed = true;
-  EXPECT_EQ(take(samples, end, &above), Outcome::unseen);
+  EXPECT_EQ(take(samples, end, &above), Reception::unseen);
   end = change("high");
   end.status.disposed = true;
-  EXPECT_EQ(take(samples, end, &above), Outcome::stored);
+  EXPECT_EQ(take(samples, end, &above), Reception::stored);
   EXPECT_EQ(samples.cache().held().all().size(), 1u);
   EXPECT_EQ(samples.malformed(), 0u);
 }
@@ -186,8 +186,8 @@ TEST_F(ReceivedSamplesTest, WithHistory_ASampleOfTwoWriters_IsTakenOnce) {
     auto first = change("kitchen", 1), again = first;
     again.writer = guid_of(2);
     again.original = {first.writer, first.sequence_number};
-    EXPECT_EQ(take(samples, first), Outcome::stored);
-    EXPECT_EQ(take(samples, again), expects ? Outcome::unseen : Outcome::stored);
+    EXPECT_EQ(take(samples, first), Reception::stored);
+    EXPECT_EQ(take(samples, again), expects ? Reception::unseen : Reception::stored);
   }
 }
 
@@ -217,42 +217,42 @@ struct ExclusiveSamplesTest : ReceivedSamplesTest {
 
 TEST_F(ExclusiveSamplesTest, OwnerOfAKeptSample_SendsItItself_OwnsItsInstance) {
   const auto strong = change("kitchen", 1);
-  EXPECT_EQ(take(*samples, kept(strong)), Outcome::stored);
-  EXPECT_EQ(take(*samples, strong), Outcome::unseen) << "it is there already";
-  EXPECT_EQ(take(*samples, of_weak(2)), Outcome::unseen) << "a stronger writer owns the instance";
+  EXPECT_EQ(take(*samples, kept(strong)), Reception::stored);
+  EXPECT_EQ(take(*samples, strong), Reception::unseen) << "it is there already";
+  EXPECT_EQ(take(*samples, of_weak(2)), Reception::unseen) << "a stronger writer owns the instance";
   samples->cache().lose_writer(guid_of(1), true, now);
-  EXPECT_EQ(take(*samples, of_weak(3)), Outcome::stored) << "the owner is gone";
+  EXPECT_EQ(take(*samples, of_weak(3)), Reception::stored) << "the owner is gone";
 }
 
 TEST_F(ExclusiveSamplesTest, KeptSamplesThatAWeakerWriterReplaced_ComeAgainFromTheirWriter) {
   const auto first = change("kitchen", 1), second = change("kitchen", 2);
-  EXPECT_EQ(take(*samples, kept(first)), Outcome::stored);
-  EXPECT_EQ(take(*samples, kept(second)), Outcome::stored);
-  EXPECT_EQ(take(*samples, of_weak(3)), Outcome::stored) << "no stronger writer is known to live";
-  EXPECT_EQ(take(*samples, first), Outcome::stored);
-  EXPECT_EQ(take(*samples, second), Outcome::stored);
-  EXPECT_EQ(take(*samples, second), Outcome::unseen);
-  EXPECT_EQ(take(*samples, of_weak(4)), Outcome::unseen);
+  EXPECT_EQ(take(*samples, kept(first)), Reception::stored);
+  EXPECT_EQ(take(*samples, kept(second)), Reception::stored);
+  EXPECT_EQ(take(*samples, of_weak(3)), Reception::stored) << "no stronger writer is known to live";
+  EXPECT_EQ(take(*samples, first), Reception::stored);
+  EXPECT_EQ(take(*samples, second), Reception::stored);
+  EXPECT_EQ(take(*samples, second), Reception::unseen);
+  EXPECT_EQ(take(*samples, of_weak(4)), Reception::unseen);
 }
 
 TEST_F(ReceivedSamplesTest, NoRoom_IsRejected_AndTakenWhenThereIsSome) {
   qos.resource_limits.max_samples = 1;
   ReceivedSamples samples(qos, type);
   samples.expect_history();
-  EXPECT_EQ(take(samples, change("a")), Outcome::stored);
+  EXPECT_EQ(take(samples, change("a")), Reception::stored);
   const auto second = change("a");
-  EXPECT_EQ(take(samples, second), Outcome::rejected);
+  EXPECT_EQ(take(samples, second), Reception::rejected);
   std::vector<OctetSample> out;
   samples.cache().select({.take = true}, {now, Time::from(now)}, out);
-  EXPECT_EQ(take(samples, second), Outcome::stored);
+  EXPECT_EQ(take(samples, second), Reception::stored);
 }
 
 TEST_F(ReceivedSamplesTest, Reset_OtherPolicies_Count) {
   ReceivedSamples samples(qos, type);
   qos.resource_limits.max_samples = 1;
   samples.reset(qos);
-  EXPECT_EQ(take(samples, change("a")), Outcome::stored);
-  EXPECT_EQ(take(samples, change("a")), Outcome::rejected);
+  EXPECT_EQ(take(samples, change("a")), Reception::stored);
+  EXPECT_EQ(take(samples, change("a")), Reception::rejected);
 }
 
 }  // namespace

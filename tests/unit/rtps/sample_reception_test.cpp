@@ -27,19 +27,19 @@ TEST_F(ReaderCacheTest, EachLimit_RejectsByItsNameAndChangesNothing) {
   EXPECT_EQ(put(3, 30).reason, Reason::by_instances_limit);
   EXPECT_EQ(cache().held().samples(), 3u);
   EXPECT_THAT(values(take()), ElementsAre(10, 11, 20));
-  EXPECT_EQ(put(2, 21).outcome, Outcome::stored);
+  EXPECT_EQ(put(2, 21).outcome, StoreResult::stored);
   // A limit of samples is none for what says that an instance ended.
   put(1, 12), put(1, 13);
-  EXPECT_EQ(put(1, 0, kDispose).outcome, Outcome::stored);
+  EXPECT_EQ(put(1, 0, kDispose).outcome, StoreResult::stored);
 }
 
 TEST_F(ReaderCacheTest, BySource_OrdersAndNeverGoesBack) {
   qos.destination_order = DestinationOrderKind::by_source;
   put(1, 12, {}, 1, milliseconds(2)), put(1, 11, {}, 2, milliseconds(1));
   EXPECT_THAT(values(take()), ElementsAre(11, 12));
-  EXPECT_EQ(put(1, 10, {}, 2, milliseconds(1)).outcome, Outcome::dropped);
+  EXPECT_EQ(put(1, 10, {}, 2, milliseconds(1)).outcome, StoreResult::dropped);
   put(1, 15, {}, 1, milliseconds(5));
-  EXPECT_EQ(put(1, 0, kDispose, 2, milliseconds(4)).outcome, Outcome::dropped);
+  EXPECT_EQ(put(1, 0, kDispose, 2, milliseconds(4)).outcome, StoreResult::dropped);
   put(1, 14, {}, 2, milliseconds(4));
   EXPECT_THAT(values(take()), ElementsAre(14, 15));
 }
@@ -52,22 +52,22 @@ TEST_F(ReaderCacheTest, BySource_ATimeFarAheadCountsAsArrival) {
   EXPECT_EQ(cache().times_ahead(), 1u);
   EXPECT_EQ(take().at(0).info.source_timestamp, Time::from(now));
   now += milliseconds(1);
-  EXPECT_EQ(put(1, 11, {}, 2).outcome, Outcome::stored);
-  EXPECT_EQ(put(1, 12, {}, 1, now + kMax).outcome, Outcome::stored) << "as far as is allowed";
+  EXPECT_EQ(put(1, 11, {}, 2).outcome, StoreResult::stored);
+  EXPECT_EQ(put(1, 12, {}, 1, now + kMax).outcome, StoreResult::stored) << "as far as is allowed";
   EXPECT_EQ(cache().times_ahead(), 1u);
-  EXPECT_EQ(put(1, 0, kDispose, 2, now + kMax + milliseconds(1)).outcome, Outcome::dropped)
+  EXPECT_EQ(put(1, 0, kDispose, 2, now + kMax + milliseconds(1)).outcome, StoreResult::dropped)
       << "it ends nothing that was written later";
   EXPECT_EQ(cache().times_ahead(), 2u);
   EXPECT_THAT(values(take()), ElementsAre(11, 12));
   now += kMax + milliseconds(1);
-  EXPECT_EQ(put(1, 13, {}, 2).outcome, Outcome::stored);
+  EXPECT_EQ(put(1, 13, {}, 2).outcome, StoreResult::stored);
 }
 
 TEST_F(ReaderCacheTest, BySource_AFullHistoryKeepsTheNewest) {
   qos.destination_order = DestinationOrderKind::by_source;
   qos.history = {HistoryKind::keep_last, 2};
   put(1, 12, {}, 1, milliseconds(2)), put(1, 13, {}, 1, milliseconds(3));
-  EXPECT_EQ(put(1, 11, {}, 2, milliseconds(1)).outcome, Outcome::dropped);
+  EXPECT_EQ(put(1, 11, {}, 2, milliseconds(1)).outcome, StoreResult::dropped);
   put(1, 14, {}, 2, milliseconds(4));
   EXPECT_THAT(values(take()), ElementsAre(13, 14));
 }

@@ -11,7 +11,7 @@ namespace {
 
 using std::chrono::seconds;
 using ::testing::ElementsAre;
-using Outcome = ReaderCache::Outcome;
+using StoreResult = ReaderCache::StoreResult;
 
 constexpr int kEnd = -1;  // a sample without data
 
@@ -31,7 +31,7 @@ struct TimeBasedFilterEnd : ::testing::Test {
     return all;
   }
   Moment moment() const { return {now, Time::from(now)}; }
-  Outcome put(int value, std::uint8_t from = 1) {
+  StoreResult put(int value, std::uint8_t from = 1) {
     Change change;
     change.writer = writer(from);
     change.key_hash = KeyHash{1};
@@ -56,7 +56,7 @@ struct TimeBasedFilterEnd : ::testing::Test {
     return take();
   }
 
-  Outcome put_of_time(int value, int seconds, std::uint8_t from, bool disposes = false) {
+  StoreResult put_of_time(int value, int seconds, std::uint8_t from, bool disposes = false) {
     Change change;
     change.writer = writer(from);
     change.key_hash = KeyHash{1};
@@ -76,67 +76,67 @@ struct TimeBasedFilterEnd : ::testing::Test {
 };
 
 TEST_F(TimeBasedFilterEnd, Unregister_LastSampleComesBeforeIt) {
-  ASSERT_EQ(put(10), Outcome::stored);
-  ASSERT_EQ(put(11), Outcome::dropped);  // held back
-  EXPECT_EQ(put(kEnd), Outcome::stored);
+  ASSERT_EQ(put(10), StoreResult::stored);
+  ASSERT_EQ(put(11), StoreResult::dropped);  // held back
+  EXPECT_EQ(put(kEnd), StoreResult::stored);
   EXPECT_THAT(take(), ElementsAre(10, 11, kEnd));
   EXPECT_THAT(taken_after(seconds(10)), ElementsAre());
   EXPECT_EQ(cache->held().octets(), 0U);
 }
 
 TEST_F(TimeBasedFilterEnd, WriterLeaves_LastSampleComesBeforeTheEnd) {
-  ASSERT_EQ(put(10), Outcome::stored);
-  ASSERT_EQ(put(11), Outcome::dropped);
+  ASSERT_EQ(put(10), StoreResult::stored);
+  ASSERT_EQ(put(11), StoreResult::dropped);
   EXPECT_TRUE(cache->lose_writer(writer(1), true, now));
   EXPECT_THAT(take(), ElementsAre(10, 11, kEnd));
   EXPECT_EQ(cache->held().octets(), 0U);
 }
 
 TEST_F(TimeBasedFilterEnd, UnregisterInAFullReader_IsRepeatedUntilThereIsRoom) {
-  ASSERT_EQ(put(10), Outcome::stored);
+  ASSERT_EQ(put(10), StoreResult::stored);
   now += seconds(3);
-  ASSERT_EQ(put(11), Outcome::stored);
-  ASSERT_EQ(put(12), Outcome::dropped);
-  EXPECT_EQ(put(kEnd), Outcome::rejected);
+  ASSERT_EQ(put(11), StoreResult::stored);
+  ASSERT_EQ(put(12), StoreResult::dropped);
+  EXPECT_EQ(put(kEnd), StoreResult::rejected);
   EXPECT_THAT(take(), ElementsAre(10, 11));
-  EXPECT_EQ(put(kEnd), Outcome::stored);
+  EXPECT_EQ(put(kEnd), StoreResult::stored);
   EXPECT_THAT(take(), ElementsAre(12, kEnd));
 }
 
 TEST_F(TimeBasedFilterEnd, InstanceThatReturns_IsNotForgottenBeforeItsSample) {
-  ASSERT_EQ(put(10), Outcome::stored);
-  ASSERT_EQ(put(kEnd), Outcome::stored);
-  ASSERT_EQ(put(11), Outcome::dropped);
+  ASSERT_EQ(put(10), StoreResult::stored);
+  ASSERT_EQ(put(kEnd), StoreResult::stored);
+  ASSERT_EQ(put(11), StoreResult::dropped);
   EXPECT_THAT(take(), ElementsAre(10, kEnd));
   EXPECT_THAT(taken_after(seconds(3)), ElementsAre(11));
 }
 
 TEST_F(TimeBasedFilterEnd, InstanceThatReturns_CountsNothingWhenItHasEnded) {
   for (int round = 0; round < 100; ++round) {
-    ASSERT_EQ(put(10), Outcome::stored) << round;
-    ASSERT_EQ(put(kEnd), Outcome::stored);
-    ASSERT_EQ(put(11), Outcome::dropped);
+    ASSERT_EQ(put(10), StoreResult::stored) << round;
+    ASSERT_EQ(put(kEnd), StoreResult::stored);
+    ASSERT_EQ(put(11), StoreResult::dropped);
     EXPECT_THAT(take(), ElementsAre(10, kEnd));
     EXPECT_THAT(taken_after(seconds(3)), ElementsAre(11));
-    ASSERT_EQ(put(kEnd), Outcome::stored);
+    ASSERT_EQ(put(kEnd), StoreResult::stored);
     EXPECT_THAT(take(), ElementsAre(kEnd));
     EXPECT_EQ(cache->held().octets(), 0U);
   }
 }
 
 TEST_F(TimeBasedFilterEnd, AnotherWriterLeaves_SampleIsKept) {
-  ASSERT_EQ(put(10, 1), Outcome::stored);
-  ASSERT_EQ(put(20, 2), Outcome::dropped);
-  EXPECT_EQ(put(kEnd, 1), Outcome::stored);
+  ASSERT_EQ(put(10, 1), StoreResult::stored);
+  ASSERT_EQ(put(20, 2), StoreResult::dropped);
+  EXPECT_EQ(put(kEnd, 1), StoreResult::stored);
   EXPECT_THAT(take(), ElementsAre(10));
   EXPECT_FALSE(cache->lose_writer(writer(1), true, now));
   EXPECT_THAT(taken_after(seconds(3)), ElementsAre(20));
 }
 
 TEST_F(TimeBasedFilterEnd, OneOfTwoUnregisters_ItsLastSampleComesAndTheInstanceLives) {
-  ASSERT_EQ(put(20, 2), Outcome::stored);
-  ASSERT_EQ(put(10, 1), Outcome::dropped);
-  EXPECT_EQ(put(kEnd, 1), Outcome::stored);
+  ASSERT_EQ(put(20, 2), StoreResult::stored);
+  ASSERT_EQ(put(10, 1), StoreResult::dropped);
+  EXPECT_EQ(put(kEnd, 1), StoreResult::stored);
   EXPECT_THAT(take(), ElementsAre(20, 10));
 }
 
@@ -146,9 +146,9 @@ TEST_F(TimeBasedFilterEnd, Exclusive_WeakerWriterReplacesNothing) {
   auto exclusive = qos();
   exclusive.ownership = OwnershipKind::exclusive;
   begin(exclusive);
-  ASSERT_EQ(put(1, 1), Outcome::stored);
-  ASSERT_EQ(put(2, 2), Outcome::dropped);  // held back
-  ASSERT_EQ(put(3, 1), Outcome::dropped);  // the second owns the instance
+  ASSERT_EQ(put(1, 1), StoreResult::stored);
+  ASSERT_EQ(put(2, 2), StoreResult::dropped);  // held back
+  ASSERT_EQ(put(3, 1), StoreResult::dropped);  // the second owns the instance
   EXPECT_THAT(take(), ElementsAre(1));
   EXPECT_THAT(taken_after(seconds(3)), ElementsAre(2));
 }
@@ -157,10 +157,10 @@ TEST_F(TimeBasedFilterEnd, BySource_OlderSampleOrDisposeReplacesNothing) {
   auto by_source = qos();
   by_source.destination_order = DestinationOrderKind::by_source;
   begin(by_source);
-  ASSERT_EQ(put_of_time(1, 10, 1), Outcome::stored);
-  ASSERT_EQ(put_of_time(2, 20, 2), Outcome::dropped);
-  ASSERT_EQ(put_of_time(3, 12, 1), Outcome::dropped);
-  ASSERT_EQ(put_of_time(0, 15, 1, true), Outcome::dropped);
+  ASSERT_EQ(put_of_time(1, 10, 1), StoreResult::stored);
+  ASSERT_EQ(put_of_time(2, 20, 2), StoreResult::dropped);
+  ASSERT_EQ(put_of_time(3, 12, 1), StoreResult::dropped);
+  ASSERT_EQ(put_of_time(0, 15, 1, true), StoreResult::dropped);
   EXPECT_THAT(take(), ElementsAre(1));
   EXPECT_THAT(taken_after(seconds(3)), ElementsAre(2));
 }
@@ -179,11 +179,11 @@ TEST_F(TimeBasedFilterEnd, BySource_UnregisterOfALateClock_CountsAllTheSame) {
     change.status.unregistered = true;
     return cache->store(change, moment()).outcome;
   };
-  ASSERT_EQ(put_of_time(1, 9, 1), Outcome::stored);
-  ASSERT_EQ(put_of_time(2, 12, 2), Outcome::stored);
-  EXPECT_EQ(unregister(10, 1), Outcome::dropped);
+  ASSERT_EQ(put_of_time(1, 9, 1), StoreResult::stored);
+  ASSERT_EQ(put_of_time(2, 12, 2), StoreResult::stored);
+  EXPECT_EQ(unregister(10, 1), StoreResult::dropped);
   EXPECT_THAT(take(), ElementsAre(1, 2));
-  EXPECT_EQ(unregister(11, 2), Outcome::stored);
+  EXPECT_EQ(unregister(11, 2), StoreResult::stored);
   EXPECT_THAT(take(), ElementsAre(kEnd));
 }
 

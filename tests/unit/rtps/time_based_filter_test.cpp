@@ -10,7 +10,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 using ::testing::ElementsAre;
-using Outcome = ReaderCache::Outcome;
+using StoreResult = ReaderCache::StoreResult;
 
 struct TimeBasedFilter : ::testing::Test {
   Qos qos = [] {
@@ -25,7 +25,7 @@ struct TimeBasedFilter : ::testing::Test {
   MonotonicTime now = seconds(100);
 
   Moment moment() const { return {now, Time::from(now)}; }
-  Outcome put(std::uint8_t value) {
+  StoreResult put(std::uint8_t value) {
     Change change;
     change.writer = {GuidPrefix::from(Bytes(12, 1)), EntityId{{0, 0, 1, 2}}};
     change.key_hash = KeyHash{1};
@@ -43,8 +43,8 @@ struct TimeBasedFilter : ::testing::Test {
 };
 
 TEST_F(TimeBasedFilter, SetToZeroInAFullReader_ReleaseEndsAndKeepsTheSample) {
-  ASSERT_EQ(put(10), Outcome::stored);
-  ASSERT_EQ(put(11), Outcome::dropped);  // held back
+  ASSERT_EQ(put(10), StoreResult::stored);
+  ASSERT_EQ(put(11), StoreResult::dropped);  // held back
   cache.set_minimum_separation({});
   EXPECT_LE(cache.next_tick(), now);
   EXPECT_FALSE(cache.release(moment()));
@@ -61,13 +61,13 @@ TEST_F(TimeBasedFilter, SetToZeroInAFullReader_ReleaseEndsAndKeepsTheSample) {
 TEST_F(TimeBasedFilter, RefusedInTheQuietTime_IsRefusedAgainAtOnceUntilThereIsRoom) {
   const Guid writer{GuidPrefix::from(Bytes(12, 1)), EntityId{{0, 0, 1, 2}}};
   cache.set_writer(writer, 0, Duration::from(seconds(2)), writer.prefix);
-  ASSERT_EQ(put(10), Outcome::stored);
+  ASSERT_EQ(put(10), StoreResult::stored);
   Change large;
   large.writer = writer;
   large.key_hash = KeyHash{1};
   large.source_time = Time::from(now);
   large.payload = Payload::uninitialized(HeldInstances::kMaxOctets + 1);
-  ASSERT_EQ(cache.store(large, moment()).outcome, Outcome::rejected);
+  ASSERT_EQ(cache.store(large, moment()).outcome, StoreResult::rejected);
   const auto again = cache.rejects_again(large, moment());
   ASSERT_TRUE(again);
   EXPECT_EQ(again->reason, SampleRejectedReason::by_samples_limit);
@@ -80,8 +80,8 @@ TEST_F(TimeBasedFilter, RefusedInTheQuietTime_IsRefusedAgainAtOnceUntilThereIsRo
 }
 
 TEST_F(TimeBasedFilter, VeryShortInAFullReader_IsOfferedAtABoundedRate) {
-  ASSERT_EQ(put(10), Outcome::stored);
-  ASSERT_EQ(put(11), Outcome::dropped);
+  ASSERT_EQ(put(10), StoreResult::stored);
+  ASSERT_EQ(put(11), StoreResult::dropped);
   cache.set_minimum_separation(Duration::from(std::chrono::nanoseconds(1)));
   int turns = 0;
   for (const auto end = now + seconds(1); now < end; ++turns) {
@@ -97,13 +97,13 @@ TEST_F(TimeBasedFilter, VeryShortInAFullReader_IsOfferedAtABoundedRate) {
 
 // Without a filter, a reliable reader loses nothing and does not go back.
 TEST_F(TimeBasedFilter, SetToZeroInAFullReader_NewSamplesAreRejectedAndReplaceTheOneHeldBack) {
-  ASSERT_EQ(put(10), Outcome::stored);
-  ASSERT_EQ(put(11), Outcome::dropped);
+  ASSERT_EQ(put(10), StoreResult::stored);
+  ASSERT_EQ(put(11), StoreResult::dropped);
   cache.set_minimum_separation({});
   EXPECT_FALSE(cache.release(moment()));
-  EXPECT_EQ(put(12), Outcome::rejected);
+  EXPECT_EQ(put(12), StoreResult::rejected);
   EXPECT_THAT(take(), ElementsAre(10));
-  EXPECT_EQ(put(12), Outcome::stored);
+  EXPECT_EQ(put(12), StoreResult::stored);
   EXPECT_THAT(take(), ElementsAre(12));
   now += seconds(1);
   EXPECT_FALSE(cache.release(moment()));

@@ -174,9 +174,9 @@ TEST_F(DurableStoreTest, ChangesOfOneIdentity_LeaveRoomInTheQueue) {
     StoredChange change{stream.id, sample(identity, 200)};
     change.change.payload = Payload::copy_of(Bytes(octets));
     change.identity.emplace().octets[0] = identity;
-    return store->append(std::move(change), at(0)).outcome.verdict;
+    return store->append(std::move(change), at(0)).outcome.decision;
   };
-  using enum SampleIndex::Verdict;
+  using enum SampleIndex::Decision;
   std::signal(SIGXFSZ, SIG_IGN);
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);

@@ -37,10 +37,11 @@ TEST_F(HeardWritersTest, EndsOfInstances_AreRememberedByKeepersOnly) {
     EXPECT_EQ(history->heard.size(), by_keeper ? 1u : 0u);
     if (!by_keeper) continue;
     StoredChange relayed{.stream = id, .change = sample(0, 2), .relay_order = RelayOrder::number};
-    EXPECT_EQ(opened.index.add(relayed, {{}, seconds(200)}).verdict,
-              SampleIndex::Verdict::overtaken);
+    EXPECT_EQ(opened.index.add(relayed, {{}, seconds(200)}).decision,
+              SampleIndex::Decision::overtaken);
     relayed.change.key_hash->fill(77);
-    EXPECT_EQ(opened.index.add(relayed, {{}, seconds(200)}).verdict, SampleIndex::Verdict::stored);
+    EXPECT_EQ(opened.index.add(relayed, {{}, seconds(200)}).decision,
+              SampleIndex::Decision::stored);
   }
 }
 

@@ -6,7 +6,7 @@ namespace {
 
 using namespace testing;
 using Numbers = std::vector<std::uint32_t>;
-using enum SampleIndex::Verdict;
+using enum SampleIndex::Decision;
 
 struct RelayedSamplesTest : StoreTest {
   void open(const DurabilityService& service) {
@@ -17,17 +17,17 @@ struct RelayedSamplesTest : StoreTest {
   static Guid writer(std::uint8_t which) {
     return {GuidPrefix::from(Bytes(12, which)), EntityId{{0, 0, 1, 2}}};
   }
-  SampleIndex::Verdict put(Change change, RelayOrder order, std::uint8_t from = 1) {
+  SampleIndex::Decision put(Change change, RelayOrder order, std::uint8_t from = 1) {
     change.original = {writer(from), {change.source_time->seconds}};
     const auto status =
         store->commit({{.stream = id, .change = change, .relay_order = order}}, seconds(1000));
     EXPECT_TRUE(status);
-    return store->outcomes.back().verdict;
+    return store->outcomes.back().decision;
   }
-  SampleIndex::Verdict direct(std::uint32_t number, std::uint8_t from = 1) {
+  SampleIndex::Decision direct(std::uint32_t number, std::uint8_t from = 1) {
     return put(sample(number), RelayOrder::direct, from);
   }
-  SampleIndex::Verdict relayed(std::uint32_t number, std::uint8_t from = 1) {
+  SampleIndex::Decision relayed(std::uint32_t number, std::uint8_t from = 1) {
     return put(sample(number), RelayOrder::number, from);
   }
   Numbers stored() {
@@ -41,13 +41,13 @@ struct RelayedSamplesTest : StoreTest {
 
 TEST_F(RelayedSamplesTest, KeepLast_AnOlderSample_TakesItsPlaceBeforeTheLaterOnes) {
   open(keep_last(3));
-  EXPECT_EQ(direct(7), SampleIndex::Verdict::stored);
-  EXPECT_EQ(relayed(4), SampleIndex::Verdict::stored);
-  EXPECT_EQ(relayed(6), SampleIndex::Verdict::stored);
-  EXPECT_EQ(relayed(5), SampleIndex::Verdict::stored);
+  EXPECT_EQ(direct(7), SampleIndex::Decision::stored);
+  EXPECT_EQ(relayed(4), SampleIndex::Decision::stored);
+  EXPECT_EQ(relayed(6), SampleIndex::Decision::stored);
+  EXPECT_EQ(relayed(5), SampleIndex::Decision::stored);
   EXPECT_EQ(stored(), (Numbers{5, 6, 7}));
   for (const auto number : {1u, 4u, 7u}) EXPECT_EQ(relayed(number), overtaken) << number;
-  EXPECT_EQ(direct(8), SampleIndex::Verdict::stored);
+  EXPECT_EQ(direct(8), SampleIndex::Decision::stored);
   EXPECT_EQ(stored(), (Numbers{6, 7, 8}));
 }
 
@@ -56,27 +56,27 @@ TEST_F(RelayedSamplesTest, KeepLast_AfterARestart_TheOrderIsTheSame) {
   direct(7), relayed(5), relayed(6);
   open(keep_last(3));
   EXPECT_EQ(relayed(4), overtaken);
-  EXPECT_EQ(direct(8), SampleIndex::Verdict::stored);
+  EXPECT_EQ(direct(8), SampleIndex::Decision::stored);
   EXPECT_EQ(stored(), (Numbers{6, 7, 8}));
-  EXPECT_EQ(relayed(9), SampleIndex::Verdict::stored);
-  EXPECT_EQ(direct(10), SampleIndex::Verdict::stored);
+  EXPECT_EQ(relayed(9), SampleIndex::Decision::stored);
+  EXPECT_EQ(direct(10), SampleIndex::Decision::stored);
   EXPECT_EQ(stored(), (Numbers{8, 9, 10}));
 }
 
 TEST_F(RelayedSamplesTest, KeepLast_BetweenDifferentWriters_SourceTimestampsDecide) {
   open(keep_last(1));
-  EXPECT_EQ(direct(7, 1), SampleIndex::Verdict::stored);
+  EXPECT_EQ(direct(7, 1), SampleIndex::Decision::stored);
   EXPECT_EQ(relayed(6, 2), overtaken);
-  EXPECT_EQ(relayed(8, 2), SampleIndex::Verdict::stored);
-  EXPECT_EQ(direct(5, 3), SampleIndex::Verdict::stored) << "what its writer sends is never old";
+  EXPECT_EQ(relayed(8, 2), SampleIndex::Decision::stored);
+  EXPECT_EQ(direct(5, 3), SampleIndex::Decision::stored) << "what its writer sends is never old";
   EXPECT_EQ(stored(), Numbers{5});
 }
 
 TEST_F(RelayedSamplesTest, BySourceTimestamp_TheLatestTimestampWins) {
   open(keep_last(1));
-  EXPECT_EQ(direct(7), SampleIndex::Verdict::stored);
+  EXPECT_EQ(direct(7), SampleIndex::Decision::stored);
   EXPECT_EQ(put(sample(6), RelayOrder::source_time), overtaken);
-  EXPECT_EQ(put(sample(8), RelayOrder::source_time), SampleIndex::Verdict::stored);
+  EXPECT_EQ(put(sample(8), RelayOrder::source_time), SampleIndex::Decision::stored);
   EXPECT_EQ(stored(), Numbers{8});
 }
 
@@ -84,21 +84,21 @@ TEST_F(RelayedSamplesTest, AnOlderDispose_EndsNothing_AndAnOlderSample_RevivesNo
   auto service = keep_last(3);
   service.cleanup_delay = Duration{{3600, 0}};
   open(service);
-  EXPECT_EQ(direct(7), SampleIndex::Verdict::stored);
+  EXPECT_EQ(direct(7), SampleIndex::Decision::stored);
   auto end = dispose(0);
   end.source_time = seconds(6);
   EXPECT_EQ(put(end, RelayOrder::number), overtaken);
   end.source_time = seconds(9);
-  EXPECT_EQ(put(end, RelayOrder::direct), SampleIndex::Verdict::stored);
+  EXPECT_EQ(put(end, RelayOrder::direct), SampleIndex::Decision::stored);
   EXPECT_EQ(relayed(8), overtaken);
-  EXPECT_EQ(relayed(10), SampleIndex::Verdict::stored);
+  EXPECT_EQ(relayed(10), SampleIndex::Decision::stored);
 }
 
 TEST_F(RelayedSamplesTest, AfterAnEndThatIsNotStored_AnOlderSample_RevivesNothing) {
   auto service = keep_all();
   service.cleanup_delay = kDurationZero;
   open(service);
-  EXPECT_EQ(direct(7), SampleIndex::Verdict::stored);
+  EXPECT_EQ(direct(7), SampleIndex::Decision::stored);
   auto end = dispose(0);
   end.source_time = seconds(8);
   EXPECT_EQ(put(end, RelayOrder::direct), ended);
@@ -108,8 +108,8 @@ TEST_F(RelayedSamplesTest, AfterAnEndThatIsNotStored_AnOlderSample_RevivesNothin
 
 TEST_F(RelayedSamplesTest, KeepAll_AnOlderSample_IsKept) {
   open(keep_all());
-  EXPECT_EQ(direct(7), SampleIndex::Verdict::stored);
-  EXPECT_EQ(relayed(5), SampleIndex::Verdict::stored);
+  EXPECT_EQ(direct(7), SampleIndex::Decision::stored);
+  EXPECT_EQ(relayed(5), SampleIndex::Decision::stored);
   EXPECT_EQ(stored(), (Numbers{5, 7}));
 }
 
@@ -123,7 +123,7 @@ TEST_F(RelayedSamplesTest, AStore_InAnyOrder_IsOpenedAsItIs) {
     EXPECT_EQ(store->size(id), 7u);
   }
   open(keep_last(2));
-  EXPECT_EQ(direct(10), SampleIndex::Verdict::stored);
+  EXPECT_EQ(direct(10), SampleIndex::Decision::stored);
   EXPECT_EQ(store->size(id), 2u);
   EXPECT_EQ(stored().size(), 2u);
 }

@@ -360,47 +360,47 @@ TEST_F(SampleIndexTest, AHistoryWithoutDepth_KeepsOneSample) {
 
 struct LateSamplesTest : StoreTest {
   /// What is late comes of another identity than the rest, unless `who` says otherwise.
-  SampleIndex::Verdict put(Change change, std::int32_t time, bool is_late = false,
-                           std::uint8_t who = 0) {
+  SampleIndex::Decision put(Change change, std::int32_t time, bool is_late = false,
+                            std::uint8_t who = 0) {
     change.source_time = seconds(time);
     StoredChange entry{id, std::move(change)};
     entry.is_late = is_late;
     entry.identity = identity(who != 0 ? who : is_late ? 2 : 1);
     EXPECT_TRUE(store.commit({entry}, seconds(50)));
-    return store.outcomes.back().verdict;
+    return store.outcomes.back().decision;
   }
   DurabilityService service = keep_last(1);
   IndexedStore store = *IndexedStore::open("");
   StreamId id = *store.stream(kMap, service);
 };
-using Verdict = SampleIndex::Verdict;
+using Decision = SampleIndex::Decision;
 
 // Before: a sample that had waited, or came with a history, replaced what was written meanwhile.
 TEST_F(LateSamplesTest, ALateSample_DoesNotReplaceALaterOne) {
-  EXPECT_EQ(put(sample(0), 20), Verdict::stored);
-  EXPECT_EQ(put(sample(0), 10, true), Verdict::overtaken);
-  EXPECT_EQ(put(sample(0), 30, true), Verdict::stored);
-  EXPECT_EQ(put(sample(0), 10), Verdict::stored) << "it is not late";
+  EXPECT_EQ(put(sample(0), 20), Decision::stored);
+  EXPECT_EQ(put(sample(0), 10, true), Decision::overtaken);
+  EXPECT_EQ(put(sample(0), 30, true), Decision::stored);
+  EXPECT_EQ(put(sample(0), 10), Decision::stored) << "it is not late";
 }
 
 TEST_F(LateSamplesTest, ALateSample_DoesNotBringAnEndedInstanceBack) {
   put(sample(0), 10);
   put(dispose(0), 20);
-  EXPECT_EQ(put(sample(0), 15, true), Verdict::overtaken);
-  EXPECT_EQ(put(sample(0), 30, true), Verdict::stored);
+  EXPECT_EQ(put(sample(0), 15, true), Decision::overtaken);
+  EXPECT_EQ(put(sample(0), 30, true), Decision::stored);
 }
 
 // A clock that goes back must not keep a writer from its own instance.
 TEST_F(LateSamplesTest, ItsOwnIdentity_OvertakesNothing) {
   put(sample(0), 20);
-  EXPECT_EQ(put(sample(0), 10, true, 1), Verdict::stored);
+  EXPECT_EQ(put(sample(0), 10, true, 1), Decision::stored);
   put(dispose(0), 30);
-  EXPECT_EQ(put(sample(0), 15, true, 1), Verdict::stored);
+  EXPECT_EQ(put(sample(0), 15, true, 1), Decision::stored);
 }
 
 TEST_F(LateSamplesTest, ATimestampFromTheFuture_CountsAsTheTimeOfArrival) {
   put(sample(0), 5000);
-  EXPECT_EQ(put(sample(0), 51, true), Verdict::stored);
+  EXPECT_EQ(put(sample(0), 51, true), Decision::stored);
 }
 
 // Before, after a restart it kept out all that had waited, until its time came.
@@ -409,7 +409,7 @@ TEST_F(LateSamplesTest, AStoredTimestampFromTheFuture_OvertakesNothing) {
   ASSERT_TRUE(store.close(id));
   store.opened_at = at(50);
   id = *store.stream(kMap, service);
-  EXPECT_EQ(put(sample(0), 40, true), Verdict::stored);
+  EXPECT_EQ(put(sample(0), 40, true), Decision::stored);
 }
 
 TEST_F(LateSamplesTest, PastEnds_AreBounded) {
@@ -419,8 +419,8 @@ TEST_F(LateSamplesTest, PastEnds_AreBounded) {
     return change;
   };
   for (std::uint32_t i = 0; i < 3000; ++i) put(of(dispose(0), i), 20);
-  EXPECT_EQ(put(of(sample(0), 0), 10, true), Verdict::stored) << "the oldest are forgotten";
-  EXPECT_EQ(put(of(sample(0), 2999), 10, true), Verdict::overtaken);
+  EXPECT_EQ(put(of(sample(0), 0), 10, true), Decision::stored) << "the oldest are forgotten";
+  EXPECT_EQ(put(of(sample(0), 2999), 10, true), Decision::overtaken);
 }
 
 TEST_F(LateSamplesTest, WithKeepAll_ALateSample_IsKeptUnlessItsInstanceEndedLater) {
@@ -428,9 +428,9 @@ TEST_F(LateSamplesTest, WithKeepAll_ALateSample_IsKeptUnlessItsInstanceEndedLate
   service.cleanup_delay = Duration{{100, 0}};
   id = *store.stream(kMap, service);
   put(sample(0), 20);
-  EXPECT_EQ(put(sample(0), 10, true), Verdict::stored);
+  EXPECT_EQ(put(sample(0), 10, true), Decision::stored);
   put(dispose(0), 30);
-  EXPECT_EQ(put(sample(0), 25, true), Verdict::overtaken);
+  EXPECT_EQ(put(sample(0), 25, true), Decision::overtaken);
 }
 
 }  // namespace

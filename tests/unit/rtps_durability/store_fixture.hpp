@@ -56,7 +56,7 @@ class IndexedStore {
       pending.push_back(change);
       Rollback undo([&] { pending.pop_back(); });
       const auto outcome = index.add(pending.back(), now);
-      if (outcome.verdict == SampleIndex::Verdict::waits)
+      if (outcome.decision == SampleIndex::Decision::waits)
         ++waited;
       else
         undo.release();

@@ -11,7 +11,7 @@ namespace {
 using namespace testing;
 using namespace std::chrono_literals;
 using Numbers = std::vector<std::uint32_t>;
-using Verdict = SampleIndex::Verdict;
+using Decision = SampleIndex::Decision;
 
 constexpr Duration kTenSeconds{{10, 0}};
 constexpr std::size_t kLittle = std::size_t{256} << 10;
@@ -197,18 +197,18 @@ TEST_F(StoredLifespanTest, WhatExpires_FreesTheShareOfItsIdentity) {
   const auto id = store->open_stream(kMap, keep_all(), at(0))->id;
   const auto append = [&](std::int32_t now) {
     const auto change = of_identity(1, large(id, static_cast<std::uint32_t>(now)));
-    return store->append(change, at(now)).outcome.verdict;
+    return store->append(change, at(now)).outcome.decision;
   };
   std::size_t kept = 0;
-  for (; append(0) == Verdict::stored; ++kept) ASSERT_TRUE(store->flush(10s));
+  for (; append(0) == Decision::stored; ++kept) ASSERT_TRUE(store->flush(10s));
   ASSERT_GT(kept, 10u);
   EXPECT_EQ(store->clean_up(id, at(9)).size(), 0u);
-  EXPECT_EQ(append(9), Verdict::waits);
+  EXPECT_EQ(append(9), Decision::waits);
   EXPECT_EQ(store->clean_up(id, at(20)).size(), kept);
   ASSERT_TRUE(store->flush(10s));
   for (std::int32_t now = 20; now < 200; now += 2) {
     store->clean_up(id, at(now));
-    ASSERT_EQ(append(now), Verdict::stored) << now;
+    ASSERT_EQ(append(now), Decision::stored) << now;
     ASSERT_TRUE(store->flush(10s));
   }
 }
