@@ -15,7 +15,7 @@
 #include "base/result.hpp"
 #include "pki/certificate.hpp"
 #include "pki/crl.hpp"
-#include "pki/key_digest.hpp"
+#include "pki/key_digests.hpp"
 
 namespace ddssec::pki {
 

@@ -7,7 +7,7 @@
 
 #include "base/hash.hpp"
 #include "pki/issue_log.hpp"
-#include "pki/key_digest.hpp"
+#include "pki/key_digests.hpp"
 
 namespace ddssec::pki {
 using ddssec::to_string;

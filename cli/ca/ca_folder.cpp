@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "cli/documents/documents.hpp"
+#include "cli/folder_checks.hpp"
 #include "cli/frame/notices.hpp"
-#include "cli/near.hpp"
 #include "pki/participant_folder.hpp"
 #include "pki/source.hpp"
 

@@ -9,7 +9,7 @@
 #include "cli/documents/documents.hpp"
 #include "cli/documents/signed_documents.hpp"
 #include "cli/inputs.hpp"
-#include "pki/key_digest.hpp"
+#include "pki/key_digests.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -17,7 +17,7 @@
 #include "governance/extension.hpp"
 #include "governance/read.hpp"
 #include "governance/write.hpp"
-#include "pki/key_digest.hpp"
+#include "pki/key_digests.hpp"
 #include "pki/smime.hpp"
 #include "pki/smime_diagnosis.hpp"
 

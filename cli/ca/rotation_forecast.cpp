@@ -12,7 +12,7 @@
 #include "cli/inputs.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/host_plugins.hpp"
-#include "pki/key_digest.hpp"
+#include "pki/key_digests.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -14,9 +14,9 @@
 #include "cli/commands/ca_results.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
+#include "cli/folder_checks.hpp"
 #include "cli/frame/options.hpp"
 #include "cli/inputs.hpp"
-#include "cli/near.hpp"
 #include "cli/participant/participant.hpp"
 #include "cli/participant/running_participant.hpp"
 

@@ -13,10 +13,10 @@
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
+#include "cli/folder_checks.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/options.hpp"
 #include "cli/inputs.hpp"
-#include "cli/near.hpp"
 #include "cli/participant/participant_places.hpp"
 #include "governance/doctor/shell_word.hpp"
 

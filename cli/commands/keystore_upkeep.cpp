@@ -20,10 +20,10 @@
 #include "cli/participant/keystore.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/lint_checks.hpp"
-#include "governance/doctor/ros.hpp"
+#include "governance/doctor/ros_environment.hpp"
 #include "governance/doctor/shell_word.hpp"
 #include "governance/doctor/writable_places.hpp"
-#include "pki/key_digest.hpp"
+#include "pki/key_digests.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::cli {

@@ -5,8 +5,8 @@
 
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
+#include "cli/folder_checks.hpp"
 #include "cli/inputs.hpp"
-#include "cli/near.hpp"
 #include "governance/lint.hpp"
 #include "pki/source.hpp"
 

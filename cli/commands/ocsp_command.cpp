@@ -7,9 +7,9 @@
 #include "cli/ca/ocsp_response.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
+#include "cli/folder_checks.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/inputs.hpp"
-#include "cli/near.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -9,7 +9,7 @@
 #include "base/source.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured.hpp"
-#include "governance/doctor/secret_in_text.hpp"
+#include "governance/doctor/secrets_in_text.hpp"
 #include "governance/doctor/stock_spelling.hpp"
 #include "governance/doctor/writable_places.hpp"
 #include "pki/source.hpp"

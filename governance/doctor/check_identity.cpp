@@ -9,7 +9,7 @@
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured.hpp"
 #include "pki/issue_log.hpp"
-#include "pki/key_digest.hpp"
+#include "pki/key_digests.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {

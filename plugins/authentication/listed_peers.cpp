@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "pki/key_digest.hpp"
+#include "pki/key_digests.hpp"
 #include "plugins/authentication/renewal.hpp"
 
 namespace ddssec::authentication {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "pki/document_parts.hpp"
-#include "pki/key_digest.hpp"
+#include "pki/key_digests.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
 #include "plugins/spi/renewal_list_places.hpp"
 

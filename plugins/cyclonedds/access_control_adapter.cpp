@@ -11,7 +11,7 @@
 #include "plugins/cyclonedds/endpoint_scope.hpp"
 #include "plugins/cyclonedds/exempt_topics.hpp"
 #include "plugins/cyclonedds/own_readers.hpp"
-#include "plugins/cyclonedds/presence.hpp"
+#include "plugins/cyclonedds/plugins_in_use.hpp"
 #include "plugins/cyclonedds/process_questions.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/unguarded_endpoints.hpp"

@@ -5,8 +5,8 @@
 #include <functional>
 #include <stop_token>
 
+#include "plugins/cyclonedds/adapter_calls.hpp"
 #include "plugins/cyclonedds/closed_readers.hpp"
-#include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
 #include "plugins/cyclonedds/governance_facts.hpp"
 #include "plugins/cyclonedds/own_endpoints.hpp"

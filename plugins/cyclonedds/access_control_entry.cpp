@@ -2,7 +2,7 @@
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/cyclonedds/access_control_adapter.hpp"
 #include "plugins/cyclonedds/entry.hpp"
-#include "plugins/cyclonedds/presence.hpp"
+#include "plugins/cyclonedds/plugins_in_use.hpp"
 #include "plugins/cyclonedds/process_questions.hpp"
 
 using namespace ddssec;

@@ -5,7 +5,7 @@
 #include <dlfcn.h>
 
 #include "plugins/cyclonedds/datagrams.hpp"
-#include "plugins/cyclonedds/presence.hpp"
+#include "plugins/cyclonedds/plugins_in_use.hpp"
 #include "plugins/cyclonedds/process_questions.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"

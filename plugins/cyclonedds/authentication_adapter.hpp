@@ -3,10 +3,10 @@
 
 #include <atomic>
 
-#include "plugins/cyclonedds/context.hpp"
+#include "plugins/cyclonedds/adapter_calls.hpp"
 #include "plugins/cyclonedds/core_timer.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
-#include "plugins/cyclonedds/farewell.hpp"
+#include "plugins/cyclonedds/farewells.hpp"
 #include "plugins/cyclonedds/governance_facts.hpp"
 #include "plugins/cyclonedds/handshake_watch.hpp"
 #include "plugins/cyclonedds/lost_sessions.hpp"

@@ -2,7 +2,7 @@
 #include "plugins/authentication/authentication.hpp"
 #include "plugins/cyclonedds/authentication_adapter.hpp"
 #include "plugins/cyclonedds/entry.hpp"
-#include "plugins/cyclonedds/presence.hpp"
+#include "plugins/cyclonedds/plugins_in_use.hpp"
 
 using namespace ddssec;
 using cyclonedds::AuthenticationAdapter;

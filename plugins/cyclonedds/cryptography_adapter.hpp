@@ -1,7 +1,7 @@
 // Adapts spi::Cryptography to Cyclone's dds_security_cryptography.
 #pragma once
 
-#include "plugins/cyclonedds/context.hpp"
+#include "plugins/cyclonedds/adapter_calls.hpp"
 #include "plugins/cyclonedds/opened_message.hpp"
 #include "plugins/cyclonedds/reader_ends.hpp"
 #include "plugins/spi/cryptography.hpp"

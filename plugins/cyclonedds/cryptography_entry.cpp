@@ -3,7 +3,7 @@
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 #include "plugins/cyclonedds/entry.hpp"
 #include "plugins/cyclonedds/peers_with_keys.hpp"
-#include "plugins/cyclonedds/presence.hpp"
+#include "plugins/cyclonedds/plugins_in_use.hpp"
 #include "plugins/cyclonedds/session_resets.hpp"
 
 using namespace ddssec;

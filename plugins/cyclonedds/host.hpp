@@ -9,7 +9,7 @@
 #include "base/event.hpp"
 #include "base/rate_limited_sink.hpp"
 #include "base/steady_calendar.hpp"
-#include "plugins/cyclonedds/log.hpp"
+#include "plugins/cyclonedds/host_log.hpp"
 
 namespace ddssec::cyclonedds {
 

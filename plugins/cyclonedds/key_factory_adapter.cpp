@@ -6,7 +6,7 @@
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 #include "plugins/cyclonedds/match_gate.hpp"
 #include "plugins/cyclonedds/peers_with_keys.hpp"
-#include "plugins/cyclonedds/presence.hpp"
+#include "plugins/cyclonedds/plugins_in_use.hpp"
 #include "plugins/cyclonedds/session_resets.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"

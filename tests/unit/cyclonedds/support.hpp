@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 
 #include "base/engine_services.hpp"
-#include "plugins/cyclonedds/context.hpp"
+#include "plugins/cyclonedds/adapter_calls.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
 #include "tests/unit/cyclonedds/mocks.hpp"

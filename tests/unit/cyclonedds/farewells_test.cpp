@@ -1,4 +1,4 @@
-#include "plugins/cyclonedds/farewell.hpp"
+#include "plugins/cyclonedds/farewells.hpp"
 
 #include <gmock/gmock.h>
 

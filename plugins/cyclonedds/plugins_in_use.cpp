@@ -1,4 +1,4 @@
-#include "plugins/cyclonedds/presence.hpp"
+#include "plugins/cyclonedds/plugins_in_use.hpp"
 
 #include <atomic>
 #include <dlfcn.h>

@@ -1,4 +1,4 @@
-#include "governance/doctor/secret_in_text.hpp"
+#include "governance/doctor/secrets_in_text.hpp"
 
 #include <algorithm>
 #include <cctype>

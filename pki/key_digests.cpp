@@ -1,4 +1,4 @@
-#include "pki/key_digest.hpp"
+#include "pki/key_digests.hpp"
 
 #include <algorithm>
 

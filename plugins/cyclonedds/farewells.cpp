@@ -1,4 +1,4 @@
-#include "plugins/cyclonedds/farewell.hpp"
+#include "plugins/cyclonedds/farewells.hpp"
 
 #include "plugins/cyclonedds/disposal.hpp"
 #include "wire/entity_ids.hpp"

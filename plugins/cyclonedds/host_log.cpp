@@ -1,4 +1,4 @@
-#include "plugins/cyclonedds/log.hpp"
+#include "plugins/cyclonedds/host_log.hpp"
 
 #include <cstdio>
 #include <cstdlib>

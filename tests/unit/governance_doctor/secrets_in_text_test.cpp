@@ -1,5 +1,5 @@
 // Passwords and keys as each kind of configuration holds them.
-#include "governance/doctor/secret_in_text.hpp"
+#include "governance/doctor/secrets_in_text.hpp"
 
 #include <gtest/gtest.h>
 

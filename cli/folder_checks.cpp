@@ -1,4 +1,4 @@
-#include "cli/near.hpp"
+#include "cli/folder_checks.hpp"
 
 #include <algorithm>
 #include <functional>

@@ -1,4 +1,4 @@
-#include "governance/doctor/ros.hpp"
+#include "governance/doctor/ros_environment.hpp"
 
 #include <algorithm>
 #include <array>
