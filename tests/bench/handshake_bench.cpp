@@ -15,8 +15,8 @@
 #include <unistd.h>
 
 #include "tests/bench/public_key_operations.hpp"
-#include "tests/unit/rtps_security/fixture.hpp"
 #include "tests/unit/rtps_security/forwarding_authentication.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <string>
 
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps::sim {
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <unistd.h>
 
-#include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/access_control_fixture.hpp"
 
 namespace ddssec::access_control {
 namespace {

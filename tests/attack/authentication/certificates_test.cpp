@@ -3,7 +3,7 @@
 #include <iterator>
 
 #include "tests/support/test_data.hpp"
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

@@ -1,5 +1,5 @@
 // T9 (downgrade), T12 (GUID of another), T23 to T26 (lengths), T48 (invalid keys) on the handshake.
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

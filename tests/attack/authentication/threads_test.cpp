@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "tests/support/silent.hpp"
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

@@ -2,7 +2,7 @@
 // acknowledges nothing takes little memory.
 #include "base/seeded_random.hpp"
 #include "tests/support/counted_memory.hpp"
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps::testing {
 namespace {

@@ -1,7 +1,7 @@
 // Handles of access control: those of others, returned ones, and how many there may be.
 #include "plugins/access_control/access_control.hpp"
 
-#include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/access_control_fixture.hpp"
 
 namespace ddssec::access_control {
 namespace {

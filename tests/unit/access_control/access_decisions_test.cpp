@@ -1,7 +1,7 @@
 #include "plugins/access_control/access_decisions.hpp"
 
+#include "tests/unit/access_control/access_control_fixture.hpp"
 #include "tests/unit/access_control/decisions.hpp"
-#include "tests/unit/access_control/fixture.hpp"
 
 namespace ddssec::access_control {
 namespace {

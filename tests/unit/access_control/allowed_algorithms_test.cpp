@@ -2,7 +2,7 @@
 #include "plugins/access_control/allowed_algorithms.hpp"
 
 #include "tests/support/temporary_folder.hpp"
-#include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/access_control_fixture.hpp"
 
 namespace ddssec::access_control {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <ctime>
 
-#include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/access_control_fixture.hpp"
 
 namespace ddssec::access_control {
 namespace {

@@ -9,7 +9,7 @@
 #include "plugins/access_control/local_participant.hpp"
 #include "tests/support/recorded_document.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/access_control_fixture.hpp"
 
 namespace ddssec::access_control {
 namespace {

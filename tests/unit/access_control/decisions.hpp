@@ -1,7 +1,7 @@
 // A governance document with and without access control, and participants with a few rules.
 #pragma once
 
-#include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/access_control_fixture.hpp"
 
 namespace ddssec::access_control {
 

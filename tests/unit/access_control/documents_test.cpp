@@ -1,7 +1,7 @@
 // Documents that were read before: what is kept of them, for whom, and how much.
 #include "plugins/access_control/documents.hpp"
 
-#include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/access_control_fixture.hpp"
 
 namespace ddssec::access_control {
 namespace {

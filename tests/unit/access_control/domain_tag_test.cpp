@@ -1,7 +1,7 @@
 // Domain tags select the governance rule and the permission rules (DDS-Security 1.2,
 // clause 10.4.1.2.5.1): a rule that lists no tag is for the empty tag only.
 #include "tests/support/expect_code.hpp"
-#include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/access_control_fixture.hpp"
 
 namespace ddssec::access_control {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/access_control_fixture.hpp"
 #include "tests/unit/access_control/listed_peers.hpp"
 
 namespace ddssec::access_control {

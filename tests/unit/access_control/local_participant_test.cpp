@@ -5,7 +5,7 @@
 
 #include "tests/support/recorded_document.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/access_control_fixture.hpp"
 
 namespace ddssec::access_control {
 namespace {

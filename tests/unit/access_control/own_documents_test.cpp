@@ -8,7 +8,7 @@
 #include "base/rate_limited_sink.hpp"
 #include "tests/support/recorded_document.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/access_control_fixture.hpp"
 #include "tests/unit/pki/untimed_signature.hpp"
 
 namespace ddssec::access_control {

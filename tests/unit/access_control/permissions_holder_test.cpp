@@ -1,7 +1,7 @@
 // The end of permissions and of the CA that signed them, while participants use them.
 #include "plugins/access_control/permissions_holder.hpp"
 
-#include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/access_control_fixture.hpp"
 
 namespace ddssec::access_control {
 namespace {

@@ -1,8 +1,8 @@
 // What a refusal says: the document, the rule and the values, and no more than it may.
 #include "plugins/access_control/refusals.hpp"
 
+#include "tests/unit/access_control/access_control_fixture.hpp"
 #include "tests/unit/access_control/decisions.hpp"
-#include "tests/unit/access_control/fixture.hpp"
 
 namespace ddssec::access_control {
 namespace {

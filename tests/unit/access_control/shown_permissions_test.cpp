@@ -1,7 +1,7 @@
 // Renewed permissions that a peer shows within its session, and ours that it has seen.
 #include <gmock/gmock.h>
 
-#include "tests/unit/access_control/fixture.hpp"
+#include "tests/unit/access_control/access_control_fixture.hpp"
 
 namespace ddssec::access_control {
 namespace {

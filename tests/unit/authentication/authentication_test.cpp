@@ -1,7 +1,7 @@
 // Remote identities: which are refused, and what an event says of them.
 #include "plugins/authentication/authentication.hpp"
 
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 #include "tests/unit/authentication/forgeries.hpp"
 
 namespace ddssec::authentication::forgeries {

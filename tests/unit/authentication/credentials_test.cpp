@@ -1,7 +1,7 @@
 // Credentials as they are read, and their hash against the vectors of the reference.
 #include "plugins/authentication/credentials.hpp"
 
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tests/support/hostile_pki.hpp"
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication::forgeries {
 

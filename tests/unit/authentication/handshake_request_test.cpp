@@ -1,7 +1,7 @@
 // Requests that must be refused, each with exactly its code, and without harm to the honest one.
 #include "plugins/authentication/handshake_request.hpp"
 
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 #include "tests/unit/authentication/forgeries.hpp"
 
 namespace ddssec::authentication::forgeries {

@@ -1,5 +1,5 @@
 // Handshakes that must succeed: every kind of key, both roles, every vendor's style.
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "plugins/authentication/local_identity.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 #include "tests/unit/authentication/local_identities.hpp"
 
 namespace ddssec::authentication::local_identities {

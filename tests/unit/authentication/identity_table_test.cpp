@@ -1,5 +1,5 @@
 // Handles that were returned or never given out, and how many identities and handshakes there are.
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

@@ -1,7 +1,7 @@
 // What an authenticated peer is known by: its permissions, its ciphers, its credential.
 #include "plugins/authentication/judged_peer.hpp"
 
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

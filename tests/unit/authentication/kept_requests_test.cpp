@@ -2,7 +2,7 @@
 // first request that they saw, and no other.
 #include "plugins/authentication/kept_requests.hpp"
 
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

@@ -1,5 +1,5 @@
 // Ends of validity.
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

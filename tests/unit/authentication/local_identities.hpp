@@ -1,7 +1,7 @@
 // Identities made of properties, and what must refuse them.
 #pragma once
 
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication::local_identities {
 

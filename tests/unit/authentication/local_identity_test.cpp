@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/support/test_data.hpp"
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 #include "tests/unit/authentication/local_identities.hpp"
 
 namespace ddssec::authentication::local_identities {

@@ -4,7 +4,7 @@
 
 #include "tests/support/failing_memory.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

@@ -1,6 +1,6 @@
 // The wire form of every message, cut anywhere, is refused by the token reader. What a host learns
 // of a message before any work.
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

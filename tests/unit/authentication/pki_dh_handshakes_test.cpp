@@ -1,7 +1,7 @@
 // Messages in a wrong state, repeated ones, and challenges that were announced before.
 #include "plugins/authentication/pki_dh.hpp"
 #include "tests/support/hostile_pki.hpp"
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 #include "tests/unit/authentication/forgeries.hpp"
 
 namespace ddssec::authentication::forgeries {

@@ -1,6 +1,6 @@
 // What a finished handshake gives out, and how long.
 #include "plugins/authentication/pki_dh.hpp"
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

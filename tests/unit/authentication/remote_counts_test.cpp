@@ -1,5 +1,5 @@
 // How many remote identities there may be, in total and of one certificate.
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

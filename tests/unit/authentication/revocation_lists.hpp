@@ -1,7 +1,7 @@
 // Two identities and the revocation lists of their CA.
 #pragma once
 
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/support/temporary_folder.hpp"
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

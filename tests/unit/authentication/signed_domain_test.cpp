@@ -1,6 +1,6 @@
 // The domain that a peer signs: an announcement that was copied into another domain joins nobody.
 #include "plugins/authentication/participant_data.hpp"
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

@@ -1,7 +1,7 @@
 #include "plugins/authentication/token_fields.hpp"
 
 #include "plugins/authentication/auth_request.hpp"
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

@@ -1,7 +1,7 @@
 // Hashes and signature inputs, against the vectors of the reference.
 #include "plugins/authentication/transcript.hpp"
 
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

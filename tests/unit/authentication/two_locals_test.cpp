@@ -1,6 +1,6 @@
 // Two local identities in one engine that deal with the same remote one: what happens to the one
 // does not touch the other. (In threads: tests/attack/authentication/threads_test.cpp.)
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

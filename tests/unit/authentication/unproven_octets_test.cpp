@@ -5,7 +5,7 @@
 
 #include "base/seeded_random.hpp"
 #include "plugins/authentication/credentials.hpp"
-#include "tests/unit/authentication/fixture.hpp"
+#include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {

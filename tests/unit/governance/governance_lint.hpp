@@ -8,7 +8,7 @@
 #include "governance/lint.hpp"
 #include "governance/profile.hpp"
 #include "governance/write.hpp"
-#include "tests/unit/governance/fixture.hpp"
+#include "tests/unit/governance/governance_fixture.hpp"
 
 namespace ddssec::governance::testing_lint {
 

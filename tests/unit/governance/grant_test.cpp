@@ -1,6 +1,6 @@
 #include "governance/grant.hpp"
 
-#include "tests/unit/governance/fixture.hpp"
+#include "tests/unit/governance/governance_fixture.hpp"
 
 namespace ddssec::governance {
 namespace {

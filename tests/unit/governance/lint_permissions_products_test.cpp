@@ -5,7 +5,7 @@
 #include "governance/lint.hpp"
 #include "governance/rights.hpp"
 #include "governance/write.hpp"
-#include "tests/unit/governance/fixture.hpp"
+#include "tests/unit/governance/governance_fixture.hpp"
 
 namespace ddssec::governance {
 namespace {

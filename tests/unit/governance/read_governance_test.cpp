@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "tests/unit/governance/fixture.hpp"
+#include "tests/unit/governance/governance_fixture.hpp"
 
 namespace ddssec::governance {
 namespace {

@@ -1,7 +1,7 @@
 // Permissions documents: every element, and what is refused.
 #include <algorithm>
 
-#include "tests/unit/governance/fixture.hpp"
+#include "tests/unit/governance/governance_fixture.hpp"
 
 namespace ddssec::governance {
 namespace {

@@ -1,5 +1,5 @@
 // Documents of both kinds: whole ones of other projects, parts, and too large ones.
-#include "tests/unit/governance/fixture.hpp"
+#include "tests/unit/governance/governance_fixture.hpp"
 
 namespace ddssec::governance {
 namespace {

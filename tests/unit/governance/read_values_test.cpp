@@ -1,5 +1,5 @@
 // Values that other products write or read in another way.
-#include "tests/unit/governance/fixture.hpp"
+#include "tests/unit/governance/governance_fixture.hpp"
 
 namespace ddssec::governance {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/unit/governance/fixture.hpp"
+#include "tests/unit/governance/governance_fixture.hpp"
 
 namespace ddssec::governance {
 namespace {

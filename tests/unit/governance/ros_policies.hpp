@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "governance/ros_policy.hpp"
-#include "tests/unit/governance/fixture.hpp"
+#include "tests/unit/governance/governance_fixture.hpp"
 
 namespace ddssec::governance {
 

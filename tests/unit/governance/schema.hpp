@@ -7,7 +7,7 @@
 #include <string>
 
 #include "tests/support/test_data.hpp"
-#include "tests/unit/governance/fixture.hpp"
+#include "tests/unit/governance/governance_fixture.hpp"
 
 namespace ddssec::governance {
 

@@ -2,7 +2,7 @@
 #include "governance/xml_check.hpp"
 
 #include "governance/xml.hpp"
-#include "tests/unit/governance/fixture.hpp"
+#include "tests/unit/governance/governance_fixture.hpp"
 
 namespace ddssec::governance {
 namespace {

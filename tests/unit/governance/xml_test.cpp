@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "tests/support/test_data.hpp"
-#include "tests/unit/governance/fixture.hpp"
+#include "tests/unit/governance/governance_fixture.hpp"
 
 namespace ddssec::governance {
 namespace {

@@ -1,7 +1,7 @@
 // Files that are missing or cut off.
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
+#include "doctor_fixture.hpp"
 #include "governance/doctor/diagnosis.hpp"
 
 namespace ddssec::governance::doctor {

@@ -1,7 +1,7 @@
 // Dates of an identity.
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
+#include "doctor_fixture.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "tests/support/expect_code.hpp"
 

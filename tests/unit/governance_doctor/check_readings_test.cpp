@@ -1,7 +1,7 @@
 // What products read in another way.
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
+#include "doctor_fixture.hpp"
 #include "governance/doctor/diagnosis.hpp"
 
 namespace ddssec::governance::doctor {

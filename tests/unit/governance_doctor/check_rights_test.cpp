@@ -1,7 +1,7 @@
 // Whether a participant may join.
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
+#include "doctor_fixture.hpp"
 #include "governance/doctor/diagnosis.hpp"
 
 namespace ddssec::governance::doctor {

@@ -1,6 +1,6 @@
 #include "governance/doctor/domains.hpp"
 
-#include "tests/unit/governance_doctor/fixture.hpp"
+#include "tests/unit/governance_doctor/doctor_fixture.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {

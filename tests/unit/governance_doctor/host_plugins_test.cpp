@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
+#include "doctor_fixture.hpp"
 #include "tests/unit/governance_doctor/libraries.hpp"
 
 namespace ddssec::governance::doctor::libraries {

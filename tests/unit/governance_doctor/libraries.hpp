@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
+#include "doctor_fixture.hpp"
 #include "governance/doctor/host_plugins.hpp"
 
 namespace ddssec::governance::doctor::libraries {

@@ -1,7 +1,7 @@
 // What keeps two participants apart from the start.
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
+#include "doctor_fixture.hpp"
 #include "governance/doctor/meeting.hpp"
 #include "tests/unit/governance_doctor/meetings.hpp"
 

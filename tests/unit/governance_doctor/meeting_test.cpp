@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
+#include "doctor_fixture.hpp"
 #include "tests/unit/governance_doctor/meetings.hpp"
 
 namespace ddssec::governance::doctor::meetings {

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
+#include "doctor_fixture.hpp"
 #include "governance/doctor/meeting.hpp"
 #include "tests/unit/governance_doctor/meetings.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
+#include "doctor_fixture.hpp"
 #include "governance/doctor/meeting.hpp"
 
 namespace ddssec::governance::doctor::meetings {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
+#include "doctor_fixture.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace ddssec::governance::doctor {

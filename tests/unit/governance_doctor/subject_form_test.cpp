@@ -1,6 +1,6 @@
 #include "governance/doctor/subject_form.hpp"
 
-#include "fixture.hpp"
+#include "doctor_fixture.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
+#include "doctor_fixture.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include "fixture.hpp"
 #include "pki/key_agreement.hpp"
 #include "pki/signature.hpp"
 #include "pki/smime.hpp"
 #include "pki/subject_name.hpp"
+#include "pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

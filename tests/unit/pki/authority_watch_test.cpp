@@ -2,7 +2,7 @@
 #include "pki/authority_watch.hpp"
 
 #include "tests/support/temporary_folder.hpp"
-#include "tests/unit/pki/fixture.hpp"
+#include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

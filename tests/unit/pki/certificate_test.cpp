@@ -1,8 +1,8 @@
 #include "pki/certificate.hpp"
 
-#include "fixture.hpp"
 #include "pki/openssl.hpp"
 #include "pki/source.hpp"
+#include "pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

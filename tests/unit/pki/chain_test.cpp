@@ -2,8 +2,8 @@
 
 #include <thread>
 
-#include "fixture.hpp"
 #include "pki/openssl.hpp"
+#include "pki_fixture.hpp"
 #include "tests/support/delta_list.hpp"
 
 namespace ddssec::pki {

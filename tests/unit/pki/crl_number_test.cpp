@@ -1,6 +1,6 @@
 #include "pki/crl_number.hpp"
 
-#include "fixture.hpp"
+#include "pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

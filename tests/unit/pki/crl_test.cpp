@@ -4,9 +4,9 @@
 
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
 #include "pki/authority.hpp"
 #include "pki/self_signed.hpp"
+#include "pki_fixture.hpp"
 #include "tests/support/delta_list.hpp"
 
 namespace ddssec::pki {

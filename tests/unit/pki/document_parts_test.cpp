@@ -1,6 +1,6 @@
 #include "pki/document_parts.hpp"
 
-#include "tests/unit/pki/fixture.hpp"
+#include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

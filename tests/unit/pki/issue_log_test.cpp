@@ -1,6 +1,6 @@
 #include "pki/issue_log.hpp"
 
-#include "fixture.hpp"
+#include "pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

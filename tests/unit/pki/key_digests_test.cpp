@@ -1,7 +1,7 @@
 #include "pki/key_digests.hpp"
 
-#include "fixture.hpp"
 #include "pki/openssl.hpp"
+#include "pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "fixture.hpp"
 #include "pki/smime_diagnosis.hpp"
 #include "pki/unverified_document.hpp"
+#include "pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

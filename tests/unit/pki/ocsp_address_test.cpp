@@ -2,7 +2,7 @@
 #include "pki/ocsp_address.hpp"
 
 #include "base/tool_code.hpp"
-#include "tests/unit/pki/fixture.hpp"
+#include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
+#include "pki_fixture.hpp"
 #include "tests/support/ocsp_responder.hpp"
 
 namespace ddssec::pki {

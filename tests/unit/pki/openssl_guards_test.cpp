@@ -1,9 +1,9 @@
 // Inputs that harm some patch levels of OpenSSL are refused before it reads them, on every level.
 #include "pki/openssl_guards.hpp"
 
-#include "fixture.hpp"
 #include "pki/smime.hpp"
 #include "pki/smime_diagnosis.hpp"
+#include "pki_fixture.hpp"
 #include "tests/support/hostile_pki.hpp"
 
 namespace ddssec::pki {

@@ -5,9 +5,9 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "fixture.hpp"
 #include "pki/signature.hpp"
 #include "pki/smime.hpp"
+#include "pki_fixture.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace ddssec::pki {

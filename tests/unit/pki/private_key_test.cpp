@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "fixture.hpp"
 #include "pki/signature.hpp"
+#include "pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "pki/source.hpp"
-#include "tests/unit/pki/fixture.hpp"
+#include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "fixture.hpp"
+#include "pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

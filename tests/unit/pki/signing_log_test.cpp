@@ -1,7 +1,7 @@
 #include "pki/signing_log.hpp"
 
-#include "fixture.hpp"
 #include "pki/issue_log.hpp"
+#include "pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

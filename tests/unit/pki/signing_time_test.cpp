@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "fixture.hpp"
 #include "pki/smime.hpp"
 #include "pki/smime_diagnosis.hpp"
+#include "pki_fixture.hpp"
 #include "untimed_signature.hpp"
 
 namespace ddssec::pki {

@@ -4,9 +4,9 @@
 
 #include <openssl/pkcs7.h>
 
-#include "fixture.hpp"
 #include "pki/openssl.hpp"
 #include "pki/smime.hpp"
+#include "pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

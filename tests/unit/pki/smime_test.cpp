@@ -3,10 +3,10 @@
 #include <filesystem>
 
 #include "base/seeded_random.hpp"
-#include "fixture.hpp"
 #include "pki/openssl.hpp"
 #include "pki/self_signed.hpp"
 #include "pki/source.hpp"
+#include "pki_fixture.hpp"
 #include "untimed_signature.hpp"
 
 namespace ddssec::pki {

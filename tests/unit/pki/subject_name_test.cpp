@@ -1,6 +1,6 @@
 #include "pki/subject_name.hpp"
 
-#include "fixture.hpp"
+#include "pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

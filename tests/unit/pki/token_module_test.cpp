@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <dlfcn.h>
 
-#include "fixture.hpp"
+#include "pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

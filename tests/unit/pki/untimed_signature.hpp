@@ -5,7 +5,7 @@
 
 #include "pki/openssl.hpp"
 #include "pki/unverified_document.hpp"
-#include "tests/unit/pki/fixture.hpp"
+#include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::pki {
 

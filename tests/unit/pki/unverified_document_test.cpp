@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "tests/unit/pki/fixture.hpp"
+#include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

@@ -1,6 +1,6 @@
 #include "pki/withdrawn_authorities.hpp"
 
-#include "fixture.hpp"
+#include "pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

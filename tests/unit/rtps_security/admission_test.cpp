@@ -1,7 +1,7 @@
 // Who may authenticate, who is admitted without, and which endpoints may match.
 #include "rtps/security/admission.hpp"
 
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <random>
 
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 #include "wire/message_reader.hpp"
 
 namespace ddssec::rtps::testing {

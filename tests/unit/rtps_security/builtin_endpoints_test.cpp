@@ -1,7 +1,7 @@
 // On which builtin topic liveliness is asserted.
 #include "rtps/participant/builtin_endpoints.hpp"
 
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

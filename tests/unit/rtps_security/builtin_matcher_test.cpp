@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/rtps_security/fixture.hpp"
 #include "tests/unit/rtps_security/forwarding_authentication.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 #include "wire/entity_ids.hpp"
 
 namespace ddssec::rtps {

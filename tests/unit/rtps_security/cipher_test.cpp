@@ -1,6 +1,6 @@
 // ChaCha20-Poly1305 between embedded participants: what is announced, what is on the wire, and who
 // is kept apart by it.
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

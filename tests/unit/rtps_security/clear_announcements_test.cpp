@@ -2,7 +2,7 @@
 // tests/attack/rtps/clear_endpoints_test.cpp.
 #include "rtps/participant/clear_announcements.hpp"
 
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -2,7 +2,7 @@
 // authenticate all, and their writers and readers match, in bounded time.
 #include <random>
 
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -1,7 +1,7 @@
 // Keys of several peers.
 #include "rtps/security/crypto_token_exchange.hpp"
 
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

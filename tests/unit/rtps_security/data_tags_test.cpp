@@ -1,6 +1,6 @@
 // What an endpoint is tagged with counts for what its participant may do, here and there
 // (DDS-Security 1.2, clause 10.4.1.5.3.4).
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

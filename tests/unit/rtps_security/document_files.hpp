@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps::testing {
 

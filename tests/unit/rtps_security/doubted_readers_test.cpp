@@ -1,7 +1,7 @@
 // How often a reader that is said to have ended is asked.
 #include "rtps/participant/doubted_readers.hpp"
 
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

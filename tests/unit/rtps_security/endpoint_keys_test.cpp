@@ -1,7 +1,7 @@
 // The keys of several readers of one participant.
 #include "rtps/security/endpoint_keys.hpp"
 
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

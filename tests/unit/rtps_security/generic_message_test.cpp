@@ -1,6 +1,6 @@
 #include "rtps/security/generic_message.hpp"
 
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -1,9 +1,9 @@
 // A governance document that changes rights, or the topics that are used, while it waits: nobody
 // keeps what the new document denies, and nothing is protected less.
 #include "plugins/spi/governance_change_time.hpp"
-#include "tests/unit/rtps_security/fixture.hpp"
 #include "tests/unit/rtps_security/key_thief.hpp"
 #include "tests/unit/rtps_security/recorder.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "base/seeded_random.hpp"
 #include "plugins/authentication/authentication.hpp"
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

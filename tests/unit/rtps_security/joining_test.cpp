@@ -1,6 +1,6 @@
 // Secured participants find each other, authenticate, exchange keys and data, and part.
-#include "tests/unit/rtps_security/fixture.hpp"
 #include "tests/unit/rtps_security/forwarding_authentication.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -1,8 +1,8 @@
 // Keys of participants: when they are waited for.
 #include "rtps/security/keyring.hpp"
 
-#include "tests/unit/rtps_security/fixture.hpp"
 #include "tests/unit/rtps_security/key_thief.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

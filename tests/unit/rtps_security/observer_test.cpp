@@ -1,6 +1,6 @@
 // What a listener makes of participants that meet, or do not.
 #include "rtps/observer/meetings.hpp"
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 #include "wire/data.hpp"
 #include "wire/info_source.hpp"
 

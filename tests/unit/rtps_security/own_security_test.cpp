@@ -1,7 +1,7 @@
 // What makes no participant.
 #include "rtps/security/own_security.hpp"
 
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

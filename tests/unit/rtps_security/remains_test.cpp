@@ -2,8 +2,8 @@
 // stack, heap and every other page that this process can write to is searched.
 #include "tests/support/remains.hpp"
 
-#include "tests/unit/rtps_security/fixture.hpp"
 #include "tests/unit/rtps_security/forwarding_authentication.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps::testing {
 namespace {

@@ -1,6 +1,6 @@
 // A certificate is revoked while its participant takes part.
 #include "plugins/spi/session_reset.hpp"
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "base/engine_services.hpp"
 #include "rtps/dcps/domain_participant_factory.hpp"
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 

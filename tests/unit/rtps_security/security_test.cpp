@@ -1,7 +1,7 @@
 // Participants and endpoints that part, and permissions that end.
 #include "rtps/security/security.hpp"
 
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

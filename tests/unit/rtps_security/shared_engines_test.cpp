@@ -1,6 +1,6 @@
 // Two participants of one process on one set of engines, and a remote one that both deal with: what
 // ends for the one goes on for the other.
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {

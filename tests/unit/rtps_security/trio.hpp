@@ -1,8 +1,8 @@
 // Three participants of a domain that revises keys; one of them keeps every key it is given.
 #pragma once
 
-#include "tests/unit/rtps_security/fixture.hpp"
 #include "tests/unit/rtps_security/recorder.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps::testing {
 

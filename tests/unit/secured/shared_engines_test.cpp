@@ -5,7 +5,7 @@
 #include "secured/engines.hpp"
 #include "secured/participant.hpp"
 #include "tests/support/silent.hpp"
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
 

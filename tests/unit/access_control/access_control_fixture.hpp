@@ -16,7 +16,7 @@
 #include "plugins/access_control/documents.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "plugins/spi/session_facts.hpp"
-#include "tests/unit/pki/fixture.hpp"
+#include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::access_control {
 

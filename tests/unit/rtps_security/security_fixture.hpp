@@ -17,7 +17,7 @@
 #include "rtps/participant/rtps_participant.hpp"
 #include "tests/support/code_of.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include "tests/unit/pki/fixture.hpp"
+#include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::rtps::testing {
 

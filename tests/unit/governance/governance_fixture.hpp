@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "governance/read.hpp"
-#include "tests/unit/pki/fixture.hpp"
+#include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::governance {
 
