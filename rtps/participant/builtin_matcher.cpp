@@ -36,7 +36,7 @@ void BuiltinMatcher::match(const BuiltinTopicInfo& info, RemoteParticipant& remo
   if ((remote.data.builtin_endpoints & info.bits & mask) == 0) return;
   const EntityId own = with_writer ? info.writer : info.reader;
   const Guid other{remote.prefix(), with_writer ? info.reader : info.writer};
-  if (core_.security && !core_.security->introduce(own, other)) return;
+  if (core_.security && !core_.security->register_pair(own, other)) return;
   if (with_writer)
     builtin_.writer(info.topic).match({other, true, true, remote.metatraffic}, core_.now);
   else

@@ -137,7 +137,7 @@ void ClearAnnouncements::on_read(RemoteParticipant& remote) {
     const auto dropped = reading.note_gone(endpoint);
     if (!dropped || remote.endpoints.contains(*dropped)) continue;
     for (const auto& local : counterparts(*dropped))
-      core_.security->keyring().separate(local, {remote.prefix(), *dropped});
+      core_.security->keyring().unregister_pair(local, {remote.prefix(), *dropped});
   }
   look_for_keys(remote);
 }

@@ -33,10 +33,10 @@ std::optional<Admission::Permission> judge(ParticipantCore& core, const Endpoint
 }
 
 /// Returns false if the keys of the pair have not arrived yet.
-bool introduce(ParticipantCore& core, const EntityId& local, const Guid& remote,
-               const Admission::Permission& permission) {
+bool register_pair(ParticipantCore& core, const EntityId& local, const Guid& remote,
+                   const Admission::Permission& permission) {
   if (!core.security || remote.prefix == core.config.prefix) return true;
-  return core.security->introduce(local, remote, permission.relay_only);
+  return core.security->register_pair(local, remote, permission.relay_only);
 }
 
 }  // namespace
@@ -187,7 +187,7 @@ bool EndpointMatcher::match_all(RemoteParticipant& remote) {
     // One that withholds its own keys has ours, though it is not matched.
     auto& keyring = core_.security->keyring();
     const bool is_matched = local.matched.contains(data.guid);
-    if (is_matched || keyring.is_introduced(own, data.guid)) {
+    if (is_matched || keyring.is_pair_registered(own, data.guid)) {
       const auto permission = core_.security->admit(own, Admission::Endpoint::of(data));
       const bool is_relay = keyring.kind_of(own, data.guid) == Keyring::PairKind::relay_only;
       const bool stays = permission && permission->relay_only == is_relay;
@@ -268,7 +268,7 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
   if (!permission) return forget(writer, data.guid, true);
   const bool is_silent = writer.silent.contains(data.guid);
   if (!known && !is_silent && !places_.has_place(MatchPlaces::Local(writer), remote, data)) return;
-  if (!introduce(core_, writer.data.guid.entity, data.guid, *permission) || is_silent) return;
+  if (!register_pair(core_, writer.data.guid.entity, data.guid, *permission) || is_silent) return;
   // A reader in this process gets each sample directly and filters by itself.
   const auto* near =
       neighbour_of(local_, core_.config.neighbourhood.get(), writer.data.guid.entity, data.guid);
@@ -301,7 +301,7 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
   const auto permission = judge(core_, reader.data, *reader.listener, data);
   if (!permission) return forget(reader, data.guid, true);
   if (!known && !places_.has_place(MatchPlaces::Local(reader), remote, data)) return;
-  if (!introduce(core_, own.entity, data.guid, *permission)) return;
+  if (!register_pair(core_, own.entity, data.guid, *permission)) return;
   if (known) {
     reader.listener->on_matched(data);
     return remote.watch(*reader.listener, data, core_.now);
@@ -324,7 +324,8 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
 }
 
 void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote, bool stays) {
-  if (core_.security) core_.security->keyring().separate(writer.data.guid.entity, remote, stays);
+  if (core_.security)
+    core_.security->keyring().unregister_pair(writer.data.guid.entity, remote, stays);
   presence_.forget(writer, remote);
   writer.waiting.remove(remote);
   if (!writer.matched.remove(remote)) return;
@@ -336,7 +337,8 @@ void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote, bool stays
 
 void EndpointMatcher::forget(LocalReader& reader, const Guid& remote, bool stays) {
   const auto keys = core_.keys_of(reader.data.guid.entity, remote);
-  if (core_.security) core_.security->keyring().separate(reader.data.guid.entity, remote, stays);
+  if (core_.security)
+    core_.security->keyring().unregister_pair(reader.data.guid.entity, remote, stays);
   reader.waiting.remove(remote);
   if (!reader.matched.remove(remote)) return;
   if (auto* participant = remotes_.find_or_self(remote.prefix))

@@ -191,10 +191,10 @@ Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
 Status Admission::add_other_protection(const EntityId& id, std::string_view topic) {
   const auto other =
       core_.own->plugins().access_control.other_attributes(core_.own->permissions(), topic);
-  if (!other || core_.keyring.second().attributes(id) != nullptr ||
-      protection_id(*other) == core_.keyring.second().first_of(id))
+  if (!other || core_.keyring.second_protections().attributes(id) != nullptr ||
+      protection_id(*other) == core_.keyring.second_protections().first_of(id))
     return {};
-  return core_.keyring.second().add(id, *other);
+  return core_.keyring.second_protections().add(id, *other);
 }
 
 Result<Admission::Announced> Admission::announced(const EntityId& id) {
@@ -212,9 +212,10 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
   const auto* attributes = core_.keyring.attributes(local);
   if (attributes == nullptr || !may_still(local)) return std::nullopt;
   const auto permission =
-      admit({*attributes, is_reader(local), core_.keyring.second().attributes(local)}, remote);
+      admit({*attributes, is_reader(local), core_.keyring.second_protections().attributes(local)},
+            remote);
   if (!core_.governance_changes) return permission;
-  auto& second = core_.keyring.second();
+  auto& second = core_.keyring.second_protections();
   second.permit(local, remote.guid,
                 permission && may_as_well(is_reader(local), *permission, remote));
   second.note_announced(

@@ -148,7 +148,7 @@ void CryptoTokenExchange::send_endpoint_tokens(Peer& peer, const EntityId& local
   message.message_class =
       writes ? message_class::kDatawriterTokens : message_class::kDatareaderTokens;
   message.data = std::move(tokens);
-  if (protection == 0) protection = core_.keyring.second().first_of(local);
+  if (protection == 0) protection = core_.keyring.second_protections().first_of(local);
   if (protection != 0 && peer.state.association()->governance.takes_part) {
     message.message_class =
         writes ? message_class::kDatawriterTokensOfOne : message_class::kDatareaderTokensOfOne;
@@ -158,17 +158,18 @@ void CryptoTokenExchange::send_endpoint_tokens(Peer& peer, const EntityId& local
 }
 
 void CryptoTokenExchange::complete(Peer& peer, const EntityId& local, const Guid& remote) {
-  auto completed = core_.keyring.second().complete(local, remote);
+  auto completed = core_.keyring.second_protections().complete(local, remote);
   if (!completed) return core_.raise(completed.error(), remote, EventOrigin::its_keys);
   if (completed->protection == 0) return;
   send_endpoint_tokens(peer, local, remote, std::move(completed->tokens), completed->protection);
   if (revising_ && is_trusted(peer) &&
-      completed->protection == core_.keyring.second().first_of(local))
+      completed->protection == core_.keyring.second_protections().first_of(local))
     add_waiting(*peer.state.association(), local, remote, spi::KeyStage::revised);
 }
 
 bool CryptoTokenExchange::complete_pairs(Peer& peer) {
-  for (const auto& [local, remote] : core_.keyring.second().incomplete_pairs(peer.prefix())) {
+  for (const auto& [local, remote] :
+       core_.keyring.second_protections().incomplete_pairs(peer.prefix())) {
     if (!has_room(peer)) return false;
     complete(peer, local, remote);
   }
@@ -225,7 +226,7 @@ void CryptoTokenExchange::add_waiting(Association& association, const EntityId& 
                                       const Guid& remote, spi::KeyStage stage) {
   association.waiting.add(local, remote, stage);
   association.waiting.forget_unless([this](const EntityId& ours, const Guid& theirs) {
-    return core_.keyring.is_introduced(ours, theirs);
+    return core_.keyring.is_pair_registered(ours, theirs);
   });
 }
 
@@ -237,7 +238,7 @@ void CryptoTokenExchange::send_waiting(Peer& peer) {
     const auto next = association.waiting.take();
     if (!next) return;
     const auto& [local, remote, stage] = *next;
-    if (!keyring.is_introduced(local, remote)) continue;
+    if (!keyring.is_pair_registered(local, remote)) continue;
     auto tokens = keyring.endpoint_tokens(local, remote, stage);
     if (tokens)
       send_endpoint_tokens(peer, local, remote, std::move(*tokens));
@@ -309,7 +310,7 @@ void CryptoTokenExchange::on_tokens_wanted(Peer& peer, const GenericMessage& mes
   const auto local = message.destination_endpoint;
   const auto remote = message.source_endpoint;
   const bool fits = local.prefix == core_.own->guid().prefix && remote.prefix == peer.prefix() &&
-                    core_.keyring.is_introduced(local.entity, remote);
+                    core_.keyring.is_pair_registered(local.entity, remote);
   if (!fits) return;
   add_waiting(*peer.state.association(), local.entity, remote, spi::KeyStage::in_use);
   send_waiting(peer);
@@ -326,9 +327,10 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
   // Local endpoints exist before they are announced to others.
   if (!fits || core_.keyring.attributes(local.entity) == nullptr) return true;
   const auto protection = protection_in(message);
-  if (protection != 0 && !core_.keyring.second().has(local.entity, protection)) return true;
+  if (protection != 0 && !core_.keyring.second_protections().has(local.entity, protection))
+    return true;
   if (core_.keyring.kind_of(local.entity, remote) != Keyring::PairKind::unknown ||
-      core_.keyring.second().of(local.entity, remote) != nullptr) {
+      core_.keyring.second_protections().of(local.entity, remote) != nullptr) {
     if (apply_tokens(peer, message)) core_.host.on_keys(local.entity, remote);
     return true;
   }
@@ -347,26 +349,27 @@ bool CryptoTokenExchange::apply_tokens(Peer& peer, const GenericMessage& message
   return ready && *ready;
 }
 
-bool CryptoTokenExchange::introduce(const EntityId& local, const Guid& remote, bool relay_only) {
-  auto introduced = core_.keyring.introduce(local, remote, relay_only);
-  if (!introduced) {
+bool CryptoTokenExchange::register_pair(const EntityId& local, const Guid& remote,
+                                        bool relay_only) {
+  auto registered = core_.keyring.register_pair(local, remote, relay_only);
+  if (!registered) {
     const auto* attributes = core_.keyring.attributes(local);
     const bool is_secure = attributes != nullptr && attributes->topic.is_discovery_protected;
-    core_.raise(introduced.error(), remote, core_.origin_of_announcement(remote, is_secure));
+    core_.raise(registered.error(), remote, core_.origin_of_announcement(remote, is_secure));
     return false;
   }
   auto* peer = core_.find(remote.prefix);
   auto* association = peer == nullptr ? nullptr : peer->state.association();
-  if (!introduced->is_new || association == nullptr) return introduced->ready;
+  if (!registered->is_new || association == nullptr) return registered->ready;
   if (may_send(*association) && association->waiting.empty())
-    send_endpoint_tokens(*peer, local, remote, std::move(introduced->tokens));
-  else if (!introduced->tokens.empty())
+    send_endpoint_tokens(*peer, local, remote, std::move(registered->tokens));
+  else if (!registered->tokens.empty())
     add_waiting(*association, local, remote, spi::KeyStage::in_use);
   if (revising_ && is_trusted(*peer)) {
     add_waiting(*association, local, remote, spi::KeyStage::revised);
     send_waiting(*peer);
   }
-  bool ready = introduced->ready;
+  bool ready = registered->ready;
   const bool any = association->early.take(
       {core_.own->guid().prefix, local}, remote,
       [&](const auto& early) { ready = apply_tokens(*peer, early) || ready; });

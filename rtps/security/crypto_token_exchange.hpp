@@ -58,7 +58,7 @@ class CryptoTokenExchange {
 
   /// Registers a local and a remote endpoint as a pair. Returns true if they can be matched now.
   /// Otherwise on_keys is called when they can.
-  bool introduce(const EntityId& local, const Guid& remote, bool relay_only);
+  bool register_pair(const EntityId& local, const Guid& remote, bool relay_only);
 
   /// Asks a ddssec peer for the tokens of a remote endpoint, which it has sent before.
   void request_tokens(const EntityId& local, const Guid& remote);

@@ -84,7 +84,7 @@ void EndpointKeys::remove(Locals& from, const EntityId& id) {
   const auto at = from.find(id);
   if (at == from.end()) return;
   while (!at->second.pairs.empty())
-    separate(from, id, Guid(at->second.pairs.begin()->first), false);
+    unregister_pair(from, id, Guid(at->second.pairs.begin()->first), false);
   const auto handle = at->second.handle;
   from.erase(at);
   if (handle == 0) return;
@@ -96,8 +96,9 @@ void EndpointKeys::remove(Locals& from, const EntityId& id) {
 
 // ---- pairs
 
-Result<std::int64_t> EndpointKeys::register_pair(const EntityId& id, const LocalKeys& local,
-                                                 const RemoteCrypto& remote, bool relay_only) {
+Result<std::int64_t> EndpointKeys::register_with_plugin(const EntityId& id, const LocalKeys& local,
+                                                        const RemoteCrypto& remote,
+                                                        bool relay_only) {
   if (is_writer(id)) {
     DDSSEC_ASSIGN_OR_RETURN(const auto matched_remote_datareader,
                             factory().register_matched_remote_datareader(
@@ -119,14 +120,14 @@ Result<std::vector<spi::Token>> EndpointKeys::tokens_for(const EntityId& id, con
   return exchange.create_local_datareader_crypto_tokens({local.handle}, {pair.handle}, stage);
 }
 
-Result<Introduction> EndpointKeys::introduce(const EntityId& id, LocalKeys& local,
-                                             const Guid& remote, bool relay_only) {
+Result<PairRegistration> EndpointKeys::register_pair(const EntityId& id, LocalKeys& local,
+                                                     const Guid& remote, bool relay_only) {
   PairKeys pair{.ready = true, .relay_only = relay_only};
-  Introduction out{true, true};
+  PairRegistration out{true, true};
   if (local.handle != 0) {
     const auto peer = remotes_.find(remote.prefix);
     if (peer == remotes_.end()) return fail(Code::crypto_not_matched);
-    DDSSEC_ASSIGN_OR_RETURN(pair.handle, register_pair(id, local, peer->second, relay_only));
+    DDSSEC_ASSIGN_OR_RETURN(pair.handle, register_with_plugin(id, local, peer->second, relay_only));
     endpoint_of_[pair.handle] = {remote, local.protection};
     if (!local.is_volatile) {
       DDSSEC_ASSIGN_OR_RETURN(out.tokens, tokens_for(id, local, pair));
@@ -137,7 +138,8 @@ Result<Introduction> EndpointKeys::introduce(const EntityId& id, LocalKeys& loca
   return out;
 }
 
-void EndpointKeys::separate(Locals& from, const EntityId& id, const Guid& remote, bool may_return) {
+void EndpointKeys::unregister_pair(Locals& from, const EntityId& id, const Guid& remote,
+                                   bool may_return) {
   const auto at = from.find(id);
   if (at == from.end()) return;
   const auto pair = at->second.pairs.find(remote);
@@ -156,11 +158,11 @@ void EndpointKeys::separate(Locals& from, const EntityId& id, const Guid& remote
     static_cast<void>(factory().unregister_datawriter({handle}));
 }
 
-void EndpointKeys::part_all(Locals& from, const GuidPrefix& remote) {
+void EndpointKeys::unregister_pairs_of(Locals& from, const GuidPrefix& remote) {
   for (auto& [id, local] : from)
     for (auto at = local.pairs.lower_bound({remote, {}});
          at != local.pairs.end() && at->first.prefix == remote;)
-      separate(from, id, Guid((at++)->first), false);
+      unregister_pair(from, id, Guid((at++)->first), false);
 }
 
 const EndpointKeys::Endpoint* EndpointKeys::endpoint_of(std::int64_t handle) const {
@@ -226,17 +228,17 @@ void SecondProtections::remove(const EntityId& id) {
   keys_.remove(others_, id);
 }
 
-void SecondProtections::separate(const EntityId& id, const Guid& remote) {
+void SecondProtections::unregister_pair(const EntityId& id, const Guid& remote) {
   forget(permitted_, id, remote);
   forget(announced_with_second_, id, remote);
-  keys_.separate(others_, id, remote, false);
+  keys_.unregister_pair(others_, id, remote, false);
 }
 
-void SecondProtections::part_all(const GuidPrefix& remote) {
+void SecondProtections::unregister_pairs_of(const GuidPrefix& remote) {
   for (auto* pairs : {&permitted_, &announced_with_second_})
     for (auto& [id, guids] : *pairs)
       std::erase_if(guids, [&](const Guid& guid) { return guid.prefix == remote; });
-  keys_.part_all(others_, remote);
+  keys_.unregister_pairs_of(others_, remote);
 }
 
 void SecondProtections::remove_all() {
@@ -295,8 +297,8 @@ Result<SecondProtections::Completion> SecondProtections::complete(const EntityId
   if (has_first == has_other || (has_first && in_first->second.suspended)) return Completion{};
   auto& lacks = has_first ? other->second : first->second;
   const bool relay_only = has_first ? in_first->second.relay_only : in_other->second.relay_only;
-  DDSSEC_ASSIGN_OR_RETURN(auto introduced, keys_.introduce(id, lacks, remote, relay_only));
-  return Completion{lacks.protection, std::move(introduced.tokens)};
+  DDSSEC_ASSIGN_OR_RETURN(auto registered, keys_.register_pair(id, lacks, remote, relay_only));
+  return Completion{lacks.protection, std::move(registered.tokens)};
 }
 
 const LocalKeys* SecondProtections::of(const EntityId& id, const Guid& remote) const {

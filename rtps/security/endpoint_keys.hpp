@@ -56,7 +56,7 @@ struct RemoteCrypto {
 using Remotes = std::map<GuidPrefix, RemoteCrypto>;
 
 /// A pair that was registered, or found.
-struct Introduction {
+struct PairRegistration {
   bool ready = false;  ///< the keys have arrived, or none are needed
   bool is_new = false;
   std::vector<spi::Token> tokens = {};  ///< to be sent to the remote endpoint, if the pair is new
@@ -71,12 +71,12 @@ class EndpointKeys {
   Status add(Locals& to, const EntityId& id, LocalKeys local);
   void remove(Locals& from, const EntityId& id);
   /// Errors: crypto_not_matched (the remote participant is not known), those of the plugin.
-  Result<Introduction> introduce(const EntityId& id, LocalKeys& local, const Guid& remote,
-                                 bool relay_only);
-  /// See Keyring::part.
-  void separate(Locals& from, const EntityId& id, const Guid& remote, bool may_return);
-  /// Parts all endpoints of the participant.
-  void part_all(Locals& from, const GuidPrefix& remote);
+  Result<PairRegistration> register_pair(const EntityId& id, LocalKeys& local, const Guid& remote,
+                                         bool relay_only);
+  /// See Keyring::unregister_pair.
+  void unregister_pair(Locals& from, const EntityId& id, const Guid& remote, bool may_return);
+  /// The same for all endpoints of the participant.
+  void unregister_pairs_of(Locals& from, const GuidPrefix& remote);
   Result<std::vector<spi::Token>> tokens_for(const EntityId& id, const LocalKeys& local,
                                              const PairKeys& pair,
                                              spi::KeyStage stage = spi::KeyStage::in_use);
@@ -90,8 +90,8 @@ class EndpointKeys {
 
  private:
   Status register_local(const EntityId& id, LocalKeys& local);
-  Result<std::int64_t> register_pair(const EntityId& id, const LocalKeys& local,
-                                     const RemoteCrypto& remote, bool relay_only);
+  Result<std::int64_t> register_with_plugin(const EntityId& id, const LocalKeys& local,
+                                            const RemoteCrypto& remote, bool relay_only);
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }
 
   OwnSecurity& own_;
@@ -117,8 +117,8 @@ class SecondProtections {
   void swap() noexcept;
   void remove_all();
   void remove(const EntityId& id);
-  void separate(const EntityId& id, const Guid& remote);
-  void part_all(const GuidPrefix& remote);
+  void unregister_pair(const EntityId& id, const Guid& remote);
+  void unregister_pairs_of(const GuidPrefix& remote);
 
   /// The first protection; 0: unknown endpoint.
   ProtectionId first_of(const EntityId& id) const;

@@ -70,7 +70,7 @@ void GovernanceTransition::tick() {
       const auto* association = one.second.state.association();
       return association != nullptr && association->governance.takes_part &&
              (association->governance.said->state == State::changing ||
-              core_.keyring.second().any_announced_with_second(one.first));
+              core_.keyring.second_protections().any_announced_with_second(one.first));
     });
     if (!any_is_behind || core_.now >= deadline_) end();
   }
@@ -118,7 +118,7 @@ void GovernanceTransition::change() {
   if (!access.apply_pending_governance(core_.own->permissions(), *target_)) return end();
   report_behind();
   core_.sender.flush();
-  core_.keyring.second().swap();
+  core_.keyring.second_protections().swap();
   core_.governance_has_changed = true;
   phase_ = Phase::draining;
   // A peer that has the document sends with the new protection before its own time is over.
@@ -129,7 +129,7 @@ void GovernanceTransition::change() {
 }
 
 void GovernanceTransition::end() {
-  core_.keyring.second().remove_all();
+  core_.keyring.second_protections().remove_all();
   core_.governance_changes = core_.governance_waits = false;
   phase_ = Phase::none;
   deadline_ = kNever;
@@ -167,7 +167,7 @@ bool GovernanceTransition::has_changed(const Peer& peer) const {
 
 // One that is not joined gets its keys later.
 bool GovernanceTransition::is_ready(const Peer& peer) const {
-  if (peer.state.joined() == nullptr || !core_.keyring.second().any_with(peer.prefix()))
+  if (peer.state.joined() == nullptr || !core_.keyring.second_protections().any_with(peer.prefix()))
     return true;
   return has_changed(peer) && CryptoTokenExchange::is_up_to_date(peer);
 }
@@ -180,7 +180,7 @@ void GovernanceTransition::refresh(Peer& peer) const {
 
 void GovernanceTransition::report_behind() {
   each_joined([&](Peer& peer) {
-    if (!core_.keyring.second().any_with(peer.prefix()) || has_changed(peer)) return;
+    if (!core_.keyring.second_protections().any_with(peer.prefix()) || has_changed(peer)) return;
     const auto& said = peer.state.association()->governance.said;
     const bool is_ahead = said && said->version.revision > target_->revision;
     core_.raise(

@@ -323,9 +323,9 @@ Status Handshakes::register_keys(const Peer& peer, Association& association) {
     keyring.remove_remote(prefix);
   });
   DDSSEC_RETURN_IF_ERROR(
-      keyring.introduce(kVolatileMessageWriter, {prefix, kVolatileMessageReader}));
+      keyring.register_pair(kVolatileMessageWriter, {prefix, kVolatileMessageReader}));
   DDSSEC_RETURN_IF_ERROR(
-      keyring.introduce(kVolatileMessageReader, {prefix, kVolatileMessageWriter}));
+      keyring.register_pair(kVolatileMessageReader, {prefix, kVolatileMessageWriter}));
   return {};
 }
 

@@ -54,7 +54,7 @@ Result<std::optional<spi::CipherMask>> Keyring::required_ciphers(const EntityId&
 }
 
 void Keyring::remove_local(const EntityId& id) {
-  second_.remove(id);
+  second_protections_.remove(id);
   keys_.remove(locals_, id);
 }
 
@@ -71,8 +71,8 @@ Status Keyring::add_remote(const GuidPrefix& prefix, RemoteParticipant remote) {
 }
 
 void Keyring::remove_remote(const GuidPrefix& prefix) {
-  second_.part_all(prefix);
-  keys_.part_all(locals_, prefix);
+  second_protections_.unregister_pairs_of(prefix);
+  keys_.unregister_pairs_of(locals_, prefix);
   const auto at = remotes_.find(prefix);
   if (at == remotes_.end()) return;
   own_.session_ends().forget(prefix);
@@ -100,29 +100,30 @@ Status Keyring::set_participant_tokens(const GuidPrefix& prefix,
 
 // ---- pairs
 
-Result<Introduction> Keyring::introduce(const EntityId& id, const Guid& remote, bool relay_only) {
+Result<PairRegistration> Keyring::register_pair(const EntityId& id, const Guid& remote,
+                                                bool relay_only) {
   const auto at = locals_.find(id);
   if (at == locals_.end()) return fail(Code::crypto_not_matched);
   auto& local = at->second;
   if (const auto known = local.pairs.find(remote); known != local.pairs.end()) {
     auto& pair = known->second;
-    if (pair.relay_only == relay_only && !pair.suspended) return Introduction{pair.ready};
+    if (pair.relay_only == relay_only && !pair.suspended) return PairRegistration{pair.ready};
     if (pair.relay_only == relay_only) {
       // The remote endpoint gets the keys again: they may have been revised.
       DDSSEC_ASSIGN_OR_RETURN(auto tokens, keys_.tokens_for(id, local, pair));
       pair.suspended = false;
       local.list(id, pair);
-      return Introduction{pair.ready, true, std::move(tokens)};
+      return PairRegistration{pair.ready, true, std::move(tokens)};
     }
-    separate(id, remote);
+    unregister_pair(id, remote);
   }
-  return keys_.introduce(id, local, remote, relay_only);
+  return keys_.register_pair(id, local, remote, relay_only);
 }
 
 // A suspended pair gets its second protection again when it returns.
-void Keyring::separate(const EntityId& id, const Guid& remote, bool may_return) {
-  second_.separate(id, remote);
-  keys_.separate(locals_, id, remote, may_return);
+void Keyring::unregister_pair(const EntityId& id, const Guid& remote, bool may_return) {
+  second_protections_.unregister_pair(id, remote);
+  keys_.unregister_pair(locals_, id, remote, may_return);
 }
 
 Keyring::PairKind Keyring::kind_of(const EntityId& id, const Guid& remote) const {
@@ -134,7 +135,7 @@ Keyring::PairKind Keyring::kind_of(const EntityId& id, const Guid& remote) const
   return pair->second.relay_only ? PairKind::relay_only : PairKind::ordinary;
 }
 
-bool Keyring::is_introduced(const EntityId& id, const Guid& remote) const {
+bool Keyring::is_pair_registered(const EntityId& id, const Guid& remote) const {
   const auto kind = kind_of(id, remote);
   return kind == PairKind::ordinary || kind == PairKind::relay_only;
 }
@@ -168,7 +169,7 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
   const auto at = locals_.find(id);
   const bool is_first =
       at != locals_.end() && (protection == 0 || at->second.protection == protection);
-  auto* local = is_first ? &at->second : second_.find(id, protection);
+  auto* local = is_first ? &at->second : second_protections_.find(id, protection);
   if (local == nullptr) return fail(Code::crypto_not_matched);
   const auto pair = local->pairs.find(remote);
   if (pair == local->pairs.end() || pair->second.handle == 0)

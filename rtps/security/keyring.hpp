@@ -39,8 +39,8 @@ class Keyring final : public SendProtection {
   Result<std::optional<spi::CipherMask>> required_ciphers(const EntityId& id);
   /// Returns nullptr if the endpoint was never added.
   const spi::EndpointSecurityAttributes* attributes(const EntityId& id) const;
-  SecondProtections& second() { return second_; }
-  const SecondProtections& second() const { return second_; }
+  SecondProtections& second_protections() { return second_protections_; }
+  const SecondProtections& second_protections() const { return second_protections_; }
 
   // Remote participants:
   struct RemoteParticipant {
@@ -58,20 +58,20 @@ class Keyring final : public SendProtection {
 
   // Pairs of a local and a remote endpoint:
   /// Registers a pair, or finds it.
-  Result<Introduction> introduce(const EntityId& local, const Guid& remote,
-                                 bool relay_only = false);
-  /// `may_return`: the pair is suspended. It may be introduced again, and the remote endpoint,
+  Result<PairRegistration> register_pair(const EntityId& local, const Guid& remote,
+                                         bool relay_only = false);
+  /// `may_return`: the pair is suspended. It may be registered again, and the remote endpoint,
   /// which need not know of that, does not send its keys again then. Nothing is protected for it
   /// meanwhile.
-  void separate(const EntityId& local, const Guid& remote, bool may_return = false);
+  void unregister_pair(const EntityId& local, const Guid& remote, bool may_return = false);
   enum class PairKind : std::uint8_t { unknown, ordinary, relay_only, suspended };
   PairKind kind_of(const EntityId& local, const Guid& remote) const;
   /// False for a pair that is suspended.
-  bool is_introduced(const EntityId& local, const Guid& remote) const;
+  bool is_pair_registered(const EntityId& local, const Guid& remote) const;
   /// The keys of the remote endpoint for a pair.
   struct PairKeys {
     bool have_come = false;    ///< also if the pair is suspended
-    bool are_awaited = false;  ///< the pair is introduced, and waits for them
+    bool are_awaited = false;  ///< the pair is registered, and waits for them
   };
   PairKeys keys_for(const EntityId& local, const Guid& remote) const;
   /// A digest of the keys that protect messages from the remote to the local endpoint. It stays the
@@ -150,7 +150,7 @@ class Keyring final : public SendProtection {
   Remotes remotes_;
   EndpointKeys keys_{own_, remotes_};
   Locals locals_;
-  SecondProtections second_{locals_, keys_};
+  SecondProtections second_protections_{locals_, keys_};
   std::vector<spi::ParticipantCryptoHandle> all_remotes_;
   ProtectionCounters counters_;
   PreSharedMessages pre_shared_{own_, events_, counters_};

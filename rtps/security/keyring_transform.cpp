@@ -76,7 +76,7 @@ Result<BytesView> Keyring::open_payload(const EntityId& reader, const Guid& writ
                                         MutableBytes scratch) {
   const auto* local = find(reader);
   if (local == nullptr) return fail(Code::crypto_not_matched);
-  if (const auto* other = second_.of(reader, writer)) [[unlikely]] {
+  if (const auto* other = second_protections_.of(reader, writer)) [[unlikely]] {
     const bool by_key = shield.submessage == writer;
     const auto fits = [&](const LocalKeys& one) {
       return by_key ? one.protection == shield.protection
@@ -107,7 +107,7 @@ bool Keyring::accepts(const EntityId& id, const Guid& remote, const Shield& shie
       own_.attributes().is_rtps_protected() && !shield.message && !may_come_bare;
   bool submessage_missing = lacks_submessage_key(*local, remote, shield);
   if (submessage_missing)
-    if (const auto* other = second_.of(id, remote))
+    if (const auto* other = second_protections_.of(id, remote))
       submessage_missing = lacks_submessage_key(*other, remote, shield);
   if (!message_missing && !submessage_missing) return true;
   ++counters_.unprotected;
@@ -127,7 +127,7 @@ bool Keyring::accepts_without_payload(const EntityId& id, const Guid& remote,
   if (local == nullptr) return false;
   const bool proven = shield.message || shield.submessage == remote;
   if (proven || !local->attributes.is_payload_protected()) return true;
-  const auto* other = second_.of(id, remote);
+  const auto* other = second_protections_.of(id, remote);
   if (other != nullptr && !other->attributes.is_payload_protected()) return true;
   ++counters_.unprotected;
   events_.raise(peer_event(Error(Code::rtps_protection_missing,

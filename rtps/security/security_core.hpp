@@ -10,7 +10,7 @@
 
 namespace ddssec::rtps {
 
-/// The participant. Called from within receive, tick and introduce.
+/// The participant. Called from within receive, tick and register_pair.
 class SecurityHost {
  public:
   virtual ~SecurityHost() = default;
@@ -26,9 +26,9 @@ class SecurityHost {
   virtual void on_unconfirmed(const GuidPrefix& peer) = 0;
   /// The peer authenticated again: everything that was agreed on before has ended.
   virtual void on_replaced(const GuidPrefix& peer) = 0;
-  /// The keys of a pair that was introduced have arrived.
+  /// The keys of a pair that is registered have arrived.
   virtual void on_keys(const EntityId& local, const Guid& remote) = 0;
-  /// Keys of the remote endpoint arrived, and are kept, for a pair that was not introduced.
+  /// Keys of the remote endpoint arrived, and are kept, for a pair that is not registered.
   virtual void on_early_keys(const Guid& remote) = 0;
   /// The peer's permissions, or the local ones, were renewed: endpoints may match that did not, or
   /// no longer match. Returns true if any no longer match.
