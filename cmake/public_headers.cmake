@@ -148,7 +148,7 @@ set(DDSSEC_CARRIED_HEADERS
   rtps/durability/stored_change.hpp
   rtps/participant/endpoint_listener.hpp
   rtps/participant/liveliness_signal.hpp
-  rtps/participant/neighbourhood.hpp
+  rtps/participant/process_peers.hpp
   rtps/reliability/change.hpp
   rtps/reliability/held_octets.hpp
   rtps/reliability/moment.hpp

@@ -232,7 +232,7 @@ Result<Json> Agent::try_to_renew(Folder& folder) {
                  arguments_.has("--now") ? std::optional(context_.clock.now()) : std::nullopt);
   const auto sent = worker.write(order, time_for(folder));
   if (sent != End::done) return worker_ended(folder, sent);
-  return converse(folder, worker);
+  return serve_worker(folder, worker);
 }
 
 steady_clock::time_point Agent::time_for(const Folder& folder) const {
@@ -358,7 +358,7 @@ void Agent::note_documents(Folder& folder, const Json& told) {
 
 // The worker asks at most once. If the CA's answer is an error, the worker ends without an answer:
 // it has written nothing yet.
-Result<Json> Agent::converse(Folder& folder, ChildProcess& worker) {
+Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
   std::string line;
   const auto read = [&] { return worker.read_line(line, kMaxAgentLine, time_for(folder)); };
   DDSSEC_ASSIGN_OR_RETURN(const auto json, answer_documents(folder, worker));

@@ -67,7 +67,7 @@ class Agent {
   std::string renewals() const;
   void note_documents(Folder& folder, const Json& told);
   Result<Bytes> ask_document(const Folder& folder, const DocumentRequest& request);
-  Result<Json> converse(Folder& folder, ChildProcess& worker);
+  Result<Json> serve_worker(Folder& folder, ChildProcess& worker);
   Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
   Result<Json> answer_documents(Folder& folder, ChildProcess& worker);
   Result<RenewalAnswer> ask_own_ca(const Folder& folder, const RenewalRequest& request);

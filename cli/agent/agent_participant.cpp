@@ -359,8 +359,8 @@ Json not_renewed(const Participant& self, WallTime due) {
 
 }  // namespace
 
-Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked,
-                         const AgentServices& agent, const Context& context) {
+Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
+                             const AgentServices& agent, const Context& context) {
   ::umask(022);
   DDSSEC_ASSIGN_OR_RETURN(const auto self, read_participant(task, locked, context));
   // First: with the new lists no certificate is asked for that they revoke.

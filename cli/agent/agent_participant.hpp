@@ -56,7 +56,7 @@ struct AgentServices {
 /// folder_untrusted, key_in_token, key_mismatch, renewal_unfit, renewal_goes_back, those of `ask`,
 /// of ChainVerifier::verify and of FileTransaction. With a locked folder, the one of the task must
 /// be that one.
-Result<Json> tend_folder(const AgentTask& task, const LockedFolder* locked,
-                         const AgentServices& agent, const Context& context);
+Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
+                             const AgentServices& agent, const Context& context);
 
 }  // namespace ddssec::cli

@@ -138,7 +138,7 @@ Result<Json> work() {
   const ManualClock given(order.now.value_or(WallTime()));
   SystemRandom random;
   const Context context{order.now ? static_cast<const Clock&>(given) : present, random};
-  return tend_folder(order.task, order.locked ? &*order.locked : nullptr, services(), context);
+  return maintain_folder(order.task, order.locked ? &*order.locked : nullptr, services(), context);
 }
 
 bool is_named(std::string_view variable, std::string_view name) {

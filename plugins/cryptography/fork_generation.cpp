@@ -32,14 +32,14 @@ Place* wiped_by_handler() {
 
 }  // namespace
 
-ForkGeneration::ForkGeneration(Means means)
-    : place_(means == Means::kernel_if_possible ? wiped_by_kernel() : nullptr) {
+ForkGeneration::ForkGeneration(Detection means)
+    : place_(means == Detection::kernel_if_possible ? wiped_by_kernel() : nullptr) {
   if (place_ == nullptr) place_ = wiped_by_handler();
 }
 
 ForkGeneration& ForkGeneration::of_process() {
   static ForkGeneration& instance =
-      *new ForkGeneration(Means::kernel_if_possible);  // threads may outlive static objects
+      *new ForkGeneration(Detection::kernel_if_possible);  // threads may outlive static objects
   return instance;
 }
 

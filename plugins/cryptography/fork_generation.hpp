@@ -13,10 +13,10 @@ namespace ddssec::cryptography {
 /// without that, a pthread_atfork handler writes the zero; it detects fork() only.
 class ForkGeneration {
  public:
-  enum class Means { kernel_if_possible, handler };
+  enum class Detection { kernel_if_possible, handler };
 
   /// The object and its page or handler must live until the process ends.
-  explicit ForkGeneration(Means means);
+  explicit ForkGeneration(Detection means);
   ForkGeneration(const ForkGeneration&) = delete;
   ForkGeneration& operator=(const ForkGeneration&) = delete;
   /// The instance that all keys of the process share.

@@ -54,13 +54,13 @@ bool may_be_used(const CryptographyState& state, const RemoteEndpoint& sender,
 
 /// The decision about a token message, and the error to report.
 struct Judgement {
-  Passage passage;
+  TokenDecision passage;
   std::optional<Error> reported = {};
 };
 
 Result<Judgement> judge(const CryptographyState& state, const RemoteEndpoint& sender,
                         const Pair& pair, const TokenMessage& message) {
-  using Kind = Passage::Kind;
+  using Kind = TokenDecision::Kind;
   if (auto status = check_usable(message); !status)
     return Judgement{{Kind::hidden}, std::move(status).error()};
   // The ledger identifies sessions by the pair. Messages for another pair come by that pair's own
@@ -91,7 +91,8 @@ Result<Judgement> judge(const CryptographyState& state, const RemoteEndpoint& se
 
 /// Gives tokens from the ledger to a match that waits for them. An error is reported as a separate
 /// event.
-void hand_over(CryptographyState& state, const TokenMessage& message, const Passage& passage) {
+void hand_over(CryptographyState& state, const TokenMessage& message,
+               const TokenDecision& passage) {
   spi::Token token = message.tokens.front();
   auto& value = token.binary_properties.front().value;
   wipe(value);
@@ -136,8 +137,8 @@ Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender, const
   const auto payload = submessage.subspan(
       static_cast<std::size_t>(piece.payload.data() - submessage.data()), piece.payload.size());
   write_ticket(passage.ticket, *message, piece, payload);
-  if (passage.kind != Passage::Kind::ticket) payload[message->class_at] = '-';
-  if (passage.kind == Passage::Kind::awaited) hand_over(state, *message, passage);
+  if (passage.kind != TokenDecision::Kind::ticket) payload[message->class_at] = '-';
+  if (passage.kind == TokenDecision::Kind::awaited) hand_over(state, *message, passage);
   if (reported) state.report(*reported, pair.peer_prefix);
   return {};
 }

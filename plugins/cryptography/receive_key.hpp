@@ -110,7 +110,7 @@ class ReceiveKey final : public Retirable {
   const std::shared_ptr<NewestPosition>& position() const { return position_; }
 
  private:
-  struct Aside {
+  struct ReplacedSession {
     std::unique_ptr<ReceiveSession> session;
     std::uint64_t epoch = 0;
   };
@@ -129,7 +129,7 @@ class ReceiveKey final : public Retirable {
   std::array<Published<ReceiveSession>, kMaxSessions> sessions_;
   std::atomic<std::uint32_t> time_ = 0;  // counts remembered sessions
   std::mutex mutex_;                     // guards aside_ and writing to sessions_
-  Aside aside_;
+  ReplacedSession aside_;
 };
 
 }  // namespace ddssec::cryptography

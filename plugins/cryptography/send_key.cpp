@@ -24,10 +24,10 @@ std::uint32_t number_of(SessionId id) {
 
 Iv iv_from(SessionId session, std::uint64_t suffix) {
   Iv iv;
-  Pen pen(iv);
-  pen.put(session.octets);
-  pen.u32(static_cast<std::uint32_t>(suffix >> 32));
-  pen.u32(static_cast<std::uint32_t>(suffix));
+  UncheckedWriter writer(iv);
+  writer.put(session.octets);
+  writer.u32(static_cast<std::uint32_t>(suffix >> 32));
+  writer.u32(static_cast<std::uint32_t>(suffix));
   return iv;
 }
 

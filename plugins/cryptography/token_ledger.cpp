@@ -75,14 +75,14 @@ Ticket TokenLedger::fresh_ticket() {
 
 /// While the host holds a ticket, only the message that brought it passes, as a retransmission: the
 /// host may have had no space for it the first time.
-Passage TokenLedger::of_held(Entry& entry, const TokenMessage& message, const Age& age) {
-  if (age == entry.passed) return {Passage::Kind::ticket, entry.ticket};
+TokenDecision TokenLedger::of_held(Entry& entry, const TokenMessage& message, const Age& age) {
+  if (age == entry.passed) return {TokenDecision::Kind::ticket, entry.ticket};
   if (age > entry.newest) {
     entry.tokens = PackedTokens(message.tokens);
     entry.newest = age;
   }
   const bool is_same_exchange = age.exchange == entry.passed.exchange;
-  return {is_same_exchange ? Passage::Kind::repeated : Passage::Kind::hidden};
+  return {is_same_exchange ? TokenDecision::Kind::repeated : TokenDecision::Kind::hidden};
 }
 
 /// True if the host can no longer hold the ticket of a former exchange. A ticket for builtin
@@ -124,23 +124,24 @@ void TokenLedger::add(const Key& key, Entry fresh) {
   if ((entry->second.account & kUnproven) != 0) ++unproven_pending_;
 }
 
-Result<Passage> TokenLedger::note(const TokenMessage& message, const TokenSender& sender,
-                                  bool are_builtin_matched, std::chrono::nanoseconds now) {
+Result<TokenDecision> TokenLedger::note(const TokenMessage& message, const TokenSender& sender,
+                                        bool are_builtin_matched, std::chrono::nanoseconds now) {
   const std::lock_guard lock(mutex_);
   forget_old(now);
   const auto exchange = sender.exchange;
   const Key key{message.remote, message.local};
   const Age age{exchange, message.number};
-  if (has_taken(age)) return Passage{Passage::Kind::hidden};
+  if (has_taken(age)) return TokenDecision{TokenDecision::Kind::hidden};
   std::optional<TicketUser> user;
   if (const auto known = entries_.find(key); known != entries_.end()) {
     auto& entry = known->second;
     if (entry.is_pending) {
       const bool is_other = exchange > entry.passed.exchange && is_builtin(key.remote.entity);
       if (!is_other) return of_held(entry, message, age);
-      if (!is_given_up(key, entry, are_builtin_matched, now)) return Passage{Passage::Kind::later};
+      if (!is_given_up(key, entry, are_builtin_matched, now))
+        return TokenDecision{TokenDecision::Kind::later};
     } else if (exchange == entry.newest.exchange && age <= entry.newest) {
-      return Passage{Passage::Kind::hidden};  // the host already had it, or ignored it
+      return TokenDecision{TokenDecision::Kind::hidden};  // the host already had it, or ignored it
     } else if (entry.awaited_by && entry.awaited_by->exchange == exchange) {
       user = entry.awaited_by;
     }
@@ -154,8 +155,8 @@ Result<Passage> TokenLedger::note(const TokenMessage& message, const TokenSender
             .passed_at = now,
             .ticket = ticket,
             .tokens = PackedTokens(message.tokens)});
-  if (user) return Passage{Passage::Kind::awaited, ticket, *user};
-  return Passage{Passage::Kind::ticket, ticket};
+  if (user) return TokenDecision{TokenDecision::Kind::awaited, ticket, *user};
+  return TokenDecision{TokenDecision::Kind::ticket, ticket};
 }
 
 std::optional<TokenLedger::Held> TokenLedger::redeem(std::span<const spi::Token> tokens,

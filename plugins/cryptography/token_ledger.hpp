@@ -41,7 +41,7 @@ struct TokenSender {
 };
 
 /// The decision about a message.
-struct Passage {
+struct TokenDecision {
   enum class Kind : std::uint8_t {
     ticket,    ///< passed to the host with the ticket in it
     hidden,    ///< passed to the host under a class that it does not know
@@ -52,7 +52,7 @@ struct Passage {
   Kind kind;
   Ticket ticket = {};
   TicketUser user = {};
-  bool operator==(const Passage&) const = default;
+  bool operator==(const TokenDecision&) const = default;
 };
 
 /// The key material of usable tokens, packed into one block without the parts that are the same in
@@ -119,8 +119,8 @@ class TokenLedger {
   /// Records a message that passed check_usable. Within one exchange, the host takes the numbers of
   /// messages in order, each once. `are_builtin_matched`: the host has matched all builtin
   /// endpoints of sender and receiver. Error: crypto_tokens_crowded.
-  Result<Passage> note(const TokenMessage& message, const TokenSender& sender,
-                       bool are_builtin_matched, std::chrono::nanoseconds now);
+  Result<TokenDecision> note(const TokenMessage& message, const TokenSender& sender,
+                             bool are_builtin_matched, std::chrono::nanoseconds now);
 
   /// The host has taken all messages of that exchange below `next`. `now`, here and below:
   /// Clock::monotonic.
@@ -200,7 +200,7 @@ class TokenLedger {
   static constexpr std::uint64_t kUnproven = std::uint64_t{1} << 63;
 
   static std::uint64_t account_of(const Key& key, const TokenSender& sender);
-  static Passage of_held(Entry& entry, const TokenMessage& message, const Age& age);
+  static TokenDecision of_held(Entry& entry, const TokenMessage& message, const Age& age);
   static bool is_given_up(const Key& key, Entry& entry, bool are_builtin_matched,
                           std::chrono::nanoseconds now);
   Status check_room(const Key& key, const TokenSender& sender);

@@ -28,7 +28,7 @@ bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t
   if (message.is_encrypted)
     return key.open(message.header.iv, {}, message.content, place, message.footer.tag());
   if (!key.verify(message.header.iv, message.content, message.footer.tag())) return false;
-  Pen({place, message.content.size()}).put(message.content);
+  UncheckedWriter({place, message.content.size()}).put(message.content);
   return true;
 }
 
@@ -266,7 +266,7 @@ Result<std::size_t> open_message(BytesView encoded, Frame frame, MutableBytes ou
   const auto fits = [&](BytesView plain) { return check_source(plain, source); };
   DDSSEC_ASSIGN_OR_RETURN(const auto size, open_group(message, content, fits));
   // INFO_SRC stays first, and the header gets the same values, in network order.
-  Pen pen(out);
+  UncheckedWriter pen(out);
   pen.put(encoded.first(4));
   pen.put(source);
   return kRtpsHeaderSize + size;

@@ -42,10 +42,10 @@ void close_length(MutableBytes content, std::size_t position) {
 
 /// INFO_SRC, which binds the RTPS header to the protected content (DDS-Security 1.2,
 /// clause 10.5.3.3.4.5).
-void info_source(Pen& pen, BytesView source) {
-  pen.submessage_header(submessage_id::kInfoSource, kInfoSourceSize - kSubmessageHeaderSize);
-  pen.u32(0);
-  pen.put(source);
+void info_source(UncheckedWriter& writer, BytesView source) {
+  writer.submessage_header(submessage_id::kInfoSource, kInfoSourceSize - kSubmessageHeaderSize);
+  writer.u32(0);
+  writer.put(source);
 }
 
 /// Writes the protected octets to `place`. They come directly from the input if nothing is inserted
@@ -57,9 +57,9 @@ bool protect(const GroupRequest& request, const SendKey& key, const SendKey::Res
   if (encrypts && request.source.empty() && !request.open_length)
     return session.seal({reserved.iv, {}, request.body, place, tag});
   const MutableBytes content(place, request.size());
-  Pen pen(content);
-  if (!request.source.empty()) info_source(pen, request.source);
-  pen.put(request.body);
+  UncheckedWriter writer(content);
+  if (!request.source.empty()) info_source(writer, request.source);
+  writer.put(request.body);
   if (request.open_length) close_length(content, request.head_size() + *request.open_length);
   return encrypts ? session.seal({reserved.iv, {}, content, place, tag})
                   : session.mac(reserved.iv, content, tag);
@@ -70,18 +70,18 @@ bool protect(const GroupRequest& request, const SendKey& key, const SendKey::Res
 /// meanwhile. The others must still get the message. Error: that of the last receiver, if none is
 /// left.
 template <class Receiver>
-Result<std::size_t> receiver_macs(Pen& pen, std::size_t receivers, const SendKey& key,
-                                  const SendKey::Reservation& reserved, TagOut common_mac,
-                                  Receiver&& receiver) {
+Result<std::size_t> receiver_macs(UncheckedWriter& writer, std::size_t receivers,
+                                  const SendKey& key, const SendKey::Reservation& reserved,
+                                  TagOut common_mac, Receiver&& receiver) {
   std::size_t written = 0;
   for (std::size_t i = 0; i < receivers; ++i) {
     const auto found = receiver(i);
     const bool is_last = i + 1 == receivers && written == 0;
     if (!found && found.error().code() == Code::crypto_handle_unknown && !is_last) continue;
     DDSSEC_ASSIGN_OR_RETURN(auto* const receiver_key, found);
-    pen.put(receiver_key->id().view());
+    writer.put(receiver_key->id().view());
     DDSSEC_RETURN_IF_ERROR(
-        receiver_key->mac(key, reserved, common_mac, TagOut(pen.skip(kTagSize), kTagSize)));
+        receiver_key->mac(key, reserved, common_mac, TagOut(writer.skip(kTagSize), kTagSize)));
     ++written;
   }
   return written;
@@ -94,26 +94,26 @@ Result<std::size_t> encode_group(const GroupRequest& request, SendKey& key, Muta
   const bool encrypts = key.traits().encrypts;
   if (out.size() < encoded_size(request, encrypts)) return fail(Code::length_out_of_range);
   DDSSEC_ASSIGN_OR_RETURN(const auto reserved, key.reserve(request.size()));
-  Pen pen(out);
-  pen.submessage_header(request.frame.prefix, kCryptoHeaderSize, request.frame.prefix_flags);
-  pen.crypto_header(key.material().kind, key.material().sender_key_id, reserved.iv);
+  UncheckedWriter writer(out);
+  writer.submessage_header(request.frame.prefix, kCryptoHeaderSize, request.frame.prefix_flags);
+  writer.crypto_header(key.material().kind, key.material().sender_key_id, reserved.iv);
   if (encrypts) {
-    pen.submessage_header(submessage_id::kSecBody, 4 + padded(request.size()));
-    pen.u32(static_cast<std::uint32_t>(request.size()));
+    writer.submessage_header(submessage_id::kSecBody, 4 + padded(request.size()));
+    writer.u32(static_cast<std::uint32_t>(request.size()));
   }
-  auto* const content = pen.skip(request.size());
-  if (encrypts) pen.zeros(padded(request.size()) - request.size());
-  Pen header(out.subspan(pen.written()));
-  pen.skip(kSubmessageHeaderSize);
-  const TagOut common_mac(pen.skip(kTagSize), kTagSize);
+  auto* const content = writer.skip(request.size());
+  if (encrypts) writer.zeros(padded(request.size()) - request.size());
+  UncheckedWriter header(out.subspan(writer.written()));
+  writer.skip(kSubmessageHeaderSize);
+  const TagOut common_mac(writer.skip(kTagSize), kTagSize);
   if (!protect(request, key, reserved, content, common_mac)) return fail(Code::internal);
-  Pen count(out.subspan(pen.written()));
-  pen.skip(sizeof(std::uint32_t));
-  DDSSEC_ASSIGN_OR_RETURN(
-      const auto macs, receiver_macs(pen, request.receivers, key, reserved, common_mac, receiver));
+  UncheckedWriter count(out.subspan(writer.written()));
+  writer.skip(sizeof(std::uint32_t));
+  DDSSEC_ASSIGN_OR_RETURN(const auto macs, receiver_macs(writer, request.receivers, key, reserved,
+                                                         common_mac, receiver));
   header.submessage_header(request.frame.postfix, kFooterSize + kReceiverMacSize * macs);
   count.u32(static_cast<std::uint32_t>(macs));
-  return pen.written();
+  return writer.written();
 }
 
 /// Checks that `plain` is one submessage of whole words. Returns its position if its length must be
@@ -288,7 +288,7 @@ Result<std::size_t> seal_message(BytesView plain, const GroupRequest& request, S
   if (out.size() < kRtpsHeaderSize) return fail(Code::length_out_of_range);
   DDSSEC_ASSIGN_OR_RETURN(const auto written,
                           encode_group(request, key, out.subspan(kRtpsHeaderSize), receiver));
-  Pen(out).put(plain.first(kRtpsHeaderSize));
+  UncheckedWriter(out).put(plain.first(kRtpsHeaderSize));
   return kRtpsHeaderSize + written;
 }
 
@@ -315,17 +315,17 @@ Result<std::size_t> Transform::encode_serialized_payload(spi::DatawriterCryptoHa
   if (plain.size() > std::numeric_limits<std::uint32_t>::max() || out.size() < size)
     return fail(Code::length_out_of_range);
   DDSSEC_ASSIGN_OR_RETURN(const auto reserved, key.reserve(plain.size()));
-  Pen pen(out);
-  pen.crypto_header(key.material().kind, key.material().sender_key_id, reserved.iv);
-  if (encrypts) pen.u32(static_cast<std::uint32_t>(plain.size()));
-  auto* const content = pen.skip(plain.size());
-  const TagOut tag(pen.skip(kTagSize), kTagSize);
-  if (!encrypts) Pen({content, plain.size()}).put(plain);
+  UncheckedWriter writer(out);
+  writer.crypto_header(key.material().kind, key.material().sender_key_id, reserved.iv);
+  if (encrypts) writer.u32(static_cast<std::uint32_t>(plain.size()));
+  auto* const content = writer.skip(plain.size());
+  const TagOut tag(writer.skip(kTagSize), kTagSize);
+  if (!encrypts) UncheckedWriter({content, plain.size()}).put(plain);
   const bool done = encrypts ? reserved.session->key.seal({reserved.iv, {}, plain, content, tag})
                              : reserved.session->key.mac(reserved.iv, plain, tag);
   if (!done) return fail(Code::internal);
-  pen.u32(0);
-  return pen.written();
+  writer.u32(0);
+  return writer.written();
 }
 
 Result<std::size_t> Transform::encode_datawriter_submessage(

@@ -127,9 +127,9 @@ T big_endian(T value) {
 
 /// Writes into a buffer whose size the caller has checked. It is inline and writes a word at a
 /// time: octet by octet, the framing of a 64-octet message would take longer than its encryption.
-class Pen {
+class UncheckedWriter {
  public:
-  explicit Pen(MutableBytes out) : begin_(out.data()), at_(out.data()) {}
+  explicit UncheckedWriter(MutableBytes out) : begin_(out.data()), at_(out.data()) {}
   void put(BytesView octets) {
     if (!octets.empty()) std::memcpy(at_, octets.data(), octets.size());
     at_ += octets.size();

@@ -48,7 +48,7 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
                                         Exception* ex) {
   return ask_handle<Adapter>(instance, ex, [&](Adapter& adapter) -> Result<spi::PermissionsHandle> {
     DDSSEC_RETURN_IF_ERROR(require(qos));
-    say_plugins_in_use(adapter.host(), PluginKind::access_control);
+    report_plugins_in_use(adapter.host(), PluginKind::access_control);
     DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
     DDSSEC_ASSIGN_OR_RETURN(const auto properties,
                             spi::with_process_properties(std::move(property_list)));
@@ -452,7 +452,7 @@ void AccessControlAdapter::listen(const dds_security_access_control_listener* li
   };
   timer_.start({.revoke_ended =
                     [this, revoke](const std::stop_token& stop) {
-                      say_clock_steps(*host_, PluginKind::access_control);
+                      report_clock_steps(*host_, PluginKind::access_control);
                       revoke_ended(stop, revoke);
                     },
                 .next_expiry = [this] { return engine_->next_expiry(); }});

@@ -72,7 +72,7 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
   return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
     DDSSEC_RETURN_IF_ERROR(require(handle, adjusted_guid, qos, candidate_guid));
     *handle = DDS_SECURITY_HANDLE_NIL;
-    say_plugins_in_use(adapter.host(), PluginKind::authentication);
+    report_plugins_in_use(adapter.host(), PluginKind::authentication);
     say_transport(adapter.host());
     DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
     DDSSEC_ASSIGN_OR_RETURN(const auto properties,
@@ -420,7 +420,7 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
   const auto revoke = listener->on_revoke_identity;
   timer_.start({.revoke_ended =
                     [this, revoke](const std::stop_token& stop) {
-                      say_clock_steps(*host_, PluginKind::authentication);
+                      report_clock_steps(*host_, PluginKind::authentication);
                       present_renewed_permissions();
                       const auto ended = remotes_.to_revoke(engine_->expire());
                       for (const auto local : ended.locals) {

@@ -56,7 +56,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   /// Makes the host begin again with peers whose handshake does not end.
   void revoke_stuck(const std::stop_token& stop, const Revoke& revoke);
   /// Makes a peer that does not answer begin again too.
-  void say_farewell(const Guid& peer);
+  void send_farewell(const Guid& peer);
   /// Makes the host begin again with peers that have lost their session with a local participant.
   /// `resets_peers`: peers are to be reset in any case.
   void follow_resets(const std::stop_token& stop, const Revoke& revoke, bool resets_peers);

@@ -39,7 +39,7 @@ CHandle register_local_participant(Instance* instance, const DDS_Security_Identi
   return ask_handle<Adapter>(
       instance, ex, [&](Adapter& adapter) -> Result<spi::ParticipantCryptoHandle> {
         DDSSEC_RETURN_IF_ERROR(require(attributes));
-        say_plugins_in_use(adapter.host(), PluginKind::cryptography);
+        report_plugins_in_use(adapter.host(), PluginKind::cryptography);
         DDSSEC_ASSIGN_OR_RETURN(auto property_list, optional_properties(properties));
         DDSSEC_ASSIGN_OR_RETURN(const auto list,
                                 spi::with_process_properties(std::move(property_list)));

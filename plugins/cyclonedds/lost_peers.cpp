@@ -22,7 +22,7 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
   int farewells = 0;
   for (const auto& stuck : watch_.give_up(questions_to_cryptography())) {
     if (stop.stop_requested()) return;
-    if (!stuck.lacks_endpoints && ++farewells <= kMaxFarewells) say_farewell(stuck.guid);
+    if (!stuck.lacks_endpoints && ++farewells <= kMaxFarewells) send_farewell(stuck.guid);
     if (stuck.is_first) {
       const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(stuck.waited);
       const std::string found = stuck.lacks_endpoints ? "not all of its builtin endpoints"
@@ -49,7 +49,7 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
 }
 
 /// Not where unauthenticated participants are admitted: the peer may be matched as one of them.
-void AuthenticationAdapter::say_farewell(const Guid& peer) {
+void AuthenticationAdapter::send_farewell(const Guid& peer) {
   for (const auto& local : farewells_.locals()) {
     if (!remotes_.has_met(local.handle, peer) || admits_unauthenticated(local.handle)) continue;
     const auto farewell = write_farewell(local.prefix, peer.prefix);

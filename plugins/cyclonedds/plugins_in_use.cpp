@@ -55,7 +55,7 @@ std::vector<std::string_view> named(const PluginVersions& found, bool are_ours) 
 
 const char* version() noexcept { return kVersionMark + kVersionName.size(); }
 
-bool speaks_for_all(PluginKind own) noexcept {
+bool reports_for_all(PluginKind own) noexcept {
   for (std::size_t kind = 0; kind < static_cast<std::size_t>(own); ++kind)
     if (version_of(kind) != nullptr) return false;
   return true;
@@ -90,14 +90,14 @@ std::optional<Event> transport_warning(std::optional<bool> has_udp) {
   return Event(Error(Code::transport_without_resets));
 }
 
-void say_clock_steps(Host& host, PluginKind own) noexcept {
+void report_clock_steps(Host& host, PluginKind own) noexcept {
   const auto report = host.calendar().take_report();
-  if (report && speaks_for_all(own)) host.notice(Event(*report));
+  if (report && reports_for_all(own)) host.notice(Event(*report));
 }
 
-void say_plugins_in_use(Host& host, PluginKind own, std::string (*openssl)()) noexcept {
+void report_plugins_in_use(Host& host, PluginKind own, std::string (*openssl)()) noexcept {
   static std::atomic_flag said;
-  if (said.test() || !speaks_for_all(own) || said.test_and_set()) return;
+  if (said.test() || !reports_for_all(own) || said.test_and_set()) return;
   try {
     PluginVersions found = {version_of(0), version_of(1), version_of(2)};
     // Also if the symbols of this library are not global.

@@ -19,14 +19,14 @@ const char* version() noexcept;
 /// True if no other ddssec library in this process comes before this one. That library reports on
 /// behalf of all three, so that events about the process are raised once. Evaluated late, because
 /// the host loads the libraries one after the other.
-bool speaks_for_all(PluginKind own) noexcept;
+bool reports_for_all(PluginKind own) noexcept;
 
 /// Raises plugins_in_use once per process: which of the three plugins are from ddssec, their
 /// version, and their version of OpenSSL. Then plugins_mixed if not all are from ddssec, and
 /// openssl_known_unsafe if that version has known flaws. Call it when a participant is created: by
 /// then all plugins are loaded.
-void say_plugins_in_use(Host& host, PluginKind own,
-                        std::string (*openssl)() = openssl_version) noexcept;
+void report_plugins_in_use(Host& host, PluginKind own,
+                           std::string (*openssl)() = openssl_version) noexcept;
 
 /// transport_without_resets if the process has no UDP socket; otherwise empty. `has_udp`: empty if
 /// not known.
@@ -34,7 +34,7 @@ std::optional<Event> transport_warning(std::optional<bool> has_udp);
 
 /// Raises an event if the calendar was set, and about the outcome. Only the library that reports
 /// for all does so.
-void say_clock_steps(Host& host, PluginKind own) noexcept;
+void report_clock_steps(Host& host, PluginKind own) noexcept;
 
 /// For each kind the version of the ddssec plugin; null: a stock plugin or another vendor's is
 /// loaded.

@@ -105,12 +105,12 @@ template <class T>
 void BuiltinTopics::make() {
   {
     const std::lock_guard lock(context_.mutex());
-    if (told_.contains(BuiltinTopicOf<T>::topic)) return;
+    if (readers_.contains(BuiltinTopicOf<T>::topic)) return;
   }
   create<T>();
   const std::lock_guard lock(context_.mutex());
   only_ = BuiltinTopicOf<T>::topic;
-  told_.try_emplace(only_);
+  readers_.try_emplace(only_);
   context_.protocol().set_discovery_listener(this);
   only_ = {};
 }
@@ -139,39 +139,40 @@ void BuiltinTopics::create() {
 }
 
 AnyDataReader* BuiltinTopics::reader_of(std::string_view topic) const {
-  if (!told_.contains(topic) || (!only_.empty() && topic != only_)) return nullptr;
+  if (!readers_.contains(topic) || (!only_.empty() && topic != only_)) return nullptr;
   for (const auto& member : subscriber_->members_)
     if (member->topic().name() == topic) return static_cast<AnyDataReader*>(member.get());
   return nullptr;
 }
 
-void BuiltinTopics::deliver(const News& news, Payload payload) {
-  auto* reader = reader_of(news.topic);
+void BuiltinTopics::deliver(const BuiltinChange& what, Payload payload) {
+  auto* reader = reader_of(what.topic);
   if (reader == nullptr) return;
   Change change;
   change.payload = std::move(payload);
-  told_[news.topic].ended.remove(news.key);
-  give(*reader, news, std::move(change));
+  readers_[what.topic].ended.remove(what.key);
+  offer(*reader, what, std::move(change));
 }
 
 // If the reader had no room for the entity, there is no end to report.
-void BuiltinTopics::deliver_end(const News& news, const GuidPrefix& by) {
-  auto* reader = reader_of(news.topic);
-  if (reader == nullptr || reader->reception_.cache().lookup(news.key).is_nil()) return;
+void BuiltinTopics::deliver_end(const BuiltinChange& what, const GuidPrefix& by) {
+  auto* reader = reader_of(what.topic);
+  if (reader == nullptr || reader->reception_.cache().lookup(what.key).is_nil()) return;
   Change change;
   change.status = {true, true};
   change.key_only = true;
-  const auto octets = reader->reception_.cache().octets_of(news.key);
-  give(*reader, news, std::move(change));
-  reader->reception_.forget_ended(told_[news.topic].ended.add(news.key, identity_of(by), octets));
+  const auto octets = reader->reception_.cache().octets_of(what.key);
+  offer(*reader, what, std::move(change));
+  reader->reception_.forget_ended(
+      readers_[what.topic].ended.add(what.key, identity_of(by), octets));
 }
 
 // If there is no room, instances that have ended are removed for those that exist.
-void BuiltinTopics::give(AnyDataReader& reader, const News& news, Change change) {
-  change.writer = news.of;
-  change.key_hash = news.key;
+void BuiltinTopics::offer(AnyDataReader& reader, const BuiltinChange& what, Change change) {
+  change.writer = what.of;
+  change.key_hash = what.key;
   change.source_time = context_.moment().wall;
-  auto& told = told_[news.topic];
+  auto& told = readers_[what.topic];
   bool taken = reader.on_change(change);
   if (!taken) {
     reader.reception_.forget_ended(told.ended.take_all());
@@ -181,7 +182,7 @@ void BuiltinTopics::give(AnyDataReader& reader, const News& news, Change change)
   const auto& cache = reader.reception_.cache();
   context_.services().events.raise(
       Event(Error(Code::rtps_too_many_endpoints,
-                  {.document = fmt::format("builtin topic {}", news.topic),
+                  {.document = fmt::format("builtin topic {}", what.topic),
                    .expected = "room in its reader",
                    .found = fmt::format("{} instances of {} octets that the application has not "
                                         "taken",
@@ -220,7 +221,7 @@ void BuiltinTopics::on_endpoint_gone(const EndpointData& data) {
 // A topic exists while a remote participant has an endpoint on it.
 void BuiltinTopics::count_topic(const EndpointData& data, int by) {
   constexpr std::string_view kTopic = "DCPSTopic";
-  if (!told_.contains(kTopic)) return;
+  if (!readers_.contains(kTopic)) return;
   const auto key = topic_key(data);
   if (by > 0) {
     if (topic_of_.try_emplace(data.guid, key).second && ++endpoints_of_[key] == 1)

@@ -128,12 +128,12 @@ class BuiltinTopics final : private DiscoveryListener {
   void on_endpoint(const EndpointData& data) override;
   void on_endpoint_gone(const EndpointData& data) override;
 
-  struct Told {
+  struct ReaderState {
     EndedInstances ended = {};
     bool refused = false;  ///< the reader had no room, and an event reported it
   };
   /// What is delivered to a reader. `of`: the endpoint or participant; zero for a topic.
-  struct News {
+  struct BuiltinChange {
     std::string_view topic;
     KeyHash key;
     Guid of;
@@ -143,10 +143,10 @@ class BuiltinTopics final : private DiscoveryListener {
   /// Returns nullptr if no application requested the reader, if only another reader is to receive
   /// what is known, or if the reader is deleted.
   AnyDataReader* reader_of(std::string_view topic) const;
-  void deliver(const News& news, Payload payload);
-  void deliver_end(const News& news, const GuidPrefix& by);
+  void deliver(const BuiltinChange& what, Payload payload);
+  void deliver_end(const BuiltinChange& what, const GuidPrefix& by);
   /// Raises an event if the reader has no room.
-  void give(AnyDataReader& reader, const News& news, Change change);
+  void offer(AnyDataReader& reader, const BuiltinChange& what, Change change);
   void count_topic(const EndpointData& data, int by);
   GuidPrefix identity_of(const GuidPrefix& participant) const;
 
@@ -154,7 +154,7 @@ class BuiltinTopics final : private DiscoveryListener {
   ParticipantContext& context_;
   std::vector<std::unique_ptr<Topic>> topics_;
   std::unique_ptr<Subscriber> subscriber_;
-  std::map<std::string_view, Told> told_;  ///< by topic
+  std::map<std::string_view, ReaderState> readers_;  ///< by topic
   std::string_view only_;  ///< the only topic that receives data while what is known is delivered
   /// Of participants, kept until their removal is delivered.
   std::map<GuidPrefix, GuidPrefix> identities_;

@@ -195,8 +195,8 @@ void AnyDataReader::set_listener(DataReaderListener* listener, StatusMask mask) 
   replace_listener([&] { return listeners_.set(listener, mask); });
 }
 
-void AnyDataReader::tell_listeners() {
-  listeners_.tell(*this, {changes_, subscriber().changes_, context_.mutex()});
+void AnyDataReader::notify_listeners() {
+  listeners_.notify(*this, {changes_, subscriber().changes_, context_.mutex()});
 }
 
 }  // namespace ddssec::rtps

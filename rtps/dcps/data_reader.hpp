@@ -117,7 +117,7 @@ class AnyDataReader : public Endpoint {
   void on_own_qos(const Qos& before) override { reception_.change_qos(before, qos_, enabled()); }
   Status check_unused() const override;
   bool has_listener(StatusKind kind) const override { return listeners_.has(kind); }
-  void tell_listeners() override;
+  void notify_listeners() override;
 
   DataReaderListeners listeners_;
   ReadConditions conditions_;

@@ -20,7 +20,7 @@ bool DataReaderListeners::has(StatusKind kind) const {
          (kind == StatusKind::data_available && for_data_on_readers() != nullptr);
 }
 
-void DataReaderListeners::tell(AnyDataReader& reader, const Changes& changes) const {
+void DataReaderListeners::notify(AnyDataReader& reader, const Changes& changes) const {
   const auto listener = [&](StatusKind kind) {
     const std::lock_guard held(changes.mutex);
     return changes.of_reader.contains(kind) ? for_status(kind) : nullptr;
@@ -37,10 +37,10 @@ void DataReaderListeners::tell(AnyDataReader& reader, const Changes& changes) co
     l->on_sample_lost(reader, reader.sample_lost_status());
   if (auto* l = listener(StatusKind::sample_rejected))
     l->on_sample_rejected(reader, reader.sample_rejected_status());
-  tell_of_data(reader, changes);
+  notify_of_data(reader, changes);
 }
 
-void DataReaderListeners::tell_of_data(AnyDataReader& reader, const Changes& changes) const {
+void DataReaderListeners::notify_of_data(AnyDataReader& reader, const Changes& changes) const {
   SubscriberListener* of_readers = nullptr;
   DataReaderListener* of_data = nullptr;
   {
@@ -55,8 +55,8 @@ void DataReaderListeners::tell_of_data(AnyDataReader& reader, const Changes& cha
   if (of_data != nullptr) of_data->on_data_available(reader);
 }
 
-void DataReaderListeners::tell_of_data_available(AnyDataReader& reader,
-                                                 const Changes& changes) const {
+void DataReaderListeners::notify_of_data_available(AnyDataReader& reader,
+                                                   const Changes& changes) const {
   DataReaderListener* listener = nullptr;
   {
     const std::lock_guard held(changes.mutex);

@@ -34,12 +34,12 @@ class DataReaderListeners {
   };
   /// Calls the listeners for the statuses that changed, which marks them as read. The caller does
   /// not hold the lock.
-  void tell(AnyDataReader& reader, const Changes& changes) const;
+  void notify(AnyDataReader& reader, const Changes& changes) const;
   /// Calls on_data_available, if there is a listener for it. The caller does not hold the lock.
-  void tell_of_data_available(AnyDataReader& reader, const Changes& changes) const;
+  void notify_of_data_available(AnyDataReader& reader, const Changes& changes) const;
 
  private:
-  void tell_of_data(AnyDataReader& reader, const Changes& changes) const;
+  void notify_of_data(AnyDataReader& reader, const Changes& changes) const;
 
   Listening<DataReaderListener> own_;
   const Listening<SubscriberListener>& of_subscriber_;

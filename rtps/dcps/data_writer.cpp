@@ -132,7 +132,7 @@ void AnyDataWriter::conclude() {
   protocol().ask_for_acknowledgments();
 }
 
-void AnyDataWriter::linger(std::chrono::steady_clock::time_point deadline) {
+void AnyDataWriter::await_acknowledgment(std::chrono::steady_clock::time_point deadline) {
   if (!concluded_) return;
   auto held = lock();
   const std::chrono::nanoseconds left = deadline - std::chrono::steady_clock::now();

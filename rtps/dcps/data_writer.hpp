@@ -106,7 +106,7 @@ class AnyDataWriter : public Endpoint, private Timed {
   void on_retired() override;
   void on_own_qos(const Qos& before) override;
   void conclude() override;
-  void linger(std::chrono::steady_clock::time_point deadline) override;
+  void await_acknowledgment(std::chrono::steady_clock::time_point deadline) override;
   Status submit(const OctetWrite& change, StatusInfo status);
   Result<InstanceHandle> instance_of(const OctetWrite& change);
   Status wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change);
@@ -118,7 +118,7 @@ class AnyDataWriter : public Endpoint, private Timed {
   bool has_listener(StatusKind kind) const override {
     return listeners_.for_status(kind) != nullptr;
   }
-  void tell_listeners() override { listeners_.tell(*this, changes_, context_.mutex()); }
+  void notify_listeners() override { listeners_.notify(*this, changes_, context_.mutex()); }
 
   const XcdrVersion version_;
   DataWriterListeners listeners_;

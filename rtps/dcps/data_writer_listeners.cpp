@@ -10,8 +10,8 @@ DataWriterListener* DataWriterListeners::for_status(StatusKind kind) const {
   return of_participant_.for_status(kind);
 }
 
-void DataWriterListeners::tell(AnyDataWriter& writer, const StatusChanges& changes,
-                               std::mutex& mutex) const {
+void DataWriterListeners::notify(AnyDataWriter& writer, const StatusChanges& changes,
+                                 std::mutex& mutex) const {
   const auto listener = [&](StatusKind kind) {
     const std::lock_guard held(mutex);
     return changes.contains(kind) ? for_status(kind) : nullptr;

@@ -23,7 +23,7 @@ class DataWriterListeners {
 
   /// Calls the listeners for the statuses in `changes`, which marks them as read. The caller does
   /// not hold the lock, which is `mutex`.
-  void tell(AnyDataWriter& writer, const StatusChanges& changes, std::mutex& mutex) const;
+  void notify(AnyDataWriter& writer, const StatusChanges& changes, std::mutex& mutex) const;
 
  private:
   Listening<DataWriterListener> own_;

@@ -90,8 +90,8 @@ detail::ServiceHolder::ServiceHolder(const EngineServices& services,
                                      const DomainParticipantOptions& options)
     : service_(std::make_unique<ParticipantService>(
           services, options.own_thread,
-          options.in_process ? Neighbourhood::of(options.domain_id, options.domain_tag)
-                             : std::make_shared<Neighbourhood>())) {}
+          options.in_process ? ProcessPeers::of(options.domain_id, options.domain_tag)
+                             : std::make_shared<ProcessPeers>())) {}
 
 detail::ServiceHolder::~ServiceHolder() = default;
 
@@ -145,7 +145,7 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   }
   out->guid_ = {prefix, kEntityIdParticipant};
   DDSSEC_ASSIGN_OR_RETURN(auto config, config_of(options, prefix, service.sockets(), services));
-  config.neighbourhood = out->context_.neighbourhood();
+  config.process_peers = out->context_.process_peers();
   auto protocol =
       std::make_unique<RtpsParticipant>(std::move(config), service.sockets(), services.events);
   if (security) DDSSEC_RETURN_IF_ERROR(protocol->secure(std::move(security)));

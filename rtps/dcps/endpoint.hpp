@@ -47,7 +47,9 @@ class Endpoint : public Entity, protected EndpointListener {
   /// Called before the endpoint is deleted: sends what its end means to peers.
   virtual void conclude() {}
   /// Called after conclude(): waits until peers have acknowledged it, or until `deadline`.
-  virtual void linger(std::chrono::steady_clock::time_point deadline) { (void)deadline; }
+  virtual void await_acknowledgment(std::chrono::steady_clock::time_point deadline) {
+    (void)deadline;
+  }
   /// Errors: rtps_precondition_not_met (the endpoint must not be deleted now).
   virtual Status check_unused() const { return {}; }
 

@@ -44,7 +44,7 @@ class Entity {
   virtual bool has_listener(StatusKind) const { return false; }
 
   /// Calls the listeners for the statuses that changed. The caller does not hold the lock.
-  virtual void tell_listeners() {}
+  virtual void notify_listeners() {}
 
   /// `replace` sets a listener, with the lock held, and returns true if there was one. Then waits
   /// until no other thread is calling that one. The caller does not hold the lock.

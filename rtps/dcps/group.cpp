@@ -148,7 +148,7 @@ Status Group::take_out(Endpoint& member, std::unique_ptr<Endpoint>& dying) {
 void Group::conclude(std::span<const std::unique_ptr<Endpoint>> members) {
   for (const auto& member : members) member->conclude();
   const auto deadline = std::chrono::steady_clock::now() + kMaxLinger;
-  for (const auto& member : members) member->linger(deadline);
+  for (const auto& member : members) member->await_acknowledgment(deadline);
   // Before their destructors begin: until then, other threads call them.
   for (const auto& member : members) member->retire();
 }

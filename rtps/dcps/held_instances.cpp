@@ -207,7 +207,7 @@ void HeldInstances::hold(const HeldShareOf& share, std::size_t octets) {
   if (share) share->octets += octets;
 }
 
-void HeldInstances::let_go(const HeldShareOf& share, std::size_t octets) {
+void HeldInstances::release(const HeldShareOf& share, std::size_t octets) {
   octets_ -= octets;
   if (share) share->octets -= octets;
 }
@@ -302,7 +302,7 @@ HeldSamples::iterator HeldInstances::erase(HeldInstance& instance, HeldSamples::
   for (auto* query : queries_) query->remove(instance, *at);
   if (is_ordered()) order_.erase(*at);
   instance.unread -= at->is_read ? 0 : 1;
-  let_go(at->share, at->change.payload.size());
+  release(at->share, at->change.payload.size());
   if (at->valid)
     count_sample(*at, -1);
   else
@@ -353,7 +353,7 @@ bool HeldInstances::hold_back(HeldInstance& instance, Change& change, const Held
 }
 
 std::optional<Change> HeldInstances::take_held_back(HeldInstance& instance) {
-  if (instance.held_back) let_go(instance.share_of_held_back, instance.held_back->payload.size());
+  if (instance.held_back) release(instance.share_of_held_back, instance.held_back->payload.size());
   instance.share_of_held_back.reset();
   return std::exchange(instance.held_back, std::nullopt);
 }

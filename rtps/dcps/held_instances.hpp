@@ -154,7 +154,7 @@ class HeldInstances {
   };
   bool has_room_for_octets(std::size_t octets, const HeldShareOf& share, const Freed& freed) const;
   void hold(const HeldShareOf& share, std::size_t octets);
-  void let_go(const HeldShareOf& share, std::size_t octets);
+  void release(const HeldShareOf& share, std::size_t octets);
   void count_sample(const HeldSample& sample, int sign);
 
   const History history_;

@@ -9,12 +9,12 @@ thread_local const ParticipantContext::Calling* ParticipantContext::calling_ = n
 
 ParticipantContext::ParticipantContext(const EngineServices& services, Server& server,
                                        std::shared_ptr<ServingTurn> turn,
-                                       std::shared_ptr<Neighbourhood> neighbourhood)
+                                       std::shared_ptr<ProcessPeers> process_peers)
     : services_(services),
       server_(server),
       turn_(std::move(turn)),
-      neighbourhood_(std::move(neighbourhood)),
-      mutex_(neighbourhood_->mutex()) {}
+      process_peers_(std::move(process_peers)),
+      mutex_(process_peers_->mutex()) {}
 
 ParticipantContext::~ParticipantContext() = default;
 
@@ -22,10 +22,10 @@ const GuidPrefix& ParticipantContext::prefix() const { return protocol_->prefix(
 
 void ParticipantContext::adopt(std::unique_ptr<RtpsParticipant> protocol) {
   protocol_ = std::move(protocol);
-  neighbourhood_->enter(protocol_->local_endpoints());
+  process_peers_->enter(protocol_->local_endpoints());
 }
 
-void ParticipantContext::leave() { neighbourhood_->leave(protocol_->local_endpoints()); }
+void ParticipantContext::leave() { process_peers_->leave(protocol_->local_endpoints()); }
 
 MonotonicTime ParticipantContext::tick(std::chrono::nanoseconds timeout) {
   woken_ = false;
@@ -93,7 +93,7 @@ bool ParticipantContext::dispatch() {
       entity = pending_.front();
       entity->changes_.leave_queue();
     }
-    entity->tell_listeners();
+    entity->notify_listeners();
     any = true;
   }
   return any;

@@ -1,5 +1,5 @@
 // What the entities of one participant share: its lock (shared with the other participants of its
-// neighbourhood), protocol, timers and callbacks.
+// process peers), protocol, timers and callbacks.
 #pragma once
 
 #include <condition_variable>
@@ -11,7 +11,7 @@
 #include "rtps/dcps/link.hpp"
 #include "rtps/dcps/reader_cache.hpp"
 #include "rtps/dcps/serving_turn.hpp"
-#include "rtps/participant/neighbourhood.hpp"
+#include "rtps/participant/process_peers.hpp"
 #include "rtps/reliability/timer_queue.hpp"
 
 namespace ddssec::rtps {
@@ -35,12 +35,12 @@ class ParticipantContext {
   /// `turn`: nullptr if the participant has no thread of its own.
   ParticipantContext(const EngineServices& services, Server& server,
                      std::shared_ptr<ServingTurn> turn,
-                     std::shared_ptr<Neighbourhood> neighbourhood);
+                     std::shared_ptr<ProcessPeers> process_peers);
   ~ParticipantContext();
 
   std::mutex& mutex() const { return mutex_; }
   const std::shared_ptr<ServingTurn>& turn() const { return turn_; }
-  const std::shared_ptr<Neighbourhood>& neighbourhood() const { return neighbourhood_; }
+  const std::shared_ptr<ProcessPeers>& process_peers() const { return process_peers_; }
   const EngineServices& services() const { return services_; }
   MonotonicTime now() const { return services_.clock.monotonic(); }
   Moment moment() const { return {now(), Time::from(services_.clock.wall())}; }
@@ -60,7 +60,7 @@ class ParticipantContext {
   /// Must be called after something that changes when tick() must run, or that listeners must be
   /// called for.
   void reschedule();
-  /// The same after an action of another participant in the neighbourhood, which can affect only
+  /// The same after an action of another participant in the process peers, which can affect only
   /// timers and listeners.
   void attend() {
     if (!serving_) wake_if(kNever);
@@ -160,7 +160,7 @@ class ParticipantContext {
   const EngineServices services_;
   Server& server_;
   const std::shared_ptr<ServingTurn> turn_;
-  const std::shared_ptr<Neighbourhood> neighbourhood_;
+  const std::shared_ptr<ProcessPeers> process_peers_;
   std::mutex& mutex_;
   std::condition_variable changed_;
   bool waiting_serves_ = false;  ///< a thread that waits here serves, and must be woken

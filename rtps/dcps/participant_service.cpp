@@ -93,7 +93,7 @@ Status ParticipantService::start() {
   const std::lock_guard held(context_.mutex());
   started_ = true;
   if (turn_ == nullptr) return {};
-  context_.protocol().allow_lingering();
+  context_.protocol().allow_delayed_flush();
   try {
     thread_ = start_background_thread<std::thread>([this] { run(); });
   } catch (const std::system_error& error) {

@@ -18,9 +18,9 @@ namespace ddssec::rtps {
 class ParticipantService final : private ParticipantContext::Server, private ServingTurn::Server {
  public:
   ParticipantService(const EngineServices& services, bool own_thread,
-                     std::shared_ptr<Neighbourhood> neighbourhood)
+                     std::shared_ptr<ProcessPeers> process_peers)
       : turn_(own_thread ? std::make_shared<ServingTurn>(turn_server()) : nullptr),
-        context_(services, *this, turn_, std::move(neighbourhood)),
+        context_(services, *this, turn_, std::move(process_peers)),
         caught_(services.events) {}
   ~ParticipantService() override { stop(); }
 

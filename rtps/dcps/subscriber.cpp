@@ -82,8 +82,8 @@ void Subscriber::notify_datareaders() {
     const ParticipantContext::Calling calling(context_, CallbackLock::Wait::while_it_ends);
     if (!calling) return;
     for (auto* reader : datareaders({.sample = SampleState::not_read}))
-      reader->listeners_.tell_of_data_available(*reader,
-                                                {reader->changes_, changes_, context_.mutex()});
+      reader->listeners_.notify_of_data_available(*reader,
+                                                  {reader->changes_, changes_, context_.mutex()});
   }
   const auto held = lock();
   context_.reschedule();

@@ -63,7 +63,7 @@ InconsistentTopicStatus Topic::inconsistent_topic_status() {
   return status;
 }
 
-void Topic::tell_listeners() {
+void Topic::notify_listeners() {
   TopicListener* listener = nullptr;
   {
     const auto held = lock();

@@ -43,7 +43,7 @@ class Topic final : public Entity {
 
   TopicListener* listener_for(StatusKind kind) const;
   bool has_listener(StatusKind kind) const override { return listener_for(kind) != nullptr; }
-  void tell_listeners() override;
+  void notify_listeners() override;
   void on_inconsistent();
 
   DomainParticipant& participant_;

@@ -327,11 +327,11 @@ bool Keeper::make_room(const GuidPrefix& identity) {
   const auto found = topics_.find(most->second);
   const auto name = found->second.topic->name();
   topics_.erase(found);
-  note_giving_way(name);
+  report_replaced(name);
   return true;
 }
 
-void Keeper::note_giving_way(const std::string& name) {
+void Keeper::report_replaced(const std::string& name) {
   std::optional<EndpointData> any;
   for (const auto& writer : writers_on({name})) {
     const auto announced = wanted(writer);

@@ -107,7 +107,7 @@ class Keeper final : private DataReaderListener {
   /// has more topics. Returns false if none does.
   bool make_room(const GuidPrefix& identity);
   /// The topic with that name gave way: its writers are considered again.
-  void note_giving_way(const std::string& name);
+  void report_replaced(const std::string& name);
   template <class Count>
   std::uint64_t sum(Count count) const;
 

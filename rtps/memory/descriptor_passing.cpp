@@ -88,7 +88,7 @@ struct DescriptorPassing::Shared {
   std::optional<Work> next_work(bool fetches);
   template <class T, class R>
   void give(std::vector<T>& results, std::uint64_t id, R result);
-  bool takes_work() const;
+  bool accepts_work() const;
   MemoryResult<std::uint64_t> add(decltype(Work::what) what);
   std::uint64_t push(decltype(Work::what) what);
   bool is_held_up() const;
@@ -271,7 +271,7 @@ MemoryResult<DescriptorOffer> DescriptorPassing::offer(const Segment& segment, R
 OpenOffers& DescriptorPassing::offers() { return shared_->server.offers(); }
 const OpenOffers& DescriptorPassing::offers() const { return shared_->server.offers(); }
 
-bool DescriptorPassing::Shared::takes_work() const {
+bool DescriptorPassing::Shared::accepts_work() const {
   const std::lock_guard held(lock);
   return unfinished < kMaxWork && !refuses && !is_held_up();
 }
@@ -289,11 +289,11 @@ std::uint64_t DescriptorPassing::Shared::push(decltype(Work::what) what) {
 }
 
 MemoryResult<std::uint64_t> DescriptorPassing::Shared::add(decltype(Work::what) what) {
-  if (!takes_work()) return refuse(MemoryRefusal::held_up);
+  if (!accepts_work()) return refuse(MemoryRefusal::held_up);
   return push(std::move(what));
 }
 
-bool DescriptorPassing::takes_work() const { return shared_->takes_work(); }
+bool DescriptorPassing::accepts_work() const { return shared_->accepts_work(); }
 
 MemoryResult<std::uint64_t> DescriptorPassing::fetch(DescriptorOffer offer) {
   return shared_->add(Fetch{std::move(offer)});

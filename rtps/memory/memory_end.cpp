@@ -54,7 +54,7 @@ std::optional<MemoryEnd> MemoryEnd::watch(int descriptor) {
   return number < 0 ? std::nullopt : std::optional(MemoryEnd(number));
 }
 
-bool MemoryEnd::has_come() const {
+bool MemoryEnd::is_over() const {
   auto& all = watches();
   const std::lock_guard held(all.lock);
   read_events(all);

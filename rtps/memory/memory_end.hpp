@@ -12,8 +12,8 @@ class MemoryEnd {
   /// The caller closes the descriptor and its mappings after this. Empty: the system cannot watch
   /// it (no inotify is left).
   static std::optional<MemoryEnd> watch(int descriptor);
-  /// Once it has come, the object has no further use.
-  bool has_come() const;
+  /// Once it is, the object has no further use.
+  bool is_over() const;
 
  private:
   explicit MemoryEnd(int number) : number_(number) {}

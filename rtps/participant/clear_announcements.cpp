@@ -12,7 +12,7 @@ bool differ_in_what_a_match_keeps(const Qos& before, const Qos& after) {
 
 }  // namespace
 
-void ClearAnnouncements::give_way(RemoteParticipant& remote, const EndpointData& secure) {
+void ClearAnnouncements::make_room_for(RemoteParticipant& remote, const EndpointData& secure) {
   const auto id = secure.guid.entity;
   const auto known = remote.endpoints.find(id);
   if (known != remote.endpoints.end() && !known->second.data.by_secure_discovery)

@@ -19,7 +19,7 @@ class ClearAnnouncements final : private Timed {
 
   /// Makes room for a securely announced endpoint: removes the unprotected announcement of the same
   /// endpoint and, if there is still no room, all unprotected ones. Any host may have sent those.
-  void give_way(RemoteParticipant& remote, const EndpointData& secure);
+  void make_room_for(RemoteParticipant& remote, const EndpointData& secure);
   /// The participant's endpoint is announced. If anyone can have said so and it changes what is
   /// known, the participant's announcements are read again later (SecondReading). Returns false if
   /// it changes nothing, or not before that.

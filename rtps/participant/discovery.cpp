@@ -124,9 +124,9 @@ void follow(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& bui
 
 /// A datagram arrived in this participant's name. If sending to it is limited, more may now be
 /// sent.
-void note_earned(ParticipantCore& core, const GuidPrefix& source) {
+void note_credit(ParticipantCore& core, const GuidPrefix& source) {
   const auto octets = core.sender.amplification_limit().add_credit(source);
-  if (octets > 0 && core.security) core.security->note_earned(source, octets);
+  if (octets > 0 && core.security) core.security->note_credit(source, octets);
 }
 
 }  // namespace
@@ -193,7 +193,7 @@ void Discovery::add(ParticipantData data, std::size_t octets) {
 
 bool Discovery::make_room(std::size_t octets) {
   while (parts_.remotes.is_full(octets)) {
-    const auto prefix = parts_.remotes.next_to_give_way();
+    const auto prefix = parts_.remotes.next_to_evict();
     if (!prefix) return false;
     ++core_.counters.refused_discovery;
     remove(*prefix);
@@ -254,7 +254,7 @@ void Discovery::accept(RemoteParticipant& remote) {
 void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
   auto* remote = parts_.remotes.find(source);
   if (remote == nullptr) return;
-  note_earned(core_, source);
+  note_credit(core_, source);
   if (signs.is_proof && prove_host(core_, *remote, core_.source_host))
     readdress(core_, parts_.matcher, builtin_, *remote);
   if (signs.is_directed && remote->accepted && has_proven_address(core_, *remote))
@@ -366,7 +366,7 @@ void Discovery::on_endpoint(const Change& change, bool publications, bool secure
     ++core_.counters.refused_discovery;
     return;
   }
-  if (secure) clear_.give_way(*remote, *data);
+  if (secure) clear_.make_room_for(*remote, *data);
   if (!clear_.note_announced(*remote, *data)) return;
   parts_.matcher.add(*remote, std::move(*data));
 }
@@ -409,12 +409,12 @@ void Discovery::on_acknack(const GuidPrefix& source, const AckNack& acknack, boo
 // ---- security
 
 void Discovery::on_stateless(const GuidPrefix& source, BytesView payload) {
-  note_earned(core_, source);
+  note_credit(core_, source);
   if (core_.security) core_.security->on_stateless(source, payload, core_.now);
 }
 
 void Discovery::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) {
-  note_earned(core_, source);
+  note_credit(core_, source);
   if (core_.security) core_.security->on_stateless_frag(source, frag, core_.source, core_.now);
 }
 

@@ -245,7 +245,7 @@ std::optional<EndpointData> EndpointMatcher::endpoint_on(const std::string& topi
 template <class Local>
 void EndpointMatcher::take_place(Local& local, const EndpointData& endpoint) {
   const MatchPlaces::Local of(local);
-  if (const auto other = places_.in_the_way(of, endpoint)) {
+  if (const auto other = places_.replaceable_match(of, endpoint)) {
     forget(local, *other, true);
     places_.note_displaced(of, *other);
   }
@@ -271,7 +271,7 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
   if (!register_pair(core_, writer.data.guid.entity, data.guid, *permission) || is_silent) return;
   // A reader in this process gets each sample directly and filters by itself.
   const auto* near =
-      neighbour_of(local_, core_.config.neighbourhood.get(), writer.data.guid.entity, data.guid);
+      process_peer_of(local_, core_.config.process_peers.get(), writer.data.guid.entity, data.guid);
   const bool in_process = near != nullptr;
   auto filter = data.content_filter && !in_process ? writer.listener->filter_for(data) : nullptr;
   if (known) {
@@ -309,7 +309,8 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
   take_place(reader, data);
   matched.push_back(reader.protocol.get());
   const auto identity = core_.identity_of(data.guid.prefix);
-  const auto* near = neighbour_of(local_, core_.config.neighbourhood.get(), own.entity, data.guid);
+  const auto* near =
+      process_peer_of(local_, core_.config.process_peers.get(), own.entity, data.guid);
   const bool in_process = near != nullptr;
   const bool history =
       std::min(data.qos.durability, reader.data.qos.durability) >= DurabilityKind::transient_local;

@@ -34,7 +34,7 @@ struct LocalReader {
 };
 
 /// Knows remote endpoints only by GUID, as EndpointMatcher matched them.
-class LocalEndpoints final : public Neighbour {
+class LocalEndpoints final : public ProcessPeer {
  public:
   /// `deliver` is called with the changes that arrive for the builtin readers.
   LocalEndpoints(ParticipantCore& core, BuiltinEndpoints::Deliver deliver);
@@ -62,7 +62,7 @@ class LocalEndpoints final : public Neighbour {
   /// The remote endpoints that match a local one.
   std::vector<Guid> matched(const Guid& endpoint) const;
 
-  // Neighbour:
+  // ProcessPeer:
   const GuidPrefix& prefix() const override { return core_.config.prefix; }
   bool is_secured() const override { return core_.security != nullptr; }
   bool is_open(const EntityId& endpoint) const override;

@@ -13,7 +13,7 @@ bool MatchPlaces::has_place(const Local& local, RemoteParticipant& remote,
   if (remote.prefix() == core_.config.prefix) return true;
   const auto identity = core_.identity_of(remote.prefix());
   const bool macs = has_macs(local.id);
-  if (local.matched.has_room(identity, macs) || in_the_way(local, endpoint)) return true;
+  if (local.matched.has_room(identity, macs) || replaceable_match(local, endpoint)) return true;
   local.waiting.add(endpoint.guid, identity, core_.is_proven(endpoint));
   ++core_.counters.refused_discovery;
   if (std::exchange(remote.exceeds_matches, true)) return false;
@@ -31,8 +31,8 @@ bool MatchPlaces::has_place(const Local& local, RemoteParticipant& remote,
 }
 
 // Any host can have announced many in the name of the identity, before this one was announced.
-std::optional<Guid> MatchPlaces::in_the_way(const Local& local,
-                                            const EndpointData& endpoint) const {
+std::optional<Guid> MatchPlaces::replaceable_match(const Local& local,
+                                                   const EndpointData& endpoint) const {
   const auto identity = core_.identity_of(endpoint.guid.prefix);
   const bool macs = has_macs(local.id);
   if (!core_.is_proven(endpoint) || local.matched.has_room(identity, macs)) return std::nullopt;

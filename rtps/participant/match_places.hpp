@@ -32,12 +32,12 @@ class MatchPlaces final : private Timed {
     WaitingMatches& waiting;
   };
   /// Returns false if the identity of `remote` has reached its limit of matches with this endpoint,
-  /// and no match gives way (in_the_way). Then the remote endpoint waits. This is counted, and an
-  /// event is raised once.
+  /// and no match gives way (replaceable_match). Then the remote endpoint waits. This is counted,
+  /// and an event is raised once.
   bool has_place(const Local& local, RemoteParticipant& remote, const EndpointData& endpoint);
   /// Returns the endpoint whose match must end before this one can match: there is no room, and
   /// anyone can have announced that one, but not this one.
-  std::optional<Guid> in_the_way(const Local& local, const EndpointData& endpoint) const;
+  std::optional<Guid> replaceable_match(const Local& local, const EndpointData& endpoint) const;
   /// The match of that endpoint has ended.
   void note_displaced(const Local& local, const Guid& remote);
   /// The endpoint matches.

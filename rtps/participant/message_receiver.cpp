@@ -38,13 +38,13 @@ void MessageReceiver::read(const Header& header, BytesView datagram, MonotonicTi
     const auto opened = keyring_->open_message(header, datagram, message_scratch_, now);
     if (!opened) return;  // counted, and reported if it deserves an event
     datagram = opened->plain;
-    context.shield.message = opened->by_participant;
+    context.opened_by.message = opened->by_participant;
   }
   const auto status = walk(datagram, context);
   report(context);
   if (status) return;
   ++counters_.malformed;
-  const bool by_keys = context.shield.message || context.shield.submessage != Guid{};
+  const bool by_keys = context.opened_by.message || context.opened_by.submessage != Guid{};
   report_(by_keys ? context.source : header.prefix, status.error(),
           by_keys ? EventOrigin::its_keys : EventOrigin::anyone);
 }
@@ -83,13 +83,13 @@ Status MessageReceiver::open_group(const SubmessageView& prefix, MessageReader& 
   const BytesView group(prefix.whole.data(), size);
   const auto opened = keyring_->open_submessage(context.source, group, submessage_scratch_);
   if (!opened) return {};
-  context.shield.submessage = opened->by;
-  context.shield.protection = opened->protection;
+  context.opened_by.submessage = opened->by;
+  context.opened_by.protection = opened->protection;
   DDSSEC_ASSIGN_OR_RETURN(const auto inner,
                           MessageReader::over_submessages({}, opened->plain).next());
   if (!inner) return fail(Code::truncated);
   const auto status = process(*inner, context);
-  if (status) context.shield.submessage = {};  // otherwise the message ends with this submessage
+  if (status) context.opened_by.submessage = {};  // otherwise the message ends with this submessage
   if (opened->by.entity == kVolatileMessageWriter)
     wipe(MutableBytes(submessage_scratch_).first(opened->plain.size()));  // it contained keys
   return status;
@@ -132,7 +132,7 @@ Status MessageReceiver::process_info(const SubmessageView& view, Context& contex
       DDSSEC_ASSIGN_OR_RETURN(auto info_source, read_info_source(view));
       const auto source = std::move(info_source).source.prefix;
       if (source != context.source) report(context);
-      context.shield.message = context.shield.message && source == context.source;
+      context.opened_by.message = context.opened_by.message && source == context.source;
       context.source = source;
       context.time.reset();
       return {};
@@ -176,7 +176,7 @@ StatefulWriter* MessageReceiver::addressed(const EntityId& writer, const EntityI
 
 bool MessageReceiver::accepts(const EntityId& local, const Guid& remote, const Context& context) {
   if (keyring_ == nullptr) return true;
-  if (!keyring_->accepts(local, remote, context.shield)) return false;
+  if (!keyring_->accepts(local, remote, context.opened_by)) return false;
   if (local == kVolatileMessageReader || local == kVolatileMessageWriter)
     listener_.on_key_exchange(remote.prefix);
   return true;
@@ -185,13 +185,13 @@ bool MessageReceiver::accepts(const EntityId& local, const Guid& remote, const C
 bool MessageReceiver::is_refused(const EntityId& reader, const Guid& writer,
                                  const Context& context) {
   return keyring_ != nullptr && endpoints_.sends_keys(writer.prefix) &&
-         !keyring_->accepts_without_payload(reader, writer, context.shield);
+         !keyring_->accepts_without_payload(reader, writer, context.opened_by);
 }
 
 // Submessage protection does not cover INFO_TS, so an attacker can change it.
 std::optional<Time> MessageReceiver::source_time(const Context& context,
                                                  const InlineQos& inline_qos) const {
-  const auto& [by_message, by_writer, protection] = context.shield;
+  const auto& [by_message, by_writer, protection] = context.opened_by;
   const bool is_covered = by_message || by_writer.prefix != context.source;
   if (is_covered || is_builtin(by_writer.entity) || !endpoints_.sends_keys(context.source))
     return context.time;
@@ -199,10 +199,11 @@ std::optional<Time> MessageReceiver::source_time(const Context& context,
 }
 
 std::optional<BytesView> MessageReceiver::opened(const StatefulReader& reader, const Guid& writer,
-                                                 BytesView payload, const Shield& shield) {
+                                                 BytesView payload,
+                                                 const ReceivedProtection& opened_by) {
   if (keyring_ == nullptr || reader.guid().entity == kVolatileMessageReader) return payload;
   const auto plain =
-      keyring_->open_payload(reader.guid().entity, writer, payload, shield, payload_scratch_);
+      keyring_->open_payload(reader.guid().entity, writer, payload, opened_by, payload_scratch_);
   return plain ? std::optional(*plain) : std::nullopt;
 }
 
@@ -225,8 +226,9 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
     const bool marker = data.payload.empty() && data.inline_qos.status == StatusInfo{};
     const bool ends_bare = data.payload.empty() && !marker;
     if (ends_bare && is_refused(reader.guid().entity, {from, data.writer}, context)) return;
-    const auto payload =
-        marker ? data.payload : opened(reader, {from, data.writer}, data.payload, context.shield);
+    const auto payload = marker
+                             ? data.payload
+                             : opened(reader, {from, data.writer}, data.payload, context.opened_by);
     if (!payload) return;
     plain.payload = *payload;
     if (!reader.on_data(from, plain, source_time(context, data.inline_qos))) return;
@@ -248,7 +250,7 @@ Status MessageReceiver::on_reference(const Data& data, Context& context) {
     if (!reader.writer(writer)->lacks(data.sequence_number)) return;
     if (fetched.size() == 0) fetched = memory_->fetch(writer, *data.inline_qos.memory, context.now);
     if (fetched.size() == 0) return;
-    auto payload = opened(reader, writer, fetched, context.shield);
+    auto payload = opened(reader, writer, fetched, context.opened_by);
     if (payload.size() == 0 ||
         !reader.on_data(writer.prefix, data, source_time(context, data.inline_qos),
                         std::move(payload)))
@@ -260,10 +262,10 @@ Status MessageReceiver::on_reference(const Data& data, Context& context) {
 }
 
 Payload MessageReceiver::opened(const StatefulReader& reader, const Guid& writer,
-                                const Payload& payload, const Shield& shield) {
+                                const Payload& payload, const ReceivedProtection& opened_by) {
   auto out = Payload::uninitialized(payload.size());
   const auto plain =
-      keyring_->open_payload(reader.guid().entity, writer, payload.view(), shield, out.fill());
+      keyring_->open_payload(reader.guid().entity, writer, payload.view(), opened_by, out.fill());
   if (!plain) return {};
   if (plain->data() == payload.view().data()) return payload;  // it was not protected
   out.shrink(plain->size());
@@ -279,7 +281,7 @@ Status MessageReceiver::on_data_frag(const SubmessageView& view, Context& contex
     return {};
   }
   each_reader(frag.reader, frag.writer, context, [&](StatefulReader& reader) {
-    const auto payload = opened(reader, {from, frag.writer}, frag.encoded, context.shield);
+    const auto payload = opened(reader, {from, frag.writer}, frag.encoded, context.opened_by);
     const auto plain = payload ? with_payload(frag, *payload) : fail(Code::truncated);
     if (!plain) return;
     if (!reader.on_data_frag(from, *plain, source_time(context, frag.inline_qos))) return;

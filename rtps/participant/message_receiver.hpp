@@ -39,11 +39,11 @@ class MessageReceiver {
     std::optional<Time> time;
     MonotonicTime now{};
     std::size_t message_size = 0;
-    Shield shield = {};
+    ReceivedProtection opened_by = {};
     SignsOfLife signs = {};
 
     /// True if keys of the source protect the submessage.
-    bool is_protected() const { return shield.message || shield.submessage.prefix == source; }
+    bool is_protected() const { return opened_by.message || opened_by.submessage.prefix == source; }
     /// An endpoint received a submessage. `is_new`: it had not received it before.
     void note_told(bool is_new) {
       signs.is_news |= is_new;
@@ -81,10 +81,10 @@ class MessageReceiver {
   std::optional<Time> source_time(const Context& context, const InlineQos& inline_qos) const;
   /// The payload without its protection; empty if it cannot be opened.
   std::optional<BytesView> opened(const StatefulReader& reader, const Guid& writer,
-                                  BytesView payload, const Shield& shield);
+                                  BytesView payload, const ReceivedProtection& opened_by);
   /// The same for a payload from shared memory; empty if it cannot be opened.
   Payload opened(const StatefulReader& reader, const Guid& writer, const Payload& payload,
-                 const Shield& shield);
+                 const ReceivedProtection& opened_by);
 
   const GuidPrefix own_;
   EndpointLookup& endpoints_;

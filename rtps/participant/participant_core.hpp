@@ -4,8 +4,8 @@
 #include "base/event.hpp"
 #include "rtps/budget/source_address.hpp"
 #include "rtps/participant/ignored_entities.hpp"
-#include "rtps/participant/neighbourhood.hpp"
 #include "rtps/participant/participant_counters.hpp"
+#include "rtps/participant/process_peers.hpp"
 #include "rtps/security/security.hpp"
 #include "rtps/transport/network_interfaces.hpp"
 
@@ -37,8 +37,8 @@ struct ParticipantConfig {
   /// A random secret (AmplificationLimit::set_secret).
   std::optional<Sha256Digest> address_secret = {};
   /// The members are called without the network where nothing is protected. The caller adds the
-  /// participant to the neighbourhood, and holds the neighbourhood's lock during all calls.
-  std::shared_ptr<Neighbourhood> neighbourhood = {};
+  /// participant to the process peers, and holds the process peers's lock during all calls.
+  std::shared_ptr<ProcessPeers> process_peers = {};
 };
 
 /// All parts borrow it; it knows none of them.

@@ -130,7 +130,7 @@ void RemoteParticipants::remove(const GuidPrefix& prefix) {
 
 // Without security a participant cannot prove anything. One host can announce many participants and
 // send messages in their names, but only from its own addresses.
-std::optional<GuidPrefix> RemoteParticipants::next_to_give_way() {
+std::optional<GuidPrefix> RemoteParticipants::next_to_evict() {
   if (!core_.security) return std::nullopt;
   const auto source = unproven_.largest(core_.source, remotes_.size() < kMaxParticipants);
   if (!source) return std::nullopt;

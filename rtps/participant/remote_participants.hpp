@@ -137,7 +137,7 @@ class RemoteParticipants {
   /// came from the source that holds the most. First choice: the one that announced itself longest
   /// ago and sent no handshake message. Second choice: the one that has been authenticating for the
   /// longest time. Empty: none is removed.
-  std::optional<GuidPrefix> next_to_give_way();
+  std::optional<GuidPrefix> next_to_evict();
   /// The participant authenticated, or is admitted without authentication. Reports it to the
   /// DiscoveryListener.
   void accept(RemoteParticipant& remote);

@@ -46,7 +46,7 @@ class RtpsParticipant {
 
   /// Allows samples to wait briefly for others, if the caller calls tick whenever next_tick
   /// requires it.
-  void allow_lingering() { core_.sender.allow_lingering(); }
+  void allow_delayed_flush() { core_.sender.allow_delayed_flush(); }
   /// As long as the returned object exists, messages are collected; they are sent together when it
   /// is destroyed.
   MessageSender::Gathering gather() { return MessageSender::Gathering(core_.sender); }

@@ -17,7 +17,7 @@ bool EarlyChanges::insert(SequenceNumber number, std::optional<Change> change) {
 }
 
 void EarlyChanges::erase(Map::iterator at) {
-  account_.let_go(at->second.price);
+  account_.release(at->second.price);
   spare_.erase(changes_, at);
 }
 

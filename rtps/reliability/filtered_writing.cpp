@@ -37,7 +37,7 @@ void FilteredWriting::send(const Change& change, const std::optional<MemoryRefer
   for (auto& [guid, proxy] : readers_.all())
     if (proxy.wanted) send_gap(proxy, change.sequence_number);
   if (all && !memory)
-    messages_.change(readers_.everybody(), change, results_);
+    messages_.change(readers_.all_readers(), change, results_);
   else if (!wanted_.empty())
     messages_.change({{{}, wanted_}}, change, results_);
   if (!wanted_in_memory_.empty())

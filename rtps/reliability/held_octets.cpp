@@ -10,7 +10,7 @@ HeldOctets::Account::Account(HeldOctets& all, const GuidPrefix& identity)
 }
 
 HeldOctets::Account::~Account() {
-  let_go(octets_);
+  release(octets_);
   if (--share_->second.writers == 0) all_.shares_.erase(share_);
 }
 
@@ -20,7 +20,7 @@ void HeldOctets::Account::hold(std::size_t octets) {
   share_->second.octets += octets;
 }
 
-void HeldOctets::Account::let_go(std::size_t octets) {
+void HeldOctets::Account::release(std::size_t octets) {
   octets_ -= octets;
   all_.octets_ -= octets;
   share_->second.octets -= octets;

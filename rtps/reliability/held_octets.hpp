@@ -34,7 +34,7 @@ class HeldOctets {
     Account& operator=(const Account&) = delete;
 
     void hold(std::size_t octets);
-    void let_go(std::size_t octets);
+    void release(std::size_t octets);
     std::size_t octets() const { return octets_; }
     const GuidPrefix& identity() const { return share_->first; }
 

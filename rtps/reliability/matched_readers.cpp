@@ -25,16 +25,16 @@ void MatchedReaders::set_filter(ReaderProxy& proxy, std::shared_ptr<ChangeFilter
 
 void MatchedReaders::readdress(ReaderProxy& proxy, LocatorList locators) {
   locators_.remove(proxy.reader().locators);
-  way_of(proxy).remove(proxy.reader().locators);
+  locators_of(proxy).remove(proxy.reader().locators);
   locators_.add(locators);
-  way_of(proxy).add(locators);
+  locators_of(proxy).add(locators);
   proxy.set_locators(std::move(locators));
 }
 
 void MatchedReaders::set_in_memory(ReaderProxy& proxy, bool in_memory) {
-  way_of(proxy).remove(proxy.reader().locators);
+  locators_of(proxy).remove(proxy.reader().locators);
   proxy.in_memory = in_memory;
-  way_of(proxy).add(proxy.reader().locators);
+  locators_of(proxy).add(proxy.reader().locators);
 }
 
 void MatchedReaders::acknowledge(ReaderProxy& proxy, SequenceNumber through) {
@@ -65,7 +65,7 @@ void MatchedReaders::count(const ReaderProxy& proxy, int by) {
   add(filtered_, proxy.is_filtered());
   add(bare_only_, reader.keys.bare_only);
   add(short_is_hash_, reader.keys.short_is_hash);
-  for (auto* locators : {&locators_, &way_of(proxy)})
+  for (auto* locators : {&locators_, &locators_of(proxy)})
     if (by > 0)
       locators->add(reader.locators);
     else

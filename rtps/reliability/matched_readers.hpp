@@ -66,18 +66,18 @@ class MatchedReaders {
     return {{reader.prefix, at, dscp_}, reader.entity};
   }
   /// All readers at once.
-  Receiver everybody() const {
+  Receiver all_readers() const {
     return is_pairwise() ? one(proxies_.begin()->second)
                          : Receiver{{{}, locators_.all(), dscp_}, kEntityIdUnknown};
   }
-  Receiver those_in_memory() const { return {{{}, in_memory_.all(), dscp_}, kEntityIdUnknown}; }
-  Receiver those_by_network() const { return {{{}, by_network_.all(), dscp_}, kEntityIdUnknown}; }
+  Receiver readers_in_memory() const { return {{{}, in_memory_.all(), dscp_}, kEntityIdUnknown}; }
+  Receiver readers_by_network() const { return {{{}, by_network_.all(), dscp_}, kEntityIdUnknown}; }
 
  private:
   /// True if there is only one reader and the key of that pair protects what it is sent.
   bool is_pairwise() const { return writer_ == kVolatileMessageWriter && size() == 1; }
   void count(const ReaderProxy& proxy, int by);
-  LocatorCounts& way_of(const ReaderProxy& proxy) {
+  LocatorCounts& locators_of(const ReaderProxy& proxy) {
     return proxy.in_memory ? in_memory_ : by_network_;
   }
 

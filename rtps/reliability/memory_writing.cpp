@@ -21,9 +21,9 @@ std::optional<MemoryReference> MemoryWriting::store(const Change& change, Monoto
 }
 
 void MemoryWriting::send(const Change& change, const std::optional<MemoryReference>& memory) {
-  if (!memory) return messages_.change(readers_.everybody(), change);
-  if (readers_.any_in_memory()) messages_.reference(readers_.those_in_memory(), change, *memory);
-  if (readers_.any_by_network()) messages_.change(readers_.those_by_network(), change);
+  if (!memory) return messages_.change(readers_.all_readers(), change);
+  if (readers_.any_in_memory()) messages_.reference(readers_.readers_in_memory(), change, *memory);
+  if (readers_.any_by_network()) messages_.change(readers_.readers_by_network(), change);
 }
 
 }  // namespace ddssec::rtps

@@ -117,10 +117,10 @@ class MessageSender {
 
   /// From now on what was added may wait for more. The owner must call flush at the time flush_by
   /// returns.
-  void allow_lingering() { may_linger_ = true; }
-  bool may_linger() const { return may_linger_; }
+  void allow_delayed_flush() { may_delay_flush_ = true; }
+  bool may_delay_flush() const { return may_delay_flush_; }
   /// Requests a flush at `deadline` at the latest, instead of now.
-  void linger(MonotonicTime deadline) { flush_by_ = std::min(flush_by_, deadline); }
+  void delay_flush(MonotonicTime deadline) { flush_by_ = std::min(flush_by_, deadline); }
   /// kNever: nothing waits.
   MonotonicTime flush_by() const { return flush_by_; }
 
@@ -216,7 +216,7 @@ class MessageSender {
   GuidPrefix limited_;      ///< whose limit is charged for everything that waits; zero: none
   AmplificationLimit limit_;
   SendProtection::Wrap wrap_ = SendProtection::Wrap::none;
-  bool may_linger_ = false;
+  bool may_delay_flush_ = false;
   MonotonicTime flush_by_ = kNever;
   int gatherings_ = 0;
   bool flush_wanted_ = false;

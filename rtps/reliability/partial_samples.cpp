@@ -46,7 +46,7 @@ std::optional<Change> PartialSamples::take_complete(SequenceNumber number) {
   const auto sample = find(number);
   if (sample == samples_.end() || !sample->have.is_complete()) return std::nullopt;
   auto out = std::move(sample->change);
-  account_.let_go(sample->price);
+  account_.release(sample->price);
   samples_.erase(sample);
   return out;
 }
@@ -54,7 +54,7 @@ std::optional<Change> PartialSamples::take_complete(SequenceNumber number) {
 void PartialSamples::erase(SequenceNumber first, SequenceNumber last) {
   std::erase_if(samples_, [&](const auto& sample) {
     const bool gone = first <= sample.number() && sample.number() <= last;
-    if (gone) account_.let_go(sample.price);
+    if (gone) account_.release(sample.price);
     return gone;
   });
 }

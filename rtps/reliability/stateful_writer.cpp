@@ -144,12 +144,12 @@ void StatefulWriter::send(const Change& written, MonotonicTime now) {
     filtered_.send(written, in_memory);
   const auto heartbeat = heartbeat_for(written, now);
   if (heartbeat != Kind::none) filtered_.send_gaps(history_.last().next());
-  if (heartbeat == Kind::question) send_question(readers_.everybody(), history_.first());
-  if (heartbeat == Kind::final) messages_.heartbeat(readers_.everybody(), history_.first(), true);
+  if (heartbeat == Kind::question) send_question(readers_.all_readers(), history_.first());
+  if (heartbeat == Kind::final) messages_.heartbeat(readers_.all_readers(), history_.first(), true);
   pace_.note_write(now, sender_.samples_heard());
   const bool fits_again = written.payload.size() < sender_.full_size() / 3;
-  if (fits_again && sender_.may_linger() && pace_.may_wait(heartbeat))
-    sender_.linger(now + pace_.longest_wait());
+  if (fits_again && sender_.may_delay_flush() && pace_.may_wait(heartbeat))
+    sender_.delay_flush(now + pace_.longest_wait());
   else
     sender_.flush();
 }
@@ -172,7 +172,7 @@ void StatefulWriter::ask_for_acknowledgments(bool even_if_none_is_missing) {
   if (all_acknowledged() && !even_if_none_is_missing) return;
   if (!readers_.any_remote()) return;
   filtered_.send_gaps(history_.last().next());
-  send_question(readers_.everybody(), history_.first());
+  send_question(readers_.all_readers(), history_.first());
   sender_.flush();
 }
 
@@ -186,7 +186,7 @@ void StatefulWriter::ask(const Guid& reader, const LocatorList& at) {
 void StatefulWriter::assert_liveliness() {
   local_.assert_liveliness();
   if (!readers_.any_remote()) return;
-  messages_.heartbeat(readers_.everybody(), history_.first(), true, true);
+  messages_.heartbeat(readers_.all_readers(), history_.first(), true, true);
   sender_.flush();
 }
 
@@ -200,9 +200,9 @@ void StatefulWriter::hold_back(bool held_back, MonotonicTime now) {
   if (readers_.any_remote() && held_from_ <= history_.last()) {
     for (auto number = history_.next_held(held_from_); number <= history_.last();
          number = history_.next_held(number.next()))
-      messages_.change(readers_.everybody(), *history_.find(number));
+      messages_.change(readers_.all_readers(), *history_.find(number));
     if (qos_.is_reliable()) {
-      send_question(readers_.everybody(), history_.first());
+      send_question(readers_.all_readers(), history_.first());
       schedule_.note_written(now);
       call_at(schedule_.due());
     }

@@ -5,30 +5,30 @@
 namespace ddssec::rtps {
 namespace {
 
-using Said = GovernanceOfPeer::Said;
+using GovernanceReport = GovernanceOfPeer::GovernanceReport;
 
 constexpr std::string_view kClass = "org.ddssec.governance";
 constexpr std::string_view kVersion = "org.ddssec.governance.version";
 constexpr std::string_view kWantsAnswer = "org.ddssec.governance.wants_answer";
 constexpr std::size_t kOctets = 4 + 32 + 1;  // revision, digest, state
 
-spi::Token token_of(const Said& said, bool wants_answer) {
+spi::Token token_of(const GovernanceReport& report, bool wants_answer) {
   Writer octets;
-  octets.write(said.version.revision);
-  octets.write_bytes(said.version.digest);
-  octets.write(static_cast<std::uint8_t>(said.state));
+  octets.write(report.version.revision);
+  octets.write_bytes(report.version.digest);
+  octets.write(static_cast<std::uint8_t>(report.state));
   spi::Token token{.class_id = std::string(kClass)};
   token.binary_properties.push_back({std::string(kVersion), to_bytes(octets.view()), true});
   if (wants_answer) token.properties.push_back({std::string(kWantsAnswer), "true", true});
   return token;
 }
 
-std::optional<Said> said_in(const spi::Token& token) {
+std::optional<GovernanceReport> report_in(const spi::Token& token) {
   const auto* octets = spi::find_binary_property(token, kVersion);
   if (token.class_id != kClass || octets == nullptr || octets->size() != kOctets) return {};
   const BytesView all(*octets);
   if (all.back() > static_cast<std::uint8_t>(GovernanceOfPeer::State::in_force)) return {};
-  Said out;
+  GovernanceReport out;
   for (const auto octet : all.first(4)) out.version.revision = out.version.revision << 8 | octet;
   std::ranges::copy(all.subspan(4, out.version.digest.size()), out.version.digest.begin());
   out.state = static_cast<GovernanceOfPeer::State>(all.back());
@@ -55,10 +55,10 @@ void GovernanceTransition::each_joined(F&& f) {
 
 void GovernanceTransition::tick() {
   if (phase_ != Phase::draining) look();
-  if (phase_ == Phase::none) return tell_all();
+  if (phase_ == Phase::none) return send_to_all();
   // Peers send keys for the second protection as soon as they hear of it.
   if (phase_ == Phase::accepting && !add_protections()) return;
-  tell_all();
+  send_to_all();
   const bool is_complete = complete_pairs();
   if (phase_ == Phase::accepting) {
     const bool all_are_ready =
@@ -69,7 +69,7 @@ void GovernanceTransition::tick() {
     const bool any_is_behind = std::ranges::any_of(core_.peers, [&](const auto& one) {
       const auto* association = one.second.state.association();
       return association != nullptr && association->governance.takes_part &&
-             (association->governance.said->state == State::changing ||
+             (association->governance.received->state == State::changing ||
               core_.keyring.second_protections().any_announced_with_second(one.first));
     });
     if (!any_is_behind || core_.now >= deadline_) end();
@@ -123,7 +123,7 @@ void GovernanceTransition::change() {
   phase_ = Phase::draining;
   // A peer that has the document sends with the new protection before its own time is over.
   deadline_ = core_.now + core_.own->governance_change_time() + kMargin;
-  tell_all();
+  send_to_all();
   admission_.announce_protection();
   judge_matches();
 }
@@ -134,7 +134,7 @@ void GovernanceTransition::end() {
   phase_ = Phase::none;
   deadline_ = kNever;
   each_joined([&](Peer& peer) { refresh(peer); });
-  tell_all();
+  send_to_all();
   judge_matches();
   if (std::exchange(any_lost_, false)) revision_.request(KeyReviser::Why::right_lost);
 }
@@ -161,8 +161,8 @@ bool GovernanceTransition::complete_pairs() {
 
 bool GovernanceTransition::has_changed(const Peer& peer) const {
   const auto* association = peer.state.association();
-  return association != nullptr && association->governance.said &&
-         association->governance.said->version == own().version;
+  return association != nullptr && association->governance.received &&
+         association->governance.received->version == own().version;
 }
 
 // One that is not joined gets its keys later.
@@ -181,16 +181,17 @@ void GovernanceTransition::refresh(Peer& peer) const {
 void GovernanceTransition::report_behind() {
   each_joined([&](Peer& peer) {
     if (!core_.keyring.second_protections().any_with(peer.prefix()) || has_changed(peer)) return;
-    const auto& said = peer.state.association()->governance.said;
-    const bool is_ahead = said && said->version.revision > target_->revision;
+    const auto& report = peer.state.association()->governance.received;
+    const bool is_ahead = report && report->version.revision > target_->revision;
     core_.raise(
-        Error(is_ahead ? Code::governance_peer_ahead : Code::governance_peer_behind,
-              {.document = "governance",
-               .field = "revision",
-               .expected = std::to_string(target_->revision),
-               .found = said ? std::to_string(said->version.revision) : "an earlier one or none",
-               .note = "its endpoints no longer match on topics that the two documents protect "
-                       "differently"}),
+        Error(
+            is_ahead ? Code::governance_peer_ahead : Code::governance_peer_behind,
+            {.document = "governance",
+             .field = "revision",
+             .expected = std::to_string(target_->revision),
+             .found = report ? std::to_string(report->version.revision) : "an earlier one or none",
+             .note = "its endpoints no longer match on topics that the two documents protect "
+                     "differently"}),
         peer, EventOrigin::its_keys);
   });
 }
@@ -203,7 +204,7 @@ void GovernanceTransition::judge_matches() {
 
 // ---- messages
 
-GovernanceOfPeer::Said GovernanceTransition::own() const {
+GovernanceOfPeer::GovernanceReport GovernanceTransition::own() const {
   if (phase_ != Phase::none)
     return {*target_, phase_ == Phase::accepting ? State::changing : State::changed};
   const auto version =
@@ -211,35 +212,35 @@ GovernanceOfPeer::Said GovernanceTransition::own() const {
   return {version.value_or(Version{}), State::in_force};
 }
 
-void GovernanceTransition::tell(Peer& peer, bool wants_answer) {
+void GovernanceTransition::send_report(Peer& peer, bool wants_answer) {
   if (peer.data.vendor != kVendorDdssec || !exchange_.has_room(peer)) return;
   auto& governance = peer.state.association()->governance;
-  const auto said = own();
-  if (governance.told == said) return;
-  governance.told = said;
-  exchange_.send_token(peer, message_class::kGovernance, token_of(said, wants_answer));
+  const auto report = own();
+  if (governance.sent == report) return;
+  governance.sent = report;
+  exchange_.send_token(peer, message_class::kGovernance, token_of(report, wants_answer));
 }
 
 // Without a change nothing is said, unless it was said before or a peer asks.
-void GovernanceTransition::tell_all() {
+void GovernanceTransition::send_to_all() {
   each_joined([&](Peer& peer) {
     const auto& governance = peer.state.association()->governance;
-    if (phase_ != Phase::none || governance.told) tell(peer, !governance.told);
+    if (phase_ != Phase::none || governance.sent) send_report(peer, !governance.sent);
   });
 }
 
 void GovernanceTransition::on_message(Peer& peer, const spi::Token& token) {
-  const auto said = said_in(token);
+  const auto report = report_in(token);
   auto* association = peer.state.association();
-  if (!said || association == nullptr) return;
+  if (!report || association == nullptr) return;
   auto& governance = association->governance;
   const bool took_part = governance.takes_part;
-  governance.said = said;
+  governance.received = report;
   refresh(peer);
   if (spi::find_property(token.properties, kWantsAnswer) != nullptr &&
       governance.answers.take(core_.now)) {
-    governance.told.reset();
-    tell(peer, false);
+    governance.sent.reset();
+    send_report(peer, false);
   }
   if (!took_part && governance.takes_part) exchange_.complete_pairs(peer);
 }

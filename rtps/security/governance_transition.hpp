@@ -51,10 +51,10 @@ class GovernanceTransition {
   bool has_changed(const Peer& peer) const;
   void refresh(Peer& peer) const;
   /// What this participant says of itself.
-  GovernanceOfPeer::Said own() const;
-  void tell(Peer& peer, bool wants_answer);
-  void tell_all();
-  void on_message(Peer& peer, const spi::Token& said);
+  GovernanceOfPeer::GovernanceReport own() const;
+  void send_report(Peer& peer, bool wants_answer);
+  void send_to_all();
+  void on_message(Peer& peer, const spi::Token& report);
   void report_behind();
   void judge_matches();
   template <class F>

@@ -55,7 +55,7 @@ void HandshakeAnswers::expire(MonotonicTime now) {
   while (!answers_.empty() && now - answers_.front().since >= kLife) drop(answers_.begin());
 }
 
-void HandshakeAnswers::give_way() {
+void HandshakeAnswers::evict_largest() {
   if (!answers_.empty()) drop(answers_.begin());
 }
 

@@ -59,7 +59,7 @@ class HandshakeAnswers {
   /// Removes the answers that are older than kLife.
   void expire(MonotonicTime now);
   /// Removes the oldest answer, if there is one.
-  void give_way();
+  void evict_largest();
   /// The handshake of this answer is finished: removes all others.
   void finish(spi::HandshakeHandle handle);
   /// Appends a few answers to `out`, different ones each time.

@@ -55,7 +55,7 @@ std::size_t HandshakeSender::send_auth_request(const Peer& peer, const GenericMe
 // Cyclone DDS answers queries of builtin readers before it has authenticated their participant. The
 // answers have a few octets more than the queries, and allow sending three times as much. Count 0
 // leaves no trace in its writers.
-void HandshakeSender::earn(Peer& peer, const LocatorList& addresses) {
+void HandshakeSender::add_credit(Peer& peer, const LocatorList& addresses) {
   static constexpr std::pair<EntityId, EntityId> kPairs[] = {
       {kPublicationsReader, kPublicationsWriter},
       {kSubscriptionsReader, kSubscriptionsWriter},
@@ -64,8 +64,8 @@ void HandshakeSender::earn(Peer& peer, const LocatorList& addresses) {
   constexpr std::size_t kMaxRounds = 64;
   if (peer.data.vendor != kVendorCyclone) return;
   const auto left = sender_.amplification_limit().left(peer.prefix(), addresses);
-  if (left <= kHeaders || left + peer.expected >= peer.held_back) return;
-  const auto needed = (peer.held_back - left - peer.expected) / kGain + 1;
+  if (left <= kHeaders || left + peer.expected_answer_octets >= peer.deferred_octets) return;
+  const auto needed = (peer.deferred_octets - left - peer.expected_answer_octets) / kGain + 1;
   const auto rounds = std::min({needed, (left - kHeaders) / kQuestions, kMaxRounds});
   for (std::size_t round = 0; round < rounds; ++round)
     for (const auto& [reader, writer] : kPairs)
@@ -73,7 +73,7 @@ void HandshakeSender::earn(Peer& peer, const LocatorList& addresses) {
           {peer.prefix(), addresses},
           AckNack{reader, writer, SequenceNumberSet(SequenceNumber{1}), 0, false});
   sender_.flush_now();
-  peer.expected += rounds * AmplificationLimit::kFactor * kAnswers;
+  peer.expected_answer_octets += rounds * AmplificationLimit::kFactor * kAnswers;
 }
 
 }  // namespace ddssec::rtps

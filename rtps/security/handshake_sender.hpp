@@ -20,7 +20,7 @@ class HandshakeSender {
                                 LocatorList addresses);
   /// Queries a Cyclone DDS peer, whose answers increase what may be sent, as long as
   /// Peer::held_back is more than that.
-  void earn(Peer& peer, const LocatorList& addresses);
+  void add_credit(Peer& peer, const LocatorList& addresses);
 
  private:
   MessageSender& sender_;

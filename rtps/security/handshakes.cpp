@@ -15,7 +15,8 @@ bool needs_no_tokens(const SecurityCore& core, const Peer& peer) {
 // the addresses from which it announced itself, and at one of the other addresses in turn.
 LocatorList addresses_of(const Peer& peer) {
   const auto& all = peer.metatraffic;
-  if (peer.spoke || peer.state.association() != nullptr || peer.announced_by.size() != all.size())
+  if (peer.has_spoken || peer.state.association() != nullptr ||
+      peer.announced_by.size() != all.size())
     return all;
   LocatorList out, others;
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -34,7 +35,7 @@ void make_room_for_answer(SecurityCore& core, const HandshakeAccount& account) {
   while (account.answer_octets >= Handshakes::kMaxAnswerOctets) {
     const auto largest = std::ranges::max_element(core.peers, {}, taken);
     if (largest == core.peers.end() || taken(*largest) == 0) return;
-    largest->second.state.handshake()->answers().give_way();
+    largest->second.state.handshake()->answers().evict_largest();
   }
 }
 
@@ -62,7 +63,7 @@ void Handshakes::add(const ParticipantData& data, const AnnouncedAddresses& addr
       core_.peers.emplace(data.guid.prefix, Peer{.data = data,
                                                  .metatraffic = addresses.metatraffic,
                                                  .state = PeerState(handshake_with(data)),
-                                                 .few = {kFewMessages, kFewPeriod, {}},
+                                                 .low_rate_budget = {kFewMessages, kFewPeriod, {}},
                                                  .source = addresses.source});
   at->second.announced_by.assign(addresses.sources.begin(), addresses.sources.end());
   if (is_new) schedule(at->second);
@@ -115,27 +116,27 @@ void Handshakes::send(Peer& peer, const PeerHandshake::Messages& messages) {
                : messages_.send(peer, message, addresses);
   };
   core_.sender.flush_now();
-  peer.held_back = peer.expected = 0;
+  peer.deferred_octets = peer.expected_answer_octets = 0;
   bool has_asked = false;
   for (const auto& message : messages) {
     has_asked |= message.message_class == message_class::kAuthRequest;
     const auto held_back = send_one(message);
-    if (handshake.begins()) peer.held_back = std::max(peer.held_back, held_back);
+    if (handshake.begins()) peer.deferred_octets = std::max(peer.deferred_octets, held_back);
   }
-  if (peer.held_back == 0) return;
+  if (peer.deferred_octets == 0) return;
   const auto own = handshake.auth_request();
   if (handshake.repeats_challenges() && !has_asked && own) send_one(*own);
-  messages_.earn(peer, addresses);
+  messages_.add_credit(peer, addresses);
 }
 
-void Handshakes::note_earned(Peer& peer, std::size_t octets) {
+void Handshakes::note_credit(Peer& peer, std::size_t octets) {
   auto* handshake = peer.state.handshake();
-  if (peer.held_back == 0 || handshake == nullptr) return;
+  if (peer.deferred_octets == 0 || handshake == nullptr) return;
   const auto addresses = addresses_of(peer);
-  peer.expected -= std::min(peer.expected, octets);
-  if (peer.held_back > core_.sender.amplification_limit().left(peer.prefix(), addresses))
-    return messages_.earn(peer, addresses);
-  peer.held_back = 0;
+  peer.expected_answer_octets -= std::min(peer.expected_answer_octets, octets);
+  if (peer.deferred_octets > core_.sender.amplification_limit().left(peer.prefix(), addresses))
+    return messages_.add_credit(peer, addresses);
+  peer.deferred_octets = 0;
   peer.may_go_on = true;
   handshake->start_at(core_.now);
   schedule(peer);
@@ -156,7 +157,8 @@ void Handshakes::on_stateless(const GuidPrefix& source, BytesView payload) {
   if (!ours) return;
   if (!handshake->started() && !has_place(*peer)) return;
   handshake->note_heard();
-  if (!std::exchange(peer->spoke, true) && !handshake->started()) handshake->start_at(core_.now);
+  if (!std::exchange(peer->has_spoken, true) && !handshake->started())
+    handshake->start_at(core_.now);
   if (message->message_class == message_class::kAuthRequest)
     on_auth_request(*peer, *message);
   else if (message->message_class == message_class::kAuthentication)
@@ -178,7 +180,7 @@ void Handshakes::on_auth_request(Peer& peer, const GenericMessage& message) {
   auto& handshake = *peer.state.handshake();
   PeerHandshake::Messages out;
   const auto repeated = handshake.receive_auth_request(message, out);
-  if (core_.sender.amplification_limit().prove(peer.prefix(), repeated)) note_earned(peer, 0);
+  if (core_.sender.amplification_limit().prove(peer.prefix(), repeated)) note_credit(peer, 0);
   if (!out.empty()) send(peer, out);
   if (!handshake.begins()) return;
   if (peer.state.association() == nullptr) return request_resend(peer);
@@ -190,12 +192,12 @@ void Handshakes::on_auth_request(Peer& peer, const GenericMessage& message) {
 
 void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
   auto& handshake = *peer.state.handshake();
-  const auto weighed = handshake.weigh(message);
-  if (weighed.effort == Effort::none) return;
+  const auto assessment = handshake.assess(message);
+  if (assessment.effort == Effort::none) return;
   PeerHandshake::Messages out;
-  if (weighed.effort == Effort::request) make_room_for_answer(core_, account_);
+  if (assessment.effort == Effort::request) make_room_for_answer(core_, account_);
   const bool taken =
-      may_spend(peer, weighed.effort) && handshake.receive(message, weighed, core_.now, out);
+      may_spend(peer, assessment.effort) && handshake.receive(message, assessment, core_.now, out);
   if (handshake.started()) peer.state.begin();
   if (!taken) return request_resend(peer);
   if (handshake.refusals() > 0 && peer.state.association() == nullptr) note_failure(peer);
@@ -211,13 +213,13 @@ void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
 bool Handshakes::may_spend(Peer& peer, Effort effort) {
   if (effort == Effort::memory) return repetitions_.take(core_.now);
   auto& limits = effort == Effort::echo ? echoes_ : requests_;
-  const bool few = peer.few.take(core_.now) && !peer.failed;
+  const bool few = peer.low_rate_budget.take(core_.now) && !peer.failed;
   return (few ? limits.few : limits.loud).take(core_.now);
 }
 
 // The peer's next message may be processed, so it is made to send it soon.
 void Handshakes::request_resend(const Peer& peer) {
-  if (resend_requests_.take(core_.now)) peer.state.handshake()->hasten(core_.now);
+  if (resend_requests_.take(core_.now)) peer.state.handshake()->shorten_delays(core_.now);
 }
 
 // ---- state transitions
@@ -406,14 +408,14 @@ bool Handshakes::may_tick(Peer& peer) {
     return false;
   }
   const auto may_start = [&] {
-    return peer.spoke ? spoken_starts_.take(core_.now) : starts_.take(peer.source, core_.now);
+    return peer.has_spoken ? spoken_starts_.take(core_.now) : starts_.take(peer.source, core_.now);
   };
   if (!handshake.started() && !may_start()) {
     handshake.start_at(core_.now + kStartPeriod);
     return false;
   }
   if (std::exchange(peer.may_go_on, false)) return true;
-  const bool is_silent = handshake.started() && !peer.spoke;
+  const bool is_silent = handshake.started() && !peer.has_spoken;
   // One announcement is not answered again and again, because its sender may not exist.
   const bool was_heard =
       !is_silent || handshake.repetitions() < kMessagesUnasked || peer.was_announced;

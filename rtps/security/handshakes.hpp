@@ -81,7 +81,7 @@ class Handshakes {
   /// Any announcement arrived: the peer may be able to receive messages.
   void note_announced(Peer& peer) { peer.was_announced = true; }
   /// This many more octets may be sent to the peer (AmplificationLimit).
-  void note_earned(Peer& peer, std::size_t octets);
+  void note_credit(Peer& peer, std::size_t octets);
   void remove(const GuidPrefix& prefix) { fragments_.forget(prefix); }
   /// The local documents were renewed: refused peers get another try at once.
   void try_all_again();

@@ -54,7 +54,7 @@ void KeptMemory::close_returned(Kept& one) {
 
 void KeptMemory::forget_returned() {
   std::ranges::for_each(kept_, close_returned);
-  std::erase_if(kept_, [](const Kept& one) { return one.end && one.end->has_come(); });
+  std::erase_if(kept_, [](const Kept& one) { return one.end && one.end->is_over(); });
 }
 
 bool KeptMemory::is_full(const std::string& identity) const {

@@ -13,7 +13,7 @@
 namespace ddssec::rtps {
 
 /// What protected a received submessage.
-struct Shield {
+struct ReceivedProtection {
   bool message = false;         ///< it arrived inside a protected message of its sender
   Guid submessage = {};         ///< the endpoint whose key protected it; zero: none
   ProtectionId protection = 0;  ///< the one of the reader or writer that has the key
@@ -113,19 +113,20 @@ class Keyring final : public SendProtection {
   struct OpenSubmessage {
     BytesView plain;
     Guid by;
-    ProtectionId protection;  ///< see Shield
+    ProtectionId protection;  ///< see ReceivedProtection
   };
   Result<OpenSubmessage> open_submessage(const GuidPrefix& sender, BytesView group,
                                          MutableBytes scratch);
   /// `reader` and `writer` must be a ready pair. An unprotected payload is returned unchanged.
   Result<BytesView> open_payload(const EntityId& reader, const Guid& writer, BytesView payload,
-                                 const Shield& shield, MutableBytes scratch);
+                                 const ReceivedProtection& opened_by, MutableBytes scratch);
   /// True if the submessage was protected as the governance requires. Refused submessages are
   /// counted.
-  bool accepts(const EntityId& local, const Guid& remote, const Shield& shield);
+  bool accepts(const EntityId& local, const Guid& remote, const ReceivedProtection& opened_by);
   /// The same for a dispose or unregister without a payload, if only payloads are protected and the
   /// writer sends keys in payloads.
-  bool accepts_without_payload(const EntityId& local, const Guid& remote, const Shield& shield);
+  bool accepts_without_payload(const EntityId& local, const Guid& remote,
+                               const ReceivedProtection& opened_by);
   const ProtectionCounters& counters() const { return counters_; }
 
   // SendProtection:

@@ -16,12 +16,13 @@ bool is_expected(Code code) {
 
 // The two volatile endpoints of a participant share one key, which only this pair has. Its other
 // keys are given to many: with one of them, an insider could send key tokens in its name.
-bool lacks_submessage_key(const LocalKeys& local, const Guid& remote, const Shield& shield) {
-  const auto& [prefix, entity] = shield.submessage;
+bool lacks_submessage_key(const LocalKeys& local, const Guid& remote,
+                          const ReceivedProtection& opened_by) {
+  const auto& [prefix, entity] = opened_by.submessage;
   const bool by_remote =
       local.is_volatile ? prefix == remote.prefix &&
                               (entity == kVolatileMessageWriter || entity == kVolatileMessageReader)
-                        : shield.submessage == remote;
+                        : opened_by.submessage == remote;
   return local.attributes.is_submessage_protected() && !by_remote;
 }
 
@@ -72,14 +73,14 @@ Result<Keyring::OpenSubmessage> Keyring::open_submessage(const GuidPrefix& sende
 // neither protects submessages, both protect payloads (governance::live_change), and the payload
 // names its key.
 Result<BytesView> Keyring::open_payload(const EntityId& reader, const Guid& writer,
-                                        BytesView payload, const Shield& shield,
+                                        BytesView payload, const ReceivedProtection& opened_by,
                                         MutableBytes scratch) {
   const auto* local = find(reader);
   if (local == nullptr) return fail(Code::crypto_not_matched);
   if (const auto* other = second_protections_.of(reader, writer)) [[unlikely]] {
-    const bool by_key = shield.submessage == writer;
+    const bool by_key = opened_by.submessage == writer;
     const auto fits = [&](const LocalKeys& one) {
-      return by_key ? one.protection == shield.protection
+      return by_key ? one.protection == opened_by.protection
                     : !one.attributes.is_submessage_protected();
     };
     const bool fits_first = local->pairs.contains(writer) && fits(*local);
@@ -96,7 +97,7 @@ Result<BytesView> Keyring::open_payload(const EntityId& reader, const Guid& writ
   return plain;
 }
 
-bool Keyring::accepts(const EntityId& id, const Guid& remote, const Shield& shield) {
+bool Keyring::accepts(const EntityId& id, const Guid& remote, const ReceivedProtection& opened_by) {
   const auto* local = find(id);
   if (local == nullptr) return false;
   const auto peer = remotes_.find(remote.prefix);
@@ -104,11 +105,11 @@ bool Keyring::accepts(const EntityId& id, const Guid& remote, const Shield& shie
       local->is_volatile ||
       (is_plain_builtin(id) && (peer == remotes_.end() || !peer->second.wraps_plain_builtin));
   const bool message_missing =
-      own_.attributes().is_rtps_protected() && !shield.message && !may_come_bare;
-  bool submessage_missing = lacks_submessage_key(*local, remote, shield);
+      own_.attributes().is_rtps_protected() && !opened_by.message && !may_come_bare;
+  bool submessage_missing = lacks_submessage_key(*local, remote, opened_by);
   if (submessage_missing)
     if (const auto* other = second_protections_.of(id, remote))
-      submessage_missing = lacks_submessage_key(*other, remote, shield);
+      submessage_missing = lacks_submessage_key(*other, remote, opened_by);
   if (!message_missing && !submessage_missing) return true;
   ++counters_.unprotected;
   events_.raise(
@@ -122,10 +123,10 @@ bool Keyring::accepts(const EntityId& id, const Guid& remote, const Shield& shie
 }
 
 bool Keyring::accepts_without_payload(const EntityId& id, const Guid& remote,
-                                      const Shield& shield) {
+                                      const ReceivedProtection& opened_by) {
   const auto* local = find(id);
   if (local == nullptr) return false;
-  const bool proven = shield.message || shield.submessage == remote;
+  const bool proven = opened_by.message || opened_by.submessage == remote;
   if (proven || !local->attributes.is_payload_protected()) return true;
   const auto* other = second_protections_.of(id, remote);
   if (other != nullptr && !other->attributes.is_payload_protected()) return true;

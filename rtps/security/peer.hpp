@@ -49,13 +49,13 @@ struct GovernanceOfPeer {
     changed,   ///< accepts both; sends by that of the document
     in_force,  ///< accepts only that of the document
   };
-  struct Said {
+  struct GovernanceReport {
     spi::AccessControl::GovernanceVersion version;
     State state = State::in_force;
-    bool operator==(const Said&) const = default;
+    bool operator==(const GovernanceReport&) const = default;
   };
-  std::optional<Said> said = {};  ///< the latest
-  std::optional<Said> told = {};  ///< the latest that we said to the peer
+  std::optional<GovernanceReport> received = {};  ///< the latest
+  std::optional<GovernanceReport> sent = {};      ///< the latest that we said to the peer
   /// It has taken the document that is in force here, or comes into force: it is told which
   /// protection keys are for, and its endpoints match with either.
   bool takes_part = false;
@@ -185,19 +185,19 @@ struct Peer {
   ParticipantData data;
   LocatorList metatraffic;
   PeerState state;
-  WorkBudget few;             ///< handshake messages within the low rate
-  SourceAddress source = {};  ///< of its latest announcement
+  WorkBudget low_rate_budget;  ///< handshake messages within the low rate
+  SourceAddress source = {};   ///< of its latest announcement
   /// The source that announced each address of `metatraffic`.
   std::vector<SourceAddress> announced_by = {};
   bool was_announced = true;  ///< since a message was last repeated to it
   /// Octets of a message that waits until that many may be sent to the peer; 0: none waits.
-  std::size_t held_back = 0;
+  std::size_t deferred_octets = 0;
   bool may_go_on = false;  ///< the message that was held back may be sent now
   /// Octets that the expected answers to queries will allow sending to it.
-  std::size_t expected = 0;
-  bool spoke = false;   ///< has sent at least one handshake message
-  bool failed = false;  ///< something of it was refused, and that was counted
-  int refusals = 0;     ///< how often it was refused since the local documents were renewed
+  std::size_t expected_answer_octets = 0;
+  bool has_spoken = false;  ///< has sent at least one handshake message
+  bool failed = false;      ///< something of it was refused, and that was counted
+  int refusals = 0;         ///< how often it was refused since the local documents were renewed
   /// When it was refused, and when it gets another try.
   MonotonicTime refused_at = {}, again_at = kNever;
 

@@ -125,7 +125,7 @@ void PeerHandshake::tick(MonotonicTime now, Messages& out) {
   answers_.repeat(out);
   const auto own = auth_request();
   const bool waits = !begins() && !finished_ && own;
-  if (waits && (answers_.empty() || std::exchange(hastened_, false))) out.push_back(*own);
+  if (waits && (answers_.empty() || std::exchange(has_shorter_delays_, false))) out.push_back(*own);
   next_ = finished_ && !request_ && answers_.empty() ? kNever : now + pause();
   if (!finished_) next_ = std::min(next_, overdue_at_);
 }
@@ -141,9 +141,9 @@ void PeerHandshake::become_overdue(MonotonicTime now) {
   make_request(kNever);
 }
 
-void PeerHandshake::hasten(MonotonicTime now) {
+void PeerHandshake::shorten_delays(MonotonicTime now) {
   if (!started_ || failure_) return;
-  hastened_ = true;
+  has_shorter_delays_ = true;
   if (next_ != kNever) next_ = std::min(next_, std::max(now, began_ + kDelay));
 }
 
@@ -179,17 +179,17 @@ std::optional<GenericMessage> PeerHandshake::auth_request() const {
   return out;
 }
 
-PeerHandshake::Weighed PeerHandshake::weigh(const GenericMessage& message) const {
+PeerHandshake::Assessment PeerHandshake::assess(const GenericMessage& message) const {
   if (message.data.size() != 1 || failure_) return {};
   const auto& token = message.data.front();
   const auto outline = plugin_.outline(token);
-  if (begins()) return outline.kind == Kind::reply ? weigh_reply(token, outline) : Weighed{};
-  if (outline.kind == Kind::request) return weigh_request(token);
+  if (begins()) return outline.kind == Kind::reply ? assess_reply(token, outline) : Assessment{};
+  if (outline.kind == Kind::request) return assess_request(token);
   const bool is_echo = outline.kind == Kind::final && !answers_.answered_by(outline).empty();
   return {is_echo ? Effort::echo : Effort::none};
 }
 
-PeerHandshake::Weighed PeerHandshake::weigh_reply(
+PeerHandshake::Assessment PeerHandshake::assess_reply(
     const spi::Token& token, const spi::Authentication::Outline& outline) const {
   const bool is_echo =
       request_ && !outline.challenge1.empty() &&
@@ -201,16 +201,16 @@ PeerHandshake::Weighed PeerHandshake::weigh_reply(
   return {finished_->last == digest ? Effort::memory : Effort::none, digest};
 }
 
-PeerHandshake::Weighed PeerHandshake::weigh_request(const spi::Token& token) const {
+PeerHandshake::Assessment PeerHandshake::assess_request(const spi::Token& token) const {
   const auto digest = digest_of(token);
   if (finished_ && finished_->last == digest) return {};  // it arrives late
   const bool known = std::ranges::count(answers_.all(), digest, &HandshakeAnswer::request) > 0;
   return {known ? Effort::memory : Effort::request, digest};
 }
 
-bool PeerHandshake::receive(const GenericMessage& message, const Weighed& weighed,
+bool PeerHandshake::receive(const GenericMessage& message, const Assessment& assessment,
                             MonotonicTime now, Messages& out) {
-  const auto& [needed, digest] = weighed;
+  const auto& [needed, digest] = assessment;
   if (needed == Effort::none) return true;
   heard_ = true;
   if (!started_) start(now, out);

@@ -68,16 +68,16 @@ class PeerHandshake {
   /// Appends the messages that are due to `out`.
   void tick(MonotonicTime now, Messages& out);
   /// What is known of a message before any work is done for it.
-  struct Weighed {
+  struct Assessment {
     Effort effort = Effort::none;
     Sha256Digest digest = {};  ///< digest of the peer's request or reply, unless the effort is none
   };
   /// Checks a message of class dds.sec.auth that names the local participant as destination and the
   /// peer as source. Does no public-key work.
-  Weighed weigh(const GenericMessage& message) const;
+  Assessment assess(const GenericMessage& message) const;
   /// Processes such a message; the caller has allowed its effort. Returns false if there was no
   /// room for it.
-  bool receive(const GenericMessage& message, const Weighed& weighed, MonotonicTime now,
+  bool receive(const GenericMessage& message, const Assessment& assessment, MonotonicTime now,
                Messages& out);
   /// Processes an auth_request of the peer. Returns the challenge that it repeats, or empty.
   Bytes receive_auth_request(const GenericMessage& message, Messages& out);
@@ -101,7 +101,7 @@ class PeerHandshake {
   void note_heard() { heard_ = true; }
   /// A message of the peer had to be dropped: repeats at once what waits for an answer, if there
   /// was time for an answer.
-  void hasten(MonotonicTime now);
+  void shorten_delays(MonotonicTime now);
   /// Begins a new handshake next to the finished one, if the local side is the one that begins.
   void begin_again(MonotonicTime now);
   /// True if the local GUID is the lower one (DDS-Security 1.2, clause 10.3.3).
@@ -155,8 +155,9 @@ class PeerHandshake {
   void start(MonotonicTime now, Messages& out);
   void become_overdue(MonotonicTime now);
   bool make_request(MonotonicTime until);
-  Weighed weigh_reply(const spi::Token& token, const spi::Authentication::Outline& outline) const;
-  Weighed weigh_request(const spi::Token& token) const;
+  Assessment assess_reply(const spi::Token& token,
+                          const spi::Authentication::Outline& outline) const;
+  Assessment assess_request(const spi::Token& token) const;
   void repeat_known(const GenericMessage& message, const Sha256Digest& digest, Messages& out);
   bool on_request(const GenericMessage& message, const Sha256Digest& digest, MonotonicTime now,
                   Messages& out);
@@ -182,7 +183,7 @@ class PeerHandshake {
   bool repeats_challenges_ = false;
   bool started_ = false;
   bool heard_ = false;
-  bool hastened_ = false;
+  bool has_shorter_delays_ = false;
   bool overdue_ = false;
   int repetitions_ = 0;
   std::optional<Request> request_;

@@ -133,7 +133,7 @@ bool Security::is_authenticating(const GuidPrefix& prefix) const {
 
 bool Security::has_spoken(const GuidPrefix& prefix) const {
   const auto* peer = core_.find(prefix);
-  return peer != nullptr && peer->spoke;
+  return peer != nullptr && peer->has_spoken;
 }
 
 void Security::on_stateless(const GuidPrefix& source, BytesView payload, MonotonicTime now) {

@@ -68,8 +68,8 @@ class Security {
   /// has ended the session a while ago.
   void note_announced(const GuidPrefix& prefix, MonotonicTime now);
   /// This many more octets may be sent to the peer.
-  void note_earned(const GuidPrefix& prefix, std::size_t octets) {
-    if (auto* peer = core_.find(prefix)) handshakes_.note_earned(*peer, octets);
+  void note_credit(const GuidPrefix& prefix, std::size_t octets) {
+    if (auto* peer = core_.find(prefix)) handshakes_.note_credit(*peer, octets);
   }
   void on_stateless(const GuidPrefix& source, BytesView payload, MonotonicTime now);
   void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag, const SourceAddress& from,

@@ -143,7 +143,7 @@ bool WrittenMemory::may_all_read(const KeptMemory::Holders& holders) const {
 
 // Participants that come later may not see what was in it.
 bool WrittenMemory::reuse(std::size_t needed) {
-  if (!may_reuse_ || !core_.passing->takes_work()) return false;
+  if (!may_reuse_ || !core_.passing->accepts_work()) return false;
   may_reuse_ = false;
   core_.kept.forget_returned();
   auto former = core_.kept.take(id(), form_, needed, holders_.size(),

@@ -15,7 +15,7 @@ namespace {
 using namespace testing;
 using std::chrono::minutes;
 using std::chrono::seconds;
-using Kind = Passage::Kind;
+using Kind = TokenDecision::Kind;
 
 constexpr EntityId kWriter{{0, 0, 1, 2}}, kReader{{0, 0, 1, 7}};
 constexpr std::string_view kOfReader = "dds.sec.datareader_crypto_tokens";

@@ -225,10 +225,10 @@ TEST(Fork, AChildWithoutRandomOctets_SendsNothing) {
   EXPECT_EQ(reserve(), Code{});  // the parent needs none
 }
 
-using Means = ForkGeneration::Means;
-class ForkBy : public ::testing::TestWithParam<Means> {};
+using Detection = ForkGeneration::Detection;
+class ForkBy : public ::testing::TestWithParam<Detection> {};
 INSTANTIATE_TEST_SUITE_P(EachMeans, ForkBy,
-                         ::testing::Values(Means::kernel_if_possible, Means::handler));
+                         ::testing::Values(Detection::kernel_if_possible, Detection::handler));
 
 TEST_P(ForkBy, EveryProcessOfALine_HasAGenerationOfItsOwn) {
   // The handler of fork() stays, so its object must too.

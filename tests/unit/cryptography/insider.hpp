@@ -31,7 +31,7 @@ struct Insider {
     const bool encrypts = key->traits().encrypts;
     const auto macs_size = kReceiverMacSize * receivers.size();
     Bytes out(content.size() + macs_size + 100);
-    Pen pen(out);
+    UncheckedWriter pen(out);
     pen.submessage_header(frame.prefix, 20);
     pen.crypto_header(key->material().kind, key->material().sender_key_id, reserved.iv);
     if (encrypts) {

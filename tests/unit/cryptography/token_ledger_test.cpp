@@ -16,7 +16,7 @@ using std::chrono::seconds;
 
 constexpr EntityId kWriter{{0, 0, 1, 2}}, kReader{{0, 0, 1, 7}}, kOtherReader{{0, 0, 2, 7}};
 
-using Kind = Passage::Kind;
+using Kind = TokenDecision::Kind;
 
 /// What the host does: messages go in, and it comes back with what was in them.
 struct Host {
@@ -376,7 +376,7 @@ class Inventor {
  public:
   Inventor(Host& host, std::uint64_t exchange) : host_(host), exchange_(exchange) {}
 
-  Result<Passage> note() {
+  Result<TokenDecision> note() {
     ++invented_;
     Guid remote{kPeer, kWriter};
     for (std::size_t i = 0; i < 8; ++i)

@@ -17,7 +17,7 @@ constexpr Iv kIv{9, 9, 9, 9, 1, 2, 3, 4, 5, 6, 7, 8};
 /// CryptoHeader, the content, and a footer with the number of receiver-specific MACs.
 Bytes payload(TransformKind kind, BytesView content, std::uint32_t macs = 0) {
   Bytes out(kCryptoHeaderSize + content.size() + kFooterSize + 4);
-  Pen pen(out);
+  UncheckedWriter pen(out);
   pen.crypto_header(kind, kKey, kIv);
   if (kind == kAes256Gcm) pen.u32(static_cast<std::uint32_t>(content.size()));
   pen.put(content);
@@ -62,7 +62,7 @@ TEST(ProtectedPayload, OfAnUnknownKind_IsRefused) {
 /// SEC_PREFIX, a signed submessage, and SEC_POSTFIX with the MAC of one receiver.
 Bytes group() {
   Bytes out(200);
-  Pen pen(out);
+  UncheckedWriter pen(out);
   pen.submessage_header(submessage_id::kSecPrefix, kCryptoHeaderSize);
   pen.crypto_header(kAes256Gmac, kKey, kIv);
   pen.submessage_header(submessage_id::kAckNack, 24);

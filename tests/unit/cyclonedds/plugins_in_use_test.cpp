@@ -80,9 +80,9 @@ bool is_said_once() {
   std::vector<Event> events;
   Host first{std::make_unique<All>(events)}, second{std::make_unique<All>(events)};
   const auto flawed = [] { return std::string(kFlawed); };
-  say_plugins_in_use(first, PluginKind::authentication, flawed);
-  say_plugins_in_use(first, PluginKind::access_control, flawed);
-  say_plugins_in_use(second, PluginKind::authentication, flawed);
+  report_plugins_in_use(first, PluginKind::authentication, flawed);
+  report_plugins_in_use(first, PluginKind::access_control, flawed);
+  report_plugins_in_use(second, PluginKind::authentication, flawed);
   return events.size() == 3 && events[0].error.code() == Code::plugins_in_use &&
          events[0].severity == Severity::informational &&
          events[0].error.to_sentence().contains(kFlawed) &&

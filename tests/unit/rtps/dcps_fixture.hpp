@@ -51,7 +51,7 @@ struct UnservedContext {
   Events events;
   NoServer server;
   ParticipantContext context{
-      {clock, random, events}, server, nullptr, std::make_shared<Neighbourhood>()};
+      {clock, random, events}, server, nullptr, std::make_shared<ProcessPeers>()};
 };
 
 /// One end: a participant with the usual entities.

@@ -29,7 +29,7 @@ TEST_F(HeldOctetsTest, WritersOfOneIdentity_ShareItsLimit) {
   first.hold(31);
   second.hold(30);
   EXPECT_EQ(held.over_limit(), kOne);
-  second.let_go(1);
+  second.release(1);
   EXPECT_FALSE(held.over_limit());
 }
 

@@ -41,7 +41,7 @@ TEST(MatchedReaders, Everybody_HasEachLocatorOnce) {
   auto& first = readers.add({guid(1), true, false, {kHere}}, {{1}});
   auto& second = readers.add({guid(2), true, false, {kHere, kThere}}, {{1}});
   readers.set_dscp(46);
-  const auto all = readers.everybody();
+  const auto all = readers.all_readers();
   EXPECT_THAT(all.to.locators, UnorderedElementsAre(kHere, kThere));
   EXPECT_EQ(all.to.prefix, GuidPrefix{});
   EXPECT_EQ(all.to.dscp, 46);
@@ -51,7 +51,7 @@ TEST(MatchedReaders, Everybody_HasEachLocatorOnce) {
   EXPECT_EQ(one.to.prefix, guid(1).prefix);
   EXPECT_EQ(one.reader, testing::kReader);
   readers.remove(second);
-  EXPECT_THAT(readers.everybody().to.locators, ElementsAre(kHere));
+  EXPECT_THAT(readers.all_readers().to.locators, ElementsAre(kHere));
   readers.remove(first);
   EXPECT_FALSE(readers.any_remote());
 }
@@ -61,8 +61,8 @@ TEST(MatchedReaders, OfTheVolatileChannel_IsAddressedAsOne) {
   MatchedReaders readers(kVolatileMessageWriter, true);
   const Guid peer{guid(1).prefix, kVolatileMessageReader};
   readers.add({peer, true, false, {kHere}}, {{1}});
-  EXPECT_EQ(readers.everybody().reader, kVolatileMessageReader);
-  EXPECT_EQ(readers.everybody().to.prefix, peer.prefix);
+  EXPECT_EQ(readers.all_readers().reader, kVolatileMessageReader);
+  EXPECT_EQ(readers.all_readers().to.prefix, peer.prefix);
 }
 
 TEST(MatchedReaders, Keys_AreReadAsTheMostDemandingReaderDoes) {

@@ -64,7 +64,7 @@ Qos keep_all(std::int32_t most = kLengthUnlimited) {
 class Packing : public ::testing::Test {
  protected:
   explicit Packing(const Qos& qos = keep_all()) : writer({kA, testing::kWriter}, qos, sender) {
-    sender.allow_lingering();
+    sender.allow_delayed_flush();
     writer.match({{kB, testing::kReader}, true, false, {kHere}}, now);
     transport.sent.clear();
   }
@@ -155,7 +155,7 @@ TEST_F(Packing, WhatWaits_LeavesBeforeItsReaderOrItsWriterDoes) {
   EXPECT_EQ(count(transport.sent, SubmessageId::data), 20u);
   Recorder other;
   MessageSender lingering(other, kA);
-  lingering.allow_lingering();
+  lingering.allow_delayed_flush();
   {
     StatefulWriter dying({kA, testing::kWriter}, keep_all(), lingering);
     dying.match({{kB, testing::kReader}, true, false, {kHere}}, now);

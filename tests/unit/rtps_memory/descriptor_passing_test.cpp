@@ -118,7 +118,7 @@ TEST(DescriptorPassing, MuchWork_IsRefused) {
   EXPECT_EQ(taken, DescriptorPassing::kMaxWork);
   std::size_t done = 0;
   EXPECT_TRUE(until([&] { return (done += passing.it->take_prepared().size()) == taken; }));
-  EXPECT_TRUE(passing.it->takes_work());
+  EXPECT_TRUE(passing.it->accepts_work());
 }
 
 TEST(DescriptorPassing, StrangerSendsASlowDescriptor_ReadersAreStillServed) {
@@ -149,7 +149,7 @@ struct HeldUp {
     is_held = hostile.send_over(impostor.socket);
     std::this_thread::sleep_for(100ms);
     EXPECT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
-    EXPECT_TRUE(!is_held || until([&] { return !passing.it->takes_work(); }));
+    EXPECT_TRUE(!is_held || until([&] { return !passing.it->accepts_work(); }));
   }
   bool is_held = false;
   SlowToClose hostile;
@@ -187,7 +187,7 @@ TEST(DescriptorPassing, ThreadIsHeldUp_EndDoesNotWait) {
 TEST(DescriptorPassing, ThreadIsNoLongerHeldUp_WorkIsTakenAgain) {
   const auto held = held_up();
   { const FileDescriptor reset(held->hostile.other.release()); }
-  EXPECT_TRUE(until([&] { return held->passing.it->takes_work(); }));
+  EXPECT_TRUE(until([&] { return held->passing.it->accepts_work(); }));
 }
 
 TEST(DescriptorPassing, End_IsQuick) {

@@ -45,12 +45,12 @@ TEST_F(HandshakeAnswersTest, Octets_AreCountedForAllPeers) {
   answers_.add(answer(2));
   EXPECT_EQ(answers_.octets(), 2 * kEach);
   EXPECT_EQ(account_, 2 * kEach);
-  answers_.give_way();
+  answers_.evict_largest();
   EXPECT_EQ(kept(), std::vector<std::int64_t>{2});
   EXPECT_EQ(account_, kEach);
   answers_.expire(HandshakeAnswers::kLife);
   EXPECT_TRUE(answers_.empty());
-  answers_.give_way();
+  answers_.evict_largest();
   EXPECT_EQ(account_, 0u);
 }
 

@@ -1,5 +1,5 @@
 // Participants of one process: who finds whom, and which endpoints may go without the network.
-#include "rtps/participant/neighbourhood.hpp"
+#include "rtps/participant/process_peers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@ namespace {
 constexpr EntityId kOpenWriter{{0, 0, 1, 2}}, kProtectedWriter{{0, 0, 2, 2}};
 constexpr EntityId kReader{{0, 0, 1, 7}};
 
-struct Member final : Neighbour {
+struct Member final : ProcessPeer {
   explicit Member(std::uint8_t number, bool secured = true) : secured_(secured) {
     prefix_.octets.fill(number);
   }
@@ -25,15 +25,15 @@ struct Member final : Neighbour {
 };
 
 TEST(Neighbourhood, OfOneDomainAndTag_IsTheSameWhileItIsUsed) {
-  const auto first = Neighbourhood::of(3, "tag");
-  EXPECT_EQ(Neighbourhood::of(3, "tag"), first);
-  EXPECT_NE(Neighbourhood::of(3, "other"), first);
-  EXPECT_NE(Neighbourhood::of(4, "tag"), first);
+  const auto first = ProcessPeers::of(3, "tag");
+  EXPECT_EQ(ProcessPeers::of(3, "tag"), first);
+  EXPECT_NE(ProcessPeers::of(3, "other"), first);
+  EXPECT_NE(ProcessPeers::of(4, "tag"), first);
   EXPECT_EQ(first.use_count(), 1) << "the table keeps none alive";
 }
 
 TEST(Neighbourhood, Member_IsFoundUntilItLeaves) {
-  Neighbourhood all;
+  ProcessPeers all;
   const Member member(1);
   all.enter(member);
   EXPECT_EQ(all.find(member.prefix()), &member);
@@ -43,28 +43,28 @@ TEST(Neighbourhood, Member_IsFoundUntilItLeaves) {
 }
 
 TEST(Neighbourhood, PairOfOpenEndpoints_NeedsNoNetwork) {
-  Neighbourhood all;
+  ProcessPeers all;
   const Member own(1), other(2);
   all.enter(own), all.enter(other);
-  EXPECT_EQ(neighbour_of(own, &all, kReader, {other.prefix(), kOpenWriter}), &other);
-  EXPECT_EQ(neighbour_of(own, &all, kProtectedWriter, {own.prefix(), kReader}), &own)
+  EXPECT_EQ(process_peer_of(own, &all, kReader, {other.prefix(), kOpenWriter}), &other);
+  EXPECT_EQ(process_peer_of(own, &all, kProtectedWriter, {own.prefix(), kReader}), &own)
       << "nothing leaves the participant";
 }
 
 TEST(Neighbourhood, ProtectedEndpoint_UsesTheNetwork) {
-  Neighbourhood all;
+  ProcessPeers all;
   const Member own(1), other(2);
   all.enter(own), all.enter(other);
-  EXPECT_EQ(neighbour_of(own, &all, kReader, {other.prefix(), kProtectedWriter}), nullptr);
-  EXPECT_EQ(neighbour_of(own, &all, kProtectedWriter, {other.prefix(), kReader}), nullptr);
+  EXPECT_EQ(process_peer_of(own, &all, kReader, {other.prefix(), kProtectedWriter}), nullptr);
+  EXPECT_EQ(process_peer_of(own, &all, kProtectedWriter, {other.prefix(), kReader}), nullptr);
 }
 
 TEST(Neighbourhood, OneSideIsNotSecured_UsesTheNetwork) {
-  Neighbourhood all;
+  ProcessPeers all;
   const Member own(1), plain(2, false);
   all.enter(own), all.enter(plain);
-  EXPECT_EQ(neighbour_of(own, &all, kReader, {plain.prefix(), kOpenWriter}), nullptr);
-  EXPECT_EQ(neighbour_of(own, nullptr, kReader, {plain.prefix(), kOpenWriter}), nullptr);
+  EXPECT_EQ(process_peer_of(own, &all, kReader, {plain.prefix(), kOpenWriter}), nullptr);
+  EXPECT_EQ(process_peer_of(own, nullptr, kReader, {plain.prefix(), kOpenWriter}), nullptr);
 }
 
 }  // namespace
