@@ -5,7 +5,7 @@
 
 namespace ddssec {
 
-DocumentWatch::DocumentWatch(What what, std::chrono::seconds interval)
+DocumentWatch::DocumentWatch(WatchedDocument what, std::chrono::seconds interval)
     : what_(std::move(what)), watch_(what_.uri, interval) {
   if (auto path = file_named_by(watch_.uri())) what_.name = *std::move(path);
 }
@@ -14,15 +14,15 @@ Result<Bytes> DocumentWatch::read() const {
   return load(watch_.uri(), what_.name, what_.max_octets);
 }
 
-Result<bool> DocumentWatch::look(std::chrono::nanoseconds now, const Take& take) {
+Result<bool> DocumentWatch::poll(std::chrono::nanoseconds now, const Adopt& adopt) {
   if (!watch_.may_have_changed(now)) return false;
-  Rollback again([&] { watch_.look_again(); });
+  Rollback again([&] { watch_.force_change(); });
   const auto file = read();
   const auto content = file ? sha256(*file) : Sha256Digest{};
   Status status;
   if (!file) status = std::unexpected(file.error());
   const bool is_other = file && content != content_;
-  if (is_other) status = take(*file);
+  if (is_other) status = adopt(*file);
   if (status) {
     if (is_other) content_ = content;
     refusals_.clear();

@@ -14,8 +14,8 @@ namespace ddssec {
 /// Not thread-safe.
 class DocumentWatch {
  public:
-  /// What is watched, and what an event about it says.
-  struct What {
+  /// WatchedDocument is watched, and what an event about it says.
+  struct WatchedDocument {
     std::string uri;
     std::string name;        ///< of the property, for a document that stands there
     std::size_t max_octets;  ///< octets that are read
@@ -26,35 +26,35 @@ class DocumentWatch {
   };
 
   /// Before the file is read for the first time.
-  DocumentWatch(What what, std::chrono::seconds interval);
+  DocumentWatch(WatchedDocument what, std::chrono::seconds interval);
 
   /// The octets that are in force were read.
   void note_read(BytesView file) { content_ = sha256(file); }
 
   /// Judges a document that would take the place of the one in force, and uses it if it is good.
-  using Take = std::function<Status(BytesView)>;
+  using Adopt = std::function<Status(BytesView)>;
   /// Reads the file if it may have changed. True: another document is in force. `now`:
   /// Clock::monotonic. Error, once as long as the file stays the same, and only if it was wrong at
-  /// two looks in a row: What::refused, with what is wrong.
-  Result<bool> look(std::chrono::nanoseconds now, const Take& take);
+  /// two polls in a row: WatchedDocument::refused, with what is wrong.
+  Result<bool> poll(std::chrono::nanoseconds now, const Adopt& adopt);
 
-  /// The next look reads the file, whatever the interval is.
-  void look_now() { watch_.look_now(); }
+  /// The next poll reads the file, whatever the interval is.
+  void force_poll() { watch_.force_poll(); }
 
   /// The file as it is now, whether it has changed or not. For a caller that takes it together with
   /// another one, and then calls note_read. Errors: those of ddssec::load.
   Result<Bytes> read() const;
 
-  /// The last error of look(), while the file has not been good since.
+  /// The last error of poll(), while the file has not been good since.
   const std::optional<Error>& refused() const { return refusals_.refused(); }
   /// See RenewalRefusals.
   bool begins_later() const { return refusals_.begins_later(); }
 
-  /// The absolute path of the file, or What::name if it is none.
+  /// The absolute path of the file, or WatchedDocument::name if it is none.
   const std::string& name() const { return what_.name; }
 
  private:
-  What what_;
+  WatchedDocument what_;
   FileWatch watch_;
   Sha256Digest content_{};
   RenewalRefusals refusals_;

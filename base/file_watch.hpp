@@ -27,10 +27,10 @@ class FileWatch {
   const std::string& uri() const { return uri_; }
 
   /// Call it if the content could not be used: the next query then reports a change in any case.
-  void look_again() { is_settled_ = false; }
+  void force_change() { is_settled_ = false; }
 
   /// The next query does not wait for the interval, and reports a change in any case.
-  void look_now() {
+  void force_poll() {
     looked_.reset();
     is_settled_ = false;
   }

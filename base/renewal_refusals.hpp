@@ -11,11 +11,11 @@
 
 namespace ddssec {
 
-/// A file is reported if it was wrong at two looks in a row, so not if it is just being written;
+/// A file is reported if it was wrong at two polls in a row, so not if it is just being written;
 /// and once, as long as it stays the same. Not thread-safe.
 class RenewalRefusals {
  public:
-  /// The file was wrong at this look. True: report it. `content`: of what could be read.
+  /// The file was wrong at this poll. True: report it. `content`: of what could be read.
   bool is_due(Code why, const Sha256Digest& content) {
     const bool is_lasting = std::exchange(was_refused_, true);
     if (!is_lasting || told_ == std::pair{why, content}) return false;
@@ -43,7 +43,7 @@ class RenewalRefusals {
   }
 
  private:
-  bool was_refused_ = false;  ///< at the last look
+  bool was_refused_ = false;  ///< at the last poll
   std::optional<std::pair<Code, Sha256Digest>> told_;
   std::optional<Error> refused_;
 };

@@ -27,24 +27,24 @@ RenewalList RenewalListWatch::together() const {
   return out;
 }
 
-Status RenewalListWatch::judge(Place& place, BytesView file, const Take& take) {
+Status RenewalListWatch::judge(Place& place, BytesView file, const Adopt& adopt) {
   DDSSEC_ASSIGN_OR_RETURN(auto list, RenewalList::parse(file));
   std::swap(place.list, list);
   Rollback back([&] { std::swap(place.list, list); });
-  DDSSEC_RETURN_IF_ERROR(take(together()));
+  DDSSEC_RETURN_IF_ERROR(adopt(together()));
   back.release();
   return {};
 }
 
-Result<bool> RenewalListWatch::look_at(Place& place, const Take& take) {
-  Rollback again([&] { place.watch.look_again(); });
+Result<bool> RenewalListWatch::look_at(Place& place, const Adopt& adopt) {
+  Rollback again([&] { place.watch.force_change(); });
   const auto file = load(place.watch.uri(), place.path, kMaxRenewalListOctets);
   const bool not_yet = !place.content && !file && file.error().code() == Code::file_not_found;
   const auto content = file ? sha256(*file) : Sha256Digest{};
   const bool is_other = file && place.content != content;
   Status status;
   if (!file && !not_yet) status = std::unexpected(file.error());
-  if (is_other) status = judge(place, *file, take);
+  if (is_other) status = judge(place, *file, adopt);
   if (status) {
     if (is_other) place.content = content;
     place.refusals.clear();
@@ -57,26 +57,26 @@ Result<bool> RenewalListWatch::look_at(Place& place, const Take& take) {
                       place.content ? "the list read before stays in force" : "")));
 }
 
-Result<bool> RenewalListWatch::look(std::chrono::nanoseconds now, const Take& take) {
+Result<bool> RenewalListWatch::poll(std::chrono::nanoseconds now, const Adopt& adopt) {
   // What is wrong in one place must not keep another one from being read.
   Result<bool> out = false;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     if (!places_[i].watch.may_have_changed(now)) continue;
-    auto taken = look_at(places_[i], take);
+    auto taken = look_at(places_[i], adopt);
     if (taken && *taken) taken_from_ = i;
     if (out && (!taken || *taken)) out = std::move(taken);
   }
   return out;
 }
 
-void RenewalListWatch::look_now() {
-  for (auto& place : places_) place.watch.look_now();
+void RenewalListWatch::force_poll() {
+  for (auto& place : places_) place.watch.force_poll();
 }
 
 void RenewalListWatch::judge_again() {
   for (auto& place : places_) {
     place.content.reset();
-    place.watch.look_now();
+    place.watch.force_poll();
   }
 }
 

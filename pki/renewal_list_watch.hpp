@@ -21,21 +21,21 @@ class RenewalListWatch {
                    Code refused);
 
   /// Judges entries that would take the place of those in force, and uses them if they are good.
-  using Take = std::function<Status(const RenewalList&)>;
+  using Adopt = std::function<Status(const RenewalList&)>;
   /// Reads each file that may have changed. True: other entries are in force. Error: the fault of a
   /// file that was wrong at two looks in a row, once as long as the file stays the same; the
   /// entries in force stay. A file that disappears after it was read is wrong. `now`:
   /// Clock::monotonic.
-  Result<bool> look(std::chrono::nanoseconds now, const Take& take);
+  Result<bool> poll(std::chrono::nanoseconds now, const Adopt& adopt);
 
-  /// The next look reads the files, whatever the interval is.
-  void look_now();
+  /// The next poll reads the files, whatever the interval is.
+  void force_poll();
   /// The same, and judges their entries as if they were new: what they are judged by has changed.
   void judge_again();
 
   /// The file whose entries were taken last, or else the first one; empty if there is none.
   std::string path() const;
-  /// The last error of look() about a file that has not been good since.
+  /// The last error of poll() about a file that has not been good since.
   std::optional<Error> refused() const;
 
  private:
@@ -47,8 +47,8 @@ class RenewalListWatch {
     RenewalRefusals refusals = {};
   };
 
-  Result<bool> look_at(Place& place, const Take& take);
-  Status judge(Place& place, BytesView file, const Take& take);
+  Result<bool> look_at(Place& place, const Adopt& adopt);
+  Status judge(Place& place, BytesView file, const Adopt& adopt);
   RenewalList together() const;
 
   const Code refused_;

@@ -403,7 +403,7 @@ void AccessControlPlugin::renew_documents(const Entries& all, PermissionsHandle 
   const WallTime now = services_.clock.now();
   const auto ends = [&](const auto& one) { return one.second->newly_ended(now).has_value(); };
   if (std::ranges::none_of(own, ends)) return;
-  for (const auto& [handle, holder] : own) holder->look_now();
+  for (const auto& [handle, holder] : own) holder->force_poll();
   renew();
 }
 

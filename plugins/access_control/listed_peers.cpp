@@ -25,7 +25,7 @@ void follow_renewal_lists(const Entries& entries, DocumentCache& documents,
   if (!follow(entries, services)) return;
   for (const auto& [handle, holder] : entries) {
     if (holder->remote()) continue;
-    holder->look_at_list_now();
+    holder->force_poll_of_list();
     for (const auto& event : holder->renew(documents, services.clock))
       services.events.raise(event_about({}, event));
   }

@@ -14,13 +14,13 @@
 namespace ddssec::access_control {
 namespace {
 
-DocumentWatch::What what(const std::string& uri, const std::string& name, std::size_t max_octets,
-                         Code refused, std::string_view stays) {
+DocumentWatch::WatchedDocument what(const std::string& uri, const std::string& name,
+                                    std::size_t max_octets, Code refused, std::string_view stays) {
   return {.uri = uri, .name = name, .max_octets = max_octets, .refused = refused, .stays = stays};
 }
 
 /// With the remedy of what is wrong with the document: a restart with it would fail.
-DocumentWatch::What signed_document(DocumentWatch::What what) {
+DocumentWatch::WatchedDocument signed_document(DocumentWatch::WatchedDocument what) {
   what.gives_remedy_of_reason = true;
   return what;
 }
@@ -99,12 +99,12 @@ void OwnDocuments::note_read(Bytes governance, BytesView permissions) {
   governance_in_force_ = std::move(governance);
 }
 
-void OwnDocuments::look_now() {
-  authorities_.look_now();
-  governance_.look_now();
-  permissions_.look_now();
-  identity_authorities_.look_now();
-  renewal_list_.look_now();
+void OwnDocuments::force_poll() {
+  authorities_.force_poll();
+  governance_.force_poll();
+  permissions_.force_poll();
+  identity_authorities_.force_poll();
+  renewal_list_.force_poll();
 }
 
 std::vector<DocumentState> OwnDocuments::states(const LocalParticipant& participant,
@@ -167,7 +167,7 @@ void OwnDocuments::keep_one_of_folder(std::vector<Error>& events) const {
 
 void OwnDocuments::renew_authorities(const Renewal& now, std::vector<Error>& events) {
   const auto basis = now.participant.basis();
-  const auto taken = authorities_.look(
+  const auto taken = authorities_.poll(
       now.clock.monotonic(), basis->ca->verifier().permissions_cas(),
       [&](const std::vector<pki::Certificate>& next) { return take_authorities(now, next); });
   if (!taken) events.push_back(taken.error());
@@ -240,7 +240,7 @@ void OwnDocuments::renew_identity_authorities(const Renewal& now) {
   auto basis = *now.participant.basis();
   if (basis.allowed_algorithms() == nullptr) return;
   const auto ignored =
-      identity_authorities_.look(now.clock.monotonic(), [&](BytesView file) -> Status {
+      identity_authorities_.poll(now.clock.monotonic(), [&](BytesView file) -> Status {
         DDSSEC_ASSIGN_OR_RETURN(auto all, pki::Certificate::bundle_from_pem(file));
         for (const auto& ca : basis.identity_authorities)
           if (all.size() < pki::kMaxCertificatesInBundle && std::ranges::find(all, ca) == all.end())
@@ -289,7 +289,7 @@ std::optional<Error> OwnDocuments::note_applied(const LocalParticipant& particip
 void OwnDocuments::renew_governance(const Renewal& now, std::vector<Error>& events) {
   if (governance_waiting_) return;
   const auto former = now.participant.basis();
-  const auto taken = governance_.look(
+  const auto taken = governance_.poll(
       now.clock.monotonic(), [&](BytesView file) { return take_governance(now, *former, file); });
   if (!taken) events.push_back(taken.error());
   if (!taken || !*taken) return;
@@ -308,7 +308,7 @@ void OwnDocuments::renew_governance(const Renewal& now, std::vector<Error>& even
 // ---- permissions
 
 void OwnDocuments::renew_permissions(const Renewal& now, std::vector<Error>& events) {
-  const auto looked = permissions_.look(now.clock.monotonic(), [&](BytesView file) -> Status {
+  const auto looked = permissions_.poll(now.clock.monotonic(), [&](BytesView file) -> Status {
     const auto time = now.clock.now();
     const auto basis = now.participant.basis();
     DDSSEC_ASSIGN_OR_RETURN(auto document, now.documents.permissions(*basis->ca, file, time));
@@ -350,7 +350,7 @@ Status OwnDocuments::take_list(const Renewal& now, const pki::RenewalList& list)
 
 void OwnDocuments::renew_list(const Renewal& now, std::vector<Error>& events) {
   bool was_read = false;
-  const auto taken = renewal_list_.look(now.clock.monotonic(), [&](const pki::RenewalList& list) {
+  const auto taken = renewal_list_.poll(now.clock.monotonic(), [&](const pki::RenewalList& list) {
     was_read = true;
     return take_list(now, list);
   });

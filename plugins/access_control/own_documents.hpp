@@ -34,10 +34,10 @@ class OwnDocuments {
                std::chrono::seconds interval);
 
   /// The next renew() reads the files, whatever the interval is.
-  void look_now();
+  void force_poll();
 
   /// The next renew() reads the renewal list.
-  void look_at_list_now() { renewal_list_.look_now(); }
+  void force_poll_of_list() { renewal_list_.force_poll(); }
 
   /// These octets are in force.
   void note_read(Bytes governance, BytesView permissions);

@@ -204,14 +204,14 @@ std::vector<DocumentState> PermissionsHolder::documents() const {
   return own_documents_->states(*participant_, permissions_part());
 }
 
-void PermissionsHolder::look_now() {
+void PermissionsHolder::force_poll() {
   const std::lock_guard lock(renewal_mutex_);
-  if (own_documents_) own_documents_->look_now();
+  if (own_documents_) own_documents_->force_poll();
 }
 
-void PermissionsHolder::look_at_list_now() {
+void PermissionsHolder::force_poll_of_list() {
   const std::lock_guard lock(renewal_mutex_);
-  if (own_documents_) own_documents_->look_at_list_now();
+  if (own_documents_) own_documents_->force_poll_of_list();
 }
 
 /// The lock is held.

@@ -57,8 +57,8 @@ class PermissionsHolder {
   DocumentPart permissions_part() const;
   const std::string& subject() const { return subject_.shown; }
   /// Of a local participant: the next renew() reads the files, whatever the poll interval is.
-  void look_now();
-  void look_at_list_now();  ///< the same for the renewal list alone
+  void force_poll();
+  void force_poll_of_list();  ///< the same for the renewal list alone
   /// Renewed permissions, with the file, come into force if they have a grant for the subject that
   /// is valid now and does not begin earlier than the one in force, and if the document was not
   /// signed earlier: an older document that was put back would give again what was taken away. One

@@ -157,7 +157,7 @@ Revocations PkiDh::look_at_files(IdentityHandle local) {
   if (std::ranges::none_of(revocations.identities, is_own, &IdentityTable::Revoked::handle) &&
       std::ranges::none_of(ended, is_own, &IdentityTable::Ended::handle))
     return revocations;
-  for (const auto& one : own) one.identity->look_now();
+  for (const auto& one : own) one.identity->force_poll();
   renew_identities(table_, local, stores_, services_);
   return find_revocations(table_, local, stores_, services_);
 }

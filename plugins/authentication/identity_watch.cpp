@@ -73,15 +73,15 @@ const std::string& IdentityWatch::path_of(const Error& error) const {
   return is_about_key && !key_path_.empty() ? key_path_ : path_;
 }
 
-Result<std::optional<IdentityWatch::Found>> IdentityWatch::look(std::chrono::nanoseconds now,
+Result<std::optional<IdentityWatch::Found>> IdentityWatch::poll(std::chrono::nanoseconds now,
                                                                 const Found& in_force,
                                                                 const Accept& accept) {
   const bool certificate_may = certificate_.may_have_changed(now);
   const bool key_may = key_.may_have_changed(now);
   if (!certificate_may && !key_may) return std::nullopt;
   Rollback again([&] {
-    certificate_.look_again();
-    key_.look_again();
+    certificate_.force_change();
+    key_.force_change();
   });
   Sha256Digest content{};
   auto found = judge(in_force, accept, content);

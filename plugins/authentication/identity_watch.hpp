@@ -41,19 +41,19 @@ class IdentityWatch {
   /// what does not fit together is an error only if it is found at two looks in a row. `now`:
   /// Clock::monotonic. Error, once as long as the files stay the same: identity_renewal_refused,
   /// about the file, with what is wrong.
-  Result<std::optional<Found>> look(std::chrono::nanoseconds now, const Found& in_force,
+  Result<std::optional<Found>> poll(std::chrono::nanoseconds now, const Found& in_force,
                                     const Accept& accept);
 
-  /// The next look reads the files, whatever the interval is.
-  void look_now() {
-    certificate_.look_now();
-    key_.look_now();
+  /// The next poll reads the files, whatever the interval is.
+  void force_poll() {
+    certificate_.force_poll();
+    key_.force_poll();
   }
 
   /// The files as they are now, whether they have changed or not. Errors: those of pki.
   Result<Found> read(const Found& in_force) const;
 
-  /// The last error of look(), while the files have not been good since.
+  /// The last error of poll(), while the files have not been good since.
   const std::optional<Error>& refused() const { return refusals_.refused(); }
   /// See RenewalRefusals.
   bool begins_later() const { return refusals_.begins_later(); }

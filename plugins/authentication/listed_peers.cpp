@@ -75,7 +75,7 @@ void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::Ended
     if (!peer || !pair || !table.local(pair->local_handle)) return false;
     const auto& local = *pair->local;
     if (looked.insert(&local).second) {
-      local.listed().look_now();
+      local.listed().force_poll();
       look_at_renewal_list(local, services);
     }
     auto why_not = follow(table, *peer, local, services);

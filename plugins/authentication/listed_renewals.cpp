@@ -59,10 +59,10 @@ Status ListedRenewals::take(const pki::RenewalList& list, const TrustStore& trus
   return {};
 }
 
-Result<std::optional<Error>> ListedRenewals::look(const Clock& clock, const TrustStore& trust) {
+Result<std::optional<Error>> ListedRenewals::poll(const Clock& clock, const TrustStore& trust) {
   const std::scoped_lock lock(mutex_);
   DDSSEC_ASSIGN_OR_RETURN(const bool taken,
-                          watch_.look(clock.monotonic(), [&](const pki::RenewalList& list) {
+                          watch_.poll(clock.monotonic(), [&](const pki::RenewalList& list) {
                             return take(list, trust, clock.now());
                           }));
   if (!taken) return std::nullopt;
@@ -76,9 +76,9 @@ Result<std::optional<Error>> ListedRenewals::look(const Clock& clock, const Trus
                                             "or of no CA that is trusted here"});
 }
 
-void ListedRenewals::look_now() {
+void ListedRenewals::force_poll() {
   const std::scoped_lock lock(mutex_);
-  watch_.look_now();
+  watch_.force_poll();
 }
 
 void ListedRenewals::judge_again() {

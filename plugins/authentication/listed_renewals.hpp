@@ -23,11 +23,11 @@ class ListedRenewals {
       : watch_(uris, interval, Code::renewal_list_refused) {}
 
   /// Reads the list, if it has changed. The event if another one is in force: renewal_list_taken.
-  /// An entry that `trust` does not believe does not count. Error as RenewalListWatch::look, also
+  /// An entry that `trust` does not believe does not count. Error as RenewalListWatch::poll, also
   /// if there are certificates and none of them counts: renewal_list_refused.
-  Result<std::optional<Error>> look(const Clock& clock, const TrustStore& trust);
-  /// The next look reads the file, whatever the interval is.
-  void look_now();
+  Result<std::optional<Error>> poll(const Clock& clock, const TrustStore& trust);
+  /// The next poll reads the file, whatever the interval is.
+  void force_poll();
   /// The same, and judges all entries again: other CAs are trusted.
   void judge_again();
 

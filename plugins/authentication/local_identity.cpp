@@ -90,7 +90,7 @@ std::string LocalIdentity::revocation_lists() const {
 Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Clock& clock) {
   const std::scoped_lock lock(renewal_mutex_);
   const auto trust = own_trust();
-  return revocation_lists_.look(clock, trust->anchors(), [&](const std::vector<pki::Crl>& lists) {
+  return revocation_lists_.poll(clock, trust->anchors(), [&](const std::vector<pki::Crl>& lists) {
     return adopt(lists, stores, clock.now());
   });
 }
@@ -189,7 +189,7 @@ Result<bool> LocalIdentity::renew_identity(const Clock& clock) {
   const std::scoped_lock lock(renewal_mutex_);
   const auto former = presented();
   DDSSEC_ASSIGN_OR_RETURN(const auto found,
-                          watch_.look(clock.monotonic(), {former->certificate, former->key},
+                          watch_.poll(clock.monotonic(), {former->certificate, former->key},
                                       [&](const IdentityWatch::Found& one) {
                                         return check_renewed(one, *own_trust(), clock.now());
                                       }));
@@ -206,7 +206,7 @@ Result<bool> LocalIdentity::renew_ocsp_response(const Clock& clock) {
   const std::scoped_lock lock(renewal_mutex_);
   const auto own = certificate();
   const auto trust = own_trust();
-  auto taken = ocsp_response_.look(clock.monotonic(), {own, *trust, clock.now()});
+  auto taken = ocsp_response_.poll(clock.monotonic(), {own, *trust, clock.now()});
   const bool is_revoked = !taken && taken.error().code() == Code::ocsp_revoked;
   const std::scoped_lock presenting(mutex_);
   ocsp_in_force_ = ocsp_response_.in_force();
@@ -259,7 +259,7 @@ Result<LocalIdentity::AuthoritiesTaken> LocalIdentity::renew_authorities(TrustSt
     return {};
   };
   DDSSEC_ASSIGN_OR_RETURN(taken.authorities,
-                          authorities_.look(clock.monotonic(), former->anchors(), take));
+                          authorities_.poll(clock.monotonic(), former->anchors(), take));
   return taken;
 }
 
@@ -327,13 +327,13 @@ std::vector<DocumentState> LocalIdentity::documents() const {
   return out;
 }
 
-void LocalIdentity::look_now() {
+void LocalIdentity::force_poll() {
   const std::scoped_lock lock(renewal_mutex_);
-  watch_.look_now();
-  authorities_.look_now();
-  revocation_lists_.look_now();
-  ocsp_response_.look_now();
-  listed_->look_now();
+  watch_.force_poll();
+  authorities_.force_poll();
+  revocation_lists_.force_poll();
+  ocsp_response_.force_poll();
+  listed_->force_poll();
 }
 
 // ---- what is presented

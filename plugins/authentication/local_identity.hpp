@@ -45,7 +45,7 @@ class LocalIdentity {
   std::vector<Error> ends_soon(WallTime now);
 
   /// Puts newer revocation lists in force if their file holds any: from then on every check is
-  /// made by them. True: it did. Errors: those of RevocationLists::look and check_renewal,
+  /// made by them. True: it did. Errors: those of RevocationLists::poll and check_renewal,
   /// trusted_ca_dir_with_crl, and those of ChainVerifier::verify if we could not believe ourselves
   /// any longer, but for being revoked.
   Result<bool> renew_revocation_lists(TrustStores& stores, const Clock& clock);
@@ -55,12 +55,12 @@ class LocalIdentity {
   std::string revocation_lists() const;
 
   /// Takes a renewed certificate, with its key, if their files hold one: from then on handshakes
-  /// present it. True: it did. Errors: those of IdentityWatch::look. What makes it refuse a
+  /// present it. True: it did. Errors: those of IdentityWatch::poll. What makes it refuse a
   /// certificate stands at check_renewed.
   Result<bool> renew_identity(const Clock& clock);
 
   /// Takes another OCSP response of our certificate, if its file holds one: from then on handshakes
-  /// show it. True: it did. Errors: those of OwnOcspResponse::look.
+  /// show it. True: it did. Errors: those of OwnOcspResponse::poll.
   Result<bool> renew_ocsp_response(const Clock& clock);
   /// The response that says at `now` that our `certificate` is good; null if there is none.
   std::shared_ptr<const OcspInForce> ocsp_response_for(const pki::Certificate& certificate,
@@ -85,7 +85,7 @@ class LocalIdentity {
   /// Takes other identity CAs if their file holds any: from then on every check is made by them.
   /// They must believe our own certificate: the one in force, or else the one that lies in its file
   /// now. Then that certificate comes into force, and so do the revocation lists in their file.
-  /// Errors: those of AuthorityWatch::look.
+  /// Errors: those of AuthorityWatch::poll.
   Result<AuthoritiesTaken> renew_authorities(TrustStores& stores, const Clock& clock);
   /// The path of the identity CAs; the property's name if it is no file.
   const std::string& authorities_path() const { return authorities_.name(); }
@@ -96,7 +96,7 @@ class LocalIdentity {
   std::vector<DocumentState> documents() const;
 
   /// The next renew_... calls read the files, whatever the poll interval is.
-  void look_now();
+  void force_poll();
 
   /// What came into force and no peer was judged by yet.
   struct Unapplied {

@@ -44,7 +44,7 @@ Status OwnOcspResponse::read_first(const Judge& judge) {
   return {};
 }
 
-Result<bool> OwnOcspResponse::look(std::chrono::nanoseconds monotonic, const Judge& judge) {
+Result<bool> OwnOcspResponse::poll(std::chrono::nanoseconds monotonic, const Judge& judge) {
   const bool is_other_certificate = judged_for_ != judge.certificate;
   if (watch_.may_have_changed(monotonic) || is_other_certificate) {
     auto taken = read(judge);
@@ -85,7 +85,7 @@ Result<bool> OwnOcspResponse::read(const Judge& judge) {
 }
 
 Result<bool> OwnOcspResponse::refuse(const Error& why) {
-  watch_.look_again();
+  watch_.force_change();
   if (!refusals_.is_due(why.code(), content_)) return false;
   return std::unexpected(refusals_.note(
       renewal_refused(Code::ocsp_response_refused, why, path_,

@@ -35,16 +35,16 @@ class OwnOcspResponse {
     const TrustStore& trust;
     WallTime now;
   };
-  /// Reads the file for the first time; one that is missing or cannot be used is left to `look`.
+  /// Reads the file for the first time; one that is missing or cannot be used is left to `poll`.
   /// Error: ocsp_revoked.
   Status read_first(const Judge& judge);
   /// Reads the file if it, or our certificate, may have changed. True: another response is in
-  /// force. `monotonic`: Clock::monotonic. Errors: ocsp_revoked, at every look as long as it is so;
+  /// force. `monotonic`: Clock::monotonic. Errors: ocsp_revoked, at every poll as long as it is so;
   /// once, as long as the file stays the same, and only of two looks in a row:
   /// ocsp_response_refused, with what is wrong; once: ocsp_response_ended.
-  Result<bool> look(std::chrono::nanoseconds monotonic, const Judge& judge);
-  /// The next look reads the file, whatever the interval is.
-  void look_now() { watch_.look_now(); }
+  Result<bool> poll(std::chrono::nanoseconds monotonic, const Judge& judge);
+  /// The next poll reads the file, whatever the interval is.
+  void force_poll() { watch_.force_poll(); }
 
   /// Null: there is none.
   const std::shared_ptr<const OcspInForce>& in_force() const { return in_force_; }

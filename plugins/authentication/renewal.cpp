@@ -51,7 +51,7 @@ Error renewed_until(const LocalIdentity& identity, const pki::ChainValid& chain)
 
 void look_at_renewal_list(const LocalIdentity& identity, const EngineServices& services) {
   const auto us = our_name(identity.guid());
-  const auto taken = identity.listed().look(services.clock, *identity.peer_trust());
+  const auto taken = identity.listed().poll(services.clock, *identity.peer_trust());
   if (!taken) services.events.raise(event_about(us, taken.error()));
   if (taken && *taken) services.events.raise(event_about(us, **taken));
 }

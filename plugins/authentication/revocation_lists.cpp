@@ -209,7 +209,7 @@ std::string RevocationLists::description() const {
   return text.substr(0, kMaxDescription);
 }
 
-Result<bool> RevocationLists::look(const Clock& clock, const std::vector<pki::Certificate>& anchors,
+Result<bool> RevocationLists::poll(const Clock& clock, const std::vector<pki::Certificate>& anchors,
                                    const Accept& accept) {
   // What is wrong in one place must not keep another one from being read.
   Result<bool> out = false;
@@ -220,7 +220,7 @@ Result<bool> RevocationLists::look(const Clock& clock, const std::vector<pki::Ce
     if (!renewed || !*renewed) continue;
     // What was the newest elsewhere may be older now, and what was wrong there is not told yet.
     for (auto& other : places_) {
-      other.watch.look_again();
+      other.watch.force_change();
       other.told.reset();
     }
     return true;
@@ -229,7 +229,7 @@ Result<bool> RevocationLists::look(const Clock& clock, const std::vector<pki::Ce
 }
 
 Result<bool> RevocationLists::look_at(Place& place, const Question& question) {
-  Rollback again([&] { place.watch.look_again(); });
+  Rollback again([&] { place.watch.force_change(); });
   const auto octets = ddssec::load(place.watch.uri(), place.path, pki::kMaxDocumentOctets);
   const bool not_yet =
       place.lists.empty() && !octets && octets.error().code() == Code::file_not_found;

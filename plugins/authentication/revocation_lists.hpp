@@ -51,7 +51,7 @@ class RevocationLists {
   /// when the file was wrong at two looks, so not of one that is just being written, and once as
   /// long as the file stays the same. Errors: those of ddssec::load, Crl::all_from and `accept`,
   /// crl_file_empty; crl_copy_older for a file with an older list than the other file.
-  Result<bool> look(const Clock& clock, const std::vector<pki::Certificate>& anchors,
+  Result<bool> poll(const Clock& clock, const std::vector<pki::Certificate>& anchors,
                     const Accept& accept);
 
   /// An error of look() about a file that has not been good since; nothing if there is none.
@@ -62,8 +62,8 @@ class RevocationLists {
   bool begins_later() const;
 
   /// The next look reads every file, whatever the interval is.
-  void look_now() {
-    for (auto& place : places_) place.watch.look_now();
+  void force_poll() {
+    for (auto& place : places_) place.watch.force_poll();
   }
 
   /// The lists as they are in the files now, whether they have changed or not. For a caller that

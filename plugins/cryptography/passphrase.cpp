@@ -123,9 +123,9 @@ bool PassphraseFiles::may_have_changed(std::chrono::nanoseconds now) {
   return extra_.may_have_changed(now) || own;
 }
 
-void PassphraseFiles::look_again() {
-  own_.look_again();
-  extra_.look_again();
+void PassphraseFiles::force_change() {
+  own_.force_change();
+  extra_.force_change();
 }
 
 std::string PassphraseFiles::place_of(std::string_view property) const {

@@ -38,7 +38,7 @@ class PassphraseFiles {
 
   /// As of FileWatch.
   bool may_have_changed(std::chrono::nanoseconds now);
-  void look_again();
+  void force_change();
   /// The place named by the property, for messages: it tells where a passphrase is, not which.
   std::string place_of(std::string_view property) const;
 

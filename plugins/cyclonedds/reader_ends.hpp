@@ -42,7 +42,7 @@ class ReaderEnds {
   void stop();
 
   /// One check of the host's entities. True: something is missing that the next check must confirm.
-  bool look(const HostEntities& host);
+  bool check(const HostEntities& host);
 
  private:
   void run(const std::stop_token& stop);

@@ -172,7 +172,7 @@ void ParticipantService::serve_once_for_waiting(std::chrono::nanoseconds timeout
   waiting.end_work();
   EventLoop::Readable readable;
   if (may_look)
-    readable = sockets_->loop().look(std::max(*until - context_.now(), MonotonicTime::zero()));
+    readable = sockets_->loop().poll(std::max(*until - context_.now(), MonotonicTime::zero()));
   if (!waiting.begin_work()) return;
   sockets_->loop().handle(readable);
   waiting.end_work();

@@ -54,7 +54,7 @@ void GovernanceTransition::each_joined(F&& f) {
 // ---- phases
 
 void GovernanceTransition::tick() {
-  if (phase_ != Phase::draining) look();
+  if (phase_ != Phase::draining) check();
   if (phase_ == Phase::none) return send_to_all();
   // Peers send keys for the second protection as soon as they hear of it.
   if (phase_ == Phase::accepting && !add_protections()) return;
@@ -76,7 +76,7 @@ void GovernanceTransition::tick() {
   }
 }
 
-void GovernanceTransition::look() {
+void GovernanceTransition::check() {
   const auto next =
       core_.own->plugins().access_control.pending_governance(core_.own->permissions());
   if (phase_ == Phase::accepting && next != target_) end();  // its CA has left; another may wait

@@ -37,7 +37,7 @@ class GovernanceTransition {
     draining,   ///< both are accepted, the new one is sent
   };
 
-  void look();
+  void check();
   bool may_begin();
   void begin(const Version& next);
   void change();

@@ -60,7 +60,7 @@ Status EventLoop::watch(int fd, std::function<void()> on_readable) {
   return {};
 }
 
-EventLoop::Readable EventLoop::look(std::chrono::nanoseconds timeout) const {
+EventLoop::Readable EventLoop::poll(std::chrono::nanoseconds timeout) const {
   Readable readable;
   const bool for_ever = timeout < std::chrono::nanoseconds::zero();
   const auto busy = for_ever ? busy_wait_ : std::min(busy_wait_, timeout);

@@ -31,11 +31,11 @@ class EventLoop {
     int count_ = 0;
   };
   /// Waits for at most `timeout` (negative: without limit).
-  Readable look(std::chrono::nanoseconds timeout) const;
+  Readable poll(std::chrono::nanoseconds timeout) const;
   /// Calls the handlers of the readable sockets.
   void handle(const Readable& readable);
   /// Both.
-  void wait(std::chrono::nanoseconds timeout) { handle(look(timeout)); }
+  void wait(std::chrono::nanoseconds timeout) { handle(poll(timeout)); }
   /// Ends a `wait`. May be called from any thread.
   void wake() const;
 

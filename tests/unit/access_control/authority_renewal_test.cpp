@@ -67,13 +67,13 @@ class AuthorityRenewal : public AccessControlTest {
                    "file:" + folder_.path() + "/renewed.pem", false});
     return plugin->validate_local_permissions(kLocalIdentity, 0, all);
   }
-  std::vector<spi::PermissionsHandle> look() {
+  std::vector<spi::PermissionsHandle> poll() {
     clock.advance(5s);
     return plugin->expire();
   }
   std::vector<Code> codes_after_looking() {
     log.events.clear();
-    for (int i = 0; i < 3; ++i) look();
+    for (int i = 0; i < 3; ++i) poll();
     std::vector<Code> out;
     for (const auto& event : log.events) out.push_back(event.error.code());
     return out;
@@ -189,12 +189,12 @@ TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {
   ASSERT_TRUE(former && moved);
   put({&second()});
   log.events.clear();
-  EXPECT_THAT(look(), ElementsAre(*former));
+  EXPECT_THAT(poll(), ElementsAre(*former));
   ASSERT_EQ(log.events.size(), 2u);
   EXPECT_EQ(log.events.front().error.code(), Code::permissions_ca_renewed);
   EXPECT_EQ(log.events.back().error.code(), Code::permissions_ca_withdrawn);
   EXPECT_EQ(log.events.back().peer_subject, kListener);
-  EXPECT_THAT(look(), IsEmpty()) << "ended twice";
+  EXPECT_THAT(poll(), IsEmpty()) << "ended twice";
   EXPECT_CODE(plugin->check_remote_participant(*former, 0), permissions_ca_withdrawn);
   EXPECT_TRUE(plugin->check_remote_participant(*moved, 0));
   EXPECT_FALSE(accepts(first()));
@@ -272,7 +272,7 @@ TEST_F(ChangingHost, CaLeavesWhileItsDocumentWaits_TheDocumentIsDropped) {
 
 TEST_F(AuthorityRenewal, DocumentsThatComeOneLookLater_AreNoRefusal) {
   put({&second()});
-  look();
+  poll();
   sign_all(second());
   EXPECT_THAT(codes_after_looking(),
               ElementsAre(Code::permissions_ca_renewed, Code::permissions_renewed));
@@ -441,7 +441,7 @@ TEST_F(PresentedOnce, SecondCa_IsAcceptedUntilItLeaves) {
   ASSERT_TRUE(peer);
   EXPECT_TRUE(plugin->check_remote_participant(*peer, 0));
   put({&first()});
-  EXPECT_THAT(look(), ElementsAre(*peer));
+  EXPECT_THAT(poll(), ElementsAre(*peer));
   EXPECT_FALSE(accepts(second()));
 }
 
@@ -450,7 +450,7 @@ TEST_F(PresentedOnce, CaWithoutOverlap_IsRefused) {
   sign_all(second());
   put({&second()});
   log.events.clear();
-  for (int i = 0; i < 3; ++i) look();
+  for (int i = 0; i < 3; ++i) poll();
   EXPECT_TRUE(std::ranges::any_of(log.events, [](const auto& event) {
     return event.error.code() == Code::permissions_ca_renewal_refused;
   }));

@@ -49,14 +49,14 @@ class ListedPeers : public AccessControlTest {
     for (const auto& one : files) list.permissions.push_back(to_bytes(as_bytes(one)));
     folder_.replace("renewed.pem", list.text().value());
   }
-  std::vector<spi::PermissionsHandle> look(std::chrono::seconds after = 5s) {
+  std::vector<spi::PermissionsHandle> poll(std::chrono::seconds after = 5s) {
     clock.advance(after);
     return plugin->expire();
   }
   std::vector<spi::PermissionsHandle> pass_the_end() {
     std::vector<spi::PermissionsHandle> ended;
     for (int i = 0; i < 16; ++i)
-      for (const auto handle : look()) ended.push_back(handle);
+      for (const auto handle : poll()) ended.push_back(handle);
     return ended;
   }
   std::vector<Code> codes() {

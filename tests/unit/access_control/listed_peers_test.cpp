@@ -18,7 +18,7 @@ using testing::Not;
 
 TEST_F(ListedPeers, TheSameRights_KeepThePeer) {
   put({document({"t"}, 0s, 12h)});
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   ASSERT_EQ(log.events.size(), 1u);
   const auto& event = log.events.front();
   EXPECT_EQ(event.error.code(), Code::peer_permissions_listed);
@@ -33,15 +33,15 @@ TEST_F(ListedPeers, TheSameRights_KeepThePeer) {
 }
 
 TEST_F(ListedPeers, WithoutAList_ThePeerEndsInTime) {
-  EXPECT_THAT(look(19s), IsEmpty());
-  EXPECT_THAT(look(1s), ElementsAre(peer_));
+  EXPECT_THAT(poll(19s), IsEmpty());
+  EXPECT_THAT(poll(1s), ElementsAre(peer_));
   EXPECT_THAT(codes(), ElementsAre(Code::grant_expired));
 }
 
 TEST_F(ListedPeers, AListOfTheLastSecond_Counts) {
-  look(19s);
+  poll(19s);
   put({document({"t"}, 0s, 24h)});
-  EXPECT_THAT(look(1s), IsEmpty());
+  EXPECT_THAT(poll(1s), IsEmpty());
 }
 
 TEST_F(ListedPeers, AListThatIsThereAtTheStart_KeepsThePeer) {
@@ -50,29 +50,29 @@ TEST_F(ListedPeers, AListThatIsThereAtTheStart_KeepsThePeer) {
   put({document({"t"}, 0s, 24h)});
   own_ = ours({}, "").value();
   meet(document({"t"}));
-  EXPECT_THAT(look(20s), IsEmpty());
+  EXPECT_THAT(poll(20s), IsEmpty());
 }
 
 TEST_F(ListedPeers, TheBeginOfTheSameRights_SaysNothing) {
   put({document({"t"}, -25h, 40s)});
-  EXPECT_THAT(look(20s), IsEmpty());
+  EXPECT_THAT(poll(20s), IsEmpty());
   put({document({"t"}, -24h, 60s)});
-  EXPECT_THAT(look(20s), IsEmpty());
-  EXPECT_THAT(look(20s), ElementsAre(peer_));
+  EXPECT_THAT(poll(20s), IsEmpty());
+  EXPECT_THAT(poll(20s), ElementsAre(peer_));
 }
 
 TEST_F(ListedPeers, TheSameRightsAfterTheEnd_AreTooLate) {
   put({document({"t"}, 21s, 24h)});
-  EXPECT_THAT(look(20s), ElementsAre(peer_));
+  EXPECT_THAT(poll(20s), ElementsAre(peer_));
   EXPECT_THAT(pass_the_end(), IsEmpty());
   EXPECT_FALSE(may_publish("t"));
 }
 
 TEST_F(ListedPeers, AnExtension_EndsWithItsOwnTimeInTheEvent) {
   put({document({"t"}, 0s, 40s)});
-  EXPECT_THAT(look(39s), IsEmpty());
+  EXPECT_THAT(poll(39s), IsEmpty());
   log.events.clear();
-  EXPECT_THAT(look(1s), ElementsAre(peer_));
+  EXPECT_THAT(poll(1s), ElementsAre(peer_));
   ASSERT_EQ(log.events.size(), 1u);
   EXPECT_EQ(log.events.front().error.code(), Code::grant_expired);
   EXPECT_THAT(log.events.front().error.to_sentence(), testing::HasSubstr(to_string(kNow + 40s)));
@@ -80,7 +80,7 @@ TEST_F(ListedPeers, AnExtension_EndsWithItsOwnTimeInTheEvent) {
 
 TEST_F(ListedPeers, AClockThatGoesBack_EndsNoExtension) {
   put({document({"t"}, 0s, 24h)});
-  look(30s);
+  poll(30s);
   clock.set(kNow + 1s);
   EXPECT_THAT(plugin->expire(), IsEmpty());
   clock.set(kNow - 1s);
@@ -90,10 +90,10 @@ TEST_F(ListedPeers, AClockThatGoesBack_EndsNoExtension) {
 
 TEST_F(ListedPeers, AListThatNoLongerHasIt_LeavesAnExtensionUntilItsEnd) {
   put({document({"t"}, 0s, 60s)});
-  look();
+  poll();
   put({document({"t"}, 0s, 24h, kTalker)});
-  EXPECT_THAT(look(54s), IsEmpty());
-  EXPECT_THAT(look(1s), ElementsAre(peer_));
+  EXPECT_THAT(poll(54s), IsEmpty());
+  EXPECT_THAT(poll(1s), ElementsAre(peer_));
 }
 
 // It is signed, and holds until its end. What takes it away is the revocation of the certificate.
@@ -101,36 +101,36 @@ TEST_F(ListedPeers, ALaterEntryWithLessRights_LeavesThePeerUntilTheWideOneEnds) 
   meet(document({"t", "u"}));
   const auto wide = document({"t", "u"}, 0s, 60s);
   put({wide});
-  look();
+  poll();
   put({wide, document({"t"}, 5s, 24h)});
-  EXPECT_THAT(look(50s), Not(Contains(peer_)));
+  EXPECT_THAT(poll(50s), Not(Contains(peer_)));
   EXPECT_TRUE(may_publish("u"));
-  EXPECT_THAT(look(5s), Contains(peer_));
+  EXPECT_THAT(poll(5s), Contains(peer_));
 }
 
 TEST_F(ListedPeers, AFormerListWithTheSameRights_GivesNoTimeBack) {
   const auto former = document({"t"}, 0s, 40s);
   put({former});
-  look();
+  poll();
   put({document({"t"}, 0s, 60s)});
-  look();
+  poll();
   put({former});
-  EXPECT_THAT(look(49s), IsEmpty());
-  EXPECT_THAT(look(1s), ElementsAre(peer_));
+  EXPECT_THAT(poll(49s), IsEmpty());
+  EXPECT_THAT(poll(1s), ElementsAre(peer_));
 }
 
 // ---- what a peer shows within its session
 
 TEST_F(ListedPeers, ShownPermissionsThatBeginBeforeTheExtension_AreTaken) {
   put({document({"t"}, 0s, 24h)});
-  look();
+  poll();
   EXPECT_TRUE(show(document({"t"}, -23h, 60s)));
   EXPECT_THAT(pass_the_end(), IsEmpty());
 }
 
 TEST_F(ListedPeers, ShownPermissionsWithOtherRights_AreNotExtendedByTheFormer) {
   put({document({"t"}, 0s, 24h)});
-  look();
+  poll();
   EXPECT_TRUE(show(document({"u"}, -23h, 60s)));
   EXPECT_TRUE(may_publish("u"));
   EXPECT_FALSE(may_publish("t"));
@@ -141,7 +141,7 @@ TEST_F(ListedPeers, ShownPermissionsWithOtherRights_AreNotExtendedByTheFormer) {
 
 TEST_F(ListedPeers, SignedByAnotherCa_IsOneEventAndChangesNothing) {
   put({document({"t"}, 0s, 12h)});
-  look();
+  poll();
   log.events.clear();
   auto out = grant(kListener, {publish_rule(true, {"t"})});
   out.validity = {kNow + 1s, kNow + 48h};
@@ -159,7 +159,7 @@ TEST_F(ListedPeers, SignedByAnotherCa_IsOneEventAndChangesNothing) {
 // Authentication reports such a list.
 TEST_F(ListedPeers, AListThatCannotBeRead_ChangesNothing) {
   put({document({"t"}, 0s, 24h)});
-  look();
+  poll();
   log.events.clear();
   folder_.replace("renewed.pem", "garbage");
   EXPECT_THAT(pass_the_end(), IsEmpty());
@@ -182,7 +182,7 @@ class OwnListedPermissions : public ListedPeers {
                                        .peer_reads_lists = peer_reads_lists});
     next_ = open(0s, 24h, next_topics);
     folder_.replace("permissions.p7s", next_);
-    look();
+    poll();
     log.events.clear();
   }
   std::string open(std::chrono::seconds from, std::chrono::seconds until,
@@ -219,7 +219,7 @@ TEST_F(OwnListedPermissions, RenewedPermissionsWithMoreRights_KeepTheSession) {
   begin(true, {"t", "u"}, {"t"});
   put({next_});
   EXPECT_THAT(pass_the_end(), IsEmpty());
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   EXPECT_THAT(codes(), IsEmpty());
 }
 

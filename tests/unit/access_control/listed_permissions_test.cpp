@@ -14,14 +14,14 @@ using testing::IsEmpty;
 
 TEST_F(ListedPeers, TheSameRightsThatEndEarlier_ChangeNothing) {
   put({document({"t"}, 0s, 10s)});
-  EXPECT_THAT(look(19s), IsEmpty());
-  EXPECT_THAT(look(1s), ElementsAre(peer_));
+  EXPECT_THAT(poll(19s), IsEmpty());
+  EXPECT_THAT(poll(1s), ElementsAre(peer_));
   EXPECT_THAT(codes(), ElementsAre(Code::grant_expired));
 }
 
 TEST_F(ListedPeers, TheSameRightsInTheFuture_CountOnceTheyBegin) {
   put({document({"t"}, 15s, 24h)});
-  look(10s);
+  poll(10s);
   EXPECT_THAT(codes(), IsEmpty());
   EXPECT_THAT(pass_the_end(), IsEmpty());
   EXPECT_THAT(codes(), ElementsAre(Code::peer_permissions_listed));
@@ -29,7 +29,7 @@ TEST_F(ListedPeers, TheSameRightsInTheFuture_CountOnceTheyBegin) {
 
 TEST_F(ListedPeers, OfSeveral_TheOneThatEndsLastCounts) {
   put({document({"t"}, 0s, 40s), document({"t"}, -1h, 12h), document({"t"}, 2s, 30s)});
-  look();
+  poll();
   EXPECT_EQ(plugin->next_expiry(), kNow + 12h);
 }
 
@@ -61,11 +61,11 @@ class OtherRights : public ListedPeers,
 
 TEST_P(OtherRights, RightsInAListedDocument_HaveNoEffect) {
   put({listed(0s, 24h)});
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   EXPECT_THAT(codes(), IsEmpty());
   expect_as_presented();
-  EXPECT_THAT(look(14s), IsEmpty());
-  EXPECT_THAT(look(1s), ElementsAre(peer_)) << "in time";
+  EXPECT_THAT(poll(14s), IsEmpty());
+  EXPECT_THAT(poll(1s), ElementsAre(peer_)) << "in time";
   EXPECT_THAT(codes(), ElementsAre(Code::grant_expired));
   meet(presented(-24h, 24h));
   EXPECT_THAT(codes(), IsEmpty());
@@ -74,7 +74,7 @@ TEST_P(OtherRights, RightsInAListedDocument_HaveNoEffect) {
 
 TEST_P(OtherRights, ThatHaveEnded_HaveNoEffect) {
   put({listed(0s, 5s)});
-  look(6s);
+  poll(6s);
   EXPECT_THAT(codes(), IsEmpty());
   expect_as_presented();
   meet(presented());
@@ -91,7 +91,7 @@ TEST_P(OtherRights, BesideTheSame_KeepThePeerByThese) {
 
 TEST_P(OtherRights, RightsInAListedDocument_RefuseNothingThatThePeerShows) {
   put({listed(0s, 24h)});
-  look();
+  poll();
   EXPECT_TRUE(show(presented(-23h, 24h)));
   expect_as_presented();
   EXPECT_TRUE(show(document({"v"}, -22h, 24h)));
@@ -114,7 +114,7 @@ TEST_F(ListedPeers, MoreRights_KeepThePeerWithTheRightsThatItPresented) {
   EXPECT_TRUE(may_publish("t"));
   EXPECT_FALSE(may_publish("v"));
   put({document({"u"}, 1s, 48h)});
-  EXPECT_THAT(look(5s), IsEmpty()) << "they count until their own end";
+  EXPECT_THAT(poll(5s), IsEmpty()) << "they count until their own end";
   meet(document({"t", "u"}, 0s, 24h));
   EXPECT_TRUE(may_publish("u"));
 }
@@ -122,11 +122,11 @@ TEST_F(ListedPeers, MoreRights_KeepThePeerWithTheRightsThatItPresented) {
 // It gets them as before: the session ends with what it presented, and begins with the others.
 TEST_F(ListedPeers, MoreRightsThatThePeerWants_DoNotKeepIt) {
   put({document({"t", "u"}, 0s, 24h)});
-  EXPECT_THAT(look(19s), IsEmpty());
+  EXPECT_THAT(poll(19s), IsEmpty());
   EXPECT_FALSE(may_publish("v")) << "neither gives it";
   EXPECT_THAT(pass_the_end(), IsEmpty());
   EXPECT_FALSE(may_publish("u"));
-  EXPECT_THAT(look(1s), ElementsAre(peer_));
+  EXPECT_THAT(poll(1s), ElementsAre(peer_));
   meet(document({"t", "u"}, 0s, 24h));
   EXPECT_TRUE(may_publish("u"));
 }
@@ -134,13 +134,13 @@ TEST_F(ListedPeers, MoreRightsThatThePeerWants_DoNotKeepIt) {
 TEST_F(ListedPeers, MoreRightsThatThePeerWantedBefore_DoNotKeepIt) {
   EXPECT_FALSE(may_publish("u"));
   put({document({"t", "u"}, 0s, 24h)});
-  EXPECT_THAT(look(19s), IsEmpty());
-  EXPECT_THAT(look(1s), ElementsAre(peer_));
+  EXPECT_THAT(poll(19s), IsEmpty());
+  EXPECT_THAT(poll(1s), ElementsAre(peer_));
 }
 
 TEST_F(ListedPeers, TheSameRights_KeepAPeerThatWantsMore) {
   put({document({"t", "u"}, 0s, 24h)});
-  look();
+  poll();
   EXPECT_FALSE(may_publish("u"));
   put({document({"t", "u"}, 0s, 24h), document({"t"}, 0s, 12h)});
   EXPECT_THAT(pass_the_end(), IsEmpty());
@@ -151,13 +151,13 @@ TEST_F(ListedPeers, MoreRightsThatWereSignedEarlier_DoNotKeepThePeer) {
   signing_time = kNow - 1h;
   put({document({"t", "u"}, 0s, 24h)});
   signing_time = kNow;
-  EXPECT_THAT(look(20s), ElementsAre(peer_));
+  EXPECT_THAT(poll(20s), ElementsAre(peer_));
 }
 
 TEST_F(ListedPeers, MoreRightsThatEnd_EndThePeer) {
   put({document({"t", "u"}, 0s, 40s)});
-  EXPECT_THAT(look(39s), IsEmpty());
-  EXPECT_THAT(look(1s), ElementsAre(peer_));
+  EXPECT_THAT(poll(39s), IsEmpty());
+  EXPECT_THAT(poll(1s), ElementsAre(peer_));
 }
 
 // Before, the end of the listed ones locked the participant out for good.
@@ -165,10 +165,10 @@ TEST_F(ListedPeers, MoreRightsForAWhile_LockNoParticipantOut) {
   const auto own = document({"circle"}, -24h, 1000h);
   meet(own);
   put({document({"circle", "square"}, 0s, 30s)});
-  look();
+  poll();
   EXPECT_TRUE(may_publish("circle"));
   EXPECT_FALSE(may_publish("square")) << "the peer does not present it";
-  look(30s);
+  poll(30s);
   log.events.clear();
   EXPECT_TRUE(may_publish("circle"));
   meet(own);
@@ -181,14 +181,14 @@ TEST_F(ListedPeers, RightsThatAreGivenBack_CountAtOnce) {
   const auto full = document({"t", "u"}, -24h, 1000h);
   const auto narrow = document({"t"}, 0s, 60s);
   put({narrow});
-  look();
+  poll();
   meet(narrow);
   EXPECT_FALSE(may_publish("u"));
   put({narrow, full});
-  look();
+  poll();
   meet(full);
   EXPECT_TRUE(may_publish("u"));
-  look(60s);
+  poll(60s);
   EXPECT_TRUE(may_publish("u"));
   meet(full);
   EXPECT_TRUE(may_publish("u"));
@@ -200,10 +200,10 @@ TEST_F(ListedPeers, ForAnotherDomain_ChangeNothing) {
   auto out = grant(kListener, {rule});
   out.validity = {kNow, kNow + 24h};
   put({signed_permissions({out})});
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   EXPECT_THAT(codes(), IsEmpty());
   EXPECT_TRUE(may_publish("t"));
-  EXPECT_THAT(look(15s), ElementsAre(peer_));
+  EXPECT_THAT(poll(15s), ElementsAre(peer_));
 }
 
 TEST_F(ListedPeers, ARuleForAnotherDomain_IsNoOtherRight) {
@@ -221,8 +221,8 @@ TEST_F(ListedPeers, WithAnExpression_ChangeNothing) {
   out.subject_is_expression = true;
   out.validity = {kNow, kNow + 24h};
   put({signed_permissions({out})});
-  EXPECT_THAT(look(19s), IsEmpty());
-  EXPECT_THAT(look(1s), ElementsAre(peer_));
+  EXPECT_THAT(poll(19s), IsEmpty());
+  EXPECT_THAT(poll(1s), ElementsAre(peer_));
 }
 
 TEST_F(ListedPeers, AnExpressionThatIsPresented_IsExtendedByTheNameAlone) {

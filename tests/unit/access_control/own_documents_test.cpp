@@ -46,14 +46,14 @@ class Renewal : public AccessControlTest {
         kLocalIdentity, 0,
         with_file(properties(signed_document(governance::to_xml(governance_document)), "")));
   }
-  std::vector<spi::PermissionsHandle> look() {
+  std::vector<spi::PermissionsHandle> poll() {
     clock.advance(5s);
     return plugin->expire();
   }
   /// As often as a host would in a quarter of a minute.
   std::vector<Code> codes_after_looking() {
     log.events.clear();
-    for (int i = 0; i < 3; ++i) look();
+    for (int i = 0; i < 3; ++i) poll();
     std::vector<Code> out;
     for (const auto& event : log.events) out.push_back(event.error.code());
     return out;
@@ -226,7 +226,7 @@ TEST_F(Renewal, TwoChangesWithinTheRateLimit_AreTwoEvents) {
     signing_time += 1s;
     folder_.replace("permissions.p7s", document({topic}));
     log.events.clear();
-    look();
+    poll();
     for (const auto& event : log.events) limited.raise(event);
   }
   EXPECT_EQ(passed.events.size(), 2u);
@@ -266,7 +266,7 @@ TEST_F(Renewal, WhatIsNoDocument_IsReportedOnceAndNothingIsLost) {
 TEST_F(Renewal, FileThatIsJustBeingWritten_IsNoEvent) {
   const auto next = document({"t"}, 0s, 48h);
   folder_.write("permissions.p7s", next.substr(0, 500));
-  look();
+  poll();
   folder_.write("permissions.p7s", next);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
 }
@@ -278,7 +278,7 @@ TEST_F(Renewal, SameDocument_IsNoEvent) {
 
 TEST_F(Renewal, DocumentThatComesTooLate_IsNotTaken) {
   clock.advance(24h);
-  EXPECT_THAT(look(), ElementsAre(*own_));
+  EXPECT_THAT(poll(), ElementsAre(*own_));
   folder_.replace("permissions.p7s", document({"t"}, 0s, 72h));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
   EXPECT_FALSE(may_publish("t"));
@@ -287,7 +287,7 @@ TEST_F(Renewal, DocumentThatComesTooLate_IsNotTaken) {
 TEST_F(Renewal, DocumentOfTheLastSecond_IsTaken) {
   folder_.replace("permissions.p7s", document({"t"}, 0s, 72h));
   clock.advance(24h);
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   EXPECT_TRUE(may_publish("t"));
 }
 
@@ -319,9 +319,9 @@ TEST_F(RenewalWithPeers, HandshakeThatPresentedTheFormerDocument_EndsWithIt) {
   const auto meanwhile = peer(that_presented(first_));
   const auto later = peer(that_presented(second_));
   clock.advance(24h);
-  EXPECT_THAT(look(), ElementsAre(before, meanwhile));
+  EXPECT_THAT(poll(), ElementsAre(before, meanwhile));
   clock.advance(48h);
-  EXPECT_THAT(look(), testing::Contains(later)) << "with our own end";
+  EXPECT_THAT(poll(), testing::Contains(later)) << "with our own end";
 }
 
 TEST_F(RenewalWithPeers, AfterManyRenewals_TheFormerDocumentIsStillKnown) {
@@ -335,16 +335,16 @@ TEST_F(RenewalWithPeers, AfterManyRenewals_TheFormerDocumentIsStillKnown) {
   const auto of_first = peer(that_presented(first_));
   const auto now = peer(that_presented(presented()));
   clock.advance(24h);
-  EXPECT_THAT(look(), ElementsAre(of_first));
+  EXPECT_THAT(poll(), ElementsAre(of_first));
   clock.advance(67h + 1min);
-  EXPECT_THAT(look(), ElementsAre(of_former)) << now.value;
+  EXPECT_THAT(poll(), ElementsAre(of_former)) << now.value;
 }
 
 TEST_F(RenewalWithPeers, WithAnotherVendorsAuthentication_TheFirstDocumentIsPresented) {
   renew(second_);
   const auto later = peer();
   clock.advance(24h);
-  EXPECT_THAT(look(), ElementsAre(later));
+  EXPECT_THAT(poll(), ElementsAre(later));
 }
 
 TEST_F(RenewalWithPeers, PeerThatKeepsItsSession_StaysAfterTheFormerEnd) {
@@ -353,7 +353,7 @@ TEST_F(RenewalWithPeers, PeerThatKeepsItsSession_StaysAfterTheFormerEnd) {
   peer(facts);
   renew(second_);
   clock.advance(25h);
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
 }
 
 TEST_F(RenewalWithPeers, PeerThatHasSeenTheRenewedOne_StaysAfterTheFormerEnd) {
@@ -361,7 +361,7 @@ TEST_F(RenewalWithPeers, PeerThatHasSeenTheRenewedOne_StaysAfterTheFormerEnd) {
   renew(second_);
   EXPECT_TRUE(plugin->note_presented(handle, that_presented(second_)));
   clock.advance(25h);
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
 }
 
 TEST_F(RenewalWithPeers, Session_EndsWithTheDocumentThatThePeerHasSeen) {
@@ -369,14 +369,14 @@ TEST_F(RenewalWithPeers, Session_EndsWithTheDocumentThatThePeerHasSeen) {
   renew(second_);
   peer(that_presented(second_));
   clock.advance(23h);
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   clock.advance(1h);
   log.events.clear();
-  EXPECT_THAT(look(), ElementsAre(handle));
+  EXPECT_THAT(poll(), ElementsAre(handle));
   ASSERT_EQ(log.events.size(), 1u);
   EXPECT_EQ(log.events.front().error.code(), Code::session_outlived_documents);
   EXPECT_EQ(log.events.front().peer_subject, kListener);
-  EXPECT_THAT(look(), IsEmpty()) << "ended twice";
+  EXPECT_THAT(poll(), IsEmpty()) << "ended twice";
 }
 
 // Before, a time before the former document began counted as its end.
@@ -384,13 +384,13 @@ TEST_F(RenewalWithPeers, ClockThatGoesBackAfterARenewal_EndsNoSession) {
   const auto handle = peer(that_presented(first_));
   renew(second_);
   clock.set(kNow - 30 * 24h);
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   clock.set(kNow - 9000 * 24h);
-  EXPECT_THAT(look(), IsEmpty()) << "also before the permissions CA began";
+  EXPECT_THAT(poll(), IsEmpty()) << "also before the permissions CA began";
   clock.set(kNow + 23h);
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   clock.advance(1h);
-  EXPECT_THAT(look(), ElementsAre(handle)) << "the end counts as before";
+  EXPECT_THAT(poll(), ElementsAre(handle)) << "the end counts as before";
 }
 
 TEST_F(RenewalWithPeers, FormerGrantThatEnded_CountsBesideOneThatHasNotBegun) {
@@ -402,10 +402,10 @@ TEST_F(RenewalWithPeers, FormerGrantThatEnded_CountsBesideOneThatHasNotBegun) {
   const auto handle = peer(that_presented(both));
   renew(second_);
   clock.set(kNow + 23h);
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   clock.advance(1h);
   log.events.clear();
-  EXPECT_THAT(look(), ElementsAre(handle));
+  EXPECT_THAT(poll(), ElementsAre(handle));
   ASSERT_EQ(log.events.size(), 1u);
   EXPECT_EQ(log.events.front().error.details().field, "<not_after>");
 }

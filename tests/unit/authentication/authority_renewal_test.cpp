@@ -72,13 +72,13 @@ class AuthorityRenewal : public testing::Test {
   void put(std::initializer_list<const pki::Authority*> cas) {
     folder_.replace("identity_ca.pem", bundle(cas));
   }
-  std::vector<IdentityHandle> look() {
+  std::vector<IdentityHandle> poll() {
     engine().clock.advance(5s);
     return engine()->expire();
   }
   std::vector<Code> codes_after_looking() {
     events().clear();
-    for (int i = 0; i < 3; ++i) ended_ = look();
+    for (int i = 0; i < 3; ++i) ended_ = poll();
     std::vector<Code> out;
     for (const auto& event : events()) out.push_back(event.error.code());
     return out;
@@ -221,7 +221,7 @@ TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {
   codes_after_looking();
   put({&new_ca()});
   events().clear();
-  EXPECT_THAT(look(), ElementsAre(bob_at_alice()));
+  EXPECT_THAT(poll(), ElementsAre(bob_at_alice()));
   ASSERT_EQ(events().size(), 2u);
   EXPECT_EQ(events().front().error.code(), Code::identity_ca_renewed);
   const auto& event = events().back();
@@ -229,7 +229,7 @@ TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {
   EXPECT_EQ(event.peer_subject, "CN=bob,O=Example");
   EXPECT_EQ(event.proof, PeerProof::authenticated);
   EXPECT_EQ(event.error.details().document, path_);
-  EXPECT_THAT(look(), IsEmpty()) << "ended twice";
+  EXPECT_THAT(poll(), IsEmpty()) << "ended twice";
   EXPECT_FALSE(meets(old_ca()));
   EXPECT_TRUE(meets(new_ca()));
 }
@@ -262,7 +262,7 @@ TEST_F(AuthorityRenewal, HandshakeThatBeganUnderTheOldCa_DoesNotEndUnderTheNew) 
   const auto reply = pairing_.two.reply(*request->message);
   ASSERT_OK(reply);
   put({&new_ca()});
-  look();
+  poll();
   const auto fin = pairing_.two.at_low(request->handle, *reply->message);
   if (&pairing_.two.low == &pairing_.a) {
     EXPECT_CODE(fin, issuer_unknown);
@@ -284,7 +284,7 @@ TEST_F(AuthorityRenewal, CaWithoutOverlap_IsTakenTogetherWithOurCertificate) {
 
 TEST_F(AuthorityRenewal, CertificateThatComesOneLookLater_IsNoRefusal) {
   put({&new_ca()});
-  look();
+  poll();
   folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
   EXPECT_THAT(codes_after_looking(),
               ElementsAre(Code::identity_ca_renewed, Code::identity_renewed));
@@ -396,7 +396,7 @@ TEST_F(AuthorityRenewal, WhatIsNoFileOfCas_IsReportedOnceAndNothingIsLost) {
 TEST_F(AuthorityRenewal, FileThatIsJustBeingWritten_IsNoEvent) {
   const auto both = bundle({&old_ca(), &new_ca()});
   folder_.write("identity_ca.pem", both.substr(0, both.size() - 200));
-  look();
+  poll();
   folder_.write("identity_ca.pem", both);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
 }
@@ -418,7 +418,7 @@ TEST_F(AuthorityRenewal, CasThatComeAndGo_AreBounded) {
     const auto other = ca(i);
     put({&old_ca(), &other});
     events().clear();
-    look();
+    poll();
     if (!events().empty() && events().front().error.code() == Code::identity_ca_renewed) ++taken;
   }
   EXPECT_EQ(taken, 257);

@@ -32,7 +32,7 @@ TEST_F(Renewal, CertificateAndKey_AreTakenTogether) {
 TEST_F(Renewal, CertificateBeforeItsKey_WaitsOneLookForIt) {
   const auto next = renewed(3);
   folder_.replace("cert.pem", next.certificate.pem());
-  look();
+  poll();
   EXPECT_EQ(presented(), first_of_alice().certificate.pem());
   folder_.replace("key.pem", pem_text(next.key));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_renewed));
@@ -42,7 +42,7 @@ TEST_F(Renewal, CertificateBeforeItsKey_WaitsOneLookForIt) {
 TEST_F(Renewal, KeyBeforeItsCertificate_WaitsOneLookForIt) {
   const auto next = renewed(3);
   folder_.replace("key.pem", pem_text(next.key));
-  look();
+  poll();
   EXPECT_EQ(presented(), first_of_alice().certificate.pem());
   folder_.replace("cert.pem", next.certificate.pem());
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_renewed));

@@ -49,7 +49,7 @@ class Listed : public testing::Test {
     return identity;
   }
   void put(const std::string& text) { folder_.replace("renewed.pem", text); }
-  std::vector<IdentityHandle> look(std::chrono::seconds after = 5s) {
+  std::vector<IdentityHandle> poll(std::chrono::seconds after = 5s) {
     engine().clock.advance(after);
     return engine()->expire();
   }
@@ -57,7 +57,7 @@ class Listed : public testing::Test {
   std::vector<IdentityHandle> pass_the_end() {
     std::vector<IdentityHandle> ended;
     for (int i = 0; i < 16; ++i)
-      for (const auto handle : look()) ended.push_back(handle);
+      for (const auto handle : poll()) ended.push_back(handle);
     return ended;
   }
   std::vector<Code> codes() {

@@ -17,7 +17,7 @@ using testing::IsEmpty;
 
 TEST_F(Listed, CertificateOfTheSameKey_KeepsThePeer) {
   put(list_of({renewed_bob()}));
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   ASSERT_THAT(codes(), ElementsAre(Code::renewal_list_taken));
   EXPECT_EQ(engine()->next_expiry(), kShort.not_after);
   EXPECT_THAT(pass_the_end(), IsEmpty());
@@ -33,41 +33,41 @@ TEST_F(Listed, CertificateOfTheSameKey_KeepsThePeer) {
 
 TEST_F(Listed, ThePeerThatIsKept_EndsWithItsLaterCertificate) {
   put(list_of({renewed_bob(1, {kNow + 5s, kNow + 40s})}));
-  look();
-  EXPECT_THAT(look(16s), IsEmpty());
-  EXPECT_THAT(look(18s), IsEmpty());
-  EXPECT_THAT(look(1s), ElementsAre(bob_at_alice()));
+  poll();
+  EXPECT_THAT(poll(16s), IsEmpty());
+  EXPECT_THAT(poll(18s), IsEmpty());
+  EXPECT_THAT(poll(1s), ElementsAre(bob_at_alice()));
   EXPECT_THAT(codes(), ElementsAre(Code::renewal_list_taken, Code::peer_renewal_listed,
                                    Code::identity_ended));
 }
 
 TEST_F(Listed, ASecondRenewal_KeepsThePeerAgain) {
   put(list_of({renewed_bob(1, {kNow + 5s, kNow + 40s})}));
-  look(21s);
+  poll(21s);
   put(list_of({renewed_bob(1, {kNow + 30s, kNow + 24h})}));
   EXPECT_THAT(pass_the_end(), IsEmpty());
   EXPECT_EQ(engine()->next_expiry(), kNow + 24h);
 }
 
 TEST_F(Listed, AListOfTheLastSecond_Counts) {
-  look(19s);
+  poll(19s);
   put(list_of({renewed_bob()}));
-  EXPECT_THAT(look(1s), IsEmpty());
+  EXPECT_THAT(poll(1s), IsEmpty());
   EXPECT_THAT(codes(), ElementsAre(Code::renewal_list_taken, Code::peer_renewal_listed));
 }
 
 // ---- what does not
 
 TEST_F(Listed, WithoutAList_ThePeerEndsInTime) {
-  EXPECT_THAT(look(19s), IsEmpty());
-  EXPECT_THAT(look(1s), ElementsAre(bob_at_alice()));
+  EXPECT_THAT(poll(19s), IsEmpty());
+  EXPECT_THAT(poll(1s), ElementsAre(bob_at_alice()));
   EXPECT_THAT(codes(), ElementsAre(Code::identity_ended));
 }
 
 TEST_F(Listed, AListThatComesAfterTheEnd_BringsNoOneBack) {
-  look(20s);
+  poll(20s);
   put(list_of({renewed_bob()}));
-  look();
+  poll();
   EXPECT_THAT(codes(), ElementsAre(Code::identity_ended, Code::renewal_list_taken));
   EXPECT_CODE(pairing_.a.discover(pairing_.b), identity_ended);
 }
@@ -172,12 +172,12 @@ TEST(ListedOfANewCa, PeerWhoseFirstCaHasLeft_IsKept) {
   };
   const auto own = make_identity(new_ca, kAlice, {}, {kNow, kNow + 400 * 24h});
   put_own(own);
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   folder.write("renewed.pem", list_of({bob_with(kNext, 1, new_ca).certificate, own.certificate}));
   first.clock.advance(5s);
   folder.replace("identity_ca.pem", new_ca.certificate().pem());
-  EXPECT_THAT(look(), IsEmpty());
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   folder.write("renewed.pem", "");
   const auto& all = first.events.events;
   EXPECT_TRUE(std::ranges::any_of(

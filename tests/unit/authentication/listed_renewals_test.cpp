@@ -100,7 +100,7 @@ TEST_F(ListedWithCrl, ARevocationOfTheFirstCertificate_EndsAPeerThatIsKept) {
 TEST_F(ListedWithCrl, AReplayedList_BringsNoRevokedPeerBack) {
   const auto later = renewed_bob();
   revoke({later, bob_.certificate});
-  EXPECT_THAT(look(), ElementsAre(bob_at_alice()));
+  EXPECT_THAT(poll(), ElementsAre(bob_at_alice()));
   put(list_of({later}));
   EXPECT_THAT(pass_the_end(), IsEmpty());
   EXPECT_CODE(pairing_.a.discover(pairing_.b), certificate_revoked);
@@ -111,7 +111,7 @@ class BadList : public Listed {
   void SetUp() override {
     Listed::SetUp();
     put(list_of({renewed_bob()}));
-    look();
+    poll();
     EXPECT_THAT(codes(), ElementsAre(Code::renewal_list_taken));
   }
   /// It changes nothing, and one event says what is wrong.
@@ -202,7 +202,7 @@ TEST_F(BadList, EntryOfACaOfTheSameName_IsRefused) {
 TEST_F(Listed, EntriesOfAnotherCa_AreCountedAndPassedOver) {
   const auto other = make_ca("CN=Other CA,O=Example");
   put(list_of({bob_with(kNext, 1, other).certificate, renewed_bob()}));
-  look();
+  poll();
   ASSERT_EQ(events().size(), 1u);
   EXPECT_THAT(events().front().error.details().note, HasSubstr("1 more certificates do not count"));
   EXPECT_THAT(pass_the_end(), IsEmpty());
@@ -210,13 +210,13 @@ TEST_F(Listed, EntriesOfAnotherCa_AreCountedAndPassedOver) {
 
 TEST_F(Listed, TheRecord_HasTheListAndWhatWasRefused) {
   put(list_of({renewed_bob()}));
-  look();
+  poll();
   const auto taken = engine().documents.to_json();
   EXPECT_THAT(taken, HasSubstr("renewal list"));
   EXPECT_THAT(taken, HasSubstr(path()));
   put("garbage");
-  look();
-  look();
+  poll();
+  poll();
   EXPECT_THAT(engine().documents.to_json(), HasSubstr("renewal_list_refused"));
 }
 

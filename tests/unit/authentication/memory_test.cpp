@@ -37,7 +37,7 @@ struct Scene {
     folder.replace("crl.pem", test_ca().make_crl(content)->pem());
   }
   /// What a host would do once more after five seconds.
-  std::size_t look() {
+  std::size_t poll() {
     pairing.first_engine.clock.advance(5s);
     try {
       return pairing.first_engine->expire().size();
@@ -61,9 +61,9 @@ TEST_P(OutOfMemory, FailingAllocation_DelaysARevocationAndLosesNone) {
   for (bool failed = true; failed;) {
     Scene scene;
     failing_memory::fail_at(source, extent, ++number);
-    std::size_t ended = scene.look();
+    std::size_t ended = scene.poll();
     failed = failing_memory::relent();
-    for (int i = 0; i < 3; ++i) ended += scene.look();
+    for (int i = 0; i < 3; ++i) ended += scene.poll();
     EXPECT_EQ(ended, 1u) << "allocation " << number;
     EXPECT_FALSE(scene.pairing.a.discover(scene.pairing.b)) << "allocation " << number;
   }

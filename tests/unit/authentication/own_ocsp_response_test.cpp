@@ -54,7 +54,7 @@ struct OwnOcspFile : testing::Test {
   Result<spi::Authentication::LocalIdentity> start() {
     return engine->validate_local_identity(0, identity.properties, candidate(1));
   }
-  std::vector<IdentityHandle> look() {
+  std::vector<IdentityHandle> poll() {
     engine.clock.advance(1s);
     return engine->expire();
   }
@@ -66,11 +66,11 @@ struct OwnOcspFile : testing::Test {
 TEST_F(OwnOcspFile, ThatCannotBeUsed_IsReportedOnceAndDoesNotKeepUsOut) {
   put(response_about(bob().certificate));
   ASSERT_OK(start());
-  for (int i = 0; i < 5; ++i) EXPECT_TRUE(look().empty());
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(poll().empty());
   ASSERT_EQ(count_of(engine.events, Code::ocsp_response_refused), 1);
   EXPECT_THAT(engine.events.events.back().error.to_sentence(), HasSubstr("another certificate"));
   put(response_about(alice().certificate));
-  for (int i = 0; i < 5; ++i) look();
+  for (int i = 0; i < 5; ++i) poll();
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 1);
 }
 
@@ -79,7 +79,7 @@ TEST_F(OwnOcspFile, ThatIsEarlierThanTheOneInForce_IsRefused) {
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, 0s, 48h));
   ASSERT_OK(start());
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, -1h, 1h));
-  for (int i = 0; i < 5; ++i) look();
+  for (int i = 0; i < 5; ++i) poll();
   ASSERT_EQ(count_of(engine.events, Code::ocsp_response_refused), 1);
   EXPECT_THAT(engine.events.events.back().error.to_sentence(), HasSubstr("thisUpdate"));
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 0);
@@ -88,24 +88,24 @@ TEST_F(OwnOcspFile, ThatIsEarlierThanTheOneInForce_IsRefused) {
 TEST_F(OwnOcspFile, ThatEnds_IsReportedOnce) {
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, 0s, 1h));
   ASSERT_OK(start());
-  look();
+  poll();
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_ended), 0);
   engine.clock.advance(2h);
-  for (int i = 0; i < 5; ++i) look();
+  for (int i = 0; i < 5; ++i) poll();
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_ended), 1);
 }
 
 TEST_F(OwnOcspFile, ThatBeginsInTheFuture_IsRecordedAsOneThatWaits) {
   ASSERT_OK(start());
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, 2h, 24h));
-  look();
-  look();
+  poll();
+  poll();
   const auto recorded = [&] {
     return test::recorded_document(engine.documents, "OCSP response")["refused"];
   };
   EXPECT_EQ(recorded()["waits"], true);
   engine.clock.advance(2h);
-  look();
+  poll();
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 1);
   EXPECT_EQ(recorded()["stands"], false);
 }
@@ -116,11 +116,11 @@ TEST_F(OwnOcspFile, ThatSaysRevoked_EndsUs) {
   put(response_about(alice().certificate));
   const auto us = start();
   ASSERT_OK(us);
-  EXPECT_TRUE(look().empty());
+  EXPECT_TRUE(poll().empty());
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_REVOKED));
-  EXPECT_THAT(look(), testing::ElementsAre(us->handle));
+  EXPECT_THAT(poll(), testing::ElementsAre(us->handle));
   EXPECT_EQ(count_of(engine.events, Code::ocsp_revoked), 2);
-  EXPECT_TRUE(look().empty());
+  EXPECT_TRUE(poll().empty());
   EXPECT_CODE(engine->identity_token(us->handle, spi::kStandardCiphers), ocsp_revoked);
 }
 

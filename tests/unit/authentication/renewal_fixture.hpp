@@ -56,14 +56,14 @@ class Renewal : public testing::Test {
     folder_.replace("cert.pem", identity.certificate.pem());
     folder_.replace("key.pem", pem_text(identity.key));
   }
-  std::vector<IdentityHandle> look() {
+  std::vector<IdentityHandle> poll() {
     engine().clock.advance(5s);
     return engine()->expire();
   }
   /// As often as a host would in a quarter of a minute.
   std::vector<Code> codes_after_looking() {
     events().clear();
-    for (int i = 0; i < 3; ++i) look();
+    for (int i = 0; i < 3; ++i) poll();
     std::vector<Code> out;
     for (const auto& event : events()) out.push_back(event.error.code());
     return out;

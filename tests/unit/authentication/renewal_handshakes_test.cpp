@@ -11,7 +11,7 @@ TEST_F(Renewal, HandshakeUnderWay_GoesOnWithWhatItBeganWith) {
   const auto reply = pairing_.two.reply(*request->message);
   ASSERT_OK(reply);
   put(renewed(3));
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   EXPECT_EQ(events().back().error.code(), Code::identity_renewed);
   pairing_.expect_finish(*request, *reply);
 }
@@ -78,7 +78,7 @@ TEST_F(Renewal, PermissionsAndCertificate_AreNeverMixed) {
       pairing_.a.handle,
       {std::string(spi::class_id::kPermissionsCredential), {{"dds.perm.cert", "<new/>"}}, {}}, {}));
   put(renewed(3));
-  look();
+  poll();
   pairing_.expect_finish(*request, *reply);
 }
 

@@ -83,18 +83,18 @@ TEST_F(Renewal, ListWithTheFormerCertificate_DoesNotEndUs) {
 TEST_F(Renewal, OwnEnd_Moves) {
   const auto first = engine()->next_expiry();
   put(renewed());
-  look();
+  poll();
   ASSERT_TRUE(first);
   EXPECT_EQ(engine()->next_expiry(), kLater.not_after);
   engine().clock.advance(kYear.not_after - kNow);
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   engine().clock.advance(days(200));
-  EXPECT_THAT(look(), Contains(pairing_.a.handle));
+  EXPECT_THAT(poll(), Contains(pairing_.a.handle));
 }
 
 TEST_F(Renewal, CertificateThatComesTooLate_IsNotTaken) {
   engine().clock.advance(kYear.not_after - kNow);
-  EXPECT_THAT(look(), Contains(pairing_.a.handle));
+  EXPECT_THAT(poll(), Contains(pairing_.a.handle));
   put(renewed(0, {kNow, kNow + days(900)}));
   EXPECT_THAT(codes_after_looking(), IsEmpty());
   EXPECT_CODE(engine()->identity_token(pairing_.a.handle), identity_ended);
@@ -131,28 +131,28 @@ TEST_F(RenewalWithBob, Session_EndsWithTheCertificateThatThePeerHasSeen) {
   put(renewed());
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_renewed));
   engine().clock.advance(days(29));
-  EXPECT_THAT(look(), IsEmpty());
+  EXPECT_THAT(poll(), IsEmpty());
   engine().clock.advance(days(1));
   events().clear();
-  EXPECT_THAT(look(), ElementsAre(bob_at_alice()));
+  EXPECT_THAT(poll(), ElementsAre(bob_at_alice()));
   ASSERT_EQ(events().size(), 1u);
   EXPECT_EQ(events().front().error.code(), Code::session_outlived_documents);
   EXPECT_EQ(events().front().severity, Severity::informational);
   EXPECT_EQ(events().front().peer_subject, "CN=bob,O=Example");
-  EXPECT_THAT(look(), IsEmpty()) << "ended twice";
+  EXPECT_THAT(poll(), IsEmpty()) << "ended twice";
 }
 
 TEST_F(RenewalWithBob, WithoutRenewal_EndIsOurs) {
   engine().clock.advance(days(31));
   events().clear();
-  EXPECT_THAT(look(), ElementsAre(pairing_.a.handle, bob_at_alice()));
+  EXPECT_THAT(poll(), ElementsAre(pairing_.a.handle, bob_at_alice()));
   ASSERT_EQ(events().size(), 1u);
   EXPECT_EQ(events().front().error.code(), Code::identity_ended);
 }
 
 TEST_F(RenewalWithBob, PeerOnTheOtherSide_EndsUsAtTheSameTime) {
   put(renewed());
-  look();
+  poll();
   auto& bobs = pairing_.second_engine;
   bobs.clock.advance(days(30) + 1s);
   const auto alice_at_bob =
@@ -168,7 +168,7 @@ TEST_F(Renewal, SessionWithFastDds_GoesOnAfterTheFormerEnd) {
   put(renewed(0, {kNow, kNow + days(900)}));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_renewed));
   engine().clock.advance(kYear.not_after - kNow + 1s);
-  EXPECT_THAT(look(), testing::Not(Contains(pairing_.a.handle)));
+  EXPECT_THAT(poll(), testing::Not(Contains(pairing_.a.handle)));
 }
 
 }  // namespace

@@ -20,13 +20,13 @@ struct Watcher {
   /// How long after alice's list came she ended, if she did within a minute.
   std::optional<std::chrono::seconds> ends_after(const test::TemporaryFolder& folder) {
     Participant us(engine, identity);
-    for (int i = 0; i < 30; ++i) look();
+    for (int i = 0; i < 30; ++i) poll();
     folder.replace("crl.pem", pem({9, {alice().certificate}}));
     for (int i = 1; i < 60; ++i)
-      if (look()) return std::chrono::seconds(i);
+      if (poll()) return std::chrono::seconds(i);
     return std::nullopt;
   }
-  bool look() {
+  bool poll() {
     engine.clock.advance(1s);
     return !engine->expire().empty();
   }
@@ -70,8 +70,8 @@ TEST(LaterCrl, Record_FollowsTheListInForceAndWhatIsRefused) {
   Watcher watcher(folder, property::kLaterCrl, "1");
   Participant us(watcher.engine, watcher.identity);
   const auto recorded = [&] {
-    watcher.look();
-    watcher.look();
+    watcher.poll();
+    watcher.poll();
     return test::recorded_document(watcher.engine.documents, "revocation list");
   };
   EXPECT_TRUE(recorded()["in_force"].empty());

@@ -302,7 +302,7 @@ TEST(RevokedAuthority, RevokedCa_EndsThePeersItIssued) {
     return engine->expire();
   };
   folder.replace("crl.pem", pem({2, {cas.sub.certificate()}}, cas.root) + pem({}, cas.sub));
-  EXPECT_EQ(look().size(), 1u);
+  EXPECT_EQ(poll().size(), 1u);
   ASSERT_EQ(engine.events.events.size(), 2u);
   const auto& event = engine.events.events[1];
   EXPECT_EQ(event.error.code(), Code::certificate_revoked);

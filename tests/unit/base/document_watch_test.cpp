@@ -28,9 +28,9 @@ class DocumentWatchTest : public testing::Test {
     return out;
   }
   /// One look later, with a document that is taken unless it is "bad".
-  Result<bool> look(DocumentWatch& watch) {
+  Result<bool> poll(DocumentWatch& watch) {
     now_ += 5s;
-    return watch.look(now_, [&](BytesView octets) -> Status {
+    return watch.poll(now_, [&](BytesView octets) -> Status {
       taken_.emplace_back(as_text(octets));
       if (as_text(octets) == "bad") return fail(Code::malformed, {.hint = "write it anew"});
       return {};
@@ -45,52 +45,52 @@ class DocumentWatchTest : public testing::Test {
 
 TEST_F(DocumentWatchTest, SameContentWrittenAgain_IsNotTaken) {
   auto watch = watch_of_file();
-  EXPECT_EQ(look(watch), false);
+  EXPECT_EQ(poll(watch), false);
   folder_.replace("document", "first");
-  EXPECT_EQ(look(watch), false);
+  EXPECT_EQ(poll(watch), false);
   EXPECT_TRUE(taken_.empty());
 }
 
 TEST_F(DocumentWatchTest, OtherContent_IsTakenOnce) {
   auto watch = watch_of_file();
   folder_.replace("document", "second");
-  EXPECT_EQ(look(watch), true);
-  EXPECT_EQ(look(watch), false);
+  EXPECT_EQ(poll(watch), true);
+  EXPECT_EQ(poll(watch), false);
   EXPECT_EQ(taken_, std::vector<std::string>{"second"});
 }
 
 TEST_F(DocumentWatchTest, RefusedDocument_IsReportedAtTheSecondLookAndOnce) {
   auto watch = watch_of_file();
   folder_.replace("document", "bad");
-  EXPECT_EQ(look(watch), false) << "it may be in the middle of a write";
-  const auto told = look(watch);
+  EXPECT_EQ(poll(watch), false) << "it may be in the middle of a write";
+  const auto told = poll(watch);
   EXPECT_CODE(told, permissions_renewal_refused);
   EXPECT_EQ(told.error().details().document, path_);
   EXPECT_TRUE(told.error().details().note.ends_with("the former stays"));
   EXPECT_EQ(told.error().hint(), info(Code::permissions_renewal_refused).hint);
   EXPECT_EQ(watch.refused()->code(), Code::permissions_renewal_refused);
-  EXPECT_EQ(look(watch), false);
+  EXPECT_EQ(poll(watch), false);
   EXPECT_EQ(taken_.size(), 3u)
       << "a refused document is judged again: what it depends on may change";
   folder_.replace("document", "good");
-  EXPECT_EQ(look(watch), true);
+  EXPECT_EQ(poll(watch), true);
   EXPECT_FALSE(watch.refused());
 }
 
 TEST_F(DocumentWatchTest, DocumentThatIsRefusedAndPutBack_IsNotTaken) {
   auto watch = watch_of_file();
   folder_.replace("document", "bad");
-  EXPECT_EQ(look(watch), false);
+  EXPECT_EQ(poll(watch), false);
   folder_.replace("document", "first");
-  EXPECT_EQ(look(watch), false);
+  EXPECT_EQ(poll(watch), false);
   EXPECT_EQ(taken_, std::vector<std::string>{"bad"});
 }
 
 TEST_F(DocumentWatchTest, RemedyOfTheReason_IsGivenIfTheDocumentMustBeWrittenAnew) {
   auto watch = watch_of("file:" + path_, true);
   folder_.replace("document", "bad");
-  EXPECT_EQ(look(watch), false);
-  const auto told = look(watch);
+  EXPECT_EQ(poll(watch), false);
+  const auto told = poll(watch);
   EXPECT_CODE(told, permissions_renewal_refused);
   EXPECT_EQ(told.error().hint(), "write it anew");
 }
@@ -98,11 +98,11 @@ TEST_F(DocumentWatchTest, RemedyOfTheReason_IsGivenIfTheDocumentMustBeWrittenAne
 TEST_F(DocumentWatchTest, FileThatIsGoneOrTooLarge_IsReported) {
   auto watch = watch_of_file();
   std::filesystem::remove(path_);
-  EXPECT_EQ(look(watch), false);
-  const auto gone = look(watch);
+  EXPECT_EQ(poll(watch), false);
+  const auto gone = poll(watch);
   EXPECT_CODE(gone, permissions_renewal_refused);
   folder_.write("document", std::string(101, 'x'));
-  const auto large = look(watch);
+  const auto large = poll(watch);
   EXPECT_CODE(large, permissions_renewal_refused);
   EXPECT_NE(large.error().details().note.find(info(Code::file_too_large).summary),
             std::string::npos);
@@ -111,21 +111,21 @@ TEST_F(DocumentWatchTest, FileThatIsGoneOrTooLarge_IsReported) {
 
 TEST_F(DocumentWatchTest, LookBeforeTheInterval_ReadsNothingUnlessAskedTo) {
   auto watch = watch_of_file();
-  look(watch);
-  look(watch);
+  poll(watch);
+  poll(watch);
   folder_.replace("document", "second");
   now_ -= 4s;
-  EXPECT_EQ(look(watch), false);
+  EXPECT_EQ(poll(watch), false);
   now_ -= 5s;
-  watch.look_now();
-  EXPECT_EQ(look(watch), true);
+  watch.force_poll();
+  EXPECT_EQ(poll(watch), true);
 }
 
 TEST_F(DocumentWatchTest, DocumentInTheProperty_HasThePropertysNameAndNeverChanges) {
   auto watch = watch_of("data:,text");
   EXPECT_EQ(watch.name(), "the.property");
   EXPECT_EQ(as_text(watch.read().value()), "text");
-  EXPECT_EQ(look(watch), false);
+  EXPECT_EQ(poll(watch), false);
   EXPECT_TRUE(taken_.empty());
 }
 

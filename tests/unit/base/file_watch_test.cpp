@@ -16,17 +16,17 @@ using namespace std::chrono_literals;
 class Looker {
  public:
   explicit Looker(const std::string& path) : watch_("file:" + path, 5s) { settle(); }
-  bool look() { return watch_.may_have_changed(now_ += 5s); }
+  bool poll() { return watch_.may_have_changed(now_ += 5s); }
   /// Whatever just happened is seen within two looks, and then there is quiet.
   bool sees_a_change() {
-    const bool seen = look();
+    const bool seen = poll();
     settle();
     return seen;
   }
   void settle() {
     std::this_thread::sleep_for(20ms);  // so that the next change has another time
-    for (int i = 0; i < 2; ++i) look();
-    EXPECT_FALSE(look());
+    for (int i = 0; i < 2; ++i) poll();
+    EXPECT_FALSE(poll());
   }
   const std::string& uri() const { return watch_.uri(); }
 
@@ -136,7 +136,7 @@ TEST(FileWatch, UnusableFile_IsLookedAtAgain) {
   FileWatch watch("file:" + folder.write("list", "one"), 1s);
   EXPECT_TRUE(watch.may_have_changed(1s));
   EXPECT_FALSE(watch.may_have_changed(2s));
-  watch.look_again();
+  watch.force_change();
   EXPECT_FALSE(watch.may_have_changed(2500ms));
   EXPECT_TRUE(watch.may_have_changed(3s));
   EXPECT_FALSE(watch.may_have_changed(4s));
@@ -148,7 +148,7 @@ TEST(FileWatch, WithoutAFileOrAnInterval_IsQuiet) {
   FileWatch off("file:" + path, 0s), text("data:,one", 5s), none("", 5s), wrong("http://x", 5s);
   folder.replace("list", "two");
   for (auto* watch : {&off, &text, &none, &wrong}) {
-    watch->look_again();
+    watch->force_change();
     for (int i = 1; i < 4; ++i) EXPECT_FALSE(watch->may_have_changed(i * 5s));
   }
 }

@@ -126,8 +126,8 @@ TEST_F(ClosedFolder, AllItsFiles_HaveTheSameEvent) {
                            .gives_remedy_of_reason = true},
                           std::chrono::seconds(1));
       const auto take = [](BytesView) { return Status(); };
-      static_cast<void>(watch.look(std::chrono::seconds(1), take));
-      const auto looked = watch.look(std::chrono::seconds(2), take);
+      static_cast<void>(watch.poll(std::chrono::seconds(1), take));
+      const auto looked = watch.poll(std::chrono::seconds(2), take);
       if (!looked) told.push_back(looked.error());
     }
     return told.size() == 2 && told[0].code() == Code::folder_unreadable &&

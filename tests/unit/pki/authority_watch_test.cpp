@@ -16,10 +16,10 @@ class AuthorityWatchTest : public testing::Test {
     return out;
   }
   void put(const Authorities& all) { folder_.replace("ca.pem", pem(all)); }
-  Result<bool> look(Status answer = {}) {
+  Result<bool> poll(Status answer = {}) {
     now_ += 5s;
     const auto former = in_force_;
-    return watch_.look(now_, former, [&](const Authorities& next) -> Status {
+    return watch_.poll(now_, former, [&](const Authorities& next) -> Status {
       ++judged_;
       if (answer) in_force_ = next;
       return answer;
@@ -40,30 +40,30 @@ class AuthorityWatchTest : public testing::Test {
 };
 
 TEST_F(AuthorityWatchTest, SameAuthoritiesInAnotherOrder_AreNoChange) {
-  EXPECT_EQ(look(), false);
+  EXPECT_EQ(poll(), false);
   put({two_, one_});
-  EXPECT_EQ(look(), false);
+  EXPECT_EQ(poll(), false);
   put({two_, one_, one_});
-  EXPECT_EQ(look(), false);
+  EXPECT_EQ(poll(), false);
   EXPECT_EQ(judged_, 0);
 }
 
 TEST_F(AuthorityWatchTest, AddedAndRemovedAuthorities_AreTaken) {
   const auto three = make_ca("CN=Three").certificate();
   put({one_, two_, three});
-  EXPECT_EQ(look(), true);
+  EXPECT_EQ(poll(), true);
   put({three});
-  EXPECT_EQ(look(), true);
+  EXPECT_EQ(poll(), true);
   EXPECT_EQ(in_force_, Authorities{three});
   EXPECT_EQ(judged_, 2);
 }
 
 TEST_F(AuthorityWatchTest, RemovedAuthority_DoesNotComeBack) {
   put({two_});
-  EXPECT_EQ(look(), true);
+  EXPECT_EQ(poll(), true);
   put({one_, two_});
-  EXPECT_EQ(look(), false);
-  const auto refused = look();
+  EXPECT_EQ(poll(), false);
+  const auto refused = poll();
   EXPECT_CODE(refused, identity_renewal_refused);
   EXPECT_NE(refused.error().details().note.find(info(Code::ca_put_back).summary),
             std::string::npos);
@@ -74,17 +74,17 @@ TEST_F(AuthorityWatchTest, RemovedAuthority_DoesNotComeBack) {
 
 TEST_F(AuthorityWatchTest, RefusedAuthorities_AreNotWithdrawnAndReported) {
   put({two_});
-  EXPECT_EQ(look(fail(Code::malformed)), false);
-  EXPECT_CODE(look(fail(Code::malformed)), identity_renewal_refused);
+  EXPECT_EQ(poll(fail(Code::malformed)), false);
+  EXPECT_CODE(poll(fail(Code::malformed)), identity_renewal_refused);
   put({one_, two_});
-  EXPECT_EQ(look(), false);
+  EXPECT_EQ(poll(), false);
   EXPECT_FALSE(watch_.refused());
 }
 
 TEST_F(AuthorityWatchTest, FileWithoutACertificate_IsReported) {
   folder_.replace("ca.pem", "nonsense");
-  EXPECT_EQ(look(), false);
-  EXPECT_CODE(look(), identity_renewal_refused);
+  EXPECT_EQ(poll(), false);
+  EXPECT_CODE(poll(), identity_renewal_refused);
   EXPECT_EQ(judged_, 0);
 }
 
