@@ -283,7 +283,7 @@ Status AccessControlPlugin::renew_remote_permissions(PermissionsHandle remote,
     return refuse(status.error().in(participant.governance_name), *holder);
   auto judged = judge_remote(context(), participant, permissions_token, credential, subject);
   if (!judged) return refuse(judged.error().in(name), *holder);
-  const auto taken = holder->take_shown(*std::move(judged), services_.clock.now());
+  const auto taken = holder->adopt_presented(*std::move(judged), services_.clock.now());
   if (!taken) return refuse(taken.error().in(name), *holder);
   if (!*taken) return {};
   const auto end = holder->ends();

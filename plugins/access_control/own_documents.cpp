@@ -224,7 +224,7 @@ Status OwnDocuments::take_authorities(const Renewal& now,
   if (permissions) {
     DDSSEC_ASSIGN_OR_RETURN(auto document,
                             now.documents.permissions(*basis.ca, *permissions, time));
-    DDSSEC_RETURN_IF_ERROR(now.holder.take(std::move(document), *permissions, time));
+    DDSSEC_RETURN_IF_ERROR(now.holder.adopt(std::move(document), *permissions, time));
     permissions_.note_read(*permissions);
   }
   DDSSEC_RETURN_IF_ERROR(now.participant.set_basis(std::move(basis)));
@@ -312,7 +312,7 @@ void OwnDocuments::renew_permissions(const Renewal& now, std::vector<Error>& eve
     const auto time = now.clock.now();
     const auto basis = now.participant.basis();
     DDSSEC_ASSIGN_OR_RETURN(auto document, now.documents.permissions(*basis->ca, file, time));
-    return now.holder.take(std::move(document), file, time);
+    return now.holder.adopt(std::move(document), file, time);
   });
   if (!looked) events.push_back(looked.error());
 }

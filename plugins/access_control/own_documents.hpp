@@ -53,7 +53,7 @@ class OwnDocuments {
   /// - A governance document that only adds topic rules, none of them for a topic in use. One that
   ///   protects topics in use more waits as the participant's pending document, if the host changes
   ///   endpoints that exist; until it is applied, no other one is looked at.
-  /// - Renewed permissions, as PermissionsHolder::take has it; none if the host does not present
+  /// - Renewed permissions, as PermissionsHolder::adopt has it; none if the host does not present
   ///   them.
   /// - Further identity CAs, where the governance restricts algorithms. Authentication decides
   ///   which of them are trusted, and reports a file that cannot be used.

@@ -229,8 +229,8 @@ Status PermissionsHolder::check_follows(const PermissionsDocument& document,
   return document_ ? check_signed_later(*document_, document) : Status();
 }
 
-Result<bool> PermissionsHolder::take_shown(std::shared_ptr<PermissionsDocument> document,
-                                           WallTime now) {
+Result<bool> PermissionsHolder::adopt_presented(std::shared_ptr<PermissionsDocument> document,
+                                                WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(auto renewed, grant_in(*document, now));
   const std::lock_guard lock(mutex_);
   if (document == document_) return false;
@@ -242,8 +242,8 @@ Result<bool> PermissionsHolder::take_shown(std::shared_ptr<PermissionsDocument> 
   return true;
 }
 
-Status PermissionsHolder::take(std::shared_ptr<PermissionsDocument> document, BytesView file,
-                               WallTime now) {
+Status PermissionsHolder::adopt(std::shared_ptr<PermissionsDocument> document, BytesView file,
+                                WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(auto renewed, grant_in(*document, now));
   std::string text(as_text(file));
   const std::lock_guard lock(mutex_);

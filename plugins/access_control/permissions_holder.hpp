@@ -64,10 +64,10 @@ class PermissionsHolder {
   /// signed earlier: an older document that was put back would give again what was taken away. One
   /// without a signing time follows only another without one. They may give less, and end earlier.
   /// Error: permissions_renewal_refused, also after the end was reported; those of grant_for.
-  Status take(std::shared_ptr<PermissionsDocument> document, BytesView file, WallTime now);
+  Status adopt(std::shared_ptr<PermissionsDocument> document, BytesView file, WallTime now);
   /// Of a peer: the same for permissions that it has shown within its session. True: they are
   /// others than those in force.
-  Result<bool> take_shown(std::shared_ptr<PermissionsDocument> document, WallTime now);
+  Result<bool> adopt_presented(std::shared_ptr<PermissionsDocument> document, WallTime now);
   /// Of a peer: permissions of the participant's renewal list extend those that the peer presented,
   /// if they give the same or more and end later, or if the CA of the others has left its file
   /// (ListedPermissions::extension_of). They count until their own end, whatever the list has then.

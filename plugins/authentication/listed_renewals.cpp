@@ -34,7 +34,7 @@ Result<std::shared_ptr<ListedRenewals>> ListedRenewals::of(const spi::PropertyLi
   return std::make_shared<ListedRenewals>(places, interval);
 }
 
-Status ListedRenewals::take(const pki::RenewalList& list, const TrustStore& trust, WallTime now) {
+Status ListedRenewals::adopt(const pki::RenewalList& list, const TrustStore& trust, WallTime now) {
   std::vector<pki::Certificate> usable;
   std::optional<Error> first;
   std::size_t foreign = 0;
@@ -63,7 +63,7 @@ Result<std::optional<Error>> ListedRenewals::poll(const Clock& clock, const Trus
   const std::scoped_lock lock(mutex_);
   DDSSEC_ASSIGN_OR_RETURN(const bool taken,
                           watch_.poll(clock.monotonic(), [&](const pki::RenewalList& list) {
-                            return take(list, trust, clock.now());
+                            return adopt(list, trust, clock.now());
                           }));
   if (!taken) return std::nullopt;
   return Error(Code::renewal_list_taken,

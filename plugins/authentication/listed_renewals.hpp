@@ -51,7 +51,7 @@ class ListedRenewals {
   std::optional<DocumentState> state() const;
 
  private:
-  Status take(const pki::RenewalList& list, const TrustStore& trust, WallTime now);
+  Status adopt(const pki::RenewalList& list, const TrustStore& trust, WallTime now);
   std::string refusal_of(const pki::Certificate& listed, const Session& session) const;
 
   mutable std::mutex mutex_;

@@ -187,7 +187,7 @@ UnprovenOctets::Share PkiDh::share_of(const Pair& pair, const Token& request,
   for (const auto& property : request.binary_properties) octets += property.value.size();
   for (const auto& handshake : pair.handshakes) free += handshake.unproven.free_octets();
   const auto& peer = std::get<AwaitFinal>(*outcome.next).peer;
-  return unproven_.take(peer.certificate().subject_digest(), octets, free);
+  return unproven_.claim(peer.certificate().subject_digest(), octets, free);
 }
 
 /// The host finds that the handle of a dropped handshake is unknown, and begins anew.

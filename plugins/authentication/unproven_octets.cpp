@@ -20,8 +20,8 @@ std::size_t random_below(std::size_t end, Random& random) {
 
 }  // namespace
 
-UnprovenOctets::Share UnprovenOctets::take(const Sha256Digest& subject, std::size_t octets,
-                                           std::size_t free_octets) {
+UnprovenOctets::Share UnprovenOctets::claim(const Sha256Digest& subject, std::size_t octets,
+                                            std::size_t free_octets) {
   if (octets + free_octets <= kFreeOfAPeer) return Share(octets);
   const std::scoped_lock lock(mutex_);
   auto& of_subject = by_subject_[subject];
@@ -45,7 +45,7 @@ void UnprovenOctets::uncount(Entry& entry) noexcept {
   if (known->second == 0) by_subject_.erase(known);
 }
 
-void UnprovenOctets::give_back(std::uint64_t id) noexcept {
+void UnprovenOctets::release(std::uint64_t id) noexcept {
   const std::scoped_lock lock(mutex_);
   const auto entry = entries_.find(id);
   if (entry == entries_.end()) return;

@@ -41,7 +41,7 @@ class UnprovenOctets {
       return *this;
     }
     ~Share() {
-      if (of_ != nullptr) of_->give_back(id_);
+      if (of_ != nullptr) of_->release(id_);
     }
 
     /// The octets of this share that are not counted.
@@ -69,7 +69,7 @@ class UnprovenOctets {
 
   /// Takes a share of `octets` for a peer whose certificate has that subject. `free_octets`: the
   /// uncounted octets that this peer already holds.
-  Share take(const Sha256Digest& subject, std::size_t octets, std::size_t free_octets);
+  Share claim(const Sha256Digest& subject, std::size_t octets, std::size_t free_octets);
 
   /// The handshakes to drop so that the limits hold again, after `newest` got its share. They are
   /// not counted any more. First those of the same subject, then of any; never `newest`.
@@ -82,7 +82,7 @@ class UnprovenOctets {
     spi::HandshakeHandle owner = {};
     bool is_counted = true;
   };
-  void give_back(std::uint64_t id) noexcept;
+  void release(std::uint64_t id) noexcept;
   void note_owner(std::uint64_t id, spi::HandshakeHandle owner) noexcept;
   void uncount(Entry& entry) noexcept;
   Entry* any_of(Random& random, spi::HandshakeHandle newest, const Sha256Digest* subject);

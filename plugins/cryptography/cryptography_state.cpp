@@ -33,7 +33,7 @@ std::uint64_t subject_of(std::int64_t identity, const Pair& pair) {
   return subject;
 }
 
-Status CryptographyState::take_place(RemoteEndpoint& reader, const Pair& pair) {
+Status CryptographyState::claim_place(RemoteEndpoint& reader, const Pair& pair) {
   if (reader.kind() != EntityKind::remote_reader || !reader.receiver_key || reader.place) return {};
   const auto subject = subject_of(reader.participant.identity, pair);
   if (auto status = reader.local.receivers.take(subject); !status) {
@@ -44,9 +44,9 @@ Status CryptographyState::take_place(RemoteEndpoint& reader, const Pair& pair) {
   return {};
 }
 
-void CryptographyState::give_back_place(RemoteEndpoint& reader) noexcept {
+void CryptographyState::release_place(RemoteEndpoint& reader) noexcept {
   if (const auto place = std::exchange(reader.place, std::nullopt))
-    reader.local.receivers.give_back(*place);
+    reader.local.receivers.release(*place);
 }
 
 void CryptographyState::report(const Error& error, const std::optional<GuidPrefix>& prefix) const {

@@ -37,8 +37,8 @@ struct CryptographyState {
 
   /// Takes a place among the receivers of the reader's writer, if it needs one and has none yet.
   /// Mutex held. Error: receiver_places_taken, after an event that names the peer.
-  Status take_place(RemoteEndpoint& reader, const Pair& pair);
-  void give_back_place(RemoteEndpoint& reader) noexcept;
+  Status claim_place(RemoteEndpoint& reader, const Pair& pair);
+  void release_place(RemoteEndpoint& reader) noexcept;
 
   /// Raises an event about the peer that owns `prefix`.
   void report(const Error& error, const std::optional<GuidPrefix>& prefix) const;

@@ -14,9 +14,9 @@ void KeyFactory::drop(const Entity& entity) {
 void KeyFactory::drop_remote(RemoteEndpoint& endpoint) {
   endpoint.local.matched.erase(endpoint.handle());
   endpoint.participant.endpoints.erase(endpoint.handle());
-  state_.give_back_place(endpoint);
-  endpoint.local.matches.give_back(endpoint.share);
-  give_back_peer_key(endpoint);
+  state_.release_place(endpoint);
+  endpoint.local.matches.release(endpoint.share);
+  release_peer_key(endpoint);
   if (endpoint.route != 0) endpoint.participant.routes.note_gone();
   drop(endpoint);
 }
@@ -60,7 +60,7 @@ void KeyFactory::drop_remote(RemoteParticipant& participant) {
     const auto found = state_.local_participant(spi::ParticipantCryptoHandle{local});
     if (!found) continue;
     (*found)->matched.erase(participant.handle());
-    (*found)->receivers.give_back(pair->place);
+    (*found)->receivers.release(pair->place);
   }
   by_identity_.erase(participant.identity);
   drop(participant);

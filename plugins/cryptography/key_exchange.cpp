@@ -366,19 +366,19 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   // registers readers that an attacker invented in the peer's name. It sends nothing to a reader
   // whose tokens have not come.
   const bool had_place = endpoint.place.has_value();
-  DDSSEC_RETURN_IF_ERROR(state_.take_place(endpoint, *pair));
-  Rollback give_back([&] {
-    if (!had_place) state_.give_back_place(endpoint);
+  DDSSEC_RETURN_IF_ERROR(state_.claim_place(endpoint, *pair));
+  Rollback release([&] {
+    if (!had_place) state_.release_place(endpoint);
   });
   if (held.are_awaited()) {  // the host continues as if the keys had arrived
-    give_back.release();
+    release.release();
     return {};
   }
   if (tokens.empty() || tokens.size() > kMaxTokensPerEndpoint)
     return fail(Code::crypto_token_count);
   DDSSEC_ASSIGN_OR_RETURN(auto keys, checked_keys(endpoint, *pair, tokens, held.owner()));
   install(endpoint, std::move(keys));
-  give_back.release();
+  release.release();
   return {};
 }
 

@@ -188,7 +188,7 @@ void KeyFactory::publish_pairs(RemoteParticipant& remote, std::int64_t without) 
   remote.pair_table.replace(std::move(table), state_.graveyard);
 }
 
-Status KeyFactory::take_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh) {
+Status KeyFactory::claim_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh) {
   if (!fresh.receiver_key) return {};
   const auto subject = subject_of(remote.value, fresh);
   if (auto status = local.receivers.take(subject); !status) {
@@ -218,10 +218,10 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
       former->permissions = remote_permissions;
       return spi::ParticipantCryptoHandle{by_identity_.at(remote_identity.value)->handle()};
     }
-    participant->receivers.give_back(former->place);
+    participant->receivers.release(former->place);
   }
-  DDSSEC_RETURN_IF_ERROR(take_place(*participant, remote_identity, *fresh));
-  Rollback give_back([&] { participant->receivers.give_back(fresh->place); });
+  DDSSEC_RETURN_IF_ERROR(claim_place(*participant, remote_identity, *fresh));
+  Rollback release([&] { participant->receivers.release(fresh->place); });
   DDSSEC_ASSIGN_OR_RETURN(auto* const remote, remote_with_identity(remote_identity));
   remote->discovery.announced.count_for(
       state_.announcements.of(subject_of(remote_identity.value, *fresh)));
@@ -233,7 +233,7 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
   Rollback take_back([&] { pair.swap(fresh); });
   publish_pairs(*remote);
   take_back.release();
-  give_back.release();
+  release.release();
   state_.graveyard.retire(std::move(fresh));
   return spi::ParticipantCryptoHandle{remote->handle()};
 }
@@ -344,7 +344,7 @@ Result<std::int64_t> KeyFactory::match(std::int64_t local, EntityKind kind,
   }
 }
 
-Status KeyFactory::take_peer_key(RemoteEndpoint& writer) {
+Status KeyFactory::claim_peer_key(RemoteEndpoint& writer) {
   auto& local = writer.local;
   auto& key = local.peer_keys[writer.participant.handle()];
   if (!key) {
@@ -362,14 +362,14 @@ Status KeyFactory::take_peer_key(RemoteEndpoint& writer) {
   return {};
 }
 
-void KeyFactory::give_back_peer_key(const RemoteEndpoint& writer) noexcept {
+void KeyFactory::release_peer_key(const RemoteEndpoint& writer) noexcept {
   if (writer.peer_key && --writer.peer_key->writers == 0)
     writer.local.peer_keys.erase(writer.participant.handle());
 }
 
 // A host that checks sources limits them itself. Endpoints whose announcements are not protected
 // are not counted: anyone can invent them in the peer's name.
-Status KeyFactory::take_share(RemoteEndpoint& remote, const Pair& pair) {
+Status KeyFactory::claim_share(RemoteEndpoint& remote, const Pair& pair) {
   auto& local = remote.local;
   if (local.is_builtin || !local.is_discovery_protected) return {};
   const auto subject = subject_of(remote.participant.identity, pair);
@@ -394,11 +394,11 @@ Result<std::int64_t> KeyFactory::add_match(const Match& match, EntityKind kind) 
   auto& added = *remote;
   DDSSEC_RETURN_IF_ERROR(state_.registry.add(std::move(remote)));
   Rollback forget([&] { drop_remote(added); });
-  if (local.has_peer_keys()) DDSSEC_RETURN_IF_ERROR(take_peer_key(added));
+  if (local.has_peer_keys()) DDSSEC_RETURN_IF_ERROR(claim_peer_key(added));
   if (state_.host_checks_sources)
-    DDSSEC_RETURN_IF_ERROR(state_.take_place(added, pair));
+    DDSSEC_RETURN_IF_ERROR(state_.claim_place(added, pair));
   else
-    DDSSEC_RETURN_IF_ERROR(take_share(added, pair));
+    DDSSEC_RETURN_IF_ERROR(claim_share(added, pair));
   local.matched.insert(added.handle());
   parent.endpoints.insert(added.handle());
   if (local.is_volatile) state_.publish_route(added);

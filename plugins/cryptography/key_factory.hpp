@@ -103,12 +103,12 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   /// Gives the reader a key for the writer's participant. It is made for the first of that
   /// participant's writers and dropped with the last. Mutex held. Errors: those of the random
   /// source.
-  Status take_peer_key(RemoteEndpoint& writer);
-  static void give_back_peer_key(const RemoteEndpoint& writer) noexcept;
+  Status claim_peer_key(RemoteEndpoint& writer);
+  static void release_peer_key(const RemoteEndpoint& writer) noexcept;
   /// Error: receiver_places_taken, after an event that names the peer.
-  Status take_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh);
+  Status claim_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh);
   /// Error: too_many_matches, after an event that names the peer.
-  Status take_share(RemoteEndpoint& remote, const Pair& pair);
+  Status claim_share(RemoteEndpoint& remote, const Pair& pair);
   void drop(const Entity& entity);
   void drop_local(LocalParticipant& participant);
   void drop_remote(RemoteParticipant& participant);

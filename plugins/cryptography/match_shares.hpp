@@ -18,9 +18,9 @@ class MatchShares {
   static constexpr std::size_t kMaxOfSubject = 1024;
 
   /// Counts one more match of the subject. Error: too_many_matches.
-  Status take(std::uint64_t subject);
+  Status claim(std::uint64_t subject);
   /// The match has ended, if it was counted; `share` is empty from now on.
-  void give_back(std::optional<std::uint64_t>& share) noexcept;
+  void release(std::optional<std::uint64_t>& share) noexcept;
 
  private:
   std::unordered_map<std::uint64_t, std::size_t> of_subject_;

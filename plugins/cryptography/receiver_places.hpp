@@ -32,11 +32,11 @@ class ReceiverPlaces {
       : max_(limit), of_(of) {}
 
   /// Takes a place for one more receiver of a certificate's subject. Error: receiver_places_taken.
-  Status take(std::uint64_t subject);
-  void give_back(std::uint64_t subject) noexcept;
+  Status claim(std::uint64_t subject);
+  void release(std::uint64_t subject) noexcept;
   /// The same, if there is one; `place` is empty from now on.
-  void give_back(std::optional<std::uint64_t>& place) noexcept {
-    if (const auto taken = std::exchange(place, std::nullopt)) give_back(*taken);
+  void release(std::optional<std::uint64_t>& place) noexcept {
+    if (const auto taken = std::exchange(place, std::nullopt)) release(*taken);
   }
 
  private:

@@ -23,13 +23,13 @@ class SourceBudget {
   SourceBudget(int burst, MonotonicTime refill) : few_(burst, refill, {}), many_(few_) {}
 
   /// Returns false if the work must not be done now.
-  bool take(const SourceAddress& source, MonotonicTime now) {
+  bool try_spend(const SourceAddress& source, MonotonicTime now) {
     auto at = sources_.find(source);
     if (at == sources_.end()) {
       if (sources_.size() >= kMaxSources) sources_.clear();
       at = sources_.emplace(source, WorkBudget(kLittle, kLittlePeriod, now)).first;
     }
-    return (at->second.take(now) ? few_ : many_).take(now);
+    return (at->second.try_spend(now) ? few_ : many_).try_spend(now);
   }
 
  private:

@@ -1,4 +1,4 @@
-// Limits the places for authenticated participants that one certificate may take.
+// Limits the places for authenticated participants that one certificate may claim.
 #pragma once
 
 #include <algorithm>
@@ -25,12 +25,12 @@ class SubjectShares {
     const auto at = of_subject_.find(subject_of(prefix));
     return at == of_subject_.end() ? 0 : at->second;
   }
-  void take(const GuidPrefix& prefix) {
+  void claim(const GuidPrefix& prefix) {
     ++of_subject_[subject_of(prefix)];
     ++taken_;
   }
-  /// Must be called as often as `take`.
-  void give_back(const GuidPrefix& prefix) {
+  /// Must be called as often as `claim`.
+  void release(const GuidPrefix& prefix) {
     const auto at = of_subject_.find(subject_of(prefix));
     --taken_;
     if (--at->second == 0) of_subject_.erase(at);

@@ -14,7 +14,7 @@ class WorkBudget {
       : burst_(burst), refill_(refill), left_(burst), since_(now) {}
 
   /// Returns false if the work must not be done now.
-  bool take(MonotonicTime now) {
+  bool try_spend(MonotonicTime now) {
     const auto earned = (now - since_) / refill_;
     if (earned > 0) {
       left_ = static_cast<int>(std::min<std::int64_t>(burst_, left_ + earned));

@@ -60,7 +60,7 @@ MonotonicTime Announcer::period() const {
 // If there is no budget for an answer, the next announcement to all is sent sooner. Otherwise it is
 // repeated soon, because a participant may announce itself before it listens (Fast DDS 2.9).
 void Announcer::answer(const GuidPrefix& participant, std::span<const Locator> metatraffic) {
-  const bool room = answers_.take(core_.now);
+  const bool room = answers_.try_spend(core_.now);
   if (room) announce(metatraffic, participant);
   next_ =
       std::min(next_, room ? core_.now + kRepeatDelay : std::max(core_.now, last_ + kMinPeriod));

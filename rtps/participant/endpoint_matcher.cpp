@@ -249,7 +249,7 @@ void EndpointMatcher::take_place(Local& local, const EndpointData& endpoint) {
     forget(local, *other, true);
     places_.note_displaced(of, *other);
   }
-  places_.take(of, endpoint);
+  places_.claim(of, endpoint);
 }
 
 void EndpointMatcher::match(const EntityId& local, const Guid& remote) {

@@ -43,7 +43,7 @@ void MatchPlaces::note_displaced(const Local& local, const Guid& remote) {
   local.waiting.add(remote, core_.identity_of(remote.prefix), false);
 }
 
-void MatchPlaces::take(const Local& local, const EndpointData& endpoint) {
+void MatchPlaces::claim(const Local& local, const EndpointData& endpoint) {
   local.matched.add(endpoint.guid, core_.identity_of(endpoint.guid.prefix),
                     core_.is_proven(endpoint));
 }
@@ -69,7 +69,7 @@ void MatchPlaces::fill(const Local& local) {
     return local.matched.has_room(identity, macs);
   };
   for (int i = 0; i < kMaxTries; ++i) {
-    const auto next = local.waiting.take(has_room);
+    const auto next = local.waiting.claim(has_room);
     if (!next) return;
     match_again_(local.id, *next);
   }

@@ -41,7 +41,7 @@ class MatchPlaces final : private Timed {
   /// The match of that endpoint has ended.
   void note_displaced(const Local& local, const Guid& remote);
   /// The endpoint matches.
-  void take(const Local& local, const EndpointData& endpoint);
+  void claim(const Local& local, const EndpointData& endpoint);
   /// A match has ended.
   void note_room(const Local& local);
 

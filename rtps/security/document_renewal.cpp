@@ -53,7 +53,7 @@ void DocumentRenewal::report_too_large(const Peer& peer, const spi::Token& offer
 
 void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
   auto& association = *peer.state.association();
-  if (!association.renewal.judgements.take(core_.now)) return;
+  if (!association.renewal.judgements.try_spend(core_.now)) return;
   auto& [authentication, access_control, cryptography] = core_.own->plugins();
   const auto handshake = peer.state.handshake()->handle();
   const auto permissions = association.permissions.handle;

@@ -89,7 +89,7 @@ std::vector<Bytes> FragmentStore::add(const GuidPrefix& prefix, const DataFrag& 
   auto& sender = place_for(prefix, source, now);
   sender.keep(frag, now);
   const auto forms = forms_of(sender, frag);
-  if (!forms || (frag.sample_size > kLarge && !more_.take(now))) return {};
+  if (!forms || (frag.sample_size > kLarge && !more_.try_spend(now))) return {};
   return messages_of(*forms, now);
 }
 
@@ -120,7 +120,7 @@ std::vector<Bytes> FragmentStore::messages_of(const Forms& forms, MonotonicTime 
   for (const auto& of_one : forms) limits.push_back(of_one.size());
   const auto most = std::accumulate(limits.begin(), limits.end(), std::size_t{0}) - limits.size();
   Choices choices(std::move(limits), [&](const std::vector<std::size_t>& chosen) {
-    if (!out.empty() && (out.size() == kMaxMessages || !more_.take(now))) return false;
+    if (!out.empty() && (out.size() == kMaxMessages || !more_.try_spend(now))) return false;
     auto& message = out.emplace_back();
     for (std::size_t i = 0; i < forms.size(); ++i) {
       const auto octets = forms[i][chosen[i]];

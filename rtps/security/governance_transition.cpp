@@ -238,7 +238,7 @@ void GovernanceTransition::on_message(Peer& peer, const spi::Token& token) {
   governance.received = report;
   refresh(peer);
   if (spi::find_property(token.properties, kWantsAnswer) != nullptr &&
-      governance.answers.take(core_.now)) {
+      governance.answers.try_spend(core_.now)) {
     governance.sent.reset();
     send_report(peer, false);
   }

@@ -48,7 +48,7 @@ void MappedMemory::on_offer(const GuidPrefix& from, MemoryOffer offer, Monotonic
   if (at == writers_.end()) return answer(writer, segment, memory::MemoryRefusal::not_matched);
   auto& it = at->second;
   it.expects_offer = false;
-  if (!it.offers.take(now)) return;
+  if (!it.offers.try_spend(now)) return;
   abandon_request(from, it);
   if (!has_room(from)) return answer(writer, segment, memory::MemoryRefusal::no_memory);
   const auto id = passing_.fetch(std::move(offer.offer));
@@ -121,7 +121,7 @@ void MappedMemory::abandon_request(const GuidPrefix& from, OfWriter& it) {
 }
 
 void MappedMemory::serve(MonotonicTime now) {
-  for (auto& fetched : passing_.take_fetched()) take(std::move(fetched), now);
+  for (auto& fetched : passing_.take_fetched()) on_fetched(std::move(fetched), now);
   if (requests_ + formers_ == 0) return;
   for (auto& [writer, it] : writers_) {
     if (it.former && now >= it.former_until) forget_former(it);
@@ -132,7 +132,7 @@ void MappedMemory::serve(MonotonicTime now) {
 }
 
 // What no request waits for any longer is unmapped.
-void MappedMemory::take(memory::DescriptorPassing::Fetched fetched, MonotonicTime now) {
+void MappedMemory::on_fetched(memory::DescriptorPassing::Fetched fetched, MonotonicTime now) {
   if (abandoned_.erase(fetched.id) > 0) return;
   const auto at = std::ranges::find_if(writers_, [&](const auto& entry) {
     const auto& request = entry.second.request;
@@ -190,7 +190,7 @@ Payload MappedMemory::fetch(const Guid& writer, const MemoryReference& reference
     return mapped.copy(reference, out.fill()) ? out : Payload();
   }
   const bool is_awaited = it.request && it.request->segment == reference.segment;
-  if (!is_awaited && it.complaints.take(now))
+  if (!is_awaited && it.complaints.try_spend(now))
     answer(writer, reference.segment, memory::MemoryRefusal::other_segment);
   return {};
 }

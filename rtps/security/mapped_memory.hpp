@@ -110,7 +110,7 @@ class MappedMemory {
   bool has_octets_for(const GuidPrefix& from, std::size_t more) const;
   std::shared_ptr<Copies> copies_for(const GuidPrefix& from, MonotonicTime now);
   bool may_copy(const GuidPrefix& from, std::size_t octets, MonotonicTime now);
-  void take(memory::DescriptorPassing::Fetched fetched, MonotonicTime now);
+  void on_fetched(memory::DescriptorPassing::Fetched fetched, MonotonicTime now);
   void end_request(OfWriter& it);
   void abandon_request(const GuidPrefix& from, OfWriter& it);
   void keep(OfWriter& it, Segment segment, MonotonicTime now);

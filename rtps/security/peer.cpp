@@ -155,7 +155,7 @@ PeerState::PeerState(std::unique_ptr<PeerHandshake> handshake)
 
 // The new state is entered before the former one is destroyed and releases what it owned.
 template <class Event>
-bool PeerState::take(Event&& event) {
+bool PeerState::apply(Event&& event) {
   return std::visit(
       [&](auto& current) {
         auto next = on(current, event);
@@ -170,25 +170,25 @@ bool PeerState::take(Event&& event) {
       state_);
 }
 
-bool PeerState::begin() { return take(HandshakeBegins{}); }
-bool PeerState::time_out() { return take(TakesTooLong{}); }
-bool PeerState::admit_unauthenticated() { return take(AdmissionTimeout{}); }
-bool PeerState::replace() { return take(HandshakeFinished{}); }
+bool PeerState::begin() { return apply(HandshakeBegins{}); }
+bool PeerState::time_out() { return apply(TakesTooLong{}); }
+bool PeerState::admit_unauthenticated() { return apply(AdmissionTimeout{}); }
+bool PeerState::replace() { return apply(HandshakeFinished{}); }
 bool PeerState::associate(Association association, MonotonicTime now) {
-  return take(PermissionsAreGood{std::move(association), now});
+  return apply(PermissionsAreGood{std::move(association), now});
 }
-bool PeerState::note_key_exchange() { return take(MessageByItsKey{}); }
-bool PeerState::ask_again(MonotonicTime now) { return take(ConfirmationIsDue{now}); }
-bool PeerState::join() { return take(ParticipantTokens{}); }
+bool PeerState::note_key_exchange() { return apply(MessageByItsKey{}); }
+bool PeerState::ask_again(MonotonicTime now) { return apply(ConfirmationIsDue{now}); }
+bool PeerState::join() { return apply(ParticipantTokens{}); }
 bool PeerState::probe(MonotonicTime deadline, MonotonicTime next) {
-  return take(AuthRequest{deadline, next});
+  return apply(AuthRequest{deadline, next});
 }
-bool PeerState::end_probe() { return take(ProbeEnds{}); }
-bool PeerState::refuse(bool admits) { return take(Refusal{admits}); }
+bool PeerState::end_probe() { return apply(ProbeEnds{}); }
+bool PeerState::refuse(bool admits) { return apply(Refusal{admits}); }
 bool PeerState::announce_again(std::unique_ptr<PeerHandshake> handshake) {
-  return take(AnotherAnnouncement{std::move(handshake)});
+  return apply(AnotherAnnouncement{std::move(handshake)});
 }
-bool PeerState::distrust() { return take(TrustEnds{}); }
+bool PeerState::distrust() { return apply(TrustEnds{}); }
 
 const Unproven* PeerState::unproven() const {
   return std::visit(

@@ -173,7 +173,7 @@ class PeerState {
 
  private:
   template <class Event>
-  bool take(Event&& event);
+  bool apply(Event&& event);
 
   using State = std::variant<peer::Announced, peer::Authenticating, peer::Waiting,
                              peer::AwaitingKeys, peer::Joined, peer::Refused, peer::Distrusted>;

@@ -15,14 +15,15 @@ Result<BytesView> PreSharedMessages::open(const Header& header, BytesView messag
     return complain(Code::secure_flags_unsupported, header,
                     "no pre-shared key: our governance has rtps_psk_protection_kind NONE", now);
   }
-  if (!keys->remembers(message) && !derivations_.take(now)) {
+  if (!keys->remembers(message) && !derivations_.try_spend(now)) {
     ++counters_.undecodable;
     return fail(Code::psk_passphrase_unknown);
   }
   const auto size = keys->decode(message, scratch);
   if (size) return scratch.first(*size);
   ++counters_.undecodable;
-  if (complaints_.take(now)) events_.raise(peer_event(size.error(), header.prefix.to_string()));
+  if (complaints_.try_spend(now))
+    events_.raise(peer_event(size.error(), header.prefix.to_string()));
   return std::unexpected(size.error());
 }
 
@@ -38,7 +39,7 @@ std::unexpected<Error> PreSharedMessages::refuse_bare(const Header& header, Mono
 // After the event limit is reached, an invalid message costs no more than reading the budget.
 std::unexpected<Error> PreSharedMessages::complain(Code code, const Header& header,
                                                    std::string_view expected, MonotonicTime now) {
-  if (!complaints_.take(now)) return fail(code);
+  if (!complaints_.try_spend(now)) return fail(code);
   const auto sender = header.prefix.to_string();
   const Error error(code, {.document = "participant " + sender + " of " + name_of(header.vendor),
                            .expected = std::string(expected)});

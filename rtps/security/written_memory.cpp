@@ -177,7 +177,7 @@ bool WrittenMemory::prepare(std::size_t payload_size, MonotonicTime now) {
   const auto needed = payload_size + kProtectionRoom;
   const bool fits = slots_ && slots_->segment().largest_payload() >= needed;
   if (awaited_ || reuse(needed) || fits) return fits;
-  if (now < next_segment_ || !segments_.take(now)) return false;
+  if (now < next_segment_ || !segments_.try_spend(now)) return false;
   // Doubled, so that growing samples need few segments.
   const auto largest = needed <= largest_
                            ? largest_

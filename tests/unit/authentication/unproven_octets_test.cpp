@@ -13,7 +13,7 @@ namespace {
 struct UnprovenOctetsTest : testing::Test {
   /// Of a subject; the handshake has the next number.
   std::vector<HandshakeHandle> add(std::uint8_t subject, std::size_t count) {
-    auto share = octets.take(Sha256Digest{subject}, count, 0);
+    auto share = octets.claim(Sha256Digest{subject}, count, 0);
     const HandshakeHandle owner{++last};
     share.belongs_to(owner);
     held.push_back(std::move(share));
@@ -50,9 +50,9 @@ TEST_F(UnprovenOctetsTest, WhatIsGivenBack_MakesRoom) {
 }
 
 TEST_F(UnprovenOctetsTest, AFewOctetsOfAPeer_AreFree) {
-  const auto free = octets.take(Sha256Digest{1}, UnprovenOctets::kFreeOfAPeer, 0);
+  const auto free = octets.claim(Sha256Digest{1}, UnprovenOctets::kFreeOfAPeer, 0);
   EXPECT_EQ(free.free_octets(), UnprovenOctets::kFreeOfAPeer);
-  const auto counted = octets.take(Sha256Digest{1}, 1, free.free_octets());
+  const auto counted = octets.claim(Sha256Digest{1}, 1, free.free_octets());
   EXPECT_EQ(counted.free_octets(), 0u);
 }
 

@@ -11,15 +11,15 @@ using namespace testing;
 
 TEST(MatchShares, OneSubject_HasItsShareAndNoMore) {
   MatchShares matches;
-  for (std::size_t i = 0; i < MatchShares::kMaxOfSubject; ++i) ASSERT_TRUE(matches.take(1));
-  EXPECT_EQ(code_of(matches.take(1)), Code::too_many_matches);
-  EXPECT_TRUE(matches.take(2)) << "another subject";
+  for (std::size_t i = 0; i < MatchShares::kMaxOfSubject; ++i) ASSERT_TRUE(matches.claim(1));
+  EXPECT_EQ(code_of(matches.claim(1)), Code::too_many_matches);
+  EXPECT_TRUE(matches.claim(2)) << "another subject";
   std::optional<std::uint64_t> share = 1;
-  matches.give_back(share);
+  matches.release(share);
   EXPECT_FALSE(share);
-  matches.give_back(share);  // nothing was counted
-  EXPECT_TRUE(matches.take(1));
-  EXPECT_FALSE(matches.take(1));
+  matches.release(share);  // nothing was counted
+  EXPECT_TRUE(matches.claim(1));
+  EXPECT_FALSE(matches.claim(1));
 }
 
 TwoSides trusting_host() {

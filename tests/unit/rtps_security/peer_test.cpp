@@ -115,7 +115,7 @@ class PeerStatesTest : public ::testing::Test {
     }
     return out;
   }
-  bool take(PeerState& state, Edge edge) {
+  bool apply(PeerState& state, Edge edge) {
     switch (edge) {
       case Edge::begin:
         return state.begin();
@@ -175,7 +175,7 @@ TEST_F(PeerStatesTest, EachState_EachEdge_LeadsWhereTheListSays) {
                    std::to_string(static_cast<int>(edge)));
       const auto peer = state(from);
       const auto next = leads_to(from, edge);
-      EXPECT_EQ(take(*peer, edge), next.has_value());
+      EXPECT_EQ(apply(*peer, edge), next.has_value());
       EXPECT_EQ(where(*peer), next.value_or(from));
     }
 }
@@ -188,7 +188,7 @@ TEST_F(PeerStatesTest, IllegalEdge_KeepsWhatTheStateOwns) {
       const auto* before = peer->handshake();
       const auto held = handshakes();
       given_back();
-      take(*peer, edge);
+      apply(*peer, edge);
       EXPECT_EQ(peer->handshake(), before);
       EXPECT_EQ(handshakes(), held);
       // What came with the edge is given back at once.
@@ -201,7 +201,7 @@ TEST_F(PeerStatesTest, Handshake_GoesFromStateToState) {
   const auto* handshake = peer->handshake();
   for (const auto edge : {Edge::begin, Edge::time_out, Edge::replace, Edge::associate, Edge::join,
                           Edge::replace, Edge::associate}) {
-    ASSERT_TRUE(take(*peer, edge));
+    ASSERT_TRUE(apply(*peer, edge));
     EXPECT_EQ(peer->handshake(), handshake);
   }
   EXPECT_EQ(handshakes(), 1);
