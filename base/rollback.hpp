@@ -12,17 +12,17 @@ class Rollback {
  public:
   explicit Rollback(F undo) : undo_(std::move(undo)) {}
   ~Rollback() {
-    if (armed_) undo_();
+    if (is_armed_) undo_();
   }
   Rollback(const Rollback&) = delete;
   Rollback& operator=(const Rollback&) = delete;
 
   /// The work is complete: do not call `undo`.
-  void release() { armed_ = false; }
+  void release() { is_armed_ = false; }
 
  private:
   F undo_;
-  bool armed_ = true;
+  bool is_armed_ = true;
 };
 
 }  // namespace ddssec

@@ -248,7 +248,7 @@ Result<SubjectName> SubjectName::parse(std::string_view text) {
     return std::unexpected(malformed("it is empty or too long", text));
   SubjectName name;
   if (text.front() == '/') {
-    name.root_first_ = true;
+    name.is_root_first_ = true;
     DDSSEC_ASSIGN_OR_RETURN(auto read, parse_one_line(text));
     name.attributes_ = std::move(read.attributes);
     name.joined_ = std::move(read.joined);
@@ -269,7 +269,7 @@ Result<SubjectName> SubjectName::parse(std::string_view text) {
 
 SubjectName SubjectName::of(const Certificate& certificate) {
   SubjectName name;
-  name.root_first_ = true;
+  name.is_root_first_ = true;
   const X509_NAME* subject = X509_get_subject_name(impl_of(certificate).x509.get());
   int last_set = -1;
   for (int i = 0; i < X509_NAME_entry_count(subject); ++i) {

@@ -42,7 +42,7 @@ class SubjectName {
   /// attributes() in RDNs: true if the attribute is in one RDN with the one before it.
   bool is_joined(std::size_t index) const { return joined_.at(index); }
   /// True if the text was in the one-line form, where the first RDN comes first.
-  bool is_root_first() const { return root_first_; }
+  bool is_root_first() const { return is_root_first_; }
 
   /// The RDNs in the text's order.
   std::vector<Rdn> rdns() const;
@@ -56,7 +56,7 @@ class SubjectName {
  private:
   std::vector<NameAttribute> attributes_;
   std::vector<bool> joined_;
-  bool root_first_ = false;
+  bool is_root_first_ = false;
 };
 
 /// The subject of a certificate as RFC 2253 text in UTF-8: only octets above 127 are written

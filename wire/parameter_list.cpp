@@ -3,11 +3,11 @@
 namespace ddssec::rtps {
 
 Result<std::optional<Parameter>> ParameterReader::next() {
-  while (!done_) {
+  while (!is_done_) {
     DDSSEC_ASSIGN_OR_RETURN(const auto id, reader_.read<std::uint16_t>());
     DDSSEC_ASSIGN_OR_RETURN(const auto length, reader_.read<std::uint16_t>());
     if (id == pid::kSentinel) {
-      done_ = true;
+      is_done_ = true;
       break;
     }
     if (length % 4 != 0) return fail(Code::rtps_parameter_invalid);

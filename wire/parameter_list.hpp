@@ -33,7 +33,7 @@ class ParameterReader {
 
  private:
   Reader reader_;
-  bool done_ = false;
+  bool is_done_ = false;
 };
 
 /// The rule for an id that comes again. A list may repeat an id to give several values of one kind,

@@ -20,20 +20,20 @@ class SpanWriter {
   Endian endian() const { return endian_; }
   std::size_t size() const { return size_; }
   std::size_t room() const { return out_.size() - size_; }
-  bool overflowed() const { return overflowed_; }
+  bool overflowed() const { return has_overflowed_; }
   BytesView view() const { return out_.first(size_); }
 
   /// The free part of the buffer, for callers that write to it; they call `commit` with the number
   /// of octets written.
-  MutableBytes spare() { return overflowed_ ? MutableBytes{} : out_.subspan(size_); }
+  MutableBytes spare() { return has_overflowed_ ? MutableBytes{} : out_.subspan(size_); }
   void commit(std::size_t count) { claim(count); }
   /// Behaves as if something had not fitted.
-  void overflow() { overflowed_ = true; }
+  void overflow() { has_overflowed_ = true; }
 
   /// Removes everything from `size` on, and clears the overflow.
   void rewind(std::size_t size) {
     size_ = std::min(size, size_);
-    overflowed_ = false;
+    has_overflowed_ = false;
   }
 
   template <std::integral T>
@@ -56,8 +56,8 @@ class SpanWriter {
 
  private:
   MutableBytes claim(std::size_t count) {
-    if (overflowed_ || count > room()) {
-      overflowed_ = true;
+    if (has_overflowed_ || count > room()) {
+      has_overflowed_ = true;
       return {};
     }
     size_ += count;
@@ -76,7 +76,7 @@ class SpanWriter {
   MutableBytes out_;
   std::size_t size_ = 0;
   Endian endian_;
-  bool overflowed_ = false;
+  bool has_overflowed_ = false;
 };
 
 }  // namespace ddssec::rtps

@@ -177,7 +177,7 @@ struct Seen {
         made<T>("kinds", [](const T& one) { return kinds_of(*one.by); }),
         field("clear_samples", &T::by, &By::clear_samples),
         field("encrypted_payloads", &T::by, &By::encrypted_payloads), field<&T::clear_topics>(),
-        field("left", &T::by, &By::left));
+        field("left", &T::by, &By::has_left));
   }
 };
 

@@ -24,14 +24,14 @@ Progress::Progress(std::string what, std::size_t total)
       next_(std::chrono::steady_clock::now() + 1s) {}
 
 Progress::~Progress() {
-  if (said_ && is_terminal_) std::fputs("\r\033[K", stderr);
+  if (has_begun_ && is_terminal_) std::fputs("\r\033[K", stderr);
 }
 
 void Progress::step() {
   ++done_;
   if (is_silent || std::chrono::steady_clock::now() < next_) return;
   next_ = std::chrono::steady_clock::now() + (is_terminal_ ? 200ms : 2000ms);
-  said_ = true;
+  has_begun_ = true;
   const auto line = fmt::format("{} of {} {}", done_, total_, what_);
   std::fputs((is_terminal_ ? '\r' + line : line + '\n').c_str(), stderr);
   std::fflush(stderr);

@@ -26,7 +26,7 @@ class Progress {
   std::size_t total_;
   std::size_t done_ = 0;
   bool is_terminal_;
-  bool said_ = false;
+  bool has_begun_ = false;
   std::chrono::steady_clock::time_point next_;
 };
 

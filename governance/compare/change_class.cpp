@@ -12,16 +12,16 @@ std::string_view to_string(ChangeClass change) {
 
 void CombinedChange::add(ChangeClass change) {
   const bool mixed = change == ChangeClass::mixed;
-  down_ |= mixed || change == ChangeClass::weaker || change == ChangeClass::wider;
-  up_ |= mixed || change == ChangeClass::stronger || change == ChangeClass::narrower;
-  unknown_ |= change == ChangeClass::unknown;
+  loses_ |= mixed || change == ChangeClass::weaker || change == ChangeClass::wider;
+  gains_ |= mixed || change == ChangeClass::stronger || change == ChangeClass::narrower;
+  is_unknown_ |= change == ChangeClass::unknown;
 }
 
 ChangeClass CombinedChange::change_class(ChangeClass if_up, ChangeClass if_down) const {
   // Whatever else there may be, it cannot make this better or worse.
-  if (up_ && down_) return ChangeClass::mixed;
-  if (unknown_) return ChangeClass::unknown;
-  return up_ ? if_up : down_ ? if_down : ChangeClass::neutral;
+  if (gains_ && loses_) return ChangeClass::mixed;
+  if (is_unknown_) return ChangeClass::unknown;
+  return gains_ ? if_up : loses_ ? if_down : ChangeClass::neutral;
 }
 
 }  // namespace ddssec::governance

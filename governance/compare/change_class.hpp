@@ -24,16 +24,16 @@ class CombinedChange {
  public:
   void add(ChangeClass change);
   void add(const CombinedChange& other) {
-    down_ |= other.down_, up_ |= other.up_, unknown_ |= other.unknown_;
+    loses_ |= other.loses_, gains_ |= other.gains_, is_unknown_ |= other.is_unknown_;
   }
-  bool down() const { return down_; }
-  bool up() const { return up_; }
-  bool unknown() const { return unknown_; }
+  bool down() const { return loses_; }
+  bool up() const { return gains_; }
+  bool unknown() const { return is_unknown_; }
   /// neutral, `if_up`, `if_down`, mixed (also if more is unknown), or unknown.
   ChangeClass change_class(ChangeClass if_up, ChangeClass if_down) const;
 
  private:
-  bool down_ = false, up_ = false, unknown_ = false;
+  bool loses_ = false, gains_ = false, is_unknown_ = false;
 };
 
 }  // namespace ddssec::governance

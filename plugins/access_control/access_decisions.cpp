@@ -104,9 +104,9 @@ Result<spi::AccessControl::RemoteDatareader> AccessDecisions::reader(
     PermissionsHolder& holder, const EndpointRequest& request) const {
   const auto status = announced(holder, Action::subscribe, request);
   if (status) return spi::AccessControl::RemoteDatareader{};
-  if (status.error().code() == Code::announced_reader_not_allowed && accept_relays_ &&
+  if (status.error().code() == Code::announced_reader_not_allowed && accepts_relays_ &&
       may_relay(holder, request))
-    return spi::AccessControl::RemoteDatareader{.relay_only = true};
+    return spi::AccessControl::RemoteDatareader{.is_relay_only = true};
   return std::unexpected(status.error());
 }
 
@@ -116,9 +116,9 @@ std::optional<spi::AccessControl::RemoteDatareader> AccessDecisions::pending(
   if (!document) return std::nullopt;
   if (by(*document->governance, holder, action, request))
     return spi::AccessControl::RemoteDatareader{};
-  if (action != Action::subscribe || !accept_relays_ || !may_relay(holder, request))
+  if (action != Action::subscribe || !accepts_relays_ || !may_relay(holder, request))
     return std::nullopt;
-  return spi::AccessControl::RemoteDatareader{.relay_only = true};
+  return spi::AccessControl::RemoteDatareader{.is_relay_only = true};
 }
 
 }  // namespace ddssec::access_control

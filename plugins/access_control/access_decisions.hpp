@@ -12,7 +12,7 @@ class AccessDecisions {
  public:
   /// `clock` must outlive this object.
   AccessDecisions(const Clock& clock, bool accept_relays)
-      : clock_(clock), accept_relays_(accept_relays) {}
+      : clock_(clock), accepts_relays_(accept_relays) {}
 
   Result<SharedGrant> grant_now(PermissionsHolder& holder) const {
     return holder.grant(clock_.now());
@@ -41,7 +41,7 @@ class AccessDecisions {
   bool may_relay(PermissionsHolder& holder, const spi::EndpointRequest& request) const;
 
   const Clock& clock_;
-  const bool accept_relays_;
+  const bool accepts_relays_;
 };
 
 }  // namespace ddssec::access_control

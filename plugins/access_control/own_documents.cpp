@@ -75,7 +75,7 @@ struct OwnDocuments::Renewal {
 OwnDocuments::OwnDocuments(const DocumentPlaces& places, const AccessControlOptions& options,
                            std::chrono::seconds interval)
     : options_(options),
-      permissions_stay_(!options.presents_renewed_permissions()),
+      keeps_permissions_(!options.presents_renewed_permissions()),
       authorities_(what(places.permissions_ca, places.permissions_ca_name, 0,
                         Code::permissions_ca_renewal_refused, "the CAs read before stay in force"),
                    interval),
@@ -87,7 +87,7 @@ OwnDocuments::OwnDocuments(const DocumentPlaces& places, const AccessControlOpti
           signed_document(what(places.permissions, places.permissions_name,
                                pki::kMaxSentPermissionsOctets, Code::permissions_renewal_refused,
                                "the permissions read before stay in force")),
-          permissions_stay_ ? std::chrono::seconds(0) : interval),
+          keeps_permissions_ ? std::chrono::seconds(0) : interval),
       identity_authorities_(what(places.identity_ca, places.identity_ca, pki::kMaxBundleOctets,
                                  Code::identity_ca_renewal_refused, ""),
                             interval),
@@ -156,7 +156,7 @@ std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, LocalParticipa
 void OwnDocuments::keep_one_of_folder(std::vector<Error>& events) const {
   std::set<std::string> told;
   const auto slash = identity_authorities_.name().rfind('/');
-  if (!permissions_stay_ && slash != std::string::npos)
+  if (!keeps_permissions_ && slash != std::string::npos)
     told.insert(identity_authorities_.name().substr(0, std::max<std::size_t>(slash, 1)));
   std::erase_if(events, [&](const Error& event) {
     return event.code() == Code::folder_unreadable && !told.insert(event.details().document).second;
@@ -216,7 +216,7 @@ Status OwnDocuments::take_authorities(const Renewal& now,
     return {};
   };
   const auto text = now.holder.text();
-  if (permissions_stay_) {
+  if (keeps_permissions_) {
     DDSSEC_RETURN_IF_ERROR(fits_permissions(as_bytes(text)));
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto permissions,

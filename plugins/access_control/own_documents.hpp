@@ -96,7 +96,7 @@ class OwnDocuments {
   Status take_governance(const Renewal& now, const Basis& former, BytesView file);
 
   const AccessControlOptions options_;
-  const bool permissions_stay_;
+  const bool keeps_permissions_;
   pki::AuthorityWatch authorities_;
   DocumentWatch governance_;
   DocumentWatch permissions_;

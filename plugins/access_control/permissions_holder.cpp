@@ -150,7 +150,7 @@ std::optional<WallTime> PermissionsHolder::last_end() const {
 
 std::optional<WallTime> PermissionsHolder::ends() const {
   const std::lock_guard lock(mutex_);
-  if (!grant_ || reported_) return std::nullopt;
+  if (!grant_ || is_reported_) return std::nullopt;
   return last_end().value_or(end_of({document_, grant_}));
 }
 
@@ -159,7 +159,7 @@ std::optional<Error> PermissionsHolder::newly_ended(WallTime now) {
   if (!has_document()) return std::nullopt;
   auto valid = grant(now);
   const std::lock_guard lock(mutex_);
-  if (valid || reported_) return std::nullopt;
+  if (valid || is_reported_) return std::nullopt;
   return std::move(valid).error();
 }
 
@@ -218,7 +218,7 @@ void PermissionsHolder::force_poll_of_list() {
 Status PermissionsHolder::check_follows(const PermissionsDocument& document,
                                         const SharedGrant& renewed) const {
   // The host has cut the participant off, and keeps to that.
-  if (reported_)
+  if (is_reported_)
     return fail(Code::permissions_renewal_refused, {.note = "the participant has ended"});
   const auto begin = renewed->grant().validity.not_before;
   if (grant_ && begin < grant_->grant().validity.not_before)
@@ -292,7 +292,7 @@ void PermissionsHolder::note_denied(governance::Action action, const spi::Endpoi
 
 std::optional<Error> PermissionsHolder::follow_list(WallTime now) {
   const std::lock_guard lock(mutex_);
-  if (!remote_ || !grant_ || reported_) return std::nullopt;
+  if (!remote_ || !grant_ || is_reported_) return std::nullopt;
   const auto ends_later = [&](const std::optional<GrantOfDocument>& one) {
     const auto end = last_end();
     return one && (!end || end_of(*one) > *end);
@@ -313,7 +313,7 @@ std::optional<Error> PermissionsHolder::outlived(WallTime now) {
   bool reads_lists = false;
   {
     const std::lock_guard lock(mutex_);
-    if (reported_) return std::nullopt;
+    if (is_reported_) return std::nullopt;
     own = own_;
     seen = seen_;
     extension = seen_extension_;
@@ -338,7 +338,7 @@ std::optional<Error> PermissionsHolder::outlived(WallTime now) {
 
 void PermissionsHolder::mark_reported() {
   const std::lock_guard lock(mutex_);
-  reported_ = true;
+  is_reported_ = true;
 }
 
 }  // namespace ddssec::access_control

@@ -149,7 +149,7 @@ class PermissionsHolder {
   std::uint64_t renewals_ = 0;
   std::shared_ptr<const PermissionsCa> accepted_by_;  ///< of a peer: what it presented
   SharedGrant grant_;
-  bool reported_ = false;
+  bool is_reported_ = false;
   spi::EndWarning warning_;
 };
 

@@ -132,7 +132,7 @@ Result<HandshakeOutcome> on(const AwaitReply& state, const HandshakeReply& reply
                              .proof = std::move(proof),
                              .peer = std::move(peer),
                              .transcript = std::move(transcript),
-                             .initiator = true,
+                             .is_initiator = true,
                              .signature = to_bytes(reply.signature),
                              .final = std::move(final)};
   return outcome;
@@ -163,7 +163,7 @@ Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeFinal& final
                              .proof = std::move(proof),
                              .peer = state.peer,
                              .transcript = state.transcript,
-                             .initiator = false,
+                             .is_initiator = false,
                              .signature = to_bytes(final.signature),
                              .final = std::nullopt};
   return outcome;
@@ -172,7 +172,7 @@ Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeFinal& final
 // Established --the same Reply--> Established
 Result<HandshakeOutcome> on(const Established& state, const HandshakeReply& reply,
                             const HandshakeContext&) {
-  const bool same = state.initiator && std::ranges::equal(state.signature, reply.signature) &&
+  const bool same = state.is_initiator && std::ranges::equal(state.signature, reply.signature) &&
                     std::ranges::equal(state.transcript.dh2, reply.dh2) &&
                     state.transcript.challenge2 == reply.challenge2 &&
                     state.transcript.hash_c2 == reply.credentials.hash();
@@ -183,7 +183,7 @@ Result<HandshakeOutcome> on(const Established& state, const HandshakeReply& repl
 // Established --the same Final--> Established
 Result<HandshakeOutcome> on(const Established& state, const HandshakeFinal& final,
                             const HandshakeContext&) {
-  const bool same = !state.initiator && std::ranges::equal(state.signature, final.signature) &&
+  const bool same = !state.is_initiator && std::ranges::equal(state.signature, final.signature) &&
                     final.verify(state.transcript);
   if (!same) return unexpected_message(TokenClass::final, name_of(state));
   return HandshakeOutcome{ValidationResult::ok};
@@ -274,7 +274,7 @@ spi::Token with_ocsp_response(spi::Token message, const LocalIdentity& local, co
 bool is_answer_to(const HandshakeState& state, const spi::Token& token) {
   const auto* waiting = std::get_if<AwaitFinal>(&state);
   const auto* done = std::get_if<Established>(&state);
-  if (waiting == nullptr && (done == nullptr || done->initiator)) return false;
+  if (waiting == nullptr && (done == nullptr || done->is_initiator)) return false;
   const auto request = HandshakeRequest::read(token);
   return request &&
          same_request(waiting != nullptr ? waiting->transcript : done->transcript, *request);

@@ -59,7 +59,7 @@ struct Established {
   pki::SignatureValid proof;
   JudgedPeer peer;
   Transcript transcript;
-  bool initiator;
+  bool is_initiator;
   Bytes signature;                  ///< of the peer's last message, to recognize a retransmission
   std::optional<spi::Token> final;  ///< the last message sent, as initiator
 };

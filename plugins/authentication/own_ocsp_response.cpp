@@ -80,7 +80,7 @@ Result<bool> OwnOcspResponse::read(const Judge& judge) {
     return false;
   in_force_ =
       std::make_shared<const OcspInForce>(OcspInForce{judge.certificate, *std::move(file), *good});
-  told_end_ = false;
+  has_reported_end_ = false;
   return true;
 }
 
@@ -108,8 +108,8 @@ std::optional<DocumentState> OwnOcspResponse::state(const pki::Certificate& own)
 }
 
 Status OwnOcspResponse::note_end(const Judge& judge) {
-  if (!in_force_ || told_end_ || in_force_->good.holds_at(judge.now)) return {};
-  told_end_ = true;
+  if (!in_force_ || has_reported_end_ || in_force_->good.holds_at(judge.now)) return {};
+  has_reported_end_ = true;
   return fail(Code::ocsp_response_ended, {.document = path_,
                                           .field = "nextUpdate",
                                           .expected = "a time after " + to_string(judge.now),

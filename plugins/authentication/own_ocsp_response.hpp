@@ -66,7 +66,7 @@ class OwnOcspResponse {
   std::optional<pki::Certificate> judged_for_;
   Sha256Digest content_{};  ///< of the file at the last reading
   std::optional<Error> revoked_;
-  bool told_end_ = false;
+  bool has_reported_end_ = false;
   RenewalRefusals refusals_;
 };
 

@@ -25,7 +25,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
       const spi::EndpointSecurityAttributes& attributes) override;
   Result<spi::DatareaderCryptoHandle> register_matched_remote_datareader(
       spi::DatawriterCryptoHandle local_datawriter, spi::ParticipantCryptoHandle remote_participant,
-      const spi::SharedSecret& shared_secret, bool relay_only) override;
+      const spi::SharedSecret& shared_secret, bool is_relay_only) override;
   Result<spi::DatareaderCryptoHandle> register_local_datareader(
       spi::ParticipantCryptoHandle participant, const spi::PropertyList& properties,
       const spi::EndpointSecurityAttributes& attributes) override;

@@ -62,7 +62,7 @@ Status PartitionWalk::begin_name(const BuiltinTopic& topic, std::uint32_t size) 
   name_left_ = size;
   to_pad_ = static_cast<std::uint8_t>((kWordSize - size % kWordSize) % kWordSize);
   stars_ = 0;
-  in_stars_ = false;
+  is_in_stars_ = false;
   text_size_ = 0;
   return {};
 }
@@ -70,9 +70,9 @@ Status PartitionWalk::begin_name(const BuiltinTopic& topic, std::uint32_t size) 
 Status PartitionWalk::take_character(const BuiltinTopic& topic, char character) {
   if (character == '\0') return {};
   if (text_size_ < text_.size()) text_[text_size_++] = character;
-  if (character == '*') in_stars_ = true;
-  if (character == '*' || character == '?' || !in_stars_) return {};
-  in_stars_ = false;
+  if (character == '*') is_in_stars_ = true;
+  if (character == '*' || character == '?' || !is_in_stars_) return {};
+  is_in_stars_ = false;
   return count_star(topic);
 }
 

@@ -45,7 +45,7 @@ class PartitionWalk {
 
   bool is_little_ = false;
   bool has_count_ = false;
-  bool in_stars_ = false;  ///< inside a run of `*` and `?` that contains a `*`
+  bool is_in_stars_ = false;  ///< inside a run of `*` and `?` that contains a `*`
   std::uint8_t filled_ = 0;
   std::uint32_t word_ = 0;
   std::uint16_t names_ = 0;

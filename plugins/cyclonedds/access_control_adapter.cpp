@@ -196,19 +196,19 @@ DDS_Security_boolean check_remote_datawriter(
 
 DDS_Security_boolean check_remote_datareader(
     Instance* instance, const CPermissions handle, const CDomain domain_id,
-    const DDS_Security_SubscriptionBuiltinTopicDataSecure* data, DDS_Security_boolean* relay_only,
-    Exception* ex) {
+    const DDS_Security_SubscriptionBuiltinTopicDataSecure* data,
+    DDS_Security_boolean* is_relay_only, Exception* ex) {
   // The host reads this value even after a refusal, from memory that it did not initialize.
-  if (relay_only != nullptr) *relay_only = 0;
+  if (is_relay_only != nullptr) *is_relay_only = 0;
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_RETURN_IF_ERROR(require(data, relay_only));
+    DDSSEC_RETURN_IF_ERROR(require(data, is_relay_only));
     DDSSEC_ASSIGN_OR_RETURN(
         const auto question,
         EndpointQuestion::from(data->topic_name, &data->partition, &data->data_tags));
     DDSSEC_ASSIGN_OR_RETURN(const auto reader,
                             adapter.engine().check_remote_datareader(permissions(handle), domain_id,
                                                                      question.request()));
-    *relay_only = reader.relay_only;
+    *is_relay_only = reader.is_relay_only;
     return {};
   });
 }

@@ -94,14 +94,15 @@ CHandle register_local_datawriter(Instance* instance, const CHandle participant,
 CHandle register_matched_remote_datareader(Instance* instance, const CHandle local_datawriter,
                                            const CHandle remote_participant,
                                            const DDS_Security_SharedSecretHandle secret_handle,
-                                           const DDS_Security_boolean relay_only, Exception* ex) {
+                                           const DDS_Security_boolean is_relay_only,
+                                           Exception* ex) {
   return ask_handle<Adapter>(
       instance, ex, [&](Adapter& adapter) -> Result<spi::DatareaderCryptoHandle> {
         DDSSEC_ASSIGN_OR_RETURN(const auto secret, shared_secret_from(secret_handle));
         DDSSEC_ASSIGN_OR_RETURN(
             const auto reader,
             adapter.key_factory().register_matched_remote_datareader(
-                {local_datawriter}, {remote_participant}, secret, relay_only != 0));
+                {local_datawriter}, {remote_participant}, secret, is_relay_only != 0));
         PeersWithKeys::of_process().matched(reader.value, {remote_participant}, local_datawriter);
         return reader;
       });

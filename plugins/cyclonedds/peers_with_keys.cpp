@@ -36,12 +36,12 @@ void PeersWithKeys::met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle i
   }
 }
 
-void PeersWithKeys::sent_keys(spi::ParticipantCryptoHandle peer,
-                              spi::ParticipantCryptoHandle local) noexcept {
+void PeersWithKeys::has_sent_keys(spi::ParticipantCryptoHandle peer,
+                                  spi::ParticipantCryptoHandle local) noexcept {
   const std::lock_guard lock(mutex_);
   const auto known = peers_.find(peer.value);
   if (known == peers_.end()) return;
-  if (!std::exchange(known->second.sent_keys, true)) --awaited_;
+  if (!std::exchange(known->second.has_sent_keys, true)) --awaited_;
   try {
     known->second.with_keys.insert(local.value);
   } catch (...) {
@@ -61,7 +61,7 @@ void PeersWithKeys::left(spi::ParticipantCryptoHandle participant) {
   if (const auto named = by_identity_.find(known->second.identity);
       named != by_identity_.end() && named->second == participant.value)
     by_identity_.erase(named);
-  if (!known->second.sent_keys) --awaited_;
+  if (!known->second.has_sent_keys) --awaited_;
   std::erase_if(endpoints_,
                 [&](const auto& entry) { return entry.second.peer == participant.value; });
   peers_.erase(known);
@@ -126,7 +126,7 @@ std::chrono::nanoseconds PeersWithKeys::last_heard(spi::IdentityHandle identity)
 bool PeersWithKeys::contains(spi::IdentityHandle identity) const {
   const std::lock_guard lock(mutex_);
   const auto* const peer = find(identity);
-  return peer != nullptr && peer->sent_keys;
+  return peer != nullptr && peer->has_sent_keys;
 }
 
 bool PeersWithKeys::has_sent_keys(spi::IdentityHandle identity, spi::IdentityHandle local) const {

@@ -30,7 +30,8 @@ class PeersWithKeys {
   void met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
            spi::ParticipantCryptoHandle local, std::uint32_t builtin_endpoints) noexcept;
   /// If memory runs out, the keys count for no local participant.
-  void sent_keys(spi::ParticipantCryptoHandle peer, spi::ParticipantCryptoHandle local) noexcept;
+  void has_sent_keys(spi::ParticipantCryptoHandle peer,
+                     spi::ParticipantCryptoHandle local) noexcept;
   /// A remote participant, or a local one.
   void left(spi::ParticipantCryptoHandle participant);
   /// Adds a protected local builtin endpoint. If memory runs out, it is not waited for.
@@ -58,7 +59,7 @@ class PeersWithKeys {
  private:
   struct Peer {
     std::int64_t identity;
-    bool sent_keys = false;
+    bool has_sent_keys = false;
     bool has_all_endpoints = false;
     std::chrono::nanoseconds last_heard{};
     std::set<std::int64_t> locals = {};     ///< local participants that met it

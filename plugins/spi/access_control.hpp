@@ -105,7 +105,7 @@ class AccessControl {
                                          const EndpointRequest& request) = 0;
   /// The answer about a peer's reader.
   struct RemoteDatareader {
-    bool relay_only = false;
+    bool is_relay_only = false;
   };
   /// The same for a reader (DDS-Security 1.2, clause 9.4.2.9.11). `relay_only`: the reader is
   /// allowed by a <relay> element only, so it must not get the payload key. Error instead:

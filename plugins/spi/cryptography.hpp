@@ -66,7 +66,7 @@ class CryptoKeyFactory {
   /// cipher_not_understood_by_peer, receiver_places_taken.
   virtual Result<DatareaderCryptoHandle> register_matched_remote_datareader(
       DatawriterCryptoHandle local_datawriter, ParticipantCryptoHandle remote_participant,
-      const SharedSecret& shared_secret, bool relay_only) = 0;
+      const SharedSecret& shared_secret, bool is_relay_only) = 0;
   /// A local reader (DDS-Security 1.2, clause 9.5.1.8.5). Errors as for a writer.
   virtual Result<DatareaderCryptoHandle> register_local_datareader(
       ParticipantCryptoHandle participant, const PropertyList& properties,

@@ -18,15 +18,15 @@ void CdrReader::take_text(std::string& value, std::size_t bound) {
 CdrReader::Delimited::Delimited(CdrReader& reader, bool wanted)
     : reader_(reader),
       outer_end_(reader.end_),
-      active_(wanted && reader.version_ == XcdrVersion::xcdr2) {
-  if (!active_) return;
+      is_active_(wanted && reader.version_ == XcdrVersion::xcdr2) {
+  if (!is_active_) return;
   const auto size = reader_.take_bits<std::uint32_t>();
   if (size > reader_.remaining()) reader_.refuse(Code::truncated);
   if (reader_.status_) reader_.end_ = reader_.reader_.position() + size;
 }
 
 CdrReader::Delimited::~Delimited() {
-  if (!active_ || !reader_.status_) return;
+  if (!is_active_ || !reader_.status_) return;
   static_cast<void>(reader_.reader_.skip(reader_.remaining()));
   reader_.end_ = outer_end_;
 }

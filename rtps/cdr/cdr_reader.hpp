@@ -51,7 +51,7 @@ class CdrReader {
   /// Errors: truncated, malformed, length_out_of_range.
   const Status& status() const { return status_; }
   /// True if members were absent, and so keep their former values.
-  bool ended_early() const { return ended_early_; }
+  bool ended_early() const { return has_ended_early_; }
   /// True if nothing is left except padding to a multiple of 4 octets.
   bool is_exhausted() const {
     return status_ && (remaining() == 0 || (end_ % 4 == 0 && remaining() < 4));
@@ -192,7 +192,7 @@ class CdrReader {
       if constexpr (limited)
         if (taken++ >= max_count) return;
       if (appendable && remaining() == 0)
-        ended_early_ = true;
+        has_ended_early_ = true;
       else
         take(member.value, member.bound, member.element_bound);
     });
@@ -211,7 +211,7 @@ class CdrReader {
    private:
     CdrReader& reader_;
     std::size_t outer_end_;
-    bool active_;
+    bool is_active_;
   };
 
   Reader reader_;
@@ -219,7 +219,7 @@ class CdrReader {
   XcdrVersion version_;
   Status status_;
   int depth_ = 0;
-  bool ended_early_ = false;
+  bool has_ended_early_ = false;
 };
 
 /// Reads the payload of a DATA, including its encapsulation. Octets after the type's last member

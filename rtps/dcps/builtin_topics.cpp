@@ -54,8 +54,8 @@ Qos builtin_reader_qos() {
 }  // namespace
 
 Result<ParticipantBuiltinTopicData> BuiltinTopicOf<ParticipantBuiltinTopicData>::read(
-    BytesView payload, bool key_only) {
-  if (key_only) return by_key<ParticipantBuiltinTopicData>(payload);
+    BytesView payload, bool is_key_only) {
+  if (is_key_only) return by_key<ParticipantBuiltinTopicData>(payload);
   DDSSEC_ASSIGN_OR_RETURN(auto participant_data, read_participant_data(payload));
   return ParticipantBuiltinTopicData{std::move(participant_data)};
 }
@@ -67,15 +67,15 @@ Result<TopicBuiltinTopicData> BuiltinTopicOf<TopicBuiltinTopicData>::read(BytesV
 }
 
 Result<PublicationBuiltinTopicData> BuiltinTopicOf<PublicationBuiltinTopicData>::read(
-    BytesView payload, bool key_only) {
-  if (key_only) return by_key<PublicationBuiltinTopicData>(payload);
+    BytesView payload, bool is_key_only) {
+  if (is_key_only) return by_key<PublicationBuiltinTopicData>(payload);
   DDSSEC_ASSIGN_OR_RETURN(auto publication_data, read_publication_data(payload));
   return PublicationBuiltinTopicData{std::move(publication_data)};
 }
 
 Result<SubscriptionBuiltinTopicData> BuiltinTopicOf<SubscriptionBuiltinTopicData>::read(
-    BytesView payload, bool key_only) {
-  if (key_only) return by_key<SubscriptionBuiltinTopicData>(payload);
+    BytesView payload, bool is_key_only) {
+  if (is_key_only) return by_key<SubscriptionBuiltinTopicData>(payload);
   DDSSEC_ASSIGN_OR_RETURN(auto subscription_data, read_subscription_data(payload));
   return SubscriptionBuiltinTopicData{std::move(subscription_data)};
 }
@@ -160,7 +160,7 @@ void BuiltinTopics::deliver_end(const BuiltinChange& what, const GuidPrefix& by)
   if (reader == nullptr || reader->reception_.cache().lookup(what.key).is_nil()) return;
   Change change;
   change.status = {true, true};
-  change.key_only = true;
+  change.is_key_only = true;
   const auto octets = reader->reception_.cache().octets_of(what.key);
   offer(*reader, what, std::move(change));
   reader->reception_.forget_ended(
@@ -178,7 +178,7 @@ void BuiltinTopics::offer(AnyDataReader& reader, const BuiltinChange& what, Chan
     reader.reception_.forget_ended(told.ended.take_all());
     taken = reader.on_change(change);
   }
-  if (std::exchange(told.refused, !taken) || taken) return;
+  if (std::exchange(told.is_refused, !taken) || taken) return;
   const auto& cache = reader.reception_.cache();
   context_.services().events.raise(
       Event(Error(Code::rtps_too_many_endpoints,

@@ -43,28 +43,28 @@ struct BuiltinTopicOf<ParticipantBuiltinTopicData> {
   static constexpr std::string_view topic = "DCPSParticipant";
   static constexpr EntityId reader = kSpdpReader;
   /// See BuiltinTopicOf.
-  static Result<ParticipantBuiltinTopicData> read(BytesView payload, bool key_only);
+  static Result<ParticipantBuiltinTopicData> read(BytesView payload, bool is_key_only);
 };
 template <>
 struct BuiltinTopicOf<TopicBuiltinTopicData> {
   static constexpr std::string_view topic = "DCPSTopic";
   static constexpr EntityId reader{{0x00, 0x00, 0x02, 0xc7}};
   /// See BuiltinTopicOf.
-  static Result<TopicBuiltinTopicData> read(BytesView payload, bool key_only);
+  static Result<TopicBuiltinTopicData> read(BytesView payload, bool is_key_only);
 };
 template <>
 struct BuiltinTopicOf<PublicationBuiltinTopicData> {
   static constexpr std::string_view topic = "DCPSPublication";
   static constexpr EntityId reader = kPublicationsReader;
   /// See BuiltinTopicOf.
-  static Result<PublicationBuiltinTopicData> read(BytesView payload, bool key_only);
+  static Result<PublicationBuiltinTopicData> read(BytesView payload, bool is_key_only);
 };
 template <>
 struct BuiltinTopicOf<SubscriptionBuiltinTopicData> {
   static constexpr std::string_view topic = "DCPSSubscription";
   static constexpr EntityId reader = kSubscriptionsReader;
   /// See BuiltinTopicOf.
-  static Result<SubscriptionBuiltinTopicData> read(BytesView payload, bool key_only);
+  static Result<SubscriptionBuiltinTopicData> read(BytesView payload, bool is_key_only);
 };
 
 /// What a builtin reader returns.
@@ -96,7 +96,7 @@ class BuiltinDataReader final
     out.clear();
     if (auto found = access(query, raw); !found) return found;
     for (const auto& sample : raw)
-      if (auto data = BuiltinTopicOf<T>::read(sample.payload.view(), sample.key_only))
+      if (auto data = BuiltinTopicOf<T>::read(sample.payload.view(), sample.is_key_only))
         out.push_back({std::move(*data), sample.info});
       else
         count_malformed();
@@ -130,7 +130,7 @@ class BuiltinTopics final : private DiscoveryListener {
 
   struct ReaderState {
     EndedInstances ended = {};
-    bool refused = false;  ///< the reader had no room, and an event reported it
+    bool is_refused = false;  ///< the reader had no room, and an event reported it
   };
   /// What is delivered to a reader. `of`: the endpoint or participant; zero for a topic.
   struct BuiltinChange {

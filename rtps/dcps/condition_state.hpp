@@ -43,7 +43,7 @@ struct WaitSetState : std::enable_shared_from_this<WaitSetState> {
   std::condition_variable changed;
   /// Never contains a destroyed condition. Without this mutex only a condition's state may be used.
   std::vector<AttachedCondition> conditions;
-  bool waiting = false;
+  bool is_waiting = false;
   /// What the waiting thread serves; nullptr: it waits for `changed`.
   ServingTurn* served = nullptr;
   pthread_t serving{};  ///< valid if `served` is set

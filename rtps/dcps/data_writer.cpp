@@ -122,18 +122,18 @@ void AnyDataWriter::conclude() {
     change.source_time = source_timestamps_.not_before_last(moment.wall);
     change.status = {.disposed = true, .unregistered = true};
     if (topic_.type().with_key) change.key_hash = key;
-    change.key_only = true;
+    change.is_key_only = true;
     change.payload = Payload::copy_of(octets);
     if (publisher().presents_)
       change.coherence = publisher().stamp(set_begin_, protocol().history().last().next());
     protocol().write(std::move(change), moment.now);
-    concluded_ = true;
+    is_concluded_ = true;
   }
   protocol().ask_for_acknowledgments();
 }
 
 void AnyDataWriter::await_acknowledgment(std::chrono::steady_clock::time_point deadline) {
-  if (!concluded_) return;
+  if (!is_concluded_) return;
   auto held = lock();
   const std::chrono::nanoseconds left = deadline - std::chrono::steady_clock::now();
   context_.wait(held, std::max(left, std::chrono::nanoseconds::zero()),
@@ -190,7 +190,7 @@ Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
       source_timestamps_.next(request.source_timestamp, wall, qos_.destination_order));
   change.status = status;
   change.key_hash = request.key;
-  change.key_only = status != StatusInfo{};
+  change.is_key_only = status != StatusInfo{};
   change.payload = Payload::copy_of(request.payload);
   const auto next = protocol().history().last().next();
   if (publisher().presents_) change.coherence = publisher().stamp(set_begin_, next);

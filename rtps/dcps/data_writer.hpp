@@ -129,7 +129,7 @@ class AnyDataWriter : public Endpoint, private Timed {
   WriterLifespan lifespan_;
   /// Sequence number at which the open coherent set begins; 0: wrote nothing in it.
   SequenceNumber set_begin_;
-  bool concluded_ = false;  ///< conclude() sent at least one dispose
+  bool is_concluded_ = false;  ///< conclude() sent at least one dispose
   LivelinessLostStatus liveliness_lost_;
 };
 

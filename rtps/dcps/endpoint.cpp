@@ -18,7 +18,7 @@ Endpoint::Endpoint(Group& group, ParticipantContext& context, Topic& topic, Qos 
 
 void Endpoint::retire() {
   const auto held = lock();
-  if (std::exchange(retired_, true)) return;
+  if (std::exchange(is_retired_, true)) return;
   --topic_.users_;
   if (enabled() && !is_builtin(guid_.entity)) {
     context_.protocol().remove(guid_, context_.now());

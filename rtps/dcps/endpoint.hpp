@@ -89,7 +89,7 @@ class Endpoint : public Entity, protected EndpointListener {
   KeyProtection keys_;
 
  private:
-  bool retired_ = false;
+  bool is_retired_ = false;
   std::set<Guid> remotes_;
   DeadlineMissedStatus deadline_missed_;
   IncompatibleQosStatus incompatible_;

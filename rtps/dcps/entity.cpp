@@ -15,11 +15,11 @@ StatusMask Entity::status_changes() const {
 
 bool Entity::is_enabled() const {
   const auto held = lock();
-  return enabled_;
+  return is_enabled_;
 }
 
 Status Entity::check_enabled(std::string_view what) const {
-  if (enabled_) return {};
+  if (is_enabled_) return {};
   return fail(Code::rtps_not_enabled, {.document = std::string(what)});
 }
 

@@ -37,8 +37,8 @@ class Entity {
   std::unique_lock<std::mutex> lock() const { return std::unique_lock(context_.mutex()); }
 
   // The caller holds the lock:
-  void mark_enabled() { enabled_ = true; }
-  bool enabled() const { return enabled_; }
+  void mark_enabled() { is_enabled_ = true; }
+  bool enabled() const { return is_enabled_; }
   Status check_enabled(std::string_view what) const;
   /// False by default: the listener is called for the entities that it contains.
   virtual bool has_listener(StatusKind) const { return false; }
@@ -66,7 +66,7 @@ class Entity {
   friend class StatusChanges;
   friend class StatusCondition;
 
-  bool enabled_ = false;
+  bool is_enabled_ = false;
 };
 
 /// Refuses deletions and other calls that a listener must not make. Errors:

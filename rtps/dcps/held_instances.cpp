@@ -93,8 +93,8 @@ HeldInstances::HeldInstances(const Qos& qos, const Queries& queries)
       max_samples_(limit_of(qos.resource_limits.max_samples, kMaxSamples)),
       max_instances_(limit_of(qos.resource_limits.max_instances, kMaxInstances)),
       max_per_instance_(limit_of(qos.resource_limits.max_samples_per_instance, kMaxSamples)),
-      by_source_(qos.destination_order == DestinationOrderKind::by_source),
-      indexes_sources_(by_source_ &&
+      is_by_source_(qos.destination_order == DestinationOrderKind::by_source),
+      indexes_sources_(is_by_source_ &&
                        (history_.kind == HistoryKind::keep_all || history_.depth > kShortHistory)),
       shares_(qos.resource_limits.max_instances == kLengthUnlimited),
       shares_samples_(qos.resource_limits.max_samples == kLengthUnlimited),
@@ -257,7 +257,7 @@ void HeldInstances::forget(HeldInstance& instance) {
 
 void HeldInstances::insert(HeldInstance& instance, HeldSample held) {
   held.place = ++places_;
-  held.by_source = by_source_ && held.valid && held.change.source_time;
+  held.by_source = is_by_source_ && held.valid && held.change.source_time;
   const auto before = place_of(instance, held, indexes_sources_);
   ++instance.unread;
   if (arrivals_ != nullptr) held.arrival = ++*arrivals_;

@@ -159,7 +159,7 @@ class HeldInstances {
 
   const History history_;
   const std::size_t max_samples_, max_instances_, max_per_instance_;
-  const bool by_source_, indexes_sources_, shares_, shares_samples_;
+  const bool is_by_source_, indexes_sources_, shares_, shares_samples_;
   std::uint64_t* arrivals_ = nullptr;
   ArrivalOrder order_;
   const Queries& queries_;

@@ -18,12 +18,12 @@ WriterLease::WriterLease(const Liveliness& liveliness, MonotonicTime now)
 
 void WriterLease::assert_at(MonotonicTime now) {
   asserted_ = now;
-  lost_ = false;
+  is_lost_ = false;
 }
 
 bool WriterLease::check(MonotonicTime now) {
   if (now < next_tick()) return false;
-  lost_ = true;
+  is_lost_ = true;
   return true;
 }
 
@@ -43,20 +43,20 @@ void LivelinessMonitor::unschedule(const Guid& guid, Writer& writer) {
   writer.noted_end = kNever;
 }
 
-void LivelinessMonitor::count(const Guid& writer, int alive, int not_alive) {
-  status_.alive_count += alive;
-  status_.alive_count_change += alive;
+void LivelinessMonitor::count(const Guid& writer, int is_alive, int not_alive) {
+  status_.alive_count += is_alive;
+  status_.alive_count_change += is_alive;
   status_.not_alive_count += not_alive;
   status_.not_alive_count_change += not_alive;
   status_.last_remote = writer;
-  changed_ = true;
+  has_changed_ = true;
 }
 
 void LivelinessMonitor::add(const Guid& writer, Duration lease, MonotonicTime now) {
   const auto [at, is_new] = writers_.try_emplace(writer);
   at->second.lease = lease_of(lease);
   if (is_new) at->second.asserted = now;
-  if (at->second.alive) schedule(writer, at->second);
+  if (at->second.is_alive) schedule(writer, at->second);
   if (is_new) count(writer, 1, 0);
 }
 
@@ -64,23 +64,23 @@ void LivelinessMonitor::follow(const Guid& writer, std::shared_ptr<LivelinessSig
   const auto at = writers_.find(writer);
   if (at == writers_.end()) return;
   at->second.signal = std::move(signal);
-  if (at->second.alive) schedule(writer, at->second);
+  if (at->second.is_alive) schedule(writer, at->second);
 }
 
 void LivelinessMonitor::remove(const Guid& writer) {
   const auto at = writers_.find(writer);
   if (at == writers_.end()) return;
-  const bool was_alive = at->second.alive;
+  const bool was_alive = at->second.is_alive;
   unschedule(writer, at->second);
   writers_.erase(at);
   count(writer, was_alive ? -1 : 0, was_alive ? 0 : -1);
 }
 
-void LivelinessMonitor::alive(const Guid& writer, MonotonicTime now) {
+void LivelinessMonitor::is_alive(const Guid& writer, MonotonicTime now) {
   const auto at = writers_.find(writer);
   if (at == writers_.end()) return;
   at->second.asserted = now;
-  if (std::exchange(at->second.alive, true)) return;
+  if (std::exchange(at->second.is_alive, true)) return;
   schedule(writer, at->second);
   count(writer, 1, -1);
 }
@@ -93,7 +93,7 @@ void LivelinessMonitor::check(MonotonicTime now, const Ended& ended) {
     schedule(guid, writer);
     if (writer.noted_end > now) continue;
     unschedule(guid, writer);
-    writer.alive = false;
+    writer.is_alive = false;
     count(guid, -1, 1);
     ended(guid, writer.signal.get());
   }
@@ -101,7 +101,7 @@ void LivelinessMonitor::check(MonotonicTime now, const Ended& ended) {
 
 bool LivelinessMonitor::is_alive(const Guid& writer) const {
   const auto at = writers_.find(writer);
-  return at != writers_.end() && at->second.alive;
+  return at != writers_.end() && at->second.is_alive;
 }
 
 void LivelinessMonitor::reset_changes() {

@@ -24,13 +24,13 @@ class WriterLease {
   /// Returns true once for each time that the lease ran out.
   bool check(MonotonicTime now);
   MonotonicTime next_tick() const {
-    return lost_ || lease_ == kNever ? kNever : asserted_ + lease_;
+    return is_lost_ || lease_ == kNever ? kNever : asserted_ + lease_;
   }
 
  private:
   MonotonicTime lease_ = kNever;
   MonotonicTime asserted_{};
-  bool lost_ = false;
+  bool is_lost_ = false;
 };
 
 /// Tracks which of a reader's writers are alive. The cost of an assertion or a tick does not grow
@@ -47,7 +47,7 @@ class LivelinessMonitor {
   void follow(const Guid& writer, std::shared_ptr<LivelinessSignal> signal);
   void remove(const Guid& writer);
   /// The writer asserted its liveliness.
-  void alive(const Guid& writer, MonotonicTime now);
+  void is_alive(const Guid& writer, MonotonicTime now);
   /// Calls `ended` for each writer whose lease ran out, with its signal, or nullptr if it has none.
   using Ended = std::function<void(const Guid&, LivelinessSignal*)>;
   void check(MonotonicTime now, const Ended& ended);
@@ -58,13 +58,13 @@ class LivelinessMonitor {
   const LivelinessChangedStatus& status() const { return status_; }
   void reset_changes();
   /// Returns true if the status changed since the last call.
-  bool take_changed() { return std::exchange(changed_, false); }
+  bool take_changed() { return std::exchange(has_changed_, false); }
 
  private:
   struct Writer {
     MonotonicTime lease = kNever;
     MonotonicTime asserted{};
-    bool alive = true;
+    bool is_alive = true;
     std::shared_ptr<LivelinessSignal> signal = {};
     MonotonicTime noted_end = kNever;  ///< its time in ends_; kNever: not in ends_
     MonotonicTime end() const;
@@ -72,13 +72,13 @@ class LivelinessMonitor {
   /// Schedules a check at the time when its lease ends, as far as is known now.
   void schedule(const Guid& guid, Writer& writer);
   void unschedule(const Guid& guid, Writer& writer);
-  void count(const Guid& writer, int alive, int not_alive);
+  void count(const Guid& writer, int is_alive, int not_alive);
 
   std::map<Guid, Writer> writers_;
   /// The times at which leases end, or earlier: only writers that are alive.
   std::set<std::pair<MonotonicTime, Guid>> ends_;
   LivelinessChangedStatus status_;
-  bool changed_ = false;
+  bool has_changed_ = false;
 };
 
 }  // namespace ddssec::rtps

@@ -28,7 +28,7 @@ void ParticipantContext::adopt(std::unique_ptr<RtpsParticipant> protocol) {
 void ParticipantContext::leave() { process_peers_->leave(protocol_->local_endpoints()); }
 
 MonotonicTime ParticipantContext::tick(std::chrono::nanoseconds timeout) {
-  woken_ = false;
+  is_woken_ = false;
   const auto time = now();
   if (protocol_->next_tick() <= time) protocol_->tick(time);
   timers_.run(time);
@@ -50,9 +50,9 @@ void ParticipantContext::reschedule() {
 }
 
 void ParticipantContext::wake_if(MonotonicTime other) {
-  if (woken_ || in_callback()) return;
+  if (is_woken_ || in_callback()) return;
   if (pending_.empty() && std::min(other, timers_.next()) >= waiting_until_) return;
-  woken_ = true;
+  is_woken_ = true;
   server_.wake();
 }
 

@@ -63,12 +63,12 @@ class ParticipantContext {
   /// The same after an action of another participant in the process peers, which can affect only
   /// timers and listeners.
   void attend() {
-    if (!serving_) wake_if(kNever);
+    if (!is_serving_) wake_if(kNever);
   }
   /// Makes waiting calls check their condition again: at once, or when `serve` ends.
   void notify() {
-    if (serving_)
-      changed_while_serving_ = true;
+    if (is_serving_)
+      has_changed_while_serving_ = true;
     else
       notify_now();
   }
@@ -136,18 +136,18 @@ class ParticipantContext {
   /// While work is done with the lock held, which may end with an exception.
   struct Serving {
     Serving(ParticipantContext& of, bool& has_changed) : context(of), changed(has_changed) {
-      context.serving_ = true;
+      context.is_serving_ = true;
     }
     ~Serving() {
-      context.serving_ = false;
-      changed = std::exchange(context.changed_while_serving_, false);
+      context.is_serving_ = false;
+      changed = std::exchange(context.has_changed_while_serving_, false);
     }
     ParticipantContext& context;
     bool& changed;
   };
   void notify_now() {
     changed_.notify_all();
-    if (std::exchange(waiting_serves_, false)) turn_->wake();
+    if (std::exchange(is_served_by_waiting_, false)) turn_->wake();
   }
   template <class Ready>
   bool wait_beside_thread(std::unique_lock<std::mutex>& lock,
@@ -163,14 +163,14 @@ class ParticipantContext {
   const std::shared_ptr<ProcessPeers> process_peers_;
   std::mutex& mutex_;
   std::condition_variable changed_;
-  bool waiting_serves_ = false;  ///< a thread that waits here serves, and must be woken
-  bool serving_ = false;
-  bool changed_while_serving_ = false;
+  bool is_served_by_waiting_ = false;  ///< a thread that waits here serves, and must be woken
+  bool is_serving_ = false;
+  bool has_changed_while_serving_ = false;
   std::unique_ptr<RtpsParticipant> protocol_;
   TimerQueue timers_;
   LinkedList<Entity> pending_;
   MonotonicTime waiting_until_ = kNever;
-  bool woken_ = false;  ///< woken, but has not called tick() since
+  bool is_woken_ = false;  ///< woken, but has not called tick() since
   mutable CallbackLock callbacks_;
   mutable std::recursive_mutex members_;
   /// What this thread is calling: the innermost of listeners that call poll().
@@ -207,11 +207,11 @@ bool ParticipantContext::wait_beside_thread(std::unique_lock<std::mutex>& lock,
       changed_.wait_until(lock, end);
       continue;
     }
-    waiting_serves_ = true;
+    is_served_by_waiting_ = true;
     lock.unlock();
     waiting.serve(left);
     lock.lock();
-    waiting_serves_ = false;
+    is_served_by_waiting_ = false;
   }
   return true;
 }

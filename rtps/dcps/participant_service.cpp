@@ -45,7 +45,7 @@ void ParticipantService::look_at_interfaces() {
   if (!watch_->drain()) return;
   caught_.run("changed network interfaces", [&] {
     auto chosen = choose_interfaces(wanted_interfaces_);
-    const bool were_gone = std::exchange(interfaces_are_gone_, !chosen);
+    const bool were_gone = std::exchange(has_lost_interfaces_, !chosen);
     if (!chosen || (*chosen == sockets_->interfaces() && !were_gone)) return;
     context_.serve([&] { change_interfaces(std::move(*chosen)); });
   });
@@ -91,7 +91,7 @@ void ParticipantService::receive_batch(UdpSocket& socket, std::size_t count) {
 
 Status ParticipantService::start() {
   const std::lock_guard held(context_.mutex());
-  started_ = true;
+  is_started_ = true;
   if (turn_ == nullptr) return {};
   context_.protocol().allow_delayed_flush();
   try {
@@ -122,7 +122,7 @@ std::optional<MonotonicTime> ParticipantService::tick(std::chrono::nanoseconds t
   std::optional<MonotonicTime> until;
   const bool ticked = caught_.run("timers", [&] {
     context_.serve([&] {
-      if (started_) until = context_.tick(timeout);
+      if (is_started_) until = context_.tick(timeout);
     });
   });
   if (!ticked) until = context_.now() + std::min<MonotonicTime>(timeout, kRetry);

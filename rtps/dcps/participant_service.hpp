@@ -70,8 +70,8 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
   CaughtExceptions caught_;
   std::optional<InterfaceWatch> watch_;
   std::vector<std::string> wanted_interfaces_;
-  bool interfaces_are_gone_ = false;  ///< one of those that were named
-  bool started_ = false;              ///< protected by the lock
+  bool has_lost_interfaces_ = false;  ///< one of those that were named
+  bool is_started_ = false;           ///< protected by the lock
   std::thread thread_;
 };
 

@@ -6,7 +6,7 @@ namespace ddssec::rtps {
 
 void Presenter::add(PresentedReader& reader, const Guid& writer, const std::optional<Guid>& group,
                     const GuidPrefix& identity) {
-  const bool grouped = by_group_ && group;
+  const bool grouped = is_by_group_ && group;
   const SourceKey key{grouped ? nullptr : &reader, grouped ? *group : writer};
   if (!source_of_.try_emplace({&reader, writer}, key).second) return;
   auto& source = sources_[key];
@@ -28,7 +28,8 @@ bool Presenter::remove(PresentedReader& reader, const Guid& writer, MonotonicTim
     const auto is_its = [&](const Item& item) {
       return item.reader == &reader && item.change.writer == writer;
     };
-    set.broken = set.broken || (!set.ended.contains(key) && std::ranges::any_of(set.items, is_its));
+    set.is_broken =
+        set.is_broken || (!set.ended.contains(key) && std::ranges::any_of(set.items, is_its));
     set.ended.erase(key);
     settle(source, id, now);
   }
@@ -167,7 +168,7 @@ void Presenter::give_up_largest(const GuidPrefix& identity) {
     if (set->second.items.empty()) {
       forget(*source, set);
     } else {
-      set->second.broken = true;
+      set->second.is_broken = true;
       drop(*source, set->second, PresentedReader::Limit::share);
     }
   }
@@ -200,9 +201,9 @@ void Presenter::gather(Source& source, const StreamKey& key, Change& change, Mon
   const auto number = change.sequence_number;
   const bool follows = number == stream.last.next();
   stream.progress = std::max(stream.progress, in.group);
-  const auto id = !coherent_                            ? SequenceNumber{}
-                  : by_group_ && in.group_set.value > 0 ? in.group_set
-                                                        : in.set;
+  const auto id = !is_coherent_                            ? SequenceNumber{}
+                  : is_by_group_ && in.group_set.value > 0 ? in.group_set
+                                                           : in.set;
   const bool ends = change.is_marker() || id.value == 0;
   const auto before = std::exchange(stream.last, number);
   if (stream.set.value > 0 && (ends || id != stream.set))
@@ -213,19 +214,19 @@ void Presenter::gather(Source& source, const StreamKey& key, Change& change, Mon
   if (id.value == 0) {
     std::vector<Item> one;
     one.push_back({key.first, std::move(change)});
-    return enqueue(source, in.group.value > 0 && ordered_ && by_group_ ? in.group : number,
+    return enqueue(source, in.group.value > 0 && is_ordered_ && is_by_group_ ? in.group : number,
                    {std::move(one), in.group, now});
   }
   auto& set = set_of(source, id);
   const bool begins = stream.set.value == 0;
   stream.set = id;
-  set.broken = set.broken || (begins ? number != in.set : !follows);
+  set.is_broken = set.is_broken || (begins ? number != in.set : !follows);
   hold(source, set, {key.first, std::move(change)});
 }
 
 // Samples of a set that cannot become complete are not kept.
 void Presenter::hold(Source& source, Set& set, Item item) {
-  if (set.broken) return item.reader->lose(1);
+  if (set.is_broken) return item.reader->lose(1);
   charge(source, set, price_of(item));
   set.items.push_back(std::move(item));
 }
@@ -234,7 +235,7 @@ void Presenter::end_set(Source& source, const StreamKey& key, SequenceNumber id,
                         MonotonicTime now) {
   auto& set = set_of(source, id);
   set.ended.insert(key);
-  set.broken = set.broken || !whole;
+  set.is_broken = set.is_broken || !whole;
   settle(source, id, now);
 }
 
@@ -251,14 +252,14 @@ void Presenter::settle(Source& source, SequenceNumber id, MonotonicTime now) {
   const auto at = source.sets.find(id);
   if (at == source.sets.end() || at->second.ended.size() < source.streams.size()) return;
   auto& set = at->second;
-  if (set.broken) drop(source, set);
+  if (set.is_broken) drop(source, set);
   std::ranges::sort(set.items, {}, [](const Item& item) {
     return std::pair(item.change.coherence.group, item.change.sequence_number);
   });
   if (!set.items.empty()) {
     refund(source, set, set.octets - kPricePerItem);
     const auto last = set.items.back().change.coherence.group;
-    const auto first = by_group_ ? id : set.items.front().change.sequence_number;
+    const auto first = is_by_group_ ? id : set.items.front().change.sequence_number;
     enqueue(source, first, {std::move(set.items), last.value > 0 ? last.next() : last, now});
   }
   erase(source, at);
@@ -295,7 +296,7 @@ void Presenter::enqueue(Source& source, SequenceNumber at, Batch batch) {
 // RTPS 8.7.5: nothing can arrive before it any more, or the wait has ended.
 bool Presenter::may_present(const Source& source, SequenceNumber first, const Batch& batch,
                             MonotonicTime now) const {
-  if (!by_group_ || batch.last.value == 0) return true;
+  if (!is_by_group_ || batch.last.value == 0) return true;
   if (first <= source.presented.next()) return true;
   const auto passed = [&](const auto& entry) { return entry.second.progress >= first.previous(); };
   return std::ranges::all_of(source.streams, passed) || now >= batch.since + kGapTimeout;
@@ -342,7 +343,7 @@ bool Presenter::present(Source& source, Batch& batch) {
 }
 
 void Presenter::release(Source& source, MonotonicTime now) {
-  while (!paused_ && !source.ready.empty()) {
+  while (!is_paused_ && !source.ready.empty()) {
     auto& [first, batch] = *source.ready.begin();
     if (!may_present(source, first, batch, now)) return;
     if (batch.is_blocked) return;
@@ -378,7 +379,7 @@ void Presenter::on_progress(PresentedReader& reader, const Guid& writer, Sequenc
 }
 
 void Presenter::pause(bool paused, MonotonicTime now) {
-  paused_ = paused;
+  is_paused_ = paused;
   release(now);
 }
 
@@ -399,7 +400,7 @@ void Presenter::release(MonotonicTime now, bool freed) {
 }
 
 MonotonicTime Presenter::next_tick() const {
-  if (paused_) return kNever;
+  if (is_paused_) return kNever;
   auto next = retries_ ? search_at_ : kNever;
   for (const auto& [key, source] : sources_)
     if (!source.ready.empty() && !source.ready.begin()->second.is_blocked)

@@ -60,7 +60,7 @@ class Presenter {
   static constexpr MonotonicTime kPausePerItem = std::chrono::microseconds(4);
 
   Presenter(bool by_group, bool coherent, bool ordered)
-      : by_group_(by_group), coherent_(coherent), ordered_(ordered) {}
+      : is_by_group_(by_group), is_coherent_(coherent), is_ordered_(ordered) {}
 
   /// `group`: the writer's publisher, if it was announced. `identity`: the identity whose share the
   /// writer uses.
@@ -107,7 +107,7 @@ class Presenter {
   struct Set {
     std::vector<Item> items;
     std::set<StreamKey> ended;
-    bool broken = false;
+    bool is_broken = false;
     std::size_t octets = 0;  ///< the price of its items and of the set itself
   };
   /// Samples that can be presented as soon as everything before them has been presented.
@@ -174,8 +174,8 @@ class Presenter {
   bool present(Source& source, Batch& batch);
   void release(Source& source, MonotonicTime now);
 
-  const bool by_group_, coherent_, ordered_;
-  bool paused_ = false;
+  const bool is_by_group_, is_coherent_, is_ordered_;
+  bool is_paused_ = false;
   MonotonicTime search_at_{};  ///< no room is searched for blocked batches before
   bool retries_ = false;       ///< a batch waits for that
   std::size_t in_vain_ = 0;    ///< items of the searches in vain since the last pause

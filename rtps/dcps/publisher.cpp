@@ -40,15 +40,15 @@ Status Publisher::wait_for_acknowledgments(std::chrono::nanoseconds timeout) {
 std::optional<Guid> Publisher::group_guid() {
   const auto& presentation = presentation_of_members();
   presents_ = presentation.coherent_access || presentation.ordered_access;
-  by_group_ = presents_ && presentation.scope == PresentationScope::group;
-  presents_ = presentation.coherent_access || by_group_;
-  if (by_group_ && !guid_) guid_ = context_.protocol().create_group();
+  is_by_group_ = presents_ && presentation.scope == PresentationScope::group;
+  presents_ = presentation.coherent_access || is_by_group_;
+  if (is_by_group_ && !guid_) guid_ = context_.protocol().create_group();
   return guid_;
 }
 
 void Publisher::admit(StatefulWriter& writer, MonotonicTime now) {
-  if (suspended_) writer.hold_back(true, now);
-  if (by_group_) writer.join(group_);
+  if (is_suspended_) writer.hold_back(true, now);
+  if (is_by_group_) writer.join(group_);
 }
 
 // RTPS 9.3.2.5: the first octets of the MD5 of the sorted entity ids in big-endian CDR.
@@ -74,11 +74,11 @@ void Publisher::count_writers() {
 
 Coherence Publisher::stamp(SequenceNumber& set_begin, SequenceNumber number) {
   Coherence out;
-  if (by_group_) out.group = group_.current = group_.current.next();
+  if (is_by_group_) out.group = group_.current = group_.current.next();
   if (depth_ == 0 || !presentation_of_members().coherent_access) return out;
   if (set_begin.value == 0) set_begin = number;
   out.set = set_begin;
-  if (!by_group_) return out;
+  if (!is_by_group_) return out;
   if (set_begin_.value == 0) set_begin_ = out.group;
   out.group_set = set_begin_;
   return out;
@@ -119,7 +119,7 @@ Status Publisher::suspend_publications() {
   const std::lock_guard members(context_.members());
   const auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled("publisher"));
-  suspended_ = true;
+  is_suspended_ = true;
   for (const auto& member : members_)
     if (writer_of(member).enabled()) writer_of(member).protocol().hold_back(true, context_.now());
   return {};
@@ -129,7 +129,7 @@ Status Publisher::resume_publications() {
   const std::lock_guard members(context_.members());
   const auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled("publisher"));
-  if (!std::exchange(suspended_, false))
+  if (!std::exchange(is_suspended_, false))
     return precondition_not_met("publisher", "suspend_publications before", "none");
   for (const auto& member : members_)
     if (writer_of(member).enabled()) writer_of(member).protocol().hold_back(false, context_.now());

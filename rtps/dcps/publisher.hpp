@@ -91,12 +91,12 @@ class Publisher final : public Group {
 
   Listening<PublisherListener> listening_;
   bool presents_ = false;  ///< changes are stamped
-  bool by_group_ = false;
+  bool is_by_group_ = false;
   std::optional<Guid> guid_;
   WriterGroup group_;
   SequenceNumber set_begin_;  ///< group sequence number of the open set; 0: none
   int depth_ = 0;             ///< nesting depth of begin_coherent_changes
-  bool suspended_ = false;
+  bool is_suspended_ = false;
 };
 
 }  // namespace ddssec::rtps

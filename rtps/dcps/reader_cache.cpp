@@ -74,9 +74,9 @@ bool has_room_for_held_back(const HeldInstances& all, const HeldInstance& instan
 }  // namespace
 
 ReaderCache::ReaderCache(const Qos& qos, KeyOf key_of, const Queries& queries)
-    : exclusive_(qos.ownership == OwnershipKind::exclusive),
-      by_source_(qos.destination_order == DestinationOrderKind::by_source),
-      reliable_(qos.is_reliable()),
+    : is_exclusive_(qos.ownership == OwnershipKind::exclusive),
+      is_by_source_(qos.destination_order == DestinationOrderKind::by_source),
+      is_reliable_(qos.is_reliable()),
       lifecycle_(qos.reader_data_lifecycle),
       key_of_(std::move(key_of)),
       held_(qos, queries) {
@@ -108,7 +108,7 @@ const Payload* ReaderCache::key_value(InstanceHandle instance) const {
 // DDS 1.4, 2.2.3.9.2. Of equally strong writers, the one with the lower GUID owns the instance, so
 // that every reader chooses the same.
 bool ReaderCache::may_own(const Instance& instance, const Guid& writer) const {
-  if (!exclusive_ || !instance.owner || *instance.owner == writer) return true;
+  if (!is_exclusive_ || !instance.owner || *instance.owner == writer) return true;
   const auto ours = writer_of(writer).strength, theirs = writer_of(*instance.owner).strength;
   return ours > theirs || (ours == theirs && writer < *instance.owner);
 }
@@ -117,7 +117,7 @@ bool ReaderCache::is_wanted_again(const Change& change) {
   if (change.origin().writer != change.writer) return false;
   auto* instance = held_.find(change.key_hash.value_or(KeyHash{}));
   if (instance == nullptr) return false;
-  if (!exclusive_) {
+  if (!is_exclusive_) {
     // Otherwise the instance would end with the one that sent the sample first, such as a keeper.
     if (change.is_alive()) held_.join(*instance, change.writer, writer_of(change.writer).share);
     return false;
@@ -131,7 +131,7 @@ bool ReaderCache::is_wanted_again(const Change& change) {
 }
 
 void ReaderCache::limit_source_time(Change& change, const Moment& at) {
-  if (!by_source_ || !is_far_ahead(change.source_time, at)) return;
+  if (!is_by_source_ || !is_far_ahead(change.source_time, at)) return;
   change.source_time = at.wall;
   ++times_ahead_;
 }
@@ -176,8 +176,8 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
     return dropped;
   }
   if (is_far_ahead(instance->seen_until, at)) instance->seen_until.reset();
-  if (by_source_ ? is_too_old(held_, *instance, change, at)
-                 : was_replaced(held_, *instance, change)) {
+  if (is_by_source_ ? is_too_old(held_, *instance, change, at)
+                    : was_replaced(held_, *instance, change)) {
     // Whenever it says so, the writer has left. Otherwise the instance would never end.
     const bool ends = change.status.unregistered && leave(*instance, change.writer, at.now);
     return ends ? Stored{StoreResult::stored, {}, dropped.instance} : dropped;
@@ -237,15 +237,15 @@ ReaderCache::Stored ReaderCache::insert(Instance& instance, Change& change, Mono
 ReaderCache::Stored ReaderCache::hold_back(Instance& instance, Change& change,
                                            MonotonicTime expires) {
   const Stored dropped{StoreResult::dropped, {}, instance.handle};
-  if (!reliable_) return dropped;
+  if (!is_reliable_) return dropped;
   const auto& share = writer_of(change.writer).share;
   const auto origin = change.origin();
   const auto writer = change.writer;
   if (!held_.hold_back(instance, change, share, expires))
     return {StoreResult::rejected, SampleRejectedReason::by_samples_limit, instance.handle, true};
   held_.join(instance, writer, share);  // so that the instance does not end before it
-  if (exclusive_) instance.owner = writer;
-  if (exclusive_) instance.latest = origin;
+  if (is_exclusive_) instance.owner = writer;
+  if (is_exclusive_) instance.latest = origin;
   return dropped;
 }
 
@@ -253,8 +253,8 @@ void ReaderCache::store_alive(Instance& instance, HeldSample sample, MonotonicTi
   const Recount recount(held_, instance);
   revive(instance);
   held_.join(instance, sample.change.writer, sample.share);
-  if (exclusive_) instance.owner = sample.change.writer;
-  if (exclusive_) instance.latest = sample.change.origin();
+  if (is_exclusive_) instance.owner = sample.change.writer;
+  if (is_exclusive_) instance.latest = sample.change.origin();
   // The sample that reports the instance's end is obsolete once it has been read.
   if (instance.invalid > 0 && instance.invalid_sample()->is_read)
     held_.erase(instance, instance.invalid_sample());
@@ -275,7 +275,7 @@ bool ReaderCache::store_held_back(Instance& instance, MonotonicTime now) {
   sample.share = instance.share_of_held_back;
   sample.change = *held_.take_held_back(instance);
   const bool is_late =
-      sample.expires <= now || (by_source_ && is_too_old(held_, instance, sample.change));
+      sample.expires <= now || (is_by_source_ && is_too_old(held_, instance, sample.change));
   if (is_late || !may_own(instance, sample.change.writer)) return false;
   store_alive(instance, std::move(sample), now);
   return true;
@@ -287,7 +287,7 @@ void ReaderCache::store_end(Instance& instance, const Change& change, MonotonicT
   if (change.status.disposed) {
     held_.take_held_back(instance);
     held_.join(instance, change.writer, writer_of(change.writer).share);
-    if (exclusive_) instance.latest = change.origin();
+    if (is_exclusive_) instance.latest = change.origin();
     if (instance.state != InstanceState::not_alive_disposed) {
       if (instance.state == InstanceState::not_alive_no_writers) revive(instance);
       end(instance, InstanceState::not_alive_disposed, now);
@@ -334,7 +334,7 @@ std::size_t ReaderCache::discard(std::span<const OctetSample> samples) {
   std::map<InstanceHandle, std::set<Which>> wanted;
   for (const auto& sample : samples)
     wanted[sample.info.instance_handle].emplace(sample.info.publication_handle, sample.number,
-                                                !sample.key_only);
+                                                !sample.is_key_only);
   std::size_t out = 0;
   for (auto& [handle, which] : wanted) {
     auto* instance = held_.find(handle);

@@ -131,7 +131,7 @@ class ReaderCache {
   /// is stored at `release_at`.
   void begin_quiet(Instance& instance, MonotonicTime now, MonotonicTime release_at);
 
-  const bool exclusive_, by_source_, reliable_;
+  const bool is_exclusive_, is_by_source_, is_reliable_;
   MonotonicTime deadline_ = kNever;  ///< period
   ReaderDataLifecycle lifecycle_;
   KeyOf key_of_;

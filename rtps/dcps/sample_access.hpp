@@ -41,8 +41,8 @@ class Samples {
   bool append(const OctetSample& raw) {
     if (size_ == held_.size()) held_.emplace_back();
     auto& sample = held_[size_];
-    const auto read = raw.key_only ? deserialize_key_into(raw.payload.view(), sample.data)
-                                   : deserialize_into(raw.payload.view(), sample.data);
+    const auto read = raw.is_key_only ? deserialize_key_into(raw.payload.view(), sample.data)
+                                      : deserialize_into(raw.payload.view(), sample.data);
     if (!read) return false;
     sample.info = raw.info;
     ++size_;

@@ -23,7 +23,7 @@ SampleReception::SampleReception(const Reader& reader, Reports reports)
 void SampleReception::start(const Qos& announced, const Subscription& subscription) {
   const auto& policy = announced.presentation;
   const bool by_group = policy.scope == PresentationScope::group;
-  exclusive_ = announced.ownership == OwnershipKind::exclusive;
+  is_exclusive_ = announced.ownership == OwnershipKind::exclusive;
   if (policy.ordered_access && policy.scope != PresentationScope::instance)
     samples_.cache().order_by_arrival(by_group ? subscription.arrivals : arrivals_);
   presentation_.start(policy, subscription.of_group, subscription.paused, context_.now());
@@ -56,7 +56,7 @@ void SampleReception::add_writer(const EndpointData& writer) {
 void SampleReception::remove_writer(const Guid& writer) {
   if (presentation_.remove_writer(writer, context_.now())) {
     // Other writers may own its instances from now on.
-    if (exclusive_ && samples_.cache().lose_writer(writer, false, context_.now())) note_data();
+    if (is_exclusive_ && samples_.cache().lose_writer(writer, false, context_.now())) note_data();
     return;
   }
   left(writer);
@@ -86,7 +86,7 @@ void SampleReception::lose_writers(std::span<const Guid> writers, MonotonicTime 
 bool SampleReception::on_change(Change& change) {
   if (!presentation_.holds_back()) return change.is_marker() || store(change);
   const bool taken = presentation_.on_change(change, context_.now());
-  if (!taken) refused_ = true;
+  if (!taken) has_refused_ = true;
   schedule_presenter();
   context_.attend();
   return taken;
@@ -134,7 +134,7 @@ bool SampleReception::store(Change& change) {
 
 // A reliable writer keeps the change and offers it again. The change is counted only once.
 void SampleReception::reject(const Change& change, const ReaderCache::Stored& stored, bool is_new) {
-  refused_ = true;
+  has_refused_ = true;
   const std::pair which(change.writer, change.sequence_number);
   if (std::exchange(last_rejected_, which) == which || !is_new) return;
   add_to(rejected_);
@@ -222,7 +222,7 @@ void SampleReception::report_malformed(const OctetSample& sample) {
   context_.protocol().remote_participants().raise_about(
       Error(Code::rtps_sample_malformed,
             {.document = "topic " + topic_.name(),
-             .field = sample.key_only ? "serialized key" : "serialized data",
+             .field = sample.is_key_only ? "serialized key" : "serialized data",
              .expected = topic_.type_name(),
              .found = fmt::format("{} octets that begin {}; {} such samples so far", octets.size(),
                                   to_hex(octets.first(std::min<std::size_t>(octets.size(), 16))),
@@ -258,7 +258,7 @@ bool SampleReception::select(const SampleQuery& query, std::vector<OctetSample>&
   samples_.cache().select(query, context_.moment(), out);
   reports_.of_reader.clear(StatusKind::data_available);
   reports_.of_subscriber.clear(StatusKind::data_on_readers);
-  return query.take && std::exchange(refused_, false);
+  return query.take && std::exchange(has_refused_, false);
 }
 
 bool SampleReception::discard_malformed(std::span<const OctetSample> samples, bool taken) {
@@ -267,7 +267,7 @@ bool SampleReception::discard_malformed(std::span<const OctetSample> samples, bo
     samples_.count_malformed();
     report_malformed(sample);
   }
-  return std::exchange(refused_, false);
+  return std::exchange(has_refused_, false);
 }
 
 void SampleReception::after_access(bool taken) {

@@ -107,8 +107,8 @@ class SampleReception final : private PresentedReader, private Timed {
   ReceivedSamples samples_;
   ReaderPresentation presentation_{*this};
   std::uint64_t arrivals_ = 0;
-  bool refused_ = false;    ///< a writer waits for room
-  bool exclusive_ = false;  ///< OWNERSHIP
+  bool has_refused_ = false;   ///< a writer waits for room
+  bool is_exclusive_ = false;  ///< OWNERSHIP
   std::pair<Guid, SequenceNumber> last_rejected_;
   SampleLostStatus lost_;
   SampleRejectedStatus rejected_;

@@ -35,7 +35,7 @@ HeldSamples::iterator hand_out(HeldInstances& instances, HeldInstance& instance,
                                HeldSamples::iterator at, bool take, std::vector<OctetSample>& out) {
   auto& held = *at;
   OctetSample sample;
-  sample.key_only = !held.valid;
+  sample.is_key_only = !held.valid;
   sample.info = info_of(instance, held);
   if (held.change.source_time)
     instance.seen_until = std::max(instance.seen_until, held.change.source_time);

@@ -24,7 +24,7 @@ Sha256Digest digest_of(const Change& change, BytesView padding = {}) {
   Writer head;
   head.write(static_cast<std::uint8_t>(status.disposed       ? 2
                                        : status.unregistered ? 1
-                                       : change.key_only     ? 3
+                                       : change.is_key_only  ? 3
                                                              : 0));
   head.write(std::uint8_t{change.key_hash.has_value()});
   head.write_bytes(key);

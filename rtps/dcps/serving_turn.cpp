@@ -39,7 +39,7 @@ bool ServingTurn::Waiting::serves() {
   const auto now = Clock::now();
   const std::lock_guard held(turn_.mutex_);
   turn_.note_displaced(*this);
-  const bool may = !turn_.closed_ && now >= turn_.own_until_;
+  const bool may = !turn_.is_closed_ && now >= turn_.own_until_;
   if (serves_ && !may) {
     serves_ = false;
     turn_.give_up(now);
@@ -53,9 +53,9 @@ bool ServingTurn::Waiting::serves() {
 bool ServingTurn::may_begin(Clock::time_point now) {
   if (holder_ != Holder::none || count_ != 1) return false;
   holder_ = Holder::application;
-  at_once_ = false;
+  is_due_at_once_ = false;
   // At a low rate, stopping the timer costs less than the wake-up of the participant's thread.
-  if (armed_ && now - last_turn_ > kGrace) arm(std::chrono::nanoseconds::max());
+  if (is_armed_ && now - last_turn_ > kGrace) arm(std::chrono::nanoseconds::max());
   last_turn_ = now;
   return true;
 }
@@ -82,19 +82,19 @@ void ServingTurn::give_up(Clock::time_point now) {
   holder_ = Holder::none;
   leader_ = nullptr;
   given_up_at_ = now;
-  if (closed_) given_up_.notify_all();
-  if (closed_ || now < own_until_ || count_ > 0)
+  if (is_closed_) given_up_.notify_all();
+  if (is_closed_ || now < own_until_ || count_ > 0)
     arm(std::chrono::nanoseconds::zero());
-  else if (!armed_)
+  else if (!is_armed_)
     arm(kGrace);
 }
 
 /// Zero: at once. The greatest value: never.
 void ServingTurn::arm(std::chrono::nanoseconds after) {
-  armed_ = after != std::chrono::nanoseconds::max();
-  at_once_ = after == std::chrono::nanoseconds::zero();
+  is_armed_ = after != std::chrono::nanoseconds::max();
+  is_due_at_once_ = after == std::chrono::nanoseconds::zero();
   itimerspec when{};
-  if (armed_) when.it_value.tv_nsec = std::max<std::int64_t>(after.count(), 1);
+  if (is_armed_) when.it_value.tv_nsec = std::max<std::int64_t>(after.count(), 1);
   ::timerfd_settime(timer_.number(), 0, &when, nullptr);
 }
 
@@ -103,13 +103,13 @@ bool ServingTurn::await() {
   for (bool fired = true;; fired = sleep()) {
     const auto now = Clock::now();
     const std::lock_guard held(mutex_);
-    if (fired) armed_ = false;  // or this is the first turn
-    if (closed_) return false;
+    if (fired) is_armed_ = false;  // or this is the first turn
+    if (is_closed_) return false;
     if (holder_ == Holder::own || take_from_held(watch, now)) return true;
     if (holder_ != Holder::none) continue;
     const auto left = given_up_at_ + kGrace - now;
-    if (at_once_ || left <= std::chrono::nanoseconds::zero()) {
-      at_once_ = false;
+    if (is_due_at_once_ || left <= std::chrono::nanoseconds::zero()) {
+      is_due_at_once_ = false;
       holder_ = Holder::own;
       return true;
     }
@@ -153,7 +153,7 @@ bool ServingTurn::yield() {
   {
     const auto now = Clock::now();
     const std::lock_guard held(mutex_);
-    if (closed_) return true;
+    if (is_closed_) return true;
     if (count_ != 1 || !list_->may_serve_ || !returns_soon_ || now < own_until_) return false;
     set = list_->set_;
     holder_ = Holder::none;
@@ -182,7 +182,7 @@ bool ServingTurn::take_over() {
 
 void ServingTurn::close() {
   std::unique_lock held(mutex_);
-  closed_ = true;
+  is_closed_ = true;
   arm(std::chrono::nanoseconds::zero());
   if (holder_ == Holder::application) server_.end_serving();
   given_up_.wait(held, [&] { return holder_ != Holder::application && displaced_ == 0; });

@@ -154,7 +154,7 @@ class ServingTurn {
   /// Grows whenever an application thread gets the turn, its work begins or ends, or its turn is
   /// taken away. Odd: it works.
   std::atomic<std::uint64_t> progress_ = 0;
-  bool closed_ = false, at_once_ = false, armed_ = false;
+  bool is_closed_ = false, is_due_at_once_ = false, is_armed_ = false;
   bool returns_soon_ = false;  ///< the last wait began less than kGrace after the one before
   Waiting* list_ = nullptr;
   std::size_t count_ = 0;

@@ -87,8 +87,8 @@ struct SampleInfo {
 
 /// A serialized sample. Its payload is shared and never changed, so there is no loan to return.
 struct OctetSample {
-  Payload payload;        ///< with its encapsulation
-  bool key_only = false;  ///< the payload is a serialized key; empty if the key was not sent
+  Payload payload;           ///< with its encapsulation
+  bool is_key_only = false;  ///< the payload is a serialized key; empty if the key was not sent
   SampleInfo info;
   SequenceNumber number = {};  ///< that its writer gave it; 0 if it has none
 };

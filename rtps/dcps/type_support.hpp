@@ -50,7 +50,7 @@ namespace detail {
 template <DdsType T>
 Result<T> deserialize_change(const Change& change) {
   const auto octets = change.payload.view();
-  return change.key_only ? deserialize_key<T>(octets) : deserialize<T>(octets);
+  return change.is_key_only ? deserialize_key<T>(octets) : deserialize<T>(octets);
 }
 
 }  // namespace detail
@@ -71,7 +71,7 @@ TypeSupport type_support() {
                          const Change& change, bool always_md5) mutable -> std::optional<KeyHash> {
     const auto octets = change.payload.view();
     const auto read =
-        change.key_only ? deserialize_key_into(octets, value) : deserialize_into(octets, value);
+        change.is_key_only ? deserialize_key_into(octets, value) : deserialize_into(octets, value);
     if (!read) return std::nullopt;
     const auto opened = open_payload(octets);
     return key_hash(value, scratch, always_md5, version_of(opened->encapsulation));

@@ -49,7 +49,7 @@ Status DurableStore::start() {
 DurableStore::~DurableStore() {
   {
     const std::lock_guard held(mutex_);
-    stopping_ = true;
+    is_stopping_ = true;
   }
   work_.notify_all();
   if (thread_.joinable()) thread_.join();
@@ -268,10 +268,10 @@ void DurableStore::run() {
     return !pending_.empty() || !failed_.empty() || looks_at_room_ || index_.shares().has_news();
   };
   for (;;) {
-    work_.wait(held, [&] { return stopping_ || has_work(); });
+    work_.wait(held, [&] { return is_stopping_ || has_work(); });
     if (has_work()) commit(held);
-    if (stopping_ && (!has_work() || !status_)) return;
-    if (!status_) work_.wait_for(held, kRetry, [&] { return stopping_; });
+    if (is_stopping_ && (!has_work() || !status_)) return;
+    if (!status_) work_.wait_for(held, kRetry, [&] { return is_stopping_; });
   }
 }
 

@@ -144,7 +144,7 @@ class DurableStore {
   std::set<StreamId> open_;
   std::map<StreamId, std::uint64_t> last_;  ///< the number of the last change appended to each
   std::set<StreamId> closed_;               ///< not open any more, and not forgotten yet
-  bool stopping_ = false;
+  bool is_stopping_ = false;
   std::thread thread_;
 };
 

@@ -67,7 +67,7 @@ bool may_succeed_later(const Error& error) { return error.code() != Code::rtps_q
 Change end_of_announcement(const KeyHash& key) {
   Change change;
   change.key_hash = key;
-  change.key_only = true;
+  change.is_key_only = true;
   change.status.disposed = true;
   return change;
 }

@@ -128,7 +128,7 @@ Status KeptTopic::open(DomainId domain, const std::string& domain_tag) {
     rows_[opened.rows[i]] = {static_cast<std::int64_t>(i) + 1};
   auto serving = request(serving_qos(like_.qos, longest_lifespan_));
   serving.history = std::move(opened.history);
-  serving.history_only = true;
+  serving.is_history_only = true;
   const auto now = context_.now();
   DDSSEC_ASSIGN_OR_RETURN(writer_,
                           context_.protocol().create_writer(std::move(serving), *this, now));
@@ -206,7 +206,7 @@ bool KeptTopic::wait_for_room(const Guid& writer, bool has_no_share) {
 }
 
 bool KeptTopic::defer(MonotonicTime now) {
-  deferred_ = true;
+  has_deferred_ = true;
   look_again(now);
   return false;
 }
@@ -330,7 +330,7 @@ void KeptTopic::discard(const std::vector<std::int64_t>& rows) {
 
 void KeptTopic::look_again(MonotonicTime now) {
   auto next = liveliness_.next_tick();
-  if (deferred_) next = std::min(next, now + kDeferredPollInterval);
+  if (has_deferred_) next = std::min(next, now + kDeferredPollInterval);
   const auto due = unstored_.empty() ? store_.next_due(*stream_) : now;
   if (announced_lifespan_ != longest_lifespan_) next = now;
   call_at(std::min(next, std::max(due, now + kCommitPollInterval)));
@@ -351,7 +351,7 @@ void KeptTopic::on_time(MonotonicTime now) {
   const bool has_news = acknowledge_stored();
   auto* reader = context_.protocol().local_endpoints().reader(reader_);
   look_at_waiting(now);
-  if ((std::exchange(deferred_, false) || has_news) && reader != nullptr) reader->offer_again();
+  if ((std::exchange(has_deferred_, false) || has_news) && reader != nullptr) reader->offer_again();
   look_again(now);
 }
 

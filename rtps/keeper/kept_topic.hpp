@@ -110,7 +110,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   std::set<Guid> writers_;                ///< that matched the reader, and whose samples are kept
   std::optional<InstanceOwners> owners_;  ///< only with OWNERSHIP EXCLUSIVE
   LivelinessMonitor liveliness_;          ///< the same: owners that are not alive own nothing
-  bool deferred_ = false;                 ///< a change waits for room, or for an owner to come back
+  bool has_deferred_ = false;             ///< a change waits for room, or for an owner to come back
   /// Writers: until they have caught up, all that they write counts as late (StoredChange).
   std::set<Guid> have_waited_;
   /// Writers: the next change of each has no share of the store. It is requested again, because

@@ -15,7 +15,7 @@ RefusedWriters::RefusedWriters(std::function<bool(const Guid&)> again,
 RefusedWriters::~RefusedWriters() {
   {
     const std::lock_guard held(mutex_);
-    stopping_ = true;
+    is_stopping_ = true;
   }
   changed_.notify_all();
   thread_.join();
@@ -57,14 +57,14 @@ void RefusedWriters::remove(const Guid& writer) {
 
 bool RefusedWriters::is_stopping() const {
   const std::lock_guard held(mutex_);
-  return stopping_;
+  return is_stopping_;
 }
 
 void RefusedWriters::run() {
   const auto pause = [this] {
     std::unique_lock held(mutex_);
-    changed_.wait(held, [&] { return stopping_ || !writers_.empty(); });
-    return !changed_.wait_for(held, pause_, [&] { return stopping_; });
+    changed_.wait(held, [&] { return is_stopping_ || !writers_.empty(); });
+    return !changed_.wait_for(held, pause_, [&] { return is_stopping_; });
   };
   while (pause()) {
     try {

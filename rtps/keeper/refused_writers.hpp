@@ -45,7 +45,7 @@ class RefusedWriters {
   std::condition_variable changed_;
   std::map<Guid, GuidPrefix> writers_;  ///< with their identities
   std::map<GuidPrefix, std::size_t> counts_;
-  bool stopping_ = false;
+  bool is_stopping_ = false;
   std::thread thread_;
 };
 

@@ -123,7 +123,7 @@ MemoryResult<MutableBytes> Segment::begin() {
   const std::size_t index = free_[first_free_];
   first_free_ = (first_free_ + 1) % free_.size();
   --free_count_;
-  slots_[index].in_use = true;
+  slots_[index].is_in_use = true;
   written_ = index;
   // Odd before the first octet changes, and even only after the last one has.
   generation_of(slot(index)).store(++slots_[index].generation, std::memory_order_relaxed);
@@ -178,8 +178,8 @@ bool Segment::release(const Reference& reference) {
   if (reference.segment != id_ || reference.offset % slot_size_ != 0 || index >= slots_.size())
     return false;
   Slot& slot = slots_[index];
-  if (!slot.in_use || slot.generation != reference.generation) return false;
-  slot.in_use = false;
+  if (!slot.is_in_use || slot.generation != reference.generation) return false;
+  slot.is_in_use = false;
   free_[(first_free_ + free_count_) % free_.size()] = index;
   ++free_count_;
   return true;

@@ -95,7 +95,7 @@ class Segment {
  private:
   struct Slot {
     std::uint64_t generation = 0;
-    bool in_use = false;
+    bool is_in_use = false;
   };
   Segment() = default;
   std::uint8_t* slot(std::size_t index) const;

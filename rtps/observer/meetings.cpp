@@ -208,8 +208,8 @@ std::vector<ObservedMeeting> meetings_of(const Observer& observer) {
       ObservedMeeting meeting{.a = a->first, .b = b->first};
       meeting.met = std::max(a->second.messages.first, b->second.messages.first);
       const auto end =
-          std::min(a->second.left ? a->second.messages.last : observer.datagrams().last,
-                   b->second.left ? b->second.messages.last : observer.datagrams().last);
+          std::min(a->second.has_left ? a->second.messages.last : observer.datagrams().last,
+                   b->second.has_left ? b->second.messages.last : observer.datagrams().last);
       judge(meeting, {a->first, a->second, observer.flow(a->first, b->first)},
             {b->first, b->second, observer.flow(b->first, a->first)}, end);
       out.push_back(std::move(meeting));

@@ -162,13 +162,13 @@ void Observer::on_data(const Data& data, const Message& message) {
 void Observer::on_announcement(const Data& data, const Message& message) {
   auto& sender = *message.sender;
   if (data.kind == PayloadKind::key || data.inline_qos.status.disposed) {
-    sender.left = true;
+    sender.has_left = true;
     return;
   }
   auto announced = read_participant_data(data.payload);
   if (!announced || announced->guid.prefix != message.source) return;
   sender.domain = domain_of(*announced, message.arrival.port);
-  sender.left = false;
+  sender.has_left = false;
   sender.data = *std::move(announced);
 }
 

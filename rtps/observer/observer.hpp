@@ -75,7 +75,7 @@ struct ObservedParticipant {
   std::size_t topic_octets = 0;  ///< of these topics, including a price for each
   /// From its handshake messages, which are not encrypted.
   std::optional<CertificateNames> certificate;
-  bool left = false;
+  bool has_left = false;
 
   bool is_secured() const { return data && data->identity_token; }
 };

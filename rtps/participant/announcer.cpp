@@ -110,7 +110,7 @@ void Announcer::announce_securely(bool leaving) {
   const Guid guid{core_.config.prefix, kEntityIdParticipant};
   Change change;
   change.key_hash = guid.octets();
-  change.key_only = leaving;
+  change.is_key_only = leaving;
   if (leaving) {
     change.status = {true, true};
     write_participant_key(payload, guid);

@@ -18,12 +18,12 @@ BuiltinEndpoints::BuiltinEndpoints(const GuidPrefix& prefix, MessageSender& send
                                    TimerQueue& timers, Deliver deliver)
     : prefix_(prefix), sender_(sender), timers_(timers), deliver_(std::move(deliver)) {
   for (const auto& info : kBuiltinTopics)
-    if (!info.secure) add(info);
+    if (!info.is_secure) add(info);
 }
 
-void BuiltinEndpoints::secure() {
+void BuiltinEndpoints::is_secure() {
   for (const auto& info : kBuiltinTopics)
-    if (info.secure) add(info);
+    if (info.is_secure) add(info);
 }
 
 void BuiltinEndpoints::add(const BuiltinTopicInfo& info) {

@@ -31,7 +31,7 @@ struct BuiltinTopicInfo {
   BuiltinTopic topic;
   EntityId writer, reader;
   std::uint32_t bits;
-  bool secure;
+  bool is_secure;
 };
 
 inline constexpr std::array kBuiltinTopics = {
@@ -59,7 +59,7 @@ class BuiltinEndpoints {
                    Deliver deliver);
 
   /// Adds the secure endpoints.
-  void secure();
+  void is_secure();
 
   StatefulWriter& writer(BuiltinTopic topic) { return *endpoints_[index(topic)].writer; }
   /// Return nullptr if `id` is not one of the builtin endpoints.

@@ -42,7 +42,7 @@ void BuiltinMatcher::match(const BuiltinTopicInfo& info, RemoteParticipant& remo
   else
     builtin_.find_reader(own)->match(
         {.guid = other,
-         .reliable = true,
+         .is_reliable = true,
          .locators = remote.metatraffic,
          .begins_at_zero = again && remote.data.vendor == kVendorFastDds},
         core_.now);

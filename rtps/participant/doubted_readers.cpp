@@ -28,18 +28,18 @@ void DoubtedReaders::tick(MonotonicTime now) {
 bool DoubtedReaders::look_at(const Pair& pair, Doubt& doubt, MonotonicTime now) {
   const auto answers = host_.answers(pair);
   if (!answers) return false;
-  doubt.answered = doubt.answered || *answers != doubt.answers;
-  if (doubt.answered) {
+  doubt.is_answered = doubt.is_answered || *answers != doubt.answers;
+  if (doubt.is_answered) {
     doubt.due = doubt.end;
     return now < doubt.end;
   }
   if (now >= doubt.end) {
-    if (!std::exchange(doubt.ended, true)) host_.on_silent(pair);
+    if (!std::exchange(doubt.has_ended, true)) host_.on_silent(pair);
     doubt.interval = std::min(doubt.interval * 2, kMaxInterval);
   }
   host_.ask(pair);
   doubt.due = now + doubt.interval;
-  if (!doubt.ended) doubt.due = std::min(doubt.due, doubt.end);
+  if (!doubt.has_ended) doubt.due = std::min(doubt.due, doubt.end);
   return true;
 }
 

@@ -51,7 +51,7 @@ class DoubtedReaders {
     MonotonicTime due;      ///< when it is asked next
     MonotonicTime end;      ///< of kAnswerTimeout
     MonotonicTime interval = kInterval;
-    bool answered = false, ended = false;
+    bool is_answered = false, has_ended = false;
   };
 
   /// Returns false if the pair is no longer doubted.

@@ -65,7 +65,7 @@ struct EndpointDescription {
   std::shared_ptr<HeldOctets> held = {};
   /// Writers only: earlier changes, for readers that request history.
   std::vector<Change> history = {};
-  bool history_only = false;       ///< writers only: see StatefulWriter::serve_history_only
+  bool is_history_only = false;    ///< writers only: see StatefulWriter::serve_history_only
   std::optional<Guid> group = {};  ///< the GUID of a publisher with GROUP access
   KeyRewriter bare_key = {};       ///< writers only: see StatefulWriter::rewrite_keys_with
 };

@@ -36,7 +36,7 @@ std::optional<Admission::Permission> judge(ParticipantCore& core, const Endpoint
 bool register_pair(ParticipantCore& core, const EntityId& local, const Guid& remote,
                    const Admission::Permission& permission) {
   if (!core.security || remote.prefix == core.config.prefix) return true;
-  return core.security->register_pair(local, remote, permission.relay_only);
+  return core.security->register_pair(local, remote, permission.is_relay_only);
 }
 
 }  // namespace
@@ -189,8 +189,8 @@ bool EndpointMatcher::match_all(RemoteParticipant& remote) {
     const bool is_matched = local.matched.contains(data.guid);
     if (is_matched || keyring.is_pair_registered(own, data.guid)) {
       const auto permission = core_.security->admit(own, Admission::Endpoint::of(data));
-      const bool is_relay = keyring.kind_of(own, data.guid) == Keyring::PairKind::relay_only;
-      const bool stays = permission && permission->relay_only == is_relay;
+      const bool is_relay = keyring.kind_of(own, data.guid) == Keyring::PairKind::is_relay_only;
+      const bool stays = permission && permission->is_relay_only == is_relay;
       if (stays && is_matched) return;
       if (!stays) forget(local, data.guid, true);
       any_lost = any_lost || !stays;
@@ -272,8 +272,8 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
   // A reader in this process gets each sample directly and filters by itself.
   const auto* near =
       process_peer_of(local_, core_.config.process_peers.get(), writer.data.guid.entity, data.guid);
-  const bool in_process = near != nullptr;
-  auto filter = data.content_filter && !in_process ? writer.listener->filter_for(data) : nullptr;
+  const bool is_in_process = near != nullptr;
+  auto filter = data.content_filter && !is_in_process ? writer.listener->filter_for(data) : nullptr;
   if (known) {
     writer.protocol->set_filter(data.guid, std::move(filter));
     if (!writer.unready.contains(data.guid)) writer.listener->on_matched(data);
@@ -282,12 +282,12 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
   take_place(writer, data);
   const bool waits = presence_.awaits(writer, data);
   const bool history = data.qos.durability >= DurabilityKind::transient_local;
-  const auto locators = in_process ? LocatorList{} : addresses_of(core_, remote, data);
-  writer.protocol->match({data.guid, data.qos.is_reliable(), history, locators, in_process,
+  const auto locators = is_in_process ? LocatorList{} : addresses_of(core_, remote, data);
+  writer.protocol->match({data.guid, data.qos.is_reliable(), history, locators, is_in_process,
                           std::move(filter), key_reading_of(remote.data)},
                          core_.now);
   if (!waits) writer.listener->on_matched(data);
-  if (in_process) return join_in_process(local_, *near, writer.data.guid, data.guid);
+  if (is_in_process) return join_in_process(local_, *near, writer.data.guid, data.guid);
   note_reader(core_, writer, remote, data.guid, locators);
 }
 
@@ -311,16 +311,16 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
   const auto identity = core_.identity_of(data.guid.prefix);
   const auto* near =
       process_peer_of(local_, core_.config.process_peers.get(), own.entity, data.guid);
-  const bool in_process = near != nullptr;
+  const bool is_in_process = near != nullptr;
   const bool history =
       std::min(data.qos.durability, reader.data.qos.durability) >= DurabilityKind::transient_local;
-  const auto locators = in_process ? LocatorList{} : addresses_of(core_, remote, data);
-  reader.protocol->match({data.guid, data.qos.is_reliable(), locators, in_process,
+  const auto locators = is_in_process ? LocatorList{} : addresses_of(core_, remote, data);
+  reader.protocol->match({data.guid, data.qos.is_reliable(), locators, is_in_process,
                           core_.keys_of(own.entity, data.guid), identity},
                          core_.now, history);
   reader.listener->on_matched(data);
   remote.watch(*reader.listener, data, core_.now);
-  if (in_process) return join_in_process(local_, *near, own, data.guid);
+  if (is_in_process) return join_in_process(local_, *near, own, data.guid);
   note_writer(core_, own.entity, remote, data.guid, locators);
 }
 

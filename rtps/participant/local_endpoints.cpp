@@ -51,14 +51,14 @@ Result<LocalWriter*> LocalEndpoints::create_writer(EndpointDescription request,
   DDSSEC_RETURN_IF_ERROR(check_consistency(request.qos));
   const auto kind = request.with_key ? EndpointKind::writer_with_key : EndpointKind::writer_no_key;
   auto history = std::move(request.history);
-  const bool history_only = request.history_only;
+  const bool is_history_only = request.is_history_only;
   auto bare_key = std::move(request.bare_key);
   auto data = data_of(std::move(request), kind);
   DDSSEC_RETURN_IF_ERROR(secure(data, listener));
   auto protocol =
       std::make_unique<StatefulWriter>(data.guid, data.qos, core_.sender, &core_.timers);
   for (auto& change : history) protocol->write(std::move(change), core_.now);
-  if (history_only) protocol->serve_history_only();
+  if (is_history_only) protocol->serve_history_only();
   protocol->rewrite_keys_with(std::move(bare_key));
   protocol->on_acknowledged([&listener] { listener.on_acknowledged(); });
   const auto id = data.guid.entity;
@@ -113,7 +113,7 @@ void LocalEndpoints::unpublish(const Guid& endpoint) {
   Change change;
   change.key_hash = endpoint.octets();
   change.status = {true, true};
-  change.key_only = true;
+  change.is_key_only = true;
   change.payload = Payload::copy_of(payload.view());
   sedp_writer(endpoint.entity).write(std::move(change), core_.now);
 }

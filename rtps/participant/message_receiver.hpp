@@ -35,7 +35,7 @@ class MessageReceiver {
   /// RTPS 8.3.4: what earlier submessages of a message specify for later ones.
   struct Context {
     GuidPrefix source;
-    bool for_us = true;
+    bool is_for_us = true;
     std::optional<Time> time;
     MonotonicTime now{};
     std::size_t message_size = 0;

@@ -18,8 +18,8 @@ struct Change {
   StatusInfo status;  ///< no flag set: alive
   std::optional<KeyHash> key_hash;
   std::optional<Time> source_time;
-  bool key_only = false;  ///< the payload is a serialized key
-  Payload payload;        ///< with its encapsulation
+  bool is_key_only = false;  ///< the payload is a serialized key
+  Payload payload;           ///< with its encapsulation
   Coherence coherence = {};
   Original original = {};
   /// Set by a DataReader that has no room for the change: `key_hash` names its instance for

@@ -4,7 +4,7 @@ namespace ddssec::rtps {
 
 ReaderProxy& MatchedReaders::add(MatchedReader reader, const ReaderProxy::Range& range) {
   const auto guid = reader.guid;
-  auto& proxy = proxies_.try_emplace(guid, std::move(reader), range, reliable_).first->second;
+  auto& proxy = proxies_.try_emplace(guid, std::move(reader), range, is_reliable_).first->second;
   acknowledge(proxy, range.first.previous());
   count(proxy, 1);
   return proxy;

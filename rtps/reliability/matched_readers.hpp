@@ -16,7 +16,7 @@ class MatchedReaders {
   static constexpr MonotonicTime kCheckPeriod = std::chrono::milliseconds(20);
 
   MatchedReaders(const EntityId& writer, bool writer_is_reliable)
-      : writer_(writer), reliable_(writer_is_reliable) {}
+      : writer_(writer), is_reliable_(writer_is_reliable) {}
 
   /// Adds a reader that is not known. Changes below its range count as acknowledged.
   ReaderProxy& add(MatchedReader reader, const ReaderProxy::Range& range);
@@ -82,7 +82,7 @@ class MatchedReaders {
   }
 
   const EntityId writer_;
-  const bool reliable_;
+  const bool is_reliable_;
   std::uint8_t dscp_ = 0;
   Proxies proxies_;
   AcknowledgedNumbers acknowledged_;  ///< of the readers that acknowledge

@@ -6,7 +6,7 @@ namespace ddssec::rtps {
 
 void MemoryWriting::set_reading(const GuidPrefix& participant, bool in_memory) {
   for (auto& [guid, proxy] : readers_.all())
-    if (guid.prefix == participant && proxy.in_memory != in_memory && !proxy.reader().in_process)
+    if (guid.prefix == participant && proxy.in_memory != in_memory && !proxy.reader().is_in_process)
       readers_.set_in_memory(proxy, in_memory);
 }
 

@@ -144,7 +144,7 @@ void MessageSender::flush() {
   if (gatherings_ == 0)
     flush_now();
   else
-    flush_wanted_ = true;
+    is_flush_wanted_ = true;
 }
 
 // Out of memory: the next flush tries again.
@@ -152,7 +152,7 @@ void MessageSender::flush_at_end() noexcept {
   try {
     flush_now();
   } catch (...) {
-    flush_wanted_ = true;
+    is_flush_wanted_ = true;
   }
 }
 
@@ -160,7 +160,7 @@ void MessageSender::flush_now() {
   finish_message();
   send_waiting();
   flush_by_ = kNever;
-  flush_wanted_ = false;
+  is_flush_wanted_ = false;
 }
 
 }  // namespace ddssec::rtps

@@ -96,7 +96,7 @@ class MessageSender {
    public:
     explicit Gathering(MessageSender& sender) : sender_(sender) { ++sender_.gatherings_; }
     ~Gathering() {
-      if (--sender_.gatherings_ == 0 && sender_.flush_wanted_) sender_.flush_at_end();
+      if (--sender_.gatherings_ == 0 && sender_.is_flush_wanted_) sender_.flush_at_end();
     }
     Gathering(const Gathering&) = delete;
     Gathering& operator=(const Gathering&) = delete;
@@ -219,7 +219,7 @@ class MessageSender {
   bool may_delay_flush_ = false;
   MonotonicTime flush_by_ = kNever;
   int gatherings_ = 0;
-  bool flush_wanted_ = false;
+  bool is_flush_wanted_ = false;
   std::uint32_t samples_heard_ = 0;
   std::uint16_t fragment_size_ = kMaxFragment;
 };

@@ -20,10 +20,10 @@ class StatefulReader;
 /// A reader that matched a local writer.
 struct MatchedReader {
   Guid guid;
-  bool reliable = false;
+  bool is_reliable = false;
   bool wants_history = false;  ///< durability is TRANSIENT_LOCAL or higher
   LocatorList locators = {};   ///< empty if it gets changes directly in this process
-  bool in_process = false;
+  bool is_in_process = false;
   std::shared_ptr<ChangeFilter> filter = {};  ///< nullptr: it gets everything
   KeyReading keys = {};
 };
@@ -66,7 +66,7 @@ class ReaderProxy {
   ReaderProxy(MatchedReader reader, const Range& range, bool writer_is_reliable)
       : reader_(std::move(reader)),
         range_(range),
-        acknowledges_(reader_.reliable && writer_is_reliable) {}
+        acknowledges_(reader_.is_reliable && writer_is_reliable) {}
   ReaderProxy(const ReaderProxy&) = delete;
   ReaderProxy& operator=(const ReaderProxy&) = delete;
 

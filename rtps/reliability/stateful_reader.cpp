@@ -18,7 +18,7 @@ StatefulReader::StatefulReader(const Guid& guid, bool reliable, MessageSender& s
                                Deliver deliver, TimerQueue* timers)
     : Timed(timers),
       guid_(guid),
-      reliable_(reliable),
+      is_reliable_(reliable),
       sender_(sender),
       messages_(guid.entity, sender),
       common_{.deliver = std::move(deliver)} {}
@@ -42,17 +42,17 @@ StatefulReader::~StatefulReader() {
 
 void StatefulReader::match(MatchedWriter writer, MonotonicTime now, bool wants_history) {
   const auto guid = writer.guid;
-  const auto [at, is_new] = writers_.try_emplace(guid, std::move(writer), reliable_, common_);
+  const auto [at, is_new] = writers_.try_emplace(guid, std::move(writer), is_reliable_, common_);
   if (!is_new) return;
   auto& proxy = at->second;
   if (const auto past = past_.take(guid); past && past->keys == proxy.writer().keys)
     proxy.resume(*past, wants_history);
-  if (proxy.is_reliable() && !proxy.writer().in_process) ask(proxy, now);
+  if (proxy.is_reliable() && !proxy.writer().is_in_process) ask(proxy, now);
 }
 
 void StatefulReader::readdress(const Guid& writer, const LocatorList& locators) {
   auto* proxy = find(writer);
-  if (proxy == nullptr || proxy->writer().in_process) return;
+  if (proxy == nullptr || proxy->writer().is_in_process) return;
   sender_.flush();
   proxy->set_locators(locators);
 }
@@ -251,7 +251,7 @@ void StatefulReader::detach(const Guid& writer) {
 bool StatefulReader::offer(const Change& change) {
   if (alive_) alive_(change.writer);
   auto copy = change;
-  return common_.deliver(copy) || !reliable_;
+  return common_.deliver(copy) || !is_reliable_;
 }
 
 void StatefulReader::skip(const Guid& writer, SequenceNumber next) {

@@ -139,7 +139,7 @@ class StatefulReader final : private Timed {
   void acknowledge(WriterProxy& proxy, SequenceNumber last);
 
   const Guid guid_;
-  const bool reliable_;
+  const bool is_reliable_;
   MessageSender& sender_;
   ReaderMessages messages_;
   Dropped dropped_;

@@ -53,10 +53,11 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   if (readers_.filtered() >= kMaxFilters) reader.filter = nullptr;
   const auto next = history_.last().next();
   const bool history = reader.wants_history && qos_.durability >= DurabilityKind::transient_local;
-  auto& proxy = readers_.add(std::move(reader), {.first = history ? history_.first() : next,
-                                                 .until = history_only_ ? next : SequenceNumber{}});
+  auto& proxy =
+      readers_.add(std::move(reader), {.first = history ? history_.first() : next,
+                                       .until = is_history_only_ ? next : SequenceNumber{}});
   messages_.set_key_reading(readers_.key_reading());
-  if (proxy.reader().in_process) return;
+  if (proxy.reader().is_in_process) return;
   if (!proxy.acknowledges()) {
     send_history(proxy, now);
   } else if (!is_builtin(guid_.entity) || history_.last().value > 0) {
@@ -104,7 +105,7 @@ void StatefulWriter::unmatch(const Guid& reader) {
 
 void StatefulWriter::readdress(const Guid& reader, const LocatorList& locators, MonotonicTime now) {
   auto* proxy = readers_.find(reader);
-  if (proxy == nullptr || proxy->reader().in_process || proxy->reader().locators == locators)
+  if (proxy == nullptr || proxy->reader().is_in_process || proxy->reader().locators == locators)
     return;
   sender_.flush();
   readers_.readdress(*proxy, locators);
@@ -127,7 +128,7 @@ void StatefulWriter::set_filter(const Guid& reader, std::shared_ptr<ChangeFilter
 SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
   change.writer = guid_;
   const auto number = history_.add(std::move(change));
-  if (!held_back_) {
+  if (!is_held_back_) {
     local_.feed_all();
     if (readers_.any_remote()) send(*history_.find(number), now);
   }
@@ -191,7 +192,7 @@ void StatefulWriter::assert_liveliness() {
 }
 
 void StatefulWriter::hold_back(bool held_back, MonotonicTime now) {
-  if (std::exchange(held_back_, held_back) == held_back) return;
+  if (std::exchange(is_held_back_, held_back) == held_back) return;
   if (held_back) {
     held_from_ = history_.last().next();
     return;
@@ -221,7 +222,7 @@ MemoryWriting& StatefulWriter::memory() {
 bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now,
                                 bool is_protected) {
   auto* proxy = readers_.find({from, acknack.reader});
-  if (proxy == nullptr || !proxy->reader().reliable) return false;
+  if (proxy == nullptr || !proxy->reader().is_reliable) return false;
   const auto base = acknack.missing.base();
   // A reader that knows nothing yet asks what the writer holds (base 0: Fast DDS; count 0: Cyclone
   // DDS). A recorded request of this kind must not make old counts acceptable again.
@@ -249,7 +250,7 @@ bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
 bool StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now,
                                   bool is_protected) {
   auto* proxy = readers_.find({from, nack.reader});
-  if (proxy == nullptr || !proxy->reader().reliable) return false;
+  if (proxy == nullptr || !proxy->reader().is_reliable) return false;
   if (!proxy->nack_frags.take(nack, is_protected)) return false;
   schedule_.note_request(now);
   call_at(schedule_.due());
@@ -282,7 +283,7 @@ void StatefulWriter::tick(MonotonicTime now) {
   filtered_.send_gaps(history_.last().next());
   for (const auto& [guid, proxy] : readers_.all()) {
     const auto& reader = proxy.reader();
-    if (reader.reliable && !reader.in_process && proxy.acknowledged() < history_.last())
+    if (reader.is_reliable && !reader.is_in_process && proxy.acknowledged() < history_.last())
       send_question(readers_.one(proxy), retransmissions_.lowest_for(proxy));
   }
   sender_.flush();
@@ -303,7 +304,7 @@ bool StatefulWriter::is_ahead(MonotonicTime now) {
 // No reader will request these changes again: late joiners of a volatile writer get no old changes.
 void StatefulWriter::release_acknowledged() {
   if (qos_.durability >= DurabilityKind::transient_local) return;
-  const auto last = held_back_ ? held_from_.previous() : history_.last();
+  const auto last = is_held_back_ ? held_from_.previous() : history_.last();
   history_.remove_through(std::min(last, readers_.acknowledged().lowest().value_or(last)));
 }
 
@@ -311,7 +312,7 @@ void StatefulWriter::release_acknowledged() {
 
 void StatefulWriter::attach(StatefulReader& reader) {
   auto* proxy = readers_.find(reader.guid());
-  if (proxy == nullptr || !proxy->reader().in_process || proxy->local != nullptr) return;
+  if (proxy == nullptr || !proxy->reader().is_in_process || proxy->local != nullptr) return;
   if (!reader.attach(*this)) return;
   proxy->local = &reader;
   feed(reader.guid());
@@ -330,7 +331,7 @@ void StatefulWriter::lose(const Guid& reader) {
 void StatefulWriter::feed(const Guid& reader) {
   auto* proxy = readers_.find(reader);
   if (proxy == nullptr || proxy->local == nullptr) return;
-  if (!held_back_) local_.feed(*proxy);
+  if (!is_held_back_) local_.feed(*proxy);
   release_acknowledged();
   if (on_acknowledged_) on_acknowledged_();
 }

@@ -36,7 +36,7 @@ class StatefulWriter final : private Timed {
   /// A reliable reader is sent a HEARTBEAT at once.
   void match(MatchedReader reader, MonotonicTime now);
   /// Readers that match from now on get what is held at that time, and nothing later.
-  void serve_history_only() { history_only_ = true; }
+  void serve_history_only() { is_history_only_ = true; }
   void unmatch(const Guid& reader);
   /// From now on a matched reader of another process is sent to at these locators.
   void readdress(const Guid& reader, const LocatorList& locators, MonotonicTime now);
@@ -131,8 +131,8 @@ class StatefulWriter final : private Timed {
   PiggybackHeartbeats piggyback_;
   WritePace pace_;
   std::function<void()> on_acknowledged_;
-  bool held_back_ = false;
-  bool history_only_ = false;
+  bool is_held_back_ = false;
+  bool is_history_only_ = false;
   SequenceNumber held_from_;  ///< the first change that was not sent
 };
 

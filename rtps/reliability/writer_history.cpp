@@ -33,11 +33,12 @@ WriterHistory::WriterHistory(const Qos& qos)
           qos.resource_limits.max_samples_per_instance == kLengthUnlimited
               ? kMaxChanges
               : static_cast<std::size_t>(qos.resource_limits.max_samples_per_instance)),
-      by_instance_(history_.kind == HistoryKind::keep_last || max_per_instance_ < max_changes_) {}
+      counts_instances_(history_.kind == HistoryKind::keep_last ||
+                        max_per_instance_ < max_changes_) {}
 
 bool WriterHistory::has_room(std::size_t payload_size, const KeyHash& instance) const {
   if (history_.kind == HistoryKind::keep_last) return true;
-  if (by_instance_) {
+  if (counts_instances_) {
     const auto held = instances_.find(instance);
     if (held != instances_.end() && held->second.count >= max_per_instance_) return false;
   }
@@ -53,7 +54,7 @@ SequenceNumber WriterHistory::add(Change change) {
   markers_ += marker ? 1 : 0;
   if (marker) keep_marker(change.sequence_number);
   auto& added = changes_.push_back({last(), std::move(change), {0}, {0}});
-  if (by_instance_ && !marker) join_instance(added);
+  if (counts_instances_ && !marker) join_instance(added);
   trim_front();
   forget_dropped();
   if (count_ - markers_ > max_changes_) make_room();
@@ -162,7 +163,7 @@ void WriterHistory::drop(SequenceNumber number) {
   --count_;
   const bool marker = dropped.change->is_marker();
   markers_ -= marker ? 1 : 0;
-  if (by_instance_ && !marker) leave_instance(dropped);
+  if (counts_instances_ && !marker) leave_instance(dropped);
   dropped = {.number = number, .change = {}, .previous = {}, .next = {}};
 }
 

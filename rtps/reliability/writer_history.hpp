@@ -86,7 +86,7 @@ class WriterHistory {
   const History history_;
   const std::size_t max_changes_;
   const std::size_t max_per_instance_;
-  const bool by_instance_;  ///< instances are counted
+  const bool counts_instances_;  ///< instances are counted
   /// Sorted by sequence number. Not many more than are held, however old the first of them is.
   Ring<Slot> changes_;
   SequenceNumber next_{1};

@@ -9,7 +9,7 @@ namespace {
 
 PayloadKind kind_of(const Change& change) {
   if (change.payload.size() == 0) return PayloadKind::none;
-  return change.key_only ? PayloadKind::key : PayloadKind::data;
+  return change.is_key_only ? PayloadKind::key : PayloadKind::data;
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ InlineQos WriterMessages::inline_qos_of(const Change& change,
 
 BytesView WriterMessages::payload_of(const Change& change) {
   const auto octets = change.payload.view();
-  if (!change.key_only || is_builtin(writer_)) return octets;
+  if (!change.is_key_only || is_builtin(writer_)) return octets;
   return key_payload_for(key_reading_, octets, to_bare_key_, key_scratch_);
 }
 
@@ -75,7 +75,7 @@ void WriterMessages::fragment(const Receiver& receiver, const Change& change, Fr
                       sender_.fragment_size(),
                       static_cast<std::uint32_t>(octets.size()),
                       inline_qos_of(change, filters),
-                      change.key_only,
+                      change.is_key_only,
                       octets.subspan(begin, size)};
   sender_.add(receiver.to, InfoTimestamp{change.source_time}, frag);
 }

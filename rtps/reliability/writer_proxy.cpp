@@ -7,7 +7,7 @@ namespace ddssec::rtps {
 WriterProxy::WriterProxy(MatchedWriter writer, bool reader_is_reliable, Common& common)
     : writer_(std::move(writer)),
       common_(common),
-      reliable_(reader_is_reliable && writer_.reliable),
+      is_reliable_(reader_is_reliable && writer_.is_reliable),
       held_(*common.held, writer_.owner()),
       early_(held_, common.spare),
       partial_(held_, !reader_is_reliable) {}
@@ -15,20 +15,21 @@ WriterProxy::WriterProxy(MatchedWriter writer, bool reader_is_reliable, Common& 
 void WriterProxy::resume(const PastWriters::Position& past, bool wants_history) {
   heartbeats_.resume(past.last_heartbeat);
   former_ = past.next;
-  waits_ = reliable_ && wants_history;
-  if (!waits_) next_ = past.next;
+  waits_for_heartbeat_ = is_reliable_ && wants_history;
+  if (!waits_for_heartbeat_) next_ = past.next;
 }
 
 bool WriterProxy::accept(SequenceNumber number, std::optional<Change> change) {
   partial_.erase(number, number);
-  if (!reliable_) {
+  if (!is_reliable_) {
     note_lost(number);
     next_ = number.next();  // best effort: older changes are lost
     partial_.erase({0}, number);
     if (change) common_.deliver(*change);
     return true;
   }
-  if (!waits_ && number == next_ && early_.empty() && (!change || common_.deliver(*change))) {
+  if (!waits_for_heartbeat_ && number == next_ && early_.empty() &&
+      (!change || common_.deliver(*change))) {
     next_ = number.next();
     return true;
   }
@@ -40,7 +41,7 @@ bool WriterProxy::accept(SequenceNumber number, std::optional<Change> change) {
 }
 
 void WriterProxy::advance() {
-  if (waits_) return;
+  if (waits_for_heartbeat_) return;
   while (!early_.empty() && early_.first() == next_) {
     if (auto& change = early_.front(); change && !common_.deliver(*change)) return;
     next_ = next_.next();
@@ -55,14 +56,14 @@ bool WriterProxy::offer_again() {
 }
 
 std::uint64_t WriterProxy::refused() const {
-  if (waits_ || early_.empty() || early_.first() != next_) return 0;
+  if (waits_for_heartbeat_ || early_.empty() || early_.first() != next_) return 0;
   const auto announced = announced_ < next_ ? 0 : announced_.value - next_.value + 1;
   return std::max<std::uint64_t>(early_.size(), static_cast<std::uint64_t>(announced));
 }
 
 // Changes that a late joiner could never have received are not lost.
 void WriterProxy::note_lost(SequenceNumber until) {
-  const bool counts = std::exchange(started_, true) && until > next_ && common_.lost;
+  const bool counts = std::exchange(is_started_, true) && until > next_ && common_.lost;
   if (!counts) return;
   const auto from = std::max(next_, lost_until_);
   const auto held = early_.count_below(until) - early_.count_below(from);
@@ -74,14 +75,15 @@ void WriterProxy::note_lost(SequenceNumber until) {
 // may have had the latest count. Then the former position counts, so that nothing is delivered
 // twice.
 bool WriterProxy::on_heartbeat(const Heartbeat& heartbeat, bool is_protected) {
-  if (!heard_ && !waits_) heartbeats_ = {};
+  if (!was_heard_ && !waits_for_heartbeat_) heartbeats_ = {};
   const bool is_later_one = is_later(heartbeat.count, heartbeats_.last());
   if (!heartbeats_.take(heartbeat, is_protected)) return false;
-  if (!std::exchange(heard_, true)) history_end_ = heartbeat.last;
-  if (!reliable_) return true;
+  if (!std::exchange(was_heard_, true)) history_end_ = heartbeat.last;
+  if (!is_reliable_) return true;
   question.stop();
   announced_ = heartbeat.last;
-  if (std::exchange(waits_, false)) start_at(is_later_one ? heartbeat.first : former_);
+  if (std::exchange(waits_for_heartbeat_, false))
+    start_at(is_later_one ? heartbeat.first : former_);
   advance();
   note_lost(heartbeat.first);
   skip_to(heartbeat.first);
@@ -141,7 +143,7 @@ void WriterProxy::forget_latest() {
 
 void WriterProxy::attach(StatefulWriter& writer, SequenceNumber last) {
   local_ = &writer;
-  if (!std::exchange(heard_, true)) history_end_ = last;
+  if (!std::exchange(was_heard_, true)) history_end_ = last;
 }
 
 }  // namespace ddssec::rtps

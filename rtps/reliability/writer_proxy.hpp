@@ -19,9 +19,9 @@ class StatefulWriter;
 /// A writer that matched a local reader.
 struct MatchedWriter {
   Guid guid;
-  bool reliable = false;
+  bool is_reliable = false;
   LocatorList locators = {};  ///< empty if it delivers directly in this process
-  bool in_process = false;
+  bool is_in_process = false;
   /// Digest of the keys that protect its samples; empty: unprotected. Only the writer can have
   /// created samples that arrive while the keys are the same, but an attacker may have kept some of
   /// them.
@@ -60,7 +60,7 @@ class WriterProxy {
   const MatchedWriter& writer() const { return writer_; }
   void set_locators(LocatorList locators) { writer_.locators = std::move(locators); }
   /// True if missing changes are requested.
-  bool is_reliable() const { return reliable_; }
+  bool is_reliable() const { return is_reliable_; }
   /// Everything below was delivered or given up.
   SequenceNumber next() const { return next_; }
   /// The last change that a HEARTBEAT announced.
@@ -68,9 +68,9 @@ class WriterProxy {
   /// True if everything that it has announced was delivered or given up.
   bool has_caught_up() const { return next_ > announced_; }
   /// True if a HEARTBEAT has arrived.
-  bool was_heard() const { return heard_; }
+  bool was_heard() const { return was_heard_; }
   /// True once everything has arrived that a reliable writer held when it was first heard.
-  bool has_history() const { return !reliable_ || (heard_ && next_ > history_end_); }
+  bool has_history() const { return !is_reliable_ || (was_heard_ && next_ > history_end_); }
 
   /// The writer was matched before and continues at its former position. `wants_history`: a
   /// HEARTBEAT with a later count than before may start again with what the writer holds; until a
@@ -89,7 +89,7 @@ class WriterProxy {
   /// participant.
   bool on_heartbeat(const Heartbeat& heartbeat, bool is_protected = true);
   /// True while the next HEARTBEAT determines where the writer starts.
-  bool waits_for_heartbeat() const { return waits_; }
+  bool waits_for_heartbeat() const { return waits_for_heartbeat_; }
   /// Delivers what is held below `number`, and gives up what is missing there.
   void skip_to(SequenceNumber number);
   /// Forgets the next change if it was refused for now, and some that follow, so that they are
@@ -135,11 +135,11 @@ class WriterProxy {
 
   MatchedWriter writer_;
   Common& common_;
-  const bool reliable_;
-  bool heard_ = false;
-  bool started_ = false;  ///< a change of it arrived, or a HEARTBEAT gave its position
+  const bool is_reliable_;
+  bool was_heard_ = false;
+  bool is_started_ = false;  ///< a change of it arrived, or a HEARTBEAT gave its position
   /// For a HEARTBEAT; until then all changes are kept.
-  bool waits_ = false;
+  bool waits_for_heartbeat_ = false;
   SequenceNumber former_;      ///< position before the wait
   SequenceNumber lost_until_;  ///< what is missing below was counted as lost
   RecentMessages<Heartbeat> heartbeats_;

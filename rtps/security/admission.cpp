@@ -236,7 +236,7 @@ bool Admission::may_as_well(bool reads, const Permission& permission, const Endp
   const auto later = plugin.pending_permission(
       association->permissions.handle, reads,
       {.topic_name = remote.topic, .partitions = names, .data_tags = remote.data_tags});
-  return later && later->relay_only == permission.relay_only;
+  return later && later->is_relay_only == permission.is_relay_only;
 }
 
 std::vector<std::pair<EntityId, std::string>> Admission::own_topics() const {
@@ -314,7 +314,7 @@ Result<Admission::Permission> Admission::check_permissions(const Local& local,
   DDSSEC_ASSIGN_OR_RETURN(
       const auto answer,
       plugin.check_remote_datareader(peer.permissions.handle, core_.own->domain_id(), request));
-  return Permission{answer.relay_only};
+  return Permission{answer.is_relay_only};
 }
 
 }  // namespace ddssec::rtps

@@ -42,7 +42,7 @@ class Admission {
     static Endpoint of(const EndpointData& announced);
   };
   struct Permission {
-    bool relay_only = false;
+    bool is_relay_only = false;
   };
   /// Returns whether the remote endpoint may match the local one. Empty: no, and an event reports
   /// why.

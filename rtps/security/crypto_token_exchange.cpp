@@ -46,7 +46,7 @@ Status CryptoTokenExchange::open(Peer& peer) {
                                      core_.now);
   DDSSEC_ASSIGN_OR_RETURN(auto tokens, core_.keyring.participant_tokens(prefix));
   send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(tokens));
-  if (revising_) send_revised(peer);
+  if (is_revising_) send_revised(peer);
   return {};
 }
 
@@ -162,7 +162,7 @@ void CryptoTokenExchange::complete(Peer& peer, const EntityId& local, const Guid
   if (!completed) return core_.raise(completed.error(), remote, EventOrigin::its_keys);
   if (completed->protection == 0) return;
   send_endpoint_tokens(peer, local, remote, std::move(completed->tokens), completed->protection);
-  if (revising_ && is_trusted(peer) &&
+  if (is_revising_ && is_trusted(peer) &&
       completed->protection == core_.keyring.second_protections().first_of(local))
     add_waiting(*peer.state.association(), local, remote, spi::KeyStage::revised);
 }
@@ -190,7 +190,7 @@ bool CryptoTokenExchange::is_up_to_date(const Peer& peer) {
 }
 
 void CryptoTokenExchange::set_revising(bool revising) {
-  if (std::exchange(revising_, revising) && !revising)
+  if (std::exchange(is_revising_, revising) && !revising)
     for (auto& [prefix, peer] : core_.peers)
       if (auto* association = peer.state.association()) association->waiting.end_revision();
 }
@@ -343,15 +343,15 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
 bool CryptoTokenExchange::apply_tokens(Peer& peer, const GenericMessage& message) {
   const auto protection = protection_in(message);
   if (protection != 0) complete(peer, message.destination_endpoint.entity, message.source_endpoint);
-  const auto ready = core_.keyring.set_endpoint_tokens(
+  const auto is_ready = core_.keyring.set_endpoint_tokens(
       message.destination_endpoint.entity, message.source_endpoint, message.data, protection);
-  if (!ready) core_.raise(ready.error(), peer, EventOrigin::its_keys);
-  return ready && *ready;
+  if (!is_ready) core_.raise(is_ready.error(), peer, EventOrigin::its_keys);
+  return is_ready && *is_ready;
 }
 
 bool CryptoTokenExchange::register_pair(const EntityId& local, const Guid& remote,
-                                        bool relay_only) {
-  auto registered = core_.keyring.register_pair(local, remote, relay_only);
+                                        bool is_relay_only) {
+  auto registered = core_.keyring.register_pair(local, remote, is_relay_only);
   if (!registered) {
     const auto* attributes = core_.keyring.attributes(local);
     const bool is_secure = attributes != nullptr && attributes->topic.is_discovery_protected;
@@ -360,22 +360,22 @@ bool CryptoTokenExchange::register_pair(const EntityId& local, const Guid& remot
   }
   auto* peer = core_.find(remote.prefix);
   auto* association = peer == nullptr ? nullptr : peer->state.association();
-  if (!registered->is_new || association == nullptr) return registered->ready;
+  if (!registered->is_new || association == nullptr) return registered->is_ready;
   if (may_send(*association) && association->waiting.empty())
     send_endpoint_tokens(*peer, local, remote, std::move(registered->tokens));
   else if (!registered->tokens.empty())
     add_waiting(*association, local, remote, spi::KeyStage::in_use);
-  if (revising_ && is_trusted(*peer)) {
+  if (is_revising_ && is_trusted(*peer)) {
     add_waiting(*association, local, remote, spi::KeyStage::revised);
     send_waiting(*peer);
   }
-  bool ready = registered->ready;
+  bool is_ready = registered->is_ready;
   const bool any = association->early.take(
       {core_.own->guid().prefix, local}, remote,
-      [&](const auto& early) { ready = apply_tokens(*peer, early) || ready; });
+      [&](const auto& early) { is_ready = apply_tokens(*peer, early) || is_ready; });
   if (any && (have_room_.empty() || have_room_.back() != remote.prefix))
     have_room_.push_back(remote.prefix);
-  return ready;
+  return is_ready;
 }
 
 }  // namespace ddssec::rtps

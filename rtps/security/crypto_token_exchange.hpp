@@ -58,7 +58,7 @@ class CryptoTokenExchange {
 
   /// Registers a local and a remote endpoint as a pair. Returns true if they can be matched now.
   /// Otherwise on_keys is called when they can.
-  bool register_pair(const EntityId& local, const Guid& remote, bool relay_only);
+  bool register_pair(const EntityId& local, const Guid& remote, bool is_relay_only);
 
   /// Asks a ddssec peer for the tokens of a remote endpoint, which it has sent before.
   void request_tokens(const EntityId& local, const Guid& remote);
@@ -98,7 +98,7 @@ class CryptoTokenExchange {
 
   SecurityCore& core_;
   std::int64_t last_number_ = 0;
-  bool revising_ = false;
+  bool is_revising_ = false;
   RenewalListener renewal_listener_, governance_listener_, memory_listener_;
   /// Peers of which early tokens were taken since the last tick.
   std::vector<GuidPrefix> have_room_;

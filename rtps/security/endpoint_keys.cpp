@@ -30,9 +30,9 @@ const LocalKeys* find(const Locals& locals, const EntityId& id) {
 }
 
 void LocalKeys::list(const EntityId& id, PairKeys& pair) {
-  if (!pair.ready || pair.handle == 0 || pair.place) return;
-  pair.place = ready.size();
-  ready.push_back(&pair);
+  if (!pair.is_ready || pair.handle == 0 || pair.place) return;
+  pair.place = is_ready.size();
+  is_ready.push_back(&pair);
   if (is_writer(id))
     readers.push_back({pair.handle});
   else
@@ -47,8 +47,8 @@ void LocalKeys::unlist(const EntityId& id, PairKeys& pair) {
     from[place] = from.back();
     from.pop_back();
   };
-  ready.back()->place = place;
-  remove(ready);
+  is_ready.back()->place = place;
+  remove(is_ready);
   pair.place.reset();
   if (is_writer(id))
     remove(readers);
@@ -98,11 +98,11 @@ void EndpointKeys::remove(Locals& from, const EntityId& id) {
 
 Result<std::int64_t> EndpointKeys::register_with_plugin(const EntityId& id, const LocalKeys& local,
                                                         const RemoteCrypto& remote,
-                                                        bool relay_only) {
+                                                        bool is_relay_only) {
   if (is_writer(id)) {
     DDSSEC_ASSIGN_OR_RETURN(const auto matched_remote_datareader,
                             factory().register_matched_remote_datareader(
-                                {local.handle}, remote.crypto, *remote.secret, relay_only));
+                                {local.handle}, remote.crypto, *remote.secret, is_relay_only));
     return matched_remote_datareader.value;
   }
   DDSSEC_ASSIGN_OR_RETURN(
@@ -121,17 +121,18 @@ Result<std::vector<spi::Token>> EndpointKeys::tokens_for(const EntityId& id, con
 }
 
 Result<PairRegistration> EndpointKeys::register_pair(const EntityId& id, LocalKeys& local,
-                                                     const Guid& remote, bool relay_only) {
-  PairKeys pair{.ready = true, .relay_only = relay_only};
+                                                     const Guid& remote, bool is_relay_only) {
+  PairKeys pair{.is_ready = true, .is_relay_only = is_relay_only};
   PairRegistration out{true, true};
   if (local.handle != 0) {
     const auto peer = remotes_.find(remote.prefix);
     if (peer == remotes_.end()) return fail(Code::crypto_not_matched);
-    DDSSEC_ASSIGN_OR_RETURN(pair.handle, register_with_plugin(id, local, peer->second, relay_only));
+    DDSSEC_ASSIGN_OR_RETURN(pair.handle,
+                            register_with_plugin(id, local, peer->second, is_relay_only));
     endpoint_of_[pair.handle] = {remote, local.protection};
     if (!local.is_volatile) {
       DDSSEC_ASSIGN_OR_RETURN(out.tokens, tokens_for(id, local, pair));
-      out.ready = pair.ready = !waits_for_tokens(id, local.attributes);
+      out.is_ready = pair.is_ready = !waits_for_tokens(id, local.attributes);
     }
   }
   local.list(id, local.pairs[remote] = pair);
@@ -147,8 +148,8 @@ void EndpointKeys::unregister_pair(Locals& from, const EntityId& id, const Guid&
   // The remote endpoint is of the other kind.
   const auto handle = pair->second.handle;
   at->second.unlist(id, pair->second);
-  pair->second.suspended = may_return && handle != 0 && !at->second.is_volatile;
-  if (pair->second.suspended) return;
+  pair->second.is_suspended = may_return && handle != 0 && !at->second.is_volatile;
+  if (pair->second.is_suspended) return;
   at->second.pairs.erase(pair);
   endpoint_of_.erase(handle);
   if (handle == 0) return;
@@ -274,7 +275,8 @@ std::vector<std::pair<EntityId, Guid>> SecondProtections::incomplete_pairs(
   const auto add = [&](const EntityId& id, const LocalKeys& has, const LocalKeys& lacks) {
     for (auto at = has.pairs.lower_bound({prefix, {}});
          at != has.pairs.end() && at->first.prefix == prefix; ++at)
-      if (!at->second.suspended && !lacks.pairs.contains(at->first) && is_permitted(id, at->first))
+      if (!at->second.is_suspended && !lacks.pairs.contains(at->first) &&
+          is_permitted(id, at->first))
         out.emplace_back(id, at->first);
   };
   for (const auto& [id, other] : others_)
@@ -294,10 +296,11 @@ Result<SecondProtections::Completion> SecondProtections::complete(const EntityId
   const auto in_other = other->second.pairs.find(remote);
   const bool has_first = in_first != first->second.pairs.end();
   const bool has_other = in_other != other->second.pairs.end();
-  if (has_first == has_other || (has_first && in_first->second.suspended)) return Completion{};
+  if (has_first == has_other || (has_first && in_first->second.is_suspended)) return Completion{};
   auto& lacks = has_first ? other->second : first->second;
-  const bool relay_only = has_first ? in_first->second.relay_only : in_other->second.relay_only;
-  DDSSEC_ASSIGN_OR_RETURN(auto registered, keys_.register_pair(id, lacks, remote, relay_only));
+  const bool is_relay_only =
+      has_first ? in_first->second.is_relay_only : in_other->second.is_relay_only;
+  DDSSEC_ASSIGN_OR_RETURN(auto registered, keys_.register_pair(id, lacks, remote, is_relay_only));
   return Completion{lacks.protection, std::move(registered.tokens)};
 }
 

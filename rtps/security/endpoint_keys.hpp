@@ -20,9 +20,9 @@ ProtectionId protection_id(const spi::EndpointSecurityAttributes& attributes);
 /// A local endpoint's keys with one remote endpoint.
 struct PairKeys {
   std::int64_t handle = 0;  ///< handle of the remote endpoint; 0: no keys at all
-  bool ready = false;
-  bool relay_only = false;
-  bool suspended = false;
+  bool is_ready = false;
+  bool is_relay_only = false;
+  bool is_suspended = false;
   Sha256Digest keys = {};                 ///< digest of its latest tokens
   std::optional<std::size_t> place = {};  ///< index in the lists of ready pairs
 };
@@ -37,7 +37,7 @@ struct LocalKeys {
   std::map<Guid, PairKeys> pairs = {};
   std::vector<spi::DatareaderCryptoHandle> readers = {};  ///< for a writer: the ready readers
   std::vector<spi::DatawriterCryptoHandle> writers = {};  ///< for a reader: the ready writers
-  std::vector<PairKeys*> ready = {};                      ///< the pairs of either list
+  std::vector<PairKeys*> is_ready = {};                   ///< the pairs of either list
   /// Adds a pair to the lists if it is ready, or removes it, without iterating over the others.
   void list(const EntityId& id, PairKeys& pair);
   void unlist(const EntityId& id, PairKeys& pair);
@@ -57,7 +57,7 @@ using Remotes = std::map<GuidPrefix, RemoteCrypto>;
 
 /// A pair that was registered, or found.
 struct PairRegistration {
-  bool ready = false;  ///< the keys have arrived, or none are needed
+  bool is_ready = false;  ///< the keys have arrived, or none are needed
   bool is_new = false;
   std::vector<spi::Token> tokens = {};  ///< to be sent to the remote endpoint, if the pair is new
 };
@@ -72,7 +72,7 @@ class EndpointKeys {
   void remove(Locals& from, const EntityId& id);
   /// Errors: crypto_not_matched (the remote participant is not known), those of the plugin.
   Result<PairRegistration> register_pair(const EntityId& id, LocalKeys& local, const Guid& remote,
-                                         bool relay_only);
+                                         bool is_relay_only);
   /// See Keyring::unregister_pair.
   void unregister_pair(Locals& from, const EntityId& id, const Guid& remote, bool may_return);
   /// The same for all endpoints of the participant.
@@ -91,7 +91,7 @@ class EndpointKeys {
  private:
   Status register_local(const EntityId& id, LocalKeys& local);
   Result<std::int64_t> register_with_plugin(const EntityId& id, const LocalKeys& local,
-                                            const RemoteCrypto& remote, bool relay_only);
+                                            const RemoteCrypto& remote, bool is_relay_only);
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }
 
   OwnSecurity& own_;

@@ -104,7 +104,7 @@ void GovernanceTransition::begin(const Version& next) {
   target_ = next;
   phase_ = Phase::accepting;
   has_failed_ = false;
-  any_lost_ = false;
+  has_lost_any_ = false;
   core_.governance_changes = true;
   waits_since_.reset();
   deadline_ = core_.now + core_.own->governance_change_time();
@@ -136,7 +136,7 @@ void GovernanceTransition::end() {
   each_joined([&](Peer& peer) { refresh(peer); });
   send_to_all();
   judge_matches();
-  if (std::exchange(any_lost_, false)) revision_.request(KeyReviser::Why::right_lost);
+  if (std::exchange(has_lost_any_, false)) revision_.request(KeyReviser::Why::right_lost);
 }
 
 bool GovernanceTransition::add_protections() {
@@ -199,7 +199,8 @@ void GovernanceTransition::report_behind() {
 void GovernanceTransition::judge_matches() {
   std::vector<GuidPrefix> prefixes;
   each_joined([&](Peer& peer) { prefixes.push_back(peer.prefix()); });
-  for (const auto& prefix : prefixes) any_lost_ = core_.host.on_rights_changed(prefix) || any_lost_;
+  for (const auto& prefix : prefixes)
+    has_lost_any_ = core_.host.on_rights_changed(prefix) || has_lost_any_;
 }
 
 // ---- messages

@@ -69,7 +69,7 @@ class GovernanceTransition {
   std::optional<MonotonicTime> waits_since_;  ///< a document waits, and its change has not begun
   MonotonicTime deadline_ = kNever;
   bool has_failed_ = false;
-  bool any_lost_ = false;  ///< an endpoint of a peer that matched lost its right
+  bool has_lost_any_ = false;  ///< an endpoint of a peer that matched lost its right
 };
 
 }  // namespace ddssec::rtps

@@ -213,7 +213,7 @@ void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
 bool Handshakes::may_spend(Peer& peer, Effort effort) {
   if (effort == Effort::memory) return repetitions_.try_spend(core_.now);
   auto& limits = effort == Effort::echo ? echoes_ : requests_;
-  const bool few = peer.low_rate_budget.try_spend(core_.now) && !peer.failed;
+  const bool few = peer.low_rate_budget.try_spend(core_.now) && !peer.has_failed;
   return (few ? limits.few : limits.loud).take(core_.now);
 }
 
@@ -280,7 +280,7 @@ Error Handshakes::no_place_for(const Peer& peer) {
               {.document = "the certificate of participant " + peer.name(),
                .expected = "no more participants than places are free",
                .found = "one more than " + std::to_string(subjects_.count(peer.prefix()))});
-  if (!peer.failed) core_.raise(error, peer, EventOrigin::its_keys);
+  if (!peer.has_failed) core_.raise(error, peer, EventOrigin::its_keys);
   return error;
 }
 
@@ -361,7 +361,7 @@ void Handshakes::refuse(Peer& peer) {
 }
 
 void Handshakes::note_failure(Peer& peer) {
-  if (!std::exchange(peer.failed, true)) ++core_.counters.failed;
+  if (!std::exchange(peer.has_failed, true)) ++core_.counters.failed;
 }
 
 void Handshakes::note_key_exchange(Peer& peer) {

@@ -101,23 +101,24 @@ Status Keyring::set_participant_tokens(const GuidPrefix& prefix,
 // ---- pairs
 
 Result<PairRegistration> Keyring::register_pair(const EntityId& id, const Guid& remote,
-                                                bool relay_only) {
+                                                bool is_relay_only) {
   const auto at = locals_.find(id);
   if (at == locals_.end()) return fail(Code::crypto_not_matched);
   auto& local = at->second;
   if (const auto known = local.pairs.find(remote); known != local.pairs.end()) {
     auto& pair = known->second;
-    if (pair.relay_only == relay_only && !pair.suspended) return PairRegistration{pair.ready};
-    if (pair.relay_only == relay_only) {
+    if (pair.is_relay_only == is_relay_only && !pair.is_suspended)
+      return PairRegistration{pair.is_ready};
+    if (pair.is_relay_only == is_relay_only) {
       // The remote endpoint gets the keys again: they may have been revised.
       DDSSEC_ASSIGN_OR_RETURN(auto tokens, keys_.tokens_for(id, local, pair));
-      pair.suspended = false;
+      pair.is_suspended = false;
       local.list(id, pair);
-      return PairRegistration{pair.ready, true, std::move(tokens)};
+      return PairRegistration{pair.is_ready, true, std::move(tokens)};
     }
     unregister_pair(id, remote);
   }
-  return keys_.register_pair(id, local, remote, relay_only);
+  return keys_.register_pair(id, local, remote, is_relay_only);
 }
 
 // A suspended pair gets its second protection again when it returns.
@@ -131,13 +132,13 @@ Keyring::PairKind Keyring::kind_of(const EntityId& id, const Guid& remote) const
   if (local == nullptr) return PairKind::unknown;
   const auto pair = local->pairs.find(remote);
   if (pair == local->pairs.end()) return PairKind::unknown;
-  if (pair->second.suspended) return PairKind::suspended;
-  return pair->second.relay_only ? PairKind::relay_only : PairKind::ordinary;
+  if (pair->second.is_suspended) return PairKind::is_suspended;
+  return pair->second.is_relay_only ? PairKind::is_relay_only : PairKind::ordinary;
 }
 
 bool Keyring::is_pair_registered(const EntityId& id, const Guid& remote) const {
   const auto kind = kind_of(id, remote);
-  return kind == PairKind::ordinary || kind == PairKind::relay_only;
+  return kind == PairKind::ordinary || kind == PairKind::is_relay_only;
 }
 
 Keyring::PairKeys Keyring::keys_for(const EntityId& id, const Guid& remote) const {
@@ -146,7 +147,8 @@ Keyring::PairKeys Keyring::keys_for(const EntityId& id, const Guid& remote) cons
   const auto found = local->pairs.find(remote);
   if (found == local->pairs.end()) return {};
   const auto& pair = found->second;
-  return {.have_come = pair.keys != Sha256Digest{}, .are_awaited = !pair.ready && !pair.suspended};
+  return {.have_come = pair.keys != Sha256Digest{},
+          .are_awaited = !pair.is_ready && !pair.is_suspended};
 }
 
 // If only payloads are protected, an attacker can change their sequence numbers.
@@ -181,8 +183,8 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
   else
     DDSSEC_RETURN_IF_ERROR(exchange().set_remote_datawriter_crypto_tokens({own}, {peer}, tokens));
   pair->second.keys = digest_of(tokens);
-  const bool was_ready = std::exchange(pair->second.ready, true);
-  if (pair->second.suspended) return false;
+  const bool was_ready = std::exchange(pair->second.is_ready, true);
+  if (pair->second.is_suspended) return false;
   local->list(id, pair->second);
   return is_first && !was_ready;
 }
@@ -203,7 +205,7 @@ std::vector<std::pair<EntityId, Guid>> Keyring::pairs_with_keys(const GuidPrefix
     if (local.is_volatile) continue;
     for (auto at = local.pairs.lower_bound({prefix, {}}); at != local.pairs.end(); ++at) {
       if (at->first.prefix != prefix) break;
-      if (at->second.handle != 0 && !at->second.suspended) out.emplace_back(id, at->first);
+      if (at->second.handle != 0 && !at->second.is_suspended) out.emplace_back(id, at->first);
     }
   }
   return out;

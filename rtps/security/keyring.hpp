@@ -59,12 +59,12 @@ class Keyring final : public SendProtection {
   // Pairs of a local and a remote endpoint:
   /// Registers a pair, or finds it.
   Result<PairRegistration> register_pair(const EntityId& local, const Guid& remote,
-                                         bool relay_only = false);
+                                         bool is_relay_only = false);
   /// `may_return`: the pair is suspended. It may be registered again, and the remote endpoint,
   /// which need not know of that, does not send its keys again then. Nothing is protected for it
   /// meanwhile.
   void unregister_pair(const EntityId& local, const Guid& remote, bool may_return = false);
-  enum class PairKind : std::uint8_t { unknown, ordinary, relay_only, suspended };
+  enum class PairKind : std::uint8_t { unknown, ordinary, is_relay_only, is_suspended };
   PairKind kind_of(const EntityId& local, const Guid& remote) const;
   /// False for a pair that is suspended.
   bool is_pair_registered(const EntityId& local, const Guid& remote) const;
@@ -106,7 +106,7 @@ class Keyring final : public SendProtection {
   /// Errors are counted, and raise an event if they deserve one.
   struct OpenMessage {
     BytesView plain;
-    bool by_participant = false;  ///< protected by its sender's own key
+    bool is_by_participant = false;  ///< protected by its sender's own key
   };
   Result<OpenMessage> open_message(const Header& header, BytesView message, MutableBytes scratch,
                                    MonotonicTime now);

@@ -30,7 +30,7 @@ Result<BytesView> open_payload_under(spi::CryptoTransform& transform, const Loca
                                      const Guid& writer, BytesView payload, MutableBytes scratch) {
   if (!local.attributes.is_payload_protected() || payload.empty()) return payload;
   const auto pair = local.pairs.find(writer);
-  if (pair == local.pairs.end() || pair->second.suspended) return fail(Code::crypto_not_matched);
+  if (pair == local.pairs.end() || pair->second.is_suspended) return fail(Code::crypto_not_matched);
   DDSSEC_ASSIGN_OR_RETURN(
       const auto size,
       transform.decode_serialized_payload({local.handle}, {pair->second.handle}, payload, scratch));
@@ -148,12 +148,12 @@ Keyring::Levels Keyring::levels(const EntityId& sender) const {
   // SPDP and the stateless endpoint: peers must be able to read them before authentication.
   if (local == nullptr) return {.message = pre_shared_.wrap(), .message_room = kHeaderAndFooter};
   const auto& participant = own_.attributes();
-  const bool by_participant = participant.is_rtps_protected() && !local->is_volatile;
-  const bool has_message_macs = by_participant && spi::is_origin_authenticated(participant.rtps);
+  const bool is_by_participant = participant.is_rtps_protected() && !local->is_volatile;
+  const bool has_message_macs = is_by_participant && spi::is_origin_authenticated(participant.rtps);
   const auto macs = has_message_macs ? kReceiverMac * (all_remotes_.size() + kMorePeers) : 0;
   return {.payload = local->attributes.is_payload_protected(),
           .submessage = local->attributes.is_submessage_protected(),
-          .message = by_participant ? Wrap::participant_key : pre_shared_.wrap(),
+          .message = is_by_participant ? Wrap::participant_key : pre_shared_.wrap(),
           .message_room = kHeaderAndFooter + macs,
           .receiver_macs =
               !local->is_volatile && spi::is_origin_authenticated(local->attributes.submessage)};
@@ -174,7 +174,8 @@ Result<std::size_t> Keyring::protect_submessage(const EntityId& sender, const Gu
   std::int64_t one = 0;
   if (!to_all) {
     const auto pair = local->pairs.find(receiver);
-    if (pair == local->pairs.end() || pair->second.suspended) return fail(Code::crypto_not_matched);
+    if (pair == local->pairs.end() || pair->second.is_suspended)
+      return fail(Code::crypto_not_matched);
     one = pair->second.handle;
   }
   if (is_writer(sender)) {

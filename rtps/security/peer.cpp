@@ -80,11 +80,11 @@ Waiting on(Announced& state, const TakesTooLong&) { return {std::move(state)}; }
 Waiting on(Authenticating& state, const TakesTooLong&) { return {std::move(state)}; }
 
 Stays on(Authenticating& state, const AdmissionTimeout&) {
-  state.admitted = true;
+  state.is_admitted = true;
   return kStays;
 }
 Stays on(Waiting& state, const AdmissionTimeout&) {
-  state.admitted = true;
+  state.is_admitted = true;
   return kStays;
 }
 
@@ -193,7 +193,7 @@ bool PeerState::distrust() { return apply(TrustEnds{}); }
 const Unproven* PeerState::unproven() const {
   return std::visit(
       [](const auto& state) -> const Unproven* {
-        if constexpr (requires { state.admitted; }) return &state;
+        if constexpr (requires { state.is_admitted; }) return &state;
         return nullptr;
       },
       state_);
@@ -202,7 +202,7 @@ const Unproven* PeerState::unproven() const {
 bool PeerState::is_admitted() const {
   if (const auto* refused = std::get_if<Refused>(&state_)) return refused->admits;
   const auto* state = unproven();
-  return state != nullptr && state->admitted;
+  return state != nullptr && state->is_admitted;
 }
 
 PeerHandshake* PeerState::handshake() const {

@@ -92,7 +92,7 @@ namespace peer {
 /// is permitted.
 struct Unproven {
   std::unique_ptr<PeerHandshake> handshake;
-  bool admitted = false;
+  bool is_admitted = false;
 };
 /// The peer announced itself; no work was done for it.
 struct Announced : Unproven {};
@@ -196,7 +196,7 @@ struct Peer {
   /// Octets that the expected answers to queries will allow sending to it.
   std::size_t expected_answer_octets = 0;
   bool has_spoken = false;  ///< has sent at least one handshake message
-  bool failed = false;      ///< something of it was refused, and that was counted
+  bool has_failed = false;  ///< something of it was refused, and that was counted
   int refusals = 0;         ///< how often it was refused since the local documents were renewed
   /// When it was refused, and when it gets another try.
   MonotonicTime refused_at = {}, again_at = kNever;

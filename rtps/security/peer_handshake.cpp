@@ -73,7 +73,7 @@ void PeerHandshake::start(MonotonicTime now, Messages& out) {
     next_ = refused_until_ = now + (now < overdue_at_ ? kResend : kSlow);
     return;
   }
-  started_ = true;
+  is_started_ = true;
   began_ = now;
   if (!peer) return fail_with(peer.error());
   const auto& known = sides_.known_identity;
@@ -106,13 +106,14 @@ bool PeerHandshake::make_request(MonotonicTime until) {
 MonotonicTime PeerHandshake::pause() {
   const auto round = repetitions_++;
   if (round == 0) return kFirstResend;
-  if (overdue_) return kSlow;
-  return heard_ ? kResend : std::min(kResend * (1 << std::min(round - 1, kMaxDoublings)), kSlow);
+  if (is_overdue_) return kSlow;
+  return was_heard_ ? kResend
+                    : std::min(kResend * (1 << std::min(round - 1, kMaxDoublings)), kSlow);
 }
 
 void PeerHandshake::tick(MonotonicTime now, Messages& out) {
   if (now < next_) return;
-  if (!started_) return start(now, out);
+  if (!is_started_) return start(now, out);
   if (!finished_ && now >= overdue_at_) become_overdue(now);
   answers_.expire(now);
   if (request_ && now >= request_->until) {
@@ -133,7 +134,7 @@ void PeerHandshake::tick(MonotonicTime now, Messages& out) {
 // All messages may have been lost, or replaced by messages of a third party; neither proves
 // anything about the peer. The plugin may have dropped the local request.
 void PeerHandshake::become_overdue(MonotonicTime now) {
-  overdue_ = true;
+  is_overdue_ = true;
   overdue_at_ = now + kOverdue;
   if (!request_) return;
   static_cast<void>(plugin_.return_handshake_handle(request_->handle));
@@ -142,7 +143,7 @@ void PeerHandshake::become_overdue(MonotonicTime now) {
 }
 
 void PeerHandshake::shorten_delays(MonotonicTime now) {
-  if (!started_ || failure_) return;
+  if (!is_started_ || failure_) return;
   has_shorter_delays_ = true;
   if (next_ != kNever) next_ = std::min(next_, std::max(now, began_ + kDelay));
 }
@@ -212,9 +213,9 @@ bool PeerHandshake::receive(const GenericMessage& message, const Assessment& ass
                             MonotonicTime now, Messages& out) {
   const auto& [needed, digest] = assessment;
   if (needed == Effort::none) return true;
-  heard_ = true;
-  if (!started_) start(now, out);
-  if (failure_ || !started_) return true;
+  was_heard_ = true;
+  if (!is_started_) start(now, out);
+  if (failure_ || !is_started_) return true;
   if (needed == Effort::memory) {
     repeat_known(message, digest, out);
     return true;

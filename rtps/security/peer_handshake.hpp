@@ -88,17 +88,17 @@ class PeerHandshake {
   /// The local auth_request, without a challenge; empty if there is none to send.
   std::optional<GenericMessage> auth_request() const;
   MonotonicTime next_tick() const { return next_; }
-  bool started() const { return started_; }
+  bool started() const { return is_started_; }
   /// How often its messages were sent, not counting answers.
   int repetitions() const { return repetitions_; }
   /// The time of the start; empty before it.
   std::optional<MonotonicTime> began() const {
-    return started_ ? std::optional(began_) : std::nullopt;
+    return is_started_ ? std::optional(began_) : std::nullopt;
   }
   /// Sets the time of the start or of the next repetition.
   void start_at(MonotonicTime time) { next_ = time; }
   /// The peer sent something, so repetitions need not become rare.
-  void note_heard() { heard_ = true; }
+  void note_heard() { was_heard_ = true; }
   /// A message of the peer had to be dropped: repeats at once what waits for an answer, if there
   /// was time for an answer.
   void shorten_delays(MonotonicTime now);
@@ -117,7 +117,7 @@ class PeerHandshake {
   const std::optional<Error>& failure() const { return failure_; }
   /// True if the handshake took too long. It continues at a slow pace as long as the peer is
   /// announced.
-  bool is_overdue() const { return overdue_; }
+  bool is_overdue() const { return is_overdue_; }
   /// Valid when finished.
   spi::HandshakeHandle handle() const;
   /// The peer's identity once it was validated; nullptr before.
@@ -181,10 +181,10 @@ class PeerHandshake {
   std::optional<GenericMessage> auth_request_;
   Bytes heard_challenge_;  ///< from the peer's auth_request
   bool repeats_challenges_ = false;
-  bool started_ = false;
-  bool heard_ = false;
+  bool is_started_ = false;
+  bool was_heard_ = false;
   bool has_shorter_delays_ = false;
-  bool overdue_ = false;
+  bool is_overdue_ = false;
   int repetitions_ = 0;
   std::optional<Request> request_;
   HandshakeAnswers answers_;

@@ -111,8 +111,8 @@ class Security {
   StatefulReader* volatile_reader(const GuidPrefix& prefix) {
     return exchange_.volatile_reader(prefix);
   }
-  bool register_pair(const EntityId& local, const Guid& remote, bool relay_only = false) {
-    return exchange_.register_pair(local, remote, relay_only);
+  bool register_pair(const EntityId& local, const Guid& remote, bool is_relay_only = false) {
+    return exchange_.register_pair(local, remote, is_relay_only);
   }
   void request_tokens(const EntityId& local, const Guid& remote) {
     exchange_.request_tokens(local, remote);

@@ -67,7 +67,7 @@ void WrittenMemory::set_mapped(const GuidPrefix& prefix, Reading& reading) {
   reading.tries = 0;
   ++mapped_;
   writer_.memory().set_reading(prefix, true);
-  if (std::exchange(reading.used, true)) return;
+  if (std::exchange(reading.is_used, true)) return;
   core_.security.raise(
       Error(Code::rtps_memory_used, {.document = "writer " + id().to_string(),
                                      .note = "payloads from " + std::to_string(kMin) + " to " +

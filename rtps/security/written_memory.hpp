@@ -73,7 +73,7 @@ class WrittenMemory final : public SampleMemory {
     State state = State::waiting;
     int tries = 0;
     MonotonicTime next = {};    ///< when it is offered the memory, or has not answered
-    bool used = false;          ///< an event said that it reads the memory
+    bool is_used = false;       ///< an event said that it reads the memory
     std::string identity = {};  ///< proven, since it was offered memory
   };
   /// A segment that is being made, or wiped: then others have it.

@@ -48,7 +48,7 @@ struct World {
                                                  .domain_tag = std::to_string(getpid()),
                                                  .interfaces = {"127.0.0.1"},
                                                  .multicast = false,
-                                                 .in_process = false},
+                                                 .is_in_process = false},
                                                 EngineServices{clock, random, events});
     if (!made) std::fprintf(stderr, "%s\n", made.error().to_sentence().c_str()), std::exit(1);
     return std::move(*made);

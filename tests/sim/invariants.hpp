@@ -21,7 +21,7 @@ struct End {
   Guid guid = {};
   MonotonicTime since{};  ///< its beginning
   bool durable = false;   ///< TRANSIENT_LOCAL; a reader then matches only such writers
-  bool reliable = true;
+  bool is_reliable = true;
 };
 
 // The names that failures print.

@@ -21,7 +21,7 @@ class CountedAuthentication final : public testing::ForwardingAuthentication {
 
 EndpointDescription request_of(const End& end) {
   Qos qos = end.writes ? default_writer_qos() : default_reader_qos();
-  qos.reliability.kind = end.reliable ? ReliabilityKind::reliable : ReliabilityKind::best_effort;
+  qos.reliability.kind = end.is_reliable ? ReliabilityKind::reliable : ReliabilityKind::best_effort;
   qos.history.kind = HistoryKind::keep_all;
   if (end.durable) {
     qos.durability = DurabilityKind::transient_local;
@@ -277,7 +277,7 @@ void Node::write(Endpoint& endpoint) {
     Change change;
     change.source_time = time;
     change.status = status;
-    change.key_only = status.disposed;
+    change.is_key_only = status.disposed;
     change.payload = Payload::copy_of(octets);
     if (writer->write(std::move(change), around_.now) != number && subject_.is_honest())
       around_.invariants.fail("sequence numbers have no holes", subject_.name);

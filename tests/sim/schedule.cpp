@@ -227,7 +227,7 @@ class Run {
   }
   /// A reader that gets what was written before it.
   bool has_all_held(const Endpoint& reader, const Guid& writer) {
-    const bool gets_all = reader.end().durable && reader.end().reliable;
+    const bool gets_all = reader.end().durable && reader.end().is_reliable;
     return !gets_all || std::ranges::all_of(world_.ledger().held(writer), [&](const auto& one) {
       return reader.has(writer, one.first);
     });

@@ -310,12 +310,12 @@ void Link::add_endpoints(const std::string& topic) {
   DDS_Security_PublicationBuiltinTopicDataSecure publication{};
   DDS_Security_SubscriptionBuiltinTopicDataSecure subscription{};
   publication.topic_name = subscription.topic_name = name.data();
-  DDS_Security_boolean relay_only = 1;
+  DDS_Security_boolean is_relay_only = 1;
   Call remote("check_remote");
   remote.check(
       access_b.check_remote_datawriter(&access_b, b_of_a.permissions, 0, &publication, remote));
   remote.check(access_a.check_remote_datareader(&access_a, a_of_b.permissions, 0, &subscription,
-                                                &relay_only, remote));
+                                                &is_relay_only, remote));
   // Cyclone registers only protected endpoints.
   if (!writer_attributes.is_payload_protected && !writer_attributes.is_submessage_protected) return;
 
@@ -329,7 +329,7 @@ void Link::add_endpoints(const std::string& topic) {
       call, theirs->register_local_datareader(theirs, b_.crypto, &none, &reader_attributes, call));
   const auto remote_reader =
       made(call, ours->register_matched_remote_datareader(ours, sender.writer, a_of_b.crypto,
-                                                          a_of_b.secret, relay_only, call));
+                                                          a_of_b.secret, is_relay_only, call));
   sender.remote_readers = {remote_reader};
   receiver.remote_writer =
       made(call, theirs->register_matched_remote_datawriter(theirs, receiver.reader, b_of_a.crypto,

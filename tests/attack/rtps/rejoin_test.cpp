@@ -43,7 +43,7 @@ struct Rejoin : ::testing::TestWithParam<Case> {
     auto wanted = default_reader_qos();
     offered.durability = wanted.durability = GetParam().durability;
     wanted.history.kind = HistoryKind::keep_all;
-    if (GetParam().reliable) wanted.reliability.kind = ReliabilityKind::reliable;
+    if (GetParam().is_reliable) wanted.reliability.kind = ReliabilityKind::reliable;
     writer = *a->create_writer(square(offered), a.listener, world.now);
     ASSERT_TRUE(b->create_reader(square(wanted), b.listener, world.now));
     world.filter = [this](const Node& from, Bytes datagram) {
@@ -100,7 +100,7 @@ TEST_P(Rejoin, WhatWasRecordedBefore_IsNotNew) {
 
 // Recorded acknowledgements must not silence the ones that come.
 TEST_P(Rejoin, WhatIsLostAfterwards_IsStillRepaired) {
-  if (!GetParam().reliable) return;
+  if (!GetParam().is_reliable) return;
   for (int i = 0; i < 20; ++i) write();  // many acknowledgements
   cut_off();
   ASSERT_TRUE(meet()) << a.events.text() << b.events.text();

@@ -179,11 +179,11 @@ TEST_F(Decisions, Relays_AreLetInOnlyIfAsked) {
   local_ = {};
   const auto relayed = plugin->check_remote_datareader(peer_with({relay}), 0, request);
   ASSERT_TRUE(relayed);
-  EXPECT_TRUE(relayed->relay_only);
+  EXPECT_TRUE(relayed->is_relay_only);
   relay.subscribe = {topics({"closed_relay"})};
   const auto reader = plugin->check_remote_datareader(peer_with({relay}), 0, request);
   ASSERT_TRUE(reader);
-  EXPECT_FALSE(reader->relay_only);
+  EXPECT_FALSE(reader->is_relay_only);
   // The default does not make a relay.
   const auto denied = peer_with({subscribe_rule(false, {"closed_relay"})}, true);
   EXPECT_REFUSED(plugin->check_remote_datareader(denied, 0, request), announced_reader_not_allowed);

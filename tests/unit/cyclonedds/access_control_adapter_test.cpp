@@ -121,21 +121,21 @@ TEST_F(AccessControlAdapterTest, OnlyEndpointsUnderAccessControl_HaveAScope) {
 
 TEST_F(AccessControlAdapterTest, RelayOnly_IsAlwaysSet) {
   EXPECT_CALL(engine, check_remote_datareader(Handle{9}, 5, asks_for_topic()))
-      .WillOnce(Return(spi::AccessControl::RemoteDatareader{.relay_only = true}))
-      .WillOnce(Return(spi::AccessControl::RemoteDatareader{.relay_only = false}))
+      .WillOnce(Return(spi::AccessControl::RemoteDatareader{.is_relay_only = true}))
+      .WillOnce(Return(spi::AccessControl::RemoteDatareader{.is_relay_only = false}))
       .WillOnce(Return(fail(Code::malformed)));
-  DDS_Security_boolean relay_only = 77;
-  EXPECT_EQ(c->check_remote_datareader(c, 9, 5, &subscription, &relay_only, nullptr), 1);
-  EXPECT_EQ(relay_only, 1);
-  relay_only = 77;
-  EXPECT_EQ(c->check_remote_datareader(c, 9, 5, &subscription, &relay_only, nullptr), 1);
-  EXPECT_EQ(relay_only, 0);
-  relay_only = 77;
-  EXPECT_EQ(c->check_remote_datareader(c, 9, 5, &subscription, &relay_only, nullptr), 0);
-  EXPECT_EQ(relay_only, 0);
-  relay_only = 77;
-  EXPECT_EQ(c->check_remote_datareader(c, 9, 5, nullptr, &relay_only, nullptr), 0);
-  EXPECT_EQ(relay_only, 0);
+  DDS_Security_boolean is_relay_only = 77;
+  EXPECT_EQ(c->check_remote_datareader(c, 9, 5, &subscription, &is_relay_only, nullptr), 1);
+  EXPECT_EQ(is_relay_only, 1);
+  is_relay_only = 77;
+  EXPECT_EQ(c->check_remote_datareader(c, 9, 5, &subscription, &is_relay_only, nullptr), 1);
+  EXPECT_EQ(is_relay_only, 0);
+  is_relay_only = 77;
+  EXPECT_EQ(c->check_remote_datareader(c, 9, 5, &subscription, &is_relay_only, nullptr), 0);
+  EXPECT_EQ(is_relay_only, 0);
+  is_relay_only = 77;
+  EXPECT_EQ(c->check_remote_datareader(c, 9, 5, nullptr, &is_relay_only, nullptr), 0);
+  EXPECT_EQ(is_relay_only, 0);
 }
 
 TEST_F(AccessControlAdapterTest, PartitionsAndTagsOfARemote_ReachTheEngine) {

@@ -265,9 +265,9 @@ inline void Life::check_endpoints() {
     attempt_check("check_remote_datawriter", [&](Exception* ex) {
       return access->check_remote_datawriter(access, remote, 0, &publication, ex);
     });
-    DDS_Security_boolean relay_only = 1;
+    DDS_Security_boolean is_relay_only = 1;
     attempt_check("check_remote_datareader", [&](Exception* ex) {
-      return access->check_remote_datareader(access, remote, 0, &subscription, &relay_only, ex);
+      return access->check_remote_datareader(access, remote, 0, &subscription, &is_relay_only, ex);
     });
   }
 }

@@ -13,11 +13,11 @@ struct Allocations : ::testing::Test {
   SystemRandom random;
   test::Silent events;
 
-  bool in_process = false;
+  bool is_in_process = false;
 
   std::unique_ptr<DomainParticipant> participant() {
     auto options = testing::undisturbed();
-    options.in_process = in_process;
+    options.is_in_process = is_in_process;
     return *DomainParticipant::create(std::move(options), EngineServices{clock, random, events});
   }
   template <DdsType T>
@@ -44,7 +44,7 @@ TEST_F(Allocations, FragmentedSamples_AllocateNothing) {
 TEST_F(Allocations, LargeSamples_AllocateNothing) { EXPECT_EQ(of<Plain>({{}, 1 << 20, 100}), 0); }
 
 TEST_F(Allocations, SamplesWithinAProcess_AllocateNothing) {
-  in_process = true;
+  is_in_process = true;
   EXPECT_EQ(of<Keyed>({HistoryKind::keep_all, 64, 10'000}), 0);
   EXPECT_EQ(of<Plain>({HistoryKind::keep_last, 40'000, 1'000}), 0);
 }

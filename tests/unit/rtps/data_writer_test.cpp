@@ -57,7 +57,7 @@ TEST_P(Access, Octets_GoInAndComeOut) {
   ASSERT_TRUE(succeeds(writer.dispose({"a"})));
   run();
   EXPECT_EQ(octets->take(raw), 2u);
-  EXPECT_TRUE(raw[1].key_only);
+  EXPECT_TRUE(raw[1].is_key_only);
   EXPECT_EQ(deserialize_key<Reading>(raw[1].payload.view())->sensor, "a");
   auto* sender = *a.publisher->create_datawriter(*a.topic, reliable());
   ASSERT_TRUE(match(*sender, reader));

@@ -240,13 +240,13 @@ TEST(PresentingConcurrently, OneAccess_SeesAllTopicsOfASetOrNone) {
   testing::Events events;
   const EngineServices services{clock, random, events};
   for (const auto scope : {PresentationScope::instance, PresentationScope::topic}) {
-    for (const bool in_process : {true, false}) {
+    for (const bool is_in_process : {true, false}) {
       const DomainParticipantOptions options{
           .domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
           .domain_tag = "sets" + std::to_string(::getpid()),
           .interfaces = {"127.0.0.1"},
           .multicast = false,
-          .in_process = in_process};
+          .is_in_process = is_in_process};
       testing::End a(services, options), b(services, options);
       const Presentation access{scope, true, false};
       auto& pub = **a.participant->create_publisher({.presentation = access});
@@ -282,8 +282,8 @@ TEST(PresentingConcurrently, OneAccess_SeesAllTopicsOfASetOrNone) {
         for (std::size_t i = 0; i < readers.size(); ++i)
           if (const auto values = taken(*readers[i]); !values.empty()) last[i] = values.back();
         ASSERT_TRUE(succeeds(sub.end_access()));
-        ASSERT_EQ(last[0], last[1]) << in_process;
-        ASSERT_EQ(last[0], last[2]) << in_process;
+        ASSERT_EQ(last[0], last[1]) << is_in_process;
+        ASSERT_EQ(last[0], last[2]) << is_in_process;
       }
       EXPECT_EQ(last[0], kSets);
     }
@@ -291,7 +291,7 @@ TEST(PresentingConcurrently, OneAccess_SeesAllTopicsOfASetOrNone) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, Presenting,
-                         ::testing::Values(testing::Way::network, testing::Way::in_process),
+                         ::testing::Values(testing::Way::network, testing::Way::is_in_process),
                          testing::name_of);
 
 }  // namespace

@@ -39,7 +39,7 @@ struct LocalDeliveryTest : ::testing::Test {
   }
   ReaderProxy& attach(SequenceNumber until = {}) {
     auto& proxy =
-        readers.add({.guid = kReader, .reliable = true, .in_process = true}, {{1}, until});
+        readers.add({.guid = kReader, .is_reliable = true, .is_in_process = true}, {{1}, until});
     proxy.local = &reader;
     return proxy;
   }

@@ -77,13 +77,13 @@ TEST(MatchedReaders, Keys_AreReadAsTheMostDemandingReaderDoes) {
 TEST(MatchedReaders, ReadersThatDoNotGetEverything_AreCounted) {
   MatchedReaders readers(testing::kWriter, true);
   auto& whole = readers.add({guid(1), true}, {{1}});
-  auto& history_only = readers.add({guid(2), true}, {{1}, {4}});
+  auto& is_history_only = readers.add({guid(2), true}, {{1}, {4}});
   EXPECT_EQ(readers.filtered(), 1u);
   readers.set_filter(whole, std::make_shared<Filter>());
   readers.set_filter(whole, std::make_shared<Filter>());
   EXPECT_EQ(readers.filtered(), 2u);
   readers.set_filter(whole, nullptr);
-  readers.remove(history_only);
+  readers.remove(is_history_only);
   EXPECT_EQ(readers.filtered(), 0u);
 }
 

@@ -41,7 +41,7 @@ struct Cache : ::testing::Test {
     change.writer = writer(from);
     change.key_hash = KeyHash{key};
     change.status = status;
-    change.key_only = status != StatusInfo{};
+    change.is_key_only = status != StatusInfo{};
     change.source_time = Time::from(stamp.value_or(now));
     change.payload = Payload::copy_of(Bytes{value});
     return cache().store(change, moment());

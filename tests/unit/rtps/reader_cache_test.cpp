@@ -203,7 +203,7 @@ TEST_F(ReaderCacheTest, AnInstance_EndsAndComesBackAsANewGeneration) {
   ASSERT_EQ(samples.size(), 2u);
   EXPECT_EQ(samples[1].info.instance_state, InstanceState::not_alive_disposed);
   EXPECT_FALSE(samples[1].info.valid_data);
-  EXPECT_TRUE(samples[1].key_only);
+  EXPECT_TRUE(samples[1].is_key_only);
   EXPECT_EQ(samples[1].payload.view()[0], 1);  // the key
   put(1, 11);                                  // what said "disposed" was read: it is over
   put(1, 0, kUnregister);

@@ -36,7 +36,7 @@ struct ReceivedSamplesTest : ::testing::Test {
     Change out;
     out.writer = guid_of(1);
     out.status.disposed = true;
-    out.key_only = true;
+    out.is_key_only = true;
     out.payload = Payload::copy_of(payload);
     return out;
   }

@@ -52,7 +52,7 @@ inline DomainParticipantOptions undisturbed() {
           .multicast = false,
           .peers = {address},
           .own_thread = false,
-          .in_process = false};
+          .is_in_process = false};
 }
 
 struct Flow {

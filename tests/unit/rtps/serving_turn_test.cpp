@@ -187,17 +187,17 @@ struct ServingParticipants : ::testing::Test {
   Events events;
   EngineServices services{clock, random, events};
 
-  static DomainParticipantOptions options(bool in_process, std::chrono::nanoseconds busy = {}) {
+  static DomainParticipantOptions options(bool is_in_process, std::chrono::nanoseconds busy = {}) {
     return {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
             .domain_tag = "turns " + std::to_string(::getpid()),
             .interfaces = {"127.0.0.1"},
             .multicast = false,
             .busy_wait = busy,
-            .in_process = in_process};
+            .is_in_process = is_in_process};
   }
   struct Side {
-    Side(const EngineServices& services, bool in_process, std::chrono::nanoseconds busy)
-        : end(services, options(in_process, busy)) {}
+    Side(const EngineServices& services, bool is_in_process, std::chrono::nanoseconds busy)
+        : end(services, options(is_in_process, busy)) {}
     End end;
     DataWriter<Reading>* writer = &end.writer(reliable());
     DataReader<Reading>* reader = &end.reader(reliable());
@@ -206,11 +206,11 @@ struct ServingParticipants : ::testing::Test {
   };
   std::unique_ptr<Side> a, b;
 
-  void create(bool in_process = false, std::chrono::nanoseconds busy = {}) {
+  void create(bool is_in_process = false, std::chrono::nanoseconds busy = {}) {
     a.reset();  // former sides would count as matches of the new ones
     b.reset();
-    a = std::make_unique<Side>(services, in_process, busy);
-    b = std::make_unique<Side>(services, in_process, busy);
+    a = std::make_unique<Side>(services, is_in_process, busy);
+    b = std::make_unique<Side>(services, is_in_process, busy);
     const auto all = [](AnyDataReader& reader) {
       return reader.matched_publications().size() == 2;
     };
@@ -252,15 +252,15 @@ struct ServingParticipants : ::testing::Test {
 };
 
 TEST_F(ServingParticipants, ThreadsThatWaitForUnread_GetEverySample) {
-  for (const bool in_process : {false, true}) {
-    create(in_process);
+  for (const bool is_in_process : {false, true}) {
+    create(is_in_process);
     exchange(500, false);
   }
 }
 
 TEST_F(ServingParticipants, ThreadsThatWaitBySet_GetEverySample) {
-  for (const bool in_process : {false, true}) {
-    create(in_process);
+  for (const bool is_in_process : {false, true}) {
+    create(is_in_process);
     exchange(500, true);
   }
 }

@@ -107,7 +107,7 @@ TEST(Reliability, AKey_GoesOutAsAllMatchedReadersReadIt) {
   const auto dispose = [&] {
     Change change;
     change.status.disposed = true;
-    change.key_only = true;
+    change.is_key_only = true;
     change.key_hash = KeyHash{};
     change.payload = Payload::copy_of(delimited);
     pair.writer.write(std::move(change), pair.now);

@@ -26,8 +26,8 @@ struct WriterProxyTest : ::testing::Test {
                                    return true;
                                  },
                              .lost = [this](std::int64_t count) { lost += count; }};
-  WriterProxy reliable{{.guid = kGuid, .reliable = true}, true, common};
-  WriterProxy best_effort{{.guid = kGuid, .reliable = true}, false, common};
+  WriterProxy reliable{{.guid = kGuid, .is_reliable = true}, true, common};
+  WriterProxy best_effort{{.guid = kGuid, .is_reliable = true}, false, common};
 
   static bool add(WriterProxy& proxy, std::int64_t number) {
     Change change;

@@ -65,7 +65,7 @@ TEST_F(SampleIndexTest, DisposedInstances_GoWhenTheirDelayIsOver) {
   EXPECT_EQ(opened.size(id), 2u);
   const auto held = opened.store.load(id)->changes;
   EXPECT_TRUE(held[1].status.disposed);
-  EXPECT_TRUE(held[1].key_only);
+  EXPECT_TRUE(held[1].is_key_only);
   ASSERT_TRUE(opened.clean_up(id, seconds(9)));
   EXPECT_EQ(opened.size(id), 2u);
   ASSERT_TRUE(opened.clean_up(id, seconds(10)));

@@ -80,7 +80,7 @@ TEST_F(SampleRowTest, Dispose_IsAKeyWithoutASample) {
   const auto row = read();
   ASSERT_TRUE(row);
   EXPECT_TRUE(row->change.status.disposed);
-  EXPECT_TRUE(row->change.key_only);
+  EXPECT_TRUE(row->change.is_key_only);
 }
 
 // The identity alone is not covered: an earlier version stored none.

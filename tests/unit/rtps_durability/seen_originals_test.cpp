@@ -140,7 +140,7 @@ TEST(SeenOriginals, AClaim_TakesThePlaceOfWhatSaysTheSameOnly) {
                                       c.source_time = Time{{6, 0}};
                                     }),
                                     changed([](auto& c) { c.source_time.reset(); }),
-                                    changed([](auto& c) { c.key_only = true; }),
+                                    changed([](auto& c) { c.is_key_only = true; }),
                                     changed([](auto& c) {
                                       c.status = {true, false};
                                     }),
@@ -175,7 +175,7 @@ TEST(SeenOriginals, ADisposeWithItsUnregistration_IsTheDisposeThatIsKept) {
   auto both = heard(1, 5), kept = both;
   both.status = {true, true};
   kept.status = {true, false};
-  kept.key_only = true;
+  kept.is_key_only = true;
   SeenOriginals seen;
   add(seen, claimed(2, kept));
   EXPECT_TRUE(seen.contains(both));

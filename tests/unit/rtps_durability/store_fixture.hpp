@@ -122,7 +122,7 @@ inline Change sample(std::uint32_t number, std::uint32_t instances = 1) {
 inline Change dispose(std::uint32_t instance) {
   auto change = sample(instance, instance + 1);
   change.status.disposed = true;
-  change.key_only = true;
+  change.is_key_only = true;
   return change;
 }
 /// Its number, or nothing if it is not as it was made.

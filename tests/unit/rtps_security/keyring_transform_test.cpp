@@ -70,7 +70,7 @@ TEST(KeyringTransform, ADisposeWithoutAPayloadWherePayloadsAreProtected_IsDroppe
     Change honest;
     honest.status = {true, false};
     honest.key_hash = KeyHash{1};
-    honest.key_only = true;
+    honest.is_key_only = true;
     honest.payload = payload();
     pair.a->local_endpoints().writer(pair.writer)->write(std::move(honest), pair.world.now);
     ASSERT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 200));
