@@ -59,7 +59,7 @@ std::string_view to_string(DocumentKind kind) {
   return "";
 }
 
-/// Another thread may have held the lock at the fork, and would then hold it forever.
+// Another thread may have held the lock at the fork, and would then hold it forever.
 bool DocumentsInUse::is_of_this_process() const { return ::getpid() == pid_; }
 
 void DocumentsInUse::note_participant(std::int64_t identity, std::string guid,

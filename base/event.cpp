@@ -10,7 +10,7 @@
 namespace ddssec {
 namespace {
 
-/// The number of octets of a peer's name that a line shows.
+// The number of octets of a peer's name that a line shows.
 constexpr std::size_t kMaxShown = 256;
 // The longest text in an event, in octets. Attackers can choose some of these texts.
 constexpr std::size_t kMaxOfAText = 1024;
@@ -48,7 +48,7 @@ std::string without_codes(std::string_view text) {
   return out;
 }
 
-/// "2026-12-04T03:00:00.125Z"
+// "2026-12-04T03:00:00.125Z"
 std::string in_utc(std::chrono::nanoseconds at) {
   const auto whole = std::chrono::floor<std::chrono::seconds>(at);
   const auto thousandths = std::chrono::floor<std::chrono::milliseconds>(at - whole).count();

@@ -33,7 +33,7 @@ std::string reason() {
   return errno == ENXIO ? "a FIFO without a reader" : std::generic_category().message(errno);
 }
 
-/// Suppresses SIGPIPE, which a FIFO without a reader raises in the writing thread.
+// Suppresses SIGPIPE, which a FIFO without a reader raises in the writing thread.
 class WithoutSigpipe {
  public:
   WithoutSigpipe() {

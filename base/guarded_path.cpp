@@ -49,7 +49,7 @@ std::optional<std::string> target_of(int link) {
   return std::string(text.data(), static_cast<std::size_t>(size));
 }
 
-/// Enters one folder after the other.
+// Enters one folder after the other.
 class Walk {
  public:
   explicit Walk(fs::path given) : given_(std::move(given)), rest_(names_of(given_)) {}
@@ -66,7 +66,7 @@ class Walk {
         ::openat(at_.number(), last.c_str(), flags | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   }
 
-  /// True if no other user can change what the names up to here lead to.
+  // True if no other user can change what the names up to here lead to.
   bool is_guarded() const { return is_guarded_; }
 
  private:

@@ -15,8 +15,8 @@ struct FreeContext {
   void operator()(EVP_MD_CTX* context) const noexcept { EVP_MD_CTX_free(context); }
 };
 
-/// OpenSSL uses the CPU's SHA instructions. Returns false if OpenSSL fails, for example while the
-/// process is exiting.
+// OpenSSL uses the CPU's SHA instructions. Returns false if OpenSSL fails, for example while the
+// process is exiting.
 bool sha256_by_openssl(std::initializer_list<BytesView> parts, std::span<std::uint8_t, 32> digest) {
   static const EVP_MD* const algorithm = EVP_MD_fetch(nullptr, "SHA256", nullptr);
   const std::unique_ptr<EVP_MD_CTX, FreeContext> context(EVP_MD_CTX_new());

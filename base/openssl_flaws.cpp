@@ -17,7 +17,7 @@ constexpr unsigned kNotFixed = 0;  // as a patch: no release of the series has t
 
 struct Row {
   std::string_view id, summary, guard;
-  std::array<Version, 8> fixes;  ///< the first release with the fix, by series; 0.0.0: unused
+  std::array<Version, 8> fixes;  // the first release with the fix, by series; 0.0.0: unused
 };
 
 // From OpenSSL's advisories (https://openssl-library.org/news/vulnerabilities/). Only flaws that
@@ -109,9 +109,9 @@ std::string to_text(const Version& version) {
          std::to_string(version.patch);
 }
 
-/// A security update of a distribution often contains the fix under the previous number: Debian 12
-/// has the fixes of 3.0.19, 3.0.21 and 3.0.23 in 3.0.18-1~deb12u2, 3.0.20-1~deb12u2 and
-/// 3.0.22-1~deb12u2.
+// A security update of a distribution often contains the fix under the previous number: Debian 12
+// has the fixes of 3.0.19, 3.0.21 and 3.0.23 in 3.0.18-1~deb12u2, 3.0.20-1~deb12u2 and
+// 3.0.22-1~deb12u2.
 bool says_number(const Version& version, const Version& fix) {
   return (fix.patch == kNotFixed || version.patch + 1 < fix.patch) &&
          std::ranges::find(kKeptNumbers, version) == kKeptNumbers.end();

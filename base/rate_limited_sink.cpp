@@ -11,8 +11,8 @@ bool names_an_unproven_peer(const Event& event) {
   return names_a_peer && event.proof == PeerProof::claimed;
 }
 
-/// The same for all participants of one certificate: the first six octets of an authenticated
-/// participant's GUID follow from the subject (DDS-Security 1.2, clause 10.3.3).
+// The same for all participants of one certificate: the first six octets of an authenticated
+// participant's GUID follow from the subject (DDS-Security 1.2, clause 10.3.3).
 std::string certificate_of(const Event& event) {
   constexpr std::size_t kSubjectDigits = 12;
   return event.peer_subject.empty() ? event.guid.substr(0, kSubjectDigits) : event.peer_subject;

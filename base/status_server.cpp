@@ -110,8 +110,8 @@ Status StatusServer::check_folder() const {
 
 // ---- the socket
 
-/// Through the descriptor: no length of the folder's path is too long for an address, and nothing
-/// can be put in the folder's place meanwhile.
+// Through the descriptor: no length of the folder's path is too long for an address, and nothing
+// can be put in the folder's place meanwhile.
 std::string StatusServer::path_of(const std::string& name) const {
   return fmt::format("/proc/self/fd/{}/{}", folder_.number(), name);
 }
@@ -133,7 +133,7 @@ Status StatusServer::bind_first_free() {
   return status;
 }
 
-/// Error: errno is the reason.
+// Error: errno is the reason.
 Status StatusServer::bind_to(const std::string& name) {
   socket_ = unix_socket();
   // Before bind(), so that the socket is never open to others.
@@ -152,7 +152,7 @@ Status StatusServer::bind_to(const std::string& name) {
   return refused;
 }
 
-/// Left by a process that had this number and was killed.
+// Left by a process that had this number and was killed.
 bool StatusServer::is_abandoned(const std::string& name) const {
   struct stat status {};
   const bool is_socket =
@@ -203,7 +203,7 @@ int StatusServer::milliseconds_to_wait() const {
   return static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 10'000));
 }
 
-/// False: the server ends.
+// False: the server ends.
 bool StatusServer::serve_once() {
   std::array<pollfd, kMaxClients + 2> polled{};
   const bool accepts = has_room() && !paused_until_;
@@ -224,8 +224,8 @@ bool StatusServer::serve_once() {
   return true;
 }
 
-/// poll() fails without memory, and while the limit of descriptors (RLIMIT_NOFILE) is below the
-/// number that it is given. False: the server ends.
+// poll() fails without memory, and while the limit of descriptors (RLIMIT_NOFILE) is below the
+// number that it is given. False: the server ends.
 bool StatusServer::has_time_to_recover() const {
   eventfd_t ignored = 0;
   for (auto left = kSecond / kRecoveryStep; left > 0; --left) {

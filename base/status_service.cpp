@@ -13,7 +13,7 @@
 namespace ddssec {
 namespace {
 
-/// The record and its socket.
+// The record and its socket.
 struct Service {
   ~Service();
 
@@ -24,7 +24,7 @@ struct Service {
 struct Process {
   std::mutex mutex = {};
   std::weak_ptr<Service> service = {};
-  std::atomic<pid_t> shown_by = 0;  ///< the process whose service lives; 0: there is none
+  std::atomic<pid_t> shown_by = 0;  // the process whose service lives; 0: there is none
   bool has_complained = false;
 };
 

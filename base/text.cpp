@@ -15,7 +15,7 @@ std::string each(std::string_view text, char (*change)(char)) {
   return out;
 }
 
-/// The first character of a text.
+// The first character of a text.
 struct Character {
   char32_t value = 0xfffd;
   std::size_t octets = 1;

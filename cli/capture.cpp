@@ -43,7 +43,7 @@ struct Capture::Impl {
   bool is_live;
   std::unique_ptr<pcap_t, ClosePcap> pcap;
   std::unique_ptr<pcap_dumper_t, CloseDump> dump = {};
-  std::string file = {};  ///< to which `dump` writes
+  std::string file = {};  // to which `dump` writes
 };
 
 Capture::Capture(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

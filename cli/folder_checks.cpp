@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Entries of one folder, and all entries, that are looked at.
+// Entries of one folder, and all entries, that are looked at.
 constexpr int kMaxInFolder = 1'000;
 constexpr int kMaxLooks = 5'000;
 constexpr std::size_t kMaxShown = 4;

@@ -15,7 +15,7 @@ namespace {
 
 std::string_view type_of(std::string_view piece) { return piece.substr(0, piece.find('=')); }
 
-/// A subject as in a certificate, and a key that is the same for every spelling.
+// A subject as in a certificate, and a key that is the same for every spelling.
 struct NamedSubject {
   std::string text;
   std::string key;
@@ -76,16 +76,16 @@ const Grant* GrantsForCyclone::taken_for(std::string_view certificate) const {
 
 namespace {
 
-/// The grants of a document for one subject, in any spelling.
+// The grants of a document for one subject, in any spelling.
 struct OwnGrants {
   const Grant* first = nullptr;
   std::size_t count = 0;
 };
 using OwnGrantsOf = std::map<std::string_view, OwnGrants>;
 
-/// The subjects of both documents, by a key that is the same for every spelling.
+// The subjects of both documents, by a key that is the same for every spelling.
 struct SubjectsOfBoth {
-  std::map<std::string, std::vector<std::string>> texts;  ///< as certificates say them
+  std::map<std::string, std::vector<std::string>> texts;  // as certificates say them
   OwnGrantsOf before, after;
 
   SubjectsOfBoth(const Permissions& old_document, const Permissions& new_document) {
@@ -106,7 +106,7 @@ struct SubjectsOfBoth {
   }
 };
 
-/// True if ddssec also uses that grant, and no other.
+// True if ddssec also uses that grant, and no other.
 bool is_the_only_one(const OwnGrantsOf& own, const std::string& key, const Grant* taken) {
   const auto found = own.find(key);
   if (found == own.end()) return taken == nullptr;

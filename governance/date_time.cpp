@@ -9,7 +9,7 @@ using std::chrono::hours;
 using std::chrono::minutes;
 using std::chrono::seconds;
 
-/// A cursor over the text; after one failed step, all further steps fail.
+// A cursor over the text; after one failed step, all further steps fail.
 class Cursor {
  public:
   explicit Cursor(std::string_view text) : text_(text) {}
@@ -71,7 +71,7 @@ std::optional<seconds> read_time_of_day(Cursor& in) {
   return hours(h) + minutes(m) + seconds(s);
 }
 
-/// True if there are digits other than 0 after the point; empty if the form is wrong.
+// True if there are digits other than 0 after the point; empty if the form is wrong.
 std::optional<bool> read_fraction(Cursor& in) {
   if (!in.accept('.')) return false;
   if (!in.next_is_digit()) return std::nullopt;

@@ -8,7 +8,7 @@
 
 namespace ddssec::governance {
 
-/// A requested partition; compiled at most once, however many are listed.
+// A requested partition; compiled at most once, however many are listed.
 class RequestedPartition {
  public:
   explicit RequestedPartition(std::string_view text) : text_(text) {}
@@ -39,7 +39,7 @@ bool may_stand_for_many(std::string_view requested) {
 
 bool has_backslash(std::string_view requested) { return requested.find('\\') != requested.npos; }
 
-/// True if every name that `requested` stands for is matched, as far as a simple check can tell.
+// True if every name that `requested` stands for is matched, as far as a simple check can tell.
 bool covers(const Pattern& listed, std::string_view requested) {
   if (!may_stand_for_many(requested)) return listed.matches(requested);
   const auto& steps = listed.steps();
@@ -55,7 +55,7 @@ bool covers(const Pattern& listed, std::string_view requested) {
          listed.matches(beginning);  // the prefix is literal and any text may follow
 }
 
-/// False only if a simple check shows that no name is both listed and requested.
+// False only if a simple check shows that no name is both listed and requested.
 bool may_meet(const Pattern& listed, RequestedPartition& requested) {
   const auto text = requested.text();
   if (!may_stand_for_many(text)) return listed.matches(text);
@@ -73,7 +73,7 @@ bool data_tags_fit(const GrantRule& rule, const Criteria& criteria, std::span<co
   return rule.allow ? std::ranges::all_of(tags, listed) : std::ranges::any_of(tags, listed);
 }
 
-/// True if the element matches whatever partitions and data tags an entity has.
+// True if the element matches whatever partitions and data tags an entity has.
 bool is_unconditional(const Criteria& criteria) {
   return !criteria.partitions && !criteria.data_tags;
 }

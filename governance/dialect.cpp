@@ -13,11 +13,11 @@ using Octets = std::bitset<256>;
 
 std::size_t index_of(char c) { return static_cast<std::uint8_t>(c); }
 
-/// A bracket expression as Cyclone DDS 0.10.2 reads it, from `text` after the '['.
+// A bracket expression as Cyclone DDS 0.10.2 reads it, from `text` after the '['.
 struct CycloneSet {
   Octets octets = {};
   std::size_t length = 0;
-  bool is_closed = false;  ///< if not, the whole expression matches nothing
+  bool is_closed = false;  // if not, the whole expression matches nothing
 };
 
 // Measured: the closing ']' is a member (and may begin a range), '^' is an ordinary character, and
@@ -46,7 +46,7 @@ CycloneSet cyclone_set(std::string_view text) {
   return out;
 }
 
-/// The reason why the bracket expression at text[at] is not portable; its length if it is.
+// The reason why the bracket expression at text[at] is not portable; its length if it is.
 struct Bracket {
   std::size_t length = 0;
   std::string reason = {};

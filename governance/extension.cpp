@@ -42,7 +42,7 @@ bool has_all(const std::vector<One>& wide, const std::vector<One>& narrow) {
   return std::ranges::includes(sorted(wide), sorted(narrow));
 }
 
-/// `matches_any`: what an absent list means. Otherwise it matches nothing that a list names.
+// `matches_any`: what an absent list means. Otherwise it matches nothing that a list names.
 template <class One>
 bool has_all(const std::optional<std::vector<One>>& wide,
              const std::optional<std::vector<One>>& narrow, bool matches_any) {
@@ -51,14 +51,14 @@ bool has_all(const std::optional<std::vector<One>>& wide,
   return has_all(*wide, *narrow);
 }
 
-/// Criteria of two allow rules, or of two deny rules.
+// Criteria of two allow rules, or of two deny rules.
 bool covers(const Criteria& wide, const Criteria& narrow, bool is_denial) {
   return has_all(wide.topics, narrow.topics) &&
          has_all(wide.partitions, narrow.partitions, is_denial) &&
          has_all(wide.data_tags, narrow.data_tags, is_denial);
 }
 
-/// Each of `narrow` is matched by one of `wide`.
+// Each of `narrow` is matched by one of `wide`.
 bool covers(const std::vector<Criteria>& wide, const std::vector<Criteria>& narrow,
             bool is_denial) {
   if (wide.size() > kMaxCriteria || narrow.size() > kMaxCriteria)
@@ -70,14 +70,14 @@ bool covers(const std::vector<Criteria>& wide, const std::vector<Criteria>& narr
   });
 }
 
-/// What `narrow` matches, `wide` matches too.
+// What `narrow` matches, `wide` matches too.
 bool matches_all_of(const GrantRule& wide, const GrantRule& narrow, bool is_denial) {
   return covers(wide.publish, narrow.publish, is_denial) &&
          covers(wide.subscribe, narrow.subscribe, is_denial) &&
          covers(wide.relay, narrow.relay, is_denial);
 }
 
-/// `next` may take the place of `former`.
+// `next` may take the place of `former`.
 bool fits(const GrantRule& next, const GrantRule& former) {
   if (next.allow != former.allow) return false;
   if (next.allow) return matches_all_of(next, former, false);

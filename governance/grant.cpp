@@ -7,8 +7,8 @@
 namespace ddssec::governance {
 namespace {
 
-/// True if every attribute of the expression matches one attribute of the subject, and none is left
-/// over.
+// True if every attribute of the expression matches one attribute of the subject, and none is left
+// over.
 bool rdn_matches(const pki::Rdn& expression, pki::Rdn left) {
   for (const auto& wanted : expression) {
     const Pattern pattern(wanted.value, Pattern::Syntax::subject);
@@ -21,7 +21,7 @@ bool rdn_matches(const pki::Rdn& expression, pki::Rdn left) {
   return left.empty();
 }
 
-/// Compares RDN by RDN, forwards or backwards, like names without wildcards.
+// Compares RDN by RDN, forwards or backwards, like names without wildcards.
 bool expression_matches(const pki::SubjectName& expression, const pki::SubjectName& subject) {
   const auto wanted = expression.rdns();
   auto rdns = subject.rdns();
@@ -30,8 +30,8 @@ bool expression_matches(const pki::SubjectName& expression, const pki::SubjectNa
   return std::ranges::equal(wanted, rdns, rdn_matches);
 }
 
-/// False only if the text cannot belong to this subject: without escapes it contains every value
-/// literally. Parsing a name costs microseconds, and a document may contain thousands.
+// False only if the text cannot belong to this subject: without escapes it contains every value
+// literally. Parsing a name costs microseconds, and a document may contain thousands.
 bool may_be_for(std::string_view text, const pki::SubjectName& subject) {
   if (text.find_first_of("\\\"#") != text.npos) return true;
   return std::ranges::all_of(subject.attributes(), [&](const pki::NameAttribute& a) {
@@ -39,7 +39,7 @@ bool may_be_for(std::string_view text, const pki::SubjectName& subject) {
   });
 }
 
-/// The subjects of the first grants, for comparison in an error message.
+// The subjects of the first grants, for comparison in an error message.
 std::string some_subjects(const Permissions& permissions) {
   constexpr std::size_t kMax = 3;
   std::string text;

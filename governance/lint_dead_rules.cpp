@@ -118,15 +118,15 @@ bool denies_nothing_else(const Grant& grant, std::span<const GrantEntry> entries
   });
 }
 
-/// An expression without effect, and the expressions that take its effect.
+// An expression without effect, and the expressions that take its effect.
 struct Dead {
   GrantEntry entry;
   std::vector<GrantEntry> by;
   std::string_view action;
-  /// A denial that can apply, where all is denied without it: earlier rules allow what it names, in
-  /// their domains and partitions.
+  // A denial that can apply, where all is denied without it: earlier rules allow what it names, in
+  // their domains and partitions.
   bool is_void = false;
-  bool is_void_everywhere = false;  ///< these are all domains and partitions of the denial
+  bool is_void_everywhere = false;  // these are all domains and partitions of the denial
 };
 
 std::vector<Dead> dead_entries(const GrantPlace& place, SetEffort& effort) {

@@ -66,11 +66,11 @@ bool has_tags(const DomainRule& rule) {
   return !rule.domains.tags.empty() || !rule.domains.tag_expressions.empty();
 }
 
-/// Domains of the rule for which an earlier rule decides, and the number (from 1) of the first such
-/// rule.
+// Domains of the rule for which an earlier rule decides, and the number (from 1) of the first such
+// rule.
 struct Taken {
   std::vector<DomainRange> domains = {};
-  std::vector<DomainRange> by_stock = {};  ///< of these, where stock products apply the rule
+  std::vector<DomainRange> by_stock = {};  // of these, where stock products apply the rule
   std::size_t by = 0;
   bool all = true;
 };

@@ -93,7 +93,7 @@ void check_dates(LintFindings& out, const GrantPlace& place, const PermissionsUs
   out.add(std::move(finding));
 }
 
-/// The same for every spelling of a subject.
+// The same for every spelling of a subject.
 std::string key_of(const Grant& grant) {
   const auto name = pki::SubjectName::parse(grant.subject_name);
   if (!name || grant.subject_is_expression) return "text " + grant.subject_name;

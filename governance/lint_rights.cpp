@@ -15,7 +15,7 @@ namespace {
 using enum Rule;
 
 constexpr SetLimits kLimits{.states = 20'000, .atoms = 5'000, .steps = 20'000'000};
-/// Pairs of expressions, and rules that deny, that are looked at for their effect in one product.
+// Pairs of expressions, and rules that deny, that are looked at for their effect in one product.
 constexpr int kMaxComparisons = 2'000;
 constexpr int kMaxDenyRules = 50;
 
@@ -112,8 +112,8 @@ void check_joined_partitions(LintFindings& out, const GrantPlace& place,
   }
 }
 
-/// Where the deny rule denies one direction of a topic and a later rule allows the other. Lists of
-/// expressions by their part in it.
+// Where the deny rule denies one direction of a topic and a later rule allows the other. Lists of
+// expressions by their part in it.
 struct HalfDenied {
   std::vector<std::string_view> denied, also_denied, named_before, allowed_later;
 
@@ -274,7 +274,7 @@ void check_default(LintFindings& out, const GrantPlace& place) {
   out.add(std::move(finding));
 }
 
-/// Where the first rule is a denial of topics, the default denies and a later rule lets join.
+// Where the first rule is a denial of topics, the default denies and a later rule lets join.
 std::vector<DomainRange> domains_that_begin_with_denials(const Grant& grant) {
   std::vector<DomainRange> out;
   for (DomainId id = 0; id <= kMaxDomainId; ++id) {
@@ -301,8 +301,8 @@ void check_joining(LintFindings& out, const GrantPlace& place) {
                            to_text(domains))));
 }
 
-/// The domains that the deny_rule closes to ddssec's plugins, and in which stock products let the
-/// participant join by some allow_rule (doctor: judge_participant_as).
+// The domains that the deny_rule closes to ddssec's plugins, and in which stock products let the
+// participant join by some allow_rule (doctor: judge_participant_as).
 std::vector<DomainRange> closed_by(const Grant& grant, const GrantRule& denial) {
   std::vector<DomainRange> out;
   for (DomainId id = 0; id <= kMaxDomainId; ++id) {
@@ -363,7 +363,7 @@ const DomainRule* domain_rule_for(const GrantRule& rule, const Governance& gover
   return nullptr;
 }
 
-/// The expressions of a domain rule.
+// The expressions of a domain rule.
 class TopicRules {
  public:
   explicit TopicRules(const DomainRule& rule) {

@@ -77,7 +77,7 @@ Status check_discovery(const DomainRule& former, const TopicRule& added) {
                .note = "participants that run hear no unprotected discovery"});
 }
 
-/// NONE, SIGN, ENCRYPT.
+// NONE, SIGN, ENCRYPT.
 int strength(ProtectionKind kind) { return is_encrypted(kind) ? 2 : is_protected(kind) ? 1 : 0; }
 
 Status check_kind(std::string_view element, const TopicRule& former, const TopicRule& next,
@@ -95,7 +95,7 @@ Status check_control(std::string_view element, const TopicRule& former, const To
   return differs(element, "true", "false", next.line);
 }
 
-/// Whether receivers can tell the two kinds of data apart, and no key hash stands in the clear.
+// Whether receivers can tell the two kinds of data apart, and no key hash stands in the clear.
 Status check_data(const TopicRule& former, const DomainRule& domain, const TopicRule& next) {
   const auto before = strength(former.data_protection_kind),
              after = strength(next.data_protection_kind);
@@ -120,7 +120,7 @@ Status check_data(const TopicRule& former, const DomainRule& domain, const Topic
   return {};
 }
 
-/// Success if the rule of `next` protects everything that the other one does.
+// Success if the rule of `next` protects everything that the other one does.
 Status check_raised(const TopicRule& former, const DomainRule& domain, const TopicRule& next) {
   DDSSEC_RETURN_IF_ERROR(check_same("enable_discovery_protection", former, next,
                                     &TopicRule::enable_discovery_protection));

@@ -19,7 +19,7 @@ std::uint64_t hash_of(std::string_view text) {
   return hash;
 }
 
-/// The hashes of all prefixes of a name, and the powers to compute those of parts.
+// The hashes of all prefixes of a name, and the powers to compute those of parts.
 class NameHashes {
  public:
   explicit NameHashes(std::string_view name)
@@ -38,8 +38,8 @@ class NameHashes {
   std::vector<std::uint64_t> beginnings_, powers_;
 };
 
-/// Inner parts are cut to a power of two, so that only few lengths must be looked up at every
-/// position.
+// Inner parts are cut to a power of two, so that only few lengths must be looked up at every
+// position.
 constexpr std::size_t kMaxPart = 32;
 
 std::size_t part_length(std::size_t run) {
@@ -52,12 +52,12 @@ std::size_t part_length(std::size_t run) {
 
 enum class PartPlace : std::uint8_t { prefix, suffix, part };
 
-/// A literal part of an expression by which it can be found.
+// A literal part of an expression by which it can be found.
 struct PatternSet::Key {
   PartPlace place;
   std::size_t length;
   std::uint64_t hash;
-  /// Parts at different places are counted separately.
+  // Parts at different places are counted separately.
   std::uint64_t counted_as() const {
     return hash ^ (static_cast<std::uint64_t>(place) * 0xD6E8FEB86659FD93u) ^
            (length * 0xA0761D6478BD642Fu);
@@ -130,7 +130,7 @@ void PatternSet::seal() {
   wildcard_ids_.clear();
 }
 
-/// Lists of expressions with a literal part that occurs in a name.
+// Lists of expressions with a literal part that occurs in a name.
 struct PatternSet::Candidates {
   std::vector<const std::vector<std::uint32_t>*> lists;
 };

@@ -41,9 +41,9 @@ constexpr std::array<Class, 12> kClasses = {{{"alpha", is_alpha},
 
 }  // namespace
 
-/// Reads the bracket expressions of a text member by member. Linear in the text, however many '['
-/// it contains: each member searches for nothing beyond itself, and no expression is read past the
-/// point where another one failed.
+// Reads the bracket expressions of a text member by member. Linear in the text, however many '['
+// it contains: each member searches for nothing beyond itself, and no expression is read past the
+// point where another one failed.
 class Pattern::SetReader {
  public:
   SetReader(std::string_view text, bool escapes)
@@ -52,8 +52,8 @@ class Pattern::SetReader {
         symbols_end_(behind_last(".]")),
         equivalences_end_(behind_last("=]")) {}
 
-  /// The octets from `begin`, after a '[', that belong to the expression with its ']'; empty if
-  /// there is none. Calls go from left to right.
+  // The octets from `begin`, after a '[', that belong to the expression with its ']'; empty if
+  // there is none. Calls go from left to right.
   std::optional<std::size_t> read(std::size_t begin, std::bitset<256>& set) {
     at_ = begin;
     const bool negated = !at_end() && (text_[at_] == '!' || text_[at_] == '^');
@@ -77,8 +77,8 @@ class Pattern::SetReader {
     return last == text_.npos ? 0 : last + close.size();
   }
 
-  /// True if a member that is not its expression's first was read here before. That expression had
-  /// no end, since the next one is looked for behind an end; and so this one has none.
+  // True if a member that is not its expression's first was read here before. That expression had
+  // no end, since the next one is looked for behind an end; and so this one has none.
   bool was_here() {
     if (visited_.empty()) visited_.resize(text_.size());
     const bool before = visited_[at_];
@@ -106,7 +106,7 @@ class Pattern::SetReader {
     return at + 1 < text_.size() && text_[at] == first && text_[at + 1] == second;
   }
 
-  /// The letters between "[:" and ":]", or nothing and nothing is consumed.
+  // The letters between "[:" and ":]", or nothing and nothing is consumed.
   std::optional<std::string_view> class_name() {
     if (!is_pair(at_, '[', ':')) return std::nullopt;
     const auto begin = at_ + 2;
@@ -128,13 +128,13 @@ class Pattern::SetReader {
     return false;
   }
 
-  /// True if a collating symbol ('.') or an equivalence class ('=') begins here and ends anywhere.
+  // True if a collating symbol ('.') or an equivalence class ('=') begins here and ends anywhere.
   bool is_symbol(char mark) const {
     const auto end = mark == '.' ? symbols_end_ : equivalences_end_;
     return is_pair(at_, '[', mark) && end >= at_ + 4;
   }
 
-  /// One octet, or a collating symbol or equivalence class of one octet.
+  // One octet, or a collating symbol or equivalence class of one octet.
   std::optional<std::uint8_t> endpoint() {
     for (const char mark : {'.', '='}) {
       if (!is_symbol(mark)) continue;
@@ -149,7 +149,7 @@ class Pattern::SetReader {
 
   std::string_view text_;
   bool escapes_;
-  std::size_t symbols_end_, equivalences_end_;  ///< behind the last ".]" and "=]", or 0
+  std::size_t symbols_end_, equivalences_end_;  // behind the last ".]" and "=]", or 0
   std::size_t at_ = 0;
   std::vector<bool> visited_;
 };

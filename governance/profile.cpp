@@ -9,8 +9,8 @@ namespace {
 struct Row {
   Profile profile;
   std::string_view name;
-  bool is_closed;  ///< unauthenticated participants are refused, permissions are checked, discovery
-                   ///< is protected
+  bool is_closed;  // unauthenticated participants are refused, permissions are checked, discovery
+                   // is protected
   ProtectionKind discovery, liveliness, rtps, metadata, data;
 };
 

@@ -56,14 +56,14 @@ Result<std::vector<TopicRule>> read_topic_rules(ReadContext& context, XmlElement
   return rules;
 }
 
-/// One of the lists of allowed_crypto_algorithms.
+// One of the lists of allowed_crypto_algorithms.
 struct AlgorithmList {
   std::string_view name;
   std::span<const std::string_view> if_absent;
 };
 
-/// An absent list allows what the standard names (10.4.1.2.5.9.1, .3, .4), whatever its schema
-/// says.
+// An absent list allows what the standard names (10.4.1.2.5.9.1, .3, .4), whatever its schema
+// says.
 Result<std::vector<Text>> read_algorithm_list(ReadContext& context, XmlElement section,
                                               XmlElement element, const AlgorithmList& list) {
   if (element) return read_texts(context, element, "algorithm");
@@ -103,7 +103,7 @@ Result<AllowedAlgorithms> read_algorithms(ReadContext& context, XmlElement eleme
   return allowed;
 }
 
-/// The rows of a domain_rule, in the order of the 1.2 schema.
+// The rows of a domain_rule, in the order of the 1.2 schema.
 enum DomainRuleChild : std::size_t {
   kDomains,
   kAllowUnauthenticated,
@@ -128,7 +128,7 @@ constexpr ChildSpec kDomainRuleSpecs[] = {{"domains"},
                                           {"topic_access_rules"},
                                           {"allowed_crypto_algorithms", Count::optional}};
 
-/// The elements that only DDS-Security 1.2 knows; 1.1 documents lack them.
+// The elements that only DDS-Security 1.2 knows; 1.1 documents lack them.
 Status read_additions(ReadContext& context, const XmlChildren& child, DomainRule& rule) {
   if (const auto e = child.one(kKeyRevision)) {
     DDSSEC_ASSIGN_OR_RETURN(rule.enable_key_revision, read_boolean(context, e));

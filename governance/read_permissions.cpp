@@ -65,7 +65,7 @@ Result<Validity> read_validity(ReadContext& context, XmlElement element) {
   return validity;
 }
 
-/// A tag holds pairs of name and value; the schema lets one element repeat them.
+// A tag holds pairs of name and value; the schema lets one element repeat them.
 Status read_tag(ReadContext& context, XmlElement element, std::vector<DataTag>& tags) {
   constexpr ChildSpec kSpecs[] = {{"name", Count::many}, {"value", Count::many}};
   DDSSEC_ASSIGN_OR_RETURN(const auto children, XmlChildren::of(element, kSpecs));

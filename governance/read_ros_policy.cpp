@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 constexpr std::array<std::string_view, 2> kXIncludeNamespaces = {"http://www.w3.org/2001/XInclude",
                                                                  "http://www.w3.org/2003/XInclude"};
 
-/// An element and the file it is in.
+// An element and the file it is in.
 struct Node {
   XmlElement element;
   fs::path file;
@@ -30,7 +30,7 @@ std::unexpected<Error> refuse(Code code, const Node& at, std::string expected, s
 
 std::string text_of(const char* attribute) { return attribute == nullptr ? "" : attribute; }
 
-/// Element names of `xpointer(/a/b/*)`; nothing if it has another form.
+// Element names of `xpointer(/a/b/*)`; nothing if it has another form.
 Result<std::vector<std::string>> steps_of(const Node& include) {
   const auto text = text_of(include.element.attribute("xpointer"));
   constexpr std::string_view kBegin = "xpointer(/", kEnd = "/*)";
@@ -54,7 +54,7 @@ Result<std::vector<std::string>> steps_of(const Node& include) {
   return out;
 }
 
-/// Expands includes, and stores every file that it reads.
+// Expands includes, and stores every file that it reads.
 class Policies {
  public:
   explicit Policies(const ReadFile& read) : read_(read) {}
@@ -127,10 +127,10 @@ class Policies {
   const ReadFile& read_;
   std::list<XmlDocument> documents_;
   int count_ = 0;
-  std::size_t octets_ = 0;  ///< of all files together
+  std::size_t octets_ = 0;  // of all files together
 };
 
-/// The names of the policy's elements.
+// The names of the policy's elements.
 struct Words {
   RosKind kind;
   std::string_view list, item, first, second;
@@ -171,7 +171,7 @@ Status require(const Node& node, bool there, std::string_view what) {
   return refuse(Code::element_missing, node, std::string(what), "");
 }
 
-/// The policy's elements from the outside in.
+// The policy's elements from the outside in.
 class Reader {
  public:
   explicit Reader(Policies& policies) : policies_(policies) {}

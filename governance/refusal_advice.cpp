@@ -120,7 +120,7 @@ std::optional<std::size_t> distance_to_expression(std::string_view allowed,
   return out <= max_edits(longest_part(expression)) ? std::optional(out) : std::nullopt;
 }
 
-/// Finds the allowed name nearest to one that is not.
+// Finds the allowed name nearest to one that is not.
 class Nearest {
  public:
   explicit Nearest(std::string_view topic) : topic_(topic) {}

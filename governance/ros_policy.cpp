@@ -14,17 +14,17 @@ namespace {
 constexpr std::string_view kDiscoveryTopic = "ros_discovery_info";
 constexpr std::string_view kActionServices[] = {"cancel_goal", "get_result", "send_goal"};
 
-/// DDS names that one policy element gives, in its order. Such groups are ordered by their first
-/// names only.
+// DDS names that one policy element gives, in its order. Such groups are ordered by their first
+// names only.
 using Group = std::vector<std::string>;
 
-/// The topics that are published and subscribed with one qualifier.
+// The topics that are published and subscribed with one qualifier.
 struct Uses {
   std::vector<Group> publish = {}, subscribe = {};
   bool empty() const { return publish.empty() && subscribe.empty(); }
 };
 
-/// Both qualifiers.
+// Both qualifiers.
 struct Rights {
   Uses allow = {}, deny = {};
 };
@@ -49,7 +49,7 @@ Group action_replies(const std::string& name) {
   return out;
 }
 
-/// The topics that one kind of use publishes and subscribes (ROS 2 design: ROS and DDS names).
+// The topics that one kind of use publishes and subscribes (ROS 2 design: ROS and DDS names).
 struct Way {
   Group (*publish)(const std::string&);
   Group (*subscribe)(const std::string&);

@@ -10,12 +10,12 @@ namespace ddssec::governance {
 namespace {
 
 constexpr SetLimits kLimits{.states = 20'000, .steps = 10'000'000};
-/// How often the list of suspects may grow before an expression is let go as alive.
+// How often the list of suspects may grow before an expression is let go as alive.
 constexpr int kMaxRounds = 16;
-/// Positions with the same text that are asked about.
+// Positions with the same text that are asked about.
 constexpr std::size_t kMaxTwins = 64;
 
-/// Some name that the expression matches; nothing if one is not easily found.
+// Some name that the expression matches; nothing if one is not easily found.
 std::optional<std::string> sample(std::string_view expression) {
   const Pattern pattern(expression);
   if (pattern.is_literal()) return std::string(expression);
@@ -38,7 +38,7 @@ bool is_plainly_within(std::string_view inner, std::string_view outer) {
   return inner.starts_with(beginning);
 }
 
-/// The earlier expressions of a list, found by the names that they match.
+// The earlier expressions of a list, found by the names that they match.
 class Earlier {
  public:
   using Covers = std::function<bool(std::uint32_t, std::uint32_t)>;
@@ -117,7 +117,7 @@ class Earlier {
   SetLimits limits_;
   const Covers& covers_;
   PatternSet set_;
-  std::vector<std::vector<std::uint32_t>> positions_;  ///< by id
+  std::vector<std::vector<std::uint32_t>> positions_;  // by id
 };
 
 }  // namespace

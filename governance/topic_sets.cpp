@@ -7,7 +7,7 @@
 namespace ddssec::governance {
 namespace {
 
-/// Two sets as lists 0 and 1, in which every match counts alike.
+// Two sets as lists 0 and 1, in which every match counts alike.
 std::vector<RankedExpression> two_sets(std::span<const std::string_view> first,
                                        std::span<const std::string_view> second) {
   std::vector<RankedExpression> both;
@@ -17,8 +17,8 @@ std::vector<RankedExpression> two_sets(std::span<const std::string_view> first,
   return both;
 }
 
-/// Laying out the expressions takes time and memory for each octet before the first step is
-/// counted. False if there is not enough left.
+// Laying out the expressions takes time and memory for each octet before the first step is
+// counted. False if there is not enough left.
 bool pay_for_layout(std::span<const RankedExpression> expressions, const SetLimits& limits) {
   constexpr std::size_t kStepsForOctet = 8, kMemoryForOctet = 4;
   std::size_t octets = 0;

@@ -39,12 +39,12 @@ constexpr std::array kUnknown = {
     Unknown{"exception", "use a struct"},
     Unknown{"native", "leave it out"}};
 
-/// Iterates over a file's words, without comments and literals.
+// Iterates over a file's words, without comments and literals.
 class Words {
  public:
   explicit Words(std::string_view text) : text_(text) {}
 
-  /// Returns empty at the end.
+  // Returns empty at the end.
   std::string_view next() {
     while (at_ < text_.size()) {
       if (skip_comment() || skip_literal()) continue;
@@ -89,8 +89,8 @@ class Words {
   std::size_t at_ = 0, line_ = 1, begin_of_line_ = 0, line_of_word_ = 1, column_of_word_ = 1;
 };
 
-/// Returns the name in an include directive, with its quotes or angle brackets; empty if the line
-/// is not one.
+// Returns the name in an include directive, with its quotes or angle brackets; empty if the line
+// is not one.
 std::string_view included(std::string_view line) {
   const auto skip_blanks = [&] {
     line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
@@ -106,7 +106,7 @@ std::string_view included(std::string_view line) {
   return end == line.npos ? std::string_view() : line.substr(0, end + 1);
 }
 
-/// Searches files and the files that they include, each once.
+// Searches files and the files that they include, each once.
 class Explainer {
  public:
   void add_folder(const fs::path& folder) { folders_.push_back(folder); }
@@ -158,13 +158,13 @@ class Explainer {
                            : "");
   }
 
-  /// Returns empty if it is not a file.
+  // Returns empty if it is not a file.
   static fs::path file_at(const fs::path& path) {
     std::error_code ignored;
     return fs::is_regular_file(path, ignored) ? path.lexically_normal() : fs::path();
   }
 
-  /// Searches the folders of -I. Returns empty if none of them contains it.
+  // Searches the folders of -I. Returns empty if none of them contains it.
   fs::path find(std::string_view name) const {
     for (const auto& folder : folders_)
       if (auto found = file_at(folder / name); !found.empty()) return found;
@@ -176,8 +176,8 @@ class Explainer {
 
 enum class RunResult { done, failed, timed_out };
 
-/// The alarm survives execvp and the end of this process, so that idlc does not continue after an
-/// interrupted build.
+// The alarm survives execvp and the end of this process, so that idlc does not continue after an
+// interrupted build.
 RunResult run(char* const* command, unsigned seconds) {
   const auto child = fork();
   if (child < 0) return RunResult::failed;

@@ -100,8 +100,8 @@ Result<std::unique_ptr<const PkiAccess::CertificateImpl>> finish(X509Ptr x509, B
   return out;
 }
 
-/// The certificates in use. Parsing one takes longer than verifying a signature, so certificates
-/// are shared. Thread-safe.
+// The certificates in use. Parsing one takes longer than verifying a signature, so certificates
+// are shared. Thread-safe.
 class Held {
  public:
   static Held& by_anybody() {
@@ -115,7 +115,7 @@ class Held {
     return known == known_.end() ? nullptr : known->second.lock();
   }
 
-  /// The last holder to release it removes it from the list.
+  // The last holder to release it removes it from the list.
   std::shared_ptr<const PkiAccess::CertificateImpl> share(
       std::unique_ptr<const PkiAccess::CertificateImpl> made) {
     const std::shared_ptr<const PkiAccess::CertificateImpl> out(made.release(),

@@ -18,9 +18,9 @@ namespace {
 using LibraryContextPtr = std::unique_ptr<OSSL_LIB_CTX, Deleter<OSSL_LIB_CTX_free>>;
 using Algorithms = std::vector<OSSL_ALGORITHM>;
 
-/// The provider that stands before the default one.
+// The provider that stands before the default one.
 struct Narrow {
-  OSSL_PROVIDER* whole = nullptr;  ///< in a context of its own
+  OSSL_PROVIDER* whole = nullptr;  // in a context of its own
   Algorithms decoders, key_managers;
 };
 
@@ -39,7 +39,7 @@ bool reads_public_keys(std::string_view properties) {
          properties.find("structure=SubjectPublicKeyInfo") != properties.npos;
 }
 
-/// Those of the default provider that are wanted, and OpenSSL's mark of their end.
+// Those of the default provider that are wanted, and OpenSSL's mark of their end.
 Algorithms chosen(int operation, bool (*wanted)(const OSSL_ALGORITHM&)) {
   Algorithms out;
   int no_cache = 0;

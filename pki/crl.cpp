@@ -17,7 +17,7 @@ constexpr long kRemoveFromCrl = 8;  // RFC 5280 5.3.1
 // patch levels disagree about such lists: 3.0.19 takes one for a complete list.
 bool is_delta(const X509_CRL* crl) { return X509_CRL_get_ext_by_NID(crl, NID_delta_crl, -1) >= 0; }
 
-/// RFC 5280 5.3.1; 0, which is unspecified, without one.
+// RFC 5280 5.3.1; 0, which is unspecified, without one.
 long reason_number(const X509_REVOKED* entry) {
   const Asn1EnumeratedPtr value(static_cast<ASN1_ENUMERATED*>(
       X509_REVOKED_get_ext_d2i(entry, NID_crl_reason, nullptr, nullptr)));
@@ -31,7 +31,7 @@ std::string name_of(const X509_EXTENSION* extension) {
   return name;
 }
 
-/// RFC 5280 5.2: a list with a critical extension that is not understood is not to be used.
+// RFC 5280 5.2: a list with a critical extension that is not understood is not to be used.
 Status check_critical(const X509_EXTENSION* extension, std::initializer_list<int> understood) {
   const int nid = OBJ_obj2nid(X509_EXTENSION_get_object(const_cast<X509_EXTENSION*>(extension)));
   if (X509_EXTENSION_get_critical(extension) == 0 ||
@@ -55,7 +55,7 @@ Status check_entry(const X509_REVOKED* entry) {
                .hint = "have the CA issue a list without that entry"});
 }
 
-/// Checks that OpenSSL does not make, or makes only when it verifies a certificate with the list.
+// Checks that OpenSSL does not make, or makes only when it verifies a certificate with the list.
 Status check_extensions(X509_CRL* crl) {
   for (int i = 0; i < X509_CRL_get_ext_count(crl); ++i)
     DDSSEC_RETURN_IF_ERROR(check_critical(

@@ -19,7 +19,7 @@ std::unexpected<Error> failed(const std::string& url, std::string note) {
   return fail(tool_code::ocsp_fetch_failed, {.found = url, .note = std::move(note)});
 }
 
-/// A line break would let a certificate write requests of its own.
+// A line break would let a certificate write requests of its own.
 bool is_plain(std::string_view url) {
   return std::ranges::all_of(url, [](char c) { return c > ' ' && c < 0x7f; });
 }

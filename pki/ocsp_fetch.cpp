@@ -23,10 +23,10 @@ std::unexpected<Error> failed(const std::string& url, std::string note) {
   return fail(tool_code::ocsp_fetch_failed, {.found = url, .note = std::move(note)});
 }
 
-/// More than judge_ocsp reads, which then says that it is too much.
+// More than judge_ocsp reads, which then says that it is too much.
 constexpr std::size_t kMaxFetched = 64 * 1024;
 
-/// SHA-1 identifies the certificate: it is what every responder understands (RFC 5019).
+// SHA-1 identifies the certificate: it is what every responder understands (RFC 5019).
 Result<BioPtr> request_for(const OcspRequest& question) {
   const OcspRequestPtr request(OCSP_REQUEST_new());
   OCSP_CERTID* const id = OCSP_cert_to_id(EVP_sha1(), impl_of(question.certificate).x509.get(),
@@ -42,7 +42,7 @@ Result<BioPtr> request_for(const OcspRequest& question) {
   return bio;
 }
 
-/// A responder may be one of several hosts at its address.
+// A responder may be one of several hosts at its address.
 Result<HeadersPtr> headers_for(const OcspAddress& address) {
   const auto host = address.port == "80" ? address.host : address.host + ":" + address.port;
   STACK_OF(CONF_VALUE)* headers = nullptr;

@@ -15,7 +15,7 @@ std::size_t octets_of(const X509_NAME* name) {
   return static_cast<std::size_t>(std::max(i2d_X509_NAME(name, nullptr), 0));
 }
 
-/// The name that a relative name of `point` is appended to: RFC 5280 4.2.1.13.
+// The name that a relative name of `point` is appended to: RFC 5280 4.2.1.13.
 const X509_NAME* base_name(const DIST_POINT* point, const X509* x509) {
   const int count = point->CRLissuer != nullptr ? sk_GENERAL_NAME_num(point->CRLissuer) : 0;
   for (int i = 0; i < count; ++i) {
@@ -30,7 +30,7 @@ bool is_relative(const DIST_POINT* point) {
   return point->distpoint != nullptr && point->distpoint->type == kRelative;
 }
 
-/// The amount of data that OpenSSL would copy.
+// The amount of data that OpenSSL would copy.
 struct Copies {
   std::size_t points = 0, octets = 0;
 };
@@ -68,8 +68,8 @@ Status bad_message_digest(std::string found) {
                                            .found = std::move(found)});
 }
 
-/// RFC 5652 11.2: signed attributes hold one messageDigest with one value, an OCTET STRING. `at(i)`
-/// is the attribute i of `count`.
+// RFC 5652 11.2: signed attributes hold one messageDigest with one value, an OCTET STRING. `at(i)`
+// is the attribute i of `count`.
 template <class At>
 Status check_message_digest(int count, At at) {
   if (count <= 0) return {};  // without signed attributes the content itself is signed

@@ -24,7 +24,7 @@ namespace {
 // PKCS#11 return values (CK_RV), which the engine passes on as OpenSSL's reasons.
 constexpr int kPinIncorrect = 0xa0, kPinInvalid = 0xa1, kPinLengthRange = 0xa2, kPinLocked = 0xa4;
 
-/// While it lives, its thread answers the engine with `pin`, once.
+// While it lives, its thread answers the engine with `pin`, once.
 class PinRequest {
  public:
   explicit PinRequest(const Passphrase* pin) : pin_(pin) { current() = this; }
@@ -137,7 +137,7 @@ std::optional<std::string> percent_decoded(std::string_view text) {
   return out;
 }
 
-/// A URI without its pin-source, and the PIN from that source.
+// A URI without its pin-source, and the PIN from that source.
 struct SplitUri {
   std::string uri;
   std::optional<Passphrase> pin;

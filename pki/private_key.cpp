@@ -26,8 +26,8 @@ int give_passphrase(char* out, int room, int /*writing*/, void* user) {
   });
 }
 
-/// OpenSSL's readers of encrypted keys (3.0: epki2pki) leave the passphrase on the stack. This
-/// writes over what functions called before it from the same place have left there.
+// OpenSSL's readers of encrypted keys (3.0: epki2pki) leave the passphrase on the stack. This
+// writes over what functions called before it from the same place have left there.
 [[gnu::noinline]] void wipe_stack() {
   std::array<std::uint8_t, std::size_t{32} << 10> room;
   wipe(room);

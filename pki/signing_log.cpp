@@ -21,7 +21,7 @@ std::string member(const LogJson& object, const char* name) {
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
-/// 0: it is none.
+// 0: it is none.
 std::uint32_t revision_in(const LogJson& value) {
   if (!value.is_number_unsigned()) return 0;
   const auto number = value.get<std::uint64_t>();

@@ -18,7 +18,7 @@ namespace {
 
 using Pkcs7Ptr = std::unique_ptr<PKCS7, Deleter<PKCS7_free>>;
 
-/// A signature as OpenSSL finds it and, if it stands beside it, the text that was signed.
+// A signature as OpenSSL finds it and, if it stands beside it, the text that was signed.
 struct Parsed {
   Pkcs7Ptr pkcs7;
   BioPtr beside;

@@ -34,13 +34,13 @@ struct Options {
 
 struct Authorities {
   pki::Authority identity;
-  std::optional<pki::Authority> own_permissions;  ///< empty: the identity CA also signs documents
+  std::optional<pki::Authority> own_permissions;  // empty: the identity CA also signs documents
   const pki::Authority& permissions() const {
     return own_permissions ? *own_permissions : identity;
   }
 };
 
-/// Creates the file so that only its owner can ever read it.
+// Creates the file so that only its owner can ever read it.
 Status write_file(const fs::path& path, BytesView octets) {
   std::error_code ignored;
   fs::create_directories(path.parent_path(), ignored);

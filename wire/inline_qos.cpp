@@ -51,20 +51,20 @@ constexpr SequenceNumber Coherence::*number_of(ParameterId id) {
   }
 }
 
-/// What is read. Each has one value.
+// What is read. Each has one value.
 constexpr std::array kKnown = {
     pid::kKeyHash,        pid::kStatusInfo,      pid::kCoherentSet,        pid::kGroupCoherentSet,
     pid::kGroupSeqNum,    pid::kWriterGroupInfo, pid::kOriginalWriterInfo, pid::kSourceTime,
     pid::kMemoryReference};
 
-/// Numbers of ours may mean something else to another vendor. Then the length differs.
+// Numbers of ours may mean something else to another vendor. Then the length differs.
 bool is_of_another_vendor(const Parameter& parameter) {
   const auto size = parameter.value.size();
   return (parameter.id == pid::kSourceTime && size < 8) ||
          (parameter.id == pid::kMemoryReference && size != kMemoryReferenceSize);
 }
 
-/// Reads one of kKnown.
+// Reads one of kKnown.
 Status take(const Parameter& parameter, InlineQos& qos) {
   const auto& [id, value, endian] = parameter;
   if (id == pid::kKeyHash) {

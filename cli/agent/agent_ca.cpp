@@ -102,8 +102,8 @@ Status check_current(const pki::SignedDocument& document, const fs::path& file, 
 }
 
 struct ExtendedByCa {
-  Bytes permissions = {};             ///< empty if those in place last as long as the certificate
-  std::optional<Error> problem = {};  ///< of the renewal list
+  Bytes permissions = {};             // empty if those in place last as long as the certificate
+  std::optional<Error> problem = {};  // of the renewal list
 };
 
 Result<ExtendedByCa> extended_by_ca(const Bytes& old_octets, const pki::Certificate& renewed,

@@ -24,12 +24,12 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::seconds;
 
-/// A revocation should reach the participant soon.
+// A revocation should reach the participant soon.
 constexpr seconds kAskAgain{600};
 constexpr seconds kMinRetry{2};
 constexpr seconds kMaxRetry{300};
 
-/// Permissions that a CA of the folder has signed for this participant.
+// Permissions that a CA of the folder has signed for this participant.
 struct Rights {
   governance::Validity validity;
   bool has_ended;
@@ -58,7 +58,7 @@ std::optional<Rights> rights_in_place(const DocumentsTask& task) {
   return rights ? std::optional(*std::move(rights)) : std::nullopt;
 }
 
-/// Two thirds of their time. Permissions that cannot be read are asked for at once.
+// Two thirds of their time. Permissions that cannot be read are asked for at once.
 WallTime due_time(const DocumentsTask& task, const std::optional<Rights>& rights) {
   if (!rights) return task.clock.now();
   const auto& time = rights->validity;
@@ -112,7 +112,7 @@ Status put(FileTransaction& out, const fs::path& file, BytesView octets) {
   return out.put(file, octets, mode);
 }
 
-/// Fetches documents, and notes what became of each.
+// Fetches documents, and notes what became of each.
 class Fetching {
  public:
   Fetching(const DocumentsTask& task, const FetchDocument& fetch) : task_(task), fetch_(fetch) {}

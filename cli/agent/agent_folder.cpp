@@ -59,7 +59,7 @@ bool is_own_file(int file) {
          status.st_uid == ::geteuid() && (status.st_mode & 077) == 0;
 }
 
-/// A user's own group and all groups.
+// A user's own group and all groups.
 struct Groups {
   gid_t own;
   std::vector<gid_t> all;

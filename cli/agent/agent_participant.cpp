@@ -38,7 +38,7 @@ pki::ParticipantFolder files_in(const fs::path& folder) {
   return out;
 }
 
-/// A file that is to be replaced keeps its mode, apart from rights that no document needs.
+// A file that is to be replaced keeps its mode, apart from rights that no document needs.
 Result<unsigned> mode_of(const fs::path& file, unsigned mask) {
   struct stat status {};
   const int folder = folder_descriptor(file.parent_path());
@@ -49,19 +49,19 @@ Result<unsigned> mode_of(const fs::path& file, unsigned mask) {
   return (status.st_mode & mask) | 0600U;
 }
 
-/// A participant as its folder has it.
+// A participant as its folder has it.
 struct Participant {
   const AgentTask& task;
   const Context& context;
   pki::ParticipantFolder files;
   pki::Certificate certificate;
-  Bytes permissions = {};  ///< signed by the folder's permissions CA; empty: not to be extended
+  Bytes permissions = {};  // signed by the folder's permissions CA; empty: not to be extended
   std::optional<WallTime> permissions_end = {};
 
   WallTime now() const { return context.clock.now(); }
 };
 
-/// A permissions document with a grant for this participant.
+// A permissions document with a grant for this participant.
 struct Permissions {
   governance::Grant grant;
   std::string text;

@@ -59,7 +59,7 @@ Result<std::string> receive(int in) {
   return out;
 }
 
-/// As a worker reads it.
+// As a worker reads it.
 struct Order {
   AgentTask task;
   std::optional<LockedFolder> locked = {};

@@ -138,8 +138,8 @@ namespace {
 
 struct Remaining {
   bool is_overlap;
-  bool is_here_left;  ///< a folder of this machine has not moved, or not ended
-  bool is_elsewhere;  ///< a folder is not where the log has it
+  bool is_here_left;  // a folder of this machine has not moved, or not ended
+  bool is_elsewhere;  // a folder is not where the log has it
 };
 
 std::string next_step(const fs::path& given, const std::string& role, const Remaining& remaining) {

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Links = FileTransaction::Links;
 
-/// The former CA may end that much later than planned.
+// The former CA may end that much later than planned.
 constexpr int kListDaysAfterOverlap = 90;
 
 bool is_file_or_link(const fs::path& path) {
@@ -28,7 +28,7 @@ bool is_file_or_link(const fs::path& path) {
   return fs::symlink_status(path, ignored).type() > fs::file_type::not_found;
 }
 
-/// Peers may go on with what is issued and signed anew. After the theft of a key they begin again.
+// Peers may go on with what is issued and signed anew. After the theft of a key they begin again.
 bool is_moving(const CaRotation& change) {
   return change.step == RotationStep::move || change.step == RotationStep::end;
 }
@@ -52,18 +52,18 @@ Status put_ca(FileTransaction& out, const CaRotation& change) {
   return out.put_public(overlap_file(paths), overlap_text(*change.overlap));
 }
 
-/// Signs the documents of the old CA with the new one.
+// Signs the documents of the old CA with the new one.
 class DocumentResigner {
  public:
   DocumentResigner(FileTransaction& out, const CaRotation& change, const pki::SigningLog& log,
                    const Context& context)
       : out_(out), change_(change), log_(log), context_(context) {}
 
-  /// The document of a file, for sign(). Errors: those of document_of().
+  // The document of a file, for sign(). Errors: those of document_of().
   Result<DocumentOfCa> read(const fs::path& file) const {
     return document_of(file, change_.old, log_, change_.takes_unlogged, context_.clock.now());
   }
-  /// The same for a participant, which an earlier rotation may not have reached.
+  // The same for a participant, which an earlier rotation may not have reached.
   Result<DocumentOfCa> read(const fs::path& file, const AffectedParticipant& participant) const {
     auto document = read(file);
     if (document) return document;
@@ -160,10 +160,10 @@ Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& 
 
 namespace {
 
-/// The documents of a participant that are its own.
+// The documents of a participant that are its own.
 struct OwnDocuments {
   std::map<fs::path, DocumentOfCa> sound;
-  std::vector<Error> doubtful;  ///< one is enough to leave all as they are
+  std::vector<Error> doubtful;  // one is enough to leave all as they are
 };
 
 OwnDocuments documents_of(const AffectedParticipant& participant,
@@ -201,13 +201,13 @@ RotationResult empty_result(const CaRotation& change) {
   return out;
 }
 
-/// Drafts the files of the participants one after the other: all files of a participant, or none.
+// Drafts the files of the participants one after the other: all files of a participant, or none.
 class ParticipantDrafts {
  public:
   ParticipantDrafts(FileTransaction& out, RotationResult& rotation)
       : out_(out), rotation_(rotation) {}
 
-  /// `draft` puts the files of a participant. Error: interrupted.
+  // `draft` puts the files of a participant. Error: interrupted.
   template <class DraftFiles>
   Status add(const AffectedParticipant& participant, DraftFiles draft) {
     out_.begin_folder(participant.name);
@@ -226,7 +226,7 @@ class ParticipantDrafts {
     return {};
   }
 
-  /// Success if a participant follows the new CA, or none had to.
+  // Success if a participant follows the new CA, or none had to.
   Status check() const {
     if (!rotation_.updated.empty()) return {};
     for (const auto* left : {&rotation_.doubtful, &rotation_.unwritten})
@@ -277,7 +277,7 @@ Status sign_documents_of(const AffectedParticipant& participant,
   return {};
 }
 
-/// It has moved already, or does not move in this step.
+// It has moved already, or does not move in this step.
 bool keeps_documents(const AffectedParticipant& participant, const CaRotation& change,
                      WallTime now) {
   if (change.step == RotationStep::replace) return false;
@@ -362,13 +362,13 @@ Result<RotationResult> finish_permissions_rotation(
 
 namespace {
 
-/// The new files for the participants of an identity CA.
+// The new files for the participants of an identity CA.
 struct Reissue {
   const CaRotation& change;
   const pki::IssueLog& log;
   const pki::Crl& crl;
-  const std::vector<pki::Certificate>& trusted;  ///< the certificates of change.trust_pem
-  const std::vector<pki::Crl>& lists_of_former;  ///< in an overlap
+  const std::vector<pki::Certificate>& trusted;  // the certificates of change.trust_pem
+  const std::vector<pki::Crl>& lists_of_former;  // in an overlap
   const Context& context;
   NewlyListed& renewals;
 
@@ -412,7 +412,7 @@ std::string to_pem(const std::vector<pki::Crl>& lists) {
   return out;
 }
 
-/// The former CA's key is replaced when the overlap begins: its last list is valid for longer.
+// The former CA's key is replaced when the overlap begins: its last list is valid for longer.
 Result<std::vector<pki::Crl>> lists_beside(const CaRotation& change, const pki::IssueLog& log,
                                            const Context& context) {
   const bool is_begin = change.step == RotationStep::begin;

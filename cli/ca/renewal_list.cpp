@@ -27,11 +27,11 @@ namespace {
 namespace fs = std::filesystem;
 using governance::Grant;
 
-/// A permissions document of a list, by what it says of itself.
+// A permissions document of a list, by what it says of itself.
 struct ListedDocument {
   Bytes file;
-  std::vector<Grant> grants = {};  ///< those that name their subject
-  WallTime end = {};               ///< of the last one
+  std::vector<Grant> grants = {};  // those that name their subject
+  WallTime end = {};               // of the last one
 };
 
 // Its signature is not checked: the participants do that. Empty: no grant names a subject.
@@ -96,10 +96,10 @@ std::size_t size_in_list(const Bytes& file) {
   return text + text / kLine + kAround;
 }
 
-/// The entries of a list, bounded as participants read it. Older ones come first.
+// The entries of a list, bounded as participants read it. Older ones come first.
 class Entries {
  public:
-  /// Of permissions, those that name a subject.
+  // Of permissions, those that name a subject.
   void add(const pki::RenewalList& list, WallTime now) {
     for (const auto& one : list.certificates)
       if (one.not_after() > now) add(one);
@@ -111,7 +111,7 @@ class Entries {
     }
   }
 
-  /// Removes what is more than participants read.
+  // Removes what is more than participants read.
   void shorten() {
     std::size_t octets = 0;
     for (const auto& one : certificates_) octets += one.pem().size();
@@ -141,7 +141,7 @@ class Entries {
     for (const auto& one : documents_) out.permissions.push_back(one.file);
     return out;
   }
-  /// The subjects of what was removed.
+  // The subjects of what was removed.
   const std::set<std::string>& left_out() const { return left_out_; }
 
  private:

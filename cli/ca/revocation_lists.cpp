@@ -88,14 +88,14 @@ Result<bool> lists_all(const CaPaths& ca, const pki::IssueLog& log) {
 
 namespace {
 
-/// The basis of the next list: all lists of the CA that were found.
+// The basis of the next list: all lists of the CA that were found.
 class Former {
  public:
-  /// `before`: the CA's certificate in its folder, which is the old one while the CA is rotated.
+  // `before`: the CA's certificate in its folder, which is the old one while the CA is rotated.
   Former(const OpenCa& ca, const pki::Certificate& before)
       : ca_(ca.certificate()), before_(before) {}
 
-  /// The CA's own file is trusted, because only its owner can write it.
+  // The CA's own file is trusted, because only its owner can write it.
   Status add_own(const fs::path& file) {
     DDSSEC_ASSIGN_OR_RETURN(const auto crls, read_crls(file));
     for (const auto& list : crls)
@@ -104,7 +104,7 @@ class Former {
     return {};
   }
 
-  /// A participant's file: an error in it does not concern the CA.
+  // A participant's file: an error in it does not concern the CA.
   void add_of_participant(const fs::path& file) {
     const auto lists = read_crls(file);
     if (!lists) return;
@@ -112,7 +112,7 @@ class Former {
       if (seen_.insert(list.pem()).second && is_genuine(list)) static_cast<void>(add(list));
   }
 
-  /// A file that the command line names.
+  // A file that the command line names.
   Status add_named(const fs::path& file) {
     DDSSEC_ASSIGN_OR_RETURN(const auto lists, read_crls(file));
     if (lists.empty()) return fail(Code::file_not_found, {.document = file});
@@ -129,8 +129,8 @@ class Former {
   }
 
   pki::CrlNumber next_number() const { return number_.next(); }
-  /// The date of the list with the highest number. Another list may have been made with a clock
-  /// that was ahead, and this one after it.
+  // The date of the list with the highest number. Another list may have been made with a clock
+  // that was ahead, and this one after it.
   WallTime this_update(WallTime now) const {
     return newest_ ? std::max(now, newest_->this_update()) : now;
   }

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 struct NewCa {
   std::string role;
-  fs::path below;  ///< inside the new folder
+  fs::path below;  // inside the new folder
 };
 
 Result<std::vector<NewCa>> wanted(const std::string& role) {
@@ -44,7 +44,7 @@ std::string subject_of(const Arguments& arguments, const NewCa& ca, const fs::pa
   return ca_subject(folder_name(folder), ca.role == "identity" ? "Identity" : "Permissions");
 }
 
-/// The common properties of the CAs of one command. `above` null: they are roots.
+// The common properties of the CAs of one command. `above` null: they are roots.
 struct CaPlan {
   pki::Validity life;
   const OpenCa* above;
@@ -114,7 +114,7 @@ Result<Answer<CreatedCas>> ca_create(const Arguments& arguments, const Context& 
 
 struct ImportedKey {
   NewKey key;
-  std::optional<pki::Passphrase> secret;  ///< what it is kept under
+  std::optional<pki::Passphrase> secret;  // what it is kept under
 };
 
 Result<ImportedKey> imported_key(const Arguments& arguments) {
@@ -180,7 +180,7 @@ Result<std::optional<KeyFacts>> key_facts(const fs::path& key) {
   return out;
 }
 
-/// `role` null: the folder does not say which.
+// `role` null: the folder does not say which.
 Result<ShownCa> show_one(const CaPaths& paths, std::optional<std::string> role, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(paths.certificate));
   DDSSEC_ASSIGN_OR_RETURN(auto key, key_facts(paths.key));

@@ -56,7 +56,7 @@ Status check_no_other_kind(const fs::path& given) {
   return {};
 }
 
-/// The new CA, and the certificates of it for participants.
+// The new CA, and the certificates of it for participants.
 struct Successor {
   pki::Authority ca;
   std::string trust_pem;
@@ -245,7 +245,7 @@ std::string unwritten_hint(const std::string& role, RotationStep step, const std
       again);
 }
 
-/// One step for the participants that it is for.
+// One step for the participants that it is for.
 struct Work {
   CaRotation change;
   AffectedParticipants known;
@@ -363,8 +363,8 @@ std::unexpected<Error> nothing_left(RotationStep step, const OpenCa& ca, std::si
                .hint = fmt::format("the next step is ddssec ca rotate CA --role ROLE {}", next)});
 }
 
-/// --overlap or --end once more, for the folders that it did not reach. `waiting`: those whose
-/// files waited beside their places before the CA was opened, which put them in place.
+// --overlap or --end once more, for the folders that it did not reach. `waiting`: those whose
+// files waited beside their places before the CA was opened, which put them in place.
 Result<Work> made_again(const OpenCa& ca, RotationStep step, const RotationProgress& progress,
                         AffectedParticipants known,
                         const std::vector<AffectedParticipant>& waiting) {

@@ -41,16 +41,16 @@ Code code_of(governance::Action action) {
                                                : Code::subscribe_not_allowed;
 }
 
-/// The answer for a participant, and the source of the answer.
+// The answer for a participant, and the source of the answer.
 struct Ruling {
   bool allowed;
   std::string because;
   fs::path document;
   int line;
-  std::string hint = {};  ///< what to do, where the grant refuses
+  std::string hint = {};  // what to do, where the grant refuses
 };
 
-/// The question and the participant.
+// The question and the participant.
 struct Question {
   const doctor::LoadedFolder& folder;
   governance::Action action;
@@ -64,7 +64,7 @@ doctor::Diagnosis diagnosis_for(const Question& question) {
                       {.now = question.now, .domain = question.domain, .may_run_elsewhere = true});
 }
 
-/// The reason why the participant does not start at all, as `check` reports it.
+// The reason why the participant does not start at all, as `check` reports it.
 std::optional<Ruling> by_doctor(const Question& question) {
   const auto diagnosis = diagnosis_for(question);
   for (const auto& check : diagnosis.checks()) {
@@ -80,7 +80,7 @@ std::optional<Ruling> by_doctor(const Question& question) {
   return std::nullopt;
 }
 
-/// The verified documents, the valid grant, and the way to evaluate them.
+// The verified documents, the valid grant, and the way to evaluate them.
 struct Documents {
   std::shared_ptr<const governance::CompiledGovernance> governance;
   std::shared_ptr<const governance::CompiledGrant> grant;
@@ -117,7 +117,7 @@ Result<Documents> documents_for(const Question& question) {
   return Documents{std::move(governance), std::move(compiled)};
 }
 
-/// The certificate, as every peer judges it.
+// The certificate, as every peer judges it.
 Status check_identity(const Question& question) {
   if (!question.folder.certificate) return std::unexpected(question.folder.certificate.error());
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, question.folder.chain());

@@ -39,11 +39,11 @@ std::vector<Option> options_of(const Command& command) {
   return out;
 }
 
-/// A first word: a group, or a command of one word.
+// A first word: a group, or a command of one word.
 struct FirstWord {
   std::string_view word;
   std::string summary;
-  std::vector<const Command*> commands;  ///< of the group
+  std::vector<const Command*> commands;  // of the group
 };
 
 std::vector<FirstWord> first_words() {
@@ -67,9 +67,9 @@ std::string spelled(const std::vector<Option>& options) {
   return out;
 }
 
-/// Where one of a few words is expected.
+// Where one of a few words is expected.
 struct Place {
-  std::string pattern;  ///< of a shell's `case`: "WORDS OPTION", or "NUMBER COMMAND"
+  std::string pattern;  // of a shell's `case`: "WORDS OPTION", or "NUMBER COMMAND"
   std::string words;
 };
 

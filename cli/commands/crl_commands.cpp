@@ -184,7 +184,7 @@ Result<std::optional<pki::Certificate>> certificate_in(const pki::ParticipantFol
   return certificate;
 }
 
-/// The list that is distributed.
+// The list that is distributed.
 struct Distribution {
   pki::Crl list;
   pki::Certificate ca;
@@ -205,10 +205,10 @@ Status put_list_into(FileTransaction& out, const fs::path& folder, const Distrib
                    std::move(trusted), what.now});
 }
 
-/// The folders that now have the list, and the errors of the others.
+// The folders that now have the list, and the errors of the others.
 struct Distributed {
   std::vector<std::string> folders;
-  std::vector<std::string> without_permissions = {};  ///< of them
+  std::vector<std::string> without_permissions = {};  // of them
   std::vector<Error> errors;
   std::vector<WrittenFile> files;
 };
@@ -285,7 +285,7 @@ Result<pki::Crl> list_to_distribute(const CaPaths& paths, const pki::Certificate
   return present;
 }
 
-/// The distributed list, and the result.
+// The distributed list, and the result.
 struct DistributedList {
   pki::Crl list;
   Distributed done;

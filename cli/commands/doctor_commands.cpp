@@ -99,7 +99,7 @@ std::vector<Finding> findings_for(const Products& products, const doctor::Diagno
   return out;
 }
 
-/// A check, for the chosen products.
+// A check, for the chosen products.
 struct ShownCheck {
   const doctor::Check* check;
   const Products* products;
@@ -123,7 +123,7 @@ struct ShownCheck {
   }
 };
 
-/// The diagnosis of one folder.
+// The diagnosis of one folder.
 struct ShownDiagnosis {
   std::string title;
   doctor::Diagnosis diagnosis;
@@ -156,7 +156,7 @@ struct ShownDiagnosis {
   }
 };
 
-/// The findings are added to the report.
+// The findings are added to the report.
 ShownDiagnosis shown(Report& report, const fs::path& folder, doctor::Diagnosis diagnosis,
                      const doctor::Settings& settings, const Products& products) {
   add_findings(report, findings_for(products, diagnosis), folder);
@@ -165,11 +165,11 @@ ShownDiagnosis shown(Report& report, const fs::path& folder, doctor::Diagnosis d
           products};
 }
 
-/// A product of one participant with a product of the other.
+// A product of one participant with a product of the other.
 struct ProductMeeting {
   std::string self, peer;
   bool talk;
-  std::string names;  ///< of both
+  std::string names;  // of both
 
   static constexpr auto fields() {
     using T = ProductMeeting;
@@ -223,7 +223,7 @@ struct DoctorResult {
   ShownDiagnosis diagnosis;
   std::vector<doctor::HostPlugin> plugins = {};
   std::optional<DiagnosedPeer> peer = {};
-  bool is_configured;  ///< the environment names the configuration
+  bool is_configured;  // the environment names the configuration
 
   static constexpr auto fields() {
     using T = DoctorResult;

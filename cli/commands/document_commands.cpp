@@ -74,7 +74,7 @@ std::vector<Finding> uncovered(const governance::Permissions& document, const fs
   return uncovered_grants(document, pki::participant_folder(folder_of(to)).governance, file);
 }
 
-/// What is signed: a governance document with a revision.
+// What is signed: a governance document with a revision.
 Result<NumberedText> text_to_sign(const governance::Governance& document, BytesView xml,
                                   const fs::path& to, const OpenCa& ca,
                                   const Arguments& arguments) {
@@ -149,7 +149,7 @@ Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context)
                          std::move(report)};
 }
 
-/// What each product makes of the signature.
+// What each product makes of the signature.
 struct Verdicts {
   static constexpr std::string_view kDef = "signature_verdicts";
   bool ours = false, cyclonedds = false, fastdds = false;
@@ -166,7 +166,7 @@ struct Verdicts {
     for (const auto vendor : doctor::kVendors) out[doctor::id(vendor, lineup)] = of(vendor);
     return out;
   }
-  /// "Cyclone DDS 0.10.2 refuses it, Fast DDS 2.9.1 accepts it".
+  // "Cyclone DDS 0.10.2 refuses it, Fast DDS 2.9.1 accepts it".
   std::string in_words() const {
     const auto words = [&](doctor::Vendor vendor) {
       return fmt::format("{} {} it", doctor::name(vendor, lineup), of(vendor));
@@ -207,7 +207,7 @@ struct Refusal {
   std::string text() const { return fmt::format("refused; {}\n", verdicts.in_words()); }
 };
 
-/// The verification result of the signature with each product.
+// The verification result of the signature with each product.
 struct Beliefs {
   Result<pki::SignedDocument> ours;
   Verdicts verdicts = {};

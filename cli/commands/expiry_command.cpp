@@ -30,23 +30,23 @@ constexpr std::size_t kMaxFiles = 500'000;
 constexpr auto kKinds = "a certificate, a revocation list or permissions";
 constexpr std::string_view kOcspResponse = "OCSP response";
 
-/// Something that expires.
+// Something that expires.
 struct Ending {
-  std::string_view kind;  ///< "CA", "certificate", "revocation list", "permissions", kOcspResponse
+  std::string_view kind;  // "CA", "certificate", "revocation list", "permissions", kOcspResponse
   std::string subject;
   WallTime end;
   fs::path file;
-  std::size_t places = 1;  ///< how many files hold the same
-  std::string id = {};     ///< of a certificate: issuer and serial number
-  WallTime begin = {};     ///< before it, hosts refuse it
+  std::size_t places = 1;  // how many files hold the same
+  std::string id = {};     // of a certificate: issuer and serial number
+  WallTime begin = {};     // before it, hosts refuse it
 };
 
-/// Finds everything that expires below some paths; the same object in several files is one row. A
-/// document expires with the certificate that signed it, whichever file contains that.
+// Finds everything that expires below some paths; the same object in several files is one row. A
+// document expires with the certificate that signed it, whichever file contains that.
 class Search {
  public:
-  /// Unreadable files, and paths without anything that expires, are listed in unreadable(): a watch
-  /// that sees nothing must not report success.
+  // Unreadable files, and paths without anything that expires, are listed in unreadable(): a watch
+  // that sees nothing must not report success.
   void look_at(const fs::path& path) {
     const auto before = hits_ + unreadable_.size();
     std::error_code error;
@@ -76,8 +76,8 @@ class Search {
         ErrorDetails{.document = path, .expected = kKinds, .found = "another file"});
   }
 
-  /// To be called after the last path: a link to a folder is well if that was searched under its
-  /// own name.
+  // To be called after the last path: a link to a folder is well if that was searched under its
+  // own name.
   void check_links() {
     for (const auto& link : links_) {
       std::error_code ignored;
@@ -97,7 +97,7 @@ class Search {
     return out;
   }
   const std::vector<Error>& unreadable() const { return unreadable_; }
-  /// True if one of the lists found contains it, whatever the list's signature.
+  // True if one of the lists found contains it, whatever the list's signature.
   bool is_revoked(const Ending& ending) const { return revoked_.contains(ending.id); }
 
  private:
@@ -310,19 +310,19 @@ class Search {
   }
 
   std::map<std::string, Ending> found_;
-  std::map<std::string, Ending> signers_;  ///< inside signatures: listed where no file holds them
+  std::map<std::string, Ending> signers_;  // inside signatures: listed where no file holds them
   std::set<fs::path> paths_;
   std::set<std::string> seen_;
-  std::set<std::string> searched_;  ///< folders, by their paths without links
-  std::set<fs::path> links_;        ///< to folders
-  std::set<std::string> revoked_;   ///< as Ending::id
+  std::set<std::string> searched_;  // folders, by their paths without links
+  std::set<fs::path> links_;        // to folders
+  std::set<std::string> revoked_;   // as Ending::id
   std::vector<Error> unreadable_;
   std::size_t hits_ = 0;
   bool is_full_ = false;
-  bool is_folder_ = false;  ///< a whole folder is searched
+  bool is_folder_ = false;  // a whole folder is searched
 };
 
-/// An OCSP response lasts for hours or days, and the agent renews it at half of its life.
+// An OCSP response lasts for hours or days, and the agent renews it at half of its life.
 WallTime soon_from(const Ending& ending, WallTime now, WallTime horizon) {
   return ending.kind == kOcspResponse ? now + (ending.end - ending.begin) / 2 : horizon;
 }
@@ -339,7 +339,7 @@ struct ExpiryEntry {
   std::int64_t days_left;
   fs::path file;
   std::size_t places;
-  bool is_quiet = false;  ///< --quiet leaves the line out
+  bool is_quiet = false;  // --quiet leaves the line out
 
   static constexpr auto fields() {
     using Self = ExpiryEntry;

@@ -19,10 +19,10 @@ namespace {
 
 constexpr std::size_t kMinPartLength = 4;  // characters
 
-/// A row of either table.
+// A row of either table.
 struct Row {
   std::string_view name;
-  int number;  ///< 0: rules have none
+  int number;  // 0: rules have none
   Severity severity;
   std::string_view summary;
   std::string_view hint;
@@ -102,7 +102,7 @@ struct SeverityElsewhere {
   }
 };
 
-/// A code or a rule.
+// A code or a rule.
 struct Explained {
   std::string name;
   std::optional<std::size_t> number;
@@ -157,7 +157,7 @@ Explained about(const Row& row) {
   return out;
 }
 
-/// The codes and rules that match a part of a name or number.
+// The codes and rules that match a part of a name or number.
 std::vector<Row> like(const std::string& wanted) {
   constexpr std::size_t kMinSearchedPart = 2;  // characters of a part
   std::vector<Row> out;
@@ -238,7 +238,7 @@ Answer<Explanation> list_of(const std::vector<CycloneSentence>& found) {
   return {std::move(out)};
 }
 
-/// Codes and rules whose sentence has these words.
+// Codes and rules whose sentence has these words.
 std::vector<Row> saying(const std::string& wanted) {
   std::vector<Row> out;
   for (const auto& code : all_codes())
@@ -251,8 +251,8 @@ std::vector<Row> saying(const std::string& wanted) {
   return out;
 }
 
-/// Names that contain the given one, in capitals and without separators between words, or nearly
-/// contain it: at most three.
+// Names that contain the given one, in capitals and without separators between words, or nearly
+// contain it: at most three.
 std::vector<std::string> names_like(const std::string& wanted) {
   const auto bones = [](std::string_view name) {
     auto out = ascii_upper(name);

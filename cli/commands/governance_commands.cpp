@@ -25,7 +25,7 @@ std::unexpected<Error> wrong_topic(const std::string& text, std::string expected
               {.field = "--topic", .expected = std::move(expected), .found = '"' + text + '"'});
 }
 
-/// A key of --topic, under its short name and the document's.
+// A key of --topic, under its short name and the document's.
 struct KindKey {
   std::string_view name, element;
   ProtectionKind TopicRule::*member;
@@ -45,7 +45,7 @@ constexpr FlagKey kFlagKeys[] = {
 constexpr std::string_view kKeys =
     "data=KIND, metadata=KIND, or discovery, liveliness, read, write =true or =false";
 
-/// True if the key is known; its value may still be wrong.
+// True if the key is known; its value may still be wrong.
 template <std::size_t N, class Key>
 const Key* find_key(const Key (&keys)[N], std::string_view name) {
   const auto found = std::ranges::find_if(
@@ -95,7 +95,7 @@ Result<TopicRule> topic_rule_from(const std::string& text, governance::Profile p
   return rule;
 }
 
-/// Of messages that no participant's own key protects.
+// Of messages that no participant's own key protects.
 Result<ProtectionKind> pre_shared_key_kind(const Arguments& arguments) {
   const auto text = arguments.text("--pre-shared-key");
   const auto kind = protection_kind_from(ascii_upper(text));
@@ -128,7 +128,7 @@ struct NewGovernance {
   std::string profile;
   std::size_t topic_rules;
   std::optional<std::size_t> revision = {};
-  std::vector<WrittenFile> files = {};  ///< all of them
+  std::vector<WrittenFile> files = {};  // all of them
 
   static constexpr auto fields() {
     using Self = NewGovernance;

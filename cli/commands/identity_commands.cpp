@@ -74,7 +74,7 @@ struct MadeRequest {
   fs::path dir;
   std::string subject, algorithm;
   fs::path request;
-  bool in_token;  ///< the key
+  bool in_token;  // the key
 
   static constexpr auto fields() {
     return std::tuple(field<&MadeRequest::name>(), field<&MadeRequest::dir>(),

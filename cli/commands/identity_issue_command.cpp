@@ -147,14 +147,14 @@ Result<IssueAnswer> issue_fleet(const Arguments& arguments, const Context& conte
   return IssueAnswer{std::move(fleet), std::move(report)};
 }
 
-/// One participant, as the command line asks for it.
+// One participant, as the command line asks for it.
 struct IssueRequest {
   const Arguments& arguments;
   const Context& context;
   ParticipantSpec spec;
   fs::path target;
   Bytes governance;
-  pki::ParticipantFolder files;  ///< of `target`
+  pki::ParticipantFolder files;  // of `target`
 
   bool is_replacing() const { return arguments.has("--replace"); }
 };
@@ -164,7 +164,7 @@ IssuedFacts issued_of(const IssueRequest& request, const pki::Certificate& certi
   return {request.spec.name, request.target, CertificateFacts::of(certificate), std::move(done)};
 }
 
-/// The contents of one participant's folder, and the CAs that signed it.
+// The contents of one participant's folder, and the CAs that signed it.
 struct Issued {
   IssuingCas cas;
   NewParticipant made;
@@ -233,12 +233,12 @@ Status check_pair(const IssueRequest& request) {
                      "makes both anew; or choose another folder"});
 }
 
-/// The missing files of a folder that this command can add.
+// The missing files of a folder that this command can add.
 class Completion {
  public:
   explicit Completion(const IssueRequest& request) : request_(request) {}
 
-  /// Leaves an identical file unchanged; any other existing file is an error.
+  // Leaves an identical file unchanged; any other existing file is an error.
   Status add(const fs::path& file, BytesView octets, unsigned mode, bool is_asked_for) {
     if (!is_there(file)) {
       ++count_;

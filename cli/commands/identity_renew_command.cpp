@@ -101,25 +101,25 @@ Status check_not_superseded(const pki::ParticipantFolder& files, const OpenCa& c
                "certificate is renewed"});
 }
 
-/// One renewal: the files in the folder, and those that replace them.
+// One renewal: the files in the folder, and those that replace them.
 struct Renewal {
   const Arguments& arguments;
   const Context& context;
-  fs::path path;  ///< of the certificate
+  fs::path path;  // of the certificate
   pki::ParticipantFolder files;
   pki::Certificate old;
-  fs::path recorded = {};                             ///< the folder by the CA's log
-  std::optional<SignedPermissions> permissions = {};  ///< those in place, if the CA signed them
+  fs::path recorded = {};                             // the folder by the CA's log
+  std::optional<SignedPermissions> permissions = {};  // those in place, if the CA signed them
 
   WallTime now() const { return context.clock.now(); }
   bool is_rekeying() const { return arguments.has("--rekey"); }
 };
 
-/// What both results say.
+// What both results say.
 struct RenewalFacts {
   bool renewed;
   fs::path file;
-  CertificateFacts certificate;  ///< that is in the file now
+  CertificateFacts certificate;  // that is in the file now
 
   static constexpr auto fields() {
     return std::tuple_cat(std::tuple(field<&RenewalFacts::renewed>(), field<&RenewalFacts::file>()),

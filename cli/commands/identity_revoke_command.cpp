@@ -25,15 +25,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The certificates to revoke.
+// The certificates to revoke.
 struct Doomed {
   std::string subject;
-  std::vector<std::string> serials = {};   ///< that are not revoked yet
-  std::vector<std::string> subjects = {};  ///< of each of them
-  std::string own_serial = {};             ///< of what was given
-  std::vector<std::string> own_keys = {};  ///< its digests, as a log may have them
-  std::string unlogged_key = {};           ///< its key, if the log does not have it yet
-  /// Certificates of the same key that stay valid, in words.
+  std::vector<std::string> serials = {};   // that are not revoked yet
+  std::vector<std::string> subjects = {};  // of each of them
+  std::string own_serial = {};             // of what was given
+  std::vector<std::string> own_keys = {};  // its digests, as a log may have them
+  std::string unlogged_key = {};           // its key, if the log does not have it yet
+  // Certificates of the same key that stay valid, in words.
   std::vector<std::string> same_key = {};
   std::vector<std::string> same_key_serials = {};
 
@@ -220,9 +220,9 @@ struct Revoked {
   std::vector<std::string> serials, same_key;
   std::optional<ListThatRevokes> crl = {};
   Folders folders = {}, without_list = {}, elsewhere = {}, left_behind = {}, of_other_cas = {};
-  std::string revoked = {};        ///< "(2 certificates)", or why it is revoked again
-  std::string certificates = {};   ///< complete lines: those of `serials`
-  std::string same_key_text = {};  ///< complete lines
+  std::string revoked = {};        // "(2 certificates)", or why it is revoked again
+  std::string certificates = {};   // complete lines: those of `serials`
+  std::string same_key_text = {};  // complete lines
 
   static constexpr auto fields() {
     using Self = Revoked;

@@ -27,10 +27,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The request of the command line.
+// The request of the command line.
 struct Plan {
   fs::path target;
-  std::string title;  ///< in the CAs' names
+  std::string title;  // in the CAs' names
   std::vector<std::string> names;
   pki::FolderLayout layout;
   governance::Profile profile;
@@ -119,7 +119,7 @@ struct FirstParticipant {
   }
 };
 
-/// What configurations must have.
+// What configurations must have.
 struct Snippets {
   std::string cyclonedds, fastdds;
   std::optional<std::string> ros2 = {};
@@ -136,7 +136,7 @@ struct Initialised {
   std::string profile;
   std::vector<FirstParticipant> participants;
   Snippets snippets;
-  std::string domains, topics;  ///< in words
+  std::string domains, topics;  // in words
 
   static constexpr auto fields() {
     using Self = Initialised;
@@ -159,11 +159,11 @@ struct Initialised {
   }
 };
 
-/// The participants that the finished folder will contain.
+// The participants that the finished folder will contain.
 struct Members {
   std::vector<FirstParticipant> rows = {};
-  std::string log = {};         ///< of the identity CA
-  std::string signed_log = {};  ///< of the permissions CA
+  std::string log = {};         // of the identity CA
+  std::string signed_log = {};  // of the permissions CA
 };
 
 Result<Members> add_members(NewFolder& folder, const Plan& plan, const Issuers& issuers,

@@ -29,7 +29,7 @@ struct Listed<rtps::CertificateNames> {
 
 namespace {
 
-/// CryptoTransformKind (DDS-Security 1.2, clause 10.5.2.1.1), whatever its key revision.
+// CryptoTransformKind (DDS-Security 1.2, clause 10.5.2.1.1), whatever its key revision.
 std::string kind_name(TransformKind kind) {
   switch (kind.octets[3]) {
     case 1:
@@ -235,7 +235,7 @@ struct Pair {
 
 struct Watched {
   rtps::Observer observer{names_in};
-  std::uint64_t cut = 0;  ///< frames
+  std::uint64_t cut = 0;  // frames
 };
 
 Status watch(Capture& capture, int seconds, bool is_live, Watched& out) {

@@ -38,7 +38,7 @@ std::vector<AffectedParticipant> participants_in(const fs::path& keystore,
   return out;
 }
 
-/// A CA that signed a keystore's enclaves anew.
+// A CA that signed a keystore's enclaves anew.
 struct KeystoreCa {
   static constexpr std::string_view kDef = "keystore_ca";
   NewCaFacts ca;

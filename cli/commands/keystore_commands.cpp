@@ -89,7 +89,7 @@ Result<Answer<CreatedKeystore>> keystore_create(const Arguments& arguments,
   return out;
 }
 
-/// Whether an enclave may keep the permissions that it has.
+// Whether an enclave may keep the permissions that it has.
 enum class Rights : std::uint8_t { needed, may_stay };
 
 // Rights must be given explicitly, in one way: an enclave with all rights must be requested.
@@ -189,14 +189,14 @@ Status warn_of_overlap(const ParticipantSpec& spec, const CaPaths& identity, con
   return {};
 }
 
-/// What `keystore enclave` makes.
+// What `keystore enclave` makes.
 struct EnclaveJob {
   const Arguments& arguments;
   const Context& context;
   fs::path keystore;
   std::string name;
   fs::path target;
-  bool is_again;  ///< the enclave is there, and gets a new key and certificate
+  bool is_again;  // the enclave is there, and gets a new key and certificate
   pki::ParticipantFolder files;
 };
 

@@ -84,7 +84,7 @@ void check_belongs(const fs::path& keystore, const doctor::LoadedFolder& enclave
     differs(enclave.paths.governance, governance);
 }
 
-/// Finds enclaves that have the key of another one: each is valid in itself.
+// Finds enclaves that have the key of another one: each is valid in itself.
 class Copies {
  public:
   explicit Copies(const fs::path& keystore)
@@ -114,7 +114,7 @@ class Copies {
  private:
   struct One {
     std::string name, certificate;
-    bool is_at_home;  ///< the certificate was issued for it
+    bool is_at_home;  // the certificate was issued for it
   };
 
   bool is_at_home(const doctor::LoadedFolder& enclave, const std::string& name) const {
@@ -258,7 +258,7 @@ void add_error(Error error, Report& report) {
   report.errors.push_back(std::move(error));
 }
 
-/// Takes over the certificates of enclaves into the CA's log.
+// Takes over the certificates of enclaves into the CA's log.
 struct Import {
   const CaPaths& paths;
   const pki::Certificate& ca;

@@ -111,8 +111,8 @@ struct NewPermissions {
   fs::path file;
   std::string subject;
   WallTime not_before, not_after;
-  bool has_rights = true;               ///< a right to use a topic
-  std::vector<WrittenFile> files = {};  ///< all of them
+  bool has_rights = true;               // a right to use a topic
+  std::vector<WrittenFile> files = {};  // all of them
 
   static constexpr auto fields() {
     using Self = NewPermissions;

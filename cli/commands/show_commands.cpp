@@ -49,7 +49,7 @@ struct Listed<TopicRule> {
   }
 };
 
-/// Without the topic rules.
+// Without the topic rules.
 template <>
 struct Listed<DomainRule> {
   using T = DomainRule;
@@ -141,7 +141,7 @@ struct ShownGovernance {
   }
 };
 
-/// A rule and which of the document's it is.
+// A rule and which of the document's it is.
 template <class Facts>
 struct Numbered {
   Facts rule;
@@ -172,7 +172,7 @@ std::string sentence(const governance::Properties& p) {
       achieved(has(p, relay_payload_secrecy), has(p, relay_payload_integrity)));
 }
 
-/// The requirement for reading or writing a topic.
+// The requirement for reading or writing a topic.
 std::string_view asked_of(bool access_control) {
   return access_control ? "by permission" : "free: every participant of the domain";
 }
@@ -181,7 +181,7 @@ std::string_view effect(bool flag, ProtectionKind kind) {
   return flag && is_protected(kind) ? "protected" : "open";
 }
 
-/// The rules that decide for one topic of one domain.
+// The rules that decide for one topic of one domain.
 struct ShownTopic {
   static constexpr std::string_view kWhen = "with --topic";
   fs::path file;
@@ -190,7 +190,7 @@ struct ShownTopic {
   Numbered<DomainRule> domain_rule;
   Numbered<TopicRule> topic_rule;
   std::vector<std::string> properties;
-  std::string achieves;  ///< the properties in words: complete lines
+  std::string achieves;  // the properties in words: complete lines
 
   static constexpr auto fields() {
     using Self = ShownTopic;

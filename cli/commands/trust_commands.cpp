@@ -43,8 +43,8 @@ bool have_a_kind_in_common(const Participant& a, const Participant& b) {
   return std::ranges::any_of(a.documents, [&](const auto& one) { return has_kind(b, one.kind); });
 }
 
-/// Under Cyclone DDS, authentication and access control are two libraries with two sockets, which
-/// have one participant under one handle. Of what one library says, nothing belongs together.
+// Under Cyclone DDS, authentication and access control are two libraries with two sockets, which
+// have one participant under one handle. Of what one library says, nothing belongs together.
 class Participants {
  public:
   void add(const std::vector<Participant>& answer) {
@@ -80,8 +80,8 @@ class Participants {
   std::map<std::int64_t, std::vector<std::size_t>> by_handle_;
 };
 
-/// The library that shows nothing of the participant; empty: both do. Authentication always has a
-/// certificate and access control always has permissions.
+// The library that shows nothing of the participant; empty: both do. Authentication always has a
+// certificate and access control always has permissions.
 std::string_view missing_library(const Participant& participant) {
   if (!has_kind(participant, "identity certificate")) return "authentication";
   return has_kind(participant, "permissions") ? "" : "access control";

@@ -18,7 +18,7 @@ std::string decided_by(const std::vector<std::string>& expressions) {
   return expressions.empty() ? "the default" : shown(expressions);
 }
 
-/// The description of a change, as the parts of a line.
+// The description of a change, as the parts of a line.
 std::vector<std::string> parts_of(const PermissionChange& change) {
   const auto values = fmt::format("{} -> {}", change.old_value, change.new_value);
   if (change.element == "rule" && change.change == ChangeClass::unknown) {

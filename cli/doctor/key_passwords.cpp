@@ -54,7 +54,7 @@ std::string of_embedded(const LoadedFolder& folder) {
                     : std::string();
 }
 
-/// Also keeps the opened key. A property wipes its value at its end.
+// Also keeps the opened key. A property wipes its value at its end.
 bool opens(std::string password, LoadedFolder& folder) {
   const spi::Property property{std::string(spi::property::kPassword), std::move(password), false};
   const auto passphrase = pki::Passphrase::copy_of(as_bytes(property.value));

@@ -104,11 +104,11 @@ void check_own_start(const doctor::LoadedFolder& folder, const doctor::Settings&
 
 namespace {
 
-/// A value of Cyclone DDS's configuration, and the property as which its core passes it.
+// A value of Cyclone DDS's configuration, and the property as which its core passes it.
 struct ConfiguredProperty {
   std::string_view element;
   std::string_view name;
-  fs::path pki::ParticipantFolder::*file;  ///< the folder's own; null: it has none
+  fs::path pki::ParticipantFolder::*file;  // the folder's own; null: it has none
 };
 using Files = pki::ParticipantFolder;
 constexpr ConfiguredProperty kConfigured[] = {
@@ -123,7 +123,7 @@ constexpr ConfiguredProperty kConfigured[] = {
     {"permissions", property::kPermissions, &Files::permissions},
 };
 
-/// A configuration, and what sentences call it.
+// A configuration, and what sentences call it.
 struct HostConfiguration {
   std::string document;
   doctor::EffectiveSecurity security;

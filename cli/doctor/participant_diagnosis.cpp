@@ -100,7 +100,7 @@ void check_profiles_file(const LoadedFolder& folder, const doctor::Settings& set
   doctor::check_profile_of_working_directory(folder, settings, out);
 }
 
-/// As the plugins judge it when a participant is made.
+// As the plugins judge it when a participant is made.
 Status enforceable(const LoadedFolder& folder, const governance::DomainRule& rule,
                    const access_control::AccessControlOptions& options) {
   DDSSEC_RETURN_IF_ERROR(access_control::check_enforceable(rule, options));

@@ -22,7 +22,7 @@ using cryptography::Passphrase;
 using doctor::LoadedFolder;
 using doctor::Outcome;
 
-/// The passphrases from a folder's properties, and the warnings about them.
+// The passphrases from a folder's properties, and the warnings about them.
 struct PreSharedKeys final : EventSink {
   std::vector<Passphrase> passphrases;
   std::string cipher;
@@ -36,7 +36,7 @@ struct PreSharedKeys final : EventSink {
   }
 };
 
-/// The protection kind that the governance demands; NONE: no pre-shared keys.
+// The protection kind that the governance demands; NONE: no pre-shared keys.
 ProtectionKind asked_for(const LoadedFolder& folder, DomainId domain) {
   if (!folder.governance.model) return ProtectionKind::none;
   const auto* const rule = folder.governance.model->find(domain);
@@ -65,7 +65,7 @@ Finding missing(const LoadedFolder& folder, ProtectionKind kind, const Error& er
           .line = error.details().line};
 }
 
-/// The reason why the second cannot decrypt the first's messages; empty if it can.
+// The reason why the second cannot decrypt the first's messages; empty if it can.
 std::string obstacle(const doctor::Party& from, const PreSharedKeys& of_from,
                      const doctor::Party& to, const PreSharedKeys& of_to) {
   const auto& sends = of_from.passphrases.front();

@@ -21,7 +21,7 @@ namespace doctor = governance::doctor;
 namespace fs = std::filesystem;
 using doctor::LoadedFolder;
 
-/// What a file of properties that cannot be read means is said elsewhere (DOC093).
+// What a file of properties that cannot be read means is said elsewhere (DOC093).
 fs::path list_of(const LoadedFolder& folder) {
   if (!is_there(folder.paths.properties)) return folder.paths.renewals;
   const auto properties =
@@ -31,7 +31,7 @@ fs::path list_of(const LoadedFolder& folder) {
   return file_named_by(absolute_uri(named)).value_or(folder.paths.renewals.string());
 }
 
-/// Why entries have no effect, each with its subject.
+// Why entries have no effect, each with its subject.
 using Reasons = std::vector<std::string>;
 
 void look_at_certificates(const LoadedFolder& folder, const pki::RenewalList& list, WallTime now,
@@ -45,7 +45,7 @@ void look_at_certificates(const LoadedFolder& folder, const pki::RenewalList& li
   }
 }
 
-/// Empty: a grant of it may count.
+// Empty: a grant of it may count.
 std::string reason_of(BytesView file, const pki::DocumentVerifier& verifier, WallTime now) {
   const auto form = pki::examine_document(file);
   const auto document = governance::read_permissions(form.unverified_text, form.first_line);

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "3" or "0-5"; nothing if it is neither.
+// "3" or "0-5"; nothing if it is neither.
 std::optional<governance::DomainRange> range_from(std::string_view text) {
   governance::DomainRange range;
   const auto* const end = text.data() + text.size();

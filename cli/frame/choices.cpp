@@ -6,9 +6,9 @@
 namespace ddssec::cli {
 namespace {
 
-/// One row; the first that fits counts.
+// One row; the first that fits counts.
 struct Row {
-  std::string_view command;  ///< empty: every one
+  std::string_view command;  // empty: every one
   std::string_view name;
   std::string_view words;
 };

@@ -136,7 +136,7 @@ off_t end_of_last_line(int file) {
   return end;
 }
 
-/// Where lines can be added to a log.
+// Where lines can be added to a log.
 struct EndOfLog {
   off_t at;
   bool lacks_line_end;

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 struct Folder {
   int descriptor;
-  bool is_held;  ///< by hold_folder(): files are read through it as well
+  bool is_held;  // by hold_folder(): files are read through it as well
 };
 
 // They are closed when the process of the command ends.

@@ -28,13 +28,13 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxEntries = 10'000;
 constexpr std::time_t kDay = 24 * 60 * 60;
 
-/// 0 if it is not known.
+// 0 if it is not known.
 std::uint64_t pid_namespace() {
   struct stat status {};
   return ::stat("/proc/self/ns/pid", &status) == 0 ? status.st_ino : 0;
 }
 
-/// Takes a number and the following dot from the front of `text`.
+// Takes a number and the following dot from the front of `text`.
 std::optional<std::uint64_t> take_number(std::string_view& text) {
   std::uint64_t out = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
@@ -43,12 +43,12 @@ std::optional<std::uint64_t> take_number(std::string_view& text) {
   return out;
 }
 
-/// The process that made a file, by the file's name.
+// The process that made a file, by the file's name.
 struct Maker {
   std::uint64_t pid = 0, name_space = 0;
 };
 
-/// Of "PID.NAMESPACE.rest", which leaves the rest.
+// Of "PID.NAMESPACE.rest", which leaves the rest.
 std::optional<Maker> take_maker(std::string_view& text) {
   const auto pid = take_number(text);
   const auto name_space = pid ? take_number(text) : std::nullopt;
@@ -79,7 +79,7 @@ std::optional<Maker> maker_of_folder(std::string_view rest) {
   return is_ours ? maker : std::nullopt;
 }
 
-/// True if a leftover belongs to this user, and its process has ended.
+// True if a leftover belongs to this user, and its process has ended.
 bool may_go(const struct stat& status, const Maker& maker) {
   return status.st_uid == ::geteuid() && is_gone(maker, status.st_mtime);
 }

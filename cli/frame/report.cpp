@@ -32,7 +32,7 @@ std::string_view tool_hint_of(Code code) {
   }
 }
 
-/// An error or a finding, as both forms of output show it.
+// An error or a finding, as both forms of output show it.
 struct Diagnostic {
   std::string_view id;
   Severity severity;

@@ -91,7 +91,7 @@ bool is_ending(std::string_view ending) {
          ending.substr(0, ending.size() - 3).find_first_not_of(".0123456789") == ending.npos;
 }
 
-/// A line of a list.
+// A line of a list.
 struct Entry {
   fs::path target;
   std::string ending;
@@ -134,7 +134,7 @@ std::string doubt_about(int folder, int list) {
   return {};
 }
 
-/// A list that is this user's own.
+// A list that is this user's own.
 struct List {
   fs::path path;
   int folder;
@@ -166,7 +166,7 @@ struct List {
     return false;
   }
 
-  /// The entries that could not be put in place.
+  // The entries that could not be put in place.
   Result<std::vector<Entry>> finish(std::string_view text) const {
     std::vector<Entry> left;
     for (auto& entry : entries_of(text)) {

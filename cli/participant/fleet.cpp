@@ -28,7 +28,7 @@ std::string nearest_key(std::string_view key, const std::vector<std::string>& kn
   return part == known.end() ? near : *part;
 }
 
-/// One table of the file, with what errors need.
+// One table of the file, with what errors need.
 class Table {
  public:
   Table(const toml::table& table, const fs::path& file) : table_(table), file_(file) {}
@@ -56,7 +56,7 @@ class Table {
     return {};
   }
 
-  /// Leaves `out` as it is if the key is not there.
+  // Leaves `out` as it is if the key is not there.
   Status read(std::string_view key, std::string& out) const {
     const auto* node = table_.get(key);
     if (node == nullptr) return {};

@@ -158,7 +158,7 @@ Status add_enclave(NewFolder& folder, const fs::path& below, std::string_view na
 
 namespace {
 
-/// Looks for enclaves, folder by folder: an unreadable one hides no other.
+// Looks for enclaves, folder by folder: an unreadable one hides no other.
 class EnclaveSearch {
  public:
   explicit EnclaveSearch(fs::path root) : root_(std::move(root)) {}
@@ -172,7 +172,7 @@ class EnclaveSearch {
   }
 
  private:
-  /// The contents of one folder.
+  // The contents of one folder.
   struct Content {
     bool has_key = false, has_other_file = false, is_empty = true;
     std::vector<fs::path> folders = {}, links = {};

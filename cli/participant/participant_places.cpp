@@ -41,7 +41,7 @@ bool is_same_certificate(const fs::path& path, const pki::Certificate& certifica
   return found && std::ranges::equal(found->fingerprint(), certificate.fingerprint());
 }
 
-/// The CA of the certificate in a folder on this machine.
+// The CA of the certificate in a folder on this machine.
 enum class Issuer : std::uint8_t { present, before_rotation, other };
 
 // An unreadable certificate counts as the CA's: the command that works on the folder reports it.

@@ -50,7 +50,7 @@ std::optional<pid_t> pid_in(std::string_view name) {
   return is_number && out > 0 && fmt::to_string(out) == name ? std::optional(out) : std::nullopt;
 }
 
-/// "2026-11-21T03:13:43Z".
+// "2026-11-21T03:13:43Z".
 bool is_time(std::string_view text) {
   constexpr std::string_view kForm = "0000-00-00T00:00:00Z";
   return std::ranges::equal(text, kForm, [](char c, char form) {
@@ -58,11 +58,11 @@ bool is_time(std::string_view text) {
   });
 }
 
-/// Takes what is known from an answer: it may be of a later version, or of a process that lies.
-/// Missing members are exceptions of Json.
+// Takes what is known from an answer: it may be of a later version, or of a process that lies.
+// Missing members are exceptions of Json.
 class Reading {
  public:
-  /// Empty: this is no answer of ddssec's plugins.
+  // Empty: this is no answer of ddssec's plugins.
   static std::optional<StatusFolder::Answer> answer_of(const std::string& answer) {
     Reading reading;
     const auto given = Json::parse(answer);
@@ -184,7 +184,7 @@ Result<FileDescriptor> StatusFolder::connect(const Socket& socket) const {
                 is_gone ? "" : errno_text(error));
 }
 
-/// Root asks processes of users: what another user puts into the folder is not believed.
+// Root asks processes of users: what another user puts into the folder is not believed.
 Status StatusFolder::check_answering(const Socket& socket, int connection) const {
   ucred peer{};
   socklen_t size = sizeof peer;

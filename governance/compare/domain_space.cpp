@@ -5,7 +5,7 @@
 namespace ddssec::governance {
 namespace {
 
-/// More than these tags and tag expressions are not compared.
+// More than these tags and tag expressions are not compared.
 constexpr std::size_t kMaxTags = 64;
 
 }  // namespace

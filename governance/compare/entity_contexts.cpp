@@ -7,8 +7,8 @@
 namespace ddssec::governance {
 namespace {
 
-/// For each element: true if the entity's partitions (or tags) match it. Stored so that two such
-/// vectors are combined by "and"; for deny rules the values are inverted.
+// For each element: true if the entity's partitions (or tags) match it. Stored so that two such
+// vectors are combined by "and"; for deny rules the values are inverted.
 using Meets = std::vector<bool>;
 
 Meets both(const Meets& a, const Meets& b) {
@@ -17,13 +17,13 @@ Meets both(const Meets& a, const Meets& b) {
   return out;
 }
 
-/// A set of an entity's partitions or tags, by number.
+// A set of an entity's partitions or tags, by number.
 struct Having {
   std::vector<std::uint32_t> things;
   Meets meets;
 };
 
-/// The match results of all sets, each result once with the smallest set.
+// The match results of all sets, each result once with the smallest set.
 class Closure {
  public:
   Closure(std::vector<Meets> singles, SetEffort& effort)
@@ -31,7 +31,7 @@ class Closure {
 
   void begin_with(Having first) { add(std::move(first)); }
 
-  /// False: there are more than kMaxContexts, or more than the effort allows.
+  // False: there are more than kMaxContexts, or more than the effort allows.
   bool run() {
     for (std::uint32_t i = 0; i < singles_.size() && may_go_on(); ++i) add({{i}, singles_[i]});
     for (std::size_t at = 0; at < all_.size() && may_go_on(); ++at) {
@@ -87,7 +87,7 @@ class ContextFinder {
     tags_.push_back(unlisted_tag());
   }
 
-  /// Nothing if the effort does not even suffice for single partitions and tags.
+  // Nothing if the effort does not even suffice for single partitions and tags.
   std::optional<EntityContexts> run() {
     if (!effort_.take_plain_steps(cost_of_singles())) return std::nullopt;
     const auto with_partitions = partition_sets();
@@ -144,7 +144,7 @@ class ContextFinder {
     return out;
   }
 
-  /// Without data tags a deny rule that lists some is not met.
+  // Without data tags a deny rule that lists some is not met.
   Meets meets_no_tag() const {
     Meets out;
     for (const auto& [rule, criteria] : elements_)
@@ -152,7 +152,7 @@ class ContextFinder {
     return out;
   }
 
-  /// A tag that no element lists.
+  // A tag that no element lists.
   DataTag unlisted_tag() const {
     DataTag tag{"other", "other"};
     while (std::ranges::binary_search(tags_, tag)) tag.name += '_';
@@ -177,7 +177,7 @@ class ContextFinder {
     return closure.take();
   }
 
-  /// The numbers of the elements that are met in both respects.
+  // The numbers of the elements that are met in both respects.
   std::vector<std::uint32_t> fitting(const Meets& partitions, const Meets& tags) const {
     std::vector<std::uint32_t> out;
     for (std::uint32_t i = 0; i < elements_.size(); ++i) {
@@ -215,7 +215,7 @@ class ContextFinder {
   SetEffort& effort_;
   EntityContexts out_;
   std::vector<RuleElement> elements_;
-  std::vector<std::vector<std::size_t>> partition_numbers_;  ///< expressions of each element
+  std::vector<std::vector<std::size_t>> partition_numbers_;  // expressions of each element
   std::vector<DataTag> tags_;
   std::map<std::vector<std::uint32_t>, std::size_t> known_;
 };

@@ -19,15 +19,15 @@ namespace {
 using SharedDocument = std::shared_ptr<const Governance>;
 using SharedRule = std::shared_ptr<const DomainRule>;
 
-/// The rule as a part of its document, which lives as long as the result.
+// The rule as a part of its document, which lives as long as the result.
 SharedRule part_of(const SharedDocument& document, const DomainRule* rule) {
   return rule ? SharedRule(document, rule) : nullptr;
 }
 
-/// The two rules that apply in a region; nullptr: none.
+// The two rules that apply in a region; nullptr: none.
 using DomainRules = std::pair<const DomainRule*, const DomainRule*>;
 
-/// One topic rule's values as a number; 0 is kept for "no rule".
+// One topic rule's values as a number; 0 is kept for "no rule".
 std::uint32_t effect_of(const TopicRule& rule) {
   std::uint32_t value = 1;
   for (const bool flag : {rule.enable_discovery_protection, rule.enable_liveliness_protection,
@@ -53,13 +53,13 @@ bool same_rules(const DomainRule& a, const DomainRule& b) {
   });
 }
 
-/// How many topics, by kinds, have a property lost or gained, and one of them.
+// How many topics, by kinds, have a property lost or gained, and one of them.
 struct Count {
   std::size_t topics = 0;
   std::string witness = {};
 };
 
-/// The properties that change because of one element of a domain rule, topic by topic.
+// The properties that change because of one element of a domain rule, topic by topic.
 class DomainEffect {
  public:
   explicit DomainEffect(std::string_view element) : element_(element) {}
@@ -89,18 +89,18 @@ class DomainEffect {
   std::map<Property, Count> counts_;
 };
 
-/// Element, both values, class, properties lost and gained.
+// Element, both values, class, properties lost and gained.
 using TopicChangeKey =
     std::tuple<std::string_view, std::string, std::string, ChangeClass, std::string>;
 
-/// The position of a change in the result, and its topics.
+// The position of a change in the result, and its topics.
 struct KnownChange {
   std::size_t index;
   std::vector<TopicPair> pairs = {};
   std::set<std::string_view> old_expressions = {}, new_expressions = {};
 };
 
-/// The comparison of two rules in the region where they apply.
+// The comparison of two rules in the region where they apply.
 class RegionComparison {
  public:
   RegionComparison(const SharedRule& old_rule, const SharedRule& new_rule, const DomainScope& scope,
@@ -192,7 +192,7 @@ class RegionComparison {
   const DomainScope& scope_;
   std::vector<GovernanceChange>& changes_;
   std::vector<ElementChange> domain_changes_;
-  std::vector<DomainEffect> effects_;  ///< of each domain change
+  std::vector<DomainEffect> effects_;  // of each domain change
   std::map<TopicChangeKey, KnownChange> known_;
 };
 
@@ -270,7 +270,7 @@ class GovernanceComparison {
     diff_.rewritten.push_back({region.scope, missing(*o, *n), missing(*n, *o)});
   }
 
-  /// The verdict and the exit code follow from the lines.
+  // The verdict and the exit code follow from the lines.
   void finish() {
     CombinedChange direction;
     if (is_unknown_) direction.add(ChangeClass::unknown);
@@ -303,7 +303,7 @@ int line_of(const SharedRule& domain, const std::shared_ptr<const TopicRule>& to
   return topic ? topic->line : domain ? domain->line : 0;
 }
 
-/// The document as the product reads it; the document itself if that changes nothing.
+// The document as the product reads it; the document itself if that changes nothing.
 SharedDocument as_read(const SharedDocument& document, StockProduct product) {
   auto read = as_stock_reads(*document, product);
   return read ? std::make_shared<const Governance>(std::move(*read)) : document;

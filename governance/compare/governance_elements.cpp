@@ -19,7 +19,7 @@ ChangeClass moved(bool up, bool down) {
 std::string_view word(bool value) { return value ? "true" : "false"; }
 std::string_view covered(const void* rule) { return rule ? "covered" : "uncovered"; }
 
-/// Collects the differences.
+// Collects the differences.
 class Changes {
  public:
   void add_coverage(std::string_view element, const void* old_rule, const void* new_rule,
@@ -49,7 +49,7 @@ class Changes {
 
 using Names = std::set<std::string_view>;
 
-/// Every algorithm that the standard names for a purpose.
+// Every algorithm that the standard names for a purpose.
 Names all_signatures() { return {kStandardSignatures.begin(), kStandardSignatures.end()}; }
 Names all_key_establishments() {
   return {kStandardKeyEstablishments.begin(), kStandardKeyEstablishments.end()};
@@ -89,7 +89,7 @@ std::string text_of(const Names& names, const Names& all) {
   return text;
 }
 
-/// Fewer algorithms are stronger; without a common one no two participants can talk.
+// Fewer algorithms are stronger; without a common one no two participants can talk.
 void add_algorithms(Changes& changes, std::string_view element, const Names& all,
                     const Names& old_names, const Names& new_names) {
   if (old_names == new_names) return;

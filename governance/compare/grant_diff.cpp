@@ -11,7 +11,7 @@
 namespace ddssec::governance {
 namespace {
 
-/// The rules of both grants that apply in a region, by their numbers.
+// The rules of both grants that apply in a region, by their numbers.
 using RuleNumbers = std::vector<std::uint32_t>;
 using RegionRules = std::pair<RuleNumbers, RuleNumbers>;
 
@@ -32,7 +32,7 @@ RulePointers pointers(const Grant& grant, const RuleNumbers& numbers) {
   return rules;
 }
 
-/// Whether a participant may join, and the deciding rule; as CompiledGrant::judge_participant.
+// Whether a participant may join, and the deciding rule; as CompiledGrant::judge_participant.
 std::pair<bool, const GrantRule*> may_join(const Grant& grant, const RulePointers& rules) {
   for (const GrantRule* rule : rules)
     if (decides_joining(*rule)) return {rule->allow, rule};
@@ -51,7 +51,7 @@ void append(std::string& text, const NameSet& set) {
   append(text, set.examples);
 }
 
-/// A text that is different for different sets of topics, endpoints and tags.
+// A text that is different for different sets of topics, endpoints and tags.
 std::string words_of(const PermissionChange& change, const DomainScope& scope) {
   std::string text;
   append(text, change.expressions_old);
@@ -100,7 +100,7 @@ class GrantComparison {
   }
 
  private:
-  /// All values of a change except its domains.
+  // All values of a change except its domains.
   using Told = std::tuple<std::string_view, std::string_view, ChangeClass, std::string, int, int,
                           std::string>;
 
@@ -144,7 +144,7 @@ class GrantComparison {
             .new_line = new_.line};
   }
 
-  /// The same change in other domains with the same tags is one.
+  // The same change in other domains with the same tags is one.
   void tell(const DomainScope& scope, PermissionChange change) {
     const Told told(change.element, change.operation, change.change, change.witness,
                     change.old_line, change.new_line, words_of(change, scope));
@@ -176,7 +176,7 @@ class GrantComparison {
   bool first_rule_creates_topic_;
   GrantDiff diff_;
   CombinedChange by_default_;
-  std::map<Told, std::size_t> told_;  ///< where in diff_.changes
+  std::map<Told, std::size_t> told_;  // where in diff_.changes
 };
 
 }  // namespace

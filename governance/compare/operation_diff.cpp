@@ -22,13 +22,13 @@ std::vector<RuleElement> elements_of(const RulePointers& rules,
   return elements;
 }
 
-/// One expression of an element.
+// One expression of an element.
 struct TopicItem {
   const RuleElement* element;
   const Text* topic;
 };
 
-/// The expressions of the elements that entities can meet, in order, as a list of rules.
+// The expressions of the elements that entities can meet, in order, as a list of rules.
 struct ItemList {
   std::vector<TopicItem> items = {};
   RuleList rules = {};
@@ -49,9 +49,9 @@ struct ItemList {
   }
 };
 
-/// The elements of both directions up to the last deny_rule that has any: what follows lets a topic
-/// be created, as the default here does. A topic that no rule names cannot be used anyway where the
-/// grant's default denies.
+// The elements of both directions up to the last deny_rule that has any: what follows lets a topic
+// be created, as the default here does. A topic that no rule names cannot be used anyway where the
+// grant's default denies.
 std::vector<RuleElement> gate_elements(const RulePointers& rules) {
   std::vector<RuleElement> elements;
   std::size_t size = 0;
@@ -70,7 +70,7 @@ ItemList gate_of(const std::vector<RuleElement>& elements) {
   return ItemList(elements, all, true);
 }
 
-/// Removes items at the end that have the same effect as the default.
+// Removes items at the end that have the same effect as the default.
 std::span<const RuleList::Item> effective(const RuleList& list) {
   std::span<const RuleList::Item> items = list.items;
   while (!items.empty() && items.back().effect == list.default_effect) {
@@ -88,10 +88,10 @@ bool same(const RuleList& a, const RuleList& b) {
 
 using TextPair = std::pair<const Text*, const Text*>;
 
-/// Class, the elements that decide, and all pairs of expressions.
+// Class, the elements that decide, and all pairs of expressions.
 using FoundKey = std::tuple<ChangeClass, const Criteria*, const Criteria*, std::vector<TextPair>>;
 
-/// The change for entities of one kind by two elements.
+// The change for entities of one kind by two elements.
 struct Found {
   PermissionChange change;
   std::vector<TopicPair> pairs = {};
@@ -134,7 +134,7 @@ class OperationComparison {
 
  private:
   struct Decided {
-    const TopicItem* item;  ///< null: the default
+    const TopicItem* item;  // null: the default
     bool allowed;
   };
   using FoundByElements =
@@ -160,7 +160,7 @@ class OperationComparison {
     if (!names_all_effects) give_up();
   }
 
-  /// False: a limit was reached.
+  // False: a limit was reached.
   bool compare_gated(const ItemList& before, const ItemList& after, FoundByElements& found) {
     const auto pairs =
         gated_pairs({before.rules, old_gate_.rules}, {after.rules, new_gate_.rules}, limits_);
@@ -179,7 +179,7 @@ class OperationComparison {
     const auto* const item = list.find(rule);
     return {item, item != nullptr ? item->element->rule->allow : default_allow};
   }
-  /// A denial that both have is that of the list.
+  // A denial that both have is that of the list.
   static Decided behind(const Decided& gate, const Decided& list) {
     return gate.allowed || !list.allowed ? list : gate;
   }
@@ -259,8 +259,8 @@ class OperationComparison {
   std::vector<RuleElement> old_elements_, new_elements_, old_gate_elements_, new_gate_elements_;
   ItemList old_gate_{{}, {}, true}, new_gate_{{}, {}, true};
   OperationDiff out_;
-  std::map<FoundKey, std::size_t> known_;              ///< where in out_.changes
-  std::vector<std::vector<std::size_t>> contexts_of_;  ///< of each change
+  std::map<FoundKey, std::size_t> known_;              // where in out_.changes
+  std::vector<std::vector<std::size_t>> contexts_of_;  // of each change
 };
 
 }  // namespace

@@ -16,10 +16,10 @@
 namespace ddssec::governance {
 namespace {
 
-/// The grants that apply at the same times.
+// The grants that apply at the same times.
 struct GrantPairs {
   std::set<std::pair<const Grant*, const Grant*>> both;
-  Grants only_old, only_new;  ///< while the other document has nothing
+  Grants only_old, only_new;  // while the other document has nothing
   std::set<const Grant*> used;
 };
 
@@ -43,7 +43,7 @@ GrantPairs pairs_of(const Subject& subject) {
   return pairs;
 }
 
-/// Every expression of the grant's rules.
+// Every expression of the grant's rules.
 std::set<std::string> expressions_of(const Grant& grant) {
   std::set<std::string> out;
   const auto add = [&](const std::vector<Text>& texts) {
@@ -274,7 +274,7 @@ void PermissionsComparison::add_rules(const GrantDiff& rules) {
   }
 }
 
-/// A deny_rule about topics: Cyclone DDS may not let them be created at all.
+// A deny_rule about topics: Cyclone DDS may not let them be created at all.
 bool denies_topics(const Permissions& document) {
   return std::ranges::any_of(document.grants, [](const Grant& grant) {
     return std::ranges::any_of(grant.rules, [](const GrantRule& rule) {
@@ -283,8 +283,8 @@ bool denies_topics(const Permissions& document) {
   });
 }
 
-/// What Cyclone DDS makes of the documents as it reads them; `is_read_so`: that differs from what
-/// is written.
+// What Cyclone DDS makes of the documents as it reads them; `is_read_so`: that differs from what
+// is written.
 void add_cyclonedds(std::vector<StockPermissionsDiff>& stock, const Permissions& o,
                     const Permissions& n, bool is_read_so, PermissionsDiffOptions options) {
   constexpr auto kProduct = StockProduct::cyclonedds;

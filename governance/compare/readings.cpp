@@ -17,29 +17,29 @@
 namespace ddssec::governance {
 namespace {
 
-/// Each may take some milliseconds.
+// Each may take some milliseconds.
 constexpr std::size_t kMaxTried = 1'000;
 
-/// The constructs of one document, and the line of each one's first occurrence.
+// The constructs of one document, and the line of each one's first occurrence.
 struct Constructs {
   std::map<std::string, int> expressions = {};
-  /// The element that a note is about: the same words at another place, or about another value,
-  /// change what a product reads.
-  using Place = std::tuple<std::string, std::string, std::string>;  ///< text, path, value
+  // The element that a note is about: the same words at another place, or about another value,
+  // change what a product reads.
+  using Place = std::tuple<std::string, std::string, std::string>;  // text, path, value
   std::map<Place, int> notes = {};
   bool has_all_notes = true;
-  /// Certificates that Cyclone DDS gives another subject's grant: both subjects.
+  // Certificates that Cyclone DDS gives another subject's grant: both subjects.
   std::map<std::pair<std::string, std::string>, StrayGrant> strays = {};
-  /// Subject names by which some stock product recognises no certificate.
+  // Subject names by which some stock product recognises no certificate.
   struct Subject {
     int line;
-    std::string key;  ///< the same for every spelling
+    std::string key;  // the same for every spelling
     SpellingProblem problem;
   };
   std::map<std::string, Subject> subjects = {};
-  std::set<std::string> well_written = {};  ///< keys of the other subjects
+  std::set<std::string> well_written = {};  // keys of the other subjects
 
-  /// True if these products do not recognise that subject in this document either.
+  // True if these products do not recognise that subject in this document either.
   bool has_problem(const Subject& subject) const {
     return std::ranges::any_of(subjects, [&](const auto& own) {
       return own.second.key == subject.key &&

@@ -102,7 +102,7 @@ bool is_found_elsewhere(const std::vector<StockPermissionsDiff>& stock, const Pe
          });
 }
 
-/// What the products have more than ddssec, each once, with the products that have it.
+// What the products have more than ddssec, each once, with the products that have it.
 class Found {
  public:
   void add(std::string_view product, Reading reading) {

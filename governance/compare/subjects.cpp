@@ -12,20 +12,20 @@
 namespace ddssec::governance {
 namespace {
 
-/// Steps of trying a set of grants on a kind of values; beyond that the answer is not exact.
+// Steps of trying a set of grants on a kind of values; beyond that the answer is not exact.
 constexpr std::size_t kMaxSteps = 20'000'000;
-/// More grants of one shape are not tried.
+// More grants of one shape are not tried.
 constexpr std::size_t kMaxForms = 4'000;
 
-/// What one text between slashes must match; as only a slash matches a slash (FNM_PATHNAME), the
-/// texts of a value are independent of each other.
+// What one text between slashes must match; as only a slash matches a slash (FNM_PATHNAME), the
+// texts of a value are independent of each other.
 using Segments = std::vector<std::string>;
 
-/// A grant as attributes in a fixed order: RDN by RDN, within an RDN by type.
+// A grant as attributes in a fixed order: RDN by RDN, within an RDN by type.
 struct Form {
-  std::size_t grant;       ///< number, of both documents together
-  std::string shape;       ///< types and numbers of segments: other shapes are other subjects
-  Segments segments = {};  ///< of all attributes
+  std::size_t grant;       // number, of both documents together
+  std::string shape;       // types and numbers of segments: other shapes are other subjects
+  Segments segments = {};  // of all attributes
 };
 
 Segments segments_of(const std::string& value, bool is_expression) {
@@ -70,15 +70,15 @@ Form form_of(const std::vector<pki::Rdn>& rdns, bool is_expression, std::size_t 
   return out;
 }
 
-/// Which forms match so far, and is there any.
+// Which forms match so far, and is there any.
 using Alive = std::vector<std::uint32_t>;
 
-/// Finds every set of forms of one shape that some subject meets together.
+// Finds every set of forms of one shape that some subject meets together.
 class ShapeSearch {
  public:
   explicit ShapeSearch(std::vector<Form> forms) : forms_(std::move(forms)) {}
 
-  /// Nothing if there are too many.
+  // Nothing if there are too many.
   std::optional<std::set<Alive>> run(std::size_t& steps) {
     if (forms_.size() > kMaxForms) return std::nullopt;
     Alive all(forms_.size());
@@ -103,7 +103,7 @@ class ShapeSearch {
   }
 
  private:
-  /// For each kind of text at a place, the forms that match it.
+  // For each kind of text at a place, the forms that match it.
   std::optional<std::vector<Alive>> kinds_at(std::size_t at) const {
     std::map<std::string_view, std::uint32_t> numbers;
     std::vector<RankedExpression> expressions;
@@ -179,7 +179,7 @@ class Finder {
     if (is_palindrome && backward.segments != forward.segments) forms.push_back(backward);
   }
 
-  /// Without expressions a subject is its text.
+  // Without expressions a subject is its text.
   void group_by_name(const std::vector<Form>& forms) {
     std::map<std::string, Numbers> names;
     for (const auto& form : forms) {
@@ -211,12 +211,12 @@ class Finder {
   std::size_t old_count_;
   Grants grants_;
   std::map<std::string, std::vector<Form>> by_shape_;
-  std::set<Numbers> sets_;  ///< in the order of the first grants
+  std::set<Numbers> sets_;  // in the order of the first grants
   std::size_t steps_ = 0;
   bool is_exact_ = true;
 };
 
-/// Whether the texts match the same texts without a slash.
+// Whether the texts match the same texts without a slash.
 bool match_the_same(std::string_view a, std::string_view b) {
   if (a == b) return true;
   constexpr SetLimits kLimits{.states = 2'000, .steps = 1'000'000};

@@ -9,10 +9,10 @@
 namespace ddssec::governance {
 namespace {
 
-/// If the rules need more than this one by one, rules with the same effect are combined, which
-/// takes the time that is left.
+// If the rules need more than this one by one, rules with the same effect are combined, which
+// takes the time that is left.
 constexpr SetLimits kForEachRule = {.states = 50'000, .steps = 50'000'000, .memory = 12'000'000};
-/// As many rules are proved dead one by one.
+// As many rules are proved dead one by one.
 constexpr std::size_t kMaxProofs = 64;
 constexpr SetLimits kForOneProof = {.states = 20'000, .steps = 5'000'000};
 
@@ -20,8 +20,8 @@ void add_each_rule(std::vector<RankedExpression>& to, const RuleList& rules, std
   for (const auto& item : rules.items) to.push_back({item.expression, list, item.rule});
 }
 
-/// Adjacent rules with the same effect get one rank. The last ones get none if their effect is that
-/// of the default.
+// Adjacent rules with the same effect get one rank. The last ones get none if their effect is that
+// of the default.
 void add_effects(std::vector<RankedExpression>& to, const RuleList& rules, std::uint32_t list) {
   std::size_t count = rules.items.size();
   while (count > 0 && rules.items[count - 1].effect == rules.default_effect) --count;
@@ -38,7 +38,7 @@ SetLimits lower(const SetLimits& a, const SetLimits& b) {
           std::min(a.memory, b.memory), a.shared != nullptr ? a.shared : b.shared};
 }
 
-/// A name that the expression matches, with `for_star` for every star; nothing if there is none.
+// A name that the expression matches, with `for_star` for every star; nothing if there is none.
 std::optional<std::string> example_of(const Pattern& pattern, std::string_view for_star) {
   if (pattern.is_literal()) return pattern.text();
   std::string name;
@@ -57,18 +57,18 @@ std::optional<std::string> example_of(const Pattern& pattern, std::string_view f
   return name.empty() ? "a" : name;
 }
 
-/// Adds pairs, each once, with the rules that decide for a name.
+// Adds pairs, each once, with the rules that decide for a name.
 class PairsByName {
  public:
   using Rule = RuleFinder::Rule;
 
-  /// Without an effort as many steps are taken as are needed.
+  // Without an effort as many steps are taken as are needed.
   PairsByName(const RuleList& old_list, const RuleList& new_list, SetEffort* effort)
       : old_(old_list),
         new_(new_list),
         steps_(effort != nullptr ? effort->plain_steps : unbounded_) {}
 
-  /// The old rule that decides. After the steps have run out: none, and the name is left out.
+  // The old rule that decides. After the steps have run out: none, and the name is left out.
   Rule add(std::string name) {
     const auto o = is_complete_ ? old_.first(name, steps_) : std::nullopt;
     const auto n = o ? new_.first(name, steps_) : std::nullopt;
@@ -87,7 +87,7 @@ class PairsByName {
     }
   }
   std::vector<TopicPair> take() { return std::move(pairs_); }
-  /// False: names were left out, since the steps ran out.
+  // False: names were left out, since the steps ran out.
   bool is_complete() const { return is_complete_; }
 
  private:
@@ -104,8 +104,8 @@ bool same_expressions(const RuleList& a, const RuleList& b) {
                             &RuleList::Item::expression);
 }
 
-/// For lists that differ in effects only: the same rule decides in both, so all that is asked is
-/// which rules are alive. Nothing if that is not found out quickly.
+// For lists that differ in effects only: the same rule decides in both, so all that is asked is
+// which rules are alive. Nothing if that is not found out quickly.
 std::optional<TopicPairs> pairs_of_same_rules(const RuleList& old_list, const RuleList& new_list,
                                               const SetLimits& limits) {
   PairsByName pairs(old_list, new_list, limits.shared);

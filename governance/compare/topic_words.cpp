@@ -7,9 +7,9 @@ namespace {
 
 using Rule = std::optional<std::uint32_t>;
 
-/// Which of two expressions matches less is found out within these.
+// Which of two expressions matches less is found out within these.
 constexpr SetLimits kLimits = {.states = 2'000, .steps = 1'000'000};
-/// More earlier rules than these are not looked at for exceptions, and more are not named.
+// More earlier rules than these are not looked at for exceptions, and more are not named.
 constexpr std::size_t kMaxEarlier = 64;
 constexpr std::size_t kMaxExceptions = 3;
 
@@ -46,7 +46,7 @@ std::string_view expression_of(const RuleList& list, Rule rule) {
   return item->expression;
 }
 
-/// Puts pairs into words one after the other.
+// Puts pairs into words one after the other.
 class Narrator {
  public:
   Narrator(const RuleList& old_list, const RuleList& new_list, SetEffort* effort)
@@ -68,7 +68,7 @@ class Narrator {
   }
 
  private:
-  /// Rules that decide before this one does.
+  // Rules that decide before this one does.
   void add_exceptions(TopicWords& out, const RuleList& list, Rule rule) const {
     std::size_t looked_at = 0;
     for (const auto& item : list.items) {

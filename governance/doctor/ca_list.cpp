@@ -11,7 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMaxFoldersAbove =
-    18;  ///< folders above: the deepest enclave, enclaves/ and the keystore
+    18;  // folders above: the deepest enclave, enclaves/ and the keystore
 
 // Places of CA lists relative to a folder with participants: keystore, init, ca create.
 constexpr const char* kPlaces[] = {"public/identity_ca.crl.pem", "ca/identity/crl.pem",

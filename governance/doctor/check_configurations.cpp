@@ -86,14 +86,14 @@ std::string shown_value(const std::string& value) {
   return scheme == "data" || scheme == "pkcs11" ? "a " + scheme + ": value" : value;
 }
 
-/// A configuration and its owner.
+// A configuration and its owner.
 struct Configuration {
-  std::string name;  ///< what sentences call it
+  std::string name;  // what sentences call it
   fs::path document;
-  Outcomes outcomes;  ///< where it names another file
+  Outcomes outcomes;  // where it names another file
   std::vector<Named> files;
   bool is_fastdds = false;
-  bool may_run_elsewhere = false;  ///< as in Settings
+  bool may_run_elsewhere = false;  // as in Settings
 };
 
 bool has_scheme(std::string_view value) {

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The input of the checks in this file.
+// The input of the checks in this file.
 struct DenialScene {
   const LoadedFolder& folder;
   const Settings& settings;

@@ -18,16 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The data that the checks need about each document.
+// The data that the checks need about each document.
 struct Subject {
-  std::string_view about;  ///< "governance", "permissions"
+  std::string_view about;  // "governance", "permissions"
   fs::path path;
   const pki::DocumentForm& form;
   const Status& cyclonedds_belief;
   const Status& fastdds_belief;
   const Status& our_belief;
   const Status& parsed;
-  const Error* unread;  ///< the reason why there is no model; null if there is one
+  const Error* unread;  // the reason why there is no model; null if there is one
   const std::vector<Note>* notes;
   const std::vector<Variant>& left_out;
   bool has_joined_values;

@@ -13,15 +13,15 @@ namespace {
 
 constexpr Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ours = Outcome::fail};
 
-/// The requirements of Cyclone DDS 0.10.2 for a plugin's element.
+// The requirements of Cyclone DDS 0.10.2 for a plugin's element.
 struct Expected {
   std::string_view element;
   std::optional<ConfiguredPlugin> EffectiveSecurity::*plugin;
-  std::string_view stock;  ///< the plugin's library, which is the default
-  std::string_view ours;   ///< the same of ddssec under its own name
+  std::string_view stock;  // the plugin's library, which is the default
+  std::string_view ours;   // the same of ddssec under its own name
   std::string_view init;
   std::string_view finalize;
-  /// As people write them; the reader has them in lower case.
+  // As people write them; the reader has them in lower case.
   std::array<std::string_view, 3> values;
 };
 constexpr Expected kExpected[] = {

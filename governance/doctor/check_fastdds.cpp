@@ -19,7 +19,7 @@ constexpr std::string_view kHint =
     "identity "
     "issue NAME --ca CA -o DIR writes; or move the file away, and the command writes it anew";
 
-/// A property that switches one plugin on.
+// A property that switches one plugin on.
 struct Plugin {
   std::string_view property;
   std::string_view value;

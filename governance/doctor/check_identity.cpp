@@ -36,7 +36,7 @@ std::optional<Variant> unusual_key(pki::KeyAlgorithm key, bool is_ca) {
   return is_ca ? Variant::ca_p384 : Variant::p384;
 }
 
-/// The identity certificate, and each CA of its file.
+// The identity certificate, and each CA of its file.
 template <class Look>
 void for_each_certificate(const LoadedFolder& folder, Look look) {
   if (folder.certificate) look(*folder.certificate, folder.paths.certificate, false);

@@ -18,10 +18,10 @@ namespace {
 constexpr std::pair<Vendor, StockProduct> kProducts[] = {
     {Vendor::cyclonedds, StockProduct::cyclonedds}, {Vendor::fastdds, StockProduct::fastdds}};
 
-/// A topic for which the product does less than ddssec.
+// A topic for which the product does less than ddssec.
 struct Loss {
-  Text expression;      ///< that the product reads in its own way
-  std::string because;  ///< what the product does
+  Text expression;      // that the product reads in its own way
+  std::string because;  // what the product does
 };
 
 enum List : std::uint8_t { kOurs, kTheirs, kWithBracket };
@@ -36,7 +36,7 @@ bool is_less(const ElementChange& change) {
   return change.change == weaker || change.change == wider || change.change == mixed;
 }
 
-/// The domain_rule as both read it.
+// The domain_rule as both read it.
 class Rules {
  public:
   Rules(const DomainRule& ours, const DomainRule& theirs) : ours_(ours), theirs_(theirs) {}
@@ -88,7 +88,7 @@ class Rules {
   const DomainRule& theirs_;
 };
 
-/// Calls `each` with each expression of the grant, for topics or for partitions.
+// Calls `each` with each expression of the grant, for topics or for partitions.
 template <class Each>
 void each_expression(const Grant& grant, bool partitions, Each&& each) {
   for (const auto& rule : grant.rules)
@@ -99,7 +99,7 @@ void each_expression(const Grant& grant, bool partitions, Each&& each) {
       }
 }
 
-/// The grant as both read it.
+// The grant as both read it.
 class Rights {
  public:
   Rights(const LoadedFolder& folder, const Settings& settings, const Grant& ours, Vendor vendor,

@@ -28,7 +28,7 @@ using namespace std::chrono_literals;
 constexpr auto kFarthestZone = 14h;
 constexpr auto kSoon = std::chrono::hours(30 * 24);
 
-/// The input of the checks in this file.
+// The input of the checks in this file.
 struct Scene {
   const LoadedFolder& folder;
   const Settings& settings;
@@ -38,7 +38,7 @@ struct Scene {
   const fs::path& file() const { return folder.paths.permissions; }
 };
 
-/// A grant, and the products that apply it to this participant.
+// A grant, and the products that apply it to this participant.
 struct Candidate {
   const Grant* grant;
   Outcomes subject;
@@ -87,10 +87,10 @@ void report_no_grant(const Scene& scene) {
                     .hint = remedy_of_ros(scene.folder)});
 }
 
-/// The subject as a grant must say it.
+// The subject as a grant must say it.
 struct Spelling {
   std::string text;
-  std::string hint;  ///< empty: the rule's own
+  std::string hint;  // empty: the rule's own
 };
 
 Spelling spelling_for(const pki::Certificate& certificate, const Lineup& lineup) {
@@ -334,7 +334,7 @@ void check_permissions(const Scene& scene, const DomainRule* governance) {
   check_denials(scene.folder, scene.settings, *grant, scene.out);
 }
 
-/// Something that expires.
+// Something that expires.
 struct End {
   std::string what;
   WallTime when;

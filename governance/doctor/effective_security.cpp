@@ -31,7 +31,7 @@ constexpr std::string_view kAccessControl[] = {"library", "permissionsca", "gove
                                                "permissions"};
 constexpr std::string_view kLibrary[] = {"path", "initfunction", "finalizefunction"};
 
-/// A plugin's element.
+// A plugin's element.
 struct Kind {
   std::string_view name;
   std::span<const std::string_view> children;
@@ -59,7 +59,7 @@ bool is_one_of(std::span<const std::string_view> names, std::string_view name) {
 
 bool is_security(std::string_view name) { return name == "security" || name == "ddssecurity"; }
 
-/// Reads the elements and stores those that apply.
+// Reads the elements and stores those that apply.
 class Walk {
  public:
   Walk(DomainId domain, ConfigurationPlace place, std::size_t inline_from)
@@ -86,14 +86,14 @@ class Walk {
     std::string name;
     int line;
     bool is_for_other_domain;
-    std::string id = {};        ///< of a <Domain>
-    bool has_values = false;    ///< an attribute or a text so far, at any depth
-    bool has_elements = false;  ///< one directly inside so far
-    bool has_security = false;  ///< a <Domain> with one so far
-    std::string path = {};      ///< from a section on that is known (section_elements.hpp)
-    std::string place = {};     ///< the same for elements that are one in a <Domain>
-    bool has_text = false;      ///< directly inside
-    std::string spelled = {};   ///< the name as it is written
+    std::string id = {};        // of a <Domain>
+    bool has_values = false;    // an attribute or a text so far, at any depth
+    bool has_elements = false;  // one directly inside so far
+    bool has_security = false;  // a <Domain> with one so far
+    std::string path = {};      // from a section on that is known (section_elements.hpp)
+    std::string place = {};     // the same for elements that are one in a <Domain>
+    bool has_text = false;      // directly inside
+    std::string spelled = {};   // the name as it is written
   };
 
   bool is_file() const { return place_ == ConfigurationPlace::file; }
@@ -418,16 +418,16 @@ class Walk {
   DomainId domain_;
   ConfigurationPlace place_;
   std::size_t inline_from_;
-  bool is_inline_ = false;  ///< what follows is in the variable itself
+  bool is_inline_ = false;  // what follows is in the variable itself
   EffectiveSecurity out_;
   std::vector<Open> path_;
-  std::size_t security_depth_ = 0;  ///< 0: not inside one that counts
-  bool is_second_ = false;          ///< <Security> that counts
+  std::size_t security_depth_ = 0;  // 0: not inside one that counts
+  bool is_second_ = false;          // <Security> that counts
   const Kind* kind_ = std::end(kKinds);
   ConfiguredText* value_ = nullptr;
-  std::string old_id_;            ///< what <Id> holds so far
-  bool had_root_ = false;         ///< <CycloneDDS> has ended
-  std::set<std::string> values_;  ///< the places of values, of which none may be set twice
+  std::string old_id_;            // what <Id> holds so far
+  bool had_root_ = false;         // <CycloneDDS> has ended
+  std::set<std::string> values_;  // the places of values, of which none may be set twice
   std::size_t count_ = 0;
 };
 

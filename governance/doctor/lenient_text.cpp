@@ -9,7 +9,7 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-/// Goes through the text once and replaces invalid parts by blanks.
+// Goes through the text once and replaces invalid parts by blanks.
 class Cleaner {
  public:
   explicit Cleaner(std::string text) : text_(std::move(text)) {}
@@ -34,7 +34,7 @@ class Cleaner {
   }
 
  private:
-  /// Each moves the rest of the text.
+  // Each moves the rest of the text.
   static constexpr std::size_t kMaxJoined = 1000;
 
   std::size_t behind(std::size_t from, std::string_view end) const {

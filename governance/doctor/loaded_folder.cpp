@@ -64,7 +64,7 @@ bool begins_like_der(const fs::path& path) {
 
 using Certificates = Result<std::vector<pki::Certificate>>;
 
-/// The permissions CA file.
+// The permissions CA file.
 struct Trust {
   Certificates cas;
   Bytes file;

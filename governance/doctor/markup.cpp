@@ -23,14 +23,14 @@ std::size_t length_of_name(std::string_view text) {
   return static_cast<std::size_t>(end - text.begin());
 }
 
-/// The octets up to and including `end`; all of them if it does not come.
+// The octets up to and including `end`; all of them if it does not come.
 std::size_t length_through(std::string_view text, std::string_view end) {
   const auto found = text.find(end);
   return found == text.npos ? text.size() : found + end.size();
 }
 
-/// The octets before the next token. Nothing if a comment does not end: Cyclone DDS waits for the
-/// end for ever.
+// The octets before the next token. Nothing if a comment does not end: Cyclone DDS waits for the
+// end for ever.
 std::optional<std::size_t> length_of_between(std::string_view text) {
   const auto size = text.size();
   for (;;) {
@@ -65,7 +65,7 @@ bool append_character(std::string& out, std::uint32_t value) {
   return add(0x80 | (value & 0x3f)), true;
 }
 
-/// `name`: between '&' and ';'.
+// `name`: between '&' and ';'.
 bool append_reference(std::string& out, std::string_view name) {
   constexpr std::pair<std::string_view, char> kNames[] = {
       {"lt", '<'}, {"gt", '>'}, {"amp", '&'}, {"quot", '"'}, {"apos", '\''}};
@@ -81,7 +81,7 @@ bool append_reference(std::string& out, std::string_view name) {
   return read.ec == std::errc() && read.ptr == end && append_character(out, value);
 }
 
-/// Nothing if a reference is none that Cyclone DDS knows, or has more than 16 octets.
+// Nothing if a reference is none that Cyclone DDS knows, or has more than 16 octets.
 std::optional<std::string> without_references(std::string_view text) {
   constexpr std::size_t kMaxLength = 16;
   std::string out;

@@ -21,7 +21,7 @@ namespace {
 std::string text(bool value) { return value ? "true" : "false"; }
 std::string text(ProtectionKind value) { return std::string(to_string(value)); }
 
-/// Compares one element of two rules.
+// Compares one element of two rules.
 template <class Rules>
 class Comparison {
  public:
@@ -52,7 +52,7 @@ std::string matching_expression(Vendor vendor, const Criteria& criteria, std::st
   return found == criteria.topics.end() ? "" : found->text;
 }
 
-/// One question about a topic: does `judge` allow it to `about`?
+// One question about a topic: does `judge` allow it to `about`?
 struct Question {
   int judge;
   int about;
@@ -237,8 +237,8 @@ TopicDirection meet_in_direction(const MeetingScene& scene, const TopicMeeting& 
   return out;
 }
 
-/// Whether it matters that this direction does not work. If the other one works and neither was
-/// requested, the permissions are probably meant that way.
+// Whether it matters that this direction does not work. If the other one works and neither was
+// requested, the permissions are probably meant that way.
 bool is_missed(const MeetingScene& scene, const TopicMeeting& topic,
                const TopicDirection& direction) {
   const auto& asked = scene.settings.writes;
@@ -264,7 +264,7 @@ void report_refusals(const MeetingScene& scene, const TopicMeeting& topic) {
     }
 }
 
-/// The partitions in which a participant may use a topic.
+// The partitions in which a participant may use a topic.
 std::vector<std::string> partitions_of(const CompiledGrant& grant, Action action,
                                        std::string_view topic) {
   std::vector<std::string> out;
@@ -377,7 +377,7 @@ void note_unguarded(const MeetingScene& scene, const TopicMeeting& topic) {
   }
 }
 
-/// The expressions about topics that a participant's documents hold.
+// The expressions about topics that a participant's documents hold.
 void add_expressions(const MeetingScene& scene, int index, std::vector<RankedExpression>& out) {
   const auto add = [&](std::string_view expression) {
     out.push_back({expression, static_cast<std::uint32_t>(out.size()), 0});
@@ -391,15 +391,15 @@ void add_expressions(const MeetingScene& scene, int index, std::vector<RankedExp
         for (const auto& topic : criteria.topics) add(topic.text);
 }
 
-/// The characters that an expression fixes.
+// The characters that an expression fixes.
 std::size_t fixed_characters(std::string_view expression) {
   const Pattern pattern(expression);
   return static_cast<std::size_t>(
       std::ranges::count(pattern.steps(), Pattern::Kind::character, &Pattern::Step::kind));
 }
 
-/// The expression that says most of the atom's names; empty if one of them is the name itself.
-/// `expressions`: each in a list of its own.
+// The expression that says most of the atom's names; empty if one of them is the name itself.
+// `expressions`: each in a list of its own.
 std::string narrowest(const std::vector<RankedExpression>& expressions, const NameAtom& atom) {
   std::string_view out;
   for (const auto& match : atom.matches) {

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr int kMaxMilliseconds = 5000;
 constexpr std::size_t kMaxDetail = 1024;
 
-/// The output of a child process before it ends; its first octet is the result.
+// The output of a child process before it ends; its first octet is the result.
 std::string ask_child(void (*work)(int, const std::string&, const std::string&),
                       const std::string& first, const std::string& second) {
   std::array<int, 2> ends{};

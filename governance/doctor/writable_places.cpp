@@ -32,7 +32,7 @@ std::string name_of_user(uid_t user) {
 
 struct Group {
   std::string name;
-  bool has_others = true;  ///< members besides `user`, as far as /etc/group says
+  bool has_others = true;  // members besides `user`, as far as /etc/group says
 };
 
 Group group_of(gid_t id, std::string_view user) {

@@ -176,14 +176,14 @@ class AccessControlPlugin final : public spi::AccessControl {
  private:
   LoadContext context() { return {documents_, options_, services_.clock.now()}; }
 
-  /// Raises the one event of a refusal.
+  // Raises the one event of a refusal.
   std::unexpected<Error> refuse(const Error& error, const std::string& peer_subject = {},
                                 const std::string& peer_guid = {}) {
     services_.events.raise(event_about(peer_subject, error, peer_guid));
     return std::unexpected(error);
   }
 
-  /// The same of a call of the application, which gets the error.
+  // The same of a call of the application, which gets the error.
   std::unexpected<Error> refuse_local(const Error& error) {
     services_.events.raise(Event::of_returned(error));
     return std::unexpected(error);
@@ -203,7 +203,7 @@ class AccessControlPlugin final : public spi::AccessControl {
     return refuse(Error(Code::unknown_permissions_handle));
   }
 
-  /// Finds the holder, lets `judge` decide and raises what it refuses.
+  // Finds the holder, lets `judge` decide and raises what it refuses.
   template <class Judge>
   Status check(PermissionsHandle handle, DomainId domain_id, Judge&& judge) {
     DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(handle));
@@ -236,7 +236,7 @@ class AccessControlPlugin final : public spi::AccessControl {
   const AccessDecisions judgement_;
   DocumentCache documents_;
   HandleTable handles_;
-  std::mutex noting_mutex_;  ///< so that a participant that has left is not noted again
+  std::mutex noting_mutex_;  // so that a participant that has left is not noted again
 };
 
 Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
@@ -304,7 +304,7 @@ Status AccessControlPlugin::note_presented(PermissionsHandle remote,
   return {};
 }
 
-/// Our endpoint was judged when it was made. Renewed permissions may give less.
+// Our endpoint was judged when it was made. Renewed permissions may give less.
 Status AccessControlPlugin::judge_own(const PermissionsHolder& remote, const Match& match) {
   const Holder own = handles_.find_local(remote.participant()->identity);
   if (!own || own->renewals() == 0) return {};
@@ -336,7 +336,7 @@ Result<spi::AccessControl::RemoteDatareader> AccessControlPlugin::check_remote_d
   return answer;
 }
 
-/// No event: nothing is refused before the document is in force.
+// No event: nothing is refused before the document is in force.
 std::optional<spi::AccessControl::RemoteDatareader> AccessControlPlugin::pending_permission(
     PermissionsHandle remote, bool writes, const EndpointRequest& request) {
   const Holder holder = handles_.find(remote);
@@ -386,9 +386,9 @@ std::vector<PermissionsHandle> AccessControlPlugin::peers_of_only(const Particip
   return peers;
 }
 
-/// Before anything is judged by the documents in force. Each participant looks at its files in a
-/// rhythm of its own. Before one of them ends, all look: participants with the same files end
-/// together, and what was put into place before the end counts.
+// Before anything is judged by the documents in force. Each participant looks at its files in a
+// rhythm of its own. Before one of them ends, all look: participants with the same files end
+// together, and what was put into place before the end counts.
 void AccessControlPlugin::renew_documents(const Entries& all, PermissionsHandle which) {
   Entries own;
   std::ranges::copy_if(all, std::back_inserter(own), [&](const auto& one) {
@@ -407,7 +407,7 @@ void AccessControlPlugin::renew_documents(const Entries& all, PermissionsHandle 
   renew();
 }
 
-/// For a person who asks, if there is a record.
+// For a person who asks, if there is a record.
 void AccessControlPlugin::note_documents(PermissionsHandle local) noexcept {
   if (services_.documents == nullptr) return;
   try {

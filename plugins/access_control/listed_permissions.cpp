@@ -7,7 +7,7 @@
 namespace ddssec::access_control {
 namespace {
 
-/// Subjects that are remembered; a host has fewer peers.
+// Subjects that are remembered; a host has fewer peers.
 constexpr std::size_t kMaxSubjects = 4096;
 
 }  // namespace

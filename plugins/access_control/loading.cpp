@@ -16,7 +16,7 @@
 namespace ddssec::access_control {
 namespace {
 
-/// A document as a person knows it: its path, or the property if it stands in the property itself.
+// A document as a person knows it: its path, or the property if it stands in the property itself.
 std::string document_name(std::string_view property, std::string_view uri) {
   const auto start = uri.find_first_not_of(" \t");
   if (start != uri.npos && uri.substr(start).starts_with("file:")) {
@@ -25,14 +25,14 @@ std::string document_name(std::string_view property, std::string_view uri) {
   return std::string(property);
 }
 
-/// `result`, or its error with the document named.
+// `result`, or its error with the document named.
 template <class T>
 Result<T> in_document(Result<T> result, const std::string& name) {
   if (result) return result;
   return std::unexpected(result.error().in(name));
 }
 
-/// Where the three documents are, and the identity CA.
+// Where the three documents are, and the identity CA.
 Result<DocumentPlaces> places_of(const spi::PropertyList& properties) {
   constexpr std::array kNames = {spi::property::kPermissionsCa, spi::property::kGovernance,
                                  spi::property::kPermissions};
@@ -58,7 +58,7 @@ Result<DocumentPlaces> places_of(const spi::PropertyList& properties) {
       .permissions_name = document_name(kNames[2], values[2])};
 }
 
-/// What `read` makes of the certificates that a property names.
+// What `read` makes of the certificates that a property names.
 template <class Read>
 auto certificates_of(const spi::PropertyList& properties, std::string_view property,
                      std::size_t max_octets, Read&& read) -> decltype(read(BytesView())) {
@@ -73,7 +73,7 @@ Result<pki::Certificate> local_certificate(const spi::PropertyList& properties) 
                          pki::kMaxCertificateOctets, pki::Certificate::from_pem);
 }
 
-/// Ours are refused here and not in authentication, which hosts ask before there is a governance.
+// Ours are refused here and not in authentication, which hosts ask before there is a governance.
 Status check_own_algorithms(Basis& basis, const pki::Certificate& certificate,
                             const spi::PropertyList& properties) {
   const auto* const allowed = basis.allowed_algorithms();
@@ -105,7 +105,7 @@ Result<Basis> first_basis(const LoadContext& context, const LocalParticipant& pa
   return out;
 }
 
-/// The octets of a property that a host may carry as binary or as text.
+// The octets of a property that a host may carry as binary or as text.
 std::optional<BytesView> octets_of(const spi::Token& token, std::string_view name) {
   std::optional<BytesView> octets;
   if (const auto* text = spi::find_property(token.properties, name)) octets = as_bytes(*text);
@@ -116,8 +116,8 @@ std::optional<BytesView> octets_of(const spi::Token& token, std::string_view nam
   return octets;
 }
 
-/// Plugin name without regard to case, and the same major version; no version means 1.0
-/// (DDS-Security 1.2, clause 10.4.2.2).
+// Plugin name without regard to case, and the same major version; no version means 1.0
+// (DDS-Security 1.2, clause 10.4.2.2).
 bool is_compatible_class(std::string_view class_id) {
   constexpr std::string_view kPlugin = "DDS:Access:Permissions";
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
@@ -128,7 +128,7 @@ bool is_compatible_class(std::string_view class_id) {
   return version.empty() || version == ":1" || version.starts_with(":1.");
 }
 
-/// The handshake sends the document, and takes no longer one. Said here, where the file is known.
+// The handshake sends the document, and takes no longer one. Said here, where the file is known.
 Status check_own_size(const DocumentPlaces& places, BytesView file) {
   if (file.size() <= pki::kMaxSentPermissionsOctets) return {};
   return fail(Code::file_too_large,

@@ -10,7 +10,7 @@ bool are_alike(const governance::TopicRule* former, const governance::TopicRule*
   return governance::protect_alike(*former, *next);
 }
 
-/// A document with the revision in force has the content in force.
+// A document with the revision in force has the content in force.
 bool is_same_revision(const governance::CompiledGovernance& former,
                       const governance::CompiledGovernance& next) {
   return next.revision() != 0 && next.revision() == former.revision();
@@ -41,7 +41,7 @@ Status check_has_revision(const governance::CompiledGovernance& next,
                "the participant"});
 }
 
-/// The topic cannot change while this participant uses it.
+// The topic cannot change while this participant uses it.
 Error in_use(const std::string& topic, const governance::TopicRule* rule, const Error& why) {
   auto details = why.details();
   if (details.field.empty()) {
@@ -88,8 +88,8 @@ Result<std::shared_ptr<const Basis>> LocalParticipant::basis_for(std::string_vie
   return basis_;
 }
 
-/// mutex_ is held. What was checked of the document that waits holds for the topics that were in
-/// use then.
+// mutex_ is held. What was checked of the document that waits holds for the topics that were in
+// use then.
 Status LocalParticipant::check_new_topic(std::string_view topic) const {
   if (!pending_) return {};
   const auto refused = [&](ErrorDetails details) {
@@ -166,7 +166,7 @@ bool LocalParticipant::apply_pending(const Sha256Digest& digest) {
   return true;
 }
 
-/// mutex_ is held.
+// mutex_ is held.
 Result<LocalParticipant::Change> LocalParticipant::check(
     const governance::CompiledGovernance& next) const {
   const auto& former = *basis_->governance;

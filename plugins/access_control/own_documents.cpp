@@ -19,13 +19,13 @@ DocumentWatch::WatchedDocument what(const std::string& uri, const std::string& n
   return {.uri = uri, .name = name, .max_octets = max_octets, .refused = refused, .stays = stays};
 }
 
-/// With the remedy of what is wrong with the document: a restart with it would fail.
+// With the remedy of what is wrong with the document: a restart with it would fail.
 DocumentWatch::WatchedDocument signed_document(DocumentWatch::WatchedDocument what) {
   what.gives_remedy_of_reason = true;
   return what;
 }
 
-/// Nothing if `octets` fit, else the file as it is now if that fits; else why `octets` do not.
+// Nothing if `octets` fit, else the file as it is now if that fits; else why `octets` do not.
 template <class Fits>
 Result<std::optional<Bytes>> one_that_fits(BytesView octets, const DocumentWatch& file,
                                            Fits&& fits) {
@@ -37,7 +37,7 @@ Result<std::optional<Bytes>> one_that_fits(BytesView octets, const DocumentWatch
   return std::move(*present);
 }
 
-/// What is new in a document in force, for its event; empty: nothing but its form.
+// What is new in a document in force, for its event; empty: nothing but its form.
 std::optional<Error> changed(const governance::DomainRule& former,
                              const governance::DomainRule& next) {
   const auto change = governance::live_change(former, next);
@@ -51,8 +51,8 @@ std::optional<Error> changed(const governance::DomainRule& former,
                          ", the first for \"" + rules.front()->topic_expression + "\""});
 }
 
-/// With part of the digest: two documents with the same end are two events, which no rate limit
-/// takes for one.
+// With part of the digest: two documents with the same end are two events, which no rate limit
+// takes for one.
 Error renewed(const std::string& file, const DocumentPart& permissions) {
   constexpr std::size_t kShownDigits = 16;
   return Error(Code::permissions_renewed,
@@ -183,7 +183,7 @@ void OwnDocuments::renew_authorities(const Renewal& now, std::vector<Error>& eve
   if (const auto dropped = drop_withdrawn(now)) events.push_back(*dropped);
 }
 
-/// A document that waits must be signed by one of the CAs that are in force now.
+// A document that waits must be signed by one of the CAs that are in force now.
 std::optional<Error> OwnDocuments::drop_withdrawn(const Renewal& now) {
   if (!governance_waiting_ || !now.participant.pending()) return std::nullopt;
   const auto judged = judge_governance(now, *now.participant.basis(), *governance_waiting_);
@@ -319,7 +319,7 @@ void OwnDocuments::renew_permissions(const Renewal& now, std::vector<Error>& eve
 
 // ---- the renewal list
 
-/// What was verified before is not verified again.
+// What was verified before is not verified again.
 Result<OwnDocuments::Listed> OwnDocuments::listed(const Renewal& now, BytesView file) const {
   const auto ca = now.participant.basis()->ca;
   const auto digest = sha256(file);
@@ -329,7 +329,7 @@ Result<OwnDocuments::Listed> OwnDocuments::listed(const Renewal& now, BytesView 
   return Listed{digest, std::move(document)};
 }
 
-/// An entry that no CA of the file signed does not count.
+// An entry that no CA of the file signed does not count.
 Status OwnDocuments::take_list(const Renewal& now, const pki::RenewalList& list) {
   std::vector<Listed> next;
   std::optional<Error> first;

@@ -8,7 +8,7 @@
 namespace ddssec::access_control {
 namespace {
 
-/// The digest of a signed file, as authentication has it (session_facts.hpp).
+// The digest of a signed file, as authentication has it (session_facts.hpp).
 Sha256Digest digest_of_file(std::string_view text) {
   constexpr std::string_view kNone("", 1);
   if (text.ends_with('\0')) text.remove_suffix(1);
@@ -19,14 +19,14 @@ bool is_over(const SharedGrant& grant, const PermissionsDocument& document, Wall
   return now >= grant->grant().validity.not_after || now > document.signer_not_after();
 }
 
-/// One that was valid has not ended because the clock goes back.
+// One that was valid has not ended because the clock goes back.
 Status check_not_over(const GrantOfDocument& one, WallTime now) {
   if (!is_over(one.grant, *one.document, now)) return {};
   DDSSEC_RETURN_IF_ERROR(governance::check_validity(one.grant->grant(), now));
   return one.document->check_signer(now);
 }
 
-/// The same second is not earlier.
+// The same second is not earlier.
 Status check_signed_later(const PermissionsDocument& former, const PermissionsDocument& next) {
   if (is_signed_later(next, former)) return {};
   const auto since = former.signing_time(), time = next.signing_time();
@@ -85,7 +85,7 @@ Result<SharedGrant> PermissionsHolder::grant_in(PermissionsDocument& document, W
                             participant_->domain_tag, now);
 }
 
-/// Of a peer. Our own documents are judged before other CAs come into force.
+// Of a peer. Our own documents are judged before other CAs come into force.
 Status PermissionsHolder::check_signer(const PermissionsDocument& document) const {
   const auto ca = participant_->basis()->ca;
   if (ca->holds(document.signer())) return {};
@@ -95,7 +95,7 @@ Status PermissionsHolder::check_signer(const PermissionsDocument& document) cons
                .found = "signed by " + pki::describe({document.signer()})});
 }
 
-/// The lock is held.
+// The lock is held.
 Result<SharedGrant> PermissionsHolder::presented_grant(WallTime now) {
   if (const auto ca = participant_->basis()->ca; remote_ && ca != accepted_by_) {
     DDSSEC_RETURN_IF_ERROR(check_signer(*document_));
@@ -114,13 +114,13 @@ Result<SharedGrant> PermissionsHolder::presented_grant(WallTime now) {
   return grant_;
 }
 
-/// The lock is held.
+// The lock is held.
 Status PermissionsHolder::check_extension(WallTime now) const {
   DDSSEC_RETURN_IF_ERROR(check_signer(*extension_->document));
   return check_not_over(*extension_, now);
 }
 
-/// The lock is held. The extension may give more, so it decides only for how long.
+// The lock is held. The extension may give more, so it decides only for how long.
 Result<SharedGrant> PermissionsHolder::valid_grant(WallTime now) {
   if (!document_) return fail(Code::peer_has_no_permissions);
   if (!extension_) return presented_grant(now);
@@ -135,7 +135,7 @@ Result<SharedGrant> PermissionsHolder::grant(WallTime now) {
   return valid_grant(now);
 }
 
-/// The lock is held. Of the documents whose CAs are in the file; empty: none.
+// The lock is held. Of the documents whose CAs are in the file; empty: none.
 std::optional<WallTime> PermissionsHolder::last_end() const {
   const auto ca = participant_->basis()->ca;
   std::optional<WallTime> out;
@@ -214,7 +214,7 @@ void PermissionsHolder::force_poll_of_list() {
   if (own_documents_) own_documents_->force_poll_of_list();
 }
 
-/// The lock is held.
+// The lock is held.
 Status PermissionsHolder::check_follows(const PermissionsDocument& document,
                                         const SharedGrant& renewed) const {
   // The host has cut the participant off, and keeps to that.
@@ -272,8 +272,8 @@ std::optional<GrantOfDocument> PermissionsHolder::extension_of(const GrantOfDocu
       *participant_->basis()->ca, now);
 }
 
-/// The lock is held. True if the peer announced something that its permissions do not allow, and
-/// these do.
+// The lock is held. True if the peer announced something that its permissions do not allow, and
+// these do.
 bool PermissionsHolder::are_wanted(const SharedGrant& others) const {
   return std::ranges::any_of(denied_.all(), [&](const AnnouncedEndpoints::One& one) {
     std::vector<governance::DataTag> tags;

@@ -52,7 +52,7 @@ ProtectionKind kind_of(Protects by, const governance::DomainRule& rule) {
   return ProtectionKind::encrypt;
 }
 
-/// The names of one algorithm that the plugins may use, in DDS-Security 1.2 and 1.1.
+// The names of one algorithm that the plugins may use, in DDS-Security 1.2 and 1.1.
 using Names = std::initializer_list<std::string_view>;
 
 std::unexpected<Error> not_enforceable(int line, std::string field, std::string expected,

@@ -18,7 +18,7 @@ namespace {
 constexpr auto kStartAgain =
     "renew it (ddssec identity renew FOLDER --ca CA) and start this participant again";
 
-/// A peer that has renewed its certificate comes back at once, so its end is no error.
+// A peer that has renewed its certificate comes back at once, so its end is no error.
 Event event_of_end(const IdentityTable::Ended& ended, WallTime now) {
   const bool is_own = ended.peer.subject.empty();
   auto out = event_about(
@@ -130,12 +130,12 @@ void PkiDh::note_documents_in_use(IdentityHandle local) noexcept {
   }
 }
 
-/// For a person who asks. Of peers there is no record.
+// For a person who asks. Of peers there is no record.
 void PkiDh::note_end(IdentityHandle identity, const Error& why, WallTime now) {
   if (services_.documents != nullptr) services_.documents->note_end(identity.value, why, now);
 }
 
-/// True if our own end is not what ended the session: it would have its own event.
+// True if our own end is not what ended the session: it would have its own event.
 bool PkiDh::has_outlived(const std::vector<IdentityTable::Ended>& all,
                          const IdentityTable::Ended& session) const {
   const auto pair = table_.pair_of(session.handle);
@@ -143,9 +143,9 @@ bool PkiDh::has_outlived(const std::vector<IdentityTable::Ended>& all,
          std::ranges::find(all, pair->local_handle, &IdentityTable::Ended::handle) == all.end();
 }
 
-/// What the files of local identities say now. Each identity looks at its files in a rhythm of its
-/// own. Before one of them ends, all look: identities with the same files end together, and what
-/// was put into place before the end counts.
+// What the files of local identities say now. Each identity looks at its files in a rhythm of its
+// own. Before one of them ends, all look: identities with the same files end together, and what
+// was put into place before the end counts.
 Revocations PkiDh::look_at_files(IdentityHandle local) {
   renew_identities(table_, local, stores_, services_);
   auto revocations = find_revocations(table_, local, stores_, services_);

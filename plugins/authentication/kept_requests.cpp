@@ -6,7 +6,7 @@
 
 namespace ddssec::authentication {
 
-/// Without the peer's credentials, whose size the peer chose. The pair's lock is held.
+// Without the peer's credentials, whose size the peer chose. The pair's lock is held.
 std::vector<ReplyKey> KeptRequests::reply_keys(Pair& pair) {
   auto out = std::move(pair.reply_keys);
   for (auto& one : pair.handshakes)

@@ -10,14 +10,14 @@ namespace {
 
 using Authenticated = IdentityTable::Authenticated;
 
-/// A session as its two certificates are now.
+// A session as its two certificates are now.
 struct Followed {
   std::optional<pki::ChainValid> peer = {};
-  bool by_list = false;  ///< the peer's
+  bool by_list = false;  // the peer's
   std::string why_not = {};
 };
 
-/// The proof of the peer: its latest certificate, or else the one that the list has after it.
+// The proof of the peer: its latest certificate, or else the one that the list has after it.
 Followed followed_peer(const Authenticated& peer, const LocalIdentity& local, WallTime now) {
   const auto trust = local.peer_trust();
   if (auto latest = trust->verify(peer.latest(), now)) return {.peer = *std::move(latest)};
@@ -26,7 +26,7 @@ Followed followed_peer(const Authenticated& peer, const LocalIdentity& local, Wa
   return {std::move(found.chain), true, std::move(found.why_not)};
 }
 
-/// Ours: the one that the peer has seen, or else the one in force, if it may know that by its list.
+// Ours: the one that the peer has seen, or else the one in force, if it may know that by its list.
 std::optional<pki::ChainValid> followed_own(const Authenticated& peer, const LocalIdentity& local,
                                             WallTime now) {
   if (auto seen = local.verify(peer.own, now)) return *std::move(seen);
@@ -46,7 +46,7 @@ Error listed(const pki::ChainValid& chain) {
                 .note = "serial number " + chain.certificate().serial()});
 }
 
-/// Empty: the session goes on. Else a note about the peer's certificate, or a blank.
+// Empty: the session goes on. Else a note about the peer's certificate, or a blank.
 std::optional<std::string> follow(IdentityTable& table, const Authenticated& peer,
                                   const LocalIdentity& local, const EngineServices& services) {
   const auto now = services.clock.now();

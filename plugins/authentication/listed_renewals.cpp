@@ -10,12 +10,12 @@
 namespace ddssec::authentication {
 namespace {
 
-/// Such an entry is passed over without a word: it has ended, or it counts later.
+// Such an entry is passed over without a word: it has ended, or it counts later.
 bool is_about_time(Code code) {
   return code == Code::certificate_expired || code == Code::certificate_not_yet_valid;
 }
 
-/// False also if that cannot be found out.
+// False also if that cannot be found out.
 bool is_not_revoked(const pki::Certificate& certificate, const TrustStore& trust, WallTime now) {
   if (!trust.may_be_revoked(certificate)) return true;
   const auto verdict = trust.verify(certificate, now);
@@ -86,7 +86,7 @@ void ListedRenewals::judge_again() {
   watch_.judge_again();
 }
 
-/// Empty: it may take the place of the latest.
+// Empty: it may take the place of the latest.
 std::string ListedRenewals::refusal_of(const pki::Certificate& listed,
                                        const Session& session) const {
   // The session proves that the peer has the key of its handshake, and no other one.

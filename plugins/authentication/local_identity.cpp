@@ -95,7 +95,7 @@ Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Cl
   });
 }
 
-/// A new store does not remember which peers the former one trusted.
+// A new store does not remember which peers the former one trusted.
 Status LocalIdentity::adopt(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now) {
   const auto former = own_trust();
   if (has_trusted_folder_) return fail(Code::trusted_ca_dir_with_crl);
@@ -151,9 +151,9 @@ std::shared_ptr<const Presented> LocalIdentity::presented() const {
 
 // ---- a renewed certificate
 
-/// The subject is what the GUID, the permissions and the peers' counts go by; the identity token
-/// that discovery announces names the algorithm. An older certificate would end sooner, or bring
-/// back a key that was replaced for a reason.
+// The subject is what the GUID, the permissions and the peers' counts go by; the identity token
+// that discovery announces names the algorithm. An older certificate would end sooner, or bring
+// back a key that was replaced for a reason.
 Status LocalIdentity::check_renewed(const IdentityWatch::Found& found, const TrustStore& trust,
                                     WallTime now) const {
   const auto former = certificate();
@@ -228,7 +228,7 @@ std::optional<Error> LocalIdentity::ocsp_revoked() const {
 
 // ---- other certificate authorities
 
-/// Success if a trusted_ca_dir in use holds each of these, as IdentityFiles::load requires.
+// Success if a trusted_ca_dir in use holds each of these, as IdentityFiles::load requires.
 Status LocalIdentity::check_in_trusted_folder(
     const std::vector<pki::Certificate>& authorities) const {
   if (!has_trusted_folder_) return {};
@@ -240,7 +240,7 @@ Status LocalIdentity::check_in_trusted_folder(
   return {};
 }
 
-/// mutex_ is held. A new store does not remember which peers the former one trusted.
+// mutex_ is held. A new store does not remember which peers the former one trusted.
 void LocalIdentity::trust(std::shared_ptr<const TrustStore> store) {
   own_trust_ = std::move(store);
   if (has_trusted_folder_) return;
@@ -263,7 +263,7 @@ Result<LocalIdentity::AuthoritiesTaken> LocalIdentity::renew_authorities(TrustSt
   return taken;
 }
 
-/// Returns true if our certificate was renewed together with the authorities.
+// Returns true if our certificate was renewed together with the authorities.
 Result<bool> LocalIdentity::take_authorities(const std::vector<pki::Certificate>& next,
                                              TrustStores& stores, WallTime now) {
   DDSSEC_RETURN_IF_ERROR(check_in_trusted_folder(next));

@@ -11,7 +11,7 @@ Status check_role(bool is_right, std::string_view call) {
   return fail(Code::handshake_role_wrong, {.field = std::string(call)});
 }
 
-/// Finished handshakes of one pair that stay open to questions.
+// Finished handshakes of one pair that stay open to questions.
 constexpr std::size_t kMaxFinishedPerPair = 4;
 
 bool is_pending(const PairHandshake& handshake) {
@@ -36,7 +36,7 @@ Result<HandshakeContext> PkiDh::handshake_context(const Pair& pair) const {
                           pair.announced_challenge, now};
 }
 
-/// The pair's lock is held.
+// The pair's lock is held.
 void PkiDh::take_up_request(const std::shared_ptr<Pair>& pair) {
   auto [request, reply_keys] = kept_requests_.take(pair->local_handle, pair->remote_guid);
   pair->reply_keys = std::move(reply_keys);
@@ -46,15 +46,15 @@ void PkiDh::take_up_request(const std::shared_ptr<Pair>& pair) {
   pair->handshakes.push_back(std::move(*request));
 }
 
-/// A handshake under way goes on with what it began with. If what we present was renewed since, it
-/// has kPendingAge for that; then the same message begins another.
+// A handshake under way goes on with what it began with. If what we present was renewed since, it
+// has kPendingAge for that; then the same message begins another.
 bool PkiDh::may_go_on(const Pair& pair, const PairHandshake& handshake,
                       const std::shared_ptr<const Presented>& own) const {
   return own == pair.local->presented() ||
          services_.clock.monotonic() - handshake.since < kPendingAge;
 }
 
-/// Only one that waited long gives way to another.
+// Only one that waited long gives way to another.
 Status PkiDh::check_room(const Pair& pair) const {
   const auto& all = pair.handshakes;
   const auto pending = std::ranges::count_if(all, is_pending);
@@ -180,7 +180,7 @@ Result<PkiDh::HandshakeStep> PkiDh::answer_request(const std::shared_ptr<Pair>& 
   return keep(pair, std::move(outcome), participant_data, std::move(share));
 }
 
-/// What the request makes us keep.
+// What the request makes us keep.
 UnprovenOctets::Share PkiDh::share_of(const Pair& pair, const Token& request,
                                       const HandshakeOutcome& outcome) {
   std::size_t octets = 0, free = 0;
@@ -190,7 +190,7 @@ UnprovenOctets::Share PkiDh::share_of(const Pair& pair, const Token& request,
   return unproven_.claim(peer.certificate().subject_digest(), octets, free);
 }
 
-/// The host finds that the handle of a dropped handshake is unknown, and begins anew.
+// The host finds that the handle of a dropped handshake is unknown, and begins anew.
 void PkiDh::drop_excess(HandshakeHandle newest) {
   for (const auto handle : unproven_.excess(services_.random, newest)) {
     const auto pair = table_.pair_of(handle);
@@ -212,7 +212,7 @@ void PkiDh::drop_excess(HandshakeHandle newest) {
   }
 }
 
-/// Our certificate may have ended since the handshake began, if it was renewed.
+// Our certificate may have ended since the handshake began, if it was renewed.
 Status PkiDh::note_authenticated(const Pair& pair, const Established& done) {
   DDSSEC_ASSIGN_OR_RETURN(const auto own,
                           pair.local->verify(done.own->certificate, services_.clock.now()));
@@ -221,7 +221,7 @@ Status PkiDh::note_authenticated(const Pair& pair, const Established& done) {
       {done.peer.chain(), own, done.peer.keeps_session(), done.peer.reads_lists()});
 }
 
-/// The peer is proven, but not its response, which is not signed along.
+// The peer is proven, but not its response, which is not signed along.
 void PkiDh::note_unused_ocsp(const Pair& pair, const Established& done) const {
   const auto& why = done.peer.ocsp_unused();
   if (!why) return;

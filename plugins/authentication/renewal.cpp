@@ -25,7 +25,7 @@ bool renew_certificate(LocalIdentity& identity, const EngineServices& services) 
   return renewed && *renewed;
 }
 
-/// That we are revoked is told by the revocations (revocations.cpp).
+// That we are revoked is told by the revocations (revocations.cpp).
 void renew_ocsp_response(LocalIdentity& identity, const EngineServices& services) {
   const auto us = our_name(identity.guid());
   const auto renewed = identity.renew_ocsp_response(services.clock);

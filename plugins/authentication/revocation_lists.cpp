@@ -14,9 +14,9 @@ namespace {
 
 namespace property = spi::property;
 
-/// As in sros2's keystores and our own folders.
+// As in sros2's keystores and our own folders.
 constexpr std::string_view kUsualName = "crl.pem";
-/// What an event says of many lists.
+// What an event says of many lists.
 constexpr std::size_t kMaxDescription = 512;
 
 Result<std::vector<pki::Crl>> parse(BytesView octets, std::string_view uri) {
@@ -26,7 +26,7 @@ Result<std::vector<pki::Crl>> parse(BytesView octets, std::string_view uri) {
   return lists;
 }
 
-/// Where a list may be that no property names: beside what is issued by the CA, or beside the CA.
+// Where a list may be that no property names: beside what is issued by the CA, or beside the CA.
 std::vector<std::string> usual_places(const spi::PropertyList& properties) {
   std::vector<std::string> uris;
   for (const auto name : {property::kIdentityCertificate, property::kIdentityCa}) {
@@ -46,13 +46,13 @@ std::string describe(const pki::Crl& crl) {
          to_string(crl.this_update());
 }
 
-/// While a CA is replaced, two CAs have one name: the key tells them apart.
+// While a CA is replaced, two CAs have one name: the key tells them apart.
 std::string signer_of(const pki::Crl& crl) {
   const auto key = crl.authority_key_id().substr(0, 8);
   return crl.issuer() + (key.empty() ? "" : " (key " + key + ")");
 }
 
-/// Of two CAs of one name either may have signed it.
+// Of two CAs of one name either may have signed it.
 Status check_signed(const pki::Crl& crl, const std::vector<pki::Certificate>& anchors,
                     WallTime now) {
   Status status;
@@ -87,14 +87,14 @@ bool is_newer(const pki::Crl& crl, const pki::Crl& other,
          pki::have_common_signer(crl, other, anchors);
 }
 
-/// Without memory, two lists are not the same: then a new one is judged again.
+// Without memory, two lists are not the same: then a new one is judged again.
 bool is_same_list(const pki::Crl& a, const pki::Crl& b) {
   const auto text = a.pem();
   return !text.empty() && text == b.pem();
 }
 
-/// Without those of which `lists` has a newer one of the same CA, or the same once more. A list
-/// that no CA among `anchors` signed replaces none.
+// Without those of which `lists` has a newer one of the same CA, or the same once more. A list
+// that no CA among `anchors` signed replaces none.
 std::vector<pki::Crl> newest_of(const std::vector<pki::Crl>& lists,
                                 const std::vector<pki::Certificate>& anchors, WallTime now) {
   std::vector<pki::Crl> out;
@@ -152,7 +152,7 @@ Result<RevocationLists> RevocationLists::load(const spi::PropertyList& propertie
   return out;
 }
 
-/// `name`: what an error calls the file.
+// `name`: what an error calls the file.
 Status RevocationLists::read_first(Place& place, std::string_view name, bool may_come_later) {
   const auto octets = ddssec::load(place.watch.uri(), name, pki::kMaxDocumentOctets);
   if (!octets && may_come_later && octets.error().code() == Code::file_not_found) return {};
@@ -164,7 +164,7 @@ Status RevocationLists::read_first(Place& place, std::string_view name, bool may
   return {};
 }
 
-/// What is in force if every place counts: of each CA the newest list.
+// What is in force if every place counts: of each CA the newest list.
 std::vector<pki::Crl> RevocationLists::together(const std::vector<pki::Certificate>& anchors,
                                                 WallTime now) const {
   std::vector<pki::Crl> all;
@@ -258,7 +258,7 @@ Result<RevocationLists> RevocationLists::read(const std::vector<pki::Certificate
   return out;
 }
 
-/// True: other lists are in force.
+// True: other lists are in force.
 Result<bool> RevocationLists::judge(BytesView octets, Place& place, const Question& question) {
   DDSSEC_ASSIGN_OR_RETURN(auto lists, parse(octets, place.watch.uri()));
   std::swap(place.lists, lists);
@@ -271,8 +271,8 @@ Result<bool> RevocationLists::judge(BytesView octets, Place& place, const Questi
   return is_other;
 }
 
-/// A list that another place has in a newer form does no harm here, but does to a participant that
-/// has only this place.
+// A list that another place has in a newer form does no harm here, but does to a participant that
+// has only this place.
 Status RevocationLists::check_current(const Place& place, const Question& question) const {
   for (const auto& crl : place.lists)
     for (const auto& held : lists_)

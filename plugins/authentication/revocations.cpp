@@ -9,9 +9,9 @@ namespace {
 
 using OurOwn = IdentityTable::OurOwn;
 
-/// The reason why the identity must be revoked: it is on a list and its verification fails, even if
-/// only because memory ran out. A peer that is on no list stays: its expiry or its next handshake
-/// decides.
+// The reason why the identity must be revoked: it is on a list and its verification fails, even if
+// only because memory ran out. A peer that is on no list stays: its expiry or its next handshake
+// decides.
 std::optional<Error> refusal(const pki::Certificate& certificate, const TrustStore& trust,
                              const LocalIdentity& whose, WallTime now) {
   if (!trust.may_be_revoked(certificate)) return std::nullopt;
@@ -24,8 +24,8 @@ std::optional<Error> refusal(const pki::Certificate& certificate, const TrustSto
                               .note = "it is in use, and cut off"});
 }
 
-/// Whether the path ends at a CA that is trusted is decided before anything else about it: any
-/// other reason means that it does. Those ends have events of their own.
+// Whether the path ends at a CA that is trusted is decided before anything else about it: any
+// other reason means that it does. Those ends have events of their own.
 bool is_about_time_or_lists(Code code) {
   switch (code) {
     case Code::certificate_expired:
@@ -40,8 +40,8 @@ bool is_about_time_or_lists(Code code) {
   }
 }
 
-/// The reason why a peer must go after CAs have left the file: none that is left issued its
-/// certificate. For one that stays, the end of the session is found anew.
+// The reason why a peer must go after CAs have left the file: none that is left issued its
+// certificate. For one that stays, the end of the session is found anew.
 std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authenticated& peer,
                                 const LocalIdentity& whose, const EngineServices& services) {
   const auto now = services.clock.now();
@@ -70,8 +70,8 @@ void look_at_lists(const OurOwn& local, TrustStores& stores, const EngineService
                                                 .found = local.identity->revocation_lists()})));
 }
 
-/// The same of a peer whose session goes on with a later certificate: that of its handshake may
-/// have expired since, but must not have been revoked.
+// The same of a peer whose session goes on with a later certificate: that of its handshake may
+// have expired since, but must not have been revoked.
 std::optional<Error> refusal(const IdentityTable::Authenticated& peer, const TrustStore& trust,
                              const LocalIdentity& whose, WallTime now) {
   auto reason = refusal(peer.latest(), trust, whose, now);

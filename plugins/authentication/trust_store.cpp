@@ -41,8 +41,8 @@ void TrustStore::remember(BytesView pem, const pki::Certificate& certificate) co
   known_.try_emplace(digest, certificate);
 }
 
-/// Only what is good is remembered: it is signed by a trusted responder, so that a stranger cannot
-/// fill the memory.
+// Only what is good is remembered: it is signed by a trusted responder, so that a stranger cannot
+// fill the memory.
 Result<pki::OcspGood> TrustStore::ocsp(BytesView response, const pki::Certificate& certificate,
                                        WallTime now) const {
   Bytes octets = to_bytes(certificate.fingerprint());

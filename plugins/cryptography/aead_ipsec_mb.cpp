@@ -20,8 +20,8 @@ gcm_key_data* ipsec_mb_key_in(KeyStorage storage) {
   return static_cast<gcm_key_data*>(static_cast<void*>(storage));
 }
 
-/// Working memory for one message, wiped afterwards: it holds the one-time key of the MAC and key
-/// stream.
+// Working memory for one message, wiped afterwards: it holds the one-time key of the MAC and key
+// stream.
 template <class Data>
 struct WipedContext {
   Data data;
@@ -30,8 +30,8 @@ struct WipedContext {
 using GcmContext = WipedContext<gcm_context_data>;
 using ChachaContext = WipedContext<chacha20_poly1305_context_data>;
 
-/// Uses the direct calls: one or three for each message. They have no state except the key, which
-/// they only read.
+// Uses the direct calls: one or three for each message. They have no state except the key, which
+// they only read.
 class IpsecMb final : public AeadBackend {
  public:
   explicit IpsecMb(Manager manager) : manager_(std::move(manager)) {}

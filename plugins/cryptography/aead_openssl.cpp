@@ -20,8 +20,8 @@ struct Deleter {
 using Context = std::unique_ptr<EVP_CIPHER_CTX, Deleter<EVP_CIPHER_CTX_free>>;
 using Fetched = std::unique_ptr<EVP_CIPHER, Deleter<EVP_CIPHER_free>>;
 
-/// Reusing a context that holds the key takes a third of the time of a new one, but only one thread
-/// at a time can use it. A thread that finds it in use creates its own context rather than wait.
+// Reusing a context that holds the key takes a third of the time of a new one, but only one thread
+// at a time can use it. A thread that finds it in use creates its own context rather than wait.
 struct OpensslKey {
   Context context;
   const EVP_CIPHER* cipher;
@@ -63,8 +63,8 @@ class Openssl final : public AeadBackend {
     });
   }
 
-  /// EVP compares the tag itself. So the tag to return is the expected one on success; on failure
-  /// none is written.
+  // EVP compares the tag itself. So the tag to return is the expected one on success; on failure
+  // none is written.
   bool open(KeyStorage storage, Cipher, const OpenRequest& request,
             TagView expected) const override {
     std::array<std::uint8_t, kTagSize> tag;
@@ -112,7 +112,7 @@ class Openssl final : public AeadBackend {
            update(context, aad, nullptr);
   }
 
-  /// EVP takes lengths as int, so longer inputs are processed in pieces.
+  // EVP takes lengths as int, so longer inputs are processed in pieces.
   static bool update(EVP_CIPHER_CTX* context, BytesView in, std::uint8_t* out) {
     constexpr std::size_t kPiece = std::size_t{1} << 30;
     while (!in.empty()) {
@@ -129,7 +129,7 @@ class Openssl final : public AeadBackend {
 
   Fetched gcm128_;
   Fetched gcm256_;
-  Fetched chacha_;  ///< may be null
+  Fetched chacha_;  // may be null
 };
 
 }  // namespace

@@ -119,9 +119,9 @@ Status AnnouncedEndpoints::note(const BuiltinTopic& topic, const Announcement& a
   return {};
 }
 
-/// A sample that the host has acknowledged is new only for a participant that was created later.
-/// For all others an attacker may repeat it, also after the endpoint has ended. If it ends an
-/// endpoint, nothing changes, because the host may have skipped it.
+// A sample that the host has acknowledged is new only for a participant that was created later.
+// For all others an attacker may repeat it, also after the endpoint has ended. If it ends an
+// endpoint, nothing changes, because the host may have skipped it.
 Status AnnouncedEndpoints::note_again(const BuiltinTopic& topic, Writer& writer,
                                       const Announcement& announcement) {
   if (announcement.kind != Announcement::Kind::announces) return {};
@@ -205,8 +205,8 @@ bool AnnouncedEndpoints::is_acknowledged(const BuiltinTopic& topic, std::uint64_
   return known != writers_.end() && number < known->second.next;
 }
 
-/// From now on the sample counts for its endpoint and no longer under its number. The sum never
-/// grows by this.
+// From now on the sample counts for its endpoint and no longer under its number. The sum never
+// grows by this.
 void AnnouncedEndpoints::settle(Writer& writer, const Announcement& announcement) {
   account_->replace(cost_of(announcement), 0);
   const auto known = writer.endpoints.find(announcement.entity);

@@ -8,23 +8,23 @@ namespace ddssec::cryptography {
 namespace {
 
 constexpr std::size_t kEncapsulationSize = 4;
-constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;  ///< and that of a key hash
+constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;  // and that of a key hash
 
-/// StatusInfo_t (RTPS 9.6.4.9): disposed, or unregistered.
+// StatusInfo_t (RTPS 9.6.4.9): disposed, or unregistered.
 constexpr std::uint8_t kDisposedOrUnregistered = 3;
 bool says_end(BytesView status_info) {
   return status_info.size() >= 4 && (status_info[3] & kDisposedOrUnregistered) != 0;
 }
 
-/// What the inline QoS of a sample says of the sample's subject.
+// What the inline QoS of a sample says of the sample's subject.
 enum class Ending : std::uint8_t {
   none,
-  usual,    ///< disposed or unregistered, in the form that all products write
-  unusual,  ///< disposed or unregistered, but the host may refuse the form and keep the subject
+  usual,    // disposed or unregistered, in the form that all products write
+  unusual,  // disposed or unregistered, but the host may refuse the form and keep the subject
 };
 
-/// Collects the parameters of inline QoS, to tell the usual form: one StatusInfo_t without unknown
-/// bits, and at most one key hash.
+// Collects the parameters of inline QoS, to tell the usual form: one StatusInfo_t without unknown
+// bits, and at most one key hash.
 struct InlineForm {
   bool ends = false;
   bool is_usual = true;
@@ -47,8 +47,8 @@ struct InlineForm {
   }
 };
 
-/// A repeated StatusInfo with another meaning is refused, because it is not known here which one
-/// the host uses.
+// A repeated StatusInfo with another meaning is refused, because it is not known here which one
+// the host uses.
 Result<Ending> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
                                 const DataPiece& piece) {
   Reader in(piece.inline_qos, piece.endian);
@@ -71,7 +71,7 @@ Result<Ending> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
   return form.ending();
 }
 
-/// Success if the inline QoS of a sample of any other writer has nothing that ends the host.
+// Success if the inline QoS of a sample of any other writer has nothing that ends the host.
 Status check_other_inline_qos(BytesView submessage) {
   constexpr std::uint8_t kInlineQosFlag = 2;
   if ((submessage[1] & kInlineQosFlag) == 0) return {};
@@ -90,8 +90,8 @@ Status check_other_inline_qos(BytesView submessage) {
   return {};
 }
 
-/// ParticipantMessageData or its key: both begin with the prefix. Fast DDS labels the same octets
-/// as PL_CDR.
+// ParticipantMessageData or its key: both begin with the prefix. Fast DDS labels the same octets
+// as PL_CDR.
 Status check_liveliness(const BuiltinTopic& topic, const Owner& owner, BytesView payload) {
   constexpr std::uint8_t kMaxPlain = 3;
   if (payload.size() < kEncapsulationSize + GuidPrefix::size)
@@ -101,15 +101,15 @@ Status check_liveliness(const BuiltinTopic& topic, const Owner& owner, BytesView
   return check_name(topic, owner, "participantGuidPrefix", payload.subspan(kEncapsulationSize));
 }
 
-/// An end counts only in the form that no host refuses. A host that refuses an end acknowledges it,
-/// but keeps the endpoint.
+// An end counts only in the form that no host refuses. A host that refuses an end acknowledges it,
+// but keeps the endpoint.
 Announcement::Kind kind_of(Ending ending, const ParameterWalk& walk) {
   if (ending == Ending::none) return Announcement::Kind::announces;
   return ending == Ending::usual && walk.has_only_names() ? Announcement::Kind::ends
                                                           : Announcement::Kind::nothing;
 }
 
-/// `announced` is null if the owner of the announcement is not known.
+// `announced` is null if the owner of the announcement is not known.
 Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& owner,
                                       const DataPiece& piece, Ending ending,
                                       AnnouncedEndpoints* announced) {
@@ -141,19 +141,19 @@ Result<TypeInformationAt> check_payload(const BuiltinTopic& topic, const Owner& 
                          : peer->walks.take(topic, owner, piece, peer->announced, now);
 }
 
-/// The host reads nothing of such a sample and continues with the next number.
+// The host reads nothing of such a sample and continues with the next number.
 Status check_without_payload(const BuiltinTopic& topic, const DataPiece& piece,
                              PeerDiscovery* peer) {
   if (peer == nullptr) return {};
   return peer->announced.note(topic, {.number = piece.number});
 }
 
-/// The announcing peer; null if it is not known, or if samples of this topic announce nothing.
+// The announcing peer; null if it is not known, or if samples of this topic announce nothing.
 PeerDiscovery* announcer(const BuiltinTopic& topic, const Owner& owner, DiscoveryOfPeers& peers) {
   return topic.key == 0 ? nullptr : peers.of(owner.value_or(GuidPrefix{}));
 }
 
-/// Records the numbers that the host skips from now on.
+// Records the numbers that the host skips from now on.
 void note_skipped(BytesView submessage, const Owner& owner, DiscoveryOfPeers& peers) {
   const auto skipped = read_skipped(submessage);
   const auto* const topic = skipped ? builtin_topic_of(skipped->writer) : nullptr;

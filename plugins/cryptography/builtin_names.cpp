@@ -9,7 +9,7 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// Bits for vendors' parameters and for those that must be understood. Hosts may ignore them.
+// Bits for vendors' parameters and for those that must be understood. Hosts may ignore them.
 constexpr std::uint16_t kFlags = pid::kMustUnderstand | pid::kVendorSpecific;
 
 constexpr std::array kTopics = {
@@ -24,7 +24,7 @@ constexpr std::array kTopics = {
     BuiltinTopic{{{0xff, 0x02, 0x00, 0xc2}}, 0},
 };
 
-/// The kinds of locators, of which an announcement may have several (RTPS 9.6.3).
+// The kinds of locators, of which an announcement may have several (RTPS 9.6.3).
 struct LocatorKind {
   std::uint16_t id;
   const char* name;
@@ -38,18 +38,18 @@ constexpr std::array kLocators = {
     LocatorKind{pid::kMetatrafficUnicastLocator, "PID_METATRAFFIC_UNICAST_LOCATOR"},
     LocatorKind{pid::kMetatrafficMulticastLocator, "PID_METATRAFFIC_MULTICAST_LOCATOR", true}};
 
-/// PID_METATRAFFIC_MULTICAST_IPADDRESS, PID_DEFAULT_UNICAST_IPADDRESS,
-/// PID_METATRAFFIC_UNICAST_PORT, PID_DEFAULT_UNICAST_PORT, PID_MULTICAST_IPADDRESS,
-/// PID_METATRAFFIC_UNICAST_IPADDRESS, PID_METATRAFFIC_MULTICAST_PORT.
+// PID_METATRAFFIC_MULTICAST_IPADDRESS, PID_DEFAULT_UNICAST_IPADDRESS,
+// PID_METATRAFFIC_UNICAST_PORT, PID_DEFAULT_UNICAST_PORT, PID_MULTICAST_IPADDRESS,
+// PID_METATRAFFIC_UNICAST_IPADDRESS, PID_METATRAFFIC_MULTICAST_PORT.
 constexpr std::array<std::uint16_t, 7> kDeprecatedAddresses = {0x000b, 0x000c, 0x000d, 0x000e,
                                                                0x0011, 0x0045, 0x0046};
 
-/// EndpointSecurityAttributesMask.
+// EndpointSecurityAttributesMask.
 constexpr std::size_t kSecurityMaskSize = 4;
 
 constexpr std::string_view kDocument = "a discovery or liveliness message";
 
-/// A parameter that contains a GUID.
+// A parameter that contains a GUID.
 struct NamingParameter {
   std::uint16_t id;
   const char* name;
@@ -59,7 +59,7 @@ constexpr std::array kNames = {NamingParameter{pid::kParticipantGuid, "PID_PARTI
                                NamingParameter{pid::kKeyHash, "PID_KEY_HASH"},
                                NamingParameter{pid::kCycloneTopicGuid, "PID_CYCLONE_TOPIC_GUID"}};
 
-/// The index in kNames; empty if the parameter names nothing in samples of this topic.
+// The index in kNames; empty if the parameter names nothing in samples of this topic.
 std::optional<std::size_t> name_of(const BuiltinTopic& topic, std::uint16_t id) {
   const auto found = std::ranges::find(kNames, id, &NamingParameter::id);
   if (found == kNames.end()) return std::nullopt;
@@ -203,7 +203,7 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   return {};
 }
 
-/// True if its first octets are read next.
+// True if its first octets are read next.
 bool ParameterWalk::begin_security_info() {
   if ((id_ & ~kFlags) != pid::kEndpointSecurityInfo) return false;
   security_infos_ = security_infos_ == 0 ? 1 : 2;

@@ -8,16 +8,16 @@ namespace ddssec::cryptography {
 namespace {
 
 constexpr std::uint8_t kInlineQosFlag = 0x02;
-constexpr std::uint8_t kDataFlag = 0x04;     ///< of DATA
-constexpr std::uint8_t kKeyFlag = 0x08;      ///< of DATA
-constexpr std::uint8_t kFragKeyFlag = 0x04;  ///< of DATA_FRAG
+constexpr std::uint8_t kDataFlag = 0x04;     // of DATA
+constexpr std::uint8_t kKeyFlag = 0x08;      // of DATA
+constexpr std::uint8_t kFragKeyFlag = 0x04;  // of DATA_FRAG
 constexpr std::uint16_t kSentinel = 1;
 constexpr std::size_t kWriterAt = 12;
-/// The position of the reader and writer ids in GAP, HEARTBEAT and ACKNACK.
+// The position of the reader and writer ids in GAP, HEARTBEAT and ACKNACK.
 constexpr std::size_t kEntitiesAt = kSubmessageHeaderSize,
                       kEntitiesEnd = kEntitiesAt + 2 * EntityId::size;
 
-/// Reads the fields of a DATA_FRAG after writerSN; returns the octets of the sample that it holds.
+// Reads the fields of a DATA_FRAG after writerSN; returns the octets of the sample that it holds.
 Result<std::uint64_t> read_fragment(Reader& in, DataPiece& piece) {
   DDSSEC_ASSIGN_OR_RETURN(const auto first, in.read<std::uint32_t>());
   DDSSEC_ASSIGN_OR_RETURN(const auto count, in.read<std::uint16_t>());
@@ -54,7 +54,7 @@ Endian endian_of(BytesView submessage) {
   return (submessage[1] & kEndianFlag) != 0 ? Endian::little : Endian::big;
 }
 
-/// Reads a GAP from after the ids of reader and writer.
+// Reads a GAP from after the ids of reader and writer.
 Result<Skipped> read_gap(Reader& in, const EntityId& writer) {
   constexpr std::uint32_t kMaxBits = 256;
   DDSSEC_ASSIGN_OR_RETURN(const auto begin, read_number(in));

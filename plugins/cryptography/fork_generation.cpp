@@ -11,7 +11,7 @@ using Place = std::atomic<std::uint64_t>;
 
 constinit Place in_ordinary_memory = 1;
 
-/// A page that the kernel fills with zeros in a child; nullptr if this kernel does not support it.
+// A page that the kernel fills with zeros in a child; nullptr if this kernel does not support it.
 Place* wiped_by_kernel() {
 #ifdef MADV_WIPEONFORK
   constexpr std::size_t kSize = sizeof(Place);  // a whole page, as all mappings are
@@ -24,7 +24,7 @@ Place* wiped_by_kernel() {
   return nullptr;
 }
 
-/// The handler stays valid because the plugins are linked with -z nodelete.
+// The handler stays valid because the plugins are linked with -z nodelete.
 Place* wiped_by_handler() {
   pthread_atfork(nullptr, nullptr, [] { in_ordinary_memory.store(0, std::memory_order_relaxed); });
   return &in_ordinary_memory;

@@ -12,7 +12,7 @@ std::size_t fragments_of(const DataPiece& piece) {
   return (std::size_t{piece.sample_size} + piece.fragment_size - 1) / piece.fragment_size;
 }
 
-/// Converts a position in the sample to one in the payload of this piece.
+// Converts a position in the sample to one in the payload of this piece.
 TypeInformationAt within(const DataPiece& piece, TypeInformationAt at) {
   const auto begin = std::size_t{piece.first_fragment - 1} * piece.fragment_size;
   if (!at || at->at < begin || at->at >= begin + piece.payload.size()) return {};
@@ -77,9 +77,9 @@ Result<FragmentWalks::Samples::iterator> FragmentWalks::sample_of(const BuiltinT
       .first;
 }
 
-/// The host may still hold fragments of a forgotten sample. Because only the lowest is forgotten,
-/// one number is enough to remember all forgotten samples. A sample that the host has not
-/// acknowledged stays, because the host may still wait for one below it.
+// The host may still hold fragments of a forgotten sample. Because only the lowest is forgotten,
+// one number is enough to remember all forgotten samples. A sample that the host has not
+// acknowledged stays, because the host may still wait for one below it.
 Status FragmentWalks::make_room(const BuiltinTopic& topic, Writer& writer, std::uint64_t number,
                                 std::size_t fragments, const AnnouncedEndpoints& announced,
                                 MonotonicTime now) {
@@ -119,7 +119,7 @@ Status FragmentWalks::read(const BuiltinTopic& topic, const Owner& owner, const 
   return {};
 }
 
-/// Reads the octets that follow the passed fragments. Changes nothing if they must not pass.
+// Reads the octets that follow the passed fragments. Changes nothing if they must not pass.
 Status FragmentWalks::go_on(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
                             BytesView octets, const std::vector<Sha256Digest>& added,
                             Sample& sample, AnnouncedEndpoints& announced) const {

@@ -12,8 +12,8 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// True if the host has matched all builtin endpoints that share keys between the local participant
-/// and the sender's. False while another thread changes them: the message comes again.
+// True if the host has matched all builtin endpoints that share keys between the local participant
+// and the sender's. False while another thread changes them: the message comes again.
 bool are_builtin_matched(const CryptographyState& state, const RemoteEndpoint& sender) {
   const std::unique_lock lock(state.mutex, std::try_to_lock);
   if (!lock.owns_lock()) return false;
@@ -32,9 +32,9 @@ bool are_builtin_matched(const CryptographyState& state, const RemoteEndpoint& s
   });
 }
 
-/// True if any local endpoint accepts such tokens. A host never uses a reader's tokens if the
-/// writer's submessages are not protected, and would store them for nothing. True while another
-/// thread changes the endpoints.
+// True if any local endpoint accepts such tokens. A host never uses a reader's tokens if the
+// writer's submessages are not protected, and would store them for nothing. True while another
+// thread changes the endpoints.
 bool may_be_used(const CryptographyState& state, const RemoteEndpoint& sender,
                  const TokenMessage& message) {
   if (message.remote.entity == kEntityIdParticipant) return true;
@@ -52,7 +52,7 @@ bool may_be_used(const CryptographyState& state, const RemoteEndpoint& sender,
   });
 }
 
-/// The decision about a token message, and the error to report.
+// The decision about a token message, and the error to report.
 struct Judgement {
   TokenDecision passage;
   std::optional<Error> reported = {};
@@ -89,8 +89,8 @@ Result<Judgement> judge(const CryptographyState& state, const RemoteEndpoint& se
                                                     .note = "for " + message.local.to_string()})};
 }
 
-/// Gives tokens from the ledger to a match that waits for them. An error is reported as a separate
-/// event.
+// Gives tokens from the ledger to a match that waits for them. An error is reported as a separate
+// event.
 void hand_over(CryptographyState& state, const TokenMessage& message,
                const TokenDecision& passage) {
   spi::Token token = message.tokens.front();
@@ -105,9 +105,9 @@ void hand_over(CryptographyState& state, const TokenMessage& message,
     (void)keys.set_remote_datawriter_crypto_tokens({local}, {remote}, {&token, 1});
 }
 
-/// True if the local endpoint needs the peer's tokens. A reader has tokens only if it needs those
-/// of writers. A writer needs those of readers if it protects submessages; the key for these comes
-/// first in its tokens. True while another thread changes the endpoints.
+// True if the local endpoint needs the peer's tokens. A reader has tokens only if it needs those
+// of writers. A writer needs those of readers if it protects submessages; the key for these comes
+// first in its tokens. True while another thread changes the endpoints.
 bool needs_tokens(const CryptographyState& state, const LocalParticipant& participant,
                   const TokenMessage& own) {
   if (own.is_of_reader) return true;

@@ -8,8 +8,8 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// The token for a local key: with the receiver-specific part if there is one, and for ddssec peers
-/// with the present position.
+// The token for a local key: with the receiver-specific part if there is one, and for ddssec peers
+// with the present position.
 spi::Token token_for(const SendKey& key, const ReceiverKey* receiver, const Pair& to) {
   auto material = key.material().clone();
   const ReadGuard guard;  // a sending thread may change to the next session
@@ -21,14 +21,14 @@ spi::Token token_for(const SendKey& key, const ReceiverKey* receiver, const Pair
   return crypto_token(material);
 }
 
-/// The local key for submessages to that endpoint; nullptr if there is none, or no revised one.
+// The local key for submessages to that endpoint; nullptr if there is none, or no revised one.
 const SendKey* own_submessage_key(const RemoteEndpoint& to, bool revised) {
   const auto& own = to.local;
   if (to.peer_key) return revised ? to.peer_key->next.get() : to.peer_key->key.read();
   return revised ? own.next_submessage_key.get() : own.submessage_key.read();
 }
 
-/// The tokens from the host, or those in the ledger if the host presented a ticket.
+// The tokens from the host, or those in the ledger if the host presented a ticket.
 class HeldTokens {
  public:
   HeldTokens(const CryptographyState& state, std::span<const spi::Token> from_host,
@@ -42,13 +42,13 @@ class HeldTokens {
   }
 
   std::span<const spi::Token> tokens() const { return tokens_; }
-  /// True if the ticket is from a session with the same peer that has ended: the ledger waits for
-  /// the tokens of the present session.
+  // True if the ticket is from a session with the same peer that has ended: the ledger waits for
+  // the tokens of the present session.
   bool are_awaited() const { return held_ && held_->tokens.empty(); }
-  /// The endpoint that owns tokens from the ledger; zero: not known.
+  // The endpoint that owns tokens from the ledger; zero: not known.
   EntityId owner() const { return held_ ? held_->remote.entity : EntityId{}; }
-  /// Success if tokens from the ledger are used for the participant that sent them. Error:
-  /// crypto_not_matched.
+  // Success if tokens from the ledger are used for the participant that sent them. Error:
+  // crypto_not_matched.
   Status check_source(const Pair& pair) const {
     if (held_ && pair.peer_prefix && held_->remote.prefix != *pair.peer_prefix)
       return fail(Code::crypto_not_matched);
@@ -86,8 +86,8 @@ void keep_position(RemoteKeys& next, const RemoteKeys* present) {
     next.submessage->count_from(*present->submessage);
 }
 
-/// The same for a key for payloads only. Cyclone DDS decrypts a payload once, with the key of the
-/// first reader, for all readers. Other hosts decrypt it for each reader.
+// The same for a key for payloads only. Cyclone DDS decrypts a payload once, with the key of the
+// first reader, for all readers. Other hosts decrypt it for each reader.
 void share_payload_position(const CryptographyState& state, RemoteKeys& next,
                             RemoteEndpoint& remote) {
   const auto* const present = remote.remote_keys.read();
@@ -97,10 +97,10 @@ void share_payload_position(const CryptographyState& state, RemoteKeys& next,
   if (!state.host_checks_sources) remote.participant.payload_positions.share(*next.payload);
 }
 
-/// A host passes a submessage that one local endpoint can decrypt to all endpoints that receive
-/// from the same sender, so they share the position. One that trusts what it decrypts asks for each
-/// submessage once, so they share the window of repetitions, too: with the MAC for one endpoint
-/// broken, a recorded submessage would be new to the next.
+// A host passes a submessage that one local endpoint can decrypt to all endpoints that receive
+// from the same sender, so they share the position. One that trusts what it decrypts asks for each
+// submessage once, so they share the window of repetitions, too: with the MAC for one endpoint
+// broken, a recorded submessage would be new to the next.
 void share_state(const CryptographyState& state, RemoteKeys& next, const RemoteEndpoint& remote) {
   const auto* const present = remote.remote_keys.read();
   if (!next.submessage) return;
@@ -112,7 +112,7 @@ void share_state(const CryptographyState& state, RemoteKeys& next, const RemoteE
   if (!state.host_checks_sources) next.submessage->share_window(*other);
 }
 
-/// The same for the messages of a participant that several local participants know.
+// The same for the messages of a participant that several local participants know.
 void share_window(RemoteKeys& next, const RemoteParticipant& remote) {
   for (const auto& [local, pair] : remote.pairs) {
     const auto* const keys = pair->remote_keys.read();
@@ -124,7 +124,7 @@ void share_window(RemoteKeys& next, const RemoteParticipant& remote) {
   }
 }
 
-/// True if submessages under either key find the same route.
+// True if submessages under either key find the same route.
 bool route_alike(const RemoteKeys& next, const std::unique_ptr<RemoteKeys>& former) {
   if (!former || !former->submessage) return false;
   const auto& a = next.submessage->material();
@@ -132,7 +132,7 @@ bool route_alike(const RemoteKeys& next, const std::unique_ptr<RemoteKeys>& form
   return a.sender_key_id == b.sender_key_id && a.receiver_key_id == b.receiver_key_id;
 }
 
-/// Success if no other endpoint has the key (key_owner.hpp).
+// Success if no other endpoint has the key (key_owner.hpp).
 Status check_owner(const RemoteEndpoint& remote, const RemoteKeys& keys) {
   if (!keys.submessage || keys.owner.is_zero()) return {};
   const auto id = keys.submessage->material().sender_key_id;
@@ -145,8 +145,8 @@ Status check_owner(const RemoteEndpoint& remote, const RemoteKeys& keys) {
                .found = id.to_string() + ", which is also that of " + owner.to_string()});
 }
 
-/// Success if the endpoint was announced where the governance demands it. Announced in the clear,
-/// it could hide from access control without being seen here. Error: keys_not_permitted.
+// Success if the endpoint was announced where the governance demands it. Announced in the clear,
+// it could hide from access control without being seen here. Error: keys_not_permitted.
 Status check_announced(const RemoteEndpoint& remote, const Pair& pair, const EntityId& owner) {
   const auto& local = remote.local;
   if (!local.gate || !local.is_discovery_protected || owner.is_zero() || !pair.peer_prefix)
@@ -161,7 +161,7 @@ Status check_announced(const RemoteEndpoint& remote, const Pair& pair, const Ent
                        "demands; one that does not is hostile, or has another governance"});
 }
 
-/// Success if the cipher may be used with this peer. AES always may.
+// Success if the cipher may be used with this peer. AES always may.
 Status check_cipher(const KindTraits& traits, const Pair& from) {
   if (traits.cipher != Cipher::chacha20_poly1305) return {};
   if ((from.peer_ciphers & spi::kChaCha20Poly1305Bit) == 0)
@@ -175,8 +175,8 @@ Status check_cipher(const KindTraits& traits, const Pair& from) {
 
 }  // namespace
 
-/// Accepts only a key that does exactly what the governance demands, with a cipher that the peer
-/// announced: only then does a vendor-specific number have the same meaning on both sides.
+// Accepts only a key that does exactly what the governance demands, with a cipher that the peer
+// announced: only then does a vendor-specific number have the same meaning on both sides.
 Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial material,
                                                              spi::ProtectionKind due,
                                                              const Pair& from) const {
@@ -290,8 +290,8 @@ Result<std::vector<spi::Token>> KeyExchange::create(Local local, Remote remote,
   return tokens;
 }
 
-/// Assigns one or two materials to the levels. A single one serves all levels that need one (Fast
-/// DDS shares its key if both levels encrypt or both sign). Of two, the first is for submessages.
+// Assigns one or two materials to the levels. A single one serves all levels that need one (Fast
+// DDS shares its key if both levels encrypt or both sign). Of two, the first is for submessages.
 Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
     const RemoteEndpoint& remote, std::vector<KeyMaterial> materials) const {
   const auto& local = remote.local;

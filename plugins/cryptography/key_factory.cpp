@@ -14,14 +14,14 @@ namespace {
 constexpr std::string_view kVolatileWriterName = "BuiltinParticipantVolatileMessageSecureWriter";
 constexpr std::string_view kVolatileReaderName = "BuiltinParticipantVolatileMessageSecureReader";
 
-/// The property that identifies the volatile secure endpoints (DDS-Security 1.2, clause 9.8.9.1).
+// The property that identifies the volatile secure endpoints (DDS-Security 1.2, clause 9.8.9.1).
 bool is_volatile(EntityKind kind, const spi::PropertyList& properties) {
   const auto* const name = spi::find_property(properties, spi::property::kBuiltinEndpointName);
   return name != nullptr &&
          *name == (kind == EntityKind::local_writer ? kVolatileWriterName : kVolatileReaderName);
 }
 
-/// True if both have the same material, which means the same shared secret.
+// True if both have the same material, which means the same shared secret.
 bool same_key_exchange(const Pair& a, const Pair& b) {
   return a.key_exchange_send->material().sender_key == b.key_exchange_send->material().sender_key;
 }
@@ -42,7 +42,7 @@ Result<Key> KeyFactory::random_key(std::size_t size) {
   return Key::fill(size, [&](MutableBytes out) { return state_.services.random.fill(out); });
 }
 
-/// Unique among all local participants. Never 0, which is the id of the key exchange's key.
+// Unique among all local participants. Never 0, which is the id of the key exchange's key.
 KeyId KeyFactory::fresh_key_id() {
   if (next_key_id_ == 0) ++next_key_id_;
   const auto number = next_key_id_++;
@@ -319,9 +319,9 @@ Result<KeyFactory::Match> KeyFactory::find_match(std::int64_t local, EntityKind 
   return Match{*endpoint, *parent, *pair};
 }
 
-/// Asks the gate without holding the lock, so that a slow check never delays other peers' messages.
-/// Afterwards everything is looked up again. If the peer's permissions changed meanwhile, the gate
-/// is asked once more.
+// Asks the gate without holding the lock, so that a slow check never delays other peers' messages.
+// Afterwards everything is looked up again. If the peer's permissions changed meanwhile, the gate
+// is asked once more.
 Result<std::int64_t> KeyFactory::match(std::int64_t local, EntityKind kind,
                                        spi::ParticipantCryptoHandle remote) {
   std::optional<spi::PermissionsHandle> admitted;
@@ -381,9 +381,9 @@ Status KeyFactory::claim_share(RemoteEndpoint& remote, const Pair& pair) {
   return {};
 }
 
-/// The shared secret belongs to the two participants and came with
-/// register_matched_remote_participant. The volatile endpoints of a pair must share one sender's
-/// counter instead of starting two.
+// The shared secret belongs to the two participants and came with
+// register_matched_remote_participant. The volatile endpoints of a pair must share one sender's
+// counter instead of starting two.
 Result<std::int64_t> KeyFactory::add_match(const Match& match, EntityKind kind) {
   auto& [local, parent, pair] = match;
   if (local.sends_protected()) DDSSEC_RETURN_IF_ERROR(check_peer(local.cipher, pair.peer_ciphers));

@@ -9,11 +9,11 @@ namespace ddssec::cryptography {
 namespace {
 
 constexpr std::string_view kKeyMaterialProperty = "dds.cryp.keymat";
-/// Cyclone DDS writes a NONE material of 24 octets, Fast DDS one of 44; no product writes more.
+// Cyclone DDS writes a NONE material of 24 octets, Fast DDS one of 44; no product writes more.
 constexpr std::size_t kMinNoneSize = 24;
 constexpr std::size_t kMaxNoneSize = 128;
 
-/// The first four are ordered by the last octet of the kind, from 1.
+// The first four are ordered by the last octet of the kind, from 1.
 constexpr std::array kKinds = {
     KindTraits{kAes128Gmac, Cipher::aes128_gcm, false},
     KindTraits{kAes128Gcm, Cipher::aes128_gcm, true},
@@ -42,7 +42,7 @@ Result<Id> read_id(Reader& reader) {
   return Id::from(*octets);
 }
 
-/// A sequence<octet> of exactly `size` octets that are not all zero, copied to where it is wiped.
+// A sequence<octet> of exactly `size` octets that are not all zero, copied to where it is wiped.
 template <class Key>
 Result<Key> read_key(Reader& reader, std::size_t size) {
   const auto octets = reader.read_octet_sequence();

@@ -8,7 +8,7 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// The position of the sender's entity id in a submessage, and the size of its fixed fields.
+// The position of the sender's entity id in a submessage, and the size of its fixed fields.
 struct Shape {
   std::string_view field;
   std::size_t sender_at;

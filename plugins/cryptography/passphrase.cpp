@@ -13,7 +13,7 @@ constexpr std::size_t kMaxPassphraseOctets = Passphrase::Text::capacity;
 constexpr std::size_t kMaxLineOctets = 10 + 1 + kMaxPassphraseOctets + 2;
 using Lines = Secret<struct PassphraseLinesTag, kMaxLineOctets*(kMaxExtraPassphrases + 1)>;
 
-/// The place of a passphrase. Its text is never part of an error.
+// The place of a passphrase. Its text is never part of an error.
 struct Place {
   std::string_view property;
   int line;
@@ -53,8 +53,8 @@ Result<Passphrase> parse_line(std::string_view line, const Place& place) {
   return Passphrase{id, std::move(secret)};
 }
 
-/// The same passphrase twice is allowed: it may be both the one to send with and one that is
-/// accepted.
+// The same passphrase twice is allowed: it may be both the one to send with and one that is
+// accepted.
 Status add(Passphrase passphrase, const Place& place, std::vector<Passphrase>& out) {
   const auto known = std::ranges::find(out, passphrase.id, &Passphrase::id);
   if (known == out.end())

@@ -12,8 +12,8 @@ struct alignas(64) Slot {
 
 constinit std::atomic<std::uint64_t> current_epoch = 1;
 
-/// The slots of all threads. Never freed while a thread lives; slots of ended threads are used
-/// again.
+// The slots of all threads. Never freed while a thread lives; slots of ended threads are used
+// again.
 struct Slots {
   std::mutex mutex;
   std::vector<std::unique_ptr<Slot>> all;
@@ -25,7 +25,7 @@ Slots& slots() {
   return instance;
 }
 
-/// The slot of the calling thread; null before the first call and after its lease has ended.
+// The slot of the calling thread; null before the first call and after its lease has ended.
 constinit thread_local Slot* slot_of_thread = nullptr;
 constinit thread_local bool has_lease_ended = false;
 
@@ -40,7 +40,7 @@ Slot* free_slot() {
   return slot;
 }
 
-/// Returns the slot when the thread ends.
+// Returns the slot when the thread ends.
 struct Lease {
   Slot* slot = free_slot();
   Lease() = default;
@@ -108,8 +108,8 @@ void Graveyard::retire(std::unique_ptr<Retirable> object) noexcept {
   }
 }
 
-/// Stamps increase along the list, so the first object that may still be read keeps all objects
-/// after it.
+// Stamps increase along the list, so the first object that may still be read keeps all objects
+// after it.
 std::unique_ptr<Retirable> Graveyard::take_safe() noexcept {
   const std::lock_guard lock(mutex_);
   if (!first_ || !is_safe(first_->epoch_)) return nullptr;

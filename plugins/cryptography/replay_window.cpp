@@ -3,11 +3,11 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// Sessions of one stream are at most this far apart. Those of another stream begin at a random
-/// number.
+// Sessions of one stream are at most this far apart. Those of another stream begin at a random
+// number.
 constexpr std::uint32_t kMaxDistance = 1 << 16;
 
-/// Numbers wrap around, so their order is the sign of their difference.
+// Numbers wrap around, so their order is the sign of their difference.
 bool is_after(const IvParts& a, const IvParts& b) {
   if (a.session != b.session) return static_cast<std::int32_t>(a.session - b.session) > 0;
   return static_cast<std::int64_t>(a.suffix - b.suffix) > 0;

@@ -10,11 +10,11 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// Runs up to this length are always merged, so that with few endpoints there is only one run to
-/// search.
+// Runs up to this length are always merged, so that with few endpoints there is only one run to
+// search.
 constexpr std::size_t kShortRun = 64;
-/// A run is merged with those after it as soon as their length is at least this fraction of its
-/// own. Few runs keep lookups cheap, at the cost of more copies.
+// A run is merged with those after it as soon as their length is at least this fraction of its
+// own. Few runs keep lookups cheap, at the cost of more copies.
 constexpr std::size_t kShare = 8;
 
 std::tuple<KeyId, KeyId, std::int64_t> place_of(const Route& route) {
@@ -28,7 +28,7 @@ RemoteEndpoint* Routes::endpoint_of(const Route& route) const {
   return found && (*found)->route == route.number ? *found : nullptr;
 }
 
-/// The first route that leads to an endpoint, among the routes at the beginning that are `like`.
+// The first route that leads to an endpoint, among the routes at the beginning that are `like`.
 template <class Like>
 Routes::Found Routes::first_of(std::span<const Route> routes, std::int64_t receiver,
                                Like&& like) const {
@@ -60,8 +60,8 @@ RemoteEndpoint* Routes::find(KeyId key, std::int64_t receiver, BytesView group) 
   return meant != nullptr ? meant : first.endpoint;
 }
 
-/// Searches from MAC to route, not the other way round, because the sender chooses the number of
-/// each.
+// Searches from MAC to route, not the other way round, because the sender chooses the number of
+// each.
 RemoteEndpoint* Routes::find_by_mac(const Table& table, KeyId key, std::int64_t receiver,
                                     BytesView group) const {
   const auto message = read_protected_group(group, kSubmessageFrame);

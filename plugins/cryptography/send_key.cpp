@@ -31,7 +31,7 @@ Iv iv_from(SessionId session, std::uint64_t suffix) {
   return iv;
 }
 
-/// The AES blocks of a message: its own, and one for the tag.
+// The AES blocks of a message: its own, and one for the tag.
 std::uint64_t blocks(std::size_t size) { return size / 16 + 2; }
 
 }  // namespace
@@ -59,7 +59,7 @@ Status SendKey::expand(SendSession& session) const {
       [&](BytesView octets) { return session.key.expand(services_.aead, traits_.cipher, octets); });
 }
 
-/// A child of fork() draws a new start; the one in its memory is its parent's.
+// A child of fork() draws a new start; the one in its memory is its parent's.
 Result<std::unique_ptr<SendSession>> SendKey::first_session() const {
   auto first = std::make_unique<SendSession>();
   first->generation = services_.generation.current();
@@ -74,7 +74,7 @@ Result<std::unique_ptr<SendSession>> SendKey::first_session() const {
   return first;
 }
 
-/// In a child of fork() the session begins at random; the sessions of its parents count as used.
+// In a child of fork() the session begins at random; the sessions of its parents count as used.
 Result<std::unique_ptr<SendSession>> SendKey::session_after(const SendSession& former) const {
   auto next = std::make_unique<SendSession>();
   next->number = former.number + 1;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kHeadSize = 12, kRangeSize = 8;
 
-/// True if the message with that session and suffix was protected before `position`.
+// True if the message with that session and suffix was protected before `position`.
 bool is_before(std::uint32_t session, std::uint64_t suffix, const SendPosition& position) {
   const auto has_it = [session](const SessionRange& range) { return range.contains(session); };
   if (std::ranges::none_of(position.begun, has_it)) return false;

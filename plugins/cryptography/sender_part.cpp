@@ -12,14 +12,14 @@ namespace {
 
 // ParticipantGenericMessage (DDS-Security 1.2, clause 7.3.22) begins with GUIDs and sequence
 // numbers only, so these positions are the same in every byte order and in plain CDR 1 and 2.
-constexpr std::size_t kSourceAt = 4;           ///< message_identity.source_guid
-constexpr std::size_t kSourceEndpointAt = 84;  ///< source_endpoint_guid
-constexpr std::size_t kAddressesSize = 100;    ///< up to message_class_id
+constexpr std::size_t kSourceAt = 4;           // message_identity.source_guid
+constexpr std::size_t kSourceEndpointAt = 84;  // source_endpoint_guid
+constexpr std::size_t kAddressesSize = 100;    // up to message_class_id
 
 // ---- whole messages
 
-/// True if all parts of a SEC_ group have the same byte order. Cyclone DDS reads all their lengths
-/// in the order of SEC_PREFIX, so with one order there is only one way to read them.
+// True if all parts of a SEC_ group have the same byte order. Cyclone DDS reads all their lengths
+// in the order of SEC_PREFIX, so with one order there is only one way to read them.
 bool is_of_one_order(BytesView group, std::size_t prefix_size) {
   const auto order = group[1] & kEndianFlag;
   auto rest = group.subspan(prefix_size);
@@ -31,8 +31,8 @@ bool is_of_one_order(BytesView group, std::size_t prefix_size) {
   return true;
 }
 
-/// True if a submessage that is only signed follows SEC_PREFIX. The host verifies it with its own
-/// key, so a change here would break its signature.
+// True if a submessage that is only signed follows SEC_PREFIX. The host verifies it with its own
+// key, so a change here would break its signature.
 bool begins_signed_group(BytesView group, std::size_t prefix_size) {
   if (group[0] != submessage_id::kSecPrefix) return false;
   const auto body = group.subspan(prefix_size);
@@ -48,16 +48,16 @@ Error unreadable() {
   return Error(Code::secure_group_malformed, {.document = "a protected message"});
 }
 
-/// True for samples of the builtin writers of DDS-XTypes 7.6.3.3.3. Some of them crash the process
-/// that reads them.
+// True for samples of the builtin writers of DDS-XTypes 7.6.3.3.3. Some of them crash the process
+// that reads them.
 bool is_type_lookup(BytesView submessage) {
   constexpr EntityId kRequests{{0x00, 0x03, 0x00, 0xc3}}, kReplies{{0x00, 0x03, 0x01, 0xc3}};
   const auto writer = writer_of_data(submessage);
   return writer && (*writer == kRequests || *writer == kReplies);
 }
 
-/// Checks the first submessage of `rest`; the sender's part ends before one that fails. `source` is
-/// the participant that speaks.
+// Checks the first submessage of `rest`; the sender's part ends before one that fails. `source` is
+// the participant that speaks.
 Result<TypeInformationAt> check_next(BytesView rest, std::size_t size, const GuidPrefix& sender,
                                      GuidPrefix& source, DiscoveryOfPeers& peers) {
   const auto id = rest[0];
@@ -76,9 +76,9 @@ Result<TypeInformationAt> check_next(BytesView rest, std::size_t size, const Gui
                                            .note = "what follows it was dropped"});
 }
 
-/// True if a closed writer sends it in the clear. Anyone with the key of the message can write such
-/// a submessage in the name of any participant, so that nothing in it may count. In a signed group
-/// it counts once the writer's key has verified it.
+// True if a closed writer sends it in the clear. Anyone with the key of the message can write such
+// a submessage in the name of any participant, so that nothing in it may count. In a signed group
+// it counts once the writer's key has verified it.
 bool is_of_closed_writer(BytesView submessage, const DiscoveryOfPeers& peers) {
   auto writer = writer_of_data(submessage);
   if (!writer)
@@ -88,7 +88,7 @@ bool is_of_closed_writer(BytesView submessage, const DiscoveryOfPeers& peers) {
 
 // ---- key tokens
 
-/// True for plain CDR 1 or 2 in either byte order.
+// True for plain CDR 1 or 2 in either byte order.
 bool is_plain_cdr(BytesView payload) {
   return payload[0] == 0 && (payload[1] <= 1 || payload[1] == 6 || payload[1] == 7);
 }

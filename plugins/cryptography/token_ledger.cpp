@@ -53,8 +53,8 @@ std::vector<spi::Token> PackedTokens::tokens() const {
   return out;
 }
 
-/// The first six octets of a proven prefix are bound to the subject (DDS-Security 1.2,
-/// clause 10.3.3).
+// The first six octets of a proven prefix are bound to the subject (DDS-Security 1.2,
+// clause 10.3.3).
 std::uint64_t TokenLedger::account_of(const Key& key, const TokenSender& sender) {
   if (!sender.is_proven) return kUnproven | sender.exchange;
   std::uint64_t subject = 0;
@@ -63,8 +63,8 @@ std::uint64_t TokenLedger::account_of(const Key& key, const TokenSender& sender)
   return subject;
 }
 
-/// No transformation kind begins with this first octet, so a ticket is never parsed as key
-/// material.
+// No transformation kind begins with this first octet, so a ticket is never parsed as key
+// material.
 Ticket TokenLedger::fresh_ticket() {
   Ticket ticket{{0xff, 't', 'i', 'c', 'k', 'e', 't', 0}};
   for (std::size_t i = 0; i < 8; ++i)
@@ -73,8 +73,8 @@ Ticket TokenLedger::fresh_ticket() {
   return ticket;
 }
 
-/// While the host holds a ticket, only the message that brought it passes, as a retransmission: the
-/// host may have had no space for it the first time.
+// While the host holds a ticket, only the message that brought it passes, as a retransmission: the
+// host may have had no space for it the first time.
 TokenDecision TokenLedger::of_held(Entry& entry, const TokenMessage& message, const Age& age) {
   if (age == entry.passed) return {TokenDecision::Kind::ticket, entry.ticket};
   if (age > entry.newest) {
@@ -85,8 +85,8 @@ TokenDecision TokenLedger::of_held(Entry& entry, const TokenMessage& message, co
   return {is_same_exchange ? TokenDecision::Kind::repeated : TokenDecision::Kind::hidden};
 }
 
-/// True if the host can no longer hold the ticket of a former exchange. A ticket for builtin
-/// endpoints is presented when the host matches them.
+// True if the host can no longer hold the ticket of a former exchange. A ticket for builtin
+// endpoints is presented when the host matches them.
 bool TokenLedger::is_given_up(const Key& key, Entry& entry, bool are_builtin_matched,
                               std::chrono::nanoseconds now) {
   if (key.remote.entity == kEntityIdParticipant) return true;
@@ -220,8 +220,8 @@ void TokenLedger::await(std::uint64_t exchange, const Key& key, std::chrono::nan
   if (!has_come) awaited_.await(exchange, key, now);
 }
 
-/// Tokens of the same exchange that the host did not use in kHostKeeps pass at once in the next
-/// exchange, so they cannot be counted as lost twice.
+// Tokens of the same exchange that the host did not use in kHostKeeps pass at once in the next
+// exchange, so they cannot be counted as lost twice.
 TokenLedger::Fate TokenLedger::fate_of(std::uint64_t exchange, const Key& key,
                                        std::chrono::nanoseconds since) {
   const auto known = entries_.find(key);
@@ -301,7 +301,7 @@ void TokenLedger::forget_old(std::chrono::nanoseconds now) {
   }
 }
 
-/// Entries that were used are stored only to detect repetitions.
+// Entries that were used are stored only to detect repetitions.
 void TokenLedger::forget_used(const Key& key, const TokenSender& sender) {
   const auto account = account_of(key, sender);
   const auto forget = [&](Entries::iterator entry) {

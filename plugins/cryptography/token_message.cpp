@@ -18,7 +18,7 @@ Result<Guid> read_guid(Reader& in) {
   return Guid::from(octets);
 }
 
-/// The class id, and the name and value of each property.
+// The class id, and the name and value of each property.
 std::size_t octets_with_names(const spi::Token& token) {
   auto octets = token.class_id.size();
   for (const auto& one : token.properties) octets += one.name.size() + one.value.size();
@@ -35,9 +35,9 @@ bool is_reader(const EntityId& id) {
   return kind == 0x04 || kind == 0x07;
 }
 
-/// True for a writer and a reader of one secure builtin topic (DDS-Security 1.2, clause 7.5.8). The
-/// sender chooses the bits of an entity id that mark it as builtin, and the host matches no other
-/// builtin endpoints by itself.
+// True for a writer and a reader of one secure builtin topic (DDS-Security 1.2, clause 7.5.8). The
+// sender chooses the bits of an entity id that mark it as builtin, and the host matches no other
+// builtin endpoints by itself.
 bool are_builtin_pair(const EntityId& remote, const EntityId& local) {
   constexpr std::array<std::uint32_t, 4> kTopics = {0xff0003, 0xff0004, 0xff0200, 0xff0101};
   const auto topic_of = [](const EntityId& id) {
@@ -50,7 +50,7 @@ bool are_builtin_pair(const EntityId& remote, const EntityId& local) {
          std::ranges::find(kTopics, topic_of(remote)) != kTopics.end();
 }
 
-/// True for two endpoints, or two participants, for which the host can use tokens at all.
+// True for two endpoints, or two participants, for which the host can use tokens at all.
 bool are_two_of_a_kind(const TokenMessage& message) {
   const auto &remote = message.remote.entity, &local = message.local.entity;
   if (remote == kEntityIdParticipant) return local == kEntityIdParticipant;
@@ -75,8 +75,8 @@ Result<std::vector<spi::Token>> read_tokens(Reader& in) {
   return tokens;
 }
 
-/// The values of the binary properties of `tokens`, which read_tokens has read from the same octets
-/// at `tokens_at`. So an error is not possible; a caller must still let no key pass after one.
+// The values of the binary properties of `tokens`, which read_tokens has read from the same octets
+// at `tokens_at`. So an error is not possible; a caller must still let no key pass after one.
 Result<std::vector<BytesView>> find_binary_values(Reader& in, std::size_t tokens_at,
                                                   std::span<const spi::Token> tokens) {
   std::vector<BytesView> values;
@@ -97,7 +97,7 @@ Result<std::vector<BytesView>> find_binary_values(Reader& in, std::size_t tokens
   return values;
 }
 
-/// ParticipantGenericMessage (DDS-Security 1.2, clause 7.3.22).
+// ParticipantGenericMessage (DDS-Security 1.2, clause 7.3.22).
 Result<std::optional<TokenMessage>> read_generic_message(const DataPiece& piece) {
   constexpr std::size_t kAfterSource = 8 + 24;  // its number, and related_message_identity
   const bool little = (piece.payload[1] & 1) != 0;

@@ -11,8 +11,8 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// Success if the message is protected in the way that its sender's key demands. That key fits the
-/// governance.
+// Success if the message is protected in the way that its sender's key demands. That key fits the
+// governance.
 Status check_header(const ReceiveKey& key, const CryptoHeader& header, bool is_encrypted) {
   if (is_encrypted != key.traits().encrypts)
     return fail(is_encrypted ? Code::encrypted_where_signature_is_due
@@ -22,8 +22,8 @@ Status check_header(const ReceiveKey& key, const CryptoHeader& header, bool is_e
   return {};
 }
 
-/// Writes plain octets to `place` and returns true if the tag is right. Otherwise it writes no
-/// plain octets.
+// Writes plain octets to `place` and returns true if the tag is right. Otherwise it writes no
+// plain octets.
 bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t* place) {
   if (message.is_encrypted)
     return key.open(message.header.iv, {}, message.content, place, message.footer.tag());
@@ -32,15 +32,15 @@ bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t
   return true;
 }
 
-/// For a message that may stand anywhere.
+// For a message that may stand anywhere.
 struct AnySurroundings {
   Status operator()(BytesView /*content*/) const { return {}; }
 };
 
-/// Decrypts or verifies into the beginning of `out` and returns the octets written. All checks of a
-/// protected message are made here. Only then is its session remembered. Its IV is remembered only
-/// after `fits(content)` confirms that the message stands where its sender put it, so a copy at
-/// another place uses up nothing.
+// Decrypts or verifies into the beginning of `out` and returns the octets written. All checks of a
+// protected message are made here. Only then is its session remembered. Its IV is remembered only
+// after `fits(content)` confirms that the message stands where its sender put it, so a copy at
+// another place uses up nothing.
 template <class Fits = AnySurroundings>
 [[gnu::always_inline]] inline Result<std::size_t> open_with_key(const Protected& message,
                                                                 ReceiveKey& key, MutableBytes out,
@@ -67,15 +67,15 @@ template <class Fits = AnySurroundings>
   return std::unexpected(std::move(status).error());
 }
 
-/// The newest key of a remote entity at one level, if its tokens have come.
+// The newest key of a remote entity at one level, if its tokens have come.
 Result<ReceiveKey*> received(const Published<RemoteKeys>& keys, KeyLevel level) {
   const auto* const published = keys.read();
   if (published == nullptr || !(published->*level)) return fail(Code::key_material_not_received);
   return (published->*level).get();
 }
 
-/// The key of the revision that the message names. If the kind differs in anything else, returns
-/// the newest key, so that check_header reports the difference.
+// The key of the revision that the message names. If the kind differs in anything else, returns
+// the newest key, so that check_header reports the difference.
 [[gnu::cold]] Result<ReceiveKey*> of_revision(const CryptographyState& state,
                                               const Published<RemoteKeys>& keys, KeyLevel level,
                                               ReceiveKey& newest, TransformKind named) {
@@ -86,7 +86,7 @@ Result<ReceiveKey*> received(const Published<RemoteKeys>& keys, KeyLevel level) 
   return fail(Code::key_revision_unknown);
 }
 
-/// The newest key of a remote entity at one level, and where its former ones are.
+// The newest key of a remote entity at one level, and where its former ones are.
 struct KeyOfLevel {
   const CryptographyState& state;
   const Published<RemoteKeys>& keys;
@@ -94,7 +94,7 @@ struct KeyOfLevel {
   ReceiveKey& newest;
 };
 
-/// Decrypts a message with the newest key, or with a former one if the message names its revision.
+// Decrypts a message with the newest key, or with a former one if the message names its revision.
 template <class Fits = AnySurroundings>
 Result<std::size_t> open_with_any_revision(const KeyOfLevel& of, const Protected& message,
                                            MutableBytes out, Fits&& fits = {}) {
@@ -106,9 +106,9 @@ Result<std::size_t> open_with_any_revision(const KeyOfLevel& of, const Protected
   return open_with_key(message, *key, out, fits);
 }
 
-/// The key for submessages. Both sides of a key exchange share one key, and the host takes the
-/// sender's name from an RTPS header that anyone can write. So local messages that are sent back
-/// are recognized by their session.
+// The key for submessages. Both sides of a key exchange share one key, and the host takes the
+// sender's name from an RTPS header that anyone can write. So local messages that are sent back
+// are recognized by their session.
 Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender, SessionId session) {
   if (!sender.local.is_volatile) return received(sender.remote_keys, &LevelKeys::submessage);
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
@@ -117,8 +117,8 @@ Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender, SessionId sessi
   return pair->key_exchange_receive.get();
 }
 
-/// The kinds of submessage that the owner of a writer's or reader's key may send. Fast DDS protects
-/// a writer's INFO_TS in its own group. The volatile endpoints of a participant share one key.
+// The kinds of submessage that the owner of a writer's or reader's key may send. Fast DDS protects
+// a writer's INFO_TS in its own group. The volatile endpoints of a participant share one key.
 bool may_send(const RemoteEndpoint& sender, std::uint8_t id) {
   using namespace submessage_id;
   constexpr std::array kWriters = {kData,          kDataFrag, kHeartbeat,
@@ -130,8 +130,8 @@ bool may_send(const RemoteEndpoint& sender, std::uint8_t id) {
   return sender.kind() == EntityKind::remote_writer ? writer : reader;
 }
 
-/// Success if `plain` is exactly one submessage in whole words, as the host reads it, and of a kind
-/// that its sender may send.
+// Success if `plain` is exactly one submessage in whole words, as the host reads it, and of a kind
+// that its sender may send.
 Status check_submessage(const RemoteEndpoint& sender, BytesView plain) {
   if (plain.size() % 4 != 0 || size_of_first_submessage(plain) != plain.size())
     return fail(Code::secure_group_malformed,
@@ -153,7 +153,7 @@ class DiscoveryOfOne final : public DiscoveryOfPeers {
   const Clock& clock_;
 };
 
-/// Checks a sample of a protected builtin writer, and hides its type information from the host.
+// Checks a sample of a protected builtin writer, and hides its type information from the host.
 Status check_discovery(const CryptographyState& state, const RemoteEndpoint& sender,
                        const Owner& owner, MutableBytes plain) {
   DiscoveryOfOne peers(sender.participant.discovery, state.services.clock);
@@ -163,8 +163,8 @@ Status check_discovery(const CryptographyState& state, const RemoteEndpoint& sen
   return {};
 }
 
-/// All source checks, for a host that would trust any source and endpoint that the submessage
-/// names.
+// All source checks, for a host that would trust any source and endpoint that the submessage
+// names.
 Status check_source_named(CryptographyState& state, const RemoteEndpoint& sender,
                           MutableBytes plain) {
   if (state.host_checks_sources) return {};
@@ -182,13 +182,13 @@ Status check_source_named(CryptographyState& state, const RemoteEndpoint& sender
   return status;
 }
 
-/// Raises an event, because no honest owner of the key protects such a submessage.
+// Raises an event, because no honest owner of the key protects such a submessage.
 void report_form(const CryptographyState& state, const RemoteEndpoint& sender, const Error& error) {
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
   if (pair != nullptr) state.report(error, pair->peer_prefix);
 }
 
-/// The sender, if it is matched with the receiver, whose participant still receives.
+// The sender, if it is matched with the receiver, whose participant still receives.
 template <class Local, class Remote>
 Result<const RemoteEndpoint*> matched_sender(const CryptographyState& state, Local receiver,
                                              Remote sender) {
@@ -227,7 +227,7 @@ Result<std::size_t> decode_submessage(CryptographyState& state, Local receiver, 
   return size;
 }
 
-/// The header's version, vendor and GUID prefix, in network order.
+// The header's version, vendor and GUID prefix, in network order.
 std::array<std::uint8_t, 16> source_of(BytesView rtps_header, bool prefix_is_network_order) {
   std::array<std::uint8_t, 16> source;
   std::ranges::copy(rtps_header.subspan(4, 16), source.begin());
@@ -237,10 +237,10 @@ std::array<std::uint8_t, 16> source_of(BytesView rtps_header, bool prefix_is_net
   return source;
 }
 
-/// The header is not authenticated, but the INFO_SRC inside is, so both must name the same source.
-/// Another INFO_SRC may follow: Cyclone DDS puts submessages of several participants of one process
-/// into one message. A host that does not check sources gets only the sender's part
-/// (sender_part.hpp).
+// The header is not authenticated, but the INFO_SRC inside is, so both must name the same source.
+// Another INFO_SRC may follow: Cyclone DDS puts submessages of several participants of one process
+// into one message. A host that does not check sources gets only the sender's part
+// (sender_part.hpp).
 Status check_source(BytesView content, const std::array<std::uint8_t, 16>& outside) {
   if (content.size() < kInfoSourceSize) return fail(Code::info_source_missing);
   const auto header = read_submessage_header(content);
@@ -251,8 +251,8 @@ Status check_source(BytesView content, const std::array<std::uint8_t, 16>& outsi
   return {};
 }
 
-/// `open_group(message, out, fits)` decrypts with a key of the caller's choice. If `fits(content)`
-/// refuses the content, it must return an error.
+// `open_group(message, out, fits)` decrypts with a key of the caller's choice. If `fits(content)`
+// refuses the content, it must return an error.
 template <class F>
 Result<std::size_t> open_message(BytesView encoded, Frame frame, MutableBytes out,
                                  bool prefix_is_network_order, F&& open_group) {

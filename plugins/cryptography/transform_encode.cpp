@@ -11,13 +11,13 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// The content between prefix and postfix: INFO_SRC, if there is a source, and `body`.
+// The content between prefix and postfix: INFO_SRC, if there is a source, and `body`.
 struct GroupRequest {
   Frame frame;
-  BytesView source;  ///< version, vendor and prefix of an RTPS header
+  BytesView source;  // version, vendor and prefix of an RTPS header
   BytesView body;
-  /// Position in `body` of a submessage with length "to the end", which must be replaced by the
-  /// real length.
+  // Position in `body` of a submessage with length "to the end", which must be replaced by the
+  // real length.
   std::optional<std::size_t> open_length;
   std::size_t receivers;
 
@@ -32,7 +32,7 @@ std::size_t encoded_size(const GroupRequest& request, bool encrypts) {
          kReceiverMacSize * request.receivers;
 }
 
-/// Writes the real length of the submessage whose header is at `position`; it ends with `content`.
+// Writes the real length of the submessage whose header is at `position`; it ends with `content`.
 void close_length(MutableBytes content, std::size_t position) {
   const auto length = content.size() - position - kSubmessageHeaderSize;
   const bool little = (content[position + 1] & 1) != 0;
@@ -40,16 +40,16 @@ void close_length(MutableBytes content, std::size_t position) {
   content[position + (little ? 3 : 2)] = static_cast<std::uint8_t>(length >> 8);
 }
 
-/// INFO_SRC, which binds the RTPS header to the protected content (DDS-Security 1.2,
-/// clause 10.5.3.3.4.5).
+// INFO_SRC, which binds the RTPS header to the protected content (DDS-Security 1.2,
+// clause 10.5.3.3.4.5).
 void info_source(UncheckedWriter& writer, BytesView source) {
   writer.submessage_header(submessage_id::kInfoSource, kInfoSourceSize - kSubmessageHeaderSize);
   writer.u32(0);
   writer.put(source);
 }
 
-/// Writes the protected octets to `place`. They come directly from the input if nothing is inserted
-/// before or into it. Otherwise they are assembled at `place` and encrypted there.
+// Writes the protected octets to `place`. They come directly from the input if nothing is inserted
+// before or into it. Otherwise they are assembled at `place` and encrypted there.
 bool protect(const GroupRequest& request, const SendKey& key, const SendKey::Reservation& reserved,
              std::uint8_t* place, TagOut tag) {
   const auto& session = reserved.session->key;
@@ -65,10 +65,10 @@ bool protect(const GroupRequest& request, const SendKey& key, const SendKey::Res
                   : session.mac(reserved.iv, content, tag);
 }
 
-/// Writes the MAC of each receiver and returns their number. `receiver(i)` returns the ReceiverKey
-/// of receiver i as Result. A host lists receivers before this call, and one of them may have left
-/// meanwhile. The others must still get the message. Error: that of the last receiver, if none is
-/// left.
+// Writes the MAC of each receiver and returns their number. `receiver(i)` returns the ReceiverKey
+// of receiver i as Result. A host lists receivers before this call, and one of them may have left
+// meanwhile. The others must still get the message. Error: that of the last receiver, if none is
+// left.
 template <class Receiver>
 Result<std::size_t> receiver_macs(UncheckedWriter& writer, std::size_t receivers,
                                   const SendKey& key, const SendKey::Reservation& reserved,
@@ -87,7 +87,7 @@ Result<std::size_t> receiver_macs(UncheckedWriter& writer, std::size_t receivers
   return written;
 }
 
-/// `receiver(i)` returns the ReceiverKey of receiver i as Result.
+// `receiver(i)` returns the ReceiverKey of receiver i as Result.
 template <class Receiver>
 Result<std::size_t> encode_group(const GroupRequest& request, SendKey& key, MutableBytes out,
                                  Receiver&& receiver) {
@@ -116,8 +116,8 @@ Result<std::size_t> encode_group(const GroupRequest& request, SendKey& key, Muta
   return writer.written();
 }
 
-/// Checks that `plain` is one submessage of whole words. Returns its position if its length must be
-/// filled in.
+// Checks that `plain` is one submessage of whole words. Returns its position if its length must be
+// filled in.
 Result<std::optional<std::size_t>> check_submessage(BytesView plain) {
   if (plain.size() < kSubmessageHeaderSize || plain.size() % 4 != 0 ||
       plain.size() > kMaxSubmessageContent)
@@ -128,8 +128,8 @@ Result<std::optional<std::size_t>> check_submessage(BytesView plain) {
   return std::optional<std::size_t>(0);
 }
 
-/// Checks a chain of submessages. Returns the position of the last one if its length must be filled
-/// in.
+// Checks a chain of submessages. Returns the position of the last one if its length must be filled
+// in.
 Result<std::optional<std::size_t>> check_submessages(BytesView plain) {
   if (plain.size() < kSubmessageHeaderSize || plain.size() % 4 != 0)
     return fail(Code::plaintext_malformed);
@@ -155,7 +155,7 @@ Status check_receivers(spi::ProtectionKind kind, std::size_t count) {
   return {};
 }
 
-/// A submessage of a volatile endpoint goes to one participant, under the key of the pair.
+// A submessage of a volatile endpoint goes to one participant, under the key of the pair.
 template <class Remote>
 Result<std::size_t> encode_volatile(const CryptographyState& state, const LocalEndpoint& sender,
                                     std::span<const Remote> receivers, GroupRequest request,
@@ -174,8 +174,8 @@ Result<std::size_t> encode_volatile(const CryptographyState& state, const LocalE
                       [](std::size_t) -> Result<ReceiverKey*> { return fail(Code::internal); });
 }
 
-/// Records in the peer's discovery state which samples the host has acknowledged. `find` returns
-/// the peer, or null.
+// Records in the peer's discovery state which samples the host has acknowledged. `find` returns
+// the peer, or null.
 template <class F>
 void note_acknowledged(BytesView submessage, F&& find) {
   const auto acknowledged = read_acknowledgment(submessage);
@@ -184,7 +184,7 @@ void note_acknowledged(BytesView submessage, F&& find) {
   if (peer != nullptr) peer->discovery.announced.acknowledged(*topic, acknowledged->next);
 }
 
-/// The same for a submessage that goes to these writers of one participant.
+// The same for a submessage that goes to these writers of one participant.
 template <class Remote>
 void note_acknowledged(const CryptographyState& state, std::span<const Remote> receivers,
                        BytesView submessage) {
@@ -195,7 +195,7 @@ void note_acknowledged(const CryptographyState& state, std::span<const Remote> r
   });
 }
 
-/// The same for the submessages inside a message, whose receivers INFO_DST names.
+// The same for the submessages inside a message, whose receivers INFO_DST names.
 void note_acknowledged(const CryptographyState& state, const LocalParticipant& sender,
                        BytesView message) {
   GuidPrefix to;
@@ -211,9 +211,9 @@ void note_acknowledged(const CryptographyState& state, const LocalParticipant& s
   }
 }
 
-/// The key of the reader `sender` that all of these writers share. One of them may have left since
-/// the host listed them. Errors: receiver_count for no writer, or for writers of several
-/// participants; crypto_not_matched; crypto_handle_unknown if all have left.
+// The key of the reader `sender` that all of these writers share. One of them may have left since
+// the host listed them. Errors: receiver_count for no writer, or for writers of several
+// participants; crypto_not_matched; crypto_handle_unknown if all have left.
 template <class Remote>
 Result<SendKey*> peer_key(const CryptographyState& state, const LocalEndpoint& sender,
                           std::span<const Remote> receivers) {
@@ -233,7 +233,7 @@ Result<SendKey*> peer_key(const CryptographyState& state, const LocalEndpoint& s
   return common->key.read();
 }
 
-/// The key of the endpoint `sender` for these receivers.
+// The key of the endpoint `sender` for these receivers.
 template <class Remote>
 Result<SendKey*> key_towards(const CryptographyState& state, const LocalEndpoint& sender,
                              std::span<const Remote> receivers) {
@@ -268,7 +268,7 @@ Result<std::size_t> encode_submessage(const CryptographyState& state, Local hand
   });
 }
 
-/// The content of the RTPS message between its header and SRTPS_POSTFIX.
+// The content of the RTPS message between its header and SRTPS_POSTFIX.
 Result<GroupRequest> message_request(BytesView plain, Frame frame, bool encrypts) {
   if (plain.size() < kRtpsHeaderSize || as_text(plain.first(4)) != "RTPS")
     return fail(Code::plaintext_malformed);
@@ -281,7 +281,7 @@ Result<GroupRequest> message_request(BytesView plain, Frame frame, bool encrypts
   return request;
 }
 
-/// Writes the unchanged header, then the group.
+// Writes the unchanged header, then the group.
 template <class Receiver>
 Result<std::size_t> seal_message(BytesView plain, const GroupRequest& request, SendKey& key,
                                  MutableBytes out, Receiver&& receiver) {

@@ -9,7 +9,7 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// The announcements of the sender of a message, and of other participants in its process.
+// The announcements of the sender of a message, and of other participants in its process.
 class DiscoveryInMessage final : public DiscoveryOfPeers {
  public:
   DiscoveryInMessage(const CryptographyState& state, spi::ParticipantCryptoHandle receiver,
@@ -38,8 +38,8 @@ class DiscoveryInMessage final : public DiscoveryOfPeers {
   const GuidPrefix& prefix_;
 };
 
-/// Turns a submessage into padding, so that the host continues after it. A submessage of length 0
-/// goes to the end, but as padding it would be empty. So the sender's part ends before it.
+// Turns a submessage into padding, so that the host continues after it. A submessage of length 0
+// goes to the end, but as padding it would be empty. So the sender's part ends before it.
 void hide_submessage(MutableBytes content, std::size_t at, SenderPart& part) {
   constexpr std::uint8_t kPad = 0x01;
   if (read_submessage_header(content.subspan(at)).length == 0)
@@ -50,10 +50,10 @@ void hide_submessage(MutableBytes content, std::size_t at, SenderPart& part) {
 
 }  // namespace
 
-/// Cyclone DDS sends submessages of several participants of one process in one message, under the
-/// key of one of them. So a message in another peer's name can be honest. It is reported once for
-/// each peer, with its own code (info_source_of_peer), which claims no more than that. A message in
-/// the name of an unknown participant, or of the local one, cannot be honest.
+// Cyclone DDS sends submessages of several participants of one process in one message, under the
+// key of one of them. So a message in another peer's name can be honest. It is reported once for
+// each peer, with its own code (info_source_of_peer), which claims no more than that. A message in
+// the name of an unknown participant, or of the local one, cannot be honest.
 void Transform::report_end(spi::ParticipantCryptoHandle receiver,
                            spi::ParticipantCryptoHandle sender, const SenderPart& part,
                            const GuidPrefix& prefix) const {
@@ -69,9 +69,9 @@ void Transform::report_end(spi::ParticipantCryptoHandle receiver,
     state_.report(Error(Code::info_source_of_peer, part.ended->details()), prefix);
 }
 
-/// Drops what an insider sends in another participant's name, but not what it sends in its own. An
-/// honest process whose participants have different certificates keeps working, because lost
-/// submessages are sent again.
+// Drops what an insider sends in another participant's name, but not what it sends in its own. An
+// honest process whose participants have different certificates keeps working, because lost
+// submessages are sent again.
 std::size_t Transform::keep_part_of_sender(spi::ParticipantCryptoHandle receiver,
                                            spi::ParticipantCryptoHandle sender,
                                            MutableBytes message) {

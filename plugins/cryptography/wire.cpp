@@ -29,14 +29,14 @@ CryptoHeader crypto_header_at(BytesView octets) {
   return header;
 }
 
-/// True for GCM, false for GMAC: parsing depends on nothing else.
+// True for GCM, false for GMAC: parsing depends on nothing else.
 Result<bool> encrypts(const CryptoHeader& header) {
   const auto traits = traits_of(header.kind);
   if (!traits) return fail(Code::crypto_header_kind_unknown);
   return traits->encrypts;
 }
 
-/// The count must match the octets exactly, so it never controls a loop or an allocation.
+// The count must match the octets exactly, so it never controls a loop or an allocation.
 Result<CryptoFooter> footer_from(BytesView octets) {
   if (octets.size() < kFooterSize) return fail(Code::secure_group_malformed);
   const std::uint64_t count = u32_at(octets, kTagSize);
@@ -45,7 +45,7 @@ Result<CryptoFooter> footer_from(BytesView octets) {
   return CryptoFooter{octets.first(kTagSize), macs};
 }
 
-/// CryptoContent: a big-endian length, that many octets, and zeros up to a word.
+// CryptoContent: a big-endian length, that many octets, and zeros up to a word.
 Result<BytesView> content_from(BytesView body) {
   if (body.size() < 4) return fail(Code::secure_group_malformed);
   const std::uint64_t size = u32_at(body, 0);
@@ -53,13 +53,13 @@ Result<BytesView> content_from(BytesView body) {
   return body.subspan(4, size);
 }
 
-/// Flags other than E change the meaning in later versions (P and A of SRTPS_PREFIX).
+// Flags other than E change the meaning in later versions (P and A of SRTPS_PREFIX).
 Status check_flags(const SubmessageHeader& header, std::uint8_t due = 0) {
   if ((header.flags & ~kEndianFlag) != due) return fail(Code::secure_flags_unsupported);
   return {};
 }
 
-/// The SEC_BODY that fills `octets`.
+// The SEC_BODY that fills `octets`.
 Result<BytesView> body_from(BytesView octets) {
   if (octets.size() < kSubmessageHeaderSize) return fail(Code::secure_group_malformed);
   const auto header = read_submessage_header(octets);
@@ -70,8 +70,8 @@ Result<BytesView> body_from(BytesView octets) {
   return content_from(octets.subspan(kSubmessageHeaderSize));
 }
 
-/// The position of the postfix: after the SEC_BODY or after the one submessage of a SEC_ group. In
-/// a signed message it is the first postfix id in the chain of submessages.
+// The position of the postfix: after the SEC_BODY or after the one submessage of a SEC_ group. In
+// a signed message it is the first postfix id in the chain of submessages.
 Result<std::size_t> find_postfix(BytesView octets, Frame frame) {
   std::size_t position = 0;
   while (octets.size() - position >= kSubmessageHeaderSize) {
@@ -83,8 +83,8 @@ Result<std::size_t> find_postfix(BytesView octets, Frame frame) {
   return fail(Code::secure_group_malformed);
 }
 
-/// Fast DDS 2.9 appends a statistics submessage (id 0x80) to messages that are already protected.
-/// It is not authenticated. So everything after the postfix of a message is skipped and lost.
+// Fast DDS 2.9 appends a statistics submessage (id 0x80) to messages that are already protected.
+// It is not authenticated. So everything after the postfix of a message is skipped and lost.
 Result<CryptoFooter> postfix_from(BytesView octets, Frame frame) {
   const auto header = read_submessage_header(octets);
   auto content = octets.subspan(kSubmessageHeaderSize);

@@ -34,7 +34,7 @@ using Tags = DDS_Security_DataTags;
 
 spi::PermissionsHandle permissions(CPermissions handle) { return {handle}; }
 
-/// As is_carrier_topic, for that local participant.
+// As is_carrier_topic, for that local participant.
 Result<bool> is_carriers(Adapter& adapter, CPermissions handle, std::string_view name) {
   if (name != kCarrierTopic) return false;
   DDSSEC_ASSIGN_OR_RETURN(const auto participant,
@@ -107,7 +107,7 @@ struct ReaderCalls {
   static constexpr auto kDirection = EndpointDirection::reads;
 };
 
-/// What the host's call says about a local endpoint, besides its question.
+// What the host's call says about a local endpoint, besides its question.
 struct LocalEndpoint {
   spi::PermissionsHandle local;
   CDomain domain_id;
@@ -274,14 +274,14 @@ DDS_Security_boolean get_topic_sec_attributes(Instance* instance, const CPermiss
   });
 }
 
-/// True if access control decides which peers get the keys of such an endpoint.
+// True if access control decides which peers get the keys of such an endpoint.
 bool needs_gate(const spi::EndpointSecurityAttributes& endpoint) {
   return !endpoint.is_builtin &&
          (endpoint.topic.is_read_protected || endpoint.topic.is_write_protected) &&
          (endpoint.is_submessage_protected() || endpoint.is_payload_protected());
 }
 
-/// get_datawriter_sec_attributes; and get_datareader_sec_attributes of a reader that is open.
+// get_datawriter_sec_attributes; and get_datareader_sec_attributes of a reader that is open.
 template <class Calls>
 Status tell_attributes(Adapter& adapter, const CPermissions handle,
                        const spi::EndpointRequest& request,
@@ -301,7 +301,7 @@ Status tell_attributes(Adapter& adapter, const CPermissions handle,
   return status;
 }
 
-/// `tell(adapter, request)` writes `attributes`, which are empty before.
+// `tell(adapter, request)` writes `attributes`, which are empty before.
 template <class Tell>
 DDS_Security_boolean ask_endpoint(Instance* instance, const char* topic_name,
                                   const Partition* partition, const Tags* tags,
@@ -347,13 +347,13 @@ DDS_Security_boolean get_datareader_sec_attributes(
   return ask_endpoint(instance, topic_name, partition, tags, attributes, ex, tell);
 }
 
-/// The values in ac_endpoint_properties of these live as long as the library.
+// The values in ac_endpoint_properties of these live as long as the library.
 template <class Attributes>
 DDS_Security_boolean return_attributes(Instance* instance, const Attributes*, Exception* ex) {
   return allow(instance, ex);
 }
 
-/// The host declares the object const although it gives it back, and never uses it again.
+// The host declares the object const although it gives it back, and never uses it again.
 DDS_Security_boolean return_datawriter_sec_attributes(
     Instance* instance, const DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
@@ -364,7 +364,7 @@ DDS_Security_boolean return_datawriter_sec_attributes(
   });
 }
 
-/// The host calls it once a reader is gone.
+// The host calls it once a reader is gone.
 DDS_Security_boolean return_datareader_sec_attributes(
     Instance* instance, const DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
   look_for_ended_readers();
@@ -463,8 +463,8 @@ void AccessControlAdapter::judge_endpoints() {
     if (const auto lost = endpoints_.judge(local, *engine_)) host_->notice(Event(*lost));
 }
 
-/// All local participants are cut off before the host is told of one: none of them counts as
-/// another that is still valid.
+// All local participants are cut off before the host is told of one: none of them counts as
+// another that is still valid.
 void AccessControlAdapter::revoke_ended(const std::stop_token& stop, const Revoke& revoke) {
   std::vector<std::pair<spi::PermissionsHandle, std::optional<spi::IdentityHandle>>> ended;
   const auto expired = engine_->expire();

@@ -10,13 +10,13 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-/// The adapters in the process, one for each domain.
+// The adapters in the process, one for each domain.
 struct Adapters {
   std::shared_mutex mutex;
   std::map<std::uint64_t, AccessControlAdapter*> by_id;
 };
 
-/// Never destroyed: a thread of the host may ask while the process exits.
+// Never destroyed: a thread of the host may ask while the process exits.
 Adapters& adapters() {
   static auto* const all = new Adapters;
   return *all;

@@ -41,7 +41,7 @@ CResult to_c(spi::ValidationResult result) {
   return DDS_SECURITY_VALIDATION_FAILED;
 }
 
-/// `f(adapter) -> Result<CResult>`; any failure is DDS_SECURITY_VALIDATION_FAILED.
+// `f(adapter) -> Result<CResult>`; any failure is DDS_SECURITY_VALIDATION_FAILED.
 template <class F>
 CResult validate(Instance* instance, Exception* ex, F&& f) noexcept {
   CResult result = DDS_SECURITY_VALIDATION_FAILED;
@@ -52,13 +52,13 @@ CResult validate(Instance* instance, Exception* ex, F&& f) noexcept {
   return done ? result : DDS_SECURITY_VALIDATION_FAILED;
 }
 
-/// Copies a token for the host; nil if there is none.
+// Copies a token for the host; nil if there is none.
 Status hand_out(const std::optional<spi::Token>& token, CToken& out) {
   out = {};
   return token ? copy_token(*token, out) : Status{};
 }
 
-/// Warns once per process. The host has created its sockets before it creates a participant.
+// Warns once per process. The host has created its sockets before it creates a participant.
 void say_transport(Host& host) {
   static std::atomic_flag asked;
   if (asked.test_and_set()) return;
@@ -117,7 +117,7 @@ DDS_Security_boolean set_permissions_credential_and_token(Instance* instance,
   });
 }
 
-/// True if the refusal is final for this GUID, whatever is announced in its name.
+// True if the refusal is final for this GUID, whatever is announced in its name.
 bool is_for_good(const Error& refusal) {
   return refusal.code() == Code::remote_guid_is_local || refusal.code() == Code::guid_not_adjusted;
 }
@@ -127,11 +127,11 @@ struct Met {
   HandshakeWatch::CoreTimerState timer;
 };
 
-/// Handles a remote participant that was not admitted, without an error for the host. An attacker
-/// can announce something unreadable in a peer's name, and a full table or an outdated list is
-/// temporary. An error would end the core's handshake for as long as the peer is present. So the
-/// core asks again until the watch makes it discover the peer anew. If governance admits
-/// unauthenticated participants, the core treats the peer as one.
+// Handles a remote participant that was not admitted, without an error for the host. An attacker
+// can announce something unreadable in a peer's name, and a full table or an outdated list is
+// temporary. An error would end the core's handshake for as long as the peer is present. So the
+// core asks again until the watch makes it discover the peer anew. If governance admits
+// unauthenticated participants, the core treats the peer as one.
 Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Met& met, Error refusal,
                              CIdentity& remote_handle) {
   if (is_for_good(refusal) || admits_unauthenticated(identity(local)) ||
@@ -143,8 +143,8 @@ Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Met& met, 
   return DDS_SECURITY_VALIDATION_PENDING_RETRY;
 }
 
-/// Where governance admits unauthenticated participants, an error makes the host take the peer for
-/// one, for all its participants.
+// Where governance admits unauthenticated participants, an error makes the host take the peer for
+// one, for all its participants.
 Status may_begin(Adapter& adapter, spi::IdentityHandle local, const Guid& peer) {
   if (!admits_unauthenticated(local) || !adapter.watch().was_unanswered(peer)) return {};
   return fail(Code::handshake_begun_again,
@@ -196,8 +196,8 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
   });
 }
 
-/// Does nothing for a local participant that is cut off, because the host drops a peer for all its
-/// participants.
+// Does nothing for a local participant that is cut off, because the host drops a peer for all its
+// participants.
 void note_refused(Adapter& adapter, spi::IdentityHandle local, spi::IdentityHandle remote) {
   if (!adapter.remotes().has_ended(local)) adapter.watch().refused(remote);
 }
@@ -268,9 +268,9 @@ CResult process_handshake(Instance* instance, CToken* message_out, const CToken*
   });
 }
 
-/// Remembers the session, so that a reset can be sent if the host drops the peer while the peer
-/// keeps the session. Only ddssec peers understand that, and they announce ChaCha20-Poly1305. For
-/// other peers the watch waits.
+// Remembers the session, so that a reset can be sent if the host drops the peer while the peer
+// keeps the session. Only ddssec peers understand that, and they announce ChaCha20-Poly1305. For
+// other peers the watch waits.
 void note_session(Adapter& adapter, spi::HandshakeHandle handshake,
                   const spi::SharedSecret& secret) {
   const auto pair = adapter.secrets().pair_of(handshake);
@@ -340,7 +340,7 @@ DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity 
   });
 }
 
-/// The secret stays until its remote identity is returned, because cryptography may still read it.
+// The secret stays until its remote identity is returned, because cryptography may still read it.
 DDS_Security_boolean return_sharedsecret_handle(Instance* instance,
                                                 const DDS_Security_SharedSecretHandle,
                                                 Exception* ex) {

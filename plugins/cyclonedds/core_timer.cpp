@@ -22,8 +22,8 @@ CoreGuid core_guid(const DDS_Security_GUID_t& guid) {
   return out;
 }
 
-/// What lies at an address, or nothing if it cannot be read. The kernel reads it, and returns an
-/// error where the process itself would be ended.
+// What lies at an address, or nothing if it cannot be read. The kernel reads it, and returns an
+// error where the process itself would be ended.
 template <class T>
 std::optional<T> read_memory(const void* from) {
   int ends[2];

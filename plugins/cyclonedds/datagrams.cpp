@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kMaxGroups = 64, kMaxPorts = 16, kMaxInterfaces = 16;
 
-/// The address for the kernel, with its length. `scope`: the interface of a link-local address.
+// The address for the kernel, with its length. `scope`: the interface of a link-local address.
 std::pair<sockaddr_storage, socklen_t> kernel_address(const spi::UdpAddress& address, int scope) {
   sockaddr_storage out{};
   if (address.is_ipv6) {
@@ -40,12 +40,12 @@ std::pair<sockaddr_storage, socklen_t> kernel_address(const spi::UdpAddress& add
   return {out, sizeof four};
 }
 
-/// fe80::/10
+// fe80::/10
 bool is_link_local(const spi::UdpAddress& address) {
   return address.is_ipv6 && address.address[0] == 0xfe && (address.address[1] & 0xc0) == 0x80;
 }
 
-/// Makes multicast from this socket leave by that interface.
+// Makes multicast from this socket leave by that interface.
 bool goes_over(int socket, bool is_ipv6, int interface) {
   if (is_ipv6)
     return ::setsockopt(socket, IPPROTO_IPV6, IPV6_MULTICAST_IF, &interface, sizeof interface) == 0;
@@ -54,7 +54,7 @@ bool goes_over(int socket, bool is_ipv6, int interface) {
   return ::setsockopt(socket, IPPROTO_IP, IP_MULTICAST_IF, &over, sizeof over) == 0;
 }
 
-/// `interface`: an index, for multicast and link-local addresses; 0: the system chooses.
+// `interface`: an index, for multicast and link-local addresses; 0: the system chooses.
 void send_one(BytesView datagram, const spi::UdpAddress& to, int interface) noexcept {
   const int socket =
       ::socket(to.is_ipv6 ? AF_INET6 : AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
@@ -81,8 +81,8 @@ std::optional<Number> number_in(std::string_view text, int base) {
   return out;
 }
 
-/// The file has a line for an interface, then one for each of its groups, which begins with a
-/// blank.
+// The file has a line for an interface, then one for each of its groups, which begins with a
+// blank.
 void add_ipv4(std::vector<JoinedGroup>& out, std::string_view igmp) {
   std::istringstream lines{std::string(igmp)};
   int interface = 0;
@@ -105,8 +105,8 @@ void add_ipv4(std::vector<JoinedGroup>& out, std::string_view igmp) {
   }
 }
 
-/// The file has one line for each group: the interface's index and name, and the address in 32
-/// digits.
+// The file has one line for each group: the interface's index and name, and the address in 32
+// digits.
 void add_ipv6(std::vector<JoinedGroup>& out, std::string_view igmp6) {
   std::istringstream lines{std::string(igmp6)};
   for (std::string line; std::getline(lines, line) && out.size() < kMaxGroups;) {
@@ -130,7 +130,7 @@ void add_ipv6(std::vector<JoinedGroup>& out, std::string_view igmp6) {
   }
 }
 
-/// The port of a UDP socket; empty for other descriptors.
+// The port of a UDP socket; empty for other descriptors.
 std::optional<std::uint16_t> bound_port(int socket) {
   int type = 0;
   socklen_t length = sizeof type;
@@ -147,7 +147,7 @@ std::optional<std::uint16_t> bound_port(int socket) {
   return port == 0 ? std::nullopt : std::optional(port);
 }
 
-/// The port of a UDP socket that other processes may bind too.
+// The port of a UDP socket that other processes may bind too.
 std::optional<std::uint16_t> shared_port(int socket) {
   int reuses_address = 0, reuses_port = 0;
   socklen_t length = sizeof reuses_port;
@@ -156,8 +156,8 @@ std::optional<std::uint16_t> shared_port(int socket) {
   return reuses_address == 0 && reuses_port == 0 ? std::nullopt : bound_port(socket);
 }
 
-/// Calls `f(descriptor)` for each descriptor of this process until it returns false. Returns false
-/// if the descriptors cannot be listed.
+// Calls `f(descriptor)` for each descriptor of this process until it returns false. Returns false
+// if the descriptors cannot be listed.
 template <class F>
 bool each_descriptor(F&& f) {
   std::error_code error;
@@ -166,8 +166,8 @@ bool each_descriptor(F&& f) {
   return !error;
 }
 
-/// The addresses on which discovery may be received. They are cached, because finding them takes
-/// some system calls for each descriptor and may be needed for 32 peers in a row.
+// The addresses on which discovery may be received. They are cached, because finding them takes
+// some system calls for each descriptor and may be needed for 32 peers in a row.
 struct DiscoveryPlaces {
   std::vector<JoinedGroup> groups;
   std::vector<std::uint16_t> ports;
@@ -234,8 +234,8 @@ std::optional<bool> has_bound_udp() {
   return are_told ? std::optional(is_bound) : std::nullopt;
 }
 
-/// The file has one line for each address: 32 digits, the interface's index, the length of the
-/// prefix and the scope, all in hexadecimal. 20 is link scope.
+// The file has one line for each address: 32 digits, the interface's index, the length of the
+// prefix and the scope, all in hexadecimal. 20 is link scope.
 std::vector<int> link_local_interfaces(std::string_view if_inet6) {
   std::vector<int> out;
   std::istringstream lines{std::string(if_inet6)};

@@ -13,7 +13,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-/// The functions of the host that are used.
+// The functions of the host that are used.
 struct Functions {
   decltype(&dds_get_children) get_children = nullptr;
   decltype(&dds_get_guid) get_guid = nullptr;
@@ -66,7 +66,7 @@ bool find_all(Functions& host, const void* code) {
          find(host.delete_entity, code, "dds_delete");
 }
 
-/// A type of one octet, because a topic needs a type. No sample is ever written.
+// A type of one octet, because a topic needs a type. No sample is ever written.
 const dds_topic_descriptor_t& carrier_type() {
   static constexpr std::uint32_t kOperations[] = {
       static_cast<std::uint32_t>(DDS_OP_ADR) | static_cast<std::uint32_t>(DDS_OP_TYPE_1BY), 0,
@@ -86,7 +86,7 @@ const dds_topic_descriptor_t& carrier_type() {
   return type;
 }
 
-/// A name that contains a wildcard matches only names without one, and no peer can guess this one.
+// A name that contains a wildcard matches only names without one, and no peer can guess this one.
 std::string partition_of_carrier() {
   std::array<std::uint8_t, 16> random{};
   if (::getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size()))
@@ -105,7 +105,7 @@ void ignore(void (*set)(dds_listener_t*, Callback), dds_listener_t* listener) {
   set(listener, &Nothing<Callback>::call);
 }
 
-/// Otherwise an entity inherits the listener of its participant, which knows nothing of a carrier.
+// Otherwise an entity inherits the listener of its participant, which knows nothing of a carrier.
 void ignore_all(const Functions& host, dds_listener_t* listener) {
   ignore(host.set_data_available, listener);
   ignore(host.set_data_on_readers, listener);
@@ -183,7 +183,7 @@ class Entities final : public HostEntities {
     return Guid::from(octets.v);
   }
 
-  /// Readers are below subscribers, and nothing is below them.
+  // Readers are below subscribers, and nothing is below them.
   void add_below(dds_entity_t entity, std::set<Guid>& out) const {
     for (const auto child : children(entity)) {
       if (const auto guid = guid_of(child)) out.insert(*guid);

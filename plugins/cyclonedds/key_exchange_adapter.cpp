@@ -15,7 +15,7 @@ using Instance = dds_security_crypto_key_exchange;
 using CHandle = DDS_Security_CryptoHandle;
 using CTokens = DDS_Security_CryptoTokenSeq;
 
-/// `create(key_exchange) -> Result<vector<Token>>`; an empty sequence means that nothing is sent.
+// `create(key_exchange) -> Result<vector<Token>>`; an empty sequence means that nothing is sent.
 template <class F>
 DDS_Security_boolean create(Instance* instance, CTokens* out, Exception* ex, F&& create) noexcept {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
@@ -27,7 +27,7 @@ DDS_Security_boolean create(Instance* instance, CTokens* out, Exception* ex, F&&
   });
 }
 
-/// `set(key_exchange, tokens) -> Status`; the host's tokens live for the call only.
+// `set(key_exchange, tokens) -> Status`; the host's tokens live for the call only.
 template <class F>
 DDS_Security_boolean set(Instance* instance, const CTokens* in, Exception* ex, F&& set) noexcept {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
@@ -42,7 +42,7 @@ Status set_participant_tokens(spi::CryptoKeyExchange& exchange, spi::Participant
   return exchange.set_remote_participant_crypto_tokens(local, remote, tokens.view());
 }
 
-/// True if the error is about the tokens, and not about the host's call.
+// True if the error is about the tokens, and not about the host's call.
 bool is_about_tokens(Code code) {
   constexpr std::array kAboutHandles = {Code::crypto_handle_nil, Code::crypto_handle_unknown,
                                         Code::crypto_handle_wrong_kind, Code::crypto_not_matched};

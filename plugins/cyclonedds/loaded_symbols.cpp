@@ -11,7 +11,7 @@ namespace {
 
 using Symbol = ElfW(Sym);
 
-/// The parts of a library's dynamic section that are needed to find its symbols.
+// The parts of a library's dynamic section that are needed to find its symbols.
 struct DynamicSection {
   const Symbol* symbols = nullptr;
   const char* strings = nullptr;
@@ -47,9 +47,9 @@ DynamicSection dynamic_section(const dl_phdr_info& library) {
   return out;
 }
 
-/// The number of symbols. The table does not contain its length; it follows from the hash tables. A
-/// GNU hash table holds four numbers (buckets, first hashed symbol, bloom words, shift), the bloom
-/// filter, the buckets, and for each hashed symbol one word whose lowest bit ends a bucket's chain.
+// The number of symbols. The table does not contain its length; it follows from the hash tables. A
+// GNU hash table holds four numbers (buckets, first hashed symbol, bloom words, shift), the bloom
+// filter, the buckets, and for each hashed symbol one word whose lowest bit ends a bucket's chain.
 std::size_t symbol_count(const DynamicSection& section) {
   if (section.gnu_hash == nullptr) return section.hash != nullptr ? section.hash[1] : 0;
   const auto bucket_count = section.gnu_hash[0];
@@ -63,7 +63,7 @@ std::size_t symbol_count(const DynamicSection& section) {
   return last + 1;
 }
 
-/// Must not allocate or throw: it is called from the loader's C code, which holds a lock.
+// Must not allocate or throw: it is called from the loader's C code, which holds a lock.
 struct Search {
   std::string_view suffix;
   std::array<char, 512> library{};

@@ -48,7 +48,7 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
   }
 }
 
-/// Not where unauthenticated participants are admitted: the peer may be matched as one of them.
+// Not where unauthenticated participants are admitted: the peer may be matched as one of them.
 void AuthenticationAdapter::send_farewell(const Guid& peer) {
   for (const auto& local : farewells_.locals()) {
     if (!remotes_.has_met(local.handle, peer) || admits_unauthenticated(local.handle)) continue;

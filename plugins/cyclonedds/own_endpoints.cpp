@@ -7,8 +7,8 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-/// Any other refusal is not about the endpoint: permissions that have ended cut the participant
-/// off.
+// Any other refusal is not about the endpoint: permissions that have ended cut the participant
+// off.
 bool is_denial(const Status& status) {
   return !status && (status.error().code() == Code::publish_not_allowed ||
                      status.error().code() == Code::subscribe_not_allowed);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kEncapsulationSize = 4;
 
-/// DATA and DATA_FRAG have the writer id at the same position.
+// DATA and DATA_FRAG have the writer id at the same position.
 bool is_of_subscriptions(BytesView submessage) {
   constexpr std::size_t kWriterAt = 12;
   return submessage.size() > kWriterAt + EntityId::size &&
@@ -32,7 +32,7 @@ std::size_t key_of(const EntityId& entity) {
          entity.octets[2];
 }
 
-/// The content of a string or a sequence of octets, after its length.
+// The content of a string or a sequence of octets, after its length.
 BytesView counted(const rtps::Parameter& parameter) {
   auto in = parameter.reader();
   const auto length = in.read<std::uint32_t>();
@@ -54,15 +54,15 @@ bool EntityKeys::contains(const EntityId& entity) const {
 }
 
 struct OwnReaders::Announcement {
-  EntityId to = {};  ///< the peers' reader, or all
+  EntityId to = {};  // the peers' reader, or all
   rtps::SequenceNumber number{1};
   bool is_end = false;
   Guid reader = {};
   bool is_carrier = false;
-  std::optional<Guid> ended = {};  ///< whose end a carrier carries
+  std::optional<Guid> ended = {};  // whose end a carrier carries
 
   void take(const rtps::Parameter& parameter);
-  /// Reads the list up to its end, or as far as it goes.
+  // Reads the list up to its end, or as far as it goes.
   void take(BytesView payload);
 };
 

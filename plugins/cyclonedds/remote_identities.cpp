@@ -96,7 +96,7 @@ void RemoteIdentities::forget_local(IdentityHandle local) {
   }
 }
 
-/// True if a local participant that has not ended has met the remote participant of this pair too.
+// True if a local participant that has not ended has met the remote participant of this pair too.
 bool RemoteIdentities::stays(const Remote& remote, IdentityHandle pair) const {
   const auto ended = [&](const auto& entry) { return ended_locals_.contains(entry.first); };
   const auto own = std::ranges::find(remote.pairs, pair, [](auto& entry) { return entry.second; });

@@ -16,20 +16,20 @@ namespace {
 constexpr std::string_view kIceoryxSetting = "<SharedMemory><Enable>";
 constexpr std::string_view kPsmxSetting = "<PubSubMessageExchange>";
 
-/// The path in the last column; only that column contains slashes.
+// The path in the last column; only that column contains slashes.
 std::string_view path_of(std::string_view mapping) {
   const auto slash = mapping.find('/');
   return slash == std::string_view::npos ? std::string_view() : mapping.substr(slash);
 }
 
-/// Up to iceoryx 2 the management segment is "iceoryx_mgmt"; later versions put the kind of
-/// resource before it. The name of an unlinked segment ends with " (deleted)".
+// Up to iceoryx 2 the management segment is "iceoryx_mgmt"; later versions put the kind of
+// resource before it. The name of an unlinked segment ends with " (deleted)".
 bool is_iceoryx_segment(std::string_view path) {
   const auto name = path.substr(path.rfind('/') + 1);
   return name.starts_with("iceoryx_mgmt") || name.starts_with("iox1_") || name.starts_with("iox2_");
 }
 
-/// Reads a file of the kernel, which has no length, up to its end; empty if it cannot be read.
+// Reads a file of the kernel, which has no length, up to its end; empty if it cannot be read.
 std::optional<std::string> whole_file(const char* path) {
   const int file = open(path, O_RDONLY | O_CLOEXEC);
   if (file < 0) return std::nullopt;

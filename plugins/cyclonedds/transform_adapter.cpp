@@ -15,8 +15,8 @@ using Instance = dds_security_crypto_transform;
 using CHandle = DDS_Security_CryptoHandle;
 using Octets = DDS_Security_OctetSeq;
 
-/// SEC_PREFIX: submessage header and CryptoHeader. A decoded submessage must fit into the octets
-/// after it.
+// SEC_PREFIX: submessage header and CryptoHeader. A decoded submessage must fit into the octets
+// after it.
 constexpr std::size_t kSecurePrefixSize = 24;
 
 Status encode_serialized_payload(Adapter& adapter, Octets& out, const Octets* plain,
@@ -27,7 +27,7 @@ Status encode_serialized_payload(Adapter& adapter, Octets& out, const Octets* pl
   });
 }
 
-/// Calls `encode(octets, receivers, room)` for all receivers at once.
+// Calls `encode(octets, receivers, room)` for all receivers at once.
 template <class Handle, class Encode>
 Status encode_for(Octets& out, const Octets* plain, const DDS_Security_LongLongSeq* list,
                   Encode&& encode) {
@@ -40,7 +40,7 @@ Status encode_for(Octets& out, const Octets* plain, const DDS_Security_LongLongS
                      [&](MutableBytes room) { return encode(octets, receivers, room); });
 }
 
-/// Ends the host's loop over receivers after the first call.
+// Ends the host's loop over receivers after the first call.
 void end_loop(DDS_Security_long* index, const DDS_Security_LongLongSeq* list) {
   if (index != nullptr && list != nullptr) *index = static_cast<DDS_Security_long>(list->_length);
 }
@@ -98,8 +98,8 @@ DDS_Security_boolean encode_rtps_message(Instance* instance, Octets* encoded, co
   });
 }
 
-/// The result must fit where the host copies it without a check, and end at a multiple of 4 where
-/// submessages follow one another.
+// The result must fit where the host copies it without a check, and end at a multiple of 4 where
+// submessages follow one another.
 Status check_decoded(Octets& decoded, std::size_t max_octets, std::size_t alignment) {
   if (decoded._length <= max_octets && decoded._length % alignment == 0) return {};
   wipe({decoded._buffer, decoded._length});
@@ -109,15 +109,15 @@ Status check_decoded(Octets& decoded, std::size_t max_octets, std::size_t alignm
   return fail(code);
 }
 
-/// The host reads a submessage that is only signed in the received buffer. So the decoded content,
-/// which can differ (cryptography/type_information.hpp), is written there.
+// The host reads a submessage that is only signed in the received buffer. So the decoded content,
+// which can differ (cryptography/type_information.hpp), is written there.
 void write_where_received(const Octets& plain, const Octets& encoded) {
   constexpr std::uint8_t kSecureBody = 0x30;
   auto* const received = encoded._buffer + kSecurePrefixSize;
   if (*received != kSecureBody) std::memmove(received, plain._buffer, plain._length);
 }
 
-/// Calls `decode(octets, room)`.
+// Calls `decode(octets, room)`.
 template <class Decode>
 Status decode_submessage(Octets* plain, const Octets* encoded, Decode&& decode) {
   DDSSEC_RETURN_IF_ERROR(require(plain));
@@ -130,19 +130,19 @@ Status decode_submessage(Octets* plain, const Octets* encoded, Decode&& decode) 
   return {};
 }
 
-/// Before its keys have come, only messages of the key exchange, protected by the shared secret,
-/// show that a peer is alive.
+// Before its keys have come, only messages of the key exchange, protected by the shared secret,
+// show that a peer is alive.
 void note_heard(Adapter& adapter, CHandle sender) {
   auto& peers = PeersWithKeys::of_process();
   if (peers.awaits_keys()) peers.heard(sender, adapter.host().clock().monotonic());
 }
 
-/// Makes the host ask for its next local participant. Any other code ends the message.
+// Makes the host ask for its next local participant. Any other code ends the message.
 constexpr DDS_Security_long kAskNext = DDS_SECURITY_ERR_INVALID_CRYPTO_RECEIVER_SIGN_CODE;
 
-/// Cyclone asks for each local participant in turn. A message may be for the next participant if it
-/// has no MAC for this one, if the sender's keys have not come yet, or if it is older than they
-/// are. Such errors are no reason for an alarm.
+// Cyclone asks for each local participant in turn. A message may be for the next participant if it
+// has no MAC for this one, if the sender's keys have not come yet, or if it is older than they
+// are. Such errors are no reason for an alarm.
 FailureReport as_one_of_several_receivers(const Error& error) {
   auto report = default_report(error);
   if (error.code() == Code::receiver_specific_mac_missing || error.code() == Code::identity_ended)

@@ -8,7 +8,7 @@ namespace {
 
 bool has(std::uint32_t mask, std::uint32_t flag) { return (mask & flag) != 0; }
 
-/// A mask without its valid bit adds nothing to the booleans (DDS-Security 1.2, clause 10.4.2.4).
+// A mask without its valid bit adds nothing to the booleans (DDS-Security 1.2, clause 10.4.2.4).
 std::uint32_t valid_or_nothing(std::uint32_t mask) {
   return has(mask, spi::kMaskIsValid) ? mask : 0;
 }
@@ -22,7 +22,7 @@ constexpr std::string_view kClosedReader = "org.ddssec.closed_reader";
 constexpr std::string_view kStandardCiphersOnly = "org.ddssec.standard_ciphers_only";
 constexpr std::string_view kAllDiscoveryProtected = "org.ddssec.all_discovery_protected";
 
-/// Properties that live as long as the library. The C type has no const; nothing writes to them.
+// Properties that live as long as the library. The C type has no const; nothing writes to them.
 template <const std::string_view&... names>
 DDS_Security_PropertySeq markers() {
   static char value[] = "true";

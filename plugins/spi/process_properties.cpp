@@ -11,7 +11,7 @@
 namespace ddssec::spi {
 namespace {
 
-/// Cyclone DDS's core cannot protect messages before authentication.
+// Cyclone DDS's core cannot protect messages before authentication.
 constexpr std::string_view kOfPreSharedKeys[] = {
     property::kPskPassphrase, property::kPskExtraPassphrases, property::kPskCipher};
 

@@ -11,9 +11,9 @@ namespace ddssec::spi {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
-/// Some editors put this before the first line of a UTF-8 text.
+// Some editors put this before the first line of a UTF-8 text.
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-/// The largest edit distance at which a known name is proposed.
+// The largest edit distance at which a known name is proposed.
 constexpr std::size_t kMaxDifferences = 3;
 constexpr std::size_t kMaxNameOctets = 64;
 
@@ -22,7 +22,7 @@ bool has_control_character(std::string_view text) {
       text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
 }
 
-/// The known name that is most similar to `name`; empty if none is similar enough.
+// The known name that is most similar to `name`; empty if none is similar enough.
 std::string_view nearest(std::string_view name) {
   const auto lower = ascii_lower(name.substr(0, kMaxNameOctets));
   std::size_t least = kMaxDifferences + 1;
@@ -36,8 +36,8 @@ std::string_view nearest(std::string_view name) {
   return best;
 }
 
-/// The path may point to any file on the machine, and a line of secrets can contain an equals sign
-/// too. So an error quotes only text that looks like a property name.
+// The path may point to any file on the machine, and a line of secrets can contain an equals sign
+// too. So an error quotes only text that looks like a property name.
 std::string quoted(std::string_view name) {
   constexpr std::string_view kBeginnings[] = {"dds.sec.", "org.ddssec.", "org.eclipse.cyclonedds."};
   const auto lower = ascii_lower(name.substr(0, kMaxNameOctets));

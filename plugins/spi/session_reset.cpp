@@ -8,7 +8,7 @@
 namespace ddssec::spi {
 namespace {
 
-/// A value from the vendor-specific range of DDS-Security that no cipher uses.
+// A value from the vendor-specific range of DDS-Security that no cipher uses.
 constexpr TransformKind kResetKind{{0xdd, 0x5e, 0xc0, 0xd5}};
 constexpr std::size_t kRtpsHeaderSize = 20;
 constexpr std::size_t kKindAt = kRtpsHeaderSize + 4;

@@ -60,8 +60,8 @@ int refused(const Error& error) {
   return kNotInitialised;
 }
 
-/// Prints the numbers of samples that were received but not stored. If there are none, the file has
-/// everything that was acknowledged.
+// Prints the numbers of samples that were received but not stored. If there are none, the file has
+// everything that was acknowledged.
 int finish(rtps::Keeper& keeper, EventSink& events) {
   const auto stored = keeper.flush(kMaxFlush);
   const auto topics = keeper.topics();

@@ -24,8 +24,8 @@ void say_round_trips(std::uint32_t size, std::vector<double>& microseconds) {
               {"p99_us", percentile(microseconds, 0.99)}});
 }
 
-/// Answers in the receiving thread, which saves one wake-up for each round trip. Pings that arrive
-/// before a thread reads the answers wait in the reader.
+// Answers in the receiving thread, which saves one wake-up for each round trip. Pings that arrive
+// before a thread reads the answers wait in the reader.
 class Echo final : public rtps::DataReaderListener, public rtps::DataWriterListener {
  public:
   explicit Echo(rtps::DataWriter<Blob>& writer) : writer_(writer) {
@@ -57,8 +57,8 @@ class Echo final : public rtps::DataReaderListener, public rtps::DataWriterListe
   std::atomic<std::uint64_t> answered_ = 0;
 };
 
-/// Sends a ping until its pong arrives: the answering side may not have matched yet, and then does
-/// not receive it.
+// Sends a ping until its pong arrives: the answering side may not have matched yet, and then does
+// not receive it.
 class Ping {
  public:
   Ping(Session& session, rtps::DataWriter<Blob>& writer, rtps::DataReader<Blob>& reader)
@@ -67,7 +67,7 @@ class Ping {
         reader_(reader),
         sent_{0, 0, 0, Bytes(session.options().size, 0x5a)} {}
 
-  /// Returns nanoseconds; empty if the session was over before.
+  // Returns nanoseconds; empty if the session was over before.
   std::optional<std::int64_t> round_trip() {
     const auto begin = session_.nanoseconds();
     sent_.t_ns = static_cast<std::uint64_t>(begin);

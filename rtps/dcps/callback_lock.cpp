@@ -13,10 +13,10 @@ struct CallbackLock::Waiting {
   Waiting* next = nullptr;
 };
 
-/// All waits of the process. A list in the stacks of the threads that wait, so that a wait
-/// allocates nothing.
+// All waits of the process. A list in the stacks of the threads that wait, so that a wait
+// allocates nothing.
 struct CallbackLock::Waits {
-  std::mutex mutex;  ///< protects the list and all locks
+  std::mutex mutex;  // protects the list and all locks
   std::condition_variable changed;
   Waiting* list = nullptr;
   std::size_t count = 0;
@@ -48,8 +48,8 @@ const CallbackLock::Waiting* CallbackLock::waiting(ThreadId thread) {
   return nullptr;
 }
 
-/// Follows the chain: who holds the lock, for what that thread waits, who holds that. A chain
-/// cannot be longer than there are waits, unless it is a circle of others, which they resolve.
+// Follows the chain: who holds the lock, for what that thread waits, who holds that. A chain
+// cannot be longer than there are waits, unless it is a circle of others, which they resolve.
 bool CallbackLock::never_ends(const Waiting& own) const {
   const auto* lock = this;
   for (std::size_t steps = 0; steps <= waits().count && lock->depth_ > 0; ++steps) {

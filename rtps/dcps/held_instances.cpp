@@ -20,7 +20,7 @@ SourceOrder order_of(const HeldSample& sample) {
   return {sample.change.source_time, sample.change.writer, sample.place};
 }
 
-/// Where a sample belongs among those of its instance.
+// Where a sample belongs among those of its instance.
 HeldSamples::iterator place_of(HeldInstance& instance, const HeldSample& sample, bool is_indexed) {
   auto before = instance.held.end();
   if (!sample.by_source) return before;
@@ -33,8 +33,8 @@ HeldSamples::iterator place_of(HeldInstance& instance, const HeldSample& sample,
   return before;
 }
 
-/// A new sample, which is unread, has its place. Once it is not the last one, the first unread one
-/// must be searched for.
+// A new sample, which is unread, has its place. Once it is not the last one, the first unread one
+// must be searched for.
 void note_unread(HeldInstance& instance, HeldSamples::iterator at) {
   auto& first = instance.unread_from;
   if (first == instance.held.end() || std::next(at) == first)
@@ -43,13 +43,13 @@ void note_unread(HeldInstance& instance, HeldSamples::iterator at) {
     first = instance.held.begin();
 }
 
-/// How many places samples that belong together take, beside those that are held, and alone.
+// How many places samples that belong together take, beside those that are held, and alone.
 struct Places {
   std::size_t now = 0, alone = 0;
 };
 
-/// With KEEP_LAST, only as many samples of each instance as its history has. If the instances are
-/// not known, all samples may replace others.
+// With KEEP_LAST, only as many samples of each instance as its history has. If the instances are
+// not known, all samples may replace others.
 Places places_for(const WantedRoom& wanted, const History& history, const HeldInstances& held) {
   if (history.kind == HistoryKind::keep_all) return {wanted.samples, wanted.samples};
   const auto depth = static_cast<std::size_t>(history.depth);
@@ -63,7 +63,7 @@ Places places_for(const WantedRoom& wanted, const History& history, const HeldIn
   return out;
 }
 
-/// Moves the instance, with its key, to another account. nullptr: to none.
+// Moves the instance, with its key, to another account. nullptr: to none.
 void charge(HeldInstance& instance, const HeldShareOf& share) {
   const auto octets = instance.key_value.size();
   if (share) share->octets += octets, ++share->instances;

@@ -10,7 +10,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// A sample that TIME_BASED_FILTER held back is offered to a full reader no more often than this.
+// A sample that TIME_BASED_FILTER held back is offered to a full reader no more often than this.
 constexpr std::chrono::milliseconds kMinPause{10};
 
 bool is_far_ahead(const std::optional<Time>& time, const Moment& at) {
@@ -34,9 +34,9 @@ bool is_too_old(const HeldInstances& all, const HeldInstance& instance, const Ch
   return all.is_full(instance) && is_before(instance.oldest()->change.source_time);
 }
 
-/// A durability service sends what it still has. It would replace a sample that the original writer
-/// wrote later. A writer that was restarted with the same GUID has lower numbers and later
-/// timestamps.
+// A durability service sends what it still has. It would replace a sample that the original writer
+// wrote later. A writer that was restarted with the same GUID has lower numbers and later
+// timestamps.
 bool was_replaced(const HeldInstances& all, const HeldInstance& instance, const Change& change) {
   const auto origin = change.origin();
   if (origin.writer == change.writer || !all.is_full(instance)) return false;
@@ -61,7 +61,7 @@ bool holds_back(const HeldInstance& instance, const Guid& writer) {
   return instance.held_back && instance.held_back->writer == writer;
 }
 
-/// TIME_BASED_FILTER: the reader must not see the change yet.
+// TIME_BASED_FILTER: the reader must not see the change yet.
 bool waits(const HeldInstance& instance, const Change& change, const Moment& at) {
   return change.is_alive() && at.now < instance.quiet_until;
 }

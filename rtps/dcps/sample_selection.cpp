@@ -102,7 +102,7 @@ void select_from(HeldInstances& instances, HeldInstance& instance, const SampleQ
   instances.settle(instance);
 }
 
-/// Sets the ranks within the collection.
+// Sets the ranks within the collection.
 void rank(std::span<SampleInfo* const> infos) {
   // Number of samples, generations.
   std::map<InstanceHandle, std::pair<std::int32_t, std::int32_t>> later;

@@ -15,8 +15,8 @@ bool is_claim(const Change& change) {
   return change.original.number.value > 0 && change.original.writer != change.writer;
 }
 
-/// Covers everything that a reader sees. A durability service that keeps a dispose does not keep
-/// the unregistration with it.
+// Covers everything that a reader sees. A durability service that keeps a dispose does not keep
+// the unregistration with it.
 Sha256Digest digest_of(const Change& change, BytesView padding = {}) {
   const auto& status = change.status;
   const auto key = change.key_hash.value_or(KeyHash{});
@@ -33,8 +33,8 @@ Sha256Digest digest_of(const Change& change, BytesView padding = {}) {
   return sha256({head.view(), change.payload.view(), padding});
 }
 
-/// The sample behind the claim may have received up to three octets of submessage padding on its
-/// way.
+// The sample behind the claim may have received up to three octets of submessage padding on its
+// way.
 bool says(const Change& change, const Sha256Digest& claim) {
   constexpr std::array<std::uint8_t, 3> kZeros{};
   const auto missing = (4 - change.payload.size() % 4) % 4;

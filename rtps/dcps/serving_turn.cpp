@@ -89,7 +89,7 @@ void ServingTurn::give_up(Clock::time_point now) {
     arm(kGrace);
 }
 
-/// Zero: at once. The greatest value: never.
+// Zero: at once. The greatest value: never.
 void ServingTurn::arm(std::chrono::nanoseconds after) {
   is_armed_ = after != std::chrono::nanoseconds::max();
   is_due_at_once_ = after == std::chrono::nanoseconds::zero();
@@ -117,7 +117,7 @@ bool ServingTurn::await() {
   }
 }
 
-/// Returns true if the timer has fired.
+// Returns true if the timer has fired.
 bool ServingTurn::sleep() const {
   pollfd timer{timer_.number(), POLLIN, 0};
   constexpr auto kMax = std::chrono::duration_cast<std::chrono::milliseconds>(kMaxServe);

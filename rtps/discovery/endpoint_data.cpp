@@ -7,7 +7,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// The data as read, before it is checked.
+// The data as read, before it is checked.
 struct Announced {
   EndpointData data;
   std::optional<Guid> participant;
@@ -29,7 +29,7 @@ void write_enum(SpanWriter& out, E value) {
   out.write(static_cast<std::uint32_t>(value));
 }
 
-/// Durations in QoS policies must not be negative.
+// Durations in QoS policies must not be negative.
 Status read_duration_into(Reader& reader, Duration& value) {
   DDSSEC_ASSIGN_OR_RETURN(value, read_duration(reader));
   if (value < kDurationZero) return fail(Code::rtps_parameter_invalid);

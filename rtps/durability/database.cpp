@@ -8,7 +8,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// The operating system's last error for the write-ahead log or the file; 0: none.
+// The operating system's last error for the write-ahead log or the file; 0: none.
 int last_errno(sqlite3* database) {
   int number = 0;
   sqlite3_file* log = nullptr;
@@ -19,7 +19,7 @@ int last_errno(sqlite3* database) {
   return number;
 }
 
-/// SQLite has the same message for a full disk and for the store's own limit.
+// SQLite has the same message for a full disk and for the store's own limit.
 std::string reason(int kind, const std::string& path, sqlite3* database) {
   if (database == nullptr || path.empty()) return {};
   if (const int number = kind == SQLITE_IOERR ? last_errno(database) : 0; number != 0)

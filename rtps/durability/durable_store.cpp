@@ -16,7 +16,7 @@ constexpr std::chrono::seconds kMaxOpen{5};
 constexpr std::chrono::seconds kRoomPollInterval{1};
 constexpr std::uint32_t kMaxAlike = 64;
 
-/// What a commit has to do for a change, in octets. A row that goes costs about as much as one.
+// What a commit has to do for a change, in octets. A row that goes costs about as much as one.
 std::size_t work_of(const StoredChange& stored) {
   return stored.change.payload.size() + stored.removed.size() * StoreShares::cost(0);
 }
@@ -328,7 +328,7 @@ std::vector<StoredChange> DurableStore::removals_before(
   return {};
 }
 
-/// Empty: there was no memory to find out.
+// Empty: there was no memory to find out.
 std::optional<std::size_t> DurableStore::room_now() noexcept try {
   const auto room = store_.room();
   return room ? std::optional(*room) : std::nullopt;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kOctetsPerEntry = 1024;
 
-/// Writers number their changes from 1 on.
+// Writers number their changes from 1 on.
 constexpr SequenceNumber kEnded{0};
 
 Guid guid_from(BytesView octets) {

@@ -10,7 +10,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// The most rows of an instance that a relayed change is compared with, latest first.
+// The most rows of an instance that a relayed change is compared with, latest first.
 constexpr std::size_t kMaxCompared = 64;
 
 std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
@@ -19,9 +19,9 @@ std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
 
 KeyHash key_of(const Change& change) { return change.key_hash.value_or(KeyHash{}); }
 
-/// What is left of `period` for something that began at `since`: not more than `period`, however
-/// far ahead `since` is. Not above 0: it is over. kNever: it never is. No sum overflows, because
-/// durations and ages stay below 2^32 s.
+// What is left of `period` for something that began at `since`: not more than `period`, however
+// far ahead `since` is. Not above 0: it is over. kNever: it never is. No sum overflows, because
+// durations and ages stay below 2^32 s.
 MonotonicTime left_of(Duration period, Time since, Time now) {
   if (period.is_infinite()) return kNever;
   const auto age = now.to_nanoseconds() - since.to_nanoseconds();
@@ -39,7 +39,7 @@ MonotonicTime later_by(MonotonicTime left, MonotonicTime now) {
   return left == kNever ? kNever : now + left;
 }
 
-/// When a disposed instance is removed. kNever: never, or it is alive.
+// When a disposed instance is removed. kNever: never, or it is alive.
 MonotonicTime end_of(const Change& change, const DurabilityService& service, Time since,
                      const Moment& now) {
   if (!change.status.disposed) return kNever;

@@ -17,7 +17,7 @@ constexpr std::size_t kPageSize = 4096;
 constexpr std::string_view kWithoutSamples =
     "NOT EXISTS (SELECT 1 FROM sample WHERE sample.stream = stream.id)";
 
-/// Includes the length of each name, so that different lists never give the same octets.
+// Includes the length of each name, so that different lists never give the same octets.
 Bytes partition_octets(const std::vector<std::string>& names) {
   Bytes out;
   for (const auto& name : names) {
@@ -28,7 +28,7 @@ Bytes partition_octets(const std::vector<std::string>& names) {
   return out;
 }
 
-/// The same for partitions and scope. Without a scope it is what earlier versions stored.
+// The same for partitions and scope. Without a scope it is what earlier versions stored.
 Bytes partition_octets(const StreamKey& key) {
   constexpr std::array<std::uint8_t, 2> kLengthOfNoName{0xff, 0xff};
   auto out = partition_octets(key.partition);

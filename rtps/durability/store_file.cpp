@@ -18,8 +18,8 @@ std::unexpected<Error> refuse_file(const std::string& path, std::string expected
               {.document = path, .expected = std::move(expected), .found = std::move(found)});
 }
 
-/// The file has samples of secured topics in the clear, so only the process's user may read it. It
-/// is not repaired here, because other users may already have read or opened it.
+// The file has samples of secured topics in the clear, so only the process's user may read it. It
+// is not repaired here, because other users may already have read or opened it.
 Status check_private(const std::string& path, const struct stat& status) {
   if (!S_ISREG(status.st_mode)) return refuse_file(path, "a regular file", "another kind of file");
   if (status.st_uid != ::geteuid())
@@ -38,7 +38,7 @@ Status check_private(const std::string& path, const struct stat& status) {
                .hint = "chmod 600 the file; other users may already have read what is in it"});
 }
 
-/// SQLite takes over what stands in these files, and keeps their modes.
+// SQLite takes over what stands in these files, and keeps their modes.
 Status check_companions(const std::string& path) {
   for (const auto* suffix : {"-wal", "-shm", "-journal"}) {
     struct stat status {};

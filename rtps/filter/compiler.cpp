@@ -11,7 +11,7 @@ namespace {
 
 using Kind = FilterToken::Kind;
 
-/// Types of values that can be compared with each other.
+// Types of values that can be compared with each other.
 enum class Family : std::uint8_t { integer, real, text, character, boolean, enumeration };
 
 constexpr std::string_view kFamilyNames[] = {"an integer",  "a number",      "a text",
@@ -97,7 +97,7 @@ class FilterCompiler {
     out_.steps_.push_back({kind, static_cast<std::uint16_t>(index)});
   }
 
-  /// Parses `part`s with `word` between them. `skip` skips the rest once the result is known.
+  // Parses `part`s with `word` between them. `skip` skips the rest once the result is known.
   template <class Part>
   Status chain(Kind word, Step::Kind skip, Part part) {
     DDSSEC_RETURN_IF_ERROR(part());
@@ -231,8 +231,8 @@ class FilterCompiler {
     return Filter::Operand{false, index};
   }
 
-  /// Returns the literal that a parameter stands for, with the position of the parameter; other
-  /// tokens unchanged.
+  // Returns the literal that a parameter stands for, with the position of the parameter; other
+  // tokens unchanged.
   Result<FilterToken> literal_of(const FilterToken& token) {
     if (token.kind != Kind::parameter) return token;
     std::size_t number = 0;

@@ -13,7 +13,7 @@ struct Overloaded : F... {
 
 constexpr auto kNoLimit = std::numeric_limits<std::size_t>::max();
 
-/// Subtracts the cost of comparing texts; sets `steps` to 0 if there are not enough.
+// Subtracts the cost of comparing texts; sets `steps` to 0 if there are not enough.
 void take(std::size_t& steps, std::size_t cost) { steps -= std::min(steps, cost); }
 
 }  // namespace

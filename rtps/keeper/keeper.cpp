@@ -16,8 +16,8 @@
 namespace ddssec::rtps {
 namespace {
 
-/// Digest of topic, type, partitions and data tags. Names never contain a NUL, and topic names are
-/// not empty.
+// Digest of topic, type, partitions and data tags. Names never contain a NUL, and topic names are
+// not empty.
 KeyHash key_of(const EndpointData& writer) {
   std::string text;
   const auto& tags = writer.qos.data_tags;
@@ -32,15 +32,15 @@ KeyHash key_of(const EndpointData& writer) {
   return out;
 }
 
-/// A stream that no writer can have, because topic names are not empty.
+// A stream that no writer can have, because topic names are not empty.
 StreamKey stream_of_announcements(DomainId domain, const std::string& domain_tag) {
   StreamKey key{.domain = static_cast<std::uint32_t>(domain), .topic = "", .type = "kept"};
   if (!domain_tag.empty()) key.scope.push_back(domain_tag);
   return key;
 }
 
-/// A reader with these partitions would not match the writer: a name with wildcards matches only
-/// names without.
+// A reader with these partitions would not match the writer: a name with wildcards matches only
+// names without.
 Status check_partition(const EndpointData& writer) {
   const auto& names = writer.qos.partition;
   if (partitions_match(names, names)) return {};
@@ -59,11 +59,11 @@ Change announcement(const EndpointData& writer, const KeyHash& key) {
   return change;
 }
 
-/// False: the writer's announcement alone is the reason. Otherwise there may be room later, or the
-/// right, when permissions are renewed.
+// False: the writer's announcement alone is the reason. Otherwise there may be room later, or the
+// right, when permissions are renewed.
 bool may_succeed_later(const Error& error) { return error.code() != Code::rtps_qos_incompatible; }
 
-/// Removes what was remembered of the topic.
+// Removes what was remembered of the topic.
 Change end_of_announcement(const KeyHash& key) {
   Change change;
   change.key_hash = key;

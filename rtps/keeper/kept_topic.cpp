@@ -51,7 +51,7 @@ Qos reading_qos(const Qos& original) {
   return qos;
 }
 
-/// What separates streams besides their partitions. Empty: nothing.
+// What separates streams besides their partitions. Empty: nothing.
 std::vector<std::string> scope_of(const std::string& domain_tag, const PropertyList& tags) {
   if (domain_tag.empty() && tags.empty()) return {};
   std::vector<std::string> out{domain_tag};
@@ -59,7 +59,7 @@ std::vector<std::string> scope_of(const std::string& domain_tag, const PropertyL
   return out;
 }
 
-/// The LIFESPAN after which none of these samples is older than its own.
+// The LIFESPAN after which none of these samples is older than its own.
 Duration lifespan_of(const DurableStore::Opened& opened, const Moment& at) {
   auto out = kDurationZero;
   for (std::size_t i = 0; i < opened.history.size(); ++i) {
@@ -79,7 +79,7 @@ RelayOrder relay_order(const Change& change, const Qos& qos) {
                                                                   : RelayOrder::number;
 }
 
-/// The LIFESPAN that the writer announces now.
+// The LIFESPAN that the writer announces now.
 Duration lifespan_of(const ParticipantContext& context, const Guid& writer) {
   const auto* announced = context.protocol().remote_participants().endpoint(writer);
   return announced == nullptr ? kDurationInfinite : announced->qos.lifespan;
@@ -211,8 +211,8 @@ bool KeptTopic::defer(MonotonicTime now) {
   return false;
 }
 
-/// Before the keeper was restarted. A writer that was restarted and has the same GUID begins again
-/// with the number 1, and later timestamps.
+// Before the keeper was restarted. A writer that was restarted and has the same GUID begins again
+// with the number 1, and later timestamps.
 bool KeptTopic::was_heard(const Change& change) const {
   const auto origin = change.origin();
   const auto at = heard_.find(origin.writer);
@@ -252,8 +252,8 @@ bool KeptTopic::keep(Change& change) {
   return true;
 }
 
-/// Without security there are no identities. All participants that did not authenticate count as
-/// one identity.
+// Without security there are no identities. All participants that did not authenticate count as
+// one identity.
 std::optional<GuidPrefix> KeptTopic::identity_of(const GuidPrefix& sender) const {
   const auto& core = context_.protocol().remote_participants().core();
   if (!core.security) return std::nullopt;

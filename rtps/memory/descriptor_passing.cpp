@@ -17,7 +17,7 @@
 namespace ddssec::rtps::memory {
 namespace {
 
-/// After so long without a turn, the thread counts as held up.
+// After so long without a turn, the thread counts as held up.
 constexpr MonotonicTime kHeldUp = std::chrono::seconds(1);
 constexpr std::size_t kMaxAtOnce = 16;
 
@@ -76,15 +76,15 @@ struct DescriptorPassing::Shared {
   Shared(DescriptorServer of_writers, Users admitted)
       : server(std::move(of_writers)), users(admitted) {}
 
-  /// One turn of work. `wait`: until there is any.
+  // One turn of work. `wait`: until there is any.
   void turn(MonotonicTime now, bool wait);
   void run();
   void wait_for_work(MonotonicTime now);
   void begin(Work work, MonotonicTime now);
   void fetch(std::uint64_t id, const DescriptorOffer& offer, MonotonicTime now);
-  /// Returns true if the request has ended.
+  // Returns true if the request has ended.
   bool look_at(Request& request, MonotonicTime now);
-  /// `fetches`: not only what no other process can delay.
+  // `fetches`: not only what no other process can delay.
   std::optional<Work> next_work(bool fetches);
   template <class T, class R>
   void give(std::vector<T>& results, std::uint64_t id, R result);
@@ -101,7 +101,7 @@ struct DescriptorPassing::Shared {
 
   const FileDescriptor wake = new_event(), ready = new_event();
   std::atomic<bool> ends = false;
-  /// When the thread began what it does; 0: it waits.
+  // When the thread began what it does; 0: it waits.
   std::atomic<MonotonicTime::rep> busy_since = 0;
 
   mutable std::mutex lock;  // of all below; held for no call that could wait

@@ -226,7 +226,7 @@ void DescriptorServer::keep(Connection connection) {
   connections_.push_back(std::move(connection));
 }
 
-/// True if the connection has shown its token, or never will.
+// True if the connection has shown its token, or never will.
 bool DescriptorServer::is_done(const Connection& connection) {
   std::array<std::uint8_t, kTokenSize + 1> octets{};
   const int socket = connection.socket.number();

@@ -7,13 +7,13 @@
 namespace ddssec::rtps::memory {
 namespace {
 
-/// The files of one version of cgroups.
+// The files of one version of cgroups.
 struct Version {
   const char* folder;
   const char* limit;
-  const char* slow;  ///< beyond it the system slows the processes down; may be empty
+  const char* slow;  // beyond it the system slows the processes down; may be empty
   const char* used;
-  const char* droppable;  ///< a line of memory.stat
+  const char* droppable;  // a line of memory.stat
 };
 constexpr Version kTwo{"/sys/fs/cgroup", "/memory.max", "/memory.high", "/memory.current",
                        "inactive_file"};

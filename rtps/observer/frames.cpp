@@ -23,7 +23,7 @@ std::uint16_t number_at(BytesView octets, std::size_t at) {
   return static_cast<std::uint16_t>(octets[at] << 8 | octets[at + 1]);
 }
 
-/// Returns what follows after `size` octets; empty if there are fewer.
+// Returns what follows after `size` octets; empty if there are fewer.
 BytesView behind(BytesView octets, std::size_t size) {
   return octets.size() < size ? BytesView() : octets.subspan(size);
 }

@@ -11,8 +11,8 @@
 namespace ddssec::rtps {
 namespace {
 
-/// A step that is not answered for this long counts as unanswered: Cyclone DDS and Fast DDS repeat
-/// theirs after a second.
+// A step that is not answered for this long counts as unanswered: Cyclone DDS and Fast DDS repeat
+// theirs after a second.
 constexpr MonotonicTime kAnswerTimeout = std::chrono::milliseconds(2500);
 
 // Properties of an identity token (DDS-Security 1.2, clause 10.3.2.1).
@@ -26,7 +26,7 @@ const std::string* claim_of(const ObservedParticipant& participant, std::string_
 struct Side {
   const GuidPrefix& prefix;
   const ObservedParticipant& participant;
-  const HandshakeFlow& sent;  ///< to the other side
+  const HandshakeFlow& sent;  // to the other side
 
   std::string name() const { return name_of(prefix, participant); }
   const std::string* identity_ca() const { return claim_of(participant, kIdentityCa); }
@@ -36,8 +36,8 @@ struct Side {
   }
 };
 
-/// Splits a name into its attributes, because vendors write names in several ways:
-/// "O=Example,CN=CA" and "/CN=CA/O=Example" are the same name.
+// Splits a name into its attributes, because vendors write names in several ways:
+// "O=Example,CN=CA" and "/CN=CA/O=Example" are the same name.
 std::vector<std::string_view> attributes_of(std::string_view name) {
   std::vector<std::string_view> out;
   for (std::size_t begin = 0; begin < name.size();) {
@@ -66,7 +66,7 @@ std::string protection(const ObservedParticipant& participant) {
 
 double seconds(MonotonicTime time) { return std::chrono::duration<double>(time).count(); }
 
-/// Returns a contradiction between the announcements of the two.
+// Returns a contradiction between the announcements of the two.
 std::optional<Finding> contradiction(const Side& a, const Side& b) {
   if (a.participant.is_secured() != b.participant.is_secured()) {
     const auto& without = a.participant.is_secured() ? b : a;
@@ -99,8 +99,8 @@ std::string times(const Seen& seen) {
   return seen.count == 1 ? "once" : fmt::format("{} times", seen.count);
 }
 
-/// Returns where the handshake that `a` began stopped. Empty: it did not stop, or not for long
-/// enough.
+// Returns where the handshake that `a` began stopped. Empty: it did not stop, or not for long
+// enough.
 std::optional<Finding> standstill(const Side& a, const Side& b, MonotonicTime end) {
   const auto& request = a.sent.at(HandshakeStep::request);
   const auto& reply = b.sent.at(HandshakeStep::reply);

@@ -27,7 +27,7 @@ std::optional<HandshakeStep> step_of(const GenericMessage& message) {
   return std::nullopt;
 }
 
-/// Returns the kind at the beginning of a CryptoHeader (DDS-Security 1.2, clause 10.5.2.3).
+// Returns the kind at the beginning of a CryptoHeader (DDS-Security 1.2, clause 10.5.2.3).
 std::optional<TransformKind> kind_in(BytesView octets) {
   if (octets.size() < 20) return std::nullopt;
   return TransformKind::from(octets.first(TransformKind::size));

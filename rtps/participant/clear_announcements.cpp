@@ -5,7 +5,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// The policies of a remote endpoint that stay the same as long as it is matched.
+// The policies of a remote endpoint that stay the same as long as it is matched.
 bool differ_in_what_a_match_keeps(const Qos& before, const Qos& after) {
   return before.reliability.kind != after.reliability.kind || before.durability != after.durability;
 }

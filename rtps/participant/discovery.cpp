@@ -7,9 +7,9 @@
 namespace ddssec::rtps {
 namespace {
 
-/// Returns the index of the locator that is replaced when `newcomer` adds one more. It is chosen
-/// from the source with the most locators: the one in the middle, so that the first locators of
-/// that source and the latest of the others stay.
+// Returns the index of the locator that is replaced when `newcomer` adds one more. It is chosen
+// from the source with the most locators: the one in the middle, so that the first locators of
+// that source and the latest of the others stay.
 std::size_t superfluous(const std::vector<SourceAddress>& sources, const SourceAddress& newcomer) {
   const auto held = [&](const SourceAddress& source) {
     return std::pair(std::ranges::count(sources, source), source == newcomer);
@@ -22,25 +22,25 @@ std::size_t superfluous(const std::vector<SourceAddress>& sources, const SourceA
 }
 
 struct AddedLocators {
-  bool any = false;        ///< any of them is new
-  bool displaced = false;  ///< others had to go
+  bool any = false;        // any of them is new
+  bool displaced = false;  // others had to go
 };
 
-/// Leaves out loopback addresses that another machine announced. Otherwise it could make this
-/// participant send to services on the local machine.
+// Leaves out loopback addresses that another machine announced. Otherwise it could make this
+// participant send to services on the local machine.
 void leave_out_loopback(const ParticipantCore& core, LocatorList& announced) {
   if (core.is_from_elsewhere)
     std::erase_if(announced, [](const Locator& locator) { return locator.is_loopback(); });
 }
 
-/// The addresses that this participant can use; `fallback` if none was announced.
+// The addresses that this participant can use; `fallback` if none was announced.
 LocatorList usable(const ParticipantCore& core, LocatorList announced,
                    const LocatorList& fallback = {}) {
   leave_out_loopback(core, announced);
   return usable_locators(announced, fallback, core.config.interfaces);
 }
 
-/// The locators that one source announces do not displace those that other sources announced.
+// The locators that one source announces do not displace those that other sources announced.
 AddedLocators add_locators(LocatorList& known, std::vector<SourceAddress>& sources,
                            const LocatorList& more, const SourceAddress& source) {
   constexpr std::size_t kMax = 8;
@@ -60,8 +60,8 @@ AddedLocators add_locators(LocatorList& known, std::vector<SourceAddress>& sourc
   return out;
 }
 
-/// A peer that has not proven its identity may announce addresses of other hosts. So the answer
-/// goes to the address that it announced itself from, or to one address.
+// A peer that has not proven its identity may announce addresses of other hosts. So the answer
+// goes to the address that it announced itself from, or to one address.
 LocatorList where_to_answer(const LocatorList& metatraffic, const SourceAddress& source) {
   LocatorList out;
   for (const auto& locator : metatraffic)
@@ -70,10 +70,10 @@ LocatorList where_to_answer(const LocatorList& metatraffic, const SourceAddress&
   return out;
 }
 
-/// Takes over the data that the peer signed but that no handshake needs. For Cyclone DDS this is
-/// its version, which determines how it lays out keys. ddssec also signs its name and user data,
-/// unless DCPSParticipantsSecure carries them. For other vendors, name and user data stay as
-/// announced.
+// Takes over the data that the peer signed but that no handshake needs. For Cyclone DDS this is
+// its version, which determines how it lays out keys. ddssec also signs its name and user data,
+// unless DCPSParticipantsSecure carries them. For other vendors, name and user data stay as
+// announced.
 void adopt_names(ParticipantData& known, const ParticipantData& proven) {
   known.vendor = proven.vendor;
   const bool is_cyclone = proven.vendor == kVendorCyclone;
@@ -83,8 +83,8 @@ void adopt_names(ParticipantData& known, const ParticipantData& proven) {
   known.user_data = proven.user_data;
 }
 
-/// Reports an endpoint announcement that cannot be read. The topic still shows whether it is a
-/// writer or a reader.
+// Reports an endpoint announcement that cannot be read. The topic still shows whether it is a
+// writer or a reader.
 void raise_unreadable(ParticipantCore& core, const Error& error, const GuidPrefix& source,
                       bool publications, bool secure) {
   const Guid some{source, publications ? kPublicationsWriter : kPublicationsReader};
@@ -92,7 +92,7 @@ void raise_unreadable(ParticipantCore& core, const Error& error, const GuidPrefi
              core.origin_of_announcement(some, secure));
 }
 
-/// Another host of the participant is proven, so that other addresses may be used.
+// Another host of the participant is proven, so that other addresses may be used.
 void readdress(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& builtin,
                RemoteParticipant& remote) {
   if (has_proven_address(core, remote)) core.sender.amplification_limit().end(remote.prefix());
@@ -122,8 +122,8 @@ void follow(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& bui
   readdress(core, matcher, builtin, remote);
 }
 
-/// A datagram arrived in this participant's name. If sending to it is limited, more may now be
-/// sent.
+// A datagram arrived in this participant's name. If sending to it is limited, more may now be
+// sent.
 void note_credit(ParticipantCore& core, const GuidPrefix& source) {
   const auto octets = core.sender.amplification_limit().add_credit(source);
   if (octets > 0 && core.security) core.security->note_credit(source, octets);

@@ -20,8 +20,8 @@ bool contains(const auto& list, const auto& value) {
   return std::ranges::find(list, value) != list.end();
 }
 
-/// Access control is checked first, so that a participant that may not use the topic cannot change
-/// a local status. Empty: they do not match.
+// Access control is checked first, so that a participant that may not use the topic cannot change
+// a local status. Empty: they do not match.
 std::optional<Admission::Permission> judge(ParticipantCore& core, const EndpointData& local,
                                            EndpointListener& listener, const EndpointData& remote) {
   const bool is_secured = core.security && remote.guid.prefix != core.config.prefix;
@@ -32,7 +32,7 @@ std::optional<Admission::Permission> judge(ParticipantCore& core, const Endpoint
   return permission;
 }
 
-/// Returns false if the keys of the pair have not arrived yet.
+// Returns false if the keys of the pair have not arrived yet.
 bool register_pair(ParticipantCore& core, const EntityId& local, const Guid& remote,
                    const Admission::Permission& permission) {
   if (!core.security || remote.prefix == core.config.prefix) return true;

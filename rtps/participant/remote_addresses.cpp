@@ -26,8 +26,8 @@ LocatorList only_proven(const ParticipantCore& core, const RemoteParticipant& re
   return out;
 }
 
-/// The participant's ports at the hosts from which it was heard. A participant behind a router, or
-/// with a second address that it never sends from, signs none of them.
+// The participant's ports at the hosts from which it was heard. A participant behind a router, or
+// with a second address that it never sends from, signs none of them.
 LocatorList at_hosts(const RemoteParticipant& remote, const LocatorList& announced) {
   LocatorList out;
   for (const auto& host : remote.hosts.all())
@@ -39,14 +39,14 @@ LocatorList at_hosts(const RemoteParticipant& remote, const LocatorList& announc
   return out;
 }
 
-/// Those at proven hosts; without any, the same ports at these hosts.
+// Those at proven hosts; without any, the same ports at these hosts.
 LocatorList proven_of(const ParticipantCore& core, const RemoteParticipant& remote,
                       const LocatorList& announced) {
   auto out = only_proven(core, remote, announced);
   return out.empty() ? at_hosts(remote, announced) : out;
 }
 
-/// The host of all addresses to which anything was sent; invalid if it was not one host.
+// The host of all addresses to which anything was sent; invalid if it was not one host.
 Locator only_host(const ParticipantCore& core, const RemoteParticipant& remote) {
   const auto& addresses = remote.metatraffic;
   if (addresses.empty() || remote.has_displaced_addresses) return {};
@@ -80,7 +80,7 @@ std::string text_of(const LocatorList& locators) {
   return out.empty() ? "none" : out;
 }
 
-/// Without their ports.
+// Without their ports.
 std::string text_of_hosts(const ParticipantCore& core, const RemoteParticipant& remote) {
   std::string out;
   for (const auto& host : has_signed(remote) ? remote.hosts.all() : remote.metatraffic) {
@@ -127,7 +127,7 @@ bool is_own(const RemoteParticipant& remote, const Locator& address) {
          has(remote.signed_metatraffic);
 }
 
-/// Those of the addresses that the endpoint may use although anyone can have announced it.
+// Those of the addresses that the endpoint may use although anyone can have announced it.
 LocatorList within_limit(ParticipantCore& core, RemoteParticipant& remote,
                          const EndpointData& endpoint, const LocatorList& addresses) {
   LocatorList out;

@@ -13,7 +13,7 @@ std::size_t price_of(const EndpointData& data) {
   return RemoteParticipants::kPricePerEndpoint + octets_of(data);
 }
 
-/// Returns kNever if the lease does not end.
+// Returns kNever if the lease does not end.
 MonotonicTime lease_of(const ParticipantCore& core, const ParticipantData& data) {
   const auto announced =
       data.lease_duration.is_infinite() ? kNever : data.lease_duration.to_nanoseconds();
@@ -21,7 +21,7 @@ MonotonicTime lease_of(const ParticipantCore& core, const ParticipantData& data)
                        : announced;
 }
 
-/// Of a participant that is heard now.
+// Of a participant that is heard now.
 MonotonicTime lease_end(const ParticipantCore& core, const ParticipantData& data) {
   const auto lease = lease_of(core, data);
   return lease == kNever ? kNever : core.now + lease;

@@ -10,10 +10,10 @@
 namespace ddssec::rtps {
 namespace {
 
-/// Size limit of c.pdata; the plugin refuses more.
+// Size limit of c.pdata; the plugin refuses more.
 constexpr std::size_t kMaxOwnData = 16384;
 
-/// Returns false if the source or the local addresses are not known.
+// Returns false if the source or the local addresses are not known.
 bool is_from_elsewhere(const Locator& source, std::span<const NetworkInterface> own) {
   if (source.kind == LocatorKind::invalid || own.empty() || source.is_loopback()) return false;
   return std::ranges::none_of(own, [&](const auto& interface) {
@@ -21,7 +21,7 @@ bool is_from_elsewhere(const Locator& source, std::span<const NetworkInterface> 
   });
 }
 
-/// Sets what the participant signs of itself in handshakes.
+// Sets what the participant signs of itself in handshakes.
 Status describe_own(ParticipantCore& core, const Announcer& announcer) {
   Bytes octets(kMaxOwnData);
   SpanWriter out(octets, Endian::big);
@@ -32,7 +32,7 @@ Status describe_own(ParticipantCore& core, const Announcer& announcer) {
   return {};
 }
 
-/// Returns false if all addresses are others now.
+// Returns false if all addresses are others now.
 bool take_addresses(ParticipantCore& core, OwnChange::Addresses addresses) {
   auto& config = core.config;
   const bool any_stays = std::ranges::any_of(config.metatraffic_unicast, [&](const auto& former) {

@@ -8,10 +8,10 @@ namespace {
 // ParticipantMessageData::kind (RTPS 9.6.3.1), the same octets for all vendors.
 constexpr std::uint8_t kAutomatic = 1;
 constexpr std::uint8_t kManualByParticipant = 2;
-/// GUID prefix and kind.
+// GUID prefix and kind.
 constexpr std::size_t kKeySize = 16;
 
-/// Several assertions fit into the shortest lease, but no lease causes more than one in this time.
+// Several assertions fit into the shortest lease, but no lease causes more than one in this time.
 constexpr int kAssertionsPerLease = 3;
 constexpr MonotonicTime kMinPeriod = std::chrono::milliseconds(1);
 

@@ -4,7 +4,7 @@
 
 namespace ddssec::rtps {
 
-/// The answer to one request, number by number in ascending order.
+// The answer to one request, number by number in ascending order.
 class Retransmissions::Answer {
  public:
   Answer(Retransmissions& from, ReaderProxy& proxy, const Receiver& receiver, MonotonicTime now)
@@ -31,7 +31,7 @@ class Retransmissions::Answer {
       spend(std::max(change->payload.size(), kMinOctets));
     }
   }
-  /// Call it last.
+  // Call it last.
   void end_gap() {
     if (gap_begin_ == gap_end_) return;
     from_.messages_.gap(receiver_, gap_begin_, gap_end_);
@@ -63,9 +63,9 @@ class Retransmissions::Answer {
   ReaderProxy& proxy_;
   const Receiver& receiver_;
   const SequenceNumber lowest_;
-  std::size_t left_;                          ///< octets
-  std::size_t evaluations_;                   ///< of filters
-  SequenceNumber gap_begin_{1}, gap_end_{1};  ///< not sent yet; empty if they are equal
+  std::size_t left_;                          // octets
+  std::size_t evaluations_;                   // of filters
+  SequenceNumber gap_begin_{1}, gap_end_{1};  // not sent yet; empty if they are equal
 };
 
 bool Retransmissions::answer(ReaderProxy& proxy, const Receiver& receiver,

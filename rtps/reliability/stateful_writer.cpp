@@ -9,7 +9,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// The approximate size of a message besides its payload.
+// The approximate size of a message besides its payload.
 constexpr std::size_t kChangeOctets = 64;
 
 }  // namespace

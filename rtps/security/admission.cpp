@@ -9,7 +9,7 @@ std::string hex(std::uint32_t value) {
   return to_hex(out.view());
 }
 
-/// Returns both masks as text.
+// Returns both masks as text.
 std::string text_of(const spi::SecurityInfo& info) {
   return hex(info.mask) + " " + hex(info.plugin_mask);
 }
@@ -22,8 +22,8 @@ std::unexpected<Error> mismatch(const ParticipantData& data, const spi::Security
                .found = text_of(data.security_info.value_or(spi::SecurityInfo{}))});
 }
 
-/// Either both participants revise their keys or neither does. Otherwise the one that does not
-/// could no longer communicate with the other.
+// Either both participants revise their keys or neither does. Otherwise the one that does not
+// could no longer communicate with the other.
 Status check_key_revision(const ParticipantData& data, const spi::SecurityInfo& own,
                           const spi::SecurityInfo& remote) {
   constexpr auto kEnabled = spi::kMaskIsValid | spi::kKeyRevisionBit;
@@ -40,7 +40,7 @@ std::vector<std::string_view> views_of(const std::vector<std::string>& texts) {
   return {texts.begin(), texts.end()};
 }
 
-/// True if nothing of the endpoint is protected or subject to access control.
+// True if nothing of the endpoint is protected or subject to access control.
 bool is_open(const spi::EndpointSecurityAttributes& attributes) {
   const auto& topic = attributes.topic;
   return !topic.is_read_protected && !topic.is_write_protected && !topic.is_discovery_protected &&
@@ -73,8 +73,8 @@ Admission::Decision Admission::judge(const ParticipantData& data) {
   return Decision::refuse;
 }
 
-/// Checks whether the participant announces attributes with which it can communicate with the local
-/// one.
+// Checks whether the participant announces attributes with which it can communicate with the local
+// one.
 Status Admission::check_participant(const ParticipantData& data) const {
   const auto own_info = spi::security_info(core_.own->attributes());
   const auto info = data.security_info.value_or(spi::SecurityInfo{});
@@ -90,8 +90,8 @@ Status Admission::check_proven(const ParticipantData& proven) const {
   return check_domain(proven);
 }
 
-/// An announcement may have been changed on its way; this data is signed. Other vendors do not
-/// include the domain tag in it.
+// An announcement may have been changed on its way; this data is signed. Other vendors do not
+// include the domain tag in it.
 Status Admission::check_domain(const ParticipantData& proven) const {
   const bool says_no_tag = proven.domain_tag.empty() && proven.vendor != kVendorDdssec;
   const auto& tag = says_no_tag ? proven.domain_tag : core_.own->domain_tag();
@@ -224,8 +224,8 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
   return permission;
 }
 
-/// Whether the remote endpoint may do the same when the document that waits is in force. Otherwise
-/// it gets no keys of the protection that this document demands.
+// Whether the remote endpoint may do the same when the document that waits is in force. Otherwise
+// it gets no keys of the protection that this document demands.
 bool Admission::may_as_well(bool reads, const Permission& permission, const Endpoint& remote) {
   auto& plugin = core_.own->plugins().access_control;
   if (!plugin.pending_governance(core_.own->permissions())) return true;

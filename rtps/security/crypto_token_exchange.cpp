@@ -21,7 +21,7 @@ bool is_for_writers(const GenericMessage& message) {
          message.message_class == message_class::kDatareaderTokensOfOne;
 }
 
-/// The protection that the keys of an endpoint are for; 0: the message names none.
+// The protection that the keys of an endpoint are for; 0: the message names none.
 ProtectionId protection_in(const GenericMessage& message) {
   const bool names_one = message.message_class == message_class::kDatawriterTokensOfOne ||
                          message.message_class == message_class::kDatareaderTokensOfOne;

@@ -7,8 +7,8 @@
 namespace ddssec::rtps {
 namespace {
 
-/// Enumerates all ways to choose a number below each limit so that the numbers add up to `sum`,
-/// until `use` returns false. Returns false if it did.
+// Enumerates all ways to choose a number below each limit so that the numbers add up to `sum`,
+// until `use` returns false. Returns false if it did.
 class Choices {
  public:
   using Use = std::function<bool(const std::vector<std::size_t>&)>;

@@ -10,7 +10,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// The size of a class id and two counts.
+// The size of a class id and two counts.
 constexpr std::size_t kMinTokenSize = 12;
 
 void write(Writer& out, const MessageIdentity& identity) {
@@ -25,7 +25,7 @@ Result<MessageIdentity> read_identity(Reader& reader) {
   return identity;
 }
 
-/// Upper bound for the name, the value and their lengths, each aligned and terminated by NUL.
+// Upper bound for the name, the value and their lengths, each aligned and terminated by NUL.
 std::size_t max_size_of(const auto& property) {
   return property.name.size() + property.value.size() + 16;
 }

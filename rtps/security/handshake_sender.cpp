@@ -8,7 +8,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// The size of a message without its payload: the RTPS header, INFO_DST, and DATA.
+// The size of a message without its payload: the RTPS header, INFO_DST, and DATA.
 constexpr std::size_t kHeaders = 64;
 
 }  // namespace

@@ -26,7 +26,7 @@ LocatorList addresses_of(const Peer& peer) {
   return out;
 }
 
-/// Removes answers to the peer whose answers take the most, until there is room for another one.
+// Removes answers to the peer whose answers take the most, until there is room for another one.
 void make_room_for_answer(SecurityCore& core, const HandshakeAccount& account) {
   const auto taken = [](const auto& one) {
     auto* const handshake = one.second.state.handshake();

@@ -66,12 +66,12 @@ struct AnotherAnnouncement {
 };
 struct TrustEnds {};
 
-/// Result of a transition that stays in the same state.
+// Result of a transition that stays in the same state.
 struct Stays {};
-/// Result if there is no transition.
+// Result if there is no transition.
 struct Illegal {};
 
-/// The state object stays the same, apart from what `on` changed in it.
+// The state object stays the same, apart from what `on` changed in it.
 constexpr Stays kStays;
 
 Authenticating on(Announced& state, const HandshakeBegins&) { return {std::move(state)}; }
@@ -131,7 +131,7 @@ Announced on(Refused& state, AnotherAnnouncement& event) {
   return {{std::move(event.handshake), state.admits}};
 }
 
-/// From now on nothing is sent to the peer, or accepted from it.
+// From now on nothing is sent to the peer, or accepted from it.
 Distrusted without_channel(Association& association) {
   association.volatile_writer.reset();
   association.volatile_reader.reset();

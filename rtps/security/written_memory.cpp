@@ -6,7 +6,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// Until something is tried again that other participants must free first.
+// Until something is tried again that other participants must free first.
 constexpr MonotonicTime kLongPause = std::chrono::seconds(10);
 
 }  // namespace

@@ -19,7 +19,7 @@ struct Free {
   void operator()(ifaddrs* list) const { freeifaddrs(list); }
 };
 
-/// Empty: neither IPv4 nor IPv6.
+// Empty: neither IPv4 nor IPv6.
 std::optional<Locator> locator_of(const sockaddr* address) {
   if (address == nullptr) return std::nullopt;
   Locator out;
@@ -42,7 +42,7 @@ bool is_link_local(const Locator& locator) {
          (locator.address[1] & 0xc0) == 0x80;
 }
 
-/// Every address of the interfaces that are up.
+// Every address of the interfaces that are up.
 std::vector<NetworkInterface> addresses() {
   std::vector<NetworkInterface> out;
   ifaddrs* all = nullptr;

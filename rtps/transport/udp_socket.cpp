@@ -72,7 +72,7 @@ bool set_option(int fd, int level, int option, const T& value) {
   return setsockopt(fd, level, option, &value, sizeof value) == 0;
 }
 
-/// `join`: false if it leaves the group.
+// `join`: false if it leaves the group.
 bool change_group(int fd, const Locator& group, const Locator& interface, bool join) {
   if (group.kind != interface.kind) {
     errno = EADDRNOTAVAIL;
@@ -96,7 +96,7 @@ struct UdpSocket::Batch {
   std::array<sockaddr_storage, kBatch> sources;
   std::array<iovec, kBatch> vectors;
   std::array<mmsghdr, kBatch> headers;
-  std::size_t used = kBatch;  ///< so many headers must be prepared before the next call
+  std::size_t used = kBatch;  // so many headers must be prepared before the next call
 
   void prepare(std::size_t i) {
     vectors[i] = {octets[i].data(), octets[i].size()};
@@ -206,7 +206,7 @@ BytesView UdpSocket::datagram(std::size_t index) const {
 
 Locator UdpSocket::source(std::size_t index) const { return locator_of(batch_->sources[index]); }
 
-/// The datagrams of one sendmmsg call.
+// The datagrams of one sendmmsg call.
 class UdpSocket::Sending {
  public:
   Sending(const UdpSocket& socket, std::uint8_t dscp, const Unsent& unsent)

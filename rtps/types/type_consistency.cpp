@@ -63,7 +63,7 @@ Result<EquivalenceHash> read_minimal_hash(BytesView type_information) {
 struct Member {
   std::uint32_t id = 0;
   std::uint16_t flags = 0;
-  Reader type{BytesView()};  ///< positioned at its TypeIdentifier
+  Reader type{BytesView()};  // positioned at its TypeIdentifier
   BytesView name_hash = {};
 };
 struct Structure {

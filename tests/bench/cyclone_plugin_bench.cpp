@@ -31,7 +31,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Nanoseconds of one call: as many as fill `span`, after a few to warm up.
+// Nanoseconds of one call: as many as fill `span`, after a few to warm up.
 double time_of(const Operation& operation, std::chrono::microseconds span) {
   for (int i = 0; i < 3; ++i) operation();
   const auto start = Clock::now();
@@ -49,7 +49,7 @@ struct Comparison {
   double ours, stock, ratio, raw, over_raw;
 };
 
-/// Alternates, so that a slow second hits all of them.
+// Alternates, so that a slow second hits all of them.
 Comparison compare(const Operation& ours, const Operation& stock, const Operation& raw,
                    int rounds) {
   std::vector<double> o, s, r, ratios, over;
@@ -63,8 +63,8 @@ Comparison compare(const Operation& ours, const Operation& stock, const Operatio
   return {median(o), median(s), median(ratios), median(r), median(over)};
 }
 
-/// The cipher with an expanded key and one malloc a message: no plugin under this ABI can be
-/// faster.
+// The cipher with an expanded key and one malloc a message: no plugin under this ABI can be
+// faster.
 class Raw {
  public:
   Raw() : manager_(alloc_mb_mgr(0)), in_(1 << 17, 1) {
@@ -79,7 +79,7 @@ class Raw {
 
   void encrypt(std::size_t size) const { run(manager_->gcm256_enc, size, 0); }
   void decrypt(std::size_t size) const { run(manager_->gcm256_dec, size, 0); }
-  /// GMAC; the octets have to be copied to where they are sent from.
+  // GMAC; the octets have to be copied to where they are sent from.
   void sign(std::size_t size) const { run(manager_->gcm256_enc, 0, size); }
 
  private:
@@ -117,7 +117,7 @@ Octets message(std::size_t size) {
   return octets;
 }
 
-/// One way of protecting, for a link of either library.
+// One way of protecting, for a link of either library.
 struct Kind {
   const char* name;
   Keys (*keys)(int kind);

@@ -88,7 +88,7 @@ bool all_matched(const Entities& entities, Status status) {
 
 struct Figures {
   double create_seconds, match_seconds;
-  std::int64_t both;  ///< octets
+  std::int64_t both;  // octets
 };
 
 Figures discover(World& world, int pairs) {

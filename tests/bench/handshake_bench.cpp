@@ -30,7 +30,7 @@ Us now_used() {
   return static_cast<Us>(used.tv_sec) * 1e6 + static_cast<Us>(used.tv_nsec) / 1e3;
 }
 
-/// Adds what `work` takes to `sum`.
+// Adds what `work` takes to `sum`.
 auto timed(Us& sum, auto&& work) {
   struct Meter {
     Us& sum;
@@ -46,7 +46,7 @@ void expect(bool ok, const char* what) {
   std::_Exit(1);
 }
 
-/// What the plugins' authentication takes of a participant's time.
+// What the plugins' authentication takes of a participant's time.
 class MeteredAuthentication final : public ForwardingAuthentication {
  public:
   using ForwardingAuthentication::ForwardingAuthentication;
@@ -82,7 +82,7 @@ class MeteredAuthentication final : public ForwardingAuthentication {
   }
 };
 
-/// One end of the way between the processes.
+// One end of the way between the processes.
 struct Line {
   int fd;
   void say(BytesView octets) const {
@@ -98,11 +98,11 @@ struct Line {
   }
 };
 
-/// Of a meeting, one side or both.
+// Of a meeting, one side or both.
 struct Cost {
   Us all = 0, authentication = 0;
-  Us operations = 0;   ///< public-key ones of the authentication
-  Us permissions = 0;  ///< what verifies the signature of the permissions
+  Us operations = 0;   // public-key ones of the authentication
+  Us permissions = 0;  // what verifies the signature of the permissions
 
   friend Cost operator+(const Cost& a, const Cost& b) {
     return {a.all + b.all, a.authentication + b.authentication, a.operations + b.operations,
@@ -112,10 +112,10 @@ struct Cost {
 
 using CostOctets = std::array<std::uint8_t, sizeof(Cost)>;
 
-/// What a side says behind its datagrams.
+// What a side says behind its datagrams.
 enum Word : std::uint8_t { go_on, matched };
 
-/// A participant with a writer and a reader, on engines of its own.
+// A participant with a writer and a reader, on engines of its own.
 class Side {
  public:
   Side(std::uint8_t n, const spi::PropertyList& properties)
@@ -129,7 +129,7 @@ class Side {
            "no endpoints");
   }
 
-  /// With the writer and the reader of a stranger.
+  // With the writer and the reader of a stranger.
   bool is_matched() const {
     return std::ranges::count_if(node_.listener.known, [&](const Guid& id) {
              return id.prefix != node_.participant->prefix();
@@ -152,7 +152,7 @@ class Side {
     timed(cost_.all, [&] { node_->tick(now_); });
   }
   void leave() { node_->leave(); }
-  /// Of the meeting that is over, with the bare operations measured now.
+  // Of the meeting that is over, with the bare operations measured now.
   Cost meeting(EVP_PKEY* key) {
     cost_.authentication = std::exchange(authentication_.used, 0);
     const auto signature = bench::sign(key);
@@ -180,7 +180,7 @@ class Side {
   Cost cost_;
 };
 
-/// Each meets the one at home and leaves.
+// Each meets the one at home and leaves.
 void be_strangers(const Line& line, const std::vector<spi::PropertyList>& who, EVP_PKEY* key) {
   for (const auto& properties : who) {
     Side side(2, properties);

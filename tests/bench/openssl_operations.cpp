@@ -18,7 +18,7 @@ using namespace ddssec;
 using namespace ddssec::pki;
 using namespace ddssec::bench;
 
-/// A CA and what stands for its certificate.
+// A CA and what stands for its certificate.
 struct Ca {
   PkeyPtr key;
   X509Ptr certificate;

@@ -20,7 +20,7 @@ namespace {
 
 using namespace interop_fast;
 
-/// As received; to be sent it borrows its octets.
+// As received; to be sent it borrows its octets.
 struct Blob {
   uint32_t seq = 0, pad = 0;
   uint64_t t_ns = 0;
@@ -29,7 +29,7 @@ struct Blob {
   uint32_t length = 0;
 };
 
-/// blob.idl.
+// blob.idl.
 class BlobType final : public TypeOf<Blob> {
  public:
   static constexpr std::uint32_t kOverhead = 4 + 4 + 4 + 8 + 4 + 4;

@@ -68,7 +68,7 @@ Json to_json(const governance::PermissionChange& change) {
   return out;
 }
 
-/// Those about expressions.
+// Those about expressions.
 Json to_json(const governance::Readings& readings) {
   Json out = Json::array();
   for (const auto& reading : readings.all)
@@ -85,7 +85,7 @@ Json result_of(const Diff& diff) {
           {"readings", to_json(diff.readings)}};
 }
 
-/// Reads both documents from XML text, as the program does, and compares them.
+// Reads both documents from XML text, as the program does, and compares them.
 template <class Read>
 Json compared(const Json& pair, Read read) {
   const auto before = read(as_bytes(pair["old"].template get_ref<const std::string&>()));

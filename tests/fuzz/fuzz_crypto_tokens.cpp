@@ -41,7 +41,7 @@ spi::Token token_of(Bytes key_material) {
           .binary_properties = {{"dds.cryp.keymat", std::move(key_material), true}}};
 }
 
-/// All octets as one token's key material, halved into two tokens', and as tokens of any form.
+// All octets as one token's key material, halved into two tokens', and as tokens of any form.
 std::array<Tokens, 3> tokens_in(BytesView octets) {
   std::array<Tokens, 3> out;
   out[0] = {token_of(to_bytes(octets))};

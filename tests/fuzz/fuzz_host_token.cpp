@@ -8,7 +8,7 @@ namespace {
 
 using namespace ddssec;
 
-/// Takes one part of the host's structure away and gives it back.
+// Takes one part of the host's structure away and gives it back.
 template <class T>
 void must_refuse_without(T*& part, const DDS_Security_DataHolder& holder) {
   T* const kept = std::exchange(part, nullptr);

@@ -14,7 +14,7 @@ using namespace ddssec::cryptography::testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt_with_origin_authentication;
 
-/// `a` is revising its keys.
+// `a` is revising its keys.
 struct Revision {
   Revision()
       : two(participant_attributes(kEncrypt, true)),
@@ -45,12 +45,12 @@ struct Revision {
 
   TwoSides two;
   WriterToReader ends;
-  Sent former, late;  ///< each message counts once
+  Sent former, late;  // each message counts once
   KeyRevision number = 0;
   Tokens of_participant, of_writer;
 };
 
-/// `change` laid over the key material of each token.
+// `change` laid over the key material of each token.
 Tokens changed(Tokens tokens, BytesView change) {
   for (auto& token : tokens) {
     auto& octets = token.binary_properties.front().value;
@@ -59,7 +59,7 @@ Tokens changed(Tokens tokens, BytesView change) {
   return tokens;
 }
 
-/// Of the honest keys, as they were before: not the same revision once more, not other keys.
+// Of the honest keys, as they were before: not the same revision once more, not other keys.
 bool is_revision_of(const Tokens& tokens, const Tokens& honest) {
   for (std::size_t i = 0; i < tokens.size(); ++i) {
     const auto made = read_crypto_token(tokens[i]), of = read_crypto_token(honest[i]);

@@ -12,7 +12,7 @@ namespace {
 using namespace ddssec;
 using namespace ddssec::cryptography;
 
-/// Long enough not to be a word of a sentence by chance.
+// Long enough not to be a word of a sentence by chance.
 constexpr std::string_view kSecret = "xyzzy-plugh";
 
 void check(const Result<std::vector<Passphrase>>& all) {

@@ -19,7 +19,7 @@ const pki::EphemeralKey& own_key(std::size_t kind) {
 
 }  // namespace
 
-/// The first octet chooses the kind.
+// The first octet chooses the kind.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const std::size_t kind = data[0] % kKinds.size();

@@ -79,7 +79,7 @@ void check(const SubmessageView& view, std::size_t message_size) {
   }
 }
 
-/// A submessage of that kind with these flags and this body.
+// A submessage of that kind with these flags and this body.
 void check_one(SubmessageId kind, const std::uint8_t* data, std::size_t size) {
   const auto length = static_cast<std::uint16_t>(size - 1);
   const bool little = (data[0] & 1) != 0;

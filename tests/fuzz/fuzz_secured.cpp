@@ -13,12 +13,12 @@ using namespace ddssec::cryptography::testing;
 
 struct Target {
   std::function<Bytes()>
-      seal;  ///< each time under another IV: with origin authentication it counts once
+      seal;  // each time under another IV: with origin authentication it counts once
   Bytes opened;
   std::function<Result<Bytes>(const Bytes&)> open;
 };
 
-/// A matched pair of one protection kind and one genuine message of each level.
+// A matched pair of one protection kind and one genuine message of each level.
 struct Pair {
   explicit Pair(ProtectionKind kind)
       : two(kind),
@@ -66,7 +66,7 @@ void must_not_open(const Target& target, const Bytes& octets) {
   if (opened && *opened != target.opened) std::abort();
 }
 
-/// `change` laid over `sealed` by exclusive or, cut or grown to `size`.
+// `change` laid over `sealed` by exclusive or, cut or grown to `size`.
 Bytes changed(Bytes sealed, BytesView change, std::size_t size) {
   sealed.resize(std::max(sealed.size(), change.size()));
   for (std::size_t i = 0; i < change.size(); ++i) sealed[i] ^= change[i];
@@ -76,7 +76,7 @@ Bytes changed(Bytes sealed, BytesView change, std::size_t size) {
 
 }  // namespace
 
-/// Octet 0 chooses the kind and the level, octet 1 how long the changed message is.
+// Octet 0 chooses the kind and the level, octet 1 how long the changed message is.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using enum ProtectionKind;
   static std::array<Pair, 4> pairs = {Pair(sign), Pair(encrypt),

@@ -36,7 +36,7 @@ class StderrSink final : public EventSink {
   void raise(const Event& event) override { std::fprintf(stderr, "%s\n", event.to_line().c_str()); }
 };
 
-/// Either end; the calls of peer_stack as plain functions.
+// Either end; the calls of peer_stack as plain functions.
 struct Embedded {
   DataWriter<Shape>* writer = nullptr;
   DataReader<Shape>* reader = nullptr;
@@ -81,7 +81,7 @@ Qos qos_of(const peer_options& options) {
   return qos;
 }
 
-/// Topic, publisher or subscriber, and the endpoint.
+// Topic, publisher or subscriber, and the endpoint.
 Status create(DomainParticipant& participant, const peer_options& options, Embedded& out) {
   GroupQos group;
   if (options.partition != nullptr) group.partition = {options.partition};
@@ -100,7 +100,7 @@ Status create(DomainParticipant& participant, const peer_options& options, Embed
   return {};
 }
 
-/// The three engines of one process.
+// The three engines of one process.
 struct Plugins {
   explicit Plugins(const EngineServices& services)
       : authentication(authentication::make_authentication(services)),

@@ -46,7 +46,7 @@ int refuse(const char* what) {
   return -1;
 }
 
-/// A tun device in the namespace at `path`.
+// A tun device in the namespace at `path`.
 int open_device(const char* path) {
   const int space = open(path, O_RDONLY | O_CLOEXEC);
   if (space < 0 || setns(space, CLONE_NEWNET) != 0) return refuse(path);
@@ -64,16 +64,16 @@ struct Faults {
   std::chrono::microseconds longest{0};
   bool cut = false;
   std::string lost_kind = {};
-  std::size_t loses_of = 0;  ///< a namespace, from 1 on
-  bool holds = false;        ///< instead of losing
-  unsigned long taken = 0;   ///< messages of the kind
+  std::size_t loses_of = 0;  // a namespace, from 1 on
+  bool holds = false;        // instead of losing
+  unsigned long taken = 0;   // messages of the kind
 };
 
 struct Counts {
   unsigned long carried = 0, lost = 0, repeated = 0, delayed = 0;
 };
 
-/// The way to one namespace, with a random sequence of its own.
+// The way to one namespace, with a random sequence of its own.
 class Direction {
  public:
   Direction(int to, unsigned seed) : to_(to), random_(seed) {}
@@ -147,7 +147,7 @@ class Direction {
   Counts counts_;
 };
 
-/// False at a word it does not know.
+// False at a word it does not know.
 bool obey(std::istringstream line, Faults& faults) {
   for (std::string word; line >> word;) {
     double milliseconds = 0;
@@ -167,7 +167,7 @@ bool obey(std::istringstream line, Faults& faults) {
   return !line.bad();
 }
 
-/// What came on standard input, as lines; false at its end or at "quit".
+// What came on standard input, as lines; false at its end or at "quit".
 bool read_commands(std::string& rest, Faults& faults) {
   char buffer[512];
   const auto size = read(STDIN_FILENO, buffer, sizeof buffer);
@@ -197,9 +197,9 @@ bool holds(const Packet& packet, std::string_view word) {
   return !std::ranges::search(packet, word).empty();
 }
 
-/// Whether a packet holds a submessage that ParticipantVolatileMessageSecure protects: by
-/// AES-256-GCM and the key id 0, which no other has. Not if a message of the handshake is in it,
-/// too: under load Cyclone DDS packs the last one with an ACKNACK of the key exchange.
+// Whether a packet holds a submessage that ParticipantVolatileMessageSecure protects: by
+// AES-256-GCM and the key id 0, which no other has. Not if a message of the handshake is in it,
+// too: under load Cyclone DDS packs the last one with an ACKNACK of the key exchange.
 bool holds_key_exchange(const Packet& packet) {
   constexpr std::array<char, 12> kLittle = {0x31, 1, 20, 0, 0, 0, 0, 4, 0, 0, 0, 0};
   constexpr std::array<char, 12> kBig = {0x31, 0, 0, 20, 0, 0, 0, 4, 0, 0, 0, 0};
@@ -212,7 +212,7 @@ bool is_of_kind(const Packet& packet, const std::string& kind) {
   return kind == "keys" ? holds_key_exchange(packet) : holds(packet, kind);
 }
 
-/// Takes what arrived at the device of the n-th namespace, a share of it at a time.
+// Takes what arrived at the device of the n-th namespace, a share of it at a time.
 void receive(int device, std::size_t n, std::vector<Direction>& ways, Faults& faults) {
   static std::array<char, kMaxPacket> buffer;
   constexpr std::size_t kDestination = 16, kMinPacket = 20;

@@ -208,7 +208,7 @@ class Embedded final : public policy_peer::Stack {
   }
 
   DomainParticipant& participant_;
-  const std::size_t more_;  ///< octets in each sample
+  const std::size_t more_;  // octets in each sample
   std::map<std::string, std::int32_t> warm_;
   std::map<std::string, DataWriter<Shape>*> writers_;
   std::map<std::string, DataReader<Shape>*> readers_;

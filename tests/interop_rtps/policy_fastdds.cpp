@@ -171,7 +171,7 @@ class Discovered final : public fdds::DomainParticipantListener {
     note("writer", info.info.topicName().to_string(), data_in(info.info.m_qos));
   }
 #endif
-  /// `to`: "reader" or "writer".
+  // `to`: "reader" or "writer".
   std::string told(const std::string& to, const std::string& topic) {
     const std::lock_guard held(mutex_);
     return told_[to + topic];

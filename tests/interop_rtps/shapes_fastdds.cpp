@@ -17,7 +17,7 @@ namespace {
 
 using namespace interop_fast;
 
-/// shapes_type.idl: the interop type without its payload.
+// shapes_type.idl: the interop type without its payload.
 class FinalShape final : public ShapeType {
  public:
   FinalShape() : ShapeType("ShapeType") {}

@@ -12,7 +12,7 @@ bool is_by(BytesView datagram, const GuidPrefix& whose) {
          std::ranges::equal(datagram.subspan(kPrefixAt, GuidPrefix::size), whose.view());
 }
 
-/// What it announces of itself there.
+// What it announces of itself there.
 std::optional<ParticipantData> announced_in(BytesView datagram) {
   auto reader = MessageReader::open(datagram);
   while (reader) {

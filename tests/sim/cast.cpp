@@ -20,7 +20,7 @@ constexpr Rules with(Rules rules, bool revises_keys, ProtectionKind pre_shared) 
   return rules;
 }
 
-/// What `ddssec init` makes.
+// What `ddssec init` makes.
 constexpr Rules kStrict{.rtps = kSign,
                         .discovery = kEncrypt,
                         .liveliness = kEncrypt,
@@ -63,7 +63,7 @@ constexpr std::array kProtections = {
                .hides_strangers = true},
 };
 
-/// The domain's authorities, and others of the same names.
+// The domain's authorities, and others of the same names.
 struct Trust {
   struct Authorities {
     pki::Authority identity_ca, permissions_ca;

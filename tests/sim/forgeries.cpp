@@ -12,7 +12,7 @@ namespace {
 
 using testing::forged;
 
-/// The parameters of a list in little-endian, with their headers, without the sentinel.
+// The parameters of a list in little-endian, with their headers, without the sentinel.
 std::vector<BytesView> parameters_of(BytesView list) {
   std::vector<BytesView> out;
   ParameterReader reader(list, Endian::little);

@@ -3,7 +3,7 @@
 namespace ddssec::rtps::sim {
 namespace {
 
-/// Numbers at which code tends to break.
+// Numbers at which code tends to break.
 constexpr std::array<std::uint32_t, 10> kWords = {
     0, 1, 2, 0xff, 0xffff, 0x10000, 0x7fffffff, 0x80000000, 0xfffffffe, 0xffffffff};
 
@@ -16,7 +16,7 @@ void mangle_word(Bytes& octets, Dice& dice) {
     octets[at + i] = static_cast<std::uint8_t>(word >> 8 * (little ? i : 3 - i));
 }
 
-/// One of the names in it becomes another.
+// One of the names in it becomes another.
 void rename(Bytes& octets, Dice& dice, std::span<const GuidPrefix> names) {
   if (names.empty()) return;
   const auto first = dice.below(names.size());

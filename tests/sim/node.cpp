@@ -3,7 +3,7 @@
 namespace ddssec::rtps::sim {
 namespace {
 
-/// Counts what costs public-key work.
+// Counts what costs public-key work.
 class CountedAuthentication final : public testing::ForwardingAuthentication {
  public:
   CountedAuthentication(std::unique_ptr<spi::Authentication> real, std::size_t& begun)

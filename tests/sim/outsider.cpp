@@ -10,7 +10,7 @@ namespace {
 
 bool holds(BytesView octets, BytesView what) { return !std::ranges::search(octets, what).empty(); }
 
-/// From one domain to the other.
+// From one domain to the other.
 void bridge(Bytes& octets) {
   const auto north = as_bytes(kTags[0]), south = as_bytes(kTags[1]);
   const bool northern = holds(octets, north);

@@ -3,10 +3,10 @@
 namespace ddssec::rtps::sim {
 namespace {
 
-/// Longer than a dead participant is remembered.
+// Longer than a dead participant is remembered.
 constexpr int kLongSiege = static_cast<int>((Invariants::kMaxMemory + seconds(5)) / World::kStep);
 
-/// How long the crowd needs to fill all tables.
+// How long the crowd needs to fill all tables.
 constexpr int kCrowdGathers = 500;
 
 std::vector<std::string> all_topics() { return {kTopics.begin(), kTopics.end()}; }
@@ -30,12 +30,12 @@ std::vector<Subject> cast_of(Dice& dice) {
   return out;
 }
 
-/// Most runs have few kinds of attacks, and these often.
+// Most runs have few kinds of attacks, and these often.
 unsigned some(Dice& dice, unsigned most) {
   return dice.chance(500) ? 0 : static_cast<unsigned>(1 + dice.below(most));
 }
 
-/// One certificate with more participants than it may have places, and no other attack.
+// One certificate with more participants than it may have places, and no other attack.
 void add_siblings(Plan& plan) {
   constexpr std::size_t kSiblings = Handshakes::kMaxAuthenticated / 2 + 20;
   for (std::size_t i = 0; i < kSiblings; ++i)
@@ -48,14 +48,14 @@ void add_siblings(Plan& plan) {
   plan.siege_restart = true;
 }
 
-/// Strangers fill the tables of participants before one of them restarts.
+// Strangers fill the tables of participants before one of them restarts.
 void add_crowd(Plan& plan) {
   plan.siege = {.crowd = 200};
   plan.siege_steps = 100;
   plan.siege_restart = true;
 }
 
-/// What was added later is drawn apart, so that the other draws of a seed stay.
+// What was added later is drawn apart, so that the other draws of a seed stay.
 void add_further_attacks(Plan& plan) {
   auto dice = Dice(plan.seed).fork("further");
   plan.false_keys = dice.chance(300) ? static_cast<unsigned>(20 + dice.below(100)) : 0;
@@ -73,10 +73,10 @@ void add_further_attacks(Plan& plan) {
     add_crowd(plan);
 }
 
-/// An insider without any permission is not authenticated, so that it announces no endpoints.
+// An insider without any permission is not authenticated, so that it announces no endpoints.
 bool is_member(const Subject& one) { return one.role == Role::insider && !one.publishes.empty(); }
 
-/// These were added after those, and are drawn apart, too.
+// These were added after those, and are drawn apart, too.
 void add_latest_attacks(Plan& plan) {
   auto dice = Dice(plan.seed).fork("latest");
   const bool ambushes = dice.chance(100), claims = dice.chance(300);
@@ -119,7 +119,7 @@ class Run {
     ++steps_;
     world_.step();
   }
-  /// True once `done`, within so many steps.
+  // True once `done`, within so many steps.
   bool repeat(int steps, const std::function<bool()>& done) {
     for (int i = 0; i < steps && !is_over(); ++i) {
       if (done()) return true;
@@ -128,7 +128,7 @@ class Run {
     return done();
   }
   Node& any_node() { return *dice_.of(world_.nodes()); }
-  /// One that is there if any claims are made.
+  // One that is there if any claims are made.
   Node& insider() {
     return **std::ranges::find_if(world_.nodes(),
                                   [](const auto& node) { return is_member(node->subject()); });
@@ -174,14 +174,14 @@ class Run {
       if (!node->is_running()) world_.start(*node);
     }
   }
-  /// And readers that come after all that it wrote. The first nodes are honest.
+  // And readers that come after all that it wrote. The first nodes are honest.
   void add_sparse_writer() {
     constexpr std::int64_t kNumbers = 1'000'000;
     world_.nodes()[1]->add_sparse_writer(kTopics[1], kNumbers);
     for (const bool reliable : {true, false})
       world_.nodes()[0]->add_durable_reader(kTopics[1], reliable);
   }
-  /// Calls `f(writer, reader)` for each honest pair, each writer with the node that owns it.
+  // Calls `f(writer, reader)` for each honest pair, each writer with the node that owns it.
   void each_pair(const std::function<void(Node&, Endpoint&, Endpoint&)>& f) {
     for (const auto& a : world_.nodes())
       for (const auto& b : world_.nodes()) {
@@ -205,7 +205,7 @@ class Run {
     });
     return out;
   }
-  /// Who knows whom, and what honest nodes were told.
+  // Who knows whom, and what honest nodes were told.
   std::string relations() {
     std::string out;
     for (const auto& a : world_.nodes()) {
@@ -225,7 +225,7 @@ class Run {
       world_.invariants().fail(invariant, unmatched() + relations());
     reunion_ = std::max(reunion_, world_.now() - begin);
   }
-  /// A reader that gets what was written before it.
+  // A reader that gets what was written before it.
   bool has_all_held(const Endpoint& reader, const Guid& writer) {
     const bool gets_all = reader.end().durable && reader.end().is_reliable;
     return !gets_all || std::ranges::all_of(world_.ledger().held(writer), [&](const auto& one) {

@@ -12,7 +12,7 @@ using testing::forged;
 
 GuidPrefix name_in(BytesView datagram) { return GuidPrefix::from(datagram.subspan(8, 12)); }
 
-/// Without the header of the message.
+// Without the header of the message.
 Bytes content_of(const Bytes& datagram) { return {datagram.begin() + kHeaderSize, datagram.end()}; }
 
 }  // namespace

@@ -10,15 +10,15 @@
 namespace ddssec::driver {
 namespace {
 
-/// The stock plugins look into it for an event queue, which they leave alone until a listener is
-/// set; nothing else is read from it.
+// The stock plugins look into it for an event queue, which they leave alone until a listener is
+// set; nothing else is read from it.
 ddsi_domaingv* empty_domain() {
   alignas(64) static std::array<unsigned char, 1 << 16> zeros{};
   return reinterpret_cast<ddsi_domaingv*>(zeros.data());
 }
 
-/// As Cyclone does. The leak sanitizer needs the stock plugins to stay as ours do, to see what
-/// their statics hold.
+// As Cyclone does. The leak sanitizer needs the stock plugins to stay as ours do, to see what
+// their statics hold.
 #if defined(__SANITIZE_ADDRESS__)
 constexpr int kLoadFlags = RTLD_NOW | RTLD_GLOBAL | RTLD_NODELETE;
 #else
@@ -105,7 +105,7 @@ DDS_Security_OctetSeq view(const Octets& octets) {
 
 namespace {
 
-/// Cyclone's loop over receivers.
+// Cyclone's loop over receivers.
 template <class Encode>
 Block encode_in_loop(const std::vector<DDS_Security_CryptoHandle>& handles, const Octets& plain,
                      Encode&& encode) {

@@ -21,7 +21,7 @@ bool write_to(const char* path, const std::string& text) {
   return static_cast<bool>(file << text << std::flush);
 }
 
-/// Without root: in a user namespace, whose one user is the same outside.
+// Without root: in a user namespace, whose one user is the same outside.
 bool unshare_as_user() {
   const auto uid = std::to_string(::geteuid()), gid = std::to_string(::getegid());
   return ::unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0 && write_to("/proc/self/setgroups", "deny") &&

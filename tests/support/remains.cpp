@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::size_t kChunk = std::size_t{1} << 16;
 constexpr std::size_t kOverlap = 64;  // more than any needle
-/// Shadow memory of sanitizers and the like is larger.
+// Shadow memory of sanitizers and the like is larger.
 constexpr std::size_t kMaxMapping = std::size_t{256} << 20;
 
-/// Not on the stack, whose remains a deep call would write over.
+// Not on the stack, whose remains a deep call would write over.
 std::array<std::uint8_t, kChunk + kOverlap> chunk;
 
 struct Mapping {
@@ -40,7 +40,7 @@ std::vector<Mapping> writable_mappings() {
   return out;
 }
 
-/// `look(octets, address)` for all of a mapping but the place they are read into.
+// `look(octets, address)` for all of a mapping but the place they are read into.
 template <class F>
 void each_chunk(int memory, const Mapping& mapping, F&& look) {
   const auto own = reinterpret_cast<std::uintptr_t>(chunk.data());

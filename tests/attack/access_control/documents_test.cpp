@@ -20,7 +20,7 @@ class ForgedDocuments : public AccessControlTest {
     log.events.clear();
   }
 
-  /// As an attacker signs: openssl with the certificate and key at hand.
+  // As an attacker signs: openssl with the certificate and key at hand.
   std::string signed_with_openssl(const std::string& xml, const pki::Certificate& certificate,
                                   const pki::PrivateKey& key) const {
     const auto folder = std::filesystem::temp_directory_path() /

@@ -8,11 +8,11 @@
 namespace ddssec::authentication {
 namespace {
 
-/// A request as `peer` would send it, given to a participant of ours that waits for one.
+// A request as `peer` would send it, given to a participant of ours that waits for one.
 struct Victim {
   Victim() : us(engine, make_identity(test_ca(), "CN=ours", {}, kYear, 1), 1) {}
 
-  /// The result for a request whose c.id is `pem` and whose GUID fits `certificate`, if any.
+  // The result for a request whose c.id is `pem` and whose GUID fits `certificate`, if any.
   Result<spi::Authentication::HandshakeStep> receive(Bytes pem,
                                                      const pki::Certificate* certificate) {
     HandMadePeer shape(make_identity(test_ca(), "CN=shape"), 9);
@@ -34,7 +34,7 @@ struct Victim {
   Participant us;
 };
 
-/// A subject that begins before `CN=ours`: the attacker chooses its name.
+// A subject that begins before `CN=ours`: the attacker chooses its name.
 std::string low_subject(const std::string& rest) {
   const auto ours = adjusted_guid(
       make_identity(test_ca(), "CN=ours", {}, kYear, 1).certificate.subject_digest(), candidate(1));

@@ -9,8 +9,8 @@
 namespace ddssec::authentication {
 namespace {
 
-/// A participant with the simplest host one can write from the notes in authentication.hpp: send
-/// the last message again until there is an end; try a message on every handshake of the pair.
+// A participant with the simplest host one can write from the notes in authentication.hpp: send
+// the last message again until there is an end; try a message on every handshake of the pair.
 class Node {
  public:
   Node(const Identity& identity, std::uint8_t number) : engine_(number) {
@@ -30,7 +30,7 @@ class Node {
     ASSERT_OK(engine_->return_identity_handle(peers_.at(guid).handle));
     peers_.erase(guid);
   }
-  /// What to send (again) to that peer.
+  // What to send (again) to that peer.
   std::vector<Token> due(const Guid& guid) {
     auto& peer = peers_.at(guid);
     if (peer.begins && !peer.done) {
@@ -39,7 +39,7 @@ class Node {
     }
     return peer.begins && peer.done ? std::vector<Token>{} : peer.last;
   }
-  /// Takes a message from (or said to be from) a peer; what to answer.
+  // Takes a message from (or said to be from) a peer; what to answer.
   std::vector<Token> take(const Guid& guid, const Token& message) {
     auto& peer = peers_.at(guid);
     if (!peer.begins && message.class_id.ends_with("+Req")) {
@@ -80,7 +80,7 @@ class Node {
   std::map<Guid, Peer> peers_;
 };
 
-/// Datagrams on their way, treated badly.
+// Datagrams on their way, treated badly.
 class Network {
  public:
   explicit Network(std::uint32_t seed) : dice_(seed) {}
@@ -99,7 +99,7 @@ class Network {
     if (fate < 45) wire_.push_back({&from, &to, token});
     if (fate < 60) wire_.push_back({&from, &to, forge(std::move(token))});
   }
-  /// Everybody sends what is due; everything on the wire arrives in any order.
+  // Everybody sends what is due; everything on the wire arrives in any order.
   void round() {
     for (auto* from : nodes_)
       for (auto* to : nodes_)
@@ -210,7 +210,7 @@ TEST_P(BadNetwork, ARestartedSide_AuthenticatesAgain) {
 
 // ---- T31: somebody answers first
 
-/// The attacker has a certificate of the same CA, but not that of the one it pretends to be.
+// The attacker has a certificate of the same CA, but not that of the one it pretends to be.
 struct Attack {
   Pairing pairing;
   Identity mallory = make_identity(test_ca(), "CN=mallory,O=Example", {}, kYear, 2);

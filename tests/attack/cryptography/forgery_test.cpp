@@ -18,11 +18,11 @@ using Decode = std::function<Result<Bytes>(const Bytes&)>;
 
 struct Target {
   std::string name;
-  std::function<Bytes()> encode;  ///< the same content each time, under another IV
+  std::function<Bytes()> encode;  // the same content each time, under another IV
   Decode decode;
 };
 
-/// A genuine message of every kind at every level, with its reader.
+// A genuine message of every kind at every level, with its reader.
 class ForgedMessages : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -72,8 +72,8 @@ TEST_F(ForgedMessages, BitFlippedAnywhere_IsRefused) {
   }
 }
 
-/// Behind a whole message, octets that nobody vouches for are lost (Fast DDS puts statistics
-/// there).
+// Behind a whole message, octets that nobody vouches for are lost (Fast DDS puts statistics
+// there).
 TEST_F(ForgedMessages, Truncated_IsRefusedAndExtendedAddsNothing) {
   for (const auto& target : targets_) {
     const auto honest = target.decode(target.encode()).value();
@@ -96,7 +96,7 @@ TEST_F(ForgedMessages, Truncated_IsRefusedAndExtendedAddsNothing) {
   }
 }
 
-/// But for a postfix length of 0, which means the same.
+// But for a postfix length of 0, which means the same.
 TEST_F(ForgedMessages, EveryOctetAtItsExtremes_IsRefusedOrMeansTheSame) {
   for (const auto& target : targets_) {
     const auto encoded = target.encode();
@@ -222,7 +222,7 @@ TEST(RefusalReasons, ChangedReceiverMacs_HaveTheirOwnReasons) {
   }
 }
 
-/// 3,275 MACs of others do not keep us from finding, or missing, ours.
+// 3,275 MACs of others do not keep us from finding, or missing, ours.
 TEST(RefusalReasons, FullListOfReceiverMacs_IsSearched) {
   TwoSides two(kEncryptOrigin);
   const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
@@ -328,7 +328,7 @@ TEST(InsiderSubmessages, NoneOrSeveralSubmessages_AreRefused) {
               Code::secure_group_malformed);
 }
 
-/// CryptoContent and SEC_BODY lengths at their extremes (Fast DDS once overflowed here).
+// CryptoContent and SEC_BODY lengths at their extremes (Fast DDS once overflowed here).
 TEST(MessageLengths, BodyLengthsAtExtremes_AreRefused) {
   TwoSides two(kEncrypt);
   const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
@@ -347,7 +347,7 @@ TEST(MessageLengths, BodyLengthsAtExtremes_AreRefused) {
     }
 }
 
-/// Token octets of an authenticated peer gone bad: any size, any lengths (Fast DDS issue 6345).
+// Token octets of an authenticated peer gone bad: any size, any lengths (Fast DDS issue 6345).
 TEST(Tokens, TokensOfAnySizeAndContent_AreRefused) {
   TwoSides two(kEncrypt);
   SeededRandom random(27);

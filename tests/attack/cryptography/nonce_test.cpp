@@ -14,7 +14,7 @@ namespace {
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kNone = ProtectionKind::none;
 
-/// Key id, session id and suffix, as they stand in the CryptoHeader.
+// Key id, session id and suffix, as they stand in the CryptoHeader.
 using Nonce = std::array<std::uint8_t, 16>;
 
 Nonce nonce_at(const Bytes& encoded, std::size_t header) {
@@ -23,7 +23,7 @@ Nonce nonce_at(const Bytes& encoded, std::size_t header) {
   return nonce;
 }
 
-/// Runs `encode` in four threads at once; all nonces that came out, sorted.
+// Runs `encode` in four threads at once; all nonces that came out, sorted.
 template <class Encode>
 std::vector<Nonce> nonces_of_four_threads(int messages, Encode&& encode) {
   std::vector<std::vector<Nonce>> seen(4);
@@ -80,7 +80,7 @@ TEST_P(Nonces, OneParticipantWithReceivers_NeverRepeatsANonce) {
   EXPECT_EQ(std::ranges::adjacent_find(all), all.end());
 }
 
-/// Writer and reader of a pair's volatile channel encrypt under one and the same key.
+// Writer and reader of a pair's volatile channel encrypt under one and the same key.
 TEST_P(Nonces, BothVolatileEndpoints_NeverRepeatANonce) {
   TwoSides two(kNone, properties(), options());
   auto writing = two.volatile_endpoints();

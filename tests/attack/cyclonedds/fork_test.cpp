@@ -17,7 +17,7 @@ const Paths kPaths = {kPlugins + "authentication.so", kPlugins + "access_control
                       kPlugins + "cryptography.so"};
 
 constexpr std::size_t kRounds = 8;
-/// Where the CryptoHeader stands: of a payload, a submessage and a message.
+// Where the CryptoHeader stands: of a payload, a submessage and a message.
 constexpr std::array<std::size_t, 3> kHeaderAt = {0, 4, 24};
 constexpr std::size_t kHeaderSize = 20;
 
@@ -38,7 +38,7 @@ Block encode(const Sender& sender, std::size_t level) {
   return level == 1 ? sender.encode_submessage(submessage()) : sender.encode_message(message());
 }
 
-/// What `sender` protects in its process: each with its length before it.
+// What `sender` protects in its process: each with its length before it.
 Octets speech(const Sender& sender) {
   Octets out;
   for (std::size_t i = 0; i < kRounds * kHeaderAt.size(); ++i) {

@@ -18,11 +18,11 @@ const std::string kPlugins = DDSSEC_PLUGIN_DIR "/libddssec_";
 const Paths kPaths = {kPlugins + "authentication.so", kPlugins + "access_control.so",
                       kPlugins + "cryptography.so"};
 
-/// A message on its way; the tokens of the C ABI belong to who made them.
+// A message on its way; the tokens of the C ABI belong to who made them.
 using Message = spi::Token;
 
-/// A participant in a process of its own, with a host that sends its last message again until there
-/// is an end, and tries what comes on every handshake of the pair.
+// A participant in a process of its own, with a host that sends its last message again until there
+// is an end, and tries what comes on every handshake of the pair.
 class Node {
  public:
   explicit Node(std::uint8_t number)
@@ -33,7 +33,7 @@ class Node {
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
 
-  /// With an auth_request that came in the other's name, if any.
+  // With an auth_request that came in the other's name, if any.
   void meet(Node& other, const Message* came = nullptr) {
     auto& peer = peers_[&other];
     Token auth_request, announced;
@@ -47,7 +47,7 @@ class Node {
     call.check(result != DDS_SECURITY_VALIDATION_FAILED);
     peer.begins = result == DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_REQUEST;
   }
-  /// Its lease has ended.
+  // Its lease has ended.
   void forget(Node& other) {
     Call call("return_identity_handle");
     const auto& peer = peers_.at(&other);
@@ -57,7 +57,7 @@ class Node {
     peers_.erase(&other);
   }
 
-  /// What to send (again) to that peer.
+  // What to send (again) to that peer.
   std::vector<Message> due(Node& other) {
     auto& peer = peers_.at(&other);
     if (!peer.begins) return peer.last;
@@ -69,7 +69,7 @@ class Node {
     });
     return peer.last;
   }
-  /// Takes a message from a peer; what to answer. Refused messages have no answer.
+  // Takes a message from a peer; what to answer. Refused messages have no answer.
   std::vector<Message> take(Node& other, const Message& message) {
     const auto known = peers_.find(&other);
     if (known == peers_.end()) return {};  // as the host does for whom it has not discovered
@@ -87,7 +87,7 @@ class Node {
     return step(peer, in);
   }
 
-  /// The secret shared with that peer; empty until there is one.
+  // The secret shared with that peer; empty until there is one.
   Octets secret(Node& other) {
     const auto handle = peers_.at(&other).secret;
     if (handle == 0) return {};
@@ -106,7 +106,7 @@ class Node {
 
   dds_security_authentication& auth() { return domain_.authentication(); }
 
-  /// `begin(handle, token)` gives a handshake and what to send for it.
+  // `begin(handle, token)` gives a handshake and what to send for it.
   template <class Begin>
   bool keep(Peer& peer, Begin&& begin) {
     DDS_Security_HandshakeHandle handle = 0;
@@ -140,7 +140,7 @@ class Node {
   std::map<Node*, Peer> peers_;
 };
 
-/// Which of the two got the forged auth_request: one of them begins, the other replies.
+// Which of the two got the forged auth_request: one of them begins, the other replies.
 class HostForgedAuthRequest : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(T31, HostForgedAuthRequest, testing::Bool());
 
@@ -170,7 +170,7 @@ TEST_P(HostForgedAuthRequest, ForgedRequests_LockNobodyOut) {
   }
 }
 
-/// Datagrams on their way, treated badly.
+// Datagrams on their way, treated badly.
 class Network {
  public:
   explicit Network(std::uint32_t seed) : dice_(seed) {}
@@ -182,7 +182,7 @@ class Network {
     }
     nodes_.push_back(&node);
   }
-  /// Everybody forgets it; what it has sent is still on its way.
+  // Everybody forgets it; what it has sent is still on its way.
   void lose(Node& node) {
     std::erase(nodes_, &node);
     for (auto* other : nodes_) {
@@ -190,7 +190,7 @@ class Network {
       node.forget(*other);
     }
   }
-  /// Everybody sends what is due; most of what is on the wire arrives, in any order.
+  // Everybody sends what is due; most of what is on the wire arrives, in any order.
   void round() {
     for (auto* from : nodes_)
       for (auto* to : nodes_)
@@ -204,7 +204,7 @@ class Network {
         send(*datagram.to, *datagram.from, answer);
     }
   }
-  /// Rounds until all have authenticated all, at most 60.
+  // Rounds until all have authenticated all, at most 60.
   void settle() {
     for (int rounds = 0; rounds < 60 && !all_done(); ++rounds) round();
     ASSERT_TRUE(all_done());
@@ -259,7 +259,7 @@ INSTANTIATE_TEST_SUITE_P(T30, HostBadNetwork,
 
 TEST_P(HostBadNetwork, LossAndReordering_AllPairsAuthenticate) { network.settle(); }
 
-/// The one whose lease ends takes part again as it was; what it sent before still arrives.
+// The one whose lease ends takes part again as it was; what it sent before still arrives.
 TEST_P(HostBadNetwork, ALeaseThatEndsInBetween_DoesNotKeepItOut) {
   for (auto rounds = network.roll(4); rounds > 0; --rounds) network.round();
   network.lose(*nodes[0]);
@@ -268,7 +268,7 @@ TEST_P(HostBadNetwork, ALeaseThatEndsInBetween_DoesNotKeepItOut) {
   network.settle();
 }
 
-/// The same certificate and GUID in a new process: old handshakes and messages lead nowhere.
+// The same certificate and GUID in a new process: old handshakes and messages lead nowhere.
 TEST_P(HostBadNetwork, ARestartedSide_AuthenticatesAgain) {
   for (auto rounds = network.roll(4); rounds > 0; --rounds) network.round();
   const auto before = std::move(nodes[0]);

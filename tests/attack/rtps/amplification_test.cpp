@@ -10,8 +10,8 @@ namespace {
 
 using namespace testing;
 
-/// An attacker at 192.0.2.66 that sends to one participant, and the octets that this participant
-/// sends to the four addresses of the victim, 192.0.2.1.
+// An attacker at 192.0.2.66 that sends to one participant, and the octets that this participant
+// sends to the four addresses of the victim, 192.0.2.1.
 class Reflection {
  public:
   explicit Reflection(Node& node) : node_(node) {
@@ -31,7 +31,7 @@ class Reflection {
       world_.run(1);
     }
   }
-  /// Of a participant that names the victim's addresses.
+  // Of a participant that names the victim's addresses.
   static ParticipantData data_of(const GuidPrefix& name, VendorId vendor) {
     auto data = secured_data(name);
     data.vendor = vendor;
@@ -41,7 +41,7 @@ class Reflection {
     data.default_unicast = data.metatraffic_unicast;
     return data;
   }
-  /// What was sent to the attacker's own address.
+  // What was sent to the attacker's own address.
   const Eavesdropper& ears() const { return ears_; }
   std::size_t in() const { return in_; }
   std::size_t out() const { return out_; }

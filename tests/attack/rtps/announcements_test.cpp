@@ -8,7 +8,7 @@ namespace {
 
 using namespace testing;
 
-/// Joins although `first` came before anything that the other said.
+// Joins although `first` came before anything that the other said.
 void expect_joined_after(const std::function<ParticipantData(const GuidPrefix&)>& first) {
   Pair pair({});
   pair.a->receive(announcement(first(pair.b->prefix())), pair.world.now);
@@ -147,7 +147,7 @@ TEST(ForgedAnnouncement, DisposesAndEmptyLeases_DoNotStopAHandshake) {
   EXPECT_EQ(pair.b.listener.matched, 1);
 }
 
-/// A clear announcement of a writer.
+// A clear announcement of a writer.
 Bytes clear_publication(const Guid& writer, std::string topic, SequenceNumber number) {
   const EndpointData data{
       .guid = writer, .topic_name = std::move(topic), .type_name = "ShapeType", .qos = {}};

@@ -14,8 +14,8 @@ constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
 using Use = std::function<void(BytesView)>;
 
-/// Where the octets of the last submessage's length stand, and where those begin that it counts;
-/// nothing if it is not little-endian or ends with the datagram.
+// Where the octets of the last submessage's length stand, and where those begin that it counts;
+// nothing if it is not little-endian or ends with the datagram.
 struct LastLength {
   std::size_t at = 0, begin = 0;
 };
@@ -30,8 +30,8 @@ std::optional<LastLength> last_length(BytesView datagram) {
   return std::nullopt;
 }
 
-/// Cut at each octet: the datagram alone, and the last submessage with its length changed to fit,
-/// so that the cut is seen by whoever reads what is in it.
+// Cut at each octet: the datagram alone, and the last submessage with its length changed to fit,
+// so that the cut is seen by whoever reads what is in it.
 void each_truncation(const Bytes& datagram, const Use& use) {
   for (std::size_t size = 0; size < datagram.size(); ++size) use(BytesView(datagram).first(size));
   const auto length = last_length(datagram);
@@ -45,7 +45,7 @@ void each_truncation(const Bytes& datagram, const Use& use) {
   }
 }
 
-/// Each field of two and of four octets at its extremes, in either byte order.
+// Each field of two and of four octets at its extremes, in either byte order.
 void each_extreme(const Bytes& datagram, const Use& use) {
   auto changed = datagram;
   const auto try_at = [&](std::size_t at, const auto& octets) {
@@ -81,7 +81,7 @@ bool is_announcement(BytesView datagram) {
   return false;
 }
 
-/// Sends the broken forms of a message before it, but for repetitions.
+// Sends the broken forms of a message before it, but for repetitions.
 class Breaker {
  public:
   Breaker(Pair& pair, bool is_discovery_open) : pair_(pair), is_discovery_open_(is_discovery_open) {

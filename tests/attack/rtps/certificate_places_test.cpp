@@ -6,12 +6,12 @@ namespace {
 
 using namespace testing;
 
-/// Participants of one certificate that talk to `victim` only, and are never heard again.
+// Participants of one certificate that talk to `victim` only, and are never heard again.
 class Insiders {
  public:
   explicit Insiders(Node& victim) : victim_(victim) {}
 
-  /// True: one more has authenticated within a second.
+  // True: one more has authenticated within a second.
   bool join(MonotonicTime& now) {
     auto insider = make(++count_);
     for (int step = 0; step < 100; ++step, now += milliseconds(10)) {

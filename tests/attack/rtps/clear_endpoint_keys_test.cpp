@@ -8,14 +8,14 @@ namespace {
 
 using namespace testing;
 
-/// a writes, b reads, with keys for the topic.
+// a writes, b reads, with keys for the topic.
 struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {
   ClearEndpointsWithKeys() : pair(GetParam()) {
     EXPECT_TRUE(pair.match());
     pair.world.run(100);
     data = *pair.b.participant->remote_participants().endpoint(pair.writer);
   }
-  /// In a's name, to b.
+  // In a's name, to b.
   void send(PayloadKind kind, BytesView payload, InlineQos qos = {}) {
     pair.b->receive(
         forged(
@@ -38,7 +38,7 @@ struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {
     qos.status = {true, true};
     send(PayloadKind::key, out.view(), std::move(qos));
   }
-  /// Says that a's writer of announcements holds only later ones.
+  // Says that a's writer of announcements holds only later ones.
   void hide_announcements() {
     const SequenceNumber last{100000};
     pair.b->receive(forged(pair.a->prefix(), Heartbeat{.reader = kPublicationsReader,
@@ -48,7 +48,7 @@ struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {
                                                        .count = ++count}),
                     pair.world.now, attacker);
   }
-  /// A reading is disturbed, however late it comes.
+  // A reading is disturbed, however late it comes.
   void hide_announcements_until_read() {
     const auto& reading = pair.b->remote_participants().all().at(pair.a->prefix()).second_reading;
     while (reading.due() != kNever) pair.world.run(1);
@@ -80,8 +80,8 @@ struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {
   }
   const Locator attacker = *Locator::parse("127.0.0.1", 7000);
   Pair pair;
-  EndpointData data;      ///< of the true writer
-  std::int64_t next = 2;  ///< a has announced one writer
+  EndpointData data;      // of the true writer
+  std::int64_t next = 2;  // a has announced one writer
   std::int32_t count = 1000;
 };
 
@@ -180,7 +180,7 @@ TEST_P(ClearEndpointsWithKeys, OfWritersThatHaveEnded_AreForgottenWhenOthersEnd)
   EXPECT_FALSE(knows_keys(pair.writer));
 }
 
-/// The true writer is hidden from a reading, and its keys are given up for those of others.
+// The true writer is hidden from a reading, and its keys are given up for those of others.
 struct ClearEndpointsWithoutKeys : ClearEndpointsWithKeys {
   void lose_keys() {
     dispose(pair.writer);

@@ -9,13 +9,13 @@ namespace {
 using namespace testing;
 
 constexpr std::size_t kMaxMatches = MatchTable::kMaxOfOne;
-constexpr std::uint32_t kFirstPort = 20000;  ///< of those that the attacker names
+constexpr std::uint32_t kFirstPort = 20000;  // of those that the attacker names
 
 Locator at(std::uint32_t port) {
   return *Locator::parse("127.0.0.1", static_cast<std::uint16_t>(port));
 }
 
-/// a writes, b reads.
+// a writes, b reads.
 struct ClearEndpoints : ::testing::Test {
   ClearEndpoints() : pair({.discovery = ProtectionKind::encrypt, .clear_topics = true}) {
     EXPECT_TRUE(pair.match());
@@ -69,7 +69,7 @@ struct ClearEndpoints : ::testing::Test {
   std::size_t matched() const {
     return pair.a.participant->local_endpoints().matched(pair.writer).size();
   }
-  /// b announces a reader under its keys.
+  // b announces a reader under its keys.
   void announce_securely(const EndpointData& data) {
     Change change;
     change.key_hash = data.guid.octets();
@@ -82,8 +82,8 @@ struct ClearEndpoints : ::testing::Test {
   }
 
   Pair pair;
-  std::set<std::uint32_t> ports;  ///< of the attacker's, to which anything was sent
-  std::int64_t next = 2;  ///< the next number of an announcement: b has announced one reader
+  std::set<std::uint32_t> ports;  // of the attacker's, to which anything was sent
+  std::int64_t next = 2;          // the next number of an announcement: b has announced one reader
 };
 
 // Before the fix: to all 800 ports.

@@ -8,13 +8,13 @@ namespace {
 using namespace testing;
 
 Locator at(const char* address, std::uint16_t port) { return *Locator::parse(address, port); }
-/// The addresses of the victim. The participants of the tests are at 127.0.0.1.
+// The addresses of the victim. The participants of the tests are at 127.0.0.1.
 LocatorList victim() {
   return {at("192.0.2.1", 7990), at("192.0.2.1", 7991), at("192.0.2.2", 7990),
           at("192.0.2.3", 7990)};
 }
 
-/// A writer, and an insider with a reader.
+// A writer, and an insider with a reader.
 struct InsiderAddresses : ::testing::Test {
   const spi::PropertyList properties =
       properties_of("CN=mallory,O=Example", everything(ProtectionKind::encrypt));
@@ -24,7 +24,7 @@ struct InsiderAddresses : ::testing::Test {
   Node mallory{2, properties};
   World world;
   Guid writer, reader;
-  std::size_t to_victim = 0;  ///< octets
+  std::size_t to_victim = 0;  // octets
 
   void SetUp() override {
     world.nodes = {&alice, &mallory};
@@ -33,7 +33,7 @@ struct InsiderAddresses : ::testing::Test {
         to_victim += port >= 7990 && port < 8000 ? octets.size() : 0;
     };
   }
-  /// Mallory is replaced by a participant with these addresses.
+  // Mallory is replaced by a participant with these addresses.
   void announce_participant_at(const LocatorList& addresses) {
     auto own = OwnSecurity::create(
         {{*mallory.authentication, *mallory.access_control, *mallory.cryptography}, properties}, 0,
@@ -158,7 +158,7 @@ TEST_F(InsiderAddresses, OfTheParticipant_ThatItSendsFrom_AreUsed) {
   EXPECT_TRUE(alice.events.is_quiet()) << alice.events.text();
 }
 
-/// The datagram with other octets of the same number.
+// The datagram with other octets of the same number.
 Bytes with(Bytes datagram, BytesView old, BytesView replacement) {
   const auto found = std::ranges::search(datagram, old);
   if (!found.empty()) std::ranges::copy(replacement, found.begin());
@@ -182,7 +182,7 @@ TEST_F(InsiderAddresses, OfAParticipant_ThatSendsFromAnother_AreReplacedByThatOn
   EXPECT_EQ(mallory.listener.changes.size(), 50u);
 }
 
-/// What a datagram announces of its participant in the clear.
+// What a datagram announces of its participant in the clear.
 std::optional<ParticipantData> announced_in(BytesView datagram) {
   auto reader = MessageReader::open(datagram);
   while (reader) {
@@ -238,8 +238,8 @@ TEST_F(InsiderAddresses, OfTheParticipant_ThatRemainWhenItsOwnIsDisplaced_AreNot
   EXPECT_EQ(mallory.listener.changes.size(), 50u);
 }
 
-/// A peer that nothing reaches where it sends from: ports 7990 and 7991 lead to it only at the two
-/// addresses that it announces.
+// A peer that nothing reaches where it sends from: ports 7990 and 7991 lead to it only at the two
+// addresses that it announces.
 struct AddressesItNeverSendsFrom : InsiderAddresses {
   struct Routers final : Transport {
     Node::Post* post = nullptr;
@@ -250,7 +250,7 @@ struct AddressesItNeverSendsFrom : InsiderAddresses {
     }
   };
   Routers routers;
-  std::optional<Locator> source;  ///< of what mallory sends; empty: as usual
+  std::optional<Locator> source;  // of what mallory sends; empty: as usual
 
   void SetUp() override {
     routers.post = &alice.post;
@@ -273,13 +273,13 @@ struct AddressesItNeverSendsFrom : InsiderAddresses {
       return std::vector<Bytes>{};
     };
   }
-  /// Samples are written until messages from there have proven this address.
+  // Samples are written until messages from there have proven this address.
   void send_from(const Locator& address) {
     source = address;
     write(20);
     source.reset();
   }
-  /// Mallory forgets alice and returns. Meanwhile alice still hears mallory.
+  // Mallory forgets alice and returns. Meanwhile alice still hears mallory.
   void meet_again() {
     const auto carry = std::exchange(world.filter, [&](const Node& from, Bytes datagram) {
       return &from == &alice ? std::vector<Bytes>{} : one(std::move(datagram));

@@ -86,10 +86,10 @@ TEST(Flood, TenThousandFailingHandshakes_LeaveNothingBehind) {
   EXPECT_LT(in_use() - before, 512 << 10);
 }
 
-/// In the names of both, to both, so many messages a second in random order.
+// In the names of both, to both, so many messages a second in random order.
 class OwnNameFlood {
  public:
-  /// Which of the two begins is a matter of their names.
+  // Which of the two begins is a matter of their names.
   explicit OwnNameFlood(Pair& pair, std::uint32_t seed)
       : pair_(pair),
         begins_(pair.a->prefix() < pair.b->prefix() ? pair.a : pair.b),
@@ -100,7 +100,7 @@ class OwnNameFlood {
   void to_the_one_who_answers(Forge forge) { to_answerer_.push_back(std::move(forge)); }
   void to_the_one_who_begins(Forge forge) { to_beginner_.push_back(std::move(forge)); }
 
-  /// How long it took; nothing if it never happened.
+  // How long it took; nothing if it never happened.
   std::optional<MonotonicTime> until_they_know_each_other() {
     pair_.world.attack = [this](World::Traffic& traffic) {
       for (const auto& [port, datagram] : traffic) ears_.hear(datagram);

@@ -8,7 +8,7 @@ using namespace testing;
 
 constexpr std::uint16_t kFragmentSize = 1344;
 
-/// A handshake message as Cyclone DDS would send it: each fragment in a message of its own.
+// A handshake message as Cyclone DDS would send it: each fragment in a message of its own.
 struct Fragments {
   GuidPrefix from;
   std::int64_t number = 0;
@@ -32,7 +32,7 @@ struct Fragments {
   }
 };
 
-/// Of a datagram with a handshake message that has to be cut.
+// Of a datagram with a handshake message that has to be cut.
 std::optional<Fragments> fragments_of(BytesView datagram) {
   auto reader = MessageReader::open(datagram);
   while (reader) {
@@ -47,10 +47,10 @@ std::optional<Fragments> fragments_of(BytesView datagram) {
   return std::nullopt;
 }
 
-/// Everything is sent in fragments; whoever hears them adds others in the same name.
+// Everything is sent in fragments; whoever hears them adds others in the same name.
 class Forger {
  public:
-  /// `between`: so many at most between two honest ones; `per_step`: so many more.
+  // `between`: so many at most between two honest ones; `per_step`: so many more.
   Forger(Pair& pair, int between, int per_step, std::uint32_t seed)
       : between_(between), per_step_(per_step), random_(seed) {
     pair.world.attack = [this](World::Traffic& traffic) { change(traffic); };
@@ -89,7 +89,7 @@ class Forger {
     for (int i = 0; i < count && !heard_.empty(); ++i)
       out.push_back(forgery(heard_[random_() % heard_.size()]));
   }
-  /// One fragment with an octet changed; of this message, or of the next one before it is sent.
+  // One fragment with an octet changed; of this message, or of the next one before it is sent.
   std::pair<std::uint32_t, Bytes> forgery(const Victim& victim) {
     ++forgeries;
     auto [port, message] = victim;
@@ -107,7 +107,7 @@ class Forger {
   std::vector<Victim> heard_;
 };
 
-/// How long it took; nothing if it never happened.
+// How long it took; nothing if it never happened.
 std::optional<MonotonicTime> joined_after(int between, int per_step, std::uint32_t seed) {
   Pair pair({});
   Forger forger(pair, between, per_step, seed);

@@ -19,8 +19,8 @@ const std::vector<Rules>& governances() {
   return all;
 }
 
-/// Datagrams with a DATA of that writer that anybody can read: with another number, for those who
-/// can change it.
+// Datagrams with a DATA of that writer that anybody can read: with another number, for those who
+// can change it.
 Bytes renumbered(Bytes datagram, const EntityId& writer, std::uint8_t by) {
   const auto at = std::ranges::search(datagram, writer.octets);
   constexpr std::ptrdiff_t kLowOctet = 4 + 4;  // of the number, little-endian, behind the writer
@@ -28,7 +28,7 @@ Bytes renumbered(Bytes datagram, const EntityId& writer, std::uint8_t by) {
   return datagram;
 }
 
-/// Alice writes, and all that she sends is recorded.
+// Alice writes, and all that she sends is recorded.
 struct Freshness {
   explicit Freshness(const Rules& rules)
       : a(1, properties_of("CN=alice,O=Example", rules)),
@@ -57,7 +57,7 @@ struct Freshness {
     a->local_endpoints().writer(writer)->write(std::move(change), world.now);
     world.run(10);
   }
-  /// As it was, and with later numbers.
+  // As it was, and with later numbers.
   void replay_to(Node& node) {
     const auto past = std::exchange(recorded, {});
     for (const auto& datagram : past)

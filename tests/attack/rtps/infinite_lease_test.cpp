@@ -26,7 +26,7 @@ struct InfiniteLease : ::testing::Test {
     ASSERT_TRUE(world.run_until([&] { return alice.knows(bob) && bob.knows(alice); }));
     world.run(100);
   }
-  /// How long alice knows bob, at most this time.
+  // How long alice knows bob, at most this time.
   MonotonicTime known(MonotonicTime most) {
     const auto begin = world.now;
     while (alice.knows(bob) && world.now - begin < most) world.run(100);

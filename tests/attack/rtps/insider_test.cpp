@@ -17,8 +17,8 @@ constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kSignOa = ProtectionKind::sign_with_origin_authentication;
 constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
-/// A writer, an honest reader, and the one that gives away what it was told. The readers know the
-/// writer only.
+// A writer, an honest reader, and the one that gives away what it was told. The readers know the
+// writer only.
 struct Three {
   using Stolen = KeyThief::Stolen;
   explicit Three(const Rules& rules)
@@ -35,7 +35,7 @@ struct Three {
     world.run(50);
   }
 
-  /// The next sample of alice's writer.
+  // The next sample of alice's writer.
   Bytes sample(bool with_source) const {
     static const Bytes lie = {0, 1, 0, 0, 'l', 'i', 'e', '!'};
     const Data data{kEntityIdUnknown, writer.entity, {1}, {}, PayloadKind::data, lie};
@@ -50,7 +50,7 @@ struct Three {
     datagram.insert(datagram.end(), group.begin(), group.end());
     return datagram;
   }
-  /// What mallory can make of the key of alice's writer, or of alice.
+  // What mallory can make of the key of alice's writer, or of alice.
   std::vector<Bytes> forgeries(bool by_message) {
     const auto key = [&](const Stolen& of) {
       const auto& tokens = by_message ? of.of_participant : of.of_writer;
@@ -149,7 +149,7 @@ TEST(InsiderSource, AProtectedMessage_SpeaksForItsSenderOnly) {
   }
 }
 
-/// Tells more than the keys of its writers, and counts how often.
+// Tells more than the keys of its writers, and counts how often.
 class Talker final : public KeyThief {
  public:
   struct Told {

@@ -15,7 +15,7 @@ EndpointDescription topic(int number) {
   return {"Square" + std::to_string(number), "ShapeType", qos, true};
 }
 
-/// One participant has a writer on each of some topics, the other one many readers of each.
+// One participant has a writer on each of some topics, the other one many readers of each.
 struct ManyEndpoints {
   static constexpr int kTopics = 4, kOfEach = 500;
   Node writers{1, properties_of("CN=alice,O=Example", {.metadata = kEncrypt})};
@@ -73,7 +73,7 @@ TEST(KeysOfManyEndpoints, LossOfHalfTheMessages_AllKeysArrive) {
   EXPECT_TRUE(two.all_match(6000)) << two.matched() << " of 2000";
 }
 
-/// A datagram with something of the volatile secure channel, whose key has no id.
+// A datagram with something of the volatile secure channel, whose key has no id.
 bool is_of_key_exchange(const Bytes& datagram) {
   constexpr std::array<std::uint8_t, 4> kNoId{};
   for (std::size_t at = kHeaderSize; at + 12 <= datagram.size(); ++at) {
@@ -83,7 +83,7 @@ bool is_of_key_exchange(const Bytes& datagram) {
   return false;
 }
 
-/// A peer that takes part and acknowledges no keys.
+// A peer that takes part and acknowledges no keys.
 struct Unacknowledged {
   Pair pair{Rules{.discovery = kEncrypt, .metadata = kEncrypt}};
 

@@ -15,7 +15,7 @@ struct Case {
   Rules rules;
   bool reliable;
   DurabilityKind durability;
-  bool both_ways;  ///< neither hears the other, or only bob does not hear alice
+  bool both_ways;  // neither hears the other, or only bob does not hear alice
 };
 
 std::vector<Case> cases() {
@@ -30,7 +30,7 @@ std::vector<Case> cases() {
   return out;
 }
 
-/// Alice writes to bob, and all of it is recorded.
+// Alice writes to bob, and all of it is recorded.
 struct Rejoin : ::testing::TestWithParam<Case> {
   Node a{1, properties_of("CN=alice,O=Example", GetParam().rules)};
   Node b{2, properties_of("CN=bob,O=Example", GetParam().rules)};
@@ -74,7 +74,7 @@ struct Rejoin : ::testing::TestWithParam<Case> {
     world.run(100);
     world.filter = {};
   }
-  /// Each of them before whatever is honest.
+  // Each of them before whatever is honest.
   void replay_everything() {
     world.attack = [this](World::Traffic& traffic) {
       traffic.insert(traffic.begin(), recorded.begin(), recorded.end());

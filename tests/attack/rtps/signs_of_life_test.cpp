@@ -41,8 +41,8 @@ struct Silence {
   MonotonicTime lease() {
     return pair.b->remote_participants().all().begin()->second.data.lease_duration.to_nanoseconds();
   }
-  /// Participant a is gone, and everything that it ever said is said again and again. How long b
-  /// believes in it; at most twice its lease.
+  // Participant a is gone, and everything that it ever said is said again and again. How long b
+  // believes in it; at most twice its lease.
   MonotonicTime believed() {
     const auto since = pair.world.now, most = 2 * lease();
     pair.world.nodes = {&pair.b};

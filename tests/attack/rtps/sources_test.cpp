@@ -12,14 +12,14 @@ using namespace testing;
 
 const Locator kStranger = *Locator::parse("192.0.2.66", 7410);
 
-/// An auth_request: one word that costs nothing.
+// An auth_request: one word that costs nothing.
 Bytes one_word(const GuidPrefix& from, const GuidPrefix& to) {
   return handshake_message(from, to, spi::Token{"DDS:Auth:PKI-DH:1.0+AuthReq", {}, {}},
                            message_class::kAuthRequest);
 }
 
 struct Sources : ::testing::Test {
-  /// After `per_step` in each step of 10 ms; nothing if it does not happen within 30 s.
+  // After `per_step` in each step of 10 ms; nothing if it does not happen within 30 s.
   std::optional<MonotonicTime> joined_after(const std::function<void()>& per_step) {
     pair.world.nodes = {&pair.a, &pair.b};
     const auto begin = pair.world.now;
@@ -121,8 +121,8 @@ TEST_F(Sources, LargeAnnouncements_TakeFewOctetsTogether) {
   EXPECT_LT(*took, seconds(2));
 }
 
-/// The handshake messages of one datagram in fragments as Cyclone DDS cuts them, each in a datagram
-/// of its own; the datagram itself if there is none that must be cut.
+// The handshake messages of one datagram in fragments as Cyclone DDS cuts them, each in a datagram
+// of its own; the datagram itself if there is none that must be cut.
 std::vector<Bytes> in_fragments(const Bytes& datagram) {
   constexpr std::uint16_t kSize = 1344;
   auto reader = MessageReader::open(datagram);
@@ -150,7 +150,7 @@ std::vector<Bytes> in_fragments(const Bytes& datagram) {
   return {datagram};
 }
 
-/// One fragment in each of seventeen names, one after the other.
+// One fragment in each of seventeen names, one after the other.
 Bytes seventeen_names(std::uint32_t first) {
   Bytes buffer(65536);
   SpanWriter out(buffer);

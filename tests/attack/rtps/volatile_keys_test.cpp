@@ -28,8 +28,8 @@ KeyMaterial made_up(ProtectionKind kind, std::uint8_t number) {
   return out;
 }
 
-/// Alice writes, bob reads. Mallory may use another topic only, and keeps all keys that it is
-/// given.
+// Alice writes, bob reads. Mallory may use another topic only, and keeps all keys that it is
+// given.
 struct Outsider {
   explicit Outsider(const Rules& rules)
       : rules(rules),
@@ -59,7 +59,7 @@ struct Outsider {
     world.run(100);
   }
 
-  /// Sends bob each of the submessages in alice's name, under each of the keys.
+  // Sends bob each of the submessages in alice's name, under each of the keys.
   template <class Submessage>
   void forge(const std::vector<Submessage>& all) {
     std::uint32_t session = 0x40000000;

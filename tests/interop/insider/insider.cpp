@@ -49,7 +49,7 @@ using namespace insider;
 using Octets = DDS_Security_OctetSeq;
 using Exception = DDS_Security_SecurityException;
 
-/// A function of the stock library that stands under ours.
+// A function of the stock library that stands under ours.
 template <class Function>
 Function* stock(const char* library, const char* name) {
   const auto path = std::string(DDSSEC_STOCK_PLUGIN_DIR "/") + library;
@@ -109,7 +109,7 @@ DDS_Security_boolean allow_topic(dds_security_access_control*, const DDS_Securit
 decltype(dds_security_crypto_transform::encode_datawriter_submessage) encode_submessage;
 decltype(dds_security_crypto_transform::encode_rtps_message) encode_message;
 
-/// All of them in one.
+// All of them in one.
 DDS_Security_boolean encode_each(dds_security_crypto_transform* instance, Octets* encoded,
                                  const std::vector<Bytes>& plains,
                                  const DDS_Security_DatawriterCryptoHandle sender,
@@ -178,7 +178,7 @@ DDS_Security_boolean my_encode_message(dds_security_crypto_transform* instance, 
 using Exchange = dds_security_crypto_key_exchange;
 decltype(Exchange::set_remote_datawriter_crypto_tokens) set_writer_tokens;
 
-/// The material of the first token, by which its owner protects submessages.
+// The material of the first token, by which its owner protects submessages.
 void say_key(const DDS_Security_CryptoTokenSeq* tokens) {
   if (!tampers("keys") || tokens->_length == 0) return;
   const auto& properties = tokens->_buffer[0].binary_properties;

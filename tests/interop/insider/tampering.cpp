@@ -66,7 +66,7 @@ bool holds(const Bytes& octets, std::string_view text) {
          std::string_view::npos;
 }
 
-/// endpoint_security_info in a parameter list, either byte order.
+// endpoint_security_info in a parameter list, either byte order.
 void hide_access_control(Bytes& octets) {
   constexpr DDS_Security_octet kLittle[] = {0x04, 0x10, 8, 0}, kBig[] = {0x10, 0x04, 0, 8};
   for (std::size_t at = 0; at + 12 <= octets.size(); at += 4) {
@@ -77,7 +77,7 @@ void hide_access_control(Bytes& octets) {
   }
 }
 
-/// The last octet of source_endpoint_guid in a DATA without inline QoS, whose payload begins at 24.
+// The last octet of source_endpoint_guid in a DATA without inline QoS, whose payload begins at 24.
 constexpr std::size_t kEntityKindAt = 24 + 84 + 15;
 
 void name_victim(Bytes& octets, std::string_view token_class, std::size_t at) {
@@ -95,8 +95,8 @@ void set_length(Bytes& submessage) {
 
 constexpr DDS_Security_octet kInlineQosFlag = 2, kDataFlag = 4, kKeyFlag = 8;
 
-/// What the volatile writer sends, without its data. A stock host writes little endian and no
-/// inline QoS.
+// What the volatile writer sends, without its data. A stock host writes little endian and no
+// inline QoS.
 void leave_key(Bytes& octets, bool only_hash) {
   if (!is_of_writer(octets, 0xff0202c3) || (octets[1] & kInlineQosFlag) != 0) return;
   octets[1] &= static_cast<DDS_Security_octet>(~kDataFlag);
@@ -113,7 +113,7 @@ void leave_key(Bytes& octets, bool only_hash) {
   say_tampered();
 }
 
-/// What the volatile writer sends, as a piece of two gigabytes.
+// What the volatile writer sends, as a piece of two gigabytes.
 void leave_fragment(Bytes& octets) {
   if (!is_of_writer(octets, 0xff0202c3) || (octets[1] & kInlineQosFlag) != 0) return;
   constexpr DDS_Security_octet kDataFrag = 0x16, kToInlineQos = 28;
@@ -138,8 +138,8 @@ void leave_fragment(Bytes& octets) {
   say_tampered();
 }
 
-/// Of the key tokens of builtin writers to one participant, all name one reader that never matches,
-/// and as their writer one of two by turns. A retransmission stays what it was.
+// Of the key tokens of builtin writers to one participant, all name one reader that never matches,
+// and as their writer one of two by turns. A retransmission stays what it was.
 void repeat_tokens(Bytes& octets) {
   constexpr std::size_t kLocalAt = 24 + 68, kRemoteAt = 24 + 84, kGuid = 16, kPrefix = 12;
   constexpr DDS_Security_octet kReader[] = {0xff, 0, 4, 0xc7};
@@ -167,7 +167,7 @@ bool is_of_writer_tokens(const Bytes& octets) {
          (octets[kEntityKindAt] == 0x02 || octets[kEntityKindAt] == 0x03);
 }
 
-/// In its announcements and in its key tokens.
+// In its announcements and in its key tokens.
 void invent_writer(Bytes& octets) {
   constexpr DDS_Security_octet kInvented[] = {0xfe, 0, 1, 0xc2};
   if (is_of_writer_tokens(octets)) {
@@ -186,7 +186,7 @@ void send_nobodys_tokens(Bytes& octets) {
   say_tampered();
 }
 
-/// Every GUID in the payload.
+// Every GUID in the payload.
 void speak_as_victim(Bytes& octets) {
   const auto prefix = victim.prefix();
   if (prefix.empty()) return;
@@ -205,8 +205,8 @@ void dispose(Bytes& octets) {
   set_length(octets);
 }
 
-/// The discriminator of the first type identifier in PID_TYPE_INFORMATION (little endian, as a
-/// stock host writes it) becomes one that Cyclone DDS does not expect.
+// The discriminator of the first type identifier in PID_TYPE_INFORMATION (little endian, as a
+// stock host writes it) becomes one that Cyclone DDS does not expect.
 void spoil_type_information(Bytes& octets) {
   constexpr DDS_Security_octet kUnexpected = 0x82;
   constexpr std::size_t kPayloadAt = 24 + 4, kKindAt = 4 + 20;
@@ -219,7 +219,7 @@ void spoil_type_information(Bytes& octets) {
   }
 }
 
-/// Puts another PID_TYPE_INFORMATION in the place of the host's.
+// Puts another PID_TYPE_INFORMATION in the place of the host's.
 void replace_type_information(Bytes& octets, const Bytes& value) {
   const auto word = [&](std::size_t at) -> std::size_t { return octets[at] | octets[at + 1] << 8; };
   for (std::size_t at = 28; at + 4 < octets.size() && word(at) != 1; at += 4 + word(at + 2)) {
@@ -248,14 +248,14 @@ void announce_types(Bytes& octets, bool is_writer) {
   replace_type_information(octets, type_that_needs(1, needs));
 }
 
-/// Before the sentinel, with which a stock host ends its announcements.
+// Before the sentinel, with which a stock host ends its announcements.
 void append_to_announcement(Bytes& octets, const Bytes& parameters) {
   octets.insert(octets.end() - 4, parameters.begin(), parameters.end());
   set_length(octets);
   say_tampered();
 }
 
-/// Each fits almost, again and again, a name of many zeros.
+// Each fits almost, again and again, a name of many zeros.
 Bytes costly_partitions() {
   constexpr std::string_view kExpression("*0*0*0*0*0*0*0*0*0*0*0*0*0*0*0*0*x", 35);
   constexpr std::size_t kMany = 300;
@@ -284,7 +284,7 @@ Bytes many_locators() {
   return out;
 }
 
-/// PID_DEFAULT_UNICAST_IPADDRESS and PID_DEFAULT_UNICAST_PORT of RTPS 1.
+// PID_DEFAULT_UNICAST_IPADDRESS and PID_DEFAULT_UNICAST_PORT of RTPS 1.
 Bytes deprecated_address() {
   Bytes out;
   splice::append_parameter(out, 0x0c, {127, 0, 0, 1});
@@ -330,7 +330,7 @@ void speak_of_endpoints(Bytes& octets) {
   speak_as_victim(octets);
 }
 
-/// Does a message hold a sample of an application's writer?
+// Does a message hold a sample of an application's writer?
 bool is_of_application(const Bytes& message) {
   for (std::size_t at = 20; at + 16 <= message.size();) {
     const auto kind = message[at + 15];
@@ -342,7 +342,7 @@ bool is_of_application(const Bytes& message) {
   return false;
 }
 
-/// To all readers, by its own plain writer of liveliness: the victim is gone.
+// To all readers, by its own plain writer of liveliness: the victim is gone.
 Bytes end_of_victim(const Bytes& prefix, DDS_Security_octet number) {
   Bytes out = {0x0e, 1, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};  // INFO_DST
   Bytes data = {0x15, 7, 0, 0, 0, 0, 16, 0, 0, 0, 0, 0, 0, 2, 0, 0xc2, 0, 0, 0, 0, number, 0, 0, 0};
@@ -368,7 +368,7 @@ void append_end_of_victim(Bytes& message, const Bytes& prefix) {
   say_tampered();
 }
 
-/// Instead of an announcement, after a submessage that is empty.
+// Instead of an announcement, after a submessage that is empty.
 void smuggle_end_of_victim(Bytes& octets) {
   if (!is_of_writer(octets, 0xff0003c2)) return;
   octets = {0x09, 1, 0, 0};  // INFO_TS

@@ -27,7 +27,7 @@ std::vector<Text> list(std::initializer_list<const char*> names) {
   return out;
 }
 
-/// Participants whose certificates and CAs have keys of any kind.
+// Participants whose certificates and CAs have keys of any kind.
 class Algorithms : public AccessControlTest {
  protected:
   struct Party {
@@ -50,7 +50,7 @@ class Algorithms : public AccessControlTest {
   Result<spi::PermissionsHandle> local_of(const Party& party) {
     return local_of(party, party.ca.certificate());
   }
-  /// As our authentication hands it over after a handshake.
+  // As our authentication hands it over after a handshake.
   Result<spi::PermissionsHandle> remote_of(const pki::Certificate& certificate,
                                            const char* key_establishment = kEcdhe) {
     spi::Token credential{
@@ -196,7 +196,7 @@ TEST_F(Algorithms, NoAlgorithmElement_AllowsAll) {
   EXPECT_TRUE(plugin->validate_local_permissions(kLocalIdentity, 0, all));
 }
 
-/// The identity CAs are a file, which may be replaced.
+// The identity CAs are a file, which may be replaced.
 class AlgorithmsOfLaterCas : public Algorithms {
  protected:
   Result<spi::PermissionsHandle> local_with_file() {

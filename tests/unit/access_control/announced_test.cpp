@@ -62,17 +62,17 @@ TEST(AnnouncedEndpoints, Memory_IsBoundedAndTheNewestStays) {
       announced.of_topic(Action::publish, "t").front()->partitions.views().front().ends_with('!'));
 }
 
-/// A peer that may do everything in every partition, and our participant.
+// A peer that may do everything in every partition, and our participant.
 class HostilePartitions : public AccessControlTest {
  protected:
   void SetUp() override { ASSERT_TRUE(local(open_permissions(kTalker))); }
   spi::PermissionsHandle peer(std::vector<governance::GrantRule> rules) {
     return remote(signed_permissions({grant(kListener, std::move(rules))})).value();
   }
-  /// Of its own processor time: a busy machine changes little.
+  // Of its own processor time: a busy machine changes little.
   static double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-  /// An announcement as large as is remembered, of the most that a compiler could get lost in.
+  // An announcement as large as is remembered, of the most that a compiler could get lost in.
   struct Announcement {
     explicit Announcement(char number) {
       for (const std::string unit : {"[:", "[[=", "[[.", "*["}) {

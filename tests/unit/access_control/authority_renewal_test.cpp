@@ -19,7 +19,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// The talker has files of the first CA; the second has the same name.
+// The talker has files of the first CA; the second has the same name.
 class AuthorityRenewal : public AccessControlTest {
  protected:
   void SetUp() override {
@@ -97,7 +97,7 @@ class AuthorityRenewal : public AccessControlTest {
     const auto found = plugin->datawriter_sec_attributes(*own_, {.topic_name = topic});
     return found && found->is_payload_protected() ? ProtectionKind::encrypt : ProtectionKind::none;
   }
-  /// A rule for the topic "open", whose data is not protected.
+  // A rule for the topic "open", whose data is not protected.
   static governance::TopicRule open_rule(std::string expression = "open") {
     return {.topic_expression = std::move(expression),
             .data_protection_kind = ProtectionKind::none};
@@ -113,7 +113,7 @@ class AuthorityRenewal : public AccessControlTest {
 
 // ---- relative paths
 
-/// The properties have relative paths, and the process has changed its working directory since.
+// The properties have relative paths, and the process has changed its working directory since.
 class RelativePaths : public AuthorityRenewal {
  protected:
   void SetUp() override {
@@ -238,7 +238,7 @@ TEST_F(AuthorityRenewal, GovernanceThatComesWithAnotherCa_IsAnEvent) {
                                             Code::governance_renewed));
 }
 
-/// Whose endpoints can get another protection.
+// Whose endpoints can get another protection.
 class ChangingHost : public AuthorityRenewal {
  protected:
   void SetUp() override {

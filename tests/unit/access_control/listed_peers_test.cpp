@@ -170,7 +170,7 @@ TEST_F(ListedPeers, AListThatCannotBeRead_ChangesNothing) {
 
 class OwnListedPermissions : public ListedPeers {
  protected:
-  /// Ours end first, and are renewed; the peer has seen the former ones.
+  // Ours end first, and are renewed; the peer has seen the former ones.
   void begin(bool peer_reads_lists, const std::vector<std::string>& next_topics = {"*"},
              const std::vector<std::string>& first_topics = {"*"}) {
     (void)plugin->return_permissions_handle(peer_);

@@ -33,7 +33,7 @@ TEST_F(ListedPeers, OfSeveral_TheOneThatEndsLastCounts) {
   EXPECT_EQ(plugin->next_expiry(), kNow + 12h);
 }
 
-/// What the list has for a peer that presents "t" and "u".
+// What the list has for a peer that presents "t" and "u".
 class OtherRights : public ListedPeers,
                     public testing::WithParamInterface<std::vector<std::string>> {
  protected:

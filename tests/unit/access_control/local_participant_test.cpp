@@ -239,7 +239,7 @@ TEST_F(GovernancePhases, RuleBeforeTheOneInUse_ThatProtectsLess_IsRefused) {
   expect_refused("data_protection_kind", "\"t\": restart it");
 }
 
-/// As in Cyclone DDS, whose endpoints keep the protection that they were made with.
+// As in Cyclone DDS, whose endpoints keep the protection that they were made with.
 class GovernanceOfAFixedHost : public GovernancePhases {
  protected:
   GovernanceOfAFixedHost() : GovernancePhases(false) {}

@@ -26,7 +26,7 @@ class Renewal : public AccessControlTest {
     log.events.clear();
   }
 
-  /// The talker may publish and subscribe `names`, from then on for so long.
+  // The talker may publish and subscribe `names`, from then on for so long.
   std::string document(std::vector<std::string> names, std::chrono::seconds from = -24h,
                        std::chrono::seconds until = 24h, const char* subject = kTalker) const {
     auto all = rule(true);
@@ -50,7 +50,7 @@ class Renewal : public AccessControlTest {
     clock.advance(5s);
     return plugin->expire();
   }
-  /// As often as a host would in a quarter of a minute.
+  // As often as a host would in a quarter of a minute.
   std::vector<Code> codes_after_looking() {
     log.events.clear();
     for (int i = 0; i < 3; ++i) poll();
@@ -291,7 +291,7 @@ TEST_F(Renewal, DocumentOfTheLastSecond_IsTaken) {
   EXPECT_TRUE(may_publish("t"));
 }
 
-/// A peer whose own permissions end long after ours.
+// A peer whose own permissions end long after ours.
 class RenewalWithPeers : public Renewal {
  protected:
   spi::PermissionsHandle peer(const spi::SessionFacts& facts = {}) {
@@ -301,7 +301,7 @@ class RenewalWithPeers : public Renewal {
     EXPECT_TRUE(handle);
     return handle.value_or(spi::PermissionsHandle{});
   }
-  /// Of a handshake that presented this document.
+  // Of a handshake that presented this document.
   static spi::SessionFacts that_presented(const std::string& text) {
     return {.presented_permissions = sha256(as_bytes(text))};
   }

@@ -14,7 +14,7 @@ class Expiry : public AccessControlTest {
     return signed_permissions({ends});
   }
 
-  /// Two participants of the talker, and the listener as a peer of both.
+  // Two participants of the talker, and the listener as a peer of both.
   struct TwoLocals {
     TwoLocals(Expiry& test, const std::string& own,
               spi::IdentityHandle remote_of_second = kRemoteIdentity,

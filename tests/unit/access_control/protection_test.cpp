@@ -11,7 +11,7 @@ namespace {
 using governance::DomainRule;
 using governance::TopicRule;
 
-/// Every algorithm that the plugins always use.
+// Every algorithm that the plugins always use.
 governance::AllowedAlgorithms algorithms() {
   governance::AllowedAlgorithms out;
   out.line = 9;

@@ -18,7 +18,7 @@ class ShownPermissions : public AccessControlTest {
     log.events.clear();
   }
 
-  /// The listener may publish `names`.
+  // The listener may publish `names`.
   std::string document(std::vector<std::string> names, std::chrono::seconds from = -24h,
                        std::chrono::seconds until = 12h, const char* subject = kListener) const {
     auto out = grant(subject, {publish_rule(true, std::move(names))});

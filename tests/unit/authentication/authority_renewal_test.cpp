@@ -21,7 +21,7 @@ using testing::IsEmpty;
 constexpr auto kName = "CN=Identity CA,O=Example";
 constexpr pki::Validity kDecade{kNow - days(2), kNow + days(3650)};
 
-/// Of one name, as `ddssec ca rotate` makes them.
+// Of one name, as `ddssec ca rotate` makes them.
 const pki::Authority& old_ca() {
   static const auto ca = make_ca(kName, {}, kDecade);
   return ca;
@@ -54,7 +54,7 @@ Identity bob_of(const pki::Authority& ca) {
   return trusting_all(make_identity(ca, "CN=bob,O=Example", {}, kYear, 1));
 }
 
-/// Alice has files and a certificate of the old CA. Bob, of the old one, believes all.
+// Alice has files and a certificate of the old CA. Bob, of the old one, believes all.
 class AuthorityRenewal : public testing::Test {
  protected:
   AuthorityRenewal() : pairing_(alice(), bob_of(old_ca())) {}
@@ -91,7 +91,7 @@ class AuthorityRenewal : public testing::Test {
     EXPECT_THAT(events().front().error.to_sentence(), HasSubstr("read before stay in force"));
     EXPECT_THAT(codes_after_looking(), IsEmpty()) << "told twice";
   }
-  /// Whether a participant that has not met Alice authenticates with her.
+  // Whether a participant that has not met Alice authenticates with her.
   bool meets(const pki::Authority& ca) {
     Engine other{7};
     Participant carol(other, trusting_all(make_identity(ca, "CN=carol,O=Example", {}, kYear, 2)),
@@ -157,7 +157,7 @@ TEST_F(AuthorityRenewal, CertificateOfTheSecondCa_IsTakenWithIt) {
 
 // ---- relative paths
 
-/// Alice's properties have relative paths, and the process has changed its working directory since.
+// Alice's properties have relative paths, and the process has changed its working directory since.
 struct RelativePaths : testing::Test {
   RelativePaths() {
     write_all(folder, {&old_ca()}, alice.certificate);
@@ -174,7 +174,7 @@ struct RelativePaths : testing::Test {
     where.replace("cert.pem", certificate.pem());
     where.replace("key.pem", pem_text(alice.key));
   }
-  /// Where the files are that events are about, after looking.
+  // Where the files are that events are about, after looking.
   std::vector<std::pair<Code, std::string>> told() {
     engine.events.events.clear();
     for (int i = 0; i < 3; ++i) {

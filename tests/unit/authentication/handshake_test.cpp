@@ -51,10 +51,10 @@ TEST(Handshake, Request_HasTheStandardsFieldsInOrderWithoutNuls) {
 
 // ---- a peer played by hand
 
-/// The engine's participant has the higher GUID.
+// The engine's participant has the higher GUID.
 Identity ours(std::string_view = {}) { return make_identity(test_ca(), "CN=ours", {}, kYear, 1); }
 
-/// A subject whose adjusted GUID lies below or above that of `ours`.
+// A subject whose adjusted GUID lies below or above that of `ours`.
 Identity theirs(bool below, KeySpec spec = {}) {
   const auto digest = ours().certificate.subject_digest();
   const Guid our_guid = adjusted_guid(digest, candidate(1));

@@ -22,7 +22,7 @@ PropertyList alice_with(std::string_view name, std::string value) {
 
 using test::TemporaryFolder;
 
-/// What create() says of alice's documents in files, after `change(files, properties)`.
+// What create() says of alice's documents in files, after `change(files, properties)`.
 template <class Change>
 std::string sentence_about_files(const TemporaryFolder& folder, Change&& change) {
   auto properties = alice().properties;

@@ -30,8 +30,8 @@ TEST(Handshake, Permissions_TravelBothWays) {
   EXPECT_EQ(field(*at_low, "c.id"), field(*rep->message, "c.id"));
 }
 
-/// The ciphers that each side holds the other able to decrypt, after a handshake in which
-/// discovery's tokens were replaced by `announced`, if there is one.
+// The ciphers that each side holds the other able to decrypt, after a handshake in which
+// discovery's tokens were replaced by `announced`, if there is one.
 std::pair<spi::CipherMask, spi::CipherMask> ciphers_after(const Token* announced) {
   Engine first{1}, second{2};
   Participant able(first, make_identity(test_ca(), "CN=alice,O=Example"), 1, spi::kAllCiphers);

@@ -8,7 +8,7 @@ namespace ddssec::authentication {
 namespace {
 
 struct KeptRequest : ::testing::Test {
-  /// The host of the one that begins drops the other, and meets it again.
+  // The host of the one that begins drops the other, and meets it again.
   void meet_again() {
     ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
     const auto again = two.low.discover(two.high);
@@ -58,7 +58,7 @@ TEST_F(KeptRequest, AnsweredRequest_IsNotKept) {
   EXPECT_NE(request(), *first->message);
 }
 
-/// Begins with so many others, and drops them.
+// Begins with so many others, and drops them.
 void KeptRequest::invent(std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     auto guid = two.high.guid;

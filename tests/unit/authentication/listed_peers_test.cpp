@@ -74,7 +74,7 @@ TEST_F(Listed, AListThatComesAfterTheEnd_BringsNoOneBack) {
 
 // ---- our own certificate, which a peer has seen
 
-/// Bob has files; his certificate ends, and is renewed in time.
+// Bob has files; his certificate ends, and is renewed in time.
 class OwnListed : public testing::Test {
  protected:
   explicit OwnListed(spi::CipherMask ciphers = spi::kAllCiphers)

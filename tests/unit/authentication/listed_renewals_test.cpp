@@ -114,7 +114,7 @@ class BadList : public Listed {
     poll();
     EXPECT_THAT(codes(), ElementsAre(Code::renewal_list_taken));
   }
-  /// It changes nothing, and one event says what is wrong.
+  // It changes nothing, and one event says what is wrong.
   void expect_refused(std::string_view why) {
     EXPECT_THAT(pass_the_end(), IsEmpty());
     std::vector<Event> refusals;

@@ -12,7 +12,7 @@ namespace {
 using failing_memory::Extent;
 using failing_memory::Source;
 
-/// Alice's list comes to name bob, who has authenticated.
+// Alice's list comes to name bob, who has authenticated.
 struct Scene {
   Scene() : pairing(alice(), bob()) {
     pairing.expect_success();
@@ -36,7 +36,7 @@ struct Scene {
                                    .number = number};
     folder.replace("crl.pem", test_ca().make_crl(content)->pem());
   }
-  /// What a host would do once more after five seconds.
+  // What a host would do once more after five seconds.
   std::size_t poll() {
     pairing.first_engine.clock.advance(5s);
     try {

@@ -5,7 +5,7 @@
 namespace ddssec::authentication {
 namespace {
 
-/// Two that shake hands; what each sends is changed on the way.
+// Two that shake hands; what each sends is changed on the way.
 struct Meeting {
   Meeting(const Identity& first, const Identity& second) : pairing(first, second) {}
 
@@ -16,7 +16,7 @@ struct Meeting {
                       : without(std::move(token), "ocsp_status");
     };
   }
-  /// The first error of the handshake.
+  // The first error of the handshake.
   Status meet(const Change& request_change, const Change& reply_change) {
     auto& two = pairing.two;
     DDSSEC_ASSIGN_OR_RETURN(const auto request, two.request());
@@ -26,7 +26,7 @@ struct Meeting {
     DDSSEC_RETURN_IF_ERROR(two.at_high(reply.handle, *final.message));
     return {};
   }
-  /// Both show this response of theirs.
+  // Both show this response of theirs.
   Status meet_with(const std::function<std::optional<Bytes>(const pki::Certificate&)>& response) {
     const auto& low = pairing.two.low.guid == pairing.a.guid ? alice() : bob();
     const auto& high = pairing.two.low.guid == pairing.a.guid ? bob() : alice();
@@ -42,7 +42,7 @@ struct Meeting {
 // ---- the policies
 
 struct Policies : testing::TestWithParam<bool> {
-  /// With what only one side demands: that of the request or that of the reply.
+  // With what only one side demands: that of the request or that of the reply.
   Status meet(const std::string& policy,
               std::optional<Bytes> (*response)(const pki::Certificate&)) {
     Meeting meeting(GetParam() ? with_policy(alice(), policy) : with_policy(alice(), "ignore"),

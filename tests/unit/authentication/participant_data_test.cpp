@@ -23,7 +23,7 @@ TEST(ParticipantData, MissingSentinelAndRepetition_AreTolerated) {
   EXPECT_TRUE(participant_guid_in(twice));
 }
 
-/// RTPS Locator_t in a parameter.
+// RTPS Locator_t in a parameter.
 Bytes locator(std::uint16_t id, std::int32_t kind, std::uint32_t port,
               std::initializer_list<std::uint8_t> end) {
   Writer writer;

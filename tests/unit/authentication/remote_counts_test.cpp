@@ -19,11 +19,11 @@ TEST(RemoteIdentityBounds, TooManyRemoteIdentities_AreRefused) {
   EXPECT_TRUE(engine->validate_remote_identity(us.handle, {}, token, candidate(0x90)));
 }
 
-/// A process whose participants share one certificate.
+// A process whose participants share one certificate.
 struct Fleet {
   explicit Fleet(const std::string& subject, std::uint64_t seed)
       : engine(seed), identity(make_identity(test_ca(), subject, {}, kYear, 1)) {}
-  /// One more authenticates with `us`; the error of the call in which `us` refuses it.
+  // One more authenticates with `us`; the error of the call in which `us` refuses it.
   Result<IdentityHandle> join(Participant& us) {
     members.push_back(std::make_unique<Participant>(engine, identity,
                                                     static_cast<std::uint8_t>(members.size() + 1)));

@@ -119,7 +119,7 @@ TEST_F(Renewal, Warnings_FollowTheNewEnd) {
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ends_soon));
 }
 
-/// Bob has a certificate that lives longer than Alice's first one.
+// Bob has a certificate that lives longer than Alice's first one.
 class RenewalWithBob : public Renewal {
  protected:
   RenewalWithBob()

@@ -17,7 +17,7 @@ struct Watcher {
       : identity(with_list(alice(), "file:" + folder.path() + "/crl.pem", name)) {
     set(identity.properties, property::kFilesPollInterval, interval);
   }
-  /// How long after alice's list came she ended, if she did within a minute.
+  // How long after alice's list came she ended, if she did within a minute.
   std::optional<std::chrono::seconds> ends_after(const test::TemporaryFolder& folder) {
     Participant us(engine, identity);
     for (int i = 0; i < 30; ++i) poll();
@@ -125,7 +125,7 @@ TEST(LaterCrl, FolderOfAuthorities_IsRefusedBesideIt) {
 
 // ---- a list that no property names
 
-/// Alice's certificate, or her CA's, is a file; no property names a list.
+// Alice's certificate, or her CA's, is a file; no property names a list.
 struct UnnamedRevocationList : testing::Test {
   UnnamedRevocationList() { set(identity.properties, property::kFilesPollInterval, "1"); }
   void put_certificate() {
@@ -136,7 +136,7 @@ struct UnnamedRevocationList : testing::Test {
     const auto path = where.write("identity_ca.cert.pem", test_ca().certificate().pem());
     set(identity.properties, property::kIdentityCa, "file:" + path);
   }
-  /// Did she end within three looks?
+  // Did she end within three looks?
   bool ends() {
     bool ended = false;
     for (int i = 0; i < 3; ++i) {
@@ -183,13 +183,13 @@ TEST_F(UnnamedRevocationList, List_ComesBesideTheCa_IsTaken) {
   EXPECT_TRUE(ends());
 }
 
-/// Alice's certificate is in `folder` and her CA in `elsewhere`.
+// Alice's certificate is in `folder` and her CA in `elsewhere`.
 struct TwoRevocationLists : UnnamedRevocationList {
   TwoRevocationLists() {
     put_certificate();
     put_ca(elsewhere);
   }
-  /// What is said within three looks.
+  // What is said within three looks.
   std::vector<Code> told() {
     engine.events.events.clear();
     EXPECT_FALSE(ends());
@@ -393,7 +393,7 @@ TEST_F(UnnamedRevocationList, FolderOfAuthorities_NoListIsLookedFor) {
 
 // ---- two participants of one process with the same files
 
-/// The second is made between two looks of the first, so that it looks at other times.
+// The second is made between two looks of the first, so that it looks at other times.
 struct TwoParticipantsWithOneList : UnnamedRevocationList {
   TwoParticipantsWithOneList() {
     identity = make_identity(test_ca(), "CN=alice,O=Example", {}, {kNow - 24h, kEnd});
@@ -405,7 +405,7 @@ struct TwoParticipantsWithOneList : UnnamedRevocationList {
     second.emplace(engine, identity, 2);
     pass(10s);
   }
-  /// Who ended at the first look at which one did.
+  // Who ended at the first look at which one did.
   std::vector<IdentityHandle> pass(std::chrono::seconds time) {
     for (; time > 0s; time -= 1s) {
       engine.clock.advance(1s);

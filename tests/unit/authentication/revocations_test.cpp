@@ -14,14 +14,14 @@ using testing::MatchesRegex;
 namespace ddssec::authentication {
 namespace {
 
-/// Alice has a file with a list; Bob has none.
+// Alice has a file with a list; Bob has none.
 class RunningRevocation : public testing::Test {
  protected:
   explicit RunningRevocation(const std::string& first = pem({}))
       : path_(folder_.write("crl.pem", first)),
         pairing_(with_list(alice(), "file:" + path_), bob()) {}
 
-  /// Alice looks at her list as often as a host would in a quarter of a minute.
+  // Alice looks at her list as often as a host would in a quarter of a minute.
   std::vector<IdentityHandle> wait() {
     std::vector<IdentityHandle> ended;
     for (int i = 0; i < 3; ++i) {
@@ -34,7 +34,7 @@ class RunningRevocation : public testing::Test {
     folder_.replace("crl.pem", text);
     return wait();
   }
-  /// Once more the handshake of the two, from the first message to the end or the first refusal.
+  // Once more the handshake of the two, from the first message to the end or the first refusal.
   Status handshake() {
     auto& two = pairing_.two;
     DDSSEC_RETURN_IF_ERROR(two.low.discover(two.high));
@@ -55,7 +55,7 @@ class RunningRevocation : public testing::Test {
   IdentityHandle& bob_at_alice() {
     return &pairing_.two.low == &pairing_.a ? pairing_.two.high_at_low : pairing_.two.low_at_high;
   }
-  /// The host gave the handle back, and Bob is discovered again.
+  // The host gave the handle back, and Bob is discovered again.
   void rediscover_bob() {
     ASSERT_OK(engine()->return_identity_handle(bob_at_alice()));
     const auto again = pairing_.a.discover(pairing_.b);
@@ -146,7 +146,7 @@ TEST_F(RunningRevocation, TwoParticipantsOfOneEngine_GoByTheirOwnLists) {
 class RefusedRevocationList : public RunningRevocation {
  protected:
   RefusedRevocationList() : RunningRevocation(pem({5, {bob().certificate}})) {}
-  /// Said once, however often it is looked at; Bob stays out.
+  // Said once, however often it is looked at; Bob stays out.
   void expect_refused(std::string_view text, Code code) {
     put(text);
     expect_refused(code);

@@ -23,7 +23,7 @@ Identity renewed(int key = 0, pki::Validity validity = kLong, std::string subjec
   return make_identity(ca, std::move(subject), {}, validity, key);
 }
 
-/// Alice has files; Bob has none. They have a session.
+// Alice has files; Bob has none. They have a session.
 class SessionRenewal : public testing::Test {
  protected:
   SessionRenewal()
@@ -39,7 +39,7 @@ class SessionRenewal : public testing::Test {
     set(identity.properties, spi::property::kPrivateKey, "file:" + key_path_);
     return identity;
   }
-  /// The handles at Alice and at Bob.
+  // The handles at Alice and at Bob.
   std::pair<HandshakeHandle, HandshakeHandle> shake_hands() {
     auto& two = pairing_.two;
     const auto request = two.request().value();
@@ -49,7 +49,7 @@ class SessionRenewal : public testing::Test {
     return begins ? std::pair(request.handle, reply.handle)
                   : std::pair(reply.handle, request.handle);
   }
-  /// From now on Alice presents it.
+  // From now on Alice presents it.
   void put(const Identity& identity) {
     folder_.replace("cert.pem", identity.certificate.pem());
     folder_.replace("key.pem", pem_text(identity.key));
@@ -60,7 +60,7 @@ class SessionRenewal : public testing::Test {
     }
   }
   std::optional<Token> offer() { return alice()->offer_renewal(at_alice_).value(); }
-  /// What both hosts do.
+  // What both hosts do.
   void renew() {
     const auto shown = offer();
     ASSERT_TRUE(shown);
@@ -69,7 +69,7 @@ class SessionRenewal : public testing::Test {
     ASSERT_OK(answer);
     ASSERT_OK(alice()->note_renewal_taken(at_alice_, *answer));
   }
-  /// Bob's side refuses it, says so, and is as before.
+  // Bob's side refuses it, says so, and is as before.
   void expect_refused(const Token& offer, Code code) {
     bob().events.events.clear();
     const auto judged = bob()->judge_renewal(at_bob_, offer);

@@ -7,7 +7,7 @@ namespace {
 
 constexpr VendorId kDdssec{0x01, 0xd5};
 
-/// c.pdata of a participant in a domain with a tag; "": without the parameter.
+// c.pdata of a participant in a domain with a tag; "": without the parameter.
 Bytes data_in_domain(const Participant& participant, std::optional<std::uint32_t> domain,
                      std::string_view tag, const VendorId& vendor = kCycloneDds) {
   Writer writer(Endian::big);
@@ -32,7 +32,7 @@ Bytes data_in_domain(const Participant& participant, std::optional<std::uint32_t
   return out;
 }
 
-/// The code with which the initiator refuses the reply, and the replier the final message.
+// The code with which the initiator refuses the reply, and the replier the final message.
 std::pair<std::optional<Code>, std::optional<Code>> refusals(Pairing& pairing) {
   const auto request = pairing.two.request();
   EXPECT_TRUE(request);

@@ -5,7 +5,7 @@
 namespace ddssec::authentication {
 namespace {
 
-/// A remote participant in its own engine, `first` and `second` in one.
+// A remote participant in its own engine, `first` and `second` in one.
 struct TwoLocals {
   explicit TwoLocals(pki::Validity of_first = kYear, pki::Validity of_remote = kYear,
                      AuthenticationOptions options = {})
@@ -20,7 +20,7 @@ struct TwoLocals {
     ours.clock.advance(by);
     theirs.clock.advance(by);
   }
-  /// What the local participant of `two` calls the remote.
+  // What the local participant of `two` calls the remote.
   IdentityHandle remote_of(const Two& two) const {
     return &two.low == &remote ? two.low_at_high : two.high_at_low;
   }
@@ -33,7 +33,7 @@ struct TwoLocals {
   Two of_first, of_second;
 };
 
-/// A handshake that stops before any step.
+// A handshake that stops before any step.
 class Handshake {
  public:
   explicit Handshake(Two& two) : two_(two) {}

@@ -11,7 +11,7 @@ namespace ddssec::authentication {
 namespace {
 
 struct UnprovenOctetsTest : testing::Test {
-  /// Of a subject; the handshake has the next number.
+  // Of a subject; the handshake has the next number.
   std::vector<HandshakeHandle> add(std::uint8_t subject, std::size_t count) {
     auto share = octets.claim(Sha256Digest{subject}, count, 0);
     const HandshakeHandle owner{++last};
@@ -76,19 +76,19 @@ TEST_F(UnprovenOctetsTest, OneAmongMany_IsDroppedOnlyAfterAboutAsMuchAsTheLimit)
 
 // ---- in the engine
 
-/// The same with permissions of that size, without a signature.
+// The same with permissions of that size, without a signature.
 Token large(const Token& request, std::uint8_t number, std::size_t octets) {
   return with(forged(request, number), "c.perm", Bytes(octets, 'x'));
 }
 
-/// A stranger with a recorded request announces participants of its subject, and sends a request
-/// with junk in the name of each.
+// A stranger with a recorded request announces participants of its subject, and sends a request
+// with junk in the name of each.
 class Stranger {
  public:
   Stranger(const Token& recorded, const Identity& recorded_identity, Participant& victim)
       : recorded_(recorded), identity_(recorded_identity), victim_(victim) {}
 
-  /// The reply of the victim to that many octets of permissions.
+  // The reply of the victim to that many octets of permissions.
   Two::Step sends(std::size_t octets) {
     const auto number = static_cast<std::uint8_t>(++sent_);
     Participant invented(engine_, identity_, number + 10);
@@ -104,7 +104,7 @@ class Stranger {
   int sent_ = 0;
 };
 
-/// The lower of the two has a document of that size, and a stranger knows its certificate.
+// The lower of the two has a document of that size, and a stranger knows its certificate.
 struct LargeDocuments {
   explicit LargeDocuments(std::size_t octets)
       : alice(make_identity(test_ca(), "CN=alice,O=Example")),

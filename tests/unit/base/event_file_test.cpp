@@ -82,7 +82,7 @@ TEST_F(EventFileTest, ReaderThatHasLeft_EndsNoProcess) {
   EXPECT_EQ(sigismember(&pending, SIGPIPE), 0);
 }
 
-/// No file of this process grows beyond this size.
+// No file of this process grows beyond this size.
 class SizeLimit {
  public:
   explicit SizeLimit(rlim_t most) {

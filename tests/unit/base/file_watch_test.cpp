@@ -12,12 +12,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Looks once an interval, and once more when it said yes: as its user's program would.
+// Looks once an interval, and once more when it said yes: as its user's program would.
 class Looker {
  public:
   explicit Looker(const std::string& path) : watch_("file:" + path, 5s) { settle(); }
   bool poll() { return watch_.may_have_changed(now_ += 5s); }
-  /// Whatever just happened is seen within two looks, and then there is quiet.
+  // Whatever just happened is seen within two looks, and then there is quiet.
   bool sees_a_change() {
     const bool seen = poll();
     settle();

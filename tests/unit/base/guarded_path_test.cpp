@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr uid_t kOther = 65534;
 
-/// own/inner is a folder of this user, below one that no other user can write to.
+// own/inner is a folder of this user, below one that no other user can write to.
 class GuardedPath : public testing::Test {
  protected:
   GuardedPath() {
@@ -35,7 +35,7 @@ class GuardedPath : public testing::Test {
     const auto found = open_guarded(path, O_PATH);
     return !found && found.error().code() == tool_code::link_untrusted;
   }
-  /// Empty, with this errno.
+  // Empty, with this errno.
   static bool is_refused_with(int error, const fs::path& path) {
     const auto found = open_guarded(path, O_PATH);
     const int seen = errno;

@@ -13,7 +13,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// The flaws of a version; "?" after one that the number alone does not prove.
+// The flaws of a version; "?" after one that the number alone does not prove.
 std::vector<std::string> of(std::string_view version) {
   std::vector<std::string> out;
   for (const auto& flaw : openssl_flaws(version))

@@ -74,7 +74,7 @@ TEST(RenewalRefused, ReasonOfTheSameCode_KeepsItsHintAndIsNotRepeated) {
   EXPECT_EQ(told.hint(), "do this");
 }
 
-/// True if `f` is true for a user that is not root, in a child.
+// True if `f` is true for a user that is not root, in a child.
 template <class F>
 bool as_another_user(F&& f) {
   const auto child = ::fork();
@@ -87,7 +87,7 @@ bool as_another_user(F&& f) {
   return status == 0;
 }
 
-/// A folder that other users cannot enter.
+// A folder that other users cannot enter.
 struct ClosedFolder : testing::Test {
   void SetUp() override {
     std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);

@@ -17,7 +17,7 @@ struct Calendar : testing::Test {
     const auto error = calendar.take_report();
     return error ? std::optional(error->code()) : std::nullopt;
   }
-  /// As a host looks, once a second.
+  // As a host looks, once a second.
   void pass(std::chrono::seconds time) {
     for (auto i = 0s; i < time; ++i) {
       clock.advance(1s);
@@ -97,7 +97,7 @@ TEST_F(Calendar, Step_SaysBothTimes) {
   EXPECT_EQ(error->details().found, "2026-01-02T00:00:00Z");
 }
 
-/// A machine that slept: more time has passed than a monotonic clock counts.
+// A machine that slept: more time has passed than a monotonic clock counts.
 struct Asleep final : Clock {
   std::chrono::nanoseconds slept{0};
   WallTime now() const override { return std::chrono::floor<std::chrono::seconds>(kStart + slept); }

@@ -59,7 +59,7 @@ struct Fleet {
   std::string text() const { return std::to_string(names.size()) + " names\n"; }
 };
 
-/// Of another folder.
+// Of another folder.
 struct Range {
   int first, last;
 };

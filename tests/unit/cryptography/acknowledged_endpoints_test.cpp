@@ -8,7 +8,7 @@ namespace {
 
 using namespace testing;
 
-/// An engine whose host believes any source, and a peer that goes on and on.
+// An engine whose host believes any source, and a peer that goes on and on.
 struct AcknowledgedEndpoints : ::testing::Test {
   static constexpr int kTimes = 2 * AnnouncedOctets::kMax / kUserData;
 
@@ -25,7 +25,7 @@ struct AcknowledgedEndpoints : ::testing::Test {
     attributes.is_builtin = true;
     ends = two->endpoints(attributes);
   }
-  /// The host has the sample with that number, and tells its writer.
+  // The host has the sample with that number, and tells its writer.
   static Bytes acknacks(const EntityId& writer, std::uint32_t number) {
     return of_writer(submessage_id::kAckNack, writer, {0, number + 1, 0, number});
   }
@@ -33,7 +33,7 @@ struct AcknowledgedEndpoints : ::testing::Test {
     return DataMessage{.writer = writer, .number = number, .payload = announcement(1, kUserData)}
         .octets();
   }
-  /// By the peer, or to it.
+  // By the peer, or to it.
   static Bytes message(const GuidPrefix& from, const Bytes& submessages) {
     Bytes out = {'R', 'T', 'P', 'S', 2, 5, 1, 16};
     append(out, from.view());

@@ -54,8 +54,8 @@ TEST(Allocations, MessagePath_AllocatesNothing) {
   }
 }
 
-/// A sender that changes its session often (Fast DDS: every 32 messages) costs its receiver no
-/// allocation either, once the memory of its sessions is full.
+// A sender that changes its session often (Fast DDS: every 32 messages) costs its receiver no
+// allocation either, once the memory of its sessions is full.
 TEST(Allocations, NewSessionsOfASender_AllocateNothing) {
   TwoSides two(ProtectionKind::none, {}, {.max_blocks_per_session = 1});
   const auto e = two.endpoints(endpoint_attributes(ProtectionKind::none, kEncrypt));
@@ -73,7 +73,7 @@ TEST(Allocations, NewSessionsOfASender_AllocateNothing) {
             0);
 }
 
-/// A forged message costs no allocation but that of the session it names.
+// A forged message costs no allocation but that of the session it names.
 TEST(Allocations, Forgeries_AllocateLittle) {
   TwoSides two(kEncrypt);
   const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();

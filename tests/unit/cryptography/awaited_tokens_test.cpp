@@ -20,7 +20,7 @@ using Kind = TokenDecision::Kind;
 constexpr EntityId kWriter{{0, 0, 1, 2}}, kReader{{0, 0, 1, 7}};
 constexpr std::string_view kOfReader = "dds.sec.datareader_crypto_tokens";
 
-/// A host that is asked once a second.
+// A host that is asked once a second.
 struct Host {
   TokenKey key{{kPeer, kWriter}, {kOurs, kReader}};
   std::uint64_t exchange = 1;
@@ -29,7 +29,7 @@ struct Host {
   std::chrono::nanoseconds now = seconds(1000);
   Ticket ticket = {};
 
-  /// The peer's tokens, which the host takes.
+  // The peer's tokens, which the host takes.
   Kind tokens_come() {
     const TokenMessage message{key.remote, key.local, ++number, false, fresh_tokens(), 0, 0};
     const auto passage = ledger.note(message, {exchange}, false, now).value();
@@ -43,7 +43,7 @@ struct Host {
     return ledger.redeem(tokens, {.exchange = exchange}).has_value();
   }
   void match() { ledger.await(exchange, key, now); }
-  /// How often the session is found stranded.
+  // How often the session is found stranded.
   unsigned pass(seconds time) {
     unsigned times = 0;
     for (seconds waited{}; waited < time; ++waited)
@@ -102,7 +102,7 @@ TEST(AwaitedTokensTest, OfAnotherSession_NothingIsStranded) {
   EXPECT_EQ(host.pass(minutes(20)), 0u);
 }
 
-/// A message that the host holds back until a missing one comes: it may come with the ticket yet.
+// A message that the host holds back until a missing one comes: it may come with the ticket yet.
 TEST(AwaitedTokensTest, HostHasNotTakenThem_AreNotLost) {
   Host host;
   const TokenMessage message{host.key.remote, host.key.local, 7, false, fresh_tokens(), 0, 0};
@@ -129,7 +129,7 @@ TEST(AwaitedTokensTest, BehindATicketThatTheHostNeverHad_AreFoundWithinSeconds) 
   EXPECT_EQ(host.pass(minutes(30)), 0u);
 }
 
-/// Nothing of the ten reviews that a process missed while it was stopped.
+// Nothing of the ten reviews that a process missed while it was stopped.
 TEST(AwaitedTokensTest, AProcessThatWasStopped_HasNotWaited) {
   Host host;
   EXPECT_EQ(host.tokens_come(), Kind::ticket);
@@ -169,7 +169,7 @@ TEST(AwaitedTokensTest, TooManyAwaited_AreNotKept) {
   EXPECT_TRUE(awaited.contains(2, key));
 }
 
-/// The engine at `b`, whose host sends our own tokens once it has matched two endpoints.
+// The engine at `b`, whose host sends our own tokens once it has matched two endpoints.
 struct Engine {
   explicit Engine(spi::CipherMask peer_ciphers = spi::kAllCiphers)
       : two(ProtectionKind::none, {}, {.host_checks_sources = false}) {
@@ -196,7 +196,7 @@ struct Engine {
             factory.register_matched_remote_datareader(made, two.b.remote, shared_secret(), false)
                 .value()};
   }
-  /// The host takes a ticket for tokens of the peer, and drops it after five minutes.
+  // The host takes a ticket for tokens of the peer, and drops it after five minutes.
   void drop_ticket(const EntityId& remote, const EntityId& local,
                    std::span<const spi::Token> tokens, std::string_view class_id) {
     const auto payload = token_message({kPeer, remote}, {kOurs, local}, tokens, class_id);

@@ -34,7 +34,7 @@ void append_parameter(Bytes& out, const Named& one, bool little) {
   append(out, one.value.size(), 2, little);
   append(out, one.value);
 }
-/// With a string before them, and a sentinel.
+// With a string before them, and a sentinel.
 Bytes list(std::initializer_list<Named> named, bool little) {
   Bytes out = {0, static_cast<std::uint8_t>(little ? 3 : 2), 0, 0};
   append_parameter(out, {kTopicName, Bytes(12, 0x50)}, little);
@@ -49,7 +49,7 @@ Bytes inline_qos(const Named& one, bool little) {
   append_parameter(out, {1, {}}, little);
   return out;
 }
-/// ParticipantMessageData.
+// ParticipantMessageData.
 Bytes liveliness(const GuidPrefix& prefix, std::uint8_t encoding) {
   Bytes out = {0, encoding, 0, 0};
   append(out, prefix.view());
@@ -63,7 +63,7 @@ Result<TypeInformationAt> check(BytesView octets) {
 }
 Code code(const DataMessage& message) { return code_of(check(message.octets())); }
 
-/// Both byte orders, as data and as a key; the payload may be in another order than its submessage.
+// Both byte orders, as data and as a key; the payload may be in another order than its submessage.
 template <class F>
 void each_form(F&& f) {
   for (const bool little : {false, true})

@@ -17,7 +17,7 @@ using namespace testing;
 constexpr EntityId kPublications{{0xff, 0, 3, 0xc2}};
 constexpr std::uint16_t kPartition = 0x29, kEndpointGuid = 0x5a, kSentinel = 1;
 constexpr std::uint16_t kLocators[] = {0x2f, 0x30, 0x31, 0x32, 0x33, 0x48};
-/// The largest number of locators of one kind.
+// The largest number of locators of one kind.
 constexpr std::size_t max_of(std::uint16_t id) {
   const bool is_multicast = id == 0x30 || id == 0x33 || id == 0x48;
   return is_multicast ? ParameterWalk::kMaxMulticastLocators : ParameterWalk::kMaxLocators;
@@ -25,7 +25,7 @@ constexpr std::size_t max_of(std::uint16_t id) {
 
 using Names = std::vector<std::string>;
 
-/// A parameter list of one byte order.
+// A parameter list of one byte order.
 struct List {
   explicit List(bool little = true)
       : is_little(little), octets{0, static_cast<std::uint8_t>(little ? 3 : 2), 0, 0} {}
@@ -57,7 +57,7 @@ struct List {
   Bytes octets;
 };
 
-/// Read in pieces of that size.
+// Read in pieces of that size.
 Status read(const List& list, std::size_t piece = 100'000) {
   const auto& topic = *builtin_topic_of(kPublications);
   ParameterWalk walk;
@@ -149,7 +149,7 @@ TEST(CostlyPartitions, LyingLengths_AreRefused) {
   EXPECT_EQ(code_of(read(list)), Code{});
 }
 
-/// Steps of a matcher that tries, for each run of stars, all places: that of Cyclone DDS.
+// Steps of a matcher that tries, for each run of stars, all places: that of Cyclone DDS.
 std::size_t steps(const char* expression, const char* name, bool& fits) {
   std::size_t count = 1;
   for (; *expression != '\0' && *expression != '*'; ++expression, ++name, ++count)

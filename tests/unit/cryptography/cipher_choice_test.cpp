@@ -26,12 +26,12 @@ EndpointSecurityAttributes builtin(ProtectionKind kind) {
   return attributes;
 }
 
-/// The kind of a participant's own message key.
+// The kind of a participant's own message key.
 TransformKind message_kind(TwoSides& two) {
   const auto tokens = two.participant_tokens();
   return read_crypto_token(tokens->front())->kind;
 }
-/// The kind of a writer's first key.
+// The kind of a writer's first key.
 TransformKind writer_kind(TwoSides& two, const EndpointSecurityAttributes& attributes,
                           const PropertyList& properties) {
   const auto e = two.endpoints(attributes, properties);
@@ -139,7 +139,7 @@ TEST(ChaCha20Poly1305, EachSide_ChoosesForWhatItSends) {
 
 // Refusals.
 
-/// One engine with a peer that announced `ciphers`.
+// One engine with a peer that announced `ciphers`.
 struct Against {
   explicit Against(spi::CipherMask ciphers, const PropertyList& properties = {},
                    ProtectionKind rtps = kNone, spi::CipherMask allowed = spi::kAllCiphers) {
@@ -219,7 +219,7 @@ spi::Token token_of(TransformKind kind) {
   return crypto_token(out);
 }
 
-/// What a participant says of tokens of that kind, for its messages and for one of its readers.
+// What a participant says of tokens of that kind, for its messages and for one of its readers.
 std::pair<Code, Code> codes_of_tokens(TransformKind kind, spi::CipherMask announced,
                                       spi::CipherMask allowed) {
   Against peer(announced, {}, kEncrypt, allowed);

@@ -50,7 +50,7 @@ TEST(DataPiece, OtherSubmessages_HaveNoWriterOfData) {
   EXPECT_EQ(writer_of_data(BytesView(octets).first(3)), std::nullopt);
 }
 
-/// A little-endian submessage with the two entity ids, and then 32-bit words.
+// A little-endian submessage with the two entity ids, and then 32-bit words.
 Bytes submessage(std::uint8_t id, std::initializer_list<std::uint32_t> words) {
   Bytes out = {id, kEndianFlag, 0, 0};
   append(out, kTokenReader.view());

@@ -22,7 +22,7 @@ namespace {
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kEncryptOrigin = ProtectionKind::encrypt_with_origin_authentication;
 
-/// What a child of fork() that runs `work` gives back; the parent runs `meanwhile` beside it.
+// What a child of fork() that runs `work` gives back; the parent runs `meanwhile` beside it.
 Bytes from_child(const std::function<Bytes()>& work, const std::function<void()>& meanwhile = {}) {
   int ends[2];
   EXPECT_EQ(pipe(ends), 0);
@@ -48,7 +48,7 @@ Bytes from_child(const std::function<Bytes()>& work, const std::function<void()>
   return said;
 }
 
-/// One message of each kind that a participant sends, and where its CryptoHeader stands.
+// One message of each kind that a participant sends, and where its CryptoHeader stands.
 struct Speaker {
   static constexpr std::size_t kKinds = 5, kRound = 8;
   static constexpr std::array<std::size_t, kKinds> kHeaderAt = {0, 4, 4, 24, 24};
@@ -98,7 +98,7 @@ struct Speaker {
     return understood ? Status{} : std::unexpected(understood.error());
   }
 
-  /// Several of each kind, one after another.
+  // Several of each kind, one after another.
   Bytes speech() {
     Bytes out;
     for (std::size_t i = 0; i < kRound * kKinds; ++i) {
@@ -109,7 +109,7 @@ struct Speaker {
     }
     return out;
   }
-  /// All of it is understood, and no key meets an IV that it met before.
+  // All of it is understood, and no key meets an IV that it met before.
   void judge(BytesView speech) {
     std::size_t count = 0;
     for (; !speech.empty(); ++count) {
@@ -191,7 +191,7 @@ TEST(Fork, AChild_KnowsWhatItsParentSaidFromThePeersWords) {
   EXPECT_EQ(codes, (Bytes{low, high, low, high}));
 }
 
-/// Random octets until it is broken.
+// Random octets until it is broken.
 struct BreakableRandom final : Random {
   Status fill(MutableBytes out) override {
     if (is_broken) return ddssec::fail(Code::random_failed);

@@ -31,7 +31,7 @@ Bytes guid_of(const GuidPrefix& prefix) {
   append(out, Bytes{0, 0, 1, 3});
   return out;
 }
-/// User data, then the key, as Cyclone DDS orders them.
+// User data, then the key, as Cyclone DDS orders them.
 Bytes announcement(const GuidPrefix& of, std::size_t user_data, bool little = true) {
   Bytes out = {0, static_cast<std::uint8_t>(little ? 3 : 2), 0, 0};
   append_parameter(out, kUserData, Bytes(user_data, 0x50), little);
@@ -42,7 +42,7 @@ Bytes announcement(const GuidPrefix& of, std::size_t user_data, bool little = tr
 
 class FragmentWalksTest : public ::testing::Test {
  protected:
-  /// The fragment of that number, counted from 1, of a sample.
+  // The fragment of that number, counted from 1, of a sample.
   Code pass(const Bytes& sample, std::uint32_t fragment, std::uint32_t number = 1,
             std::uint16_t size = kFragmentSize) {
     const auto from = (fragment - 1) * std::size_t{size};
@@ -60,13 +60,13 @@ class FragmentWalksTest : public ::testing::Test {
   static std::uint32_t fragments(const Bytes& sample, std::uint16_t size = kFragmentSize) {
     return static_cast<std::uint32_t>((sample.size() + size - 1) / size);
   }
-  /// In order; what ended it.
+  // In order; what ended it.
   Code pass_all(const Bytes& sample, std::uint32_t number = 1, std::uint16_t size = kFragmentSize) {
     for (std::uint32_t one = 1; one <= fragments(sample, size); ++one)
       if (const auto code = pass(sample, one, number, size); code != Code{}) return code;
     return {};
   }
-  /// The host has all below that number.
+  // The host has all below that number.
   void acknowledge(std::uint32_t next) {
     walks_.peer.announced.acknowledged(*builtin_topic_of(kPublications), next);
   }

@@ -99,7 +99,7 @@ TEST(TrustingHost, TicketOfAFormerSession_StillBringsKeys) {
   EXPECT_TRUE(decode_submessage(engine.two, engine.user, next));
 }
 
-/// An ACKNACK of the volatile reader in one byte order.
+// An ACKNACK of the volatile reader in one byte order.
 Bytes acknowledgement(std::uint32_t next, bool little) {
   Writer out(little ? Endian::little : Endian::big, 32);
   out.write(std::uint8_t{0x06});
@@ -139,7 +139,7 @@ TEST(TrustingHost, TokensBeforeTheAcknowledgment_DoNotComeAgain) {
   EXPECT_FALSE(engine.passes(3, tokens));
 }
 
-/// What it would hold for nothing, though the sender is to be named only if no honest one does it.
+// What it would hold for nothing, though the sender is to be named only if no honest one does it.
 TEST(TrustingHost, TokensThatNothingHereCanUse_AreRefused) {
   Engine engine(false);
   auto tokens = engine.two.writer_tokens(engine.user).value();

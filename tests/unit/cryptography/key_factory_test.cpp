@@ -24,7 +24,7 @@ struct Gate final : spi::MatchGate {
   mutable std::vector<bool> hides;
 };
 
-/// A reader of a topic with access control and protected discovery.
+// A reader of a topic with access control and protected discovery.
 struct Gated {
   Gated() : two({.discovery = ProtectionKind::encrypt}, {}, {.host_checks_sources = false}) {
     auto secret = shared_secret(5);
@@ -55,7 +55,7 @@ struct Gated {
     attributes.gate = gate;
     return two.endpoints(attributes);
   }
-  /// The tokens of its writer come by a ticket.
+  // The tokens of its writer come by a ticket.
   Code take(const WriterToReader& user) {
     const auto tokens = two.writer_tokens(user).value();
     const auto payload = token_message({kPeer, kWriter}, {kOurs, kReader}, tokens);

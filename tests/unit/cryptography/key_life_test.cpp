@@ -27,7 +27,7 @@ TEST(KeyLife, WithoutLimits_NeverEnds) {
   EXPECT_FALSE(life.counts_blocks(std::chrono::hours(24 * 10'000)));
 }
 
-/// Until what is made then is in use and the former does not count any more.
+// Until what is made then is in use and the former does not count any more.
 constexpr auto kMargin = kFormerKeyLife + KeyLife::kAsked;
 
 TEST(KeyLife, TimeLimit_EndsInItsLastQuarter) {
@@ -158,7 +158,7 @@ TEST(KeyLimits, RevisionForAnyReason_StartsThemAnew) {
   EXPECT_TRUE(limited.is_due());
 }
 
-/// What each of the keys of a participant and its endpoints protects counts by itself.
+// What each of the keys of a participant and its endpoints protects counts by itself.
 TEST(KeyLimits, WhatEachKeyProtects_IsCounted) {
   struct Row {
     std::string_view what;

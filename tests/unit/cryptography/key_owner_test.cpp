@@ -19,7 +19,7 @@ constexpr EntityId kTokenReader{{0xff, 0x02, 0x02, 0xc4}};
 constexpr EntityId kSquare{{0, 0, 1, 0x03}}, kOther{{0, 0, 2, 0x03}}, kReader{{0, 0, 3, 0x04}};
 constexpr EntityId kSecureLiveliness{{0xff, 0x02, 0x00, 0xc2}};
 
-/// CDR of either byte order.
+// CDR of either byte order.
 class Writer {
  public:
   explicit Writer(bool little) : little_(little) {}
@@ -44,7 +44,7 @@ class Writer {
   bool little_;
 };
 
-/// A ParticipantGenericMessage with its encapsulation header.
+// A ParticipantGenericMessage with its encapsulation header.
 Bytes token_message(const GuidPrefix& prefix, const EntityId& endpoint,
                     std::span<const spi::Token> tokens, bool little = true) {
   Writer cdr(little);
@@ -66,7 +66,7 @@ Bytes token_message(const GuidPrefix& prefix, const EntityId& endpoint,
   return out;
 }
 
-/// A submessage with `size` octets in all that names `entity` at that place.
+// A submessage with `size` octets in all that names `entity` at that place.
 Bytes naming(std::uint8_t id, std::size_t at, const EntityId& entity, std::size_t size = 48) {
   auto out = data_submessage(size - 4, id);
   std::ranges::copy(entity.octets, out.begin() + static_cast<std::ptrdiff_t>(at));
@@ -74,7 +74,7 @@ Bytes naming(std::uint8_t id, std::size_t at, const EntityId& entity, std::size_
 }
 Bytes data_of(const EntityId& writer) { return naming(submessage_id::kData, 12, writer); }
 
-/// A key token message as the key exchange protects it.
+// A key token message as the key exchange protects it.
 Bytes token_submessage(const EntityId& owner, std::span<const spi::Token> tokens) {
   auto out = naming(submessage_id::kData, 12, kTokenWriter, 24);
   constexpr EntityId kTokenReader{{0xff, 0x02, 0x02, 0xc4}};
@@ -90,7 +90,7 @@ Bytes token_submessage(const EntityId& owner, std::span<const spi::Token> tokens
   return out;
 }
 
-/// What the host hands over of such a message.
+// What the host hands over of such a message.
 std::vector<spi::Token> tokens_in(const Bytes& submessage) {
   return read_token_message(read_data_piece(submessage).value()).value()->tokens;
 }
@@ -102,7 +102,7 @@ struct KeyOwnerTest : ::testing::Test {
   static EndpointSecurityAttributes attributes(ProtectionKind kind = ProtectionKind::encrypt) {
     return endpoint_attributes(kind, ProtectionKind::none);
   }
-  /// The writer's tokens, in a message from `owner`; what the host hands over then.
+  // The writer's tokens, in a message from `owner`; what the host hands over then.
   void take(const WriterToReader& ends, const EntityId& owner,
             spi::KeyStage stage = spi::KeyStage::in_use) {
     EXPECT_TRUE(take(ends, owner, two.writer_tokens(ends, stage).value()));

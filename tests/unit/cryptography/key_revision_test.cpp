@@ -19,7 +19,7 @@ constexpr auto kEncryptOrigin = ProtectionKind::encrypt_with_origin_authenticati
 
 ProtectionKind payload_kind(ProtectionKind kind) { return is_encrypted(kind) ? kEncrypt : kSign; }
 
-/// Everything protected by one kind; `a` revises its keys, and `b` hears of it or not.
+// Everything protected by one kind; `a` revises its keys, and `b` hears of it or not.
 struct Revising {
   explicit Revising(ProtectionKind kind = kEncrypt)
       : two(participant_attributes(kind, true)),
@@ -48,7 +48,7 @@ struct Revising {
     ASSERT_TRUE(activate(revision));
   }
 
-  /// What `a` sends at each level.
+  // What `a` sends at each level.
   struct Sent {
     Bytes message, submessage, payload;
   };
@@ -58,7 +58,7 @@ struct Revising {
             encode_submessage(two, e, submessage).value(),
             encode_payload(two, e, Bytes(16, 0x5a)).value()};
   }
-  /// What `b` says to each.
+  // What `b` says to each.
   std::array<Code, 3> receive(const Sent& sent) {
     return {code_of(decode_message(two, sent.message)),
             code_of(decode_submessage(two, e, sent.submessage)),
@@ -74,7 +74,7 @@ constexpr auto kGood = Code{0};
 
 KeyMaterial material_of(const spi::Token& token) { return read_crypto_token(token).value(); }
 
-/// The same token with another revision.
+// The same token with another revision.
 Tokens renumbered(Tokens tokens, KeyRevision revision) {
   for (auto& token : tokens) {
     auto& octets = token.binary_properties.front().value;
@@ -344,7 +344,7 @@ TEST(RevisedTokens, TokensCutShortAnywhere_ChangeNothing) {
   }
 }
 
-/// Threads send and receive on while the keys change under them.
+// Threads send and receive on while the keys change under them.
 TEST(KeyRevision, OtherThreadsSending_LoseNothing) {
   Revising r(kEncryptOrigin);
   std::atomic<bool> done = false;

@@ -28,7 +28,7 @@ TwoSides trusting_host() {
   return TwoSides(attributes, {}, CryptographyOptions{.host_checks_sources = false});
 }
 
-/// Matches one local writer with readers of one peer until that fails, or `most` are matched.
+// Matches one local writer with readers of one peer until that fails, or `most` are matched.
 std::size_t matched(TwoSides& two, const spi::EndpointSecurityAttributes& attributes,
                     std::size_t most) {
   auto& factory = two.b.factory();

@@ -27,7 +27,7 @@ Bytes value_of(const std::vector<std::string>& names, bool is_little) {
   return out;
 }
 
-/// The first error, in pieces of `size` octets.
+// The first error, in pieces of `size` octets.
 Status walked(const Bytes& value, bool is_little = true, std::size_t size = 1000,
               PartitionWalk* end = nullptr) {
   PartitionWalk walk(static_cast<std::uint16_t>(value.size()), is_little);

@@ -17,7 +17,7 @@ constexpr auto kEncryptOrigin = ProtectionKind::encrypt_with_origin_authenticati
 
 Bytes acknack() { return data_submessage(24, 0x06); }
 
-/// The reader of `two.b` with a writer of `two.a` and one of a third participant.
+// The reader of `two.b` with a writer of `two.a` and one of a third participant.
 struct TwoWriters {
   explicit TwoWriters(ProtectionKind kind)
       : two(participant_attributes(kNone, true)),
@@ -44,7 +44,7 @@ struct TwoWriters {
     tell_second().value();
   }
 
-  /// One more writer of that participant, as the reader knows it.
+  // One more writer of that participant, as the reader knows it.
   Result<DatawriterCryptoHandle> writer_of(ParticipantCryptoHandle participant,
                                            std::uint8_t seed = 1) {
     return two.b.factory().register_matched_remote_datawriter(first.reader, participant,
@@ -83,7 +83,7 @@ struct TwoWriters {
   TwoSides two;
   Side other;
   EndpointSecurityAttributes attributes;
-  WriterToReader first, second;  ///< `second.writer` is at `other`
+  WriterToReader first, second;  // `second.writer` is at `other`
   ParticipantCryptoHandle other_at_reader;
 };
 
@@ -218,7 +218,7 @@ TEST_P(ReceiverKeys, OneSubmessage_ServesWritersOfSeveralParticipantsOnly) {
             w.material(w.second.remote_writer).sender_key_id);
 }
 
-/// Random octets until it is broken.
+// Random octets until it is broken.
 struct BreakableRandom final : Random {
   Status fill(MutableBytes out) override {
     return is_broken ? Status(ddssec::fail(Code::random_failed)) : system.fill(out);

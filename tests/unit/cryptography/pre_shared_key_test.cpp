@@ -16,7 +16,7 @@ namespace {
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kSign = ProtectionKind::sign;
 
-/// One participant's keys, in an engine of its own.
+// One participant's keys, in an engine of its own.
 struct Member {
   explicit Member(const PropertyList& properties, ProtectionKind kind = kEncrypt,
                   DomainId domain = 7, std::string_view tag = "",
@@ -41,14 +41,14 @@ struct Member {
 };
 
 Bytes hello() { return rtps_message({data_submessage(12), data_submessage(8)}); }
-/// In the name of the `i`-th participant.
+// In the name of the `i`-th participant.
 Bytes hello_from(std::uint32_t i) {
   auto out = hello();
   for (std::size_t octet = 0; octet < 4; ++octet)
     out[8 + octet] = static_cast<std::uint8_t>(i >> (8 * octet));
   return out;
 }
-/// As decoded: INFO_SRC, which repeats the header, comes first.
+// As decoded: INFO_SRC, which repeats the header, comes first.
 Bytes with_source(const Bytes& plain) {
   Bytes out(plain.begin(), plain.begin() + 20);
   for (std::uint8_t octet : {0x0c, 0x01, 20, 0, 0, 0, 0, 0}) out.push_back(octet);
@@ -235,7 +235,7 @@ TEST(PreSharedKey, WhatTheGovernanceDoesNotAskForOrAllow_IsNotMade) {
 
 // Changed while running
 
-/// A member whose passphrases are in files.
+// A member whose passphrases are in files.
 struct Running {
   explicit Running(std::string_view first, const PropertyList& more = {})
       : member((put("own", first), put("extra", first), properties(more))) {}
@@ -248,7 +248,7 @@ struct Running {
   void put(const std::string& name, std::string_view text) const {
     ::chmod(folder.replace(name, text).c_str(), 0600);
   }
-  /// What was raised meanwhile.
+  // What was raised meanwhile.
   std::vector<Code> after(std::chrono::seconds time = spi::kDefaultFilesPollInterval) {
     member.side.events.codes.clear();
     member.side.clock.advance(time);

@@ -13,7 +13,7 @@ constexpr auto kShare = ReceiverPlaces::share_of(ReceiverPlaces::kMax);
 constexpr auto kShareOfEach = ReceiverPlaces::share_of(ReceiverPlaces::kMaxOfEach);
 constexpr std::size_t kMaxInDatagram = 65507;
 
-/// A writer that remote participants of several certificates have readers for.
+// A writer that remote participants of several certificates have readers for.
 struct CrowdedWriter {
   explicit CrowdedWriter(ProtectionKind rtps = ProtectionKind::none) {
     side.participant = side.factory()
@@ -25,7 +25,7 @@ struct CrowdedWriter {
                      endpoint_attributes(kOriginAuthenticated, ProtectionKind::none))
                  .value();
   }
-  /// `session` tells an authentication from the next.
+  // `session` tells an authentication from the next.
   Result<ParticipantCryptoHandle> meet(std::uint8_t certificate, std::uint16_t number,
                                        std::uint8_t session = 1) {
     auto secret = shared_secret(session);
@@ -39,7 +39,7 @@ struct CrowdedWriter {
   ParticipantCryptoHandle participant(std::uint8_t certificate, std::uint16_t number) {
     return meet(certificate, number).value();
   }
-  /// As many as are admitted.
+  // As many as are admitted.
   std::vector<ParticipantCryptoHandle> participants_of(std::uint8_t certificate) {
     std::vector<ParticipantCryptoHandle> all;
     for (std::uint16_t number = 1;; ++number) {
@@ -48,7 +48,7 @@ struct CrowdedWriter {
       all.push_back(*one);
     }
   }
-  /// What a stranger can do in the participant's name where discovery is not protected.
+  // What a stranger can do in the participant's name where discovery is not protected.
   Result<DatareaderCryptoHandle> announce_reader(ParticipantCryptoHandle of) {
     return side.factory().register_matched_remote_datareader(writer, of, shared_secret(), false);
   }
@@ -71,7 +71,7 @@ struct CrowdedWriter {
     readers.push_back(added);
     return added;
   }
-  /// As many as are admitted.
+  // As many as are admitted.
   std::size_t readers_of(ParticipantCryptoHandle participant) {
     std::size_t count = 0;
     while (reader(participant)) ++count;
@@ -114,7 +114,7 @@ TEST(ReceiverPlaces, OneCertificate_HasItsShareForAllItsParticipants) {
   EXPECT_EQ(writer.readers_of(first), kShare - 100);
 }
 
-/// Only the participant itself has the tokens of its readers.
+// Only the participant itself has the tokens of its readers.
 TEST(ReceiverPlaces, ReadersThatAStrangerInvented_TakeNone) {
   CrowdedWriter writer;
   const auto participant = writer.participant(1, 1);
@@ -145,7 +145,7 @@ TEST(ReceiverPlaces, AReaderWhoseTokensAreRefused_TakesNone) {
   EXPECT_EQ(writer.readers_of(participant), kShare);
 }
 
-/// Further ones would end the writer for all.
+// Further ones would end the writer for all.
 TEST(ReceiverPlaces, AllOfThem_FitIntoOneDatagram) {
   constexpr std::size_t kRtpsHeaderAndTimestamp = 20 + 16 + 12;
   CrowdedWriter writer;
@@ -200,20 +200,20 @@ TEST(ReceiverPlaces, AParticipantThatAuthenticatesAnew_KeepsItsPlace) {
   EXPECT_FALSE(writer.meet(1, 2001));
 }
 
-/// They cost no octet.
+// They cost no octet.
 TEST(ReceiverPlaces, WithoutOriginAuthenticationOfMessages_ParticipantsNeedNone) {
   CrowdedWriter writer(ProtectionKind::encrypt);
   for (std::uint16_t number = 1; number <= ReceiverPlaces::kMaxOfEach + 1; ++number)
     ASSERT_TRUE(writer.meet(1, number));
 }
 
-/// Beside a stock authentication nobody knows the certificate. All of them fit nevertheless.
+// Beside a stock authentication nobody knows the certificate. All of them fit nevertheless.
 TEST(ReceiverPlaces, ParticipantsWithoutAProvenName_ShareAllPlaces) {
   CrowdedWriter writer(kOriginAuthenticated);
   EXPECT_EQ(writer.participants_of(0).size(), ReceiverPlaces::kMaxOfEach);
 }
 
-/// The host lists receivers first and has them encoded for then; one may leave in between.
+// The host lists receivers first and has them encoded for then; one may leave in between.
 TEST(ReceiverPlaces, OneThatHasLeft_DoesNotCostTheOthersTheMessage) {
   CrowdedWriter writer(kOriginAuthenticated);
   const std::vector stay = {writer.participant(1, 1), writer.participant(2, 1)};

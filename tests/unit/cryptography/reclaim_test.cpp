@@ -11,8 +11,8 @@ namespace {
 std::promise<void> guarded;
 std::promise<void> checked;
 
-/// Reads shared objects once more after everything else of the thread is destroyed, as a function
-/// that exit() calls may do.
+// Reads shared objects once more after everything else of the thread is destroyed, as a function
+// that exit() calls may do.
 struct LateReader {
   ~LateReader() {
     const ReadGuard guard;

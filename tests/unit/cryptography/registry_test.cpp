@@ -115,8 +115,8 @@ TEST(Matching, TwoLocalParticipants_EachReadTheRemoteByTheirOwnMac) {
   EXPECT_TRUE(decode_message(two, encoded));
 }
 
-/// A second local participant at `b`, which has the remote under `identity`, and a reader of its
-/// own.
+// A second local participant at `b`, which has the remote under `identity`, and a reader of its
+// own.
 struct SecondReader {
   SecondReader(TwoSides& two, IdentityHandle identity) : two_(two) {
     auto& b = two.b;
@@ -167,7 +167,7 @@ struct SecondReader {
   TwoSides& two_;
 };
 
-/// Whether the first local participant reads what is for it.
+// Whether the first local participant reads what is for it.
 bool first_reads(TwoSides& two, const WriterToReader& e) {
   return decode_message(two, encode_message(two, rtps_message({data_submessage(16)})).value()) &&
          decode_submessage(two, e, encode_submessage(two, e, data_submessage(8)).value()) &&

@@ -16,7 +16,7 @@ using test::Remains;
 constexpr std::size_t kHeader = 24;  // CryptoHeader and the length of the ciphertext
 constexpr std::size_t kBlock = 16, kBlocks = 4, kPart = 15;
 
-/// The key stream of the part of a block that a payload ends with.
+// The key stream of the part of a block that a payload ends with.
 Bytes last_stream(const Bytes& plain, const Bytes& encoded) {
   Bytes out(kPart);
   for (std::size_t i = 0; i < kPart; ++i) {

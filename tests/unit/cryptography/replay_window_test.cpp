@@ -146,7 +146,7 @@ TEST_F(RepeatedMessages, WithoutOriginAuthentication_NothingIsJudged) {
 struct MessagesRepeatedElsewhere : ::testing::Test {
   static constexpr auto kOrigin = ProtectionKind::encrypt_with_origin_authentication;
 
-  /// What the two readers say of one message of the writer, one after the other.
+  // What the two readers say of one message of the writer, one after the other.
   std::pair<Code, Code> both_readers(const CryptographyOptions& options) {
     testing::TwoSides two(ProtectionKind::none, {}, options);
     const auto attributes = testing::endpoint_attributes(kOrigin, ProtectionKind::none);
@@ -166,7 +166,7 @@ struct MessagesRepeatedElsewhere : ::testing::Test {
             testing::code_of(testing::decode_submessage(two, second, message))};
   }
 
-  /// The same of two participants of one process and one RTPS message.
+  // The same of two participants of one process and one RTPS message.
   std::pair<Code, Code> both_participants(const CryptographyOptions& options) {
     testing::TwoSides two(kOrigin, {}, options);
     auto& a = two.a;

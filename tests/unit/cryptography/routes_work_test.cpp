@@ -11,8 +11,8 @@ namespace {
 constexpr int kMany = 8000;
 constexpr std::int64_t kMaxForEntering = 32'000, kMaxForLeaving = 1000;  // octets an endpoint
 
-/// One reader of `b` that many writers of `a` are matched with. To `b` each has a key of its own,
-/// to `a` all matches have the reader's key.
+// One reader of `b` that many writers of `a` are matched with. To `b` each has a key of its own,
+// to `a` all matches have the reader's key.
 struct Crowd {
   Crowd() {
     const auto attributes = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none);
@@ -55,7 +55,7 @@ TEST(ManyEndpoints, DroppingTheirParticipant_CostsTheSameForEach) {
   EXPECT_LE(octets_for_each([&] { crowd.unregister_participants(); }), kMaxForLeaving);
 }
 
-/// As Cyclone DDS does it.
+// As Cyclone DDS does it.
 TEST(ManyEndpoints, UnregisteringOneByOne_CostsTheSameForEach) {
   Crowd crowd;
   EXPECT_LE(octets_for_each([&] {
@@ -65,7 +65,7 @@ TEST(ManyEndpoints, UnregisteringOneByOne_CostsTheSameForEach) {
             kMaxForLeaving);
 }
 
-/// Whatever Cyclone's core keeps of them.
+// Whatever Cyclone's core keeps of them.
 TEST(ManyParticipants, ComingAndGoing_LeavesNothingBehind) {
   constexpr int kRounds = 1000;
   constexpr std::int64_t kMaxEach = 16;

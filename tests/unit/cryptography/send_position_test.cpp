@@ -16,7 +16,7 @@ Iv iv(std::uint32_t session, std::uint64_t block) {
   return out;
 }
 
-/// Of a sender in its third session.
+// Of a sender in its third session.
 const SendPosition kThird{12, 1000, {{10, 2}}};
 
 TEST(SendPosition, WhatWasProtectedBefore_HasPassed) {
@@ -83,7 +83,7 @@ TEST(SendPosition, AnotherPosition_IsStillTheSameKey) {
 constexpr GuidPrefix kPeerOfB{{0x90, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 constexpr EntityId kWriter{{0, 0, 1, 2}};
 
-/// `a` keeps its keys while the two lose each other and meet again.
+// `a` keeps its keys while the two lose each other and meet again.
 struct LostAndFound : ::testing::Test {
   spi::SharedSecret secret(std::uint8_t seed) const {
     auto out = testing::shared_secret(seed);
@@ -173,7 +173,7 @@ TEST_F(LostAndFound, ALaterReader_MakesNothingNewThatTheWriterSentBeforeIt) {
   }
 }
 
-/// Payloads alone are protected. Cyclone DDS opens them for all readers with the key of the first.
+// Payloads alone are protected. Cyclone DDS opens them for all readers with the key of the first.
 struct LaterPayloads : ::testing::TestWithParam<bool> {
   testing::TwoSides two{spi::ProtectionKind::none, {}, {.host_checks_sources = GetParam()}};
 };

@@ -16,7 +16,7 @@ namespace {
 
 using namespace testing;
 
-constexpr GuidPrefix kSibling{{0x81, 2, 3, 4, 5, 6, 70, 80, 90, 100, 110, 120}};  ///< one subject
+constexpr GuidPrefix kSibling{{0x81, 2, 3, 4, 5, 6, 70, 80, 90, 100, 110, 120}};  // one subject
 using Token = DataMessage;
 constexpr EntityId kOtherWriter{{0x00, 0x00, 0x01, 0x03}};
 
@@ -132,7 +132,7 @@ TEST(TokenSource, SeveralFragments_AreRefused) {
   EXPECT_FALSE(refused({.size = 160, .whole = 120}, generic_message(kPeer, kPeer, 1)));
 }
 
-/// Cyclone DDS reads such a message through a null pointer.
+// Cyclone DDS reads such a message through a null pointer.
 TEST(TokenSource, MissingData_IsRefused) {
   const auto code = [](const Token& token) { return code_of(token.check_token()); };
   for (const bool little : {false, true}) {
@@ -386,7 +386,7 @@ TEST(TrustingHost, AGate_IsAskedAboutEachMatch) {
       Code::keys_not_permitted);
 }
 
-/// Uses the factory while it judges, as another peer's message would.
+// Uses the factory while it judges, as another peer's message would.
 struct BusyGate final : spi::MatchGate {
   Status check(const Peer& peer) const override {
     auto other = std::async(std::launch::async, [&] { return use(); });

@@ -12,7 +12,7 @@ namespace {
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kOrigin = ProtectionKind::encrypt_with_origin_authentication;
 
-/// Runs `work` in threads until `rounds` calls of `change` are done.
+// Runs `work` in threads until `rounds` calls of `change` are done.
 template <class Work, class Change>
 void while_changing(int rounds, Work&& work, Change&& change) {
   std::atomic<bool> done = false;

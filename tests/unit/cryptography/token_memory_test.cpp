@@ -10,18 +10,18 @@
 namespace ddssec::cryptography::testing {
 namespace {
 
-/// SECURITY.md: for each certificate.
+// SECURITY.md: for each certificate.
 constexpr std::int64_t kMaxOctets = 16'000'000;
 constexpr auto kOriginAuthenticated = ProtectionKind::encrypt_with_origin_authentication;
 
-/// Authenticates as several participants of one certificate, and sends key tokens to `b`.
+// Authenticates as several participants of one certificate, and sends key tokens to `b`.
 struct TokenSender {
   TokenSender() {
     reader = two.endpoints(endpoint_attributes(kOriginAuthenticated, ProtectionKind::encrypt));
     tokens = two.writer_tokens(reader).value();
     EXPECT_EQ(tokens.size(), kMaxTokensPerEndpoint);
   }
-  /// From now on it is the participant of this number.
+  // From now on it is the participant of this number.
   void authenticate(std::uint8_t number) {
     prefix.octets.back() = number;
     auto secret = shared_secret(number);
@@ -33,7 +33,7 @@ struct TokenSender {
               .value();
     exchange = two.volatile_endpoints();
   }
-  /// Tokens of the n-th writer that `b` never hears of otherwise. True if they were kept.
+  // Tokens of the n-th writer that `b` never hears of otherwise. True if they were kept.
   bool send(std::uint32_t n) {
     const EntityId writer{{static_cast<std::uint8_t>(n >> 16), static_cast<std::uint8_t>(n >> 8),
                            static_cast<std::uint8_t>(n), 2}};
@@ -67,7 +67,7 @@ TEST(KeyTokensOfOneCertificate, FullLedger_TakesNoMoreThanThePromisedMemory) {
   RecordProperty("octets", static_cast<int>(held));
 }
 
-/// Hundreds of empty properties in the tokens of each message.
+// Hundreds of empty properties in the tokens of each message.
 TEST(KeyTokensOfOneCertificate, WhatNoKeyNeeds_IsNotKept) {
   TokenSender sender;
   sender.authenticate(1);

@@ -18,7 +18,7 @@ constexpr std::array kKinds = {kSign, kEncrypt, ProtectionKind::sign_with_origin
 constexpr std::uint8_t kData = 0x15, kAckNack = 0x06;
 constexpr std::size_t kSubmessageHeader = 4;
 
-/// A submessage of a writer, and the writer and reader that share its keys.
+// A submessage of a writer, and the writer and reader that share its keys.
 struct Pair {
   explicit Pair(ProtectionKind kind) : endpoints(two.endpoints(endpoint_attributes(kind, kNone))) {}
   Bytes encoded(BytesView plain) { return encode_submessage(two, endpoints, plain).value(); }

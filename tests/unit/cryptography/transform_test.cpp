@@ -177,7 +177,7 @@ TEST(Receivers, EachReader_FindsItsOwnMac) {
   EXPECT_EQ(decode_submessage(two, second, *to_both).value(), data);
 }
 
-/// The host may list one that is unregistered before the message is encoded.
+// The host may list one that is unregistered before the message is encoded.
 TEST(Receivers, AfterOneHasLeft_TheOthersFindTheirMac) {
   for (const auto kind : {ProtectionKind::encrypt_with_origin_authentication,
                           ProtectionKind::sign_with_origin_authentication}) {

@@ -27,7 +27,7 @@ void append_parameter(Bytes& out, std::uint16_t id, BytesView value, bool little
   append(out, value);
 }
 
-/// An announcement of the peer's with these parameters before its names.
+// An announcement of the peer's with these parameters before its names.
 Bytes announcement(const std::vector<std::pair<std::uint16_t, Bytes>>& parameters, bool little,
                    const GuidPrefix& peer = kPeer) {
   auto guid = to_bytes(peer.view());
@@ -39,7 +39,7 @@ Bytes announcement(const std::vector<std::pair<std::uint16_t, Bytes>>& parameter
   return out;
 }
 
-/// What a host gets of a submessage.
+// What a host gets of a submessage.
 Result<Bytes> given(Bytes submessage, DiscoveryOfPeers& walks) {
   DDSSEC_ASSIGN_OR_RETURN(const auto at, check_builtin_source(submessage, kPeer, walks));
   if (at) hide_type_information(submessage, *at);
@@ -98,11 +98,11 @@ DataMessage fragment_of(const Bytes& sample, std::uint32_t number, std::uint16_t
               .first = number, .size = size, .whole = static_cast<std::uint32_t>(sample.size())}};
 }
 
-constexpr std::size_t kTypeInformationAt = 20;  ///< after a topic name of 12 octets
+constexpr std::size_t kTypeInformationAt = 20;  // after a topic name of 12 octets
 
 bool first_octet_ends_fragment(std::uint16_t size) { return (kTypeInformationAt + 1) % size == 0; }
 
-/// Its type information has the id `wanted_id` for the host, also when the fragments come again.
+// Its type information has the id `wanted_id` for the host, also when the fragments come again.
 void expect_hidden_in_fragments(bool little, std::uint16_t size, std::uint16_t wanted_id) {
   const auto list = [&](std::uint16_t id) {
     return announcement({{kTopicName, Bytes(12, 0x50)}, {id, of_size(40)}}, little);
@@ -133,7 +133,7 @@ TEST(TypeInformation, WhoseIdBeginsInTwoFragments_BecomesUnknown) {
 
 // ---- in the engine
 
-/// In the header of rtps_message.
+// In the header of rtps_message.
 constexpr GuidPrefix kSender{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 
 struct Engine {
@@ -174,7 +174,7 @@ TEST(TrustingHost, SecureWritersTypeInformation_IsHidden) {
     }
 }
 
-/// What stands after INFO_SRC in a message as the host gets it.
+// What stands after INFO_SRC in a message as the host gets it.
 Bytes opened(Engine& engine, std::initializer_list<Bytes> submessages) {
   constexpr std::size_t kBegin = 20 + 24;
   const auto encoded = encode_message(engine.two, rtps_message(submessages));
@@ -219,7 +219,7 @@ TEST(SenderPart, TypeInformationAfterSecPrefixAlone_IsHidden) {
   EXPECT_EQ(part_of_sender(publication(kTypeInformation), kSender, walks).types.size(), 1u);
 }
 
-/// A message that goes on to its end in its last submessage, as our encoders write none.
+// A message that goes on to its end in its last submessage, as our encoders write none.
 Bytes opened_to_the_end(Engine& engine, const Bytes& first, Bytes last) {
   constexpr std::size_t kInfoSource = 24;
   last[2] = last[3] = 0;

@@ -9,7 +9,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-/// Every identity ends as soon as anybody looks; handshakes succeed at once.
+// Every identity ends as soon as anybody looks; handshakes succeed at once.
 struct Mortal : MockAuthentication {
   std::atomic<std::int64_t> last_identity = 0, last_handshake = 0;
   std::shared_ptr<spi::SharedSecret> secret = std::make_shared<spi::SharedSecret>();

@@ -25,7 +25,7 @@ Guid guid_of(std::uint8_t octet) {
   return guid;
 }
 
-/// A token of the host, freed at the end.
+// A token of the host, freed at the end.
 struct HostToken : DDS_Security_DataHolder {
   HostToken() : DDS_Security_DataHolder{} {}
   explicit HostToken(const spi::Token& token) { EXPECT_TRUE(copy_token(token, *this)); }
@@ -72,7 +72,7 @@ TEST_F(AuthenticationAdapterTest, LocalIdentity_ReachesTheEngine) {
   EXPECT_EQ(guid_from(adjusted), guid_of(2));
 }
 
-/// A participant's properties from the host and from the file that the process names.
+// A participant's properties from the host and from the file that the process names.
 struct ProcessProperties : AuthenticationAdapterTest {
   ~ProcessProperties() override { unsetenv(spi::kPropertiesVariable); }
 

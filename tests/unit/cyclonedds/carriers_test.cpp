@@ -15,7 +15,7 @@ namespace ddssec::cyclonedds {
 namespace {
 
 struct Carriers : testing::Test {
-  /// Under governance that protects discovery, or does not; documents allow nothing.
+  // Under governance that protects discovery, or does not; documents allow nothing.
   void use(ProtectionKind discovery) {
     ON_CALL(engine, participant_sec_attributes).WillByDefault([discovery](auto) {
       return spi::ParticipantSecurityAttributes{.discovery = discovery};

@@ -174,8 +174,8 @@ TEST_F(CutOffPermissions, OwnEndBesideOthersInTheDomain_IsRevoked) {
   EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
 }
 
-/// Two participants whose permissions end in one look, besides those of a peer, and perhaps a third
-/// that stays valid.
+// Two participants whose permissions end in one look, besides those of a peer, and perhaps a third
+// that stays valid.
 struct CutOffTogether : CutOffPermissions {
   CutOffTogether() {
     ended().clear();
@@ -190,7 +190,7 @@ struct CutOffTogether : CutOffPermissions {
     });
     EXPECT_EQ(c->validate_local_permissions(c, nullptr, local, 5, &qos, nullptr), permissions);
   }
-  /// What the host is told of in the first look.
+  // What the host is told of in the first look.
   std::vector<std::int64_t> told_of() {
     const dds_security_access_control_listener listener{
         [](const dds_security_access_control*,

@@ -71,7 +71,7 @@ TEST(JoinedGroups, Nonsense_GivesNone) {
               ::testing::IsEmpty());
 }
 
-/// Bound to a port of the system's choice.
+// Bound to a port of the system's choice.
 class Socket {
  public:
   explicit Socket(bool is_shared) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {

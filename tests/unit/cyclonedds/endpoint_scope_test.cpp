@@ -11,7 +11,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-/// Properties as the host keeps them.
+// Properties as the host keeps them.
 struct Properties {
   ~Properties() { free_properties(value); }
   DDS_Security_PropertySeq value{};

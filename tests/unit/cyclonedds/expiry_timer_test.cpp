@@ -16,7 +16,7 @@ struct Timer : testing::Test {
   std::atomic<int> rounds = 0;
   std::promise<std::int64_t> revoked;
 
-  /// Something ends in the third round.
+  // Something ends in the third round.
   ExpiryTimer::Tasks tasks() {
     return {.revoke_ended =
                 [this](const std::stop_token&) {

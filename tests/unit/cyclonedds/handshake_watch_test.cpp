@@ -16,7 +16,7 @@ Guid guid_of(std::uint32_t number) {
 }
 
 struct HandshakeWatchTest : testing::Test {
-  /// Those given up within so long, looked for every 100 ms.
+  // Those given up within so long, looked for every 100 ms.
   std::vector<HandshakeWatch::Stuck> after(std::chrono::nanoseconds time) {
     std::vector<HandshakeWatch::Stuck> out;
     for (; time > 0ns; time -= 100ms) {
@@ -254,7 +254,7 @@ TEST_F(HandshakeWatchTest, APeerThatOnlyLacksEndpoints_IsNotUnanswered) {
 
 // The host removes a remote participant for all its local ones.
 struct SharedPeerTest : HandshakeWatchTest {
-  /// It authenticates the first local participant, and is met by the second one.
+  // It authenticates the first local participant, and is met by the second one.
   void meet() {
     watch.met({local, remote}, guid_of(1));
     watch.progressed({local, remote}, handshake);

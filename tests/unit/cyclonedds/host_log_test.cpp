@@ -79,7 +79,7 @@ TEST_F(HostLog, AFullDisk_IsSaidOnce) {
   EXPECT_EQ(logged.size(), 4u);
 }
 
-/// Log shippers read from FIFOs.
+// Log shippers read from FIFOs.
 struct EventFifo : HostLog {
   EventFifo() { EXPECT_EQ(mkfifo(json_path.c_str(), 0600), 0); }
   ~EventFifo() override {
@@ -93,7 +93,7 @@ struct EventFifo : HostLog {
       out.append(part, static_cast<std::size_t>(size));
     return out;
   }
-  /// Of the events in the lines that were received; "" for a line that was cut.
+  // Of the events in the lines that were received; "" for a line that was cut.
   std::vector<std::string> names() const {
     std::vector<std::string> out;
     std::istringstream lines(received());

@@ -60,7 +60,7 @@ TEST_F(CryptographyAdapterTest, Registration_ReachesTheEngine) {
             31);
 }
 
-/// Sets a variable for one test.
+// Sets a variable for one test.
 struct Variable {
   Variable(const char* name, const std::string& value) : name(name) {
     setenv(name, value.c_str(), 1);

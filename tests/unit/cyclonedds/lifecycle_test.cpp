@@ -30,7 +30,7 @@ const std::string kPki = DDSSEC_DRIVER_PKI;
 const std::string kOurs = DDSSEC_PLUGIN_DIR "/libddssec_";
 const std::string kStock = DDSSEC_STOCK_PLUGIN_DIR "/libdds_security_";
 
-/// Bit 0: authentication is stock, bit 1: access control, bit 2: cryptography.
+// Bit 0: authentication is stock, bit 1: access control, bit 2: cryptography.
 Paths mix(int stock) {
   return {(stock & 1) ? kStock + "auth.so" : kOurs + "authentication.so",
           (stock & 2) ? kStock + "ac.so" : kOurs + "access_control.so",
@@ -51,7 +51,7 @@ Octets numbered(std::size_t size) {
   return octets;
 }
 
-/// A DATA submessage, little endian.
+// A DATA submessage, little endian.
 Octets submessage(std::size_t size) {
   auto octets = numbered(size);
   octets[0] = 0x15;
@@ -61,7 +61,7 @@ Octets submessage(std::size_t size) {
   return octets;
 }
 
-/// An RTPS message of one DATA.
+// An RTPS message of one DATA.
 Octets message(const std::uint8_t* prefix, std::size_t size) {
   constexpr std::uint8_t kBegin[] = {'R', 'T', 'P', 'S', 2, 1, 1, 0x10};
   const auto body = submessage(size);
@@ -147,8 +147,8 @@ TEST(OurLife, EveryGovernance_TalksBothWays) {
     live(kAllOurs, kAllOurs, governance);
 }
 
-/// Two local participants of one domain and a remote one that talks to both. Cyclone's core has one
-/// identity and one cryptography handle for the remote, whichever of its own met it.
+// Two local participants of one domain and a remote one that talks to both. Cyclone's core has one
+// identity and one cryptography handle for the remote, whichever of its own met it.
 struct TwoLocals {
   explicit TwoLocals(int stock, const std::string& governance)
       : domain(mix(stock)),
@@ -167,11 +167,11 @@ struct TwoLocals {
     send_submessage(link, 128);
     send_message(link, from, 256);
   }
-  /// The core returns what it has of the remote once.
+  // The core returns what it has of the remote once.
   static void keep_remote(Link& link) {
     link.a_of_b.identity = link.a_of_b.crypto = DDS_SECURITY_HANDLE_NIL;
   }
-  /// As the core lets a participant of its own go.
+  // As the core lets a participant of its own go.
   static void leave(std::unique_ptr<Link>& link, std::unique_ptr<Participant>& local) {
     keep_remote(*link);
     link.reset();
@@ -185,7 +185,7 @@ struct TwoLocals {
 };
 
 class TwoLocalsLife : public testing::TestWithParam<int> {};
-/// Stock access control frees what its local participants share with the first that goes.
+// Stock access control frees what its local participants share with the first that goes.
 class OneOfTwoLeaves : public TwoLocalsLife {};
 
 TEST_P(TwoLocalsLife, OneRemoteForTheHost_IsTwoForTheEngine) {
@@ -267,8 +267,8 @@ TEST(OurLife, TwoDomainsOfOneProcess_AreSeparate) {
   send_payload(link, 8);
 }
 
-/// Cyclone unloads the plugins with the last secured participant. (Under the address sanitizer
-/// mallinfo2 knows nothing; its leak check tells.)
+// Cyclone unloads the plugins with the last secured participant. (Under the address sanitizer
+// mallinfo2 knows nothing; its leak check tells.)
 TEST(OurLife, OneAfterAnother_TakesNoMoreMemory) {
   live(kAllOurs, kAllOurs, "encrypt");
   const auto before = mallinfo2().uordblks;

@@ -12,11 +12,11 @@
 #include "plugins/cyclonedds/session_resets.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
-/// The peer whose keys never came.
+// The peer whose keys never came.
 static std::atomic<DDS_Security_IdentityHandle> stranded_peer{0};
-/// How often authentication asked whether a peer reset its session.
+// How often authentication asked whether a peer reset its session.
 static std::atomic<int> questions{0};
-/// How often renewed permissions took a right from an endpoint of the local participant.
+// How often renewed permissions took a right from an endpoint of the local participant.
 static std::atomic<std::uint64_t> losses{0};
 
 namespace ddssec::cyclonedds {
@@ -29,7 +29,7 @@ constexpr GuidPrefix kLocal{{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}};
 constexpr GuidPrefix kRemote{{2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2}};
 std::atomic<DDS_Security_IdentityHandle> revoked{0};
 
-/// Where a peer receives discovery.
+// Where a peer receives discovery.
 struct Socket {
   Socket() {
     own.sin_family = AF_INET;
@@ -170,7 +170,7 @@ TEST_F(SessionResetTest, ReceivedReset_MakesTheHostBeginAnew) {
   resets.forget({70});
 }
 
-/// The peer resets its session; the host drops it.
+// The peer resets its session; the host drops it.
 struct EndedByPeer : SessionResetTest {
   void SetUp() override {
     SessionResetTest::SetUp();
@@ -280,7 +280,7 @@ DDSSEC_EXPORT std::uint64_t ddssec_rights_lost(DDS_Security_IdentityHandle local
 DDSSEC_EXPORT bool ddssec_take_stranded_keys(DDS_Security_IdentityHandle remote) {
   return stranded_peer.compare_exchange_strong(remote, 0);
 }
-/// In a process with our cryptography that library exports it, and authentication looks it up.
+// In a process with our cryptography that library exports it, and authentication looks it up.
 DDSSEC_EXPORT ddssec::cyclonedds::SessionReset ddssec_take_session_reset(
     DDS_Security_IdentityHandle remote) {
   using namespace ddssec::cyclonedds;

@@ -41,7 +41,7 @@ struct LostSessionsTest : testing::Test {
     sessions.established(local, guid, secret_of(1));
     sessions.lost(guid);
   }
-  /// As long as none of them is sent.
+  // As long as none of them is sent.
   std::vector<Guid> remembered() {
     std::vector<Guid> all;
     sessions.due([&](auto, const Guid& guid) {

@@ -16,7 +16,7 @@
 namespace ddssec::driver {
 namespace {
 
-/// OpenSSL's blocks among memory::live_blocks(): it allocates through these functions.
+// OpenSSL's blocks among memory::live_blocks(): it allocates through these functions.
 std::atomic<long> live_in_openssl = 0;
 
 void* openssl_malloc(std::size_t size, const char*, int) {
@@ -37,17 +37,17 @@ void* openssl_realloc(void* block, std::size_t size, const char* file, int line)
   if (block == nullptr && moved != nullptr) ++live_in_openssl;
   return moved;
 }
-/// Possible before OpenSSL's first allocation only.
+// Possible before OpenSSL's first allocation only.
 const bool is_counting_openssl =
     CRYPTO_set_mem_functions(openssl_malloc, openssl_realloc, openssl_free) == 1;
 
-/// Blocks that are still allocated after a life.
+// Blocks that are still allocated after a life.
 struct Left {
   long ours;
   long in_openssl;
 };
 
-/// The blocks of OpenSSL's state for this thread do not count.
+// The blocks of OpenSSL's state for this thread do not count.
 Left left_by_a_life(std::optional<Plan> plan) {
   const long before = memory::live_blocks(), in_openssl_before = live_in_openssl;
   {
@@ -61,9 +61,9 @@ Left left_by_a_life(std::optional<Plan> plan) {
   return {.ours = memory::counts_malloc() ? all - in_openssl : all, .in_openssl = in_openssl};
 }
 
-/// How many blocks OpenSSL itself may lose in a life of more than 500 calls that fail. Up
-/// to 3.0.19, CMS_verify loses a BIO of 5 blocks when it cannot start, and a life verifies 6
-/// documents. One certificate or key that our code lost would have more blocks.
+// How many blocks OpenSSL itself may lose in a life of more than 500 calls that fail. Up
+// to 3.0.19, CMS_verify loses a BIO of 5 blocks when it cannot start, and a life verifies 6
+// documents. One certificate or key that our code lost would have more blocks.
 constexpr long kMaxLostByOpenssl = 30;
 
 class FailingMemory : public testing::TestWithParam<std::tuple<Source, Extent>> {};
@@ -102,7 +102,7 @@ INSTANTIATE_TEST_SUITE_P(Plans, FailingMemory,
                                           testing::Values(Extent::once, Extent::from_then_on)),
                          plan_name);
 
-/// The host's entry points tell by their result alone.
+// The host's entry points tell by their result alone.
 TEST(FailingMemoryAtInit, EachFailure_IsTold) {
   const Domain stays_loaded(kPaths);
   for (const auto& [path, entry] : {std::pair(kPaths.authentication, "authentication"),

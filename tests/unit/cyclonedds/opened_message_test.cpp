@@ -26,7 +26,7 @@ struct OpenedMessageTest : testing::Test {
           });
   }
 
-  /// 0: it was opened; otherwise the host's code.
+  // 0: it was opened; otherwise the host's code.
   int decode(int receiver = 1, int sender = 9, Own* domain = nullptr) {
     auto* transform = (domain != nullptr ? *domain : harness).adapter.crypto_transform;
     HostBlock plain;
@@ -37,7 +37,7 @@ struct OpenedMessageTest : testing::Test {
     if (refusal.code == kAskNext) was_silent = refusal.message == nullptr;
     return done ? 0 : refusal.code;
   }
-  /// Another receiver asks: is the message opened for it?
+  // Another receiver asks: is the message opened for it?
   bool opens_again(const std::function<int()>& ask) {
     OpenedMessage::of_this_thread().forget();
     EXPECT_EQ(decode(), 0);

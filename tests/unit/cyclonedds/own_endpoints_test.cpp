@@ -122,7 +122,7 @@ TEST_F(OwnEndpointsTest, PartitionsAndTags_AreJudged) {
 
 using access_control_adapters::AccessControlAdapterTest;
 
-/// An adapter with a local participant, whose writer of "Square" it may have.
+// An adapter with a local participant, whose writer of "Square" it may have.
 struct LostRightsTest : AccessControlAdapterTest {
   void SetUp() override {
     ON_CALL(engine, validate_local_permissions).WillByDefault(Return(kUs));
@@ -139,7 +139,7 @@ struct LostRightsTest : AccessControlAdapterTest {
               1);
     ON_CALL(engine, renewals(kUs)).WillByDefault(Return(1));
   }
-  /// Runs the timer's work.
+  // Runs the timer's work.
   void expire() {
     const dds_security_access_control_listener listener{
         [](const dds_security_access_control*,

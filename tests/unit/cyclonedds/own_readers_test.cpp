@@ -25,7 +25,7 @@ struct Told {
   Endian endian = Endian::little;
 };
 
-/// The parameter list of an announcement.
+// The parameter list of an announcement.
 Bytes list_of(const Told& told) {
   Bytes octets(512 + told.user_data.size());
   rtps::SpanWriter out(octets, told.endian);
@@ -114,7 +114,7 @@ TEST_F(OwnReadersTest, FirstFragment_MakesThemKnown) {
   EXPECT_EQ(own.announced(), std::vector{kReader});
 }
 
-/// A fragment of 1,000 octets.
+// A fragment of 1,000 octets.
 Bytes fragment_of(BytesView whole, std::uint32_t number) {
   const std::size_t from = (number - 1) * std::size_t{1000};
   Bytes octets(2048);

@@ -70,7 +70,7 @@ TEST(PluginsInUse, TheLibrary_SaysItsVersionUnderAName) {
   EXPECT_EQ(std::string_view(version() - kName.size(), kName.size()), kName);
 }
 
-/// True if the first of several participants, of whatever domain, says all and no other does.
+// True if the first of several participants, of whatever domain, says all and no other does.
 bool is_said_once() {
   struct All final : EventSink {
     explicit All(std::vector<Event>& to) : events(to) {}

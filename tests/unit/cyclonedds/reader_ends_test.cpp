@@ -13,7 +13,7 @@ namespace {
 
 constexpr GuidPrefix kOwn{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 
-/// Waits for what another thread does.
+// Waits for what another thread does.
 template <class F>
 bool eventually(F&& is_so) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
@@ -24,7 +24,7 @@ bool eventually(F&& is_so) {
 
 Guid reader(std::uint8_t number) { return {kOwn, {{0, 0, number, 7}}}; }
 
-/// What lives in the host, shared with the one that looks.
+// What lives in the host, shared with the one that looks.
 struct World {
   std::mutex mutex;
   bool has_participant = true;

@@ -16,7 +16,7 @@ Guid guid_of(std::uint8_t octet) {
   return guid;
 }
 
-/// The remote that both local participants met: 11 for the first, 12 for the second.
+// The remote that both local participants met: 11 for the first, 12 for the second.
 struct RemoteIdentitiesTest : testing::Test {
   void SetUp() override {
     ASSERT_EQ(remotes.note(kFirst, guid_of(7), {11}), IdentityHandle{11});

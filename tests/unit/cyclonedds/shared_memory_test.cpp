@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 constexpr const char* kAllow = "org.ddssec.access.allow_shared_memory";
 
-/// A file of that name, mapped as a segment of shared memory is.
+// A file of that name, mapped as a segment of shared memory is.
 class Mapping {
  public:
   explicit Mapping(const std::string& file) {
@@ -141,7 +141,7 @@ TEST(SharedMemoryGuard, TheProperty_IsTrueOrFalse) {
   EXPECT_CODE(allowed({{kAllow, "", false}}), invalid_property);
 }
 
-/// The adapter in a process whose samples bypass it, on a topic with encrypted data.
+// The adapter in a process whose samples bypass it, on a topic with encrypted data.
 struct AdapterWithSharedMemory : testing::Test {
   AdapterWithSharedMemory() {
     ON_CALL(*engine, validate_local_permissions).WillByDefault([this](auto&&...) {
@@ -163,7 +163,7 @@ struct AdapterWithSharedMemory : testing::Test {
   }
   ~AdapterWithSharedMemory() override { unsetenv(spi::kPropertiesVariable); }
 
-  /// A participant's or an endpoint's QoS with the property.
+  // A participant's or an endpoint's QoS with the property.
   struct Qos : DDS_Security_Qos {
     explicit Qos(std::string value) : DDS_Security_Qos{}, text(std::move(value)) {
       one.name = name.data();

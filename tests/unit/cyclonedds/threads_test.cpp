@@ -19,7 +19,7 @@ const Paths kPaths = {kOurs + "authentication.so", kOurs + "access_control.so",
 constexpr int kThreads = 4;
 constexpr int kRounds = 8;
 
-/// Sends what a link can; throws Refused if anything is not as it was sent.
+// Sends what a link can; throws Refused if anything is not as it was sent.
 void send(const Link& link) {
   const Octets payload(64, 7);
   // DATA of an application's writer, without payload.
@@ -32,7 +32,7 @@ void send(const Link& link) {
   }
 }
 
-/// Until `stop`: sets and unsets the listeners, so that the timers start and end all the time.
+// Until `stop`: sets and unsets the listeners, so that the timers start and end all the time.
 void toggle_listeners(Domain& domain, const std::atomic<bool>& stop) {
   static const dds_security_authentication_listener identities{
       [](auto*, auto) -> DDS_Security_boolean { return 1; }, nullptr};
@@ -47,7 +47,7 @@ void toggle_listeners(Domain& domain, const std::atomic<bool>& stop) {
   }
 }
 
-/// Each thread has a participant of its own at either domain.
+// Each thread has a participant of its own at either domain.
 TEST(Threads, ParticipantsComingAndGoingAtTwoDomains_TalkAllTheSame) {
   Domain left(kPaths), right(kPaths);
   std::vector<std::thread> threads;
@@ -68,7 +68,7 @@ TEST(Threads, ParticipantsComingAndGoingAtTwoDomains_TalkAllTheSame) {
   listener.join();
 }
 
-/// All threads share one local participant, and each matches a peer of its own process with it.
+// All threads share one local participant, and each matches a peer of its own process with it.
 TEST(Threads, PeersComingAndGoingAtOneParticipant_TalkAllTheSame) {
   Domain left(kPaths);
   Participant hub(left, kPki, "a", "origin");

@@ -14,7 +14,7 @@ using testing::_;
 using testing::ElementsAre;
 using testing::Return;
 
-/// Writes `count` octets of value 7.
+// Writes `count` octets of value 7.
 auto write(std::size_t count) {
   return [count](auto&&... arguments) -> Result<std::size_t> {
     MutableBytes room = std::get<sizeof...(arguments) - 1>(std::tie(arguments...));

@@ -13,7 +13,7 @@ Permissions with(std::vector<std::string> subjects) {
   return out;
 }
 
-/// "CERTIFICATE <- GRANT" for each, with a '!' if a grant of its own is passed over.
+// "CERTIFICATE <- GRANT" for each, with a '!' if a grant of its own is passed over.
 std::vector<std::string> strays(const Permissions& document, const Permissions& other) {
   const Permissions* const both[] = {&document, &other};
   std::vector<std::string> out;

@@ -299,7 +299,7 @@ TEST(VerdictCache, ManyEntries_StayBounded) {
   EXPECT_EQ(cache.find(std::string(5000, 'x')), std::nullopt);
 }
 
-/// What the standard says, word for word and without any index (T5, T6).
+// What the standard says, word for word and without any index (T5, T6).
 bool model_allows(const std::vector<GrantRule>& rules, std::string_view topic,
                   const Names& partitions) {
   const auto hit = [](const Text& text, std::string_view name) {

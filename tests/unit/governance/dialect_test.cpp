@@ -23,7 +23,7 @@ TEST(Dialect, ThePortableSubset_IsPortable) {
 
 struct Case {
   const char* expression;
-  const char* witness;  ///< nullptr: none
+  const char* witness;  // nullptr: none
   bool cyclone_matches_it;
 };
 

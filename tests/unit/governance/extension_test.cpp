@@ -142,7 +142,7 @@ TEST(Extension, LongLists_MustBeTheSame) {
 
 // ---- by what is decided
 
-/// Small random grants: each list is drawn from few names, so that many pairs are comparable.
+// Small random grants: each list is drawn from few names, so that many pairs are comparable.
 struct RandomGrants {
   std::size_t below(std::size_t bound) { return random() % bound; }
   template <class One>
@@ -169,7 +169,7 @@ struct RandomGrants {
       out.rules.push_back(rule(below(3) != 0, several(), several()));
     return out;
   }
-  /// The same with changes here and there.
+  // The same with changes here and there.
   Grant changed(Grant grant) {
     if (below(2) == 0) {
       const auto at =
@@ -193,7 +193,7 @@ struct RandomGrants {
   std::minstd_rand random{7};
 };
 
-/// Whether `next` allows all that `former` allows, of some endpoints.
+// Whether `next` allows all that `former` allows, of some endpoints.
 bool nothing_is_lost(const Grant& next, const Grant& former) {
   const auto compiled = [](const Grant& grant) {
     auto document = std::make_shared<Permissions>(Permissions{.grants = {grant}});

@@ -11,7 +11,7 @@ TopicRule open_topic(std::string expression) {
   return topic_rule_of(Profile::open, std::move(expression));
 }
 
-/// The findings of `id` in a strict document whose topic rule for everything was changed.
+// The findings of `id` in a strict document whose topic rule for everything was changed.
 std::vector<Finding> of_topic(ddssec::Rule id, const std::function<void(TopicRule&)>& change,
                               ProtectionKind rtps = sign) {
   return of(id, changed_strict([&](DomainRule& rule) {

@@ -75,7 +75,7 @@ Partitions in(std::initializer_list<const char*> names) {
   return out;
 }
 
-/// The severity of "deny_rule 2 denies nothing" of `allow *; deny Secret`, and further rules.
+// The severity of "deny_rule 2 denies nothing" of `allow *; deny Secret`, and further rules.
 std::optional<Severity> of_denial(Partitions allowed, Partitions denied,
                                   const std::vector<GrantRule>& later = {},
                                   bool by_default = false) {

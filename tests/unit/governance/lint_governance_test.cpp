@@ -8,7 +8,7 @@ namespace {
 using namespace testing_lint;
 using enum ProtectionKind;
 
-/// The only finding of the whole document.
+// The only finding of the whole document.
 Finding only(const Governance& document, const GovernanceUse& use = {}) {
   const auto found = lint(document, use);
   EXPECT_EQ(found.size(), 1u);

@@ -12,7 +12,7 @@ Criteria topics(std::vector<Text> names) {
   return out;
 }
 
-/// Rules deny, allow, deny; line numbers as in a document.
+// Rules deny, allow, deny; line numbers as in a document.
 Grant grant() {
   Grant out;
   out.line = 4;

@@ -23,7 +23,7 @@ std::string document() {
                                      {certificate().not_before(), certificate().not_after()})}});
 }
 
-/// The document with `to` instead of what is between the two texts.
+// The document with `to` instead of what is between the two texts.
 std::string with(std::string_view before, std::string_view after, std::string_view to) {
   auto xml = document();
   const auto from = xml.find(before) + before.size();

@@ -6,7 +6,7 @@ namespace {
 
 const char* const kDiscovery = "ros_discovery_info";
 
-/// Without PERM040, which ros_node_test.cpp is about.
+// Without PERM040, which ros_node_test.cpp is about.
 std::vector<Finding> lint_of_topics(const Rights& rights) {
   auto found = lint_but_joining(with(rights));
   std::erase_if(found, [](const Finding& f) { return f.rule == ddssec::Rule::PERM040; });

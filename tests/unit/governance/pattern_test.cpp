@@ -105,7 +105,7 @@ std::string repeated(std::string_view unit, std::size_t octets) {
   return text;
 }
 
-/// Processor time, which a busy machine changes little.
+// Processor time, which a busy machine changes little.
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 // A peer's partition is such an expression: a search to the end from each '[' took a processor

@@ -19,7 +19,7 @@ std::vector<ShadowedExpression> found_shadows(std::span<const std::string_view> 
   return shadows(expressions, effort);
 }
 
-/// Who shadows the last one; empty if it is alive.
+// Who shadows the last one; empty if it is alive.
 By by(std::vector<std::string_view> expressions) {
   const auto found = found_shadows(expressions);
   EXPECT_EQ(found.size(), expressions.size());

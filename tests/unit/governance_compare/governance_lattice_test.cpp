@@ -14,7 +14,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using enum ChangeClass;
 
-/// One row of the table of elements: what raises one value, and how that is called.
+// One row of the table of elements: what raises one value, and how that is called.
 struct Row {
   const char* element;
   std::function<void(DomainRule&)> raise;

@@ -20,7 +20,7 @@ constexpr std::size_t kMax = 5;
 
 Kind any_kind(words::Dice& dice, std::size_t kinds) { return static_cast<Kind>(dice.below(kinds)); }
 
-/// Changes few things, so that most of two documents is the same.
+// Changes few things, so that most of two documents is the same.
 class Author {
  public:
   Author(const words::Pool& pool, std::uint32_t seed) : pool_(pool), dice_(seed) {}
@@ -150,7 +150,7 @@ class Author {
 
 // What follows is written from the tables, without the code under test.
 
-using Values = std::map<std::string, int>;  ///< elements; kinds as level * 2 + origin
+using Values = std::map<std::string, int>;  // elements; kinds as level * 2 + origin
 
 int number(Kind kind) {
   constexpr int kNumbers[] = {0, 2, 4, 3, 5};
@@ -159,7 +159,7 @@ int number(Kind kind) {
 
 bool is_kind(const std::string& element) { return element.ends_with("_kind"); }
 
-/// +1 up, -1 down, 0 neither, 2 both.
+// +1 up, -1 down, 0 neither, 2 both.
 int direction(const std::string& element, int old_value, int new_value, bool effective) {
   if (element == "allow_unauthenticated_participants") return old_value ? 1 : -1;
   if (!is_kind(element)) return !effective ? 0 : new_value > old_value ? 1 : -1;
@@ -187,7 +187,7 @@ Values values(const TopicRule& rule) {
           {"data_protection_kind", number(rule.data_protection_kind)}};
 }
 
-/// Everything that is told about two documents, as far as it can be compared.
+// Everything that is told about two documents, as far as it can be compared.
 struct Story {
   bool up = false, down = false;
   std::set<std::string> changes;
@@ -270,7 +270,7 @@ class Reference {
     }
   }
 
-  /// No change makes up for another.
+  // No change makes up for another.
   void take(int move) {
     story_.up = story_.up || move > 0;
     story_.down = story_.down || move < 0 || move == 2;
@@ -311,7 +311,7 @@ bool contains(const std::vector<DomainRange>& ranges, DomainId id) {
                              [&](const DomainRange& r) { return r.first <= id && id <= r.last; });
 }
 
-/// No rule of the documents tells these tags apart.
+// No rule of the documents tells these tags apart.
 bool are_alike(const Governance& a, const Governance& b, const std::string& x,
                const std::string& y) {
   const auto same = [&](const DomainRule& rule) {
@@ -327,7 +327,7 @@ bool are_alike(const Governance& a, const Governance& b, const std::string& x,
          std::ranges::all_of(b.domain_rules, same);
 }
 
-/// What was found, told by the words of each change.
+// What was found, told by the words of each change.
 class Told {
  public:
   Told(const Governance& before, const Governance& after) : before_(before), after_(after) {}
@@ -368,7 +368,7 @@ class Told {
   const Governance& after_;
 };
 
-/// The words of topics fit the example, which is among them.
+// The words of topics fit the example, which is among them.
 bool fits_words(const TopicSet& topics, const std::string& name) {
   return topics.others > 0 || std::ranges::any_of(topics.words, [&](const TopicWords& words) {
            const auto matches = [&](const std::string& e) { return Pattern(e).matches(name); };
@@ -377,7 +377,7 @@ bool fits_words(const TopicSet& topics, const std::string& name) {
          });
 }
 
-/// Witnesses are names for which just these rules decide.
+// Witnesses are names for which just these rules decide.
 void check_witnesses(const GovernanceDiff& diff) {
   const auto first = [](const DomainRule& rule, const std::string& name) -> const TopicRule* {
     for (const auto& topic : rule.topic_rules) {
@@ -393,7 +393,7 @@ void check_witnesses(const GovernanceDiff& diff) {
   }
 }
 
-/// With few states the other ways to an answer are taken. They may give up, but not err.
+// With few states the other ways to an answer are taken. They may give up, but not err.
 bool agrees_when_short_of_states(const Governance& before, const Governance& after,
                                  const GovernanceDiff& diff) {
   GovernanceDiffOptions options;

@@ -12,10 +12,10 @@
 namespace ddssec::governance {
 namespace {
 
-/// Generous: this also runs without optimisation and on busy machines.
+// Generous: this also runs without optimisation and on busy machines.
 constexpr double kMaxSeconds = 40;
 
-/// Expressions of one shape, half a megabyte of them.
+// Expressions of one shape, half a megabyte of them.
 struct Shape {
   const char* name;
   std::string (*expression)(std::mt19937& random);

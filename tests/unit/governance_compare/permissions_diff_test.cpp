@@ -11,7 +11,7 @@ using ::testing::SizeIs;
 using enum ChangeClass;
 using namespace of_permissions;
 
-/// What a change of the rules is, with the witness where something is wider or narrower.
+// What a change of the rules is, with the witness where something is wider or narrower.
 struct Row {
   const char* name;
   std::vector<GrantRule> before, after;

@@ -115,7 +115,7 @@ class Author {
 
 // What follows is written from the rules of decision, without the code under test.
 
-/// One kind of partition: all words that the same expressions match.
+// One kind of partition: all words that the same expressions match.
 using Signature = std::vector<bool>;
 using PartitionSet = std::vector<std::string>;
 
@@ -126,7 +126,7 @@ void collect(const std::vector<Criteria>& list, std::set<std::string>& texts) {
   }
 }
 
-/// Every set of words of which no two are matched by the same expressions.
+// Every set of words of which no two are matched by the same expressions.
 std::vector<PartitionSet> partition_sets(const Permissions& a, const Permissions& b) {
   std::set<std::string> texts = {""};
   for (const auto* document : {&a, &b}) {
@@ -163,7 +163,7 @@ bool lists(const Criteria& criteria, const std::string& partition) {
   });
 }
 
-/// An endpoint, but for its topic.
+// An endpoint, but for its topic.
 struct Entity {
   PartitionSet partitions;
   std::vector<DataTag> tags;
@@ -182,7 +182,7 @@ bool fits(const GrantRule& rule, const Criteria& criteria, const Entity& entity)
          (!criteria.data_tags || std::ranges::any_of(entity.tags, tag_listed));
 }
 
-/// A domain and a tag.
+// A domain and a tag.
 struct Cell {
   DomainId domain;
   std::string tag;
@@ -199,7 +199,7 @@ bool is_in(const GrantRule& rule, const Cell& cell) {
   return in_range && (std::ranges::any_of(tags, is) || std::ranges::any_of(expressions, fits));
 }
 
-using Words = std::bitset<364>;  ///< a bit for each word of topics()
+using Words = std::bitset<364>;  // a bit for each word of topics()
 
 const Words& matching(const std::string& expression) {
   static std::map<std::string, Words> known;
@@ -321,7 +321,7 @@ bool judged(const Permissions& document, const PermissionChange& change) {
   return false;
 }
 
-/// The plugins decide the witness as the change says. Only for one grant a subject.
+// The plugins decide the witness as the change says. Only for one grant a subject.
 void check_witnesses(const PermissionsDiff& diff, const Permissions& before,
                      const Permissions& after) {
   for (const auto& change : diff.changes) {

@@ -11,10 +11,10 @@ namespace ddssec::governance {
 namespace {
 
 constexpr std::size_t kRules = 1000;
-/// Generous: this also runs without optimisation and on busy machines.
+// Generous: this also runs without optimisation and on busy machines.
 constexpr double kMaxSeconds = 20;
 
-/// One shape of expressions, by a rule's number.
+// One shape of expressions, by a rule's number.
 struct Shape {
   const char* name;
   std::string (*expression)(std::size_t);

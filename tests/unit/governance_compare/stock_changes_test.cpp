@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
-/// ENCRYPT everywhere in the first range, NONE in all domains behind it.
+// ENCRYPT everywhere in the first range, NONE in all domains behind it.
 Governance two_rules(DomainRange first) {
   auto out = document({topic("*")});
   auto open = out.domain_rules[0];
@@ -76,7 +76,7 @@ TEST(StockChanges, SameForAll_IsSaidOnce) {
   EXPECT_THAT(diff.readings.all, IsEmpty());
 }
 
-/// ENCRYPT for the topics of that expression, NONE for all others.
+// ENCRYPT for the topics of that expression, NONE for all others.
 Governance protects(const std::string& expression, bool is_padded = false) {
   auto out = document({topic(expression), topic("*")});
   out.domain_rules[0].topic_rules[0].is_padded = is_padded;
@@ -84,7 +84,7 @@ Governance protects(const std::string& expression, bool is_padded = false) {
   return out;
 }
 
-/// The products to which the change from `secret` is weaker.
+// The products to which the change from `secret` is weaker.
 std::vector<std::string> weaker_with(const Governance& after) {
   std::vector<std::string> out;
   for (const auto& one : compare(protects("secret"), after).readings.all)
@@ -214,7 +214,7 @@ TEST(StockChanges, DenialWithAnOpenRange_IsWiderToBothProducts) {
   EXPECT_THAT(diff.readings.all[0].sentence, HasSubstr("in domain 1-230"));
 }
 
-/// The first grant for the subject, as it is spelt, allows one topic; a second one all.
+// The first grant for the subject, as it is spelt, allows one topic; a second one all.
 Permissions two_grants(const std::string& spelling) {
   auto document = with({rule(true, {{"*"}})});
   document.grants[0].subject_name = spelling;

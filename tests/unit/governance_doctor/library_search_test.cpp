@@ -18,7 +18,7 @@ using Maker = HostPlugin::Maker;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// A cache as ldconfig writes it, with one entry.
+// A cache as ldconfig writes it, with one entry.
 std::string cache_with(const std::string& name, const std::string& file) {
   constexpr std::size_t kHeader = 48, kEntry = 24;
   std::string out = "glibc-ld.so.cache1.1";

@@ -11,14 +11,14 @@ Criteria criteria(std::string topic, std::optional<std::vector<Text>> partitions
   return {.topics = {{std::move(topic)}}, .partitions = std::move(partitions)};
 }
 
-/// A grant for domain 0 with publish rules only.
+// A grant for domain 0 with publish rules only.
 class VendorDecision : public testing::Test {
  protected:
   void add(bool allow, std::vector<Criteria> publish, DomainId domain = 0) {
     grant_.rules.push_back({.allow = allow, .domains = {.ranges = {{domain, domain}}}});
     grant_.rules.back().publish = std::move(publish);
   }
-  /// Whether Cyclone DDS, Fast DDS and ours allow it: "y" or "n" each.
+  // Whether Cyclone DDS, Fast DDS and ours allow it: "y" or "n" each.
   std::string allowed(std::string_view topic, const Partitions& partitions = {}) {
     const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
     const CompiledGrant compiled(document, document->grants[0], 0);

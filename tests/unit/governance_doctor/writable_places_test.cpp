@@ -40,7 +40,7 @@ class WritablePlacesTest : public ::testing::Test {
     places.add_with_way(path);
     return places.findings();
   }
-  /// The only finding about the file is about `path`, and says so.
+  // The only finding about the file is about `path`, and says so.
   void expect_open(const fs::path& path, std::string_view message_end, Severity severity) const {
     const auto all = found(file_);
     ASSERT_THAT(all, SizeIs(1));

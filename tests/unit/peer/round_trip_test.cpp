@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The other side, by hand.
+// The other side, by hand.
 struct Other {
   SystemClock clock;
   SystemRandom random;
@@ -36,7 +36,7 @@ struct Other {
   }
 };
 
-/// A role in a thread of its own.
+// A role in a thread of its own.
 class Running {
  public:
   Running(int (*role)(Session&), std::int32_t domain) : session_(options(domain)) {

@@ -24,7 +24,7 @@ std::string with_boundary(std::string file, std::string_view boundary) {
   return file;
 }
 
-/// A signed document whose text holds another signed document, boundary lines included.
+// A signed document whose text holds another signed document, boundary lines included.
 class TwoReaders : public testing::Test {
  protected:
   std::string sign(std::string_view text) const {
@@ -39,7 +39,7 @@ class TwoReaders : public testing::Test {
 
 std::size_t below(std::mt19937_64& random, std::size_t end) { return random() % end; }
 
-/// Pieces that mean something to one of the readers.
+// Pieces that mean something to one of the readers.
 std::string_view random_piece(std::mt19937_64& random) {
   static const std::string blanks(1100, ' '), returns(1100, '\r'), letters(1000, 'x');
   static const std::vector<std::string> pieces = {"\"",
@@ -96,7 +96,7 @@ std::string_view random_piece(std::mt19937_64& random) {
   return pieces[below(random, pieces.size())];
 }
 
-/// Places that nobody signs: the header, the boundary lines, the header of the signature.
+// Places that nobody signs: the header, the boundary lines, the header of the signature.
 std::vector<std::pair<std::size_t, std::size_t>> unsigned_places(const std::string& file) {
   const auto first = file.find("--OURS\n") + 8;
   const auto second = file.rfind("\n--OURS\n");

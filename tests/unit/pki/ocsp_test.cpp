@@ -10,7 +10,7 @@
 namespace ddssec::pki {
 namespace {
 
-/// A CA with a certificate, and the response that a test changes.
+// A CA with a certificate, and the response that a test changes.
 struct Ocsp : testing::Test {
   Authority ca = make_ca();
   Credential leaf = make_leaf(ca);

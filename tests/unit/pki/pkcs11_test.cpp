@@ -20,7 +20,7 @@ void run(const std::string& command) {
   ASSERT_EQ(std::system((command + " >/dev/null").c_str()), 0) << command;
 }
 
-/// One token for all tests of the process: its module is loaded once.
+// One token for all tests of the process: its module is loaded once.
 class Token : public testing::Test {
  protected:
   static void SetUpTestSuite() {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kDocument = "<dds>\r\n</dds>\r\n";
 
-/// A document signed by OpenSSL in an odd form.
+// A document signed by OpenSSL in an odd form.
 class OddDocument {
  public:
   OddDocument(const Credential& signer, int flags) {

@@ -86,7 +86,7 @@ TEST_F(Smime, ContentWithoutFinalLineBreakOrWithNothing_IsReturnedAsItIs) {
   }
 }
 
-/// The line of the file, from 1, on which `text` begins.
+// The line of the file, from 1, on which `text` begins.
 int line_of(std::string_view file, std::string_view text) {
   return 1 + static_cast<int>(std::ranges::count(file.substr(0, file.find(text)), '\n'));
 }

@@ -11,7 +11,7 @@ Locator at(std::uint8_t host, std::uint16_t port = 7410) {
 
 class AmplificationLimitTest : public ::testing::Test {
  protected:
-  /// Limited, with these addresses, as the host announced them.
+  // Limited, with these addresses, as the host announced them.
   void announce(std::uint8_t host, const LocatorList& addresses, std::size_t octets) {
     const std::vector sources(addresses.size(), SourceAddress(at(host)));
     limit_.begin_datagram(SourceAddress(at(host)), octets);
@@ -27,7 +27,7 @@ class AmplificationLimitTest : public ::testing::Test {
   }
 
   AmplificationLimitTest() { limit_.set_secret(sha256(as_bytes("secret"))); }
-  /// The participant repeats what it was sent at that host.
+  // The participant repeats what it was sent at that host.
   bool prove(std::uint8_t host) { return limit_.prove(name_, limit_.challenge(name_, at(host))); }
 
   AmplificationLimit limit_;

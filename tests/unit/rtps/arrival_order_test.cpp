@@ -19,7 +19,7 @@ struct ArrivalOrderTest : Cache {
   std::uint64_t arrivals = 0;
   ArrivalOrderTest() { cache().order_by_arrival(arrivals); }
 
-  /// The CPU time of as many accesses to one sample each.
+  // The CPU time of as many accesses to one sample each.
   double cost_of(int samples, const SampleQuery& one) {
     made.reset();
     cache().order_by_arrival(arrivals);

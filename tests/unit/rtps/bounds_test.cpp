@@ -25,7 +25,7 @@ Bytes from(const GuidPrefix& source, Bytes message) {
   return message;
 }
 
-/// A message of any size with one submessage.
+// A message of any size with one submessage.
 template <class S>
 Bytes whole(const GuidPrefix& source, const S& submessage) {
   static Bytes buffer(65536);
@@ -38,7 +38,7 @@ Bytes whole(const GuidPrefix& source, const S& submessage) {
   return to_bytes(out.view());
 }
 
-/// An announcement of whichever participant, to be changed in place.
+// An announcement of whichever participant, to be changed in place.
 class Announcement {
  public:
   Announcement() {
@@ -97,7 +97,7 @@ TEST(ParticipantBounds, APropertyWhoseValueIsCutOff_IsForgotten) {
   EXPECT_EQ(octets(), before);
 }
 
-/// A reader here, and many writers of another participant that matched it.
+// A reader here, and many writers of another participant that matched it.
 struct MatchedParticipants : ::testing::Test {
   static constexpr int kWriters = 16;
   Node a{1}, b{2};
@@ -164,7 +164,7 @@ TEST_F(MatchedParticipants, FragmentsThatNeverComplete_TakeABoundedPlace) {
   expect_that_samples_come();
 }
 
-/// Octets of this process that lie in memory now.
+// Octets of this process that lie in memory now.
 std::int64_t resident() {
   std::ifstream statm("/proc/self/statm");
   std::int64_t size = 0, pages = 0;
@@ -248,7 +248,7 @@ TEST_F(MatchedParticipants, SamplesThatCameTooEarly_TakeABoundedPlace) {
   expect_that_samples_come();
 }
 
-/// As large as announcements may be.
+// As large as announcements may be.
 EndpointData large_endpoint(const GuidPrefix& prefix, std::uint32_t number) {
   EndpointData data;
   data.guid = {prefix,

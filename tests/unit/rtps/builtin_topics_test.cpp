@@ -222,7 +222,7 @@ TEST_P(BuiltinTopicsTest, OneEndpointOrOneTopic_MayBeIgnored) {
   EXPECT_THAT(reader.matched_publications(), IsEmpty());
 }
 
-/// An application that wants nobody.
+// An application that wants nobody.
 struct Hermit final : DataReaderListener {
   explicit Hermit(DomainParticipant& participant) : own(participant) {}
   void on_data_available(AnyDataReader&) override {

@@ -106,7 +106,7 @@ TEST_F(TwoThreads, TheFactory_DoesNotDeleteAParticipantInItsListener) {
 
 using PolledListeners = Polled;
 
-/// A sample of the participant's own writer makes the listener of its reader act.
+// A sample of the participant's own writer makes the listener of its reader act.
 void act_in_listener(End& end, Once& listener, std::function<void()> act) {
   listener.act = std::move(act);
   auto& writer = end.writer();

@@ -54,7 +54,7 @@ TEST_F(NetworkTrouble, AllPortsTaken_IsSaid) {
   EXPECT_TRUE(create({.domain_id = 74, .interfaces = {address}}));
 }
 
-/// The masks of blocked signals of all threads but the calling one.
+// The masks of blocked signals of all threads but the calling one.
 std::vector<std::uint64_t> masks_of_other_threads() {
   std::vector<std::uint64_t> out;
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {

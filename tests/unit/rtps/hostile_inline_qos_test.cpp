@@ -18,7 +18,7 @@ Qos durable() {
   return qos;
 }
 
-/// A DATA with that inline QoS, whatever it is.
+// A DATA with that inline QoS, whatever it is.
 Bytes forged(const Guid& writer, std::int64_t number, BytesView inline_qos, Endian endian) {
   std::array<std::uint8_t, 512> buffer{};
   SpanWriter out(buffer, endian);
@@ -42,7 +42,7 @@ Bytes forged(const Guid& writer, std::int64_t number, BytesView inline_qos, Endi
   return to_bytes(out.view());
 }
 
-/// A parameter of `size` octets that claims `claimed`, and perhaps a sentinel.
+// A parameter of `size` octets that claims `claimed`, and perhaps a sentinel.
 Bytes list_of(ParameterId id, std::size_t size, std::size_t claimed, std::uint8_t fill, bool ends,
               Endian endian) {
   std::array<std::uint8_t, 128> buffer{};

@@ -9,7 +9,7 @@ using namespace testing;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-/// A TRANSIENT writer sends key hashes, which name the instances of what cannot be deserialized.
+// A TRANSIENT writer sends key hashes, which name the instances of what cannot be deserialized.
 Qos transient() {
   auto qos = reliable();
   qos.durability = DurabilityKind::transient;
@@ -26,13 +26,13 @@ struct MalformedSamples : Polled {
     ASSERT_TRUE(match(hostile, reader));
     ASSERT_TRUE(match(honest, reader));
   }
-  /// A string that claims 0x7fffffff octets, in an instance of its own.
+  // A string that claims 0x7fffffff octets, in an instance of its own.
   void write_malformed(std::uint8_t instance) {
     const Bytes payload{0, 1, 0, 0, 0xff, 0xff, 0xff, 0x7f, 1, 2, 3, 4};
     ASSERT_TRUE(hostile.write_octets({.payload = payload, .key = KeyHash{instance}}));
     run();
   }
-  /// The same in the instance of an honest writer.
+  // The same in the instance of an honest writer.
   void write_malformed(const std::string& sensor) {
     Bytes scratch;
     const auto key = key_hash(Reading{sensor}, scratch);
@@ -49,7 +49,7 @@ struct MalformedSamples : Polled {
         std::ranges::count(events.seen, Code::rtps_sample_malformed,
                            [](const Event& event) { return event.error.code(); }));
   }
-  /// Walks all instances by their handles, and returns the values.
+  // Walks all instances by their handles, and returns the values.
   template <class Next>
   std::vector<std::int64_t> walk(Next&& next) {
     std::vector<std::int64_t> out;

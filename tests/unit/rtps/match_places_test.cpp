@@ -10,7 +10,7 @@ namespace {
 using testing::socketless::Node;
 using testing::socketless::World;
 
-/// a has a writer, and b has more readers than match it.
+// a has a writer, and b has more readers than match it.
 struct MatchPlacesTest : ::testing::Test {
   static constexpr std::size_t kMax = MatchTable::kMaxOfOne;
   static constexpr std::size_t kWaiting = 3 * MatchPlaces::kMaxTries;

@@ -11,7 +11,7 @@ GuidPrefix identity(std::uint8_t number) {
   return out;
 }
 
-/// Adds endpoints of the identity until there is no room, and returns their number.
+// Adds endpoints of the identity until there is no room, and returns their number.
 std::size_t fill(MatchTable& table, std::uint8_t of, bool has_macs) {
   std::size_t count = 0;
   for (Guid guid{identity(of), {}}; table.has_room(identity(of), has_macs) && count < 5000;

@@ -12,7 +12,7 @@
 namespace ddssec::rtps {
 namespace {
 
-/// One policy changed on either side: what is named, and both values.
+// One policy changed on either side: what is named, and both values.
 struct Row {
   std::function<void(Qos& offered, Qos& requested)> change;
   QosPolicyId id;

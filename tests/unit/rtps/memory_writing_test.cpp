@@ -10,7 +10,7 @@ const Locator kThere = *Locator::parse("127.0.0.1", 2);
 const GuidPrefix kC = GuidPrefix::from(Bytes(12, 0xcc));
 constexpr MemoryReference kReference{7, 64, 2, 5000};
 
-/// Notes what it is asked for.
+// Notes what it is asked for.
 struct Memory final : SampleMemory {
   std::optional<MemoryReference> store(const Change& change, SequenceNumber needed_from,
                                        MonotonicTime) override {
@@ -28,7 +28,7 @@ struct Odd final : ChangeFilter {
   }
 };
 
-/// What is sent, by the port it is sent to.
+// What is sent, by the port it is sent to.
 struct Sorted final : Transport {
   std::map<std::uint32_t, std::vector<Data>> data;
   std::map<std::uint32_t, int> fragments, heartbeats, gaps;

@@ -21,7 +21,7 @@ const auto kOurs = GuidPrefix::from(Bytes(12, 1));
 const auto kPeer = GuidPrefix::from(Bytes(12, 2));
 const auto kOther = GuidPrefix::from(Bytes(12, 3));
 
-/// A participant without endpoints.
+// A participant without endpoints.
 struct NoEndpoints final : EndpointLookup {
   std::span<StatefulReader* const> readers_of(const Guid&) override { return {}; }
   StatefulWriter* writer_for(const EntityId&, const GuidPrefix&) override { return nullptr; }
@@ -78,7 +78,7 @@ struct MessageReceiverTest : ::testing::Test {
     static const Bytes payload(8);
     return written(Data{kSpdpReader, kSpdpWriter, {1}, {}, PayloadKind::data, payload});
   }
-  /// A HEARTBEAT of four octets.
+  // A HEARTBEAT of four octets.
   static Bytes invalid() { return {0x07, 0x01, 4, 0, 0, 0, 0, 0}; }
 
   NoEndpoints endpoints;

@@ -19,7 +19,7 @@ const Locator kHere = *Locator::parse("127.0.0.1", 1);
 
 struct Recorder final : Transport {
   std::vector<Bytes> sent;
-  std::vector<std::uint8_t> calls;  ///< of send_all, with what DSCP
+  std::vector<std::uint8_t> calls;  // of send_all, with what DSCP
   bool is_here = false;
   void send(BytesView message, std::span<const Locator>) override {
     sent.push_back(to_bytes(message));
@@ -45,7 +45,7 @@ std::size_t count(const std::vector<Bytes>& messages, SubmessageId id) {
   return out;
 }
 
-/// Heartbeats that want an answer.
+// Heartbeats that want an answer.
 std::size_t questions(const std::vector<Bytes>& messages) {
   std::size_t out = 0;
   for (const auto& octets : messages)
@@ -229,7 +229,7 @@ TEST_F(Packing, ToThisMachine_MessagesAreAsLargeAsADatagram) {
   for (const auto& octets : transport.sent) EXPECT_LE(octets.size(), MessageSender::kMaxDatagram);
 }
 
-/// Protects messages as a plugin that needs a MAC of each of many receivers.
+// Protects messages as a plugin that needs a MAC of each of many receivers.
 struct Wrapping final : SendProtection {
   explicit Wrapping(std::size_t receivers) : macs(receivers * 20) {}
   Levels levels(const EntityId&) const override {

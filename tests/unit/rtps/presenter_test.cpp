@@ -13,7 +13,7 @@ using ::testing::IsEmpty;
 Guid writer(std::uint8_t n) { return {GuidPrefix::from(Bytes(12, n)), EntityId{{0, 0, 1, 2}}}; }
 const Guid kGroup{GuidPrefix::from(Bytes(12, 9)), EntityId{{0, 0, 1, 8}}};
 
-/// More small ones of one identity are not held.
+// More small ones of one identity are not held.
 constexpr auto kMaxSamples = Presenter::kMaxOctets / 2 / Presenter::kPricePerItem;
 
 GuidPrefix identity(std::uint8_t n) { return GuidPrefix::from(Bytes(12, n)); }
@@ -22,10 +22,10 @@ struct Reader final : PresentedReader {
   std::vector<std::int64_t>* seen;
   std::size_t room = 100, most = 1000;
   std::size_t lost = 0;
-  mutable std::size_t instances = 0;  ///< of the last set
-  mutable int asked = 0;              ///< how often for room
-  std::optional<int> takes = {};      ///< so many more, whatever room_for says
-  std::vector<Limit> limits;          ///< that ended sets
+  mutable std::size_t instances = 0;  // of the last set
+  mutable int asked = 0;              // how often for room
+  std::optional<int> takes = {};      // so many more, whatever room_for says
+  std::vector<Limit> limits;          // that ended sets
   explicit Reader(std::vector<std::int64_t>& to) : seen(&to) {}
   KeyHash instance_of(const Change& change) const override { return {change.payload.view()[0]}; }
   Room room_for(const WantedRoom& wanted, const Guid&) const override {
@@ -354,7 +354,7 @@ struct GroupSets : Presenting {
     presenter.add(one, writer(1), kGroup, identity(1));
     presenter.add(two, writer(2), kGroup, identity(1));
   }
-  /// `set`: of the writer; `group_set` of the group; value 0 is a marker.
+  // `set`: of the writer; `group_set` of the group; value 0 is a marker.
   void put(std::uint8_t from, std::int64_t number, std::uint8_t value, std::int64_t set,
            std::int64_t group_set, std::int64_t group) {
     auto next = change(from, number, value, {{set}, {group_set}, {group}, {}});

@@ -25,7 +25,7 @@ TEST_F(ReaderCacheTest, AWriter_WhoseSampleCameFromAnotherFirst_KeepsItsInstance
   EXPECT_EQ(samples.back().info.instance_state, InstanceState::alive);
 }
 
-/// What a durability service sends of another writer.
+// What a durability service sends of another writer.
 Change relayed(std::uint8_t relay, std::uint8_t from, std::int64_t number, std::uint8_t value) {
   Change change;
   change.writer = writer(relay);

@@ -52,7 +52,7 @@ struct Shares : Cache {
     change.payload = Payload::uninitialized(octets);
     return cache().store(change, moment());
   }
-  /// How many samples are stored, each of an instance of its own.
+  // How many samples are stored, each of an instance of its own.
   std::size_t fill(std::uint8_t from, std::size_t octets, std::size_t count) {
     std::size_t stored = 0;
     for (std::size_t i = 0; i < count; ++i, ++keys)
@@ -187,7 +187,7 @@ TEST_F(Shares, WhatWasKeptForLater_IsNotLostWhenOthersFillTheirShares) {
   EXPECT_EQ(got, kept);
 }
 
-/// Instances that the first identity begins and leaves, and that another one also writes.
+// Instances that the first identity begins and leaves, and that another one also writes.
 struct LeftInstances : Cache {
   LeftInstances() {
     for (std::uint8_t i = 1; i <= 3; ++i)
@@ -291,7 +291,7 @@ Guid writer_of(std::uint8_t identity, std::uint32_t number) {
 }
 
 struct InstanceJoins : Cache {
-  /// Returns false if it was rejected.
+  // Returns false if it was rejected.
   bool join(const Guid& by, std::uint32_t instance) {
     Change change;
     change.writer = by;

@@ -14,7 +14,7 @@ using testing::socketless::World;
 
 EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
-/// Ignores whatever it is told of, at once.
+// Ignores whatever it is told of, at once.
 struct Ignorer final : DiscoveryListener {
   explicit Ignorer(RtpsParticipant& participant) : own(participant) {}
   void on_participant(const ParticipantData& data) override { ignore(data.guid, participants); }

@@ -58,7 +58,7 @@ TEST(SparseHistory, NumbersThatWereUsedUp_AreOneGap) {
   EXPECT_THAT(words.said, ElementsAre("data 1", "gap 2-100000"));
 }
 
-/// Counts the changes that it gets.
+// Counts the changes that it gets.
 struct CountingTransport final : Transport {
   std::size_t messages = 0;
   void send(BytesView, std::span<const Locator>) override { ++messages; }

@@ -36,7 +36,7 @@ struct Side {
   bool is_matched() const {
     return !writer->matched_subscriptions().empty() && !reader->matched_publications().empty();
   }
-  /// Waits as an application does. False: nothing came.
+  // Waits as an application does. False: nothing came.
   bool take() {
     for (int i = 0; i < 100; ++i) {
       if (reader->take(taken, 1) == 1u && taken[0].info.valid_data) return true;
@@ -46,7 +46,7 @@ struct Side {
   }
 };
 
-/// What is counted for one sample, of both sides.
+// What is counted for one sample, of both sides.
 struct Costs {
   double waits, receives, sends, timers, others, locks, allocations, sleeps;
 };
@@ -60,7 +60,7 @@ class SampleCost : public ::testing::TestWithParam<ReliabilityKind> {
   test::Silent events_;
   const EngineServices services_{clock_, random_, events_};
 
-  /// Of `kRounds` answered samples, so of twice as many samples.
+  // Of `kRounds` answered samples, so of twice as many samples.
   Costs measure() {
     Side a(services_, GetParam(), "There", "Back"), b(services_, GetParam(), "Back", "There");
     for (int i = 0; i < 2000 && !(a.is_matched() && b.is_matched()); ++i)

@@ -23,12 +23,12 @@ std::uint64_t work_of(F&& f) {
   return work - before;
 }
 
-/// Writers of one participant and readers of another, each pair on a topic of its own.
+// Writers of one participant and readers of another, each pair on a topic of its own.
 struct Pairs {
   testing::socketless::Node a{1}, b{2};
   testing::socketless::World world{{&a, &b}};
   std::vector<Guid> writers, readers;
-  std::int64_t asked = 0;  ///< for the next tick, as dcps does after each change
+  std::int64_t asked = 0;  // for the next tick, as dcps does after each change
 
   void create(int count) {
     for (int i = 0; i < count; ++i) {
@@ -109,12 +109,12 @@ TEST(Scale, TheWorkOfAnEndpoint_DoesNotGrowWithTheirNumber) {
   expect_alike("one sample", &Work::write, 1, 1);
 }
 
-/// Does not ask to hear of each assertion.
+// Does not ask to hear of each assertion.
 struct Quiet final : testing::socketless::Listener {
   void on_signal(const Guid&, std::shared_ptr<LivelinessSignal>) override {}
 };
 
-/// What a datagram of 20 octets costs a reader of so many writers with a finite lease.
+// What a datagram of 20 octets costs a reader of so many writers with a finite lease.
 std::uint64_t work_of_a_sign_of_life(int writers) {
   Quiet reader;  // outlives its endpoint
   testing::socketless::Node a{1}, b{2};
@@ -140,10 +140,10 @@ TEST(Scale, ASignOfLife_CostsTheSameForAnyNumberOfWriters) {
 }
 
 struct CrowdWork {
-  double match, part;  ///< of each endpoint
+  double match, part;  // of each endpoint
 };
 
-/// So many writers of one participant on a topic that we read, and readers on one that we write.
+// So many writers of one participant on a topic that we read, and readers on one that we write.
 CrowdWork work_of_a_crowd(int count) {
   Quiet own, theirs;  // outlive their endpoints
   testing::socketless::Node a{1}, b{2};
@@ -181,7 +181,7 @@ TEST(Scale, AnEndpointOnOneTopic_CostsTheSameForAnyNumberOfThem) {
   EXPECT_LT(many.part, 2 * few.part) << few.part << " becomes " << many.part;
 }
 
-/// What a reader does with so many writers for an assertion, and when the first lease would end.
+// What a reader does with so many writers for an assertion, and when the first lease would end.
 std::uint64_t work_of_leases(int writers) {
   const auto signal = std::make_shared<LivelinessSignal>(milliseconds(0));
   LivelinessMonitor monitor;

@@ -11,7 +11,7 @@ namespace {
 using namespace testing;
 using Turn = ServingTurn;
 
-/// Serving lasts until it is ended.
+// Serving lasts until it is ended.
 struct Server final : Turn::Server {
   std::mutex mutex;
   std::condition_variable changed;
@@ -37,7 +37,7 @@ struct ServingTurns : ::testing::Test {
   Server server;
   Turn turn{server};
 
-  /// A thread waits soon after its last wait, and gets the turn.
+  // A thread waits soon after its last wait, and gets the turn.
   void yield_to(std::optional<Turn::Waiting>& waiting) {
     do {
       { const Turn::Waiting shortly(turn, Turn::For::data); }
@@ -221,7 +221,7 @@ struct ServingParticipants : ::testing::Test {
       if (all(*a->reader) && all(*b->reader) && heard(*a->writer) && heard(*b->writer)) return;
     FAIL() << "the participants do not match";
   }
-  /// The values that came so far, until `last`. Each side reads what both write.
+  // The values that came so far, until `last`. Each side reads what both write.
   static bool wait_for(Side& side, std::int64_t last, bool by_set) {
     for (const auto end = Turn::Clock::now() + 20s; Turn::Clock::now() < end;) {
       if (by_set)
@@ -233,7 +233,7 @@ struct ServingParticipants : ::testing::Test {
     }
     return false;
   }
-  /// `a` asks and `b` answers, both by waiting.
+  // `a` asks and `b` answers, both by waiting.
   void exchange(int rounds, bool by_set) {
     if (by_set)
       for (auto* side : {a.get(), b.get()}) side->set.attach_condition(*side->unread);
@@ -319,7 +319,7 @@ TEST_F(ServingParticipants, ThreadThatIsCancelled_LeavesSetAndParticipantInOrder
   exchange(20, true);
 }
 
-/// While one exists, the thread that gets SIGUSR2 is held up in a handler.
+// While one exists, the thread that gets SIGUSR2 is held up in a handler.
 class HeldUp {
  public:
   HeldUp() { ::signal(SIGUSR2, &hold); }
@@ -409,7 +409,7 @@ TEST_F(ServingParticipants, SeveralThreadsWait_EachGetsItsData) {
   EXPECT_EQ(got, 400);
 }
 
-/// Its listener needs a mutex that the waiting thread holds.
+// Its listener needs a mutex that the waiting thread holds.
 struct Locking final : DataReaderListener {
   std::mutex& mutex;
   std::promise<std::thread::id> called;

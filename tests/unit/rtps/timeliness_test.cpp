@@ -11,7 +11,7 @@ using namespace of_reliability;
 constexpr auto kMaxDelay = Timeliness::kMaxDelay;
 const Guid kSilent{GuidPrefix::from(Bytes(12, 0xcc)), testing::kReader};
 
-/// A writer with many instances (KEEP_LAST 1), one honest reader and one that acknowledges nothing.
+// A writer with many instances (KEEP_LAST 1), one honest reader and one that acknowledges nothing.
 struct TimelinessTest : ::testing::Test {
   Pair pair{default_writer_qos()};
   std::uint32_t written = 0;
@@ -22,7 +22,7 @@ struct TimelinessTest : ::testing::Test {
       pair.write(Bytes(10'000), KeyHash{static_cast<std::uint8_t>(written % 200)});
   }
   bool is_ahead() { return pair.writer.is_ahead(pair.now); }
-  /// The writer is ahead at some time while samples are written in this time.
+  // The writer is ahead at some time while samples are written in this time.
   bool is_ahead_during(MonotonicTime time) {
     bool out = false;
     for (const auto end = pair.now + time; pair.now < end; pair.run(1)) {

@@ -82,8 +82,8 @@ TEST(WaitSet, Either_MayDieFirst) {
   EXPECT_TRUE(stays.trigger_value());
 }
 
-/// Overwritten when it has died: nobody can lock what was its mutex, so that a thread that still
-/// uses it ends the program without a sanitizer, too.
+// Overwritten when it has died: nobody can lock what was its mutex, so that a thread that still
+// uses it ends the program without a sanitizer, too.
 struct Overwritten {
   alignas(GuardCondition) std::array<std::byte, sizeof(GuardCondition)> memory;
   GuardCondition& make() { return *new (memory.data()) GuardCondition; }

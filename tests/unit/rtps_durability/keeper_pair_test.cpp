@@ -7,7 +7,7 @@ namespace {
 using namespace testing;
 
 struct KeeperPairTest : KeeperTest {
-  /// Each has a store of its own.
+  // Each has a store of its own.
   void start(std::size_t which) {
     auto made =
         Keeper::create(options(), {.store = folder / ("kept" + std::to_string(which))}, services);
@@ -30,7 +30,7 @@ struct KeeperPairTest : KeeperTest {
     ASSERT_TRUE(a.publisher->delete_contained_entities());
     serve();
   }
-  /// What a late joiner gets of this keeper alone.
+  // What a late joiner gets of this keeper alone.
   Values of(std::size_t which, std::size_t count) {
     for (std::size_t i = 0; i < keepers.size(); ++i)
       if (i != which) stop(i);
@@ -42,7 +42,7 @@ struct KeeperPairTest : KeeperTest {
     serve();
     return out;
   }
-  /// Keeper 1 misses what is written last. Then the writer leaves, and keeper 1 starts first.
+  // Keeper 1 misses what is written last. Then the writer leaves, and keeper 1 starts first.
   void miss_samples(int depth) {
     for (const std::size_t which : {0u, 1u}) start(which);
     auto& writer = writer_of(durable(DurabilityKind::transient, depth));

@@ -14,7 +14,7 @@ struct ExclusiveKeeperTest : KeeperTest {
     qos.ownership_strength = strength;
     return qos;
   }
-  /// The late joiner of KeeperTest, with EXCLUSIVE ownership.
+  // The late joiner of KeeperTest, with EXCLUSIVE ownership.
   Values late_values(Keeper& keeper) {
     auto qos = late(DurabilityKind::transient);
     qos.ownership = OwnershipKind::exclusive;
@@ -33,7 +33,7 @@ struct ExclusiveKeeperTest : KeeperTest {
       both(keeper, 1);
     }
   }
-  /// Served until it has what was written.
+  // Served until it has what was written.
   void stored(Keeper& keeper) {
     all(keeper);
     ASSERT_TRUE(keeper.flush(10s));
@@ -145,7 +145,7 @@ TEST_P(ExclusiveKeeperTest, ARestartedKeeper_DoesNotWaitForGood) {
 INSTANTIATE_TEST_SUITE_P(Over, ExclusiveKeeperTest,
                          ::testing::Values(Way::network, Way::is_in_process), name_of);
 
-/// Writers and late joiners that differ in their partitions.
+// Writers and late joiners that differ in their partitions.
 struct KeeperPartitionTest : KeeperTest {
   using Names = std::vector<std::string>;
   DataWriter<Reading>& writer_in(Names names) {

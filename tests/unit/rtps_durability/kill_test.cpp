@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 
 constexpr std::uint32_t kInstances = 3;
 
-/// Stores until it is killed; says through `out` which samples are safe.
+// Stores until it is killed; says through `out` which samples are safe.
 [[noreturn]] void child(const std::string& path, std::uint32_t next,
                         const DurabilityService& service, int out) {
   Events events;
@@ -32,7 +32,7 @@ constexpr std::uint32_t kInstances = 3;
 }
 
 struct KillTest : StoreTest, ::testing::WithParamInterface<DurabilityService> {
-  /// Runs a child and kills it after so long: the number behind the last that is safe.
+  // Runs a child and kills it after so long: the number behind the last that is safe.
   std::uint32_t run_and_kill(std::uint32_t next, std::chrono::microseconds after) {
     int ends[2];
     EXPECT_EQ(::pipe(ends), 0);

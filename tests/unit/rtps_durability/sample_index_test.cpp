@@ -136,7 +136,7 @@ GuidPrefix identity(std::uint8_t number) {
   return out;
 }
 
-/// Changes of identities, each ten in a commit.
+// Changes of identities, each ten in a commit.
 struct ShareTest : StoreTest {
   static constexpr std::size_t kMax = std::size_t{4} << 20;
   void open() {
@@ -144,7 +144,7 @@ struct ShareTest : StoreTest {
     store.emplace(*IndexedStore::open(path, kMax));
     id = *store->stream(kMap, service);
   }
-  /// How many samples of so many octets are kept of those it writes, a commit for each ten.
+  // How many samples of so many octets are kept of those it writes, a commit for each ten.
   std::size_t fill(std::uint8_t who, std::size_t octets, std::size_t count,
                    std::size_t instances = 1) {
     const auto before = store->size(id);
@@ -359,7 +359,7 @@ TEST_F(SampleIndexTest, AHistoryWithoutDepth_KeepsOneSample) {
 }
 
 struct LateSamplesTest : StoreTest {
-  /// What is late comes of another identity than the rest, unless `who` says otherwise.
+  // What is late comes of another identity than the rest, unless `who` says otherwise.
   SampleIndex::Decision put(Change change, std::int32_t time, bool is_late = false,
                             std::uint8_t who = 0) {
     change.source_time = seconds(time);

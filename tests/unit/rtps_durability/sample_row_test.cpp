@@ -19,7 +19,7 @@ Change stored_change() {
   return change;
 }
 
-/// A table with the columns that rows are read from.
+// A table with the columns that rows are read from.
 struct SampleRowTest : ::testing::Test {
   SampleRowTest() {
     run("CREATE TABLE sample (id, key, keyed, disposed, seconds, fraction, payload, sum, writer, "

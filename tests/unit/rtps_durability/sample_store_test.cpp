@@ -13,7 +13,7 @@ using namespace testing;
 using Numbers = std::vector<std::uint32_t>;
 
 struct SampleStoreTest : StoreTest {
-  /// What the stream holds when the store is opened anew.
+  // What the stream holds when the store is opened anew.
   Numbers stored(std::uint32_t instances = 1, const DurabilityService& service = keep_all()) {
     auto store = IndexedStore::open(path);
     EXPECT_TRUE(store) << store.error().to_sentence();
@@ -22,7 +22,7 @@ struct SampleStoreTest : StoreTest {
     EXPECT_TRUE(held) << held.error().to_sentence();
     return held ? numbers(held->changes, instances) : Numbers{};
   }
-  /// Stores samples `from` up to `to` in one commit.
+  // Stores samples `from` up to `to` in one commit.
   void store(std::uint32_t from, std::uint32_t to, const DurabilityService& service = keep_all(),
              std::uint32_t instances = 1) {
     auto opened = IndexedStore::open(path);

@@ -24,7 +24,7 @@ Change heard(std::uint32_t writer, std::int64_t number) {
   return change;
 }
 
-/// The same, as `relay` says it.
+// The same, as `relay` says it.
 Change claimed(std::uint32_t relay, Change change) {
   change.original = {change.writer, change.sequence_number};
   change.writer = guid_of(relay);
@@ -59,7 +59,7 @@ TEST(SeenOriginals, BeyondItsBounds_TheOldestIsForgotten) {
   EXPECT_FALSE(many.contains(heard(1, 1)));
 }
 
-/// One range for each number.
+// One range for each number.
 void add_apart(SeenOriginals& seen, std::uint32_t writer, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i)
     add(seen, heard(writer, static_cast<std::int64_t>(1 + 2 * i)));

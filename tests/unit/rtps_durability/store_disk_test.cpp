@@ -15,8 +15,8 @@ using namespace testing;
 constexpr int kNoDisk = 77;
 
 struct StoreDiskTest : StoreTest {
-  /// Runs it in a process whose `folder` is a disk of so many megabytes. Fails if an expectation
-  /// fails there.
+  // Runs it in a process whose `folder` is a disk of so many megabytes. Fails if an expectation
+  // fails there.
   template <class Run>
   void on_disk(int megabytes, Run run) {
     const auto child = ::fork();
@@ -38,7 +38,7 @@ struct StoreDiskTest : StoreTest {
     EXPECT_TRUE(WIFEXITED(status)) << status;
     EXPECT_EQ(WEXITSTATUS(status), 0);
   }
-  /// Commits samples of an instance each, until one fails.
+  // Commits samples of an instance each, until one fails.
   static std::uint32_t fill(IndexedStore& store, StreamId id, std::size_t octets, Time now) {
     for (std::uint32_t number = 0; number < 20'000; ++number) {
       auto change = sample(number, 20'000);

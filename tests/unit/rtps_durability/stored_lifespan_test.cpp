@@ -35,11 +35,11 @@ struct StoredLifespanTest : StoreTest {
     EXPECT_TRUE(store) << store.error().to_sentence();
     return *std::move(store);
   }
-  /// The samples in a store that is opened at `now`.
+  // The samples in a store that is opened at `now`.
   Numbers stored(const Moment& now) {
     return numbers(open(now.wall)->open_stream(kMap, keep_all(), now)->history);
   }
-  /// In the file, while no store has it open.
+  // In the file, while no store has it open.
   std::int64_t rows() const {
     auto file = Database::open(path);
     return file->number("SELECT count(*) FROM sample").value_or(-1);

@@ -18,7 +18,7 @@ struct ContentFilteredTopicTest : Polled {
   DataReader<Reading>& reader(ContentFilteredTopic& topic, const Qos& qos = reliable()) {
     return **b.subscriber->create_datareader<Reading>(topic, qos);
   }
-  /// Reads until there are so many, and then a while longer: nothing else comes.
+  // Reads until there are so many, and then a while longer: nothing else comes.
   std::vector<std::int64_t> all_of(DataReader<Reading>& reader, std::size_t count) {
     std::vector<std::int64_t> out;
     const auto take = [&] {

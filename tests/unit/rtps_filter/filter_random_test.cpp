@@ -14,7 +14,7 @@ struct Expression {
   Truth holds;
 };
 
-/// LIKE, as one would define it.
+// LIKE, as one would define it.
 bool like(std::string_view text, std::string_view pattern) {
   if (pattern.empty()) return text.empty();
   if (pattern.front() == '%')
@@ -71,7 +71,7 @@ class Maker {
     for (int i = pick(4); i > 0; --i) out += static_cast<char>('a' + pick(2));
     return out;
   }
-  /// As it is, or as a parameter.
+  // As it is, or as a parameter.
   std::string shown(std::string literal) {
     if (pick(3) != 0 || parameters.size() == Filter::kMaxParameters) return literal;
     parameters.push_back(std::move(literal));

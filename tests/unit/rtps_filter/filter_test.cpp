@@ -27,7 +27,7 @@ class FilterTest : public ::testing::Test {
     }
     return filter->passes(view);
   }
-  /// The refusal's place, what was expected and what was found.
+  // The refusal's place, what was expected and what was found.
   void expect_refused(const std::string& expression, const std::string& field,
                       const std::string& expected, const std::string& found,
                       std::vector<std::string> parameters = {}) {

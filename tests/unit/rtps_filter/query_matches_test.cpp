@@ -8,7 +8,7 @@ namespace {
 using namespace testing;
 using Values = std::vector<std::int64_t>;
 
-/// Counts the samples that filters decode.
+// Counts the samples that filters decode.
 class CountingView final : public SampleView {
  public:
   explicit CountingView(std::size_t& count) : count_(count) {
@@ -51,7 +51,7 @@ struct QueryMatchesTest : Polled {
   void arrive(DataWriter<Reading>& all_of) {
     EXPECT_TRUE(eventually([&] { return all_of.wait_for_acknowledgments(0ms).has_value(); }));
   }
-  /// `count` samples of as many instances, or of one.
+  // `count` samples of as many instances, or of one.
   void write(std::int64_t first, std::int64_t count, bool one_instance = false) {
     for (auto i = first; i < first + count; ++i)
       ASSERT_TRUE(writer->write({one_instance ? "one" : std::to_string(i), i}));

@@ -75,7 +75,7 @@ rich::Everything everything() {
   return out;
 }
 
-/// What Cyclone DDS makes of our octets, and its key hash for them.
+// What Cyclone DDS makes of our octets, and its key hash for them.
 struct Again {
   Bytes octets;
   KeyHash hash{};

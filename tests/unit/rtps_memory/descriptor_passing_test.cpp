@@ -135,8 +135,8 @@ TEST(DescriptorPassing, StrangerSendsASlowDescriptor_ReadersAreStillServed) {
   EXPECT_TRUE(fetched && fetched->segment);
 }
 
-/// A passing whose thread waits for a socket that lingers: no descriptor number was left for it, so
-/// that the system itself dropped it.
+// A passing whose thread waits for a socket that lingers: no descriptor number was left for it, so
+// that the system itself dropped it.
 struct HeldUp {
   HeldUp() {
     EXPECT_TRUE(passing.it->fetch(std::move(impostor.offer)).has_value());
@@ -157,7 +157,7 @@ struct HeldUp {
   Passing passing;
 };
 
-/// Tries until the thread is the last that has the descriptor.
+// Tries until the thread is the last that has the descriptor.
 std::unique_ptr<HeldUp> held_up() {
   auto held = std::make_unique<HeldUp>();
   while (!held->is_held) held = std::make_unique<HeldUp>();

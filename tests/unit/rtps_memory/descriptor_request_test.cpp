@@ -29,7 +29,7 @@ using namespace testing;
 constexpr MonotonicTime kStart = std::chrono::seconds(5);
 constexpr std::uint64_t kSegmentId = 7;
 
-/// What comes of an answer with these descriptors.
+// What comes of an answer with these descriptors.
 MemoryResult<std::optional<MappedSegment>> answered_with(const std::vector<int>& descriptors,
                                                          MemoryId memory) {
   Impostor impostor(memory);
@@ -39,7 +39,7 @@ MemoryResult<std::optional<MappedSegment>> answered_with(const std::vector<int>&
   return request->take();
 }
 
-/// How many descriptors are open: a leaked one may have any number.
+// How many descriptors are open: a leaked one may have any number.
 std::ptrdiff_t open_descriptors() {
   return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
 }

@@ -38,7 +38,7 @@ DescriptorOffer copy_of(const DescriptorOffer& offer) {
           .memory = offer.memory};
 }
 
-/// Octets that the server sent; 0 if it closed the connection, -1 if it says nothing.
+// Octets that the server sent; 0 if it closed the connection, -1 if it says nothing.
 ssize_t answer_on(const FileDescriptor& socket) {
   std::array<char, 64> octets{};
   return ::recv(socket.number(), octets.data(), octets.size(), MSG_DONTWAIT);
@@ -51,7 +51,7 @@ class DescriptorServerTest : public ::testing::Test {
     EXPECT_TRUE(out.has_value());
     return *std::move(out);
   }
-  /// What a request for the offer ends with.
+  // What a request for the offer ends with.
   MemoryResult<std::optional<MappedSegment>> fetch(const DescriptorOffer& offer,
                                                    MonotonicTime now = kStart) {
     auto request = DescriptorRequest::send(offer);
@@ -361,7 +361,7 @@ TEST_F(DescriptorServerTest, SlowDescriptors_Many_ServerTakesNoMoreUntilTheyAreC
 
 // ---- strangers of other users, and shares
 
-/// Shows the token as a process of another user; true if a descriptor comes.
+// Shows the token as a process of another user; true if a descriptor comes.
 bool gets_descriptor(const DescriptorOffer& made, DescriptorServer& server) {
   std::array<int, 2> ends{};
   EXPECT_EQ(::pipe(ends.data()), 0);

@@ -9,7 +9,7 @@
 namespace ddssec::rtps::memory {
 namespace {
 
-/// Files as /proc and /sys have them.
+// Files as /proc and /sys have them.
 struct Root {
   Root() { std::filesystem::create_directories(path); }
   ~Root() { std::filesystem::remove_all(path); }

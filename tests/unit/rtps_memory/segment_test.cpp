@@ -48,7 +48,7 @@ MemoryRefusal refusal_of(const MappedSegment& segment, const Reference& referenc
   return status ? MemoryRefusal::no_socket : status.error();
 }
 
-/// Memory of a hostile writer: `size` octets, of which the first `taken` are there.
+// Memory of a hostile writer: `size` octets, of which the first `taken` are there.
 FileDescriptor memory(off_t size, off_t taken, int seals, unsigned flags = MFD_ALLOW_SEALING) {
   FileDescriptor out(::memfd_create("test", flags));
   EXPECT_EQ(::ftruncate(out.number(), size), 0);

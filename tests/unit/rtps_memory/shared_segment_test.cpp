@@ -27,7 +27,7 @@ MappedSegment mapped(const Segment& segment) {
   return *MappedSegment::map(segment.for_reader(), segment.id(), segment.memory());
 }
 
-/// A descriptor that another process has.
+// A descriptor that another process has.
 FileDescriptor descriptor_of(pid_t process, int number) {
   const auto path = "/proc/" + std::to_string(process) + "/fd/" + std::to_string(number);
   return FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));

@@ -13,7 +13,7 @@ namespace {
 
 using namespace testing;
 
-/// Its participant proves to be one of Fast DDS.
+// Its participant proves to be one of Fast DDS.
 class AsFastDds final : public ForwardingAuthentication {
  public:
   using ForwardingAuthentication::ForwardingAuthentication;
@@ -42,7 +42,7 @@ class AsFastDds final : public ForwardingAuthentication {
   }
 };
 
-/// As reader and writer stand in ACKNACK, HEARTBEAT and DATA.
+// As reader and writer stand in ACKNACK, HEARTBEAT and DATA.
 bool is_about_participants_secure(BytesView datagram) {
   Bytes both = to_bytes(kParticipantsSecureReader.view());
   both.insert(both.end(), kParticipantsSecureWriter.octets.begin(),
@@ -77,8 +77,8 @@ struct FastDds : ::testing::Test {
   const Rules rules;
   Node host, ours, fast;
   World world;
-  bool is_heard = true;  ///< at DCPSParticipantsSecure
-  int said = 0;          ///< by us, there
+  bool is_heard = true;  // at DCPSParticipantsSecure
+  int said = 0;          // by us, there
 };
 
 TEST_F(FastDds, HeardPeer_GetsOurData) {

@@ -16,7 +16,7 @@ const spi::Property kEndpoints{std::string(spi::property::kSymmetricCipher),
 const spi::Property kMessages{std::string(spi::property::kMessageCipher),
                               std::string(spi::kChaCha20Poly1305Name), false};
 
-/// Counts groups on the wire by the transformation kind in their CryptoHeader.
+// Counts groups on the wire by the transformation kind in their CryptoHeader.
 struct Kinds {
   explicit Kinds(World& world) {
     world.filter = [this](const Node&, Bytes datagram) {
@@ -80,8 +80,8 @@ TEST(Cipher, CipherOfOneWriter_IsAPropertyOfItsQos) {
             Code::invalid_property);
 }
 
-/// Whoever changes what discovery says of ciphers changes nothing: the handshake's signatures
-/// cover another copy.
+// Whoever changes what discovery says of ciphers changes nothing: the handshake's signatures
+// cover another copy.
 TEST(Cipher, AnAnnouncementChangedOnItsWay_TakesNothingAway) {
   Pair pair({.metadata = kEncrypt}, {.metadata = kEncrypt}, {kEndpoints}, {kEndpoints});
   const std::string name(spi::property::kAnnouncedCiphers);

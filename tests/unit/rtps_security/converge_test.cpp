@@ -9,7 +9,7 @@ namespace {
 
 using namespace testing;
 
-/// `count` participants, each with a writer and a reader of one topic.
+// `count` participants, each with a writer and a reader of one topic.
 struct Crowd {
   explicit Crowd(int count) {
     for (int i = 1; i <= count; ++i) {
@@ -26,7 +26,7 @@ struct Crowd {
       EXPECT_TRUE((*node)->create_reader(square(requested), node->listener, world.now));
     }
   }
-  /// Remote endpoints that match those of `node`.
+  // Remote endpoints that match those of `node`.
   std::size_t matched(Node& node) const {
     return static_cast<std::size_t>(std::ranges::count_if(
         node.listener.known, [&](const Guid& id) { return id.prefix != node->prefix(); }));

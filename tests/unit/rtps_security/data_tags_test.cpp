@@ -12,7 +12,7 @@ Qos tagged(Qos qos, const std::string& level) {
   return qos;
 }
 
-/// Alice may write and read what is tagged as open, or not at all.
+// Alice may write and read what is tagged as open, or not at all.
 struct DataTags : ::testing::Test {
   const Rules rules{.discovery = ProtectionKind::encrypt};
   Node a{1, properties_of("CN=alice,O=Example", rules, {"*"}, 24h,

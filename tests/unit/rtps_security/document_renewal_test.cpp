@@ -11,9 +11,9 @@ using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-/// Alice writes, and her documents are in files; bob reads.
+// Alice writes, and her documents are in files; bob reads.
 struct Renewed {
-  /// `b_is_ahead`: by how much bob's clock is wrong at first.
+  // `b_is_ahead`: by how much bob's clock is wrong at first.
   explicit Renewed(Short first, const Rules& governance = everything(kEncrypt),
                    std::chrono::hours b_is_ahead = 0h)
       : rules(governance),

@@ -6,7 +6,7 @@ namespace {
 
 using namespace testing;
 
-/// ENCRYPT for the tag "secure", NONE for the empty tag.
+// ENCRYPT for the tag "secure", NONE for the empty tag.
 spi::PropertyList two_rules() {
   governance::Governance content;
   for (const auto kind : {ProtectionKind::encrypt, ProtectionKind::none}) {
@@ -39,7 +39,7 @@ TEST(DomainTag, EmbeddedParticipant_IsUnderTheGovernanceRuleOfItsTag) {
   EXPECT_EQ(other.error().code(), Code::domain_not_covered);
 }
 
-/// A participant with a tag, by the engines of `host`.
+// A participant with a tag, by the engines of `host`.
 std::unique_ptr<Node> tagged(std::uint8_t n, Node& host, const std::string& subject,
                              const std::string& tag) {
   auto node = std::make_unique<Node>(n);
@@ -61,7 +61,7 @@ bool is_announcement(BytesView datagram) {
   return false;
 }
 
-/// Announcements say the other tag.
+// Announcements say the other tag.
 Bytes with_other_tag(Bytes datagram) {
   if (!is_announcement(datagram)) return datagram;
   for (auto at = datagram.begin(); at + 5 < datagram.end(); ++at)

@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 
 Guid endpoint(std::uint8_t number) { return {{{1}}, {{0, 0, number, 7}}}; }
 
-/// Of the pair of endpoints with that number.
+// Of the pair of endpoints with that number.
 GenericMessage tokens(std::uint8_t number) {
   GenericMessage out;
   out.destination_endpoint = endpoint(number);

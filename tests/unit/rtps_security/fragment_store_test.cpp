@@ -14,7 +14,7 @@ GuidPrefix named(std::uint8_t n) { return GuidPrefix::from(Bytes(12, n)); }
 
 const Bytes kWhole = {1, 2, 3, 4, 5, 6, 7, 8, 9};
 
-/// One of the three fragments of a message.
+// One of the three fragments of a message.
 DataFrag frag(std::uint32_t first, std::int64_t number = 1, const Bytes& of = kWhole) {
   DataFrag out{kStatelessMessageReader, kStatelessMessageWriter, {number}, {first}, 1, 4};
   out.sample_size = static_cast<std::uint32_t>(of.size());

@@ -87,7 +87,7 @@ struct Member {
   Node node;
 };
 
-/// Alice writes, bob and carol read.
+// Alice writes, bob and carol read.
 struct Three {
   explicit Three(const Document& former, std::vector<std::string> topics_of_carol = {"*"})
       : a(1, "alice", former),

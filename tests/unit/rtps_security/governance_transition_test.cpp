@@ -267,7 +267,7 @@ TEST(GovernanceChangeTime, OtherThanSeconds_IsRefused) {
   for (const auto* text : {"3601", "-1", "soon", ""}) EXPECT_CODE(value(text), invalid_property);
 }
 
-/// With this protection of data before.
+// With this protection of data before.
 void expect_former_segment_is_given_up(ProtectionKind data) {
   Fleet fleet(rules_of(kNone, data));
   fleet.more = 20'000;

@@ -12,7 +12,7 @@ namespace {
 
 using namespace testing;
 
-/// How long the pair needs if what contains `text` is lost.
+// How long the pair needs if what contains `text` is lost.
 std::optional<MonotonicTime> time_without(std::string_view text) {
   Pair pair({});
   pair.world.filter = [&](const Node&, Bytes datagram) {
@@ -63,7 +63,7 @@ TEST(AddressProof, LostMessages_AreSentAgain) {
   EXPECT_LT(time_without("dds.sec.auth_request").value_or(kNever), seconds(5));
 }
 
-/// What the datagram announces, changed.
+// What the datagram announces, changed.
 Bytes changed(BytesView datagram, const std::function<void(ParticipantData&)>& change) {
   auto reader = MessageReader::open(datagram);
   while (reader) {
@@ -98,8 +98,8 @@ TEST(AddressProof, APeerWhoseAddressAnotherAnnouncedFirst_IsAuthenticated) {
   EXPECT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 500));
 }
 
-/// How long the pair needs if an attacker is the first to announce both of them, as participants of
-/// that vendor, and sends so many auth_requests in their names every 10 ms.
+// How long the pair needs if an attacker is the first to announce both of them, as participants of
+// that vendor, and sends so many auth_requests in their names every 10 ms.
 std::optional<MonotonicTime> time_with_forged_vendor(VendorId vendor, int flood) {
   Pair pair({});
   pair.world.run(1);
@@ -140,8 +140,8 @@ TEST(AddressProof, APeerThatAnotherAnnouncedFirstAsOfAnotherVendor_IsAuthenticat
     }
 }
 
-/// The attacker on the path holds back what proves the peer's identity or its address, and sends a
-/// copy of the proof of identity from its own host. Messages to that host are lost.
+// The attacker on the path holds back what proves the peer's identity or its address, and sends a
+// copy of the proof of identity from its own host. Messages to that host are lost.
 struct CopiedProof : ::testing::Test {
   CopiedProof() : pair({}) {
     pair.world.filter = [this](const Node& from, Bytes datagram) {
@@ -229,7 +229,7 @@ TEST(AddressProof, AForgedChallenge_ProvesNothing) {
   }
 }
 
-/// Submessages of that kind that the node sends there in one step.
+// Submessages of that kind that the node sends there in one step.
 int count_sent(const Node& node, std::uint32_t to, SubmessageId kind) {
   int out = 0;
   for (const auto& [port, octets] : node.post.sent) {

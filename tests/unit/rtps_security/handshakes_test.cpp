@@ -46,7 +46,7 @@ TEST(Handshake, APeerThatAuthenticated_IsSaidOnceWithItsSubject) {
   }
 }
 
-/// With a version in it as Cyclone DDS announces its own.
+// With a version in it as Cyclone DDS announces its own.
 Bytes announcement_of(const ParticipantData& data, std::string_view version) {
   constexpr std::uint16_t kVersion = 0x8007, kSentinel = 1;
   const auto text = "host/" + std::string(version) + "/Linux/x86";

@@ -45,7 +45,7 @@ TEST(Joining, EveryGovernance_LetsDataFlow) {
   }
 }
 
-/// Has no room for a peer at first.
+// Has no room for a peer at first.
 class Crowded final : public ForwardingAuthentication {
  public:
   using ForwardingAuthentication::ForwardingAuthentication;

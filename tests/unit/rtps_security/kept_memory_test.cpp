@@ -14,7 +14,7 @@ constexpr EntityId kWriter{{1, 2, 3, 2}}, kOther{{1, 2, 4, 2}};
 GuidPrefix participant(std::uint8_t number) { return GuidPrefix::from(Bytes(12, number)); }
 
 struct Ledger {
-  /// Returns the id of the segment, which another process has until `give_back`.
+  // Returns the id of the segment, which another process has until `give_back`.
   std::uint64_t keep(std::initializer_list<std::uint8_t> holders,
                      const std::string& leaver = "CN=carol", std::size_t largest = 1000) {
     KeptMemory::Segment segment{memory::SampleSlots::make(++last, largest).value(),
@@ -28,7 +28,7 @@ struct Ledger {
     with_others.erase(segment);
     kept.forget_returned();
   }
-  /// The id of the segment that is used again; 0: none.
+  // The id of the segment that is used again; 0: none.
   std::uint64_t take(std::initializer_list<std::uint8_t> may_read, std::size_t others = 0,
                      std::size_t needed = 1000, MemoryForm form = MemoryForm::plain,
                      const EntityId& writer = kWriter) {

@@ -8,7 +8,7 @@
 
 namespace ddssec::rtps {
 
-/// The same octets, and hashes of the other member.
+// The same octets, and hashes of the other member.
 struct MisnamedSensor {
   std::int32_t id = 0;
   std::int32_t value = 0;
@@ -29,7 +29,7 @@ using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-/// That of instance 7, as its writer gives it to what sends and stores it.
+// That of instance 7, as its writer gives it to what sends and stores it.
 KeyHash hash_under(const Rules& rules) {
   const auto folder =
       std::filesystem::temp_directory_path() / ("ddssec-key-" + std::to_string(::getpid()));
@@ -66,7 +66,7 @@ TEST(KeyHashes, EncryptedPayloads_DoNotShowShortKeys) {
   EXPECT_EQ(hash_under({.metadata = kEncrypt, .data = kEncrypt}), digest);
 }
 
-/// Within five seconds of the clock, while both participants do their work.
+// Within five seconds of the clock, while both participants do their work.
 bool comes_true(ManualClock& clock, Secured& a, Secured& b, const std::function<bool()>& done) {
   for (int i = 0; i < 500 && !done(); ++i) {
     clock.advance(10ms);

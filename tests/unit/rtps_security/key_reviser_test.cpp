@@ -19,7 +19,7 @@ constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
 struct Row {
   Rules rules;
-  bool messages, groups, payloads;  ///< the recorder can see them once it cannot read any more
+  bool messages, groups, payloads;  // the recorder can see them once it cannot read any more
 };
 
 class LostTrust : public ::testing::TestWithParam<Row> {};
@@ -135,7 +135,7 @@ TEST(KeyRevision, OneSideWithoutIt_KeepsThemApart) {
   }
 }
 
-/// Writes all the time, while every fifth datagram is lost.
+// Writes all the time, while every fifth datagram is lost.
 class RevisionUnderLoss : public ::testing::TestWithParam<bool> {};
 
 INSTANTIATE_TEST_SUITE_P(Network, RevisionUnderLoss, ::testing::Values(false, true));
@@ -231,7 +231,7 @@ TEST(KeyRevision, PeerThatJoinsInTheMiddle_LosesNothing) {
   }
 }
 
-/// A writer made while revised keys are on their way.
+// A writer made while revised keys are on their way.
 TEST(KeyRevision, WriterMadeInTheMiddle_LosesNothing) {
   Trio trio(revising(everything(kEncrypt)));
   ASSERT_TRUE(trio.match()) << trio.text();
@@ -256,7 +256,7 @@ TEST(KeyRevision, WriterMadeInTheMiddle_LosesNothing) {
   }
 }
 
-/// What it knows is still good when it goes; not any more when its permissions end.
+// What it knows is still good when it goes; not any more when its permissions end.
 TEST(KeyRevision, EndOfAPeerThatHasLeft_CausesOne) {
   Trio trio(revising(everything(kEncrypt)), Short::permissions);
   ASSERT_TRUE(trio.match()) << trio.text();
@@ -281,8 +281,8 @@ TEST(KeyRevision, RevocationOfAPeerThatHasLeft_CausesOne) {
   EXPECT_TRUE(trio.revised(1)) << trio.text();
 }
 
-/// Anybody can announce it; and what is known of it stays known. Before: one datagram, one
-/// revision.
+// Anybody can announce it; and what is known of it stays known. Before: one datagram, one
+// revision.
 TEST(KeyRevision, ClearAnnouncementOfWhoHasLeft_RevisesNothing) {
   Trio trio(revising(everything(kEncrypt)));
   std::optional<Bytes> own;
@@ -308,7 +308,7 @@ TEST(KeyRevision, ClearAnnouncementOfWhoHasLeft_RevisesNothing) {
   EXPECT_TRUE(trio.revised(1)) << trio.text();
 }
 
-/// Nobody watched it meanwhile.
+// Nobody watched it meanwhile.
 TEST(KeyRevision, PeerThatComesBack_CausesOne) {
   Trio trio(revising(everything(kEncrypt)));
   ASSERT_TRUE(trio.match()) << trio.text();

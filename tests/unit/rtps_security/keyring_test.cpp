@@ -11,7 +11,7 @@ using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-/// Sends no keys of its participant, as OpenDDS does where messages are not protected.
+// Sends no keys of its participant, as OpenDDS does where messages are not protected.
 class WithoutParticipantKeys final : public KeyThief {
  public:
   using KeyThief::KeyThief;

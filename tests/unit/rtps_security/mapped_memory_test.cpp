@@ -192,7 +192,7 @@ TEST(MappedMemory, WriterNotMatched_Refused) {
   EXPECT_EQ(sides.answers[0].refusal, MemoryRefusal::not_matched);
 }
 
-/// What is answered to an offer that `change` has changed.
+// What is answered to an offer that `change` has changed.
 template <class F>
 std::optional<MemoryRefusal> answer_to(F&& change) {
   Sides sides;

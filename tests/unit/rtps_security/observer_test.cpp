@@ -13,7 +13,7 @@ bool contains(const Bytes& datagram, std::string_view text) {
   return as_text(datagram).find(text) != std::string_view::npos;
 }
 
-/// Hears what gets through of a pair's messages.
+// Hears what gets through of a pair's messages.
 struct Listening {
   using Lets = std::function<bool(const Node& from, const Bytes& datagram)>;
   explicit Listening(Pair& pair, Lets lets = {}) {
@@ -28,7 +28,7 @@ struct Listening {
     EXPECT_EQ(all.size(), 1u);
     return all.empty() ? ObservedMeeting{} : all.front();
   }
-  /// They do not talk, for this reason; the sentence.
+  // They do not talk, for this reason; the sentence.
   std::string reason(Rule rule) const {
     const auto found = meeting();
     EXPECT_EQ(found.state, MeetingState::apart);
@@ -178,7 +178,7 @@ TEST(Observer, WhatEveryListenerCanRead_IsReported) {
   EXPECT_GT(encrypted, 0u);
 }
 
-/// An announcement as somebody might send it.
+// An announcement as somebody might send it.
 Bytes announcement(const ParticipantData& data) {
   std::array<std::uint8_t, 4096> payload_octets, octets;
   SpanWriter payload(payload_octets), out(octets);
@@ -203,7 +203,7 @@ ParticipantData claims(std::uint8_t n, const std::string& identity_ca,
   return data;
 }
 
-/// What two that only announce themselves come to.
+// What two that only announce themselves come to.
 std::optional<Rule> rule_of(const ParticipantData& a, const ParticipantData& b,
                             std::uint16_t port_of_b = 7400) {
   Observer observer;
@@ -279,7 +279,7 @@ TEST(Observer, AnnouncementsCutAtEachOctet_AreNotTaken) {
   }
 }
 
-/// One announcement of SEDP, in the clear.
+// One announcement of SEDP, in the clear.
 Bytes clear_topic(const GuidPrefix& from, std::uint32_t number) {
   EndpointData data;
   data.guid = {from, {{0, 0, 1, 3}}};

@@ -15,7 +15,7 @@ const Event* find(const Events& events, Code code) {
   return at == events.seen.end() ? nullptr : &*at;
 }
 
-/// The event of an endpoint of alice that bob's does not fit.
+// The event of an endpoint of alice that bob's does not fit.
 const Event* mismatch_under(Pair& pair) {
   if (!pair.match()) return nullptr;
   auto qos = default_writer_qos();

@@ -37,7 +37,7 @@ constexpr Edge kEdges[] = {Edge::begin,     Edge::time_out,  Edge::admit_unauthe
                            Edge::end_probe, Edge::refuse,    Edge::announce_again,
                            Edge::distrust};
 
-/// The list at the top of peer.cpp. Nothing: the edge is not legal there.
+// The list at the top of peer.cpp. Nothing: the edge is not legal there.
 std::optional<In> leads_to(In from, Edge edge) {
   using enum In;
   static const std::map<std::pair<In, Edge>, In> legal = {
@@ -72,7 +72,7 @@ std::optional<In> leads_to(In from, Edge edge) {
   return at == legal.end() ? std::nullopt : std::optional(at->second);
 }
 
-/// A peer whose handshakes hold a share of `data`, and whose association counts what is given back.
+// A peer whose handshakes hold a share of `data`, and whose association counts what is given back.
 class PeerStatesTest : public ::testing::Test {
  protected:
   std::unique_ptr<PeerHandshake> handshake() {

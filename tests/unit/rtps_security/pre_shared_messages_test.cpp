@@ -32,7 +32,7 @@ struct Domain : Pair {
   Domain(const Rules& of_a, const Rules& of_b, const spi::PropertyList& more_of_a,
          const spi::PropertyList& more_of_b)
       : Pair(of_a, of_b, more_of_a, more_of_b) {}
-  /// Matches and passes a sample.
+  // Matches and passes a sample.
   bool talk() {
     if (!match()) return false;
     write();
@@ -40,14 +40,14 @@ struct Domain : Pair {
   }
 };
 
-/// What one has who knows that passphrase.
+// What one has who knows that passphrase.
 std::unique_ptr<spi::PreSharedKeys> keys_of(Node& node, std::string_view text) {
   return node.cryptography->key_factory()
       .pre_shared_keys({phrase(text), {.rtps_psk = kEncrypt}, 0, ""})
       .value();
 }
 
-/// As somebody in the domain of `of` could have made it.
+// As somebody in the domain of `of` could have made it.
 Bytes sealed(BytesView plain, Node& of) {
   auto keys = keys_of(of, kText);
   Bytes out(plain.size() + spi::protection_overhead(0));
@@ -55,7 +55,7 @@ Bytes sealed(BytesView plain, Node& of) {
   return out;
 }
 
-/// Everything that is sent, for one without the passphrase.
+// Everything that is sent, for one without the passphrase.
 struct Recorder {
   explicit Recorder(World& world) {
     world.filter = [this](const Node&, Bytes datagram) {

@@ -19,7 +19,7 @@ bool is_about(BytesView datagram, const EntityId& id) {
   return !std::ranges::search(datagram, id.octets).empty();
 }
 
-/// a writes, b reads.
+// a writes, b reads.
 struct ReaderPresenceTest : ::testing::Test {
   static constexpr Rules kRules{.discovery = kEncrypt};
   ReaderPresenceTest() : pair(kRules) {
@@ -28,7 +28,7 @@ struct ReaderPresenceTest : ::testing::Test {
       return is_cut_off && (&from == &pair.b || cuts_both) ? std::vector<Bytes>() : one(datagram);
     };
   }
-  /// What an attacker, or Cyclone DDS itself, says.
+  // What an attacker, or Cyclone DDS itself, says.
   void report_end(const Guid& endpoint) {
     Bytes buffer(64);
     SpanWriter out(buffer);
@@ -41,7 +41,7 @@ struct ReaderPresenceTest : ::testing::Test {
   int matched() { return pair.a.listener.matched; }
   std::size_t received() { return pair.b.listener.changes.size(); }
   bool acknowledged() { return pair.a->local_endpoints().writer(pair.writer)->all_acknowledged(); }
-  /// The number of datagrams from a meanwhile.
+  // The number of datagrams from a meanwhile.
   std::size_t sent_in(int steps, bool reported) {
     std::size_t count = 0;
     for (int i = 0; i < steps; ++i) {

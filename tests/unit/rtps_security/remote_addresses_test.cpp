@@ -14,7 +14,7 @@ Locator at(const char* address, std::uint32_t port) {
   return *Locator::parse(address, static_cast<std::uint16_t>(port));
 }
 
-/// a writes, b reads and moves.
+// a writes, b reads and moves.
 struct AddressChange : ::testing::TestWithParam<ProtectionKind> {
   AddressChange() : pair({.rtps = GetParam(), .discovery = GetParam()}) {
     EXPECT_TRUE(pair.match());

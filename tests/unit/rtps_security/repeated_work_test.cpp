@@ -18,7 +18,7 @@ struct Work {
 };
 Work work;
 
-/// OpenSSL's own of this name.
+// OpenSSL's own of this name.
 template <class F>
 F original(F, const char* name) {
   return std::bit_cast<F>(dlsym(RTLD_NEXT, name));
@@ -82,8 +82,8 @@ TEST(RepeatedWork, KnownPeer_IsAuthenticatedByItsSignatureAlone) {
   EXPECT_EQ(work, (Work{2, 1, 1, 0})) << "only the new process has something to learn";
 }
 
-/// Alice's clock runs 10,000 times as fast as bob's. To bob she is a peer that renews her
-/// certificate and permissions a thousand times a second.
+// Alice's clock runs 10,000 times as fast as bob's. To bob she is a peer that renews her
+// certificate and permissions a thousand times a second.
 struct Hasty {
   explicit Hasty(const Rules& rules)
       : rules(rules),
@@ -117,7 +117,7 @@ struct Hasty {
     by_bob.signatures += work.signatures - before.signatures;
     deliver(bob, alice, of_alice);
   }
-  /// Alice takes the documents, and offers them to bob.
+  // Alice takes the documents, and offers them to bob.
   void renew(std::vector<std::string> topics) {
     files.put(documents(std::move(topics)));
     alice.clock.advance(2s);

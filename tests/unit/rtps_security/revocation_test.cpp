@@ -9,7 +9,7 @@ using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-/// Alice writes, bob and carol read; alice and bob look at the list.
+// Alice writes, bob and carol read; alice and bob look at the list.
 struct Three {
   explicit Three(const Rules& rules = everything(kEncrypt))
       : alice(list.watched_by(properties_of("CN=alice,O=Example", rules))),

@@ -11,7 +11,7 @@ constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
 struct SharedEngines : ::testing::TestWithParam<ProtectionKind> {
-  /// How long whose permissions are valid.
+  // How long whose permissions are valid.
   void join(std::chrono::hours of_first = 24h, std::chrono::hours of_remote = 24h) {
     const auto rules = everything(GetParam());
     engines.emplace(9, properties_of("CN=engines,O=Example", rules));
@@ -32,7 +32,7 @@ struct SharedEngines : ::testing::TestWithParam<ProtectionKind> {
         << remote->events.text();
   }
 
-  /// Whether what `from` writes comes to `to`.
+  // Whether what `from` writes comes to `to`.
   bool talks(Node& from, Node& to, int steps = 500) {
     const auto before = to.listener.changes.size();
     Change change;

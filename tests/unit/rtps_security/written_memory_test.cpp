@@ -26,7 +26,7 @@ using enum ProtectionKind;
 
 // ---- who may read
 
-/// A reader's participant that keeps what it has mapped: a copy of each segment of this process.
+// A reader's participant that keeps what it has mapped: a copy of each segment of this process.
 struct KeptMapping {
   KeptMapping() {
     auto* const folder = ::opendir("/proc/self/fd");
@@ -89,7 +89,7 @@ struct Three {
     ++written;
     world.run(100);
   }
-  /// Carol's process keeps her mapping, and finds nothing new there. Bob goes on with new memory.
+  // Carol's process keeps her mapping, and finds nothing new there. Bob goes on with new memory.
   void expect_carol_sees_nothing_more(const std::function<void()>& end) {
     const KeptMapping kept;
     ASSERT_EQ(kept.kept.size(), 1u);
@@ -158,7 +158,7 @@ TEST(SharedMemory, PeerIgnored_SeesNothingMore) {
 
 // ---- memory that a reader does not give back
 
-/// Octets of the segments of this process, each once, also of those that only a test has mapped.
+// Octets of the segments of this process, each once, also of those that only a test has mapped.
 std::size_t octets_in_memory() {
   std::map<std::string, std::size_t> by_inode;
   for (const auto& line : mappings()) {
@@ -174,7 +174,7 @@ std::size_t octets_in_memory() {
   return out;
 }
 
-/// Carol's reader comes and goes, and her process unmaps nothing.
+// Carol's reader comes and goes, and her process unmaps nothing.
 struct Churn : Three {
   Churn() : Three({.metadata = sign}), before(octets_in_memory()) {}
   void leave(Node& node, Guid& reader) {
@@ -211,7 +211,7 @@ TEST(SharedMemory, ReaderComesAndGoes_SegmentsAreUsedAgain) {
       churn.world.run_until([&] { return churn.b.listener.changes.size() == churn.written; }));
 }
 
-/// Carol's participants come one after the other, and her process keeps what each has mapped.
+// Carol's participants come one after the other, and her process keeps what each has mapped.
 struct Restarts : Churn {
   Restarts() { leave(c, readers[1]); }
   void restart() {
@@ -222,7 +222,7 @@ struct Restarts : Churn {
     mapped.push_back(std::make_unique<KeptMapping>());
     leave(node, reader);
   }
-  /// The participants are gone, and the memory is not.
+  // The participants are gone, and the memory is not.
   void end_participants() {
     world.nodes.resize(3);
     for (auto& node : others) (*node)->leave();

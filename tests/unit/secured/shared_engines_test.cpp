@@ -34,7 +34,7 @@ using rtps::Tick;
 using rtps::testing::everything;
 using rtps::testing::properties_of;
 
-/// The calendar of the documents, and time that passes.
+// The calendar of the documents, and time that passes.
 struct TestClock final : Clock {
   SystemClock system;
   WallTime now() const override { return pki::kNow; }
@@ -88,7 +88,7 @@ void write(DataWriter<Tick>& writer, std::int32_t from, std::int32_t to) {
   for (; from <= to; ++from) ASSERT_TRUE(writer.write({from}));
 }
 
-/// Takes `from` to `to`, in order.
+// Takes `from` to `to`, in order.
 void expect_ticks(DataReader<Tick>& reader, std::int32_t from, std::int32_t to) {
   while (from <= to && reader.wait_for_unread(20s))
     while (const auto sample = reader.take_next_sample())

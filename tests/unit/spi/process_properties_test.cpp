@@ -29,7 +29,7 @@ class ProcessProperties : public testing::Test {
   void file_says(const std::string& text) const {
     ::setenv(kPropertiesVariable, folder_.write("properties", text).c_str(), 1);
   }
-  /// What it is with that of the host.
+  // What it is with that of the host.
   static std::string value(std::string_view name, PropertyList of_host = {}) {
     const auto all = with_process_properties(std::move(of_host));
     EXPECT_TRUE(all) << all.error().to_sentence();

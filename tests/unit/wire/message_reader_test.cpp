@@ -73,7 +73,7 @@ Bytes content(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Reads every submessage of the kinds that the capture has.
+// Reads every submessage of the kinds that the capture has.
 Status read_all(BytesView octets) {
   auto reader = MessageReader::open(octets);
   if (!reader) return std::unexpected(reader.error());

@@ -65,7 +65,7 @@ nlohmann::json json_file(const std::string& name) {
   return nlohmann::json::parse(file);
 }
 
-/// Tries the file's tests with a nonce of ours; what has another is not for this interface.
+// Tries the file's tests with a nonce of ours; what has another is not for this interface.
 template <class F>
 std::size_t for_each_wycheproof(const std::string& name, F&& f) {
   std::size_t tried = 0;

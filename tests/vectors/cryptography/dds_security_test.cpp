@@ -35,7 +35,7 @@ const Json& kat() {
 Bytes hex(const Json& digits) { return from_hex(digits.get<std::string>()).value(); }
 Bytes input(const char* name) { return hex(kat()["inputs"][name]); }
 
-/// Salt and keys of the kind's size.
+// Salt and keys of the kind's size.
 template <class Key>
 Key key_input(const char* name, std::size_t size) {
   return Key::copy_of(BytesView(input(name)).first(size)).value();
@@ -109,7 +109,7 @@ TEST(Kat, KeyExchange_IsReproduced) {
             kat()["kx"]["session_key_for_session_id_01020304"].get<std::string>());
 }
 
-/// Gives out what the vectors were made with, in the order in which the engine asks.
+// Gives out what the vectors were made with, in the order in which the engine asks.
 struct ScriptedRandom final : Random {
   Status fill(MutableBytes out) override {
     if (script.empty() || script.front().size() != out.size()) return fail_here();
@@ -130,7 +130,7 @@ struct ScriptedRandom final : Random {
     script.push(to_bytes(BytesView(input("master_sender_key32")).first(size)));
     start();
   }
-  /// Session id and IV suffix are drawn together.
+  // Session id and IV suffix are drawn together.
   void start(std::uint32_t session = 0x01020304, std::uint64_t suffix = 0xa0a1a2a3a4a5a6a7) {
     Bytes octets(sizeof session + sizeof suffix);
     std::memcpy(octets.data(), &session, sizeof session);
@@ -149,7 +149,7 @@ ProtectionKind protection(const Json& entry, bool origin = false) {
 }
 
 std::size_t key_octets(const Json& entry) { return entry["kind"].get<int>() <= 2 ? 16 : 32; }
-/// For an endpoint or a participant.
+// For an endpoint or a participant.
 PropertyList cipher_property(const Json& entry) {
   if (entry["kind"] > 4) return cipher(spi::kChaCha20Poly1305Name, true);
   return key_size(key_octets(entry) == 16 ? "128" : "256");
@@ -160,7 +160,7 @@ class KatTransform : public ::testing::TestWithParam<AeadChoice> {
   static Options options() { return {.aead = GetParam()}; }
 };
 
-/// An engine whose first key is the vectors' one.
+// An engine whose first key is the vectors' one.
 struct Scripted {
   explicit Scripted(const Options& options) : services{clock, random, events} {
     random.number<std::uint64_t>(0);
@@ -258,7 +258,7 @@ TEST_P(KatTransform, Messages_Encode) {
   }
 }
 
-/// The decoded message keeps INFO_SRC in front.
+// The decoded message keeps INFO_SRC in front.
 Bytes with_info_source(const Bytes& plain) {
   Bytes out(plain.begin(), plain.begin() + 20);
   for (const std::uint8_t octet : {0x0c, 0x01, 0x14, 0x00, 0, 0, 0, 0}) out.push_back(octet);
@@ -323,7 +323,7 @@ Passphrase passphrase_of(const Json& entry) {
           Passphrase::Text::copy_of(as_bytes(entry["passphrase"].get<std::string>())).value()};
 }
 
-/// The example of DDS-Security 1.2, clause 10.5.2.1.3.
+// The example of DDS-Security 1.2, clause 10.5.2.1.3.
 TEST(Kat, PreSharedKeyExample_IsReproduced) {
   const auto& entry = kat()["psk_spec_example"];
   const auto passphrase = passphrase_of(entry);
@@ -345,7 +345,7 @@ TEST(Kat, PreSharedKeyExample_IsReproduced) {
   EXPECT_EQ(hex_of(half.sender_key), hex_of(material.sender_key).substr(0, 32));
 }
 
-/// Additional authenticated data (flag A) is not ours.
+// Additional authenticated data (flag A) is not ours.
 TEST_P(KatTransform, PreSharedKeyMessages_Encode) {
   for (const auto& entry : kat()["psk_messages"]) {
     Scripted side(options());
@@ -374,8 +374,8 @@ TEST_P(KatTransform, PreSharedKeyMessages_Encode) {
   }
 }
 
-/// Kinds with a key revision other than 0, as pre-shared keys have, and their flags are not those
-/// of participants' keys.
+// Kinds with a key revision other than 0, as pre-shared keys have, and their flags are not those
+// of participants' keys.
 TEST_P(KatTransform, ParticipantsKeys_RefusePreSharedKeyMessages) {
   TwoSides two(ProtectionKind::encrypt, {}, options());
   for (const auto& entry : kat()["psk_messages"])
