@@ -19,6 +19,7 @@ struct Frame {
   bool is_whole;  ///< false: the capture cut it
 };
 
+/// A source of frames: a network interface, or a file that tcpdump has written.
 class Capture {
  public:
   /// A pcap or pcapng file; "-": standard input. Error: capture_unreadable.

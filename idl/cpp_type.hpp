@@ -29,6 +29,7 @@ struct CppType {
   std::uint32_t element_bound = 0;  ///< the same for a sequence's elements
 };
 
+/// The C++ types for the types of IDL.
 class CppTypes {
  public:
   /// `root`: the namespace that contains everything generated, "" or "a::b".

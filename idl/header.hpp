@@ -8,6 +8,7 @@
 
 namespace ddssec::idl {
 
+/// Writes the generated header of one IDL file.
 class Header {
  public:
   /// `root`: the namespace that contains everything, "" or "a::b".

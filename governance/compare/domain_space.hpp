@@ -28,6 +28,8 @@ struct DomainRegion {
   DomainScope scope;
 };
 
+/// All domains and domain tags, divided so that each part is wholly inside or outside each of the
+/// given sets.
 class DomainSpace {
  public:
   /// Empty if there are more tags and tag expressions than can be compared.

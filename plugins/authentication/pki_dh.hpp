@@ -24,6 +24,7 @@ inline bool initiates(const Guid& local, const Guid& remote) { return local < re
 
 struct Revocations;  // revocations.hpp
 
+/// The builtin plugin DDS:Auth:PKI-DH (DDS-Security 1.2, clause 10.3). Thread-safe.
 class PkiDh final : public spi::Authentication {
  public:
   PkiDh(const EngineServices& services, const AuthenticationOptions& options)

@@ -6,6 +6,7 @@
 
 namespace ddssec::cryptography {
 
+/// When the present keys of one local participant end. Not thread-safe.
 class KeyLife {
  public:
   /// How often a host calls is_key_revision_due.

@@ -10,6 +10,7 @@
 
 namespace ddssec::cyclonedds {
 
+/// Asks access control in the other library whether a pair may match.
 class MatchGate final : public spi::MatchGate {
  public:
   /// The gate of an endpoint with these ac_endpoint_properties; nullptr with a stock access control

@@ -31,6 +31,8 @@ struct WantedRoom {
   std::map<KeyHash, std::size_t> instances = {};  ///< the samples of each
 };
 
+/// The instances and samples of one reader, and the limits that they count against. ReaderCache
+/// owns it.
 class HeldInstances {
  public:
   /// The limits where RESOURCE_LIMITS says "unlimited", so that memory stays bounded. No identity

@@ -11,6 +11,8 @@
 
 namespace ddssec::rtps {
 
+/// Decides for one DataReader what becomes of each received change: stored, held back, dropped or
+/// rejected.
 class ReaderCache {
  public:
   /// Returns the serialized key of a change, which identifies the instance when there is no data

@@ -7,6 +7,7 @@
 
 namespace ddssec::rtps {
 
+/// Answers whether any sample has given states, without a search through the samples.
 class StateCounts {
  public:
   /// Adds samples of an instance, or with `sign` -1 subtracts them.

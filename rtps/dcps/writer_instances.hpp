@@ -12,6 +12,7 @@
 
 namespace ddssec::rtps {
 
+/// The registered instances of one DataWriter.
 class WriterInstances {
  public:
   /// The limit where RESOURCE_LIMITS.max_instances says "unlimited".

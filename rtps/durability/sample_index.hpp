@@ -17,6 +17,8 @@
 
 namespace ddssec::rtps {
 
+/// Knows of each stored sample its row, place and expiry, and judges each new one. SampleStore has
+/// the content.
 class SampleIndex {
  public:
   /// Limit for a stream without RESOURCE_LIMITS. Of it, one identity gets no more than is free.

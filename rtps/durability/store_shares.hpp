@@ -13,6 +13,7 @@
 
 namespace ddssec::rtps {
 
+/// Counts the octets of one store by identity.
 class StoreShares {
  public:
   /// Identifies a share; kNone has no limit.

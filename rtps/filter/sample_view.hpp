@@ -44,6 +44,7 @@ class SampleView {
   std::vector<Leaf> leaves_;
 };
 
+/// The values of a sample of type T, as a content filter compares them.
 template <DdsType T>
 class SampleViewOf final : public SampleView {
  public:

@@ -11,6 +11,7 @@
 
 namespace ddssec::rtps {
 
+/// Reads frames one after the other, and keeps the fragments that belong together.
 class Frames {
  public:
   /// Limit for IPv4 datagrams with missing fragments. Above it, the oldest is forgotten.

@@ -80,6 +80,7 @@ struct ObservedParticipant {
   bool is_secured() const { return data && data->identity_token; }
 };
 
+/// Collects what the messages of a network reveal of the participants in it.
 class Observer {
  public:
   /// Limits. Above them nothing new is stored; what is stored is still counted.

@@ -7,6 +7,7 @@
 
 namespace ddssec::rtps {
 
+/// Sends the announcements of one local participant, when they are due or when a peer asks.
 class Announcer {
  public:
   /// Limit for announcements that are answered at once, in each kAnswerPeriod. The addresses in

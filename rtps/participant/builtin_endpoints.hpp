@@ -52,6 +52,7 @@ inline constexpr std::array kBuiltinTopics = {
                      true},
 };
 
+/// Owns the stateful builtin writers and readers of one local participant.
 class BuiltinEndpoints {
  public:
   using Deliver = std::function<bool(BuiltinTopic, Change&)>;

@@ -7,6 +7,7 @@
 
 namespace ddssec::rtps {
 
+/// Matches and unmatches them as remote participants come, authenticate and leave.
 class BuiltinMatcher {
  public:
   BuiltinMatcher(ParticipantCore& core, BuiltinEndpoints& builtin);

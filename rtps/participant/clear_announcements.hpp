@@ -6,6 +6,8 @@
 
 namespace ddssec::rtps {
 
+/// Doubts each change by an unprotected announcement, and asks the participant again what it
+/// announces.
 class ClearAnnouncements final : private Timed {
  public:
   ClearAnnouncements(ParticipantCore& core, LocalEndpoints& local, RemoteParticipants& remotes,

@@ -7,6 +7,7 @@
 
 namespace ddssec::rtps {
 
+/// Runs the deferred actions when the outermost call ends.
 class DeferredCalls {
  public:
   /// A call from outside, in which listeners may be called. The deferred functions run at the end

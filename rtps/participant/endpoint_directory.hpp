@@ -7,6 +7,7 @@
 
 namespace ddssec::rtps {
 
+/// The EndpointLookup of a participant: the builtin endpoints and those of the application.
 class EndpointDirectory final : public EndpointLookup {
  public:
   EndpointDirectory(ParticipantCore& core, LocalEndpoints& local, RemoteParticipants& remotes)

@@ -8,6 +8,7 @@
 
 namespace ddssec::rtps {
 
+/// The ignored participants, topics and endpoints of one participant. Entries are never removed.
 class IgnoredEntities {
  public:
   // All return false if the entity was already ignored.

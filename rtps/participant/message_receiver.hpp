@@ -13,6 +13,8 @@ namespace ddssec::rtps {
 
 class MappedMemory;
 
+/// The Receiver of RTPS 8.3.4 for one participant. It keeps no state from one message to the next,
+/// except buffers.
 class MessageReceiver {
  public:
   /// Reports a message that cannot be read. `source`: the participant; zero if not even the header

@@ -23,6 +23,7 @@
 
 namespace ddssec::rtps {
 
+/// One participant of the protocol. Not thread-safe: the caller serializes calls.
 class RtpsParticipant {
  public:
   /// Number of batches that are read before due work is done.

@@ -7,6 +7,7 @@
 
 namespace ddssec::rtps {
 
+/// Sends and receives the participant messages of one participant.
 class WriterLiveliness {
  public:
   WriterLiveliness(ParticipantCore& core, LocalEndpoints& local, RemoteParticipants& remotes);

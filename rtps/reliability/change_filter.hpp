@@ -6,6 +6,7 @@
 
 namespace ddssec::rtps {
 
+/// Implemented by the content filter of a matched reader.
 class ChangeFilter {
  public:
   virtual ~ChangeFilter() = default;

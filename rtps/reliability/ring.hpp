@@ -8,6 +8,7 @@
 
 namespace ddssec::rtps {
 
+/// First in, first out. Not thread-safe.
 template <class T>
 class Ring {
  public:

@@ -9,6 +9,7 @@
 
 namespace ddssec::rtps {
 
+/// Implemented by the shared memory of one writer.
 class SampleMemory {
  public:
   virtual ~SampleMemory() = default;

@@ -6,6 +6,7 @@
 
 namespace ddssec::rtps {
 
+/// For one map: erase keeps the node, insert uses it again.
 template <class Map>
 class SpareNodes {
  public:

@@ -11,6 +11,7 @@
 
 namespace ddssec::rtps {
 
+/// The HistoryCache of one writer (RTPS 8.2.2), with the limits of HISTORY and RESOURCE_LIMITS.
 class WriterHistory {
  public:
   /// The limits where RESOURCE_LIMITS says "unlimited", so that memory stays bounded.

@@ -12,6 +12,7 @@
 
 namespace ddssec::rtps {
 
+/// Asks access control, and remembers what the local endpoints were created with.
 class Admission {
  public:
   explicit Admission(SecurityCore& core) : core_(core) {}

@@ -8,6 +8,7 @@
 
 namespace ddssec::rtps {
 
+/// Delivers the key tokens of one local participant to its peers, and theirs to the keyring.
 class CryptoTokenExchange {
  public:
   /// Size limit for one message with key tokens, several times what keys need.

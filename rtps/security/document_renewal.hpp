@@ -7,6 +7,7 @@
 
 namespace ddssec::rtps {
 
+/// Offers renewed documents of one local participant to its peers, and judges what they offer.
 class DocumentRenewal {
  public:
   /// A peer that does not answer is shown the documents again after this time.

@@ -11,6 +11,7 @@
 
 namespace ddssec::rtps {
 
+/// The incomplete messages of all senders. Its limits hold whatever arrives.
 class FragmentStore {
  public:
   /// Large enough for certificates, permissions and more.

@@ -15,6 +15,7 @@
 
 namespace ddssec::rtps {
 
+/// Leads one local participant from the former protection to that of a new document.
 class GovernanceTransition {
  public:
   /// Added to the second phase: messages take time, and what was lost is sent again.

@@ -18,6 +18,8 @@ struct AnnouncedAddresses {
   const SourceAddress& source;             ///< of the current announcement
 };
 
+/// Drives the handshakes of one local participant with all of its peers. Each kind of work has a
+/// budget of its own, so that forged messages cannot use up what honest peers need.
 class Handshakes {
  public:
   /// The number of messages that a peer is sent for one announcement before it has sent any.

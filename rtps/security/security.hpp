@@ -20,6 +20,7 @@
 
 namespace ddssec::rtps {
 
+/// The interface of rtps/security to the participant. Not thread-safe: the caller serializes calls.
 class Security {
  public:
   using AdmissionDecision = Admission::Decision;

@@ -11,6 +11,7 @@
 
 namespace ddssec::rtps {
 
+/// One epoll instance. Only wake() may be called from other threads.
 class EventLoop {
  public:
   /// Errors: rtps_socket_failed.

@@ -20,6 +20,7 @@ struct Outgoing {
   std::size_t interface = kEveryInterface;  ///< index of the interface for messages to a group
 };
 
+/// Sends datagrams. Called by one thread at a time.
 class Transport {
  public:
   virtual ~Transport() = default;
