@@ -16,6 +16,7 @@ namespace ddssec::rtps {
 inline constexpr StatefulReader::Limits kBuiltinLimits{.largest_sample = 256 << 10,
                                                        .held_octets = std::size_t{16} << 20};
 
+/// The topics of the stateful builtin endpoints; the secure ones last.
 enum class BuiltinTopic : std::uint8_t {
   publications,
   subscriptions,
@@ -25,6 +26,13 @@ enum class BuiltinTopic : std::uint8_t {
   participants_secure,
   participant_message_secure,
 };
+
+/// True for the topics that only authenticated participants can publish.
+constexpr bool is_secure(BuiltinTopic topic) { return topic >= BuiltinTopic::publications_secure; }
+/// True for the two topics that announce writers.
+constexpr bool is_of_writers(BuiltinTopic topic) {
+  return topic == BuiltinTopic::publications || topic == BuiltinTopic::publications_secure;
+}
 
 /// One row: a topic, its writer and reader, and their bits in BuiltinEndpointSet_t.
 struct BuiltinTopicInfo {

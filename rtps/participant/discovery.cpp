@@ -86,10 +86,10 @@ void adopt_names(ParticipantData& known, const ParticipantData& proven) {
 // Reports an endpoint announcement that cannot be read. The topic still shows whether it is a
 // writer or a reader.
 void raise_unreadable(ParticipantCore& core, const Error& error, const GuidPrefix& source,
-                      bool publications, bool secure) {
-  const Guid some{source, publications ? kPublicationsWriter : kPublicationsReader};
+                      BuiltinTopic topic) {
+  const Guid some{source, is_of_writers(topic) ? kPublicationsWriter : kPublicationsReader};
   core.raise(error.in("SEDP"), source, source.to_string(),
-             core.origin_of_announcement(some, secure));
+             core.origin_of_announcement(some, is_secure(topic)));
 }
 
 // Another host of the participant is proven, so that other addresses may be used.
@@ -319,14 +319,12 @@ void Discovery::on_builtin(BuiltinTopic topic, const Change& change) {
   switch (topic) {
     case BuiltinTopic::publications:
     case BuiltinTopic::publications_secure:
-      return on_endpoint(change, true, topic == BuiltinTopic::publications_secure);
     case BuiltinTopic::subscriptions:
     case BuiltinTopic::subscriptions_secure:
-      return on_endpoint(change, false, topic == BuiltinTopic::subscriptions_secure);
+      return on_endpoint(topic, change);
     case BuiltinTopic::participant_message:
     case BuiltinTopic::participant_message_secure:
-      return parts_.liveliness.on_participant_message(
-          change, topic == BuiltinTopic::participant_message_secure);
+      return parts_.liveliness.on_participant_message(change, is_secure(topic));
     case BuiltinTopic::participants_secure:
       return on_secure_participant(change);
   }
@@ -335,7 +333,8 @@ void Discovery::on_builtin(BuiltinTopic topic, const Change& change) {
 // A participant may announce only its own endpoints. An unprotected message cannot change what was
 // announced securely, but makes our writers ask a reader that it says has ended. A secure
 // announcement replaces what an attacker may have announced before.
-void Discovery::on_endpoint(const Change& change, bool publications, bool secure) {
+void Discovery::on_endpoint(BuiltinTopic topic, const Change& change) {
+  const bool secure = is_secure(topic);
   auto* remote = parts_.remotes.find(change.writer.prefix);
   if (remote == nullptr) return;
   const auto may_change = [&](const EntityId& id) {
@@ -353,11 +352,11 @@ void Discovery::on_endpoint(const Change& change, bool publications, bool secure
     ++core_.counters.refused_discovery;
     return parts_.matcher.doubt(*remote, key.entity);
   }
-  auto data = publications ? read_publication_data(change.payload.view())
-                           : read_subscription_data(change.payload.view());
+  auto data = is_of_writers(topic) ? read_publication_data(change.payload.view())
+                                   : read_subscription_data(change.payload.view());
   if (!data || data->guid.prefix != remote->prefix()) {
     ++core_.counters.refused_discovery;
-    if (!data) raise_unreadable(core_, data.error(), remote->prefix(), publications, secure);
+    if (!data) raise_unreadable(core_, data.error(), remote->prefix(), topic);
     return;
   }
   data->by_secure_discovery = secure;

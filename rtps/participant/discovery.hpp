@@ -66,7 +66,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   /// The participant authenticated, or is admitted without authentication. From now on its builtin
   /// endpoints may match.
   void accept(RemoteParticipant& remote);
-  void on_endpoint(const Change& change, bool publications, bool secure);
+  void on_endpoint(BuiltinTopic topic, const Change& change);
   void on_secure_participant(const Change& change);
 
   ParticipantCore& core_;

@@ -63,7 +63,7 @@ void Handshakes::add(const ParticipantData& data, const AnnouncedAddresses& addr
       core_.peers.emplace(data.guid.prefix, Peer{.data = data,
                                                  .metatraffic = addresses.metatraffic,
                                                  .state = PeerState(handshake_with(data)),
-                                                 .low_rate_budget = {kFewMessages, kFewPeriod, {}},
+                                                 .low_rate_budget = HandshakeBudgets::low_rate(),
                                                  .source = addresses.source});
   at->second.announced_by.assign(addresses.sources.begin(), addresses.sources.end());
   if (is_new) schedule(at->second);
@@ -88,7 +88,7 @@ void Handshakes::announced_again(const ParticipantData& data, const AnnouncedAdd
 void Handshakes::try_again(Peer& peer) {
   if (!peer.state.is<peer::Refused>()) return;
   peer.again_at = core_.now + kRefusedPause;
-  if (!starts_.try_spend(peer.source, core_.now)) return;
+  if (!budgets_.may_begin(peer.source, core_.now)) return;
   peer.state.announce_again(handshake_with(peer.data));
   schedule(peer);
 }
@@ -211,15 +211,14 @@ void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
 // share of their own. In a flood in the name of an honest peer, its messages are processed as often
 // as any other.
 bool Handshakes::may_spend(Peer& peer, Effort effort) {
-  if (effort == Effort::memory) return repetitions_.try_spend(core_.now);
-  auto& limits = effort == Effort::echo ? echoes_ : requests_;
-  const bool few = peer.low_rate_budget.try_spend(core_.now) && !peer.has_failed;
-  return (few ? limits.few : limits.loud).take(core_.now);
+  const bool is_low_rate =
+      effort != Effort::memory && peer.low_rate_budget.try_spend(core_.now) && !peer.has_failed;
+  return budgets_.may_process(effort, is_low_rate, core_.now);
 }
 
 // The peer's next message may be processed, so it is made to send it soon.
 void Handshakes::request_resend(const Peer& peer) {
-  if (resend_requests_.try_spend(core_.now)) peer.state.handshake()->shorten_delays(core_.now);
+  if (budgets_.may_request_resend(core_.now)) peer.state.handshake()->shorten_delays(core_.now);
 }
 
 // ---- state transitions
@@ -408,11 +407,11 @@ bool Handshakes::may_tick(Peer& peer) {
     return false;
   }
   const auto may_start = [&] {
-    return peer.has_spoken ? spoken_starts_.try_spend(core_.now)
-                           : starts_.try_spend(peer.source, core_.now);
+    return peer.has_spoken ? budgets_.may_begin_again(core_.now)
+                           : budgets_.may_begin(peer.source, core_.now);
   };
   if (!handshake.started() && !may_start()) {
-    handshake.start_at(core_.now + kStartPeriod);
+    handshake.start_at(core_.now + HandshakeBudgets::kStartPeriod);
     return false;
   }
   if (std::exchange(peer.may_go_on, false)) return true;
@@ -420,7 +419,7 @@ bool Handshakes::may_tick(Peer& peer) {
   // One announcement is not answered again and again, because its sender may not exist.
   const bool was_heard =
       !is_silent || handshake.repetitions() < kMessagesUnasked || peer.was_announced;
-  if (!was_heard || (is_silent && !silent_.try_spend(peer.source, core_.now))) {
+  if (!was_heard || (is_silent && !budgets_.may_repeat_unasked(peer.source, core_.now))) {
     handshake.start_at(core_.now + PeerHandshake::kResend);
     return false;
   }
@@ -451,7 +450,7 @@ void Handshakes::end_probe(Peer& peer) {
   peer.state.end_probe();
   const bool answered =
       CryptoTokenExchange::is_trusted(peer) && CryptoTokenExchange::is_up_to_date(peer);
-  if (!answered && starts_.try_spend(peer.source, core_.now))
+  if (!answered && budgets_.may_begin(peer.source, core_.now))
     peer.state.handshake()->begin_again(core_.now);
 }
 

@@ -2,10 +2,10 @@
 // endpoint, sends the messages of the handshakes, and limits their cost.
 #pragma once
 
-#include "rtps/budget/source_budget.hpp"
 #include "rtps/budget/subject_shares.hpp"
 #include "rtps/security/admission.hpp"
 #include "rtps/security/fragment_store.hpp"
+#include "rtps/security/handshake_budgets.hpp"
 #include "rtps/security/handshake_sender.hpp"
 #include "rtps/security/key_reviser.hpp"
 
@@ -18,8 +18,7 @@ struct AnnouncedAddresses {
   const SourceAddress& source;             ///< of the current announcement
 };
 
-/// Drives the handshakes of one local participant with all of its peers. Each kind of work has a
-/// budget of its own, so that forged messages cannot use up what honest peers need.
+/// Drives the handshakes of one local participant with all of its peers.
 class Handshakes {
  public:
   /// The number of messages that a peer is sent for one announcement before it has sent any.
@@ -27,29 +26,9 @@ class Handshakes {
   /// The number of participants that can be authenticated at a time. One certificate never gets the
   /// last places.
   static constexpr std::size_t kMaxAuthenticated = 480;
-  /// Limits for handshakes that are begun with peers that never sent a handshake message, for each
-  /// source of announcements: a burst, then one per period.
-  static constexpr int kMaxStarts = 32;
-  static constexpr MonotonicTime kStartPeriod = std::chrono::milliseconds(25);
-  /// Limit for messages that are repeated to all peers that never sent one.
-  static constexpr MonotonicTime kSilentPeriod = std::chrono::milliseconds(200);
-  /// Limits for handshake messages of all peers that cost public-key work.
-  static constexpr int kMaxMessages = 200;
-  static constexpr MonotonicTime kMessagePeriod = std::chrono::microseconds(2500);
-  /// A peer with no more messages than this has a low rate.
-  static constexpr int kFewMessages = 12;
-  static constexpr MonotonicTime kFewPeriod = std::chrono::milliseconds(250);
-  /// Peers with a higher rate, or with a refused message, are limited separately.
-  static constexpr MonotonicTime kLoudRequestPeriod = std::chrono::microseconds(1500);
-  static constexpr MonotonicTime kLoudEchoPeriod = std::chrono::microseconds(1000);
   /// Limit for the answers to requests of peers that did not continue, for all peers together, in
   /// octets. A fair share of 32 KiB for each peer is always available.
   static constexpr std::size_t kMaxAnswerOctets = std::size_t{16} << 20;
-  /// Limit for messages that are repeated because a message was dropped, for all peers.
-  static constexpr int kMaxResendRequests = 20;
-  static constexpr MonotonicTime kResendRequestPeriod = std::chrono::milliseconds(20);
-  /// Limit for answers that are repeated from memory, for all peers.
-  static constexpr MonotonicTime kRepetitionPeriod = std::chrono::milliseconds(2);
   /// Where unauthenticated participants are allowed, a peer whose handshake has not succeeded after
   /// this time is treated as unauthenticated, and its handshake continues. No message sent in its
   /// name makes this happen sooner or makes it final.
@@ -97,11 +76,6 @@ class Handshakes {
   MonotonicTime next_tick() const { return next_; }
 
  private:
-  /// One budget for peers with a low rate, one for the others.
-  struct Limits {
-    WorkBudget few, loud;
-  };
-
   std::unique_ptr<PeerHandshake> handshake_with(const ParticipantData& data);
   void send(Peer& peer, const PeerHandshake::Messages& messages);
   void on_auth_request(Peer& peer, const GenericMessage& message);
@@ -150,13 +124,7 @@ class Handshakes {
   HandshakeSender messages_{core_.sender};
   FragmentStore fragments_;
   SubjectShares subjects_{kMaxAuthenticated};
-  SourceBudget starts_{kMaxStarts, kStartPeriod};
-  SourceBudget silent_{kMaxStarts, kSilentPeriod};
-  WorkBudget spoken_starts_{kMaxMessages, kMessagePeriod, {}};
-  Limits requests_{{kMaxMessages, kMessagePeriod, {}}, {kMaxMessages, kLoudRequestPeriod, {}}};
-  Limits echoes_{{kMaxMessages, kMessagePeriod, {}}, {kMaxMessages, kLoudEchoPeriod, {}}};
-  WorkBudget repetitions_{kMaxMessages, kRepetitionPeriod, {}};
-  WorkBudget resend_requests_{kMaxResendRequests, kResendRequestPeriod, {}};
+  HandshakeBudgets budgets_;
   MonotonicTime next_ = kNever;  ///< no peer has work before this time
 };
 
