@@ -4,8 +4,8 @@
 
 namespace ddssec::rtps {
 
-void Presenter::add(PresentedReader& reader, const Guid& writer, const std::optional<Guid>& group,
-                    const GuidPrefix& identity) {
+void Presenter::add_writer(PresentedReader& reader, const Guid& writer,
+                           const std::optional<Guid>& group, const GuidPrefix& identity) {
   const bool grouped = is_by_group_ && group;
   const SourceKey key{grouped ? nullptr : &reader, grouped ? *group : writer};
   if (!source_of_.try_emplace({&reader, writer}, key).second) return;
@@ -16,7 +16,7 @@ void Presenter::add(PresentedReader& reader, const Guid& writer, const std::opti
   source.leaving.erase({&reader, writer});  // it is back
 }
 
-bool Presenter::remove(PresentedReader& reader, const Guid& writer, MonotonicTime now) {
+bool Presenter::remove_writer(PresentedReader& reader, const Guid& writer, MonotonicTime now) {
   const StreamKey key{&reader, writer};
   const auto known = source_of_.extract(key);
   if (!known) return false;
@@ -31,9 +31,9 @@ bool Presenter::remove(PresentedReader& reader, const Guid& writer, MonotonicTim
     set.is_broken =
         set.is_broken || (!set.ended.contains(key) && std::ranges::any_of(set.items, is_its));
     set.ended.erase(key);
-    settle(source, id, now);
+    finish_if_complete(source, id, now);
   }
-  release(source, now);
+  present_ready_of(source, now);
   const bool waits = starts_leaving(source, key);
   forget_if_done(at);
   return waits;
@@ -61,21 +61,21 @@ std::map<Presenter::SourceKey, Presenter::Source>::iterator Presenter::forget_if
     std::map<SourceKey, Source>::iterator at) {
   auto& source = at->second;
   if (!source.streams.empty()) return std::next(at);
-  while (!source.sets.empty()) erase(source, source.sets.begin());
+  while (!source.sets.empty()) remove_set(source, source.sets.begin());
   return source.ready.empty() ? sources_.erase(at) : std::next(at);
 }
 
-void Presenter::remove(PresentedReader& reader, MonotonicTime now) {
+void Presenter::remove_reader(PresentedReader& reader, MonotonicTime now) {
   const auto is_its = [&](const Item& item) { return item.reader == &reader; };
   for (auto& [key, source] : sources_) {
     for (auto& [id, set] : source.sets)
       std::erase_if(set.items, [&, &from = source, &in = set](const Item& item) {
-        if (is_its(item)) refund(from, in, price_of(item));
+        if (is_its(item)) refund_open(from, in, price_of(item));
         return is_its(item);
       });
     for (auto& [id, batch] : source.ready)
       std::erase_if(batch.items, [&, &from = source](const Item& item) {
-        if (is_its(item)) refund(from, price_of(item));
+        if (is_its(item)) refund_ready(from, price_of(item));
         return is_its(item);
       });
     for (auto& [id, batch] : source.ready) batch.wanted.erase(&reader);
@@ -85,8 +85,8 @@ void Presenter::remove(PresentedReader& reader, MonotonicTime now) {
   std::vector<Guid> writers;
   for (const auto& [key, source] : source_of_)
     if (key.first == &reader) writers.push_back(key.second);
-  for (const auto& writer : writers) remove(reader, writer, now);
-  release(now);  // other readers may have waited for this one
+  for (const auto& writer : writers) remove_writer(reader, writer, now);
+  present_ready(now);  // other readers may have waited for this one
 }
 
 Presenter::Source* Presenter::find(PresentedReader& reader, const Guid& writer) {
@@ -98,19 +98,19 @@ bool Presenter::on_change(PresentedReader& reader, Change& change, MonotonicTime
   auto* source = find(reader, change.writer);
   if (source == nullptr) return true;  // no longer matched
   if (!make_room(*source)) return false;
-  gather(*source, {&reader, change.writer}, change, now);
-  release(*source, now);
+  add_to_set(*source, {&reader, change.writer}, change, now);
+  present_ready_of(*source, now);
   make_room(*source);
   return true;
 }
 
-void Presenter::charge(const Source& source, Set& set, std::size_t price) {
+void Presenter::charge_open(const Source& source, Set& set, std::size_t price) {
   set.octets += price;
   octets_ += price;
   held_[source.identity].open += price;
 }
 
-void Presenter::refund(const Source& source, Set& set, std::size_t price) {
+void Presenter::refund_open(const Source& source, Set& set, std::size_t price) {
   set.octets -= price;
   octets_ -= price;
   const auto held = held_.find(source.identity);
@@ -118,7 +118,7 @@ void Presenter::refund(const Source& source, Set& set, std::size_t price) {
   forget_empty(held);
 }
 
-void Presenter::charge(const Source& source, const Batch& batch) {
+void Presenter::charge_ready(const Source& source, const Batch& batch) {
   auto& held = held_[source.identity];
   for (const auto& item : batch.items) {
     octets_ += price_of(item);
@@ -126,7 +126,7 @@ void Presenter::charge(const Source& source, const Batch& batch) {
   }
 }
 
-void Presenter::refund(const Source& source, std::size_t price) {
+void Presenter::refund_ready(const Source& source, std::size_t price) {
   octets_ -= price;
   const auto held = held_.find(source.identity);
   held->second.ready -= price;
@@ -166,16 +166,16 @@ void Presenter::give_up_largest(const GuidPrefix& identity) {
     const auto held = held_.find(identity);
     if (held == held_.end() || held->second.open <= enough) return;
     if (set->second.items.empty()) {
-      forget(*source, set);
+      give_up_set(*source, set);
     } else {
       set->second.is_broken = true;
-      drop(*source, set->second, PresentedReader::Limit::share);
+      lose_items(*source, set->second, PresentedReader::Limit::share);
     }
   }
 }
 
-void Presenter::give_up(Batch& batch, const Source& source, PresentedReader::Limit limit) {
-  for (const auto& item : batch.items) refund(source, price_of(item));
+void Presenter::give_up_batch(Batch& batch, const Source& source, PresentedReader::Limit limit) {
+  for (const auto& item : batch.items) refund_ready(source, price_of(item));
   for (const auto& [reader, its] : batch.wanted) {
     const bool is_cause = limit != PresentedReader::Limit::samples ||
                           reader->room_for(its.room, its.writer) == Room::never;
@@ -187,15 +187,16 @@ void Presenter::give_up(Batch& batch, const Source& source, PresentedReader::Lim
 }
 
 // Later changes of the set do not begin with its first change, so the set cannot become complete.
-void Presenter::forget(Source& source, std::map<SequenceNumber, Set>::iterator at) {
+void Presenter::give_up_set(Source& source, std::map<SequenceNumber, Set>::iterator at) {
   for (auto& [key, stream] : source.streams)
     if (stream.set == at->first) stream.set = {};
-  erase(source, at);
+  remove_set(source, at);
 }
 
 // RTPS 8.7.6: a set ends with a change that belongs to another set, to no set, or has no data. A
 // set has no gaps in its sequence numbers.
-void Presenter::gather(Source& source, const StreamKey& key, Change& change, MonotonicTime now) {
+void Presenter::add_to_set(Source& source, const StreamKey& key, Change& change,
+                           MonotonicTime now) {
   auto& stream = source.streams[key];
   const auto& in = change.coherence;
   const auto number = change.sequence_number;
@@ -221,13 +222,13 @@ void Presenter::gather(Source& source, const StreamKey& key, Change& change, Mon
   const bool begins = stream.set.value == 0;
   stream.set = id;
   set.is_broken = set.is_broken || (begins ? number != in.set : !follows);
-  hold(source, set, {key.first, std::move(change)});
+  add_item(source, set, {key.first, std::move(change)});
 }
 
 // Samples of a set that cannot become complete are not kept.
-void Presenter::hold(Source& source, Set& set, Item item) {
+void Presenter::add_item(Source& source, Set& set, Item item) {
   if (set.is_broken) return item.reader->lose(1);
-  charge(source, set, price_of(item));
+  charge_open(source, set, price_of(item));
   set.items.push_back(std::move(item));
 }
 
@@ -236,45 +237,46 @@ void Presenter::end_set(Source& source, const StreamKey& key, SequenceNumber id,
   auto& set = set_of(source, id);
   set.ended.insert(key);
   set.is_broken = set.is_broken || !whole;
-  settle(source, id, now);
+  finish_if_complete(source, id, now);
 }
 
 // A set that is given up cannot become complete: a writer that has ended it does not end it again.
 Presenter::Set& Presenter::set_of(Source& source, SequenceNumber id) {
   if (source.sets.size() >= kMaxSets && !source.sets.contains(id))
-    forget(source, source.sets.begin());
+    give_up_set(source, source.sets.begin());
   const auto [at, is_new] = source.sets.try_emplace(id);
-  if (is_new) charge(source, at->second, kPricePerItem);
+  if (is_new) charge_open(source, at->second, kPricePerItem);
   return at->second;
 }
 
-void Presenter::settle(Source& source, SequenceNumber id, MonotonicTime now) {
+void Presenter::finish_if_complete(Source& source, SequenceNumber id, MonotonicTime now) {
   const auto at = source.sets.find(id);
   if (at == source.sets.end() || at->second.ended.size() < source.streams.size()) return;
   auto& set = at->second;
-  if (set.is_broken) drop(source, set);
+  if (set.is_broken) lose_items(source, set);
   std::ranges::sort(set.items, {}, [](const Item& item) {
     return std::pair(item.change.coherence.group, item.change.sequence_number);
   });
   if (!set.items.empty()) {
-    refund(source, set, set.octets - kPricePerItem);
+    refund_open(source, set, set.octets - kPricePerItem);
     const auto last = set.items.back().change.coherence.group;
     const auto first = is_by_group_ ? id : set.items.front().change.sequence_number;
     enqueue(source, first, {std::move(set.items), last.value > 0 ? last.next() : last, now});
   }
-  erase(source, at);
+  remove_set(source, at);
 }
 
-void Presenter::erase(Source& source, std::map<SequenceNumber, Set>::iterator at) {
-  drop(source, at->second);
-  refund(source, at->second, at->second.octets);
+void Presenter::remove_set(Source& source, std::map<SequenceNumber, Set>::iterator at) {
+  lose_items(source, at->second);
+  refund_open(source, at->second, at->second.octets);
   source.sets.erase(at);
 }
 
-void Presenter::drop(const Source& source, Set& set, std::optional<PresentedReader::Limit> limit) {
+void Presenter::lose_items(const Source& source, Set& set,
+                           std::optional<PresentedReader::Limit> limit) {
   Batch batch{.items = std::exchange(set.items, {}), .last = {}};
   note_wanted(batch);
-  for (const auto& item : batch.items) refund(source, set, price_of(item));
+  for (const auto& item : batch.items) refund_open(source, set, price_of(item));
   for (const auto& [reader, its] : batch.wanted) {
     if (limit)
       reader->give_up(its.writer, its.room.samples, *limit);
@@ -286,10 +288,10 @@ void Presenter::drop(const Source& source, Set& set, std::optional<PresentedRead
 // The Presenter does not wait for a reader that could never hold the batch. Nothing after it would
 // be presented, and no sample of a set may be seen without the others.
 void Presenter::enqueue(Source& source, SequenceNumber at, Batch batch) {
-  charge(source, batch);
+  charge_ready(source, batch);
   note_wanted(batch);
   if (room_for(batch) == Room::never)
-    return give_up(batch, source, PresentedReader::Limit::samples);
+    return give_up_batch(batch, source, PresentedReader::Limit::samples);
   source.ready.emplace(at, std::move(batch));  // equal keys stay in the order of insertion
 }
 
@@ -324,13 +326,13 @@ Room Presenter::room_for(const Batch& batch) {
 
 // The limits on keys and joins are known only when a change is stored. Then the rest waits: its
 // writer has been told that it has arrived, and would not send it again.
-bool Presenter::present(Source& source, Batch& batch) {
+bool Presenter::present_batch(Source& source, Batch& batch) {
   auto next = batch.items.begin();
   for (; next != batch.items.end(); ++next) {
     const auto price = price_of(*next);
     const StreamKey from{next->reader, next->change.writer};
     if (!next->reader->present(next->change)) break;
-    refund(source, price);
+    refund_ready(source, price);
     note_presented(source, from);
   }
   const bool is_done = next == batch.items.end();
@@ -342,12 +344,12 @@ bool Presenter::present(Source& source, Batch& batch) {
   return is_done;
 }
 
-void Presenter::release(Source& source, MonotonicTime now) {
+void Presenter::present_ready_of(Source& source, MonotonicTime now) {
   while (!is_paused_ && !source.ready.empty()) {
     auto& [first, batch] = *source.ready.begin();
     if (!may_present(source, first, batch, now)) return;
     if (batch.is_blocked) return;
-    batch.is_blocked = room_for(batch) != Room::now || !present(source, batch);
+    batch.is_blocked = room_for(batch) != Room::now || !present_batch(source, batch);
     if (!batch.is_blocked) {
       source.ready.erase(source.ready.begin());
       continue;
@@ -375,16 +377,16 @@ void Presenter::on_progress(PresentedReader& reader, const Guid& writer, Sequenc
   if (source == nullptr) return;
   auto& stream = source->streams[{&reader, writer}];
   stream.progress = std::max(stream.progress, group);
-  release(*source, now);
+  present_ready_of(*source, now);
 }
 
 void Presenter::pause(bool paused, MonotonicTime now) {
   is_paused_ = paused;
-  release(now);
+  present_ready(now);
 }
 
 // Sources have turns: the search begins after the one that was searched last.
-void Presenter::release(MonotonicTime now, bool freed) {
+void Presenter::present_ready(MonotonicTime now, bool freed) {
   retries_ = false;
   const auto last = searched_;
   auto at = sources_.upper_bound(last);
@@ -393,7 +395,7 @@ void Presenter::release(MonotonicTime now, bool freed) {
     while (at != sources_.end() && (!from_begin || at->first <= last)) {
       auto& source = at->second;
       if (!source.ready.empty()) unblock(source.ready.begin()->second, now, freed);
-      release(source, now);
+      present_ready_of(source, now);
       at = forget_if_done(at);
     }
   }

@@ -64,13 +64,13 @@ class Presenter {
 
   /// `group`: the writer's publisher, if it was announced. `identity`: the identity whose share the
   /// writer uses.
-  void add(PresentedReader& reader, const Guid& writer, const std::optional<Guid>& group,
-           const GuidPrefix& identity);
+  void add_writer(PresentedReader& reader, const Guid& writer, const std::optional<Guid>& group,
+                  const GuidPrefix& identity);
   /// Samples of the writer whose set is incomplete are lost. Others still wait for room, since the
   /// writer was told that they have arrived: then this returns true, and the reader is told when
   /// the writer has left.
-  bool remove(PresentedReader& reader, const Guid& writer, MonotonicTime now);
-  void remove(PresentedReader& reader, MonotonicTime now);
+  bool remove_writer(PresentedReader& reader, const Guid& writer, MonotonicTime now);
+  void remove_reader(PresentedReader& reader, MonotonicTime now);
 
   /// Takes the next change of a writer for a reader. Returns false if the change is refused for
   /// now.
@@ -81,7 +81,7 @@ class Presenter {
   /// While paused, nothing is presented (begin_access).
   void pause(bool paused, MonotonicTime now);
   /// Must be called when readers may have room again (`freed`), and at `next_tick`.
-  void release(MonotonicTime now, bool freed = true);
+  void present_ready(MonotonicTime now, bool freed = true);
   MonotonicTime next_tick() const;
   /// The price of everything that is held.
   std::size_t octets() const { return octets_; }
@@ -143,25 +143,25 @@ class Presenter {
   }
   /// True if the identity has used its share, which is as much as is still free.
   bool is_over(const Held& held) const { return octets_ + held.octets() >= kMaxOctets; }
-  void charge(const Source& source, Set& set, std::size_t price);
-  void refund(const Source& source, Set& set, std::size_t price);
-  void charge(const Source& source, const Batch& batch);
-  void refund(const Source& source, std::size_t price);
+  void charge_open(const Source& source, Set& set, std::size_t price);
+  void refund_open(const Source& source, Set& set, std::size_t price);
+  void charge_ready(const Source& source, const Batch& batch);
+  void refund_ready(const Source& source, std::size_t price);
   void forget_empty(std::map<GuidPrefix, Held>::iterator held);
   /// Returns false if changes of that source are refused for now.
   bool make_room(const Source& source);
   void give_up_largest(const GuidPrefix& identity);
-  void give_up(Batch& batch, const Source& source, PresentedReader::Limit limit);
-  void gather(Source& source, const StreamKey& key, Change& change, MonotonicTime now);
+  void give_up_batch(Batch& batch, const Source& source, PresentedReader::Limit limit);
+  void add_to_set(Source& source, const StreamKey& key, Change& change, MonotonicTime now);
   void end_set(Source& source, const StreamKey& key, SequenceNumber id, bool whole,
                MonotonicTime now);
   Set& set_of(Source& source, SequenceNumber id);
-  void settle(Source& source, SequenceNumber id, MonotonicTime now);
-  void hold(Source& source, Set& set, Item item);
-  void drop(const Source& source, Set& set,
-            std::optional<PresentedReader::Limit> limit = std::nullopt);
-  void erase(Source& source, std::map<SequenceNumber, Set>::iterator at);
-  void forget(Source& source, std::map<SequenceNumber, Set>::iterator at);
+  void finish_if_complete(Source& source, SequenceNumber id, MonotonicTime now);
+  void add_item(Source& source, Set& set, Item item);
+  void lose_items(const Source& source, Set& set,
+                  std::optional<PresentedReader::Limit> limit = std::nullopt);
+  void remove_set(Source& source, std::map<SequenceNumber, Set>::iterator at);
+  void give_up_set(Source& source, std::map<SequenceNumber, Set>::iterator at);
   void enqueue(Source& source, SequenceNumber at, Batch batch);
   bool starts_leaving(Source& source, const StreamKey& key);
   void note_presented(Source& source, const StreamKey& key);
@@ -171,8 +171,8 @@ class Presenter {
   static void note_wanted(Batch& batch);
   static Room room_for(const Batch& batch);
   void unblock(Batch& batch, MonotonicTime now, bool freed);
-  bool present(Source& source, Batch& batch);
-  void release(Source& source, MonotonicTime now);
+  bool present_batch(Source& source, Batch& batch);
+  void present_ready_of(Source& source, MonotonicTime now);
 
   const bool is_by_group_, is_coherent_, is_ordered_;
   bool is_paused_ = false;

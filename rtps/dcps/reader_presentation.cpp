@@ -14,16 +14,16 @@ void ReaderPresentation::start(const Presentation& policy, Presenter* of_group, 
 }
 
 void ReaderPresentation::stop(MonotonicTime now) {
-  if (holds_back()) presenter_->remove(reader_, now);
+  if (holds_back()) presenter_->remove_reader(reader_, now);
 }
 
 void ReaderPresentation::add_writer(const Guid& writer, const std::optional<Guid>& group,
                                     const GuidPrefix& identity) {
-  if (holds_back()) presenter_->add(reader_, writer, group, identity);
+  if (holds_back()) presenter_->add_writer(reader_, writer, group, identity);
 }
 
 bool ReaderPresentation::remove_writer(const Guid& writer, MonotonicTime now) {
-  return holds_back() && presenter_->remove(reader_, writer, now);
+  return holds_back() && presenter_->remove_writer(reader_, writer, now);
 }
 
 void ReaderPresentation::on_group(const Guid& writer, SequenceNumber group, MonotonicTime now) {
@@ -31,7 +31,7 @@ void ReaderPresentation::on_group(const Guid& writer, SequenceNumber group, Mono
 }
 
 void ReaderPresentation::release(MonotonicTime now, bool freed) {
-  if (holds_back()) presenter_->release(now, freed);
+  if (holds_back()) presenter_->present_ready(now, freed);
 }
 
 void ReaderPresentation::pause(bool paused, MonotonicTime now) {

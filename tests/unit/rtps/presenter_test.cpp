@@ -66,7 +66,7 @@ struct Presenting : ::testing::Test {
 
 struct CoherentSets : Presenting {
   Presenter presenter{false, true, false};
-  void SetUp() override { presenter.add(one, writer(1), {}, identity(1)); }
+  void SetUp() override { presenter.add_writer(one, writer(1), {}, identity(1)); }
   bool put(std::int64_t number, std::uint8_t value, std::int64_t set) {
     auto next = change(1, number, value, {{set}, {}, {}, {}});
     return presenter.on_change(one, next, now);
@@ -90,10 +90,10 @@ TEST_F(CoherentSets, WhatTheReaderRefusesAfterAll_Waits) {
   put(1, 1, 1), put(2, 2, 1), put(3, 3, 1), put(4, 0, 0), put(5, 5, 0);
   EXPECT_THAT(take(), ElementsAre(1));
   one.takes = 0;
-  presenter.release(now);
+  presenter.present_ready(now);
   EXPECT_THAT(take(), IsEmpty());
   one.takes.reset();
-  presenter.release(now);
+  presenter.present_ready(now);
   EXPECT_THAT(take(), ElementsAre(2, 3, 5));
   EXPECT_EQ(one.lost, 0u);
   EXPECT_EQ(presenter.octets(), 0u);
@@ -106,23 +106,23 @@ TEST_F(CoherentSets, WhatWaits_CostsLittleOfTheReadersTime) {
   for (int i = 1; i <= kMany; ++i) put(i, 1, 1);
   put(kMany + 1, 0, 0);
   const auto before = one.asked;
-  for (int i = 0; i < 1000; ++i) presenter.release(now);
+  for (int i = 0; i < 1000; ++i) presenter.present_ready(now);
   EXPECT_EQ(one.asked, before);
   EXPECT_EQ(presenter.next_tick(), now + kMany * Presenter::kPausePerItem);
   now = presenter.next_tick();
-  presenter.release(now, false);
+  presenter.present_ready(now, false);
   EXPECT_EQ(one.asked, before + 1);
   EXPECT_EQ(presenter.next_tick(), kNever) << "nothing was taken meanwhile";
   one.room = 10'000;
-  presenter.release(now);
+  presenter.present_ready(now);
   now = presenter.next_tick();
-  presenter.release(now, false);
+  presenter.present_ready(now, false);
   EXPECT_EQ(take().size(), kMany + 0u);
 }
 
 TEST_F(CoherentSets, SetsThatWait_HaveTurns) {
-  presenter.add(one, writer(2), {}, identity(2));
-  presenter.add(one, writer(3), {}, identity(3));
+  presenter.add_writer(one, writer(2), {}, identity(2));
+  presenter.add_writer(one, writer(3), {}, identity(3));
   one.room = 0, one.most = 10'000;
   for (const std::uint8_t from : {1, 2, 3}) {
     const int size = from == 2 ? 400 : 500;
@@ -132,10 +132,10 @@ TEST_F(CoherentSets, SetsThatWait_HaveTurns) {
     }
   }
   one.room = 400;
-  presenter.release(now);
+  presenter.present_ready(now);
   for (int turn = 0; turn < 3; ++turn) {
     now = std::min(presenter.next_tick(), now + std::chrono::seconds(1));
-    presenter.release(now, false);
+    presenter.present_ready(now, false);
   }
   EXPECT_EQ(take().size(), 400u) << "the one for which there is room";
 }
@@ -144,19 +144,19 @@ TEST_F(CoherentSets, SetsThatWait_HaveTurns) {
 TEST_F(CoherentSets, ManySetsThatWait_CostLittleOfTheReadersTime) {
   one.room = 0;
   for (std::uint8_t from = 10; from < 250; ++from) {
-    presenter.add(one, writer(from), {}, identity(2));
+    presenter.add_writer(one, writer(from), {}, identity(2));
     for (int i = 1; i <= 11; ++i) {
       auto next = change(from, i, i > 10 ? 0 : 7, {{i > 10 ? 0 : 1}, {}, {}, {}});
       ASSERT_TRUE(presenter.on_change(one, next, now));
     }
   }
   const auto before = one.asked;
-  for (int i = 0; i < 100; ++i) presenter.release(now);
+  for (int i = 0; i < 100; ++i) presenter.present_ready(now);
   EXPECT_LT(one.asked - before, 60);
   one.room = 100;
   for (int turn = 0; turn < 100; ++turn) {
     now += std::chrono::milliseconds(2);
-    presenter.release(now, turn == 0);
+    presenter.present_ready(now, turn == 0);
   }
   EXPECT_EQ(take().size(), 2400u);
 }
@@ -164,16 +164,16 @@ TEST_F(CoherentSets, ManySetsThatWait_CostLittleOfTheReadersTime) {
 TEST_F(CoherentSets, WhatWaits_IsKeptWhenItsWriterLeaves) {
   one.takes = 1;
   put(1, 1, 1), put(2, 2, 1), put(3, 3, 1), put(4, 0, 0), put(5, 5, 5);
-  EXPECT_TRUE(presenter.remove(one, writer(1), now));
+  EXPECT_TRUE(presenter.remove_writer(one, writer(1), now));
   EXPECT_THAT(take(), ElementsAre(1));
   EXPECT_EQ(one.lost, 1u) << "the set that is open";
   EXPECT_THAT(one.gone, IsEmpty());
   one.takes.reset();
-  presenter.release(now);
+  presenter.present_ready(now);
   EXPECT_THAT(take(), ElementsAre(2, 3));
   EXPECT_THAT(one.gone, ElementsAre(writer(1)));
   EXPECT_EQ(presenter.octets(), 0u);
-  EXPECT_FALSE(presenter.remove(one, writer(1), now));
+  EXPECT_FALSE(presenter.remove_writer(one, writer(1), now));
 }
 
 TEST_F(CoherentSets, WhatASetNeeds_IsCountedWithoutEndsOfUnknownInstances) {
@@ -189,11 +189,11 @@ TEST_F(CoherentSets, WhatASetNeeds_IsCountedWithoutEndsOfUnknownInstances) {
 TEST_F(CoherentSets, AWriterThatComesBackBefore_HasNotLeft) {
   one.room = 1;
   put(1, 1, 1), put(2, 2, 1), put(3, 0, 0);
-  EXPECT_TRUE(presenter.remove(one, writer(1), now));
-  presenter.add(one, writer(1), {}, identity(2));
+  EXPECT_TRUE(presenter.remove_writer(one, writer(1), now));
+  presenter.add_writer(one, writer(1), {}, identity(2));
   put(4, 4, 0);
   one.room = 100;
-  presenter.release(now);
+  presenter.present_ready(now);
   EXPECT_THAT(take(), ElementsAre(1, 2, 4));
   EXPECT_THAT(one.gone, IsEmpty());
   EXPECT_EQ(presenter.octets(), 0u);
@@ -202,11 +202,11 @@ TEST_F(CoherentSets, AWriterThatComesBackBefore_HasNotLeft) {
 TEST_F(CoherentSets, WaitingSetOfAWriterThatLeft_GoesWithTheReader) {
   one.room = 1;
   put(1, 1, 1), put(2, 2, 1), put(3, 0, 0);
-  EXPECT_TRUE(presenter.remove(one, writer(1), now));
-  presenter.remove(one, now);
+  EXPECT_TRUE(presenter.remove_writer(one, writer(1), now));
+  presenter.remove_reader(one, now);
   EXPECT_EQ(presenter.octets(), 0u);
   one.room = 100;
-  presenter.release(now);
+  presenter.present_ready(now);
   EXPECT_THAT(take(), IsEmpty());
   EXPECT_THAT(one.gone, IsEmpty());
 }
@@ -218,7 +218,7 @@ TEST_F(CoherentSets, ASetThatWaits_CostsNothingUntilTheReaderHasRoom) {
   for (int number = 4; number < 100; ++number) put(number, 4, number), (void)presenter.next_tick();
   EXPECT_LE(one.asked, asked + 100) << "once for each further set, when it is complete";
   one.room = 100;
-  presenter.release(now);
+  presenter.present_ready(now);
   EXPECT_EQ(take().size(), 2u + 95);
 }
 
@@ -238,7 +238,7 @@ TEST_F(CoherentSets, WhatDoesNotFit_WaitsAndRefusesMore) {
   EXPECT_TRUE(put(3, 0, 0));
   EXPECT_THAT(take(), IsEmpty());
   one.room = 2;
-  presenter.release(now);
+  presenter.present_ready(now);
   EXPECT_THAT(take(), ElementsAre(1, 2));
 }
 
@@ -258,7 +258,7 @@ TEST_F(CoherentSets, OpenSetsOfAllWriters_HaveOneAccount) {
   constexpr std::uint8_t kWriters = 40;
   const auto payload = Payload::copy_of(Bytes(4 << 20));
   for (std::uint8_t from = 1; from <= kWriters; ++from)
-    presenter.add(one, writer(from), {}, identity(from));
+    presenter.add_writer(one, writer(from), {}, identity(from));
   for (std::int64_t number = 1; number <= 4; ++number)
     for (std::uint8_t from = 1; from <= kWriters; ++from) {
       auto next = change(from, number, 1, {{1}, {}, {}, {}});
@@ -282,7 +282,7 @@ TEST_F(CoherentSets, OpenSetsOfOneIdentity_DoNotDisplaceThoseOfAnother) {
     next.writer.entity =
         EntityId{{static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i), 1, 2}};
     next.payload = payload;
-    presenter.add(one, next.writer, {}, identity(2));
+    presenter.add_writer(one, next.writer, {}, identity(2));
     ASSERT_TRUE(presenter.on_change(one, next, now));
   }
   put(3, 0, 0);
@@ -310,10 +310,10 @@ TEST_F(CoherentSets, ASetThatTheReaderCannotHold_IsGivenUpWhole) {
 TEST_F(CoherentSets, ASetWithoutRoomAtTheEndOfItsWriter_IsSeenWholeLater) {
   one.room = 1;
   put(1, 1, 1), put(2, 2, 1), put(3, 0, 0);
-  presenter.remove(one, writer(1), now);
+  presenter.remove_writer(one, writer(1), now);
   EXPECT_THAT(take(), IsEmpty());
   one.room = 2;
-  presenter.release(now);
+  presenter.present_ready(now);
   EXPECT_THAT(take(), ElementsAre(1, 2));
   EXPECT_EQ(one.lost, 0u);
   EXPECT_EQ(presenter.octets(), 0u);
@@ -325,7 +325,7 @@ TEST_F(CoherentSets, WaitingSetsOfOneIdentity_LeaveRoomForAnother) {
   one.room = 3;
   constexpr std::int64_t kSamples = 8;
   const auto payload = Payload::copy_of(Bytes(1 << 20, 9));
-  presenter.add(one, writer(2), {}, identity(2));
+  presenter.add_writer(one, writer(2), {}, identity(2));
   std::int64_t taken = 0;
   for (std::int64_t number = 1; number <= 200; ++number, ++taken) {
     auto next = change(2, number, 9, {{(number - 1) / kSamples * kSamples + 1}, {}, {}, {}});
@@ -342,7 +342,7 @@ TEST_F(CoherentSets, WaitingSetsOfOneIdentity_LeaveRoomForAnother) {
 
 TEST_F(CoherentSets, AWriterThatGoes_TakesItsOpenSetAlong) {
   put(1, 1, 1);
-  presenter.remove(one, writer(1), now);
+  presenter.remove_writer(one, writer(1), now);
   EXPECT_EQ(one.lost, 1u);
   EXPECT_TRUE(put(2, 2, 0));  // comes too late
   EXPECT_THAT(take(), IsEmpty());
@@ -351,8 +351,8 @@ TEST_F(CoherentSets, AWriterThatGoes_TakesItsOpenSetAlong) {
 struct GroupSets : Presenting {
   Presenter presenter{true, true, true};
   void SetUp() override {
-    presenter.add(one, writer(1), kGroup, identity(1));
-    presenter.add(two, writer(2), kGroup, identity(1));
+    presenter.add_writer(one, writer(1), kGroup, identity(1));
+    presenter.add_writer(two, writer(2), kGroup, identity(1));
   }
   // `set`: of the writer; `group_set` of the group; value 0 is a marker.
   void put(std::uint8_t from, std::int64_t number, std::uint8_t value, std::int64_t set,
@@ -394,12 +394,12 @@ TEST_F(GroupSets, SetsThatNotAllEnd_AreBounded) {
 
 TEST_F(GroupSets, AWriterThatGoes_IsNotWaitedFor) {
   put(1, 1, 1, 1, 1, 1), put(1, 2, 0, 0, 1, 2);
-  presenter.remove(two, writer(2), now);
+  presenter.remove_writer(two, writer(2), now);
   EXPECT_THAT(take(), ElementsAre(1));
-  presenter.add(two, writer(2), kGroup, identity(1));
+  presenter.add_writer(two, writer(2), kGroup, identity(1));
   put(2, 1, 3, 1, 3, 3);
   put(1, 3, 0, 0, 3, 5);
-  presenter.remove(two, writer(2), now);  // in the middle
+  presenter.remove_writer(two, writer(2), now);  // in the middle
   EXPECT_THAT(take(), IsEmpty());
 }
 
@@ -427,7 +427,7 @@ TEST_F(GroupSets, AHole_IsWaitedForOnlySoLong) {
   put(1, 1, 3, 0, 0, 3);
   EXPECT_EQ(presenter.next_tick(), now + Presenter::kGapTimeout);
   now += Presenter::kGapTimeout;
-  presenter.release(now);
+  presenter.present_ready(now);
   EXPECT_THAT(take(), ElementsAre(3));
 }
 
@@ -443,7 +443,7 @@ TEST_F(GroupSets, EqualGroupNumbers_ArePresentedAsTheyCame) {
 
 TEST_F(GroupSets, AReaderThatGoes_TakesItsSamplesAlong) {
   put(1, 1, 1, 1, 1, 1), put(2, 1, 2, 1, 1, 2), put(1, 2, 0, 0, 1, 3);
-  presenter.remove(one, now);
+  presenter.remove_reader(one, now);
   put(2, 2, 0, 0, 1, 3);
   EXPECT_THAT(take(), ElementsAre(2));
   EXPECT_EQ(one.lost, 0u);
