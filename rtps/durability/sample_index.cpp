@@ -83,54 +83,81 @@ std::vector<MonotonicTime> SampleIndex::open(StreamId stream, const DurabilitySe
   return out;
 }
 
-SampleIndex::AddResult SampleIndex::add(StoredChange& entry, const Moment& now) {
+SampleIndex::Candidate SampleIndex::candidate_of(const Stream& stream, const StoredChange& entry,
+                                                 const Moment& now) {
+  const auto& change = entry.change;
+  const auto key = key_of(change);
+  const auto time = std::min(change.source_time.value_or(now.wall), now.wall);
+  const auto left = change.is_alive() ? left_of(entry.lifespan, time, now.wall) : kNever;
+  const Row row{last_row_ + 1,
+                static_cast<std::uint32_t>(StoreShares::cost(change.payload.size())),
+                account_of(shares_, entry.identity),
+                time,
+                later_by(left, now.now),
+                change.origin()};
+  const auto place = entry.relay_order == RelayOrder::number ? place_of(stream, key, row)
+                                                             : Place{row.id, row.origin.number};
+  const auto held = stream.instances.find(key);
+  const auto count = held == stream.instances.end() ? 0 : replaced(stream, held->second);
+  return {key, row, place, left, count};
+}
+
+SampleIndex::Decision SampleIndex::decide(const Stream& stream, const StoredChange& entry,
+                                          const Candidate& candidate) const {
   using enum Decision;
+  const auto& [key, row, place, left, count] = candidate;
+  const bool disposes = entry.change.status.disposed;
+  if (left <= MonotonicTime::zero()) return ended;
+  if (entry.is_late && is_overtaken(stream, key, row.time, row.account)) return overtaken;
+  if (is_outdated(stream, entry, row.time, place)) return overtaken;
+  if (disposes && stream.service.cleanup_delay == kDurationZero) return ended;
+  // The end of an instance that has no room removes the instance.
+  if (!has_share(stream, key, row.account, row.octets)) return disposes ? ended : waits;
+  if (!has_room(stream, key, count)) return disposes ? ended : left_out;
+  return stored;
+}
+
+SampleIndex::AddResult SampleIndex::add(StoredChange& entry, const Moment& now) {
   const auto& change = entry.change;
   const auto found = streams_.find(entry.stream);
-  if (found == streams_.end()) return {ended};
+  if (found == streams_.end()) return {Decision::ended};
   auto& stream = found->second;
   stream.is_kept |=
       stream.samples > 0 && (entry.is_remembered || entry.relay_order != RelayOrder::direct);
-  const auto key = key_of(change);
-  if (!change.is_alive() && !change.status.disposed) return {ended};
-  const auto account = account_of(shares_, entry.identity);
-  const auto octets = StoreShares::cost(change.payload.size());
-  const auto time = std::min(change.source_time.value_or(now.wall), now.wall);
-  const auto left = change.is_alive() ? left_of(entry.lifespan, time, now.wall) : kNever;
-  if (left <= MonotonicTime::zero()) return {ended};
-  if (entry.is_late && is_overtaken(stream, key, time, account)) return {overtaken};
-  const Row row{
-      last_row_ + 1,  static_cast<std::uint32_t>(octets), account, time, later_by(left, now.now),
-      change.origin()};
-  const auto place = entry.relay_order == RelayOrder::number ? place_of(stream, key, row)
-                                                             : Place{row.id, row.origin.number};
-  if (is_outdated(stream, entry, time, place)) return {overtaken};
-  const bool is_kept = !change.status.disposed || stream.service.cleanup_delay != kDurationZero;
-  const auto held = stream.instances.find(key);
-  const std::size_t all = held == stream.instances.end() ? 0 : held->second.size();
-  const auto count = all == 0 ? 0 : replaced(stream, held->second);
-  const bool has_share_left = !is_kept || has_share(stream, key, account, octets);
-  if (!has_share_left && !change.status.disposed) return {waits};
-  const bool is_within_limits = has_room(stream, key, count);
-  if (!is_within_limits && !change.status.disposed) return ++left_out_, AddResult{left_out};
-  if (!is_kept || !has_share_left || !is_within_limits) {
-    AddResult out{ended};
-    note_end(stream, entry, key, row);
-    if (all == 0) return out;
-    entry.removed = out.removed = oldest(held->second, all);
-    erase_instance(stream, key);
-    return out;
-  }
-  AddResult out{stored, row.id};
-  if (count > 0) entry.removed = out.removed = oldest(held->second, count);
-  insert(stream, key, place, row, end_of(change, stream.service, now.wall, now));
+  if (!change.is_alive() && !change.status.disposed) return {Decision::ended};
+  const auto candidate = candidate_of(stream, entry, now);
+  const auto decision = decide(stream, entry, candidate);
+  if (decision == Decision::stored) return store(stream, entry, candidate, now);
+  if (decision == Decision::ended && change.status.disposed)
+    return end_instance(stream, entry, candidate);
+  if (decision == Decision::left_out) ++left_out_;
+  return {decision};
+}
+
+SampleIndex::AddResult SampleIndex::store(Stream& stream, StoredChange& entry,
+                                          const Candidate& candidate, const Moment& now) {
+  const auto& [key, row, place, left, count] = candidate;
+  AddResult out{Decision::stored, row.id};
+  if (count > 0) entry.removed = out.removed = oldest(stream.instances.at(key), count);
+  insert(stream, key, place, row, end_of(entry.change, stream.service, now.wall, now));
   entry.row = ++last_row_;
   if (left != kNever)
     entry.expiry = StoredExpiry{(now.wall.to_nanoseconds() + left).count(),
                                 entry.lifespan.to_nanoseconds().count()};
   erase_oldest(stream, key, count);
-  shares_.add(account, octets);
-  free_ -= std::min(free_, 2 * octets);
+  shares_.add(row.account, row.octets);
+  free_ -= std::min(free_, 2 * std::size_t{row.octets});
+  return out;
+}
+
+SampleIndex::AddResult SampleIndex::end_instance(Stream& stream, StoredChange& entry,
+                                                 const Candidate& candidate) {
+  AddResult out{Decision::ended};
+  note_end(stream, entry, candidate.key, candidate.row);
+  const auto held = stream.instances.find(candidate.key);
+  if (held == stream.instances.end() || held->second.empty()) return out;
+  entry.removed = out.removed = oldest(held->second, held->second.size());
+  erase_instance(stream, candidate.key);
   return out;
 }
 

@@ -148,6 +148,22 @@ class SampleIndex {
     std::map<Account, std::size_t> samples_of;
   };
 
+  /// A change as it would be stored.
+  struct Candidate {
+    KeyHash key;
+    Row row;
+    Place place;
+    MonotonicTime left{};      ///< until it expires; kNever: it does not
+    std::size_t replaced = 0;  ///< rows of its instance that go then (KEEP_LAST)
+  };
+
+  Candidate candidate_of(const Stream& stream, const StoredChange& entry, const Moment& now);
+  Decision decide(const Stream& stream, const StoredChange& entry,
+                  const Candidate& candidate) const;
+  AddResult store(Stream& stream, StoredChange& entry, const Candidate& candidate,
+                  const Moment& now);
+  /// The instance has ended, and its end is not stored.
+  AddResult end_instance(Stream& stream, StoredChange& entry, const Candidate& candidate);
   static Account account_of(StoreShares& shares, const std::optional<GuidPrefix>& identity);
   /// With KEEP_LAST: how many of an instance's rows the next one replaces.
   static std::size_t replaced(const Stream& stream, const Rows& rows);
