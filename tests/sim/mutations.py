@@ -40,8 +40,8 @@ FAULTS = [
      "if (origin && !session->receiver->verify(",
      "if (origin && !FAULT && !session->receiver->verify("),
     ("that messages are protected", "rtps/security/keyring_transform.cpp",
-     "own_.attributes().is_rtps_protected() && !shield.message && !may_come_bare;",
-     "own_.attributes().is_rtps_protected() && !shield.message && !may_come_bare && !FAULT;"),
+     "own_.attributes().is_rtps_protected() && !opened_by.message && !may_come_bare;",
+     "own_.attributes().is_rtps_protected() && !opened_by.message && !may_come_bare && !FAULT;"),
     ("that submessages are protected by their sender", "rtps/security/keyring_transform.cpp",
      "return local.attributes.is_submessage_protected() && !by_remote;",
      "return local.attributes.is_submessage_protected() && !by_remote && !FAULT;"),
@@ -64,8 +64,8 @@ FAULTS = [
     ("that protected topics are announced securely", "rtps/security/admission.cpp",
      "is_discovery_protected && !remote.is_secure)", "is_discovery_protected && !remote.is_secure && !FAULT)"),
     ("whose submessages a protected message holds", "rtps/participant/message_receiver.cpp",
-     "context.shield.message && source == context.source;",
-     "context.shield.message && (source == context.source || FAULT);"),
+     "context.opened_by.message && source == context.source;",
+     "context.opened_by.message && (source == context.source || FAULT);"),
     ("whose endpoints a participant announces", "rtps/participant/discovery.cpp",
      "if (!data || data->guid.prefix != remote->prefix()) {\n    ++core_.counters.refused_discovery;\n    if (!data) raise",
      "if (!data || (data->guid.prefix != remote->prefix() && !FAULT)) {\n    ++core_.counters.refused_discovery;\n"
@@ -150,8 +150,8 @@ FAULTS = [
      "return at == shares_.end() ? std::nullopt : std::optional(at->first);",
      "if (FAULT) return newcomer;\n  return at == shares_.end() ? std::nullopt : std::optional(at->first);"),
     ("that sources with few requests have a budget", "rtps/budget/source_budget.hpp",
-     "return (at->second.take(now) ? few_ : many_).take(now);",
-     "return (FAULT || at->second.take(now) ? few_ : many_).take(now);"),
+     "return (at->second.try_spend(now) ? few_ : many_).try_spend(now);",
+     "return (FAULT || at->second.try_spend(now) ? few_ : many_).try_spend(now);"),
     ("the share of one certificate in the places", "rtps/budget/subject_shares.hpp",
      "{ return count(prefix) < places_ - taken_; }", "{ return FAULT || count(prefix) < places_ - taken_; }"),
     ("that a forged count makes no endpoint ignore honest messages", "rtps/reliability/recent_messages.hpp",
@@ -175,8 +175,8 @@ ALSO = {
         "  auto out = FAULT ? announced : only_proven(core, remote, announced);\n"),
     # A newcomer that speaks first has another budget.
     "that sources with few requests have a budget": (
-        "rtps/security/handshakes.cpp", "return peer.spoke ? spoken_starts_.take(core_.now)",
-        "return peer.spoke && !FAULT ? spoken_starts_.take(core_.now)"),
+        "rtps/security/handshakes.cpp", "return peer.has_spoken ? budgets_.may_begin_again(core_.now)",
+        "return peer.has_spoken && !FAULT ? budgets_.may_begin_again(core_.now)"),
 }
 
 
