@@ -31,7 +31,7 @@ void check(const Result<std::vector<Passphrase>>& all) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   namespace property = spi::property;
   const std::string text = "data:," + std::string(as_text(BytesView(data, size)));
-  testing::CountingSink events;
+  test::RecordedEvents events;
   const auto load = [&](std::string own, std::string extra) {
     return PassphraseFiles({{std::string(property::kPskPassphrase), std::move(own)},
                             {std::string(property::kPskExtraPassphrases), std::move(extra)}},

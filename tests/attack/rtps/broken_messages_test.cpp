@@ -115,7 +115,7 @@ class Breaker {
       EXPECT_TRUE(change.is_alive());
       EXPECT_TRUE(std::ranges::equal(change.payload.view(), payload().view()));
     }
-    to.events.seen.clear();
+    to.events.all.clear();
   }
 
   Pair& pair_;

@@ -59,9 +59,9 @@ TEST(Flood, BogusHandshakes_AreRateLimitedAndAnHonestPeerJoins) {
   EXPECT_TRUE(know_each_other(pair));
   EXPECT_LT(pair.world.now - begin, seconds(2));
   // Far fewer refusals than messages: the rest was not looked at.
-  const auto looked_at = pair.a.events.seen.size();
+  const auto looked_at = pair.a.events.all.size();
   for (int round = 0; round < 100; ++round) flood();
-  EXPECT_LT(pair.a.events.seen.size() - looked_at, 1000u);
+  EXPECT_LT(pair.a.events.all.size() - looked_at, 1000u);
 }
 
 // Every refusal, and still nothing grows (T32).
@@ -77,7 +77,7 @@ TEST(Flood, TenThousandFailingHandshakes_LeaveNothingBehind) {
       pair.a->receive(handshake_message(from, pair.a->prefix(), bogus_request(sent)),
                       pair.world.now);
       if (sent % 50 == 0) pair.world.run(1);
-      pair.a.events.seen.clear();
+      pair.a.events.all.clear();
     }
   };
   flood(5'000);

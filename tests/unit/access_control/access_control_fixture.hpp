@@ -16,6 +16,7 @@
 #include "plugins/access_control/documents.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "plugins/spi/session_facts.hpp"
+#include "tests/support/recorded_events.hpp"
 #include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::access_control {
@@ -23,20 +24,6 @@ namespace ddssec::access_control {
 using namespace std::chrono_literals;
 using pki::kNow;
 using pki::test_random;
-
-/// Keeps what is raised.
-class EventLog final : public EventSink {
- public:
-  void raise(const Event& event) override { events.push_back(event); }
-  /// The code of the one event since the last call.
-  std::optional<Code> only() {
-    std::optional<Code> code;
-    if (events.size() == 1) code = events.front().error.code();
-    events.clear();
-    return code;
-  }
-  std::vector<Event> events;
-};
 
 inline constexpr const char* kTalker = "CN=talker,O=Example";
 inline constexpr const char* kListener = "CN=listener,O=Example";
@@ -169,7 +156,7 @@ class AccessControlTest : public testing::Test {
   WallTime signing_time = kNow;  ///< of what is signed next
   ManualClock clock{kNow};
   SystemRandom random;
-  EventLog log;
+  test::RecordedEvents log;
   DocumentsInUse documents;
   EngineServices services{clock, random, log, &documents};
   std::unique_ptr<spi::AccessControl> plugin = make_access_control(services);
@@ -179,7 +166,7 @@ class AccessControlTest : public testing::Test {
 /// The call is refused with the code, and one event says so.
 #define EXPECT_REFUSED(call, expected_code)     \
   do {                                          \
-    log.events.clear();                         \
+    log.all.clear();                            \
     EXPECT_CODE(call, expected_code);           \
     EXPECT_EQ(log.only(), Code::expected_code); \
   } while (false)

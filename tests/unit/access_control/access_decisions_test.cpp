@@ -103,9 +103,9 @@ TEST_F(Decisions, PartitionsAndTagsOfPeers_Count) {
 TEST_F(Decisions, AnEvent_SaysWhetherTheApplicationGetsTheErrorToo) {
   const auto expect_returned = [&](bool is_returned, const auto& refused) {
     EXPECT_FALSE(refused);
-    ASSERT_EQ(log.events.size(), 1u);
-    EXPECT_EQ(log.events[0].is_returned, is_returned);
-    log.events.clear();
+    ASSERT_EQ(log.all.size(), 1u);
+    EXPECT_EQ(log.all[0].is_returned, is_returned);
+    log.all.clear();
   };
   const EndpointRequest denied{.topic_name = "closed"}, unheard{.topic_name = "unheard"};
   const auto own = with({publish_rule(true, {"closed_out"})});
@@ -121,11 +121,11 @@ TEST_F(Decisions, AnEvent_SaysWhetherTheApplicationGetsTheErrorToo) {
 TEST_F(Decisions, AMatch_IsJudgedWhetherOrNotTheHostAskedBefore) {
   const auto peer = peer_with({publish_rule(true, {"closed_out"})});
   EXPECT_TRUE(plugin->check_remote_match(peer, match({.topic_name = "closed_out"})));
-  log.events.clear();
+  log.all.clear();
   const auto refused = plugin->check_remote_match(peer, match({.topic_name = "closed_in"}));
   EXPECT_CODE(refused, match_not_permitted);
-  ASSERT_EQ(log.events.size(), 1u);
-  const auto& event = log.events[0];
+  ASSERT_EQ(log.all.size(), 1u);
+  const auto& event = log.all[0];
   EXPECT_EQ(event.peer_subject, kListener);
   EXPECT_EQ(event.guid, "810102030405060708090a0b.000001c1");
   const auto& details = event.error.details();

@@ -230,10 +230,10 @@ TEST_F(AlgorithmsOfLaterCas, CaThatCameLater_IsJudgedByItsKey) {
 TEST_F(AlgorithmsOfLaterCas, FileThatCannotBeUsed_ChangesNothing) {
   ASSERT_TRUE(local_with_file());
   const Party other(kP256, kP256, kListener);
-  log.events.clear();
+  log.all.clear();
   put("nonsense");
   put(other.ca.certificate().pem());
-  EXPECT_TRUE(log.events.empty());
+  EXPECT_TRUE(log.all.empty());
   const auto peer = pki::make_leaf(own_.ca, kListener);
   EXPECT_TRUE(remote_of(peer.certificate));
 }

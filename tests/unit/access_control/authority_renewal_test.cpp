@@ -24,7 +24,7 @@ class AuthorityRenewal : public AccessControlTest {
  protected:
   void SetUp() override {
     ASSERT_TRUE(own_) << own_.error().to_sentence();
-    log.events.clear();
+    log.all.clear();
   }
 
   const pki::Authority& first() const { return authorities().permissions_ca; }
@@ -72,18 +72,18 @@ class AuthorityRenewal : public AccessControlTest {
     return plugin->expire();
   }
   std::vector<Code> codes_after_looking() {
-    log.events.clear();
+    log.all.clear();
     for (int i = 0; i < 3; ++i) poll();
     std::vector<Code> out;
-    for (const auto& event : log.events) out.push_back(event.error.code());
+    for (const auto& event : log.all) out.push_back(event.error.code());
     return out;
   }
   void expect_refused(Code code, const std::string& path, std::string_view why) {
     EXPECT_THAT(codes_after_looking(), ElementsAre(code));
-    ASSERT_FALSE(log.events.empty());
-    EXPECT_EQ(log.events.front().error.details().document, path);
-    EXPECT_THAT(log.events.front().error.to_sentence(), HasSubstr(why));
-    EXPECT_THAT(log.events.front().error.to_sentence(), HasSubstr("read before stay"));
+    ASSERT_FALSE(log.all.empty());
+    EXPECT_EQ(log.all.front().error.details().document, path);
+    EXPECT_THAT(log.all.front().error.to_sentence(), HasSubstr(why));
+    EXPECT_THAT(log.all.front().error.to_sentence(), HasSubstr("read before stay"));
     EXPECT_THAT(codes_after_looking(), IsEmpty()) << "told twice";
   }
   bool accepts(const pki::Authority& ca) {
@@ -149,7 +149,7 @@ TEST_F(RelativePaths, FilesWhereTheyWereAtTheStart_AreFollowed) {
   EXPECT_THAT(codes_after_looking(),
               ElementsAre(Code::permissions_ca_renewed, Code::governance_renewed,
                           Code::permissions_renewed));
-  for (const auto& event : log.events)
+  for (const auto& event : log.all)
     EXPECT_THAT(event.error.details().document, testing::StartsWith(folder_.path() + "/"));
 }
 
@@ -160,8 +160,8 @@ TEST_F(AuthorityRenewal, SecondCa_IsAcceptedBesideTheFirst) {
   EXPECT_FALSE(accepts(second()));
   put({&first(), &second()});
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_ca_renewed));
-  EXPECT_EQ(log.events.front().severity, Severity::informational);
-  EXPECT_EQ(log.events.front().error.details().document, path_);
+  EXPECT_EQ(log.all.front().severity, Severity::informational);
+  EXPECT_EQ(log.all.front().error.details().document, path_);
   EXPECT_TRUE(accepts(first()));
   EXPECT_TRUE(accepts(second()));
   put({&second(), &first()});
@@ -188,12 +188,12 @@ TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {
   const auto moved = remote(permissions(second(), kListener));
   ASSERT_TRUE(former && moved);
   put({&second()});
-  log.events.clear();
+  log.all.clear();
   EXPECT_THAT(poll(), ElementsAre(*former));
-  ASSERT_EQ(log.events.size(), 2u);
-  EXPECT_EQ(log.events.front().error.code(), Code::permissions_ca_renewed);
-  EXPECT_EQ(log.events.back().error.code(), Code::permissions_ca_withdrawn);
-  EXPECT_EQ(log.events.back().peer_subject, kListener);
+  ASSERT_EQ(log.all.size(), 2u);
+  EXPECT_EQ(log.all.front().error.code(), Code::permissions_ca_renewed);
+  EXPECT_EQ(log.all.back().error.code(), Code::permissions_ca_withdrawn);
+  EXPECT_EQ(log.all.back().peer_subject, kListener);
   EXPECT_THAT(poll(), IsEmpty()) << "ended twice";
   EXPECT_CODE(plugin->check_remote_participant(*former, 0), permissions_ca_withdrawn);
   EXPECT_TRUE(plugin->check_remote_participant(*moved, 0));
@@ -336,7 +336,7 @@ TEST_F(AuthorityRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
     clock.advance(100ms);
     plugin->expire();
   }
-  EXPECT_LE(log.events.size(), 5u);
+  EXPECT_LE(log.all.size(), 5u);
 }
 
 // ---- governance
@@ -351,8 +351,8 @@ TEST_F(AuthorityRenewal, RuleForATopicThatNoOneUses_IsTaken) {
   topic_rules().insert(topic_rules().begin(), open_rule());
   folder_.replace("governance.p7s", governance(first()));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
-  EXPECT_EQ(log.events.front().severity, Severity::informational);
-  EXPECT_THAT(log.events.front().error.to_sentence(), HasSubstr("\"open\""));
+  EXPECT_EQ(log.all.front().severity, Severity::informational);
+  EXPECT_THAT(log.all.front().error.to_sentence(), HasSubstr("\"open\""));
   EXPECT_EQ(data_of("open"), ProtectionKind::none);
   EXPECT_EQ(data_of("t"), ProtectionKind::encrypt);
 }
@@ -391,8 +391,8 @@ TEST_F(AuthorityRenewal, OtherProtectionKind_IsRefusedWithBothValues) {
   governance_document.domain_rules.front().rtps_protection_kind = ProtectionKind::sign;
   folder_.replace("governance.p7s", governance(first()));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewal_refused));
-  ASSERT_FALSE(log.events.empty());
-  const auto& details = log.events.front().error.details();
+  ASSERT_FALSE(log.all.empty());
+  const auto& details = log.all.front().error.details();
   EXPECT_EQ(details.field, "rtps_protection_kind");
   EXPECT_EQ(details.expected, "ENCRYPT");
   EXPECT_EQ(details.found, "SIGN");
@@ -449,9 +449,9 @@ TEST_F(PresentedOnce, SecondCa_IsAcceptedUntilItLeaves) {
 TEST_F(PresentedOnce, CaWithoutOverlap_IsRefused) {
   sign_all(second());
   put({&second()});
-  log.events.clear();
+  log.all.clear();
   for (int i = 0; i < 3; ++i) poll();
-  EXPECT_TRUE(std::ranges::any_of(log.events, [](const auto& event) {
+  EXPECT_TRUE(std::ranges::any_of(log.all, [](const auto& event) {
     return event.error.code() == Code::permissions_ca_renewal_refused;
   }));
   EXPECT_EQ(plugin->renewals(*own_), 0u);

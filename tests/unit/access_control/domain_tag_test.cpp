@@ -42,7 +42,7 @@ class DomainTags : public AccessControlTest {
   }
   bool may_publish(spi::PermissionsHandle handle, const char* topic) {
     const bool may = plugin->check_create_datawriter(handle, 0, {.topic_name = topic}).has_value();
-    log.events.clear();
+    log.all.clear();
     return may;
   }
 };

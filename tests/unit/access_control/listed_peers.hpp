@@ -17,7 +17,7 @@ class ListedPeers : public AccessControlTest {
     own_ = ours({}, "").value_or(spi::PermissionsHandle{});
     EXPECT_TRUE(own_);
     meet(document({"t"}));
-    log.events.clear();
+    log.all.clear();
   }
 
   Result<spi::PermissionsHandle> ours(const std::string& permissions_uri, const std::string& text) {
@@ -61,8 +61,8 @@ class ListedPeers : public AccessControlTest {
   }
   std::vector<Code> codes() {
     std::vector<Code> out;
-    for (const auto& event : log.events) out.push_back(event.error.code());
-    log.events.clear();
+    for (const auto& event : log.all) out.push_back(event.error.code());
+    log.all.clear();
     return out;
   }
   bool may_publish(std::string_view topic) {

@@ -19,14 +19,14 @@ using testing::Not;
 TEST_F(ListedPeers, TheSameRights_KeepThePeer) {
   put({document({"t"}, 0s, 12h)});
   EXPECT_THAT(poll(), IsEmpty());
-  ASSERT_EQ(log.events.size(), 1u);
-  const auto& event = log.events.front();
+  ASSERT_EQ(log.all.size(), 1u);
+  const auto& event = log.all.front();
   EXPECT_EQ(event.error.code(), Code::peer_permissions_listed);
   EXPECT_EQ(event.severity, Severity::informational);
   EXPECT_EQ(event.peer_subject, kListener);
   EXPECT_EQ(event.error.details().found, to_string(kNow + 12h));
   EXPECT_THAT(pass_the_end(), IsEmpty());
-  EXPECT_EQ(log.events.size(), 1u);
+  EXPECT_EQ(log.all.size(), 1u);
   EXPECT_TRUE(may_publish("t"));
   EXPECT_FALSE(may_publish("u"));
   EXPECT_EQ(plugin->next_expiry(), kNow + 12h);
@@ -71,11 +71,11 @@ TEST_F(ListedPeers, TheSameRightsAfterTheEnd_AreTooLate) {
 TEST_F(ListedPeers, AnExtension_EndsWithItsOwnTimeInTheEvent) {
   put({document({"t"}, 0s, 40s)});
   EXPECT_THAT(poll(39s), IsEmpty());
-  log.events.clear();
+  log.all.clear();
   EXPECT_THAT(poll(1s), ElementsAre(peer_));
-  ASSERT_EQ(log.events.size(), 1u);
-  EXPECT_EQ(log.events.front().error.code(), Code::grant_expired);
-  EXPECT_THAT(log.events.front().error.to_sentence(), testing::HasSubstr(to_string(kNow + 40s)));
+  ASSERT_EQ(log.all.size(), 1u);
+  EXPECT_EQ(log.all.front().error.code(), Code::grant_expired);
+  EXPECT_THAT(log.all.front().error.to_sentence(), testing::HasSubstr(to_string(kNow + 40s)));
 }
 
 TEST_F(ListedPeers, AClockThatGoesBack_EndsNoExtension) {
@@ -142,7 +142,7 @@ TEST_F(ListedPeers, ShownPermissionsWithOtherRights_AreNotExtendedByTheFormer) {
 TEST_F(ListedPeers, SignedByAnotherCa_IsOneEventAndChangesNothing) {
   put({document({"t"}, 0s, 12h)});
   poll();
-  log.events.clear();
+  log.all.clear();
   auto out = grant(kListener, {publish_rule(true, {"t"})});
   out.validity = {kNow + 1s, kNow + 48h};
   const auto forged = signed_by(authorities().other_ca,
@@ -160,10 +160,10 @@ TEST_F(ListedPeers, SignedByAnotherCa_IsOneEventAndChangesNothing) {
 TEST_F(ListedPeers, AListThatCannotBeRead_ChangesNothing) {
   put({document({"t"}, 0s, 24h)});
   poll();
-  log.events.clear();
+  log.all.clear();
   folder_.replace("renewed.pem", "garbage");
   EXPECT_THAT(pass_the_end(), IsEmpty());
-  EXPECT_THAT(log.events, IsEmpty());
+  EXPECT_THAT(log.all, IsEmpty());
 }
 
 // ---- ours, which the peer has seen
@@ -183,7 +183,7 @@ class OwnListedPermissions : public ListedPeers {
     next_ = open(0s, 24h, next_topics);
     folder_.replace("permissions.p7s", next_);
     poll();
-    log.events.clear();
+    log.all.clear();
   }
   std::string open(std::chrono::seconds from, std::chrono::seconds until,
                    const std::vector<std::string>& topics = {"*"}) const {

@@ -40,7 +40,7 @@ class OtherRights : public ListedPeers,
   OtherRights() {
     (void)plugin->return_permissions_handle(peer_);
     meet(presented());
-    log.events.clear();
+    log.all.clear();
   }
   std::string presented(std::chrono::seconds from = -24h, std::chrono::seconds until = 20s) const {
     return document({"t", "u"}, from, until);
@@ -55,7 +55,7 @@ class OtherRights : public ListedPeers,
     EXPECT_TRUE(may_publish("t"));
     EXPECT_TRUE(may_publish("u"));
     EXPECT_FALSE(may_publish("v"));
-    log.events.clear();
+    log.all.clear();
   }
 };
 
@@ -169,7 +169,7 @@ TEST_F(ListedPeers, MoreRightsForAWhile_LockNoParticipantOut) {
   EXPECT_TRUE(may_publish("circle"));
   EXPECT_FALSE(may_publish("square")) << "the peer does not present it";
   poll(30s);
-  log.events.clear();
+  log.all.clear();
   EXPECT_TRUE(may_publish("circle"));
   meet(own);
   EXPECT_TRUE(may_publish("circle"));

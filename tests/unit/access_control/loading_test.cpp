@@ -20,7 +20,7 @@ TEST_F(LocalPermissions, ValidDocuments_AreAcceptedAndHandedOn) {
   ASSERT_EQ(credential_token->properties.size(), 1u);
   EXPECT_EQ(credential_token->properties[0].name, "dds.perm.cert");
   EXPECT_EQ(credential_token->properties[0].value, document);
-  EXPECT_TRUE(log.events.empty());
+  EXPECT_TRUE(log.all.empty());
 }
 
 // Cyclone DDS hands documents over as texts that end at a NUL.
@@ -57,7 +57,7 @@ TEST_F(LocalPermissions, MissingDocument_IsNamed) {
        {spi::property::kPermissionsCa, spi::property::kGovernance, spi::property::kPermissions}) {
     auto list = properties("x", "y");
     std::erase_if(list, [&](const auto& p) { return p.name == property; });
-    log.events.clear();
+    log.all.clear();
     const auto result = plugin->validate_local_permissions(kLocalIdentity, 0, list);
     EXPECT_CODE(result, access_document_missing);
     EXPECT_EQ(result.error().details().expected, property);
@@ -90,7 +90,7 @@ TEST_F(LocalPermissions, UnsignedGovernance_IsRefused) {
 }
 
 TEST_F(LocalPermissions, DocumentOfAnotherSubject_IsRefusedWithBothNames) {
-  log.events.clear();
+  log.all.clear();
   const auto result = local(open_permissions(kListener));
   EXPECT_CODE(result, no_grant_for_subject);
   EXPECT_EQ(result.error().details().expected, kTalker);
@@ -176,7 +176,7 @@ TEST_F(RemotePermissions, TextAndBinaryCredentials_AreAccepted) {
   for (auto& property : binary.binary_properties) property.value.push_back(0);
   EXPECT_TRUE(plugin->validate_remote_permissions(kLocalIdentity, kRemoteIdentity,
                                                   permissions_token(), binary));
-  EXPECT_TRUE(log.events.empty());
+  EXPECT_TRUE(log.all.empty());
 }
 
 TEST_F(RemotePermissions, WithoutALocalParticipant_AreRefused) {
@@ -205,9 +205,9 @@ TEST_F(RemotePermissions, OversizedPermissions_AreRefused) {
 TEST_F(RemotePermissions, RefusalEvent_NamesThePeer) {
   ASSERT_TRUE(local(open_permissions(kTalker)));
   EXPECT_CODE(remote(open_permissions(kTalker)), no_grant_for_subject);
-  ASSERT_EQ(log.events.size(), 1u);
-  EXPECT_EQ(log.events[0].peer_subject, kListener);
-  EXPECT_EQ(log.events[0].error.details().document, std::string("permissions of ") + kListener);
+  ASSERT_EQ(log.all.size(), 1u);
+  EXPECT_EQ(log.all[0].peer_subject, kListener);
+  EXPECT_EQ(log.all[0].error.details().document, std::string("permissions of ") + kListener);
 }
 
 TEST_F(RemotePermissions, TokenClass_IsComparedByNameAndMajorVersion) {
@@ -236,7 +236,7 @@ TEST_F(RemotePermissions, FreeJoining_NeedsNoPermissions) {
                                .enable_read_access_control = false,
                                .enable_write_access_control = false});
   ASSERT_TRUE(local(open_permissions(kTalker)));
-  log.events.clear();
+  log.all.clear();
   const auto peer = remote("");
   ASSERT_TRUE(peer);
   EXPECT_EQ(log.only(), Code::permissions_missing);

@@ -28,7 +28,7 @@ class GovernancePhases : public AccessControlTest {
     own_ = plugin->validate_local_permissions(kLocalIdentity, 0, all);
     EXPECT_TRUE(own_) << own_.error().to_sentence();
     EXPECT_EQ(data_of("t"), kSign);
-    log.events.clear();
+    log.all.clear();
   }
   governance::TopicRule& topic() { return governance_document.domain_rules[0].topic_rules[0]; }
   std::string document(std::uint32_t revision) {
@@ -39,20 +39,20 @@ class GovernancePhases : public AccessControlTest {
   void put(std::uint32_t revision) { put(document(revision)); }
   void raise() { topic().metadata_protection_kind = topic().data_protection_kind = kEncrypt; }
   std::vector<Code> codes_after_looking() {
-    log.events.clear();
+    log.all.clear();
     for (int i = 0; i < 3; ++i) {
       clock.advance(5s);
       plugin->expire();
     }
     std::vector<Code> out;
-    for (const auto& event : log.events) out.push_back(event.error.code());
+    for (const auto& event : log.all) out.push_back(event.error.code());
     return out;
   }
   void expect_refused(std::string_view field, std::string_view why) {
     EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewal_refused));
-    ASSERT_FALSE(log.events.empty());
-    EXPECT_EQ(log.events.front().error.details().field, field);
-    EXPECT_THAT(log.events.front().error.to_sentence(), HasSubstr(why));
+    ASSERT_FALSE(log.all.empty());
+    EXPECT_EQ(log.all.front().error.details().field, field);
+    EXPECT_THAT(log.all.front().error.to_sentence(), HasSubstr(why));
     EXPECT_THAT(codes_after_looking(), IsEmpty()) << "told twice";
   }
   ProtectionKind data_of(std::string_view name) {
@@ -76,8 +76,8 @@ TEST_F(GovernancePhases, MoreProtection_WaitsUntilTheHostHasChangedItsEndpoints)
   const auto text = document(2);
   put(text);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_changing));
-  EXPECT_EQ(log.events.front().error.details().document, path_);
-  EXPECT_EQ(log.events.front().error.details().found, "2");
+  EXPECT_EQ(log.all.front().error.details().document, path_);
+  EXPECT_EQ(log.all.front().error.details().found, "2");
   EXPECT_EQ(data_of("t"), kSign);
   EXPECT_EQ(data_of("new"), kSign) << "endpoints that are made meanwhile are as the others";
   EXPECT_EQ(revision(), 1u);
@@ -96,7 +96,7 @@ TEST_F(GovernancePhases, MoreProtection_WaitsUntilTheHostHasChangedItsEndpoints)
   EXPECT_FALSE(waits());
   EXPECT_EQ(plugin->governance_version(*own_)->digest, digest);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
-  EXPECT_EQ(log.events.front().error.details().found, "2");
+  EXPECT_EQ(log.all.front().error.details().found, "2");
   EXPECT_EQ(test::recorded_document(documents, "governance")["in_force"][0]["sha256"],
             to_hex(sha256(as_bytes(text))));
 }
@@ -147,7 +147,7 @@ TEST_F(GovernancePhases, LessProtection_NamesWhatMustRestart) {
   topic().data_protection_kind = kSign;
   put(3);
   expect_refused("data_protection_kind", "expected ENCRYPT, found SIGN");
-  EXPECT_THAT(log.events.empty() ? "" : log.events.front().error.hint(), HasSubstr(""));
+  EXPECT_THAT(log.all.empty() ? "" : log.all.front().error.hint(), HasSubstr(""));
   EXPECT_EQ(data_of("t"), kEncrypt);
 }
 
@@ -263,7 +263,7 @@ TEST_F(GovernanceOfAFixedHost, MoreProtectionOfATopicThatItDoesNotUse_IsTaken) {
   rules[0].metadata_protection_kind = rules[0].data_protection_kind = kEncrypt;
   put(3);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
-  EXPECT_THAT(log.events.front().error.to_sentence(), HasSubstr("with more protection"));
+  EXPECT_THAT(log.all.front().error.to_sentence(), HasSubstr("with more protection"));
   EXPECT_EQ(data_of("other"), kEncrypt);
   EXPECT_EQ(data_of("t"), kSign);
 }

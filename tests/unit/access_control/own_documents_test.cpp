@@ -23,7 +23,7 @@ class Renewal : public AccessControlTest {
  protected:
   void SetUp() override {
     ASSERT_TRUE(own_) << own_.error().to_sentence();
-    log.events.clear();
+    log.all.clear();
   }
 
   // The talker may publish and subscribe `names`, from then on for so long.
@@ -52,19 +52,19 @@ class Renewal : public AccessControlTest {
   }
   // As often as a host would in a quarter of a minute.
   std::vector<Code> codes_after_looking() {
-    log.events.clear();
+    log.all.clear();
     for (int i = 0; i < 3; ++i) poll();
     std::vector<Code> out;
-    for (const auto& event : log.events) out.push_back(event.error.code());
+    for (const auto& event : log.all) out.push_back(event.error.code());
     return out;
   }
   void expect_refused(const std::string& text, std::string_view why) {
     const auto before = presented();
     folder_.replace("permissions.p7s", text);
     EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
-    ASSERT_FALSE(log.events.empty());
-    EXPECT_THAT(log.events.front().error.to_sentence(), HasSubstr(why));
-    EXPECT_EQ(log.events.front().error.details().document, path_);
+    ASSERT_FALSE(log.all.empty());
+    EXPECT_THAT(log.all.front().error.to_sentence(), HasSubstr(why));
+    EXPECT_EQ(log.all.front().error.details().document, path_);
     EXPECT_THAT(codes_after_looking(), IsEmpty()) << "told twice";
     EXPECT_EQ(presented(), before);
     EXPECT_EQ(plugin->renewals(*own_), 0u);
@@ -87,7 +87,7 @@ TEST_F(Renewal, LaterDocument_IsInForceAndPresented) {
   const auto next = document({"t", "u"}, 0s, 48h);
   folder_.replace("permissions.p7s", next);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
-  const auto& event = log.events.front();
+  const auto& event = log.all.front();
   EXPECT_EQ(event.severity, Severity::informational);
   EXPECT_EQ(event.error.details().document, path_);
   EXPECT_THAT(event.error.details().found,
@@ -103,15 +103,15 @@ TEST_F(Renewal, LaterDocument_IsInForceAndPresented) {
 TEST_F(Renewal, UnsignedDocument_ComesWithTheRemedyOfItsReason) {
   folder_.replace("permissions.p7s", "garbage");
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
-  ASSERT_FALSE(log.events.empty());
-  EXPECT_EQ(log.events.front().error.hint(), info(Code::smime_not_multipart).hint);
+  ASSERT_FALSE(log.all.empty());
+  EXPECT_EQ(log.all.front().error.hint(), info(Code::smime_not_multipart).hint);
 }
 
 TEST_F(Renewal, DocumentThatBeginsEarlier_IsToBeWrittenAnew) {
   folder_.replace("permissions.p7s", document({"t"}, -48h, 48h));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
-  ASSERT_FALSE(log.events.empty());
-  EXPECT_THAT(log.events.front().error.hint(), HasSubstr("ddssec permissions new"));
+  ASSERT_FALSE(log.all.empty());
+  EXPECT_THAT(log.all.front().error.hint(), HasSubstr("ddssec permissions new"));
 }
 
 TEST_F(Renewal, SecondRenewal_IsTakenToo) {
@@ -171,8 +171,8 @@ TEST_F(Renewal, DocumentThatWasSignedEarlier_IsRefusedAsARollBack) {
   ASSERT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
   folder_.replace("permissions.p7s", wide);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
-  ASSERT_FALSE(log.events.empty());
-  const auto& why = log.events.front().error;
+  ASSERT_FALSE(log.all.empty());
+  const auto& why = log.all.front().error;
   EXPECT_EQ(why.details().field, "signing time");
   EXPECT_EQ(why.details().expected, to_string(kNow + 10s) + " or later");
   EXPECT_EQ(why.details().found, to_string(kNow));
@@ -205,8 +205,8 @@ TEST_F(Renewal, DocumentWithoutASigningTime_FollowsOnlyOneWithoutIt) {
   const auto untimed = pki::without_signing_time(document({"t"}), {ca.certificate(), ca.key()});
   folder_.replace("permissions.p7s", untimed);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
-  ASSERT_FALSE(log.events.empty());
-  EXPECT_EQ(log.events.front().error.details().found, "none");
+  ASSERT_FALSE(log.all.empty());
+  EXPECT_EQ(log.all.front().error.details().found, "none");
 
   plugin->return_permissions_handle(*own_);
   own_ = from_file();
@@ -220,16 +220,16 @@ TEST_F(Renewal, DocumentWithoutASigningTime_FollowsOnlyOneWithoutIt) {
 
 // As in both hosts. Before, the second one was lost: both documents have the same end.
 TEST_F(Renewal, TwoChangesWithinTheRateLimit_AreTwoEvents) {
-  EventLog passed;
+  test::RecordedEvents passed;
   RateLimitedSink limited(passed, clock);
   for (const auto* topic : {"u", "v"}) {
     signing_time += 1s;
     folder_.replace("permissions.p7s", document({topic}));
-    log.events.clear();
+    log.all.clear();
     poll();
-    for (const auto& event : log.events) limited.raise(event);
+    for (const auto& event : log.all) limited.raise(event);
   }
-  EXPECT_EQ(passed.events.size(), 2u);
+  EXPECT_EQ(passed.all.size(), 2u);
 }
 
 TEST_F(Renewal, AnotherCa_IsRefused) {
@@ -371,11 +371,11 @@ TEST_F(RenewalWithPeers, Session_EndsWithTheDocumentThatThePeerHasSeen) {
   clock.advance(23h);
   EXPECT_THAT(poll(), IsEmpty());
   clock.advance(1h);
-  log.events.clear();
+  log.all.clear();
   EXPECT_THAT(poll(), ElementsAre(handle));
-  ASSERT_EQ(log.events.size(), 1u);
-  EXPECT_EQ(log.events.front().error.code(), Code::session_outlived_documents);
-  EXPECT_EQ(log.events.front().peer_subject, kListener);
+  ASSERT_EQ(log.all.size(), 1u);
+  EXPECT_EQ(log.all.front().error.code(), Code::session_outlived_documents);
+  EXPECT_EQ(log.all.front().peer_subject, kListener);
   EXPECT_THAT(poll(), IsEmpty()) << "ended twice";
 }
 
@@ -404,10 +404,10 @@ TEST_F(RenewalWithPeers, FormerGrantThatEnded_CountsBesideOneThatHasNotBegun) {
   clock.set(kNow + 23h);
   EXPECT_THAT(poll(), IsEmpty());
   clock.advance(1h);
-  log.events.clear();
+  log.all.clear();
   EXPECT_THAT(poll(), ElementsAre(handle));
-  ASSERT_EQ(log.events.size(), 1u);
-  EXPECT_EQ(log.events.front().error.details().field, "<not_after>");
+  ASSERT_EQ(log.all.size(), 1u);
+  EXPECT_EQ(log.all.front().error.details().field, "<not_after>");
 }
 
 TEST_F(Renewal, Warnings_FollowTheNewEnd) {
@@ -431,7 +431,7 @@ TEST_F(Renewal, Record_FollowsThePermissionsInForceAndWhatIsRefused) {
   folder_.replace("permissions.p7s", "broken");
   codes_after_looking();
   EXPECT_EQ(recorded()["refused"]["name"], "permissions_renewal_refused");
-  EXPECT_EQ(recorded()["refused"]["sentence"], log.events.front().error.to_sentence());
+  EXPECT_EQ(recorded()["refused"]["sentence"], log.all.front().error.to_sentence());
   EXPECT_EQ(recorded()["refused"]["stands"], true);
   EXPECT_EQ(recorded()["refused"]["waits"], false);
   EXPECT_EQ(recorded()["since"], to_string(kNow));

@@ -54,10 +54,10 @@ TEST_F(Expiry, EndedGrant_IsReportedOnceAndDeniesAlways) {
   EXPECT_REFUSED(plugin->check_remote_datawriter(*peer, 0, {.topic_name = "t"}), grant_expired);
   EXPECT_REFUSED(plugin->check_remote_participant(*peer, 0), grant_expired);
   EXPECT_EQ(plugin->expire(), std::vector{*peer});
-  ASSERT_EQ(log.events.size(), 1u);
-  EXPECT_EQ(log.events[0].error.code(), Code::grant_expired);
-  EXPECT_EQ(log.events[0].peer_subject, kListener);
-  EXPECT_NE(log.events[0].error.to_sentence().find("2026-11-21T00:00:10Z"), std::string::npos);
+  ASSERT_EQ(log.all.size(), 1u);
+  EXPECT_EQ(log.all[0].error.code(), Code::grant_expired);
+  EXPECT_EQ(log.all[0].peer_subject, kListener);
+  EXPECT_NE(log.all[0].error.to_sentence().find("2026-11-21T00:00:10Z"), std::string::npos);
   EXPECT_TRUE(plugin->expire().empty());
   EXPECT_EQ(plugin->next_expiry(), kNow + 24h);
   EXPECT_TRUE(plugin->check_create_participant(*own, 0));
@@ -69,11 +69,11 @@ TEST_F(Expiry, OwnPermissions_AreWarnedOfBeforeTheirEnd) {
   ASSERT_OK(local(signed_permissions({of_100_days})));
   std::vector<int> days;
   for (int day = 1; day < 100; ++day) {
-    log.events.clear();
+    log.all.clear();
     clock.advance(24h);
     EXPECT_TRUE(plugin->expire().empty());
     EXPECT_TRUE(plugin->expire().empty());
-    if (log.events.empty()) continue;
+    if (log.all.empty()) continue;
     EXPECT_EQ(log.only(), Code::permissions_end_soon);
     days.push_back(100 - day);
   }
@@ -89,7 +89,7 @@ TEST_F(Expiry, OwnPermissionsThatAnotherGrantFollows_AreNotWarnedOf) {
     clock.advance(24h);
     plugin->expire();
   }
-  EXPECT_TRUE(log.events.empty());
+  EXPECT_TRUE(log.all.empty());
 }
 
 TEST_F(Expiry, PeersPermissions_AreNotOurs) {
@@ -99,7 +99,7 @@ TEST_F(Expiry, PeersPermissions_AreNotOurs) {
   ASSERT_OK(remote(signed_permissions({of_peer})));
   clock.advance(2h);
   plugin->expire();
-  EXPECT_TRUE(log.events.empty());
+  EXPECT_TRUE(log.all.empty());
 }
 
 // T4: the wall clock at the check counts, wherever it jumped. What was valid has not ended when the
@@ -159,10 +159,10 @@ TEST_F(Expiry, EndOfAPeersGrant_EndsThePeerUnlessTheNextGivesTheSame) {
   EXPECT_TRUE(plugin->expire().empty());
   clock.advance(10s);
   EXPECT_REFUSED(plugin->check_remote_datawriter(others[0], 0, {.topic_name = "t"}), grant_expired);
-  log.events.clear();
+  log.all.clear();
   EXPECT_EQ(plugin->expire(), others);
-  EXPECT_EQ(log.events.size(), others.size());
-  for (const auto& event : log.events) EXPECT_EQ(event.error.code(), Code::grant_expired);
+  EXPECT_EQ(log.all.size(), others.size());
+  for (const auto& event : log.all) EXPECT_EQ(event.error.code(), Code::grant_expired);
   EXPECT_TRUE(plugin->check_remote_datawriter(same, 0, {.topic_name = "u"}));
   EXPECT_TRUE(plugin->expire().empty());
 }

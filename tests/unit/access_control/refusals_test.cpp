@@ -52,7 +52,7 @@ TEST_F(Decisions, ARefusedPeer_IsToldApartFromTheLocalParticipant) {
     EXPECT_TRUE(mentions(error.hint(), std::string("the permissions of ") + kListener + " decide"))
         << error.hint();
     EXPECT_TRUE(mentions(error.hint(), info(error.code()).hint)) << error.hint();
-    EXPECT_EQ(log.events.empty() ? "" : log.events.front().peer_subject, kListener);
+    EXPECT_EQ(log.all.empty() ? "" : log.all.front().peer_subject, kListener);
   }
   const auto ours = plugin->check_create_datawriter(own, 0, {.topic_name = "closed_in"});
   ASSERT_FALSE(ours);
@@ -78,7 +78,7 @@ TEST_F(Decisions, AnAnnouncementInAPeersName_DoesNotAccuseThePeer) {
     EXPECT_NE(error.hint().find("this does not prove that the peer made the announcement"),
               std::string::npos)
         << error.hint();
-  for (const auto& event : log.events) EXPECT_EQ(event.severity, Severity::warning);
+  for (const auto& event : log.all) EXPECT_EQ(event.severity, Severity::warning);
 }
 
 TEST_F(Decisions, Refusal_NamesDocumentLineRuleAndValues) {

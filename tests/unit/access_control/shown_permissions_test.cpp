@@ -15,7 +15,7 @@ class ShownPermissions : public AccessControlTest {
     EXPECT_TRUE(local(open_permissions(kTalker)));
     peer_ = remote(document({"t"})).value_or(spi::PermissionsHandle{});
     EXPECT_TRUE(peer_);
-    log.events.clear();
+    log.all.clear();
   }
 
   // The listener may publish `names`.
@@ -45,7 +45,7 @@ class ShownPermissions : public AccessControlTest {
 TEST_F(ShownPermissions, Taken_CountFromThenOnUnderTheSameHandle) {
   EXPECT_TRUE(may_match("t"));
   EXPECT_FALSE(may_publish("u"));
-  log.events.clear();
+  log.all.clear();
   ASSERT_TRUE(show(document({"u"}, 0s, 48h)));
   EXPECT_EQ(log.only(), Code::peer_permissions_renewed);
   EXPECT_FALSE(may_publish("t"));
@@ -62,9 +62,9 @@ TEST_F(ShownPermissions, Taken_CountFromThenOnUnderTheSameHandle) {
 TEST_F(ShownPermissions, ThatAreTheSame_AreNoEvent) {
   const auto text = document({"t"}, 0s, 48h);
   ASSERT_TRUE(show(text));
-  log.events.clear();
+  log.all.clear();
   ASSERT_TRUE(show(text));
-  EXPECT_THAT(log.events, IsEmpty());
+  EXPECT_THAT(log.all, IsEmpty());
 }
 
 TEST_F(ShownPermissions, ThatBeginEarlier_AreRefusedAsARollBack) {
@@ -97,17 +97,17 @@ TEST_F(ShownPermissions, OfAnotherSubject_AreRefused) {
 TEST_F(ShownPermissions, OfAnotherCa_AreRefused) {
   const auto xml = governance::to_xml(
       governance::Permissions{.grants = {grant(kListener, {publish_rule(true, {"u"})})}});
-  log.events.clear();
+  log.all.clear();
   EXPECT_FALSE(show(signed_by(authorities().other_ca, xml)));
-  EXPECT_EQ(log.events.size(), 1u);
+  EXPECT_EQ(log.all.size(), 1u);
   EXPECT_FALSE(may_publish("u"));
   EXPECT_TRUE(may_publish("t"));
 }
 
 TEST_F(ShownPermissions, ThatAreNotValidNow_AreRefused) {
-  log.events.clear();
+  log.all.clear();
   EXPECT_FALSE(show(document({"u"}, 1h, 48h)));
-  EXPECT_EQ(log.events.size(), 1u);
+  EXPECT_EQ(log.all.size(), 1u);
   EXPECT_TRUE(may_publish("t"));
 }
 

@@ -23,6 +23,7 @@
 #include "plugins/authentication/authentication.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "tests/support/expect_code.hpp"
+#include "tests/support/recorded_events.hpp"
 
 namespace ddssec::authentication {
 
@@ -95,15 +96,6 @@ inline Identity make_identity(const pki::Authority& ca, std::string subject, Key
   return identity_of(std::move(certificate), key, ca.certificate().pem());
 }
 
-struct Collector final : EventSink {
-  void raise(const Event& event) override {
-    const std::scoped_lock lock(mutex);
-    events.push_back(event);
-  }
-  std::mutex mutex;
-  std::vector<Event> events;
-};
-
 /// One process: an engine with its clock.
 struct Engine {
   explicit Engine(std::uint64_t seed = 1, AuthenticationOptions options = {})
@@ -112,7 +104,7 @@ struct Engine {
 
   ManualClock clock{kNow};
   SeededRandom random;
-  Collector events;
+  test::RecordedEvents events;
   DocumentsInUse documents;
   std::unique_ptr<spi::Authentication> plugin;
 };

@@ -58,7 +58,7 @@ TEST(RemoteIdentity, RefusalAfterProof_NamesThePeerInItsEvent) {
   pairing.expect_success();
   auto& two = pairing.two;
   EXPECT_CODE(two.reply(Token{"DDS:Auth:PKI-DH:1.0+Req"}), token_field_missing);
-  const auto& event = two.high.engine->events.events.back();
+  const auto& event = two.high.engine->events.all.back();
   EXPECT_EQ(event.peer_subject, &two.low == &pairing.a ? "CN=alice,O=Example" : "CN=bob,O=Example");
   EXPECT_EQ(event.guid, two.low.guid.to_string());
 }

@@ -104,7 +104,7 @@ class AuthorityRenewal : public testing::Test {
     return end && end->result == ValidationResult::ok;
   }
   Engine& engine() { return pairing_.first_engine; }
-  std::vector<Event>& events() { return engine().events.events; }
+  std::vector<Event>& events() { return engine().events.all; }
   IdentityHandle bob_at_alice() {
     return &pairing_.two.low == &pairing_.a ? pairing_.two.high_at_low : pairing_.two.low_at_high;
   }
@@ -176,13 +176,13 @@ struct RelativePaths : testing::Test {
   }
   // Where the files are that events are about, after looking.
   std::vector<std::pair<Code, std::string>> told() {
-    engine.events.events.clear();
+    engine.events.all.clear();
     for (int i = 0; i < 3; ++i) {
       engine.clock.advance(5s);
       EXPECT_THAT(engine->expire(), IsEmpty());
     }
     std::vector<std::pair<Code, std::string>> out;
-    for (const auto& event : engine.events.events)
+    for (const auto& event : engine.events.all)
       out.emplace_back(event.error.code(), event.error.details().document);
     return out;
   }
@@ -301,13 +301,13 @@ TEST_F(AuthorityRenewal, RevocationList_IsTakenTogetherWithItsCa) {
   folder_.replace("crl.pem", pem({.number = 1}, new_ca()));
   folder_.replace("cert.pem", next.certificate.pem());
   put({&new_ca()});
-  other.events.events.clear();
+  other.events.all.clear();
   for (int i = 0; i < 3; ++i) {
     other.clock.advance(5s);
     EXPECT_THAT(other->expire(), IsEmpty());
   }
   std::vector<Code> codes;
-  for (const auto& event : other.events.events) codes.push_back(event.error.code());
+  for (const auto& event : other.events.all) codes.push_back(event.error.code());
   EXPECT_THAT(codes, ElementsAre(Code::identity_ca_renewed, Code::identity_renewed));
   folder_.replace("crl.pem", pem({2, {next.certificate}}, new_ca()));
   other.clock.advance(5s);
@@ -447,11 +447,11 @@ TEST_F(AuthorityRenewal, IntervalOfZero_MeansNever) {
   set(identity.properties, property::kFilesPollInterval, "0");
   Engine other{3};
   Participant alone(other, identity, 9);
-  other.events.events.clear();
+  other.events.all.clear();
   put({&old_ca(), &new_ca()});
   other.clock.advance(60s);
   other->expire();
-  EXPECT_THAT(other.events.events, IsEmpty());
+  EXPECT_THAT(other.events.all, IsEmpty());
 }
 
 TEST_F(AuthorityRenewal, FolderOfTrustedCas_MustHaveEveryCa) {
@@ -461,15 +461,15 @@ TEST_F(AuthorityRenewal, FolderOfTrustedCas_MustHaveEveryCa) {
   set(identity.properties, property::kTrustedCaDir, "file:" + trusted.path());
   Engine other{3};
   Participant alone(other, identity, 9);
-  other.events.events.clear();
+  other.events.all.clear();
   put({&old_ca(), &new_ca()});
   for (int i = 0; i < 3; ++i) {
     other.clock.advance(5s);
     other->expire();
   }
-  ASSERT_EQ(other.events.events.size(), 1u);
-  EXPECT_EQ(other.events.events.front().error.code(), Code::identity_ca_renewal_refused);
-  EXPECT_THAT(other.events.events.front().error.to_sentence(), HasSubstr("not among the trusted"));
+  ASSERT_EQ(other.events.all.size(), 1u);
+  EXPECT_EQ(other.events.all.front().error.code(), Code::identity_ca_renewal_refused);
+  EXPECT_THAT(other.events.all.front().error.to_sentence(), HasSubstr("not among the trusted"));
 }
 
 // ---- ends

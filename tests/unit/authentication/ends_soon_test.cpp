@@ -19,7 +19,7 @@ class Alone {
   }
   // The codes of the next `count` days.
   std::vector<Code> live(int count) {
-    engine_.events.events.clear();
+    engine_.events.all.clear();
     std::vector<Code> out;
     for (int i = 0; i < count; ++i) {
       engine_.clock.advance(days(1));
@@ -29,7 +29,7 @@ class Alone {
     for (const auto& event : events()) out.push_back(event.error.code());
     return out;
   }
-  const std::vector<Event>& events() { return engine_.events.events; }
+  const std::vector<Event>& events() { return engine_.events.all; }
 
  private:
   Engine engine_;
@@ -97,7 +97,7 @@ TEST(EndsSoon, PeersCertificate_IsNotOurs) {
   pairing.expect_success();
   pairing.first_engine.clock.advance(days(7) + 1h);
   EXPECT_TRUE(pairing.first_engine->expire().empty());
-  EXPECT_TRUE(pairing.first_engine.events.events.empty());
+  EXPECT_TRUE(pairing.first_engine.events.all.empty());
 }
 
 }  // namespace

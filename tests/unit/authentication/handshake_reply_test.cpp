@@ -39,7 +39,7 @@ INSTANTIATE_TEST_SUITE_P(Each, ForgedReply, testing::ValuesIn(of_reply()), kName
 
 TEST_P(ForgedReply, ForgedReply_IsRefusedAndTheHonestOneSucceeds) {
   Pairing pairing;
-  auto& events = pairing.two.low.engine->events.events;
+  auto& events = pairing.two.low.engine->events.all;
   const auto req = pairing.two.request();
   const auto rep = pairing.two.reply(*req->message);
   ASSERT_OK(rep);

@@ -84,7 +84,7 @@ TEST_F(Renewal, KeyInTheProperties_StaysAndTheCertificateMustBeForIt) {
   set(identity.properties, property::kIdentityCertificate, "file:" + certificate_path_);
   Engine other{3};
   Participant alone(other, identity, 9);
-  other.events.events.clear();
+  other.events.all.clear();
   const auto look_there = [&] {
     for (int i = 0; i < 3; ++i) {
       other.clock.advance(5s);
@@ -93,11 +93,11 @@ TEST_F(Renewal, KeyInTheProperties_StaysAndTheCertificateMustBeForIt) {
   };
   folder_.replace("cert.pem", renewed(3).certificate.pem());
   look_there();
-  ASSERT_EQ(other.events.events.size(), 1u);
-  EXPECT_EQ(other.events.events.back().error.code(), Code::identity_renewal_refused);
+  ASSERT_EQ(other.events.all.size(), 1u);
+  EXPECT_EQ(other.events.all.back().error.code(), Code::identity_renewal_refused);
   folder_.replace("cert.pem", renewed().certificate.pem());
   look_there();
-  EXPECT_EQ(other.events.events.back().error.code(), Code::identity_renewed);
+  EXPECT_EQ(other.events.all.back().error.code(), Code::identity_renewed);
 }
 
 TEST_F(Renewal, IntervalOfZero_MeansNever) {
@@ -105,11 +105,11 @@ TEST_F(Renewal, IntervalOfZero_MeansNever) {
   set(identity.properties, property::kFilesPollInterval, "0");
   Engine other{3};
   Participant alone(other, identity, 9);
-  other.events.events.clear();
+  other.events.all.clear();
   put(renewed());
   other.clock.advance(60s);
   other->expire();
-  EXPECT_THAT(other.events.events, IsEmpty());
+  EXPECT_THAT(other.events.all, IsEmpty());
 }
 
 TEST_F(Renewal, WhatIsNoCertificate_IsReportedOnceAndNothingIsLost) {

@@ -39,8 +39,8 @@ TEST(Expiry, EndedIdentities_AreRevokedOnce) {
   EXPECT_TRUE(pairing.second_engine->expire().empty());
   EXPECT_EQ(pairing.first_engine->next_expiry(), kYear.not_after);
 
-  ASSERT_EQ(pairing.first_engine.events.events.size(), 1u);
-  const auto& event = pairing.first_engine.events.events[0];
+  ASSERT_EQ(pairing.first_engine.events.all.size(), 1u);
+  const auto& event = pairing.first_engine.events.all[0];
   EXPECT_EQ(event.error.code(), Code::identity_ended);
   EXPECT_EQ(event.peer_subject, "CN=bob,O=Example");
   EXPECT_EQ(event.guid, pairing.b.guid.to_string());
@@ -106,7 +106,7 @@ TEST(Expiry, EndOfTheCa_Counts) {
   EXPECT_EQ(engine->next_expiry(), kNow + 5s);
   engine.clock.advance(5s);
   EXPECT_EQ(engine->expire(), std::vector{alice.handle});
-  EXPECT_EQ(engine.events.events.at(0).error.details().document, "CN=Short CA");
+  EXPECT_EQ(engine.events.all.at(0).error.details().document, "CN=Short CA");
 }
 
 }  // namespace

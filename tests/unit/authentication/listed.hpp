@@ -75,7 +75,7 @@ class Listed : public testing::Test {
     EXPECT_THAT(error.details().note, HasSubstr(note));
   }
   Engine& engine() { return pairing_.first_engine; }
-  std::vector<Event>& events() { return engine().events.events; }
+  std::vector<Event>& events() { return engine().events.all; }
   IdentityHandle bob_at_alice() {
     return &pairing_.two.low == &pairing_.a ? pairing_.two.high_at_low : pairing_.two.low_at_high;
   }

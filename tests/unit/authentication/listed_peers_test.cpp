@@ -101,11 +101,11 @@ class OwnListed : public testing::Test {
     EXPECT_THAT(second_->expire(), IsEmpty());
   }
   std::vector<Code> codes_at_the_end() {
-    second_.events.events.clear();
+    second_.events.all.clear();
     second_.clock.advance(15s);
     ended_ = second_->expire();
     std::vector<Code> out;
-    for (const auto& event : second_.events.events) out.push_back(event.error.code());
+    for (const auto& event : second_.events.all) out.push_back(event.error.code());
     return out;
   }
 
@@ -179,7 +179,7 @@ TEST(ListedOfANewCa, PeerWhoseFirstCaHasLeft_IsKept) {
   EXPECT_THAT(poll(), IsEmpty());
   EXPECT_THAT(poll(), IsEmpty());
   folder.write("renewed.pem", "");
-  const auto& all = first.events.events;
+  const auto& all = first.events.all;
   EXPECT_TRUE(std::ranges::any_of(
       all, [](const auto& one) { return one.error.code() == Code::peer_renewal_listed; }));
 }

@@ -24,9 +24,9 @@ inline void expect_refused(const PropertyList& properties, Code code, std::strin
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code(), code) << result.error().to_sentence();
   EXPECT_EQ(result.error().details().document, document) << result.error().to_sentence();
-  ASSERT_EQ(engine.events.events.size(), 1u);
-  EXPECT_EQ(engine.events.events[0].error.code(), code);
-  EXPECT_TRUE(engine.events.events[0].is_returned);
+  ASSERT_EQ(engine.events.all.size(), 1u);
+  EXPECT_EQ(engine.events.all[0].error.code(), code);
+  EXPECT_TRUE(engine.events.all[0].is_returned);
   EXPECT_FALSE(engine->next_expiry());
 }
 

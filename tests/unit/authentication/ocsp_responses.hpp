@@ -36,9 +36,9 @@ inline Identity with_policy(Identity identity, const std::string& policy) {
   return identity;
 }
 
-inline int count_of(const Collector& events, Code code) {
+inline int count_of(const test::RecordedEvents& events, Code code) {
   return static_cast<int>(std::ranges::count_if(
-      events.events, [&](const Event& event) { return event.error.code() == code; }));
+      events.all, [&](const Event& event) { return event.error.code() == code; }));
 }
 
 }  // namespace ddssec::authentication

@@ -68,7 +68,7 @@ TEST_F(OwnOcspFile, ThatCannotBeUsed_IsReportedOnceAndDoesNotKeepUsOut) {
   ASSERT_OK(start());
   for (int i = 0; i < 5; ++i) EXPECT_TRUE(poll().empty());
   ASSERT_EQ(count_of(engine.events, Code::ocsp_response_refused), 1);
-  EXPECT_THAT(engine.events.events.back().error.to_sentence(), HasSubstr("another certificate"));
+  EXPECT_THAT(engine.events.all.back().error.to_sentence(), HasSubstr("another certificate"));
   put(response_about(alice().certificate));
   for (int i = 0; i < 5; ++i) poll();
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 1);
@@ -81,7 +81,7 @@ TEST_F(OwnOcspFile, ThatIsEarlierThanTheOneInForce_IsRefused) {
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, -1h, 1h));
   for (int i = 0; i < 5; ++i) poll();
   ASSERT_EQ(count_of(engine.events, Code::ocsp_response_refused), 1);
-  EXPECT_THAT(engine.events.events.back().error.to_sentence(), HasSubstr("thisUpdate"));
+  EXPECT_THAT(engine.events.all.back().error.to_sentence(), HasSubstr("thisUpdate"));
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 0);
 }
 

@@ -57,7 +57,7 @@ TEST(RemoteIdentityBounds, ACertificateThatFillsItsShare_LeavesRoomForAnother) {
   const auto refused = greedy.join(us);
   EXPECT_CODE(refused, too_many_identities_of_subject);
   EXPECT_TRUE(spi::refusal_passes(refused.error().code()));
-  const auto& told = engine.events.events.back().error;
+  const auto& told = engine.events.all.back().error;
   EXPECT_NE(told.to_sentence().find("CN=greedy"), std::string::npos);
   EXPECT_NE(told.to_sentence().find("at most 3 participants"), std::string::npos);
   EXPECT_TRUE(honest.join(us));

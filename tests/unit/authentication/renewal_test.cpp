@@ -60,9 +60,9 @@ TEST_F(Renewal, RevokedCertificate_IsRefused) {
     other.clock.advance(5s);
     EXPECT_THAT(other->expire(), IsEmpty());
   }
-  ASSERT_EQ(other.events.events.size(), 1u);
-  EXPECT_EQ(other.events.events.back().error.code(), Code::identity_renewal_refused);
-  EXPECT_THAT(other.events.events.back().error.to_sentence(), HasSubstr("was revoked"));
+  ASSERT_EQ(other.events.all.size(), 1u);
+  EXPECT_EQ(other.events.all.back().error.code(), Code::identity_renewal_refused);
+  EXPECT_THAT(other.events.all.back().error.to_sentence(), HasSubstr("was revoked"));
 }
 
 // A list that names the former certificate does not touch a participant that has a new one.

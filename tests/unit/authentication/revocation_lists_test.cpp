@@ -59,7 +59,7 @@ TEST(LaterCrl, ListThatComesLater_IsTaken) {
   const test::TemporaryFolder folder;
   Watcher watcher(folder, property::kLaterCrl, "1");
   EXPECT_EQ(watcher.ends_after(folder), 1s);
-  const auto& events = watcher.engine.events.events;
+  const auto& events = watcher.engine.events.all;
   ASSERT_GE(events.size(), 2u);
   EXPECT_EQ(events[0].error.code(), Code::no_revocation_list);
   EXPECT_EQ(events[1].error.code(), Code::crl_renewed);
@@ -120,7 +120,7 @@ TEST(LaterCrl, FolderOfAuthorities_IsRefusedBesideIt) {
   Watcher watcher(folder, property::kLaterCrl, "1");
   set(watcher.identity.properties, property::kTrustedCaDir, cas.path());
   EXPECT_FALSE(watcher.ends_after(folder));
-  EXPECT_EQ(watcher.engine.events.events.back().error.code(), Code::trusted_ca_dir_with_crl);
+  EXPECT_EQ(watcher.engine.events.all.back().error.code(), Code::trusted_ca_dir_with_crl);
 }
 
 // ---- a list that no property names
@@ -147,7 +147,7 @@ struct UnnamedRevocationList : testing::Test {
   }
   std::vector<Code> codes() const {
     std::vector<Code> out;
-    for (const auto& event : engine.events.events) out.push_back(event.error.code());
+    for (const auto& event : engine.events.all) out.push_back(event.error.code());
     return out;
   }
   Status create() {
@@ -191,11 +191,11 @@ struct TwoRevocationLists : UnnamedRevocationList {
   }
   // What is said within three looks.
   std::vector<Code> told() {
-    engine.events.events.clear();
+    engine.events.all.clear();
     EXPECT_FALSE(ends());
     return codes();
   }
-  const ErrorDetails& last() const { return engine.events.events.back().error.details(); }
+  const ErrorDetails& last() const { return engine.events.all.back().error.details(); }
 };
 
 TEST_F(TwoRevocationLists, NewerList_CountsFromEither) {
@@ -233,7 +233,7 @@ TEST_F(TwoRevocationLists, OlderCopy_IsReportedOnceWithBothNumbers) {
   elsewhere.write("crl.pem", second);
   ASSERT_OK(create());
   EXPECT_THAT(told(), testing::ElementsAre(Code::crl_copy_older));
-  EXPECT_EQ(engine.events.events[0].severity, Severity::warning);
+  EXPECT_EQ(engine.events.all[0].severity, Severity::warning);
   EXPECT_EQ(last().document, folder.path() + "/crl.pem");
   EXPECT_THAT(last().expected, testing::HasSubstr("number 2"));
   EXPECT_THAT(last().found, testing::HasSubstr("number 1"));
@@ -347,11 +347,11 @@ TEST_F(UnnamedRevocationList, List_ThatIsInvalidOrForeign_ChangesNothingAndIsRep
       {pem({9, {alice().certificate}}, forger), Code::crl_signature_invalid},
       {pem({9, {alice().certificate}, kNow - 48h, kNow - 24h}), Code::crl_expired}};
   for (const auto& [text, code] : lists) {
-    engine.events.events.clear();
+    engine.events.all.clear();
     folder.replace("crl.pem", text);
     EXPECT_FALSE(ends());
     ASSERT_EQ(codes(), std::vector{code});
-    const auto& details = engine.events.events[0].error.details();
+    const auto& details = engine.events.all[0].error.details();
     EXPECT_EQ(details.document, folder.path() + "/crl.pem");
     EXPECT_THAT(details.note, testing::HasSubstr("still no revocation list"));
   }
@@ -364,7 +364,7 @@ TEST_F(UnnamedRevocationList, NoList_IsSaidOnceWithItsPlace) {
   ASSERT_OK(create());
   EXPECT_FALSE(ends());
   ASSERT_EQ(codes(), std::vector{Code::no_revocation_list});
-  const auto& event = engine.events.events[0];
+  const auto& event = engine.events.all[0];
   EXPECT_EQ(event.severity, Severity::informational);
   EXPECT_THAT(event.error.details().note,
               testing::HasSubstr(folder.path() + "/crl.pem is looked for every 1 s"));
@@ -375,7 +375,7 @@ TEST_F(UnnamedRevocationList, NoList_WithoutLooking_SaysThatNoneIsLookedFor) {
   put_certificate();
   set(identity.properties, property::kFilesPollInterval, "0");
   ASSERT_OK(create());
-  EXPECT_THAT(engine.events.events.at(0).error.details().note,
+  EXPECT_THAT(engine.events.all.at(0).error.details().note,
               testing::HasSubstr("is not looked for, since org.ddssec.files_poll_interval is 0"));
   folder.write("crl.pem", revokes_alice());
   EXPECT_FALSE(ends());

@@ -46,7 +46,7 @@ class RunningRevocation : public testing::Test {
     return {};
   }
   Engine& engine() { return pairing_.first_engine; }
-  const std::vector<Event>& events() { return engine().events.events; }
+  const std::vector<Event>& events() { return engine().events.all; }
   std::vector<Code> codes() {
     std::vector<Code> out;
     for (const auto& event : events()) out.push_back(event.error.code());
@@ -154,7 +154,7 @@ class RefusedRevocationList : public RunningRevocation {
   void expect_older(std::string_view text) {
     put(text);
     EXPECT_EQ(codes(), std::vector{Code::crl_older});
-    engine().events.events.clear();
+    engine().events.all.clear();
   }
   void expect_refused(Code code) {
     wait();
@@ -163,7 +163,7 @@ class RefusedRevocationList : public RunningRevocation {
     EXPECT_NE(events()[0].error.details().note.find("stay in force"), std::string::npos);
     EXPECT_EQ(events()[0].guid, pairing_.a.guid.to_string());
     EXPECT_CODE(handshake(), certificate_revoked);
-    engine().events.events.clear();
+    engine().events.all.clear();
   }
 };
 
@@ -214,7 +214,7 @@ TEST_F(RefusedRevocationList, ListOfToday_ReplacesOneOfTheFutureIfItNamesAll) {
   engine().clock.set(kNow + 200 * 24h);
   put(pem({6, {bob().certificate}, kNow + 200 * 24h}));
   EXPECT_EQ(codes(), std::vector{Code::crl_renewed});
-  engine().events.events.clear();
+  engine().events.all.clear();
   engine().clock.set(kNow);
   expect_older(pem({7}));
   expect_older(pem({6, {bob().certificate}}));
@@ -242,10 +242,10 @@ TEST_F(RefusedRevocationList, ListCutOffAnywhere_IsRefused) {
     folder_.replace("crl.pem", whole.substr(0, size));
     EXPECT_TRUE(wait().empty());
     EXPECT_EQ(std::ranges::count(codes(), Code::crl_renewed), 0) << size;
-    engine().events.events.clear();
+    engine().events.all.clear();
   }
   EXPECT_CODE(handshake(), certificate_revoked);
-  engine().events.events.clear();
+  engine().events.all.clear();
   put(whole);
   EXPECT_EQ(codes(), std::vector{Code::crl_renewed});
 }
@@ -257,7 +257,7 @@ TEST_F(RefusedRevocationList, ListWithAnyBitChanged_IsRefused) {
     changed[at] = static_cast<char>(changed[at] ^ 2);
     put(changed);
     EXPECT_EQ(std::ranges::count(codes(), Code::crl_renewed), 0) << at;
-    engine().events.events.clear();
+    engine().events.all.clear();
   }
   EXPECT_CODE(handshake(), certificate_revoked);
 }
@@ -303,8 +303,8 @@ TEST(RevokedAuthority, RevokedCa_EndsThePeersItIssued) {
   };
   folder.replace("crl.pem", pem({2, {cas.sub.certificate()}}, cas.root) + pem({}, cas.sub));
   EXPECT_EQ(poll().size(), 1u);
-  ASSERT_EQ(engine.events.events.size(), 2u);
-  const auto& event = engine.events.events[1];
+  ASSERT_EQ(engine.events.all.size(), 2u);
+  const auto& event = engine.events.all[1];
   EXPECT_EQ(event.error.code(), Code::certificate_revoked);
   EXPECT_EQ(event.error.details().field, "CN=Sub");
   EXPECT_EQ(event.peer_subject, "CN=bob");
@@ -332,8 +332,8 @@ TEST(RevokedAuthority, ListOfEachCa_MustStay) {
     engine.clock.advance(5s);
     EXPECT_TRUE(engine->expire().empty());
   }
-  ASSERT_EQ(engine.events.events.size(), 1u);
-  EXPECT_EQ(engine.events.events[0].error.code(), Code::crl_missing);
+  ASSERT_EQ(engine.events.all.size(), 1u);
+  EXPECT_EQ(engine.events.all[0].error.code(), Code::crl_missing);
 }
 
 // ---- many

@@ -71,15 +71,15 @@ class SessionRenewal : public testing::Test {
   }
   // Bob's side refuses it, says so, and is as before.
   void expect_refused(const Token& offer, Code code) {
-    bob().events.events.clear();
+    bob().events.all.clear();
     const auto judged = bob()->judge_renewal(at_bob_, offer);
     const auto taken = bob()->take_renewal(at_bob_, offer);
     ASSERT_FALSE(judged || taken);
     EXPECT_EQ(judged.error().code(), code);
     EXPECT_EQ(taken.error().code(), code);
-    ASSERT_FALSE(bob().events.events.empty());
-    EXPECT_EQ(bob().events.events.front().error.code(), code);
-    EXPECT_EQ(bob().events.events.front().peer_subject, kAlice);
+    ASSERT_FALSE(bob().events.all.empty());
+    EXPECT_EQ(bob().events.all.front().error.code(), code);
+    EXPECT_EQ(bob().events.all.front().peer_subject, kAlice);
     EXPECT_EQ(bob()->next_expiry(), kShort.not_after);
   }
   std::vector<IdentityHandle> ended(Engine& engine, WallTime at) {
@@ -102,7 +102,7 @@ TEST_F(SessionRenewal, TakenByThePeer_TheSessionOutlivesTheFormerCertificateOnBo
   renew();
   EXPECT_FALSE(offer()) << "the peer has it";
   EXPECT_EQ(bob()->next_expiry(), kLong.not_after);
-  EXPECT_EQ(bob().events.events.back().error.code(), Code::peer_identity_renewed);
+  EXPECT_EQ(bob().events.all.back().error.code(), Code::peer_identity_renewed);
   const auto after = kShort.not_after + 1h;
   EXPECT_THAT(ended(alice(), after), IsEmpty());
   EXPECT_THAT(ended(bob(), after), IsEmpty());
@@ -138,9 +138,9 @@ TEST_F(SessionRenewal, AnOlderCertificateThanTheOneInForce_IsRefused) {
   const auto first = *offer();
   put(renewed(4, {kNow + 1s, kNow + days(200)}));
   renew();
-  bob().events.events.clear();
+  bob().events.all.clear();
   EXPECT_CODE(bob()->take_renewal(at_bob_, first), peer_renewal_goes_back);
-  EXPECT_FALSE(bob().events.events.empty());
+  EXPECT_FALSE(bob().events.all.empty());
   EXPECT_EQ(bob()->next_expiry(), kNow + days(200));
 }
 
@@ -180,7 +180,7 @@ TEST_F(SessionRenewal, OfAnotherSession_IsRefused) {
   put(renewed(3));
   const auto of_former = *offer();
   std::tie(at_alice_, at_bob_) = shake_hands();
-  bob().events.events.clear();
+  bob().events.all.clear();
   EXPECT_CODE(bob()->take_renewal(at_bob_, of_former), signature_invalid);
 }
 

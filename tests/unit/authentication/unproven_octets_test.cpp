@@ -120,7 +120,7 @@ struct LargeDocuments {
   Stranger stranger() {
     return {*(*request)->message, &low() == &pairing.a ? alice : bob, pairing.two.high};
   }
-  std::vector<Event>& events() { return pairing.two.high.engine->events.events; }
+  std::vector<Event>& events() { return pairing.two.high.engine->events.all; }
 
   Identity alice, bob;
   Pairing pairing;

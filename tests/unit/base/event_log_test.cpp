@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file_descriptor.hpp"
+#include "tests/support/recorded_events.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace ddssec {
@@ -19,11 +20,6 @@ namespace {
 Event event(std::string found = "x") {
   return Event(Error(Code::malformed, {.found = std::move(found)}));
 }
-
-struct Recorder final : EventSink {
-  void raise(const Event& event) override { events.push_back(event); }
-  std::vector<Event> events;
-};
 
 class EventLogTest : public testing::Test {
  protected:
@@ -95,20 +91,20 @@ TEST_F(EventLogTest, LostEvents_AreReportedOnceAndCounted) {
 }
 
 TEST_F(EventLogTest, LoggedEvents_GoBothToTheFileAndOn) {
-  Recorder recorder;
+  test::RecordedEvents recorder;
   LoggedEvents events(recorder, EventLog(path_.c_str()));
   events.raise(event());
-  EXPECT_EQ(recorder.events.size(), 1u);
+  EXPECT_EQ(recorder.all.size(), 1u);
   EXPECT_EQ(lines().size(), 1u);
 }
 
 TEST_F(EventLogTest, LoggedEvents_SayThatThereIsNoFile) {
-  Recorder recorder;
+  test::RecordedEvents recorder;
   LoggedEvents events(recorder, EventLog("/no/such/folder/events"));
-  ASSERT_EQ(recorder.events.size(), 1u);
-  EXPECT_EQ(recorder.events[0].error.code(), Code::event_log_unwritable);
+  ASSERT_EQ(recorder.all.size(), 1u);
+  EXPECT_EQ(recorder.all[0].error.code(), Code::event_log_unwritable);
   events.raise(event());
-  EXPECT_EQ(recorder.events.size(), 2u);
+  EXPECT_EQ(recorder.all.size(), 2u);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/support/recorded_events.hpp"
 #include "tests/unit/base/status_socket.hpp"
 
 namespace ddssec {
@@ -12,16 +13,10 @@ namespace {
 
 using testing::HasSubstr;
 
-class Log final : public EventSink {
- public:
-  void raise(const Event& event) override { events.push_back(event); }
-  std::vector<Event> events;
-};
-
 class Service : public Server {
  protected:
   ~Service() override { ::unsetenv("DDSSEC_STATUS_DIR"); }
-  Log log_;
+  test::RecordedEvents log_;
 };
 
 TEST_F(Service, WithoutTheVariable_NoSocketIsOpened) {
@@ -29,7 +24,7 @@ TEST_F(Service, WithoutTheVariable_NoSocketIsOpened) {
   EXPECT_EQ(documents_shown(&log_), nullptr);
   ::setenv("DDSSEC_STATUS_DIR", "", 1);
   EXPECT_EQ(documents_shown(&log_), nullptr);
-  EXPECT_TRUE(log_.events.empty());
+  EXPECT_TRUE(log_.all.empty());
 }
 
 TEST_F(Service, AllUsersOfAProcess_ShareOneRecordUntilTheLastLeaves) {
@@ -55,9 +50,9 @@ TEST_F(Service, FolderThatCannotServe_IsReportedOnce) {
   ::setenv("DDSSEC_STATUS_DIR", "/nowhere/at/all", 1);
   EXPECT_EQ(documents_shown(&log_), nullptr);
   EXPECT_EQ(documents_shown(&log_), nullptr);
-  ASSERT_EQ(log_.events.size(), 1u);
-  EXPECT_EQ(log_.events[0].error.code(), Code::status_not_served);
-  EXPECT_EQ(log_.events[0].proof, PeerProof::not_a_peer);
+  ASSERT_EQ(log_.all.size(), 1u);
+  EXPECT_EQ(log_.all[0].error.code(), Code::status_not_served);
+  EXPECT_EQ(log_.all[0].proof, PeerProof::not_a_peer);
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ TEST_F(AcknowledgedEndpoints, UnderKeysOfTheirWriters_CountOnce) {
         << number;
     ASSERT_TRUE(encode_reply(*two, ends, acknacks(kPublications, number)));
   }
-  EXPECT_TRUE(two->b.events.codes.empty()) << two->b.events.last;
+  EXPECT_TRUE(two->b.events.codes().empty()) << two->b.events.last();
 }
 
 TEST_F(AcknowledgedEndpoints, InProtectedMessages_CountOnce) {
@@ -65,7 +65,7 @@ TEST_F(AcknowledgedEndpoints, InProtectedMessages_CountOnce) {
     const auto encoded = encode_message(*two, message(kPeer, announces(kClear, number)));
     const auto decoded = decode_message(*two, encoded.value());
     ASSERT_TRUE(decoded);
-    ASSERT_GT(decoded->size(), kUserData) << number << ' ' << two->b.events.last;
+    ASSERT_GT(decoded->size(), kUserData) << number << ' ' << two->b.events.last();
     ASSERT_TRUE(into_bytes(1000, [&](MutableBytes out) {
       return two->b.transform().encode_rtps_message(
           two->b.participant, {&two->b.remote, 1}, message(kVictim, acknacks(kClear, number)), out);

@@ -291,10 +291,10 @@ DataMessage dispose(const GuidPrefix& whose) {
 TEST(TrustingHost, DiscoveryOfThePeer_PassesAndOfOthersDoesNot) {
   Engine engine(false);
   EXPECT_TRUE(engine.pass(dispose(kPeer)));
-  EXPECT_TRUE(engine.two.b.events.codes.empty());
+  EXPECT_TRUE(engine.two.b.events.codes().empty());
   EXPECT_EQ(code_of(engine.pass(dispose(kVictim))), Code::builtin_source_mismatch);
-  EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::builtin_source_mismatch});
-  EXPECT_NE(engine.two.b.events.last.find(kVictim.to_string()), std::string::npos);
+  EXPECT_EQ(engine.two.b.events.codes(), std::vector{Code::builtin_source_mismatch});
+  EXPECT_NE(engine.two.b.events.last().find(kVictim.to_string()), std::string::npos);
 }
 
 TEST(TrustingHost, UnknownPeerGuid_AllowsAnyName) {
@@ -305,7 +305,7 @@ TEST(TrustingHost, UnknownPeerGuid_AllowsAnyName) {
 TEST(CheckingHost, EveryProtectedName_PassesToAHostThatChecks) {
   Engine engine(true);
   EXPECT_TRUE(engine.pass(dispose(kVictim)));
-  EXPECT_TRUE(engine.two.b.events.codes.empty());
+  EXPECT_TRUE(engine.two.b.events.codes().empty());
 }
 
 // ---- addresses in the form of RTPS 1, with which Cyclone DDS frees memory that it never wrote

@@ -12,9 +12,9 @@ constexpr auto kSign = ProtectionKind::sign;
 
 TEST(Backends, MissingBackend_IsReplacedWithAnEvent) {
   Side side(CryptographyOptions{.aead = static_cast<AeadChoice>(200)});
-  EXPECT_EQ(side.events.codes, std::vector{Code::aead_backend_unavailable});
+  EXPECT_EQ(side.events.codes(), std::vector{Code::aead_backend_unavailable});
   EXPECT_TRUE(side.factory().register_local_participant({}, {}, {}, participant_attributes(kSign)));
-  EXPECT_TRUE(Side().events.codes.empty());
+  EXPECT_TRUE(Side().events.codes().empty());
 }
 
 }  // namespace

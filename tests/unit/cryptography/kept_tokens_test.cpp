@@ -45,7 +45,7 @@ TEST(TrustingHost, TokensForAnotherOfItsParticipants_AreRefused) {
   EXPECT_TRUE(engine.passes(1, tokens));
   meet_as(kVictim, 7);
   EXPECT_FALSE(engine.passes(2, tokens));
-  EXPECT_EQ(engine.two.b.events.codes.back(), Code::token_source_mismatch);
+  EXPECT_EQ(engine.two.b.events.codes().back(), Code::token_source_mismatch);
 }
 
 TEST(TrustingHost, TokensInPlaceOfTickets_AreTakenOnce) {
@@ -69,7 +69,7 @@ TEST(TrustingHost, HiddenContent_HasAClassThatTheHostDoesNotKnow) {
   EXPECT_TRUE(engine.passes(1, tokens));
   const auto hidden = engine.decoded(2, tokens);
   EXPECT_EQ(hidden[24 + 104], '-');
-  EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::crypto_tokens_repeated});
+  EXPECT_EQ(engine.two.b.events.codes(), std::vector{Code::crypto_tokens_repeated});
   EXPECT_FALSE(std::ranges::search(hidden, tokens[0].binary_properties[0].value).size());
 }
 
@@ -156,12 +156,12 @@ TEST(TrustingHost, TokensThatNothingHereCanUse_AreRefused) {
       << "no writer is here";
   EXPECT_TRUE(
       to_nobody({{0xff, 0, 3, 0xc7}}, {{0xff, 0, 3, 0xc2}}, "dds.sec.datareader_crypto_tokens"));
-  EXPECT_EQ(engine.two.b.events.codes, std::vector<Code>());
+  EXPECT_EQ(engine.two.b.events.codes(), std::vector<Code>());
   EXPECT_TRUE(to_nobody({{0xfe, 0, 3, 0xc2}}, {{0xff, 0, 3, 0xc7}}, kOfWriter));
-  EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::token_source_unreadable});
+  EXPECT_EQ(engine.two.b.events.codes(), std::vector{Code::token_source_unreadable});
   tokens[0].properties.emplace_back();
   EXPECT_TRUE(to_nobody(kWriter, kReader, kOfWriter));
-  EXPECT_EQ(engine.two.b.events.codes.back(), Code::crypto_token_form);
+  EXPECT_EQ(engine.two.b.events.codes().back(), Code::crypto_token_form);
 }
 
 // A message that is refused would be missing, and hold up all that follow.
@@ -181,9 +181,9 @@ TEST(TrustingHost, FullLedger_LetsWhatFollowsPass) {
   };
   std::uint32_t number = 0;
   while (number < TokenLedger::kMaxPending) ASSERT_TRUE(passes(++number, kOfWriter));
-  EXPECT_EQ(engine.two.b.events.codes, std::vector<Code>());
+  EXPECT_EQ(engine.two.b.events.codes(), std::vector<Code>());
   EXPECT_FALSE(passes(++number, kOfWriter));
-  EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::crypto_tokens_crowded});
+  EXPECT_EQ(engine.two.b.events.codes(), std::vector{Code::crypto_tokens_crowded});
   EXPECT_TRUE(passes(++number, kOfParticipant)) << "there is room for what all else depends on";
 }
 

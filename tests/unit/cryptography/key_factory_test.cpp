@@ -84,7 +84,7 @@ TEST(MatchGate, WriterNotAnnouncedInTheSecureDiscovery_GetsNoMatch) {
   Gated gated;
   const auto user = gated.match();
   EXPECT_EQ(gated.take(user), Code::keys_not_permitted);
-  EXPECT_EQ(gated.two.b.events.codes, std::vector{Code::keys_not_permitted});
+  EXPECT_EQ(gated.two.b.events.codes(), std::vector{Code::keys_not_permitted});
 }
 
 TEST(MatchGate, WriterAnnouncedInTheSecureDiscovery_Matches) {

@@ -49,7 +49,7 @@ TEST(MatchShares, HostThatTrustsItsPeers_IsGivenNoMoreMatches) {
   constexpr auto kMost = MatchShares::kMaxOfSubject;
   auto two = trusting_host();
   EXPECT_EQ(matched(two, announced_under_keys(), 2 * kMost), kMost);
-  EXPECT_EQ(two.b.events.codes, std::vector{Code::too_many_matches});
+  EXPECT_EQ(two.b.events.codes(), std::vector{Code::too_many_matches});
   EXPECT_EQ(matched(two, announced_under_keys(), 3), 3u) << "each local endpoint has its own";
 }
 

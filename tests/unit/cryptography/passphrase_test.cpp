@@ -12,7 +12,7 @@ namespace ddssec::cryptography::testing {
 namespace {
 
 Result<std::vector<Passphrase>> load(const PropertyList& properties) {
-  CountingSink events;
+  test::RecordedEvents events;
   return PassphraseFiles(properties, {}).load(events);
 }
 std::string text_of(const Passphrase& passphrase) {
@@ -78,10 +78,10 @@ TEST(Passphrases, AFileThatOthersMayRead_IsNotPassedOverInSilence) {
   const PropertyList properties = {{std::string(property::kPskPassphrase), "file:" + path}};
   const auto events_with = [&](::mode_t mode) {
     EXPECT_EQ(::chmod(path.c_str(), mode), 0);
-    CountingSink events;
+    test::RecordedEvents events;
     const auto all = PassphraseFiles(properties, {}).load(events);
     EXPECT_TRUE(all && text_of(all->front()) == "Open Sesame");
-    return events.codes;
+    return events.codes();
   };
   EXPECT_EQ(events_with(0600), std::vector<Code>{});
   EXPECT_EQ(events_with(0640), std::vector{Code::psk_passphrase_exposed});
@@ -97,7 +97,7 @@ TEST(ChangedPassphrases, RelativePaths_NameTheSameFilesAfterChdir) {
   PassphraseFiles files({{std::string(property::kPskPassphrase), "file:own"}},
                         std::chrono::seconds(1));
   const test::WorkingFolder there(elsewhere.path());
-  CountingSink events;
+  test::RecordedEvents events;
   const auto all = files.load(events);
   ASSERT_TRUE(all) << all.error().to_sentence();
   EXPECT_EQ(text_of(all->front()), "ours");

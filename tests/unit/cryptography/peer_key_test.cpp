@@ -229,7 +229,7 @@ struct BreakableRandom final : Random {
 
 TEST(PeerKey, KeyThatCannotBeMade_LeavesNoMatch) {
   ManualClock clock{WallTime{}};
-  CountingSink events;
+  test::RecordedEvents events;
   BreakableRandom random;
   const auto engine = make_cryptography({clock, random, events}, {});
   auto& factory = engine->key_factory();

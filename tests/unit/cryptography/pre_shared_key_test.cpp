@@ -250,12 +250,12 @@ struct Running {
   }
   // What was raised meanwhile.
   std::vector<Code> after(std::chrono::seconds time = spi::kDefaultFilesPollInterval) {
-    member.side.events.codes.clear();
+    member.side.events.all.clear();
     member.side.clock.advance(time);
     member.keys->refresh();
-    return member.side.events.codes;
+    return member.side.events.codes();
   }
-  const std::string& said() const { return member.side.events.last; }
+  const std::string& said() const { return member.side.events.last(); }
 
   test::TemporaryFolder folder;
   Member member;
@@ -370,7 +370,7 @@ TEST(ChangedPassphrases, DataUris_NeverChange) {
   Member member(passphrase("1:old", "2:new"));
   member.side.clock.advance(std::chrono::hours(1));
   member.keys->refresh();
-  EXPECT_EQ(member.side.events.codes, Codes{});
+  EXPECT_EQ(member.side.events.codes(), Codes{});
   EXPECT_TRUE(Member(passphrase("1:old")).decode(member.encode(hello())));
 }
 

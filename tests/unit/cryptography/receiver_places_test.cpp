@@ -105,7 +105,7 @@ TEST(ReceiverPlaces, OneCertificate_HasItsShareForAllItsParticipants) {
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(writer.reader(first));
   EXPECT_EQ(writer.readers_of(second), kShare - 100);
   EXPECT_EQ(code_of(writer.reader(first)), Code::receiver_places_taken);
-  EXPECT_EQ(writer.side.events.codes, std::vector(2, Code::receiver_places_taken));
+  EXPECT_EQ(writer.side.events.codes(), std::vector(2, Code::receiver_places_taken));
   EXPECT_TRUE(writer.reader(writer.participant(2, 1))) << "others are served";
   ASSERT_TRUE(writer.side.factory().unregister_datareader(writer.readers.front()));
   EXPECT_TRUE(writer.reader(first));
@@ -179,9 +179,9 @@ TEST(ReceiverPlaces, OneCertificate_HasItsShareOfParticipantsWithMacs) {
   CrowdedWriter writer(kOriginAuthenticated);
   const auto all = writer.participants_of(1);
   EXPECT_EQ(all.size(), kShareOfEach);
-  EXPECT_EQ(writer.side.events.codes, std::vector{Code::receiver_places_taken});
-  EXPECT_NE(writer.side.events.last.find("participants"), std::string::npos)
-      << writer.side.events.last;
+  EXPECT_EQ(writer.side.events.codes(), std::vector{Code::receiver_places_taken});
+  EXPECT_NE(writer.side.events.last().find("participants"), std::string::npos)
+      << writer.side.events.last();
   EXPECT_TRUE(writer.meet(2, 1)) << "others are served";
   ASSERT_TRUE(writer.side.factory().unregister_participant(all.front()));
   EXPECT_TRUE(writer.meet(1, 2000));

@@ -305,7 +305,7 @@ TEST(TrustingHost, KeysAlreadySet_AreKept) {
   EXPECT_TRUE(two.take_participant(two.participant_tokens().value()));  // repeated
   const std::vector<spi::Token> others = {Insider(kAes256Gcm).token()};
   EXPECT_EQ(code_of(two.take_participant(others)), Code::keys_already_set);
-  EXPECT_EQ(two.b.events.codes, std::vector{Code::keys_already_set});
+  EXPECT_EQ(two.b.events.codes(), std::vector{Code::keys_already_set});
   const auto message = encode_message(two, rtps_message({data_submessage(16)})).value();
   EXPECT_TRUE(decode_message(two, message));
 
@@ -346,7 +346,7 @@ TEST(TrustingHost, TokensOfThePeer_PassAndOfOthersDoNot) {
   EXPECT_TRUE(passes(Token{}.octets()));
   const auto forged = passes(Token{.payload = generic_message(kVictim, {}, 1)}.octets());
   EXPECT_EQ(code_of(forged), Code::token_source_mismatch);
-  EXPECT_EQ(two.b.events.codes, std::vector{Code::token_source_mismatch});
+  EXPECT_EQ(two.b.events.codes(), std::vector{Code::token_source_mismatch});
   EXPECT_EQ(code_of(passes(Token{.writer = kOtherWriter}.octets())),
             Code::submessage_not_of_sender);
 }

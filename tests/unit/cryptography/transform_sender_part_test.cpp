@@ -26,7 +26,7 @@ TEST(TransformSenderPart, TypeLookup_IsHiddenFromAHostThatTrustsNoTypes) {
     const auto opened =
         decode_message(two, encode_message(two, rtps_message({request})).value()).value();
     EXPECT_EQ(opened.at(opened.size() - request.size()), trusts ? request[0] : 0x01);
-    EXPECT_TRUE(two.b.events.codes.empty());
+    EXPECT_TRUE(two.b.events.codes().empty());
   }
 }
 
@@ -39,12 +39,12 @@ TEST(TransformSenderPart, MessageThatAlsoNamesAStranger_EndsBeforeItWithAnEvent)
     const auto forged =
         rtps_message({data_submessage(16), info_source(kVictim), data_submessage(8)});
     EXPECT_EQ(decode_message(two, encode_message(two, honest).value())->size(), honest.size() + 24);
-    EXPECT_TRUE(two.b.events.codes.empty());
+    EXPECT_TRUE(two.b.events.codes().empty());
     const auto opened = decode_message(two, encode_message(two, forged).value());
     ASSERT_TRUE(opened);
     EXPECT_EQ(opened->size(), honest.size() + 24);
-    EXPECT_EQ(two.b.events.codes, std::vector{Code::info_source_mismatch});
-    EXPECT_NE(two.b.events.last.find(own.to_string()), std::string::npos);
+    EXPECT_EQ(two.b.events.codes(), std::vector{Code::info_source_mismatch});
+    EXPECT_NE(two.b.events.last().find(own.to_string()), std::string::npos);
   }
 }
 
@@ -63,14 +63,15 @@ TEST(TransformSenderPart, MessageThatAlsoNamesAnotherPeer_IsReportedOnce) {
     ASSERT_TRUE(opened);
     EXPECT_EQ(opened->size(), honest.size() + 24) << "what follows is still dropped";
   }
-  EXPECT_EQ(two.b.events.codes, std::vector{Code::info_source_of_peer});
+  EXPECT_EQ(two.b.events.codes(), std::vector{Code::info_source_of_peer});
   // A participant that has not authenticated is no such peer.
   auto stranger = kVictim;
   stranger.octets[11] ^= 1;
   for (int i = 0; i < 2; ++i)
     ASSERT_TRUE(decode_message(two, encode_message(two, naming(stranger)).value()));
-  EXPECT_EQ(two.b.events.codes, (std::vector{Code::info_source_of_peer, Code::info_source_mismatch,
-                                             Code::info_source_mismatch}));
+  EXPECT_EQ(two.b.events.codes(),
+            (std::vector{Code::info_source_of_peer, Code::info_source_mismatch,
+                         Code::info_source_mismatch}));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "base/event.hpp"
 #include "plugins/cryptography/cryptography.hpp"
 #include "tests/support/code_of.hpp"
+#include "tests/support/recorded_events.hpp"
 
 namespace ddssec::cryptography::testing {
 
@@ -24,15 +25,6 @@ using spi::PropertyList;
 using spi::ProtectionKind;
 using test::code_of;
 using Tokens = std::vector<spi::Token>;
-
-struct CountingSink final : EventSink {
-  void raise(const Event& event) override {
-    codes.push_back(event.error.code());
-    last = event.error.to_sentence();
-  }
-  std::vector<Code> codes;
-  std::string last;
-};
 
 inline ParticipantSecurityAttributes participant_attributes(ProtectionKind rtps,
                                                             bool revises_keys = false) {
@@ -87,7 +79,7 @@ struct Side {
 
   ManualClock clock{WallTime{}};
   SystemRandom random;
-  CountingSink events;
+  test::RecordedEvents events;
   EngineServices services;
   std::unique_ptr<spi::Cryptography> engine;
   ParticipantCryptoHandle participant;

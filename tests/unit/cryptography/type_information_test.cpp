@@ -170,7 +170,7 @@ TEST(TrustingHost, SecureWritersTypeInformation_IsHidden) {
       const auto ends = engine.two.endpoints(builtin(kind));
       const auto encoded = encode_submessage(engine.two, ends, publication(kTypeInformation));
       EXPECT_EQ(decode_submessage(engine.two, ends, *encoded), publication(0));
-      EXPECT_TRUE(engine.two.b.events.codes.empty());
+      EXPECT_TRUE(engine.two.b.events.codes().empty());
     }
 }
 

@@ -37,7 +37,7 @@ TEST_F(TwoThreads, AListenerThatThrows_IsReported_AndTheParticipantGoesOn) {
   EXPECT_EQ(a->end.participant->counters().exceptions, 3u);
   a->reader->set_listener(nullptr);
   const std::lock_guard held(events.mutex);
-  EXPECT_EQ(std::ranges::count(events.seen, Code::rtps_exception,
+  EXPECT_EQ(std::ranges::count(events.all, Code::rtps_exception,
                                [](const Event& event) { return event.error.code(); }),
             2);
 }

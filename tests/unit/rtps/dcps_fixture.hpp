@@ -8,6 +8,7 @@
 
 #include "base/engine_services.hpp"
 #include "rtps/dcps/domain_participant_factory.hpp"
+#include "tests/support/recorded_events.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 
 namespace ddssec::rtps {
@@ -31,15 +32,6 @@ namespace testing {
 
 using namespace std::chrono_literals;
 
-struct Events final : EventSink {
-  std::mutex mutex;
-  std::vector<Event> seen;
-  void raise(const Event& event) override {
-    const std::lock_guard lock(mutex);
-    seen.push_back(event);
-  }
-};
-
 /// The context of entities that are tested without a participant: nothing serves it.
 struct UnservedContext {
   struct NoServer final : ParticipantContext::Server {
@@ -48,7 +40,7 @@ struct UnservedContext {
   };
   ManualClock clock{WallTime(std::chrono::seconds(1'800'000'000))};
   SystemRandom random;
-  Events events;
+  test::RecordedEvents events;
   NoServer server;
   ParticipantContext context{
       {clock, random, events}, server, nullptr, std::make_shared<ProcessPeers>()};
@@ -91,7 +83,7 @@ inline std::string name_of(const ::testing::TestParamInfo<Way>& info) {
 struct Polled : ::testing::TestWithParam<Way> {
   ManualClock clock{WallTime(std::chrono::seconds(1'800'000'000))};
   SystemRandom random;
-  Events events;
+  test::RecordedEvents events;
   EngineServices services{clock, random, events};
 
   // Tests run in parallel processes: each takes a domain of its own.

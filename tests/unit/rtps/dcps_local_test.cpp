@@ -17,7 +17,7 @@ using testing::values;
 struct OneParticipant : ::testing::Test {
   ManualClock clock{WallTime(std::chrono::seconds(1'800'000'000))};
   SystemRandom random;
-  testing::Events events;
+  test::RecordedEvents events;
   EngineServices services{clock, random, events};
   testing::End a{services,
                  {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),

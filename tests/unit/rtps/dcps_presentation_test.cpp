@@ -237,7 +237,7 @@ TEST(PresentingConcurrently, OneAccess_SeesAllTopicsOfASetOrNone) {
   constexpr std::int64_t kSets = 300;
   const SystemClock clock;
   SystemRandom random;
-  testing::Events events;
+  test::RecordedEvents events;
   const EngineServices services{clock, random, events};
   for (const auto scope : {PresentationScope::instance, PresentationScope::topic}) {
     for (const bool is_in_process : {true, false}) {

@@ -15,7 +15,7 @@ using testing::reliable;
 struct DcpsParticipants : ::testing::TestWithParam<testing::Way> {
   SystemClock clock;
   SystemRandom random;
-  testing::Events events;
+  test::RecordedEvents events;
   EngineServices services{clock, random, events};
   static DomainParticipantOptions options() {
     return {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),

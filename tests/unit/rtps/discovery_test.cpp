@@ -34,8 +34,8 @@ TEST(Participant, NewParticipant_FindsOthersMatchesAndDelivers) {
   world.run();
   ASSERT_EQ(b.listener.changes.size(), 1u);
   EXPECT_EQ(b.listener.changes[0].writer, writer);
-  EXPECT_TRUE(a.events.seen.empty());
-  EXPECT_TRUE(b.events.seen.empty());
+  EXPECT_TRUE(a.events.all.empty());
+  EXPECT_TRUE(b.events.all.empty());
   b.participant.remove(reader, world.now);
   world.run();
   EXPECT_EQ(a.listener.matched, 0);

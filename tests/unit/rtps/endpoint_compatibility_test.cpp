@@ -28,8 +28,8 @@ TEST(Participant, ANonMatch_IsAStatusAndAnEventWithBothValues) {
     ASSERT_EQ(node->listener.mismatches.size(), 1u);
     EXPECT_EQ(node->listener.mismatches[0].policy, "RELIABILITY.kind");
     ASSERT_THAT(node->events.codes(), ::testing::ElementsAre(Code::rtps_qos_incompatible));
-    EXPECT_EQ(node->events.seen[0].error.details().found, "offered BEST_EFFORT");
-    EXPECT_EQ(node->events.seen[0].error.hint(),
+    EXPECT_EQ(node->events.all[0].error.details().found, "offered BEST_EFFORT");
+    EXPECT_EQ(node->events.all[0].error.hint(),
               "set RELIABILITY.kind of the writer to RELIABLE, or of the reader to BEST_EFFORT");
     EXPECT_EQ(node->listener.matched, 0);
   }

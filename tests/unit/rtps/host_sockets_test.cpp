@@ -18,7 +18,7 @@ using testing::code_of;
 struct NetworkTrouble : ::testing::Test {
   SystemClock clock;
   SystemRandom random;
-  testing::Events events;
+  test::RecordedEvents events;
 
   auto create(DomainParticipantOptions options) {
     options.own_thread = false;
@@ -26,7 +26,7 @@ struct NetworkTrouble : ::testing::Test {
   }
   std::vector<Code> said() const {
     std::vector<Code> out;
-    for (const auto& event : events.seen) out.push_back(event.error.code());
+    for (const auto& event : events.all) out.push_back(event.error.code());
     return out;
   }
 };
@@ -37,7 +37,7 @@ TEST_F(NetworkTrouble, ASmallReceiveBuffer_IsOneWarning) {
   ASSERT_TRUE(participant);
   for (int i = 0; i < 10; ++i) (*participant)->poll(std::chrono::milliseconds(1));
   EXPECT_THAT(said(), ::testing::ElementsAre(Code::rtps_receive_buffer_small, Code::rtps_joined));
-  EXPECT_EQ(events.seen[0].severity, Severity::warning);
+  EXPECT_EQ(events.all[0].severity, Severity::warning);
 }
 
 TEST_F(NetworkTrouble, AllPortsTaken_IsSaid) {

@@ -130,9 +130,9 @@ TEST_P(HostileInlineQos, ADisposeWhoseKeyCannotBeRead_IsReportedAndChangesNothin
   Samples<Reading> samples;
   EXPECT_EQ(reader.take(samples), 0u);
   const std::lock_guard held(events.mutex);
-  const auto report = std::ranges::find(events.seen, Code::rtps_key_unreadable,
+  const auto report = std::ranges::find(events.all, Code::rtps_key_unreadable,
                                         [](const Event& event) { return event.error.code(); });
-  ASSERT_NE(report, events.seen.end());
+  ASSERT_NE(report, events.all.end());
   EXPECT_EQ(report->error.details().found, "12 octets that begin 00090000");
   EXPECT_EQ(report->guid, writer.guid().to_string());
 }

@@ -46,7 +46,7 @@ struct MalformedSamples : Polled {
   std::size_t reported() {
     const std::lock_guard lock(events.mutex);
     return static_cast<std::size_t>(
-        std::ranges::count(events.seen, Code::rtps_sample_malformed,
+        std::ranges::count(events.all, Code::rtps_sample_malformed,
                            [](const Event& event) { return event.error.code(); }));
   }
   // Walks all instances by their handles, and returns the values.

@@ -56,7 +56,7 @@ struct OutOfMemory : Polled {
     const auto count = a.participant->counters().exceptions;
     EXPECT_GT(count, 5u);
     const std::lock_guard held(events.mutex);
-    const auto reported = std::ranges::count(events.seen, Code::rtps_exception,
+    const auto reported = std::ranges::count(events.all, Code::rtps_exception,
                                              [](const Event& event) { return event.error.code(); });
     EXPECT_EQ(reported, std::bit_width(count)) << "on the 1st, 2nd, 4th, 8th ... time";
   }
@@ -123,7 +123,7 @@ TEST_F(StoreTest, AnyAllocationThatFailsWhileStoring_LeavesAStoreThatGoesOn) {
 TEST(NoThreads, OfAParticipantOrStore_AreAnError) {
   const SystemClock clock;
   SystemRandom random;
-  Events events;
+  test::RecordedEvents events;
   no_threads = true;
   const auto participant = DomainParticipant::create(
       {.domain_id = 73, .interfaces = {"127.0.0.1"}, .multicast = false}, {clock, random, events});

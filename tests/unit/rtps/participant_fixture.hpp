@@ -4,22 +4,13 @@
 #include <set>
 
 #include "rtps/participant/rtps_participant.hpp"
+#include "tests/support/recorded_events.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 
 namespace ddssec::rtps::testing::socketless {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-
-struct Events final : EventSink {
-  std::vector<Event> seen;
-  void raise(const Event& event) override { seen.push_back(event); }
-  std::vector<Code> codes() const {
-    std::vector<Code> out;
-    for (const auto& event : seen) out.push_back(event.error.code());
-    return out;
-  }
-};
 
 struct Listener : EndpointListener {
   int matched = 0;
@@ -67,7 +58,7 @@ struct Node {
     }
   };
   Post post;
-  Events events;
+  test::RecordedEvents events;
   std::uint32_t port;
   Listener listener;  // outlives its endpoints
   RtpsParticipant participant;

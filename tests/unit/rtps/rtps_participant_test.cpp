@@ -58,7 +58,7 @@ TEST(Participant, LoopbackAddresses_CountOnlyIfTheyAreAnnouncedHere) {
   config.interfaces = {{"eth0", at("192.0.2.1"), 24, true}};
   for (const auto* source : {"192.0.2.9", "127.0.0.1", "192.0.2.1"}) {
     Node::Post post;
-    testing::socketless::Events events;
+    test::RecordedEvents events;
     RtpsParticipant participant(config, post, events);
     const auto other = GuidPrefix::from(Bytes(12, 7));
     participant.receive(announcement(other, other), seconds(1), at(source));

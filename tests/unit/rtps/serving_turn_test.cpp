@@ -184,7 +184,7 @@ TEST_F(ServingTurns, CloseWhileAThreadIsHeldUp_ReturnsAfterThat) {
 struct ServingParticipants : ::testing::Test {
   const SystemClock clock;
   SystemRandom random;
-  Events events;
+  test::RecordedEvents events;
   EngineServices services{clock, random, events};
 
   static DomainParticipantOptions options(bool is_in_process, std::chrono::nanoseconds busy = {}) {

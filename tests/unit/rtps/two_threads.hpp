@@ -37,7 +37,7 @@ inline DomainParticipantOptions own_thread() {
 struct TwoThreads : ::testing::Test {
   const SystemClock clock;
   SystemRandom random;
-  Events events;
+  test::RecordedEvents events;
   EngineServices services{clock, random, events};
   struct Side {
     explicit Side(const EngineServices& services) : end(services, own_thread()) {

@@ -12,7 +12,7 @@ using namespace testing;
 using namespace std::chrono_literals;
 
 struct DurableStoreTest : StoreTest {
-  Events events;
+  test::RecordedEvents events;
   std::unique_ptr<DurableStore> open() {
     auto store = DurableStore::open(path, events);
     EXPECT_TRUE(store) << store.error().to_sentence();
@@ -66,8 +66,8 @@ TEST_F(DurableStoreTest, WithoutRoom_SaysSoAndGoesOnWhenThereIsSome) {
       << failed.error().details().found;
   {
     const std::lock_guard held(events.mutex);
-    ASSERT_FALSE(events.seen.empty());
-    EXPECT_EQ(events.seen[0].error.code(), Code::rtps_store_failed);
+    ASSERT_FALSE(events.all.empty());
+    EXPECT_EQ(events.all[0].error.code(), Code::rtps_store_failed);
   }
   Status status;
   for (int i = 0; i < 100 && !(status = store->flush(100ms)); ++i) ::usleep(20'000);
@@ -132,8 +132,8 @@ TEST_F(DurableStoreTest, LimitsThatAreReached_AreAnEvent) {
   for (std::uint32_t i = 0; i < 3; ++i) store->append(stream.id, sample(i), at(0));
   ASSERT_TRUE(store->flush(10s));
   const std::lock_guard held(events.mutex);
-  ASSERT_FALSE(events.seen.empty());
-  EXPECT_EQ(events.seen[0].error.details().field, "DURABILITY_SERVICE");
+  ASSERT_FALSE(events.all.empty());
+  EXPECT_EQ(events.all[0].error.details().field, "DURABILITY_SERVICE");
 }
 
 // Before: an exception of the application's sink ended the process.

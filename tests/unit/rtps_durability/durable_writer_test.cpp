@@ -128,7 +128,7 @@ TEST_P(DurableWriterTest, AReaderThatStays_GetsNothingTwiceFromARestartedWriter)
 TEST_P(DurableWriterTest, WithoutAStore_PersistentSamplesAreKeptInMemoryWithAWarning) {
   ASSERT_TRUE(a.writer(durable(DurabilityKind::persistent)).write({"north", 1}));
   const std::lock_guard held(events.mutex);
-  ASSERT_EQ(std::ranges::count(events.seen, Code::rtps_store_unusable,
+  ASSERT_EQ(std::ranges::count(events.all, Code::rtps_store_unusable,
                                [](const Event& event) { return event.error.code(); }),
             1);
 }

@@ -205,7 +205,7 @@ TEST_P(KeeperPartitionTest, AWriter_WithWildcardsOnly_IsNotKeptAndNamed) {
   auto& wide = writer_in({"*"});
   both(*service, 60);
   EXPECT_EQ(service->topics(), 0u);
-  EXPECT_TRUE(std::ranges::any_of(events.seen, [](const auto& event) {
+  EXPECT_TRUE(std::ranges::any_of(events.all, [](const auto& event) {
     return event.error.code() == Code::rtps_qos_incompatible &&
            event.error.details().document == "topic Readings" &&
            event.error.details().found == "\"*\"";

@@ -17,7 +17,7 @@ constexpr std::uint32_t kInstances = 3;
 // Stores until it is killed; says through `out` which samples are safe.
 [[noreturn]] void child(const std::string& path, std::uint32_t next,
                         const DurabilityService& service, int out) {
-  Events events;
+  test::RecordedEvents events;
   auto store = DurableStore::open(path, events);
   if (!store) ::_exit(2);
   const auto stream = (*store)->open_stream(kMap, service, at(1000));
@@ -62,7 +62,7 @@ TEST_P(KillTest, KilledAtAnyTime_LosesNothingStoredAndLeavesNothingHalf) {
   const bool all = GetParam().history.kind == HistoryKind::keep_all;
   for (int round = 0; round < 12; ++round) {
     const auto safe = run_and_kill(next, std::chrono::microseconds(random() % 20'000));
-    Events events;
+    test::RecordedEvents events;
     auto store = DurableStore::open(path, events);
     ASSERT_TRUE(store) << store.error().to_sentence();
     const auto stream = (*store)->open_stream(kMap, GetParam(), at(1000));

@@ -48,7 +48,7 @@ struct StoredLifespanTest : StoreTest {
     auto file = *Database::open(path);
     for (const auto& sql : statements) ASSERT_TRUE(file.run(sql)) << sql;
   }
-  Events events;
+  test::RecordedEvents events;
 };
 
 TEST_F(StoredLifespanTest, CleanUp_RemovesWhatHasExpired) {

@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 
 struct WriterDurabilityTest : StoreTest {
-  Events events;
+  test::RecordedEvents events;
   DurableStores stores{events};
   const Guid writer{GuidPrefix{{1, 2, 3}}, kWriter};
 };
@@ -79,15 +79,15 @@ TEST_F(WriterDurabilityTest, StoresOf_KindsWithAFile_AreTwo) {
   auto* transient = *stores.of(DurabilityKind::transient);
   EXPECT_NE(persistent, transient);
   EXPECT_EQ(*stores.of(DurabilityKind::transient), transient);
-  EXPECT_TRUE(events.seen.empty());
+  EXPECT_TRUE(events.all.empty());
 }
 
 TEST_F(WriterDurabilityTest, StoresOf_PersistentWithoutAFile_IsMemoryAndAWarning) {
   const auto store = stores.of(DurabilityKind::persistent);
   ASSERT_TRUE(store);
   EXPECT_EQ(*store, *stores.of(DurabilityKind::transient));
-  ASSERT_EQ(events.seen.size(), 1u);
-  EXPECT_EQ(events.seen.front().error.code(), Code::rtps_store_unusable);
+  ASSERT_EQ(events.all.size(), 1u);
+  EXPECT_EQ(events.all.front().error.code(), Code::rtps_store_unusable);
 }
 
 }  // namespace

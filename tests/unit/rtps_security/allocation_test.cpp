@@ -22,7 +22,7 @@ struct Secured {
     options.security.emplace(plugins, Pair::both(properties_of(subject, rules), more));
     participant = *DomainParticipant::create(std::move(options), services);
   }
-  Events events;
+  test::RecordedEvents events;
   SeededRandom random;
   EngineServices services;
   std::unique_ptr<spi::Authentication> authentication;

@@ -11,9 +11,9 @@ namespace {
 
 using namespace testing;
 
-const Event* last(const Events& events, Code code) {
+const Event* last(const test::RecordedEvents& events, Code code) {
   const Event* out = nullptr;
-  for (const auto& event : events.seen)
+  for (const auto& event : events.all)
     if (event.error.code() == code) out = &event;
   return out;
 }

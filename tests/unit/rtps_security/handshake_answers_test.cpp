@@ -30,7 +30,7 @@ class HandshakeAnswersTest : public ::testing::Test {
  private:
   ManualClock clock_{pki::kNow};
   SeededRandom random_{1};
-  testing::Events events_;
+  test::RecordedEvents events_;
   std::unique_ptr<spi::Authentication> engine_ =
       authentication::make_authentication({clock_, random_, events_});
 
@@ -59,7 +59,7 @@ TEST_F(HandshakeAnswersTest, Death_GivesTheOctetsBack) {
   {
     ManualClock clock{pki::kNow};
     SeededRandom random{1};
-    testing::Events events;
+    test::RecordedEvents events;
     const auto engine = authentication::make_authentication({clock, random, events});
     HandshakeAnswers others(*engine, account);
     others.add(answer(1));

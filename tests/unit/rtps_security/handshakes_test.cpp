@@ -35,7 +35,7 @@ TEST(Handshake, APeerThatAuthenticated_IsSaidOnceWithItsSubject) {
   Pair pair(everything(ProtectionKind::encrypt));
   ASSERT_TRUE(pair.match());
   for (const auto& [node, peer] : {std::pair(&pair.a, "CN=bob"), std::pair(&pair.b, "CN=alice")}) {
-    const auto& seen = node->events.seen;
+    const auto& seen = node->events.all;
     const auto is_news = [](const Event& event) {
       return event.error.code() == Code::rtps_peer_authenticated;
     };

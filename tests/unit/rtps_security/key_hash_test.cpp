@@ -42,7 +42,7 @@ KeyHash hash_under(const Rules& rules) {
     qos.durability = DurabilityKind::persistent;
     EXPECT_TRUE(end.writer(qos).write({7, 1}));
   }
-  Events events;
+  test::RecordedEvents events;
   KeyHash out{};
   if (auto store = DurableStore::open(file, events)) {
     const auto stream =

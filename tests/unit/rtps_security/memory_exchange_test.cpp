@@ -18,7 +18,7 @@ using enum ProtectionKind;
 TEST(SharedMemory, Misspelled_Refused) {
   for (const auto& wrong : {shm("yes"), shm("ON"), shm(""), shm("on", "yes")}) {
     ManualClock clock{pki::kNow};
-    Events events;
+    test::RecordedEvents events;
     SeededRandom random(1);
     const EngineServices services{clock, random, events};
     const auto authentication = authentication::make_authentication(services);

@@ -9,10 +9,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const Event* find(const Events& events, Code code) {
+const Event* find(const test::RecordedEvents& events, Code code) {
   const auto at = std::ranges::find_if(
-      events.seen, [&](const Event& event) { return event.error.code() == code; });
-  return at == events.seen.end() ? nullptr : &*at;
+      events.all, [&](const Event& event) { return event.error.code() == code; });
+  return at == events.all.end() ? nullptr : &*at;
 }
 
 // The event of an endpoint of alice that bob's does not fit.
@@ -77,9 +77,9 @@ TEST(PeerEvent, AFloodOfStrangers_HidesNothingThatAnAuthenticatedPeerCaused) {
     ASSERT_TRUE(pair.a->create_writer(square(qos), pair.a.listener, pair.world.now));
   ASSERT_TRUE(
       pair.world.run_until([&] { return pair.b.events.count(Code::rtps_qos_incompatible) == 3; }));
-  Events told;
+  test::RecordedEvents told;
   RateLimitedSink sink(told, pair.b.clock);
-  for (const auto& event : pair.b.events.seen) sink.raise(event);
+  for (const auto& event : pair.b.events.all) sink.raise(event);
   EXPECT_EQ(told.count(Code::rtps_submessage_overrun),
             static_cast<int>(RateLimitedSink::kMaxClaimed) + 1);
   EXPECT_EQ(told.count(Code::rtps_qos_incompatible), 3);

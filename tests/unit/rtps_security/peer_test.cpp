@@ -160,7 +160,7 @@ class PeerStatesTest : public ::testing::Test {
  private:
   ManualClock clock_{pki::kNow};
   SeededRandom random_{1};
-  testing::Events events_;
+  test::RecordedEvents events_;
   std::unique_ptr<spi::Authentication> engine_ =
       authentication::make_authentication({clock_, random_, events_});
   HandshakeAccount account_;

@@ -128,7 +128,7 @@ TEST(PreSharedKey, MemberWithAnotherPassphraseOrId_IsNotHeard) {
     EXPECT_EQ(domain.a->remote_participants().size() + domain.b->remote_participants().size(), 0u);
     EXPECT_GT(domain.a->protection_counters().undecodable, 3u);
     EXPECT_EQ(domain.a.events.text().find("castle"), std::string::npos);
-    return domain.a.events.seen.empty() ? Code{} : domain.a.events.seen.front().error.code();
+    return domain.a.events.all.empty() ? Code{} : domain.a.events.all.front().error.code();
   };
   EXPECT_EQ(refusal(phrase("5632:castle super radar denial!")), Code::tag_mismatch);
   EXPECT_EQ(refusal(phrase("5633:castle super radar denial")), Code::psk_passphrase_unknown);
@@ -284,7 +284,7 @@ TEST(PreSharedKey, AFloodOfForgedMessages_CostsLittleAndKeepsNoMemberOut) {
   EXPECT_TRUE(domain.match());
   EXPECT_LT(domain.world.now - since, 2s);
   EXPECT_EQ(domain.b->remote_participants().size(), 1u);
-  EXPECT_LT(domain.b.events.seen.size(), 100u);
+  EXPECT_LT(domain.b.events.all.size(), 100u);
 }
 
 }  // namespace

@@ -135,7 +135,7 @@ struct Hasty {
 TEST(RepeatedWork, AThousandRenewalsInASecond_FewAreJudgedAndTheLastCounts) {
   constexpr int kRenewals = 1000;
   Hasty two(everything(ProtectionKind::encrypt));
-  two.bob.events.seen.clear();
+  two.bob.events.all.clear();
   const auto begin = two.of_bob;
   for (int i = 1; i < kRenewals; ++i) two.renew({"*", "Topic" + std::to_string(i)});
   two.renew({"Circle"});

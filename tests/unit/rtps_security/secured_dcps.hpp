@@ -52,7 +52,7 @@ struct SecuredProcess {
 
   static inline const auto kDomain = static_cast<DomainId>(::getpid() % 200 + 30);
   SystemRandom random;
-  Events events;
+  test::RecordedEvents events;
   EngineServices services;
   std::unique_ptr<spi::Authentication> authentication;
   std::unique_ptr<spi::AccessControl> access_control;

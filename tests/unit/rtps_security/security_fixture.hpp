@@ -16,6 +16,7 @@
 #include "plugins/spi/property_names.hpp"
 #include "rtps/participant/rtps_participant.hpp"
 #include "tests/support/code_of.hpp"
+#include "tests/support/recorded_events.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/pki/pki_fixture.hpp"
 
@@ -24,25 +25,6 @@ namespace ddssec::rtps::testing {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 using namespace std::chrono_literals;
-
-struct Events final : EventSink {
-  std::vector<Event> seen;
-  void raise(const Event& event) override { seen.push_back(event); }
-  int count(Code code) const {
-    return static_cast<int>(
-        std::ranges::count_if(seen, [&](const auto& e) { return e.error.code() == code; }));
-  }
-  bool has(Code code) const { return count(code) > 0; }
-  /// Nothing but peers that authenticated.
-  bool is_quiet() const {
-    return count(Code::rtps_peer_authenticated) == static_cast<int>(seen.size());
-  }
-  std::string text() const {
-    std::string out;
-    for (const auto& event : seen) out += event.to_line() + "\n";
-    return out;
-  }
-};
 
 struct Listener final : EndpointListener {
   int matched = 0, unmatched = 0;
@@ -264,7 +246,7 @@ struct Node {
   }
 
   Post post;
-  Events events;
+  test::RecordedEvents events;
   std::uint32_t port;
   ManualClock clock{pki::kNow};
   SeededRandom random;

@@ -9,6 +9,7 @@
 #include "plugins/spi/property_names.hpp"
 #include "secured/engines.hpp"
 #include "secured/reported_calendar.hpp"
+#include "tests/support/recorded_events.hpp"
 #include "tests/support/silent.hpp"
 
 namespace ddssec::secured {
@@ -99,14 +100,9 @@ TEST(FolderProperties, ClockStepGraceThatIsNone_IsRefused) {
   EXPECT_EQ(engines.set_clock_step_grace(*properties).error().code(), Code::invalid_property);
 }
 
-struct Codes final : EventSink {
-  void raise(const Event& event) override { all.push_back(event.error.code()); }
-  std::vector<Code> all;
-};
-
 TEST(ReportedCalendar, StepThatIsUndone_IsNotBelievedAndReportedTwice) {
   ManualClock clock(WallTime(std::chrono::days(20'000)));
-  Codes events;
+  test::RecordedEvents events;
   const ReportedCalendar calendar(clock, events);
   const auto before = calendar.now();
   clock.set(before + std::chrono::days(9000));
@@ -114,7 +110,7 @@ TEST(ReportedCalendar, StepThatIsUndone_IsNotBelievedAndReportedTwice) {
   EXPECT_EQ(calendar.now(), before);
   clock.set(before);
   EXPECT_EQ(calendar.now(), before);
-  EXPECT_EQ(events.all, (std::vector{Code::clock_stepped, Code::clock_step_undone}));
+  EXPECT_EQ(events.codes(), (std::vector{Code::clock_stepped, Code::clock_step_undone}));
 }
 
 TEST(SecuredParticipant, WithoutAFolder_ThereIsNone) {

@@ -169,7 +169,7 @@ struct Scripted {
   }
   SystemClock clock;
   ScriptedRandom random;
-  CountingSink events;
+  test::RecordedEvents events;
   EngineServices services;
   std::unique_ptr<spi::Cryptography> engine;
 };
