@@ -36,7 +36,7 @@ std::uint64_t subject_of(std::int64_t identity, const Pair& pair) {
 Status CryptographyState::claim_place(RemoteEndpoint& reader, const Pair& pair) {
   if (reader.kind() != EntityKind::remote_reader || !reader.receiver_key || reader.place) return {};
   const auto subject = subject_of(reader.participant.identity, pair);
-  if (auto status = reader.local.receivers.take(subject); !status) {
+  if (auto status = reader.local.receivers.claim(subject); !status) {
     report(status.error(), pair.peer_prefix);
     return status;
   }

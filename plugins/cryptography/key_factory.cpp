@@ -191,7 +191,7 @@ void KeyFactory::publish_pairs(RemoteParticipant& remote, std::int64_t without) 
 Status KeyFactory::claim_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh) {
   if (!fresh.receiver_key) return {};
   const auto subject = subject_of(remote.value, fresh);
-  if (auto status = local.receivers.take(subject); !status) {
+  if (auto status = local.receivers.claim(subject); !status) {
     state_.report(status.error(), fresh.peer_prefix);
     return status;
   }
@@ -373,7 +373,7 @@ Status KeyFactory::claim_share(RemoteEndpoint& remote, const Pair& pair) {
   auto& local = remote.local;
   if (local.is_builtin || !local.is_discovery_protected) return {};
   const auto subject = subject_of(remote.participant.identity, pair);
-  if (auto status = local.matches.take(subject); !status) {
+  if (auto status = local.matches.claim(subject); !status) {
     state_.report(status.error(), pair.peer_prefix);
     return status;
   }

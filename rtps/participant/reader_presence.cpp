@@ -39,7 +39,7 @@ void ReaderPresence::note_heard(LocalWriter& writer, const GuidPrefix& source,
   const Guid reader{source, acknack.reader};
   const auto silent = writer.silent.find(reader);
   if (silent == writer.silent.end()) return note_ready(writer, reader);
-  if (!silent->second.take(acknack, is_protected)) return;  // a repetition
+  if (!silent->second.accept(acknack, is_protected)) return;  // a repetition
   writer.silent.erase(silent);
   match_again_(writer.data.guid.entity, reader);
 }

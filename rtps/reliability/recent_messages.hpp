@@ -24,7 +24,7 @@ class RecentMessages {
   static constexpr std::size_t kRemembered = 2;
 
   /// Returns false for a repetition. `is_protected`: by keys of the sender.
-  bool take(const Message& message, bool is_protected) {
+  bool accept(const Message& message, bool is_protected) {
     const auto& last = is_protected ? last_protected_ : last_;
     const bool is_new = !last || is_later(message.count, *last) ||
                         (!is_protected && std::ranges::find(recent_, message) == recent_.end());

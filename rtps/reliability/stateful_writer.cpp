@@ -227,7 +227,7 @@ bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
   // A reader that knows nothing yet asks what the writer holds (base 0: Fast DDS; count 0: Cyclone
   // DDS). A recorded request of this kind must not make old counts acceptable again.
   const bool pre_emptive = base.value < 1 || acknack.count == 0;
-  if (!pre_emptive && !proxy->acknacks.take(acknack, is_protected)) return false;
+  if (!pre_emptive && !proxy->acknacks.accept(acknack, is_protected)) return false;
   bool answered = false;
   if (!pre_emptive) {
     const bool advances = base <= history_.last().next() && base.previous() > proxy->acknowledged();
@@ -251,7 +251,7 @@ bool StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, 
                                   bool is_protected) {
   auto* proxy = readers_.find({from, nack.reader});
   if (proxy == nullptr || !proxy->reader().is_reliable) return false;
-  if (!proxy->nack_frags.take(nack, is_protected)) return false;
+  if (!proxy->nack_frags.accept(nack, is_protected)) return false;
   schedule_.note_request(now);
   call_at(schedule_.due());
   if (!retransmissions_.begin(*proxy, nack, now)) return true;

@@ -77,7 +77,7 @@ void WriterProxy::note_lost(SequenceNumber until) {
 bool WriterProxy::on_heartbeat(const Heartbeat& heartbeat, bool is_protected) {
   if (!was_heard_ && !waits_for_heartbeat_) heartbeats_ = {};
   const bool is_later_one = is_later(heartbeat.count, heartbeats_.last());
-  if (!heartbeats_.take(heartbeat, is_protected)) return false;
+  if (!heartbeats_.accept(heartbeat, is_protected)) return false;
   if (!std::exchange(was_heard_, true)) history_end_ = heartbeat.last;
   if (!is_reliable_) return true;
   question.stop();

@@ -262,8 +262,8 @@ Result<Association> Handshakes::associate(Peer& peer) {
   out.subject =
       core_.own->plugins().authentication.authenticated_subject(peer.state.handshake()->handle());
   DDSSEC_RETURN_IF_ERROR(register_keys(peer, out));
-  subjects_.take(prefix);
-  out.place = Cleanup([this, prefix] { subjects_.give_back(prefix); });
+  subjects_.claim(prefix);
+  out.place = Cleanup([this, prefix] { subjects_.release(prefix); });
   return out;
 }
 

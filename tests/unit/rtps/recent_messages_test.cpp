@@ -17,48 +17,48 @@ constexpr std::int32_t kFarAhead = 0x40000000;
 
 TEST(RecentMessages, Protected_OnlyLaterCountsAreNew) {
   RecentMessages<Request> recent;
-  EXPECT_TRUE(recent.take({-5}, true)) << "the first may be any";
-  EXPECT_FALSE(recent.take({-5}, true));
-  EXPECT_FALSE(recent.take({-5, 1}, true));
-  EXPECT_FALSE(recent.take({-6}, true));
-  EXPECT_TRUE(recent.take({7}, true));
-  EXPECT_TRUE(recent.take({std::numeric_limits<std::int32_t>::min() + 3}, true))
+  EXPECT_TRUE(recent.accept({-5}, true)) << "the first may be any";
+  EXPECT_FALSE(recent.accept({-5}, true));
+  EXPECT_FALSE(recent.accept({-5, 1}, true));
+  EXPECT_FALSE(recent.accept({-6}, true));
+  EXPECT_TRUE(recent.accept({7}, true));
+  EXPECT_TRUE(recent.accept({std::numeric_limits<std::int32_t>::min() + 3}, true))
       << "they begin again";
   EXPECT_EQ(recent.taken(), 3u);
 }
 
 TEST(RecentMessages, Unprotected_WhatWasJustTakenIsARepetition) {
   RecentMessages<Request> recent;
-  EXPECT_TRUE(recent.take({1}, false));
-  EXPECT_TRUE(recent.take({2}, false));
+  EXPECT_TRUE(recent.accept({1}, false));
+  EXPECT_TRUE(recent.accept({2}, false));
   for (int path = 0; path < 3; ++path)
-    for (std::int32_t count = 1; count <= 2; ++count) EXPECT_FALSE(recent.take({count}, false));
+    for (std::int32_t count = 1; count <= 2; ++count) EXPECT_FALSE(recent.accept({count}, false));
   EXPECT_EQ(recent.taken(), 2u);
 }
 
 TEST(RecentMessages, Unprotected_ACountFarAheadHidesNothing) {
   RecentMessages<Request> recent;
   for (std::int32_t count = 1; count <= 10; ++count) {
-    EXPECT_TRUE(recent.take({count}, false)) << count;
-    EXPECT_TRUE(recent.take({kFarAhead + count}, false)) << count;
+    EXPECT_TRUE(recent.accept({count}, false)) << count;
+    EXPECT_TRUE(recent.accept({kFarAhead + count}, false)) << count;
   }
 }
 
 // Nor does a guess of the next count.
 TEST(RecentMessages, Unprotected_TheSameCountWithOtherContentIsNew) {
   RecentMessages<Request> recent;
-  EXPECT_TRUE(recent.take({5, 1}, false));
-  EXPECT_TRUE(recent.take({5, 2}, false));
+  EXPECT_TRUE(recent.accept({5, 1}, false));
+  EXPECT_TRUE(recent.accept({5, 2}, false));
 }
 
 TEST(RecentMessages, Unprotected_DoesNotChangeWhichProtectedOnesAreNew) {
   RecentMessages<Request> recent;
-  EXPECT_TRUE(recent.take({5}, true));
-  EXPECT_TRUE(recent.take({kFarAhead}, false));
-  EXPECT_FALSE(recent.take({5}, true));
-  EXPECT_TRUE(recent.take({6}, true));
-  EXPECT_TRUE(recent.take({2}, false));
-  EXPECT_FALSE(recent.take({3}, true));
+  EXPECT_TRUE(recent.accept({5}, true));
+  EXPECT_TRUE(recent.accept({kFarAhead}, false));
+  EXPECT_FALSE(recent.accept({5}, true));
+  EXPECT_TRUE(recent.accept({6}, true));
+  EXPECT_TRUE(recent.accept({2}, false));
+  EXPECT_FALSE(recent.accept({3}, true));
   EXPECT_EQ(recent.last(), 6) << "what was not protected proves no count";
 }
 
@@ -66,9 +66,9 @@ TEST(RecentMessages, Resumed_ContinuesAtTheFormerCount) {
   RecentMessages<Request> recent;
   recent.resume(9);
   EXPECT_EQ(recent.last(), 9);
-  EXPECT_FALSE(recent.take({9}, true));
-  EXPECT_TRUE(recent.take({9}, false));
-  EXPECT_TRUE(recent.take({10}, true));
+  EXPECT_FALSE(recent.accept({9}, true));
+  EXPECT_TRUE(recent.accept({9}, false));
+  EXPECT_TRUE(recent.accept({10}, true));
 }
 
 }  // namespace

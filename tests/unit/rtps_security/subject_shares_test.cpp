@@ -16,7 +16,7 @@ TEST(SubjectShares, EachSubject_FindsAPlace) {
   SubjectShares shares(480);
   std::vector<std::size_t> counts;
   for (std::uint8_t subject = 1; subject <= 5; ++subject) {
-    while (shares.has_place(member(subject, 0))) shares.take(member(subject, 1));
+    while (shares.has_place(member(subject, 0))) shares.claim(member(subject, 1));
     counts.push_back(shares.count(member(subject, 0)));
   }
   EXPECT_EQ(counts, (std::vector<std::size_t>{240, 120, 60, 30, 15}));
@@ -24,17 +24,17 @@ TEST(SubjectShares, EachSubject_FindsAPlace) {
 
 TEST(SubjectShares, APlaceGivenBack_IsFreeAgain) {
   SubjectShares shares(2);
-  shares.take(member(1, 1));
+  shares.claim(member(1, 1));
   EXPECT_FALSE(shares.has_place(member(1, 2)));
   EXPECT_TRUE(shares.has_place(member(2, 1)));
-  shares.give_back(member(1, 1));
+  shares.release(member(1, 1));
   EXPECT_TRUE(shares.has_place(member(1, 2)));
   EXPECT_EQ(shares.count(member(1, 0)), 0u);
 }
 
 TEST(SubjectShares, AllTaken_HaveNoPlaceForAnyone) {
   SubjectShares shares(1);
-  shares.take(member(1, 1));
+  shares.claim(member(1, 1));
   EXPECT_FALSE(shares.has_place(member(1, 2)));
   EXPECT_FALSE(shares.has_place(member(2, 1)));
 }
