@@ -120,7 +120,7 @@ void PreSharedKeyRing::refresh() {
 }
 
 void PreSharedKeyRing::keep_despite(const Error& error) {
-  files_.look_again();
+  files_.force_change();
   auto details = error.details();
   details.document = files_.place_of(details.document);
   details.note =

@@ -24,10 +24,10 @@ std::uint32_t number_of(SessionId id) {
 
 Iv iv_from(SessionId session, std::uint64_t suffix) {
   Iv iv;
-  UncheckedWriter writer(iv);
-  writer.put(session.octets);
-  writer.u32(static_cast<std::uint32_t>(suffix >> 32));
-  writer.u32(static_cast<std::uint32_t>(suffix));
+  UncheckedWriter octets(iv);
+  octets.put(session.octets);
+  octets.u32(static_cast<std::uint32_t>(suffix >> 32));
+  octets.u32(static_cast<std::uint32_t>(suffix));
   return iv;
 }
 

@@ -42,10 +42,10 @@ void close_length(MutableBytes content, std::size_t position) {
 
 // INFO_SRC, which binds the RTPS header to the protected content (DDS-Security 1.2,
 // clause 10.5.3.3.4.5).
-void info_source(UncheckedWriter& writer, BytesView source) {
-  writer.submessage_header(submessage_id::kInfoSource, kInfoSourceSize - kSubmessageHeaderSize);
-  writer.u32(0);
-  writer.put(source);
+void info_source(UncheckedWriter& octets, BytesView source) {
+  octets.submessage_header(submessage_id::kInfoSource, kInfoSourceSize - kSubmessageHeaderSize);
+  octets.u32(0);
+  octets.put(source);
 }
 
 // Writes the protected octets to `place`. They come directly from the input if nothing is inserted
@@ -57,9 +57,9 @@ bool protect(const GroupRequest& request, const SendKey& key, const SendKey::Res
   if (encrypts && request.source.empty() && !request.open_length)
     return session.seal({reserved.iv, {}, request.body, place, tag});
   const MutableBytes content(place, request.size());
-  UncheckedWriter writer(content);
-  if (!request.source.empty()) info_source(writer, request.source);
-  writer.put(request.body);
+  UncheckedWriter octets(content);
+  if (!request.source.empty()) info_source(octets, request.source);
+  octets.put(request.body);
   if (request.open_length) close_length(content, request.head_size() + *request.open_length);
   return encrypts ? session.seal({reserved.iv, {}, content, place, tag})
                   : session.mac(reserved.iv, content, tag);
@@ -70,7 +70,7 @@ bool protect(const GroupRequest& request, const SendKey& key, const SendKey::Res
 // meanwhile. The others must still get the message. Error: that of the last receiver, if none is
 // left.
 template <class Receiver>
-Result<std::size_t> receiver_macs(UncheckedWriter& writer, std::size_t receivers,
+Result<std::size_t> receiver_macs(UncheckedWriter& octets, std::size_t receivers,
                                   const SendKey& key, const SendKey::Reservation& reserved,
                                   TagOut common_mac, Receiver&& receiver) {
   std::size_t written = 0;
@@ -79,9 +79,9 @@ Result<std::size_t> receiver_macs(UncheckedWriter& writer, std::size_t receivers
     const bool is_last = i + 1 == receivers && written == 0;
     if (!found && found.error().code() == Code::crypto_handle_unknown && !is_last) continue;
     DDSSEC_ASSIGN_OR_RETURN(auto* const receiver_key, found);
-    writer.put(receiver_key->id().view());
+    octets.put(receiver_key->id().view());
     DDSSEC_RETURN_IF_ERROR(
-        receiver_key->mac(key, reserved, common_mac, TagOut(writer.skip(kTagSize), kTagSize)));
+        receiver_key->mac(key, reserved, common_mac, TagOut(octets.skip(kTagSize), kTagSize)));
     ++written;
   }
   return written;
@@ -94,26 +94,26 @@ Result<std::size_t> encode_group(const GroupRequest& request, SendKey& key, Muta
   const bool encrypts = key.traits().encrypts;
   if (out.size() < encoded_size(request, encrypts)) return fail(Code::length_out_of_range);
   DDSSEC_ASSIGN_OR_RETURN(const auto reserved, key.reserve(request.size()));
-  UncheckedWriter writer(out);
-  writer.submessage_header(request.frame.prefix, kCryptoHeaderSize, request.frame.prefix_flags);
-  writer.crypto_header(key.material().kind, key.material().sender_key_id, reserved.iv);
+  UncheckedWriter octets(out);
+  octets.submessage_header(request.frame.prefix, kCryptoHeaderSize, request.frame.prefix_flags);
+  octets.crypto_header(key.material().kind, key.material().sender_key_id, reserved.iv);
   if (encrypts) {
-    writer.submessage_header(submessage_id::kSecBody, 4 + padded(request.size()));
-    writer.u32(static_cast<std::uint32_t>(request.size()));
+    octets.submessage_header(submessage_id::kSecBody, 4 + padded(request.size()));
+    octets.u32(static_cast<std::uint32_t>(request.size()));
   }
-  auto* const content = writer.skip(request.size());
-  if (encrypts) writer.zeros(padded(request.size()) - request.size());
-  UncheckedWriter header(out.subspan(writer.written()));
-  writer.skip(kSubmessageHeaderSize);
-  const TagOut common_mac(writer.skip(kTagSize), kTagSize);
+  auto* const content = octets.skip(request.size());
+  if (encrypts) octets.zeros(padded(request.size()) - request.size());
+  UncheckedWriter header(out.subspan(octets.written()));
+  octets.skip(kSubmessageHeaderSize);
+  const TagOut common_mac(octets.skip(kTagSize), kTagSize);
   if (!protect(request, key, reserved, content, common_mac)) return fail(Code::internal);
-  UncheckedWriter count(out.subspan(writer.written()));
-  writer.skip(sizeof(std::uint32_t));
-  DDSSEC_ASSIGN_OR_RETURN(const auto macs, receiver_macs(writer, request.receivers, key, reserved,
+  UncheckedWriter count(out.subspan(octets.written()));
+  octets.skip(sizeof(std::uint32_t));
+  DDSSEC_ASSIGN_OR_RETURN(const auto macs, receiver_macs(octets, request.receivers, key, reserved,
                                                          common_mac, receiver));
   header.submessage_header(request.frame.postfix, kFooterSize + kReceiverMacSize * macs);
   count.u32(static_cast<std::uint32_t>(macs));
-  return writer.written();
+  return octets.written();
 }
 
 // Checks that `plain` is one submessage of whole words. Returns its position if its length must be
@@ -315,17 +315,17 @@ Result<std::size_t> Transform::encode_serialized_payload(spi::DatawriterCryptoHa
   if (plain.size() > std::numeric_limits<std::uint32_t>::max() || out.size() < size)
     return fail(Code::length_out_of_range);
   DDSSEC_ASSIGN_OR_RETURN(const auto reserved, key.reserve(plain.size()));
-  UncheckedWriter writer(out);
-  writer.crypto_header(key.material().kind, key.material().sender_key_id, reserved.iv);
-  if (encrypts) writer.u32(static_cast<std::uint32_t>(plain.size()));
-  auto* const content = writer.skip(plain.size());
-  const TagOut tag(writer.skip(kTagSize), kTagSize);
+  UncheckedWriter octets(out);
+  octets.crypto_header(key.material().kind, key.material().sender_key_id, reserved.iv);
+  if (encrypts) octets.u32(static_cast<std::uint32_t>(plain.size()));
+  auto* const content = octets.skip(plain.size());
+  const TagOut tag(octets.skip(kTagSize), kTagSize);
   if (!encrypts) UncheckedWriter({content, plain.size()}).put(plain);
   const bool done = encrypts ? reserved.session->key.seal({reserved.iv, {}, plain, content, tag})
                              : reserved.session->key.mac(reserved.iv, plain, tag);
   if (!done) return fail(Code::internal);
-  writer.u32(0);
-  return writer.written();
+  octets.u32(0);
+  return octets.written();
 }
 
 Result<std::size_t> Transform::encode_datawriter_submessage(
