@@ -30,6 +30,7 @@ struct Counts {
   bool ever_matched = false;
 };
 
+/// The participant of one run of the program.
 class Session final : private EventSink {
  public:
   explicit Session(const Options& options) : options_(options) {}

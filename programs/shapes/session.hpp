@@ -50,6 +50,7 @@ class StatusLines final : public rtps::DomainParticipantListener {
   void on_inconsistent_topic(rtps::Topic&, const rtps::InconsistentTopicStatus&) override;
 };
 
+/// The shapes of one run of the program.
 class Session final : private EventSink {
  public:
   explicit Session(const Options& options) : options_(options) {}

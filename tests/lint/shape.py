@@ -46,6 +46,23 @@ def too_long(name, lines):
     return [f"{name}: {len(lines)} lines; is it one thing?"] if len(lines) > MOST_LINES else []
 
 
+def doc_comments(name, lines):
+    """/// documents a declaration of a header. In a source, // says why."""
+    return [f"{name}:{number}: /// in a source: write //" for number, line in enumerate(lines, 1)
+            if name.endswith(".cpp") and re.match(r'[^"]*///', line)]
+
+
+def bare_classes(name, lines):
+    """A line for each class of a header without a comment of its own."""
+    for number, line in enumerate(lines):
+        kind = re.match(r"class (\w+)\b[^;]*\{", line) if name.endswith(".hpp") else None
+        before = number - 1
+        while kind and lines[before].startswith(("template", "  requires")):
+            before -= 1
+        if kind and not lines[before].startswith("///"):
+            yield f"{name}:{number + 1}: no /// comment for the class {kind[1]}"
+
+
 def lines_of(file):
     return file.read_text(encoding="utf-8").splitlines()
 
@@ -74,7 +91,7 @@ def main():
     for file in files:
         name = file.relative_to(root).as_posix()
         lines = lines_of(file)
-        found += too_long(name, lines)
+        found += too_long(name, lines) + doc_comments(name, lines) + list(bare_classes(name, lines))
         for number, line in enumerate(lines, 1):
             for pattern, why, applies in RULES:
                 if applies(name) and pattern.search(code_only(line)):
