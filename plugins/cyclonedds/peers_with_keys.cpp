@@ -36,8 +36,8 @@ void PeersWithKeys::met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle i
   }
 }
 
-void PeersWithKeys::has_sent_keys(spi::ParticipantCryptoHandle peer,
-                                  spi::ParticipantCryptoHandle local) noexcept {
+void PeersWithKeys::sent_keys(spi::ParticipantCryptoHandle peer,
+                              spi::ParticipantCryptoHandle local) noexcept {
   const std::lock_guard lock(mutex_);
   const auto known = peers_.find(peer.value);
   if (known == peers_.end()) return;

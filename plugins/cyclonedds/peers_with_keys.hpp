@@ -30,8 +30,7 @@ class PeersWithKeys {
   void met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
            spi::ParticipantCryptoHandle local, std::uint32_t builtin_endpoints) noexcept;
   /// If memory runs out, the keys count for no local participant.
-  void has_sent_keys(spi::ParticipantCryptoHandle peer,
-                     spi::ParticipantCryptoHandle local) noexcept;
+  void sent_keys(spi::ParticipantCryptoHandle peer, spi::ParticipantCryptoHandle local) noexcept;
   /// A remote participant, or a local one.
   void left(spi::ParticipantCryptoHandle participant);
   /// Adds a protected local builtin endpoint. If memory runs out, it is not waited for.

@@ -43,9 +43,9 @@ void LivelinessMonitor::unschedule(const Guid& guid, Writer& writer) {
   writer.noted_end = kNever;
 }
 
-void LivelinessMonitor::count(const Guid& writer, int is_alive, int not_alive) {
-  status_.alive_count += is_alive;
-  status_.alive_count_change += is_alive;
+void LivelinessMonitor::count(const Guid& writer, int alive, int not_alive) {
+  status_.alive_count += alive;
+  status_.alive_count_change += alive;
   status_.not_alive_count += not_alive;
   status_.not_alive_count_change += not_alive;
   status_.last_remote = writer;
@@ -76,7 +76,7 @@ void LivelinessMonitor::remove(const Guid& writer) {
   count(writer, was_alive ? -1 : 0, was_alive ? 0 : -1);
 }
 
-void LivelinessMonitor::is_alive(const Guid& writer, MonotonicTime now) {
+void LivelinessMonitor::alive(const Guid& writer, MonotonicTime now) {
   const auto at = writers_.find(writer);
   if (at == writers_.end()) return;
   at->second.asserted = now;

@@ -47,7 +47,7 @@ class LivelinessMonitor {
   void follow(const Guid& writer, std::shared_ptr<LivelinessSignal> signal);
   void remove(const Guid& writer);
   /// The writer asserted its liveliness.
-  void is_alive(const Guid& writer, MonotonicTime now);
+  void alive(const Guid& writer, MonotonicTime now);
   /// Calls `ended` for each writer whose lease ran out, with its signal, or nullptr if it has none.
   using Ended = std::function<void(const Guid&, LivelinessSignal*)>;
   void check(MonotonicTime now, const Ended& ended);
@@ -72,7 +72,7 @@ class LivelinessMonitor {
   /// Schedules a check at the time when its lease ends, as far as is known now.
   void schedule(const Guid& guid, Writer& writer);
   void unschedule(const Guid& guid, Writer& writer);
-  void count(const Guid& writer, int is_alive, int not_alive);
+  void count(const Guid& writer, int alive, int not_alive);
 
   std::map<Guid, Writer> writers_;
   /// The times at which leases end, or earlier: only writers that are alive.

@@ -146,12 +146,12 @@ std::vector<Condition*> WaitSet::conditions() const {
 Result<std::vector<Condition*>> WaitSet::wait(std::chrono::nanoseconds timeout) {
   const auto end = std::chrono::steady_clock::now() + std::min(timeout, kMaxWait);
   std::unique_lock lock(state_->mutex);
-  if (state_->waiting)
+  if (state_->is_waiting)
     return fail(Code::rtps_precondition_not_met,
                 {.document = "wait set", .expected = "one waiting thread", .found = "a second"});
-  state_->waiting = true;
+  state_->is_waiting = true;
   // Also when the thread is cancelled.
-  const Rollback is_over([&] { state_->waiting = false; });
+  const Rollback is_over([&] { state_->is_waiting = false; });
   auto out = state_->triggered();
   if (out.empty()) {
     state_->wait_until(lock, end);

@@ -48,7 +48,7 @@ std::optional<SampleRow> read_row(const SqlStatement& row) {
     return std::nullopt;
   if (row.number(2) != 0) std::ranges::copy(key, change.key_hash.emplace().begin());
   change.status.disposed = row.number(3) != 0;
-  change.key_only = change.status.disposed;
+  change.is_key_only = change.status.disposed;
   change.source_time =
       Time{{static_cast<std::int32_t>(row.number(4)), static_cast<std::uint32_t>(row.number(5))}};
   change.original = {{GuidPrefix::from(writer.first(12)), EntityId::from(writer.subspan(12))},

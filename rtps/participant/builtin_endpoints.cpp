@@ -21,7 +21,7 @@ BuiltinEndpoints::BuiltinEndpoints(const GuidPrefix& prefix, MessageSender& send
     if (!info.is_secure) add(info);
 }
 
-void BuiltinEndpoints::is_secure() {
+void BuiltinEndpoints::secure() {
   for (const auto& info : kBuiltinTopics)
     if (info.is_secure) add(info);
 }

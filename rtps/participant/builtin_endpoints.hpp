@@ -68,7 +68,7 @@ class BuiltinEndpoints {
                    Deliver deliver);
 
   /// Adds the secure endpoints.
-  void is_secure();
+  void secure();
 
   StatefulWriter& writer(BuiltinTopic topic) { return *endpoints_[index(topic)].writer; }
   /// Return nullptr if `id` is not one of the builtin endpoints.

@@ -69,7 +69,7 @@ void MatchPlaces::fill(const Local& local) {
     return local.matched.has_room(identity, macs);
   };
   for (int i = 0; i < kMaxTries; ++i) {
-    const auto next = local.waiting.claim(has_room);
+    const auto next = local.waiting.take(has_room);
     if (!next) return;
     match_again_(local.id, *next);
   }

@@ -471,7 +471,7 @@ void Handshakes::note_overdue(Peer& peer) {
 // name. And a peer that does not accept the local certificate does not report it.
 MonotonicTime Handshakes::next_admission(const Peer& peer) const {
   const auto* unproven = peer.state.unproven();
-  if (unproven == nullptr || unproven->admitted) return kNever;
+  if (unproven == nullptr || unproven->is_admitted) return kNever;
   const auto began = unproven->handshake->began();
   return began && admission_.admits_unauthenticated() ? *began + kAdmissionTimeout : kNever;
 }

@@ -166,7 +166,7 @@ TEST(ListedOfANewCa, PeerWhoseFirstCaHasLeft_IsKept) {
   const auto reply = two.reply(*request->message);
   ASSERT_OK(reply);
   Pairing::expect_finish_of(two, *request, *reply);
-  const auto look = [&] {
+  const auto poll = [&] {
     first.clock.advance(5s);
     return first->expire();
   };

@@ -297,7 +297,7 @@ TEST(RevokedAuthority, RevokedCa_EndsThePeersItIssued) {
                   cas.of(cas.sub, "CN=bob", 1));
   pairing.expect_success();
   auto& engine = pairing.first_engine;
-  const auto look = [&] {
+  const auto poll = [&] {
     engine.clock.advance(5s);
     return engine->expire();
   };
