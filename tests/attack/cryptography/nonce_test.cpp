@@ -50,7 +50,7 @@ std::size_t sessions(const std::vector<Nonce>& nonces) {
 class Nonces : public ::testing::TestWithParam<std::tuple<std::uint64_t, std::string_view>> {
  protected:
   static std::uint64_t limit() { return std::get<0>(GetParam()); }
-  static Options options() { return {.max_blocks_per_session = limit()}; }
+  static CryptographyOptions options() { return {.max_blocks_per_session = limit()}; }
   static PropertyList properties() { return cipher(std::get<1>(GetParam()), true); }
   static constexpr int kMessages = 3000;
 };

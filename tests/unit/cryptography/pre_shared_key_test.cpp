@@ -255,7 +255,7 @@ struct Running {
     member.keys->refresh();
     return member.side.events.codes();
   }
-  const std::string& said() const { return member.side.events.last(); }
+  std::string said() const { return member.side.events.last(); }
 
   test::TemporaryFolder folder;
   Member member;

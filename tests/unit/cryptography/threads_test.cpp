@@ -28,7 +28,7 @@ void while_changing(int rounds, Work&& work, Change&& change) {
 
 class Threads : public ::testing::TestWithParam<AeadChoice> {
  protected:
-  static Options options() { return {.aead = GetParam(), .max_blocks_per_session = 64}; }
+  static CryptographyOptions options() { return {.aead = GetParam(), .max_blocks_per_session = 64}; }
 };
 
 TEST_P(Threads, TokensComingAgain_DisturbNoDecoding) {
