@@ -24,6 +24,7 @@
 #include "plugins/spi/property_names.hpp"
 #include "tests/support/expect_code.hpp"
 #include "tests/support/recorded_events.hpp"
+#include "tests/support/test_ca.hpp"
 
 namespace ddssec::authentication {
 
@@ -37,13 +38,9 @@ using spi::PropertyList;
 using spi::Token;
 using spi::ValidationResult;
 
-inline constexpr WallTime kNow{std::chrono::sys_days(std::chrono::year(2026) / 11 / 21)};
-inline constexpr pki::Validity kYear{kNow - 24h, kNow + 365 * 24h};
-
-inline Random& test_random() {
-  static SeededRandom random(42);
-  return random;
-}
+using test::kNow;
+using test::kYear;
+using test::test_random;
 
 /// RSA keys take long to make: one of each kind and index in a process.
 inline const pki::PrivateKey& key_of(KeySpec spec, int index = 0) {
@@ -55,7 +52,7 @@ inline const pki::PrivateKey& key_of(KeySpec spec, int index = 0) {
 
 inline pki::Authority make_ca(std::string_view subject = "CN=Identity CA,O=Example",
                               KeySpec key = {}, pki::Validity validity = kYear) {
-  return pki::Authority::create(subject, key, validity, test_random()).value();
+  return test::make_ca(subject, key, validity);
 }
 
 /// The CA of tests that do not care.

@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "base/seeded_random.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/write.hpp"
 #include "pki/authority.hpp"
+#include "tests/support/test_ca.hpp"
 
 namespace ddssec::governance::doctor {
 
@@ -20,25 +20,11 @@ using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 /// 2026-11-21T00:00:00Z, a day on which everything made here is valid.
-inline constexpr WallTime kNow{std::chrono::sys_days(std::chrono::year(2026) / 11 / 21)};
-inline constexpr pki::Validity kYear{kNow - 24h, kNow + 365 * 24h};
-
-inline Random& test_random() {
-  static SeededRandom random(7);
-  return random;
-}
-
-inline pki::Authority make_ca(std::string_view subject) {
-  auto ca = pki::Authority::create(subject, {}, kYear, test_random());
-  EXPECT_TRUE(ca) << ca.error().to_sentence();
-  return *std::move(ca);
-}
-
-inline pki::Credential make_leaf(const pki::Authority& ca, std::string_view subject) {
-  auto leaf = ca.issue(subject, {}, kYear, test_random());
-  EXPECT_TRUE(leaf) << leaf.error().to_sentence();
-  return *std::move(leaf);
-}
+using test::kNow;
+using test::kYear;
+using test::make_ca;
+using test::make_leaf;
+using test::test_random;
 
 /// A domain rule like that of sros2 with one topic rule for everything.
 inline Governance strict_governance(DomainId domain = 0) {

@@ -8,10 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "base/clock.hpp"
-#include "base/seeded_random.hpp"
 #include "pki/authority.hpp"
 #include "pki/chain.hpp"
 #include "tests/support/expect_code.hpp"
+#include "tests/support/test_ca.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace ddssec::pki {
@@ -19,27 +19,11 @@ namespace ddssec::pki {
 using namespace std::chrono_literals;
 
 /// 2026-11-21T00:00:00Z, a day on which everything made here is valid.
-inline constexpr WallTime kNow{std::chrono::sys_days(std::chrono::year(2026) / 11 / 21)};
-inline constexpr Validity kYear{kNow - 24h, kNow + 365 * 24h};
-
-inline Random& test_random() {
-  static SeededRandom random(42);
-  return random;
-}
-
-inline Authority make_ca(std::string_view subject = "CN=Test CA,O=Example", KeySpec key = {},
-                         Validity validity = kYear) {
-  auto ca = Authority::create(subject, key, validity, test_random());
-  EXPECT_TRUE(ca) << ca.error().to_sentence();
-  return *std::move(ca);
-}
-
-inline Credential make_leaf(const Authority& ca, std::string_view subject = "CN=talker,O=Example",
-                            KeySpec key = {}, Validity validity = kYear) {
-  auto leaf = ca.issue(subject, key, validity, test_random());
-  EXPECT_TRUE(leaf) << leaf.error().to_sentence();
-  return *std::move(leaf);
-}
+using test::kNow;
+using test::kYear;
+using test::make_ca;
+using test::make_leaf;
+using test::test_random;
 
 inline ChainVerifier make_verifier(std::vector<Certificate> anchors, std::vector<Crl> crls = {},
                                    CrlPolicy policy = CrlPolicy::hard_fail) {
