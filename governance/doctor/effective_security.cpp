@@ -215,7 +215,7 @@ class Walk {
                           token.name.substr(0, 64), is_below_root() ? "CycloneDDS" : "Domain"));
   }
 
-  // Of other versions the elements may be others (DECISIONS.md).
+  // Of other versions the elements may be others (docs/decisions).
   void doubt_unknown(const Markup::Token& token) {
     const auto depth = path_.size();
     auto& own = path_.back();

@@ -34,7 +34,7 @@ struct ConfiguredPlugin {
 /// table is in tests/unit/governance_doctor/effective_security_test.cpp. Outside of <Security>,
 /// elements directly below <CycloneDDS> and <Domain> are checked. In deeper elements an unknown
 /// name or attribute is a doubt, and a single value that is set twice is a problem. Values are not
-/// checked (DECISIONS.md).
+/// checked (docs/decisions).
 struct EffectiveSecurity {
   /// Reasons why a process does not start, as sentences without their subject.
   std::vector<ConfiguredText> problems = {};

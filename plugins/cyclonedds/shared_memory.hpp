@@ -1,5 +1,5 @@
 // Refuses protected endpoints whose samples Cyclone DDS would pass through shared memory. On that
-// path it asks no plugin, and the samples are not protected (DECISIONS.md).
+// path it asks no plugin, and the samples are not protected (docs/decisions).
 #pragma once
 
 #include <cstdint>

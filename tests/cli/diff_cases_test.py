@@ -36,7 +36,7 @@ EXPECTED = {
         ("rtps_psk_protection_kind", "NONE", "SIGN", "stronger"),
         ("data_protection_kind", "NONE", "SIGN", "stronger")]),
     "p1_tags": ("wider", 1, [("join", "denied", "allowed", "wider"), ("rule", "denied", "allowed", "wider")]),
-    # A denial of topics says nothing about joining (DECISIONS.md).
+    # A denial of topics says nothing about joining (docs/decisions).
     "p2_join": ("neutral", 0, [("rewritten", None, None, "neutral")]),
     "p3_schema_mixed": ("mixed", 1, [("validity", "2026-01-01T00:00:00Z .. 2028-01-01T00:00:00Z",
                                       "2028-01-01T00:00:00Z .. 2030-01-01T00:00:00Z", "mixed")]),

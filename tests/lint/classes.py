@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Counts the methods of each class. Exit 1 and a line for each class that has too many. A plugin's interface is the standard's, so in
-plugins/ the functions that override one do not count (DECISIONS: Classes have at most forty methods)."""
+plugins/ the functions that override one do not count (docs/decisions/code.md: Classes have at most forty methods)."""
 
 import pathlib
 import re

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Holds DECISIONS.md to its form: each decision has a date and five labelled parts, in order, and the index names all.
+"""Holds docs/decisions to its form: each decision has a date and five labelled parts, in order; indexes name all.
 
-Usage: decisions.py ROOT [--write]     --write brings the index up to date instead of complaining.
+Usage: decisions.py ROOT [--write]     --write brings the indexes up to date instead of complaining.
 Exit 1 and a line for each fault.
 """
 
@@ -13,8 +13,8 @@ import sys
 LABELS = ["What", "Why", "Instead", "Cost", "Again when"]
 LABEL = re.compile(r"^- (What|Why|Instead|Cost|Again when):(.*)$", re.M)
 TITLE = re.compile(r"(.+) \((\d{4}-\d{2}-\d{2})\)")
-WITHOUT_DATE = r"\1"
 BEGIN, END = "<!-- index -->\n", "<!-- end of index -->\n"
+AREA = "# Decisions: "
 
 
 def anchor(heading):
@@ -22,33 +22,28 @@ def anchor(heading):
     return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
 
 
-def sections(text):
-    """(line, level, heading, body) of each heading after the index."""
+def decisions(text):
+    """(line, heading, body) of each decision in the text of an area."""
     offset = text.index(END) + len(END)
-    found = list(re.finditer(r"^(#{1,2}) (.*)$", text[offset:], re.M))
+    found = list(re.finditer(r"^## (.*)$", text[offset:], re.M))
     for at, match in enumerate(found):
         end = found[at + 1].start() if at + 1 < len(found) else None
-        line = text.count("\n", 0, offset + match.start()) + 1
-        yield line, len(match[1]), match[2], text[offset:][match.end():end]
+        yield text.count("\n", 0, offset + match.start()) + 1, match[1], text[offset:][match.end():end]
 
 
-def index_of(text):
-    """A table of the areas, and below it for each area a list of its decisions, which a forge shows folded."""
-    areas = []
-    for _, level, heading, _ in sections(text):
-        if level == 1:
-            areas.append((heading, []))
-        elif areas:
-            areas[-1][1].append(heading)
-    out = BEGIN + "\n| area | decisions | last |\n|---|---|---|\n"
-    for area, decisions in areas:
-        last = max((title[2] for title in map(TITLE.fullmatch, decisions) if title), default="")
-        out += f"| [{area}](#{anchor(area)}) | {len(decisions)} | {last} |\n"
-    for area, decisions in areas:
-        out += f"\n<details><summary>{area}: {len(decisions)} decisions</summary>\n\n"
-        out += "".join(f"- [{TITLE.sub(WITHOUT_DATE, heading)}](#{anchor(heading)})\n" for heading in decisions)
-        out += "\n</details>\n"
-    return out + END
+def index_of_area(text):
+    headings = [heading for _, heading, _ in decisions(text)]
+    return "\n" + "".join(f"- [{TITLE.sub(chr(92) + '1', heading)}](#{anchor(heading)})\n" for heading in headings) + "\n"
+
+
+def index_of_all(areas):
+    out = "\n| area | decisions | last |\n|---|---|---|\n"
+    for file, text in areas:
+        titles = [TITLE.fullmatch(heading) for _, heading, _ in decisions(text)]
+        area = text.splitlines()[0].removeprefix(AREA)
+        last = max((title[2] for title in titles if title), default="")
+        out += f"| [{area}]({file.name}) | {len(titles)} | {last} |\n"
+    return out + "\n"
 
 
 def is_date(text):
@@ -58,15 +53,12 @@ def is_date(text):
         return False
 
 
-def faults(text):
-    titles, in_area = set(), False
-    for line, level, heading, body in sections(text):
-        where = f"DECISIONS.md:{line}"
-        if level == 1:
-            in_area = True
-            continue
-        if not in_area:
-            yield f"{where}: no area (a heading with one #) stands before it"
+def faults(name, text):
+    titles = set()
+    if not text.startswith(AREA):
+        yield f"{name}:1: the first line does not begin with \"{AREA}\""
+    for line, heading, body in decisions(text):
+        where = f"{name}:{line}"
         title = TITLE.fullmatch(heading)
         if not title or not is_date(title[2]):
             yield f"{where}: the heading does not end with a date such as (2026-11-22)"
@@ -81,23 +73,39 @@ def faults(text):
         if parts[0].strip():
             yield f"{where}: text stands before the first label"
     if not titles:
-        yield "DECISIONS.md: there is no decision after the index"
+        yield f"{name}: there is no decision after the index"
+
+
+def check_index(file, name, text, index, write):
+    """A fault if the part between the marks is not `index`, unless it is written."""
+    begin, end = text.index(BEGIN), text.index(END) + len(END)
+    expected = BEGIN + index + END
+    if text[begin:end] == expected:
+        return []
+    if not write:
+        return [f"{name}: the index is not complete; run tests/lint/decisions.py . --write"]
+    file.write_text(text[:begin] + expected + text[end:], encoding="utf-8")
+    return []
 
 
 def main():
-    file = pathlib.Path(sys.argv[1]) / "DECISIONS.md"
-    text = file.read_text(encoding="utf-8")
-    if BEGIN not in text or END not in text:
-        print(f"DECISIONS.md: the lines {BEGIN.strip()} and {END.strip()} around the index are missing")
+    root, write = pathlib.Path(sys.argv[1]), "--write" in sys.argv[2:]
+    files = sorted((root / "docs" / "decisions").glob("*.md"))
+    texts = {file: file.read_text(encoding="utf-8") for file in files}
+    names = {file: file.relative_to(root).as_posix() for file in files}
+    found = [f"{names[file]}: the lines {BEGIN.strip()} and {END.strip()} around the index are missing"
+             for file, text in texts.items() if BEGIN not in text or END not in text]
+    if found or not files:
+        print("\n".join(found) or "docs/decisions: there is no page")
         return 1
-    found = list(faults(text))
-    begin, end = text.index(BEGIN), text.index(END) + len(END)
-    if text[begin:end] != index_of(text):
-        if "--write" in sys.argv[2:]:
-            file.write_text(text[:begin] + index_of(text) + text[end:], encoding="utf-8")
-        else:
-            found.append("DECISIONS.md: the index is not complete; run tests/lint/decisions.py . --write")
-    print("\n".join(found) if found else f"{len([s for s in sections(text) if s[1] == 2])} decisions have their form")
+    areas = [(file, text) for file, text in texts.items() if file.name != "README.md"]
+    for file, text in areas:
+        found += [*faults(names[file], text), *check_index(file, names[file], text, index_of_area(text), write)]
+    for file, text in texts.items():
+        if file.name == "README.md":
+            found += check_index(file, names[file], text, index_of_all(areas), write)
+    count = sum(len(list(decisions(text))) for _, text in areas)
+    print("\n".join(found) if found else f"{count} decisions have their form")
     return 1 if found else 0
 
 

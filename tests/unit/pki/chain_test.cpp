@@ -136,7 +136,7 @@ TEST(Chain, OnlyCas_MayBeInTheFileOrIssue) {
   EXPECT_CODE(Authority::load(leaf.certificate, leaf.key), not_a_ca);
 }
 
-// DECISIONS.md: it is a CA by its place, since it has no extensions that could say so.
+// docs/decisions: it is a CA by its place, since it has no extensions that could say so.
 TEST(Chain, ASelfSignedVersion1Certificate_MayBeAnAnchorAndNothingElse) {
   const auto root = make_ca("CN=Root");
   const auto version_1 = as_version_1(root.certificate(), root.key());
