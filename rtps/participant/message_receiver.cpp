@@ -33,7 +33,7 @@ void MessageReceiver::receive(BytesView datagram, MonotonicTime now) {
 
 void MessageReceiver::read(const Header& header, BytesView datagram, MonotonicTime now) {
   if (header.prefix == own_) return;
-  Context context{header.prefix, true, {}, now, datagram.size()};
+  Context context{.source = header.prefix, .now = now, .message_size = datagram.size()};
   if (keyring_ != nullptr) {
     const auto opened = keyring_->open_message(header, datagram, message_scratch_, now);
     if (!opened) return;  // counted, and reported if it deserves an event
@@ -79,7 +79,7 @@ Status MessageReceiver::open_group(const SubmessageView& prefix, MessageReader& 
     if (!view) return fail(Code::truncated);
     size += view->whole.size();
   }
-  if (!context.is_for_us) return {};
+  if (!context.counts()) return {};
   const BytesView group(prefix.whole.data(), size);
   const auto opened = keyring_->open_submessage(context.source, group, submessage_scratch_);
   if (!opened) return {};
@@ -134,6 +134,7 @@ Status MessageReceiver::process_info(const SubmessageView& view, Context& contex
       if (source != context.source) report(context);
       context.opened_by.message = context.opened_by.message && source == context.source;
       context.source = source;
+      context.is_from_us = source == own_;
       context.time.reset();
       return {};
     }
@@ -165,7 +166,7 @@ void MessageReceiver::each_reader(const EntityId& id, const EntityId& writer,
 
 StatefulWriter* MessageReceiver::addressed(const EntityId& writer, const EntityId& reader,
                                            const Context& context) {
-  if (!context.is_for_us) return nullptr;
+  if (!context.counts()) return nullptr;
   auto* found = endpoints_.writer_for(writer, context.source);
   const Guid from{context.source, reader};
   // A reader that counts as ended may be heard again (DoubtedReaders).
@@ -210,7 +211,7 @@ std::optional<BytesView> MessageReceiver::opened(const StatefulReader& reader, c
 Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto data, read_data(view));
   const auto& from = context.source;
-  if (!context.is_for_us) return {};
+  if (!context.counts()) return {};
   if (data.writer == kSpdpWriter) return listener_.on_announcement(from, data);
   if (data.writer == kStatelessMessageWriter) {
     listener_.on_stateless(from, data.payload);
@@ -275,7 +276,7 @@ Payload MessageReceiver::opened(const StatefulReader& reader, const Guid& writer
 Status MessageReceiver::on_data_frag(const SubmessageView& view, Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto frag, read_data_frag(view));
   const auto& from = context.source;
-  if (!context.is_for_us) return {};
+  if (!context.counts()) return {};
   if (frag.writer == kStatelessMessageWriter) {
     listener_.on_stateless_frag(from, frag);
     return {};
@@ -296,7 +297,7 @@ Status MessageReceiver::on_data_frag(const SubmessageView& view, Context& contex
 Status MessageReceiver::on_heartbeat(const SubmessageView& view, Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto heartbeat, read_heartbeat(view));
   const Guid from{context.source, heartbeat.writer};
-  if (!context.is_for_us) return {};
+  if (!context.counts()) return {};
   if (is_builtin(heartbeat.writer)) listener_.on_builtin_heartbeat(from);
   each_reader(heartbeat.reader, heartbeat.writer, context, [&](StatefulReader& reader) {
     if (!reader.on_heartbeat(from.prefix, heartbeat, context.is_protected())) return;
@@ -308,7 +309,7 @@ Status MessageReceiver::on_heartbeat(const SubmessageView& view, Context& contex
 
 Status MessageReceiver::on_gap(const SubmessageView& view, Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto gap, read_gap(view));
-  if (!context.is_for_us) return {};
+  if (!context.counts()) return {};
   each_reader(gap.reader, gap.writer, context, [&](StatefulReader& reader) {
     context.note_told(reader.on_gap(context.source, gap));
   });

@@ -37,13 +37,17 @@ class MessageReceiver {
   /// RTPS 8.3.4: what earlier submessages of a message specify for later ones.
   struct Context {
     GuidPrefix source;
-    bool is_for_us = true;
-    std::optional<Time> time;
+    bool is_for_us = true;    ///< INFO_DST names this participant, or none
+    bool is_from_us = false;  ///< INFO_SRC names this participant
+    std::optional<Time> time = {};
     MonotonicTime now{};
     std::size_t message_size = 0;
     ReceivedProtection opened_by = {};
     SignsOfLife signs = {};
 
+    /// Nothing that arrives speaks for this participant: its own endpoints reach each other
+    /// directly.
+    bool counts() const { return is_for_us && !is_from_us; }
     /// True if keys of the source protect the submessage.
     bool is_protected() const { return opened_by.message || opened_by.submessage.prefix == source; }
     /// An endpoint received a submessage. `is_new`: it had not received it before.

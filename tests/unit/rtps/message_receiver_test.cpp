@@ -165,6 +165,19 @@ TEST_F(MessageReceiverTest, InfoSource_IsTheSourceOfTheNextSubmessages) {
   EXPECT_THAT(heard.sources, ElementsAre(kPeer, kOther)) << "each source by itself";
 }
 
+// Data protection alone leaves a dispose without a payload as it is, and keys of a remote
+// participant are looked for in vain where the source is this participant itself.
+TEST_F(MessageReceiverTest, InfoSourceOfTheParticipantItself_LetsNothingCount) {
+  InfoSource own, other;
+  own.source.prefix = kOurs;
+  other.source.prefix = kOther;
+  receive({written(own), heartbeat(), stateless(), written(InfoDestination{kOurs}), heartbeat(),
+           announcement(), written(other), heartbeat()});
+  EXPECT_THAT(heard.heartbeats, ElementsAre(Guid{kOther, kPublicationsWriter}));
+  EXPECT_THAT(heard.stateless, IsEmpty());
+  EXPECT_THAT(heard.announced, IsEmpty());
+}
+
 TEST_F(MessageReceiverTest, MessageCutOffAnywhere_ReachesNoOneTwiceAndIsNeverReadPastItsEnd) {
   const auto whole = from(kPeer, {heartbeat(), stateless(), announcement()});
   for (std::size_t size = 0; size < whole.size(); ++size) {
