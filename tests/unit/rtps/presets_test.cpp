@@ -26,7 +26,7 @@ TEST(QosPresets, EachPreset_IsThatOfRos2) {
     SCOPED_TRACE(row.name);
     const auto qos = qos_preset(row.name);
     ASSERT_TRUE(qos);
-    EXPECT_EQ(qos->is_reliable(), row.is_reliable);
+    EXPECT_EQ(qos->is_reliable(), row.reliable);
     EXPECT_EQ(qos->durability, row.durability);
     EXPECT_EQ(qos->history.kind, HistoryKind::keep_last);
     EXPECT_EQ(qos->history.depth, row.depth);
