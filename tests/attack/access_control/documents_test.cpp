@@ -17,7 +17,7 @@ class ForgedDocuments : public AccessControlTest {
  protected:
   void SetUp() override {
     ASSERT_TRUE(local(open_permissions(kTalker)));
-    log.events.clear();
+    log.all.clear();
   }
 
   // As an attacker signs: openssl with the certificate and key at hand.
@@ -119,7 +119,7 @@ TEST_F(ForgedDocuments, ExpiredAndFuturePermissionsCa_AreRefused) {
     const auto ca = pki::make_ca("CN=Old CA", {}, validity);
     auto list = properties(signed_by(ca, governance_xml()), signed_by(ca, open_xml(kTalker)));
     list[1].value = "data:," + ca.certificate().pem();
-    log.events.clear();
+    log.all.clear();
     const auto result = plugin->validate_local_permissions(kLocalIdentity, 0, list);
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code(), code);
@@ -162,7 +162,7 @@ TEST_F(ForgedDocuments, HostileXml_IsRefusedThoughSigned) {
       {xml + "<dds/>", Code::xml_not_well_formed},
       {"", Code::xml_not_well_formed}};
   for (const auto& [text, code] : cases) {
-    log.events.clear();
+    log.all.clear();
     const auto result = remote(signed_document(text));
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code(), code) << result.error().to_sentence();

@@ -13,7 +13,7 @@ constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
 struct Case {
   Rules rules;
-  bool reliable;
+  bool is_reliable;
   DurabilityKind durability;
   bool both_ways;  // neither hears the other, or only bob does not hear alice
 };

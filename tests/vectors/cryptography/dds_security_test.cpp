@@ -157,12 +157,12 @@ PropertyList cipher_property(const Json& entry) {
 
 class KatTransform : public ::testing::TestWithParam<AeadChoice> {
  protected:
-  static Options options() { return {.aead = GetParam()}; }
+  static CryptographyOptions options() { return {.aead = GetParam()}; }
 };
 
 // An engine whose first key is the vectors' one.
 struct Scripted {
-  explicit Scripted(const Options& options) : services{clock, random, events} {
+  explicit Scripted(const CryptographyOptions& options) : services{clock, random, events} {
     random.number<std::uint64_t>(0);
     random.number<std::uint32_t>(0x0000c0de);
     engine = make_cryptography(services, options);

@@ -2,9 +2,9 @@
 #include <filesystem>
 #include <sstream>
 
-#include "fixture.hpp"
 #include "pki/smime.hpp"
 #include "tests/support/test_data.hpp"
+#include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

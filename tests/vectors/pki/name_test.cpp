@@ -2,9 +2,9 @@
 #include <map>
 #include <sstream>
 
-#include "fixture.hpp"
 #include "pki/openssl.hpp"
 #include "pki/subject_name.hpp"
+#include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

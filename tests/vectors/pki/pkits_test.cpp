@@ -4,10 +4,10 @@
 #include <set>
 #include <sstream>
 
-#include "fixture.hpp"
 #include "pki/mime.hpp"
 #include "pki/openssl.hpp"
 #include "tests/support/test_data.hpp"
+#include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {

@@ -1,10 +1,10 @@
 // Google's Wycheproof vectors for what a handshake does with keys.
 #include <nlohmann/json.hpp>
 
-#include "fixture.hpp"
 #include "pki/known_key.hpp"
 #include "pki/openssl.hpp"
 #include "pki/signature.hpp"
+#include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::pki {
 namespace {
