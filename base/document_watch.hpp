@@ -11,10 +11,10 @@
 
 namespace ddssec {
 
-/// Not thread-safe.
+/// Watches one file with a document, and adopts what takes its place. Not thread-safe.
 class DocumentWatch {
  public:
-  /// WatchedDocument is watched, and what an event about it says.
+  /// What is watched, and what an event about it says.
   struct WatchedDocument {
     std::string uri;
     std::string name;        ///< of the property, for a document that stands there

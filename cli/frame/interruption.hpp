@@ -6,7 +6,7 @@
 namespace ddssec::cli {
 
 /// From now on SIGINT, SIGTERM and SIGHUP end the command at the next file with `interrupted`. If
-/// no file follows within 200 ms, the signal itself ends it, unless a InterruptionGuard is alive.
+/// no file follows within 200 ms, the signal itself ends it, unless an InterruptionGuard is alive.
 void note_interruptions();
 /// Success unless a signal came. Error: interrupted.
 Status check_not_interrupted();

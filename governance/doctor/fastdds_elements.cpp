@@ -211,10 +211,10 @@ class Forms {
       doubt(profile, fmt::format("has two profiles with the name \"{}\"", name));
     const char* const given = profile.attribute("is_default_profile");
     if (given == nullptr) return;
-    const std::string_view is_default = given;
-    if (is_default != "true" && is_default != "false")
-      doubt(profile, fmt::format("has is_default_profile=\"{}\"", is_default));
-    if (is_default == "true" && !defaults_.insert(std::string(profile.name())).second)
+    const std::string_view text = given;
+    if (text != "true" && text != "false")
+      doubt(profile, fmt::format("has is_default_profile=\"{}\"", text));
+    if (text == "true" && !defaults_.insert(std::string(profile.name())).second)
       doubt(profile, fmt::format("has a second {} with is_default_profile=\"true\"",
                                  in_brackets(profile.name())));
   }

@@ -46,9 +46,9 @@ class PkiDh final : public spi::Authentication {
                                                   const std::optional<Token>& remote_auth_request,
                                                   const Token& remote_identity_token,
                                                   const Guid& remote_guid) override;
-  Result<HandshakeStep> begin_handshake_request(IdentityHandle is_initiator, IdentityHandle replier,
+  Result<HandshakeStep> begin_handshake_request(IdentityHandle initiator, IdentityHandle replier,
                                                 BytesView participant_data) override;
-  Result<HandshakeStep> begin_handshake_reply(const Token& request, IdentityHandle is_initiator,
+  Result<HandshakeStep> begin_handshake_reply(const Token& request, IdentityHandle initiator,
                                               IdentityHandle replier,
                                               BytesView participant_data) override;
   Result<HandshakeStep> process_handshake(HandshakeHandle handshake, const Token& message) override;

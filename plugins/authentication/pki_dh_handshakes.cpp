@@ -113,10 +113,10 @@ PkiDh::Outline PkiDh::outline(const Token& message) const {
   return out;
 }
 
-Result<PkiDh::HandshakeStep> PkiDh::begin_handshake_request(IdentityHandle is_initiator,
+Result<PkiDh::HandshakeStep> PkiDh::begin_handshake_request(IdentityHandle initiator,
                                                             IdentityHandle replier,
                                                             BytesView participant_data) {
-  return reported(begin_request(is_initiator, replier, participant_data), replier);
+  return reported(begin_request(initiator, replier, participant_data), replier);
 }
 
 Result<PkiDh::HandshakeStep> PkiDh::begin_request(IdentityHandle local, IdentityHandle remote,
@@ -140,10 +140,10 @@ Result<PkiDh::HandshakeStep> PkiDh::begin_request(IdentityHandle local, Identity
 }
 
 Result<PkiDh::HandshakeStep> PkiDh::begin_handshake_reply(const Token& request,
-                                                          IdentityHandle is_initiator,
+                                                          IdentityHandle initiator,
                                                           IdentityHandle replier,
                                                           BytesView participant_data) {
-  return reported(begin_reply(request, replier, is_initiator, participant_data), is_initiator);
+  return reported(begin_reply(request, replier, initiator, participant_data), initiator);
 }
 
 Result<PkiDh::HandshakeStep> PkiDh::begin_reply(const Token& request, IdentityHandle local,

@@ -441,8 +441,8 @@ AccessControlAdapter::AccessControlAdapter(std::unique_ptr<Host> host,
 AccessControlAdapter::~AccessControlAdapter() { delist(); }
 
 TypeLookup AccessControlAdapter::type_lookup() const {
-  return trusts_type_information_ || !has_our_cryptography() ? TypeLookup::stays_open
-                                                             : TypeLookup::is_closed;
+  return trusts_type_information_ || !has_our_cryptography() ? TypeLookup::open
+                                                             : TypeLookup::closed;
 }
 
 void AccessControlAdapter::listen(const dds_security_access_control_listener* listener) {

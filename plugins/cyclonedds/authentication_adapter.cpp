@@ -411,7 +411,7 @@ void AuthenticationAdapter::present_renewed_permissions() {
 bool AuthenticationAdapter::has_others(spi::IdentityHandle local) const {
   return std::ranges::any_of(farewells_.locals(), [&](const auto& other) {
     return other.handle != local && !remotes_.has_ended(other.handle) &&
-           !holds(GovernanceFact::is_cut_off, other.handle);
+           !holds(GovernanceFact::cut_off, other.handle);
   });
 }
 

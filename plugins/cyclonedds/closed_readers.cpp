@@ -23,7 +23,7 @@ bool is_closed(const spi::EndpointRequest& reader,
                const spi::ParticipantSecurityAttributes& participant, TypeLookup lookup) {
   // Applications read topics with the same names in a partition of the core.
   if (!reader.partitions.empty()) return false;
-  if (is_among(kTypeLookup, reader.topic_name)) return lookup == TypeLookup::is_closed;
+  if (is_among(kTypeLookup, reader.topic_name)) return lookup == TypeLookup::closed;
   return participant.is_all_discovery_protected && is_among(kClearDiscovery, reader.topic_name);
 }
 

@@ -17,7 +17,7 @@
 namespace ddssec::cyclonedds {
 
 /// The choice for the readers of type lookup (DDS-XTypes 7.6.3.3).
-enum class TypeLookup : bool { stays_open, is_closed };
+enum class TypeLookup : bool { open, closed };
 
 /// True if that builtin reader must be closed. The readers of unprotected endpoint announcements
 /// stay open only if governance leaves the discovery of some topic unprotected: honest peers

@@ -17,7 +17,7 @@ namespace ddssec::cyclonedds {
 /// Bits of a mask that one library passes to another (abi.hpp).
 enum class GovernanceFact : std::uint32_t {
   allows_unauthenticated = 1,
-  is_cut_off = 2,  ///< not about the governance: the participant's permissions have ended
+  cut_off = 2,  ///< not about the governance: the participant's permissions have ended
 };
 constexpr bool has(std::uint32_t facts, GovernanceFact fact) {
   return (facts & static_cast<std::uint32_t>(fact)) != 0;
@@ -60,7 +60,7 @@ class GovernanceFacts {
     for (const auto& [permissions, known] : locals_)
       if (known.local == local)
         return known.facts |
-               (known.cut_off ? static_cast<std::uint32_t>(GovernanceFact::is_cut_off) : 0);
+               (known.cut_off ? static_cast<std::uint32_t>(GovernanceFact::cut_off) : 0);
     return 0;
   }
   /// The local identity with these permissions; empty if they belong to a peer.

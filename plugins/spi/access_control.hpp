@@ -107,7 +107,7 @@ class AccessControl {
   struct RemoteDatareader {
     bool is_relay_only = false;
   };
-  /// The same for a reader (DDS-Security 1.2, clause 9.4.2.9.11). `relay_only`: the reader is
+  /// The same for a reader (DDS-Security 1.2, clause 9.4.2.9.11). `is_relay_only`: the reader is
   /// allowed by a <relay> element only, so it must not get the payload key. Error instead:
   /// announced_reader_not_allowed.
   virtual Result<RemoteDatareader> check_remote_datareader(PermissionsHandle remote,

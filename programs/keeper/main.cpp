@@ -27,7 +27,7 @@ struct Options {
 class Log final : public EventSink {
  public:
   void raise(const Event& event) override {
-    // Refused() prints that error.
+    // refused() prints that error.
     if (!event.is_returned) std::fprintf(stderr, "%s\n", event.to_line().c_str());
   }
 };

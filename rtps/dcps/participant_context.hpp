@@ -60,7 +60,7 @@ class ParticipantContext {
   /// Must be called after something that changes when tick() must run, or that listeners must be
   /// called for.
   void reschedule();
-  /// The same after an action of another participant in the process peers, which can affect only
+  /// The same after an action of another participant of this process, which can affect only
   /// timers and listeners.
   void attend() {
     if (!is_serving_) wake_if(kNever);

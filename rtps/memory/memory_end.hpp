@@ -12,7 +12,7 @@ class MemoryEnd {
   /// The caller closes the descriptor and its mappings after this. Empty: the system cannot watch
   /// it (no inotify is left).
   static std::optional<MemoryEnd> watch(int descriptor);
-  /// Once it is, the object has no further use.
+  /// True once nothing has the memory any longer; the object has no further use then.
   bool is_over() const;
 
  private:

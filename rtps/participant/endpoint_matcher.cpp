@@ -189,7 +189,7 @@ bool EndpointMatcher::match_all(RemoteParticipant& remote) {
     const bool is_matched = local.matched.contains(data.guid);
     if (is_matched || keyring.is_pair_registered(own, data.guid)) {
       const auto permission = core_.security->admit(own, Admission::Endpoint::of(data));
-      const bool is_relay = keyring.kind_of(own, data.guid) == Keyring::PairKind::is_relay_only;
+      const bool is_relay = keyring.kind_of(own, data.guid) == Keyring::PairKind::relay_only;
       const bool stays = permission && permission->is_relay_only == is_relay;
       if (stays && is_matched) return;
       if (!stays) forget(local, data.guid, true);

@@ -37,7 +37,7 @@ struct ParticipantConfig {
   /// A random secret (AmplificationLimit::set_secret).
   std::optional<Sha256Digest> address_secret = {};
   /// The members are called without the network where nothing is protected. The caller adds the
-  /// participant to the process peers, and holds the process peers's lock during all calls.
+  /// participant to the process peers, and holds their lock during all calls.
   std::shared_ptr<ProcessPeers> process_peers = {};
 };
 

@@ -132,13 +132,13 @@ Keyring::PairKind Keyring::kind_of(const EntityId& id, const Guid& remote) const
   if (local == nullptr) return PairKind::unknown;
   const auto pair = local->pairs.find(remote);
   if (pair == local->pairs.end()) return PairKind::unknown;
-  if (pair->second.is_suspended) return PairKind::is_suspended;
-  return pair->second.is_relay_only ? PairKind::is_relay_only : PairKind::ordinary;
+  if (pair->second.is_suspended) return PairKind::suspended;
+  return pair->second.is_relay_only ? PairKind::relay_only : PairKind::ordinary;
 }
 
 bool Keyring::is_pair_registered(const EntityId& id, const Guid& remote) const {
   const auto kind = kind_of(id, remote);
-  return kind == PairKind::ordinary || kind == PairKind::is_relay_only;
+  return kind == PairKind::ordinary || kind == PairKind::relay_only;
 }
 
 Keyring::PairKeys Keyring::keys_for(const EntityId& id, const Guid& remote) const {

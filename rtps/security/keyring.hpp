@@ -64,7 +64,7 @@ class Keyring final : public SendProtection {
   /// which need not know of that, does not send its keys again then. Nothing is protected for it
   /// meanwhile.
   void unregister_pair(const EntityId& local, const Guid& remote, bool may_return = false);
-  enum class PairKind : std::uint8_t { unknown, ordinary, is_relay_only, is_suspended };
+  enum class PairKind : std::uint8_t { unknown, ordinary, relay_only, suspended };
   PairKind kind_of(const EntityId& local, const Guid& remote) const;
   /// False for a pair that is suspended.
   bool is_pair_registered(const EntityId& local, const Guid& remote) const;

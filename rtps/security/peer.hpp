@@ -88,8 +88,8 @@ struct Association {
 /// Each state owns what it needs; leaving a state releases it.
 namespace peer {
 
-/// Nothing is proven. `admitted`: the peer takes part without authentication until it succeeds and
-/// is permitted.
+/// Nothing is proven. `is_admitted`: the peer takes part without authentication until it succeeds
+/// and is permitted.
 struct Unproven {
   std::unique_ptr<PeerHandshake> handshake;
   bool is_admitted = false;

@@ -17,15 +17,15 @@ bool is_closed(std::string_view topic, const spi::ParticipantSecurityAttributes&
 
 TEST(ClosedReader, OfClearDiscovery_IsSoWhereTheDiscoveryOfAllTopicsIsProtected) {
   for (const auto* topic : kDiscovery) {
-    EXPECT_TRUE(is_closed(topic, kAllProtected, TypeLookup::stays_open)) << topic;
-    EXPECT_FALSE(is_closed(topic, kSomeClear, TypeLookup::is_closed)) << topic;
+    EXPECT_TRUE(is_closed(topic, kAllProtected, TypeLookup::open)) << topic;
+    EXPECT_FALSE(is_closed(topic, kSomeClear, TypeLookup::closed)) << topic;
   }
 }
 
 TEST(ClosedReader, OfTypeLookup_IsSoUnderEveryGovernanceUnlessTypesAreTrusted) {
   for (const auto* topic : kLookup) {
-    EXPECT_TRUE(is_closed(topic, kSomeClear, TypeLookup::is_closed)) << topic;
-    EXPECT_FALSE(is_closed(topic, kAllProtected, TypeLookup::stays_open)) << topic;
+    EXPECT_TRUE(is_closed(topic, kSomeClear, TypeLookup::closed)) << topic;
+    EXPECT_FALSE(is_closed(topic, kAllProtected, TypeLookup::open)) << topic;
   }
 }
 
@@ -33,14 +33,14 @@ TEST(ClosedReader, OtherTopics_AreNotClosed) {
   for (const auto* topic :
        {"DCPSParticipant", "DCPSParticipantMessage", "DCPSPublicationsSecure",
         "DCPSParticipantStatelessMessage", "DCPSParticipantVolatileMessageSecure", "Square"})
-    EXPECT_FALSE(is_closed(topic, kAllProtected, TypeLookup::is_closed)) << topic;
+    EXPECT_FALSE(is_closed(topic, kAllProtected, TypeLookup::closed)) << topic;
 }
 
 // What an application reads of the core's own topics comes from no other process.
 TEST(ClosedReader, ApplicationsOwnReader_IsNotClosed) {
   const std::string_view partitions[] = {"__BUILT-IN PARTITION__"};
   EXPECT_FALSE(cyclonedds::is_closed({.topic_name = "DCPSPublication", .partitions = partitions},
-                                     kAllProtected, TypeLookup::is_closed));
+                                     kAllProtected, TypeLookup::closed));
 }
 
 }  // namespace

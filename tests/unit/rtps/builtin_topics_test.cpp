@@ -294,11 +294,11 @@ TEST_P(BuiltinTopicsTest, ATopic_IsFoundHereOrThere) {
   ASSERT_TRUE(writer.write({"a", 1}));
   run(20ms);
   std::vector<OctetSample> samples;
-  EXPECT_EQ(reader.take(samples), GetParam() == testing::Way::is_in_process ? 1u : 0u);
+  EXPECT_EQ(reader.take(samples), GetParam() == testing::Way::in_process ? 1u : 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, BuiltinTopicsTest,
-                         ::testing::Values(testing::Way::network, testing::Way::is_in_process),
+                         ::testing::Values(testing::Way::network, testing::Way::in_process),
                          testing::name_of);
 
 }  // namespace

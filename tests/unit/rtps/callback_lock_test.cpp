@@ -158,7 +158,7 @@ TEST_P(PolledListeners, AParticipantDestroyedInItsOwnListener_EndsTheProcessWith
       "rtps_ended_in_listener 1746");
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, PolledListeners, ::testing::Values(Way::network, Way::is_in_process),
+INSTANTIATE_TEST_SUITE_P(Over, PolledListeners, ::testing::Values(Way::network, Way::in_process),
                          [](const auto& info) { return testing::name_of(info); });
 
 }  // namespace

@@ -140,7 +140,7 @@ TEST_P(Access, EveryStatus_IsHeardByListeners) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, Access,
-                         ::testing::Values(testing::Way::network, testing::Way::is_in_process),
+                         ::testing::Values(testing::Way::network, testing::Way::in_process),
                          testing::name_of);
 
 }  // namespace

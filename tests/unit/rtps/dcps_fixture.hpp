@@ -74,7 +74,7 @@ inline Qos reliable(HistoryKind history = HistoryKind::keep_all) {
   return qos;
 }
 
-enum class Way { network, is_in_process };
+enum class Way { network, in_process };
 
 inline std::string name_of(const ::testing::TestParamInfo<Way>& info) {
   return info.param == Way::network ? "network" : "in_process";
@@ -93,7 +93,7 @@ struct Polled : ::testing::TestWithParam<Way> {
             .interfaces = {"127.0.0.1"},
             .multicast = false,
             .own_thread = false,
-            .is_in_process = GetParam() == Way::is_in_process};
+            .is_in_process = GetParam() == Way::in_process};
   }
   End a{services, options()}, b{services, options()};
 

@@ -255,7 +255,7 @@ TEST_P(OneProcess, OtherDomainsAndTags_StayApart) {
   EXPECT_THAT(reader.matched_publications(), IsEmpty());
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, OneProcess, ::testing::Values(testing::Way::is_in_process),
+INSTANTIATE_TEST_SUITE_P(Over, OneProcess, ::testing::Values(testing::Way::in_process),
                          testing::name_of);
 
 }  // namespace

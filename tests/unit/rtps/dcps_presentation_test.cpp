@@ -291,7 +291,7 @@ TEST(PresentingConcurrently, OneAccess_SeesAllTopicsOfASetOrNone) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, Presenting,
-                         ::testing::Values(testing::Way::network, testing::Way::is_in_process),
+                         ::testing::Values(testing::Way::network, testing::Way::in_process),
                          testing::name_of);
 
 }  // namespace

@@ -434,7 +434,7 @@ TEST_P(Policies, ChangedDataOfTopicGroupAndEndpoint_IsSeenByPeers) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, Policies,
-                         ::testing::Values(testing::Way::network, testing::Way::is_in_process),
+                         ::testing::Values(testing::Way::network, testing::Way::in_process),
                          testing::name_of);
 
 }  // namespace

@@ -22,7 +22,7 @@ struct DcpsParticipants : ::testing::TestWithParam<testing::Way> {
             .domain_tag = std::to_string(::getpid()),
             .interfaces = {"127.0.0.1"},
             .multicast = false,
-            .is_in_process = GetParam() == testing::Way::is_in_process};
+            .is_in_process = GetParam() == testing::Way::in_process};
   }
   testing::End a{services, options()}, b{services, options()};
 
@@ -174,7 +174,7 @@ TEST_P(DcpsParticipants, BadOptions_AreNamed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, DcpsParticipants,
-                         ::testing::Values(testing::Way::network, testing::Way::is_in_process),
+                         ::testing::Values(testing::Way::network, testing::Way::in_process),
                          testing::name_of);
 
 }  // namespace

@@ -122,7 +122,7 @@ TEST_P(Entities, AChangedPartition_MatchesAnew) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, Entities,
-                         ::testing::Values(testing::Way::network, testing::Way::is_in_process),
+                         ::testing::Values(testing::Way::network, testing::Way::in_process),
                          testing::name_of);
 
 }  // namespace

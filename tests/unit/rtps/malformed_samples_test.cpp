@@ -161,8 +161,8 @@ TEST_P(MalformedSamples, InAFullReader_GiveTheirPlaces) {
   EXPECT_THAT(values(samples), ElementsAre(10));
 }
 
-INSTANTIATE_TEST_SUITE_P(Ways, MalformedSamples,
-                         ::testing::Values(Way::network, Way::is_in_process), testing::name_of);
+INSTANTIATE_TEST_SUITE_P(Ways, MalformedSamples, ::testing::Values(Way::network, Way::in_process),
+                         testing::name_of);
 
 }  // namespace
 }  // namespace ddssec::rtps

@@ -88,7 +88,7 @@ TEST_P(OutOfMemory, AnyAllocation_WhileParticipantsAppear_EndsNothingElse) {
   expect_to_go_on();
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, OutOfMemory, ::testing::Values(Way::network, Way::is_in_process),
+INSTANTIATE_TEST_SUITE_P(Over, OutOfMemory, ::testing::Values(Way::network, Way::in_process),
                          testing::name_of);
 
 TEST_F(StoreTest, AnyAllocationThatFailsWhileStoring_LeavesAStoreThatGoesOn) {

@@ -16,7 +16,7 @@ using testing::taken;
 
 TEST_P(Access, Waiting_ServesAParticipantWithoutAThread) {
   ASSERT_TRUE(succeeds(writer.write({"a", 1})));
-  const bool delivered = GetParam() == testing::Way::is_in_process;
+  const bool delivered = GetParam() == testing::Way::in_process;
   EXPECT_EQ(writer.wait_for_acknowledgments(1ms).has_value(), delivered);
   EXPECT_TRUE(reader.wait_for_unread(1s));
   EXPECT_TRUE(succeeds(writer.wait_for_acknowledgments(1s)));

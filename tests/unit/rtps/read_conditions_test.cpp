@@ -53,7 +53,7 @@ TEST_P(ReadConditionsTest, Erase_KnowsItsOwnOnly) {
   EXPECT_EQ(conditions.size(), 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, ReadConditionsTest, ::testing::Values(Way::is_in_process),
+INSTANTIATE_TEST_SUITE_P(Over, ReadConditionsTest, ::testing::Values(Way::in_process),
                          [](const auto& info) { return testing::name_of(info); });
 
 }  // namespace
