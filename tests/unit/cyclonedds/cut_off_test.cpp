@@ -225,9 +225,9 @@ TEST_F(CutOffTogether, AThirdIsLeft_TheHostIsToldOfAll) {
 }
 
 TEST_F(CutOffTogether, Authentication_HearsWhoIsCutOff) {
-  EXPECT_FALSE(has(AccessControlAdapter::governance_facts_of(kOwn), GovernanceFact::is_cut_off));
+  EXPECT_FALSE(has(AccessControlAdapter::governance_facts_of(kOwn), GovernanceFact::cut_off));
   told_of();
-  EXPECT_TRUE(has(AccessControlAdapter::governance_facts_of(kOwn), GovernanceFact::is_cut_off));
+  EXPECT_TRUE(has(AccessControlAdapter::governance_facts_of(kOwn), GovernanceFact::cut_off));
 }
 
 }  // namespace
@@ -242,5 +242,5 @@ DDSSEC_EXPORT void ddssec_cut_off_access_control(DDS_Security_IdentityHandle loc
 }
 DDSSEC_EXPORT std::uint32_t ddssec_governance_facts_of(DDS_Security_IdentityHandle local) {
   if (local == 0 || local != ended_in_access_control) return 0;
-  return static_cast<std::uint32_t>(ddssec::cyclonedds::GovernanceFact::is_cut_off);
+  return static_cast<std::uint32_t>(ddssec::cyclonedds::GovernanceFact::cut_off);
 }

@@ -23,7 +23,7 @@ TEST(ProcessQuestions, WithoutAccessControl_NoPermissionsAreRenewed) {
 }
 
 TEST(ProcessQuestions, ParticipantOfNoLibrary_HasNoFacts) {
-  EXPECT_FALSE(holds(GovernanceFact::is_cut_off, {}));
+  EXPECT_FALSE(holds(GovernanceFact::cut_off, {}));
 }
 
 }  // namespace

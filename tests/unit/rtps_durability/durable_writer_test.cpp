@@ -141,8 +141,8 @@ TEST_P(DurableWriterTest, AStoreThatCannotBeUsed_IsAnErrorAtTheStart) {
   EXPECT_EQ(participant.error().details().document, folder / "samples");
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, DurableWriterTest,
-                         ::testing::Values(Way::network, Way::is_in_process), name_of);
+INSTANTIATE_TEST_SUITE_P(Over, DurableWriterTest, ::testing::Values(Way::network, Way::in_process),
+                         name_of);
 
 }  // namespace
 }  // namespace ddssec::rtps

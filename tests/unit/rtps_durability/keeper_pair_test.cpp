@@ -178,7 +178,7 @@ TEST_P(KeeperPairTest, AfterARestart_ItTakesInstancesThatItNeverStored) {
   EXPECT_EQ(got, (Values{1, 2}));
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, KeeperPairTest, ::testing::Values(Way::network, Way::is_in_process),
+INSTANTIATE_TEST_SUITE_P(Over, KeeperPairTest, ::testing::Values(Way::network, Way::in_process),
                          name_of);
 
 }  // namespace

@@ -143,7 +143,7 @@ TEST_P(ExclusiveKeeperTest, ARestartedKeeper_DoesNotWaitForGood) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, ExclusiveKeeperTest,
-                         ::testing::Values(Way::network, Way::is_in_process), name_of);
+                         ::testing::Values(Way::network, Way::in_process), name_of);
 
 // Writers and late joiners that differ in their partitions.
 struct KeeperPartitionTest : KeeperTest {
@@ -253,7 +253,7 @@ TEST_P(KeeperPartitionTest, AWriter_WithALongAnnouncement_IsKeptAndRemembered) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, KeeperPartitionTest,
-                         ::testing::Values(Way::network, Way::is_in_process), name_of);
+                         ::testing::Values(Way::network, Way::in_process), name_of);
 
 }  // namespace
 }  // namespace ddssec::rtps

@@ -137,7 +137,7 @@ class NoRoom {
 };
 
 TEST_P(KeeperTest, WhatIsNotStored_IsNotAcknowledged) {
-  if (GetParam() == testing::Way::is_in_process) return;  // there are no acknowledgments
+  if (GetParam() == testing::Way::in_process) return;  // there are no acknowledgments
   const auto service = keeper();
   auto& writer = a.writer(durable(DurabilityKind::transient, 100));
   ASSERT_TRUE(keeps(*service, 1));
@@ -420,7 +420,7 @@ TEST_P(KeeperTest, ADomainTag_IsNotServedWhatAnotherWrote) {
   EXPECT_EQ(service->topics(), 1u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, KeeperTest, ::testing::Values(Way::network, Way::is_in_process),
+INSTANTIATE_TEST_SUITE_P(Over, KeeperTest, ::testing::Values(Way::network, Way::in_process),
                          name_of);
 
 }  // namespace

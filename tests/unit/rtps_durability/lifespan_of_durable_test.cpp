@@ -93,7 +93,7 @@ TEST_P(DurableLifespanTest, AChangedLifespan_CountsInTheStoreFromThenOn) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, DurableLifespanTest,
-                         ::testing::Values(Way::network, Way::is_in_process), name_of);
+                         ::testing::Values(Way::network, Way::in_process), name_of);
 
 using KeeperLifespanTest = KeeperTest;
 
@@ -181,8 +181,8 @@ TEST_P(KeeperLifespanTest, WhatHasExpired_LeavesRoomForTheNextSample) {
   EXPECT_EQ(late_joiner(*service, b, 1), Values{3});
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, KeeperLifespanTest,
-                         ::testing::Values(Way::network, Way::is_in_process), name_of);
+INSTANTIATE_TEST_SUITE_P(Over, KeeperLifespanTest, ::testing::Values(Way::network, Way::in_process),
+                         name_of);
 
 }  // namespace
 }  // namespace ddssec::rtps

@@ -352,9 +352,8 @@ TEST_P(TimeBasedFilterTest, SeparationOfARunningReader_IsChangeable) {
   EXPECT_EQ(taken(slow), (std::vector<std::int64_t>{2, 3}));
 }
 
-#define INSTANTIATE(suite)                                                                   \
-  INSTANTIATE_TEST_SUITE_P(Over, suite, ::testing::Values(Way::network, Way::is_in_process), \
-                           name_of)
+#define INSTANTIATE(suite) \
+  INSTANTIATE_TEST_SUITE_P(Over, suite, ::testing::Values(Way::network, Way::in_process), name_of)
 INSTANTIATE(ContentFilteredTopicTest);
 INSTANTIATE(QueryConditionTest);
 INSTANTIATE(TimeBasedFilterTest);

@@ -211,8 +211,8 @@ TEST_P(QueryMatchesTest, OneThatIsUpdatedAllTheTime_LeavesTheOthersTheirTurn) {
   EXPECT_EQ(take(found, 1), (Values{100}));
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, QueryMatchesTest,
-                         ::testing::Values(Way::network, Way::is_in_process), name_of);
+INSTANTIATE_TEST_SUITE_P(Over, QueryMatchesTest, ::testing::Values(Way::network, Way::in_process),
+                         name_of);
 
 }  // namespace
 }  // namespace ddssec::rtps
