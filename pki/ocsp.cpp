@@ -56,7 +56,7 @@ Result<BasicPtr> parse(BytesView octets) {
   return basic;
 }
 
-// RFC 6960 4.4: what is critical and not understood makes a response unusable.
+// RFC 6960 4.4: a critical extension that is not understood makes a response unusable.
 Status check_extent(OCSP_BASICRESP* basic) {
   const int answers = OCSP_resp_count(basic);
   if (answers > kMaxOcspAnswers || sk_X509_num(OCSP_resp_get0_certs(basic)) > kMaxOcspCertificates)
@@ -263,7 +263,7 @@ Result<OcspGood> OcspJudge::judge(const Answer& answer, const Signer& signer) co
                .found = to_string(answer.next_update.value_or(answer.this_update))});
 }
 
-// Of several answers each must be good: what is revoked in one of them is revoked.
+// Each of several answers must be good: a certificate that one of them revokes is revoked.
 Result<OcspGood> OcspJudge::judge_all(const std::vector<Answer>& answers,
                                       const Signer& signer) const {
   for (const auto& answer : answers)

@@ -88,8 +88,8 @@ Result<std::shared_ptr<const Basis>> LocalParticipant::basis_for(std::string_vie
   return basis_;
 }
 
-// mutex_ is held. What was checked of the document that waits holds for the topics that were in
-// use then.
+// The caller holds mutex_. The waiting document was checked against the topics in use at that time;
+// this checks a topic that came later.
 Status LocalParticipant::check_new_topic(std::string_view topic) const {
   if (!pending_) return {};
   const auto refused = [&](ErrorDetails details) {

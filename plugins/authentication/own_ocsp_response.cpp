@@ -55,7 +55,7 @@ Result<bool> OwnOcspResponse::poll(std::chrono::nanoseconds monotonic, const Jud
   return false;
 }
 
-// A file that disappears changes nothing: what was read of it counts until its end.
+// If the file disappears, the response that was read from it counts until its end.
 Result<bool> OwnOcspResponse::read(const Judge& judge) {
   judged_for_ = judge.certificate;
   if (path_.empty()) return false;

@@ -33,9 +33,9 @@ struct TopicBuiltinTopicData {
 };
 
 /// Describes each builtin topic: its name, its reader's entity id and how its payload is
-/// deserialized. `read` takes a payload with its encapsulation; with `key_only`, the payload is the
-/// key alone. It is for BuiltinDataReader. Errors: rtps_parameter_invalid and the other codes of
-/// malformed announcements.
+/// deserialized. `read` takes a payload with its encapsulation; with `is_key_only`, the payload is
+/// the key alone. It is for BuiltinDataReader. Errors: rtps_parameter_invalid and the other codes
+/// of malformed announcements.
 template <class T>
 struct BuiltinTopicOf;
 template <>

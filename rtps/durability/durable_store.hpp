@@ -56,8 +56,8 @@ class DurableStore {
     /// It waits although nothing else of its identity is being stored: it may wait for long.
     bool has_no_share = false;
   };
-  /// Never waits for a disk. What has the decision `waits` was not appended: try again later. Call
-  /// clean_up before it, so that samples that have expired use no room.
+  /// Never waits for a disk. A change with the decision `waits` was not appended: try again
+  /// later. Call clean_up before it, so that samples that have expired use no room.
   Appended append(StoredChange change, const Moment& now);
   void append(StreamId stream, const Change& change, const Moment& now) {
     append({.stream = stream, .change = change}, now);

@@ -72,7 +72,7 @@ TEST_F(ForgedMessages, BitFlippedAnywhere_IsRefused) {
   }
 }
 
-// Behind a whole message, octets that nobody vouches for are lost (Fast DDS puts statistics
+// Octets after a complete message are not protected, and are dropped (Fast DDS puts statistics
 // there).
 TEST_F(ForgedMessages, Truncated_IsRefusedAndExtendedAddsNothing) {
   for (const auto& target : targets_) {
