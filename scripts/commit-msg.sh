@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Checks a commit message: a subject "area: what it does" of at most 72 columns, and an empty line before the body.
+# Checks a commit message: a subject "area: what it does" of at most 72 columns, an empty line, and a body that says why.
 # Usage: scripts/commit-msg.sh FILE     As git's hook commit-msg.
 set -euo pipefail
 
 fail() { printf 'commit-msg.sh: %s\n' "$*" >&2; exit 1; }
-mapfile -t lines < <(grep -v '^#' -- "$1")
+mapfile -t lines < <(grep -v '^#' -- "$1" || true)
 subject=${lines[0]:-}
 case "$subject" in
   Merge\ * | Revert\ * | fixup!\ * | squash!\ *) exit 0 ;;
@@ -14,3 +14,4 @@ esac
 [ ${#subject} -le 72 ] || fail "the subject has ${#subject} columns; at most 72"
 [[ "$subject" != *. ]] || fail "the subject ends with a full stop"
 [ -z "${lines[1]:-}" ] || fail "the second line must be empty: the body begins after it"
+[[ "${lines[*]:2}" == *[![:space:]]* ]] || fail "there is no body: say why the change is made, and how it was tested"
