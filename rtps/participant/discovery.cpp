@@ -156,7 +156,8 @@ Status Discovery::on_announcement(const GuidPrefix& source, const Data& data) {
   const auto& config = core_.config;
   const bool ours = is_of_domain(announced, config.domain_id, config.domain_tag);
   if (!ours || announced.guid.prefix == config.prefix) return {};
-  if (announced.guid.prefix != source) {
+  // GUIDPREFIX_UNKNOWN names no participant.
+  if (announced.guid.prefix != source || source == GuidPrefix{}) {
     ++core_.counters.refused_discovery;
     return {};
   }

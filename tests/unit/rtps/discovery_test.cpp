@@ -90,5 +90,13 @@ TEST(Participant, ForgedAnnouncementsAndDisposes_ChangeNothing) {
   EXPECT_EQ(a.participant.remote_participants().size(), 1u);
 }
 
+TEST(Participant, AnnouncementOfTheUnknownPrefix_IsRefused) {
+  Node a(1);
+  const GuidPrefix unknown;
+  a.participant.receive(announcement(unknown, unknown), World{{&a}}.now);
+  EXPECT_EQ(a.participant.remote_participants().size(), 0u);
+  EXPECT_EQ(a.participant.counters().refused_discovery, 1u);
+}
+
 }  // namespace
 }  // namespace ddssec::rtps::participants
