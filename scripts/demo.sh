@@ -38,6 +38,7 @@ prepare() {
 
 pids=()
 # The background build is a shell with ninja in it.
+pid=
 trap 'for pid in "${pids[@]}"; do pkill -P "$pid" || true; kill "$pid" 2>/dev/null || true; done' EXIT
 
 # start LOG PLUGINS NAME ROLE ARGUMENTS...: a peer in the background; PLUGINS is ours, stock or fast

@@ -21,7 +21,7 @@ why_no_nodes() {
   [ -z "$missing" ] || echo "libraries are missing: $missing"
 }
 
-blocks=sh
+blocks="sh"
 if grep -q '^```bash$' "$tutorial"; then
   reason=$(why_no_nodes)
   if [ -n "$reason" ]; then
