@@ -25,7 +25,7 @@ std::optional<Governance> as_stock_reads(const Governance& document, StockProduc
 Validity as_stock_reads(const Validity& validity, StockProduct product);
 
 /// A permissions document as the product reads it; empty if nothing changes. Ranges, expressions
-/// and validities as above.
+/// and validities are read as above.
 /// - Cyclone DDS applies a deny_rule without partitions to the partition "" only, and ignores
 ///   <tag>.
 /// - Fast DDS denies in all partitions, and reads every <default> as DENY. A topic and its

@@ -31,7 +31,7 @@ std::optional<NamedSubject> subject_of(const Grant& grant) {
 
 }  // namespace
 
-// Like strtok: no escapes, and no empty pieces between separators.
+// Splits like strtok: there are no escapes, and no empty pieces between separators.
 std::vector<std::string_view> pieces_for_cyclonedds(std::string_view text) {
   constexpr std::string_view kSeparators = ",/|";
   std::vector<std::string_view> out;
@@ -43,7 +43,7 @@ std::vector<std::string_view> pieces_for_cyclonedds(std::string_view text) {
   return out;
 }
 
-// If several pieces have one type, the first counts.
+// If several pieces of the grant have the same type, the first one counts.
 bool cyclonedds_takes(std::string_view grant, std::string_view certificate) {
   const auto said = pieces_for_cyclonedds(grant);
   return std::ranges::all_of(pieces_for_cyclonedds(certificate), [&](std::string_view piece) {
@@ -61,7 +61,9 @@ GrantsForCyclone::GrantsForCyclone(const Permissions& document) {
 }
 
 const Grant* GrantsForCyclone::taken_for(std::string_view certificate) const {
-  const std::vector<const Grant*>* fewest = nullptr;  // a grant that applies has every piece
+  // A grant that applies has every piece, so the shortest list of grants with one piece is
+  // searched.
+  const std::vector<const Grant*>* fewest = nullptr;
   for (const auto piece : pieces_for_cyclonedds(certificate)) {
     const auto having = by_piece_.find(piece);
     if (having == by_piece_.end()) return nullptr;
@@ -83,7 +85,7 @@ struct OwnGrants {
 };
 using OwnGrantsOf = std::map<std::string_view, OwnGrants>;
 
-// The subjects of both documents, by a key that is the same for every spelling.
+// The subjects of both documents by a key that is the same for every spelling.
 struct SubjectsOfBoth {
   std::map<std::string, std::vector<std::string>> texts;  // as certificates say them
   OwnGrantsOf before, after;

@@ -8,7 +8,7 @@
 
 namespace ddssec::governance {
 
-// A requested partition; compiled at most once, however many are listed.
+// A requested partition. It is compiled at most once, however many expressions are listed.
 class RequestedPartition {
  public:
   explicit RequestedPartition(std::string_view text) : text_(text) {}
@@ -39,7 +39,8 @@ bool may_stand_for_many(std::string_view requested) {
 
 bool has_backslash(std::string_view requested) { return requested.find('\\') != requested.npos; }
 
-// True if every name that `requested` stands for is matched, as far as a simple check can tell.
+// True if `listed` matches every name that `requested` stands for, as far as a simple check can
+// tell.
 bool covers(const Pattern& listed, std::string_view requested) {
   if (!may_stand_for_many(requested)) return listed.matches(requested);
   const auto& steps = listed.steps();
@@ -194,7 +195,8 @@ Decision CompiledGrant::first_fitting(const ActionIndex& index, std::string_view
                                       Fits&& fits) const {
   std::vector<PatternSet::Id> matching;
   index.topics.match(topic, matching);
-  // All entries of all matching expressions in document order, without sorting those never reached.
+  // Visits all entries of all matching expressions in document order. Entries that are never
+  // reached are not sorted.
   using Cursor = std::pair<std::uint32_t, std::pair<PatternSet::Id, std::size_t>>;
   std::vector<Cursor> first;
   for (const auto id : matching) first.push_back({index.entries_of_topic[id].front(), {id, 0}});

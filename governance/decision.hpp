@@ -71,9 +71,9 @@ class CompiledGrant {
   const Grant& grant() const { return grant_; }
 
   Decision judge(Action action, const Request& request) const;
-  /// Whether the topic may be used with at least some partitions and data tags.
+  /// Decides whether the topic may be used with at least some partitions and data tags.
   Decision judge_topic(Action action, std::string_view topic) const;
-  /// Whether the participant may join: decided by the first rule for the domain for which
+  /// Decides whether the participant may join: by the first rule for the domain for which
   /// decides_joining is true, otherwise by the default.
   Decision judge_participant() const { return participant_; }
   /// The elements of allow rules for the action, in document order.
@@ -117,7 +117,7 @@ class CompiledGovernance {
       std::shared_ptr<const Governance> governance, DomainId domain, std::string_view tag = {});
 
   const DomainRule& domain_rule() const { return rule_; }
-  /// Of the document; 0: it has none.
+  /// The document's revision, or 0 if it has none.
   std::uint32_t revision() const { return governance_->revision; }
   /// The first topic rule whose expression matches, or nullptr.
   const TopicRule* topic_rule(std::string_view topic) const;

@@ -112,7 +112,7 @@ std::string as_cyclone_reads_it(std::string_view expression) {
   for (std::size_t at = 0; at < expression.size(); ++at) {
     const char c = expression[at];
     if (c != '[') {
-      if (c == '\\') out += c;  // no escape
+      if (c == '\\') out += c;  // Cyclone DDS knows no escapes
       out += c;
       continue;
     }

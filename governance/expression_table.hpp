@@ -20,7 +20,7 @@ namespace ddssec::governance {
 class ExpressionTable {
  public:
   using Position = std::uint32_t;
-  /// A list and a rank; ascending by both.
+  /// Stands for a list and a rank; labels ascend by both.
   using Label = std::uint32_t;
   enum class Kind : std::uint8_t { octet, any, star, set, end };
   static constexpr Position kNone = std::numeric_limits<Position>::max();
@@ -34,11 +34,11 @@ class ExpressionTable {
 
   Kind kind(Position p) const { return steps_[p].kind; }
   Position next(Position p) const { return steps_[p].next; }
-  /// Of Kind::octet.
+  /// The class of a position of Kind::octet.
   ByteClasses::Class octet(Position p) const {
     return static_cast<ByteClasses::Class>(steps_[p].value);
   }
-  /// Of Kind::set, ascending.
+  /// The classes of a position of Kind::set, ascending.
   std::span<const std::uint32_t> set(Position p) const { return sets_[steps_[p].value]; }
   /// True for a star at the end of an expression: from there every name matches.
   bool is_final_star(Position p) const {

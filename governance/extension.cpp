@@ -25,7 +25,8 @@ bool say_the_same(const GrantRule& a, const GrantRule& b) {
 std::string_view key(const Text& text) { return text.text; }
 const DataTag& key(const DataTag& tag) { return tag; }
 
-// A participant compares again and again. Longer lists must be the same.
+// The longest lists that are compared element by element, because a participant compares again and
+// again. Longer lists must be the same.
 constexpr std::size_t kMaxListed = 1024;
 constexpr std::size_t kMaxCriteria = 16;
 
@@ -42,7 +43,8 @@ bool has_all(const std::vector<One>& wide, const std::vector<One>& narrow) {
   return std::ranges::includes(sorted(wide), sorted(narrow));
 }
 
-// `matches_any`: what an absent list means. Otherwise it matches nothing that a list names.
+// True if `wide` has everything that `narrow` has. With `matches_any` an absent list matches
+// everything; otherwise it matches nothing that a list names.
 template <class One>
 bool has_all(const std::optional<std::vector<One>>& wide,
              const std::optional<std::vector<One>>& narrow, bool matches_any) {
@@ -51,14 +53,14 @@ bool has_all(const std::optional<std::vector<One>>& wide,
   return has_all(*wide, *narrow);
 }
 
-// Criteria of two allow rules, or of two deny rules.
+// Compares the criteria of two allow rules, or of two deny rules.
 bool covers(const Criteria& wide, const Criteria& narrow, bool is_denial) {
   return has_all(wide.topics, narrow.topics) &&
          has_all(wide.partitions, narrow.partitions, is_denial) &&
          has_all(wide.data_tags, narrow.data_tags, is_denial);
 }
 
-// Each of `narrow` is matched by one of `wide`.
+// True if each of `narrow` is covered by one of `wide`.
 bool covers(const std::vector<Criteria>& wide, const std::vector<Criteria>& narrow,
             bool is_denial) {
   if (wide.size() > kMaxCriteria || narrow.size() > kMaxCriteria)
@@ -70,14 +72,14 @@ bool covers(const std::vector<Criteria>& wide, const std::vector<Criteria>& narr
   });
 }
 
-// What `narrow` matches, `wide` matches too.
+// True if `wide` matches everything that `narrow` matches.
 bool matches_all_of(const GrantRule& wide, const GrantRule& narrow, bool is_denial) {
   return covers(wide.publish, narrow.publish, is_denial) &&
          covers(wide.subscribe, narrow.subscribe, is_denial) &&
          covers(wide.relay, narrow.relay, is_denial);
 }
 
-// `next` may take the place of `former`.
+// True if `next` may take the place of `former`.
 bool fits(const GrantRule& next, const GrantRule& former) {
   if (next.allow != former.allow) return false;
   if (next.allow) return matches_all_of(next, former, false);
@@ -98,9 +100,10 @@ bool say_the_same(std::span<const GrantRule* const> a, std::span<const GrantRule
                             [](const auto* x, const auto* y) { return say_the_same(*x, *y); });
 }
 
-// The first rule that matches decides. An entity that a rule of `former` allows is matched by the
-// rule of `next` in its place. Before that one are further allow rules, and rules in the place of
-// earlier ones of `former`. Of these no deny rule matches, since that of `former` did not.
+// The first rule that matches decides. If a rule of `former` allows an entity, its counterpart in
+// `next` matches the entity too. Before the counterpart, `next` has only further allow rules and
+// counterparts of earlier rules of `former`. No deny rule among these matches, because its original
+// in `former` did not match.
 bool gives_at_least(const Decisions& next, const Decisions& former) {
   auto at = next.rules.begin();
   auto old = former.rules.begin();

@@ -21,7 +21,7 @@ struct Decisions {
 };
 
 /// True only if everything that `former` allows is allowed by `next`: to publish, to subscribe, to
-/// relay and to join. The domains of the rules are not compared. False also if the form of the
+/// relay and to join. The domains of the rules are not compared. Also false if the form of the
 /// rules does not show it: `next` must have the allow rules of `former` with the same or more
 /// topics, partitions and data tags, in the same order; deny rules of `former` with the same or
 /// fewer, or without some of them; and it may have further allow rules anywhere. Lists of

@@ -19,7 +19,7 @@ std::vector<std::string_view> split(std::string_view text) {
   }
 }
 
-// Fast DDS knows no blanks but spaces.
+// Fast DDS treats only spaces as blanks.
 std::string_view without_spaces(std::string_view part) { return trimmed(part, " "); }
 
 }  // namespace

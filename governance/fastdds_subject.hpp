@@ -10,8 +10,8 @@ namespace ddssec::governance {
 /// stops at an empty part (measured).
 bool fastdds_takes(std::string_view grant, std::string_view certificate);
 
-/// The same for Fast DDS 3.1: the order of the parts does not matter, spaces around '=' neither,
-/// and a part without '=' is the end (measured).
+/// The same for Fast DDS 3.1: neither the order of the parts nor spaces around '=' matter, and a
+/// part without '=' is the end (measured).
 bool newer_fastdds_takes(std::string_view grant, std::string_view certificate);
 
 }  // namespace ddssec::governance

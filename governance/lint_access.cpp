@@ -61,7 +61,8 @@ bool matches_everything(std::string_view expression) {
   return expression.find_first_not_of('*') == expression.npos;
 }
 
-// One open topic may be meant. A rule for all topics takes in those that were not thought of.
+// A single open topic may be intended. A rule for all topics also opens topics that its author did
+// not think of.
 void check_open_topic(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   if (is_protected(place.rule.rtps_protection_kind) || !is_plain(topic) || controls_access(topic))
@@ -75,7 +76,8 @@ void check_open_topic(LintFindings& out, const DomainPlace& place, std::size_t i
   out.add(std::move(finding));
 }
 
-// What hides the samples from participants that may not read: a key that only readers get.
+// Samples are hidden from participants without the right to read only if they are encrypted with a
+// key that only readers get. Reports topics without such a key.
 void check_reading(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto name = in_quotes(topic.topic_expression);

@@ -47,7 +47,7 @@ std::vector<std::string_view> partitions_of(const Criteria& criteria) {
   return out;
 }
 
-// True if entities with partitions or data tags have any rights.
+// True if entities with partitions or data tags can have rights of their own.
 bool conditions_matter(const Grant& grant) {
   const auto has = [](const Criteria& c) { return c.partitions || c.data_tags; };
   return grant.default_allow || std::ranges::any_of(grant.rules, [&](const GrantRule& rule) {
@@ -81,7 +81,7 @@ bool covers(const GrantEntry& earlier, const GrantEntry& later, bool with_condit
   return tags_cover(earlier, later) && partitions_cover(earlier, later, effort);
 }
 
-// A denial without partitions is for all of them.
+// The partitions that the denial is for. A denial without partitions is for all of them.
 std::vector<std::string_view> denied_partitions(const GrantEntry& denial) {
   if (!denial.criteria->partitions) return {"*"};
   return partitions_of(*denial.criteria);
@@ -96,8 +96,8 @@ bool allows_before(const GrantEntry& earlier, const GrantEntry& denial, SetEffor
                  .kind == SetAnswer::Kind::yes;
 }
 
-// True if an allow rule is for each domain and partition of the denial. One without partitions is
-// for the partition "" alone, but a denial beside it that names none either may mean just that.
+// True if an allow rule is for each domain and partition of the denial. A rule without partitions
+// is for the partition "" alone, and a denial that names none either may mean just that one.
 bool allows_everywhere(const GrantEntry& allowed, const GrantEntry& denial, SetEffort& effort) {
   if (!within(denial.rule->domains, allowed.rule->domains)) return false;
   if (!allowed.criteria->partitions && !denial.criteria->partitions) return true;
@@ -106,7 +106,7 @@ bool allows_everywhere(const GrantEntry& allowed, const GrantEntry& denial, SetE
              .kind == SetAnswer::Kind::yes;
 }
 
-// A denial that neither a later rule nor the default would allow without it.
+// True for a denial of topics that neither a later rule nor the default would allow without it.
 bool denies_nothing_else(const Grant& grant, std::span<const GrantEntry> entries, std::size_t at,
                          SetEffort& effort) {
   if (grant.default_allow || entries[at].rule->allow) return false;
@@ -123,10 +123,10 @@ struct Dead {
   GrantEntry entry;
   std::vector<GrantEntry> by;
   std::string_view action;
-  // A denial that can apply, where all is denied without it: earlier rules allow what it names, in
-  // their domains and partitions.
+  // True if the denial has no effect although it could apply: earlier rules already allow
+  // everything that it names, in the domains and partitions that they list.
   bool is_void = false;
-  bool is_void_everywhere = false;  // these are all domains and partitions of the denial
+  bool is_void_everywhere = false;  // earlier rules allow it in all domains and partitions
 };
 
 std::vector<Dead> dead_entries(const GrantPlace& place, SetEffort& effort) {
@@ -157,8 +157,8 @@ std::vector<Dead> dead_entries(const GrantPlace& place, SetEffort& effort) {
   return out;
 }
 
-// It is an error if something that was to be denied is allowed. A repetition is harmless. A denial
-// of what an earlier rule allows in some partitions may be meant for the others.
+// It is an error if something that should be denied is allowed. A repetition is harmless. If an
+// earlier rule allows the topic in some partitions, the denial may be meant for the others.
 Severity severity_of(const Dead& dead) {
   if (dead.is_void) return dead.is_void_everywhere ? Severity::error : Severity::warning;
   const bool same = !dead.by.empty() && std::ranges::all_of(dead.by, [&](const GrantEntry& by) {
@@ -194,7 +194,7 @@ std::string_view fault(const Dead& dead) {
   return dead.is_void ? "denies nothing that would be allowed without it" : "can never apply";
 }
 
-// How many expressions each rule has, by its number.
+// The number of expressions of each rule, by the rule's number.
 std::vector<std::size_t> entries_by_rule(const GrantPlace& place) {
   std::vector<std::size_t> out(place.grant().rules.size() + 1);
   for (const auto& entries : place.actions())

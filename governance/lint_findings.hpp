@@ -20,10 +20,10 @@ inline std::vector<std::string> stock_vendors() { return {kCyclone, kFastDds}; }
 /// The findings of one document, and the effort left for further checks.
 class LintFindings {
  public:
-  /// `rule`: the rule of the finding about checks that were skipped because the effort ran out.
+  /// If checks are skipped because the effort ran out, the finding about that is of `rule`.
   explicit LintFindings(Rule rule) : if_cut_short_(rule) {}
 
-  /// For questions about sets of names.
+  /// The effort left for questions about sets of names.
   SetEffort& effort() { return effort_; }
 
   /// Adds a finding unless its rule has kMaxFindingsPerRule.
@@ -43,7 +43,7 @@ class LintFindings {
   std::vector<Finding> take();
 
  private:
-  /// About a second.
+  /// The effort of about a second.
   static constexpr SetEffort kEffort{100'000'000};
 
   void add_if_cut_short();

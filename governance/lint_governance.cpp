@@ -57,7 +57,7 @@ void add_notes(LintFindings& out, const Governance& document) {
       case NoteKind::no_name:
       case NoteKind::no_default:
       case NoteKind::tag_of_rule:
-        break;  // of permissions
+        break;  // notes of permissions documents
     }
   }
 }
@@ -70,7 +70,7 @@ bool has_tags(const DomainRule& rule) {
 // rule.
 struct Taken {
   std::vector<DomainRange> domains = {};
-  std::vector<DomainRange> by_stock = {};  // of these, where stock products apply the rule
+  std::vector<DomainRange> by_stock = {};  // domains in which stock products apply the rule
   std::size_t by = 0;
   bool all = true;
 };
@@ -131,7 +131,7 @@ Finding unmatchable(const DomainPlace& place, std::size_t topic) {
   return finding;
 }
 
-// Harmless if the earlier rules have the same effect.
+// A dead rule is harmless if the earlier rules have the same effect.
 void check_dead_rules(LintFindings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
   const auto found = shadows(expressions_of(place.rule), out.effort());
@@ -184,7 +184,7 @@ void check_domain_kinds(LintFindings& out, const DomainPlace& place) {
   }
 }
 
-// Flags that demand something that the domain rule does not provide.
+// Reports flags that demand something that the domain rule does not provide.
 void check_flags(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto check = [&](bool flag, ProtectionKind kind, std::string_view what) {
@@ -198,9 +198,9 @@ void check_flags(LintFindings& out, const DomainPlace& place, std::size_t i) {
   check(topic.enable_liveliness_protection, place.rule.liveliness_protection_kind, "liveliness");
 }
 
-// Each payload, and each fragment of a sample, is protected on its own. Nothing protects what
-// stands around it, unless messages are protected: then it can be forged with their keys, which
-// every participant gets.
+// Each payload, and each fragment of a sample, is protected on its own. Nothing protects the octets
+// around it, except message protection. Every participant gets the message keys and can forge these
+// octets with them.
 Finding payload_alone(const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto rtps = place.rule.rtps_protection_kind;
@@ -314,7 +314,7 @@ void check_redirection(LintFindings& out, const DomainPlace& place) {
                   fmt::join(kinds, ", "))));
 }
 
-// The same for the builtin writers, whose keys go to every participant that may join.
+// Like check_origin, for the builtin writers: every participant that may join gets their keys.
 void check_builtin_origin(LintFindings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   if (is_origin_authenticated(rule.rtps_protection_kind)) return;

@@ -62,7 +62,7 @@ void add_notes(LintFindings& out, const Permissions& document) {
       case NoteKind::boolean_spelling:
       case NoteKind::kind_spelling:
       case NoteKind::no_algorithms:
-        break;  // of governance
+        break;  // notes of governance documents
     }
   }
 }
@@ -93,7 +93,7 @@ void check_dates(LintFindings& out, const GrantPlace& place, const PermissionsUs
   out.add(std::move(finding));
 }
 
-// The same for every spelling of a subject.
+// A key that is the same for every spelling of a subject.
 std::string key_of(const Grant& grant) {
   const auto name = pki::SubjectName::parse(grant.subject_name);
   if (!name || grant.subject_is_expression) return "text " + grant.subject_name;
@@ -105,7 +105,7 @@ bool overlap_in_time(const Grant& one, const Grant& other) {
          other.validity.not_before < one.validity.not_after;
 }
 
-// Successive grants are a renewal, but Cyclone DDS knows only the first.
+// Successive grants for one subject are a renewal, but Cyclone DDS knows only the first.
 void check_repeated_subjects(LintFindings& out, const std::vector<GrantPlace>& places) {
   std::map<std::string, const GrantPlace*> first;
   for (const auto& place : places) {
@@ -123,8 +123,9 @@ void check_repeated_subjects(LintFindings& out, const std::vector<GrantPlace>& p
   }
 }
 
-// An expression for many subjects before the grant of one of them. Each comparison takes
-// microseconds, and a document may hold thousands of grants.
+// Reports an expression for many subjects before the grant of one of them. Each comparison takes
+// microseconds, and a document may hold thousands of grants, so only the first expressions are
+// compared.
 void check_matched_subjects(LintFindings& out, const std::vector<GrantPlace>& places) {
   constexpr std::size_t kMaxExpressions = 64;
   std::vector<const Grant*> expressions;
@@ -147,7 +148,8 @@ void check_matched_subjects(LintFindings& out, const std::vector<GrantPlace>& pl
   }
 }
 
-// The order of the grants counts for Cyclone DDS.
+// Reports grants that Cyclone DDS applies to certificates of other subjects. The order of the
+// grants counts there.
 void check_stray_grants(LintFindings& out, const Permissions& document,
                         const std::vector<GrantPlace>& places) {
   const Permissions* const subjects[] = {&document};
@@ -184,7 +186,7 @@ void check_letters(LintFindings& out, const GrantPlace& place) {
   out.add(std::move(finding));
 }
 
-// One grant must be for the certificate, in its own spelling.
+// Reports a document in which no grant is for the certificate in the certificate's own spelling.
 void check_subject(LintFindings& out, const std::vector<GrantPlace>& places,
                    const pki::Certificate& certificate) {
   const auto subject = pki::SubjectName::of(certificate);

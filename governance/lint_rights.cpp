@@ -15,7 +15,8 @@ namespace {
 using enum Rule;
 
 constexpr SetLimits kLimits{.states = 20'000, .atoms = 5'000, .steps = 20'000'000};
-// Pairs of expressions, and rules that deny, that are looked at for their effect in one product.
+// The largest numbers of pairs of expressions, and of deny rules, whose effect in one product is
+// examined.
 constexpr int kMaxComparisons = 2'000;
 constexpr int kMaxDenyRules = 50;
 
@@ -61,7 +62,7 @@ void check_unread_conditions(LintFindings& out, const GrantPlace& place) {
   }
 }
 
-// Fast DDS stops at the first rule whose topic matches.
+// Fast DDS stops at the first rule whose topic matches, whatever its partitions are.
 void check_partitions_by_rule(LintFindings& out, const GrantPlace& place,
                               const std::vector<GrantEntry>& entries) {
   const auto has_partitions = [](const GrantEntry& e) {
@@ -95,7 +96,7 @@ void check_joined_partitions(LintFindings& out, const GrantPlace& place,
     return entry.criteria->partitions.value_or(std::vector<Text>{Text{}});
   };
   const GrantEntry* first = nullptr;
-  std::size_t told = 0;  // the number of a rule
+  std::size_t told = 0;  // of the rule that was reported last
   for (const auto& entry : entries) {
     if (first == nullptr || first->rule_number != entry.rule_number) first = &entry;
     const bool is_known = told == entry.rule_number || !entry.rule->allow;
@@ -112,12 +113,12 @@ void check_joined_partitions(LintFindings& out, const GrantPlace& place,
   }
 }
 
-// Where the deny rule denies one direction of a topic and a later rule allows the other. Lists of
-// expressions by their part in it.
+// The expressions in the search for a topic of which the deny rule denies one direction and a later
+// rule allows the other. Each list has one role in the search.
 struct HalfDenied {
   std::vector<std::string_view> denied, also_denied, named_before, allowed_later;
 
-  // A name that is in the first and the last list and in none of the others.
+  // Returns a name that is in the first and the last list and in none of the others.
   std::optional<std::string> witness(SetEffort& effort) const {
     std::vector<RankedExpression> all;
     const std::vector<std::string_view>* lists[] = {&denied, &also_denied, &named_before,
@@ -148,7 +149,8 @@ void check_half_denied(LintFindings& out, const GrantPlace& place, std::size_t a
     if (i < at) append(lists.named_before, half(rules[i], true));
     if (i < at) append(lists.named_before, half(rules[i], false));
     if (i > at && rules[i].allow) append(lists.allowed_later, half(rules[i], !publish));
-    // Denied in both directions before any rule allows it: really denied.
+    // If a topic is also denied in the other direction before any rule allows it, it is really
+    // denied.
     if (i > at && !rules[i].allow) append(lists.also_denied, half(rules[i], !publish));
   }
   const auto witness = lists.witness(out.effort());
@@ -181,7 +183,7 @@ std::vector<const GrantEntry*> allowed_in_partitions(const std::vector<GrantEntr
   return out;
 }
 
-// Cyclone replaces a missing list of a deny rule by the default partition.
+// Cyclone DDS gives a deny rule without partitions the default partition.
 void check_open_denial(LintFindings& out, const GrantPlace& place,
                        const std::vector<GrantEntry>& entries) {
   const auto allowed = allowed_in_partitions(entries);
@@ -218,8 +220,8 @@ bool lists_partitions(const GrantRule& rule) {
   return std::ranges::any_of(rule.publish, listed) || std::ranges::any_of(rule.subscribe, listed);
 }
 
-// Measured with Cyclone DDS 0.10.2: it creates no topic whose first rule is a deny_rule, and that
-// decision knows no partitions.
+// Measured with Cyclone DDS 0.10.2: it creates no topic whose first rule is a deny_rule, and
+// partitions do not count in that decision.
 void check_topic_denied_with_partitions(LintFindings& out, const GrantPlace& place,
                                         std::size_t at) {
   const auto& rules = place.grant().rules;
@@ -274,7 +276,7 @@ void check_default(LintFindings& out, const GrantPlace& place) {
   out.add(std::move(finding));
 }
 
-// Where the first rule is a denial of topics, the default denies and a later rule lets join.
+// The domains in which the first rule denies topics and a later rule lets the participant join.
 std::vector<DomainRange> domains_that_begin_with_denials(const Grant& grant) {
   std::vector<DomainRange> out;
   for (DomainId id = 0; id <= kMaxDomainId; ++id) {
@@ -301,8 +303,8 @@ void check_joining(LintFindings& out, const GrantPlace& place) {
                            to_text(domains))));
 }
 
-// The domains that the deny_rule closes to ddssec's plugins, and in which stock products let the
-// participant join by some allow_rule (doctor: judge_participant_as).
+// The domains that the deny_rule closes to ddssec's plugins, although an allow_rule lets the
+// participant join with stock products (doctor: judge_participant_as).
 std::vector<DomainRange> closed_by(const Grant& grant, const GrantRule& denial) {
   std::vector<DomainRange> out;
   for (DomainId id = 0; id <= kMaxDomainId; ++id) {
@@ -355,7 +357,7 @@ void check_domains(LintFindings& out, const GrantPlace& place, const Governance&
   }
 }
 
-// By the domain rule of the first domain that is covered.
+// The domain rule for the first domain of `rule` that the governance document covers, or nullptr.
 const DomainRule* domain_rule_for(const GrantRule& rule, const Governance& governance) {
   for (const auto& range : rule.domains.ranges)
     for (auto id = range.first; id <= range.last; ++id)
@@ -373,7 +375,8 @@ class TopicRules {
     }
     patterns_.seal();
   }
-  // Most expressions are matched as they stand; only for others the automaton is asked.
+  // True if a topic rule may match a name of the expression. Most expressions match as if they were
+  // names; the automaton is needed only for the others.
   bool meet(const std::string& expression, SetEffort& effort) const {
     std::vector<PatternSet::Id> ids;
     if (!patterns_.match(expression, ids, effort.plain_steps) || !ids.empty()) return true;

@@ -14,8 +14,8 @@ using enum Rule;
 
 constexpr std::string_view kRequest = "Request", kReply = "Reply";
 
-// True if the grant names a ROS topic. The discovery topic alone does not count, because its
-// absence is what is checked.
+// True if the grant names a ROS topic. The discovery topic alone does not count, because these
+// checks report its absence.
 bool names_ros_topics(const GrantPlace& place) {
   return std::ranges::any_of(place.actions(), [](const auto& entries) {
     return std::ranges::any_of(entries, [](const GrantEntry& entry) {
@@ -25,7 +25,7 @@ bool names_ros_topics(const GrantPlace& place) {
   });
 }
 
-// rr/NAMEReply for rq/NAMERequest, and the other way round.
+// Returns rr/NAMEReply for rq/NAMERequest, and the other way round.
 std::optional<std::string> other_half(std::string_view text) {
   const auto inside = [&](std::string_view end) {
     return std::string(text.substr(3, text.size() - 3 - end.size()));
@@ -37,7 +37,7 @@ std::optional<std::string> other_half(std::string_view text) {
   return std::nullopt;
 }
 
-// Each half must lie within what is allowed in the other direction.
+// Reports halves of services whose other half is not allowed in the other direction.
 void check_services(LintFindings& out, const GrantPlace& place, std::size_t action) {
   std::vector<const GrantEntry*> halves;
   std::vector<std::string> others;

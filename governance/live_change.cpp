@@ -77,7 +77,7 @@ Status check_discovery(const DomainRule& former, const TopicRule& added) {
                .note = "participants that run hear no unprotected discovery"});
 }
 
-// NONE, SIGN, ENCRYPT.
+// 0 for NONE, 1 for SIGN, 2 for ENCRYPT.
 int strength(ProtectionKind kind) { return is_encrypted(kind) ? 2 : is_protected(kind) ? 1 : 0; }
 
 Status check_kind(std::string_view element, const TopicRule& former, const TopicRule& next,
@@ -95,7 +95,7 @@ Status check_control(std::string_view element, const TopicRule& former, const To
   return differs(element, "true", "false", next.line);
 }
 
-// Whether receivers can tell the two kinds of data apart, and no key hash stands in the clear.
+// Success if receivers can tell the two kinds of data apart, and no key hash is in the clear.
 Status check_data(const TopicRule& former, const DomainRule& domain, const TopicRule& next) {
   const auto before = strength(former.data_protection_kind),
              after = strength(next.data_protection_kind);
@@ -120,7 +120,7 @@ Status check_data(const TopicRule& former, const DomainRule& domain, const Topic
   return {};
 }
 
-// Success if the rule of `next` protects everything that the other one does.
+// Success if the rule of `next` protects everything that the former one does.
 Status check_raised(const TopicRule& former, const DomainRule& domain, const TopicRule& next) {
   DDSSEC_RETURN_IF_ERROR(check_same("enable_discovery_protection", former, next,
                                     &TopicRule::enable_discovery_protection));
@@ -158,8 +158,9 @@ Status check_topic_change(const TopicRule& former, const DomainRule& domain,
   return protect_alike(former, next) ? Status() : check_raised(former, domain, next);
 }
 
-// A rule with the awaited expression is taken for the former one if it fits, and for an added one
-// before it if not; then the former one is missed in the end, and the first misfit is the reason.
+// A rule of `next` with the awaited expression is taken for the former rule if it fits. If not, it
+// is taken for a rule that was added before it. The former rule is then missing at the end, and the
+// first misfit is the reason of the error.
 Result<LiveChange> live_change(const DomainRule& former, const DomainRule& next) {
   DDSSEC_RETURN_IF_ERROR(check_domain(former, next));
   LiveChange out;
@@ -173,7 +174,7 @@ Result<LiveChange> live_change(const DomainRule& former, const DomainRule& next)
         ++awaited;
         continue;
       }
-      if (misfit) misfit = fits;  // the first
+      if (misfit) misfit = fits;  // only the first misfit is kept
     }
     DDSSEC_RETURN_IF_ERROR(check_discovery(former, rule));
     out.are_last = out.are_last && awaited == former.topic_rules.end();

@@ -1,4 +1,4 @@
-// Which changes of a governance document a running participant can take.
+// Decides which changes of a governance document a running participant can take.
 #pragma once
 
 #include <vector>
@@ -20,17 +20,18 @@ Status check_topic_change(const TopicRule& former, const DomainRule& domain, con
 /// when a participant is made, and hear none for as long as it lives.
 bool protects_all_discovery(const DomainRule& rule);
 
-/// What `next` has more than `former`, and what it protects more.
+/// The rules that `next` adds to `former`, and those that protect more.
 struct LiveChange {
-  std::vector<const TopicRule*> rules;  ///< added ones, of `next`, in its order
-  /// All of them come after the rules of `former`: they decide only for topics that had no rule.
+  std::vector<const TopicRule*> rules;  ///< rules of `next` that were added, in its order
+  /// True if all added rules come after the rules of `former`: they decide only for topics that had
+  /// no rule.
   bool are_last = true;
-  /// Each topic that an added rule takes from a later rule can come under it while it is in use
-  /// (check_topic_change).
+  /// True if each topic that an added rule takes from a later rule can come under it while it is in
+  /// use (check_topic_change).
   bool fit_in_use = true;
-  /// It is protected there as before.
+  /// True if each such topic is protected as before.
   bool are_alike = true;
-  std::vector<const TopicRule*> raised;  ///< of `next`: rules that were there with less protection
+  std::vector<const TopicRule*> raised;  ///< rules of `next` that were there with less protection
 };
 
 /// Success if a running participant can take `next` in place of `former`: the same elements of the

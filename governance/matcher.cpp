@@ -38,8 +38,7 @@ class NameHashes {
   std::vector<std::uint64_t> beginnings_, powers_;
 };
 
-// Inner parts are cut to a power of two, so that only few lengths must be looked up at every
-// position.
+// Inner parts are cut to a power of two. Then only few lengths must be looked up at every position.
 constexpr std::size_t kMaxPart = 32;
 
 std::size_t part_length(std::size_t run) {

@@ -59,7 +59,7 @@ class Pattern {
   bool step_matches(const Step& step, char c) const;
   /// Parses the step that begins at text_[at]; returns its length.
   std::size_t read_step(std::size_t at, SetReader& sets);
-  /// Parses a bracket expression at text_[at]; returns its length, or 0 if it is none.
+  /// Parses a bracket expression at text_[at]; returns its length, or 0 if there is none.
   std::size_t read_set(std::size_t at, SetReader& sets);
   void add_set(const std::bitset<256>& set);
 
@@ -77,7 +77,7 @@ class PatternSet {
   using Id = std::uint32_t;
 
   /// Adds an expression and returns its number. Equal texts, and literals of the same name, have
-  /// the same number. Numbers count up from 0. Not after seal().
+  /// the same number. Numbers count up from 0. Must not be called after seal().
   Id add(std::string_view expression);
   /// Builds the index; afterwards the set is immutable and thread-safe.
   void seal();

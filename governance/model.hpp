@@ -140,7 +140,7 @@ struct DomainRule {
 struct Governance {
   std::vector<DomainRule> domain_rules = {};
   /// Counts the documents that were signed one after the other, for running participants; from 1 to
-  /// 2^32 - 1. 0: none. Written as <?ddssec revision="7"?>, which other products ignore.
+  /// 2^32 - 1. 0 means none. It is written as <?ddssec revision="7"?>, which other products ignore.
   std::uint32_t revision = 0;
   std::vector<Note> notes = {};
 
@@ -193,10 +193,10 @@ struct Validity {
 struct Grant {
   std::string name = {};
   std::string subject_name = {};
-  /// True: the values of subject_name are fnmatch expressions (DDS-Security 1.2).
+  /// True if the values of subject_name are fnmatch expressions (DDS-Security 1.2).
   bool subject_is_expression = false;
-  /// A line break or a tab is before or after the subject name: Fast DDS reads it as part of the
-  /// name.
+  /// True if a line break or a tab is before or after the subject name. Fast DDS reads it as part
+  /// of the name.
   bool subject_has_line_breaks = false;
   Validity validity = {};
   std::vector<GrantRule> rules = {};

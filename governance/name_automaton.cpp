@@ -145,7 +145,8 @@ void NameAutomaton::gather_arrivals(const StarMoves& moves, std::optional<Class>
   arrivals_.assign(any_.begin(), any_.end());
   if (by) append(arrivals_, by_class_[*by]);
   sort_unique(arrivals_);
-  // What stars lead to may be long, and is sorted already.
+  // The positions after a star are sorted already and may be many, so they are merged and not
+  // sorted again.
   const auto merge = [this](std::span<const Position> list) {
     if (list.empty()) return;
     scratch_.clear();
@@ -190,7 +191,7 @@ void NameAutomaton::move_stars() {
   stars_next_ = stars_.add(new_stars_).first;
 }
 
-// After the last step covered positions are kept, because they change no answer.
+// Once the steps are used up, covered positions are kept, because they change no answer.
 bool NameAutomaton::is_covered(Position p) {
   const Position before = table_.star_before(p);
   if (before != ExpressionTable::kNone && is_star_next_[before] == move_count_) return true;
@@ -251,7 +252,7 @@ void NameAutomaton::note_acceptance(State state, Origin origin) {
   const ListId accepted = acceptance_of_[state];
   const bool is_new = accepted == witnesses_.size();
   if (is_new) witnesses_.push_back(origin);
-  // The empty name is an example only where there is no other.
+  // The empty name is the example only if there is no other name.
   const bool is_better = !is_new && witnesses_[accepted].from == kNowhere;
   if (is_better) witnesses_[accepted] = origin;
   if ((is_new || is_better) && with_ != 0 && meets_goal(acceptances_[accepted])) goal_ = origin;

@@ -17,7 +17,7 @@ class NumberLists {
 
   /// The id of the list, and true if it is new. `list` must not be inside this object.
   std::pair<Id, bool> add(std::span<const std::uint32_t> list);
-  /// Valid until the next add().
+  /// The list with this id. The view is valid until the next add().
   std::span<const std::uint32_t> operator[](Id id) const {
     return std::span(data_).subspan(begin_[id], begin_[id + 1] - begin_[id]);
   }

@@ -41,8 +41,8 @@ constexpr std::array<Class, 12> kClasses = {{{"alpha", is_alpha},
 
 }  // namespace
 
-// Reads the bracket expressions of a text member by member. Linear in the text, however many '['
-// it contains: each member searches for nothing beyond itself, and no expression is read past the
+// Reads the bracket expressions of a text member by member. Takes linear time, however many '[' the
+// text contains: each member searches for nothing beyond itself, and no expression is read past the
 // point where another one failed.
 class Pattern::SetReader {
  public:
@@ -52,8 +52,8 @@ class Pattern::SetReader {
         symbols_end_(behind_last(".]")),
         equivalences_end_(behind_last("=]")) {}
 
-  // The octets from `begin`, after a '[', that belong to the expression with its ']'; empty if
-  // there is none. Calls go from left to right.
+  // Reads the expression whose '[' is before `begin`. Returns the number of octets from `begin` up
+  // to and including its ']'; empty if there is none. Calls go from left to right.
   std::optional<std::size_t> read(std::size_t begin, std::bitset<256>& set) {
     at_ = begin;
     const bool negated = !at_end() && (text_[at_] == '!' || text_[at_] == '^');
@@ -77,8 +77,9 @@ class Pattern::SetReader {
     return last == text_.npos ? 0 : last + close.size();
   }
 
-  // True if a member that is not its expression's first was read here before. That expression had
-  // no end, since the next one is looked for behind an end; and so this one has none.
+  // True if a member other than the first of its expression was read here before. That earlier
+  // expression was never closed, because the search for the next '[' begins after a closed one. The
+  // same members follow here, so this expression is not closed either.
   bool was_here() {
     if (visited_.empty()) visited_.resize(text_.size());
     const bool before = visited_[at_];
@@ -106,7 +107,7 @@ class Pattern::SetReader {
     return at + 1 < text_.size() && text_[at] == first && text_[at + 1] == second;
   }
 
-  // The letters between "[:" and ":]", or nothing and nothing is consumed.
+  // The letters between "[:" and ":]". Without such a name nothing is consumed.
   std::optional<std::string_view> class_name() {
     if (!is_pair(at_, '[', ':')) return std::nullopt;
     const auto begin = at_ + 2;
@@ -128,7 +129,8 @@ class Pattern::SetReader {
     return false;
   }
 
-  // True if a collating symbol ('.') or an equivalence class ('=') begins here and ends anywhere.
+  // True if a collating symbol ('.') or an equivalence class ('=') begins here and is closed at
+  // some place after it.
   bool is_symbol(char mark) const {
     const auto end = mark == '.' ? symbols_end_ : equivalences_end_;
     return is_pair(at_, '[', mark) && end >= at_ + 4;
@@ -149,7 +151,7 @@ class Pattern::SetReader {
 
   std::string_view text_;
   bool escapes_;
-  std::size_t symbols_end_, equivalences_end_;  // behind the last ".]" and "=]", or 0
+  std::size_t symbols_end_, equivalences_end_;  // after the last ".]" and "=]", or 0
   std::size_t at_ = 0;
   std::vector<bool> visited_;
 };
@@ -189,7 +191,7 @@ std::size_t Pattern::read_step(std::size_t at, SetReader& sets) {
     steps_.push_back({Kind::character, static_cast<std::uint8_t>(text_[at + 1]), 0});
     return 2;
   }
-  // POSIX: a backslash at the end escapes nothing, and then no name matches.
+  // POSIX: a backslash at the end escapes nothing, so the expression matches no name.
   steps_.clear();
   sets_.clear();
   add_set({});
@@ -202,12 +204,13 @@ void Pattern::add_set(const std::bitset<256>& set) {
 }
 
 std::size_t Pattern::read_set(std::size_t at, SetReader& sets) {
-  // A step counts its set in 16 bits; what is beyond that is text of more than 64 KiB.
+  // A step stores the number of its set in 16 bits. Only a text of more than 64 KiB can have more
+  // sets.
   if (sets_.size() > std::numeric_limits<std::uint16_t>::max()) return 0;
   std::bitset<256> set;
   const auto length = sets.read(at + 1, set);
   if (!length) return 0;
-  // POSIX leaves a slash between brackets undefined where slashes separate: no name matches.
+  // POSIX does not define a slash between brackets if slashes are separators. Here no name matches.
   const auto body = std::string_view(text_).substr(at + 1, *length);
   if (syntax_ == Syntax::subject && body.find('/') != body.npos) set.reset();
   add_set(set);

@@ -9,8 +9,9 @@ namespace {
 struct Row {
   Profile profile;
   std::string_view name;
-  bool is_closed;  // unauthenticated participants are refused, permissions are checked, discovery
-                   // is protected
+  // True if unauthenticated participants are refused, permissions are checked and discovery is
+  // protected.
+  bool is_closed;
   ProtectionKind discovery, liveliness, rtps, metadata, data;
 };
 

@@ -19,7 +19,7 @@ enum class Profile : std::uint8_t {
 
 /// "open", "balanced", "strict".
 std::string_view to_string(Profile profile);
-/// Exact, lower case.
+/// The profile with exactly this name, in lower case; empty if there is none.
 std::optional<Profile> profile_from(std::string_view name);
 
 /// The profile's rule for the topics of one expression.

@@ -62,8 +62,8 @@ struct AlgorithmList {
   std::span<const std::string_view> if_absent;
 };
 
-// An absent list allows what the standard names (10.4.1.2.5.9.1, .3, .4), whatever its schema
-// says.
+// An absent list allows the algorithms that the standard names (10.4.1.2.5.9.1, .3, .4), although
+// the standard's schema requires the list.
 Result<std::vector<Text>> read_algorithm_list(ReadContext& context, XmlElement section,
                                               XmlElement element, const AlgorithmList& list) {
   if (element) return read_texts(context, element, "algorithm");

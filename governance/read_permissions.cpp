@@ -182,7 +182,7 @@ Status read_subject(XmlElement element, const XmlChildren& children, Grant& gran
   return {};
 }
 
-// Rules may be mixed. Where <default> stands is noted where it is read.
+// Allow and deny rules may be mixed. The place of <default> is noted where <default> is read.
 void note_order_of_grant(ReadContext& context, XmlElement grant, const XmlChildren& children) {
   const auto place = [](std::size_t kind) {
     return kind <= kSubjectExpression ? 0 : kind == kValidity ? 1 : 2;

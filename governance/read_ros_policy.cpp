@@ -30,7 +30,7 @@ std::unexpected<Error> refuse(Code code, const Node& at, std::string expected, s
 
 std::string text_of(const char* attribute) { return attribute == nullptr ? "" : attribute; }
 
-// Element names of `xpointer(/a/b/*)`; nothing if it has another form.
+// The element names of `xpointer(/a/b/*)`. An xpointer of another form is an error.
 Result<std::vector<std::string>> steps_of(const Node& include) {
   const auto text = text_of(include.element.attribute("xpointer"));
   constexpr std::string_view kBegin = "xpointer(/", kEnd = "/*)";
@@ -86,7 +86,7 @@ class Policies {
   }
 
  private:
-  // The prefix must be bound to XInclude, here or above.
+  // True for an include element whose prefix is bound to XInclude, here or above.
   static bool is_include(XmlElement element) {
     const auto name = element.name();
     const auto colon = name.find(':');
@@ -130,7 +130,7 @@ class Policies {
   std::size_t octets_ = 0;  // of all files together
 };
 
-// The names of the policy's elements.
+// The names of the elements and attributes of a policy.
 struct Words {
   RosKind kind;
   std::string_view list, item, first, second;
@@ -171,7 +171,7 @@ Status require(const Node& node, bool there, std::string_view what) {
   return refuse(Code::element_missing, node, std::string(what), "");
 }
 
-// The policy's elements from the outside in.
+// Reads the policy's elements from the outside in.
 class Reader {
  public:
   explicit Reader(Policies& policies) : policies_(policies) {}

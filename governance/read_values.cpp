@@ -14,7 +14,7 @@ constexpr std::string_view kBlanks = " \t\r\n";
 
 using Count = ChildSpec::Count;
 
-// Of both kinds of documents, in alphabetical order.
+// The elements of both kinds of documents, in alphabetical order.
 constexpr std::string_view kElements[] = {
     "algorithm",
     "allow_rule",

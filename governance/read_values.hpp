@@ -41,7 +41,7 @@ void note_byte_order_mark(ReadContext& context, BytesView text, XmlElement root)
 /// The only child of <dds>, which must be named `name`. Error: document_kind.
 Result<XmlElement> document_body(const XmlDocument& document, std::string_view name);
 Result<bool> read_boolean(ReadContext& context, XmlElement element);
-/// `basic`: without origin authentication.
+/// Reads a protection kind. If `basic`, the kinds with origin authentication are refused.
 Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element, bool basic);
 /// Reads a set of domains. A range without <max> ends with the highest id, one without <min> begins
 /// with 0 (DDS-Security 1.2, clause 10.4.1.2.3, and its rule for all domains in 10.4.1.2.7).

@@ -11,9 +11,9 @@
 namespace ddssec::governance {
 namespace {
 
-constexpr std::size_t kMaxNameOctets = 128;  // of a name that is compared with others
-constexpr std::size_t kMaxNames = 1000;      // that are compared
-constexpr std::size_t kMaxShown = 4;         // partitions in a sentence
+constexpr std::size_t kMaxNameOctets = 128;  // the longest name that is compared with others
+constexpr std::size_t kMaxNames = 1000;      // names that are compared
+constexpr std::size_t kMaxShown = 4;         // partitions that a sentence shows
 
 std::string cut_name(std::string_view text) {
   const bool is_long = text.size() > kMaxNameOctets;
@@ -57,8 +57,8 @@ bool is_ros_name_of(std::string_view allowed, std::string_view topic) {
   return !topic.empty() && allowed.starts_with("rt/") && allowed.substr(3) == topic;
 }
 
-// How many edits are a typo: `length` is that of the name, or of an expression's longest part
-// without a wildcard.
+// The largest number of edits that count as a typo. `length` is that of the name, or of an
+// expression's longest part without a wildcard.
 std::size_t max_edits(std::size_t length) { return length < 4 ? 0 : length < 7 ? 1 : 2; }
 
 // The distance of two names; empty if they are too different to be a typo.
@@ -74,7 +74,8 @@ std::optional<std::size_t> distance(std::string_view allowed, std::string_view t
   return out <= most ? std::optional(out) : std::nullopt;
 }
 
-// Without the prefix of ROS 2, which most names have.
+// The length of the longest part without a wildcard. The prefix of ROS 2 is left out, because most
+// names have it.
 std::size_t longest_part(std::string_view expression) {
   std::size_t out = 0;
   if (expression.starts_with("rt/")) expression.remove_prefix(3);
@@ -108,8 +109,8 @@ std::size_t edits_to_match(std::string_view expression, std::string_view name) {
   return now.back();
 }
 
-// The same as distance() for an expression: the program's name, also with and without the prefix of
-// ROS 2.
+// The same as distance() for an expression. The program's name is compared as it is and with the
+// prefix of ROS 2.
 std::optional<std::size_t> distance_to_expression(std::string_view allowed,
                                                   std::string_view topic) {
   const auto expression = ascii_lower(allowed);
@@ -120,7 +121,7 @@ std::optional<std::size_t> distance_to_expression(std::string_view allowed,
   return out <= max_edits(longest_part(expression)) ? std::optional(out) : std::nullopt;
 }
 
-// Finds the allowed name nearest to one that is not.
+// Finds the allowed name that is nearest to a name that is not allowed.
 class Nearest {
  public:
   explicit Nearest(std::string_view topic) : topic_(topic) {}

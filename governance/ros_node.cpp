@@ -36,8 +36,8 @@ void each_topic(const Grant& grant, Each&& each) {
 
 // Names of nodes whose services a grant may be about.
 struct Nodes {
-  std::set<std::string> named;    // one of the services is written out for it
-  std::set<std::string> guessed;  // an expression may mean it
+  std::set<std::string> named;    // one of the services is named for the node
+  std::set<std::string> guessed;  // an expression may mean the node
 
   void add(std::string_view expression) {
     if (named.size() + guessed.size() >= kMaxNodes) return;
@@ -83,7 +83,7 @@ std::vector<std::string> asked_topics(const Nodes& nodes) {
   return out;
 }
 
-// Whether the expression matches one of the sorted `topics`; true in doubt.
+// True if the expression may match one of the sorted `topics`.
 bool may_match(std::string_view expression, const std::vector<std::string>& topics) {
   const auto wild = expression.find_first_of("*?[");
   const auto begin = expression.substr(0, wild);
@@ -105,8 +105,8 @@ std::vector<Criteria> only_about(const std::vector<std::string>& topics,
   return out;
 }
 
-// The grant without the expressions that match none of `topics`: for these topics it decides the
-// same. Compiling tens of thousands of other expressions takes longer than the rest of lint.
+// The grant without the expressions that match none of `topics`. It decides the same for these
+// topics. Compiling tens of thousands of other expressions would take longer than the rest of lint.
 Grant only_about(const std::vector<std::string>& topics, const Grant& grant) {
   Grant out{.default_allow = grant.default_allow};
   for (const auto& rule : grant.rules)
@@ -131,7 +131,7 @@ std::vector<DomainId> domains_of(const Grant& grant) {
 // The rights of a node in one domain, by the grant.
 class NodeRights {
  public:
-  // `grant` outlives this object.
+  // `grant` must outlive this object.
   NodeRights(const Grant& grant, DomainId domain) : grant_(nullptr, grant, domain) {}
 
   std::vector<std::string> missing(const Nodes& nodes) const {

@@ -24,7 +24,7 @@ struct Uses {
   bool empty() const { return publish.empty() && subscribe.empty(); }
 };
 
-// Both qualifiers.
+// The topics of both qualifiers.
 struct Rights {
   Uses allow = {}, deny = {};
 };

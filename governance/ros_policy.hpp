@@ -14,7 +14,7 @@ namespace ddssec::governance {
 
 /// The subject of a policy element.
 enum class RosKind : std::uint8_t { topics, services, actions };
-/// Whether a use is allowed; `unsaid`: there is no attribute.
+/// True or false, or `unsaid` if there is no attribute.
 enum class RosQualifier : std::uint8_t { unsaid, allow, deny };
 
 /// One <topics>, <services> or <actions> element.

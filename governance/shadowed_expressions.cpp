@@ -10,12 +10,13 @@ namespace ddssec::governance {
 namespace {
 
 constexpr SetLimits kLimits{.states = 20'000, .steps = 10'000'000};
-// How often the list of suspects may grow before an expression is let go as alive.
+// The largest number of rounds in which the list of suspects may grow. After these the expression
+// counts as not shadowed.
 constexpr int kMaxRounds = 16;
-// Positions with the same text that are asked about.
+// The largest number of positions with the same text that are examined.
 constexpr std::size_t kMaxTwins = 64;
 
-// Some name that the expression matches; nothing if one is not easily found.
+// Returns a name that the expression matches; empty if none is easily found.
 std::optional<std::string> sample(std::string_view expression) {
   const Pattern pattern(expression);
   if (pattern.is_literal()) return std::string(expression);
@@ -28,8 +29,8 @@ std::optional<std::string> sample(std::string_view expression) {
   return out;
 }
 
-// The usual case needs no automaton: a prefix and a star, and a later expression with the same
-// prefix.
+// The usual case needs no automaton: a later expression begins with the prefix of an earlier one
+// that is a prefix and a star.
 bool is_plainly_within(std::string_view inner, std::string_view outer) {
   if (inner == outer) return true;
   constexpr std::string_view kSpecial = "*?[\\";
@@ -59,7 +60,8 @@ class Earlier {
   ShadowedExpression shadow_of(std::uint32_t at) const {
     std::vector<std::uint32_t> suspects;
     const auto name = sample(expressions_[at]);
-    if (name && !add_matching(*name, at, suspects)) return {};  // it is the first for this one
+    // No earlier expression matches the name.
+    if (name && !add_matching(*name, at, suspects)) return {};
     for (int round = 0; round < kMaxRounds; ++round) {
       const auto answer = within(at, suspects);
       if (answer.kind == SetAnswer::Kind::yes) return {true, fewest(at, suspects)};
@@ -70,7 +72,7 @@ class Earlier {
   }
 
  private:
-  // True if there are new ones that match the name.
+  // Adds the earlier expressions that match the name and cover `at`. True if some of them are new.
   bool add_matching(std::string_view name, std::uint32_t at,
                     std::vector<std::uint32_t>& suspects) const {
     std::vector<PatternSet::Id> ids;
@@ -98,7 +100,8 @@ class Earlier {
     return contained(inner, outer, limits_);
   }
 
-  // A single one that suffices, if there is one; otherwise those that cannot be left out.
+  // Returns a single suspect that suffices, if there is one; otherwise those that cannot be left
+  // out.
   std::vector<std::uint32_t> fewest(std::uint32_t at, std::vector<std::uint32_t> all) const {
     std::ranges::sort(all);
     for (const auto one : all)
@@ -117,7 +120,7 @@ class Earlier {
   SetLimits limits_;
   const Covers& covers_;
   PatternSet set_;
-  std::vector<std::vector<std::uint32_t>> positions_;  // by id
+  std::vector<std::vector<std::uint32_t>> positions_;  // by the id of their text
 };
 
 }  // namespace

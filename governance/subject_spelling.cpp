@@ -29,7 +29,7 @@ bool has_letters_beyond_ascii(const pki::SubjectName& name) {
   });
 }
 
-// False: a certificate's text has escapes or numbers that rfc2253() does not write.
+// False if the text of a certificate has escapes or numbers that rfc2253() does not write.
 bool is_written_alike(const pki::SubjectName& name) {
   return std::ranges::all_of(name.attributes(), [](const pki::NameAttribute& attribute) {
     const bool is_number = attribute.type.find_first_not_of("0123456789.") == std::string::npos;
@@ -39,7 +39,7 @@ bool is_written_alike(const pki::SubjectName& name) {
   });
 }
 
-// As Certificate::subject writes it.
+// Escapes letters beyond ASCII as Certificate::subject does.
 std::string with_escapes(std::string_view text) {
   std::string out;
   for (const char c : text)
@@ -94,7 +94,8 @@ std::optional<SpellingProblem> misspelt(const Grant& grant) {
   return SpellingProblem{why_not_recognised(grant, *name), right, std::move(vendors)};
 }
 
-// Cyclone DDS compares such letters as RFC 2253 escapes them, Fast DDS as they are (measured).
+// Cyclone DDS compares letters beyond ASCII as RFC 2253 escapes them, Fast DDS as they are
+// (measured).
 std::optional<SpellingProblem> letters_beyond_ascii(const Grant& grant) {
   const auto name = pki::SubjectName::parse(grant.subject_name);
   if (grant.subject_is_expression || !name || !has_letters_beyond_ascii(*name)) return std::nullopt;

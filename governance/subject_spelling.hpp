@@ -22,14 +22,16 @@ struct SpellingProblem {
 std::vector<std::string> not_recognising(const Grant& grant, std::string_view subject,
                                          std::string_view in_utf8);
 
-/// A subject name that is none, or one that some stock product does not recognise although it means
-/// the subject `right`. Names with letters beyond ASCII are left out, and so are expressions.
+/// Finds the problem of a subject name that cannot be read as a name, or that some stock product
+/// does not recognise although it means the subject `right`. Names with letters beyond ASCII are
+/// left out, and so are expressions.
 std::optional<SpellingProblem> misspelt(const Grant& grant);
 
-/// A subject name with letters beyond ASCII, which no two stock products recognise.
+/// Finds the problem of a subject name with letters beyond ASCII: stock products recognise
+/// different spellings of it.
 std::optional<SpellingProblem> letters_beyond_ascii(const Grant& grant);
 
-/// What is wrong with a name whose Grant::subject_has_line_breaks.
+/// Explains what is wrong with a name that has Grant::subject_has_line_breaks.
 std::string between_line_breaks(const std::string& subject);
 
 }  // namespace ddssec::governance

@@ -7,7 +7,7 @@
 namespace ddssec::governance {
 namespace {
 
-// Two sets as lists 0 and 1, in which every match counts alike.
+// Makes two sets into lists 0 and 1, in which every match counts alike.
 std::vector<RankedExpression> two_sets(std::span<const std::string_view> first,
                                        std::span<const std::string_view> second) {
   std::vector<RankedExpression> both;

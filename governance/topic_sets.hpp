@@ -22,7 +22,7 @@ struct SetEffort {
   /// endpoints. One to three nanoseconds each.
   std::size_t plain_steps = 500'000'000;
 
-  /// Takes `wanted` steps. False, and none are left, if there are fewer.
+  /// Takes `wanted` steps. If fewer are left, returns false and leaves none.
   bool take_plain_steps(std::size_t wanted) {
     const bool is_enough = wanted <= plain_steps;
     plain_steps = is_enough ? plain_steps - wanted : 0;
@@ -100,12 +100,13 @@ struct SetAnswer {
   std::string witness = {};
 };
 
-/// Whether every name that one of `inner` matches is also matched by one of `outer`. If not, the
-/// witness is matched by `inner` only.
+/// Tells whether every name that one of `inner` matches is also matched by one of `outer`. If not,
+/// the witness is matched by `inner` only.
 SetAnswer contained(std::span<const std::string_view> inner,
                     std::span<const std::string_view> outer, const SetLimits& limits = {});
 
-/// Whether some name is matched by one of `a` and by one of `b`. If so, the witness is such a name.
+/// Tells whether some name is matched by one of `a` and by one of `b`. If so, the witness is such a
+/// name.
 SetAnswer overlap(std::span<const std::string_view> a, std::span<const std::string_view> b,
                   const SetLimits& limits = {});
 

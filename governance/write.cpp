@@ -34,7 +34,7 @@ std::string revision_line(std::uint32_t revision) {
   return fmt::format("<?ddssec revision=\"{}\"?>\n", revision);
 }
 
-// Lines of XML, two blanks a level.
+// Lines of XML, indented by two blanks for each level.
 class Out {
  public:
   explicit Out(std::uint32_t revision = 0) : text_("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n") {

@@ -13,7 +13,7 @@ namespace ddssec::governance {
 /// capitals. Elements of DDS-Security 1.2 appear only if they differ from their default.
 std::string to_xml(const Governance& governance);
 /// The document with the processing instruction <?ddssec revision="7"?> right after its XML
-/// declaration. It must have none yet.
+/// declaration. The document must have none yet.
 std::string with_revision(std::string_view xml, std::uint32_t revision);
 /// The same for permissions: times in UTC with Z, a name for every grant, and always a <default>.
 std::string to_xml(const Permissions& permissions);

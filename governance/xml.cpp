@@ -88,7 +88,7 @@ Result<std::string> XmlElement::raw_text() const {
       return refuse(Code::element_unknown, XmlElement(node->ToElement()),
                     {.expected = "text in " + in_brackets(name())});
     }
-    // Fast DDS reads the first text only, others join the pieces.
+    // Fast DDS reads the first text only, while other products join the pieces.
     if (!node->ToText() || node->NextSibling()) {
       return refuse(Code::value_in_pieces, *this,
                     {.found = node->ToComment() ? "a comment" : "several pieces of text"});

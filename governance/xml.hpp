@@ -57,7 +57,7 @@ class XmlElement {
   /// namespaces. An element marked must_interpret="false" may have any. Errors: attribute_unknown,
   /// value_not_boolean.
   Status check_attributes(std::string_view allowed = {}) const;
-  /// True if marked must_interpret="false" (DDS-Security 1.2, extensibility).
+  /// True if the element is marked must_interpret="false" (DDS-Security 1.2, extensibility).
   bool may_be_ignored() const;
   /// Success if there is no text between the children. Error: text_unexpected.
   Status check_no_text() const;
@@ -69,13 +69,13 @@ class XmlElement {
 /// A parsed document. Move-only.
 class XmlDocument {
  public:
-  /// Parses a document. `first_line`: the line on which the octets begin in their file; all line
-  /// numbers refer to the file. Errors: those of check_xml, and xml_not_well_formed from the
+  /// Parses a document. `first_line` is the line of the file on which the octets begin, so that all
+  /// line numbers refer to the file. Errors: those of check_xml, and xml_not_well_formed from the
   /// parser.
   static Result<XmlDocument> parse(BytesView octets, int first_line = 1);
 
   XmlElement root() const;
-  /// Of the processing instruction <?ddssec revision="7"?>; 0 without one.
+  /// The revision of the processing instruction <?ddssec revision="7"?>, or 0 if there is none.
   std::uint32_t revision() const;
 
   ~XmlDocument();

@@ -25,7 +25,7 @@ bool is_name_start(char c) {
 
 bool is_name(char c) { return is_name_start(c) || (c >= '0' && c <= '9') || c == '-' || c == '.'; }
 
-// XML 1.0, production 81, of no more characters than the known ones have.
+// True for the name of an encoding (XML 1.0, production 81) that is no longer than the known ones.
 bool is_encoding(std::string_view name) {
   constexpr std::size_t kMax = 20;
   return name.size() <= kMax && std::ranges::all_of(name, [](char c) {
@@ -33,7 +33,7 @@ bool is_encoding(std::string_view name) {
          });
 }
 
-// XML 1.0, production 2.
+// True for a character of XML 1.0, production 2.
 bool is_xml_character(std::uint32_t c) {
   return c == 0x9 || c == 0xA || c == 0xD || (c >= 0x20 && c <= 0xD7FF) ||
          (c >= 0xE000 && c <= 0xFFFD) || (c >= 0x10000 && c <= 0x10FFFF);
@@ -44,7 +44,7 @@ struct Utf8 {
   std::uint32_t character;
 };
 
-// One character that is not ASCII; overlong forms and surrogates are not UTF-8.
+// Decodes one character that is not ASCII. Overlong forms and surrogates are not UTF-8.
 Utf8 decode_utf8(std::string_view rest) {
   const auto lead = static_cast<unsigned char>(rest.front());
   const std::size_t size = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
@@ -120,8 +120,8 @@ class MarkupCheck {
     return fail(Code::xml_not_well_formed,
                 {.line = line(), .expected = std::move(expected), .found = std::move(found)});
   }
-  // The character at this position, for an error message. Only one, because a path may point to
-  // any file on the machine, and text that is not XML must not be quoted.
+  // The character at this position, for an error message. It is only one, because a path may point
+  // to any file on the machine, and text that is not XML must not be quoted.
   std::string shown() const {
     if (at_ >= all_.size()) return "the end of the document";
     const char c = all_[at_];
@@ -141,7 +141,7 @@ class MarkupCheck {
     return rest().starts_with("<?xml") && rest().size() > 5 && is_space(rest()[5]);
   }
 
-  // <?xml version="1.0" encoding="UTF-8" standalone="yes"?>
+  // Reads <?xml version="1.0" encoding="UTF-8" standalone="yes"?>.
   Status declaration() {
     const auto end = all_.find("?>", at_);
     if (end == all_.npos) return ill("?>", "the end of the document");
@@ -165,8 +165,8 @@ class MarkupCheck {
     return {};
   }
 
-  // <?ddssec revision="7"?>, only here: tinyxml2, which Fast DDS uses too, refuses it after
-  // anything but the XML declaration.
+  // Reads <?ddssec revision="7"?>, which is allowed only here: tinyxml2, which Fast DDS uses too,
+  // refuses it after anything but the XML declaration.
   Status revision() {
     const auto begin = std::min(all_.find_first_not_of(" \t\r\n", at_), all_.size());
     const auto here = all_.substr(begin);

@@ -18,7 +18,7 @@ void CombinedChange::add(ChangeClass change) {
 }
 
 ChangeClass CombinedChange::change_class(ChangeClass if_up, ChangeClass if_down) const {
-  // Whatever else there may be, it cannot make this better or worse.
+  // A change that both gains and loses is mixed, whatever the unknown parts are.
   if (gains_ && loses_) return ChangeClass::mixed;
   if (is_unknown_) return ChangeClass::unknown;
   return gains_ ? if_up : loses_ ? if_down : ChangeClass::neutral;

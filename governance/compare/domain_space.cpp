@@ -5,7 +5,7 @@
 namespace ddssec::governance {
 namespace {
 
-// More than these tags and tag expressions are not compared.
+// The largest number of tags and tag expressions that are compared.
 constexpr std::size_t kMaxTags = 64;
 
 }  // namespace

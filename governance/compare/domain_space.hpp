@@ -16,7 +16,7 @@ namespace ddssec::governance {
 /// Every domain of `domains` with every tag of `tags`.
 struct DomainScope {
   std::vector<DomainRange> domains = {};
-  /// False: the documents name no tags except "", the default tag of participants.
+  /// False if the documents name no tags except "", the default tag of participants.
   bool has_tags = false;
   NameSet tags = {};
 };

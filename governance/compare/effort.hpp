@@ -5,8 +5,8 @@
 
 namespace ddssec::governance {
 
-/// For all questions of one comparison: a few seconds. When it is used up, the verdict is
-/// "unknown".
+/// The effort for all questions of one comparison, a few seconds. When it is used up, the verdict
+/// is "unknown".
 inline constexpr SetEffort kEffortOfComparison{500'000'000};
 
 }  // namespace ddssec::governance

@@ -31,7 +31,7 @@ class Closure {
 
   void begin_with(Having first) { add(std::move(first)); }
 
-  // False: there are more than kMaxContexts, or more than the effort allows.
+  // Finds all results. False if there are more than kMaxContexts, or more than the effort allows.
   bool run() {
     for (std::uint32_t i = 0; i < singles_.size() && may_go_on(); ++i) add({{i}, singles_[i]});
     for (std::size_t at = 0; at < all_.size() && may_go_on(); ++at) {
@@ -83,11 +83,12 @@ class ContextFinder {
     std::ranges::sort(tags_);
     const auto repeated = std::ranges::unique(tags_);
     tags_.erase(repeated.begin(), repeated.end());
-    // Where no element lists any, one still matters: allow rules do not take it, deny rules do.
+    // A tag that no element lists also matters: allow rules do not match it, and deny rules without
+    // tags do.
     tags_.push_back(unlisted_tag());
   }
 
-  // Nothing if the effort does not even suffice for single partitions and tags.
+  // Empty if the effort does not even suffice for single partitions and tags.
   std::optional<EntityContexts> run() {
     if (!effort_.take_plain_steps(cost_of_singles())) return std::nullopt;
     const auto with_partitions = partition_sets();
@@ -107,8 +108,8 @@ class ContextFinder {
   }
 
  private:
-  // Every kind of partition and every data tag is compared with what every element lists, and for
-  // the description once more.
+  // Every kind of partition and every data tag is compared with what every element lists, and once
+  // more for the description.
   std::size_t cost_of_singles() const {
     std::size_t listed = elements_.size();
     for (const auto& numbers : partition_numbers_) listed += numbers.size();
@@ -144,7 +145,7 @@ class ContextFinder {
     return out;
   }
 
-  // Without data tags a deny rule that lists some is not met.
+  // An entity without data tags does not meet a deny rule that lists some.
   Meets meets_no_tag() const {
     Meets out;
     for (const auto& [rule, criteria] : elements_)

@@ -36,7 +36,7 @@ struct EntityContexts {
   /// The contexts; no two have the same elements. The default partition without data tags comes
   /// first.
   std::vector<EntityContext> contexts = {};
-  /// False: there are more than kMaxContexts, and not all were found.
+  /// False if there are more than kMaxContexts, so that not all were found.
   bool is_exact = true;
 };
 

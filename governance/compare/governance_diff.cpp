@@ -53,7 +53,7 @@ bool same_rules(const DomainRule& a, const DomainRule& b) {
   });
 }
 
-// How many topics, by kinds, have a property lost or gained, and one of them.
+// The number of kinds of topics that lose or gain a property, and one of these topics.
 struct Count {
   std::size_t topics = 0;
   std::string witness = {};
@@ -192,7 +192,7 @@ class RegionComparison {
   const DomainScope& scope_;
   std::vector<GovernanceChange>& changes_;
   std::vector<ElementChange> domain_changes_;
-  std::vector<DomainEffect> effects_;  // of each domain change
+  std::vector<DomainEffect> effects_;  // the effect of each domain change
   std::map<TopicChangeKey, KnownChange> known_;
 };
 

@@ -26,7 +26,8 @@ struct GovernanceChange {
   /// It applies in every domain and tag of this scope.
   DomainScope scope = {};
   ElementChange element = {};
-  /// False: the whole domain; then there is no witness and there are no topics.
+  /// False if the change is about the whole domain: then there is no witness and there are no
+  /// topics.
   bool is_about_topics = false;
   /// The shortest name of an affected topic.
   std::string witness = {};
@@ -34,7 +35,8 @@ struct GovernanceChange {
   TopicSet topics = {};
   /// The expressions of all rules that decide for these topics, in order.
   std::vector<std::string> expressions_old = {}, expressions_new = {};
-  /// The properties that change because of the element; for a whole domain, for at least one topic.
+  /// The properties that change because of the element. If it is about a whole domain, they change
+  /// for at least one topic.
   Properties lost = {}, gained = {};
   /// For a whole domain: the properties in `lost` and `gained` that do not concern all topics.
   std::vector<PropertyOfSome> of_some = {};
@@ -64,12 +66,12 @@ struct GovernanceDiff {
   /// Domains in which participants with the old document and those with the new one cannot (all)
   /// communicate, so that all must change at the same time.
   std::vector<DomainRange> flag_day_domains = {};
-  /// True if in one of them no participants communicate, whatever the topic. False: only endpoints
-  /// of the topics whose changes are Interop::endpoint.
+  /// True if no participants communicate in one of these domains, whatever the topic. False if only
+  /// the endpoints cannot whose topics' changes are Interop::endpoint.
   bool parts_participants = false;
   /// Domains in which the topics could not be compared within the limits.
   std::vector<DomainRange> unknown_domains = {};
-  /// False: some rules that changed in the same way as others are not listed.
+  /// False if some rules that changed in the same way as others are not listed.
   bool complete = true;
   /// Constructs that other products read differently.
   Readings readings = {};

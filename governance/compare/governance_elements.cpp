@@ -89,7 +89,7 @@ std::string text_of(const Names& names, const Names& all) {
   return text;
 }
 
-// Fewer algorithms are stronger; without a common one no two participants can talk.
+// Fewer algorithms are stronger; without a common one no two participants can communicate.
 void add_algorithms(Changes& changes, std::string_view element, const Names& all,
                     const Names& old_names, const Names& new_names) {
   if (old_names == new_names) return;

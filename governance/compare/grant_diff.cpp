@@ -32,7 +32,8 @@ RulePointers pointers(const Grant& grant, const RuleNumbers& numbers) {
   return rules;
 }
 
-// Whether a participant may join, and the deciding rule; as CompiledGrant::judge_participant.
+// Decides whether a participant may join, as CompiledGrant::judge_participant does, and returns the
+// deciding rule too.
 std::pair<bool, const GrantRule*> may_join(const Grant& grant, const RulePointers& rules) {
   for (const GrantRule* rule : rules)
     if (decides_joining(*rule)) return {rule->allow, rule};
@@ -144,7 +145,7 @@ class GrantComparison {
             .new_line = new_.line};
   }
 
-  // The same change in other domains with the same tags is one.
+  // Reports the same change in several domains with the same tags once.
   void tell(const DomainScope& scope, PermissionChange change) {
     const Told told(change.element, change.operation, change.change, change.witness,
                     change.old_line, change.new_line, words_of(change, scope));
@@ -176,7 +177,7 @@ class GrantComparison {
   bool first_rule_creates_topic_;
   GrantDiff diff_;
   CombinedChange by_default_;
-  std::map<Told, std::size_t> told_;  // where in diff_.changes
+  std::map<Told, std::size_t> told_;  // indices into diff_.changes
 };
 
 }  // namespace

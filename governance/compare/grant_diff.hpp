@@ -16,10 +16,10 @@ namespace ddssec::governance {
 
 /// The endpoints that a change affects.
 struct EntityWords {
-  /// True: all endpoints, regardless of partitions and data tags.
+  /// True if all endpoints are affected, regardless of partitions and data tags.
   bool every = false;
-  /// The affected partitions, for endpoints with one partition and without data tags. Empty: no
-  /// such endpoint is affected, only some like the example.
+  /// The affected partitions, for endpoints with one partition and without data tags. Empty if no
+  /// such endpoint is affected, but only some like the example.
   std::optional<NameSet> partitions = std::nullopt;
   /// An example endpoint; "" is the default partition.
   std::vector<std::string> example_partitions = {};
@@ -43,8 +43,8 @@ struct PermissionChange {
   std::string witness = {};
   /// All affected topics, described in words.
   TopicSet topics = {};
-  /// The expressions of the elements that decide for these topics; empty: the default decides. For
-  /// "rewritten": the expressions that only one of the grants has.
+  /// The expressions of the elements that decide for these topics; empty if the default decides.
+  /// For "rewritten" these are the expressions that only one of the grants has.
   std::vector<std::string> expressions_old = {}, expressions_new = {};
   EntityWords entities = {};
   /// The line that decides for the witness, or that of the grant; 0: none.
@@ -56,17 +56,17 @@ struct PermissionChange {
 struct GrantDiff {
   std::vector<PermissionChange> changes = {};
   CombinedChange direction = {};
-  /// False: some rules that changed are not listed.
+  /// False if some rules that changed are not listed.
   bool is_complete = true;
-  /// False: there are more than kMaxContexts kinds of endpoints; direction is unknown then.
+  /// False if there are more than kMaxContexts kinds of endpoints; direction is unknown then.
   bool is_exact = true;
 };
 
 /// Compares for every domain, domain tag, operation, topic, set of partitions and set of data tags;
 /// the first rule that matches decides, as in CompiledGrant. Relays are denied unless a rule allows
-/// them. Times and subjects are ignored. `first_rule_creates_topic`: as Cyclone DDS 0.10, where the
-/// first rule that names a topic in any direction, whatever the partitions, decides whether it can
-/// be created at all.
+/// them. Times and subjects are ignored. With `first_rule_creates_topic` it compares as Cyclone DDS
+/// 0.10 decides: there the first rule that names a topic in any direction, whatever the partitions,
+/// decides whether it can be created at all.
 GrantDiff compare_grants(const Grant& old_grant, const Grant& new_grant,
                          const SetLimits& limits = {}, bool first_rule_creates_topic = false);
 

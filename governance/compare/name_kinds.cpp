@@ -35,7 +35,7 @@ std::size_t NameKinds::number_of(std::string_view expression) const {
                                   expressions_.begin());
 }
 
-// Expressions that together match exactly the wanted kinds; each was needed when it was chosen.
+// Expressions that together match exactly the wanted kinds; when each was chosen, it was needed.
 std::optional<std::vector<std::string>> NameKinds::covered_by(
     const std::vector<bool>& wanted) const {
   std::vector<bool> left = wanted;

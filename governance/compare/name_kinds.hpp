@@ -47,7 +47,7 @@ class NameKinds {
   bool matches(std::size_t expression, Kind kind) const { return matched_[kind][expression]; }
   /// The number of an expression that was given, or of "".
   std::size_t number_of(std::string_view expression) const;
-  /// `kinds` ascending and not empty.
+  /// Describes `kinds`, which must be ascending and not empty.
   NameSet describe(std::span<const Kind> kinds) const;
 
  private:

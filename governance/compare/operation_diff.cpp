@@ -49,9 +49,9 @@ struct ItemList {
   }
 };
 
-// The elements of both directions up to the last deny_rule that has any: what follows lets a topic
-// be created, as the default here does. A topic that no rule names cannot be used anyway where the
-// grant's default denies.
+// The elements of both directions up to the last deny_rule that has any. Later elements let a topic
+// be created, as the default of the gate does. If the grant's default denies, a topic that no rule
+// names cannot be used anyway.
 std::vector<RuleElement> gate_elements(const RulePointers& rules) {
   std::vector<RuleElement> elements;
   std::size_t size = 0;
@@ -160,7 +160,7 @@ class OperationComparison {
     if (!names_all_effects) give_up();
   }
 
-  // False: a limit was reached.
+  // False if a limit was reached.
   bool compare_gated(const ItemList& before, const ItemList& after, FoundByElements& found) {
     const auto pairs =
         gated_pairs({before.rules, old_gate_.rules}, {after.rules, new_gate_.rules}, limits_);
@@ -179,7 +179,7 @@ class OperationComparison {
     const auto* const item = list.find(rule);
     return {item, item != nullptr ? item->element->rule->allow : default_allow};
   }
-  // A denial that both have is that of the list.
+  // The gate decides only if it alone denies. If both deny, the list's rule is named.
   static Decided behind(const Decided& gate, const Decided& list) {
     return gate.allowed || !list.allowed ? list : gate;
   }
@@ -259,8 +259,8 @@ class OperationComparison {
   std::vector<RuleElement> old_elements_, new_elements_, old_gate_elements_, new_gate_elements_;
   ItemList old_gate_{{}, {}, true}, new_gate_{{}, {}, true};
   OperationDiff out_;
-  std::map<FoundKey, std::size_t> known_;              // where in out_.changes
-  std::vector<std::vector<std::size_t>> contexts_of_;  // of each change
+  std::map<FoundKey, std::size_t> known_;              // indices into out_.changes
+  std::vector<std::vector<std::size_t>> contexts_of_;  // the contexts of each change
 };
 
 }  // namespace

@@ -15,7 +15,8 @@ using RulePointers = std::vector<const GrantRule*>;
 struct Operation {
   std::string_view name;
   std::vector<Criteria> GrantRule::*list;
-  bool has_default;  ///< the grant's default decides where no rule does; else it is denied
+  /// True if the grant's default decides where no rule does; otherwise that denies.
+  bool has_default;
 };
 
 /// The two sides of a comparison: grants, and their rules that apply.
@@ -24,15 +25,15 @@ struct RuleSides {
   const Grant& new_grant;
   const RulePointers& old_rules;
   const RulePointers& new_rules;
-  /// As Cyclone DDS does: the first rule that names a topic in any direction, whatever the
-  /// partitions, decides whether it can be created at all.
+  /// True to decide as Cyclone DDS does: the first rule that names a topic in any direction,
+  /// whatever the partitions, decides whether it can be created at all.
   bool first_rule_creates_topic = false;
 };
 
 struct OperationDiff {
-  /// Without subject and scope.
+  /// The changes without their subject and scope.
   std::vector<PermissionChange> changes = {};
-  /// The change where both defaults decide.
+  /// The combined change of the defaults, where these decide in both grants.
   CombinedChange by_default = {};
   bool is_complete = true;  ///< false: some rules that changed are not named
   bool is_exact = true;     ///< false: not every kind of endpoint was tried

@@ -19,7 +19,7 @@ namespace {
 // The grants that apply at the same times.
 struct GrantPairs {
   std::set<std::pair<const Grant*, const Grant*>> both;
-  Grants only_old, only_new;  // while the other document has nothing
+  Grants only_old, only_new;  // valid while the other document has no valid grant
   std::set<const Grant*> used;
 };
 
@@ -179,7 +179,8 @@ void PermissionsComparison::compare_subject(const Subject& subject) {
   note_dead(subject, pairs);
   for (const auto& [o, n] : pairs.both) compare_rules(*o, *n);
   if (!is_renewal) return;
-  // By their times alone it is narrower and wider, and what matters is the rest.
+  // A renewal moves both ends of the validity, so by its times alone it would count as narrower and
+  // wider. Only the rules decide.
   auto rules = rules_of(*pairs.only_old[0], *pairs.only_new[0]);
   rules.direction = {};
   add_rules(rules);
@@ -274,7 +275,7 @@ void PermissionsComparison::add_rules(const GrantDiff& rules) {
   }
 }
 
-// A deny_rule about topics: Cyclone DDS may not let them be created at all.
+// True if there is a deny_rule about topics: Cyclone DDS may then refuse to create these topics.
 bool denies_topics(const Permissions& document) {
   return std::ranges::any_of(document.grants, [](const Grant& grant) {
     return std::ranges::any_of(grant.rules, [](const GrantRule& rule) {
@@ -283,8 +284,8 @@ bool denies_topics(const Permissions& document) {
   });
 }
 
-// What Cyclone DDS makes of the documents as it reads them; `is_read_so`: that differs from what
-// is written.
+// Adds the comparisons of the documents as Cyclone DDS applies them. `is_read_so` is true if
+// Cyclone DDS reads something in them differently from what is written.
 void add_cyclonedds(std::vector<StockPermissionsDiff>& stock, const Permissions& o,
                     const Permissions& n, bool is_read_so, PermissionsDiffOptions options) {
   constexpr auto kProduct = StockProduct::cyclonedds;

@@ -16,19 +16,21 @@ struct PermissionsDiff {
   ChangeClass verdict = ChangeClass::neutral;
   /// Changed defaults first, then by class, the most serious first.
   std::vector<PermissionChange> changes = {};
-  /// False: some rules that changed in the same way as others are not listed.
+  /// False if some rules that changed in the same way as others are not listed.
   bool is_complete = true;
-  /// False: not every kind of endpoint or subject was tried; the verdict is unknown or mixed then.
+  /// False if not every kind of endpoint or subject was tried; the verdict is unknown or mixed
+  /// then.
   bool is_exact = true;
   /// Constructs that other products read differently.
   Readings readings = {};
 };
 
 struct PermissionsDiffOptions {
-  /// True: a subject that only the old document has and one that only the new document has count as
-  /// the same participant if their grants have the same name and neither is an expression.
+  /// True if a subject that only the old document has and one that only the new document has count
+  /// as the same participant, provided that their grants have the same name and neither is an
+  /// expression.
   bool map_subjects_by_grant_name = false;
-  /// True: as Cyclone DDS 0.10 decides, see compare_grants.
+  /// True to decide as Cyclone DDS 0.10 does; see compare_grants.
   bool first_rule_creates_topic = false;
   SetLimits limits = {};
 };

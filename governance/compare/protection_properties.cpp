@@ -56,7 +56,7 @@ constexpr std::array<Element, 13> kElements = {{
     {"data_protection_kind", &Protection::data_protection_kind},
 }};
 
-// `to` with one element of `from`.
+// Returns `to` with one element of `from`.
 Protection with(const Member& member, const Protection& from, Protection to) {
   std::visit([&](auto value) { to.*value = from.*value; }, member);
   return to;
@@ -136,7 +136,8 @@ Effect effect_of(std::string_view element, const Protection& before, const Prote
   const auto old_properties = properties(before), new_properties = properties(after);
   const auto only_this = properties(with(found->member, after, before));
   const auto all_but_this = properties(with(found->member, before, after));
-  // Lost by this change alone, or kept if only this one were taken back; and the other way round.
+  // A property is lost because of this element if this change alone loses it, or if it would be
+  // kept without this change. Gained properties are found in the same way.
   return {old_properties & ~new_properties & (~only_this | all_but_this),
           ~old_properties & new_properties & (only_this | ~all_but_this)};
 }

@@ -17,14 +17,14 @@
 namespace ddssec::governance {
 namespace {
 
-// Each may take some milliseconds.
+// The largest number of expressions that are tried. Each may take some milliseconds.
 constexpr std::size_t kMaxTried = 1'000;
 
 // The constructs of one document, and the line of each one's first occurrence.
 struct Constructs {
   std::map<std::string, int> expressions = {};
-  // The element that a note is about: the same words at another place, or about another value,
-  // change what a product reads.
+  // What identifies a note. The same words at another place, or about another value, change what a
+  // product reads.
   using Place = std::tuple<std::string, std::string, std::string>;  // text, path, value
   std::map<Place, int> notes = {};
   bool has_all_notes = true;
@@ -39,7 +39,7 @@ struct Constructs {
   std::map<std::string, Subject> subjects = {};
   std::set<std::string> well_written = {};  // keys of the other subjects
 
-  // True if these products do not recognise that subject in this document either.
+  // True if the same products do not recognise that subject in this document either.
   bool has_problem(const Subject& subject) const {
     return std::ranges::any_of(subjects, [&](const auto& own) {
       return own.second.key == subject.key &&
@@ -51,7 +51,7 @@ struct Constructs {
     for (const auto& text : texts) expressions.try_emplace(text.text, text.line);
   }
   void add(const std::vector<Note>& all) {
-    // An open range is more than another reading: the comparison says it of either document.
+    // Notes about open ranges are left out, because the comparison reports these ranges itself.
     for (const auto& note : all)
       if (!is_open_range(note.kind))
         notes.try_emplace({note.text, note.path, note.value}, note.line);
@@ -79,7 +79,8 @@ void add_subject(const Grant& grant, Constructs& out) {
     out.subjects.try_emplace(text, Constructs::Subject{grant.line, name->key(), *problem});
 }
 
-// Stock products ignore relay elements. They refuse tag expressions, which is a note.
+// Relay elements are left out, because stock products ignore them. Tag expressions are left out,
+// because stock products refuse them, and a note says so.
 Constructs constructs_of(const Permissions& document) {
   Constructs out;
   for (const auto& grant : document.grants) add_subject(grant, out);
@@ -127,7 +128,7 @@ class Collector {
                        : problem.vendors.front() == kCyclone ? "Cyclone DDS recognises"
                                                              : "Fast DDS recognises");
   }
-  // Who is not recognised by a product has no rights there.
+  // A participant whose subject a product does not recognise has no rights there.
   void add_subject(const Constructs::Subject& subject, bool changes, bool is_new) {
     put({.is_new = is_new,
          .expression = {},
@@ -146,7 +147,7 @@ class Collector {
     if (effort_.steps == 0) out_.is_complete = false;
     if (found && found->is_read_differently()) put({is_new, text, to_sentence(text, *found), line});
   }
-  // Any other expression is read alike.
+  // All products read an expression without these characters alike.
   static bool is_suspect(const std::string& text) {
     return text.find_first_of("[]\\") != std::string::npos;
   }

@@ -12,20 +12,20 @@ namespace ddssec::governance {
 
 /// One construct that some product reads differently or refuses.
 struct Reading {
-  bool is_new = false;     ///< only the new document has it; else only the old one
-  std::string expression;  ///< the expression; empty: another construct
-  std::string sentence;    ///< as lint says it
+  bool is_new = false;     ///< true if only the new document has it, false if only the old one
+  std::string expression;  ///< the expression; empty if it is another construct
+  std::string sentence;    ///< the sentence of lint
   int line = 0;            ///< line of its first occurrence
-  /// A participant has rights with Cyclone DDS that it does not have with ddssec.
+  /// True if a participant has rights with Cyclone DDS that it does not have with ddssec.
   bool widens = false;
-  /// A participant loses rights with a stock product that it keeps with ddssec.
+  /// True if a participant loses rights with a stock product that it keeps with ddssec.
   bool narrows = false;
 };
 
 struct Readings {
   /// The readings of the new document first, each side by line.
   std::vector<Reading> all = {};
-  /// False: there are more than kMaxReadings, or more expressions than could be tried.
+  /// False if there are more than kMaxReadings, or more expressions than could be tried.
   bool is_complete = true;
 };
 

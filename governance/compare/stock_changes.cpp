@@ -41,7 +41,8 @@ void put(Readings& readings, Reading reading) {
     readings.is_complete = false;
 }
 
-// True for the same element in at least the same domains that is not less serious.
+// True if both are about the same element, and `ours` is not less serious and covers at least the
+// same domains.
 bool is_same(const GovernanceChange& ours, const GovernanceChange& theirs) {
   return ours.element.element == theirs.element.element &&
          ours.element.old_value == theirs.element.old_value &&
@@ -86,8 +87,8 @@ bool is_among(const std::vector<Change>& all, const Change& one) {
 constexpr std::string_view kFastDdsOwnEndpoints =
     "Fast DDS, which applies rules for every domain to its own writers and readers";
 
-// A change that the decisions about peers show, too, for fewer topics or domains: the verdict says
-// it.
+// True if the decisions about peers show the change too, although for fewer topics or domains: the
+// verdict then reports it.
 bool is_found_elsewhere(const std::vector<StockPermissionsDiff>& stock, const PermissionsDiff& ours,
                         const PermissionChange& change) {
   const auto is_in = [&](const PermissionsDiff& diff) {
@@ -102,7 +103,7 @@ bool is_found_elsewhere(const std::vector<StockPermissionsDiff>& stock, const Pe
          });
 }
 
-// What the products have more than ddssec, each once, with the products that have it.
+// The changes that products have and ddssec does not, each once, with the products that have it.
 class Found {
  public:
   void add(std::string_view product, Reading reading) {

@@ -22,7 +22,7 @@ void add_stock_changes(const std::vector<StockGovernanceDiff>& stock, Governance
 struct StockPermissionsDiff {
   StockProduct product;
   PermissionsDiff diff;
-  /// The product reads the documents so where it makes its own endpoints, in addition.
+  /// True if the product applies the documents in this way to its own endpoints only.
   bool is_of_own_endpoints = false;
 };
 void add_stock_changes(const std::vector<StockPermissionsDiff>& stock, PermissionsDiff& ours);

@@ -12,9 +12,10 @@
 namespace ddssec::governance {
 namespace {
 
-// Steps of trying a set of grants on a kind of values; beyond that the answer is not exact.
+// The largest number of steps for comparing sets of grants with kinds of values. Beyond that the
+// answer is not exact.
 constexpr std::size_t kMaxSteps = 20'000'000;
-// More grants of one shape are not tried.
+// The largest number of grants of one shape that are tried.
 constexpr std::size_t kMaxForms = 4'000;
 
 // What one text between slashes must match; as only a slash matches a slash (FNM_PATHNAME), the
@@ -70,7 +71,7 @@ Form form_of(const std::vector<pki::Rdn>& rdns, bool is_expression, std::size_t 
   return out;
 }
 
-// Which forms match so far, and is there any.
+// The numbers of the forms that match so far.
 using Alive = std::vector<std::uint32_t>;
 
 // Finds every set of forms of one shape that some subject meets together.
@@ -78,7 +79,7 @@ class ShapeSearch {
  public:
   explicit ShapeSearch(std::vector<Form> forms) : forms_(std::move(forms)) {}
 
-  // Nothing if there are too many.
+  // Empty if there are too many.
   std::optional<std::set<Alive>> run(std::size_t& steps) {
     if (forms_.size() > kMaxForms) return std::nullopt;
     Alive all(forms_.size());
@@ -171,7 +172,7 @@ class Finder {
     auto forward = form_of(rdns, grant.subject_is_expression, number);
     std::ranges::reverse(rdns);
     auto backward = form_of(rdns, grant.subject_is_expression, number);
-    // Names are the same backwards: of each pair of shapes one is looked at.
+    // A name and its reverse are the same name, so only one of each pair of shapes is examined.
     const bool is_palindrome = forward.shape == backward.shape;
     if (backward.shape < forward.shape) std::swap(forward, backward);
     auto& forms = by_shape_[forward.shape];
@@ -179,7 +180,7 @@ class Finder {
     if (is_palindrome && backward.segments != forward.segments) forms.push_back(backward);
   }
 
-  // Without expressions a subject is its text.
+  // Groups subjects without expressions, which are simply names.
   void group_by_name(const std::vector<Form>& forms) {
     std::map<std::string, Numbers> names;
     for (const auto& form : forms) {
@@ -216,7 +217,7 @@ class Finder {
   bool is_exact_ = true;
 };
 
-// Whether the texts match the same texts without a slash.
+// True if the expressions match the same texts, except texts with a slash.
 bool match_the_same(std::string_view a, std::string_view b) {
   if (a == b) return true;
   constexpr SetLimits kLimits{.states = 2'000, .steps = 1'000'000};

@@ -17,7 +17,7 @@ struct Subject {
 
 struct Subjects {
   std::vector<Subject> all = {};
-  /// False: there are more combinations of expressions than can be tried, or expressions with
+  /// False if there are more combinations of expressions than can be tried, or expressions with
   /// several attributes of one type in one RDN.
   bool is_exact = true;
 };

@@ -9,10 +9,10 @@
 namespace ddssec::governance {
 namespace {
 
-// If the rules need more than this one by one, rules with the same effect are combined, which
-// takes the time that is left.
+// The limits for examining each rule by itself. If the rules need more, those with the same effect
+// are combined, with the effort that is left.
 constexpr SetLimits kForEachRule = {.states = 50'000, .steps = 50'000'000, .memory = 12'000'000};
-// As many rules are proved dead one by one.
+// The largest number of rules that are proved dead one at a time.
 constexpr std::size_t kMaxProofs = 64;
 constexpr SetLimits kForOneProof = {.states = 20'000, .steps = 5'000'000};
 
@@ -38,7 +38,7 @@ SetLimits lower(const SetLimits& a, const SetLimits& b) {
           std::min(a.memory, b.memory), a.shared != nullptr ? a.shared : b.shared};
 }
 
-// A name that the expression matches, with `for_star` for every star; nothing if there is none.
+// A name that the expression matches, with `for_star` for every star; empty if there is none.
 std::optional<std::string> example_of(const Pattern& pattern, std::string_view for_star) {
   if (pattern.is_literal()) return pattern.text();
   std::string name;
@@ -53,7 +53,7 @@ std::optional<std::string> example_of(const Pattern& pattern, std::string_view f
     if (octet == octets_by_readability().end()) return std::nullopt;
     name += *octet;
   }
-  // The empty name is an example only where there is no other.
+  // The empty name is the example only if there is no other name.
   return name.empty() ? "a" : name;
 }
 
@@ -62,13 +62,14 @@ class PairsByName {
  public:
   using Rule = RuleFinder::Rule;
 
-  // Without an effort as many steps are taken as are needed.
+  // If `effort` is nullptr, the number of steps is not limited.
   PairsByName(const RuleList& old_list, const RuleList& new_list, SetEffort* effort)
       : old_(old_list),
         new_(new_list),
         steps_(effort != nullptr ? effort->plain_steps : unbounded_) {}
 
-  // The old rule that decides. After the steps have run out: none, and the name is left out.
+  // Adds the pair for the name and returns the old rule that decides. If the steps have run out,
+  // returns nothing and leaves the name out.
   Rule add(std::string name) {
     const auto o = is_complete_ ? old_.first(name, steps_) : std::nullopt;
     const auto n = o ? new_.first(name, steps_) : std::nullopt;
@@ -87,7 +88,7 @@ class PairsByName {
     }
   }
   std::vector<TopicPair> take() { return std::move(pairs_); }
-  // False: names were left out, since the steps ran out.
+  // False if names were left out because the steps ran out.
   bool is_complete() const { return is_complete_; }
 
  private:
@@ -104,8 +105,8 @@ bool same_expressions(const RuleList& a, const RuleList& b) {
                             &RuleList::Item::expression);
 }
 
-// For lists that differ in effects only: the same rule decides in both, so all that is asked is
-// which rules are alive. Nothing if that is not found out quickly.
+// Finds the pairs of lists that differ in their effects only. The same rule decides in both, so the
+// question is only which rules are alive. Empty if that is not found out quickly.
 std::optional<TopicPairs> pairs_of_same_rules(const RuleList& old_list, const RuleList& new_list,
                                               const SetLimits& limits) {
   PairsByName pairs(old_list, new_list, limits.shared);
@@ -172,7 +173,7 @@ TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list,
   add_effects(expressions, old_list, 0);
   add_effects(expressions, new_list, 1);
   auto found = find_name_atoms(expressions, limits);
-  // Looking up single rules shows most of the pairs that cannot be listed.
+  // Examples for single rules show most of the pairs that the atoms do not list.
   PairsByName pairs(old_list, new_list, limits.shared);
   for (auto& atom : found.atoms) pairs.add(std::move(atom.witness));
   pairs.add_examples(old_list);

@@ -39,7 +39,7 @@ class RuleFinder {
   std::vector<std::uint32_t> rule_of_;  ///< of each expression
 };
 
-/// Names for which these two rules decide; empty: no rule matches.
+/// Names for which these two rules decide. An empty number means that no rule matches.
 struct TopicPair {
   std::optional<std::uint32_t> old_rule, new_rule;
   std::string witness;
@@ -47,9 +47,9 @@ struct TopicPair {
 
 struct TopicPairs {
   std::vector<TopicPair> pairs = {};
-  /// True: every pair of rules that decides for some name is included.
+  /// True if every pair of rules that decides for some name is included.
   bool names_all_rules = true;
-  /// True: every pair of effects that some name has is included. False: a limit was reached.
+  /// True if every pair of effects that some name has is included. False if a limit was reached.
   bool names_all_effects = true;
 };
 

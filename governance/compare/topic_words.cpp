@@ -7,9 +7,10 @@ namespace {
 
 using Rule = std::optional<std::uint32_t>;
 
-// Which of two expressions matches less is found out within these.
+// The limits for finding out which of two expressions matches less.
 constexpr SetLimits kLimits = {.states = 2'000, .steps = 1'000'000};
-// More earlier rules than these are not looked at for exceptions, and more are not named.
+// The largest numbers of earlier rules that are examined for exceptions, and of exceptions that are
+// named.
 constexpr std::size_t kMaxEarlier = 64;
 constexpr std::size_t kMaxExceptions = 3;
 
@@ -28,7 +29,7 @@ std::string_view beginning(std::string_view expression) {
   return expression.substr(0, expression.find_first_of("*?[\\"));
 }
 
-// If it cannot be determined, the two count as overlapping.
+// True if one name can match both. If that cannot be determined, the two count as overlapping.
 bool meets(std::string_view a, std::string_view b, SetEffort* effort) {
   const auto one = beginning(a), other = beginning(b);
   const auto common = std::min(one.size(), other.size());
@@ -41,7 +42,7 @@ bool meets(std::string_view a, std::string_view b, SetEffort* effort) {
 
 std::string_view expression_of(const RuleList& list, Rule rule) {
   if (!rule) return "*";
-  // Rules are ascending, but not every number need be there.
+  // Rules are ascending, but some numbers may be missing.
   const auto item = std::ranges::lower_bound(list.items, *rule, {}, &RuleList::Item::rule);
   return item->expression;
 }
@@ -68,7 +69,7 @@ class Narrator {
   }
 
  private:
-  // Rules that decide before this one does.
+  // Adds the rules that decide before this one as exceptions.
   void add_exceptions(TopicWords& out, const RuleList& list, Rule rule) const {
     std::size_t looked_at = 0;
     for (const auto& item : list.items) {

@@ -16,7 +16,7 @@ struct TopicWords {
   std::string expression = "*";
   std::string also = {};
   std::vector<std::string> except = {};
-  /// There may be more exceptions.
+  /// True if there may be more exceptions.
   bool more_exceptions = false;
   bool operator==(const TopicWords&) const = default;
 };
@@ -28,8 +28,8 @@ struct TopicSet {
   std::size_t others = 0;
 };
 
-/// Describes the names for which these pairs of rules decide, each once. At most `most` sets are
-/// put into words.
+/// Describes the names for which these pairs of rules decide, each once. At most `max_pairs` sets
+/// are put into words.
 TopicSet topics_in_words(const RuleList& old_list, const RuleList& new_list,
                          std::span<const TopicPair> pairs, SetEffort* effort = nullptr,
                          std::size_t max_pairs = 3);

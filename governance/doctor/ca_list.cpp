@@ -10,8 +10,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxFoldersAbove =
-    18;  // folders above: the deepest enclave, enclaves/ and the keystore
+// The deepest enclave (16 folders), enclaves/ and the keystore.
+constexpr int kMaxFoldersAbove = 18;
 
 // Places of CA lists relative to a folder with participants: keystore, init, ca create.
 constexpr const char* kPlaces[] = {"public/identity_ca.crl.pem", "ca/identity/crl.pem",
@@ -20,7 +20,7 @@ constexpr const char* kPlaces[] = {"public/identity_ca.crl.pem", "ca/identity/cr
 std::vector<fs::path> places(const pki::ParticipantFolder& folder) {
   std::vector<fs::path> out;
   std::error_code error;
-  // An enclave's link leads to the keystore's certificate, wherever the link lies.
+  // A link in an enclave leads to the certificate in the keystore, wherever the link is.
   const auto ca = fs::canonical(folder.identity_ca, error);
   if (!error) out.push_back(ca.parent_path() / "identity_ca.crl.pem");
   auto at = fs::weakly_canonical(folder.folder, error);

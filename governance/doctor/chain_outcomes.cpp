@@ -17,7 +17,7 @@ const pki::Certificate* issuer_of(const pki::Certificate& certificate,
   return found == cas.end() ? nullptr : &*found;
 }
 
-// Up to a CA that signed itself.
+// True if the issuers lead up to a CA that signed itself.
 bool leads_to_root(const pki::Certificate& certificate, const std::vector<pki::Certificate>& cas) {
   const auto* at = &certificate;
   for (std::size_t steps = 0; steps <= cas.size(); ++steps) {

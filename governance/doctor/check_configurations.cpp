@@ -27,10 +27,11 @@ using Files = pki::ParticipantFolder;
 
 constexpr std::size_t kMaxOctets = 1024 * 1024;
 
-// Measured with Fast DDS 2.9.1: any value that begins with 1 counts.
+// Measured with Fast DDS 2.9.1: any value that begins with 1 switches the default file off.
 constexpr const char* kSkipVariable = "SKIP_DEFAULT_XML_FILE";
 
-// Empty for a relative path, which depends on where the application starts.
+// Takes the next absolute path out of the text; empty if there is none. A relative path is skipped,
+// because it depends on where the application starts.
 std::optional<fs::path> next_path(std::string_view& text) {
   constexpr std::string_view kScheme = "file:";
   for (;;) {
@@ -43,8 +44,9 @@ std::optional<fs::path> next_path(std::string_view& text) {
   }
 }
 
-// The other folder of which the text names a file that this one has. A CA or a governance document
-// may well be shared; certificate, key and permissions belong to one participant.
+// The other folder from which the text names a file, although this folder has a file of that name.
+// A CA or a governance document may well be shared; certificate, key and permissions belong to one
+// participant.
 std::optional<fs::path> other_folder(std::string_view text, const pki::ParticipantFolder& paths) {
   while (const auto named = next_path(text)) {
     for (const auto* own : {&paths.certificate, &paths.key, &paths.permissions}) {
@@ -60,7 +62,8 @@ Result<Bytes> octets_of(const fs::path& path) {
   return ddssec::load("file://" + path.string(), "", pki::kMaxDocumentOctets);
 }
 
-// Where a relative path leads depends on where the application starts: here, or in the folder.
+// True if the value names the judged file. A relative path depends on where the application starts:
+// here, or in the folder.
 bool is_judged(const std::string& value, const fs::path& judged, const fs::path& folder) {
   constexpr std::string_view kFile = "file:", kData = "data:,";
   if (value.starts_with(kData)) {
@@ -80,7 +83,7 @@ bool is_judged(const std::string& value, const fs::path& judged, const fs::path&
   return has_same_octets(path, judged);
 }
 
-// For a value that is not a path, only its beginning: it may be a key.
+// Only the beginning of a value that is not a path, because the value may be a key.
 std::string shown_value(const std::string& value) {
   const auto scheme = value.substr(0, value.find(':'));
   return scheme == "data" || scheme == "pkcs11" ? "a " + scheme + ": value" : value;
@@ -88,9 +91,9 @@ std::string shown_value(const std::string& value) {
 
 // A configuration and its owner.
 struct Configuration {
-  std::string name;  // what sentences call it
+  std::string name;  // its name in sentences
   fs::path document;
-  Outcomes outcomes;  // where it names another file
+  Outcomes outcomes;  // the outcomes if it names another file
   std::vector<Named> files;
   bool is_fastdds = false;
   bool may_run_elsewhere = false;  // as in Settings
@@ -100,7 +103,7 @@ bool has_scheme(std::string_view value) {
   return value.starts_with("file:") || value.starts_with("data:,") || value.starts_with("pkcs11:");
 }
 
-// Measured with Fast DDS 2.9.1: it takes neither "file:/a" nor "/a".
+// Measured with Fast DDS 2.9.1: it accepts neither "file:/a" nor "/a".
 bool has_fastdds_scheme(std::string_view value) {
   return value.starts_with("file://") || value.starts_with("data:,") ||
          value.starts_with("pkcs11:");
@@ -114,8 +117,8 @@ fs::path path_of(const Named& named) {
   return name;
 }
 
-// True if it names files, and none of them is in the folder, which is a copy or is to be copied:
-// what is at these paths on the machine of the participant is not known here.
+// True if it names files and none of them is in the folder. Then the folder is a copy or is to be
+// copied, and the files at these paths on the participant's machine are not known here.
 bool leads_elsewhere(const Configuration& configuration, const fs::path& folder) {
   const auto is_own = [&](const Named& named) {
     const auto path = path_of(named);
@@ -127,7 +130,7 @@ bool leads_elsewhere(const Configuration& configuration, const fs::path& folder)
                               [&](const Named& named) { return is_path(named) && is_own(named); });
 }
 
-// Also for a file that exists and cannot be read.
+// True also for a file that exists and cannot be read.
 bool is_missing(const Named& named) {
   if (!is_path(named)) return false;
   const auto path = path_of(named);
@@ -150,8 +153,8 @@ std::string sentence(const Configuration& configuration, const Named& named,
       configuration.name, shown_value(value), role->property, judged.string());
 }
 
-// Measured with Cyclone DDS 0.10.2: its own access control leaves such characters out of the path
-// of the permissions, or replaces them.
+// Measured with Cyclone DDS 0.10.2: its own access control leaves quotes and backslashes out of the
+// path of the permissions, or replaces them.
 void check_odd_path(const Configuration& configuration, Diagnosis& out) {
   for (const auto& named : configuration.files) {
     const bool counts = named.role->judged == &Files::permissions && is_path(named);
@@ -167,8 +170,8 @@ void check_odd_path(const Configuration& configuration, Diagnosis& out) {
   }
 }
 
-// The values to judge: all except those that may be right on another machine, which get one
-// warning.
+// The values to judge. Values that may be right on another machine are left out and get one warning
+// together.
 std::vector<Named> named_here(const pki::ParticipantFolder& paths,
                               const Configuration& configuration, Diagnosis& out) {
   auto files = configuration.files;
@@ -228,7 +231,8 @@ void check_judged(const LoadedFolder& folder, const Configuration& configuration
                        paths.crl.string()));
 }
 
-// The environment may be that of another participant.
+// True if the configuration names the participant's certificate or key. Otherwise the environment
+// may be that of another participant.
 bool is_of(const std::vector<Named>& files, const pki::ParticipantFolder& paths) {
   return std::ranges::any_of(files, [&](const Named& named) {
     const bool is_own =
@@ -266,7 +270,7 @@ void check_other_folder(const LoadedFolder& folder, const char* name, std::strin
                   .document = folder.paths.folder / name});
 }
 
-// An application may secure itself by its QoS, as ROS 2 does; one that is meant to start with the
+// An application may secure itself by its QoS, as ROS 2 does. One that is to start with the
 // folder's own configuration does not.
 void warn_of_unsecured_environment(const ConfigurationInQuestion& question, Diagnosis& out) {
   const auto& paths = question.folder.paths;
@@ -284,7 +288,7 @@ void warn_of_unsecured_environment(const ConfigurationInQuestion& question, Diag
                   .severity = Severity::warning});
 }
 
-// Values that every participant needs.
+// True if all values that every participant needs are there.
 bool is_complete(const EffectiveSecurity& security) {
   const auto has = [](const std::optional<ConfiguredPlugin>& plugin, std::string_view element) {
     const auto* const value = plugin ? plugin->value(element) : nullptr;
@@ -328,7 +332,7 @@ void check_profile_in_force(const LoadedFolder& folder, const fs::path& file,
   const auto octets =
       ddssec::load("file://" + fs::absolute(file, ignored).string(), "", kMaxOctets);
   const auto own = folder.paths.folder / "fastdds.xml";
-  if (octets && fs::equivalent(file, own, ignored)) return;  // has been checked
+  if (octets && fs::equivalent(file, own, ignored)) return;  // check_configurations has checked it
   if (octets) {
     const ProfileInQuestion question{fmt::format("the file that {} names", variable), file,
                                      as_text(*octets), version};
@@ -391,7 +395,7 @@ void check_configuration_in_force(const LoadedFolder& folder, const Configuratio
     check_judged(folder, configuration, out);
     return check_effective_security(question, out);
   }
-  // With one that is broken or incomplete no participant starts.
+  // With a configuration that is broken or incomplete no participant starts.
   if (!security.problems.empty() || (security.is_there && !is_complete(security)))
     return check_effective_security(question, out);
   if (!security.is_there) warn_of_unsecured_environment(question, out);

@@ -27,7 +27,7 @@ struct Subject {
   const Status& fastdds_belief;
   const Status& our_belief;
   const Status& parsed;
-  const Error* unread;  // the reason why there is no model; null if there is one
+  const Error* unread;  // the reason why there is no model; nullptr if there is one
   const std::vector<Note>* notes;
   const std::vector<Variant>& left_out;
   bool has_joined_values;
@@ -57,7 +57,7 @@ Outcome of(bool believed, Outcome if_believed = Outcome::ok) {
   return believed ? if_believed : Outcome::fail;
 }
 
-// `accepted`: the outcome if a stock product accepts the document.
+// `accepted` is the outcome if a stock product accepts the document.
 Outcomes outcomes(const Subject& subject, const Outcomes& accepted = {}) {
   return {of(subject.cyclonedds_belief.has_value(), accepted.cyclonedds),
           of(subject.fastdds_belief.has_value(), accepted.fastdds),
@@ -71,9 +71,9 @@ Outcomes refused_by_ours(Variant variant, const Subject& subject) {
   return out;
 }
 
-// Without the signer's certificate inside, OpenSSL finds no signer; a product may know another way.
-// Which of several texts a product reads depends on its version of OpenSSL; stock products start
-// with what this one believes (measured).
+// If the signer's certificate is not inside, OpenSSL finds no signer, but a product may find one in
+// another way. If there are several texts, the version of OpenSSL decides which one a product
+// reads. Stock products start with the text that this OpenSSL believes (measured).
 Outcomes outcomes_of_form(const Subject& subject) {
   const auto& form = subject.form;
   if (form.ambiguous)
@@ -85,7 +85,7 @@ Outcomes outcomes_of_form(const Subject& subject) {
                                             : outcomes(subject);
 }
 
-// A peculiarity in the form of the document; "" if there is none.
+// Describes a peculiarity in the form of the document; "" if there is none.
 std::string odd_form(const Subject& subject) {
   const auto& form = subject.form;
   const auto file = subject.path.filename().string();
@@ -155,7 +155,7 @@ void report(Rule rule, const Subject& subject, const Error& error, const Outcome
              subject.about);
 }
 
-// A certificate in the CA file is not marked as a CA.
+// Reports that a certificate in the CA file is not marked as a CA.
 void report_no_ca(const LoadedFolder& folder, const Subject& subject, const Error& error,
                   Diagnosis& out) {
   out.report(outcomes(subject, measured(Variant::permissions_ca_no_constraints, subject.lineup)),
@@ -169,7 +169,7 @@ void report_no_ca(const LoadedFolder& folder, const Subject& subject, const Erro
              subject.about);
 }
 
-// ddssec accepts it and a stock product does not: the cause is the CA file.
+// Reports that ddssec accepts the document and a stock product does not. The cause is the CA file.
 void report_ca_file(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
   out.report(
       outcomes(subject),
@@ -182,7 +182,7 @@ void report_ca_file(const LoadedFolder& folder, const Subject& subject, Diagnosi
       subject.about);
 }
 
-// The permissions of an enclave come from a policy, so that they are not signed again by hand.
+// The permissions of an enclave come from a policy, so the hint is not to sign them again by hand.
 void report_signature(const LoadedFolder& folder, const Subject& subject, const Error& error,
                       Diagnosis& out) {
   const bool is_permissions = subject.path == folder.paths.permissions;
@@ -197,8 +197,8 @@ void report_signature(const LoadedFolder& folder, const Subject& subject, const 
              subject.about);
 }
 
-// Where only the key of the permissions CA keeps ddssec from reading its file (DOC014), stock
-// products still check the signature with it.
+// If ddssec cannot read the permissions CA file only because of its key (DOC014), stock products
+// still check the signature with it.
 void check_stock_belief(const Subject& subject, Diagnosis& out) {
   const Outcomes who{of(subject.cyclonedds_belief.has_value()),
                      of(subject.fastdds_belief.has_value()), Outcome::ok};
@@ -286,11 +286,12 @@ std::optional<Variant> variant_of(const Note& note) {
 Outcomes outcomes_of_text(const Subject& subject) {
   Outcomes out{.ours = Outcome::fail};
   for (const auto variant : subject.left_out) out = out.worse(measured(variant, subject.lineup));
-  // Cyclone DDS joins the pieces. Fast DDS 2.9 reads the first text alone: another topic, or a
-  // value that it refuses.
+  // Cyclone DDS joins the pieces. Fast DDS 2.9 reads only the first text, which is another topic,
+  // or a value that it refuses.
   if (subject.has_joined_values) out = out.worse({.fastdds = Outcome::unsafe});
   if (subject.is_refused_by_fastdds) out = out.worse({.fastdds = Outcome::fail});
-  if (subject.unread == nullptr) return out;  // without what was left out it can be read
+  // It can be parsed once the parts that ddssec does not know are left out.
+  if (subject.unread == nullptr) return out;
   const auto outcome = [](bool starts) { return starts ? Outcome::unsafe : Outcome::fail; };
   return out.worse({.cyclonedds = outcome(cyclonedds_starts_with(*subject.unread)),
                     .fastdds = outcome(fastdds_starts_with(*subject.unread))});
@@ -317,7 +318,7 @@ void report_unreadable(const Subject& subject, Diagnosis& out) {
              subject.about);
 }
 
-// Reports the first of each kind in full, with the number of others.
+// Reports the first note of each kind in full, with the number of the others.
 void report_notes(const Subject& subject, Diagnosis& out) {
   std::map<std::string_view, std::size_t> counts;
   for (const auto& note : *subject.notes) counts[note.text] += 1 + note.more;
@@ -343,8 +344,8 @@ void report_notes(const Subject& subject, Diagnosis& out) {
   }
 }
 
-// True if no product finds a text in the file: its form has been reported. In the other forms a
-// product may read a text without octets, which it refuses or crashes on (measured).
+// True if no product finds a text in the file. The form of the file has been reported. In the other
+// forms a product may read a text without octets, which it refuses or crashes on (measured).
 bool lacks_text(const pki::DocumentForm& form) {
   using enum pki::DocumentWrapping;
   const bool is_read = form.wrapping == multipart || form.wrapping == opaque;
@@ -360,14 +361,14 @@ void check_text(const Subject& subject, Diagnosis& out) {
   report_notes(subject, out);
 }
 
-// S/MIME writes lines with CR LF, and editors differ in what they end a file with.
+// S/MIME ends lines with CR LF, and editors end files in different ways.
 std::string plain_lines(BytesView octets) {
   std::string out(as_text(octets));
   std::erase(out, '\r');
   return out.substr(0, out.find_last_not_of(" \t\n") + 1);
 }
 
-// Signing counts the revision, which the XML beside the signed document need not have.
+// Signing sets the revision, which the XML beside the signed document need not have.
 std::string without_revision(std::string text) {
   const auto begin = text.find("<?ddssec ");
   const auto end = begin == text.npos ? text.npos : text.find("?>", begin);
@@ -376,8 +377,8 @@ std::string without_revision(std::string text) {
   return text;
 }
 
-// The XML beside a signed document, or beside the target of a link to one: after an edit it shows
-// rights that are not signed.
+// Checks the XML beside a signed document, or beside the target of a link to one. After an edit
+// this XML shows rights that are not signed.
 void check_plain_text(const Subject& subject, Diagnosis& out) {
   if (subject.form.unverified_text.empty()) return;
   std::error_code failed;

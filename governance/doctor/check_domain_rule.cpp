@@ -32,8 +32,8 @@ void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diag
                           : culprit.hint});
 }
 
-// Cyclone DDS and Fast DDS read a range without <max> as one domain, and then another rule or none
-// is the first for this one.
+// Cyclone DDS and Fast DDS read a range without <max> as one domain. Another rule, or none, may
+// then be the first one for this domain.
 void check_open_ranges(const LoadedFolder& folder, const DomainRule& rule, const Settings& settings,
                        Diagnosis& out) {
   const auto* stock = folder.governance.model->find_for_stock(settings.domain);
@@ -67,8 +67,8 @@ void check_topic_rules(const LoadedFolder& folder, const DomainRule& rule, Diagn
                   .line = rule.line});
 }
 
-// Fast DDS reads allow_unauthenticated_participants and does not act on it (2.9.1); later ones
-// refuse it together with protection of all messages.
+// Fast DDS 2.9.1 reads allow_unauthenticated_participants and ignores it. Later versions refuse it
+// together with protection of all messages.
 void check_unauthenticated(const LoadedFolder& folder, const DomainRule& rule, const Lineup& lineup,
                            Diagnosis& out) {
   if (!rule.allow_unauthenticated_participants) return;

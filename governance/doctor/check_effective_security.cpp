@@ -18,10 +18,10 @@ struct Expected {
   std::string_view element;
   std::optional<ConfiguredPlugin> EffectiveSecurity::*plugin;
   std::string_view stock;  // the plugin's library, which is the default
-  std::string_view ours;   // the same of ddssec under its own name
+  std::string_view ours;   // the library of ddssec under its own name
   std::string_view init;
   std::string_view finalize;
-  // As people write them; the reader has them in lower case.
+  // The values as people write them. They are compared in lower case.
   std::array<std::string_view, 3> values;
 };
 constexpr Expected kExpected[] = {
@@ -107,7 +107,8 @@ class Checks {
                        question_.domain));
   }
 
-  // Measured: Cyclone DDS's own plugins refuse it with and without <CRL>, ddssec's with <CRL>.
+  // Measured: Cyclone DDS's own plugins refuse the element with and without <CRL>, ddssec's only
+  // with <CRL>.
   void check_trusted_folder() {
     const auto* named = security_.authentication->value("trustedcadirectory");
     if (named == nullptr || named->text.empty()) return;
@@ -155,7 +156,8 @@ class Checks {
     if (library_file(path->text, places).empty()) report_without_library_path(expected, *path);
   }
 
-  // Libraries of one's own have names of their own for their functions.
+  // Only functions with the names of another plugin are wrong, because other libraries have their
+  // own names for functions.
   static const Expected* named_function_of_another(const Expected& expected,
                                                    const ConfiguredPlugin& plugin) {
     const auto* named = plugin.attribute("initfunction");
@@ -165,7 +167,7 @@ class Checks {
     return other == std::end(kExpected) ? nullptr : &*other;
   }
 
-  // As the application reads it if it has the environment of this process.
+  // The values as the application reads them if it has the environment of this process.
   ConfiguredPlugin with_variables(ConfiguredPlugin plugin) {
     for (auto* list : {&plugin.library, &plugin.values})
       for (auto& [name, value] : *list) {
@@ -185,7 +187,7 @@ class Checks {
                    expected.finalize);
   }
 
-  // The names of exported functions are texts in the library file.
+  // The name of an exported function is a text in the library file.
   void check_has_function(const Expected& expected, const ConfiguredText& path,
                           const std::filesystem::path& file, std::string_view function) {
     const auto text = fmt::format("{0}{1}{0}", '\0', function);
@@ -195,7 +197,8 @@ class Checks {
                                     path.text, expected.element, function));
   }
 
-  // Debian's Cyclone DDS finds its own libraries in a folder of its own, by their usual names only.
+  // Cyclone DDS of Debian finds its own libraries in a private folder, but only by their usual
+  // names.
   void report_without_library_path(const Expected& expected, const ConfiguredText& path) {
     out_.report(
         {.cyclonedds = Outcome::fail},
@@ -208,7 +211,7 @@ class Checks {
          .line = path.line});
   }
 
-  // Of whole paths once: as a rule the folder of all three is missing.
+  // Reports a missing path only once, because usually the folder of all three libraries is missing.
   void report_missing_library(const Expected& expected, const ConfiguredText& path) {
     if (!path.text.contains('/'))
       return refuse(path.line,

@@ -53,7 +53,7 @@ XmlElement child_of(XmlElement parent, std::string_view name) {
   return out;
 }
 
-// The last one that says so counts.
+// If several participants are marked as the default, the last one counts.
 XmlElement default_participant(XmlElement root) {
   XmlElement out;
   const auto profiles = root.name() == "dds" ? child_of(root, "profiles") : root;
@@ -65,7 +65,7 @@ XmlElement default_participant(XmlElement root) {
   return out;
 }
 
-// <participant> may also stand beside <profiles>.
+// True if some <participant> is marked. It may also be beside <profiles>.
 bool has_default_participant(XmlElement parent) {
   for (auto child = parent.first_child(); child; child = child.next_sibling())
     if (child.name() == "participant"
@@ -75,7 +75,7 @@ bool has_default_participant(XmlElement parent) {
   return false;
 }
 
-// Names and values count with the blanks around them.
+// Blanks around names and values are part of them.
 ProfileProperties properties_of(XmlElement participant) {
   ProfileProperties out;
   const auto policy = child_of(child_of(participant, "rtps"), "propertiesPolicy");
@@ -89,7 +89,7 @@ ProfileProperties properties_of(XmlElement participant) {
   return out;
 }
 
-// The last one of the name (measured).
+// The value of the last property with this name (measured).
 const std::string* value_of(const ProfileProperties& all, std::string_view name) {
   const std::string* out = nullptr;
   for (const auto& [found, value] : all)
@@ -131,7 +131,7 @@ class Checks {
                              .hint = std::string(kHint)});
   }
 
-  // "": the plugin is switched on.
+  // "" if the plugin is switched on.
   static std::string wrong_in(const ProfileProperties& properties, const Plugin& plugin) {
     const auto* const value = value_of(properties, plugin.property);
     if (value == nullptr)
@@ -146,7 +146,7 @@ class Checks {
            fmt::format("{}: a Fast DDS process that starts with it runs without security", what));
   }
 
-  // Measured: with authentication alone it starts, and does not match a participant without
+  // Measured: with authentication alone Fast DDS starts, and does not match a participant without
   // security.
   void report_without(const Plugin& plugin, int line, const std::string& what) {
     if (&plugin == kPlugins) return report_unsecured(line, what);
@@ -160,7 +160,8 @@ class Checks {
                  .hint = std::string(kHint)});
   }
 
-  // Fast DDS reads some documents that ddssec refuses.
+  // Fast DDS reads some documents that ddssec refuses, so only some errors mean that it reads
+  // nothing.
   void report_unread(const Error& error) {
     const int line = error.details().line;
     const bool is_refused = error.code() == Code::xml_not_well_formed ||

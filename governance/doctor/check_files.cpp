@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The most files of a folder that are looked at for keys of a CA.
+// The largest number of files in a folder that are searched for keys of a CA.
 constexpr int kMaxFiles = 64;
 
 // The reason why `path` does not exist: it may be a dangling link.
@@ -49,7 +49,7 @@ void report_key(const LoadedFolder& folder, const fs::path& path, const Error& e
                         .document = path});
 }
 
-// One file that could not be loaded. An encrypted key has a rule of its own.
+// Reports a file that could not be loaded. An encrypted key has a rule of its own.
 void report_unloaded(const fs::path& path, const Error& error, Diagnosis& out) {
   const auto say = [&](Rule rule, std::string message, std::string_view hint = {}) {
     auto outcomes = kNobody;
@@ -79,7 +79,7 @@ void report_unloaded(const fs::path& path, const Error& error, Diagnosis& out) {
   }
 }
 
-// A key that opens with the password that some product is given.
+// Reports a key that opens with the password that only some products are given.
 void check_password(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   if (!folder.password) return;
   out.pass(Rule::DOC013);
@@ -116,12 +116,13 @@ void check_loaded(const LoadedFolder& folder, const Settings& settings, Diagnosi
   look(folder.permissions_cas, folder.paths.permissions_ca);
   look(folder.governance.readable, folder.paths.governance);
   look(folder.permissions.readable, folder.paths.permissions);
-  if (folder.crls_with_deltas.empty()) look(folder.crls, folder.paths.crl);  // else check_identity
+  // Otherwise check_identity reports it.
+  if (folder.crls_with_deltas.empty()) look(folder.crls, folder.paths.crl);
 }
 
 bool is_in_token(const fs::path& path) { return path.extension() == ".p11"; }
 
-// Cyclone DDS refuses the scheme, Fast DDS knows it for the private key alone. Measured.
+// Measured: Cyclone DDS refuses the scheme, and Fast DDS accepts it for the private key only.
 void check_tokens(const LoadedFolder& folder, Diagnosis& out) {
   const auto look = [&](const fs::path& path, Outcome fastdds) {
     if (!is_in_token(path)) return;
@@ -139,7 +140,7 @@ void check_tokens(const LoadedFolder& folder, Diagnosis& out) {
     look(*path, Outcome::fail);
 }
 
-// For a key in a token, the file contains at most the PIN.
+// False for a key in a token, unless the file contains the PIN.
 bool is_secret(const fs::path& key) {
   if (!is_in_token(key)) return true;
   const auto uri = pki::uri_of(key);
@@ -189,7 +190,7 @@ void check_configuration_modes(const pki::ParticipantFolder& paths, Diagnosis& o
   }
 }
 
-// The folder's owner is the participant's user as a rule, and must be able to read the key.
+// The folder's owner is usually the participant's user, who must be able to read the key.
 void check_owner(const fs::path& key, Diagnosis& out) {
   struct stat status {};
   struct stat folder {};
@@ -234,8 +235,8 @@ void check_strangers(const LoadedFolder& folder, Diagnosis& out) {
   if (!error) out.pass(Rule::DOC004);
 }
 
-// ROS 2 reads the CA files of an enclave by their names there, other applications those that they
-// are given. Where both are there and differ, one of them was not judged.
+// ROS 2 reads the CA files of an enclave by their names there. Other applications read the files
+// that they are given. If both exist and differ, one of them was not judged.
 void check_layouts(const LoadedFolder& folder, Diagnosis& out) {
   using pki::FolderLayout;
   const auto flat = pki::participant_folder(folder.paths.folder, FolderLayout::flat);
@@ -258,7 +259,7 @@ void check_layouts(const LoadedFolder& folder, Diagnosis& out) {
   }
 }
 
-// What a participant or its tools read from the folder.
+// True for files that a participant or its tools read from the folder.
 bool is_read(const fs::path& path) {
   constexpr std::array kExtensions = {".pem",        ".p7s", ".der", ".xml",
                                       ".properties", ".p11", ".key"};
@@ -272,7 +273,8 @@ void check_writable_places(const LoadedFolder& folder, const Settings& settings,
   };
   const auto& paths = folder.paths;
   add(paths.folder);
-  // By name first: there may be more files in the folder than are looked at.
+  // Files that are known by name come first, because the folder may have more files than are
+  // examined.
   for (const auto& file : {paths.key, paths.certificate, paths.identity_ca, paths.permissions_ca,
                            paths.crl, paths.governance, paths.permissions, paths.properties,
                            paths.folder / "cyclonedds.xml", paths.folder / "fastdds.xml"})
@@ -288,11 +290,13 @@ void check_writable_places(const LoadedFolder& folder, const Settings& settings,
 
 }  // namespace
 
-// A key that DDS-Security does not allow. What comes up with it is unsafe: ddssec does not read the
-// certificate, so nothing else about it is judged. Only what a permissions CA signed is judged all
-// the same. Measured with Cyclone DDS 0.10.2 and Fast DDS 2.9.1: of a permissions CA both take
-// every key that OpenSSL takes (RSA-1024, P-224, P-521, secp256k1), but for RSASSA-PSS with Fast
-// DDS, which also starts with no Ed25519 or Ed448 key of an identity CA.
+// The outcomes for a key that DDS-Security does not allow. A product that starts with it is
+// "unsafe": ddssec does not read the certificate, so nothing else about it is judged. The documents
+// that a permissions CA signed are still judged. Measured with Cyclone DDS 0.10.2 and Fast DDS
+// 2.9.1:
+// - Both take every key of a permissions CA that OpenSSL takes (RSA-1024, P-224, P-521, secp256k1),
+//   except that Fast DDS does not take RSASSA-PSS.
+// - Fast DDS also does not start with an Ed25519 or Ed448 key of an identity CA.
 Outcomes outcomes_of_key(const pki::ParticipantFolder& paths, const fs::path& path,
                          const Error& error, const Lineup& lineup) {
   const bool is_of_permissions_ca = path == paths.permissions_ca;

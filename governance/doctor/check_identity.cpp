@@ -36,7 +36,7 @@ std::optional<Variant> unusual_key(pki::KeyAlgorithm key, bool is_ca) {
   return is_ca ? Variant::ca_p384 : Variant::p384;
 }
 
-// The identity certificate, and each CA of its file.
+// Calls `look` for the identity certificate and for each CA of its file.
 template <class Look>
 void for_each_certificate(const LoadedFolder& folder, Look look) {
   if (folder.certificate) look(*folder.certificate, folder.paths.certificate, false);
@@ -69,7 +69,7 @@ void check_key_types(const LoadedFolder& folder, const Lineup& lineup, Diagnosis
   });
 }
 
-// Measured with Fast DDS 2.9.1: SHA-1 and SHA-224 are refused as SHA-512 is, and RSASSA-PSS too.
+// Measured with Fast DDS 2.9.1: it refuses SHA-1, SHA-224 and RSASSA-PSS as it refuses SHA-512.
 // Ed25519 names no digest, and is read.
 void check_digest(const pki::Certificate& certificate, const fs::path& path, Variant variant,
                   const Lineup& lineup, Diagnosis& out) {
@@ -144,9 +144,9 @@ bool is_twin(const pki::Certificate& one, const pki::Certificate& other) {
   return one.subject() == other.subject() && pki::key_digest(one) == pki::key_digest(other);
 }
 
-// Who takes a file with a CA certificate that is not valid now: all, if a valid one of the same
-// name and key stands before it, as `ca renew` leaves them. Stock products take the first
-// (measured).
+// Which products accept a file with a CA certificate that is not valid now. All do if a valid one
+// of the same name and key is before it, as `ca renew` writes them. Stock products use the first
+// one (measured).
 Outcomes outcomes_of_dates(const pki::Certificate& ca, const std::vector<pki::Certificate>& cas,
                            WallTime now) {
   bool is_before = true;
@@ -214,7 +214,7 @@ std::string chain_broken(const LoadedFolder& folder, const Error& error) {
                      certificate.issuer(), ca_file, subjects(*folder.identity_cas));
 }
 
-// For a path that only ddssec, or ddssec and Fast DDS, can follow.
+// The message for a path that only ddssec, or only ddssec and Fast DDS, can follow.
 std::string needs_other_ca_file(const LoadedFolder& folder, const Lineup& lineup) {
   return fmt::format(
       "{} of {} was issued by \"{}\"; {} needs that CA, self-signed, as the first "
@@ -225,8 +225,8 @@ std::string needs_other_ca_file(const LoadedFolder& folder, const Lineup& lineup
       subjects(*folder.identity_cas));
 }
 
-// Wrong dates have a rule of their own; the rest is judged as of a day when the certificate is
-// valid, so that they hide nothing.
+// Wrong dates have their own rule. So that they hide nothing, the rest is judged at a time when the
+// certificate is valid.
 WallTime time_to_judge(const LoadedFolder& folder, WallTime now) {
   const auto& certificate = *folder.certificate;
   const WallTime time = is_valid(certificate, now) ? now : certificate.not_before();
@@ -305,13 +305,13 @@ void report_revoked(const LoadedFolder& folder, const CaList& newer, Diagnosis& 
   out.report(counts ? Outcomes::all(Outcome::unsafe) : Outcomes(), std::move(finding));
 }
 
-// The CA's own list, if it lies beside the participant and is newer than the participant's.
+// Checks the CA's own list, if it is beside the participant and newer than the participant's list.
 void check_ca_list(const LoadedFolder& folder, Diagnosis& out) {
   if (!folder.crls || !folder.certificate || !folder.identity_cas) return;
   const auto newer = newer_ca_list(folder.paths, *folder.identity_cas, *folder.crls);
   if (!newer) return;
   if (names(newer->list, *folder.certificate)) return report_revoked(folder, *newer, out);
-  if (!folder.has_crl_file) return;  // said by check_revocation
+  if (!folder.has_crl_file) return;  // check_revocation reports it
   out.report({}, {.rule = Rule::DOC023,
                   .message = fmt::format("the CA has list {}, {}; {}",
                                          to_string(newer->list.number().value_or(0)),
@@ -321,7 +321,8 @@ void check_ca_list(const LoadedFolder& folder, Diagnosis& out) {
                   .severity = Severity::warning});
 }
 
-// The participants' lists are newer than the CA's, so the next list of that CA would lose entries.
+// Reports that the participants' lists are newer than the CA's, so that the next list of the CA
+// would lose entries.
 void check_outdated_ca(const LoadedFolder& folder, Diagnosis& out) {
   if (!folder.crls || !folder.identity_cas) return;
   const auto outdated = outdated_ca_list(folder.paths, *folder.identity_cas, *folder.crls);
@@ -340,7 +341,8 @@ void check_outdated_ca(const LoadedFolder& folder, Diagnosis& out) {
               .severity = Severity::warning});
 }
 
-// As in an overlap of `ca rotate`, whose end may not have reached this folder.
+// Reports several keys of one CA. This is the state during an overlap of `ca rotate`, whose end may
+// not have reached this folder.
 void check_former_ca(const Result<std::vector<pki::Certificate>>& cas, const fs::path& file,
                      std::string_view role, Diagnosis& out) {
   if (!cas || cas->empty()) return;
@@ -361,7 +363,7 @@ void check_former_ca(const Result<std::vector<pki::Certificate>>& cas, const fs:
                                   role)});
 }
 
-// Of several lists of one CA the products do not read the same.
+// Products read different lists of a CA that has several.
 void check_several_lists(const LoadedFolder& folder, Diagnosis& out) {
   if (!folder.crls) return;
   const auto& lists = *folder.crls;
@@ -382,7 +384,7 @@ void check_several_lists(const LoadedFolder& folder, Diagnosis& out) {
   }
 }
 
-// By the lists that the product reads.
+// The certificate's status according to the lists that the product reads.
 Status status_by_lists(const LoadedFolder& folder, Vendor vendor, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, folder.chain(vendor));
   const auto proof = verifier.verify(*folder.certificate, now);
@@ -414,9 +416,9 @@ void check_crl_form(const LoadedFolder& folder, const Lineup& lineup, Diagnosis&
                         .hint = "write it as PEM: openssl crl -inform DER -in FILE -out crl.pem"});
 }
 
-// OpenSSL takes a delta list for a complete one up to some patch levels, and then stock products
-// start with it and take certificates for valid that only the complete list names (measured with
-// 3.0.19). This machine's OpenSSL decides here as it does for them.
+// Up to some patch levels OpenSSL takes a delta list for a complete one. Stock products then start
+// with it and accept certificates that only the complete list revokes (measured with 3.0.19). The
+// OpenSSL of this machine decides here as it does for them.
 void check_delta_list(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
   const auto stock = folder.certificate && folder.identity_cas
                          ? status_by_lists(folder, Vendor::cyclonedds, now)
@@ -448,7 +450,7 @@ void check_revocation(const LoadedFolder& folder, WallTime now, const Lineup& li
   if (!folder.crls_with_deltas.empty()) return check_delta_list(folder, now, out);
   if (!folder.has_crl_file || !folder.crls || !folder.certificate || !folder.identity_cas) return;
   check_crl_form(folder, lineup, out);
-  if (!folder.chain()) return;  // said by check_chain
+  if (!folder.chain()) return;  // check_chain reports it
   const auto ours = status_by_lists(folder, Vendor::ours, now);
   const auto stock = status_by_lists(folder, Vendor::cyclonedds, now);
   const auto revoked = failing(is_revoked(stock), is_revoked(ours));

@@ -20,13 +20,13 @@ constexpr std::pair<Vendor, StockProduct> kProducts[] = {
 
 // A topic for which the product does less than ddssec.
 struct Loss {
-  Text expression;      // that the product reads in its own way
+  Text expression;      // an expression that the product reads in its own way
   std::string because;  // what the product does
 };
 
 enum List : std::uint8_t { kOurs, kTheirs, kWithBracket };
 
-// Cyclone's brackets match "]", and no name of a topic has it.
+// Cyclone DDS's brackets match "]", but no topic name contains it.
 constexpr RankedExpression kBracket{"*]*", kWithBracket, 0};
 
 bool is_name(const NameAtom& atom) { return !atom.witness.empty() && !atom.rank_in(kWithBracket); }
@@ -36,7 +36,7 @@ bool is_less(const ElementChange& change) {
   return change.change == weaker || change.change == wider || change.change == mixed;
 }
 
-// The domain_rule as both read it.
+// The domain_rule as ddssec and as the product read it.
 class Rules {
  public:
   Rules(const DomainRule& ours, const DomainRule& theirs) : ours_(ours), theirs_(theirs) {}
@@ -77,7 +77,7 @@ class Rules {
     const auto& b = theirs_.topic_rules[at];
     return a.topic_expression != b.topic_expression || a.is_padded != b.is_padded;
   }
-  // The first from this one on.
+  // The first expression, from this one on, that the product reads differently.
   Text changed(std::size_t at) const {
     while (!is_changed(at)) at = (at + 1) % ours_.topic_rules.size();
     const auto& rule = ours_.topic_rules[at];
@@ -99,7 +99,7 @@ void each_expression(const Grant& grant, bool partitions, Each&& each) {
       }
 }
 
-// The grant as both read it.
+// The grant as ddssec and as the product read it.
 class Rights {
  public:
   Rights(const LoadedFolder& folder, const Settings& settings, const Grant& ours, Vendor vendor,
@@ -125,8 +125,8 @@ class Rights {
  private:
   static constexpr std::size_t kMaxSamples = 200;
 
-  // One name for each way in which both read the expressions; of topics also for each topic_rule,
-  // which may leave them open.
+  // One name for each way in which both read the expressions. For topics the topic_rules are
+  // included, because they may leave topics open.
   std::vector<std::string> samples(bool partitions) {
     std::vector<RankedExpression> all{kBracket};
     std::uint32_t list = kWithBracket;

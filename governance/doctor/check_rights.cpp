@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-// Time zones reach from UTC-12 to UTC+14.
+// Time zones range from UTC-12 to UTC+14.
 constexpr auto kFarthestZone = 14h;
 constexpr auto kSoon = std::chrono::hours(30 * 24);
 
@@ -87,10 +87,10 @@ void report_no_grant(const Scene& scene) {
                     .hint = remedy_of_ros(scene.folder)});
 }
 
-// The subject as a grant must say it.
+// The subject as a grant must write it.
 struct Spelling {
   std::string text;
-  std::string hint;  // empty: the rule's own
+  std::string hint;  // empty if the rule's own hint fits
 };
 
 Spelling spelling_for(const pki::Certificate& certificate, const Lineup& lineup) {
@@ -128,7 +128,7 @@ void check_form(const Scene& scene, const std::vector<Candidate>& all) {
 
 constexpr std::string_view kHintOfZones = "write both dates of the grant in UTC, with a Z";
 
-// Whether Fast DDS takes a grant now that others do not, or the reverse.
+// Reports that Fast DDS applies a grant now and the other products do not, or the reverse.
 void check_fastdds_zones(const Scene& scene, const std::vector<Candidate>& all) {
   const auto now = scene.settings.now;
   const auto is_valid = [&](Vendor vendor) {
@@ -163,7 +163,7 @@ void check_cyclones_end(const Scene& scene, const Grant& grant) {
                     .hint = std::string(kHintOfCyclonesEnd)});
 }
 
-// Cyclone DDS uses only the first grant of the subject, the others the first valid one.
+// Cyclone DDS uses only the first grant of the subject, the other products the first valid one.
 void check_grant_dates(const Scene& scene, const std::vector<Candidate>& all) {
   const auto now = scene.settings.now;
   const bool any = std::ranges::any_of(
@@ -259,8 +259,8 @@ std::string why_not_joining(const Grant& grant, const Outcomes& outcomes, Domain
 }
 
 // Fast DDS makes no participant by a grant without an allow_rule, for whatever domain, even if the
-// governance document does not ask to join (measured with 2.9.1). DOC052 reports it of a grant with
-// <default>ALLOW.
+// governance document does not control joining (measured with 2.9.1). DOC052 reports it of a grant
+// with <default>ALLOW.
 bool lacks_allow_rule(const Grant& grant) {
   return !grant.default_allow && std::ranges::none_of(grant.rules, &governance::GrantRule::allow);
 }
@@ -291,7 +291,7 @@ void check_join(const Scene& scene, const Grant& grant, const DomainRule* govern
   Outcomes outcomes{.cyclonedds = outcome(Vendor::cyclonedds, refused.cyclonedds),
                     .fastdds = outcome(Vendor::fastdds, fastdds),
                     .ours = outcome(Vendor::ours, Outcome::fail)};
-  // That Fast DDS takes every default as DENY is DOC052's.
+  // DOC052 reports that Fast DDS takes every default as DENY.
   if (compiled.judge_participant().allowed && grant.default_allow) outcomes.fastdds = Outcome::ok;
   if (!asks || outcomes.all_ok()) return scene.out.pass(Rule::DOC051);
   const auto culprit = culprit_of(scene.folder, scene.settings.now);
@@ -334,7 +334,7 @@ void check_permissions(const Scene& scene, const DomainRule* governance) {
   check_denials(scene.folder, scene.settings, *grant, scene.out);
 }
 
-// Something that expires.
+// Something that expires, and when.
 struct End {
   std::string what;
   WallTime when;
@@ -359,7 +359,8 @@ std::vector<End> ends_of(const LoadedFolder& folder, WallTime now) {
   if (const auto* grant = grant_of(folder, now))
     out.push_back(
         {"grant \"" + grant->name + '"', grant->validity.not_after, folder.paths.permissions});
-  std::erase_if(out, [&](const End& end) { return end.when <= now; });  // reported as such
+  // Other checks report what has expired.
+  std::erase_if(out, [&](const End& end) { return end.when <= now; });
   return out;
 }
 

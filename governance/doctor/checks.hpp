@@ -38,8 +38,8 @@ void check_configurations(const LoadedFolder& folder, const Settings& settings, 
 void check_identity(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Checks form, signature and signer of both documents, and whether they can be parsed.
 void check_documents(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
-/// Checks the governance document's rule for the domain, and returns it; nullptr: there is none (a
-/// part of check_rights).
+/// Checks the governance document's rule for the domain, and returns it; returns nullptr if there
+/// is none (a part of check_rights).
 const DomainRule* check_domain_rule(const LoadedFolder& folder, const Settings& settings,
                                     Diagnosis& out);
 /// Checks the rights of this participant in the domain.

@@ -24,7 +24,7 @@ struct ConfigurationInQuestion {
   bool may_run_elsewhere = false;  ///< as in Settings
 };
 
-/// What a finding about a path says that may be right on another machine.
+/// The remark in a finding about a path that may be right on another machine.
 inline constexpr std::string_view kIfElsewhere =
     "if this folder is for another machine, that is as it should be, and ddssec doctor judges it "
     "there";
@@ -41,7 +41,7 @@ struct ProfileInQuestion {
   Version version;  ///< of the Fast DDS that is to read it
 };
 
-/// Names and values, in document order, with the blanks around them.
+/// Names and values in document order, including the blanks around them.
 using ProfileProperties = std::vector<std::pair<std::string, std::string>>;
 
 /// The properties of the default participant profile; empty if there is none, or if the text is not

@@ -20,7 +20,7 @@ constexpr std::string_view kBlanks = " \t\r\n";
 constexpr std::string_view kAfterName = " \t\r\n/>";
 constexpr std::string_view kScheme = "file://";
 
-// The next file's name, or XML to the end of the variable: commas may be in it.
+// Takes the next file's name. XML goes to the end of the variable, because it may contain commas.
 std::optional<std::string_view> next_name(std::string_view& uri) {
   while (!uri.empty() && (uri.front() == ',' || kBlanks.contains(uri.front())))
     uri.remove_prefix(1);
@@ -30,7 +30,7 @@ std::optional<std::string_view> next_name(std::string_view& uri) {
   return name;
 }
 
-// "file:NAME" is the name of a file for Cyclone DDS, which only takes "file://" away.
+// Cyclone DDS only removes "file://". It takes "file:NAME" for the name of a file.
 fs::path path_of(std::string_view name) {
   return fs::path(name.starts_with(kScheme) ? name.substr(kScheme.size()) : name);
 }

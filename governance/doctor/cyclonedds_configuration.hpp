@@ -22,14 +22,14 @@ std::optional<std::string> cyclonedds_configuration(std::string_view uri);
 /// The number of octets at the end of that text that are in the variable itself, not in a file.
 std::size_t inline_octets(std::string_view uri);
 
-/// The files that `uri` names, whether they are there or not.
+/// The files that `uri` names, whether they exist or not.
 std::vector<std::filesystem::path> files_named_by(std::string_view uri);
 
 /// The first folder among the files that `uri` names; empty if there is none.
 std::filesystem::path folder_named_by(std::string_view uri);
 
-/// The content of the file; no octets for an empty file: Cyclone DDS starts with it, without
-/// security. Errors: those of ddssec::load, except item_empty.
+/// The content of the file. An empty file gives no octets, because Cyclone DDS starts with it,
+/// without security. Errors: those of ddssec::load, except item_empty.
 Result<Bytes> load_or_empty(std::string_view uri, std::string_view name, std::size_t max_octets);
 
 /// The text without XML comments.

@@ -22,16 +22,17 @@ struct Check {
   Rule rule;
   std::string title;  ///< such as "permissions: signature"
   Outcomes outcomes = {};
-  std::vector<Finding> findings = {};  ///< empty: nothing to say
+  std::vector<Finding> findings = {};  ///< empty if there is nothing to report
 };
 
 /// The time and the domain in which the participant is to run.
 struct Settings {
   WallTime now;
   DomainId domain = 0;
-  /// The partitions of the endpoints of two participants that meet; empty: the partition "".
+  /// The partitions of the endpoints of two participants that meet. If empty, the partition "".
   std::vector<std::string> partitions = {};
-  /// Which party must be able to write a topic that the other reads; none: either of them.
+  /// Which party must be able to write a topic that the other one reads. If none is set, either of
+  /// them.
   bool writes[2] = {false, false};
   /// The versions for which to predict.
   Lineup lineup = {};
@@ -44,14 +45,15 @@ struct Settings {
 class Diagnosis {
  public:
   Diagnosis() = default;
-  /// Findings name these versions.
+  /// The lineup has the versions that findings name.
   explicit Diagnosis(const Lineup& lineup) : lineup_(lineup) {}
 
   /// Adds a check without findings.
   void pass(Rule rule, std::string_view about = {});
   /// Adds a finding. Its vendors are filled in from the outcomes unless these are the same for all.
   void report(Outcomes outcomes, Finding finding, std::string_view about = {});
-  /// Adds the checks of `other`: those that are there get its outcomes and findings, too.
+  /// Adds the checks of `other`. Checks that exist already get its outcomes and findings in
+  /// addition.
   void append(Diagnosis other);
 
   const std::vector<Check>& checks() const { return checks_; }
@@ -72,9 +74,9 @@ Diagnosis diagnose(const LoadedFolder& folder, const Settings& settings);
 /// refuses, and a stock product's does not. One finding for each product and document.
 void check_readings(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 
-/// What CYCLONEDDS_URI leads to.
+/// The configuration that CYCLONEDDS_URI names.
 struct ConfigurationInForce {
-  std::string_view text;    ///< of cyclonedds_configuration()
+  std::string_view text;    ///< the text of cyclonedds_configuration()
   std::size_t inline_from;  ///< where the part begins that is in the variable itself
 };
 

@@ -13,7 +13,7 @@ constexpr std::size_t kMaxShown = 64;
 
 }  // namespace
 
-// Names of elements may be in any case, the tag itself may not.
+// Names of elements may be in any letter case, but the tag itself may not.
 std::string domain_tag_setting(std::string_view configuration) {
   const auto text = without_comments(configuration);
   const auto lower = ascii_lower(text);

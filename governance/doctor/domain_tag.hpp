@@ -15,7 +15,7 @@ namespace ddssec::governance::doctor {
 std::string domain_tag_setting(std::string_view configuration);
 
 /// Reports a domain tag (DOC114): rules for it do not count under Cyclone DDS, and rules for no tag
-/// do. `document`: the configuration's file, or the variable that names it.
+/// do. `document` is the configuration's file, or the variable that names it.
 void check_domain_tag(std::string_view configuration, const std::filesystem::path& document,
                       Diagnosis& out);
 

@@ -28,7 +28,7 @@ DomainId domain_of(const Domains& named) {
   return named.empty() || contains(named, 0) ? 0 : named.front().first;
 }
 
-// Both lists are normal; so is the result.
+// Both lists are in the form of normal(), and so is the result.
 Domains common(const Domains& governed, const Domains& granted) {
   if (governed.empty() || granted.empty()) return governed.empty() ? granted : governed;
   auto both = intersection(governed, granted);
@@ -89,7 +89,8 @@ std::optional<Contradiction> contradiction_of(const LoadedFolder& folder, WallTi
   return out;
 }
 
-// The governance document is the same for all participants, and the permissions are one's own.
+// The governance document is the same for all participants, so the participant's own permissions
+// are more likely to be wrong.
 Culprit culprit_of(const LoadedFolder& folder, WallTime now) {
   const auto found = contradiction_of(folder, now);
   if (!found) return {};

@@ -14,22 +14,23 @@ namespace ddssec::governance::doctor {
 using Domains = std::vector<DomainRange>;
 
 /// The domains that both the governance document and the allow rules of the participant's grant
-/// cover; one of the governance document's if they have none in common, because all participants
-/// share that one; empty if neither can be read.
+/// cover. If they have none in common, one domain of the governance document, because all
+/// participants share that. Empty if neither can be read.
 Domains domains_of(const LoadedFolder& folder, WallTime now);
 
-/// The domains of the two documents, if they have none in common: the participant can start in
-/// none.
+/// The domains of the two documents, if they have none in common: the participant can then start in
+/// no domain.
 struct Contradiction {
   Domains governed;
   Domains granted;
   int line_of_governance = 0;  ///< of the first <domains> in each
   int line_of_permissions = 0;
 };
-/// Empty if they have one in common, or if either one cannot be read.
+/// Empty if they have a domain in common, or if either one cannot be read.
 std::optional<Contradiction> contradiction_of(const LoadedFolder& folder, WallTime now);
 
-/// What to say, besides, of documents that have no domain in common. Empty texts: they have one.
+/// Additional texts about documents that have no domain in common. They are empty if the documents
+/// have one.
 struct Culprit {
   std::string words;
   std::string hint;
@@ -45,12 +46,12 @@ struct DomainChoice {
   bool has_others() const { return !named.empty() && named.front().first != named.back().last; }
 };
 
-/// Chooses a domain that the documents of all these participants cover (of any, if none is common
-/// to all): domain 0 if that is one of several, otherwise the lowest; 0 if no document names a
-/// domain.
+/// Chooses a domain that the documents of all these participants cover. If no domain is common to
+/// all, it chooses among the domains of any. The choice is domain 0 if that is one of several,
+/// otherwise the lowest; 0 if no document names a domain.
 DomainChoice choose_domain(std::span<const Domains> participants);
 
-/// In ascending order, with no two that touch.
+/// The same domains in ascending order, with no two ranges that touch.
 Domains normal(Domains ranges);
 
 bool contains(const Domains& domains, DomainId id);

@@ -31,7 +31,7 @@ constexpr std::string_view kAccessControl[] = {"library", "permissionsca", "gove
                                                "permissions"};
 constexpr std::string_view kLibrary[] = {"path", "initfunction", "finalizefunction"};
 
-// A plugin's element.
+// An element of <Security> that configures one plugin.
 struct Kind {
   std::string_view name;
   std::span<const std::string_view> children;
@@ -43,7 +43,8 @@ constexpr Kind kKinds[] = {
     {"accesscontrol", kAccessControl, &EffectiveSecurity::access_control},
 };
 
-// Directly below <CycloneDDS> and <Domain>: measured with 0.10.2 and 0.10.5, which do not differ.
+// The elements directly below <CycloneDDS> and <Domain>, measured with 0.10.2 and 0.10.5, which do
+// not differ.
 constexpr std::string_view kSections[] = {
     "compatibility", "ddssecurity",  "discovery",  "general", "internal",
     "partitioning",  "sharedmemory", "sizing",     "ssl",     "tcp",
@@ -86,13 +87,13 @@ class Walk {
     std::string name;
     int line;
     bool is_for_other_domain;
-    std::string id = {};        // of a <Domain>
-    bool has_values = false;    // an attribute or a text so far, at any depth
-    bool has_elements = false;  // one directly inside so far
-    bool has_security = false;  // a <Domain> with one so far
-    std::string path = {};      // from a section on that is known (section_elements.hpp)
-    std::string place = {};     // the same for elements that are one in a <Domain>
-    bool has_text = false;      // directly inside
+    std::string id = {};        // the Id of a <Domain>
+    bool has_values = false;    // an attribute or a text was seen in it, at any depth
+    bool has_elements = false;  // an element was seen directly inside
+    bool has_security = false;  // a <Domain> in which a <Security> was seen
+    std::string path = {};      // path from a known section on (section_elements.hpp)
+    std::string place = {};     // the same for elements that are the same one in a <Domain>
+    bool has_text = false;      // a text was seen directly inside
     std::string spelled = {};   // the name as it is written
   };
 
@@ -110,7 +111,8 @@ class Walk {
     return true;
   }
 
-  // Of a file: what follows is another file, or in the variable itself.
+  // Reports an element that is still open when the file ends: what follows it is in another file,
+  // or in the environment variable itself.
   void refuse_open_elements() {
     if (path_.empty() || !out_.problems.empty()) return;
     problem(path_.back().line, fmt::format("has no end tag for <{}>", path_.back().name));
@@ -131,7 +133,7 @@ class Walk {
     return false;
   }
 
-  // Measured: an empty value is the default.
+  // Measured: an empty value means the default.
   void check_switch(const ConfiguredText& value) {
     const auto read = ascii_lower(expanded_variables(value.text, domain_).value_or(""));
     if (!read.empty() && read != "true" && read != "false")
@@ -190,7 +192,8 @@ class Walk {
         unknown_attribute(token, name);
   }
 
-  // Of a variable: <CycloneDDS>, <Domain> or what may be inside that.
+  // Checks the first element in the variable: it may be <CycloneDDS>, <Domain> or an element from
+  // inside a <Domain>.
   void open_part(const Markup::Token& token) {
     if (token.name == "cyclonedds" || token.name == "domain") return;
     if (!is_one_of(kSections, token.name) && !is_one_of(kOfDomain, token.name))
@@ -198,7 +201,7 @@ class Walk {
                                       token.name.substr(0, 64)));
   }
 
-  // The innermost element is directly below <CycloneDDS>, or <Domain> at its place.
+  // True if the innermost element is directly below <CycloneDDS>.
   bool is_below_root() const { return path_.size() == 2 && path_[0].name == "cyclonedds"; }
   bool is_below_domain() const {
     const auto depth = path_.size();
@@ -215,7 +218,7 @@ class Walk {
                           token.name.substr(0, 64), is_below_root() ? "CycloneDDS" : "Domain"));
   }
 
-  // Of other versions the elements may be others (docs/decisions).
+  // Records an unknown element as a doubt, because other versions may know it (docs/decisions).
   void doubt_unknown(const Markup::Token& token) {
     const auto depth = path_.size();
     auto& own = path_.back();
@@ -238,7 +241,7 @@ class Walk {
       return;
     }
     own.path = path_inside(parent.path, token.name);
-    // <Internal><FragmentSize> is <General><FragmentSize>.
+    // <Internal><FragmentSize> is the same as <General><FragmentSize>.
     const auto section = own.path.substr(0, own.path.find('/'));
     own.place = parent.path.starts_with(section)
                     ? fmt::format("{}/{}", parent.place, token.name)
@@ -254,7 +257,7 @@ class Walk {
     }
   }
 
-  // <Domain><Id>5</Id>, which Cyclone DDS still reads for <Domain Id="5">.
+  // True for <Domain><Id>5</Id>, which Cyclone DDS still reads as <Domain Id="5">.
   bool is_old_id() const {
     return is_below_domain() && path_.back().name == "id" && !path_.back().is_for_other_domain;
   }
@@ -292,7 +295,8 @@ class Walk {
     for (auto& one : path_) one.has_values = true;
   }
 
-  // Of a variable parts are read, too: <Domain>...</Domain>, <Security>...</Security>.
+  // True if the <Security> is where it counts. In the variable it may also be in a part of a
+  // document: <Domain>...</Domain>, <Security>...</Security>.
   bool is_at_its_place() const {
     if (!is_file()) return path_.size() <= 3;
     const bool is_former = is_below_root() && path_.back().name == "ddssecurity";
@@ -308,7 +312,7 @@ class Walk {
       }
       path_.back().id = value;
       if (ascii_lower(value) == "any") continue;
-      // Blanks may stand before a number, and nowhere else.
+      // Blanks may be before the number, but nowhere else.
       const auto first = std::min(value.find_first_not_of(kBlanks), value.size());
       const auto id = number_of(std::string_view(value).substr(first));
       if (!id)
@@ -332,7 +336,7 @@ class Walk {
         problem(token.line, fmt::format("has a second <{}> in one <Domain>", token.name));
       domain.has_security = true;
     }
-    // Each of them must be whole (measured).
+    // Each <Security> must be complete (measured).
     is_second_ = out_.is_there;
     out_.authentication = out_.cryptographic = out_.access_control = std::nullopt;
     out_.is_there = true;
@@ -396,7 +400,7 @@ class Walk {
     if (trimmed(token.name, kBlanks).empty()) return;
     if (!path_.empty()) path_.back().has_text = true;
     if (path_.empty()) {
-      // In the variable the name of a file may follow, after a comma.
+      // In the variable the name of a file may follow after a comma.
       if (is_file() || !trimmed(token.name, kBlanks).starts_with(','))
         problem(token.line, "has text outside of <CycloneDDS>");
     } else if (path_.back().has_elements || is_section_list()) {
@@ -406,7 +410,8 @@ class Walk {
     mark_values();
   }
 
-  // Where only elements may be. Cyclone DDS does not read other domains' options that closely.
+  // True where only elements are allowed. Cyclone DDS does not check options of other domains so
+  // strictly.
   bool is_section_list() const {
     if (security_depth_ != 0) return true;
     const auto& name = path_.back().name;
@@ -418,16 +423,16 @@ class Walk {
   DomainId domain_;
   ConfigurationPlace place_;
   std::size_t inline_from_;
-  bool is_inline_ = false;  // what follows is in the variable itself
+  bool is_inline_ = false;  // the rest of the text is in the variable itself
   EffectiveSecurity out_;
   std::vector<Open> path_;
-  std::size_t security_depth_ = 0;  // 0: not inside one that counts
-  bool is_second_ = false;          // <Security> that counts
+  std::size_t security_depth_ = 0;  // 0 outside of a <Security> that counts
+  bool is_second_ = false;          // this is not the first <Security> that counts
   const Kind* kind_ = std::end(kKinds);
   ConfiguredText* value_ = nullptr;
-  std::string old_id_;            // what <Id> holds so far
+  std::string old_id_;            // the content of <Id> so far
   bool had_root_ = false;         // <CycloneDDS> has ended
-  std::set<std::string> values_;  // the places of values, of which none may be set twice
+  std::set<std::string> values_;  // the places of values, none of which may be set twice
   std::size_t count_ = 0;
 };
 

@@ -24,9 +24,9 @@ struct ConfiguredPlugin {
   /// The other elements, by their names in lower case; values without surrounding blanks.
   std::vector<std::pair<std::string, ConfiguredText>> values = {};
 
-  /// Null if the <Library> has no such attribute.
+  /// The attribute, or nullptr if the <Library> has none of this name.
   const ConfiguredText* attribute(std::string_view name) const;
-  /// Null if there is no such element.
+  /// The element, or nullptr if there is none.
   const ConfiguredText* value(std::string_view name) const;
 };
 
@@ -42,7 +42,7 @@ struct EffectiveSecurity {
   std::vector<ConfiguredText> doubts = {};
   /// True if a <Security> applies to the domain.
   bool is_there = false;
-  /// The Id of a <Domain> with a <Security> that applies to another domain; empty: there is none.
+  /// The Id of a <Domain> with a <Security> that applies to another domain; empty if there is none.
   std::string other_domain = {};
   std::optional<ConfiguredPlugin> authentication = {};
   std::optional<ConfiguredPlugin> cryptographic = {};
@@ -55,8 +55,8 @@ enum class ConfigurationPlace : std::uint8_t {
   variable,  ///< CYCLONEDDS_URI: also several documents, or parts of one without end tags
 };
 
-/// `inline_from`: where the part begins that is in the variable itself, after the files' texts.
-/// Only there end tags may be missing or have no name.
+/// The text after the files' texts, from `inline_from` on, is in the variable itself. Only there
+/// end tags may be missing or have no name.
 EffectiveSecurity effective_security(std::string_view text, DomainId domain,
                                      ConfigurationPlace place, std::size_t inline_from = 0);
 

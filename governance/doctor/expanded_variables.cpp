@@ -9,7 +9,7 @@ constexpr int kMaxExpansionDepth = 16;
 
 std::optional<std::string> expanded(std::string_view text, DomainId domain, int depth);
 
-// The length of the text up to the '}' that ends the expansion; npos if there is none.
+// The length of the text up to the '}' that ends the expansion; npos if it does not end.
 std::size_t length_of_other(std::string_view text) {
   int open = 0;
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -30,7 +30,7 @@ std::optional<std::string> value_of(std::string_view name, DomainId domain) {
   return value == nullptr || *value == '\0' ? std::nullopt : std::optional<std::string>(value);
 }
 
-// The value of the expansion that begins the text after "${", which is taken off.
+// Takes the expansion, after its "${", from the beginning of the text, and returns its value.
 std::optional<std::string> take_expansion(std::string_view& text, DomainId domain, int depth) {
   const auto end = text.find_first_of(":}");
   if (end == text.npos) return std::nullopt;

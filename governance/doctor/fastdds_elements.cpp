@@ -16,11 +16,11 @@ constexpr std::size_t kMaxDoubts = 10;
 constexpr int kMaxDomain = 232;
 constexpr int kMaxNumber = 2147483647;
 
-// What an element holds.
+// What an element contains.
 enum class Form : std::uint8_t {
   group,    // elements
   list,     // elements; may be repeated
-  profile,  // the same, with a name that is unique
+  profile,  // elements, with a name that is unique
   text,
   texts,      // text; may be repeated
   transport,  // the id of a transport described above; may be repeated

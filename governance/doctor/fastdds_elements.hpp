@@ -9,10 +9,11 @@
 
 namespace ddssec::governance::doctor {
 
-/// What keeps doctor from saying that Fast DDS accepts the profiles below a root element: elements,
-/// attributes and values that are not in fastdds_elements.def, one that is repeated, and names that
-/// are not unique. Sentences without their subject, in document order; at most ten. From Fast DDS 3
-/// on, whose elements are not all known, only a participant's properties and name are accepted.
+/// Reasons why doctor cannot tell that Fast DDS accepts the profiles below a root element:
+/// elements, attributes and values that are not in fastdds_elements.def, elements that are
+/// repeated, and names that are not unique. The reasons are sentences without their subject, in
+/// document order; at most ten. Not all elements of Fast DDS 3 and later are known, so there only a
+/// participant's properties and name are accepted.
 std::vector<ConfiguredText> doubts_about_profiles(XmlElement root, Version version);
 
 }  // namespace ddssec::governance::doctor

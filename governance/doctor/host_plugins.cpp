@@ -21,9 +21,9 @@ constexpr std::string_view kOurMark = "ddssec_";
 constexpr std::string_view kVersionMark = "ddssec plugin version ";  // plugins/cyclonedds
 
 struct Kind {
-  std::string_view element;  // of the configuration, in lower case
+  std::string_view element;  // element of the configuration, in lower case
   std::string_view role;
-  std::string_view library;  // unless the configuration names another
+  std::string_view library;  // name of the library unless the configuration names another
 };
 constexpr std::array kKinds{Kind{"authentication", "authentication", "dds_security_auth"},
                             Kind{"accesscontrol", "access control", "dds_security_ac"},
@@ -41,8 +41,9 @@ struct Search {
   fs::path obstacle = {};  // the file at which the loader's search ended without a library
 };
 
-// As ddsrt_dlopen does: a path as it is; a name as lib*.so first, and Debian's then in a folder of
-// its own. A name that the loader refuses is as one that it does not find.
+// Searches as ddsrt_dlopen does. A path is used as it is. For a name lib*.so comes first, and
+// Debian's Cyclone DDS then looks in a private folder. A name that the loader refuses counts as not
+// found.
 Search search_for(const std::string& library, const LoaderPlaces& places) {
   Search out;
   const auto is_settled = [&](FoundLibrary found) {
@@ -73,8 +74,8 @@ std::string version_in(std::string_view octets) {
   return std::string(rest.substr(0, rest.find_first_not_of("0123456789.")));
 }
 
-// Libraries that the file needs and the loader would not find. Missing libraries of those libraries
-// are not searched for, because their packages install them.
+// The libraries that the file needs and that the loader would not find. Libraries that those
+// libraries need are not searched for, because their packages install them.
 std::vector<std::string> missing_for(const fs::path& file, std::string_view octets,
                                      const LoaderPlaces& places) {
   const auto needed = needed_libraries(octets);
@@ -108,7 +109,7 @@ HostPlugin plugin_of(const Kind& kind, std::string library, const LoaderPlaces& 
   return out;
 }
 
-// The value of path="..." or path='...'; nothing if the tag has none.
+// The value of path="..." or path='...'; empty if the tag has none.
 std::optional<std::string> path_attribute(std::string_view attributes) {
   const auto at = attributes.find("path");
   const auto begin = at == attributes.npos ? at : attributes.find_first_of("\"'", at);
@@ -186,8 +187,8 @@ Finding cut_off(const fs::path& file, const std::vector<HostPlugin>& plugins,
   return out;
 }
 
-// The host continues without them, without a message. It does not replace plugins that are named by
-// absolute paths.
+// The host continues without these plugins and reports nothing. It does not replace plugins that
+// are named by absolute paths.
 Finding not_loadable(const std::vector<HostPlugin>& plugins) {
   std::set<std::string> missing;
   for (const auto& plugin : plugins) missing.insert(plugin.missing.begin(), plugin.missing.end());
@@ -273,7 +274,8 @@ void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlac
   const auto is_missing_path = [](const HostPlugin& plugin) {
     return plugin.maker == Maker::none && is_path(plugin.library);
   };
-  if (std::ranges::any_of(plugins, is_missing_path)) return;  // DOC102; LD_LIBRARY_PATH is no cause
+  // DOC102 reports it, and LD_LIBRARY_PATH is not the cause
+  if (std::ranges::any_of(plugins, is_missing_path)) return;
   if (const auto one = std::ranges::find_if(plugins, &HostPlugin::is_cut_off); one != plugins.end())
     return out.report({.cyclonedds = Outcome::fail, .ours = Outcome::fail},
                       cut_off(one->file, plugins, places));
@@ -288,7 +290,7 @@ void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlac
         {.cyclonedds = Outcome::fail, .ours = Outcome::fail},
         finding_of("Cyclone DDS would not find all of its plugins: " + listed(plugins), plugins,
                    places));
-  // They work together, but without the refusals and reports that only ddssec's provide.
+  // Such plugins work together, but without the refusals and reports that only ddssec's provide.
   if (makers.size() > 1 || versions.size() > 1)
     return out.report(
         {.ours = Outcome::unsafe},

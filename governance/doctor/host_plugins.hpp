@@ -17,14 +17,14 @@ struct HostPlugin {
   enum class Maker : std::uint8_t { none, ours, other };
   std::string_view role;       ///< authentication, access control, cryptography
   std::string library;         ///< the `path` of its <Library>
-  std::filesystem::path file;  ///< empty: not found
+  std::filesystem::path file;  ///< empty if it was not found
   Maker maker = Maker::none;
-  std::string version = {};  ///< of a ddssec library; empty: unknown
-  std::vector<std::string> missing =
-      {};                   ///< libraries that a ddssec library needs and the loader would not find
+  std::string version = {};  ///< the version of a ddssec library; empty if unknown
+  /// Libraries that a ddssec library needs and the loader would not find.
+  std::vector<std::string> missing = {};
   bool is_cut_off = false;  ///< the process that loads it crashes
-  std::filesystem::path obstacle =
-      {};  ///< a file that is no library and at which the loader's search ended
+  /// A file that is no library, at which the search of the loader ended.
+  std::filesystem::path obstacle = {};
 };
 /// "ddssec 0.2.0", "stock, not ddssec's", "not found".
 std::string maker_of(const HostPlugin& plugin);

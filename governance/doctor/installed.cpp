@@ -9,11 +9,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Fast DDS 3 has another library name than Fast DDS 2.
+// The library of Fast DDS 3 has another name than that of Fast DDS 2.
 constexpr std::array<std::string_view, 1> kCycloneDds{"libddsc.so."};
 constexpr std::array<std::string_view, 2> kFastDds{"libfastrtps.so.", "libfastdds.so."};
 
-// Links have fewer numbers (libfastrtps.so.2.9) or others (libddsc.so.0debian).
+// The version in the file's name. Links have fewer numbers (libfastrtps.so.2.9) or others
+// (libddsc.so.0debian).
 std::optional<Version> version_of(const std::string& file, std::string_view library) {
   if (!file.starts_with(library)) return std::nullopt;
   const auto text = std::string_view(file).substr(library.size());

@@ -34,7 +34,7 @@ class Cleaner {
   }
 
  private:
-  // Each moves the rest of the text.
+  // The largest number of joins, because each of them moves the rest of the text.
   static constexpr std::size_t kMaxJoined = 1000;
 
   std::size_t behind(std::size_t from, std::string_view end) const {
@@ -42,7 +42,7 @@ class Cleaner {
     return found == text_.npos ? text_.size() : found + end.size();
   }
 
-  // An internal subset stands in brackets.
+  // An internal subset is in brackets.
   std::size_t end_of_doctype(std::size_t from) const {
     const auto end = text_.find('>', from);
     const auto subset = text_.find('[', from);
@@ -54,7 +54,7 @@ class Cleaner {
       if (text_[i] != '\n' && text_[i] != '\r') text_[i] = ' ';
     note(what);
   }
-  // Measured: Fast DDS reads one before the root element only.
+  // Measured: Fast DDS reads a processing instruction before the root element only.
   void instruction(std::size_t at) {
     if (has_root_) is_refused_by_fastdds_ = true;
     blank(at, behind(at, "?>"), Variant::governance_processing_instruction);
@@ -63,8 +63,8 @@ class Cleaner {
     small_name(at);
     if (text_.compare(at, 1, "/") != 0) attributes(at);
   }
-  // Blanks those that ddssec refuses and does not need, so that the rest can be judged for a
-  // product that ignores them (Fast DDS, measured).
+  // Blanks the attributes that ddssec refuses and does not need, so that the rest can be judged for
+  // a product that ignores them (Fast DDS, measured).
   void attributes(std::size_t at) {
     const auto name = text_.substr(at, text_.find_first_of(" \t\r\n/>", at) - at);
     std::set<std::string> seen;
@@ -77,7 +77,7 @@ class Cleaner {
       const auto end = text_.find(text_[quote], quote + 1);
       if (end == text_.npos) return;
       const std::string word(trimmed(text_.substr(begin, equals - begin), " \t\r\n"));
-      if (!seen.insert(word).second) return;  // no product takes it twice
+      if (!seen.insert(word).second) return;  // no product accepts an attribute twice
       if (!is_known(word, name)) blank(begin, end + 1, Variant::governance_unknown_attribute);
       at = end + 1;
     }
@@ -87,7 +87,7 @@ class Cleaner {
            attribute.starts_with("xsi:") || attribute.starts_with("xml:") ||
            (element == "grant" && attribute == "name");
   }
-  // Of a start tag or an end tag.
+  // Converts the name of a start tag or an end tag to lower case.
   void small_name(std::size_t at) {
     has_root_ = true;
     const auto end = std::min(text_.find_first_of(" \t\r\n>", at), text_.size());
@@ -99,7 +99,7 @@ class Cleaner {
         is_refused_by_fastdds_ = true;
       }
   }
-  // False for an end tag that is not spelt as its start tag.
+  // False for an end tag that is not spelt like its start tag.
   bool is_in_pair(std::string_view name, std::size_t end) {
     if (name.starts_with('/')) {
       const bool is_same = !open_.empty() && open_.back() == name.substr(1);
@@ -115,7 +115,7 @@ class Cleaner {
     if (std::ranges::find(left_out_, what) == left_out_.end()) left_out_.push_back(what);
   }
 
-  // A declaration that ddssec can parse stays; it may be the only one that names the encoding.
+  // A declaration that ddssec can parse stays; it may be the only part that names the encoding.
   void declaration() {
     const auto at = text_.find("<?xml ");
     constexpr std::string_view kAlone = "<a/>";
@@ -128,7 +128,7 @@ class Cleaner {
                                            : Variant::governance_latin_1);
   }
 
-  // The last place that was dealt with.
+  // Handles a comment, and returns the last place that was handled.
   std::size_t comment(std::size_t at) {
     constexpr std::size_t kStart = 4;
     const auto end = behind(at + kStart, "-->");
@@ -150,7 +150,7 @@ class Cleaner {
     return at == 0 ? 0 : at - 1;
   }
 
-  // True if there is text other than blanks beside it, between two tags.
+  // True if the comment or CDATA has text other than blanks beside it, between two tags.
   bool is_in_value(std::size_t at, std::size_t end) const {
     constexpr std::string_view kBlanks = " \t\r\n";
     const auto before = text_.find_last_not_of(kBlanks, at == 0 ? 0 : at - 1);
@@ -162,7 +162,8 @@ class Cleaner {
     return is_text(before, '>') || is_text(after, '<') || has_piece_after;
   }
 
-  // As Cyclone DDS joins the pieces. Lines stay: those of the piece come after the element.
+  // Joins the pieces as Cyclone DDS does. To keep the number of lines, the line breaks of the piece
+  // are put after the element.
   void join(std::size_t at, std::size_t end, const std::string& instead) {
     const auto lines = std::count(text_.begin() + static_cast<std::ptrdiff_t>(at),
                                   text_.begin() + static_cast<std::ptrdiff_t>(end), '\n') -

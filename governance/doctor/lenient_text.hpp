@@ -11,11 +11,11 @@ namespace ddssec::governance::doctor {
 
 /// A text without the parts that ddssec refuses and a stock product may skip.
 struct LenientText {
-  Bytes text;                      ///< lines as before
+  Bytes text;                      ///< the text, with the same lines
   std::vector<Variant> left_out;   ///< the kinds of removed parts, each once
   bool has_joined_values = false;  ///< a value contained a comment or CDATA
   /// Element names had capitals, or a processing instruction was inside the root element: Cyclone
-  /// DDS reads the text, and Fast DDS does not.
+  /// DDS then reads the text, and Fast DDS does not.
   bool is_refused_by_fastdds = false;
 };
 

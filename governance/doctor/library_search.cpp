@@ -29,7 +29,7 @@ bool is_file(const fs::path& path) {
 
 class OpenFile {
  public:
-  // A FIFO must not block.
+  // Opening a FIFO must not block.
   explicit OpenFile(const fs::path& path)
       : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)), error_(errno) {}
   ~OpenFile() {
@@ -67,7 +67,7 @@ bool is_padding_clear(const Elf64_Ehdr& header) {
   return std::all_of(begin, header.e_ident + EI_NIDENT, [](unsigned char c) { return c == 0; });
 }
 
-// The order of the questions is ld.so's (open_verify in elf/dl-load.c).
+// The checks have the order of those in ld.so (open_verify in elf/dl-load.c).
 LibraryState state_of_header(const Elf64_Ehdr& header, const Elf64_Ehdr& own) {
   if (!std::equal(header.e_ident, header.e_ident + SELFMAG, ELFMAG)) return LibraryState::refused;
   if (header.e_ident[EI_CLASS] != own.e_ident[EI_CLASS]) return LibraryState::absent;
@@ -102,7 +102,8 @@ std::uint32_t number_at(std::string_view octets, std::size_t at) {
   return out;
 }
 
-// glibc's "new" format (sysdeps/generic/dl-cache.h): a header of 48 octets, entries of 24.
+// Reads glibc's "new" format (sysdeps/generic/dl-cache.h): a header of 48 octets, and entries of
+// 24.
 std::vector<fs::path> listed_in_cache(const fs::path& cache, std::string_view name) {
   constexpr std::string_view kMagic = "glibc-ld.so.cache1.1";
   constexpr std::size_t kHeader = 48, kEntry = 24;
@@ -121,8 +122,8 @@ std::vector<fs::path> listed_in_cache(const fs::path& cache, std::string_view na
   return out;
 }
 
-// The place of a cached file's subfolder in the loader's order; those that this machine does not
-// search count for nothing.
+// The place of a cached file's subfolder in the loader's order. Empty for a subfolder that the
+// loader of this machine does not search.
 std::optional<std::size_t> rank_of(const fs::path& file,
                                    const std::vector<std::string>& subfolders) {
   const auto folder = file.parent_path().string();
@@ -146,7 +147,7 @@ FoundLibrary found_in_cache(const LoaderPlaces& places, std::string_view name) {
   return out;
 }
 
-// The folder in which the drop-in of this very program lies: of an installation or of a build.
+// The folder with the drop-in of this very program, in an installation or in a build.
 fs::path own_dropin() {
   std::error_code error;
   const auto program = fs::read_symlink("/proc/self/exe", error);
@@ -194,7 +195,7 @@ FoundLibrary found_in(const std::vector<fs::path>& folders,
   return {};
 }
 
-// As dlopen does for a name without a slash.
+// Searches as dlopen does for a name without a slash.
 FoundLibrary found_by_loader(const std::string& name, const LoaderPlaces& places) {
   auto out = found_in(folders_of(places.library_path), places.subfolders, name);
   if (out.state == LibraryState::absent) out = found_in_cache(places, name);

@@ -12,11 +12,12 @@ namespace ddssec::governance::doctor {
 
 /// The places where the dynamic loader searches for a library that the host opens by name.
 struct LoaderPlaces {
-  std::string library_path;                              ///< LD_LIBRARY_PATH
-  std::filesystem::path cache = "/etc/ld.so.cache";      ///< the cache of ldconfig
-  std::vector<std::filesystem::path> system = {};        ///< the loader's own folders, in order
-  std::vector<std::filesystem::path> after_loader = {};  ///< where the host searches afterwards
-  /// Folder of this program's installation or build; empty: none.
+  std::string library_path;                          ///< LD_LIBRARY_PATH
+  std::filesystem::path cache = "/etc/ld.so.cache";  ///< the cache of ldconfig
+  std::vector<std::filesystem::path> system = {};    ///< the loader's own folders, in order
+  /// The folders where the host searches afterwards.
+  std::vector<std::filesystem::path> after_loader = {};
+  /// The folder of this program's installation or build; empty if there is none.
   std::filesystem::path dropin = {};
   /// Subfolders that are searched before each folder itself, in the loader's order, such as
   /// "glibc-hwcaps/x86-64-v3" (loader_subfolders.hpp).
@@ -35,13 +36,13 @@ enum class LibraryState : std::uint8_t {
 };
 LibraryState library_state(const std::filesystem::path& file);
 
-/// The file that the loader finds, and its state; `absent` has no file.
+/// The file that the loader finds, and its state. The state `absent` has no file.
 struct FoundLibrary {
   std::filesystem::path file = {};
   LibraryState state = LibraryState::absent;
 };
 FoundLibrary found_by_loader(const std::string& name, const LoaderPlaces& places);
-/// The first one in these folders and their subfolders.
+/// The first library of the name in these folders and their subfolders.
 FoundLibrary found_in(const std::vector<std::filesystem::path>& folders,
                       const std::vector<std::string>& subfolders, const std::string& name);
 

@@ -7,7 +7,7 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-// A rule of lint, and the check that says the same of this participant.
+// A rule of lint, and the check that reports the same about this participant.
 struct SameThing {
   Rule lint, check;
 };

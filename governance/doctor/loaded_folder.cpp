@@ -48,7 +48,8 @@ Result<std::vector<pki::Crl>> load_crls(const fs::path& path) {
   return lists;
 }
 
-// Empty unless ddssec refuses the file for a delta list. Stock products read PEM only.
+// Reads the file with its delta lists. Empty unless ddssec refuses it because of a delta list.
+// Stock products read PEM only.
 std::vector<pki::Crl> load_with_deltas(const fs::path& path,
                                        const Result<std::vector<pki::Crl>>& crls, bool is_der) {
   if (crls || crls.error().code() != Code::crl_is_delta || is_der) return {};
@@ -56,7 +57,7 @@ std::vector<pki::Crl> load_with_deltas(const fs::path& path,
       .value_or(std::vector<pki::Crl>());
 }
 
-// All of DER that is a list begins with a SEQUENCE.
+// A list in DER begins with a SEQUENCE.
 bool begins_like_der(const fs::path& path) {
   const auto octets = ddssec::load(uri(path), "", pki::kMaxDocumentOctets);
   return octets && octets->front() == 0x30;
@@ -64,14 +65,14 @@ bool begins_like_der(const fs::path& path) {
 
 using Certificates = Result<std::vector<pki::Certificate>>;
 
-// The permissions CA file.
+// The certificates and the content of the permissions CA file.
 struct Trust {
   Certificates cas;
   Bytes file;
 };
 
-// The text is read even if its signature is refused, for what else may be wrong with it; it is
-// only reported on.
+// The text is read even if its signature is refused, so that other faults in it can be reported.
+// Nothing else uses such a text.
 template <class Model>
 LoadedDocument<Model> load_document(const fs::path& path, const Trust& trust,
                                     Result<Model> (*read)(BytesView, int), WallTime now) {

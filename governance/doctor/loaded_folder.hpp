@@ -26,7 +26,7 @@ struct LoadedDocument {
   Status readable = {};
   Bytes file = {};
   pki::DocumentForm form = {};
-  /// Whether each product accepts the signature; see believes().
+  /// Success for each product that accepts the signature; see believes().
   Status cyclonedds_belief = {};
   Status fastdds_belief = {};
   Status our_belief = {};
@@ -37,17 +37,18 @@ struct LoadedDocument {
   /// The parts that were removed from the text so that it could be parsed, because stock products
   /// may skip them.
   std::vector<Variant> left_out = {};
-  /// The reason why it does not parse without these parts either: what stock products meet.
+  /// The reason why it does not parse without these parts either. Stock products meet the same
+  /// fault.
   Status parsed_without = {};
-  /// A comment or CDATA in a value was removed too.
+  /// True if a comment or CDATA in a value was removed too.
   bool has_joined_values = false;
-  /// Cyclone DDS reads the text and Fast DDS does not: see LenientText.
+  /// True if Cyclone DDS reads the text and Fast DDS does not; see LenientText.
   bool is_refused_by_fastdds = false;
 
   /// The reason why no model could be read.
   const Error& unread() const { return parsed_without ? parsed.error() : parsed_without.error(); }
-  /// Success if a product can parse it, as far as its parser may differ. Otherwise the error is
-  /// ddssec's.
+  /// Success if the product can parse it; its parser may be more lenient than ddssec's. Otherwise
+  /// the error is ddssec's.
   Status read_by(Vendor vendor) const {
     return vendor != Vendor::ours && model ? Status() : parsed;
   }
@@ -68,16 +69,18 @@ struct LoadedFolder {
   Result<std::vector<pki::Certificate>> identity_cas;
   Result<pki::Certificate> certificate;
   Result<pki::PrivateKey> key;
-  /// Of an encrypted key that a password opened, which the caller of load_folder() has found.
+  /// The products that are given the password of the encrypted key. Set if the caller of
+  /// load_folder() has found it and it opened the key.
   std::optional<PasswordGiven> password = {};
   Result<std::vector<pki::Certificate>> permissions_cas;
   Bytes permissions_ca_file;  ///< the content of that file; empty if it cannot be read
-  /// Empty if there is no such file.
+  /// The revocation lists; empty if there is no such file.
   Result<std::vector<pki::Crl>> crls;
-  /// The same file as stock products read it, where ddssec refuses it for a delta list; else empty.
+  /// The same file as stock products read it, if ddssec refuses it because of a delta list;
+  /// otherwise empty.
   std::vector<pki::Crl> crls_with_deltas = {};
   bool has_crl_file;
-  /// The file contains one list in DER instead of PEM.
+  /// True if the file contains one list in DER instead of PEM.
   bool is_crl_der = false;
   LoadedDocument<Governance> governance;
   LoadedDocument<Permissions> permissions;

@@ -18,12 +18,12 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-// It need not exist: the loader names its subfolders before it looks.
+// This folder need not exist: the loader lists its subfolders before it looks for them.
 constexpr std::string_view kProbe = "/ddssec-asks-which-folders-are-searched";
 constexpr std::string_view kSearch = "search path=";
 constexpr std::size_t kMaxLine = 64 * 1024;
 
-// PT_INTERP of this program, which comes first; nothing if it has none.
+// Notes PT_INTERP of this program, which is the first object; nothing if it has none.
 int note_interpreter(dl_phdr_info* info, std::size_t, void* out) {
   for (int i = 0; i < info->dlpi_phnum; ++i) {
     const auto& segment = info->dlpi_phdr[i];
@@ -40,7 +40,7 @@ std::string interpreter() {
   return out;
 }
 
-// This process's, without what the loader would obey besides.
+// The environment of this process, without other variables that the loader obeys.
 std::vector<std::string> environment_of_question() {
   std::vector<std::string> out{"LD_DEBUG=libs", "LD_LIBRARY_PATH=" + std::string(kProbe)};
   for (char** one = environ; one != nullptr && *one != nullptr; ++one)
@@ -48,7 +48,7 @@ std::vector<std::string> environment_of_question() {
   return out;
 }
 
-// The loader with standard error at `to`; 0 if it does not start.
+// Starts the loader with its standard error at `to`. Returns 0 if it does not start.
 pid_t start_loader(const std::string& loader, const std::string& program, int to) {
   std::vector<std::string> words{loader, "--list", program};
   auto environment = environment_of_question();
@@ -81,7 +81,7 @@ std::vector<std::string> ask_loader() {
   if (error || loader.empty() || ::pipe2(ends.data(), O_CLOEXEC) != 0) return {};
   const auto child = start_loader(loader, program.string(), ends[1]);
   ::close(ends[1]);
-  auto out = answer_from(ends[0]);  // and closes it, so that the loader ends
+  auto out = answer_from(ends[0]);  // also closes the pipe, so that the loader ends
   if (child != 0) ::waitpid(child, nullptr, 0);
   return out;
 }

@@ -23,14 +23,14 @@ std::size_t length_of_name(std::string_view text) {
   return static_cast<std::size_t>(end - text.begin());
 }
 
-// The octets up to and including `end`; all of them if it does not come.
+// The number of octets up to and including `end`; of all octets if `end` does not occur.
 std::size_t length_through(std::string_view text, std::string_view end) {
   const auto found = text.find(end);
   return found == text.npos ? text.size() : found + end.size();
 }
 
-// The octets before the next token. Nothing if a comment does not end: Cyclone DDS waits for the
-// end for ever.
+// The number of octets before the next token. Empty if a comment does not end, because Cyclone DDS
+// then waits for its end for ever.
 std::optional<std::size_t> length_of_between(std::string_view text) {
   const auto size = text.size();
   for (;;) {
@@ -52,7 +52,7 @@ bool begins_element(std::string_view text) {
   return text.starts_with('<') && length_of_name(text.substr(1)) != 0;
 }
 
-// In UTF-8. False: there is no such character.
+// Appends the character in UTF-8. False if there is no such character.
 bool append_character(std::string& out, std::uint32_t value) {
   const auto add = [&](std::uint32_t octet) { out += static_cast<char>(octet); };
   if (value == 0 || value > 0x10ffff) return false;
@@ -65,7 +65,7 @@ bool append_character(std::string& out, std::uint32_t value) {
   return add(0x80 | (value & 0x3f)), true;
 }
 
-// `name`: between '&' and ';'.
+// `name` is the text between '&' and ';'.
 bool append_reference(std::string& out, std::string_view name) {
   constexpr std::pair<std::string_view, char> kNames[] = {
       {"lt", '<'}, {"gt", '>'}, {"amp", '&'}, {"quot", '"'}, {"apos", '\''}};
@@ -81,7 +81,7 @@ bool append_reference(std::string& out, std::string_view name) {
   return read.ec == std::errc() && read.ptr == end && append_character(out, value);
 }
 
-// Nothing if a reference is none that Cyclone DDS knows, or has more than 16 octets.
+// Empty if a reference is not one that Cyclone DDS knows, or if it has more than 16 octets.
 std::optional<std::string> without_references(std::string_view text) {
   constexpr std::size_t kMaxLength = 16;
   std::string out;
@@ -97,7 +97,8 @@ std::optional<std::string> without_references(std::string_view text) {
   return out;
 }
 
-// Before it reads a text, Cyclone DDS looks for an element; a quote then begins a string.
+// False if Cyclone DDS fails to read the text. Before it reads a text it looks for an element, and
+// a quote then begins a string.
 bool is_readable_string(std::string_view text) {
   if (text.empty() || (text.front() != '"' && text.front() != '\'')) return true;
   const auto end = text.find(text.front(), 1);
@@ -137,7 +138,7 @@ Markup::Token Markup::between() {
   if (rest_.starts_with("</")) return close();
   if (begins_element(rest_)) return open();
   if (rest_.starts_with('<') && !rest_.starts_with(kCdata)) return at(Kind::broken);
-  auto out = at(Kind::text);  // which is a mistake: the caller names the place
+  auto out = at(Kind::text);  // text here is a mistake: the caller reports the place
   out.name = take(std::max<std::size_t>(1, std::min(rest_.find('<', 1), rest_.size())));
   return out;
 }

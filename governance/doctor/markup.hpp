@@ -19,23 +19,23 @@ class Markup {
  public:
   struct Token {
     enum class Kind : std::uint8_t { open, close, text, broken, end } kind;
-    std::string name = {};  ///< lower case; for text: the text
+    std::string name = {};  ///< in lower case; for a text: the text itself
     std::vector<std::pair<std::string, std::string>> attributes = {};  ///< names in lower case
-    bool is_closed = false;                                            ///< <Name/>
+    bool is_closed = false;                                            ///< true for <Name/>
     int line = 0;
     std::string spelled = {};  ///< the name as it is written
-    bool is_inline = false;    ///< after the beginning of what is in the variable itself
+    bool is_inline = false;    ///< true in the part that is in the variable itself
   };
   using Kind = Token::Kind;
 
-  /// From `inline_from` on the text is in the variable itself.
+  /// The text from `inline_from` on is in the variable itself.
   explicit Markup(std::string_view text, std::size_t inline_from)
       : text_(text), inline_from_(inline_from), rest_(text) {}
 
   Token next();
 
  private:
-  /// What the rest begins with.
+  /// The beginning of the rest.
   enum class Position : std::uint8_t { between_elements, content, end_of_text };
 
   Token at(Kind kind) const;

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The judgement of `judge` about the other's certificate.
+// The judgement of `judge` about the certificate of `subject`.
 Status judge_certificate(const Party& judge, const Party& subject, WallTime now) {
   const auto& certificate = subject.folder.certificate;
   if (!certificate) return std::unexpected(certificate.error());
@@ -48,7 +48,8 @@ std::string ca_subjects(const Result<std::vector<pki::Certificate>>& cas) {
   return out;
 }
 
-// The rule's own hint is for the one cause that has to do with which CAs there are.
+// Empty for `about_the_cas`, because the rule's own hint fits that cause. Otherwise the error's
+// hint.
 std::string hint_unless(Code about_the_cas, const Error& error) {
   return error.code() == about_the_cas ? std::string() : error.hint();
 }
@@ -68,7 +69,8 @@ bool is_about_lists(Code code) {
          (Code::crl_malformed <= code && code <= Code::crl_signature_invalid);
 }
 
-// An expired certificate is replaced where it lies, an expired CA where the judge has it.
+// True if the certificate itself is out of date. Then the finding names its file; if a CA is out of
+// date, the finding names the judge's file.
 bool is_out_of_date(const Result<pki::Certificate>& certificate, WallTime now) {
   return certificate && (now < certificate->not_before() || certificate->not_after() < now);
 }
@@ -85,7 +87,7 @@ void judge_authentication(const MeetingScene& scene, int judge) {
         is_out_of_date(other.folder.certificate, scene.settings.now))
       out.document = other.folder.paths.certificate.string();
     out.reason = status.error().message();
-    // Unreadable files are reported by DOC090 for their owner.
+    // DOC090 reports unreadable files to their owner.
     const auto& certificate = other.folder.certificate;
     if (certificate && self.folder.identity_cas && self.folder.has_usable_lists(self.vendor))
       add_finding(scene, Rule::DOC080, out,
@@ -100,7 +102,7 @@ void judge_authentication(const MeetingScene& scene, int judge) {
   scene.out.authentication.push_back(std::move(out));
 }
 
-// Of a remote participant Fast DDS also takes the one-line form.
+// Fast DDS also accepts the one-line form in the permissions of a remote participant.
 bool reads_remote_subject(const Grant& grant, const pki::Certificate& certificate,
                           const Party& judge) {
   if (judge.vendor == Vendor::fastdds && grant.subject_name == certificate.subject_one_line())
@@ -146,7 +148,7 @@ Status judge_permissions_of(const Party& judge, const Party& subject, WallTime n
               {.expected = certificate.subject(), .found = (*found)->subject_name});
 }
 
-// The grant that ddssec would apply, or one that a product of the meeting takes for valid.
+// The grant that ddssec would apply, or a grant that a product of the meeting considers valid.
 const Grant* applied_grant(const MeetingScene& scene, int about) {
   const auto& folder = scene.folder(about);
   if (const auto* grant = grant_of(folder, scene.settings.now)) return grant;
@@ -162,7 +164,7 @@ const Grant* applied_grant(const MeetingScene& scene, int about) {
   return found == grants.end() ? nullptr : &*found;
 }
 
-// If this product refuses a grant of another subject, Cyclone DDS may still apply it.
+// Adds a note if Cyclone DDS would apply a grant of another subject where this product refuses.
 void note_taken_by_cyclonedds(const MeetingScene& scene, int judge, const Error& error) {
   const auto& subject = scene.party(1 - judge).folder;
   if (error.code() != Code::no_grant_for_subject || !subject.permissions.model) return;
@@ -276,8 +278,8 @@ void compare_governance(const MeetingScene& scene) {
          .line = difference.lines[1]});
 }
 
-// Fast DDS as initiator proposes DH+MODP-2048-256 in a form that Cyclone DDS cannot read (2.9.1 and
-// 0.10.2).
+// False if the initiator is Fast DDS and the replier Cyclone DDS. Fast DDS then proposes
+// DH+MODP-2048-256 in a form that Cyclone DDS cannot read (2.9.1 and 0.10.2).
 bool handshake_works(Vendor initiator, Vendor replier) {
   return !(initiator == Vendor::fastdds && replier == Vendor::cyclonedds);
 }
@@ -329,7 +331,7 @@ void judge_handshake(const MeetingScene& scene) {
 }
 
 // Since 2.10 Fast DDS waits for a peer's data of DCPSParticipantsSecure, which Cyclone DDS 0.10
-// never writes; no plugin can change that. Cyclone DDS 11 was not tried with it.
+// never writes, and no plugin can change that. Cyclone DDS 11 was not tried with such a Fast DDS.
 constexpr Version kFastDdsThatWaits{2, 10, 0};
 constexpr Version kCycloneDdsNotTried{11, 0, 0};
 
@@ -372,8 +374,8 @@ std::string_view verb(Action action) {
   return action == Action::publish ? "publish" : "subscribe to";
 }
 
-// A name that one side has, and the other one almost: a typo of either. Of the names of one side in
-// one direction at most 100 are compared.
+// A name that one side has and the other side has almost: one of them is probably a typo. At most
+// 100 names of one side are compared in one direction.
 std::string near_miss(const MeetingScene& scene, int names, Action action) {
   constexpr std::size_t kMaxNames = 100;
   const int other = 1 - names;
@@ -401,7 +403,8 @@ std::string near_misses(const MeetingScene& scene) {
 }
 
 void report_no_topic(const MeetingScene& scene) {
-  // If the permissions allow it, something else separates them and has its own finding.
+  // If the permissions allow some topic, another cause separates the parties and has its own
+  // finding.
   const auto is_allowed = [](const TopicDirection& one) { return all_ok(one.steps); };
   const bool any = std::ranges::any_of(scene.out.topics, [&](const TopicMeeting& topic) {
     return std::ranges::any_of(topic.directions, is_allowed);
@@ -445,7 +448,7 @@ bool Meeting::joined() const {
          rules[0] != nullptr && rules[1] != nullptr;
 }
 
-// A 1 bit and the first 47 bits of the subject's hash.
+// The first 48 bits of the GUID: a 1 bit and the first 47 bits of the subject's hash.
 std::uint64_t guid_start(const pki::Certificate& certificate) {
   constexpr std::uint64_t kAdjusted = std::uint64_t{1} << 47;
   std::uint64_t bits = 0;

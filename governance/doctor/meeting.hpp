@@ -44,7 +44,7 @@ struct Difference {
   int lines[2] = {};
 };
 
-/// Behaviour of a product that prevents a writer and a reader from matching.
+/// A behaviour of a product that prevents a writer and a reader from matching.
 struct Obstacle {
   std::string reason = {};  ///< empty = there is none
   Rule rule = Rule::DOC085;
@@ -64,8 +64,8 @@ struct TopicDirection {
 
 struct TopicMeeting {
   std::string topic;
-  /// The expression in the documents of which `topic` is only an example. Empty: it is the name of
-  /// a topic, from the documents or from the caller.
+  /// The expression in the documents of which `topic` is only an example. Empty if `topic` is the
+  /// name of a topic, from the documents or from the caller.
   std::string expression = {};
   TopicDirection directions[2];  ///< by the writer's index
   /// The rules for the topic, if both documents have one.
@@ -78,18 +78,18 @@ enum class Starter : std::uint8_t { first, second, chance };
 
 /// The whole prediction.
 struct Meeting {
-  std::vector<PartyDecision> start;           ///< whether each participant starts
+  std::vector<PartyDecision> start;           ///< the start of each participant
   std::vector<PartyDecision> authentication;  ///< certificates, each by the other
   std::vector<PartyDecision> permissions;     ///< permissions documents, each by the other
   std::vector<PartyDecision> join;            ///< the domain, each by itself and by the other
   std::vector<Difference> differences;        ///< governance of the domain
-  const DomainRule* rules[2] = {};            ///< of the domain, if the documents have one
-  std::optional<Starter> starter;             ///< if both certificates can be read
-  bool handshake_works = true;                ///< between these two products
-  bool discovery_works = true;                ///< between these two versions
-  bool properties_fit = true;  ///< set by the caller that can read them, not by meet()
+  const DomainRule* rules[2] = {};            ///< rules for the domain, if the documents have one
+  std::optional<Starter> starter;             ///< set if both certificates can be read
+  bool handshake_works = true;  ///< false if a handshake between these two products fails
+  bool discovery_works = true;  ///< false if discovery between these two versions fails
+  bool properties_fit = true;   ///< set by the caller that can read them, not by meet()
   std::vector<TopicMeeting> topics;
-  bool topics_complete = true;    ///< false: there are more topics than were checked
+  bool topics_complete = true;    ///< false if there are more topics than were checked
   std::vector<Finding> findings;  ///< reasons why they do not communicate
   std::vector<Finding> notes;     ///< reasons that would apply with other products
 

@@ -31,7 +31,7 @@ const Finding* first_obstacle(const Diagnosis& diagnosis, Vendor vendor) {
   return nullptr;
 }
 
-// Where only the CA's own list revokes a participant, its peers accept it until they get the list.
+// If only the CA's own list revokes a participant, its peers accept it until they get the list.
 void note_revocation(const MeetingScene& scene, const Party& party, const Diagnosis& diagnosis) {
   for (const auto& check : diagnosis.checks()) {
     if (check.rule != Rule::DOC024 || check.outcomes.of(party.vendor) != Outcome::unsafe) continue;
@@ -47,7 +47,7 @@ bool is_about_fastdds(const Finding& finding) {
   return std::filesystem::path(finding.document).filename() == "fastdds.xml";
 }
 
-// What is judged only where the participant runs.
+// Notes findings about places that can be judged only on the machine where the participant runs.
 void note_places(const MeetingScene& scene, const Party& party, const Diagnosis& diagnosis) {
   for (const auto& check : diagnosis.checks()) {
     if (check.rule != Rule::DOC007) continue;

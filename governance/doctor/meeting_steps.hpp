@@ -17,14 +17,15 @@ struct MeetingScene {
   const Settings& settings;
   Meeting& out;
   bool named = false;  ///< the topics were named by the caller: refusals include advice
-  /// Each party's compiled grant; null if it has no valid one.
+  /// Each party's compiled grant; nullptr if it has no valid one.
   std::unique_ptr<const CompiledGrant> grants[2] = {};
 
   const Party& party(int index) const { return *parties[index]; }
   const LoadedFolder& folder(int index) const { return parties[index]->folder; }
 };
 
-/// A name to check, and the expression in the documents of which it is an example; empty: none.
+/// A name to check, and the expression in the documents of which it is an example; empty if there
+/// is none.
 struct TopicOfInterest {
   std::string name;
   std::string expression = {};
@@ -34,7 +35,8 @@ struct TopicOfInterest {
 void add_finding(const MeetingScene& scene, Rule rule, const PartyDecision& judgement,
                  std::string message, std::string hint = {});
 
-/// Whether a party starts on its own, and whether the CA has revoked it without its peers knowing.
+/// Judges whether a party starts on its own, and whether the CA has revoked it without its peers
+/// knowing.
 void judge_start(const MeetingScene& scene, int index);
 
 /// The names to check if none are given; sets topics_complete.
@@ -43,9 +45,9 @@ std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene);
 /// party refuses it.
 void meet_on_topic(const MeetingScene& scene, const TopicOfInterest& topic);
 
-/// The elements that must be equal for participants.
+/// The differences in elements that must be equal for participants.
 std::vector<Difference> differences(const DomainRule& a, const DomainRule& b);
-/// The elements that must be equal for endpoints of a topic.
+/// The differences in elements that must be equal for endpoints of a topic.
 std::vector<Difference> differences(const TopicRule& a, const TopicRule& b);
 
 /// "<rtps_protection_kind> is SIGN at talker (governance.p7s:10) and NONE at listener (...:10)".

@@ -60,7 +60,7 @@ struct Question {
   const std::string& topic;
 };
 
-// " in partition "a""; nothing if no partition was asked for.
+// " in partition "a""; empty if no partition was asked for.
 std::string in_partitions(const MeetingScene& scene) {
   std::string out;
   for (const auto& name : scene.settings.partitions)
@@ -133,7 +133,8 @@ PartyDecision judge(const MeetingScene& scene, const Question& question) {
   return out;
 }
 
-// Fast DDS writers wait for crypto tokens that Cyclone DDS readers do not send then.
+// Obstacle of a Fast DDS writer: it waits for crypto tokens that a Cyclone DDS reader does not send
+// if only payloads are protected.
 Obstacle unmatched_writer(const MeetingScene& scene, const TopicMeeting& topic, int writer) {
   if (topic.rules[0] == nullptr || topic.rules[1] == nullptr) return {};
   const auto& rule = *topic.rules[writer];
@@ -152,7 +153,7 @@ Obstacle unmatched_writer(const MeetingScene& scene, const TopicMeeting& topic, 
 }
 
 // Cyclone DDS 0.10 refuses to create a topic by the first rule that names it in either direction.
-// It does not ask where either access is free (DDS-Security 1.1 table 63).
+// It does not check if either access is free (DDS-Security 1.1 table 63).
 Obstacle refused_topic(const MeetingScene& scene, const TopicMeeting& topic, int index) {
   const auto& party = scene.party(index);
   const auto* governance = topic.rules[index];
@@ -177,9 +178,9 @@ bool is_partition_expression(const std::string& partition) {
   return partition.find_first_of("*?") != partition.npos;
 }
 
-// DDS 1.4, 2.2.3.13: a name matches an expression, and no expression another one.
-// Fast DDS applies one as an expression to the other as a name, and the two here are the same
-// (measured with 2.9.1: they match).
+// A name matches an expression, but an expression never matches another expression (DDS 1.4,
+// 2.2.3.13). Fast DDS uses one text as an expression and the other one as a name. The two are equal
+// here, so with Fast DDS they may match (measured with 2.9.1).
 Obstacle expressions_only(const MeetingScene& scene) {
   const auto& asked = scene.settings.partitions;
   if (asked.empty() || !std::ranges::all_of(asked, is_partition_expression)) return {};
@@ -196,8 +197,9 @@ Obstacle expressions_only(const MeetingScene& scene) {
           .hint = "let one side name a partition without * and ?"};
 }
 
-// To Fast DDS brackets make an expression, too, which need not match its own text: [AB] does not
-// (measured with 2.9.1 on both sides). Others take brackets in a partition as they are.
+// Fast DDS also takes a text with brackets for an expression. It need not match its own text: [AB]
+// does not (measured with 2.9.1 on both sides). Other products take brackets in a partition
+// literally.
 Obstacle unequal_to_itself(const MeetingScene& scene) {
   const auto& asked = scene.settings.partitions;
   const bool is_read_by_fastdds =
@@ -237,7 +239,7 @@ TopicDirection meet_in_direction(const MeetingScene& scene, const TopicMeeting& 
   return out;
 }
 
-// Whether it matters that this direction does not work. If the other one works and neither was
+// True if it matters that this direction does not work. If the other one works and neither was
 // requested, the permissions are probably meant that way.
 bool is_missed(const MeetingScene& scene, const TopicMeeting& topic,
                const TopicDirection& direction) {
@@ -264,7 +266,7 @@ void report_refusals(const MeetingScene& scene, const TopicMeeting& topic) {
     }
 }
 
-// The partitions in which a participant may use a topic.
+// The partitions in which a participant may use a topic, as its grant lists them.
 std::vector<std::string> partitions_of(const CompiledGrant& grant, Action action,
                                        std::string_view topic) {
   std::vector<std::string> out;
@@ -277,7 +279,8 @@ std::vector<std::string> partitions_of(const CompiledGrant& grant, Action action
   return out;
 }
 
-// Both may use the topic without partitions, so it counts as working. Reported once.
+// Both parties may use the topic without partitions, so it counts as working. The note is added
+// once.
 void note_partitions(const MeetingScene& scene, const TopicMeeting& topic) {
   const bool is_said =
       std::ranges::find(scene.out.notes, Rule::DOC099, &Finding::rule) != scene.out.notes.end();
@@ -305,7 +308,7 @@ void note_partitions(const MeetingScene& scene, const TopicMeeting& topic) {
   }
 }
 
-// Topics of expressions are examples: their names are made up.
+// If the topic is an example of an expression, its name is made up.
 std::string subject_of(const TopicMeeting& topic) {
   return topic.expression.empty()
              ? fmt::format("topic \"{}\"", topic.topic)
@@ -334,7 +337,8 @@ void report_differences(const MeetingScene& scene, const TopicMeeting& topic) {
   }
 }
 
-// A topic that the permissions refuse anyway is not a question of products. Reported once.
+// An obstacle of a topic that the permissions refuse anyway is not reported. Each message is
+// reported once.
 void report_obstacles(const MeetingScene& scene, const TopicMeeting& topic) {
   for (const auto& direction : topic.directions) {
     const auto& obstacle = direction.obstacle;
@@ -351,8 +355,8 @@ void report_obstacles(const MeetingScene& scene, const TopicMeeting& topic) {
   }
 }
 
-// Once for each topic rule. The environment of such a participant is not known here, so it is a
-// note.
+// Adds a note for each topic rule once. It is only a note, because the environment of such a
+// participant is not known here.
 void note_unguarded(const MeetingScene& scene, const TopicMeeting& topic) {
   for (const int i : kBoth) {
     const auto* rule = topic.rules[i];
@@ -377,7 +381,7 @@ void note_unguarded(const MeetingScene& scene, const TopicMeeting& topic) {
   }
 }
 
-// The expressions about topics that a participant's documents hold.
+// Adds the topic expressions in a participant's documents.
 void add_expressions(const MeetingScene& scene, int index, std::vector<RankedExpression>& out) {
   const auto add = [&](std::string_view expression) {
     out.push_back({expression, static_cast<std::uint32_t>(out.size()), 0});
@@ -391,15 +395,15 @@ void add_expressions(const MeetingScene& scene, int index, std::vector<RankedExp
         for (const auto& topic : criteria.topics) add(topic.text);
 }
 
-// The characters that an expression fixes.
+// The number of characters that an expression fixes.
 std::size_t fixed_characters(std::string_view expression) {
   const Pattern pattern(expression);
   return static_cast<std::size_t>(
       std::ranges::count(pattern.steps(), Pattern::Kind::character, &Pattern::Step::kind));
 }
 
-// The expression that says most of the atom's names; empty if one of them is the name itself.
-// `expressions`: each in a list of its own.
+// The expression that is most specific about the atom's names; empty if one of them is the name
+// itself. In `expressions` each has a list of its own.
 std::string narrowest(const std::vector<RankedExpression>& expressions, const NameAtom& atom) {
   std::string_view out;
   for (const auto& match : atom.matches) {
@@ -454,7 +458,7 @@ std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene) {
   const auto found = find_name_atoms(expressions);
   scene.out.topics_complete = found.is_complete;
   std::vector<TopicOfInterest> out;
-  // If the search was stopped early there may be many, most of them useless.
+  // If the search was stopped early, there may be many atoms, most of them useless.
   constexpr std::size_t kMaxOfMany = 2'000;
   const auto most = found.is_complete ? found.atoms.size() : kMaxOfMany;
   for (const auto& atom : found.atoms | std::views::take(most)) {

@@ -13,7 +13,7 @@ namespace ddssec::governance::doctor {
 
 /// A file of a participant, as configurations call it.
 struct Role {
-  std::string_view element;   ///< of Cyclone DDS's configuration, lower case
+  std::string_view element;   ///< the element of Cyclone DDS's configuration, in lower case
   std::string_view property;  ///< the last part of Fast DDS's property
   std::filesystem::path pki::ParticipantFolder::*judged;
 };
@@ -36,12 +36,13 @@ struct Named {
 /// The text with the five predefined entities of XML replaced.
 std::string without_escapes(std::string_view text);
 
-/// The values that apply to the domain; if there are none, everything that looks like them.
+/// The values that apply to the domain. If there are none, all values that look like them.
 std::vector<Named> named_by_cyclonedds(std::string_view text, const EffectiveSecurity& security,
                                        DomainId domain);
-/// The paths of those that are files.
+/// The paths of those values that name files.
 std::vector<std::filesystem::path> paths_of(const std::vector<Named>& named);
-/// Everything that looks like a property, in any profile and in a text that is not well-formed.
+/// All values that look like those of a property, in any profile and in a text that is not
+/// well-formed.
 std::vector<Named> named_anywhere_by_fastdds(std::string_view text);
 /// The values of the default profile, of which the last one counts.
 std::vector<Named> named_by_fastdds(std::string_view text);

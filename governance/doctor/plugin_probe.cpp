@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr int kMaxMilliseconds = 5000;
 constexpr std::size_t kMaxDetail = 1024;
 
-// The output of a child process before it ends; its first octet is the result.
+// Returns the output of a child process that calls `work`. Its first octet is the result.
 std::string ask_child(void (*work)(int, const std::string&, const std::string&),
                       const std::string& first, const std::string& second) {
   std::array<int, 2> ends{};
@@ -27,7 +27,7 @@ std::string ask_child(void (*work)(int, const std::string&, const std::string&),
   if (child == 0) {
     ::close(ends[0]);
     work(ends[1], first, second);
-    ::_exit(0);  // no destructors of what was loaded
+    ::_exit(0);  // runs no destructors of what was loaded
   }
   ::close(ends[1]);
   std::string out;
@@ -39,7 +39,7 @@ std::string ask_child(void (*work)(int, const std::string&, const std::string&),
   }
   ::close(ends[0]);
   if (child > 0) {
-    ::kill(child, SIGKILL);  // it has written its result, or hangs
+    ::kill(child, SIGKILL);  // the child has written its result, or hangs
     ::waitpid(child, nullptr, 0);
   }
   return out;
@@ -47,7 +47,7 @@ std::string ask_child(void (*work)(int, const std::string&, const std::string&),
 
 void say(int to, char result, std::string_view detail) {
   const auto text = fmt::format("{}{}", result, detail.substr(0, kMaxDetail - 1));
-  // A failure could not be reported; the parent treats missing output as failure.
+  // A failed write cannot be reported; the parent treats missing output as failure.
   [[maybe_unused]] const auto written = ::write(to, text.data(), text.size());
 }
 
@@ -62,7 +62,7 @@ void load(int to, const std::string& library, const std::string& role) {
   say(to, 'w', "");
 }
 
-// The folder of Cyclone DDS's own library, if there is one.
+// Writes the folder of Cyclone DDS's own library, if there is one.
 void find_host(int to, const std::string&, const std::string&) {
   for (const auto* name : {"libddsc.so.0debian", "libddsc.so.0", "libddsc.so"}) {
     void* handle = ::dlopen(name, RTLD_LAZY | RTLD_LOCAL);
@@ -76,7 +76,7 @@ struct Plugin {
   std::string_view library;
   std::string_view role;
 };
-// Fixed by rmw_cyclonedds_cpp.
+// These names are fixed in rmw_cyclonedds_cpp.
 constexpr std::array kPlugins{Plugin{"libdds_security_auth.so", "authentication"},
                               Plugin{"libdds_security_ac.so", "access_control"},
                               Plugin{"libdds_security_crypto.so", "crypto"}};
@@ -97,7 +97,7 @@ void report(const Plugin& plugin, const PluginProbe& probe, const std::string& t
              about);
 }
 
-// Cyclone DDS asks the loader first; Debian's then looks in a private folder of its own.
+// Cyclone DDS asks the loader first. Debian's Cyclone DDS then looks in a private folder.
 PluginProbe probe_default(const Plugin& plugin, const fs::path& host, std::string& tried) {
   const std::string role(plugin.role);
   tried = plugin.library;

@@ -28,7 +28,7 @@ std::string value(const RosEnvironment& environment, std::string_view name) {
   return found == environment.end() ? "" : found->second;
 }
 
-// These two count only when spelt exactly so.
+// These two variables count only if they are spelt exactly so.
 void check_word(const RosEnvironment& environment, std::string_view name, std::string_view wanted,
                 Rule rule, Diagnosis& out) {
   const auto found = value(environment, name);
@@ -114,7 +114,7 @@ void check_names(const LoadedFolder& folder, const RosEnvironment& environment, 
                   .document = folder.paths.folder / file});
 }
 
-// The libraries that rmw_cyclonedds_cpp loads.
+// The plugin libraries that rmw_cyclonedds_cpp loads.
 constexpr std::array<const char*, 3> kPluginFiles{
     "libdds_security_auth.so", "libdds_security_ac.so", "libdds_security_crypto.so"};
 
@@ -134,7 +134,7 @@ std::string reason_without_ours(std::string_view path, const char* library,
   return file + " comes first on LD_LIBRARY_PATH and is not of ddssec";
 }
 
-// Without ddssec's plugins a node still runs, with the installed ones.
+// Without ddssec's plugins a node still runs, with those that are installed.
 void check_plugins_of_node(const RosEnvironment& environment, Diagnosis& out) {
   const auto rmw = value(environment, "RMW_IMPLEMENTATION");
   if (rmw != "rmw_cyclonedds_cpp")
@@ -217,7 +217,7 @@ void check_topic_names(const LoadedFolder& folder, const Grant& grant, Diagnosis
   });
 }
 
-// Measured with nodes of ROS 2 Humble: each of these rights that is missing aborts an rclcpp node.
+// Measured with nodes of ROS 2 Humble: an rclcpp node aborts if any of these rights is missing.
 void check_node_rights(const LoadedFolder& folder, const Grant& grant, DomainId domain,
                        Diagnosis& out) {
   out.pass(Rule::PERM040);
@@ -262,8 +262,8 @@ RosEnvironment ros_environment() {
   return out;
 }
 
-// Measured with rcl of ROS 2 Humble: 010 is domain 8, " 7", "+7" and "7 rest" are 7, 08 ends the
-// node.
+// Measured with rcl of ROS 2 Humble: 010 is domain 8; " 7", "+7" and "7 rest" are domain 7; a node
+// with 08 ends.
 std::optional<DomainId> node_domain(const std::string& ros_domain_id) {
   if (ros_domain_id.empty()) return 0;
   if (ros_domain_id.contains('-')) return std::nullopt;

@@ -26,8 +26,8 @@ std::string_view without_beginning(std::string_view text, std::string_view begin
   return text;
 }
 
-// Where the value begins of <Password>x, password = x, or <name>...password</name><value>x; empty
-// if it is none of these.
+// The value of <Password>x, password = x, or <name>...password</name><value>x, from the end of the
+// name on; empty for any other text.
 std::string_view value_after(std::string_view name) {
   const auto rest = without_beginning(name, "");
   if (rest.starts_with('=')) return without_beginning(rest.substr(1, rest.find('\n')), "");
@@ -37,7 +37,7 @@ std::string_view value_after(std::string_view name) {
   return without_beginning(without_beginning(rest.substr(kNameEnd.size()), "<value>"), "");
 }
 
-// `small` is `text` in small letters.
+// `small` is `text` in lower case.
 void look_for(std::string_view name, std::string_view text, std::string_view small,
               SecretsInText& out) {
   constexpr std::string_view kFile = "file:";

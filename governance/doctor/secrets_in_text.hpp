@@ -7,12 +7,12 @@
 
 namespace ddssec::governance::doctor {
 
-/// What a configuration of Cyclone DDS or Fast DDS, or security.properties, holds. Comments count,
-/// too.
+/// The secrets in a configuration of Cyclone DDS or Fast DDS, or in security.properties. Those in
+/// comments count, too.
 struct SecretsInText {
-  /// A private key, a PIN, or a password or passphrase itself.
+  /// True if the text has a private key, a PIN, or a password or passphrase itself.
   bool are_there = false;
-  /// The files that are named for a password. Those of passphrases are DOC091's matter.
+  /// The files that are named for a password. DOC091 reports those for passphrases.
   std::vector<std::filesystem::path> files = {};
 };
 SecretsInText secrets_in(std::string_view text);

@@ -149,7 +149,7 @@ struct Element {
   Names elements = {};
   Names attributes = {};
 };
-// Sections, and what is in them with elements or attributes.
+// Sections, and the elements in them that have elements or attributes.
 constexpr Element kElements[] = {
     {"compatibility", kCompatibility},
     {"discovery", kDiscovery},
@@ -186,7 +186,7 @@ constexpr Element kElements[] = {
     {"threads/thread/scheduling", kScheduling},
     {"tracing", kTracing},
 };
-// Of these a list may hold several.
+// The elements of which a list may have several.
 constexpr std::string_view kRepeated[] = {"ignoredpartition",
                                           "networkinterface",
                                           "networkpartition",

@@ -18,9 +18,9 @@ std::string path_inside(std::string_view path, std::string_view element);
 bool is_known_inside(std::string_view path, std::string_view element);
 bool is_known_attribute(std::string_view path, std::string_view attribute);
 
-/// True if it must not contain text.
+/// True if the element must not contain text.
 bool has_elements_only(std::string_view path);
-/// True if a list may contain several of it, such as <Peer>.
+/// True if a list may contain several of the element, such as <Peer>.
 bool is_repeated(std::string_view path);
 
 }  // namespace ddssec::governance::doctor

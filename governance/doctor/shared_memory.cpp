@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kVariable = "CYCLONEDDS_URI";
 
-// Whether governance promises anything about samples in the domain.
+// True if the governance promises anything about samples in the domain.
 bool promises(const DomainRule& rule) {
   return is_protected(rule.rtps_protection_kind) ||
          std::ranges::any_of(rule.topic_rules, [](const TopicRule& topic) {

@@ -12,8 +12,8 @@ namespace ddssec::governance::doctor {
 
 /// The setting that enables shared memory, such as "<SharedMemory><Enable>true" (0.10) or
 /// "<PubSubMessageExchange>" (11); empty if none does. Reads as leniently as Cyclone DDS: any
-/// letter case, closing tags without names, any value except false. Not for a single Domain
-/// element.
+/// letter case, closing tags without names, any value except false. A single Domain element must
+/// not be given.
 std::string shared_memory_setting(std::string_view configuration);
 
 /// Reports shared memory that is enabled although the governance protects samples of the domain or

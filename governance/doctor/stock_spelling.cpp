@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As strtol with base 0 reads it, hexadecimal after 0x and octal after 0, and as an int then: -0
-// and 4294967296 are 0.
+// True for a number as strtol reads it with base 0: hexadecimal after 0x, octal after 0. The result
+// is then cut to an int, so -0 and 4294967296 are 0.
 bool is_number_for_strtol(std::string_view text) {
   const bool is_negative = text.starts_with('-');
   if (is_negative || text.starts_with('+')) text.remove_prefix(1);
@@ -39,21 +39,22 @@ bool is_one_of(std::string_view element, std::initializer_list<std::string_view>
   return std::ranges::find(elements, element) != elements.end();
 }
 
-// A second element instead of the first one, as measured: not every kind. Of two <permissions> it
-// refuses some and starts with others.
+// True if the product starts with a second element where only one is allowed. Measured: not with
+// every kind. Of documents with two <permissions> it refuses some and starts with others.
 bool cyclonedds_repeats(std::string_view element) { return element != "<domain_access_rules>"; }
 bool fastdds_repeats(std::string_view element) {
   return is_one_of(element,
                    {"<permissions>", "<not_before>", "<not_after>", "<default>", "<topics>"});
 }
 
-// With an empty <topic_expression> Cyclone DDS crashes.
+// False for elements that must not be empty. With an empty <topic_expression> Cyclone DDS crashes.
 bool may_be_empty(std::string_view element) {
   return !is_one_of(element,
                     {"<topic_expression>", "<subject_name>", "<not_before>", "<not_after>"});
 }
 
-// Elements that may be empty, although they must list something: they apply to no topic.
+// True for elements that the product accepts empty, although they must list something. They then
+// apply to no topic.
 bool cyclonedds_misses_nothing_in(std::string_view element) {
   return is_one_of(element, {"<publish>", "<subscribe>", "<topics>", "<partitions>"});
 }
@@ -61,7 +62,7 @@ bool fastdds_misses_nothing_in(std::string_view element) {
   return is_one_of(element, {"<publish>", "<subscribe>"});
 }
 
-// Fast DDS reads dates with std::get_time, and ignores what follows the seconds.
+// Fast DDS reads dates with std::get_time, and ignores any text after the seconds.
 bool is_date_for_fastdds(const std::string& text) {
   std::istringstream in(text);
   in.imbue(std::locale::classic());
@@ -70,7 +71,7 @@ bool is_date_for_fastdds(const std::string& text) {
   return !in.fail();
 }
 
-// Both read all of them but NUL.
+// True except for NUL: both products read all other control characters.
 bool is_other_control_character(const ErrorDetails& details) {
   return !details.found.ends_with(" 00");
 }
@@ -89,7 +90,7 @@ bool is_unpredictable(const LoadedDocument<Model>& document, Vendor vendor, cons
     return measured(variant, lineup).of(vendor) == Outcome::fail;
   });
   if (is_refused) return false;
-  // Of a value in pieces Fast DDS reads the first one only.
+  // Fast DDS reads only the first piece of a value in pieces.
   if (document.model && !document.parsed) return !is_cyclonedds && document.has_joined_values;
   return !document.model && !document.parsed && starts_with(vendor, document.unread());
 }
@@ -163,7 +164,7 @@ const fs::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor,
     return !piece && piece.error().code() != Code::key_not_allowed &&
            has_certificate_for_openssl(path);
   };
-  // Fast DDS takes more kinds of keys than ddssec reads.
+  // Fast DDS accepts more kinds of keys than ddssec reads.
   const auto has_other_key = [&](const auto& piece, const fs::path& path) {
     return vendor == Vendor::fastdds && !piece && piece.error().code() == Code::key_not_allowed &&
            outcomes_of_key(paths, path, piece.error(), lineup).fastdds < Outcome::late;

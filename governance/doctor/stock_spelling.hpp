@@ -10,12 +10,12 @@ namespace ddssec::governance::doctor {
 
 /// True if Cyclone DDS starts, or may start, with a document for which ddssec reports `error`.
 /// Cyclone DDS reads numbers like strtol (+0, -0, 0x0, nothing), accepts any word as <default> or
-/// <not_before>, and ignores empty elements and repeated attributes. Of an element that may only be
-/// there once, the last one counts.
+/// <not_before>, and ignores empty elements and repeated attributes. If an element is there several
+/// times instead of once, the last one counts.
 bool cyclonedds_starts_with(const Error& error);
 /// The same for Fast DDS: it reads numbers that are out of range, days that no month has, dates as
 /// std::get_time does, ranges that end before they begin, text between elements and a second root
-/// element, and takes the first of several elements in permissions.
+/// element, and uses the first of several elements in permissions.
 bool fastdds_starts_with(const Error& error);
 
 /// True if OpenSSL, and so a stock product, reads a certificate from the file, whatever text is
@@ -25,8 +25,8 @@ bool has_certificate_for_openssl(const std::filesystem::path& path);
 /// True for a 256-bit key with explicit curve parameters.
 bool is_key_of_explicit_curve(const Error& error);
 
-/// The file with which the product starts although ddssec cannot predict the effect; null if there
-/// is none.
+/// The file with which the product starts although ddssec cannot predict the effect; nullptr if
+/// there is none.
 const std::filesystem::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor,
                                                 const Lineup& lineup = {});
 

@@ -24,13 +24,13 @@ bool has_same_attributes(std::string_view text, const pki::Certificate& certific
          sorted(name->attributes()) == sorted(pki::SubjectName::of(certificate).attributes());
 }
 
-// A grant for another subject than the certificate's is applied although it should not be.
+// Unsafe if a grant for another subject than the certificate's is applied.
 Outcome cyclonedds_outcome(std::string_view text, const pki::Certificate& certificate) {
   if (!cyclonedds_takes(text, certificate.subject())) return Outcome::fail;
   return has_same_attributes(text, certificate) ? Outcome::ok : Outcome::unsafe;
 }
 
-// Commas and blanks at the end say nothing.
+// Commas and blanks at the end have no meaning, so they are removed before the comparison.
 Outcome fastdds_outcome(std::string_view text, const pki::Certificate& certificate,
                         bool any_order) {
   const auto reads = any_order ? newer_fastdds_takes : fastdds_takes;

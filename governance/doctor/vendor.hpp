@@ -28,7 +28,7 @@ struct Version {
 };
 /// "0.10.2".
 std::string to_string(Version version);
-/// From one to three numbers separated by dots; empty for anything else.
+/// Reads one to three numbers separated by dots; empty for anything else.
 std::optional<Version> version_from(std::string_view text);
 
 /// The versions for which to predict. The defaults are those of Debian 12.
@@ -51,7 +51,8 @@ std::string name(Vendor vendor, const Lineup& lineup = {});
 /// "Cyclone DDS", "Fast DDS", "ddssec's plugins".
 std::string_view family(Vendor vendor);
 
-/// How Fast DDS finds its default profiles. Fast DDS 3 renamed both; 3.1 was not run to see it.
+/// How Fast DDS finds its default profiles. Fast DDS 3 renamed both; version 3.1 was not run to
+/// confirm that.
 struct ProfilePlaces {
   const char* variable;  ///< an environment variable that names a file
   const char* file;      ///< a file in the working directory, which is read after the other one
@@ -63,8 +64,8 @@ constexpr ProfilePlaces profile_places(Version fastdds) {
 }
 
 /// The octets of certificate and signed permissions, which one handshake message holds, with which
-/// Fast DDS is known to authenticate another Fast DDS participant. Measured with 2.9.1: it does
-/// with 63,705 octets, and does not with 63,764. What else is in the message varies a little.
+/// Fast DDS is known to authenticate another Fast DDS participant. Measured with 2.9.1: 63,705
+/// octets work, and 63,764 do not. The size of the rest of the message varies a little.
 inline constexpr std::size_t kMaxFastDdsHandshakeOctets = 63'000;
 
 /// The label of a column: the id, or "ddssec" for `ours`, whose id is part of the JSON contract.
@@ -76,9 +77,9 @@ struct NamedProduct {
   std::optional<Version> version = std::nullopt;
   bool operator==(const NamedProduct&) const = default;
 };
-/// From NAME or NAME@VERSION; empty for anything else. `ours` has no version.
+/// Reads NAME or NAME@VERSION; empty for anything else. `ours` has no version.
 std::optional<NamedProduct> product_from(std::string_view text);
-/// The product's vendor; empty if `text` names none.
+/// The vendor; empty if `text` names none.
 std::optional<Vendor> vendor_from(std::string_view text);
 
 /// The outcome with one product, from good to bad.
@@ -97,7 +98,7 @@ struct Outcomes {
   Outcome fastdds = Outcome::ok;
   Outcome ours = Outcome::ok;
 
-  /// The same for all.
+  /// The same outcome for all products.
   static constexpr Outcomes all(Outcome outcome) { return {outcome, outcome, outcome}; }
   constexpr Outcome of(Vendor vendor) const {
     return vendor == Vendor::cyclonedds ? cyclonedds : vendor == Vendor::fastdds ? fastdds : ours;

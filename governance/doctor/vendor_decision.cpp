@@ -31,7 +31,7 @@ bool lists(Vendor vendor, const Criteria& criteria, std::string_view partition) 
                              : partition.empty();
 }
 
-// All of an entity's partitions for an allow_rule, one of them for a deny_rule.
+// An allow_rule must list all of an entity's partitions, a deny_rule one of them.
 bool fits_cyclonedds(bool allow, const Criteria& criteria, Partitions partitions) {
   const auto listed = [&](std::string_view partition) {
     return lists(Vendor::cyclonedds, criteria, partition);
@@ -39,7 +39,7 @@ bool fits_cyclonedds(bool allow, const Criteria& criteria, Partitions partitions
   return allow ? std::ranges::all_of(partitions, listed) : std::ranges::any_of(partitions, listed);
 }
 
-// The topic and its partitions may stand in different elements of one rule.
+// The topic and its partitions may be in different elements of one rule.
 bool fits_fastdds(const std::vector<Criteria>& list, Partitions partitions) {
   return std::ranges::all_of(partitions, [&](std::string_view partition) {
     return std::ranges::any_of(list, [&](const Criteria& criteria) {
@@ -48,7 +48,7 @@ bool fits_fastdds(const std::vector<Criteria>& list, Partitions partitions) {
   });
 }
 
-// Without a domain: each rule counts, whatever its domains are.
+// If `domain` is empty, each rule counts, whatever its domains are.
 Decision judge_by_rules(Vendor vendor, const CompiledGrant& grant, std::optional<DomainId> domain,
                         Action action, const Request& request) {
   constexpr std::array<std::string_view, 1> kDefaultPartition{""};
@@ -72,7 +72,8 @@ Decision judge_by_rules(Vendor vendor, const CompiledGrant& grant, std::optional
 
 }  // namespace
 
-// No name has blanks around it (measured: Fast DDS 2.9.1, topics of both documents).
+// Fast DDS keeps blanks around an expression, and no topic name has any, so a padded expression
+// never matches (measured: Fast DDS 2.9.1, topics of both documents).
 bool matches_as(Vendor vendor, const Text& expression, std::string_view name) {
   if (vendor == Vendor::fastdds && expression.is_padded) return false;
   return reads_as_match(vendor, expression.text, name);

@@ -10,41 +10,41 @@
 namespace ddssec::governance::doctor {
 
 /// True if `vendor` matches a name with an expression: products read bracket expressions and
-/// backslashes differently (dialect.hpp), and Fast DDS also the blanks around an expression.
+/// backslashes differently (dialect.hpp), and Fast DDS keeps the blanks around an expression.
 bool matches_as(Vendor vendor, const Text& expression, std::string_view name);
 
 /// The first element of the list that names the topic as `vendor` reads it, or nullptr.
 const Criteria* naming(Vendor vendor, const std::vector<Criteria>& list, std::string_view topic);
 
-/// The domain_rule that `vendor` applies in the domain; null if there is none.
+/// The domain_rule that `vendor` applies in the domain; nullptr if there is none.
 const DomainRule* domain_rule_as(Vendor vendor, const Governance& governance, DomainId domain);
 
-/// The first topic_rule for the topic as `vendor` reads them; null if there is none.
+/// The first topic_rule for the topic as `vendor` reads them; nullptr if there is none.
 const TopicRule* topic_rule_as(Vendor vendor, const DomainRule& domain, std::string_view topic);
 
 /// The rule by which Cyclone DDS 0.10 decides whether a topic may be created at all: the first one
-/// for the domain that names it in any direction. Null if none does.
+/// for the domain that names it in any direction. nullptr if none does.
 const governance::GrantRule* first_rule_naming(const Grant& grant, DomainId domain,
                                                std::string_view topic);
 
-/// As CompiledGrant::judge, but with the decision of `vendor` in `domain`, and with expressions as
-/// it reads them. Cyclone DDS applies a deny_rule without partitions to the partition "" only. With
-/// Fast DDS the first rule whose topic matches decides, whatever its partitions are: a deny_rule
-/// denies in all of them, and an allow_rule that does not list the partitions denies too; <default>
-/// is DENY. Neither evaluates data tags.
+/// Judges like CompiledGrant::judge, but with the decision of `vendor` in `domain`, and with
+/// expressions as it reads them. Cyclone DDS applies a deny_rule without partitions to the
+/// partition "" only. With Fast DDS the first rule whose topic matches decides, whatever its
+/// partitions are: a deny_rule denies in all of them, and an allow_rule that does not list the
+/// partitions denies too; <default> is DENY. Neither evaluates data tags.
 Decision judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
                   const Request& request);
 
-/// The same for the process that makes the endpoint. Measured with Fast DDS 2.9.1: it ignores the
-/// <domains> of a rule there, and only there.
+/// The same for endpoints of the process itself. Measured with Fast DDS 2.9.1: there, and only
+/// there, it ignores the <domains> of a rule.
 Decision judge_local_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
                         const Request& request);
 
 /// The validity as the product reads it (as_read.hpp).
 Validity validity_as(Vendor vendor, const Validity& validity);
 
-/// As CompiledGrant::judge_participant. Cyclone DDS and Fast DDS admit a participant by any
-/// allow_rule for the domain, wherever it is; Fast DDS reads <default> as DENY.
+/// Judges like CompiledGrant::judge_participant. Cyclone DDS and Fast DDS admit a participant by
+/// any allow_rule for the domain, wherever it is; Fast DDS reads <default> as DENY.
 Decision judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain);
 
 }  // namespace ddssec::governance::doctor

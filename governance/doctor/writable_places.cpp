@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxLinks = 40;  // as Linux
+constexpr int kMaxLinks = 40;  // the limit of Linux
 constexpr std::size_t kMaxEntry = 65'536;
 
 std::string name_of_user(uid_t user) {
@@ -32,7 +32,7 @@ std::string name_of_user(uid_t user) {
 
 struct Group {
   std::string name;
-  bool has_others = true;  // members besides `user`, as far as /etc/group says
+  bool has_others = true;  // true if /etc/group has members other than `user`
 };
 
 Group group_of(gid_t id, std::string_view user) {
@@ -48,8 +48,8 @@ Group group_of(gid_t id, std::string_view user) {
 
 bool is_sticky(const struct stat& status) { return (status.st_mode & S_ISVTX) != 0; }
 
-// An entry of a POSIX access control list, as Linux stores it: after a version of four octets, each
-// has a tag, rights and an id (acl(5)).
+// An entry of a POSIX access control list, as Linux stores it: the list begins with a version of
+// four octets, and each entry has a tag, rights and an id (acl(5)).
 struct AclEntry {
   std::uint16_t tag;
   std::uint16_t rights;
@@ -89,7 +89,8 @@ void WritablePlaces::add_with_way(const fs::path& path) {
   add_way(path, links_left);
 }
 
-// All links share one limit: each link in a long path of links leads through all before it.
+// All links share one limit. Otherwise a path through many links could take very long, because each
+// link leads through all links before it.
 void WritablePlaces::add_way(const fs::path& path, int& links_left) {
   std::error_code error;
   const auto absolute = fs::absolute(path, error);
@@ -145,7 +146,8 @@ void WritablePlaces::judge(const fs::path& path, const struct stat& status) {
         Severity::warning);
 }
 
-// With such a list, the group's rights in the mode are the most that any entry gives.
+// If the file has an access control list, the group's rights in the mode are the upper limit of all
+// its entries.
 void WritablePlaces::judge_acl(const fs::path& path) {
   const auto entries = acl_of(path);
   const auto mask = std::ranges::find(entries, kAclMask, &AclEntry::tag);

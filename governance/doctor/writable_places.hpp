@@ -1,4 +1,4 @@
-// Finds what users other than root and the participant's own could replace.
+// Finds files and folders that users other than root and the participant's own could replace.
 #pragma once
 
 #include <filesystem>
@@ -23,16 +23,16 @@ class WritablePlaces {
   /// `owner` is the participant's user. It is trusted, as are root and the user of this process.
   explicit WritablePlaces(uid_t owner);
 
-  /// Looks at what `path` leads to alone.
+  /// Judges only the file or folder to which `path` leads.
   void add(const std::filesystem::path& path);
-  /// Looks at it, at all folders above it, and at all links on the way (40 at most, as Linux
-  /// follows) and what is above them. In a folder with the sticky bit, such as /tmp, it suffices
-  /// that a name belongs to a trusted user.
+  /// Judges the file or folder, all folders above it, and all links on the way (40 at most, as
+  /// Linux follows) and the folders above these. In a folder with the sticky bit, such as /tmp, it
+  /// suffices that a name belongs to a trusted user.
   void add_with_way(const std::filesystem::path& path);
 
-  /// In the order in which they were found, each once.
+  /// The findings in the order in which they were found, each once.
   const std::vector<Finding>& findings() const { return findings_; }
-  /// Adds them to a diagnosis, with this outcome where one is an error.
+  /// Adds the findings to a diagnosis, with this outcome if one of them is an error.
   void report(const Outcomes& if_error, Diagnosis& out) const;
 
  private:
@@ -47,10 +47,11 @@ class WritablePlaces {
   std::vector<Finding> findings_;
 };
 
-/// The owner of the key, who can do what the participant can; else of the folder.
+/// The owner of the key, who can do what the participant can. Without a key, the owner of the
+/// folder.
 uid_t user_of(const pki::ParticipantFolder& paths);
 
-/// The same for further files of the participant's process: libraries of plugins, properties.
+/// Does the same for further files of the participant's process: libraries of plugins, properties.
 void check_files_of_process(const LoadedFolder& folder,
                             std::span<const std::filesystem::path> files, Diagnosis& out);
 
