@@ -26,7 +26,7 @@ struct EndpointRequest {
   std::span<const Property> data_tags = {};
 };
 
-/// One engine may serve several local identities. Each is judged by its own documents. The
+/// Access control for one or several local identities. Each is judged by its own documents. The
 /// judgement of a remote identity belongs to one pair of a local and a remote identity.
 ///
 /// Thread-safe. A check returns success, or an error that names the document, line and rule that
@@ -63,43 +63,43 @@ class AccessControl {
                                                                 const Token& permissions_token,
                                                                 const Token& credential) = 0;
 
-  /// A peer has shown renewed permissions within its session: from now on it is judged by them,
-  /// under the same handle. `credential`: from Authentication::judge_renewal. Errors, which leave
-  /// the former permissions in force: those of validate_remote_permissions,
-  /// permissions_renewal_refused (they begin or were signed earlier than the former, or the
-  /// peer has ended).
+  /// Judges a peer by the renewed permissions that it has shown within its session, under the same
+  /// handle. `credential` is from Authentication::judge_renewal. Errors, which leave the former
+  /// permissions in force: those of validate_remote_permissions, permissions_renewal_refused (they
+  /// begin or were signed earlier than the former, or the peer has ended).
   virtual Status renew_remote_permissions(PermissionsHandle, const Token& /*permissions_token*/,
                                           const Token& /*credential*/) {
     return fail(Code::unknown_permissions_handle);
   }
-  /// The peer has seen renewed permissions of the local identity: its session no longer ends with
-  /// the former. `facts`: from Authentication::note_renewal_taken.
+  /// Notes that the peer has seen renewed permissions of the local identity: its session no longer
+  /// ends with the former. `facts` is from Authentication::note_renewal_taken.
   virtual Status note_presented(PermissionsHandle, const SessionFacts&) { return {}; }
 
-  /// May the local participant join the domain (DDS-Security 1.2, clause 9.4.2.9.3)? Errors:
-  /// participant_not_allowed, those of a grant, or of the certificate that signed it, that is not
-  /// valid now.
+  /// Checks whether the local participant may join the domain (DDS-Security 1.2, clause 9.4.2.9.3).
+  /// Errors: participant_not_allowed, those of a grant, or of the certificate that signed it, that
+  /// is not valid now.
   virtual Status check_create_participant(PermissionsHandle local, DomainId domain_id) = 0;
-  /// May the local participant have such a writer (DDS-Security 1.2, clause 9.4.2.9.4)? Errors:
-  /// topic_not_covered, publish_not_allowed, those of the grant as above.
+  /// Checks whether the local participant may have such a writer (DDS-Security 1.2,
+  /// clause 9.4.2.9.4). Errors: topic_not_covered, publish_not_allowed, those of the grant as
+  /// above.
   virtual Status check_create_datawriter(PermissionsHandle local, DomainId domain_id,
                                          const EndpointRequest& request) = 0;
   /// The same for a reader (DDS-Security 1.2, clause 9.4.2.9.5). Error instead:
   /// subscribe_not_allowed.
   virtual Status check_create_datareader(PermissionsHandle local, DomainId domain_id,
                                          const EndpointRequest& request) = 0;
-  /// May the local participant create the topic (DDS-Security 1.2, clause 9.4.2.9.6)? Yes if it may
-  /// publish or subscribe. Errors: topic_not_covered, topic_not_allowed, those of the grant as
-  /// above.
+  /// Checks whether the local participant may create the topic (DDS-Security 1.2,
+  /// clause 9.4.2.9.6). It may if it may publish or subscribe. Errors: topic_not_covered,
+  /// topic_not_allowed, those of the grant as above.
   virtual Status check_create_topic(PermissionsHandle local, DomainId domain_id,
                                     std::string_view topic_name) = 0;
 
-  /// May a peer join the domain (DDS-Security 1.2, clause 9.4.2.9.9)? Judged by the local
-  /// governance and the peer's own permissions, as are all checks of a peer. Errors:
+  /// Checks whether a peer may join the domain (DDS-Security 1.2, clause 9.4.2.9.9). The local
+  /// governance and the peer's own permissions decide, as in all checks of a peer. Errors:
   /// participant_not_allowed, peer_has_no_permissions, those of the grant as above.
   virtual Status check_remote_participant(PermissionsHandle remote, DomainId domain_id) = 0;
-  /// May a peer have the announced writer (DDS-Security 1.2, clause 9.4.2.9.10)? Errors:
-  /// length_out_of_range (names too long or too many partitions), topic_not_covered,
+  /// Checks whether a peer may have the announced writer (DDS-Security 1.2, clause 9.4.2.9.10).
+  /// Errors: length_out_of_range (names too long or too many partitions), topic_not_covered,
   /// announced_writer_not_allowed, peer_has_no_permissions, those of the grant as above.
   virtual Status check_remote_datawriter(PermissionsHandle remote, DomainId domain_id,
                                          const EndpointRequest& request) = 0;
@@ -107,29 +107,29 @@ class AccessControl {
   struct RemoteDatareader {
     bool is_relay_only = false;
   };
-  /// The same for a reader (DDS-Security 1.2, clause 9.4.2.9.11). `is_relay_only`: the reader is
-  /// allowed by a <relay> element only, so it must not get the payload key. Error instead:
+  /// The same for a reader (DDS-Security 1.2, clause 9.4.2.9.11). `is_relay_only` is true if only a
+  /// <relay> element allows the reader, so it must not get the payload key. Error instead:
   /// announced_reader_not_allowed.
   virtual Result<RemoteDatareader> check_remote_datareader(PermissionsHandle remote,
                                                            DomainId domain_id,
                                                            const EndpointRequest& request) = 0;
   /// A match for which cryptography is about to hand out keys.
   struct Match {
-    /// True: its writer, the local reader; false: its reader, the local writer.
+    /// True for the peer's writer and the local reader; false for its reader and the local writer.
     bool remote_writes;
-    EndpointRequest local;             ///< what the local endpoint requests
+    EndpointRequest local;             ///< the request of the local endpoint
     std::optional<GuidPrefix> remote;  ///< for the event only
-    bool remote_hides = false;         ///< MatchGate::Peer::hides_endpoints
+    bool remote_hides = false;         ///< see MatchGate::Peer::hides_endpoints
   };
-  /// May a peer have the keys of this match, whether or not the host asked about the peer's
-  /// endpoint? Yes if the peer announced an endpoint of that topic that was allowed, is still
-  /// allowed, and has partitions that meet those of the local endpoint; but not if it hides
-  /// endpoints, since the match may be with one of those. Otherwise the peer is judged as if it
+  /// Checks whether a peer may have the keys of this match, whether or not the host asked about the
+  /// peer's endpoint. It may if it announced an endpoint of that topic that was allowed, is still
+  /// allowed, and has partitions that meet those of the local endpoint. It may not if it hides
+  /// endpoints, because the match may be with one of those. Otherwise the peer is judged as if it
   /// were in the local endpoint's partitions. Once the local participant's permissions were
   /// renewed, they must allow the local endpoint, too. Errors: match_not_permitted; for the local
   /// endpoint publish_not_allowed or subscribe_not_allowed.
   virtual Status check_remote_match(PermissionsHandle remote, const Match& match) = 0;
-  /// May a peer create the topic (DDS-Security 1.2, clause 9.4.2.9.12)? Errors:
+  /// Checks whether a peer may create the topic (DDS-Security 1.2, clause 9.4.2.9.12). Errors:
   /// length_out_of_range, topic_not_covered, topic_not_allowed, peer_has_no_permissions, those of
   /// the grant as above.
   virtual Status check_remote_topic(PermissionsHandle remote, DomainId domain_id,
@@ -141,54 +141,55 @@ class AccessControl {
   /// Authentication::set_permissions_credential_and_token (DDS-Security 1.2, clause 9.4.2.9.18).
   virtual Result<Token> permissions_credential_token(PermissionsHandle local) = 0;
 
-  /// How often `expire` has taken renewed permissions of a local participant. When it has, the host
-  /// passes the new permissions_credential_token to authentication. 0 for any other handle.
+  /// The number of times that `expire` has taken renewed permissions of a local participant. When
+  /// it grows, the host passes the new permissions_credential_token to authentication. 0 for any
+  /// other handle.
   virtual std::uint64_t renewals(PermissionsHandle) { return 0; }
-  /// As check_create_datawriter (`writes`) or check_create_datareader, for an endpoint that exists:
-  /// no event is raised.
+  /// Checks an endpoint that exists, as check_create_datawriter (`writes`) or
+  /// check_create_datareader does. No event is raised.
   virtual Status check_own_endpoint(PermissionsHandle, bool /*writes*/, const EndpointRequest&) {
     return fail(Code::unknown_permissions_handle);
   }
 
-  /// A governance document: its revision (0: none) and the digest of its signed text.
+  /// A governance document: its revision (0 if it has none) and the digest of its signed text.
   struct GovernanceVersion {
     std::uint32_t revision = 0;
     Sha256Digest digest{};
     bool operator==(const GovernanceVersion&) const = default;
   };
-  /// The one in force. Empty for an unknown handle.
+  /// The version in force. Empty for an unknown handle.
   virtual std::optional<GovernanceVersion> governance_version(PermissionsHandle) { return {}; }
-  /// A document that `expire` has taken, and that protects topics in use more. It waits until the
-  /// host has changed the endpoints of these topics; until then the one in force decides
-  /// everything. Empty: none waits.
+  /// The version of a document that `expire` has taken, and that protects topics in use more. It
+  /// waits until the host has changed the endpoints of these topics. Until then the document in
+  /// force decides everything. Empty if none waits.
   virtual std::optional<GovernanceVersion> pending_governance(PermissionsHandle) { return {}; }
   /// The attributes of an endpoint of the topic under the pending document; if none waits, under
-  /// the document before the last one that waited. Empty: there is no such document, or it has no
-  /// rule for the topic.
+  /// the document before the last one that waited. Empty if there is no such document, or if it has
+  /// no rule for the topic.
   virtual std::optional<EndpointSecurityAttributes> other_attributes(PermissionsHandle,
                                                                      std::string_view) {
     return {};
   }
-  /// What an endpoint of the peer may do under the pending document. `writes`: the endpoint is a
-  /// DataWriter. Empty: it may not match, or no document waits.
+  /// The rights of an endpoint of the peer under the pending document. `writes` is true for a
+  /// DataWriter. Empty if it may not match, or if no document waits.
   virtual std::optional<RemoteDatareader> pending_permission(PermissionsHandle, bool /*writes*/,
                                                              const EndpointRequest&) {
     return {};
   }
-  /// From now on the document that waited is in force. Returns false, and does nothing, if that
-  /// version does not wait.
+  /// Puts the document that waited into force. Returns false, and does nothing, if that version
+  /// does not wait.
   virtual bool apply_pending_governance(PermissionsHandle, const GovernanceVersion&) {
     return false;
   }
 
-  /// What the governance demands of the participant (DDS-Security 1.2, clause 9.4.2.9.22).
+  /// The demands of the governance for the participant (DDS-Security 1.2, clause 9.4.2.9.22).
   virtual Result<ParticipantSecurityAttributes> participant_sec_attributes(
       PermissionsHandle local) = 0;
-  /// What the governance demands of a topic (DDS-Security 1.2, clause 9.4.2.9.23). Error:
+  /// The demands of the governance for a topic (DDS-Security 1.2, clause 9.4.2.9.23). Error:
   /// topic_not_covered.
   virtual Result<TopicSecurityAttributes> topic_sec_attributes(PermissionsHandle local,
                                                                std::string_view topic_name) = 0;
-  /// What the governance demands of a writer (DDS-Security 1.2, clause 9.4.2.9.24). Also answers
+  /// The demands of the governance for a writer (DDS-Security 1.2, clause 9.4.2.9.24). Also answers
   /// for the builtin secure topics (DDS-Security 1.2, clause 7.5.13). Error: topic_not_covered.
   virtual Result<EndpointSecurityAttributes> datawriter_sec_attributes(
       PermissionsHandle local, const EndpointRequest& request) = 0;
@@ -199,16 +200,18 @@ class AccessControl {
   /// Drops a handle. Error, without an event: unknown_permissions_handle.
   virtual Status return_permissions_handle(PermissionsHandle permissions) = 0;
 
-  /// When the next grant in use ends, or the certificate that signed it; empty if none does.
+  /// The time when the next grant in use ends, or the certificate that signed it; empty if none
+  /// does.
   virtual std::optional<WallTime> next_expiry() = 0;
   /// First takes other permissions CAs, a changed governance and renewed permissions of local
-  /// participants from the files that their properties name, if they have changed; no other call
-  /// reads files later on. Then raises the events for permissions that ended or whose CA has left
-  /// the file, and returns their handles, each once. The host then revokes them. As with
-  /// Authentication::expire, a local participant's handle is followed by those of its peers.
-  /// Excepted are peers for whose remote identity another local participant has permissions too: a
-  /// host that gives all its participants one remote identity (Cyclone DDS) can only remove such a
-  /// peer for all of them. `local`: only that handle and those of its peers. Nil: all.
+  /// participants from the files that their properties name, if these have changed. No other call
+  /// reads files later on. Then raises the events for permissions that ended or whose CA was
+  /// removed from the file, and returns their handles, each once. The host then revokes them. As
+  /// with Authentication::expire, a local participant's handle is followed by those of its peers.
+  /// An exception are peers for whose remote identity another local participant has permissions
+  /// too: a host that gives all its participants one remote identity (Cyclone DDS) can only remove
+  /// such a peer for all of them. If `local` is not nil, only that handle and those of its peers
+  /// are checked.
   virtual std::vector<PermissionsHandle> expire(PermissionsHandle local = {}) = 0;
 };
 

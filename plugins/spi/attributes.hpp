@@ -34,7 +34,7 @@ struct ParticipantSecurityAttributes {
   /// The ciphers that <allowed_crypto_algorithms> lists (DDS-Security 1.2); all if the element is
   /// missing.
   CipherMask allowed_ciphers = kAllCiphers;
-  /// True: keys are revised when a participant is no longer trusted (DDS-Security 1.2).
+  /// True if keys are revised when a participant is no longer trusted (DDS-Security 1.2).
   bool is_key_revision_enabled = false;
   /// True if every topic_rule demands protected discovery and the discovery protection kind is not
   /// NONE.
@@ -57,15 +57,16 @@ struct TopicSecurityAttributes {
 };
 
 /// EndpointSecurityAttributes (DDS-Security 1.2, clause 9.4.2.7). `submessage` is the metadata
-/// protection kind, `payload` the data protection kind (none, sign or encrypt). is_key_protected =
-/// payload encrypted.
+/// protection kind, `payload` the data protection kind (none, sign or encrypt). is_key_protected is
+/// true if the payload is encrypted.
 struct EndpointSecurityAttributes {
   TopicSecurityAttributes topic;
   ProtectionKind submessage = ProtectionKind::none;
   ProtectionKind payload = ProtectionKind::none;
   /// True for an endpoint of the middleware itself, not of the application.
   bool is_builtin = false;
-  /// Asked before a remote participant gets keys. Null: no check, because the host has asked.
+  /// Asked before a remote participant gets keys. If it is null, there is no check here, because
+  /// the host has asked.
   std::shared_ptr<const MatchGate> gate = {};
   bool operator==(const EndpointSecurityAttributes&) const = default;
 
@@ -100,8 +101,8 @@ std::optional<ParticipantSecurityAttributes> attributes_in(const SecurityInfo& i
 std::uint32_t plugin_mask(const ParticipantSecurityAttributes& attributes);
 std::uint32_t plugin_mask(const EndpointSecurityAttributes& attributes);
 
-/// What a host's attributes say about one kind of protection: the first is their boolean, the other
-/// two come from the plugin mask.
+/// The statement of a host's attributes about one kind of protection: the first is their boolean,
+/// the other two come from the plugin mask.
 struct ProtectionFlags {
   bool is_protected = false;
   bool is_encrypted = false;

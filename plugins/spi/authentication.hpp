@@ -32,15 +32,15 @@ inline bool refusal_passes(Code code) {
   return code == Code::too_many_remote_identities || code == Code::too_many_identities_of_subject;
 }
 
-/// One engine may serve several local identities. All state about a remote participant belongs to
-/// one pair of a local and a remote participant: handle, handshakes, shared secret and expiry.
+/// Authentication for one or several local identities. All state about a remote participant belongs
+/// to one pair of a local and a remote participant: handle, handshakes, shared secret and expiry.
 /// Nothing that happens to one pair affects another. Only verified documents are shared.
 ///
 /// Thread-safe. A call reads files in only two cases: validate_local_identity reads the configured
-/// files, and `expire` reads those of them that have changed: a revocation list, the identity
-/// CAs, the certificate and its key. No call does other I/O, waits, or calls back into the host.
-/// The host is responsible for retransmission: it sends the same token again. A refused message
-/// changes nothing: an honest message still succeeds afterwards.
+/// files, and `expire` reads those of them that have changed: a revocation list, the identity CAs,
+/// the certificate and its key. No call does other I/O, waits, or calls back into the host. The
+/// host is responsible for retransmission: it sends the same token again. A refused message changes
+/// nothing: an honest message still succeeds afterwards.
 ///
 /// Unless noted otherwise, a function that takes an identity handle fails with unknown_identity
 /// (never given out, returned, or of another local identity) or identity_ended (expired); after a
@@ -60,7 +60,8 @@ class Authentication {
     /// the same handle. Another local identity gets another handle, and is refused with this one.
     IdentityHandle handle;
     ValidationResult result;
-    /// To be sent as dds.sec.auth_request; empty if the peer's own auth request was passed in.
+    /// The token to send as dds.sec.auth_request; empty if the peer's own auth request was passed
+    /// in.
     std::optional<Token> local_auth_request;
   };
   /// A handshake after a step of it, and what the host has to do next.
@@ -69,9 +70,9 @@ class Authentication {
     ValidationResult result;
     std::optional<Token> message;  ///< to be sent to the peer
   };
-  /// What a host has to know of a handshake message before it spends work on it: what it is, and
-  /// which message of its own it answers. Nothing of it is judged. The views are into the message;
-  /// empty: missing.
+  /// The facts about a handshake message that a host needs before it spends work on it: its kind,
+  /// and the host's own message that it answers. Nothing of it is judged. The views are into the
+  /// message; a missing value is empty.
   struct Outline {
     enum class Kind : std::uint8_t { other, request, reply, final };
     Kind kind = Kind::other;
@@ -91,8 +92,9 @@ class Authentication {
   virtual Result<LocalIdentity> validate_local_identity(DomainId domain_id,
                                                         const PropertyList& properties,
                                                         const Guid& candidate_guid) = 0;
-  /// What discovery announces about the local identity (DDS-Security 1.2, clause 9.3.2.11.9).
-  /// `ciphers`: what the cryptography plugin of the same participant can decrypt.
+  /// The token that discovery announces for the local identity (DDS-Security 1.2,
+  /// clause 9.3.2.11.9). `ciphers` are those that the cryptography plugin of the same participant
+  /// can decrypt.
   virtual Result<Token> identity_token(IdentityHandle local,
                                        CipherMask ciphers = kStandardCiphers) = 0;
   /// A token of the identity class without properties (DDS-Security 1.2, clause 9.3.2.11.10).
@@ -115,8 +117,8 @@ class Authentication {
       IdentityHandle local, const std::optional<Token>& remote_auth_request,
       const Token& remote_identity_token, const Guid& remote_guid) = 0;
   /// Begins a handshake as the participant with the lower GUID (DDS-Security 1.2,
-  /// clause 9.3.2.11.4). `serialized_participant_data`: the local ParticipantBuiltinTopicData as a
-  /// big-endian parameter list. With the same data, while the reply is still missing, it returns
+  /// clause 9.3.2.11.4). `serialized_participant_data` is the local ParticipantBuiltinTopicData as
+  /// a big-endian parameter list. With the same data, while the reply is still missing, it returns
   /// the same handle and request. Errors: token_field_length (data empty or too long),
   /// handshake_role_wrong (the remote GUID is the lower), too_many_handshakes, those of
   /// pki::ChainVerifier::verify for the local certificate, internal.
@@ -142,8 +144,8 @@ class Authentication {
   virtual Result<HandshakeStep> process_handshake(HandshakeHandle handshake,
                                                   const Token& message) = 0;
 
-  /// Hosts leave the form of handshake messages to this function. It works on messages of either
-  /// side, raises no event and takes no lock.
+  /// The outline of a handshake message, so that hosts need not know its form. It works on messages
+  /// of either side, raises no event and takes no lock.
   virtual Outline outline(const Token& message) const = 0;
 
   /// The result of the key agreement (DDS-Security 1.2, clause 9.3.2.11.7). It may outlive the
@@ -158,30 +160,30 @@ class Authentication {
   /// ok_final_message, and for an unknown handle.
   virtual std::string authenticated_subject(HandshakeHandle) { return {}; }
 
-  // Renewed documents within a running session. DDS-Security has no such thing: without it, a
+  // Renewed documents within a running session. DDS-Security does not define this. Without it, a
   // session ends with the documents of its handshake. The host carries the two tokens over the
   // protected channel of the pair. All errors leave the session as it was.
 
   /// A token that shows the peer of a finished handshake the certificate and the permissions that
   /// the local identity presents now, signed with that certificate's key for this session alone.
-  /// Empty if the peer has them, or has been shown them kMaxOffers times. Errors, without an
+  /// Empty if the peer has them, or if they were offered kMaxOffers times. Errors, without an
   /// event: handshake_not_finished, those of pki::sign.
   virtual Result<std::optional<Token>> offer_renewal(HandshakeHandle) { return std::nullopt; }
-  /// Judges such a token of the peer and changes nothing. Returns what
-  /// AccessControl::renew_remote_permissions takes. Errors: handshake_not_finished, those of the
-  /// token's form, those of the peer's certificate, guid_not_bound_to_subject (another subject),
+  /// Judges such a token of the peer and changes nothing. Returns the credential for
+  /// AccessControl::renew_remote_permissions. Errors: handshake_not_finished, those of the token's
+  /// form, those of the peer's certificate, guid_not_bound_to_subject (another subject),
   /// signature_invalid.
   virtual Result<Token> judge_renewal(HandshakeHandle, const Token& /*offer*/) {
     return fail(Code::unknown_handshake);
   }
-  /// Judges it again. From now on the session ends with the renewed certificate. Returns the token
-  /// that tells the peer. Errors as of judge_renewal.
+  /// Judges such a token again. From then on the session ends with the renewed certificate. Returns
+  /// the token that informs the peer. Errors as of judge_renewal.
   virtual Result<Token> take_renewal(HandshakeHandle, const Token& /*offer*/) {
     return fail(Code::unknown_handshake);
   }
-  /// The peer has taken an offer: the session no longer ends with what the peer had seen before.
-  /// Returns what AccessControl::note_presented takes. Errors: those of the token's form,
-  /// unexpected_message (no such offer).
+  /// Notes that the peer has taken an offer: the session no longer ends with the documents that the
+  /// peer had seen before. Returns the facts for AccessControl::note_presented. Errors: those of
+  /// the token's form, unexpected_message (no such offer).
   virtual Result<SessionFacts> note_renewal_taken(HandshakeHandle, const Token& /*answer*/) {
     return fail(Code::unknown_handshake);
   }
@@ -192,21 +194,24 @@ class Authentication {
   /// all its remote ones. The caller need not return these any more. Error: unknown_identity.
   virtual Status return_identity_handle(IdentityHandle identity) = 0;
 
-  /// When the next certificate in use expires; empty if none does. The host calls `expire` at that
-  /// time, and once a second in any case: the clock may be set, or a certificate revoked or
-  /// renewed.
+  /// The time when the next certificate in use expires; empty if none does. The host calls `expire`
+  /// at that time, and also once a second, because the clock may be set, or a certificate may be
+  /// revoked or renewed.
   virtual std::optional<WallTime> next_expiry() = 0;
-  /// First takes other identity CAs of a local identity, and a renewed certificate: handshakes that
-  /// begin later go by them. A peer whose CA has left the file is revoked. Raises the events for
-  /// identities that expired or were revoked, and returns their handles, each once. A remote
-  /// identity expires also with the local certificate that it has seen, because the peer then ends
-  /// the session; after a renewal both sides authenticate again. The host then revokes them. A
-  /// local identity is followed by all its remote ones: a host may keep the writers of a
-  /// participant that it removed (Cyclone DDS does), and no peer may remain that receives from
-  /// them. `local`: only that identity and its remote ones, for a host that must not touch other
-  /// users of the engine. Nil: all.
+  /// First takes other identity CAs of a local identity, and a renewed certificate. Handshakes that
+  /// begin later use these. A peer whose CA was removed from the file is revoked. Raises the events
+  /// for identities that expired or were revoked, and returns their handles, each once. The host
+  /// then revokes them.
+  ///
+  /// A remote identity also expires with the local certificate that it has seen, because the peer
+  /// then ends the session; after a renewal both sides authenticate again. A local identity is
+  /// followed by all its remote ones: a host may keep the writers of a participant that it removed
+  /// (Cyclone DDS does), and no peer may remain that receives from them.
+  ///
+  /// If `local` is not nil, only that identity and its remote ones are checked, for a host that
+  /// must not touch other users of the engine.
   virtual std::vector<IdentityHandle> expire(IdentityHandle local = {}) = 0;
-  /// How often the same documents are offered to a peer that does not answer.
+  /// The number of times that the same documents are offered to a peer that does not answer.
   static constexpr int kMaxOffers = 3;
 };
 

@@ -1,4 +1,4 @@
-// For how long a step of the system's calendar is ignored (base/steady_calendar.hpp).
+// How long a step of the system's calendar is ignored (base/steady_calendar.hpp).
 #pragma once
 
 #include <chrono>
@@ -8,8 +8,8 @@
 namespace ddssec::spi {
 
 /// The value of `org.ddssec.clock_step_grace` in seconds, at most one hour;
-/// SteadyCalendar::kDefaultGrace if the property is missing. 0: a new calendar time counts at once.
-/// Error: invalid_property.
+/// SteadyCalendar::kDefaultGrace if the property is missing. With 0 a new calendar time counts at
+/// once. Error: invalid_property.
 Result<std::chrono::seconds> clock_step_grace(const PropertyList& properties);
 
 }  // namespace ddssec::spi

@@ -36,14 +36,14 @@ class CryptoKeyFactory {
  public:
   virtual ~CryptoKeyFactory() = default;
 
-  /// A local participant (DDS-Security 1.2, clause 9.5.1.8.1). Errors: invalid_property,
+  /// Registers a local participant (DDS-Security 1.2, clause 9.5.1.8.1). Errors: invalid_property,
   /// cipher_not_allowed (by the governance or the AEAD implementation),
   /// key_limits_without_revision.
   virtual Result<ParticipantCryptoHandle> register_local_participant(
       IdentityHandle identity, PermissionsHandle permissions, const PropertyList& properties,
       const ParticipantSecurityAttributes& attributes) = 0;
-  /// A remote participant that has authenticated with `local` (DDS-Security 1.2, clause 9.5.1.8.2).
-  /// The same remote identity handle always gets the same crypto handle.
+  /// Registers a remote participant that has authenticated with `local` (DDS-Security 1.2,
+  /// clause 9.5.1.8.2). The same remote identity handle always gets the same crypto handle.
   ///
   /// Authentication gives out one identity handle for each pair of a local and a remote
   /// participant, so the crypto handle belongs to the pair. A host with one remote identity for all
@@ -56,31 +56,31 @@ class CryptoKeyFactory {
   virtual Result<ParticipantCryptoHandle> register_matched_remote_participant(
       ParticipantCryptoHandle local, IdentityHandle remote_identity,
       PermissionsHandle remote_permissions, const SharedSecret& shared_secret) = 0;
-  /// A local writer (DDS-Security 1.2, clause 9.5.1.8.3). Errors: invalid_property,
+  /// Registers a local writer (DDS-Security 1.2, clause 9.5.1.8.3). Errors: invalid_property,
   /// cipher_not_allowed.
   virtual Result<DatawriterCryptoHandle> register_local_datawriter(
       ParticipantCryptoHandle participant, const PropertyList& properties,
       const EndpointSecurityAttributes& attributes) = 0;
-  /// A remote reader that matches a local writer (DDS-Security 1.2, clause 9.5.1.8.4). Errors:
-  /// crypto_not_matched (the two participants have no shared secret), those of MatchGate::check,
-  /// cipher_not_understood_by_peer, receiver_places_taken.
+  /// Registers a remote reader that matches a local writer (DDS-Security 1.2, clause 9.5.1.8.4).
+  /// Errors: crypto_not_matched (the two participants have no shared secret), those of
+  /// MatchGate::check, cipher_not_understood_by_peer, receiver_places_taken.
   virtual Result<DatareaderCryptoHandle> register_matched_remote_datareader(
       DatawriterCryptoHandle local_datawriter, ParticipantCryptoHandle remote_participant,
       const SharedSecret& shared_secret, bool is_relay_only) = 0;
-  /// A local reader (DDS-Security 1.2, clause 9.5.1.8.5). Errors as for a writer.
+  /// Registers a local reader (DDS-Security 1.2, clause 9.5.1.8.5). Errors as for a writer.
   virtual Result<DatareaderCryptoHandle> register_local_datareader(
       ParticipantCryptoHandle participant, const PropertyList& properties,
       const EndpointSecurityAttributes& attributes) = 0;
-  /// A remote writer that matches a local reader (DDS-Security 1.2, clause 9.5.1.8.6). Errors as
-  /// for a remote reader.
+  /// Registers a remote writer that matches a local reader (DDS-Security 1.2, clause 9.5.1.8.6).
+  /// Errors as for a remote reader.
   virtual Result<DatawriterCryptoHandle> register_matched_remote_datawriter(
       DatareaderCryptoHandle local_datareader, ParticipantCryptoHandle remote_participant,
       const SharedSecret& shared_secret) = 0;
 
-  /// What this plugin can decrypt, for discovery to announce.
+  /// The ciphers that this plugin can decrypt, for discovery to announce.
   virtual CipherMask supported_ciphers() const = 0;
-  /// What discovery announces for the participant: what it can decrypt, and what a peer must be
-  /// able to decrypt to understand it.
+  /// The ciphers that discovery announces for the participant: those that it can decrypt, and those
+  /// that a peer must be able to decrypt to understand it.
   virtual Result<SymmetricCipherInfo> cipher_info(ParticipantCryptoHandle local) = 0;
   /// The cipher of a local endpoint's keys.
   virtual Result<CipherMask> required_ciphers(DatawriterCryptoHandle local) = 0;
@@ -94,7 +94,7 @@ class CryptoKeyFactory {
   /// Makes keys of the next revision for a local participant and all its endpoints except the
   /// volatile ones (DDS-Security 1.2, clause 9.5.1.8.7). Keys that only one receiver has stay as
   /// they are. Nothing is encoded with the new keys before activate_key_revision. Returns the new
-  /// revision, or 0 if the governance does not enable key revision: then nothing was done. Error:
+  /// revision, or 0 if the governance does not enable key revision, and nothing was done. Error:
   /// key_revision_out_of_turn (the previous revision is not activated yet).
   virtual Result<KeyRevision> revise_local_entity_keys(ParticipantCryptoHandle local) = 0;
   /// From now on, encodes everything with the keys that revise_local_entity_keys made, and wipes
@@ -144,28 +144,29 @@ class CryptoKeyExchange {
  public:
   virtual ~CryptoKeyExchange() = default;
 
-  /// DDS-Security 1.2, clause 9.5.1.9.1. Stage `in_use`: always exactly one token.
+  /// The tokens of a participant (DDS-Security 1.2, clause 9.5.1.9.1). With stage `in_use` there is
+  /// always exactly one token.
   virtual Result<std::vector<Token>> create_local_participant_crypto_tokens(
       ParticipantCryptoHandle local, ParticipantCryptoHandle remote,
       KeyStage stage = KeyStage::in_use) = 0;
-  /// DDS-Security 1.2, clause 9.5.1.9.2.
+  /// Sets the tokens of a participant (DDS-Security 1.2, clause 9.5.1.9.2).
   virtual Status set_remote_participant_crypto_tokens(ParticipantCryptoHandle local,
                                                       ParticipantCryptoHandle remote,
                                                       std::span<const Token> tokens) = 0;
-  /// DDS-Security 1.2, clause 9.5.1.9.3. The token for submessages comes before the one for
-  /// payloads.
+  /// The tokens of a writer (DDS-Security 1.2, clause 9.5.1.9.3). The token for submessages comes
+  /// before the one for payloads.
   virtual Result<std::vector<Token>> create_local_datawriter_crypto_tokens(
       DatawriterCryptoHandle local, DatareaderCryptoHandle remote,
       KeyStage stage = KeyStage::in_use) = 0;
-  /// DDS-Security 1.2, clause 9.5.1.9.4.
+  /// Sets the tokens of a writer (DDS-Security 1.2, clause 9.5.1.9.4).
   virtual Status set_remote_datawriter_crypto_tokens(DatareaderCryptoHandle local,
                                                      DatawriterCryptoHandle remote,
                                                      std::span<const Token> tokens) = 0;
-  /// DDS-Security 1.2, clause 9.5.1.9.5.
+  /// The tokens of a reader (DDS-Security 1.2, clause 9.5.1.9.5).
   virtual Result<std::vector<Token>> create_local_datareader_crypto_tokens(
       DatareaderCryptoHandle local, DatawriterCryptoHandle remote,
       KeyStage stage = KeyStage::in_use) = 0;
-  /// DDS-Security 1.2, clause 9.5.1.9.6.
+  /// Sets the tokens of a reader (DDS-Security 1.2, clause 9.5.1.9.6).
   virtual Status set_remote_datareader_crypto_tokens(DatawriterCryptoHandle local,
                                                      DatareaderCryptoHandle remote,
                                                      std::span<const Token> tokens) = 0;
@@ -183,7 +184,7 @@ struct SecureSubmessage {
 };
 
 /// The largest number of octets that protection adds to a payload, a submessage or a message:
-/// prefix, length, padding, footer, INFO_SRC. `receivers`: 0 without origin authentication.
+/// prefix, length, padding, footer, INFO_SRC. `receivers` is 0 without origin authentication.
 constexpr std::size_t protection_overhead(std::size_t receivers) { return 112 + 20 * receivers; }
 
 /// Encodes and decodes (DDS-Security 1.2, clause 9.5.1.10). Thread-safe. Threads do not wait for
@@ -218,24 +219,24 @@ class CryptoTransform {
  public:
   virtual ~CryptoTransform() = default;
 
-  /// DDS-Security 1.2, clause 9.5.1.10.1. `plain` is at most 2^32 - 1 octets.
+  /// Encodes a payload (DDS-Security 1.2, clause 9.5.1.10.1). `plain` is at most 2^32 - 1 octets.
   virtual Result<std::size_t> encode_serialized_payload(DatawriterCryptoHandle sender,
                                                         BytesView plain, MutableBytes out) = 0;
-  /// DDS-Security 1.2, clause 9.5.1.10.2.
+  /// Encodes a submessage of a writer (DDS-Security 1.2, clause 9.5.1.10.2).
   virtual Result<std::size_t> encode_datawriter_submessage(
       DatawriterCryptoHandle sender, std::span<const DatareaderCryptoHandle> receivers,
       BytesView plain, MutableBytes out) = 0;
-  /// DDS-Security 1.2, clause 9.5.1.10.3.
+  /// Encodes a submessage of a reader (DDS-Security 1.2, clause 9.5.1.10.3).
   virtual Result<std::size_t> encode_datareader_submessage(
       DatareaderCryptoHandle sender, std::span<const DatawriterCryptoHandle> receivers,
       BytesView plain, MutableBytes out) = 0;
-  /// DDS-Security 1.2, clause 9.5.1.10.4.
+  /// Encodes a message (DDS-Security 1.2, clause 9.5.1.10.4).
   virtual Result<std::size_t> encode_rtps_message(
       ParticipantCryptoHandle sender, std::span<const ParticipantCryptoHandle> receivers,
       BytesView plain, MutableBytes out) = 0;
 
-  /// DDS-Security 1.2, clause 9.5.1.10.5. Errors also: info_source_missing, info_source_mismatch
-  /// (the RTPS header names another source than the protected INFO_SRC).
+  /// Decodes a message (DDS-Security 1.2, clause 9.5.1.10.5). Errors also: info_source_missing,
+  /// info_source_mismatch (the RTPS header names another source than the protected INFO_SRC).
   virtual Result<std::size_t> decode_rtps_message(ParticipantCryptoHandle receiver,
                                                   ParticipantCryptoHandle sender, BytesView encoded,
                                                   MutableBytes out) = 0;
@@ -246,16 +247,19 @@ class CryptoTransform {
   virtual Result<SecureSubmessage> preprocess_secure_submessage(ParticipantCryptoHandle receiver,
                                                                 ParticipantCryptoHandle sender,
                                                                 BytesView encoded) = 0;
-  /// DDS-Security 1.2, clause 9.5.1.10.7. Errors also: submessage_not_of_sender,
-  /// key_exchange_reflected (the local participant's own message came back).
+  /// Decodes a submessage of a writer (DDS-Security 1.2, clause 9.5.1.10.7). Errors also:
+  /// submessage_not_of_sender, key_exchange_reflected (the local participant's own message came
+  /// back).
   virtual Result<std::size_t> decode_datawriter_submessage(DatareaderCryptoHandle receiver,
                                                            DatawriterCryptoHandle sender,
                                                            BytesView encoded, MutableBytes out) = 0;
-  /// DDS-Security 1.2, clause 9.5.1.10.8. Errors as for a writer's submessage.
+  /// Decodes a submessage of a reader (DDS-Security 1.2, clause 9.5.1.10.8). Errors as for a
+  /// writer's submessage.
   virtual Result<std::size_t> decode_datareader_submessage(DatawriterCryptoHandle receiver,
                                                            DatareaderCryptoHandle sender,
                                                            BytesView encoded, MutableBytes out) = 0;
-  /// DDS-Security 1.2, clause 9.5.1.10.9. Error also: receiver_specific_macs_not_allowed.
+  /// Decodes a payload (DDS-Security 1.2, clause 9.5.1.10.9). Error also:
+  /// receiver_specific_macs_not_allowed.
   virtual Result<std::size_t> decode_serialized_payload(DatareaderCryptoHandle receiver,
                                                         DatawriterCryptoHandle sender,
                                                         BytesView encoded, MutableBytes out) = 0;

@@ -11,33 +11,33 @@
 
 namespace ddssec::spi {
 
-/// How many days before an end to warn, the most first; empty: never.
+/// The numbers of days before an end at which to warn, the largest first; empty for no warnings.
 using WarningDays = std::vector<std::chrono::days>;
 
-/// What `org.ddssec.warn_before_end` says: up to eight numbers of days from 1 to 3650, separated by
-/// commas, or 0 for no warnings. Without the property: 30, 7 and 1. Error: invalid_property.
+/// The value of `org.ddssec.warn_before_end`: up to eight numbers of days from 1 to 3650, separated
+/// by commas, or 0 for no warnings. Without the property: 30, 7 and 1. Error: invalid_property.
 Result<WarningDays> warning_days(const PropertyList& properties);
 
-/// Says when a warning about one thing that ends is due. Not thread-safe.
+/// Tells when a warning about one thing that ends is due. Not thread-safe.
 class EndWarning {
  public:
   explicit EndWarning(WarningDays days) : days_(std::move(days)) {}
 
-  /// True once for each of the days before `end`, and again for another `end`. Of several days that
-  /// have passed, only the last one counts. A day that lies in the first two thirds of the time
-  /// from `begin` to `end` does not count: what is meant to live for a week is not about to end
-  /// when it begins. If none counts, the validity is that short: the last sixth of it takes their
-  /// place. False after the end, which has its own error. Needs no memory.
+  /// True once for each of the days before `end`, and again for another `end`. If several days have
+  /// passed, only the last one counts. A day in the first two thirds of the time from `begin` to
+  /// `end` does not count: a document that is valid for a week is not about to end when it begins.
+  /// If no day counts because the validity is so short, a warning is due in its last sixth instead.
+  /// False after the end, which has its own error. Needs no memory.
   bool is_due(WallTime begin, WallTime end, WallTime now);
 
  private:
   WarningDays days_;
-  std::optional<WallTime> end_;                ///< of what was asked about last
-  std::optional<std::chrono::days> last_day_;  ///< for which it was due
+  std::optional<WallTime> end_;                ///< the end of the last question
+  std::optional<std::chrono::days> last_day_;  ///< the last day for which a warning was due
 };
 
-/// For the "found" of a warning: "2026-12-04T03:00:00Z, in 6 days"; in hours, minutes or seconds if
-/// there is no whole day left.
+/// The text for the "found" of a warning: "2026-12-04T03:00:00Z, in 6 days"; in hours, minutes or
+/// seconds if there is no whole day left.
 std::string in_time(WallTime end, WallTime now);
 
 }  // namespace ddssec::spi

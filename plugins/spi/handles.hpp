@@ -6,8 +6,8 @@
 
 namespace ddssec::spi {
 
-/// Opaque; 0 is nil. Handles of different kinds do not convert into one another. A plugin refuses a
-/// handle that it never gave out or that was returned, as far as it can detect that.
+/// An opaque value; 0 is nil. Handles of different kinds do not convert into one another. A plugin
+/// refuses a handle that it never gave out or that was returned, as far as it can detect that.
 template <class Tag>
 struct Handle {
   std::int64_t value = 0;

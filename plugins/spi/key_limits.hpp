@@ -12,7 +12,7 @@ namespace ddssec::spi {
 inline constexpr std::chrono::seconds kMinKeyLifetime{20};
 inline constexpr std::chrono::seconds kMaxKeyLifetime{std::chrono::hours(24 * 365)};
 
-/// In both fields, 0 means no limit.
+/// The limits. In both fields, 0 means no limit.
 struct KeyLimits {
   std::chrono::seconds lifetime{0};
   std::uint64_t blocks = 0;  ///< blocks of 16 octets protected with one key

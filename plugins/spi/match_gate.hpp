@@ -9,20 +9,21 @@
 
 namespace ddssec::spi {
 
-/// Cryptography calls `check` at every match, whatever the peer announced and the host asked
-/// before. Thread-safe. Lives as long as the endpoint.
+/// Decides about matches. Cryptography calls `check` at every match, whatever the peer announced
+/// and whatever the host asked before. Thread-safe. Lives as long as the endpoint.
 class MatchGate {
  public:
   virtual ~MatchGate() = default;
 
   /// The remote side of a match.
   struct Peer {
-    PermissionsHandle permissions;  ///< of the remote participant
-    /// Of the remote participant; empty if authentication did not provide it.
+    PermissionsHandle permissions;  ///< handle for the remote participant
+    /// The prefix of the remote participant; empty if authentication did not provide it.
     std::optional<GuidPrefix> prefix;
-    bool writes;  ///< true: its writer, the local reader; false: its reader, the local writer
-    /// It has announced a writer (a reader) without saying how that is protected: the match may be
-    /// with an endpoint that the host never asked about.
+    /// True for its writer and the local reader; false for its reader and the local writer.
+    bool writes;
+    /// True if it has announced a writer (a reader) without saying how that is protected. The match
+    /// may then be with an endpoint that the host never asked about.
     bool hides_endpoints = false;
   };
   /// Success if the peer may have the keys. Errors: keys_not_permitted, after an event that names

@@ -1,4 +1,4 @@
-// What the OCSP response of a peer means: the property org.ddssec.auth.ocsp.
+// The meaning of a peer's OCSP response: the property org.ddssec.auth.ocsp.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,9 @@
 namespace ddssec::spi {
 
 enum class OcspPolicy : std::uint8_t {
-  ignore,  ///< a response is not looked into
+  ignore,  ///< responses are not read
   soft,    ///< "revoked" counts; no response, or one that cannot be used, has no effect
-  hard,    ///< the peer must send a response that says "good"
+  hard,    ///< the peer must send a response with the status "good"
 };
 
 /// The value of `org.ddssec.auth.ocsp`; soft without it. Error: invalid_property.

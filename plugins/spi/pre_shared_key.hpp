@@ -14,7 +14,7 @@ namespace ddssec::spi {
 /// The inputs from which the keys are derived. Borrowed for the call.
 struct PreSharedKeyRequest {
   const PropertyList& properties;
-  /// Of these, rtps_psk (sign or encrypt) and allowed_ciphers count.
+  /// The attributes of the participant. Only rtps_psk (sign or encrypt) and allowed_ciphers count.
   const ParticipantSecurityAttributes& attributes;
   DomainId domain_id;
   std::string_view domain_tag;
@@ -31,15 +31,15 @@ class PreSharedKeys {
   /// Encodes one RTPS message under the first passphrase and returns the octets written. Errors:
   /// plaintext_malformed, length_out_of_range, session_ids_exhausted, random_failed, internal.
   virtual Result<std::size_t> encode(BytesView plain, MutableBytes out) = 0;
-  /// True if the keys of the sender are already derived. False: decoding costs a key derivation,
+  /// True if the keys of the sender are already derived. If false, decoding costs a key derivation,
   /// which any sender can cause.
   virtual bool remembers(BytesView encoded) const = 0;
   /// Decodes one RTPS message under the passphrase that it names and returns the octets written.
   /// Errors: psk_passphrase_unknown, those of CryptoTransform::decode_rtps_message.
   virtual Result<std::size_t> decode(BytesView encoded, MutableBytes out) = 0;
   /// Reads the passphrases again if their files may have changed. Call it about once a second.
-  /// Events: psk_passphrases_changed; psk_passphrases_kept if the new ones cannot be used: then the
-  /// former ones stay in use.
+  /// Events: psk_passphrases_changed; psk_passphrases_kept if the new ones cannot be used, so that
+  /// the former ones stay in use.
   virtual void refresh() = 0;
 };
 

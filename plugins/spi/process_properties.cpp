@@ -11,7 +11,7 @@
 namespace ddssec::spi {
 namespace {
 
-// Cyclone DDS's core cannot protect messages before authentication.
+// These need protection before authentication, which Cyclone DDS's core does not support.
 constexpr std::string_view kOfPreSharedKeys[] = {
     property::kPskPassphrase, property::kPskExtraPassphrases, property::kPskCipher};
 

@@ -11,7 +11,7 @@ namespace ddssec::spi {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
-// Some editors put this before the first line of a UTF-8 text.
+// The octets that some editors put before the first line of a UTF-8 text.
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 // The largest edit distance at which a known name is proposed.
 constexpr std::size_t kMaxDifferences = 3;
@@ -98,7 +98,7 @@ Result<PropertyList> read_property_file(const std::filesystem::path& path) {
   auto octets = load_secret_octets("file://" + name, name, kMaxPropertyFileOctets);
   if (!octets && octets.error().code() == Code::item_empty) return PropertyList{};
   if (!octets) return std::unexpected(std::move(octets).error());
-  const Rollback at_the_end([&] { wipe(*octets); });  // a value may be a passphrase
+  const Rollback at_the_end([&] { wipe(*octets); });  // A value may be a passphrase.
   auto properties = parse_properties(as_text(*octets));
   if (!properties) return std::unexpected(properties.error().in(name));
   return properties;

@@ -19,8 +19,8 @@ inline constexpr std::size_t kMaxPropertyFileOctets = 64 * 1024;
 /// character).
 Result<PropertyList> parse_properties(std::string_view text);
 
-/// The properties of a file of at most kMaxPropertyFileOctets; none if it is empty. Errors: those
-/// of parse_properties, file_not_found, file_unreadable, file_too_large.
+/// Reads the properties of a file of at most kMaxPropertyFileOctets; none if it is empty. Errors:
+/// those of parse_properties, file_not_found, file_unreadable, file_too_large.
 Result<PropertyList> read_property_file(const std::filesystem::path& path);
 
 }  // namespace ddssec::spi

@@ -11,83 +11,88 @@ inline constexpr std::string_view kIdentityCertificate = "dds.sec.auth.identity_
 inline constexpr std::string_view kPrivateKey = "dds.sec.auth.private_key";
 inline constexpr std::string_view kPassword = "dds.sec.auth.password";
 inline constexpr std::string_view kTrustedCaDir = "dds.sec.auth.trusted_ca_dir";
-/// Cyclone DDS's name; rmw_cyclonedds sets it too.
+/// The name in Cyclone DDS; rmw_cyclonedds sets it too.
 inline constexpr std::string_view kCrl = "org.eclipse.cyclonedds.sec.auth.crl";
-/// Ours: a list that need not be there yet when the participant is made.
+/// Specific to ddssec: a revocation list that need not exist yet when the participant is created.
 inline constexpr std::string_view kLaterCrl = "org.ddssec.auth.later_crl";
-/// Ours: what a peer's OCSP response means: "ignore", "soft" or "hard".
+/// Specific to ddssec: the meaning of a peer's OCSP response: "ignore", "soft" or "hard".
 inline constexpr std::string_view kOcsp = "org.ddssec.auth.ocsp";
-/// Ours: the file with our own OCSP response (DER), which need not be there yet when the
-/// participant is made.
+/// Specific to ddssec: the file with our own OCSP response (DER), which need not exist yet when the
+/// participant is created.
 inline constexpr std::string_view kOcspResponse = "org.ddssec.auth.ocsp_response";
 
-/// Ours: seconds between looks at the files that a running participant reads again when they were
-/// changed; 0: never.
+/// Specific to ddssec: seconds between checks of the files that a running participant reads again
+/// when they have changed; 0 means never.
 inline constexpr std::string_view kFilesPollInterval = "org.ddssec.files_poll_interval";
 
-/// Ours: the file with renewed certificates and permissions of peers, which need not be there yet
-/// when the participant is made.
+/// Specific to ddssec: the file with renewed certificates and permissions of peers, which need not
+/// exist yet when the participant is created.
 inline constexpr std::string_view kRenewalList = "org.ddssec.renewal_list";
 
-/// Ours, of embedded participants: seconds for which peers with the former governance are accepted
-/// while a document with more protection is introduced.
+/// Specific to embedded participants: seconds for which peers with the former governance are
+/// accepted while a document with more protection is introduced.
 inline constexpr std::string_view kGovernanceChangeTime = "org.ddssec.governance_change_time";
 
-/// Ours, of embedded participants: "on" lets large samples go to readers of other processes through
-/// shared memory (shared_memory.hpp).
+/// Specific to embedded participants: "on" lets large samples go to readers of other processes
+/// through shared memory (shared_memory.hpp).
 inline constexpr std::string_view kSharedMemory = "org.ddssec.shm";
-/// Ours: "true" lets payloads stand in shared memory unencrypted although messages or submessages
-/// are encrypted.
+/// Specific to ddssec: "true" lets payloads be in shared memory unencrypted although messages or
+/// submessages are encrypted.
 inline constexpr std::string_view kTrustKernel = "org.ddssec.shm.trust_kernel";
-/// Ours: limit for the shared memory that a participant makes, in octets.
+/// Specific to ddssec: limit for the shared memory that a participant creates, in octets.
 inline constexpr std::string_view kMaxSharedOctets = "org.ddssec.shm.max_octets";
-/// Ours: "true" lets samples go through shared memory to processes of other users, too.
+/// Specific to ddssec: "true" lets samples go through shared memory to processes of other users,
+/// too.
 inline constexpr std::string_view kSharedWithOtherUsers = "org.ddssec.shm.other_users";
 
-/// Ours: seconds for which a calendar that was set while participants run is not believed; 0: it
-/// counts at once.
+/// Specific to ddssec: seconds for which a calendar that was set while participants run is not
+/// trusted; with 0 it counts at once.
 inline constexpr std::string_view kClockStepGrace = "org.ddssec.clock_step_grace";
 
-/// Ours: how many days before the participant's certificate, its revocation list or its permissions
-/// end to warn, "30,7,1"; 0: never.
+/// Specific to ddssec: numbers of days before the end of the participant's certificate, its
+/// revocation list or its permissions at which to warn, "30,7,1"; 0 means never.
 inline constexpr std::string_view kWarnBeforeEnd = "org.ddssec.warn_before_end";
 
-/// Ours, in the IdentityToken: ciphers that are not the standard's.
+/// Specific to ddssec, in the IdentityToken: ciphers that are not in the standard.
 inline constexpr std::string_view kAnnouncedCiphers = "org.ddssec.symmetric_ciphers";
 
 // DDS-Security 1.2, clause 10.4.1
 inline constexpr std::string_view kPermissionsCa = "dds.sec.access.permissions_ca";
 inline constexpr std::string_view kGovernance = "dds.sec.access.governance";
 inline constexpr std::string_view kPermissions = "dds.sec.access.permissions";
-/// Ours, of a participant, writer or reader in Cyclone DDS: "true" lets its protected samples pass
-/// through shared memory, where every process of the machine that may open it reads them.
+/// Specific to ddssec, for a participant, writer or reader in Cyclone DDS: "true" lets its
+/// protected samples pass through shared memory, where every process of the machine that may open
+/// it can read them.
 inline constexpr std::string_view kAllowSharedMemory = "org.ddssec.access.allow_shared_memory";
 
 // Cryptography
 inline constexpr std::string_view kKeySize = "dds.sec.crypto.keysize";
-/// Of a writer's or reader's keys; of a participant, for its user endpoints (DDS-Security 1.2).
+/// The cipher of a writer's or reader's keys; of a participant: the one for its user endpoints
+/// (DDS-Security 1.2).
 inline constexpr std::string_view kSymmetricCipher = "dds.sec.crypto.symmetric_cipher_algorithm";
-/// Ours: of a participant's protected messages and builtin endpoints; AES unless asked for.
+/// Specific to ddssec: the cipher of a participant's protected messages and builtin endpoints; AES
+/// unless another one is requested.
 inline constexpr std::string_view kMessageCipher =
     "org.ddssec.crypto.message_symmetric_cipher_algorithm";
-// DDS-Security 1.2, clause 10.5.1: of a domain's pre-shared keys. ID:PASSPHRASE, by file: or data:.
+// The passphrase of a domain's pre-shared keys (DDS-Security 1.2, clause 10.5.1), ID:PASSPHRASE, by
+// file: or data:.
 inline constexpr std::string_view kPskPassphrase = "dds.sec.crypto.rtps_psk_secret_passphrase";
-/// A line each: accepted besides, while passphrases are changed.
+/// Further passphrases, one per line, that are accepted while passphrases are changed.
 inline constexpr std::string_view kPskExtraPassphrases =
     "dds.sec.crypto.rtps_psk_secret_passphrase_extra";
 inline constexpr std::string_view kPskCipher = "dds.sec.crypto.rtps_psk_symmetric_cipher_algorithm";
-/// Ours: how long (seconds) and for how much (blocks of 16 octets) keys are used before a
-/// participant revises them; 0: no limit. Only where the governance enables key revision.
+/// Specific to ddssec: how long (seconds) and for how much (blocks of 16 octets) keys are used
+/// before a participant revises them; 0 means no limit. They require a governance that enables key
+/// revision.
 inline constexpr std::string_view kKeyLifetime = "org.ddssec.crypto.key_lifetime";
 inline constexpr std::string_view kMaxBlocksPerKey = "org.ddssec.crypto.max_blocks_per_key";
-/// Ours, in Cyclone DDS: "true" passes type information of peers to its core, which any of them can
-/// end by it.
+/// Specific to ddssec, in Cyclone DDS: "true" passes type information of peers to its core. Any
+/// peer can crash the core by it.
 inline constexpr std::string_view kTrustTypeInformation =
     "org.ddssec.crypto.trust_type_information";
 inline constexpr std::string_view kBuiltinEndpointName = "dds.sec.builtin_endpoint_name";
 
-/// Every property that configures a participant, and so every name that a file of properties may
-/// hold.
+/// All properties that configure a participant. A file of properties may contain only these names.
 inline constexpr std::string_view kOfParticipants[] = {kIdentityCa,
                                                        kIdentityCertificate,
                                                        kPrivateKey,

@@ -8,7 +8,7 @@
 namespace ddssec::spi {
 namespace {
 
-// As a pki::ParticipantFolder has it.
+// The name in a pki::ParticipantFolder.
 constexpr std::string_view kUsualName = "renewed.pem";
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Where a participant's renewal list may be.
+// The places where a participant's renewal list may be.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
-// What authentication knows of a finished handshake, and access control needs. Both plugins
-// exchange it in the credential token of the peer, inside one process. It is never sent.
+// The facts about a finished handshake that authentication knows and access control needs. Both
+// plugins exchange them in the credential token of the peer, inside one process. They are never
+// sent.
 #pragma once
 
 #include <optional>
@@ -17,12 +18,12 @@ struct SessionFacts {
   /// True if the peer's product judges documents only during the handshake. So it keeps the session
   /// when the documents that it has seen end.
   bool peer_keeps_session = false;
-  /// True if the peer is of ddssec, and so may have a renewal list.
+  /// True if the peer runs ddssec and so may have a renewal list.
   bool peer_reads_lists = false;
 };
 
-/// Adds the facts to a token as properties that do not propagate. Their values are text: Cyclone
-/// DDS has only such in this token.
+/// Adds the facts to a token as properties that do not propagate. Their values are text, because
+/// Cyclone DDS supports only text in this token.
 void add_session_facts(Token& credential, const SessionFacts& facts);
 /// The facts in a token. Missing or malformed ones have the values of a default SessionFacts.
 SessionFacts session_facts_in(const Token& credential);

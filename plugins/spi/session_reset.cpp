@@ -22,7 +22,7 @@ constexpr std::size_t kResetSize = kTokenAt + kTokenSize + 4 + kFooterSize;
 
 void write_submessage_header(Writer& writer, std::uint8_t id, std::uint16_t length) {
   writer.write(id);
-  writer.write(std::uint8_t{0});  // big endian
+  writer.write(std::uint8_t{0});  // for big endian
   writer.write(length);
 }
 

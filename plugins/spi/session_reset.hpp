@@ -18,7 +18,8 @@
 
 namespace ddssec::spi {
 
-/// Identifies the session to the receiver. Not secret, but unpredictable without the shared secret.
+/// Identifies the session to the receiver. It is not secret, but unpredictable without the shared
+/// secret.
 using ResetName = std::array<std::uint8_t, 16>;
 using ResetProof = Secret<struct ResetProofTag, 32>;
 

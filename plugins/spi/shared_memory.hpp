@@ -1,4 +1,4 @@
-// Whether samples may go through shared memory.
+// The properties that decide whether samples may go through shared memory.
 #pragma once
 
 #include "plugins/spi/token.hpp"
@@ -7,12 +7,12 @@ namespace ddssec::spi {
 
 struct SharedMemory {
   bool is_on = false;
-  /// The kernel of this machine may see payloads of which only messages or submessages are
+  /// True if the kernel of this machine may see payloads of which only messages or submessages are
   /// encrypted.
   bool trusts_kernel = false;
-  /// Limit for the memory that a participant makes.
+  /// The limit for the memory that a participant creates.
   std::size_t max_octets = std::size_t{256} << 20;
-  /// Processes of other users take part.
+  /// True if processes of other users take part.
   bool with_other_users = false;
   bool operator==(const SharedMemory&) const = default;
 };

@@ -1,4 +1,4 @@
-// What authentication passes to cryptography for one pair of participants.
+// The data that authentication passes to cryptography for one pair of participants.
 #pragma once
 
 #include <array>
@@ -30,11 +30,11 @@ struct SharedSecret {
   std::optional<GuidPrefix> peer_prefix = {};
   /// The local participant's GUID prefix. Empty with another vendor's authentication.
   std::optional<GuidPrefix> own_prefix = {};
-  /// BuiltinEndpointSet_t of the authenticated peer, as its signed handshake message states; 0:
-  /// unknown.
+  /// BuiltinEndpointSet_t of the authenticated peer, as its signed handshake message states; 0 if
+  /// it is unknown.
   std::uint32_t peer_builtin_endpoints = 0;
-  /// Where the authenticated peer receives discovery traffic, as its signed handshake message
-  /// states.
+  /// The addresses at which the authenticated peer receives discovery traffic, as its signed
+  /// handshake message states.
   std::vector<UdpAddress> peer_addresses = {};
 };
 

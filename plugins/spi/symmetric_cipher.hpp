@@ -16,8 +16,8 @@ inline constexpr CipherMask kAes128Bit = 0x00000001;
 inline constexpr CipherMask kAes256Bit = 0x00000002;
 /// The ciphers that every DDS-Security participant supports, announced or not.
 inline constexpr CipherMask kStandardCiphers = kAes128Bit | kAes256Bit;
-/// From the vendor-specific range. It has this meaning only for peers that are identified by other
-/// means.
+/// A bit from the vendor-specific range. It has this meaning only for peers that are identified by
+/// other means.
 inline constexpr CipherMask kChaCha20Poly1305Bit = 0x00010000;
 inline constexpr CipherMask kAllCiphers = kStandardCiphers | kChaCha20Poly1305Bit;
 
@@ -34,7 +34,7 @@ std::string names_of(CipherMask mask);
 /// The ciphers named in such a list; unknown names are skipped.
 CipherMask ciphers_in(std::string_view names);
 
-/// What a participant announces about its symmetric ciphers
+/// The announcement of a participant about its symmetric ciphers
 /// (PID_PARTICIPANT_SECURITY_SYMMETRIC_CIPHER_ALGORITHM_INFO). A receiver must support the ciphers
 /// of a `required` mask to decrypt this participant's traffic.
 struct SymmetricCipherInfo {

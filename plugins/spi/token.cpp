@@ -18,7 +18,7 @@ void write_propagated(Writer& writer, const List& list, WriteValue&& write_value
   }
 }
 
-// A property has at least two length fields: the smallest size that bounds a count.
+// A property has at least two length fields. This smallest size bounds a count.
 constexpr std::size_t kMinPropertySize = 8;
 
 Result<std::uint32_t> read_property_count(Reader& reader) {

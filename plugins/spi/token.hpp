@@ -42,7 +42,7 @@ struct Token {
   bool operator==(const Token&) const = default;
 };
 
-/// The value of the first binary property with that name, or nullptr. Owned by `token`.
+/// The value of the first binary property with that name, or nullptr. It is owned by `token`.
 const Bytes* find_binary_property(const Token& token, std::string_view name);
 
 /// Limits for tokens that a peer sends. A larger number is refused before anything is allocated.
@@ -56,7 +56,7 @@ void write_token(Writer& writer, const Token& token);
 /// malformed, length_out_of_range.
 Result<Token> read_token(Reader& reader);
 
-/// A name and its value, borrowed: so certificates and documents are not copied for hashing.
+/// A name and its value, borrowed, so that certificates and documents are not copied for hashing.
 struct NamedOctets {
   std::string_view name;
   BytesView value;

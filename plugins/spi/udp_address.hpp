@@ -1,4 +1,5 @@
-// Where a peer receives datagrams: the part of RTPS Locator_t (RTPS 9.3.2) that plugins need.
+// The address at which a peer receives datagrams: the part of RTPS Locator_t (RTPS 9.3.2) that
+// plugins need.
 #pragma once
 
 #include <array>
