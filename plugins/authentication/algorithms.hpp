@@ -25,7 +25,7 @@ bool is_signature_algorithm(std::string_view name);
 /// The c.kagree_algo to send as initiator.
 std::string_view key_agreement_name(pki::KeyAgreementKind kind);
 
-/// From a name of DDS-Security 1.1 or 1.2; empty for any other.
+/// The kind of a name of DDS-Security 1.1 or 1.2; empty for any other name.
 std::optional<pki::KeyAgreementKind> key_agreement_kind_from(std::string_view name);
 
 }  // namespace ddssec::authentication

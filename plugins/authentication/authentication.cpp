@@ -18,7 +18,8 @@ namespace {
 constexpr auto kStartAgain =
     "renew it (ddssec identity renew FOLDER --ca CA) and start this participant again";
 
-// A peer that has renewed its certificate comes back at once, so its end is no error.
+// A peer that has renewed its certificate comes back at once, so its end is not reported as an
+// error.
 Event event_of_end(const IdentityTable::Ended& ended, WallTime now) {
   const bool is_own = ended.peer.subject.empty();
   auto out = event_about(
@@ -126,16 +127,16 @@ void PkiDh::note_documents_in_use(IdentityHandle local) noexcept {
     const std::scoped_lock lock(noting_mutex_);
     note_documents(table_, local, services_);
   } catch (...) {
-    // Without memory: the next look notes them.
+    // If memory is short, the next look notes them.
   }
 }
 
-// For a person who asks. Of peers there is no record.
+// Notes the end for the record that a person reads. The record has no peers.
 void PkiDh::note_end(IdentityHandle identity, const Error& why, WallTime now) {
   if (services_.documents != nullptr) services_.documents->note_end(identity.value, why, now);
 }
 
-// True if our own end is not what ended the session: it would have its own event.
+// True if the session did not end because of our own end, which has its own event.
 bool PkiDh::has_outlived(const std::vector<IdentityTable::Ended>& all,
                          const IdentityTable::Ended& session) const {
   const auto pair = table_.pair_of(session.handle);
@@ -143,9 +144,9 @@ bool PkiDh::has_outlived(const std::vector<IdentityTable::Ended>& all,
          std::ranges::find(all, pair->local_handle, &IdentityTable::Ended::handle) == all.end();
 }
 
-// What the files of local identities say now. Each identity looks at its files in a rhythm of its
-// own. Before one of them ends, all look: identities with the same files end together, and what
-// was put into place before the end counts.
+// Reads what the files of local identities contain now. Each identity looks at its files at its own
+// interval. Before one of them ends, all look, for two reasons: identities with the same files end
+// together, and a file that came before the end counts.
 Revocations PkiDh::look_at_files(IdentityHandle local) {
   renew_identities(table_, local, stores_, services_);
   auto revocations = find_revocations(table_, local, stores_, services_);
@@ -169,7 +170,7 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   const auto now = services_.clock.now();
   auto all = table_.ended_by(now, local);
   follow_renewal_lists(table_, all, services_);
-  // Without the memory to tell, none is marked: the next call finds them again.
+  // If there is not enough memory to report them, none is marked: the next call finds them again.
   std::vector<IdentityHandle> handles;
   std::set<IdentityHandle> told;
   const auto tell_one = [&](IdentityHandle handle) {
@@ -194,7 +195,7 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   for (const auto& own : table_.locals(local))
     for (const auto& error : own.identity->ends_soon(now))
       events.push_back(event_about(our_name(own.identity->guid()), error));
-  // Last what needs no memory: marked identities are reported.
+  // The steps that need no memory come last, so that every identity that is marked was reported.
   for (const auto& event : events) services_.events.raise(event);
   table_.mark_revoked(revocations.identities);
   table_.mark_ended(all);

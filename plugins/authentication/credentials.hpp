@@ -27,9 +27,9 @@ struct Credentials {
   BytesView participant_data;           ///< c.pdata: big-endian parameter list
   BytesView signature_algorithm;        ///< c.dsign_algo
   BytesView key_agreement_algorithm;    ///< c.kagree_algo
-  pki::KeyAgreementKind key_agreement;  ///< what c.kagree_algo names
-  /// ocsp_status, as received: the OCSP response about c.id (DER). Not in the hash, and so not
-  /// signed; `write` does not write it.
+  pki::KeyAgreementKind key_agreement;  ///< the key agreement of that name
+  /// ocsp_status, as received: the OCSP response about c.id (DER). It is not in the hash and
+  /// therefore not signed. `write` does not write it.
   std::optional<BytesView> ocsp_status = {};
 
   /// Reads and checks the fields. Errors: token_field_missing, token_field_repeated,

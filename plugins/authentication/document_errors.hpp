@@ -1,4 +1,4 @@
-// Errors about what a property names.
+// Errors about the document that a property names.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace ddssec::authentication {
 
-/// An error in what a property names is about that property first.
+/// Makes an error in a document an error about the property that names the document.
 inline Error in(const Error& error, std::string_view document) {
   auto details = error.details();
   if (!details.document.empty() && details.document != document)

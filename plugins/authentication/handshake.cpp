@@ -80,14 +80,14 @@ Status check_ocsp(JudgedPeer& peer, const Credentials& credentials,
                          context.local.ocsp_policy(), context.now);
 }
 
-// True if both agree in every value that later signatures cover.
+// True if both agree in all values that later signatures cover.
 bool same_request(const Transcript& known, const HandshakeRequest& request) {
   return known.challenge1 == request.challenge1 && std::ranges::equal(known.dh1, request.dh1) &&
          known.hash_c1 == request.credentials.hash();
 }
 
-// The peer may have accepted a reply that was given up, which is still under way. So the same
-// request gets the same values.
+// The peer may have accepted a reply that was given up and that is still on its way. The same
+// request therefore gets the same values.
 Result<pki::EphemeralKey> key_of_reply(const HandshakeContext& context,
                                        const HandshakeRequest& request,
                                        pki::KeyAgreementKind kind) {

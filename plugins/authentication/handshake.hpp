@@ -30,7 +30,7 @@ struct HandshakeContext {
   /// The peer's challenge from its auth request, if one came.
   std::optional<spi::Challenge> announced_challenge;
   WallTime now;
-  /// The keys of former replies: if the same request comes, its key is taken.
+  /// The keys of former replies. If one of their requests comes again, its key is used.
   std::vector<ReplyKey>* reply_keys = nullptr;
 };
 
@@ -55,12 +55,12 @@ struct AwaitFinal {
 /// The handshake has ended: both sides have proven that they hold the key of their certificate.
 struct Established {
   std::shared_ptr<const spi::SharedSecret> secret;
-  std::shared_ptr<const Presented> own;  ///< what it was proven with
+  std::shared_ptr<const Presented> own;  ///< the documents with which it was proven
   pki::SignatureValid proof;
   JudgedPeer peer;
   Transcript transcript;
   bool is_initiator;
-  Bytes signature;                  ///< of the peer's last message, to recognize a retransmission
+  Bytes signature;  ///< signature of the peer's last message, to recognise a retransmission
   std::optional<spi::Token> final;  ///< the last message sent, as initiator
 };
 
@@ -73,8 +73,8 @@ struct HandshakeOutcome {
   std::optional<HandshakeState> next = {};
 };
 
-/// Begins as initiator. Always with ECDH on P-256: stock Cyclone DDS can answer nothing else, and
-/// Fast DDS adopts it. Error: internal.
+/// Begins as initiator. It always uses ECDH on P-256, because stock Cyclone DDS can answer nothing
+/// else, and Fast DDS adopts it. Error: internal.
 Result<HandshakeOutcome> start_request(const HandshakeContext& context, BytesView participant_data);
 
 /// Begins as replier, with the key agreement and the key encoding of the request. Errors: those of
@@ -90,8 +90,8 @@ Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi:
 Result<HandshakeOutcome> process(const HandshakeState& state, const HandshakeContext& context,
                                  const spi::Token& message);
 
-/// A request or reply with the OCSP response that counts at `now`, if there is one. It is not part
-/// of what is signed: so a message that waits for its answer gets the newest each time it is sent.
+/// A request or reply with the OCSP response that counts at `now`, if there is one. The response is
+/// not signed, so a message that waits for its answer gets the newest one each time it is sent.
 spi::Token with_ocsp_response(spi::Token message, const LocalIdentity& local, const Presented& own,
                               WallTime now);
 

@@ -15,11 +15,11 @@ namespace {
 
 namespace property = spi::property;
 
-// Most certificates that a trusted_ca_dir may hold, as in Cyclone DDS.
+// The largest number of certificates in a trusted_ca_dir, as in Cyclone DDS.
 constexpr std::size_t kMaxTrustedCas = 100;
 
-// Says in an error which files the properties name, unless it does already: a folder with the
-// wrong file in it is found by its path. Never what a property holds itself.
+// Adds to an error the files that the properties name, unless they are in it already, so that the
+// folder with the wrong file can be found. A value that is in the property itself is never shown.
 Error locate(const Error& error, const spi::PropertyList& properties,
              std::initializer_list<std::string_view> names) {
   auto details = error.details();
@@ -46,10 +46,11 @@ Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::str
   return in(pki::Certificate::bundle_from_pem(octets), name);
 }
 
-// Certificate authorities among the readable PEM files of a folder, the others passed over.
+// Certificate authorities among the readable PEM files of a folder, the other files are skipped.
 Result<std::vector<pki::Certificate>> load_folder(std::string_view value) {
   constexpr auto kName = property::kTrustedCaDir;
-  const auto folder = file_named_by(value).value_or(std::string(value));  // also a plain path
+  // A plain path is accepted, too.
+  const auto folder = file_named_by(value).value_or(std::string(value));
   std::error_code error;
   std::filesystem::directory_iterator entries(folder, error);
   std::vector<std::string> paths;
@@ -78,8 +79,8 @@ Result<std::vector<pki::Certificate>> load_anchors(const spi::PropertyList& prop
   return load_bundle(spi::property_value(properties, kName), kName);
 }
 
-// The trusted_ca_dir, if one is named; our own CA must be in it, else we would believe peers that
-// do not believe us.
+// Loads the trusted_ca_dir, if one is named. Our own CA must be in it. Otherwise we would trust
+// peers that do not trust us.
 Result<std::shared_ptr<const TrustStore>> load_peer_trust(
     const spi::PropertyList& properties, const RevocationLists& lists,
     const std::shared_ptr<const TrustStore>& own, TrustStores& stores) {

@@ -16,12 +16,12 @@
 
 namespace ddssec::authentication {
 
-/// What the properties of a participant name, loaded and found to fit together.
+/// The documents that the properties of a participant name, loaded and found to fit together.
 struct IdentityFiles {
   pki::Certificate certificate;
   pki::PrivateKey key;
-  IdentityWatch watch;              ///< of the files of certificate and key
-  pki::AuthorityWatch authorities;  ///< of the file of identity_ca
+  IdentityWatch watch;              ///< watches the files of certificate and key
+  pki::AuthorityWatch authorities;  ///< watches the file of identity_ca
   RevocationLists revocation_lists;
   std::shared_ptr<const TrustStore> own_trust;   ///< identity_ca, with the revocation lists
   std::shared_ptr<const TrustStore> peer_trust;  ///< the same, or the trusted_ca_dir
@@ -32,9 +32,9 @@ struct IdentityFiles {
   std::shared_ptr<ListedRenewals> listed;
 
   /// Loads identity_ca, identity_certificate, private_key (with password), and the optional
-  /// revocation list or trusted_ca_dir; checks that the certificate is believed by our own CA at
-  /// `now` and belongs to the key. Every error names the property. Errors: those of pki, and
-  /// trusted_ca_dir_with_crl, trusted_ca_dir_unreadable, trusted_ca_dir_too_many,
+  /// revocation list or trusted_ca_dir; checks that our own CA accepts the certificate at `now`,
+  /// and that the certificate belongs to the key. Every error names the property. Errors: those of
+  /// pki, and trusted_ca_dir_with_crl, trusted_ca_dir_unreadable, trusted_ca_dir_too_many,
   /// own_ca_not_trusted, crl_file_empty, ocsp_revoked (our own response says so).
   static Result<IdentityFiles> load(const spi::PropertyList& properties, TrustStores& stores,
                                     WallTime now);

@@ -39,7 +39,7 @@ Result<const IdentityTable::Remote*> IdentityTable::live_remote(spi::IdentityHan
 void IdentityTable::set_end(std::int64_t handle, Common& identity, WallTime end,
                             std::string whose) {
   if (identity.has_ended || identity.ends == end) return;
-  // The step that can run out of memory comes first, so that an expiry is never lost.
+  // The step that can run out of memory comes first, because an expiry must never be lost.
   ends_.emplace(end, handle);
   drop_end(handle, identity);
   identity.ends = end;
@@ -141,8 +141,8 @@ Result<std::shared_ptr<Pair>> IdentityTable::pair_of(spi::HandshakeHandle handle
 spi::HandshakeHandle IdentityTable::add_handshake(const std::shared_ptr<Pair>& pair) {
   const std::unique_lock lock(mutex_);
   const auto handle = next_handle();
-  // The host may have returned the identity meanwhile: then the handshake can no longer be used,
-  // and is not entered.
+  // The host may have returned the identity meanwhile. The handshake can then no longer be used,
+  // and is not added.
   if (!remotes_.contains(pair->remote_handle.value)) return {handle};
   const auto added = handshakes_.emplace(handle, pair).first;
   Rollback forget([&] { handshakes_.erase(added); });

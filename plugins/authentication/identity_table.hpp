@@ -30,8 +30,8 @@ struct PairHandshake {
   std::chrono::nanoseconds since;
   /// Memory share of the peer's request, until the handshake is established.
   UnprovenOctets::Share unproven = {};
-  std::optional<RenewalOffer> offer =
-      {};  ///< the last one to the peer, once the handshake is established
+  /// The last offer to the peer, once the handshake is established.
+  std::optional<RenewalOffer> offer = {};
 };
 
 /// A remote participant as one local participant knows it. Lock order: a pair's mutex before the
@@ -46,14 +46,15 @@ struct Pair {
   std::mutex mutex;  ///< guards the members below
   std::optional<spi::Challenge> announced_challenge = {};
   std::vector<PairHandshake> handshakes = {};
-  std::vector<ReplyKey> reply_keys = {};  ///< of replies that the host gave up; see KeptRequests
+  /// Keys of replies that the host gave up; see KeptRequests.
+  std::vector<ReplyKey> reply_keys = {};
 };
 
 /// The participant that an event is about, as far as known.
 struct PeerName {
   std::string subject;
   std::string guid;
-  PeerProof proof = PeerProof::claimed;  ///< of the subject
+  PeerProof proof = PeerProof::claimed;  ///< the proof of the subject
 };
 inline PeerName our_name(const Guid& guid) { return {{}, guid.to_string(), PeerProof::not_a_peer}; }
 inline Event event_about(const PeerName& name, const Error& error) {
@@ -76,7 +77,7 @@ class IdentityTable {
   struct RemoteClaim {
     Guid guid;
     spi::Token identity_token;
-    std::string subject;  ///< as claimed; that of the certificate once the remote has authenticated
+    std::string subject;  ///< as claimed; from the certificate once the remote has authenticated
   };
   /// The pair; created with `own_challenge` if it is new. If it exists, a different identity token
   /// replaces the first, unless the remote has authenticated. Errors: unknown_identity,
@@ -87,7 +88,7 @@ class IdentityTable {
   /// An existing pair. Errors: unknown_identity (also if the remote identity belongs to another
   /// local one), identity_ended.
   Result<std::shared_ptr<Pair>> pair(spi::IdentityHandle local, spi::IdentityHandle remote) const;
-  /// The pair of a remote identity, expired or not; null if there is none.
+  /// The pair of a remote identity, expired or not; nullptr if there is none.
   std::shared_ptr<Pair> pair_of(spi::IdentityHandle remote) const;
   /// The pair of a handshake. Errors: unknown_handshake, identity_ended.
   Result<std::shared_ptr<Pair>> pair_of(spi::HandshakeHandle handle) const;
@@ -97,28 +98,31 @@ class IdentityTable {
   /// False if there is no such handshake.
   bool remove_handshake(spi::HandshakeHandle handle);
 
-  /// A local identity has a renewed certificate: from now on it expires with `chain`. Its remote
-  /// identities do so when they have authenticated again. Nothing if it has expired.
+  /// Notes that a local identity has a renewed certificate: it then expires with `chain`. Its
+  /// remote identities do so when they have authenticated again. Does nothing if it has expired.
   void note_renewed(spi::IdentityHandle local, const pki::ChainValid& chain);
 
   struct Proofs {
     const pki::ChainValid& peer;
-    const pki::ChainValid& own;       ///< of the certificate that the peer has seen
-    bool peer_keeps_session = false;  ///< after the end of that certificate
-    bool peer_reads_lists = false;    ///< as JudgedPeer::reads_lists
+    const pki::ChainValid& own;  ///< chain of our certificate that the peer has seen
+    /// True if the peer keeps the session after the end of our certificate.
+    bool peer_keeps_session = false;
+    bool peer_reads_lists = false;  ///< see JudgedPeer::reads_lists
   };
-  /// The remote identity has authenticated: from now on it expires with the certificate that ends
-  /// first. With ours, because then the peer ends the session, unless it keeps it. Also success if
-  /// it was removed meanwhile. Errors: too_many_remote_identities, too_many_identities_of_subject.
+  /// Notes that the remote identity has authenticated: it then expires with the certificate that
+  /// ends first. Our own certificate counts because the peer ends the session with it, unless the
+  /// peer keeps it. Also success if the identity was removed meanwhile. Errors:
+  /// too_many_remote_identities, too_many_identities_of_subject.
   Status note_authenticated(spi::IdentityHandle remote, const Proofs& proofs);
-  /// The same certificates have been verified by other CAs, which may end earlier or later.
+  /// Notes that other CAs have verified the same certificates. The chains of these CAs may end
+  /// earlier or later.
   void note_verified_again(spi::IdentityHandle remote, const Proofs& proofs);
-  /// The session goes on with certificates that are later than those of its handshake: of the peer,
-  /// by the renewal list, or ours, or both. Nothing if it has ended. The last two of `proofs` are
-  /// not used.
+  /// Notes that the session goes on with certificates that are later than those of its handshake:
+  /// one of the peer, by the renewal list, or ours, or both. Does nothing if the session has ended.
+  /// The last two members of `proofs` are not used.
   void note_followed(spi::IdentityHandle remote, const Proofs& proofs);
 
-  /// Removes an identity; a local one with its remote ones. False if there is no such identity.
+  /// Removes an identity, and with a local one its remote ones. False if there is no such identity.
   bool remove(spi::IdentityHandle handle);
 
   /// The earliest expiry of all identities; empty if none will expire.
@@ -126,47 +130,47 @@ class IdentityTable {
 
   struct Ended {
     spi::IdentityHandle handle;
-    PeerName peer;      ///< subject empty for a local identity
-    std::string whose;  ///< subject whose certificate ended
+    PeerName peer;      ///< the subject is empty for a local identity
+    std::string whose;  ///< the subject whose certificate ended
     WallTime end;
-    bool with_ours = false;  ///< a remote one whose session our certificate ended
-    std::string note = {};   ///< why the renewal list does not help
+    bool with_ours = false;  ///< true for a remote one whose session our certificate ended
+    std::string note = {};   ///< the reason why the renewal list does not help
   };
-  /// Identities that expired at `now` or earlier and are not marked yet: of one local identity and
-  /// its remote ones, or of all (nil).
+  /// Identities that expired at `now` or earlier and are not marked yet: those of one local
+  /// identity and its remote ones, or of all (nil).
   std::vector<Ended> ended_by(WallTime now, spi::IdentityHandle local) const;
-  /// From now on these identities are refused. Allocates no memory.
+  /// Marks these identities: from now on they are refused. Allocates no memory.
   void mark_ended(std::span<const Ended> ended);
 
   struct OurOwn {
     spi::IdentityHandle handle;
     std::shared_ptr<LocalIdentity> identity;
   };
-  /// One local identity, or all (nil), without expired ones.
+  /// One local identity, or all (nil). Expired ones are left out.
   std::vector<OurOwn> locals(spi::IdentityHandle local) const;
   /// All pairs of a local identity.
   std::vector<std::shared_ptr<Pair>> pairs_of(spi::IdentityHandle local) const;
   struct Authenticated {
     spi::IdentityHandle handle;
     PeerName name;
-    pki::Certificate certificate;            ///< of its handshake
-    std::optional<pki::Certificate> listed;  ///< the later one that it is followed by
-    pki::Certificate own;                    ///< that the peer has seen
-    bool reads_lists;                        ///< as JudgedPeer::reads_lists
-    /// The one that the session ends with.
+    pki::Certificate certificate;            ///< the certificate of its handshake
+    std::optional<pki::Certificate> listed;  ///< the later one on the renewal list
+    pki::Certificate own;                    ///< our certificate that the peer has seen
+    bool reads_lists;                        ///< see JudgedPeer::reads_lists
+    /// The certificate with which the session ends.
     const pki::Certificate& latest() const { return listed ? *listed : certificate; }
   };
   /// The remote identities of a local one that have authenticated and have not expired.
   std::vector<Authenticated> authenticated_with(spi::IdentityHandle local) const;
-  /// One that has authenticated; empty if it has not, or has expired.
+  /// A remote identity that has authenticated; empty if it has not, or has expired.
   std::optional<Authenticated> authenticated(spi::IdentityHandle remote) const;
 
   struct Revoked {
     spi::IdentityHandle handle;
-    PeerName peer;  ///< subject empty for a local identity
+    PeerName peer;  ///< the subject is empty for a local identity
     Error reason;
   };
-  /// From now on these identities are refused with their reason. Allocates no memory.
+  /// Marks these identities: from now on they are refused with their reason. Allocates no memory.
   void mark_revoked(std::span<const Revoked> revoked);
 
   /// The unexpired remote identities of a local one; empty for a remote one.
@@ -191,10 +195,10 @@ class IdentityTable {
     RemoteClaim claim;
     /// The certificate with which it authenticated.
     std::optional<pki::Certificate> authenticated = {};
-    std::optional<pki::Certificate> listed = {};    ///< the later one that it is followed by
-    std::optional<pki::Certificate> own_seen = {};  ///< ours, with which it did
+    std::optional<pki::Certificate> listed = {};    ///< the later one on the renewal list
+    std::optional<pki::Certificate> own_seen = {};  ///< our certificate with which it authenticated
     std::shared_ptr<Pair> pair;
-    bool keeps_session = false;  ///< after the end of ours
+    bool keeps_session = false;  ///< true if it keeps the session after the end of our certificate
     bool reads_lists = false;
     bool ends_with_ours = false;
     PeerName name() const;
@@ -205,7 +209,8 @@ class IdentityTable {
   };
   using Remotes = std::unordered_map<std::int64_t, Remote>;
 
-  /// Unique within the process, because a host may have one table for each domain.
+  /// The next handle. It is unique within the process, because a host may have one table for each
+  /// domain.
   static std::int64_t next_handle();
   Status renew_claim(spi::IdentityHandle remote, RemoteClaim claim);
   void forget(Remotes::iterator remote);

@@ -1,4 +1,4 @@
-// IdentityToken: what discovery announces about an identity (DDS-Security 1.2, clause 10.3.2.1).
+// IdentityToken: the announcement of an identity in discovery (DDS-Security 1.2, clause 10.3.2.1).
 #pragma once
 
 #include "pki/certificate.hpp"

@@ -127,7 +127,8 @@ Result<std::optional<IdentityWatch::Found>> IdentityWatch::judge(const Found& in
   if (certificate == in_force.certificate && key_path_.empty()) return std::nullopt;
   DDSSEC_ASSIGN_OR_RETURN(auto own_key, key(in_force));
   if (certificate == in_force.certificate) {
-    // The key of a certificate that has not come yet, or the old one in another form.
+    // The file may hold the key of a certificate that has not come yet, or the old key in another
+    // form.
     DDSSEC_RETURN_IF_ERROR(in(own_key.matches(certificate), property::kPrivateKey));
     return std::nullopt;
   }

@@ -14,7 +14,7 @@
 
 namespace ddssec::authentication {
 
-/// Null: the key has none.
+/// nullptr if the key has none.
 using OwnPassphrase = std::shared_ptr<const pki::Passphrase>;
 /// The passphrase of the key. Error: invalid_property.
 Result<OwnPassphrase> own_passphrase(const spi::PropertyList& properties);
@@ -23,28 +23,30 @@ Result<OwnPassphrase> own_passphrase(const spi::PropertyList& properties);
 Result<pki::Certificate> load_identity_certificate(const spi::PropertyList& properties);
 Result<pki::PrivateKey> load_identity_key(const spi::PropertyList& properties);
 
-/// Only a certificate that a `file:` URI names is watched. A key that is no file (in a token, or in
-/// the property itself) stays, and a renewed certificate must be for it. Not thread-safe.
+/// Watches the certificate only if a `file:` URI names it. A key that is not in a file (but in a
+/// token, or in the property itself) stays, and a renewed certificate must be for it. Not
+/// thread-safe.
 class IdentityWatch {
  public:
-  /// Before the files are read for the first time. Error: invalid_property (the poll interval).
+  /// Call it before the files are read for the first time. Error: invalid_property (the poll
+  /// interval).
   static Result<IdentityWatch> of(const spi::PropertyList& properties);
 
   struct Found {
     pki::Certificate certificate;
     pki::PrivateKey key;
   };
-  /// Judges what would take the place of what is in force.
+  /// Judges a certificate and key that would replace those in force.
   using Accept = std::function<Status(const Found&)>;
-  /// Reads the files if one of them may have changed; what was read is what is judged and returned.
-  /// Nothing: they hold the certificate in force. The files may be replaced one after the other:
-  /// what does not fit together is an error only if it is found at two looks in a row. `now`:
-  /// Clock::monotonic. Error, once as long as the files stay the same: identity_renewal_refused,
-  /// about the file, with what is wrong.
+  /// Reads the files if one of them may have changed. The octets that were read are those that are
+  /// judged and returned. Empty if the files contain the certificate in force. The files may be
+  /// replaced one after the other. A mismatch is therefore an error only if it is found at two
+  /// looks in a row. `now` is Clock::monotonic. Error, once as long as the files stay the same:
+  /// identity_renewal_refused, about the file, with the fault.
   Result<std::optional<Found>> poll(std::chrono::nanoseconds now, const Found& in_force,
                                     const Accept& accept);
 
-  /// The next poll reads the files, whatever the interval is.
+  /// Makes the next poll read the files, whatever the interval is.
   void force_poll() {
     certificate_.force_poll();
     key_.force_poll();
@@ -53,12 +55,12 @@ class IdentityWatch {
   /// The files as they are now, whether they have changed or not. Errors: those of pki.
   Result<Found> read(const Found& in_force) const;
 
-  /// The last error of poll(), while the files have not been good since.
+  /// The last error of poll(), as long as the files have not been good since.
   const std::optional<Error>& refused() const { return refusals_.refused(); }
   /// See RenewalRefusals.
   bool begins_later() const { return refusals_.begins_later(); }
 
-  /// The path of the certificate; empty if it is no file.
+  /// The path of the certificate; empty if it is not in a file.
   const std::string& path() const { return path_; }
 
  private:
@@ -69,7 +71,7 @@ class IdentityWatch {
   const std::string& path_of(const Error& error) const;
 
   std::string path_;
-  std::string key_path_;  ///< empty if the key is no file
+  std::string key_path_;  ///< empty if the key is not in a file
   OwnPassphrase passphrase_;
   FileWatch certificate_;
   FileWatch key_;

@@ -51,12 +51,13 @@ Result<JudgedPeer> JudgedPeer::renewed(BytesView certificate, BytesView permissi
                                        const Guid& guid, const TrustStore& trust,
                                        WallTime now) const {
   DDSSEC_ASSIGN_OR_RETURN(auto chain, chain_of(certificate, guid, trust, now));
-  // The GUID has only some bits of the subject.
+  // The GUID contains only some bits of the subject, so the whole subjects are compared.
   if (chain.certificate().subject_digest() != this->certificate().subject_digest())
     return fail(Code::guid_not_bound_to_subject, {.field = "c.id subject",
                                                   .expected = this->certificate().subject(),
                                                   .found = chain.certificate().subject()});
-  // As of a local certificate: an older one would bring back a key that was replaced for a reason.
+  // As with a local certificate, an older certificate is refused, because it would bring back a key
+  // that was replaced for a reason.
   if (chain.certificate().not_before() < this->certificate().not_before())
     return fail(Code::peer_renewal_goes_back,
                 {.document = "certificate of " + this->certificate().subject(),

@@ -1,5 +1,5 @@
-// A peer whose certificate is valid and belongs to its GUID. That it holds the private key is not
-// proven yet.
+// A peer whose certificate is valid and belongs to its GUID. It is not proven yet that the peer has
+// the private key.
 #pragma once
 
 #include <optional>
@@ -23,15 +23,15 @@ class JudgedPeer {
   static Result<JudgedPeer> judge(const Credentials& credentials, const Guid& guid,
                                   const TrustStore& trust, WallTime now);
 
-  /// The same peer with another certificate and other permissions. Errors: those of the certificate
-  /// as above, guid_not_bound_to_subject (another subject).
+  /// Makes the same peer with another certificate and other permissions. Errors: those of the
+  /// certificate as above, guid_not_bound_to_subject (another subject).
   Result<JudgedPeer> renewed(BytesView certificate, BytesView permissions, const Guid& guid,
                              const TrustStore& trust, WallTime now) const;
 
   /// Judges the OCSP response that came with the credentials. Errors: those of check_ocsp_status.
   Status check_ocsp(const std::optional<BytesView>& response, const TrustStore& trust,
                     OcspPolicy policy, WallTime now);
-  /// Why the peer's response counts as none, if it sent one that cannot be used.
+  /// The reason why the peer's response counts as none, if it sent one that cannot be used.
   const std::optional<Error>& ocsp_unused() const { return ocsp_unused_; }
 
   const pki::ChainValid& chain() const { return chain_; }
@@ -39,20 +39,21 @@ class JudgedPeer {
 
   /// AuthenticatedPeerCredentialToken: binary c.id and c.perm (DDS-Security 1.2, clause 10.3.2.3).
   /// c.perm comes without the NUL that Cyclone DDS appends, and is empty if the peer has no
-  /// permissions. Also c.kagree_algo, for access control, which knows what the governance allows.
-  /// Empty after drop_credential.
+  /// permissions. The token also has c.kagree_algo, for access control, which knows what the
+  /// governance allows. It is empty after drop_credential.
   const std::optional<spi::Token>& credential() const { return credential_; }
-  /// Frees the credential when it is no longer needed: the peer chose its size.
+  /// Frees the credential when it is no longer needed, because the peer chose its size.
   void drop_credential() { credential_.reset(); }
 
-  /// The ciphers that the peer's participant data announces. Proven once a signature has been
-  /// verified; the same is true of the next four.
+  /// The ciphers that the peer's participant data announces. They are proven once a signature has
+  /// been verified. The same applies to the next four.
   spi::CipherMask ciphers() const { return ciphers_; }
   std::uint32_t builtin_endpoints() const { return builtin_endpoints_; }
   /// True if the peer's product judges documents only during the handshake: Fast DDS (measured with
   /// 2.9.1).
   bool keeps_session() const { return keeps_session_; }
-  /// True if the peer is of ddssec, which alone announces this cipher: it may have a renewal list.
+  /// True if the peer runs ddssec, which alone announces this cipher. It may then have a renewal
+  /// list.
   bool reads_lists() const { return (ciphers_ & spi::kChaCha20Poly1305Bit) != 0; }
   /// The addresses at which the peer receives discovery traffic.
   const std::vector<spi::UdpAddress>& addresses() const { return addresses_; }
@@ -63,7 +64,7 @@ class JudgedPeer {
   void set_credential(BytesView permissions);
 
   pki::ChainValid chain_;
-  std::string_view key_agreement_;  ///< its name
+  std::string_view key_agreement_;  ///< name of the key agreement
   std::optional<spi::Token> credential_;
   spi::CipherMask ciphers_;
   std::uint32_t builtin_endpoints_;

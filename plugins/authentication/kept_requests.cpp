@@ -6,7 +6,8 @@
 
 namespace ddssec::authentication {
 
-// Without the peer's credentials, whose size the peer chose. The pair's lock is held.
+// The keys are kept without the peer's credentials, whose size the peer chose. The caller holds the
+// pair's lock.
 std::vector<ReplyKey> KeptRequests::reply_keys(Pair& pair) {
   auto out = std::move(pair.reply_keys);
   for (auto& one : pair.handshakes)

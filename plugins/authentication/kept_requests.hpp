@@ -1,10 +1,10 @@
 // Handshake requests and challenges sent to peers that the host dropped before their handshake
 // ended. A host drops a peer to begin its handshake anew after a disturbance.
 //
-// Stock plugins answer only the first request that they saw, as often as it comes. They accept only
-// a reply with the challenge that was announced first. So a peer that appears again is sent the
-// same request, and the answer to it counts. A reply that was sent may still reach the peer, which
-// then keeps to it. So the same request is answered with the same challenge and the same key.
+// Stock plugins answer only the first request that they saw, each time it comes. They accept only a
+// reply with the challenge that was announced first. A peer that appears again is therefore sent
+// the same request, and the answer to it counts. A reply that was sent may still reach the peer,
+// which then keeps to it. The same request is therefore answered with the same challenge and key.
 #pragma once
 
 #include <chrono>
@@ -31,12 +31,12 @@ class KeptRequests {
 
   explicit KeptRequests(Random& random) : random_(random) {}
 
-  /// The largest number of reply keys of an entry; the newest count.
+  /// The largest number of reply keys of an entry. The newest ones are kept.
   static constexpr std::size_t kMaxReplyKeys = 4;
 
   /// Stores the pair's challenge, a request that waits for its answer, and the keys of replies,
   /// unless a handshake of the pair was established. The pair must already be removed from all
-  /// tables. `now`: Clock::monotonic.
+  /// tables. `now` is Clock::monotonic.
   void keep(Pair& pair, MonotonicTime now);
   /// The stored challenge; empty if there is none or it is older than kLife.
   std::optional<spi::Challenge> challenge(spi::IdentityHandle local, const Guid& remote,
@@ -45,7 +45,7 @@ class KeptRequests {
     std::optional<PairHandshake> request = {};
     std::vector<ReplyKey> reply_keys = {};
   };
-  /// Removes the pair's entry and returns what it holds.
+  /// Removes the pair's entry and returns its content.
   Taken take(spi::IdentityHandle local, const Guid& remote);
   /// Removes all entries of a local identity.
   void forget(spi::IdentityHandle local);

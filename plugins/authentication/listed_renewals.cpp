@@ -10,12 +10,12 @@
 namespace ddssec::authentication {
 namespace {
 
-// Such an entry is passed over without a word: it has ended, or it counts later.
+// True for an entry that is skipped without a report: it has ended, or it counts later.
 bool is_about_time(Code code) {
   return code == Code::certificate_expired || code == Code::certificate_not_yet_valid;
 }
 
-// False also if that cannot be found out.
+// False also if the status cannot be determined.
 bool is_not_revoked(const pki::Certificate& certificate, const TrustStore& trust, WallTime now) {
   if (!trust.may_be_revoked(certificate)) return true;
   const auto verdict = trust.verify(certificate, now);
@@ -86,10 +86,10 @@ void ListedRenewals::judge_again() {
   watch_.judge_again();
 }
 
-// Empty: it may take the place of the latest.
+// Empty if the certificate may replace the latest one.
 std::string ListedRenewals::refusal_of(const pki::Certificate& listed,
                                        const Session& session) const {
-  // The session proves that the peer has the key of its handshake, and no other one.
+  // The session proves only that the peer has the key of its handshake.
   if (!have_same_key(listed, session.proven)) return "it is of another key";
   if (listed.not_before() < session.latest.not_before())
     return "it begins before the one that has ended";
@@ -133,7 +133,7 @@ std::optional<DocumentState> ListedRenewals::state() const {
                     .file = watch_.path(),
                     .parts = pki::parts_of(certificates_),
                     .refused = refused};
-  // The end of an entry is nothing to see to.
+  // The end of an entry needs no attention, so it is not shown.
   for (auto& part : out.parts) part.until.reset();
   return out;
 }

@@ -1,4 +1,4 @@
-// The certificates of a participant's renewal list: of peers that have renewed theirs, and our own.
+// The certificates on a participant's renewal list: renewed ones of peers, and our own.
 #pragma once
 
 #include <memory>
@@ -14,35 +14,36 @@
 
 namespace ddssec::authentication {
 
-/// Thread-safe.
+/// The renewal list of a local identity. Thread-safe.
 class ListedRenewals {
  public:
-  /// Errors: invalid_property (the place, the poll interval).
+  /// Makes the object from the properties. Errors: invalid_property (the place, the poll interval).
   static Result<std::shared_ptr<ListedRenewals>> of(const spi::PropertyList& properties);
   ListedRenewals(const std::vector<std::string>& uris, std::chrono::seconds interval)
       : watch_(uris, interval, Code::renewal_list_refused) {}
 
-  /// Reads the list, if it has changed. The event if another one is in force: renewal_list_taken.
-  /// An entry that `trust` does not believe does not count. Error as RenewalListWatch::poll, also
-  /// if there are certificates and none of them counts: renewal_list_refused.
+  /// Reads the list if it has changed. If another list comes into force, returns the event
+  /// renewal_list_taken. Entries that `trust` does not accept do not count. Errors: those of
+  /// RenewalListWatch::poll; renewal_list_refused also if there are certificates and none of them
+  /// counts.
   Result<std::optional<Error>> poll(const Clock& clock, const TrustStore& trust);
-  /// The next poll reads the file, whatever the interval is.
+  /// Makes the next poll read the file, whatever the interval is.
   void force_poll();
-  /// The same, and judges all entries again: other CAs are trusted.
+  /// Also judges all entries again, because other CAs are trusted.
   void judge_again();
 
-  /// A session, by the certificate of its handshake and the one that it ends with.
+  /// A session: the certificate of its handshake, and the one with which it ends.
   struct Session {
     const pki::Certificate& proven;
     const pki::Certificate& latest;
   };
   struct Found {
     std::optional<pki::ChainValid> chain = {};
-    std::string why_not = {};  ///< for a person; empty: nothing is listed
+    std::string why_not = {};  ///< a reason for a person; empty if nothing is listed
   };
-  /// The certificate with which the session goes on: of the same subject and the same key, which
-  /// the handshake has proven, that begins not before the latest, and that `trust` believes at
-  /// `now`. None if the proven one was revoked.
+  /// Returns the certificate with which the session goes on. It has the same subject and the key
+  /// that the handshake has proven, does not begin before the latest certificate, and `trust`
+  /// accepts it at `now`. None if the proven one was revoked.
   Found after(const Session& session, const TrustStore& trust, WallTime now) const;
   /// True if this certificate is on the list.
   bool holds(const pki::Certificate& certificate) const;
@@ -57,7 +58,7 @@ class ListedRenewals {
   mutable std::mutex mutex_;
   pki::RenewalListWatch watch_;
   std::vector<pki::Certificate> certificates_;
-  std::size_t permissions_ = 0;  ///< how many the list has
+  std::size_t permissions_ = 0;  ///< the number of permissions on the list
   std::size_t foreign_ = 0;      ///< certificates that do not count
 };
 

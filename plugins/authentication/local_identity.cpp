@@ -48,7 +48,7 @@ Result<pki::ChainValid> LocalIdentity::verify(const pki::Certificate& own, WallT
 }
 
 std::vector<Error> LocalIdentity::ends_soon(WallTime now) {
-  // A chain that is not valid has an error of its own.
+  // An invalid chain is reported by another error.
   const auto chain = verify(now);
   if (!chain) return {};
   const std::scoped_lock lock(renewal_mutex_);
@@ -95,7 +95,7 @@ Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Cl
   });
 }
 
-// A new store does not remember which peers the former one trusted.
+// A new store is opened, because it does not remember which peers the former one trusted.
 Status LocalIdentity::adopt(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now) {
   const auto former = own_trust();
   if (has_trusted_folder_) return fail(Code::trusted_ca_dir_with_crl);
@@ -151,9 +151,9 @@ std::shared_ptr<const Presented> LocalIdentity::presented() const {
 
 // ---- a renewed certificate
 
-// The subject is what the GUID, the permissions and the peers' counts go by; the identity token
-// that discovery announces names the algorithm. An older certificate would end sooner, or bring
-// back a key that was replaced for a reason.
+// The subject must stay, because the GUID, the permissions and the counts of peers depend on it.
+// The algorithm must stay, because the identity token in discovery names it. An older certificate
+// would end sooner, or bring back a key that was replaced for a reason.
 Status LocalIdentity::check_renewed(const IdentityWatch::Found& found, const TrustStore& trust,
                                     WallTime now) const {
   const auto former = certificate();
@@ -228,7 +228,7 @@ std::optional<Error> LocalIdentity::ocsp_revoked() const {
 
 // ---- other certificate authorities
 
-// Success if a trusted_ca_dir in use holds each of these, as IdentityFiles::load requires.
+// Success if a trusted_ca_dir in use contains each of these CAs, as IdentityFiles::load requires.
 Status LocalIdentity::check_in_trusted_folder(
     const std::vector<pki::Certificate>& authorities) const {
   if (!has_trusted_folder_) return {};
@@ -240,7 +240,7 @@ Status LocalIdentity::check_in_trusted_folder(
   return {};
 }
 
-// mutex_ is held. A new store does not remember which peers the former one trusted.
+// The caller holds mutex_. A new store does not remember which peers the former one trusted.
 void LocalIdentity::trust(std::shared_ptr<const TrustStore> store) {
   own_trust_ = std::move(store);
   if (has_trusted_folder_) return;
@@ -344,7 +344,7 @@ Sha256Digest LocalIdentity::hash_of(const std::shared_ptr<const Presented>& pres
   const auto name = own.key_agreement_algorithm;
   variable.insert(variable.end(), name.begin(), name.end());
   const std::scoped_lock lock(mutex_);
-  // Something else may have been presented since.
+  // Another certificate may have been presented since.
   if (presented != presented_) return own.hash();
   if (known_hash_ && known_hash_->presented == presented && known_hash_->variable == variable)
     return known_hash_->digest;

@@ -14,8 +14,8 @@
 
 namespace ddssec::authentication {
 
-/// What a handshake presents. A handshake takes it when it begins and keeps it to its end: what is
-/// renewed meanwhile counts for the next one, and the two never mix.
+/// The documents that a handshake presents. A handshake takes them when it begins and keeps them to
+/// its end. Renewed documents count for the next handshake, and the two never mix.
 struct Presented {
   pki::Certificate certificate;
   pki::PrivateKey key;
@@ -23,13 +23,13 @@ struct Presented {
   Bytes permissions;
 };
 
-/// Thread-safe; immutable but for what is presented and what is trusted.
+/// A local identity. Thread-safe; immutable except for the documents that it presents and trusts.
 class LocalIdentity {
  public:
   LocalIdentity(IdentityFiles files, const Guid& candidate);
 
   const Guid& guid() const { return guid_; }
-  /// What handshakes present that begin now.
+  /// The documents for handshakes that begin now.
   std::shared_ptr<const Presented> presented() const;
   pki::Certificate certificate() const { return presented()->certificate; }
   /// The certificates that are trusted now.
@@ -44,73 +44,75 @@ class LocalIdentity {
   /// The warnings that are due now, each once: identity_ends_soon, crl_ends_soon.
   std::vector<Error> ends_soon(WallTime now);
 
-  /// Puts newer revocation lists in force if their file holds any: from then on every check is
-  /// made by them. True: it did. Errors: those of RevocationLists::poll and check_renewal,
-  /// trusted_ca_dir_with_crl, and those of ChainVerifier::verify if we could not believe ourselves
-  /// any longer, but for being revoked.
+  /// Puts newer revocation lists into force if their file contains any; from then on they are used
+  /// for every check. Returns true if it did. Errors: those of RevocationLists::poll and
+  /// check_renewal, trusted_ca_dir_with_crl. Those of ChainVerifier::verify if our own certificate
+  /// would no longer be accepted, unless it is revoked.
   Result<bool> renew_revocation_lists(TrustStores& stores, const Clock& clock);
-  /// The paths of their files, if there are any.
+  /// The paths of the files of revocation lists, if there are any.
   std::string revocation_list_path() const;
-  /// Number and date of each, for a person.
+  /// Number and date of each revocation list, for a person.
   std::string revocation_lists() const;
 
-  /// Takes a renewed certificate, with its key, if their files hold one: from then on handshakes
-  /// present it. True: it did. Errors: those of IdentityWatch::poll. What makes it refuse a
-  /// certificate stands at check_renewed.
+  /// Takes a renewed certificate, with its key, if their files contain one; from then on handshakes
+  /// present it. Returns true if it did. Errors: those of IdentityWatch::poll. The comment at
+  /// check_renewed has the reasons to refuse a certificate.
   Result<bool> renew_identity(const Clock& clock);
 
-  /// Takes another OCSP response of our certificate, if its file holds one: from then on handshakes
-  /// show it. True: it did. Errors: those of OwnOcspResponse::poll.
+  /// Takes another OCSP response about our certificate, if its file contains one; from then on
+  /// handshakes show it. Returns true if it did. Errors: those of OwnOcspResponse::poll.
   Result<bool> renew_ocsp_response(const Clock& clock);
-  /// The response that says at `now` that our `certificate` is good; null if there is none.
+  /// The response by which our `certificate` is good at `now`; nullptr if there is none.
   std::shared_ptr<const OcspInForce> ocsp_response_for(const pki::Certificate& certificate,
                                                        WallTime now) const;
-  /// What peers' responses mean.
+  /// The meaning of peers' responses.
   OcspPolicy ocsp_policy() const { return ocsp_policy_; }
   /// The path of the file of our response; empty if there is none.
   const std::string& ocsp_response_path() const { return ocsp_response_.path(); }
   /// Set if our own response says that our certificate is revoked.
   std::optional<Error> ocsp_revoked() const;
 
-  /// The path of the certificate; empty if it is no file.
+  /// The path of the certificate; empty if it is not in a file.
   const std::string& identity_path() const { return watch_.path(); }
 
   /// The renewal list, with renewed certificates of peers.
   ListedRenewals& listed() const { return *listed_; }
 
   struct AuthoritiesTaken {
-    bool authorities = false;  ///< other identity CAs are in force
-    bool identity = false;     ///< and so is a certificate of one of them
+    bool authorities = false;  ///< true if other identity CAs came into force
+    bool identity = false;     ///< true if a certificate of one of them did, too
   };
-  /// Takes other identity CAs if their file holds any: from then on every check is made by them.
-  /// They must believe our own certificate: the one in force, or else the one that lies in its file
-  /// now. Then that certificate comes into force, and so do the revocation lists in their file.
+  /// Takes other identity CAs if their file contains any; from then on they are used for every
+  /// check. They must accept our own certificate: the one in force, or else the one that is now in
+  /// its file. The latter then comes into force, together with the revocation lists in their file.
   /// Errors: those of AuthorityWatch::poll.
   Result<AuthoritiesTaken> renew_authorities(TrustStores& stores, const Clock& clock);
-  /// The path of the identity CAs; the property's name if it is no file.
+  /// The path of the identity CAs; the property's name if they are not in a file.
   const std::string& authorities_path() const { return authorities_.name(); }
-  /// Their subjects, for a person.
+  /// The subjects of the identity CAs, for a person.
   std::string authorities() const { return pki::describe(own_trust()->anchors()); }
 
-  /// Certificate, CAs and revocation lists as they are in force, and what was refused.
+  /// The certificate, CAs and revocation lists in force, and the refused ones.
   std::vector<DocumentState> documents() const;
 
-  /// The next renew_... calls read the files, whatever the poll interval is.
+  /// Makes the next renew_... calls read the files, whatever the poll interval is.
   void force_poll();
 
-  /// What came into force and no peer was judged by yet.
+  /// Documents that came into force and by which no peer was judged yet.
   struct Unapplied {
-    std::uint64_t renewal;  ///< how often lists or CAs came into force
-    bool authorities;       ///< CAs are among it
+    std::uint64_t renewal;  ///< the number of times that lists or CAs came into force
+    bool authorities;       ///< true if CAs are among them
   };
   std::optional<Unapplied> unapplied_renewal() const;
   void note_applied(std::uint64_t renewal);
 
-  /// From a PermissionsCredentialToken. Errors: permissions_credential_wrong, token_field_length.
+  /// Sets the permissions from a PermissionsCredentialToken. Errors: permissions_credential_wrong,
+  /// token_field_length.
   Status set_permissions(const spi::Token& credential);
 
-  /// `own.hash()`, remembered: it is the same for every peer as long as what is presented,
-  /// participant data and key agreement are. `own` is made of `presented`.
+  /// Returns `own.hash()`, which is remembered: it is the same for every peer as long as the
+  /// documents, the participant data and the key agreement are. `own` must be made from
+  /// `presented`.
   Sha256Digest hash_of(const std::shared_ptr<const Presented>& presented,
                        const Credentials& own) const;
 
@@ -134,8 +136,8 @@ class LocalIdentity {
 
   const Guid guid_;
   const bool has_trusted_folder_;
-  /// Guards watch, lists and warnings; before mutex_. Files are read under it: no handshake waits
-  /// for it.
+  /// Guards watch, lists and warnings; locked before mutex_. Files are read under it, so no
+  /// handshake may wait for it.
   mutable std::mutex renewal_mutex_;
   IdentityWatch watch_;
   pki::AuthorityWatch authorities_;
@@ -149,7 +151,7 @@ class LocalIdentity {
   std::shared_ptr<const TrustStore> own_trust_;
   std::shared_ptr<const TrustStore> peer_trust_;
   std::uint64_t renewals_ = 0;
-  std::uint64_t authorities_renewal_ = 0;  ///< the last of `renewals_` that brought other CAs
+  std::uint64_t authorities_renewal_ = 0;  ///< the last of `renewals_` in which other CAs came
   std::uint64_t applied_renewals_ = 0;
   std::shared_ptr<const Presented> presented_;
   std::shared_ptr<const OcspInForce> ocsp_in_force_;

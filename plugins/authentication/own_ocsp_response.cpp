@@ -68,7 +68,7 @@ Result<bool> OwnOcspResponse::read(const Judge& judge) {
   if (!good && good.error().code() == Code::ocsp_revoked) revoked_ = good.error().in(path_);
   if (revoked_) return std::unexpected(*revoked_);
   if (!good) return refuse(good.error());
-  // A recorded answer of the responder must not take the place of a later one.
+  // A recorded answer of the responder must not replace a later one.
   if (in_force_ && in_force_->certificate == judge.certificate &&
       good->this_update() < in_force_->good.this_update())
     return refuse(Error(Code::ocsp_expired,

@@ -1,6 +1,5 @@
-// The OCSP response of a local identity, which handshakes show to peers. Something else fetches it
-// (ddssec identity ocsp, ddssec agent) and puts its file into place, before or while the
-// participant runs.
+// The OCSP response of a local identity, which handshakes show to peers. Another program fetches it
+// (ddssec identity ocsp, ddssec agent) and writes its file, before or while the participant runs.
 #pragma once
 
 #include <memory>
@@ -15,43 +14,43 @@
 
 namespace ddssec::authentication {
 
-/// A response that says "good" of our certificate.
+/// A response with the status "good" for our certificate.
 struct OcspInForce {
   pki::Certificate certificate;
   Bytes octets;
   pki::OcspGood good;
 };
 
-/// Not thread-safe.
+/// Watches the file of the response. Not thread-safe.
 class OwnOcspResponse {
  public:
   /// The file that org.ddssec.auth.ocsp_response names, or ocsp.der beside the identity
   /// certificate. Error: invalid_property (it names no file; the poll interval).
   static Result<OwnOcspResponse> of(const spi::PropertyList& properties);
 
-  /// What a response is judged by.
+  /// The data by which a response is judged.
   struct Judge {
-    const pki::Certificate& certificate;  ///< that handshakes present
+    const pki::Certificate& certificate;  ///< the certificate that handshakes present
     const TrustStore& trust;
     WallTime now;
   };
-  /// Reads the file for the first time; one that is missing or cannot be used is left to `poll`.
+  /// Reads the file for the first time. A file that is missing or cannot be used is left to `poll`.
   /// Error: ocsp_revoked.
   Status read_first(const Judge& judge);
-  /// Reads the file if it, or our certificate, may have changed. True: another response is in
-  /// force. `monotonic`: Clock::monotonic. Errors: ocsp_revoked, at every poll as long as it is so;
-  /// once, as long as the file stays the same, and only of two looks in a row:
-  /// ocsp_response_refused, with what is wrong; once: ocsp_response_ended.
+  /// Reads the file if it, or our certificate, may have changed. Returns true if another response
+  /// came into force. `monotonic` is Clock::monotonic. Errors: ocsp_revoked, at every poll as long
+  /// as it is so; ocsp_response_refused, with the fault, once as long as the file stays the same,
+  /// and only at the second of two looks in a row; ocsp_response_ended, once.
   Result<bool> poll(std::chrono::nanoseconds monotonic, const Judge& judge);
-  /// The next poll reads the file, whatever the interval is.
+  /// Makes the next poll read the file, whatever the interval is.
   void force_poll() { watch_.force_poll(); }
 
-  /// Null: there is none.
+  /// The response in force; nullptr if there is none.
   const std::shared_ptr<const OcspInForce>& in_force() const { return in_force_; }
-  /// The path of the file; empty if none is named, and the certificate is no file.
+  /// The path of the file; empty if none is named and the certificate is not in a file.
   const std::string& path() const { return path_; }
-  /// For a person: the response in force for our certificate `own`, and why the file is refused.
-  /// Nothing if there is neither.
+  /// For a person: the response in force for our certificate `own`, and the reason why the file is
+  /// refused. Empty if there is neither.
   std::optional<DocumentState> state(const pki::Certificate& own) const;
 
  private:
@@ -64,7 +63,7 @@ class OwnOcspResponse {
   FileWatch watch_;
   std::shared_ptr<const OcspInForce> in_force_;
   std::optional<pki::Certificate> judged_for_;
-  Sha256Digest content_{};  ///< of the file at the last reading
+  Sha256Digest content_{};  ///< digest of the file at the last reading
   std::optional<Error> revoked_;
   bool has_reported_end_ = false;
   RenewalRefusals refusals_;

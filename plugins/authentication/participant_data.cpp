@@ -23,7 +23,7 @@ struct Parameter {
   BytesView value;
 };
 
-// The next parameter; empty at the end of the list.
+// Reads the next parameter; empty at the end of the list.
 Result<std::optional<Parameter>> next_parameter(Reader& reader) {
   if (reader.at_end()) return std::nullopt;
   const auto id = reader.read<std::uint16_t>();
@@ -35,7 +35,7 @@ Result<std::optional<Parameter>> next_parameter(Reader& reader) {
   return Parameter{*id, *value};
 }
 
-// RTPS Locator_t (RTPS 9.3.2.3): kind, port, 16 octets of address.
+// Reads an RTPS Locator_t (RTPS 9.3.2.3): kind, port, 16 octets of address.
 std::optional<spi::UdpAddress> unicast_address(BytesView locator) {
   constexpr std::int32_t kUdpV4 = 1, kUdpV6 = 2;
   Reader reader(locator, Endian::big);
@@ -55,7 +55,7 @@ std::optional<spi::UdpAddress> unicast_address(BytesView locator) {
   return out;
 }
 
-// A CDR string; empty if it is malformed.
+// Reads a CDR string; empty if it is malformed.
 std::string text_in(BytesView value) {
   Reader reader(value, Endian::big);
   const auto size = reader.read<std::uint32_t>();

@@ -24,26 +24,26 @@ inline constexpr std::size_t kMaxParticipantDataOctets = 64 * 1024;
 Result<Guid> participant_guid_in(BytesView participant_data);
 
 /// The ciphers in the IdentityToken of such a list. If the list has no token, two tokens or an
-/// unreadable one: the standard ciphers. Unlike the token in discovery, this one is covered by the
-/// handshake's signatures.
+/// unreadable one, these are the standard ciphers. Unlike the token in discovery, this one is
+/// covered by the handshake's signatures.
 spi::CipherMask ciphers_in_participant_data(BytesView participant_data);
 
 /// PID_BUILTIN_ENDPOINT_SET of such a list; 0 if it is missing, repeated or unreadable.
 std::uint32_t builtin_endpoints_in_participant_data(BytesView participant_data);
 
-/// True if PID_VENDORID of such a list is that of Fast DDS, once.
+/// True if such a list has exactly one PID_VENDORID, that of Fast DDS.
 bool is_of_fast_dds(BytesView participant_data);
 
-/// The domain in which a participant is. Announcements are not signed, but c.pdata is: otherwise
-/// anyone could copy the announcement of a participant into another domain.
+/// The domain in which a participant is. Announcements are not signed, but c.pdata is. Otherwise an
+/// attacker could copy the announcement of a participant into another domain.
 struct SignedDomain {
   std::optional<std::uint32_t> id;  ///< PID_DOMAIN_ID; empty if it is missing or unreadable
   std::string tag;                  ///< PID_DOMAIN_TAG; empty if it is missing or unreadable
   bool may_lack_tag;                ///< the vendor leaves a tag out
-  bool is_ambiguous = false;        ///< one of the parameters that say this comes twice
+  bool is_ambiguous = false;        ///< one of these parameters comes twice
 };
 SignedDomain domain_in_participant_data(BytesView participant_data);
-/// Success unless the peer's c.pdata names another domain than one's own, or two. Error:
+/// Success unless the peer's c.pdata names another domain than our own, or two domains. Error:
 /// rtps_domain_differs.
 Status check_same_domain(const SignedDomain& peer, const SignedDomain& own);
 

@@ -1,5 +1,5 @@
 // The authentication engine. Its parts: identities (authentication.cpp), handshakes
-// (pki_dh_handshakes.cpp), and what finished ones are asked for (pki_dh_sessions.cpp).
+// (pki_dh_handshakes.cpp), and the questions about finished handshakes (pki_dh_sessions.cpp).
 #pragma once
 
 #include <algorithm>
@@ -77,7 +77,8 @@ class PkiDh final : public spi::Authentication {
     if (!result) services_.events.raise(event_about(peer, result.error()));
     return result;
   }
-  /// Of a message of a handshake: a stranger can send one in the name of a peer that authenticated.
+  /// Reports an error about a handshake message. The event says that the name of the peer is only
+  /// claimed, because an attacker can send a message in the name of a peer that has authenticated.
   template <class T>
   Result<T> reported(Result<T> result, IdentityHandle remote) const {
     if (result) return result;
@@ -116,11 +117,11 @@ class PkiDh final : public spi::Authentication {
                      BytesView participant_data, UnprovenOctets::Share unproven = {});
   UnprovenOctets::Share share_of(const Pair& pair, const Token& request,
                                  const HandshakeOutcome& outcome);
-  /// `f(const Pair&, PairHandshake&, Established&)` under the pair's lock.
+  /// Calls `f(const Pair&, PairHandshake&, Established&)` under the pair's lock.
   template <class F>
   auto with_session(HandshakeHandle handle, F&& f) const
       -> std::invoke_result_t<F, const Pair&, PairHandshake&, Established&>;
-  /// `f(const Established&)`, the same for what only reads.
+  /// Calls `f(const Established&)` in the same way, if `f` only reads.
   template <class F>
   auto with_established(HandshakeHandle handle, F&& f) const
       -> Result<std::invoke_result_t<F, const Established&>>;
@@ -130,9 +131,10 @@ class PkiDh final : public spi::Authentication {
   UnprovenOctets unproven_;
   IdentityTable table_;
   KeptRequests kept_requests_{services_.random};
-  std::mutex noting_mutex_;  ///< so that an identity that has left is not noted again
+  std::mutex noting_mutex_;  ///< prevents an identity that has left from being noted again
   std::mutex given_out_mutex_;
-  std::vector<HandshakeHandle> given_out_;  ///< whose credentials, since the last `expire`
+  /// Handles whose credentials were given out since the last `expire`.
+  std::vector<HandshakeHandle> given_out_;
 };
 
 template <class F>

@@ -11,7 +11,7 @@ Status check_role(bool is_right, std::string_view call) {
   return fail(Code::handshake_role_wrong, {.field = std::string(call)});
 }
 
-// Finished handshakes of one pair that stay open to questions.
+// The largest number of finished handshakes of one pair about which the host can still ask.
 constexpr std::size_t kMaxFinishedPerPair = 4;
 
 bool is_pending(const PairHandshake& handshake) {
@@ -36,7 +36,7 @@ Result<HandshakeContext> PkiDh::handshake_context(const Pair& pair) const {
                           pair.announced_challenge, now};
 }
 
-// The pair's lock is held.
+// The caller holds the pair's lock.
 void PkiDh::take_up_request(const std::shared_ptr<Pair>& pair) {
   auto [request, reply_keys] = kept_requests_.take(pair->local_handle, pair->remote_guid);
   pair->reply_keys = std::move(reply_keys);
@@ -46,15 +46,16 @@ void PkiDh::take_up_request(const std::shared_ptr<Pair>& pair) {
   pair->handshakes.push_back(std::move(*request));
 }
 
-// A handshake under way goes on with what it began with. If what we present was renewed since, it
-// has kPendingAge for that; then the same message begins another.
+// A handshake that is under way continues with the documents with which it began. If these were
+// renewed since, it may continue for kPendingAge. After that the same message begins another
+// handshake.
 bool PkiDh::may_go_on(const Pair& pair, const PairHandshake& handshake,
                       const std::shared_ptr<const Presented>& own) const {
   return own == pair.local->presented() ||
          services_.clock.monotonic() - handshake.since < kPendingAge;
 }
 
-// Only one that waited long gives way to another.
+// Only a handshake that has waited long is dropped for another one.
 Status PkiDh::check_room(const Pair& pair) const {
   const auto& all = pair.handshakes;
   const auto pending = std::ranges::count_if(all, is_pending);
@@ -75,7 +76,7 @@ void PkiDh::make_room(Pair& pair) {
   };
   const auto pending = static_cast<std::size_t>(std::ranges::count_if(all, is_pending));
   if (pending >= kMaxPendingPerPair) drop_first(is_pending);
-  // Of finished ones the host keeps what it needs as shared pointers.
+  // The host has shared pointers to the parts of finished handshakes that it needs.
   if (all.size() - pending >= kMaxFinishedPerPair) drop_first(std::not_fn(is_pending));
 }
 
@@ -153,7 +154,7 @@ Result<PkiDh::HandshakeStep> PkiDh::begin_reply(const Token& request, IdentityHa
   DDSSEC_RETURN_IF_ERROR(
       check_role(!initiates(pair->local->guid(), pair->remote_guid), "begin_handshake_reply"));
   auto step = answer_request(pair, request, participant_data);
-  // No lock of a pair is held: those to drop belong to others.
+  // The caller holds no lock of a pair, because the handshakes to drop belong to other pairs.
   if (step) drop_excess(step->handle);
   return step;
 }
@@ -180,7 +181,7 @@ Result<PkiDh::HandshakeStep> PkiDh::answer_request(const std::shared_ptr<Pair>& 
   return keep(pair, std::move(outcome), participant_data, std::move(share));
 }
 
-// What the request makes us keep.
+// Claims the memory that the request makes us keep.
 UnprovenOctets::Share PkiDh::share_of(const Pair& pair, const Token& request,
                                       const HandshakeOutcome& outcome) {
   std::size_t octets = 0, free = 0;
@@ -190,7 +191,7 @@ UnprovenOctets::Share PkiDh::share_of(const Pair& pair, const Token& request,
   return unproven_.claim(peer.certificate().subject_digest(), octets, free);
 }
 
-// The host finds that the handle of a dropped handshake is unknown, and begins anew.
+// The host then finds that the handle of a dropped handshake is unknown, and begins anew.
 void PkiDh::drop_excess(HandshakeHandle newest) {
   for (const auto handle : unproven_.excess(services_.random, newest)) {
     const auto pair = table_.pair_of(handle);
@@ -212,7 +213,7 @@ void PkiDh::drop_excess(HandshakeHandle newest) {
   }
 }
 
-// Our certificate may have ended since the handshake began, if it was renewed.
+// If our certificate was renewed, the one of this handshake may have ended since it began.
 Status PkiDh::note_authenticated(const Pair& pair, const Established& done) {
   DDSSEC_ASSIGN_OR_RETURN(const auto own,
                           pair.local->verify(done.own->certificate, services_.clock.now()));
@@ -221,7 +222,7 @@ Status PkiDh::note_authenticated(const Pair& pair, const Established& done) {
       {done.peer.chain(), own, done.peer.keeps_session(), done.peer.reads_lists()});
 }
 
-// The peer is proven, but not its response, which is not signed along.
+// The peer is proven, but its response is not, because it is not signed.
 void PkiDh::note_unused_ocsp(const Pair& pair, const Established& done) const {
   const auto& why = done.peer.ocsp_unused();
   if (!why) return;

@@ -35,7 +35,7 @@ std::string PkiDh::authenticated_subject(HandshakeHandle handshake) {
       .value_or(std::string());
 }
 
-// Not at once: a host that had no memory for it asks again.
+// The credentials are not dropped at once, because a host without memory for them asks again.
 void PkiDh::drop_credentials_given_out() {
   std::vector<HandshakeHandle> handles;
   {

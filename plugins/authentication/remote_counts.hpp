@@ -22,15 +22,15 @@ struct RemoteLimits {
 /// Counts the remote identities of one local identity.
 ///
 /// Authenticated identities are counted by subject, represented by the first six octets of the GUID
-/// (DDS-Security 1.2, clause 10.3.3). Anyone can claim these octets, so unproven claims are only
-/// counted in total. One certificate never takes the last places: a subject may have at most as
-/// many places as are free, so each further subject still finds some. Not thread-safe.
+/// (DDS-Security 1.2, clause 10.3.3). Any participant can claim these octets, so unproven claims
+/// are only counted in total. One certificate never takes the last places: a subject may have at
+/// most as many places as are free, so each further subject still finds some. Not thread-safe.
 class RemoteCounts {
  public:
-  /// May an unproven GUID be admitted? Errors: too_many_remote_identities,
+  /// Success if an unproven GUID may be admitted. Errors: too_many_remote_identities,
   /// too_many_identities_of_subject.
   Status check_claim(const Guid& guid, const RemoteLimits& limits) const;
-  /// May the owner of the GUID authenticate? Errors as above.
+  /// Success if the owner of the GUID may authenticate. Errors as above.
   Status check_authenticated(const Guid& guid, const RemoteLimits& limits) const;
 
   void add_claim() { ++claimed_; }

@@ -25,7 +25,7 @@ bool renew_certificate(LocalIdentity& identity, const EngineServices& services) 
   return renewed && *renewed;
 }
 
-// That we are revoked is told by the revocations (revocations.cpp).
+// A revocation of our own certificate is reported with the revocations (revocations.cpp).
 void renew_ocsp_response(LocalIdentity& identity, const EngineServices& services) {
   const auto us = our_name(identity.guid());
   const auto renewed = identity.renew_ocsp_response(services.clock);
@@ -60,14 +60,14 @@ void renew_identities(IdentityTable& table, spi::IdentityHandle which, TrustStor
                       const EngineServices& services) {
   for (const auto& local : table.locals(which)) {
     auto& identity = *local.identity;
-    // The CAs come first: a renewed certificate may be of a new one.
+    // The CAs come first, because a new CA may have issued a renewed certificate.
     const auto taken = renew_authorities(identity, stores, services);
     const bool is_renewed = renew_certificate(identity, services) || taken.identity;
     look_at_renewal_list(identity, services);
     renew_ocsp_response(identity, services);
     if (!is_renewed && !taken.authorities) continue;
     const auto chain = identity.verify(services.clock.now());
-    if (!chain) continue;  // it has just ended, and `expire` says so
+    if (!chain) continue;  // it has just ended, and `expire` reports that
     table.note_renewed(local.handle, *chain);
     if (is_renewed)
       services.events.raise(

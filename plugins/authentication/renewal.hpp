@@ -9,17 +9,19 @@ namespace ddssec::authentication {
 
 /// Takes other identity CAs and a renewed certificate of one local identity, or of all (nil), and
 /// moves its end. Raises an event for each file that was taken or cannot be used. Call it before
-/// anything is judged by what is in force.
+/// the documents in force are used to judge anything.
 void renew_identities(IdentityTable& table, spi::IdentityHandle local, TrustStores& stores,
                       const EngineServices& services);
 
-/// Reads the renewal list of one, if it may have changed, and raises the events about it.
+/// Reads the renewal list of one local identity, if it may have changed, and raises the events
+/// about it.
 void look_at_renewal_list(const LocalIdentity& identity, const EngineServices& services);
 
-/// Notes what one local identity uses, or what all do (nil), if the services include a record.
+/// Notes the documents that one local identity uses, or all of them (nil), if the services include
+/// a record.
 void note_documents(const IdentityTable& table, spi::IdentityHandle local,
                     const EngineServices& services);
-/// A local identity has left.
+/// Removes a local identity that has left from the record.
 void forget_documents(spi::IdentityHandle local, const EngineServices& services);
 
 }  // namespace ddssec::authentication

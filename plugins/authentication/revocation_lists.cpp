@@ -14,19 +14,20 @@ namespace {
 
 namespace property = spi::property;
 
-// As in sros2's keystores and our own folders.
+// The name in sros2's keystores and in the folders of ddssec.
 constexpr std::string_view kUsualName = "crl.pem";
-// What an event says of many lists.
+// The longest description of many lists in an event.
 constexpr std::size_t kMaxDescription = 512;
 
 Result<std::vector<pki::Crl>> parse(BytesView octets, std::string_view uri) {
   DDSSEC_ASSIGN_OR_RETURN(auto lists, pki::Crl::all_from(octets));
-  // A file that lists nothing because it is no list must not look like an empty list.
+  // A file without any list must not count as an empty list.
   if (lists.empty()) return fail(Code::crl_file_empty, {.found = std::string(uri.substr(0, 256))});
   return lists;
 }
 
-// Where a list may be that no property names: beside what is issued by the CA, or beside the CA.
+// The places of a list that no property names: beside the certificate that the CA issued, or beside
+// the CA.
 std::vector<std::string> usual_places(const spi::PropertyList& properties) {
   std::vector<std::string> uris;
   for (const auto name : {property::kIdentityCertificate, property::kIdentityCa}) {
@@ -46,13 +47,13 @@ std::string describe(const pki::Crl& crl) {
          to_string(crl.this_update());
 }
 
-// While a CA is replaced, two CAs have one name: the key tells them apart.
+// While a CA is replaced, two CAs have the same name. The key distinguishes them.
 std::string signer_of(const pki::Crl& crl) {
   const auto key = crl.authority_key_id().substr(0, 8);
   return crl.issuer() + (key.empty() ? "" : " (key " + key + ")");
 }
 
-// Of two CAs of one name either may have signed it.
+// If two CAs have the same name, either one may have signed the list.
 Status check_signed(const pki::Crl& crl, const std::vector<pki::Certificate>& anchors,
                     WallTime now) {
   Status status;
@@ -64,7 +65,7 @@ Status check_signed(const pki::Crl& crl, const std::vector<pki::Certificate>& an
   return status;
 }
 
-// Of two CAs of one name each must go on with its own list.
+// If two CAs have the same name, each must continue with its own list.
 Status check_replaced(const pki::Crl& held, const std::vector<pki::Crl>& lists,
                       const std::vector<pki::Certificate>& anchors, WallTime now) {
   const auto is_of_its_ca = [&](const pki::Crl& crl) {
@@ -87,14 +88,14 @@ bool is_newer(const pki::Crl& crl, const pki::Crl& other,
          pki::have_common_signer(crl, other, anchors);
 }
 
-// Without memory, two lists are not the same: then a new one is judged again.
+// If there is not enough memory, the lists count as different, so that a new one is judged again.
 bool is_same_list(const pki::Crl& a, const pki::Crl& b) {
   const auto text = a.pem();
   return !text.empty() && text == b.pem();
 }
 
-// Without those of which `lists` has a newer one of the same CA, or the same once more. A list
-// that no CA among `anchors` signed replaces none.
+// Returns the lists without those for which `lists` has a newer one of the same CA, or the same one
+// again. A list that no CA among `anchors` signed replaces none.
 std::vector<pki::Crl> newest_of(const std::vector<pki::Crl>& lists,
                                 const std::vector<pki::Certificate>& anchors, WallTime now) {
   std::vector<pki::Crl> out;
@@ -114,7 +115,7 @@ std::vector<pki::Crl> newest_of(const std::vector<pki::Crl>& lists,
 Status check_renewal(const std::vector<pki::Crl>& lists, const std::vector<pki::Crl>& former,
                      const std::vector<pki::Certificate>& anchors, WallTime now) {
   for (const auto& crl : lists) DDSSEC_RETURN_IF_ERROR(check_signed(crl, anchors, now));
-  // Of a CA that has been replaced by one of the same name the list has no effect any more.
+  // If a CA has been replaced by one of the same name, its list has no effect any more.
   for (const auto& held : former)
     if (std::ranges::any_of(anchors, [&](const auto& ca) { return held.is_signed_by(ca); }))
       DDSSEC_RETURN_IF_ERROR(check_replaced(held, lists, anchors, now));
@@ -152,7 +153,7 @@ Result<RevocationLists> RevocationLists::load(const spi::PropertyList& propertie
   return out;
 }
 
-// `name`: what an error calls the file.
+// `name` is the name of the file in errors.
 Status RevocationLists::read_first(Place& place, std::string_view name, bool may_come_later) {
   const auto octets = ddssec::load(place.watch.uri(), name, pki::kMaxDocumentOctets);
   if (!octets && may_come_later && octets.error().code() == Code::file_not_found) return {};
@@ -164,7 +165,7 @@ Status RevocationLists::read_first(Place& place, std::string_view name, bool may
   return {};
 }
 
-// What is in force if every place counts: of each CA the newest list.
+// The lists in force if every place counts: the newest list of each CA.
 std::vector<pki::Crl> RevocationLists::together(const std::vector<pki::Certificate>& anchors,
                                                 WallTime now) const {
   std::vector<pki::Crl> all;
@@ -211,14 +212,15 @@ std::string RevocationLists::description() const {
 
 Result<bool> RevocationLists::poll(const Clock& clock, const std::vector<pki::Certificate>& anchors,
                                    const Accept& accept) {
-  // What is wrong in one place must not keep another one from being read.
+  // A fault in one place must not prevent another place from being read.
   Result<bool> out = false;
   for (auto& place : places_) {
     if (!place.watch.may_have_changed(clock.monotonic())) continue;
     auto renewed = look_at(place, {anchors, clock.now(), accept});
     if (!renewed && out) out = std::move(renewed);
     if (!renewed || !*renewed) continue;
-    // What was the newest elsewhere may be older now, and what was wrong there is not told yet.
+    // The newest list of another place may now be older than this one, and a fault there has not
+    // been reported yet.
     for (auto& other : places_) {
       other.watch.force_change();
       other.told.reset();
@@ -258,7 +260,7 @@ Result<RevocationLists> RevocationLists::read(const std::vector<pki::Certificate
   return out;
 }
 
-// True: other lists are in force.
+// Returns true if other lists came into force.
 Result<bool> RevocationLists::judge(BytesView octets, Place& place, const Question& question) {
   DDSSEC_ASSIGN_OR_RETURN(auto lists, parse(octets, place.watch.uri()));
   std::swap(place.lists, lists);
@@ -271,8 +273,8 @@ Result<bool> RevocationLists::judge(BytesView octets, Place& place, const Questi
   return is_other;
 }
 
-// A list that another place has in a newer form does no harm here, but does to a participant that
-// has only this place.
+// An older list than that of another place does no harm here, but it harms a participant that has
+// only this place.
 Status RevocationLists::check_current(const Place& place, const Question& question) const {
   for (const auto& crl : place.lists)
     for (const auto& held : lists_)

@@ -14,60 +14,62 @@
 
 namespace ddssec::authentication {
 
-/// Success if `lists` may take the place of `former`: every list of an issuer among `anchors` is
-/// signed by it and of this time, and none of theirs is lost or goes back in time. Lists of other
-/// issuers have no effect and are passed over. Errors: those of Crl::check, crl_missing,
+/// Success if `lists` may replace `former`. Every list of an issuer among `anchors` must be signed
+/// by the issuer and valid now, and no list of these issuers may be lost or go back in time. Lists
+/// of other issuers have no effect and are skipped. Errors: those of Crl::check, crl_missing,
 /// crl_older.
 Status check_renewal(const std::vector<pki::Crl>& lists, const std::vector<pki::Crl>& former,
                      const std::vector<pki::Certificate>& anchors, WallTime now);
 
-/// Not thread-safe.
+/// The revocation lists of a local identity and their files. Not thread-safe.
 class RevocationLists {
  public:
-  /// What the properties name: a list that must be there, or else one that may come later. If they
-  /// name neither, crl.pem beside the identity certificate and beside the identity CA, which may
-  /// come later, too; not where a trusted_ca_dir is configured, which goes with no list. Both
-  /// count, from the start or as soon as they come: of each CA among `anchors` the newest list is
-  /// in force. Errors name the property or the path: invalid_property, property_without_effect
-  /// (both are named), those of ddssec::load and Crl::all_from, crl_file_empty.
+  /// Loads the list that the properties name: one that must exist, or else one that may come later.
+  /// If they name neither, it is crl.pem beside the identity certificate and beside the identity
+  /// CA, which may also come later. These do not count if a trusted_ca_dir is configured, which
+  /// cannot be combined with a list. Otherwise both count, from the start or as soon as they come:
+  /// the newest list of each CA among `anchors` is in force. Errors name the property or the path:
+  /// invalid_property, property_without_effect (both are named), those of ddssec::load and
+  /// Crl::all_from, crl_file_empty.
   static Result<RevocationLists> load(const spi::PropertyList& properties,
                                       const std::vector<pki::Certificate>& anchors, WallTime now);
 
   const std::vector<pki::Crl>& in_force() const { return lists_; }
-  /// The list in force whose nextUpdate is `end`; null: there is none.
+  /// The list in force whose nextUpdate is `end`; nullptr if there is none.
   const pki::Crl* first_to_end(std::optional<WallTime> end) const;
-  /// Number and date of each, for a person.
+  /// Number and date of each list, for a person.
   std::string description() const;
-  /// The paths of their files, or of the file that may come; empty if there is neither.
+  /// The paths of the lists' files, or of the file that may come; empty if there is neither.
   std::string path() const;
-  /// For a participant without any list: no_revocation_list, with where one is looked for. Nothing
-  /// if there is a list, or no folder to look in.
+  /// For a participant without any list: no_revocation_list, with the places where a list is looked
+  /// for. Empty if there is a list, or no folder to look in.
   std::optional<Error> absence() const;
 
-  /// Judges lists that would take the place of those in force, and uses them if they are good.
+  /// Judges lists that would replace those in force, and uses them if they are good.
   using Accept = std::function<Status(const std::vector<pki::Crl>&)>;
-  /// Reads each file that may have changed. True: other lists are in force. False: the same as
-  /// before. An error says what is wrong with a file; the former lists stay in force. It comes
-  /// when the file was wrong at two looks, so not of one that is just being written, and once as
-  /// long as the file stays the same. Errors: those of ddssec::load, Crl::all_from and `accept`,
-  /// crl_file_empty; crl_copy_older for a file with an older list than the other file.
+  /// Reads each file that may have changed. Returns true if other lists came into force, and false
+  /// if the lists are the same as before. An error describes the fault of a file; the former lists
+  /// stay in force. The error comes only if the file was wrong at two looks, so that a file that is
+  /// just being written causes none, and once as long as the file stays the same. Errors: those of
+  /// ddssec::load, Crl::all_from and `accept`, crl_file_empty; crl_copy_older for a file with an
+  /// older list than the other file.
   Result<bool> poll(const Clock& clock, const std::vector<pki::Certificate>& anchors,
                     const Accept& accept);
 
-  /// An error of look() about a file that has not been good since; nothing if there is none.
+  /// The error of poll() about a file that has not been good since; empty if there is none.
   std::optional<Error> refused() const;
 
-  /// True if each file that was refused was refused only because its list begins in the future: it
-  /// is taken when it begins.
+  /// True if each file that was refused was refused only because its list begins in the future. The
+  /// list is taken when it begins.
   bool begins_later() const;
 
-  /// The next look reads every file, whatever the interval is.
+  /// Makes the next poll read every file, whatever the interval is.
   void force_poll() {
     for (auto& place : places_) place.watch.force_poll();
   }
 
-  /// The lists as they are in the files now, whether they have changed or not. For a caller that
-  /// takes them together with CAs: these are `anchors`. Errors: those of ddssec::load and
+  /// The lists as they are in the files now, whether these have changed or not. It is for a caller
+  /// that takes the lists together with CAs, which are `anchors`. Errors: those of ddssec::load and
   /// Crl::all_from, crl_file_empty.
   Result<RevocationLists> read(const std::vector<pki::Certificate>& anchors, WallTime now) const;
 
@@ -78,20 +80,21 @@ class RevocationLists {
     bool operator==(const Refusal&) const = default;
   };
 
-  /// A file that holds lists, or may later.
+  /// A file that contains lists, or may contain them later.
   struct Place {
     Place(std::string_view from, std::chrono::seconds interval);
 
     FileWatch watch;
-    std::string path;                  ///< empty if it is no file
-    std::vector<pki::Crl> lists = {};  ///< as they were last accepted from this place
-    Sha256Digest content{};            ///< of the file that they are from
-    bool was_refused = false;          ///< at the last look
+    std::string path;                  ///< empty if it is not a file
+    std::vector<pki::Crl> lists = {};  ///< the lists last accepted from this place
+    Sha256Digest content{};            ///< digest of the file with these lists
+    bool was_refused = false;          ///< true if the last look refused the file
     std::optional<Refusal> told = {};
-    std::optional<Error> refused = {};  ///< the last report, while the file was not good since
+    /// The last report, as long as the file has not been good since.
+    std::optional<Error> refused = {};
   };
 
-  /// What a place is judged by.
+  /// The data by which a place is judged.
   struct Question {
     const std::vector<pki::Certificate>& anchors;
     WallTime now;
@@ -107,7 +110,7 @@ class RevocationLists {
 
   std::chrono::seconds interval_{0};
   std::vector<Place> places_;
-  std::vector<pki::Crl> lists_;  ///< in force: of each CA the newest of all places
+  std::vector<pki::Crl> lists_;  ///< in force: the newest list of each CA from all places
 };
 
 }  // namespace ddssec::authentication

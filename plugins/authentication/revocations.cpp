@@ -10,8 +10,8 @@ namespace {
 using OurOwn = IdentityTable::OurOwn;
 
 // The reason why the identity must be revoked: it is on a list and its verification fails, even if
-// only because memory ran out. A peer that is on no list stays: its expiry or its next handshake
-// decides.
+// that is only because memory ran out. A peer that is on no list stays until its expiry or its next
+// handshake.
 std::optional<Error> refusal(const pki::Certificate& certificate, const TrustStore& trust,
                              const LocalIdentity& whose, WallTime now) {
   if (!trust.may_be_revoked(certificate)) return std::nullopt;
@@ -24,8 +24,8 @@ std::optional<Error> refusal(const pki::Certificate& certificate, const TrustSto
                               .note = "it is in use, and cut off"});
 }
 
-// Whether the path ends at a CA that is trusted is decided before anything else about it: any
-// other reason means that it does. Those ends have events of their own.
+// True for errors that are only about time or lists. The verifier first decides whether the path
+// ends at a trusted CA, so these errors mean that it does. They have events of their own.
 bool is_about_time_or_lists(Code code) {
   switch (code) {
     case Code::certificate_expired:
@@ -40,8 +40,8 @@ bool is_about_time_or_lists(Code code) {
   }
 }
 
-// The reason why a peer must go after CAs have left the file: none that is left issued its
-// certificate. For one that stays, the end of the session is found anew.
+// The reason why a peer must leave after CAs were removed from the file: no remaining CA issued its
+// certificate. For a peer that stays, the end of the session is computed again.
 std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authenticated& peer,
                                 const LocalIdentity& whose, const EngineServices& services) {
   const auto now = services.clock.now();
@@ -70,8 +70,8 @@ void look_at_lists(const OurOwn& local, TrustStores& stores, const EngineService
                                                 .found = local.identity->revocation_lists()})));
 }
 
-// The same of a peer whose session goes on with a later certificate: that of its handshake may
-// have expired since, but must not have been revoked.
+// The same for a peer whose session goes on with a later certificate. The certificate of its
+// handshake may have expired since, but must not have been revoked.
 std::optional<Error> refusal(const IdentityTable::Authenticated& peer, const TrustStore& trust,
                              const LocalIdentity& whose, WallTime now) {
   auto reason = refusal(peer.latest(), trust, whose, now);
@@ -84,8 +84,8 @@ std::optional<Error> refusal(const IdentityTable::Authenticated& peer, const Tru
 void judge(IdentityTable& table, const OurOwn& local, bool by_other_authorities,
            const EngineServices& services, Revocations& out) {
   const auto now = services.clock.now();
-  // Waits for handshake steps that began under the former lists, so that no peer authenticates
-  // under them after the judgement.
+  // This waits for handshake steps that began under the former lists, so that no peer authenticates
+  // under these after the judgement.
   for (const auto& pair : table.pairs_of(local.handle)) const std::scoped_lock wait(pair->mutex);
   const auto trust = local.identity->peer_trust();
   if (auto reason = refusal(local.identity->certificate(), *trust, *local.identity, now))

@@ -1,5 +1,5 @@
-// Ends identities that a revocation list names which arrived while participants run, and peers
-// whose CA has left the CA file.
+// Ends identities that are named by a revocation list which arrived while participants run, and
+// peers whose CA was removed from the CA file.
 #pragma once
 
 #include <memory>

@@ -1,41 +1,41 @@
-// Renewed documents within a running session, as two tokens of our own: an offer with a signature
-// for this session alone, and the answer of the peer that has taken it.
+// Renewed documents within a running session, as two tokens specific to ddssec: an offer with a
+// signature for this session only, and the answer of the peer that has taken it.
 #pragma once
 
 #include "plugins/authentication/handshake.hpp"
 
 namespace ddssec::authentication {
 
-/// What one side of a session presents anew.
+/// The documents that one side of a session presents anew.
 struct RenewalOffer {
   std::shared_ptr<const Presented> documents;
-  Sha256Digest digest;  ///< of what its signature covers
-  int times = 0;        ///< how often it was sent
+  Sha256Digest digest;  ///< digest of the signed octets
+  int times = 0;        ///< the number of times that it was sent
 };
 
-/// The next token for the peer of `session`, which is put down in `last`. Empty if the session was
-/// made with what `local` presents now, or if that was offered as often as is sensible. Errors of
-/// pki::sign.
+/// Returns the next token for the peer of `session`, and records it in `last`. Empty if the session
+/// was made with the documents that `local` presents now, or if these were offered as often as is
+/// sensible. Errors: those of pki::sign.
 Result<std::optional<spi::Token>> next_offer(const Established& session, const LocalIdentity& local,
                                              std::optional<RenewalOffer>& last, WallTime now);
 
-/// An offer of the peer that was found to be genuine.
+/// A peer's offer that was found to be genuine.
 struct JudgedOffer {
   JudgedPeer peer;
   spi::Token answer;
 };
-/// How a peer's offer is judged.
+/// The rules by which a peer's offer is judged.
 struct OfferRules {
   const TrustStore& trust;
   OcspPolicy ocsp;
   WallTime now;
 };
-/// `guid`: the peer's. Errors: those of TokenFields, those of JudgedPeer::renewed, those of
+/// `guid` is the peer's. Errors: those of TokenFields, those of JudgedPeer::renewed, those of
 /// check_ocsp_status, signature_invalid.
 Result<JudgedOffer> judge_offer(const Established& session, const spi::Token& offer,
                                 const Guid& guid, const OfferRules& rules);
 
-/// Success if `answer` is to that offer. Errors: those of TokenFields, unexpected_message.
+/// Success if `answer` belongs to that offer. Errors: those of TokenFields, unexpected_message.
 Status check_answer(const std::optional<RenewalOffer>& offer, const spi::Token& answer);
 
 }  // namespace ddssec::authentication

@@ -31,7 +31,7 @@ const ClassRow& row_of(TokenClass token_class) {
   return *std::ranges::find(kClasses, token_class, &ClassRow::token_class);
 }
 
-// Names of fields whose length is bounded by their own rule.
+// The names of fields that have their own rule for their length.
 constexpr std::array<std::string_view, 13> kKnownNames = {
     "c.id",         "c.perm",        kParticipantDataName,
     "c.dsign_algo", "c.kagree_algo", kHashC1,

@@ -10,7 +10,7 @@
 
 namespace ddssec::authentication {
 
-/// The kinds of token, by what follows "DDS:Auth:PKI-DH:1.x" in the class id.
+/// The kinds of token, by the text after "DDS:Auth:PKI-DH:1.x" in the class id.
 enum class TokenClass : std::uint8_t {
   identity,
   auth_request,
@@ -30,8 +30,8 @@ std::string_view class_id_of(TokenClass token_class);
 /// clause 10.3.2.1).
 std::optional<TokenClass> token_class_of(std::string_view class_id);
 
-/// The kind by the end of the class id alone, whatever is before it: what a token of another plugin
-/// or version wants to be. Empty for an unknown end.
+/// The kind according to the end of the class id alone, whatever is before it. It is the kind that
+/// a token of another plugin or version is meant to be. Empty for an unknown end.
 std::optional<TokenClass> claimed_class_of(std::string_view class_id);
 
 /// The longest class id, property name or text property, in octets.

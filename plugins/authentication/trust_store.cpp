@@ -41,7 +41,7 @@ void TrustStore::remember(BytesView pem, const pki::Certificate& certificate) co
   known_.try_emplace(digest, certificate);
 }
 
-// Only what is good is remembered: it is signed by a trusted responder, so that a stranger cannot
+// Only good responses are remembered. A trusted responder has signed these, so an attacker cannot
 // fill the memory.
 Result<pki::OcspGood> TrustStore::ocsp(BytesView response, const pki::Certificate& certificate,
                                        WallTime now) const {

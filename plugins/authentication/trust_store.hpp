@@ -32,12 +32,12 @@ class TrustStore {
     return verifier_.verify(certificate, now);
   }
 
-  /// As ChainVerifier::may_be_revoked.
+  /// See ChainVerifier::may_be_revoked.
   bool may_be_revoked(const pki::Certificate& certificate) const {
     return verifier_.may_be_revoked(certificate);
   }
 
-  /// Judges a peer's OCSP response, or returns what was found before: the same response costs one
+  /// Judges a peer's OCSP response, or returns the former result: the same response costs only one
   /// lookup. Errors: those of pki::judge_ocsp.
   Result<pki::OcspGood> ocsp(BytesView response, const pki::Certificate& certificate,
                              WallTime now) const;

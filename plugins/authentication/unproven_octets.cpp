@@ -9,7 +9,7 @@
 namespace ddssec::authentication {
 namespace {
 
-// Without randomness, the first.
+// A random number below `end`. It is 0 if there is no randomness.
 std::size_t random_below(std::size_t end, Random& random) {
   std::array<std::uint8_t, 4> octets{};
   if (!random.fill(octets)) return 0;
@@ -53,8 +53,8 @@ void UnprovenOctets::release(std::uint64_t id) noexcept {
   entries_.erase(entry);
 }
 
-// Each entry is as likely as any other. So what an attacker must send to meet a certain one does
-// not depend on the size of its requests.
+// Each entry is equally likely, so the effort of an attacker to hit a certain entry does not depend
+// on the size of the attacker's requests.
 UnprovenOctets::Entry* UnprovenOctets::any_of(Random& random, spi::HandshakeHandle newest,
                                               const Sha256Digest* subject) {
   std::vector<Entry*> all;

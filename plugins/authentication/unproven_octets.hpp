@@ -24,9 +24,10 @@ namespace ddssec::authentication {
 /// The accounts. Thread-safe. Must outlive its shares.
 class UnprovenOctets {
  public:
-  /// The octets of one peer that are not counted: their handshakes are never dropped for room.
+  /// The octets of one peer that are not counted, so that its handshakes are never dropped to make
+  /// room.
   static constexpr std::size_t kFreeOfAPeer = 64 * 1024;
-  /// Several requests of the largest size that is accepted (some 1.2 MiB).
+  /// Several requests of the largest size that is accepted (about 1.2 MiB).
   static constexpr std::size_t kMaxOfASubject = 8 * 1024 * 1024;
   static constexpr std::size_t kMax = 16 * 1024 * 1024;
 
@@ -62,17 +63,18 @@ class UnprovenOctets {
       std::swap(octets_, other.octets_);
     }
 
-    UnprovenOctets* of_ = nullptr;  ///< null: the octets are not counted
+    UnprovenOctets* of_ = nullptr;  ///< nullptr if the octets are not counted
     std::uint64_t id_ = 0;
     std::size_t octets_ = 0;
   };
 
-  /// Takes a share of `octets` for a peer whose certificate has that subject. `free_octets`: the
-  /// uncounted octets that this peer already holds.
+  /// Takes a share of `octets` for a peer whose certificate has that subject. `free_octets` is the
+  /// number of uncounted octets that this peer already has.
   Share claim(const Sha256Digest& subject, std::size_t octets, std::size_t free_octets);
 
-  /// The handshakes to drop so that the limits hold again, after `newest` got its share. They are
-  /// not counted any more. First those of the same subject, then of any; never `newest`.
+  /// Returns the handshakes to drop so that the limits hold again, after `newest` got its share.
+  /// They are no longer counted. The first ones are of the same subject, the others of any;
+  /// `newest` is never among them.
   std::vector<spi::HandshakeHandle> excess(Random& random, spi::HandshakeHandle newest);
 
  private:
