@@ -80,7 +80,7 @@ class alignas(64) ExpandedKey {
   ExpandedKey(const ExpandedKey&) = delete;
   ExpandedKey& operator=(const ExpandedKey&) = delete;
 
-  /// Replaces the key. Not while other threads use it. Errors: length_out_of_range, internal.
+  /// Replaces the key. No other thread may use it meanwhile. Errors: length_out_of_range, internal.
   Status expand(const AeadBackend& backend, Cipher cipher, BytesView key);
   bool empty() const { return backend_ == nullptr; }
 

@@ -9,7 +9,7 @@ namespace ddssec::cryptography {
 /// provider has AES-GCM.
 const AeadBackend* openssl_backend();
 
-/// Intel's multi-buffer library, called directly. For x86-64 with AES-NI; nullptr elsewhere.
+/// Intel's multi-buffer library, called directly. It needs x86-64 with AES-NI; nullptr elsewhere.
 const AeadBackend* ipsec_mb_backend();
 
 }  // namespace ddssec::cryptography

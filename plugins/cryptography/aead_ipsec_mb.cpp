@@ -20,7 +20,7 @@ gcm_key_data* ipsec_mb_key_in(KeyStorage storage) {
   return static_cast<gcm_key_data*>(static_cast<void*>(storage));
 }
 
-// Working memory for one message, wiped afterwards: it holds the one-time key of the MAC and key
+// Working memory for one message, wiped afterwards: it contains the one-time key of the MAC and key
 // stream.
 template <class Data>
 struct WipedContext {
@@ -115,7 +115,7 @@ Manager usable_manager() {
 }  // namespace
 
 const AeadBackend* ipsec_mb_backend() {
-  // Never freed: threads may outlive static objects.
+  // This object is never freed, because threads may outlive static objects.
   static const AeadBackend* const kBackend = []() -> const AeadBackend* {
     auto manager = usable_manager();
     return manager ? new IpsecMb(std::move(manager)) : nullptr;

@@ -63,8 +63,8 @@ class Openssl final : public AeadBackend {
     });
   }
 
-  // EVP compares the tag itself. So the tag to return is the expected one on success; on failure
-  // none is written.
+  // EVP compares the tag itself. The tag to return is therefore the expected one on success. On
+  // failure none is written.
   bool open(KeyStorage storage, Cipher, const OpenRequest& request,
             TagView expected) const override {
     std::array<std::uint8_t, kTagSize> tag;
@@ -129,13 +129,13 @@ class Openssl final : public AeadBackend {
 
   Fetched gcm128_;
   Fetched gcm256_;
-  Fetched chacha_;  // may be null
+  Fetched chacha_;  // nullptr if the provider lacks it
 };
 
 }  // namespace
 
 const AeadBackend* openssl_backend() {
-  // Never freed: threads may outlive static objects.
+  // This object is never freed, because threads may outlive static objects.
   static const AeadBackend* const kBackend = []() -> const AeadBackend* {
     Fetched gcm128(EVP_CIPHER_fetch(nullptr, "AES-128-GCM", nullptr));
     Fetched gcm256(EVP_CIPHER_fetch(nullptr, "AES-256-GCM", nullptr));

@@ -211,7 +211,7 @@ void AnnouncedEndpoints::settle(Writer& writer, const Announcement& announcement
   account_->replace(cost_of(announcement), 0);
   const auto known = writer.endpoints.find(announcement.entity);
   const auto before = known == writer.endpoints.end() ? 0 : known->second;
-  // The host may have skipped a smaller one, or refused it, and keep what it has.
+  // The host may have skipped or refused a smaller announcement, and then keeps the former one.
   if (announcement.kind == Announcement::Kind::announces)
     set(writer, announcement.entity, std::max(before, cost_of(announcement)));
   else if (announcement.kind == Announcement::Kind::ends &&

@@ -75,7 +75,7 @@ struct Announcement {
   std::uint64_t number = 0;  ///< writerSN
   Kind kind = Kind::nothing;
   EntityId entity = {};
-  std::size_t octets = 0;  ///< of the payload; for a fragmented sample, of all fragments
+  std::size_t octets = 0;  ///< octets of the payload; for a fragmented sample, of all fragments
   bool hides = false;      ///< it does not say how the endpoint is protected
   bool operator==(const Announcement&) const = default;
 };
@@ -100,30 +100,30 @@ class AnnouncedEndpoints {
   /// if the certificate's account is full, or if something else passed under this number before.
   /// Then nothing changes.
   Status note(const BuiltinTopic& topic, const Announcement& announcement);
-  /// All fragments of an unread announcement have come; `announcement` is its content. Errors as of
-  /// note.
+  /// Notes that all fragments of an unread announcement have come; `announcement` is its content.
+  /// Errors as of note.
   Status complete(const BuiltinTopic& topic, const Announcement& announcement);
   /// Removes an unread announcement of which no fragment passed.
   void take_back(const BuiltinTopic& topic, std::uint64_t number);
-  /// A GAP or HEARTBEAT reported that there are no samples from `begin` up to but not including
-  /// `end`.
+  /// Notes that a GAP or HEARTBEAT reported that there are no samples from `begin` up to but not
+  /// including `end`.
   void skip(const BuiltinTopic& topic, std::uint64_t begin, std::uint64_t end);
-  /// The host has acknowledged all numbers below `next`.
+  /// Notes that the host has acknowledged all numbers below `next`.
   void acknowledged(const BuiltinTopic& topic, std::uint64_t next);
   bool is_acknowledged(const BuiltinTopic& topic, std::uint64_t number) const;
 
-  /// True if it has announced a writer, or a reader, without saying how that is protected. The host
-  /// does not ask access control about such an endpoint. So nothing that the host asked about
-  /// another one may speak for it.
+  /// True if the participant has announced a writer, or a reader, without saying how that is
+  /// protected. The host does not ask access control about such an endpoint, so no answer about
+  /// another endpoint may count for it.
   bool hides_writers() const;
   bool hides_readers() const;
-  /// True if it has announced that endpoint in the secure discovery, and not its end.
+  /// True if the participant has announced that endpoint in the secure discovery, and not its end.
   bool has_secured(const EntityId& endpoint, bool is_writer) const;
 
  private:
   struct Writer {
     std::uint64_t next = 0;  ///< all numbers below are acknowledged
-    bool hides = false;      ///< one announcement did
+    bool hides = false;      ///< true if one announcement did
     std::map<std::uint64_t, Announcement> passed = {};
     SkippedNumbers skipped = {};
     std::map<EntityId, std::size_t> endpoints = {};  ///< octets that the host stores for each

@@ -34,11 +34,11 @@ class AwaitedTokens {
   /// is not protected, an attacker can invent endpoints.
   static constexpr std::size_t kMax = 16384;
 
-  /// The host has matched the two endpoints in that exchange and has no keys yet.
+  /// Notes that the host has matched the two endpoints in that exchange and has no keys yet.
   void await(std::uint64_t exchange, const TokenKey& key, Time now);
-  /// The host presented a ticket for them.
+  /// Notes that the host presented a ticket for them.
   void came(std::uint64_t exchange, const TokenKey& key);
-  /// The exchange has ended.
+  /// Removes all entries of an exchange that has ended.
   void end(std::uint64_t exchange);
   bool contains(std::uint64_t exchange, const TokenKey& key) const;
 

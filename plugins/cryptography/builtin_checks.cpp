@@ -8,7 +8,7 @@ namespace ddssec::cryptography {
 namespace {
 
 constexpr std::size_t kEncapsulationSize = 4;
-constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;  // and that of a key hash
+constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;  // also the size of a key hash
 
 // StatusInfo_t (RTPS 9.6.4.9): disposed, or unregistered.
 constexpr std::uint8_t kDisposedOrUnregistered = 3;
@@ -16,7 +16,7 @@ bool says_end(BytesView status_info) {
   return status_info.size() >= 4 && (status_info[3] & kDisposedOrUnregistered) != 0;
 }
 
-// What the inline QoS of a sample says of the sample's subject.
+// What the inline QoS of a sample says about the subject of the sample.
 enum class Ending : std::uint8_t {
   none,
   usual,    // disposed or unregistered, in the form that all products write
@@ -109,7 +109,7 @@ Announcement::Kind kind_of(Ending ending, const ParameterWalk& walk) {
                                                           : Announcement::Kind::nothing;
 }
 
-// `announced` is null if the owner of the announcement is not known.
+// `announced` is nullptr if the owner of the announcement is not known.
 Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& owner,
                                       const DataPiece& piece, Ending ending,
                                       AnnouncedEndpoints* announced) {
@@ -148,7 +148,7 @@ Status check_without_payload(const BuiltinTopic& topic, const DataPiece& piece,
   return peer->announced.note(topic, {.number = piece.number});
 }
 
-// The announcing peer; null if it is not known, or if samples of this topic announce nothing.
+// The announcing peer; nullptr if it is not known, or if samples of this topic announce nothing.
 PeerDiscovery* announcer(const BuiltinTopic& topic, const Owner& owner, DiscoveryOfPeers& peers) {
   return topic.key == 0 ? nullptr : peers.of(owner.value_or(GuidPrefix{}));
 }
@@ -172,7 +172,7 @@ Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner
     return TypeInformationAt{};
   }
   const auto* const topic = builtin_topic_of(*writer);
-  // Without an owner there is no name to compare that of liveliness with.
+  // Without a known owner, the name in a liveliness message cannot be checked.
   if (topic == nullptr || (topic->key == 0 && !owner)) {
     DDSSEC_RETURN_IF_ERROR(check_other_inline_qos(submessage));
     return TypeInformationAt{};

@@ -9,7 +9,8 @@
 namespace ddssec::cryptography {
 namespace {
 
-// Bits for vendors' parameters and for those that must be understood. Hosts may ignore them.
+// The bits that mark parameters of vendors, and those that must be understood. Hosts may ignore
+// these bits.
 constexpr std::uint16_t kFlags = pid::kMustUnderstand | pid::kVendorSpecific;
 
 constexpr std::array kTopics = {
@@ -38,13 +39,13 @@ constexpr std::array kLocators = {
     LocatorKind{pid::kMetatrafficUnicastLocator, "PID_METATRAFFIC_UNICAST_LOCATOR"},
     LocatorKind{pid::kMetatrafficMulticastLocator, "PID_METATRAFFIC_MULTICAST_LOCATOR", true}};
 
-// PID_METATRAFFIC_MULTICAST_IPADDRESS, PID_DEFAULT_UNICAST_IPADDRESS,
+// The parameters PID_METATRAFFIC_MULTICAST_IPADDRESS, PID_DEFAULT_UNICAST_IPADDRESS,
 // PID_METATRAFFIC_UNICAST_PORT, PID_DEFAULT_UNICAST_PORT, PID_MULTICAST_IPADDRESS,
 // PID_METATRAFFIC_UNICAST_IPADDRESS, PID_METATRAFFIC_MULTICAST_PORT.
 constexpr std::array<std::uint16_t, 7> kDeprecatedAddresses = {0x000b, 0x000c, 0x000d, 0x000e,
                                                                0x0011, 0x0045, 0x0046};
 
-// EndpointSecurityAttributesMask.
+// The size of EndpointSecurityAttributesMask.
 constexpr std::size_t kSecurityMaskSize = 4;
 
 constexpr std::string_view kDocument = "a discovery or liveliness message";
@@ -203,7 +204,7 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   return {};
 }
 
-// True if its first octets are read next.
+// Begins a parameter about security. True if its first octets are read next.
 bool ParameterWalk::begin_security_info() {
   if ((id_ & ~kFlags) != pid::kEndpointSecurityInfo) return false;
   security_infos_ = security_infos_ == 0 ? 1 : 2;
@@ -253,8 +254,8 @@ Status ParameterWalk::note_type_information(const BuiltinTopic& topic, std::uint
                ? Status()
                : unreadable_name(topic, "its type information comes twice");
   type_information_header_ = header;
-  // Where the host has the first octet of the id already, the second makes it an id that does not
-  // exist: 0x8075 of a vendor, or PID_PAD.
+  // If the host already has the first octet of the id, the second octet is changed so that the id
+  // becomes one that does not exist: 0x8075 of a vendor, or PID_PAD.
   constexpr std::uint8_t kOfVendor = 0x80;
   if (header >= piece_begins_)
     type_information_ = {.at = header};

@@ -19,24 +19,25 @@ namespace ddssec::cryptography {
 /// A builtin writer, and how its samples name their subject.
 struct BuiltinTopic {
   EntityId writer;
-  /// Id of the parameter with the key; 0: ParticipantMessageData, which has none.
+  /// The id of the parameter with the key; 0 for ParticipantMessageData, which has none.
   std::uint16_t key;
 };
-/// The topic of a writer; null if it does not belong to discovery or liveliness.
+/// The topic of a writer; nullptr if the writer does not belong to discovery or liveliness.
 const BuiltinTopic* builtin_topic_of(const EntityId& writer);
 
-/// Which builtin writers of discovery a local participant does not hear in the clear.
+/// The builtin writers of discovery that a local participant does not hear in the clear.
 struct ClosedDiscovery {
-  /// discovery_protection_kind is not NONE: those of the secure topics send under keys of their
-  /// own.
+  /// True if discovery_protection_kind is not NONE: the writers of the secure topics then send
+  /// under their own keys.
   bool secure_topics = false;
-  /// Each topic has protected discovery: the others have nothing to send.
+  /// True if each topic has protected discovery: the other writers then have nothing to send.
   bool clear_topics = false;
 
   bool includes(const EntityId& writer) const;
 };
 
-/// The sending participant. Empty: it is not known, and the message may name any participant.
+/// The sending participant. If it is empty, it is not known, and the message may name any
+/// participant.
 using Owner = std::optional<GuidPrefix>;
 
 /// Success if `guid` begins with the prefix of `owner`. Errors: builtin_source_mismatch,
@@ -46,31 +47,34 @@ Status check_name(const BuiltinTopic& topic, const Owner& owner, std::string_vie
 std::unexpected<Error> unreadable_name(const BuiltinTopic& topic, std::string_view why);
 
 /// True for parameters of RTPS 1 that give an address or a port by itself (RTPS 9.6.3 lists them as
-/// deprecated). Cyclone DDS takes them for the beginning of a list of locators that it never made,
-/// and ends with that list's memory. No product in use sends them.
+/// deprecated). Cyclone DDS takes them for the beginning of a list of locators that was never
+/// created, and crashes when it uses that list's memory. No product in use sends them.
 bool is_deprecated_address(std::uint16_t parameter_id);
 
 /// Reads a parameter list with its encapsulation, in pieces of any size. Checks each GUID as soon
 /// as its prefix is complete. Limits values that are costly for Cyclone DDS: locators, which it
-/// compares with those of all readers, and partitions. Finds PID_TYPE_INFORMATION. Small, so that
-/// it can be copied: a caller that refuses a piece continues with the copy from before it.
+/// compares with those of all readers, and partitions. Finds PID_TYPE_INFORMATION. The object is
+/// small, so that it can be copied: a caller that refuses a piece continues with the copy from
+/// before it.
 class ParameterWalk {
  public:
   /// The largest number of locators of each kind: the same as in the embedded participant.
   static constexpr std::size_t kMaxLocators = 16;
-  /// Of each kind that is multicast: a writer of Cyclone DDS chooses among those of all its readers
-  /// again at each match. With 16 of each of 2,000 readers it stood still for 19 seconds.
+  /// The largest number of locators of each multicast kind. At each match, a writer of Cyclone DDS
+  /// chooses again among those of all its readers. With 16 from each of 2,000 readers it stood
+  /// still for 19 seconds.
   static constexpr std::size_t kMaxMulticastLocators = 4;
-  /// Of all kinds together, as many as an endpoint has on an ordinary machine.
+  /// The number of locators of all kinds together that are free: as many as an endpoint has on an
+  /// ordinary machine.
   static constexpr std::size_t kFreeLocators = 4;
-  /// What each further one counts in the account of announcements: Cyclone DDS walks the locators
-  /// of all readers of a topic whenever one of them matches.
+  /// The cost of each further locator in the account of announcements. Cyclone DDS walks the
+  /// locators of all readers of a topic whenever one of them matches.
   static constexpr std::size_t kOctetsOfLocator = 4096;
-  /// What each octet of properties counts there: of an empty property, 16 octets, Cyclone DDS keeps
-  /// about 100; of an empty subscription key, 8 octets, about 40.
+  /// The cost of each octet of properties in the account. Cyclone DDS keeps about 100 octets for an
+  /// empty property of 16 octets, and about 40 for an empty subscription key of 8 octets.
   static constexpr std::size_t kOctetsOfProperty = 6;
-  /// What each partition counts there besides its octets: Cyclone DDS allocates each name by
-  /// itself.
+  /// The cost of each partition in the account besides its octets. Cyclone DDS allocates each name
+  /// separately.
   static constexpr std::size_t kOctetsOfPartition = 48;
 
   /// Reads the next octets. Errors: builtin_source_mismatch, builtin_source_unreadable.
@@ -80,10 +84,10 @@ class ParameterWalk {
   /// The place of the type information, counted from the encapsulation. Its octets came in one
   /// piece.
   const TypeInformationAt& type_information() const { return type_information_; }
-  /// What a list of that many octets counts in the account of announcements.
+  /// The cost of a list of that many octets in the account of announcements.
   std::size_t cost(std::size_t octets) const;
-  /// True if the list has nothing but names, none of them twice. The end of an endpoint says no
-  /// more; the host might refuse one that does.
+  /// True if the list has nothing but names, none of them twice. The end of an endpoint needs
+  /// nothing else, and the host might refuse an end with more.
   bool has_only_names() const { return has_only_names_; }
   /// True if the list says by a valid PID_ENDPOINT_SECURITY_INFO (DDS-Security 1.2, clause
   /// 7.5.1.7) how its endpoint is protected. Hosts ask access control about such endpoints only.
@@ -101,7 +105,7 @@ class ParameterWalk {
   Status begin_partitions(const BuiltinTopic& topic);
   /// The number of octets that belong to the partitions.
   Result<std::size_t> read_partitions(const BuiltinTopic& topic, BytesView octets);
-  /// `header`: the position of its first octet.
+  /// `header` is the position of the parameter's first octet.
   Status note_type_information(const BuiltinTopic& topic, std::uint32_t header);
   std::uint16_t word(std::size_t at) const;
 

@@ -63,8 +63,8 @@ Result<ParticipantCiphers> participant_ciphers(const spi::PropertyList& properti
   DDSSEC_ASSIGN_OR_RETURN(const auto cipher, cipher_asked(properties));
   const auto endpoint = cipher.value_or(Cipher::aes256_gcm);
   auto message = endpoint;
-  if (endpoint == Cipher::chacha20_poly1305)  // all of a domain hear messages: not unless asked for
-  {
+  // All participants of a domain hear messages, so they use ChaCha20-Poly1305 only on request.
+  if (endpoint == Cipher::chacha20_poly1305) {
     DDSSEC_ASSIGN_OR_RETURN(const auto aes, aes_by_size(properties));
     message = aes.value_or(Cipher::aes256_gcm);
   }

@@ -11,7 +11,7 @@
 namespace ddssec::cryptography {
 namespace {
 
-// Unpredictable if possible. No security depends on it: these numbers only make handles and key
+// A random number if possible. No security depends on it: these numbers only make handles and key
 // ids differ from run to run.
 template <class T>
 T starting_number(Random& random) {

@@ -12,7 +12,7 @@ namespace ddssec::cryptography {
 /// Which AEAD implementation to use.
 enum class AeadChoice : std::uint8_t { automatic, ipsec_mb, openssl };
 
-/// What a host may choose. Cyclone DDS needs other values than the defaults.
+/// The options that a host may set. Cyclone DDS needs other values than the defaults.
 struct CryptographyOptions {
   /// An implementation that is not available is replaced by the best one that is, with an event.
   AeadChoice aead = AeadChoice::automatic;

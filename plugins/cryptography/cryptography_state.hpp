@@ -11,7 +11,7 @@
 
 namespace ddssec::cryptography {
 
-/// Any change requires `mutex`.
+/// The shared state. Any change requires `mutex`.
 struct CryptographyState {
   CryptographyState(const EngineServices& services, const AeadBackend& aead,
                     const CryptographyOptions& options, std::uint64_t first_generation);
@@ -32,41 +32,42 @@ struct CryptographyState {
   Result<RemoteEndpoint*> remote_endpoint(H handle, EntityKind kind) const {
     return registry.find<RemoteEndpoint>(handle.value, kind);
   }
-  /// Enters the endpoint's present keys into the routes of its participant. Mutex held.
+  /// Enters the endpoint's present keys into the routes of its participant. The caller holds the
+  /// mutex.
   void publish_route(RemoteEndpoint& endpoint);
 
   /// Takes a place among the receivers of the reader's writer, if it needs one and has none yet.
-  /// Mutex held. Error: receiver_places_taken, after an event that names the peer.
+  /// The caller holds the mutex. Error: receiver_places_taken, after an event that names the peer.
   Status claim_place(RemoteEndpoint& reader, const Pair& pair);
   void release_place(RemoteEndpoint& reader) noexcept;
 
   /// Raises an event about the peer that owns `prefix`.
   void report(const Error& error, const std::optional<GuidPrefix>& prefix) const;
 
-  /// Call it when a remote entity has got new keys. Mutex held.
+  /// Call it when a remote entity has got new keys. The caller holds the mutex.
   void note_former(std::int64_t handle, const RemoteKeys& remote_keys);
 
   const EngineServices services;
   const bool header_prefix_is_network_order;
   const bool host_checks_sources;
-  Graveyard graveyard;  // before whatever retires into it
+  Graveyard graveyard;  // declared before the members that retire objects into it
   const KeyServices keys;
   Registry registry;
   mutable std::mutex mutex;
-  std::unordered_map<std::int64_t, std::chrono::nanoseconds> former_until;  ///< guarded by it
-  std::uint64_t pairs_made = 0;                                             ///< guarded by it
-  std::uint64_t routes_made = 0;                                            ///< guarded by it
-  mutable TokenLedger ledger;  ///< for a host that does not check
+  std::unordered_map<std::int64_t, std::chrono::nanoseconds> former_until;  ///< guarded by mutex
+  std::uint64_t pairs_made = 0;                                             ///< guarded by mutex
+  std::uint64_t routes_made = 0;                                            ///< guarded by mutex
+  mutable TokenLedger ledger;  ///< used for a host that does not check sources
   AnnouncementAccounts announcements = {};
 };
 
 /// The subject whose participants share places: the octets of the prefix that are bound to the
 /// certificate's subject (DDS-Security 1.2, clause 10.3.3). A participant without a proven prefix
-/// has places of its own. It is identified by its identity handle, with a bit set that six octets
+/// has its own places. It is identified by its identity handle, with a bit set that six octets
 /// cannot have.
 std::uint64_t subject_of(std::int64_t identity, const Pair& pair);
 
-/// The peer with that prefix that has authenticated with the local participant; null if there is
+/// The peer with that prefix that has authenticated with the local participant; nullptr if there is
 /// none. Empty while another thread changes the peers.
 std::optional<const RemoteParticipant*> find_peer(const CryptographyState& state,
                                                   const LocalParticipant& local,

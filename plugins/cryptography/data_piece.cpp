@@ -17,7 +17,8 @@ constexpr std::size_t kWriterAt = 12;
 constexpr std::size_t kEntitiesAt = kSubmessageHeaderSize,
                       kEntitiesEnd = kEntitiesAt + 2 * EntityId::size;
 
-// Reads the fields of a DATA_FRAG after writerSN; returns the octets of the sample that it holds.
+// Reads the fields of a DATA_FRAG after writerSN; returns the number of octets of the sample that
+// it contains.
 Result<std::uint64_t> read_fragment(Reader& in, DataPiece& piece) {
   DDSSEC_ASSIGN_OR_RETURN(const auto first, in.read<std::uint32_t>());
   DDSSEC_ASSIGN_OR_RETURN(const auto count, in.read<std::uint16_t>());

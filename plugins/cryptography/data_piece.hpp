@@ -19,20 +19,20 @@ struct DataPiece {
   bool has_key;      ///< the payload is declared to be a key; a hostile sender can declare both or
                      ///< neither
   bool is_fragment;  ///< it is a DATA_FRAG
-  bool begins_sample = true;  ///< false: a later fragment
+  bool begins_sample = true;  ///< false for a later fragment
   std::uint16_t fragment_size = 0;
   std::uint32_t first_fragment = 1;  ///< counted from 1
-  std::uint32_t sample_size = 0;     ///< of DATA_FRAG: octets of the whole sample
-  std::uint32_t fragments_size = 0;  ///< of DATA_FRAG: the least number of octets of its payload
+  std::uint32_t sample_size = 0;     ///< in a DATA_FRAG: octets of the whole sample
+  std::uint32_t fragments_size = 0;  ///< in a DATA_FRAG: the least number of octets of its payload
   Endian endian;
   BytesView inline_qos;  ///< parameters up to the sentinel, which is left out
-  BytesView payload;     ///< of this piece, from the encapsulation on
+  BytesView payload;     ///< the payload of this piece, from the encapsulation on
 };
 
 /// The writer of a DATA or DATA_FRAG; empty for other submessages, and if it ends too early.
 std::optional<EntityId> writer_of_data(BytesView submessage);
 
-/// The reader that a DATA or DATA_FRAG names; zero: all.
+/// The reader that a DATA or DATA_FRAG names; zero for all readers.
 EntityId reader_of_data(BytesView submessage);
 
 /// Parses a submessage for which writer_of_data is not empty. Errors: truncated, malformed.
@@ -43,7 +43,7 @@ struct Skipped {
   EntityId writer;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges;  ///< begin and end
 };
-/// Empty if the submessage is neither, or ends too early.
+/// Reads such numbers; empty if the submessage is neither a GAP nor a HEARTBEAT, or ends too early.
 std::optional<Skipped> read_skipped(BytesView submessage);
 
 /// The content of an ACKNACK from a local reader.
@@ -51,7 +51,7 @@ struct Acknowledgment {
   EntityId writer;
   std::uint64_t next;  ///< bitmapBase: the reader has all messages below
 };
-/// Empty if the submessage is no ACKNACK.
+/// Reads an ACKNACK; empty for any other submessage.
 std::optional<Acknowledgment> read_acknowledgment(BytesView submessage);
 
 /// One parameter of a parameter list (RTPS 9.4.2.11).
@@ -59,7 +59,7 @@ struct Parameter {
   std::uint16_t id;
   BytesView value;
 };
-/// The next parameter; empty at the sentinel. Errors: truncated, malformed.
+/// Reads the next parameter; empty at the sentinel. Errors: truncated, malformed.
 Result<std::optional<Parameter>> next_parameter(Reader& in);
 
 }  // namespace ddssec::cryptography

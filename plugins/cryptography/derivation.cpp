@@ -3,7 +3,7 @@
 namespace ddssec::cryptography {
 namespace {
 
-// A digest, cut to `size`, as a secret; the digest itself is wiped.
+// Makes a secret from a digest, cut to `size`; the digest itself is wiped.
 template <class Key>
 Key secret_from(Sha256Digest digest, std::size_t size) {
   auto key = Key::copy_of(BytesView(digest).first(std::min(size, digest.size())));

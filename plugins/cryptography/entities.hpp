@@ -35,7 +35,8 @@
 
 namespace ddssec::cryptography {
 
-/// The keys of one revision of a remote entity. Null: none came, or this level needs none.
+/// The keys of one revision of a remote entity. A pointer is null if no key came, or if this level
+/// needs none.
 struct LevelKeys {
   std::shared_ptr<ReceiveKey> submessage;  ///< for submessages; of a participant: for RTPS messages
   std::shared_ptr<ReceiveKey> payload;
@@ -49,7 +50,8 @@ struct RemoteKeys final : Retirable, LevelKeys {
     std::chrono::nanoseconds until;  ///< by the monotonic clock
   };
   std::vector<Former> former;  ///< newest first
-  EntityId owner = {};  ///< the endpoint that the keys belong to; zero: not known (key_owner.hpp)
+  /// The endpoint that owns the keys; zero if it is not known (key_owner.hpp).
+  EntityId owner = {};
 };
 
 struct LocalParticipant final : Entity {
@@ -58,7 +60,7 @@ struct LocalParticipant final : Entity {
   Cipher cipher = Cipher::aes256_gcm;           ///< of messages and builtin endpoints
   Cipher endpoint_cipher = Cipher::aes256_gcm;  ///< of the application's endpoints
   spi::CipherMask allowed_ciphers = spi::kAllCiphers;
-  Published<SendKey> key;  ///< null if RTPS messages are not protected
+  Published<SendKey> key;  ///< nullptr if RTPS messages are not protected
   std::atomic<bool> is_cut_off = false;
   bool protects_discovery = false;
   ClosedDiscovery closed_discovery = {};
@@ -104,12 +106,12 @@ struct Pair final : Retirable {
   const LocalParticipant& local;
   std::uint64_t number = 0;  ///< number of the key exchange; unique
   spi::CipherMask peer_ciphers = spi::kStandardCiphers;
-  std::optional<GuidPrefix> peer_prefix = {};  ///< empty: another vendor's authentication
-  /// Of the local participant; empty: another vendor's authentication.
+  std::optional<GuidPrefix> peer_prefix = {};  ///< empty with another vendor's authentication
+  /// The prefix of the local participant; empty with another vendor's authentication.
   std::optional<GuidPrefix> own_prefix = {};
-  spi::PermissionsHandle permissions =
-      {};  ///< of the remote participant; under CryptographyState's mutex
-  /// Local key for the remote participant; null if not needed.
+  /// The permissions of the remote participant; guarded by the mutex of CryptographyState.
+  spi::PermissionsHandle permissions = {};
+  /// Local key for the remote participant; nullptr if it is not needed.
   std::unique_ptr<ReceiverKey> receiver_key;
   /// Subject whose place it takes among the local participant's receivers.
   std::optional<std::uint64_t> place = {};
@@ -139,11 +141,11 @@ struct RemoteParticipant final : Entity {
   std::unordered_set<std::int64_t> endpoints;
   std::unordered_map<std::int64_t, std::unique_ptr<Pair>> pairs;  ///< by local participant
   Published<PairTable> pair_table;
-  Routes routes;                            ///< to its endpoints that protect submessages
-  PayloadPositions payload_positions = {};  ///< of its writers that protect payloads alone
+  Routes routes;                            ///< routes to its endpoints that protect submessages
+  PayloadPositions payload_positions = {};  ///< positions of its writers that protect payloads only
   mutable PeerDiscovery discovery = {};
 
-  /// The pair with that local participant, or nullptr. Under a ReadGuard.
+  /// The pair with that local participant, or nullptr. Call it under a ReadGuard.
   Pair* pair(std::int64_t local) const {
     const auto* const table = pair_table.read();
     if (table == nullptr) return nullptr;
@@ -178,15 +180,15 @@ struct LocalEndpoint final : Entity {
   spi::ProtectionKind payload = spi::ProtectionKind::none;
   bool is_builtin = false;   ///< according to access control
   bool is_volatile = false;  ///< ParticipantVolatileMessageSecure: keys of the key exchange
-  bool is_discovery_protected = false;  ///< its announcements come by a key
-  /// Decides which peers get keys; null: no check here.
+  bool is_discovery_protected = false;  ///< true if its announcements come under a key
+  /// Decides which peers get keys; nullptr if there is no check here.
   std::shared_ptr<const spi::MatchGate> gate = {};
   Cipher cipher = Cipher::aes256_gcm;
-  Published<SendKey> submessage_key;  ///< null if it has peer keys
+  Published<SendKey> submessage_key;  ///< nullptr if it has peer keys
   Published<SendKey> payload_key;
   std::unordered_map<std::int64_t, std::shared_ptr<PeerKey>> peer_keys;  ///< by participant
   std::unique_ptr<SendKey> next_submessage_key = {}, next_payload_key = {};
-  /// A reader's key that is sent but never used: only payloads are protected.
+  /// A reader's key that is sent but never used, because only payloads are protected.
   std::optional<KeyMaterial> token_only;
   std::unordered_set<std::int64_t> matched;  ///< remote endpoints
   ReceiverPlaces receivers;                  ///< a writer's receivers that each need a MAC
@@ -210,13 +212,13 @@ struct RemoteEndpoint final : Entity {
       : Entity(kind), local(local_endpoint), participant(parent) {}
   LocalEndpoint& local;
   RemoteParticipant& participant;
-  std::unique_ptr<ReceiverKey> receiver_key;  ///< local key for it; null if not needed
-  std::shared_ptr<PeerKey> peer_key = {};     ///< local key for its participant; null if not needed
+  std::unique_ptr<ReceiverKey> receiver_key;  ///< local key for it; nullptr if not needed
+  std::shared_ptr<PeerKey> peer_key = {};  ///< local key for its participant; nullptr if not needed
   Published<RemoteKeys> remote_keys;
-  std::atomic<std::uint64_t> route = 0;  ///< number of its only valid route; 0: none
+  std::atomic<std::uint64_t> route = 0;  ///< number of its only valid route; 0 if there is none
   /// Subject whose place it takes among the local writer's receivers.
   std::optional<std::uint64_t> place = {};
-  /// Subject for which the local endpoint counts the match; empty: it is not counted.
+  /// Subject for which the local endpoint counts the match; empty if it is not counted.
   std::optional<std::uint64_t> share = {};
 };
 

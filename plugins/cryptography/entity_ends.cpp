@@ -3,9 +3,9 @@
 
 namespace ddssec::cryptography {
 
-// Removal: an object is first removed from the tables that lead to it, then from the registry, then
-// retired. A route stays for a while and leads nowhere, because the registry no longer knows the
-// handle (routes.hpp).
+// An object that ends is first removed from the tables that lead to it, then from the registry,
+// then retired. A route stays for a while and leads nowhere, because the registry no longer knows
+// the handle (routes.hpp).
 
 void KeyFactory::drop(const Entity& entity) {
   state_.graveyard.retire(state_.registry.remove(entity));

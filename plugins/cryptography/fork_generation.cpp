@@ -39,7 +39,8 @@ ForkGeneration::ForkGeneration(Detection means)
 
 ForkGeneration& ForkGeneration::of_process() {
   static ForkGeneration& instance =
-      *new ForkGeneration(Detection::kernel_if_possible);  // threads may outlive static objects
+      // It is never freed, because threads may outlive static objects.
+      *new ForkGeneration(Detection::kernel_if_possible);
   return instance;
 }
 

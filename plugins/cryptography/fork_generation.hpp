@@ -7,7 +7,8 @@
 
 namespace ddssec::cryptography {
 
-/// A number that changes in the child of every fork(), including clone() without CLONE_VM. Never 0.
+/// A number that changes in the child of every fork(), including clone() without CLONE_VM. It is
+/// never 0.
 ///
 /// It lives in a page that the kernel fills with zeros in a child (MADV_WIPEONFORK). On a system
 /// without that, a pthread_atfork handler writes the zero; it detects fork() only.
@@ -22,7 +23,7 @@ class ForkGeneration {
   /// The instance that all keys of the process share.
   static ForkGeneration& of_process();
 
-  /// For the message path; 0 in a child that has not called `current` yet.
+  /// The number for the message path; 0 in a child that has not called `current` yet.
   std::uint64_t peek() const noexcept { return place_->load(std::memory_order_relaxed); }
   /// The present number. Takes no lock: the forking thread is the only one in the child, and locks
   /// of other threads may stay locked there forever.

@@ -41,7 +41,7 @@ Result<TypeInformationAt> FragmentWalks::take(const BuiltinTopic& topic, const O
   DDSSEC_ASSIGN_OR_RETURN(const auto sample, sample_of(topic, writer, piece, announced, now));
   auto status = read(topic, owner, piece, sample->second, announced, now);
   const auto type_information = sample->second.type_information;
-  if (sample->second.passed.empty()) {  // the host got nothing of it
+  if (sample->second.passed.empty()) {  // no fragment of it reached the host
     writer.erase(sample);
     announced.take_back(topic, piece.number);
   }
@@ -119,7 +119,7 @@ Status FragmentWalks::read(const BuiltinTopic& topic, const Owner& owner, const 
   return {};
 }
 
-// Reads the octets that follow the passed fragments. Changes nothing if they must not pass.
+// Reads the octets after the passed fragments. Changes nothing if they must not pass.
 Status FragmentWalks::go_on(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
                             BytesView octets, const std::vector<Sha256Digest>& added,
                             Sample& sample, AnnouncedEndpoints& announced) const {

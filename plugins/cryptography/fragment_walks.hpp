@@ -33,13 +33,14 @@ namespace ddssec::cryptography {
 /// The checks for one participant. Thread-safe.
 class FragmentWalks {
  public:
-  static constexpr std::size_t kMaxOfSample = 384;      ///< fragments: 516 kB with Cyclone DDS
-  static constexpr std::uint32_t kMaxOctets = 1 << 20;  ///< of a sample
-  static constexpr std::size_t kMaxFragments = 2048;    ///< of a writer: 64 kB of digests
-  static constexpr std::size_t kMaxSamples = 512;       ///< of a writer: two windows of an ACKNACK
+  static constexpr std::size_t kMaxOfSample = 384;      ///< in fragments: 516 kB with Cyclone DDS
+  static constexpr std::uint32_t kMaxOctets = 1 << 20;  ///< limit for a sample
+  static constexpr std::size_t kMaxFragments = 2048;    ///< limit for a writer: 64 kB of digests
+  /// Limit for a writer: two windows of an ACKNACK.
+  static constexpr std::size_t kMaxSamples = 512;
   /// Additional space for numbers below the highest one: the host needs the lowest first.
   static constexpr std::size_t kSpareSamples = 64, kSpareFragments = kMaxOfSample;
-  /// For how long the lowest sample is kept, for other participants of this process.
+  /// How long the lowest sample is kept, for other participants of this process.
   static constexpr MonotonicTime kKept = std::chrono::seconds(5);
 
   /// Checks one DATA_FRAG that is not a whole sample, from a writer whose samples are parameter
@@ -59,7 +60,7 @@ class FragmentWalks {
     std::uint16_t fragment_size;
     std::size_t count;  ///< number of its fragments
     MonotonicTime last_progress;
-    /// Null: the sample is complete.
+    /// nullptr if the sample is complete.
     std::unique_ptr<ParameterWalk> walk = std::make_unique<ParameterWalk>();
     std::vector<Sha256Digest> passed = {};
     TypeInformationAt type_information = {};
@@ -99,7 +100,7 @@ struct PeerDiscovery {
 class DiscoveryOfPeers {
  public:
   virtual ~DiscoveryOfPeers() = default;
-  /// The announcements of that participant; null if it is not known now.
+  /// The announcements of that participant; nullptr if it is not known now.
   virtual PeerDiscovery* of(const GuidPrefix& owner) = 0;
   virtual MonotonicTime now() const = 0;
   /// True for a writer whose samples are not heard in the clear: no honest participant sends them.

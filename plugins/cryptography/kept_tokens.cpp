@@ -33,7 +33,7 @@ bool are_builtin_matched(const CryptographyState& state, const RemoteEndpoint& s
 }
 
 // True if any local endpoint accepts such tokens. A host never uses a reader's tokens if the
-// writer's submessages are not protected, and would store them for nothing. True while another
+// writer's submessages are not protected, and would store them without need. True while another
 // thread changes the endpoints.
 bool may_be_used(const CryptographyState& state, const RemoteEndpoint& sender,
                  const TokenMessage& message) {

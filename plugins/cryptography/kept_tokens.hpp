@@ -16,8 +16,8 @@ Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender, const
 
 /// Inspects a `submessage` that the host sends with the local volatile writer, for key tokens of a
 /// local endpoint for one of the peer. The host has matched the two, and now waits for the peer's
-/// tokens. Recorded only for a peer with ddssec: other plugins would not notice that the session is
-/// started anew.
+/// tokens. This is recorded only for a peer with ddssec: other plugins would not notice that the
+/// session is started anew.
 void note_own_tokens(const CryptographyState& state, const LocalEndpoint& sender, const Pair& pair,
                      BytesView submessage);
 

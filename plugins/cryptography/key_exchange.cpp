@@ -45,7 +45,7 @@ class HeldTokens {
   // True if the ticket is from a session with the same peer that has ended: the ledger waits for
   // the tokens of the present session.
   bool are_awaited() const { return held_ && held_->tokens.empty(); }
-  // The endpoint that owns tokens from the ledger; zero: not known.
+  // The endpoint that owns the tokens from the ledger; zero if it is not known.
   EntityId owner() const { return held_ ? held_->remote.entity : EntityId{}; }
   // Success if tokens from the ledger are used for the participant that sent them. Error:
   // crypto_not_matched.
@@ -86,8 +86,8 @@ void keep_position(RemoteKeys& next, const RemoteKeys* present) {
     next.submessage->count_from(*present->submessage);
 }
 
-// The same for a key for payloads only. Cyclone DDS decrypts a payload once, with the key of the
-// first reader, for all readers. Other hosts decrypt it for each reader.
+// Shares the position of a key for payloads only. Cyclone DDS decrypts a payload once, with the key
+// of the first reader, for all readers. Other hosts decrypt it for each reader.
 void share_payload_position(const CryptographyState& state, RemoteKeys& next,
                             RemoteEndpoint& remote) {
   const auto* const present = remote.remote_keys.read();
@@ -97,10 +97,11 @@ void share_payload_position(const CryptographyState& state, RemoteKeys& next,
   if (!state.host_checks_sources) remote.participant.payload_positions.share(*next.payload);
 }
 
-// A host passes a submessage that one local endpoint can decrypt to all endpoints that receive
-// from the same sender, so they share the position. One that trusts what it decrypts asks for each
-// submessage once, so they share the window of repetitions, too: with the MAC for one endpoint
-// broken, a recorded submessage would be new to the next.
+// A host passes a submessage that one local endpoint can decrypt to all endpoints that receive from
+// the same sender, so these share the position. A host that trusts decrypted content asks about
+// each submessage only once, so they also share the window of repetitions. Otherwise an attacker
+// could break the MAC for one endpoint in a recorded submessage, and it would be new to the next
+// endpoint.
 void share_state(const CryptographyState& state, RemoteKeys& next, const RemoteEndpoint& remote) {
   const auto* const present = remote.remote_keys.read();
   if (!next.submessage) return;
@@ -112,7 +113,7 @@ void share_state(const CryptographyState& state, RemoteKeys& next, const RemoteE
   if (!state.host_checks_sources) next.submessage->share_window(*other);
 }
 
-// The same for the messages of a participant that several local participants know.
+// Shares the window for the messages of a participant that several local participants know.
 void share_window(RemoteKeys& next, const RemoteParticipant& remote) {
   for (const auto& [local, pair] : remote.pairs) {
     const auto* const keys = pair->remote_keys.read();
@@ -145,8 +146,9 @@ Status check_owner(const RemoteEndpoint& remote, const RemoteKeys& keys) {
                .found = id.to_string() + ", which is also that of " + owner.to_string()});
 }
 
-// Success if the endpoint was announced where the governance demands it. Announced in the clear,
-// it could hide from access control without being seen here. Error: keys_not_permitted.
+// Success if the endpoint was announced where the governance demands it. An endpoint that was
+// announced in the clear could avoid the check of access control without being noticed here. Error:
+// keys_not_permitted.
 Status check_announced(const RemoteEndpoint& remote, const Pair& pair, const EntityId& owner) {
   const auto& local = remote.local;
   if (!local.gate || !local.is_discovery_protected || owner.is_zero() || !pair.peer_prefix)
@@ -215,8 +217,8 @@ Result<std::vector<spi::Token>> KeyExchange::create_local_participant_crypto_tok
   const auto* const key = revised ? participant->next_key.get() : participant->key.read();
   std::vector<spi::Token> tokens;
   if (key == nullptr && revised) return tokens;
-  // Always exactly one token, because Fast DDS refuses any other number. Its kind is NONE if
-  // nothing is protected.
+  // There is always exactly one token, because Fast DDS refuses any other number. Its kind is NONE
+  // if nothing is protected.
   tokens.push_back(key != nullptr ? token_for(*key, pair->receiver_key.get(), *pair)
                                   : crypto_token(KeyMaterial{}));
   return tokens;
@@ -313,8 +315,8 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
   return keys;
 }
 
-// What a token says is believed only after every check. The endpoint keeps its keys until
-// `install`; only the payload positions that its participant remembers for a sender key may grow
+// The content of a token is used only after every check. The endpoint keeps its keys until
+// `install`. Only the payload positions that its participant remembers for a sender key may grow
 // here.
 Result<std::unique_ptr<RemoteKeys>> KeyExchange::checked_keys(RemoteEndpoint& endpoint,
                                                               const Pair& pair,
@@ -332,8 +334,8 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::checked_keys(RemoteEndpoint& en
   return keys;
 }
 
-// The route leads to the new keys only once they are there; if there is no memory for it, the
-// former keys come back.
+// The route leads to the new keys only once they are there. If there is not enough memory for it,
+// the former keys are put back.
 void KeyExchange::install(RemoteEndpoint& endpoint, std::unique_ptr<RemoteKeys> keys) {
   state_.note_former(endpoint.handle(), *keys);
   auto former = endpoint.remote_keys.exchange(std::move(keys));

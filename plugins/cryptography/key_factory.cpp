@@ -42,7 +42,8 @@ Result<Key> KeyFactory::random_key(std::size_t size) {
   return Key::fill(size, [&](MutableBytes out) { return state_.services.random.fill(out); });
 }
 
-// Unique among all local participants. Never 0, which is the id of the key exchange's key.
+// The id is unique among all local participants. It is never 0, which is the id of the key
+// exchange's key.
 KeyId KeyFactory::fresh_key_id() {
   if (next_key_id_ == 0) ++next_key_id_;
   const auto number = next_key_id_++;
@@ -368,7 +369,7 @@ void KeyFactory::release_peer_key(const RemoteEndpoint& writer) noexcept {
 }
 
 // A host that checks sources limits them itself. Endpoints whose announcements are not protected
-// are not counted: anyone can invent them in the peer's name.
+// are not counted, because an attacker can invent them in the peer's name.
 Status KeyFactory::claim_share(RemoteEndpoint& remote, const Pair& pair) {
   auto& local = remote.local;
   if (local.is_builtin || !local.is_discovery_protected) return {};

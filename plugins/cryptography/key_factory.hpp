@@ -59,7 +59,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<KeyMaterial> fresh_material(TransformKind kind, KeyId id);
   Result<std::unique_ptr<SendKey>> send_key(KeyMaterial material);
   Result<std::unique_ptr<ReceiverKey>> receiver_key(Cipher cipher);
-  /// A key of the next revision for `key`; null if there is no such key.
+  /// A key of the next revision for `key`; nullptr if there is no such key.
   Result<std::unique_ptr<SendKey>> revised(const Published<SendKey>& key);
   Status revise(LocalEndpoint& endpoint);
   static void take_back_revision(LocalEndpoint& endpoint) noexcept;
@@ -92,22 +92,25 @@ class KeyFactory final : public spi::CryptoKeyFactory {
     RemoteParticipant& parent;
     const Pair& pair;
   };
-  /// Mutex held. Errors: those of Registry::find, crypto_not_matched.
+  /// Looks up the match. The caller holds the mutex. Errors: those of Registry::find,
+  /// crypto_not_matched.
   Result<Match> find_match(std::int64_t local, EntityKind remote_kind,
                            spi::ParticipantCryptoHandle remote_participant);
-  /// Mutex not held.
+  /// Registers a match. The caller does not hold the mutex.
   Result<std::int64_t> match(std::int64_t local, EntityKind remote_kind,
                              spi::ParticipantCryptoHandle remote_participant);
-  /// Mutex held, and the gate has agreed.
+  /// Adds the match after the gate has agreed. The caller holds the mutex.
   Result<std::int64_t> add_match(const Match& match, EntityKind remote_kind);
   /// Gives the reader a key for the writer's participant. It is made for the first of that
-  /// participant's writers and dropped with the last. Mutex held. Errors: those of the random
-  /// source.
+  /// participant's writers and dropped with the last. The caller holds the mutex. Errors: those of
+  /// the random source.
   Status claim_peer_key(RemoteEndpoint& writer);
   static void release_peer_key(const RemoteEndpoint& writer) noexcept;
-  /// Error: receiver_places_taken, after an event that names the peer.
+  /// Takes a place for the remote participant. Error: receiver_places_taken, after an event that
+  /// names the peer.
   Status claim_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh);
-  /// Error: too_many_matches, after an event that names the peer.
+  /// Counts the match for the peer's certificate. Error: too_many_matches, after an event that
+  /// names the peer.
   Status claim_share(RemoteEndpoint& remote, const Pair& pair);
   void drop(const Entity& entity);
   void drop_local(LocalParticipant& participant);

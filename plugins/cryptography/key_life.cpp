@@ -12,7 +12,7 @@ std::uint64_t in_last_quarter(std::uint64_t limit, std::uint64_t chance) {
 
 }  // namespace
 
-// The new keys must be in use, and the former ones invalid, when the lifetime is over.
+// The new keys must be in use, and the former ones must be invalid, when the lifetime is over.
 void KeyLife::begin(std::chrono::nanoseconds now, std::uint64_t chance) {
   const auto whole = static_cast<std::uint64_t>(std::chrono::nanoseconds(limits_.lifetime).count());
   const std::chrono::nanoseconds drawn{in_last_quarter(whole, chance)};

@@ -16,12 +16,14 @@ class KeyLife {
   explicit KeyLife(spi::KeyLimits limits) : limits_(limits) {}
 
   bool is_limited() const { return limits_.any(); }
-  /// Keys were made at `now`. They end at a random point in the last quarter of the limits, by the
-  /// random number `chance`. So participants that start together do not revise their keys together.
+  /// Notes that keys were made at `now`. They end at a random point in the last quarter of the
+  /// limits, chosen by the random number `chance`. So participants that start together do not
+  /// revise their keys together.
   void begin(std::chrono::nanoseconds now, std::uint64_t chance);
   bool has_ended(std::chrono::nanoseconds now) const;
-  /// True if it is time to check the volume. Not earlier after the keys were made than former keys
-  /// stay valid, so that few revisions are valid at a time, however low the limit is.
+  /// True if it is time to check the volume. It is not checked earlier after the keys were made
+  /// than former keys stay valid, so that few revisions are valid at a time, however low the limit
+  /// is.
   bool counts_blocks(std::chrono::nanoseconds now) const;
   bool is_used_up(std::uint64_t blocks) const { return blocks >= last_block_; }
 

@@ -42,7 +42,8 @@ Result<Id> read_id(Reader& reader) {
   return Id::from(*octets);
 }
 
-// A sequence<octet> of exactly `size` octets that are not all zero, copied to where it is wiped.
+// A sequence<octet> of exactly `size` octets that are not all zero, copied into an object that
+// wipes it.
 template <class Key>
 Result<Key> read_key(Reader& reader, std::size_t size) {
   const auto octets = reader.read_octet_sequence();
@@ -85,7 +86,8 @@ bool KeyMaterial::operator==(const KeyMaterial& other) const {
 }
 
 Bytes serialize_key_material(const KeyMaterial& material) {
-  // Reserved at once, so that no smaller block with some of the keys is freed without being wiped.
+  // The memory is reserved at once, so that no smaller block with some of the keys is freed without
+  // being wiped.
   Bytes out;
   const auto position = material.position ? serialize(*material.position) : Bytes();
   out.reserve(24 + 3 * MasterKey::capacity + position.size());
@@ -117,7 +119,7 @@ Result<KeyMaterial> parse_key_material(BytesView octets) {
   DDSSEC_ASSIGN_OR_RETURN(material.sender_key_id, read_id<KeyId>(reader));
   DDSSEC_ASSIGN_OR_RETURN(material.sender_key, read_key<MasterKey>(reader, traits->key_size()));
   DDSSEC_ASSIGN_OR_RETURN(material.receiver_key_id, read_id<KeyId>(reader));
-  // Id 0 is "no receiver-specific key": then there must be none.
+  // Id 0 means that there is no receiver-specific key, so none may follow.
   DDSSEC_ASSIGN_OR_RETURN(
       material.receiver_key,
       read_key<MasterReceiverKey>(reader, material.has_receiver_key() ? traits->key_size() : 0));

@@ -19,7 +19,7 @@ inline constexpr TransformKind kAes128Gcm{{0, 0, 0, 2}};
 inline constexpr TransformKind kAes256Gmac{{0, 0, 0, 3}};
 inline constexpr TransformKind kAes256Gcm{{0, 0, 0, 4}};
 // Private values from the vendor-specific range (DDS-Security 1.2, clause 7.3.7). They are sent
-// only to peers that announced them: others may use the same numbers for something else.
+// only to peers that announced them: other products may use the same numbers for something else.
 inline constexpr TransformKind kChachaPoly1305Mac{{0, 0, 0, 0x91}};
 inline constexpr TransformKind kChachaPoly1305{{0, 0, 0, 0x92}};
 
@@ -27,7 +27,7 @@ inline constexpr TransformKind kChachaPoly1305{{0, 0, 0, 0x92}};
 struct KindTraits {
   TransformKind kind;
   Cipher cipher;
-  bool encrypts;  ///< false: MAC only
+  bool encrypts;  ///< false for a MAC only
 
   /// Size of salt and keys in octets: 16 or 32.
   std::size_t key_size() const { return key_size_of(cipher); }
@@ -64,7 +64,7 @@ struct KeyMaterial {
 
 /// A token to send. It contains keys, so it must go through the volatile secure channel only.
 spi::Token crypto_token(const KeyMaterial& material);
-/// The same from octets of serialize_key_material.
+/// The same token, made from the octets of serialize_key_material.
 spi::Token token_of_material(BytesView octets);
 
 /// Reads a peer's token and checks everything that does not depend on its use. Errors:

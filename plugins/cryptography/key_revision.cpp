@@ -12,7 +12,7 @@ namespace property = spi::property;
 
 namespace {
 
-// A key that represents all keys of an entity: they are revised together.
+// Returns a key that represents all keys of an entity, because they are revised together.
 const ReceiveKey* any_of(const LevelKeys& keys) {
   return keys.submessage ? keys.submessage.get() : keys.payload.get();
 }

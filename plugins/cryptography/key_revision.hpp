@@ -16,12 +16,12 @@ inline constexpr KeyRevision kLastKeyRevision = 0xffffff;
 /// The key revision of a kind: its first three octets.
 KeyRevision revision_of(TransformKind kind);
 TransformKind with_revision(TransformKind kind, KeyRevision revision);
-/// The revision after this one. 0 never comes again.
+/// The revision after this one. Revision 0 never comes again.
 constexpr KeyRevision next_revision(KeyRevision revision) {
   return revision == kLastKeyRevision ? 1 : revision + 1;
 }
-/// True if `revision` is later than `than`. Revisions wrap around: half of them are later than any
-/// given one.
+/// True if `revision` is later than `than`. Revisions wrap around, so half of them are later than
+/// any given one.
 bool is_later(KeyRevision revision, KeyRevision than);
 
 /// For how long a remote entity's former keys stay valid after its new ones arrive. The sender may

@@ -19,7 +19,7 @@ class MatchShares {
 
   /// Counts one more match of the subject. Error: too_many_matches.
   Status claim(std::uint64_t subject);
-  /// The match has ended, if it was counted; `share` is empty from now on.
+  /// Ends the match if it was counted; `share` is empty afterwards.
   void release(std::optional<std::uint64_t>& share) noexcept;
 
  private:

@@ -18,14 +18,14 @@ namespace ddssec::cryptography {
 
 struct BuiltinTopic;
 
-/// Reads the value of the parameter, a CDR sequence of strings, in pieces of any size. Small, so
-/// that it can be copied.
+/// Reads the value of the parameter, a CDR sequence of strings, in pieces of any size. The object
+/// is small, so that it can be copied.
 class PartitionWalk {
  public:
   static constexpr std::size_t kMaxNames = 256;         ///< as access control allows
   static constexpr std::size_t kMaxNameOctets = 1024;   ///< as access control allows
-  static constexpr std::size_t kMaxStarsOfName = 2;     ///< that something follows
-  static constexpr std::size_t kMaxStarsOfSample = 64;  ///< that something follows
+  static constexpr std::size_t kMaxStarsOfName = 2;     ///< stars with text after them
+  static constexpr std::size_t kMaxStarsOfSample = 64;  ///< stars with text after them
 
   PartitionWalk() = default;
   PartitionWalk(std::uint16_t length, bool is_little) : is_little_(is_little), rest_(length) {}
@@ -33,7 +33,7 @@ class PartitionWalk {
   /// Reads the next octets of the value, at most rest(). Error: builtin_source_unreadable.
   Status read(const BuiltinTopic& topic, BytesView octets);
   std::size_t rest() const { return rest_; }
-  /// How many names the value has, by its count.
+  /// The number of names in the value, according to its count.
   std::size_t names() const { return names_; }
 
  private:

@@ -26,7 +26,7 @@ inline constexpr std::size_t kMaxExtraPassphrases = 15;
 /// The sources of a participant's passphrases, so that they can be read again.
 class PassphraseFiles {
  public:
-  /// `poll_interval`: the time between two checks of the files; 0: never check.
+  /// `poll_interval` is the time between two checks of the files; 0 means never.
   PassphraseFiles(const spi::PropertyList& properties, std::chrono::nanoseconds poll_interval);
 
   /// Reads the passphrase to send with, then those that are accepted as well. Raises
@@ -36,10 +36,11 @@ class PassphraseFiles {
   /// passphrase.
   Result<std::vector<Passphrase>> load(EventSink& events) const;
 
-  /// As of FileWatch.
+  /// See FileWatch.
   bool may_have_changed(std::chrono::nanoseconds now);
   void force_change();
-  /// The place named by the property, for messages: it tells where a passphrase is, not which.
+  /// The place named by the property, for messages: it shows where a passphrase is, but not the
+  /// passphrase.
   std::string place_of(std::string_view property) const;
 
  private:

@@ -14,7 +14,8 @@ namespace ddssec::cryptography {
 /// The positions, by key id and revision. Not thread-safe.
 class PayloadPositions {
  public:
-  /// From now on, all keys of one id and revision use the newest position of any of them.
+  /// Shares the position: from now on, all keys of one id and revision use the newest position of
+  /// any of them.
   void share(ReceiveKey& key) {
     const auto& material = key.material();
     auto& known = positions_[{material.sender_key_id, material.kind}];

@@ -102,7 +102,7 @@ bool PreSharedKeyRing::uses(const std::vector<Passphrase>& passphrases) const {
 }
 
 // Unusable passphrases change nothing. The files are read again every time, because the cause may
-// have been temporary, and it is reported once.
+// have been temporary. It is reported once.
 void PreSharedKeyRing::refresh() {
   if (!files_.may_have_changed(services_.clock.monotonic())) return;
   auto passphrases = files_.load(services_.events);
@@ -130,8 +130,8 @@ void PreSharedKeyRing::keep_despite(const Error& error) {
   if (complaint_ != before) services_.events.raise(Event(complaint));
 }
 
-// A participant has the same source for its whole life. A participant with the same source after a
-// restart has the same master key: random starts keep its IVs apart.
+// A participant has the same source for its whole life. After a restart with the same source it has
+// the same master key, so random starts keep its IVs apart.
 Result<SendKey*> PreSharedKeyRing::send_key(const MessageSource& source) {
   if (send_ && source == own_) return send_.get();
   const auto& entry = entries_.front();

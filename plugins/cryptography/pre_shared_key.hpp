@@ -87,7 +87,7 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
   const EngineServices& services_;
   const KeyServices& keys_;
   std::vector<Entry> entries_;
-  /// Last event about unusable passphrases, to report it once; empty: none.
+  /// The last event about unusable passphrases, to report it once; empty if there is none.
   std::string complaint_;
   MessageSource own_{};
   std::unique_ptr<SendKey> send_;

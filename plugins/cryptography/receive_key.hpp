@@ -16,7 +16,8 @@
 
 namespace ddssec::cryptography {
 
-/// The expanded keys of a remote session. `receiver` is null without a receiver-specific key.
+/// The expanded keys of a remote session. `receiver` is nullptr if there is no receiver-specific
+/// key.
 struct ReceiveSession final : Retirable {
   SessionId id;
   ExpandedKey key;
@@ -90,19 +91,19 @@ class ReceiveKey final : public Retirable {
   /// True if the message came before. Call it after the tags were right. Only senders that use
   /// ddssec with origin authentication are checked (replay_window.hpp).
   bool is_repeated(const Iv& iv) { return window_ && !window_->accept(iv); }
-  /// The same key came once more: continues with the state of `first`, so messages that were under
-  /// way stay valid. Call it before publication.
+  /// Continues with the state of `first`, because the same key came once more. Messages that are
+  /// under way stay valid. Call it before publication.
   void count_from(const ReceiveKey& first) {
     position_ = first.position_;
     window_ = first.window_;
   }
-  /// Another endpoint has the key of the same sender: shares its position. Messages that were under
-  /// way to that endpoint are lost; a reliable sender repeats them. Call it before publication, one
-  /// caller at a time.
+  /// Shares the position of `other`, the key of the same sender for another endpoint. Messages that
+  /// are under way to that endpoint are lost; a reliable sender repeats them. Call it before
+  /// publication, one caller at a time.
   void count_with(const ReceiveKey& other) { count_with(other.position_); }
   void count_with(const std::shared_ptr<NewestPosition>& of_other);
-  /// The same key at another place where the host takes each message once: a message that one of
-  /// them accepted is a repetition for all. Call it before publication.
+  /// Shares the window of the same key at another place, if the host takes each message only once.
+  /// A message that one of them accepted is then a repetition for all. Call it before publication.
   void share_window(const ReceiveKey& other) {
     if (window_ && other.window_) window_ = other.window_;
   }
@@ -121,8 +122,8 @@ class ReceiveKey final : public Retirable {
     return said ? std::make_shared<NewestPosition>(std::move(*said)) : nullptr;
   }
 
-  std::shared_ptr<NewestPosition> position_;  ///< null: the sender did not send it
-  std::shared_ptr<ReplayWindow> window_;      ///< null: replay is not checked
+  std::shared_ptr<NewestPosition> position_;  ///< nullptr if the sender did not send it
+  std::shared_ptr<ReplayWindow> window_;      ///< nullptr if replay is not checked
   const KeyMaterial material_;
   const KindTraits traits_;
   const KeyServices& services_;

@@ -20,8 +20,9 @@ class ReceiverPlaces {
  public:
   /// This many MACs leave 3,000 octets of a UDP datagram for the rest.
   static constexpr std::size_t kMax = 3125;
-  /// The limit for readers, and that for participants, if RTPS messages have origin authentication:
-  /// a message may then carry MACs of both levels. Both together leave 5,500 octets for the rest.
+  /// The limit for readers, and the one for participants, if RTPS messages have origin
+  /// authentication. A message may then carry MACs of both levels, and both together leave 5,500
+  /// octets for the rest.
   static constexpr std::size_t kMaxOfEach = 1500;
   /// The limit for one certificate. Each of its participants has a reader for every secure builtin
   /// topic.
@@ -34,7 +35,7 @@ class ReceiverPlaces {
   /// Takes a place for one more receiver of a certificate's subject. Error: receiver_places_taken.
   Status claim(std::uint64_t subject);
   void release(std::uint64_t subject) noexcept;
-  /// The same, if there is one; `place` is empty from now on.
+  /// Releases the place if there is one; `place` is empty afterwards.
   void release(std::optional<std::uint64_t>& place) noexcept {
     if (const auto taken = std::exchange(place, std::nullopt)) release(*taken);
   }

@@ -6,26 +6,26 @@ namespace ddssec::cryptography {
 namespace {
 
 struct alignas(64) Slot {
-  std::atomic<std::uint64_t> epoch = 0;  // 0: outside
-  bool taken = false;                    // under the mutex
+  std::atomic<std::uint64_t> epoch = 0;  // 0 outside of a guard
+  bool taken = false;                    // guarded by the mutex
 };
 
 constinit std::atomic<std::uint64_t> current_epoch = 1;
 
-// The slots of all threads. Never freed while a thread lives; slots of ended threads are used
-// again.
+// The slots of all threads. They are never freed while a thread lives. Slots of ended threads are
+// used again.
 struct Slots {
   std::mutex mutex;
   std::vector<std::unique_ptr<Slot>> all;
 };
 
 Slots& slots() {
-  // Never freed: threads may end after static objects are destroyed.
+  // This object is never freed, because threads may end after static objects are destroyed.
   static Slots& instance = *new Slots;
   return instance;
 }
 
-// The slot of the calling thread; null before the first call and after its lease has ended.
+// The slot of the calling thread; nullptr before the first call and after its lease has ended.
 constinit thread_local Slot* slot_of_thread = nullptr;
 constinit thread_local bool has_lease_ended = false;
 
@@ -103,7 +103,7 @@ void Graveyard::retire(std::unique_ptr<Retirable> object) noexcept {
     last_ = added;
     ++size_;
   }
-  // Destroyed without the lock, because destructors may retire more objects.
+  // The object is destroyed without the lock, because destructors may retire more objects.
   while (auto dead = take_safe()) {
   }
 }

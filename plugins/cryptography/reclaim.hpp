@@ -93,7 +93,7 @@ class Published {
   Published(const Published&) = delete;
   Published& operator=(const Published&) = delete;
 
-  /// Under a ReadGuard, or by the only writer.
+  /// Call it under a ReadGuard, or as the only writer.
   T* read() const noexcept { return pointer_.load(); }
 
   /// Publishes `next`; the former object goes to the graveyard.

@@ -19,7 +19,7 @@ Status Registry::add(std::unique_ptr<Entity> entity) {
     if (next_ == kChunkSize * kMaxChunks) return fail(Code::crypto_too_many_entities);
     auto& chunk = chunks_[next_ / kChunkSize];
     if (chunk.load() == nullptr) {
-      free_.reserve(next_ + kChunkSize);  // so that removing needs no memory
+      free_.reserve(next_ + kChunkSize);  // so that removal needs no memory
       chunk.store(std::make_unique<Chunk>().release());
     }
     free_.push_back(next_++);

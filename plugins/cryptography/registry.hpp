@@ -53,7 +53,7 @@ class Registry {
   /// Assigns the entity its handle and takes ownership. One caller at a time. Error:
   /// crypto_too_many_entities.
   Status add(std::unique_ptr<Entity> entity);
-  /// Unlinks the entity and returns it; from now on its handle is unknown. The caller retires the
+  /// Unlinks the entity and returns it; afterwards its handle is unknown. The caller retires the
   /// entity. Allocates no memory. One caller at a time.
   std::unique_ptr<Entity> remove(const Entity& entity) noexcept;
 
@@ -77,7 +77,7 @@ class Registry {
 
   struct Place {
     std::atomic<Entity*> entity = nullptr;
-    std::uint64_t used = 0;  // how often; only the caller of add reads it
+    std::uint64_t used = 0;  // how often it was used; only the caller of add reads it
   };
   using Chunk = std::array<Place, kChunkSize>;
 

@@ -27,8 +27,8 @@ struct RemoteEndpoint;
 class ReceiveKey;
 
 struct Route {
-  KeyId key_id;           ///< zero: key of the key exchange
-  KeyId receiver_key_id;  ///< zero: none
+  KeyId key_id;           ///< zero for the key of the key exchange
+  KeyId receiver_key_id;  ///< zero if there is none
   std::int64_t local_participant;
   EntityKind kind;  ///< remote_writer or remote_reader
   std::int64_t handle;
@@ -47,15 +47,15 @@ class Routes {
   void note_gone() noexcept { ++gone_; }
 
   /// The endpoint that sent a SEC_ group under the key `key`, as matched with the local participant
-  /// `receiver` (0: with any). Several endpoints may have one key, for example a remote writer that
+  /// `receiver` (0 for any). Several endpoints may have one key, for example a remote writer that
   /// is matched with several local readers. Then the result is the one for which the group has a
   /// MAC, or else the first. nullptr if there is none. Under a ReadGuard.
   RemoteEndpoint* find(KeyId key, std::int64_t receiver, BytesView group) const;
-  /// The id of an endpoint other than `owner` that has that key; zero if none is known. By the
-  /// caller of `add`.
+  /// The id of an endpoint other than `owner` that has that key; zero if none is known. Only the
+  /// caller of `add` may call it.
   EntityId other_owner(KeyId key, const EntityId& owner) const;
   /// A key of the same sender that an endpoint has, whatever the receiver-specific part; nullptr if
-  /// there is none. By the caller of `add`.
+  /// there is none. Only the caller of `add` may call it.
   const ReceiveKey* same_sender_key(const KeyMaterial& material) const;
 
  private:
@@ -84,7 +84,7 @@ class Routes {
 
   const Registry& registry_;
   Published<Table> table_;
-  std::size_t gone_ = 0;  ///< the number of routes that lead nowhere, at most
+  std::size_t gone_ = 0;  ///< the largest number of routes that may lead nowhere
 };
 
 }  // namespace ddssec::cryptography

@@ -31,7 +31,7 @@ Iv iv_from(SessionId session, std::uint64_t suffix) {
   return iv;
 }
 
-// The AES blocks of a message: its own, and one for the tag.
+// The AES blocks of a message: those of its content, and one for the tag.
 std::uint64_t blocks(std::size_t size) { return size / 16 + 2; }
 
 }  // namespace
@@ -59,7 +59,7 @@ Status SendKey::expand(SendSession& session) const {
       [&](BytesView octets) { return session.key.expand(services_.aead, traits_.cipher, octets); });
 }
 
-// A child of fork() draws a new start; the one in its memory is its parent's.
+// A child of fork() draws a new start, because the one in its memory belongs to its parent.
 Result<std::unique_ptr<SendSession>> SendKey::first_session() const {
   auto first = std::make_unique<SendSession>();
   first->generation = services_.generation.current();

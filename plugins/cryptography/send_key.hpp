@@ -39,12 +39,13 @@ struct SendStart {
 struct SendSession final : Retirable {
   SessionId id;
   std::uint64_t number = 0;      ///< 0 for the first of its key
-  std::uint64_t suffix = 0;      ///< of the first IV
-  std::uint64_t generation = 0;  ///< of the process that may use the session
+  std::uint64_t suffix = 0;      ///< the suffix of the first IV
+  std::uint64_t generation = 0;  ///< the generation of the process that may use the session
   SessionRange begun;            ///< sessions of this process with this key, up to this one
   std::vector<SessionRange> begun_by_parents;  ///< one for each fork() since the key was made
   ExpandedKey key;
-  /// AES blocks reserved so far. On its own cache line, because all sending threads write to it.
+  /// AES blocks reserved so far. It has its own cache line, because all sending threads write to
+  /// it.
   alignas(64) std::atomic<std::uint64_t> used = 0;
 };
 
@@ -57,8 +58,8 @@ struct SendSession final : Retirable {
 /// session id is used twice under one master key: ids count up and stop after
 /// max_sessions_per_key.
 ///
-/// The first session is expanded for the first message: a reader has a key for each participant
-/// that writes its topic, and a best-effort reader never uses them.
+/// The first session is expanded only for the first message, because a reader has a key for each
+/// participant that writes its topic, and a best-effort reader never uses these keys.
 ///
 /// A child of fork() has the key and the numbers of its parent, which continues to use them. Before
 /// its first message the child leaves its parent's session for one with a random id and suffix. A
@@ -107,8 +108,8 @@ class SendKey final : public Retirable {
   const KindTraits traits_;
   const KeyServices& services_;
   const SendStart start_;
-  const std::uint64_t generation_;  // of the process that drew the start
-  Published<SendSession> current_;  // null before the first message
+  const std::uint64_t generation_;  // generation of the process that drew the start
+  Published<SendSession> current_;  // nullptr before the first message
   std::mutex mutex_;                // held while changing to the next session
 };
 

@@ -1,5 +1,5 @@
 // The position of a sender in the IVs of one of its keys. The sender sends it with the key, over
-// the pair's secure channel: a receiver that gets the key now refuses messages from before. ddssec
+// the pair's secure channel: a receiver that gets the key now refuses earlier messages. ddssec
 // senders count their IVs upwards. Other products need not, and send no position.
 #pragma once
 
@@ -34,8 +34,8 @@ struct SendPosition {
   /// before it.
   static constexpr std::size_t kMaxRanges = 8;
 
-  std::uint32_t session = 0;             ///< of the next message
-  std::uint64_t suffix = 0;              ///< of its IV: greater for each message of a session
+  std::uint32_t session = 0;  ///< session of the next message
+  std::uint64_t suffix = 0;   ///< suffix of its IV: greater for each message of a session
   std::vector<SessionRange> begun = {};  ///< all sessions so far under this key
 
   /// True if a message with that IV was protected before this position.

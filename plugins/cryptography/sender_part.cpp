@@ -56,8 +56,8 @@ bool is_type_lookup(BytesView submessage) {
   return writer && (*writer == kRequests || *writer == kReplies);
 }
 
-// Checks the first submessage of `rest`; the sender's part ends before one that fails. `source` is
-// the participant that speaks.
+// Checks the first submessage of `rest`; the sender's part ends before a submessage that fails.
+// `source` is the participant in whose name it is sent.
 Result<TypeInformationAt> check_next(BytesView rest, std::size_t size, const GuidPrefix& sender,
                                      GuidPrefix& source, DiscoveryOfPeers& peers) {
   const auto id = rest[0];
@@ -76,9 +76,9 @@ Result<TypeInformationAt> check_next(BytesView rest, std::size_t size, const Gui
                                            .note = "what follows it was dropped"});
 }
 
-// True if a closed writer sends it in the clear. Anyone with the key of the message can write such
-// a submessage in the name of any participant, so that nothing in it may count. In a signed group
-// it counts once the writer's key has verified it.
+// True if a closed writer sends the submessage in the clear. Every participant with the key of the
+// message can write such a submessage in the name of any other, so nothing in it may count. In a
+// signed group it counts once the writer's key has verified it.
 bool is_of_closed_writer(BytesView submessage, const DiscoveryOfPeers& peers) {
   auto writer = writer_of_data(submessage);
   if (!writer)

@@ -14,7 +14,8 @@
 
 namespace ddssec::cryptography {
 
-/// The part of a protected message's content that its sender may send, and the reason why it ended.
+/// The part of a protected message's content that its sender may send, and the reason why this part
+/// ended.
 struct SenderPart {
   std::size_t size;  ///< octets from the beginning; all if no reason ended it
   /// info_source_mismatch, secure_group_malformed, or one of check_builtin_source
@@ -29,8 +30,8 @@ struct SenderPart {
   std::vector<std::size_t> lookups = {};
 };
 
-/// Walks the submessages of a protected message as Cyclone DDS does. `content` is what follows the
-/// RTPS header.
+/// Walks the submessages of a protected message as Cyclone DDS does. `content` is the message
+/// without its RTPS header.
 ///
 /// The sender's part ends before an INFO_SRC that names another participant, unless both prefixes
 /// begin with the same six octets. These octets are bound to the certificate's subject

@@ -73,8 +73,8 @@ Ticket TokenLedger::fresh_ticket() {
   return ticket;
 }
 
-// While the host holds a ticket, only the message that brought it passes, as a retransmission: the
-// host may have had no space for it the first time.
+// While the host has a ticket, only the message that brought the ticket passes, as a
+// retransmission. The host may have had no space for it the first time.
 TokenDecision TokenLedger::of_held(Entry& entry, const TokenMessage& message, const Age& age) {
   if (age == entry.passed) return {TokenDecision::Kind::ticket, entry.ticket};
   if (age > entry.newest) {

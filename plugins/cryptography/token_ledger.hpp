@@ -28,7 +28,7 @@ namespace ddssec::cryptography {
 
 /// A match for which the host presents a ticket, possibly one of a session that has ended.
 struct TicketUser {
-  std::uint64_t exchange = 0;  ///< the present exchange with the peer; 0: none
+  std::uint64_t exchange = 0;  ///< the present exchange with the peer; 0 if there is none
   std::int64_t local = 0;      ///< crypto handles of the local endpoint and the peer's
   std::int64_t remote = 0;
   bool operator==(const TicketUser&) const = default;
@@ -83,7 +83,7 @@ class PackedTokens {
 /// - Tickets of a participant are dropped with the participant.
 /// - Tickets of builtin endpoints are used as soon as the host matches these endpoints. New tokens
 ///   are refused until then.
-/// - Of other endpoints nothing is known for six minutes. If the host does not present the ticket
+/// - For other endpoints nothing is known for six minutes. If the host does not present the ticket
 ///   in that time, it never had it, and tokens that came since then must come again in a further
 ///   session. This is known sooner if the host has matched the two endpoints meanwhile: it would
 ///   have presented the ticket (`await`).
@@ -100,37 +100,37 @@ class TokenLedger {
   /// Additional space of a certificate for the few tokens of participants and builtin endpoints,
   /// without which nothing else works.
   static constexpr std::size_t kReserved = 2048;
-  /// For how long an entry stays after its exchange has ended, or after the host has acknowledged
-  /// its message: the host's five minutes, and the time that a message may wait in its queue.
-  /// Before that, the host may delay messages for any time, until a missing one comes.
+  /// How long an entry stays after its exchange has ended, or after the host has acknowledged its
+  /// message: the host's five minutes, and the time that a message may wait in its queue. Before
+  /// that, the host may delay messages for any time, until a missing one comes.
   static constexpr std::chrono::seconds kMemory{360};
 
   TokenLedger() = default;
   TokenLedger(const TokenLedger&) = delete;
   TokenLedger& operator=(const TokenLedger&) = delete;
 
-  /// For how long the host certainly keeps a ticket that it cannot use: five minutes, less a margin
-  /// for differences of clocks.
+  /// How long the host certainly keeps a ticket that it cannot use: five minutes, less a margin for
+  /// differences of clocks.
   static constexpr std::chrono::seconds kHostKeeps{290};
 
-  /// For how long the host may take to present a ticket after the endpoints are matched.
+  /// How long the host may take to present a ticket after the endpoints are matched.
   static constexpr std::chrono::milliseconds kComing{50};
 
   /// Records a message that passed check_usable. Within one exchange, the host takes the numbers of
-  /// messages in order, each once. `are_builtin_matched`: the host has matched all builtin
-  /// endpoints of sender and receiver. Error: crypto_tokens_crowded.
+  /// messages in order, each once. `are_builtin_matched` is true if the host has matched all
+  /// builtin endpoints of sender and receiver. Error: crypto_tokens_crowded.
   Result<TokenDecision> note(const TokenMessage& message, const TokenSender& sender,
                              bool are_builtin_matched, std::chrono::nanoseconds now);
 
-  /// The host has taken all messages of that exchange below `next`. `now`, here and below:
-  /// Clock::monotonic.
+  /// Notes that the host has taken all messages of that exchange below `next`. `now`, here and
+  /// below, is Clock::monotonic.
   void acknowledged(std::uint64_t exchange, std::uint64_t next, std::chrono::nanoseconds now);
 
-  /// The sender of that exchange has left, or will authenticate anew.
+  /// Notes that the sender of that exchange has left, or will authenticate anew.
   void end(std::uint64_t exchange, std::chrono::nanoseconds now);
 
-  /// The host has matched two endpoints and waits for tokens of that exchange. Tokens that come now
-  /// find space beyond kMaxPending.
+  /// Notes that the host has matched two endpoints and waits for tokens of that exchange. Tokens
+  /// that come then find space beyond kMaxPending.
   void await(std::uint64_t exchange, const TokenKey& key, std::chrono::nanoseconds now);
 
   /// True if tokens of that exchange, which still goes on, were dropped since the last call. Either
@@ -143,15 +143,15 @@ class TokenLedger {
     Guid remote;                     ///< the sender of the tokens
     std::vector<spi::Token> tokens;  ///< empty if they came before the user's exchange
   };
-  /// The newest tokens for the two endpoints of the ticket that the host presents, and no longer
-  /// holds. Empty if `tokens` holds no ticket that is still valid. The caller wipes the result. The
-  /// host may present a ticket of a session that has ended, and takes no other afterwards. So the
-  /// tokens of the present session go to `user` as soon as they come.
+  /// The newest tokens for the two endpoints of the ticket that the host presents and then no
+  /// longer has. Empty if `tokens` has no ticket that is still valid. The caller wipes the result.
+  /// The host may present a ticket of a session that has ended, and takes no other afterwards. So
+  /// the tokens of the present session go to `user` as soon as they come.
   std::optional<Held> redeem(std::span<const spi::Token> tokens, const TicketUser& user);
 
-  /// For tests: the number of all entries.
+  /// The number of all entries, for tests.
   std::size_t size() const;
-  /// For tests: the number of entries for which the host may hold tickets.
+  /// The number of entries for which the host may hold tickets, for tests.
   std::size_t pending() const;
 
  private:
@@ -185,7 +185,7 @@ class TokenLedger {
     std::chrono::nanoseconds at;
     std::uint64_t exchange;
   };
-  /// Everything that was acknowledged within kSpan.
+  /// The acknowledgments within one kSpan.
   struct Acknowledged {
     std::chrono::nanoseconds since;
     std::uint64_t exchange;
@@ -194,8 +194,8 @@ class TokenLedger {
   static constexpr std::chrono::seconds kSpan{10};
   /// The messages of an exchange that the host has taken.
   struct Taken {
-    std::uint64_t next = 0;          ///< all below this number
-    Acknowledged* latest = nullptr;  ///< in acknowledged_; null: that was too long ago
+    std::uint64_t next = 0;          ///< all messages below this number
+    Acknowledged* latest = nullptr;  ///< in acknowledged_; nullptr if that was too long ago
   };
   static constexpr std::uint64_t kUnproven = std::uint64_t{1} << 63;
 
@@ -218,10 +218,10 @@ class TokenLedger {
   /// The state of tokens that the host waits for.
   enum class Fate : std::uint8_t { lost, undecided, not_here };
   Fate fate_of(std::uint64_t exchange, const Key& key, std::chrono::nanoseconds since);
-  /// Drops entries of awaited tokens: for endpoints that it has matched, the host would have
-  /// presented a ticket.
+  /// Drops the entries of awaited tokens for endpoints that the host has matched. It would already
+  /// have presented a ticket for these.
   void forget_awaited(std::uint64_t exchange, std::chrono::nanoseconds now);
-  /// The host has dropped the ticket, but may still match the endpoints.
+  /// Notes that the host has dropped the ticket, although it may still match the endpoints.
   void note_lost(Entries::iterator entry);
   /// Erases an entry for which the host can no longer have a ticket.
   void give_up(Entries::iterator entry);

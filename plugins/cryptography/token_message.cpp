@@ -18,7 +18,7 @@ Result<Guid> read_guid(Reader& in) {
   return Guid::from(octets);
 }
 
-// The class id, and the name and value of each property.
+// The number of octets of the class id, and of the name and value of each property.
 std::size_t octets_with_names(const spi::Token& token) {
   auto octets = token.class_id.size();
   for (const auto& one : token.properties) octets += one.name.size() + one.value.size();
@@ -76,7 +76,8 @@ Result<std::vector<spi::Token>> read_tokens(Reader& in) {
 }
 
 // The values of the binary properties of `tokens`, which read_tokens has read from the same octets
-// at `tokens_at`. So an error is not possible; a caller must still let no key pass after one.
+// at `tokens_at`. An error is therefore impossible, but after one a caller must still let no key
+// pass.
 Result<std::vector<BytesView>> find_binary_values(Reader& in, std::size_t tokens_at,
                                                   std::span<const spi::Token> tokens) {
   std::vector<BytesView> values;
@@ -97,9 +98,10 @@ Result<std::vector<BytesView>> find_binary_values(Reader& in, std::size_t tokens
   return values;
 }
 
-// ParticipantGenericMessage (DDS-Security 1.2, clause 7.3.22).
+// Reads a ParticipantGenericMessage (DDS-Security 1.2, clause 7.3.22).
 Result<std::optional<TokenMessage>> read_generic_message(const DataPiece& piece) {
-  constexpr std::size_t kAfterSource = 8 + 24;  // its number, and related_message_identity
+  // The message's number, and related_message_identity.
+  constexpr std::size_t kAfterSource = 8 + 24;
   const bool little = (piece.payload[1] & 1) != 0;
   Reader in(piece.payload.subspan(kEncapsulationSize), little ? Endian::little : Endian::big);
   DDSSEC_ASSIGN_OR_RETURN(const auto source, read_guid(in));
@@ -118,7 +120,8 @@ Result<std::optional<TokenMessage>> read_generic_message(const DataPiece& piece)
     return std::nullopt;
   } else if (source_endpoint.prefix != source.prefix ||
              source_endpoint.entity == kEntityIdParticipant) {
-    return fail(Code::malformed);  // without owner, or a participant's tokens as an endpoint's
+    // Without an owner, or a participant's tokens presented as those of an endpoint.
+    return fail(Code::malformed);
   }
   if (piece.number >= kMaxNumber) return fail(Code::length_out_of_range);
   message.tokens_at = kEncapsulationSize + in.position();

@@ -33,7 +33,7 @@ Result<std::optional<TokenMessage>> read_token_message(const DataPiece& piece);
 
 /// Success if the host could use the tokens once its endpoints are matched: key material, of an
 /// allowed number, between a writer and a reader or between two participants. The host would store
-/// anything. Errors: token_source_unreadable (no two such entities exchange keys),
+/// any token. Errors: token_source_unreadable (no two such entities exchange keys),
 /// crypto_token_count, those of read_crypto_token.
 Status check_usable(const TokenMessage& message);
 
@@ -47,7 +47,7 @@ inline constexpr std::size_t kMaxTokenOctets = 1024;
 /// clause 10.5.2.1).
 inline constexpr std::size_t kMaxTokensPerEndpoint = 2;
 
-/// Given to the host instead of key material; the host presents it later.
+/// A text that the host gets instead of key material, and presents later.
 struct Ticket {
   std::array<std::uint8_t, 16> octets;
   auto operator<=>(const Ticket&) const = default;

@@ -11,8 +11,8 @@
 namespace ddssec::cryptography {
 namespace {
 
-// Success if the message is protected in the way that its sender's key demands. That key fits the
-// governance.
+// Success if the message is protected in the way that its sender's key demands. The key itself was
+// checked against the governance.
 Status check_header(const ReceiveKey& key, const CryptoHeader& header, bool is_encrypted) {
   if (is_encrypted != key.traits().encrypts)
     return fail(is_encrypted ? Code::encrypted_where_signature_is_due
@@ -32,15 +32,15 @@ bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t
   return true;
 }
 
-// For a message that may stand anywhere.
+// The check for a message that may be anywhere.
 struct AnySurroundings {
   Status operator()(BytesView /*content*/) const { return {}; }
 };
 
 // Decrypts or verifies into the beginning of `out` and returns the octets written. All checks of a
 // protected message are made here. Only then is its session remembered. Its IV is remembered only
-// after `fits(content)` confirms that the message stands where its sender put it, so a copy at
-// another place uses up nothing.
+// after `fits(content)` confirms that the message is where its sender put it, so that a copy at
+// another place uses up no IV.
 template <class Fits = AnySurroundings>
 [[gnu::always_inline]] inline Result<std::size_t> open_with_key(const Protected& message,
                                                                 ReceiveKey& key, MutableBytes out,
@@ -107,8 +107,8 @@ Result<std::size_t> open_with_any_revision(const KeyOfLevel& of, const Protected
 }
 
 // The key for submessages. Both sides of a key exchange share one key, and the host takes the
-// sender's name from an RTPS header that anyone can write. So local messages that are sent back
-// are recognized by their session.
+// sender's name from an RTPS header that any participant can write. Local messages that an attacker
+// sends back are therefore recognised by their session.
 Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender, SessionId session) {
   if (!sender.local.is_volatile) return received(sender.remote_keys, &LevelKeys::submessage);
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
@@ -163,7 +163,7 @@ Status check_discovery(const CryptographyState& state, const RemoteEndpoint& sen
   return {};
 }
 
-// All source checks, for a host that would trust any source and endpoint that the submessage
+// Makes all source checks, for a host that would trust any source and endpoint that the submessage
 // names.
 Status check_source_named(CryptographyState& state, const RemoteEndpoint& sender,
                           MutableBytes plain) {

@@ -67,8 +67,8 @@ bool protect(const GroupRequest& request, const SendKey& key, const SendKey::Res
 
 // Writes the MAC of each receiver and returns their number. `receiver(i)` returns the ReceiverKey
 // of receiver i as Result. A host lists receivers before this call, and one of them may have left
-// meanwhile. The others must still get the message. Error: that of the last receiver, if none is
-// left.
+// meanwhile. The others must still get the message. If no receiver is left, returns the error of
+// the last one.
 template <class Receiver>
 Result<std::size_t> receiver_macs(UncheckedWriter& octets, std::size_t receivers,
                                   const SendKey& key, const SendKey::Reservation& reserved,
@@ -87,7 +87,7 @@ Result<std::size_t> receiver_macs(UncheckedWriter& octets, std::size_t receivers
   return written;
 }
 
-// `receiver(i)` returns the ReceiverKey of receiver i as Result.
+// Encodes a group. `receiver(i)` returns the ReceiverKey of receiver i as Result.
 template <class Receiver>
 Result<std::size_t> encode_group(const GroupRequest& request, SendKey& key, MutableBytes out,
                                  Receiver&& receiver) {
@@ -155,7 +155,8 @@ Status check_receivers(spi::ProtectionKind kind, std::size_t count) {
   return {};
 }
 
-// A submessage of a volatile endpoint goes to one participant, under the key of the pair.
+// Encodes a submessage of a volatile endpoint, which goes to one participant under the key of the
+// pair.
 template <class Remote>
 Result<std::size_t> encode_volatile(const CryptographyState& state, const LocalEndpoint& sender,
                                     std::span<const Remote> receivers, GroupRequest request,
@@ -174,8 +175,8 @@ Result<std::size_t> encode_volatile(const CryptographyState& state, const LocalE
                       [](std::size_t) -> Result<ReceiverKey*> { return fail(Code::internal); });
 }
 
-// Records in the peer's discovery state which samples the host has acknowledged. `find` returns
-// the peer, or null.
+// Records in the peer's discovery state which samples the host has acknowledged. `find` returns the
+// peer, or nullptr.
 template <class F>
 void note_acknowledged(BytesView submessage, F&& find) {
   const auto acknowledged = read_acknowledgment(submessage);

@@ -15,13 +15,13 @@
 
 namespace ddssec::cryptography {
 
-/// Where the parameter id is, and what hides it.
+/// The place of the parameter id, and the octets that hide it.
 struct TypeInformationPlace {
   std::uint32_t at;
-  std::uint8_t octets = 2;  ///< 1: the first octet of the id came in an earlier fragment
-  std::uint8_t value = 0;   ///< of each octet
+  std::uint8_t octets = 2;  ///< 1 if the first octet of the id came in an earlier fragment
+  std::uint8_t value = 0;   ///< value of each octet
 };
-/// Empty if there is none.
+/// The place, or nothing if there is no type information.
 using TypeInformationAt = std::optional<TypeInformationPlace>;
 
 /// Replaces the parameter id by one that the receiver ignores: PID_PAD (RTPS 9.6.3.2.1), or one of

@@ -95,7 +95,7 @@ struct SubmessageHeader {
   std::uint8_t flags;
   std::size_t length;  ///< octetsToNextHeader, unchanged
 };
-/// The caller has checked that there are at least 4 octets.
+/// Reads a submessage header. The caller has checked that there are at least 4 octets.
 inline SubmessageHeader read_submessage_header(BytesView octets) {
   const bool little = (octets[1] & kEndianFlag) != 0;
   const std::size_t length = little ? octets[2] | octets[3] << 8 : octets[2] << 8 | octets[3];
@@ -103,8 +103,8 @@ inline SubmessageHeader read_submessage_header(BytesView octets) {
 }
 
 /// The size of the first submessage in octets, including its header, as Cyclone DDS reads it; empty
-/// where Cyclone DDS stops reading. Length 0 means "to the end" (RTPS 9.4.5.1.3). For INFO_TS and
-/// PAD it means empty, and more submessages can follow.
+/// if Cyclone DDS stops reading there. Length 0 means "to the end" (RTPS 9.4.5.1.3). For INFO_TS
+/// and PAD it means empty, and more submessages can follow.
 inline std::optional<std::size_t> size_of_first_submessage(BytesView octets) {
   constexpr std::uint8_t kPad = 0x01;
   if (octets.size() < kSubmessageHeaderSize) return std::nullopt;
@@ -147,7 +147,7 @@ class UncheckedWriter {
     put(key.octets);
     put(iv);
   }
-  /// Little-endian: flag E is 1.
+  /// Writes a little-endian header, in which flag E is 1.
   void submessage_header(std::uint8_t id, std::size_t length, std::uint8_t flags = 0) {
     u32(static_cast<std::uint32_t>(id) << 24 |
         static_cast<std::uint32_t>(flags | kEndianFlag) << 16 |
