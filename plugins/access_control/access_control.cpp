@@ -76,7 +76,7 @@ class AccessControlPlugin final : public spi::AccessControl {
                  [&](PermissionsHolder& h) { return judgement_.topic(h, topic_name); });
   }
 
-  // A peer is judged as a local participant is: by the local governance and its own permissions.
+  // A peer is judged like a local participant: by the local governance and its own permissions.
   Status check_remote_participant(PermissionsHandle remote, DomainId domain_id) override {
     return check_create_participant(remote, domain_id);
   }
@@ -94,7 +94,8 @@ class AccessControlPlugin final : public spi::AccessControl {
 
   Result<spi::Token> permissions_token(PermissionsHandle local) override {
     DDSSEC_RETURN_IF_ERROR(find_or_refuse(local));
-    // Fast DDS refuses any dds.perm_ca.sn or dds.perm_ca.algo but its own spelling: none is best.
+    // Fast DDS accepts only its own spelling of dds.perm_ca.sn and dds.perm_ca.algo, so none are
+    // sent.
     return spi::Token{.class_id = std::string(spi::class_id::kPermissions)};
   }
   Result<spi::Token> permissions_credential_token(PermissionsHandle local) override {
@@ -124,7 +125,7 @@ class AccessControlPlugin final : public spi::AccessControl {
 
   Status return_permissions_handle(PermissionsHandle permissions) override {
     const Holder holder = handles_.find(permissions);
-    // Hosts return handles of peers more than once: that is no event.
+    // Hosts return handles of peers more than once, so this raises no event.
     if (!handles_.remove(permissions)) return fail(Code::unknown_permissions_handle);
     if (holder) forget_documents(*holder);
     return {};
@@ -183,7 +184,7 @@ class AccessControlPlugin final : public spi::AccessControl {
     return std::unexpected(error);
   }
 
-  // The same of a call of the application, which gets the error.
+  // The same for a call of the application, which gets the error.
   std::unexpected<Error> refuse_local(const Error& error) {
     services_.events.raise(Event::of_returned(error));
     return std::unexpected(error);
@@ -203,7 +204,7 @@ class AccessControlPlugin final : public spi::AccessControl {
     return refuse(Error(Code::unknown_permissions_handle));
   }
 
-  // Finds the holder, lets `judge` decide and raises what it refuses.
+  // Finds the holder, lets `judge` decide, and raises an event for a refusal.
   template <class Judge>
   Status check(PermissionsHandle handle, DomainId domain_id, Judge&& judge) {
     DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(handle));
@@ -236,7 +237,7 @@ class AccessControlPlugin final : public spi::AccessControl {
   const AccessDecisions judgement_;
   DocumentCache documents_;
   HandleTable handles_;
-  std::mutex noting_mutex_;  // so that a participant that has left is not noted again
+  std::mutex noting_mutex_;  // prevents a participant that has left from being noted again
 };
 
 Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
@@ -245,7 +246,7 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
   const Holder local = handles_.find_local(local_identity);
   if (!local) return refuse(Error(Code::unknown_local_identity));
   const auto& participant = local->participant();
-  // Of the domain, whatever the peer asks for: join access control or not.
+  // The domain's algorithms apply with and without join access control.
   Subject subject;
   if (const auto status = check_remote_algorithms(*participant, credential, subject); !status)
     return refuse(status.error().in(participant->governance_name), subject.shown);
@@ -257,15 +258,17 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
     document = *std::move(judged);
   } else {
     auto refused = refuse(judged.error().in(name), subject.shown);
-    // Without join access control such a peer may still have what is not protected.
+    // Without join access control such a peer may still use unprotected topics.
     if (participant->basis()->governance->domain_rule().enable_join_access_control) return refused;
   }
   auto holder = std::make_shared<PermissionsHolder>(participant, remote_identity,
                                                     std::move(subject), name, std::move(document));
-  // A peer that keeps the session may go on after the end of what it has seen of us.
+  // A peer that keeps the session may continue after the documents that it has seen from us have
+  // ended.
   const auto facts = spi::session_facts_in(credential);
   if (!facts.peer_keeps_session) holder->note_seen(local, facts);
-  // So that next_expiry knows its end before the first check; an error will come again there.
+  // With this, next_expiry knows the end before the first check. An error comes again at that
+  // check.
   if (holder->has_document()) static_cast<void>(judgement_.grant_now(*holder));
   if (const auto listed = holder->follow_list(services_.clock.now()))
     services_.events.raise(event_about(holder->peer_subject(), *listed));
@@ -304,7 +307,7 @@ Status AccessControlPlugin::note_presented(PermissionsHandle remote,
   return {};
 }
 
-// Our endpoint was judged when it was made. Renewed permissions may give less.
+// Our endpoint was judged when it was created, but renewed permissions may allow less.
 Status AccessControlPlugin::judge_own(const PermissionsHolder& remote, const Match& match) {
   const Holder own = handles_.find_local(remote.participant()->identity);
   if (!own || own->renewals() == 0) return {};
@@ -336,7 +339,7 @@ Result<spi::AccessControl::RemoteDatareader> AccessControlPlugin::check_remote_d
   return answer;
 }
 
-// No event: nothing is refused before the document is in force.
+// No event is raised, because nothing is refused before the document is in force.
 std::optional<spi::AccessControl::RemoteDatareader> AccessControlPlugin::pending_permission(
     PermissionsHandle remote, bool writes, const EndpointRequest& request) {
   const Holder holder = handles_.find(remote);
@@ -366,8 +369,8 @@ std::optional<WallTime> AccessControlPlugin::next_expiry() {
   return earliest;
 }
 
-// Peers that a participant which stays deals with under the same identity stay too: such a host
-// knows each peer once only.
+// Peers stay if another participant that stays knows them under the same identity, because such a
+// host knows each peer only once.
 std::vector<PermissionsHandle> AccessControlPlugin::peers_of_only(const Participants& gone,
                                                                   const Entries& all,
                                                                   WallTime now) {
@@ -386,9 +389,9 @@ std::vector<PermissionsHandle> AccessControlPlugin::peers_of_only(const Particip
   return peers;
 }
 
-// Before anything is judged by the documents in force. Each participant looks at its files in a
-// rhythm of its own. Before one of them ends, all look: participants with the same files end
-// together, and what was put into place before the end counts.
+// Call it before the documents in force judge anything. Each participant looks at its files at its
+// own interval. Before one of them ends, all look, for two reasons: participants with the same
+// files end together, and a file that came before the end counts.
 void AccessControlPlugin::renew_documents(const Entries& all, PermissionsHandle which) {
   Entries own;
   std::ranges::copy_if(all, std::back_inserter(own), [&](const auto& one) {
@@ -407,7 +410,7 @@ void AccessControlPlugin::renew_documents(const Entries& all, PermissionsHandle 
   renew();
 }
 
-// For a person who asks, if there is a record.
+// Notes the documents for the record that a person reads, if there is one.
 void AccessControlPlugin::note_documents(PermissionsHandle local) noexcept {
   if (services_.documents == nullptr) return;
   try {
@@ -418,7 +421,7 @@ void AccessControlPlugin::note_documents(PermissionsHandle local) noexcept {
     services_.documents->note_participant(identity, {}, holder->subject());
     services_.documents->note(identity, holder->documents(), services_.clock.now());
   } catch (...) {
-    // Without memory: the next look notes them.
+    // If memory is short, the next look notes them.
   }
 }
 
@@ -448,7 +451,7 @@ std::vector<PermissionsHandle> AccessControlPlugin::expire(PermissionsHandle loc
   for (const auto& [handle, holder] : all)
     if (!local || handle == local) note_documents(handle);
   const WallTime now = services_.clock.now();
-  // Without the memory to tell, none is marked: the next call finds them again.
+  // If there is not enough memory to report them, none is marked: the next call finds them again.
   std::vector<PermissionsHandle> ended;
   Participants gone;
   std::vector<std::pair<Event, PermissionsHolder*>> reasons;
@@ -458,7 +461,7 @@ std::vector<PermissionsHandle> AccessControlPlugin::expire(PermissionsHandle loc
       if (const auto soon = holder->ends_soon(now)) warnings.push_back(*soon);
     const auto reason = holder->newly_ended(now);
     if (!reason) continue;
-    ended.push_back(handle);  // in order
+    ended.push_back(handle);  // keeps the order
     if (!holder->remote()) {
       gone.insert(holder->participant().get());
       note_end(*holder, *reason, now);
@@ -469,7 +472,7 @@ std::vector<PermissionsHandle> AccessControlPlugin::expire(PermissionsHandle loc
     std::ranges::set_difference(peers_of_only(gone, all, now), std::vector(ended),
                                 std::back_inserter(ended));
   for (const auto& warning : warnings) services_.events.raise(event_about({}, warning));
-  // Last what needs no memory: marked participants are reported.
+  // The steps that need no memory come last, so that every participant that is marked was reported.
   for (const auto& [event, holder] : reasons) services_.events.raise(event);
   for (const auto& [event, holder] : reasons) holder->mark_reported();
   return ended;

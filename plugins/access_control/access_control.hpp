@@ -10,11 +10,11 @@
 
 namespace ddssec::access_control {
 
-/// What an integrator may choose; the defaults refuse.
+/// The options that an integrator may set. By default these features are refused.
 struct AccessControlOptions {
   /// The largest permissions document that is taken from a peer, in octets.
   std::size_t max_permissions_octets = 16 * 1024 * 1024;
-  /// How many permissions handles may be out at a time.
+  /// The largest number of permissions handles in use at a time.
   std::size_t max_handles = 65536;
   /// The "legacy" mode of DDS-Security 1.2, clause 10.4.1.5.3.4.1.4: an allow rule must list one of
   /// an entity's partitions, not all of them.
@@ -22,26 +22,27 @@ struct AccessControlOptions {
   /// Answer relay_only to a reader that only a relay element lets in. Set it only if the
   /// cryptography then keeps the payload key to itself; otherwise such a reader could read.
   bool accept_relays = false;
-  /// Take a governance that enables key revision: the host drives it. Otherwise such a document is
-  /// refused, since it would shut no participant out.
+  /// Take a governance that enables key revision, because the host revises keys. Otherwise such a
+  /// document is refused, because it would exclude no participant.
   bool host_revises_keys = false;
-  /// Take a governance that demands pre-shared keys: the host protects messages by them. Otherwise
-  /// such a document is refused, since nothing would be protected.
+  /// Take a governance that demands pre-shared keys, because the host protects messages by them.
+  /// Otherwise such a document is refused, because nothing would be protected.
   bool host_has_pre_shared_keys = false;
-  /// The host gives endpoints that exist the protection of a pending governance document, and then
-  /// applies it. Otherwise a document that changes the protection of topics in use is refused.
+  /// True if the host gives existing endpoints the protection of a pending governance document, and
+  /// then applies the document. Otherwise a document that changes the protection of topics in use
+  /// is refused.
   bool host_changes_protection = false;
-  /// Whether the host presents renewed permissions to peers; asked for each local participant. If
-  /// not, the permissions that it began with stay in force: what it does not present must not
-  /// count.
+  /// True if the host presents renewed permissions to peers. It is asked for each local
+  /// participant. If it does not, the former permissions stay in force, because permissions that
+  /// are not presented must not count.
   std::function<bool()> presents_renewed_permissions = [] { return true; };
 };
 
-/// How many judged documents, and octets of them, are kept for later peers.
+/// The largest number of judged documents, and of their octets, that are kept for later peers.
 inline constexpr std::size_t kMaxCachedDocuments = 256;
 inline constexpr std::size_t kMaxCachedOctets = 64 * 1024 * 1024;
-/// A plugin without any participant yet; `services` outlives it. Each local participant's own
-/// documents govern what it does and which peers it trusts.
+/// Makes a plugin without any participant; `services` must outlive it. Each local participant's own
+/// documents govern what it may do and which peers it trusts.
 std::unique_ptr<spi::AccessControl> make_access_control(const EngineServices& services,
                                                         AccessControlOptions options = {});
 

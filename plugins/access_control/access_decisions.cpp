@@ -77,7 +77,7 @@ Status AccessDecisions::announced(PermissionsHolder& holder, Action action,
   return status;
 }
 
-// Judged anew by what was announced, since a grant may have ended.
+// The announcement is judged again, because a grant may have ended.
 bool AccessDecisions::may_as_announced(PermissionsHolder& holder, Action action,
                                        const EndpointRequest& local) const {
   const auto announced = holder.announced().of_topic(action, local.topic_name);
@@ -90,7 +90,7 @@ bool AccessDecisions::may_as_announced(PermissionsHolder& holder, Action action,
   });
 }
 
-// Only what a <relay> element allows: a default is not meant for relays.
+// True only if a <relay> element allows it, because a grant's default is not meant for relays.
 bool AccessDecisions::may_relay(PermissionsHolder& holder, const EndpointRequest& request) const {
   const auto grant = grant_now(holder);
   if (!grant) return false;

@@ -1,5 +1,5 @@
-// Decides by documents in force, or about to be, what a participant may do. DDS-Security 1.2,
-// clause 9.4.
+// Decides by documents in force, or about to be, what a participant may do (DDS-Security 1.2,
+// clause 9.4).
 #pragma once
 
 #include "plugins/access_control/access_control.hpp"
@@ -7,7 +7,8 @@
 
 namespace ddssec::access_control {
 
-/// Thread-safe. Raises no events. Errors: the refusals of refusals.hpp, and why there is no grant.
+/// Thread-safe. Raises no events. Errors: the refusals of refusals.hpp, and the reason why there is
+/// no grant.
 class AccessDecisions {
  public:
   /// `clock` must outlive this object.
@@ -21,16 +22,18 @@ class AccessDecisions {
   Status topic(PermissionsHolder& holder, std::string_view name) const;
   Status endpoint(PermissionsHolder& holder, governance::Action action,
                   const spi::EndpointRequest& request) const;
-  /// What the host asks, as a peer announced it.
+  /// Decides about an endpoint as a peer announced it.
   Status announced(PermissionsHolder& holder, governance::Action action,
                    const spi::EndpointRequest& request) const;
-  /// True if an endpoint that the peer announced, in partitions of the local one, may do that.
+  /// True if the peer announced an endpoint in partitions of the local one, and that endpoint may
+  /// do the action.
   bool may_as_announced(PermissionsHolder& holder, governance::Action action,
                         const spi::EndpointRequest& local) const;
   /// The same as `endpoint` for a reader, which may only relay if it may not read.
   Result<spi::AccessControl::RemoteDatareader> reader(PermissionsHolder& holder,
                                                       const spi::EndpointRequest& request) const;
-  /// Under the document that waits. Empty: the endpoint may not match, or no document waits.
+  /// Decides under the document that waits. Empty if the endpoint may not match, or if no document
+  /// waits.
   std::optional<spi::AccessControl::RemoteDatareader> pending(
       PermissionsHolder& holder, governance::Action action,
       const spi::EndpointRequest& request) const;

@@ -87,7 +87,8 @@ Result<std::shared_ptr<PermissionsDocument>> DocumentCache::permissions(const Pe
     return known;
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto document, ca.verifier().verify(file, now));
-  // A text that was signed again is another document: the later one is in force (check_follows).
+  // A text that was signed again is another document, and the later one is in force
+  // (check_follows).
   const auto signing_time = document.signing_time() ? to_string(*document.signing_time()) : "";
   const Sha256Digest text = sha256({ca.digest(), document.signer().fingerprint(),
                                     sha256(as_bytes(signing_time)), document.content()});

@@ -25,11 +25,11 @@ class PermissionsCa {
   /// pki::Certificate::bundle_from_pem and of pki::DocumentVerifier::make.
   static Result<std::shared_ptr<const PermissionsCa>> load(const std::string& uri);
 
-  /// Of certificates. Error: that of pki::DocumentVerifier::make.
+  /// Makes the object from certificates. Error: that of pki::DocumentVerifier::make.
   static Result<std::shared_ptr<const PermissionsCa>> of(std::vector<pki::Certificate> authorities);
 
   const pki::DocumentVerifier& verifier() const { return verifier_; }
-  /// True if the certificate is one of the file's.
+  /// True if the certificate is one of those in the file.
   bool holds(const pki::Certificate& signer) const;
   /// SHA-256 over the file's certificates.
   const Sha256Digest& digest() const { return digest_; }
@@ -62,7 +62,7 @@ class PermissionsDocument {
   Status check_signer(WallTime now) const;
   WallTime signer_not_after() const { return signer_not_after_; }
   const pki::Certificate& signer() const { return signer_; }
-  /// As pki::SignedDocument has it.
+  /// The same as in pki::SignedDocument.
   std::optional<WallTime> signing_time() const { return signing_time_; }
 
   void set_partition_match(governance::PartitionMatch match) { partition_match_ = match; }
@@ -106,10 +106,10 @@ class DocumentCache {
  private:
   static constexpr std::size_t kMaxForms = 4;
   struct Entry {
-    Sha256Digest text;  ///< with CA, signer and signing time
+    Sha256Digest text;  ///< digest of the text with CA, signer and signing time
     std::size_t octets;
     std::shared_ptr<PermissionsDocument> document;
-    std::vector<Sha256Digest> forms = {};  ///< whole files, with the CA; newest last
+    std::vector<Sha256Digest> forms = {};  ///< digests of whole files with the CA; newest last
   };
   using Entries = std::list<Entry>;
   using Places = std::map<Sha256Digest, Entries::iterator>;

@@ -1,4 +1,4 @@
-// The permissions handles that are out.
+// The permissions handles in use.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace ddssec::access_control {
 using Holder = std::shared_ptr<PermissionsHolder>;
 using Entries = std::vector<std::pair<spi::PermissionsHandle, Holder>>;
 
-/// Thread-safe; looking up does not keep others from looking up.
+/// Thread-safe; several threads may look up handles at once.
 class HandleTable {
  public:
   explicit HandleTable(std::size_t max_handles) : max_(max_handles) {}
@@ -52,7 +52,7 @@ class HandleTable {
     return holders_.erase(handle.value) == 1;
   }
 
-  /// In the order of handles.
+  /// All entries, in the order of their handles.
   Entries all() const {
     const std::shared_lock lock(mutex_);
     Entries out;

@@ -7,7 +7,7 @@
 namespace ddssec::access_control {
 namespace {
 
-// Subjects that are remembered; a host has fewer peers.
+// The largest number of subjects that are remembered; a host has fewer peers.
 constexpr std::size_t kMaxSubjects = 4096;
 
 }  // namespace
@@ -27,7 +27,7 @@ bool gives_at_least(const governance::Grant& next, const governance::Grant& form
                                     {former_rules, former.default_allow});
 }
 
-// The same second is not earlier.
+// The same second does not count as earlier.
 bool is_signed_later(const PermissionsDocument& next, const PermissionsDocument& former) {
   const auto since = former.signing_time(), time = next.signing_time();
   return !since || (time && *time >= *since);
@@ -62,7 +62,8 @@ std::optional<GrantOfDocument> ListedPermissions::extension_of(const Presented& 
     auto grant = document->grant_for(subject, shown, domain, tag, now);
     if (!grant || (*grant)->grant().subject_is_expression) continue;
     const auto& next = (*grant)->grant();
-    // Fewer rights that were signed later are not extended by the former, wider ones.
+    // Permissions with fewer rights that were signed later are not extended by the former, wider
+    // ones.
     const bool may_give_more = !only_same && is_signed_later(*document, former_document);
     if (!give_the_same(next, former, domain, tag) &&
         (!may_give_more || !gives_at_least(next, former, domain, tag)))

@@ -22,7 +22,7 @@ struct GrantOfDocument {
 /// The end of the grant, or of the signer's certificate if that ends before.
 WallTime end_of(const GrantOfDocument& one);
 
-/// Documents whose signatures were verified. Thread-safe; only what it remembers changes.
+/// Documents whose signatures were verified. Thread-safe; only the cache changes.
 class ListedPermissions {
  public:
   using Documents = std::vector<std::shared_ptr<PermissionsDocument>>;
@@ -38,10 +38,10 @@ class ListedPermissions {
     const governance::Grant& grant;
     bool only_by_the_same = false;  ///< permissions that give more do not extend them
   };
-  /// The document that extends them: signed by the CA, with a grant for the subject's name (not for
-  /// an expression) that is valid now and gives the same in the domain with the tag; or more,
-  /// and was not signed earlier. Of several such documents the one that ends last. Documents that
-  /// give less have no effect.
+  /// The document that extends them. It is signed by the CA, has a grant for the subject's name
+  /// (not for an expression) that is valid now, and gives the same in the domain with the tag; or
+  /// it gives more and was not signed earlier. If there are several such documents, it is the one
+  /// that ends last. Documents that give less have no effect.
   std::optional<GrantOfDocument> extension_of(const Presented& presented, const PermissionsCa& ca,
                                               WallTime now) const;
 
@@ -50,13 +50,14 @@ class ListedPermissions {
 
   const Documents documents_;
   mutable std::mutex mutex_;
-  mutable std::map<std::string, Documents> of_subject_;  ///< those asked for so far
+  /// Documents of the subjects that were looked up.
+  mutable std::map<std::string, Documents> of_subject_;
 };
 
-/// False if `next` was signed before `former`, or does not say when, and `former` does.
+/// False if `next` was signed before `former`, or if only `former` has a signing time.
 bool is_signed_later(const PermissionsDocument& next, const PermissionsDocument& former);
 
-/// As governance::gives_at_least, in the domain with the tag.
+/// Compares as governance::gives_at_least does, in the domain with the tag.
 bool gives_at_least(const governance::Grant& next, const governance::Grant& former, DomainId domain,
                     std::string_view tag);
 

@@ -16,7 +16,8 @@
 namespace ddssec::access_control {
 namespace {
 
-// A document as a person knows it: its path, or the property if it stands in the property itself.
+// The name of a document for people: its path, or the property if the document is in the property
+// itself.
 std::string document_name(std::string_view property, std::string_view uri) {
   const auto start = uri.find_first_not_of(" \t");
   if (start != uri.npos && uri.substr(start).starts_with("file:")) {
@@ -25,14 +26,14 @@ std::string document_name(std::string_view property, std::string_view uri) {
   return std::string(property);
 }
 
-// `result`, or its error with the document named.
+// Returns `result`, or its error with the name of the document.
 template <class T>
 Result<T> in_document(Result<T> result, const std::string& name) {
   if (result) return result;
   return std::unexpected(result.error().in(name));
 }
 
-// Where the three documents are, and the identity CA.
+// The places of the three documents and of the identity CA.
 Result<DocumentPlaces> places_of(const spi::PropertyList& properties) {
   constexpr std::array kNames = {spi::property::kPermissionsCa, spi::property::kGovernance,
                                  spi::property::kPermissions};
@@ -58,7 +59,7 @@ Result<DocumentPlaces> places_of(const spi::PropertyList& properties) {
       .permissions_name = document_name(kNames[2], values[2])};
 }
 
-// What `read` makes of the certificates that a property names.
+// Returns the result of `read` for the certificates that a property names.
 template <class Read>
 auto certificates_of(const spi::PropertyList& properties, std::string_view property,
                      std::size_t max_octets, Read&& read) -> decltype(read(BytesView())) {
@@ -73,7 +74,8 @@ Result<pki::Certificate> local_certificate(const spi::PropertyList& properties) 
                          pki::kMaxCertificateOctets, pki::Certificate::from_pem);
 }
 
-// Ours are refused here and not in authentication, which hosts ask before there is a governance.
+// The algorithms of our own certificate are checked here and not in authentication, because hosts
+// call authentication before there is a governance.
 Status check_own_algorithms(Basis& basis, const pki::Certificate& certificate,
                             const spi::PropertyList& properties) {
   const auto* const allowed = basis.allowed_algorithms();
@@ -116,7 +118,7 @@ std::optional<BytesView> octets_of(const spi::Token& token, std::string_view nam
   return octets;
 }
 
-// Plugin name without regard to case, and the same major version; no version means 1.0
+// True for the plugin's name in any letter case with the same major version; no version means 1.0
 // (DDS-Security 1.2, clause 10.4.2.2).
 bool is_compatible_class(std::string_view class_id) {
   constexpr std::string_view kPlugin = "DDS:Access:Permissions";
@@ -128,7 +130,8 @@ bool is_compatible_class(std::string_view class_id) {
   return version.empty() || version == ":1" || version.starts_with(":1.");
 }
 
-// The handshake sends the document, and takes no longer one. Said here, where the file is known.
+// The handshake sends the document, and accepts no longer one. The check is here because the file
+// is known here.
 Status check_own_size(const DocumentPlaces& places, BytesView file) {
   if (file.size() <= pki::kMaxSentPermissionsOctets) return {};
   return fail(Code::file_too_large,
@@ -222,7 +225,8 @@ Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& con
                  .expected = std::string(spi::class_id::kPermissions),
                  .found = permissions_token.class_id.substr(0, 100)});
   }
-  // Fast DDS and the standard name it after the credential token, Cyclone after the handshake.
+  // Fast DDS and the standard use the name from the credential token, Cyclone DDS the one from the
+  // handshake.
   auto file = octets_of(credential, "c.perm");
   if (!file) file = octets_of(credential, "dds.perm.cert");
   if (!file) return fail(Code::permissions_missing, {.field = "c.perm"});

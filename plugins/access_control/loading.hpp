@@ -1,4 +1,4 @@
-// From properties and tokens to verified documents.
+// Loads properties and tokens into verified documents.
 #pragma once
 
 #include <memory>
@@ -9,14 +9,14 @@
 
 namespace ddssec::access_control {
 
-/// What loading needs besides its arguments.
+/// The data that loading needs besides its arguments.
 struct LoadContext {
   DocumentCache& documents;
   const AccessControlOptions& options;
   WallTime now;
 };
 
-/// What compiling a governance document needs besides it.
+/// The data that compiling a governance document needs besides it.
 struct GovernanceContext {
   const PermissionsCa& ca;
   const LocalParticipant& participant;
@@ -24,7 +24,7 @@ struct GovernanceContext {
 };
 struct VerifiedGovernance {
   std::shared_ptr<const governance::CompiledGovernance> rules;
-  Sha256Digest digest;  ///< of the signed text
+  Sha256Digest digest;  ///< digest of the signed text
 };
 /// The rule for the participant's domain, from a signed file. Errors: those of
 /// pki::DocumentVerifier::verify, governance::read_governance and CompiledGovernance::make,
@@ -42,18 +42,18 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
                                                       std::string_view domain_tag);
 
 /// A peer's document as `local` judges it. `subject` is set as soon as it is known, for the event
-/// about an error. Nothing of the peer is kept unless the document is verified.
-/// Errors: permissions_token_class, peer_certificate_missing, permissions_missing,
-/// permissions_too_large, and those of certificate and document.
+/// about an error. No data of the peer is kept unless the document is verified. Errors:
+/// permissions_token_class, peer_certificate_missing, permissions_missing, permissions_too_large,
+/// and those of certificate and document.
 Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& context,
                                                           const LocalParticipant& local,
                                                           const spi::Token& permissions_token,
                                                           const spi::Token& credential,
                                                           Subject& subject);
 
-/// What <allowed_crypto_algorithms> says to a peer's identity and its handshake; `subject` as
-/// above. Success if the credential holds no certificate: judge_remote refuses that. Errors: those
-/// of allowed_algorithms.hpp, of Certificate::from_pem.
+/// Checks a peer's identity and its handshake against <allowed_crypto_algorithms>; `subject` as
+/// above. Success if the credential has no certificate, because judge_remote refuses that. Errors:
+/// those of allowed_algorithms.hpp, of Certificate::from_pem.
 Status check_remote_algorithms(const LocalParticipant& local, const spi::Token& credential,
                                Subject& subject);
 

@@ -41,7 +41,7 @@ Status check_has_revision(const governance::CompiledGovernance& next,
                "the participant"});
 }
 
-// The topic cannot change while this participant uses it.
+// The error if the topic cannot change while this participant uses it.
 Error in_use(const std::string& topic, const governance::TopicRule* rule, const Error& why) {
   auto details = why.details();
   if (details.field.empty()) {
@@ -166,7 +166,7 @@ bool LocalParticipant::apply_pending(const Sha256Digest& digest) {
   return true;
 }
 
-// mutex_ is held.
+// The caller holds mutex_.
 Result<LocalParticipant::Change> LocalParticipant::check(
     const governance::CompiledGovernance& next) const {
   const auto& former = *basis_->governance;

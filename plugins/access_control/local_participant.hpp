@@ -1,4 +1,4 @@
-// A local participant: what it goes by, and the topics that it uses.
+// A local participant: the documents by which it judges, and the topics that it uses.
 #pragma once
 
 #include <memory>
@@ -16,22 +16,23 @@ namespace ddssec::access_control {
 
 class ListedPermissions;
 
-/// By what a local participant judges itself and its peers. Replaced as a whole.
+/// The documents by which a local participant judges itself and its peers. The object is replaced
+/// as a whole.
 struct Basis {
   std::shared_ptr<const PermissionsCa> ca;
   std::shared_ptr<const governance::CompiledGovernance> governance;
-  Sha256Digest governance_digest{};  ///< of its signed text
+  Sha256Digest governance_digest{};  ///< digest of its signed text
   /// identity_ca, if the governance restricts algorithms
   std::vector<pki::Certificate> identity_authorities = {};
 
-  /// Null: all algorithms.
+  /// The lists of the governance, or nullptr if all algorithms are allowed.
   const governance::AllowedAlgorithms* allowed_algorithms() const {
     const auto& allowed = governance->domain_rule().allowed_algorithms;
     return allowed ? &*allowed : nullptr;
   }
 };
 
-/// Thread-safe, once it is shared.
+/// A local participant. Thread-safe, once it is shared.
 class LocalParticipant {
  public:
   /// The largest number of topics that are remembered.
@@ -48,35 +49,36 @@ class LocalParticipant {
   /// governance_change_under_way, if the topic comes into use while a document waits that cannot be
   /// applied to it.
   Result<std::shared_ptr<const Basis>> basis_for(std::string_view topic) const;
-  /// How a governance document may take the place of the one in force.
+  /// The way in which a governance document may replace the one in force.
   enum class Change : std::uint8_t {
     at_once,  ///< each topic that was ever in use is protected as before
     phased,   ///< some of them are protected more
   };
-  /// It adds topic rules, or raises what they protect (governance::live_change), and has a higher
-  /// revision, or neither has one and no topic is protected more. Error:
-  /// governance_renewal_refused.
+  /// Success if the document adds topic rules, or raises what they protect
+  /// (governance::live_change), and has a higher revision. It may also have none if the one in
+  /// force has none and no topic is protected more. Error: governance_renewal_refused.
   Result<Change> check_governance(const governance::CompiledGovernance& next) const;
-  /// Error: that of check_governance, for another one than before; it must be taken at once.
+  /// Sets the basis; its governance must be one that can be taken at once. Error: that of
+  /// check_governance, if the governance differs from the former one.
   Status set_basis(Basis basis);
 
-  /// The permissions in the renewal list; null: there are none.
+  /// The permissions in the renewal list; nullptr if there are none.
   std::shared_ptr<const ListedPermissions> listed() const;
   void set_listed(std::shared_ptr<const ListedPermissions> listed);
 
   /// A governance document that waits until the host has changed the protection of its endpoints.
   struct Pending {
     std::shared_ptr<const governance::CompiledGovernance> governance;
-    Sha256Digest digest{};  ///< of its signed text
+    Sha256Digest digest{};  ///< digest of its signed text
   };
   std::shared_ptr<const Pending> pending() const;
   void set_pending(Pending pending);
   void drop_pending();
-  /// The rules of the document that waits, or else of the one before the last that waited; nullptr:
-  /// there is neither.
+  /// The rules of the document that waits, or else of the document before the last one that waited;
+  /// nullptr if there is neither.
   std::shared_ptr<const governance::CompiledGovernance> other_governance() const;
-  /// The document with that digest, which waited, is in force from now on. Returns false if it does
-  /// not wait.
+  /// Puts the document with that digest, which waited, into force. Returns false if it does not
+  /// wait.
   bool apply_pending(const Sha256Digest& digest);
 
  private:

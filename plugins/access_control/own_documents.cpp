@@ -19,13 +19,14 @@ DocumentWatch::WatchedDocument what(const std::string& uri, const std::string& n
   return {.uri = uri, .name = name, .max_octets = max_octets, .refused = refused, .stays = stays};
 }
 
-// With the remedy of what is wrong with the document: a restart with it would fail.
+// Adds the remedy for the document's fault, because a restart with the document would fail.
 DocumentWatch::WatchedDocument signed_document(DocumentWatch::WatchedDocument what) {
   what.gives_remedy_of_reason = true;
   return what;
 }
 
-// Nothing if `octets` fit, else the file as it is now if that fits; else why `octets` do not.
+// Empty if `octets` fit; otherwise the file as it is now if that fits. Otherwise the reason why
+// `octets` do not fit.
 template <class Fits>
 Result<std::optional<Bytes>> one_that_fits(BytesView octets, const DocumentWatch& file,
                                            Fits&& fits) {
@@ -37,7 +38,7 @@ Result<std::optional<Bytes>> one_that_fits(BytesView octets, const DocumentWatch
   return std::move(*present);
 }
 
-// What is new in a document in force, for its event; empty: nothing but its form.
+// The event about the changes in a document in force; empty if only its form has changed.
 std::optional<Error> changed(const governance::DomainRule& former,
                              const governance::DomainRule& next) {
   const auto change = governance::live_change(former, next);
@@ -51,8 +52,8 @@ std::optional<Error> changed(const governance::DomainRule& former,
                          ", the first for \"" + rules.front()->topic_expression + "\""});
 }
 
-// With part of the digest: two documents with the same end are two events, which no rate limit
-// takes for one.
+// The event contains a part of the digest, so that the rate limit does not take two documents with
+// the same end for one event.
 Error renewed(const std::string& file, const DocumentPart& permissions) {
   constexpr std::size_t kShownDigits = 16;
   return Error(Code::permissions_renewed,
@@ -141,7 +142,7 @@ std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, LocalParticipa
   std::vector<Error> events;
   const auto renewals = holder.renewals();
   if (const auto applied = note_applied(participant)) events.push_back(*applied);
-  // The CAs come first: a renewed document may be signed by a new one.
+  // The CAs come first, because a new CA may have signed a renewed document.
   renew_identity_authorities(now);
   renew_authorities(now, events);
   renew_governance(now, events);
@@ -234,8 +235,8 @@ Status OwnDocuments::take_authorities(const Renewal& now,
   return {};
 }
 
-// Those that were there before stay: they only tell which algorithm a CA has that authentication
-// trusts.
+// CAs that were there before stay. They are only used to find the algorithm of a CA that
+// authentication trusts.
 void OwnDocuments::renew_identity_authorities(const Renewal& now) {
   auto basis = *now.participant.basis();
   if (basis.allowed_algorithms() == nullptr) return;
@@ -319,7 +320,7 @@ void OwnDocuments::renew_permissions(const Renewal& now, std::vector<Error>& eve
 
 // ---- the renewal list
 
-// What was verified before is not verified again.
+// Documents that were verified before are not verified again.
 Result<OwnDocuments::Listed> OwnDocuments::listed(const Renewal& now, BytesView file) const {
   const auto ca = now.participant.basis()->ca;
   const auto digest = sha256(file);
@@ -329,7 +330,7 @@ Result<OwnDocuments::Listed> OwnDocuments::listed(const Renewal& now, BytesView 
   return Listed{digest, std::move(document)};
 }
 
-// An entry that no CA of the file signed does not count.
+// An entry that was signed by no CA of the file does not count.
 Status OwnDocuments::take_list(const Renewal& now, const pki::RenewalList& list) {
   std::vector<Listed> next;
   std::optional<Error> first;

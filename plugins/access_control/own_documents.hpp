@@ -19,80 +19,79 @@ namespace ddssec::access_control {
 
 class PermissionsHolder;
 
-/// Where they are.
+/// The places of the documents.
 struct DocumentPlaces {
   std::string permissions_ca, governance, permissions, identity_ca;  ///< URIs
-  std::vector<std::string> renewal_list;                             ///< the same
+  std::vector<std::string> renewal_list;                             ///< URIs, too
   std::string permissions_ca_name, governance_name, permissions_name;
 };
 
-/// Not thread-safe.
+/// The documents and the watches of their files. Not thread-safe.
 class OwnDocuments {
  public:
-  /// Before the files are read for the first time.
+  /// Create it before the files are read for the first time.
   OwnDocuments(const DocumentPlaces& places, const AccessControlOptions& options,
                std::chrono::seconds interval);
 
-  /// The next renew() reads the files, whatever the interval is.
+  /// Makes the next renew() read the files, whatever the interval is.
   void force_poll();
 
-  /// The next renew() reads the renewal list.
+  /// Makes the next renew() read the renewal list.
   void force_poll_of_list() { renewal_list_.force_poll(); }
 
-  /// These octets are in force.
+  /// Notes that these octets are in force.
   void note_read(Bytes governance, BytesView permissions);
 
-  /// CAs, permissions and governance as they are in force, and what was refused. `permissions`: the
-  /// part that is in force.
+  /// The CAs, permissions and governance in force, and the refused ones. `permissions` is the part
+  /// that is in force.
   std::vector<DocumentState> states(const LocalParticipant& participant,
                                     DocumentPart permissions) const;
 
-  /// Takes what the files hold, if they have changed:
+  /// Takes the documents in the files, if these have changed:
   /// - Other permissions CAs, if the governance and the permissions of the participant are signed
   ///   by one of them: those in force, or else those in the files now, which then come into force.
-  /// - A governance document that only adds topic rules, none of them for a topic in use. One that
-  ///   protects topics in use more waits as the participant's pending document, if the host changes
-  ///   endpoints that exist; until it is applied, no other one is looked at.
-  /// - Renewed permissions, as PermissionsHolder::adopt has it; none if the host does not present
+  /// - A governance document that only adds topic rules, none of them for a topic in use. A
+  ///   document that protects topics in use more waits as the participant's pending document, if
+  ///   the host changes endpoints that exist. Until it is applied, no other one is read.
+  /// - Renewed permissions that PermissionsHolder::adopt accepts; none if the host does not present
   ///   them.
-  /// - Further identity CAs, where the governance restricts algorithms. Authentication decides
-  ///   which of them are trusted, and reports a file that cannot be used.
-  /// - Permissions of peers in the renewal list, as LocalParticipant::listed has them.
-  /// Authentication
+  /// - Further identity CAs, if the governance restricts algorithms. Authentication decides which
+  ///   of them are trusted, and reports a file that cannot be used.
+  /// - Permissions of peers in the renewal list, for LocalParticipant::listed. Authentication
   ///   reports a list that cannot be read.
-  /// Returns events: what was taken, and what cannot be used (once as long as the file stays the
-  /// same). What cannot be used changes nothing.
+  /// Returns events about documents that were taken, and about those that cannot be used (once as
+  /// long as the file stays the same). A document that cannot be used changes nothing.
   std::vector<Error> renew(PermissionsHolder& holder, LocalParticipant& participant,
                            DocumentCache& documents, const Clock& clock);
 
  private:
-  struct Renewal;  // what one call of renew() needs
+  struct Renewal;  // the data for one call of renew()
 
   void renew_authorities(const Renewal& now, std::vector<Error>& events);
   void renew_governance(const Renewal& now, std::vector<Error>& events);
   void renew_permissions(const Renewal& now, std::vector<Error>& events);
   void renew_identity_authorities(const Renewal& now);
   void renew_list(const Renewal& now, std::vector<Error>& events);
-  /// A signed file of the renewal list and what it holds.
+  /// A signed file of the renewal list and its content.
   struct Listed {
     Sha256Digest file;
     std::shared_ptr<PermissionsDocument> document;
   };
-  /// An unreadable folder is one event, and none where authentication reports it.
+  /// Keeps only one event about an unreadable folder, and none if authentication reports it.
   void keep_one_of_folder(std::vector<Error>& events) const;
   Result<Listed> listed(const Renewal& now, BytesView file) const;
   Status take_list(const Renewal& now, const pki::RenewalList& list);
   Status take_authorities(const Renewal& now, const std::vector<pki::Certificate>& next);
-  /// A governance document that may take the place of the one in force.
+  /// A governance document that may replace the one in force.
   struct Judged {
     Basis basis;
     bool is_phased = false;
   };
   Result<Judged> judge_governance(const Renewal& now, const Basis& basis, BytesView file) const;
   std::optional<Error> drop_withdrawn(const Renewal& now);
-  /// Empty: the document that waited waits still, or none does.
+  /// Empty if the document that waited still waits, or if none does.
   std::optional<Error> note_applied(const LocalParticipant& participant);
-  /// What the file holds now, in force or pending.
+  /// Takes the document in the file, into force or as pending.
   Status take_governance(const Renewal& now, const Basis& former, BytesView file);
 
   const AccessControlOptions options_;

@@ -8,7 +8,7 @@
 namespace ddssec::access_control {
 namespace {
 
-// The digest of a signed file, as authentication has it (session_facts.hpp).
+// The digest of a signed file, computed as authentication does (session_facts.hpp).
 Sha256Digest digest_of_file(std::string_view text) {
   constexpr std::string_view kNone("", 1);
   if (text.ends_with('\0')) text.remove_suffix(1);
@@ -19,14 +19,14 @@ bool is_over(const SharedGrant& grant, const PermissionsDocument& document, Wall
   return now >= grant->grant().validity.not_after || now > document.signer_not_after();
 }
 
-// One that was valid has not ended because the clock goes back.
+// A grant that was valid does not end because the clock goes back.
 Status check_not_over(const GrantOfDocument& one, WallTime now) {
   if (!is_over(one.grant, *one.document, now)) return {};
   DDSSEC_RETURN_IF_ERROR(governance::check_validity(one.grant->grant(), now));
   return one.document->check_signer(now);
 }
 
-// The same second is not earlier.
+// The same second does not count as earlier.
 Status check_signed_later(const PermissionsDocument& former, const PermissionsDocument& next) {
   if (is_signed_later(next, former)) return {};
   const auto since = former.signing_time(), time = next.signing_time();
@@ -40,8 +40,8 @@ Status check_signed_later(const PermissionsDocument& former, const PermissionsDo
                        "--replace"});
 }
 
-// Some tools end a file with a NUL. It is not part of what is signed, and hosts whose texts end at
-// a NUL cannot send it.
+// Some tools end a file with a NUL. It is not signed, and hosts whose texts end at a NUL cannot
+// send it.
 std::string without_trailing_nul(std::string text) {
   if (text.ends_with('\0')) text.pop_back();
   return text;
@@ -85,7 +85,7 @@ Result<SharedGrant> PermissionsHolder::grant_in(PermissionsDocument& document, W
                             participant_->domain_tag, now);
 }
 
-// Of a peer. Our own documents are judged before other CAs come into force.
+// Checks a peer's document. Our own documents are judged before other CAs come into force.
 Status PermissionsHolder::check_signer(const PermissionsDocument& document) const {
   const auto ca = participant_->basis()->ca;
   if (ca->holds(document.signer())) return {};
@@ -95,7 +95,7 @@ Status PermissionsHolder::check_signer(const PermissionsDocument& document) cons
                .found = "signed by " + pki::describe({document.signer()})});
 }
 
-// The lock is held.
+// The caller holds the lock.
 Result<SharedGrant> PermissionsHolder::presented_grant(WallTime now) {
   if (const auto ca = participant_->basis()->ca; remote_ && ca != accepted_by_) {
     DDSSEC_RETURN_IF_ERROR(check_signer(*document_));
@@ -104,7 +104,7 @@ Result<SharedGrant> PermissionsHolder::presented_grant(WallTime now) {
   if (grant_ && !is_over(grant_, *document_, now)) return grant_;
   auto found = grant_in(*document_, now);
   if (!found) return std::unexpected(found.error().in(document_name_));
-  // Hosts do not judge again what they have matched.
+  // Hosts do not judge their existing matches again.
   if (remote_ && grant_ &&
       !give_the_same(grant_->grant(), (*found)->grant(), participant_->domain,
                      participant_->domain_tag))
@@ -114,13 +114,14 @@ Result<SharedGrant> PermissionsHolder::presented_grant(WallTime now) {
   return grant_;
 }
 
-// The lock is held.
+// The caller holds the lock.
 Status PermissionsHolder::check_extension(WallTime now) const {
   DDSSEC_RETURN_IF_ERROR(check_signer(*extension_->document));
   return check_not_over(*extension_, now);
 }
 
-// The lock is held. The extension may give more, so it decides only for how long.
+// The caller holds the lock. The extension may give more, so it decides only how long the grant
+// counts.
 Result<SharedGrant> PermissionsHolder::valid_grant(WallTime now) {
   if (!document_) return fail(Code::peer_has_no_permissions);
   if (!extension_) return presented_grant(now);
@@ -135,7 +136,8 @@ Result<SharedGrant> PermissionsHolder::grant(WallTime now) {
   return valid_grant(now);
 }
 
-// The lock is held. Of the documents whose CAs are in the file; empty: none.
+// The last end of the documents whose CAs are in the file; empty if there is none. The caller holds
+// the lock.
 std::optional<WallTime> PermissionsHolder::last_end() const {
   const auto ca = participant_->basis()->ca;
   std::optional<WallTime> out;
@@ -214,10 +216,10 @@ void PermissionsHolder::force_poll_of_list() {
   if (own_documents_) own_documents_->force_poll_of_list();
 }
 
-// The lock is held.
+// The caller holds the lock.
 Status PermissionsHolder::check_follows(const PermissionsDocument& document,
                                         const SharedGrant& renewed) const {
-  // The host has cut the participant off, and keeps to that.
+  // The host has cut the participant off and does not change that.
   if (is_reported_)
     return fail(Code::permissions_renewal_refused, {.note = "the participant has ended"});
   const auto begin = renewed->grant().validity.not_before;
@@ -272,8 +274,8 @@ std::optional<GrantOfDocument> PermissionsHolder::extension_of(const GrantOfDocu
       *participant_->basis()->ca, now);
 }
 
-// The lock is held. True if the peer announced something that its permissions do not allow, and
-// these do.
+// True if the peer announced an endpoint that its permissions do not allow, and `others` do. The
+// caller holds the lock.
 bool PermissionsHolder::are_wanted(const SharedGrant& others) const {
   return std::ranges::any_of(denied_.all(), [&](const AnnouncedEndpoints::One& one) {
     std::vector<governance::DataTag> tags;
@@ -321,9 +323,9 @@ std::optional<Error> PermissionsHolder::outlived(WallTime now) {
   }
   if (!own || !seen || own->document() == seen->document) return std::nullopt;
   const auto status = check_not_over(*seen, now);
-  // Another grant of the document may have taken over.
+  // Another grant of the document may have replaced it.
   if (status || own->grant_in(*seen->document, now)) return std::nullopt;
-  // The peer goes on by its list. If it has no such list, it ends the session, and we follow.
+  // The peer continues by its list. If it has no such list, it ends the session, and we follow.
   if (extension && check_not_over(*extension, now)) return std::nullopt;
   if (auto extended = reads_lists ? own->extension_of(*seen, false, now) : std::nullopt) {
     const std::lock_guard lock(mutex_);

@@ -1,4 +1,4 @@
-// What a permissions handle stands for: a subject, its document and the grant that counts now.
+// The object behind a permissions handle: a subject, its document and the grant that counts now.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@
 
 namespace ddssec::access_control {
 
-/// Who is judged.
+/// The subject that is judged.
 struct Subject {
   pki::SubjectName name;
   std::string shown;  ///< RFC 2253
@@ -26,8 +26,8 @@ struct Subject {
 /// The permissions of one subject as one local participant sees them. Thread-safe.
 class PermissionsHolder {
  public:
-  /// `remote`: the peer's identity, if it is one. `document` null: a peer without usable
-  /// permissions, to which only unprotected topics are open.
+  /// `remote` is the identity of a peer, and empty for a local participant. If `document` is null,
+  /// it is a peer without usable permissions, which may use only unprotected topics.
   PermissionsHolder(std::shared_ptr<LocalParticipant> participant,
                     std::optional<spi::IdentityHandle> remote, Subject subject,
                     std::string document_name, std::shared_ptr<PermissionsDocument> document)
@@ -44,67 +44,69 @@ class PermissionsHolder {
   std::string peer_subject() const { return remote_ ? subject_.shown : std::string(); }
   bool has_document() const { return document() != nullptr; }
 
-  /// Of a local participant: the signed file as it goes to peers, and where renewed documents may
-  /// come. Before the holder is shared.
+  /// For a local participant: sets the signed file as it is sent to peers, and the places of
+  /// renewed documents. Call it before the holder is shared.
   void set_own(std::string text, std::unique_ptr<OwnDocuments> documents);
   std::string text() const;
-  /// Of a local participant: takes the documents that were put in place of those in force. Returns
+  /// For a local participant: takes the documents that have replaced those in force. Returns
   /// events, as OwnDocuments::renew does.
   std::vector<Error> renew(DocumentCache& documents, const Clock& clock);
-  /// Of a local participant: what is in force, and what was refused.
+  /// For a local participant: the documents in force, and the refused ones.
   std::vector<DocumentState> documents() const;
-  /// Of a local participant: the permissions in force, with the end also if it was reported.
+  /// For a local participant: the permissions in force, including their end if that was reported.
   DocumentPart permissions_part() const;
   const std::string& subject() const { return subject_.shown; }
-  /// Of a local participant: the next renew() reads the files, whatever the poll interval is.
+  /// For a local participant: makes the next renew() read the files, whatever the poll interval is.
   void force_poll();
-  void force_poll_of_list();  ///< the same for the renewal list alone
-  /// Renewed permissions, with the file, come into force if they have a grant for the subject that
-  /// is valid now and does not begin earlier than the one in force, and if the document was not
-  /// signed earlier: an older document that was put back would give again what was taken away. One
-  /// without a signing time follows only another without one. They may give less, and end earlier.
-  /// Error: permissions_renewal_refused, also after the end was reported; those of grant_for.
+  void force_poll_of_list();  ///< the same for the renewal list only
+  /// Puts renewed permissions, with their file, into force. They must have a grant for the subject
+  /// that is valid now and does not begin earlier than the one in force. The document must not have
+  /// been signed earlier, because an older document that was put back would restore rights that
+  /// were removed. A document without a signing time may only follow another one without it. The
+  /// permissions may give less, and end earlier. Error: permissions_renewal_refused, also after the
+  /// end was reported; those of grant_for.
   Status adopt(std::shared_ptr<PermissionsDocument> document, BytesView file, WallTime now);
-  /// Of a peer: the same for permissions that it has shown within its session. True: they are
-  /// others than those in force.
+  /// For a peer: does the same with permissions that it has shown within its session. Returns true
+  /// if they differ from those in force.
   Result<bool> adopt_presented(std::shared_ptr<PermissionsDocument> document, WallTime now);
-  /// Of a peer: permissions of the participant's renewal list extend those that the peer presented,
-  /// if they give the same or more and end later, or if the CA of the others has left its file
-  /// (ListedPermissions::extension_of). They count until their own end, whatever the list has then.
-  /// The peer gets no rights of theirs.
-  /// The event: peer_permissions_listed.
+  /// For a peer: lets permissions of the participant's renewal list extend those that the peer
+  /// presented. They do if they give the same or more and end later, or if the CA of the presented
+  /// ones was removed from its file (ListedPermissions::extension_of). They count until their own
+  /// end, whatever the list contains then. The peer does not get additional rights from them. The
+  /// event: peer_permissions_listed.
   std::optional<Error> follow_list(WallTime now);
-  /// Of a peer: the permissions that it presented do not allow this. Those that do will not extend
-  /// them, so that the session ends, and the peer presents the others.
+  /// For a peer: notes that the permissions that it presented do not allow this. Permissions that
+  /// do allow it will not extend them, so that the session ends and the peer presents the others.
   void note_denied(governance::Action action, const spi::EndpointRequest& asked);
-  /// How often it has taken permissions.
+  /// The number of times that permissions were taken.
   std::uint64_t renewals() const;
 
-  /// Of a peer: it has seen the document of `own` with the digest in `facts`. Without one: the
-  /// first document, which another vendor's authentication goes on presenting.
+  /// For a peer: notes that it has seen the document of `own` with the digest in `facts`. Without a
+  /// digest it is the first document, which another vendor's authentication continues to present.
   void note_seen(std::shared_ptr<const PermissionsHolder> own, const spi::SessionFacts& facts);
-  /// Of a peer.
+  /// For a peer: the endpoints that it announced.
   AnnouncedEndpoints& announced() { return announced_; }
   const std::string& document_name() const { return document_name_; }
 
-  /// The grant that is valid at `now`: by the wall clock at every call, so that neither a host that
-  /// forgets to call expire nor a clock that jumps lets a peer in. One that was valid has not ended
-  /// because the clock goes back to a time before it began. When a grant ends, another of
-  /// the same document takes over; a peer's only if it gives the same: else the peer ends, and what
-  /// it may have is judged when it comes again. Errors: those of PermissionsDocument::grant_for,
-  /// peer_has_no_permissions, permissions_ca_withdrawn.
+  /// The grant that is valid at `now`. The wall clock is compared at every call, so that neither a
+  /// host that forgets to call expire nor a clock that jumps lets a peer in. A grant that was valid
+  /// does not end because the clock goes back to a time before it began. When a grant ends, another
+  /// one of the same document replaces it. For a peer, it must give the same: otherwise the peer
+  /// ends, and its rights are judged when it comes again. Errors: those of
+  /// PermissionsDocument::grant_for, peer_has_no_permissions, permissions_ca_withdrawn.
   Result<SharedGrant> grant(WallTime now);
 
-  /// When the grant found last ends, if it was not reported as ended.
+  /// The time when the last grant that was found ends, if that was not reported.
   std::optional<WallTime> ends() const;
-  /// The error why nothing is valid now, if that was not reported. Of a peer also
-  /// session_outlived_documents: what it has seen of us has ended and was renewed since, so it ends
-  /// the session, too. A clock that goes back to a time before it began ends nothing.
+  /// The reason why nothing is valid now, if that was not reported. For a peer also
+  /// session_outlived_documents: our documents that it has seen have ended and were renewed since,
+  /// so it ends the session, too. A clock that goes back to a time before the beginning ends
+  /// nothing.
   std::optional<Error> newly_ended(WallTime now);
-  /// permissions_end_soon, once for each time that the participant's properties ask for. Nothing
-  /// if another grant of the document takes over.
+  /// The warning permissions_end_soon, once for each time that the participant's properties
+  /// request. Empty if another grant of the document replaces this one.
   std::optional<Error> ends_soon(WallTime now);
-  /// There is nothing more to report. Needs no memory.
+  /// Notes that nothing more is to be reported. Needs no memory.
   void mark_reported();
 
  private:
@@ -113,7 +115,7 @@ class PermissionsHolder {
   const Subject subject_;
   const std::string document_name_;
   AnnouncedEndpoints announced_;
-  AnnouncedEndpoints denied_;  ///< of a peer: what it announced in vain
+  AnnouncedEndpoints denied_;  ///< for a peer: announcements that its permissions did not allow
 
   Status check_signer(const PermissionsDocument& document) const;
   Status check_extension(WallTime now) const;
@@ -132,22 +134,25 @@ class PermissionsHolder {
   mutable std::mutex renewal_mutex_;  ///< before mutex_: no check waits while a file is read
   std::unique_ptr<OwnDocuments> own_documents_;
   mutable std::mutex mutex_;
-  std::shared_ptr<const PermissionsHolder> own_;   ///< of a peer: what we are to it
-  std::optional<GrantOfDocument> seen_;            ///< and what it has seen of that
-  std::optional<GrantOfDocument> seen_extension_;  ///< by which it goes on
-  bool reads_lists_ = false;                       ///< as SessionFacts has it
+  /// For a peer: our own permissions that it judges.
+  std::shared_ptr<const PermissionsHolder> own_;
+  std::optional<GrantOfDocument> seen_;            ///< the document of these that it has seen
+  std::optional<GrantOfDocument> seen_extension_;  ///< the extension by which it continues
+  bool reads_lists_ = false;                       ///< see SessionFacts
   std::shared_ptr<PermissionsDocument> document_;
-  std::optional<GrantOfDocument> extension_;  ///< of a peer, by the renewal list
+  std::optional<GrantOfDocument> extension_;  ///< for a peer: the extension by the renewal list
   std::string text_;
-  Sha256Digest digest_ = {};  ///< of text_, as session_facts.hpp counts it
+  Sha256Digest digest_ = {};  ///< digest of text_ (session_facts.hpp)
   struct Former {
     Sha256Digest digest;
     GrantOfDocument permissions;
   };
-  /// Those renewed since: the first, and the last few, which handshakes under way still present.
+  /// The permissions that were renewed: the first, and the last few, which handshakes under way
+  /// still present.
   std::vector<Former> former_;
   std::uint64_t renewals_ = 0;
-  std::shared_ptr<const PermissionsCa> accepted_by_;  ///< of a peer: what it presented
+  /// For a peer: the CA that accepted what it presented.
+  std::shared_ptr<const PermissionsCa> accepted_by_;
   SharedGrant grant_;
   bool is_reported_ = false;
   spi::EndWarning warning_;

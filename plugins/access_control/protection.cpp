@@ -18,9 +18,9 @@ struct BuiltinTopic {
   Protects by;
 };
 
-// DDS-Security 1.2, clause 7.5.13. The standard uses both names DCPSParticipantSecure and
-// DCPSParticipantsSecure. The plain topics carry data that must be readable before authentication;
-// no topic rule applies to them.
+// The builtin topics (DDS-Security 1.2, clause 7.5.13). The standard uses both names
+// DCPSParticipantSecure and DCPSParticipantsSecure. The plain topics carry data that must be
+// readable before authentication; no topic rule applies to them.
 constexpr auto kBuiltinTopics = std::to_array<BuiltinTopic>({
     {"DCPSParticipant", Protects::nothing},
     {"DCPSPublication", Protects::nothing},

@@ -101,7 +101,8 @@ Error endpoint_denied(const PermissionsHolder& holder, const CompiledGrant& gran
 
 Error match_denied(const Error& why, Action action, const spi::AccessControl::Match& match) {
   auto details = why.details();
-  details.hint.clear();  // that of match_not_permitted: the announcement may be forged
+  // The hint of match_not_permitted counts, because the announcement may be forged.
+  details.hint.clear();
   if (details.expected.empty())
     details.expected = fmt::format("permissions to {} {}", to_string(action), shown(match.local));
   if (details.found.empty()) details.found = info(why.code()).summary;

@@ -10,14 +10,15 @@
 
 namespace ddssec::access_control {
 
-/// Hosts ask for a peer's permissions after it has authenticated. `peer_subject` empty: about us.
+/// The event about a refusal. Hosts ask for a peer's permissions after it has authenticated. If
+/// `peer_subject` is empty, the event is about us.
 inline Event event_about(const std::string& peer_subject, const Error& error,
                          const std::string& peer_guid = {}) {
   return Event(error, peer_subject, peer_guid,
                peer_subject.empty() ? PeerProof::not_a_peer : PeerProof::authenticated);
 }
 
-/// No topic_rule matches. Code topic_not_covered.
+/// No topic_rule matches. The code is topic_not_covered.
 Error topic_not_covered(const LocalParticipant& participant, std::string_view topic);
 /// A rule or the default of the grant denies. Codes: publish_not_allowed, subscribe_not_allowed;
 /// for an endpoint announced in a peer's name, announced_writer_not_allowed,
@@ -25,14 +26,15 @@ Error topic_not_covered(const LocalParticipant& participant, std::string_view to
 Error endpoint_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
                       const governance::Decision& decision, governance::Action action,
                       const spi::EndpointRequest& request);
-/// The peer's permissions do not allow the keys of a match, for the reason `why`. Code
+/// The peer's permissions do not allow the keys of a match, for the reason `why`. The code is
 /// match_not_permitted.
 Error match_denied(const Error& why, governance::Action action,
                    const spi::AccessControl::Match& match);
-/// The grant allows neither to publish nor to subscribe to the topic. Code topic_not_allowed.
+/// The grant allows neither to publish nor to subscribe to the topic. The code is
+/// topic_not_allowed.
 Error topic_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
                    const governance::Decision& decision, std::string_view topic);
-/// The grant does not let the participant join the domain. Code participant_not_allowed.
+/// The grant does not let the participant join the domain. The code is participant_not_allowed.
 Error participant_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
                          const governance::Decision& decision);
 
