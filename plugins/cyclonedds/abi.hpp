@@ -25,26 +25,26 @@ using Exception = DDS_Security_SecurityException;
 using SupportedCiphers = std::uint32_t();
 inline constexpr const char* kSupportedCiphersSymbol = "ddssec_supported_ciphers";
 
-/// Exported by libddssec_cryptography for libddssec_authentication, as are the next five: whether
+/// Exported by libddssec_cryptography for libddssec_authentication, as are the next five. True if
 /// that remote participant has sent its keys.
 using HasKeysOf = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kHasKeysOfSymbol = "ddssec_has_keys_of";
 
-/// Whether it has sent keys for that local participant, the second one.
+/// True if it has sent keys for that local participant, the second one.
 using HasKeysFor = bool(DDS_Security_IdentityHandle, DDS_Security_IdentityHandle);
 inline constexpr const char* kHasKeysForSymbol = "ddssec_has_keys_for";
 
 /// The time of the last decrypted message that only the holder of the shared secret can produce, in
-/// nanoseconds of the monotonic clock; 0: never.
+/// nanoseconds of the monotonic clock; 0 for never.
 using LastHeardOf = std::int64_t(DDS_Security_IdentityHandle);
 inline constexpr const char* kLastHeardOfSymbol = "ddssec_last_heard_of";
 
-/// Whether the host has matched that remote participant with the local builtin endpoints.
+/// True if the host has matched that remote participant with the local builtin endpoints.
 using IsMatchedWith = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kIsMatchedWithSymbol = "ddssec_is_matched_with";
 
-/// Whether that remote participant has proven, since the last call, that it lost its session with a
-/// local one.
+/// Tells whether that remote participant has proven, since the last call, that it lost its session
+/// with a local one.
 enum class SessionReset : std::uint8_t {
   none = 0,
   of_session = 1,
@@ -53,7 +53,7 @@ enum class SessionReset : std::uint8_t {
 using TakeSessionReset = SessionReset(DDS_Security_IdentityHandle);
 inline constexpr const char* kTakeSessionResetSymbol = "ddssec_take_session_reset";
 
-/// Whether its keys were dropped since the last call, so that only a new session brings them
+/// True if its keys were dropped since the last call, so that only a new session brings them
 /// (spi::CryptoKeyFactory::take_stranded_keys).
 using TakeStrandedKeys = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kTakeStrandedKeysSymbol = "ddssec_take_stranded_keys";
@@ -78,10 +78,10 @@ using PluginVersion = const char*();
 struct MatchQuestion {
   const DDS_Security_PropertySeq* scope;  ///< ac_endpoint_properties of the local endpoint
   DDS_Security_PermissionsHandle remote_permissions;
-  /// True: its writer and our reader; false: its reader and our writer.
+  /// True for its writer and our reader; false for its reader and our writer.
   DDS_Security_boolean remote_writes;
   const DDS_Security_octet* peer_prefix;  ///< 12 octets of the peer's GUID, or null
-  /// spi::MatchGate::Peer::hides_endpoints.
+  /// See spi::MatchGate::Peer::hides_endpoints.
   DDS_Security_boolean peer_hides_endpoints;
 };
 enum class MatchVerdict : std::int32_t {
@@ -99,16 +99,16 @@ inline constexpr const char* kJudgeMatchSymbol = "ddssec_judge_match_of_peer";
 using GovernanceFactsOf = std::uint32_t(DDS_Security_IdentityHandle);
 inline constexpr const char* kGovernanceFactsOfSymbol = "ddssec_governance_facts_of";
 
-/// Exported by libddssec_access_control for libddssec_authentication: how often the permissions of
-/// that local participant were renewed since it was made. If that is more than `known`, `take` is
-/// called once, before the function returns, with the signed document that is in force. So a
-/// document that access control refused is never presented.
+/// Exported by libddssec_access_control for libddssec_authentication: the number of times that the
+/// permissions of that local participant were renewed since it was created. If that is more than
+/// `known`, `take` is called once, before the function returns, with the signed document that is in
+/// force. So a document that access control refused is never presented.
 using TakePermissions = void(void* context, const DDS_Security_octet* octets, std::size_t size);
 using RenewedPermissions = std::uint64_t(DDS_Security_IdentityHandle, std::uint64_t known,
                                          TakePermissions* take, void* context);
 inline constexpr const char* kRenewedPermissionsSymbol = "ddssec_renewed_permissions";
-/// The same: how often renewed permissions of that local participant took a right from one of its
-/// endpoints.
+/// Exported in the same way: the number of times that renewed permissions of that local participant
+/// removed a right from one of its endpoints.
 using RightsLost = std::uint64_t(DDS_Security_IdentityHandle);
 inline constexpr const char* kRightsLostSymbol = "ddssec_rights_lost";
 /// Exported by libddssec_authentication, as one PluginVersion.
@@ -129,10 +129,11 @@ struct SharedSecretLayout {
 /// size. So its pointer never has the value that the pointer in this form has.
 struct ExtendedSharedSecret {
   SharedSecretLayout layout;
-  std::uint32_t peer_ciphers;            ///< spi::CipherMask
-  std::uint32_t peer_builtin_endpoints;  ///< BuiltinEndpointSet_t that the peer signed; 0: unknown
-  DDS_Security_octet peer_prefix[12];    ///< the authenticated GUID prefix of the peer, or zeros
-  DDS_Security_octet own_guid[16];       ///< of the local participant, or zeros
+  std::uint32_t peer_ciphers;  ///< spi::CipherMask
+  /// BuiltinEndpointSet_t that the peer signed; 0 if unknown
+  std::uint32_t peer_builtin_endpoints;
+  DDS_Security_octet peer_prefix[12];  ///< the authenticated GUID prefix of the peer, or zeros
+  DDS_Security_octet own_guid[16];     ///< GUID of the local participant, or zeros
   DDS_Security_octet octets[64];
 
   /// The whole object that contains `layout`; nullptr if another plugin made the layout.

@@ -34,7 +34,7 @@ using Tags = DDS_Security_DataTags;
 
 spi::PermissionsHandle permissions(CPermissions handle) { return {handle}; }
 
-// As is_carrier_topic, for that local participant.
+// Like is_carrier_topic, for that local participant.
 Result<bool> is_carriers(Adapter& adapter, CPermissions handle, std::string_view name) {
   if (name != kCarrierTopic) return false;
   DDSSEC_ASSIGN_OR_RETURN(const auto participant,
@@ -107,7 +107,7 @@ struct ReaderCalls {
   static constexpr auto kDirection = EndpointDirection::reads;
 };
 
-// What the host's call says about a local endpoint, besides its question.
+// The data in the host's call about a local endpoint, besides its question.
 struct LocalEndpoint {
   spi::PermissionsHandle local;
   CDomain domain_id;
@@ -281,7 +281,8 @@ bool needs_gate(const spi::EndpointSecurityAttributes& endpoint) {
          (endpoint.is_submessage_protected() || endpoint.is_payload_protected());
 }
 
-// get_datawriter_sec_attributes; and get_datareader_sec_attributes of a reader that is open.
+// Answers get_datawriter_sec_attributes, and get_datareader_sec_attributes for a reader that is
+// open.
 template <class Calls>
 Status tell_attributes(Adapter& adapter, const CPermissions handle,
                        const spi::EndpointRequest& request,
@@ -290,7 +291,8 @@ Status tell_attributes(Adapter& adapter, const CPermissions handle,
                           (adapter.engine().*Calls::kAttributes)(permissions(handle), request));
   constexpr bool kWrites = Calls::kDirection == EndpointDirection::writes;
   auto& endpoints = adapter.endpoints();
-  // First: nothing that the host would have to free exists if there is no memory for it.
+  // This step comes first: if there is no memory for it, nothing exists yet that the host would
+  // have to free.
   if (!found.is_builtin) endpoints.add(&attributes, permissions(handle), kWrites, request);
   attributes = to_c(found);
   if (!needs_gate(found)) return {};
@@ -347,7 +349,7 @@ DDS_Security_boolean get_datareader_sec_attributes(
   return ask_endpoint(instance, topic_name, partition, tags, attributes, ex, tell);
 }
 
-// The values in ac_endpoint_properties of these live as long as the library.
+// The values in ac_endpoint_properties of these attributes live as long as the library.
 template <class Attributes>
 DDS_Security_boolean return_attributes(Instance* instance, const Attributes*, Exception* ex) {
   return allow(instance, ex);
@@ -463,8 +465,8 @@ void AccessControlAdapter::judge_endpoints() {
     if (const auto lost = endpoints_.judge(local, *engine_)) host_->notice(Event(*lost));
 }
 
-// All local participants are cut off before the host is told of one: none of them counts as
-// another that is still valid.
+// All local participants are cut off before the host is informed of one, so that none of them
+// counts as another one that is still valid.
 void AccessControlAdapter::revoke_ended(const std::stop_token& stop, const Revoke& revoke) {
   std::vector<std::pair<spi::PermissionsHandle, std::optional<spi::IdentityHandle>>> ended;
   const auto expired = engine_->expire();

@@ -15,7 +15,7 @@
 
 namespace ddssec::cyclonedds {
 
-/// The C struct is the base class; the host sees only that. There is one adapter for each domain.
+/// The adapter of one domain. The C struct is the base class; the host sees only that.
 class AccessControlAdapter final : public dds_security_access_control {
  public:
   AccessControlAdapter(
@@ -42,11 +42,11 @@ class AccessControlAdapter final : public dds_security_access_control {
   static std::optional<Renewed> renewed_permissions(spi::IdentityHandle local,
                                                     std::uint64_t known) noexcept;
 
-  /// Answers authentication's question: how often renewed permissions of a local participant of any
-  /// domain took a right from one of its endpoints.
+  /// Answers authentication's question: the number of times that renewed permissions of a local
+  /// participant of any domain removed a right from one of its endpoints.
   static std::uint64_t rights_lost(spi::IdentityHandle local) noexcept;
 
-  /// Called by authentication: a local participant of any domain is cut off.
+  /// Called by authentication when a local participant of any domain is cut off.
   static void cut_off(spi::IdentityHandle local);
 
   static AccessControlAdapter& of(dds_security_access_control& instance) {
@@ -57,15 +57,15 @@ class AccessControlAdapter final : public dds_security_access_control {
   SharedMemoryGuard& shared_memory() { return shared_memory_; }
   GovernanceFacts& facts() { return facts_; }
   OwnEndpoints& endpoints() { return endpoints_; }
-  /// A property demands that the host asks peers for types.
+  /// Notes that a property demands that the host asks peers for types.
   void trust_type_information() { trusts_type_information_ = true; }
-  /// Whether the readers of type lookup stay open. They also stay open with a stock cryptography
-  /// plugin, which shows peers' types to the host, so that the host asks for them.
+  /// Tells whether the readers of type lookup stay open. They also stay open with a stock
+  /// cryptography plugin, which shows peers' types to the host, so that the host asks for them.
   TypeLookup type_lookup() const;
-  /// Unique within the process.
+  /// The id of this adapter, unique within the process.
   std::uint64_t id() const { return id_; }
 
-  /// Sets the listener. Null stops the timer; the call returns when no revocation is running any
+  /// Sets the listener. nullptr stops the timer; the call returns when no revocation is running any
   /// more.
   void listen(const dds_security_access_control_listener* listener);
 

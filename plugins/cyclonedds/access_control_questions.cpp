@@ -16,7 +16,7 @@ struct Adapters {
   std::map<std::uint64_t, AccessControlAdapter*> by_id;
 };
 
-// Never destroyed: a thread of the host may ask while the process exits.
+// The object is never destroyed, because a thread of the host may ask while the process exits.
 Adapters& adapters() {
   static auto* const all = new Adapters;
   return *all;
@@ -63,7 +63,8 @@ MatchVerdict AccessControlAdapter::judge(const MatchQuestion* question) noexcept
     if (found == adapters().by_id.end()) return MatchVerdict::unknown_access_control;
     return judge_in(*found->second, *scope, *question);
   } catch (...) {
-    return MatchVerdict::out_of_memory;  // not allowed; cryptography reports it
+    // This does not allow the match, and cryptography reports it.
+    return MatchVerdict::out_of_memory;
   }
 }
 
@@ -87,7 +88,7 @@ std::optional<AccessControlAdapter::Renewed> AccessControlAdapter::renewed_permi
       return Renewed{times, std::string(spi::property_value(token->properties, "dds.perm.cert"))};
     }
   } catch (...) {
-    // Without memory: the question comes again.
+    // If memory is short, the question comes again.
   }
   return std::nullopt;
 }
@@ -110,7 +111,7 @@ std::uint32_t AccessControlAdapter::governance_facts_of(spi::IdentityHandle loca
     for (const auto& [id, adapter] : adapters().by_id)
       if (const auto facts = adapter->facts_.of(local); facts != 0) return facts;
   } catch (...) {
-    // Nothing is known.
+    // The answer is then that no fact is known.
   }
   return 0;
 }

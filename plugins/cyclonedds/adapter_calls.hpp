@@ -1,4 +1,4 @@
-// From the C pointer of the host to the C++ context that it belongs to.
+// Turns the C pointer of the host into the C++ context to which it belongs.
 #pragma once
 
 #include <functional>
@@ -60,7 +60,7 @@ DDS_Security_boolean take_back_token(Instance* instance, const DDS_Security_Data
   });
 }
 
-/// Takes the functions by which the plugin tells the host of events.
+/// Takes the functions by which the plugin informs the host of events.
 template <class Context, class Instance, class Listener>
 DDS_Security_boolean set_listener(Instance* instance, const Listener* listener,
                                   Exception* ex) noexcept {

@@ -41,7 +41,7 @@ CResult to_c(spi::ValidationResult result) {
   return DDS_SECURITY_VALIDATION_FAILED;
 }
 
-// `f(adapter) -> Result<CResult>`; any failure is DDS_SECURITY_VALIDATION_FAILED.
+// Calls `f(adapter) -> Result<CResult>`; any failure is DDS_SECURITY_VALIDATION_FAILED.
 template <class F>
 CResult validate(Instance* instance, Exception* ex, F&& f) noexcept {
   CResult result = DDS_SECURITY_VALIDATION_FAILED;
@@ -117,7 +117,7 @@ DDS_Security_boolean set_permissions_credential_and_token(Instance* instance,
   });
 }
 
-// True if the refusal is final for this GUID, whatever is announced in its name.
+// True if the refusal is final for this GUID, whatever is announced under it.
 bool is_for_good(const Error& refusal) {
   return refusal.code() == Code::remote_guid_is_local || refusal.code() == Code::guid_not_adjusted;
 }
@@ -143,8 +143,8 @@ Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Met& met, 
   return DDS_SECURITY_VALIDATION_PENDING_RETRY;
 }
 
-// Where governance admits unauthenticated participants, an error makes the host take the peer for
-// one, for all its participants.
+// If governance admits unauthenticated participants, the host treats the peer as one of them after
+// an error, for all its participants.
 Status may_begin(Adapter& adapter, spi::IdentityHandle local, const Guid& peer) {
   if (!admits_unauthenticated(local) || !adapter.watch().was_unanswered(peer)) return {};
   return fail(Code::handshake_begun_again,
@@ -391,7 +391,8 @@ void AuthenticationAdapter::present_renewed_permissions() {
   std::erase_if(renewals_, is_gone);
   std::erase_if(losses_, is_gone);
   for (const auto& local : locals) {
-    // Asked before: the text that follows is no earlier, so no new session begins with the rights.
+    // The losses are read first: the text that is read after them is no older, so no new session
+    // begins with the former rights.
     const auto losses = rights_lost(local.handle);
     auto times = renewals_[local.handle];
     auto text = renewed_permissions(local.handle, times);
@@ -401,7 +402,7 @@ void AuthenticationAdapter::present_renewed_permissions() {
     }
     const spi::Token credential{.class_id = std::string(spi::class_id::kPermissionsCredential),
                                 .properties = {{"dds.perm.cert", *std::move(text), false}}};
-    // A refusal has its event; the same document is not tried again.
+    // A refusal has its own event; the same document is not tried again.
     static_cast<void>(engine_->set_permissions_credential_and_token(local.handle, credential, {}));
     renewals_[local.handle] = times;
     note_lost_rights(local.handle, losses);

@@ -16,7 +16,7 @@
 
 namespace ddssec::cyclonedds {
 
-/// The C struct is the base class; the host sees only that. There is one adapter for each domain.
+/// The adapter of one domain. The C struct is the base class; the host sees only that.
 class AuthenticationAdapter final : public dds_security_authentication {
  public:
   AuthenticationAdapter(std::unique_ptr<Host> host, const MakeEngine<spi::Authentication>& make,
@@ -37,7 +37,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   LostSessions& lost_sessions() { return lost_sessions_; }
   Farewells& farewells() { return farewells_; }
 
-  /// Sets the listener. Null stops the timer; the call returns when no revocation is running any
+  /// Sets the listener. nullptr stops the timer; the call returns when no revocation is running any
   /// more.
   void listen(const dds_security_authentication_listener* listener);
 
@@ -45,22 +45,23 @@ class AuthenticationAdapter final : public dds_security_authentication {
   using Revoke = std::function<void(std::int64_t)>;
   /// True if this domain of the process has another local participant that has not expired.
   bool has_others(spi::IdentityHandle local) const;
-  /// From now on handshakes present permissions that access control has renewed.
+  /// Makes later handshakes present permissions that access control has renewed.
   void present_renewed_permissions();
-  /// Notes the sessions that end, if renewed permissions took a right from an endpoint.
+  /// Notes the sessions that must end, if renewed permissions removed a right from an endpoint.
   void note_lost_rights(spi::IdentityHandle local, std::uint64_t losses);
-  /// Makes the host begin again with their peers. Returns true if there was any.
+  /// Makes the host begin again with the peers of the noted sessions. Returns true if there was
+  /// any.
   bool revoke_noted(const std::stop_token& stop, const Revoke& revoke);
-  /// A peer whose certificate has ended, or counts no longer.
+  /// Handles a peer whose certificate has ended, or no longer counts.
   void cut_off_peer(spi::IdentityHandle remote, const Revoke& revoke);
-  /// Makes the host begin again with peers whose handshake does not end.
+  /// Makes the host begin again with peers whose handshake does not finish.
   void revoke_stuck(const std::stop_token& stop, const Revoke& revoke);
   /// Makes a peer that does not answer begin again too.
   void send_farewell(const Guid& peer);
   /// Makes the host begin again with peers that have lost their session with a local participant.
-  /// `resets_peers`: peers are to be reset in any case.
+  /// If `resets_peers`, peers are to be reset in any case.
   void follow_resets(const std::stop_token& stop, const Revoke& revoke, bool resets_peers);
-  /// Once. Returns true if there was any such peer.
+  /// Does one turn of follow_resets. Returns true if there was any such peer.
   bool revoke_reset(const std::stop_token& stop, const Revoke& revoke);
   /// Makes the host begin again with peers that have endpoints whose keys only a new session
   /// brings.
@@ -78,25 +79,28 @@ class AuthenticationAdapter final : public dds_security_authentication {
   HandshakeWatch watch_;
   LostSessions lost_sessions_;
   Farewells farewells_;
-  /// How often the permissions of local participants were renewed; for the timer's thread.
+  /// The number of times that the permissions of local participants were renewed; for the timer's
+  /// thread.
   std::map<spi::IdentityHandle, std::uint64_t> renewals_;
-  /// How often renewed permissions took a right from them; the same.
+  /// The number of times that renewed permissions removed a right from them; for the timer's
+  /// thread.
   std::map<spi::IdentityHandle, std::uint64_t> losses_;
-  /// A session that presented permissions with such a right; or a handshake that does.
+  /// A session that presented permissions with such a right, or a handshake that does.
   struct Ending {
     spi::IdentityHandle local;
     Guid remote;
-    std::chrono::nanoseconds until;  ///< then no handshake with these permissions is under way
+    /// After this no handshake with these permissions is under way.
+    std::chrono::nanoseconds until;
   };
-  std::vector<Ending> endings_;  ///< the same
+  std::vector<Ending> endings_;  ///< for the timer's thread
   /// A remote participant that has proven the end of its session, and what came after.
   struct EndedByPeer {
     std::chrono::nanoseconds at;
     bool is_dropped = false;                           ///< the host has dropped it, too
-    std::optional<std::chrono::nanoseconds> met = {};  ///< and has met it again
+    std::optional<std::chrono::nanoseconds> met = {};  ///< when the host met it again
   };
-  std::map<Guid, EndedByPeer> ended_by_peer_;  ///< the same
-  /// Reports it, if it is time. True: there is nothing more to report.
+  std::map<Guid, EndedByPeer> ended_by_peer_;  ///< for the timer's thread
+  /// Reports it, if it is time. Returns true if there is nothing more to report.
   bool is_settled(const Guid& guid, EndedByPeer& end);
   ExpiryTimer timer_;  ///< last member: destroyed before the objects that it uses
 };

@@ -44,7 +44,7 @@ Result<std::span<const Handle>> receivers_from(const DDS_Security_LongLongSeq* l
                                                std::vector<Handle>& kept) {
   if (list == nullptr) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto values, elements_of(*list));
-  // A Handle is one such integer and nothing else: the list needs no copy.
+  // A Handle is one such integer and nothing else, so the list needs no copy.
   static_assert(std::is_standard_layout_v<Handle> && sizeof(Handle) == sizeof(values[0]));
   const std::span all(reinterpret_cast<const Handle*>(values.data()), values.size());
   if (std::ranges::find(values, 0) == values.end()) return all;

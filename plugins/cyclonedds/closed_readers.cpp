@@ -21,7 +21,7 @@ bool is_among(std::span<const std::string_view> topics, std::string_view topic) 
 
 bool is_closed(const spi::EndpointRequest& reader,
                const spi::ParticipantSecurityAttributes& participant, TypeLookup lookup) {
-  // Applications read topics with the same names in a partition of the core.
+  // In a partition of the core, applications read topics with the same names.
   if (!reader.partitions.empty()) return false;
   if (is_among(kTypeLookup, reader.topic_name)) return lookup == TypeLookup::closed;
   return participant.is_all_discovery_protected && is_among(kClearDiscovery, reader.topic_name);

@@ -22,8 +22,8 @@ CoreGuid core_guid(const DDS_Security_GUID_t& guid) {
   return out;
 }
 
-// What lies at an address, or nothing if it cannot be read. The kernel reads it, and returns an
-// error where the process itself would be ended.
+// The value at an address; empty if it cannot be read. The kernel reads it, and returns an error
+// where a read by the process would end the process.
 template <class T>
 std::optional<T> read_memory(const void* from) {
   int ends[2];
@@ -47,14 +47,14 @@ bool CoreTimer::stop(const Call& call) const noexcept {
   if (set_timeout_ == nullptr) return false;
   const auto* const member = reinterpret_cast<const std::byte*>(call.local_auth_request);
   const auto* const at = member - offsetof(CoreHandshake, local_auth_request);
-  // Other software would have other values at these places, or nothing.
+  // Other software would have other values at these places, or no readable memory.
   const auto handshake = read_memory<CoreHandshake>(at);
   if (!handshake || handshake->plugin != call.plugin || handshake->domain != call.plugin->gv ||
       handshake->remote != core_guid(*call.remote))
     return false;
   const auto machine = read_memory<CoreStateMachine>(handshake->machine);
   if (!machine || machine->argument != at) return false;
-  // The core calls the plugin without the lock that this function takes.
+  // The core does not hold the lock that this function takes when it calls the plugin.
   set_timeout_(handshake->machine, nullptr, kNever);
   return true;
 }

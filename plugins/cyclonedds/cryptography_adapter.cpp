@@ -11,7 +11,7 @@ struct Adapters {
   std::set<CryptographyAdapter*> all;
 };
 Adapters& adapters() {
-  // Never destroyed: authentication's timer may ask at exit.
+  // The object is never destroyed, because authentication's timer may ask at exit.
   static auto& of_process = *new Adapters;
   return of_process;
 }
@@ -44,7 +44,7 @@ CryptographyAdapter::~CryptographyAdapter() {
     const std::lock_guard lock(adapters().mutex);
     adapters().all.erase(this);
   }
-  reader_ends_.stop();  // which calls the host
+  reader_ends_.stop();  // this thread calls the host
 }
 
 void CryptographyAdapter::note_local(spi::ParticipantCryptoHandle local,

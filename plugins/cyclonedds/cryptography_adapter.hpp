@@ -10,8 +10,8 @@ namespace ddssec::cyclonedds {
 
 /// The C struct is the base class. The host sees only that and its three sub-tables, which point
 /// back to the adapter. There is one adapter for each domain. Every call of the host comes in
-/// through `of`. It clears the thread's OpenedMessage, because the host has gone on to something
-/// else.
+/// through `of`. That function clears the thread's OpenedMessage, because the host no longer works
+/// on that message.
 class CryptographyAdapter final : public dds_security_cryptography {
  public:
   CryptographyAdapter(std::unique_ptr<Host> host, const MakeEngine<spi::Cryptography>& make,
@@ -33,10 +33,10 @@ class CryptographyAdapter final : public dds_security_cryptography {
   /// spi::CryptoKeyFactory::take_stranded_keys for all domains of the process.
   static bool take_stranded_keys(spi::IdentityHandle remote);
 
-  /// A local participant of any domain is cut off: process_questions.hpp.
+  /// Cuts off a local participant of any domain (process_questions.hpp).
   static void cut_off(spi::IdentityHandle local);
 
-  /// For all domains of the process: reader_ends.hpp.
+  /// Looks for ended readers in all domains of the process (reader_ends.hpp).
   static void look_for_ended_readers() noexcept;
 
   Host& host() { return *host_; }

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kMaxGroups = 64, kMaxPorts = 16, kMaxInterfaces = 16;
 
-// The address for the kernel, with its length. `scope`: the interface of a link-local address.
+// The address for the kernel, with its length. `scope` is the interface of a link-local address.
 std::pair<sockaddr_storage, socklen_t> kernel_address(const spi::UdpAddress& address, int scope) {
   sockaddr_storage out{};
   if (address.is_ipv6) {
@@ -40,7 +40,7 @@ std::pair<sockaddr_storage, socklen_t> kernel_address(const spi::UdpAddress& add
   return {out, sizeof four};
 }
 
-// fe80::/10
+// True for fe80::/10.
 bool is_link_local(const spi::UdpAddress& address) {
   return address.is_ipv6 && address.address[0] == 0xfe && (address.address[1] & 0xc0) == 0x80;
 }
@@ -54,7 +54,7 @@ bool goes_over(int socket, bool is_ipv6, int interface) {
   return ::setsockopt(socket, IPPROTO_IP, IP_MULTICAST_IF, &over, sizeof over) == 0;
 }
 
-// `interface`: an index, for multicast and link-local addresses; 0: the system chooses.
+// `interface` is an index, for multicast and link-local addresses; with 0 the system chooses.
 void send_one(BytesView datagram, const spi::UdpAddress& to, int interface) noexcept {
   const int socket =
       ::socket(to.is_ipv6 ? AF_INET6 : AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
@@ -122,7 +122,7 @@ void add_ipv6(std::vector<JoinedGroup>& out, std::string_view igmp6) {
       is_address = is_address && octet;
       group.address.at(i) = octet.value_or(0);
     }
-    // ff02::1, ff02::1:ff00:0 and the like: only zeros before the last five octets.
+    // Local groups such as ff02::1 and ff02::1:ff00:0 have only zeros before the last five octets.
     const bool is_local = std::all_of(group.address.begin() + 2, group.address.begin() + 11,
                                       [](auto octet) { return octet == 0; }) &&
                           group.address[11] <= 1;
@@ -176,7 +176,7 @@ struct DiscoveryPlaces {
 DiscoveryPlaces discovery_places() {
   using Clock = std::chrono::steady_clock;
   static std::mutex mutex;
-  static auto& known = *new DiscoveryPlaces;  // never destroyed: a timer may send at exit
+  static auto& known = *new DiscoveryPlaces;  // never destroyed, because a timer may send at exit
   static std::optional<Clock::time_point> since;
   const std::lock_guard lock(mutex);
   if (!since || Clock::now() - *since >= std::chrono::seconds(1)) {
@@ -193,7 +193,7 @@ void send_over_each_link(BytesView datagram, const spi::UdpAddress& to) noexcept
     if (interfaces.empty()) send_one(datagram, to, 0);
     for (const auto interface : interfaces) send_one(datagram, to, interface);
   } catch (...) {
-    // As declared: without memory nothing is sent.
+    // As declared, nothing is sent if memory is short.
   }
 }
 
@@ -235,7 +235,7 @@ std::optional<bool> has_bound_udp() {
 }
 
 // The file has one line for each address: 32 digits, the interface's index, the length of the
-// prefix and the scope, all in hexadecimal. 20 is link scope.
+// prefix and the scope, all in hexadecimal. 20 means link scope.
 std::vector<int> link_local_interfaces(std::string_view if_inet6) {
   std::vector<int> out;
   std::istringstream lines{std::string(if_inet6)};
@@ -258,7 +258,7 @@ void send_to_discovery(BytesView datagram) noexcept {
         send_one(datagram, {.is_ipv6 = group.is_ipv6, .port = port, .address = group.address},
                  group.interface);
   } catch (...) {
-    // As declared: without memory nothing is sent.
+    // As declared, nothing is sent if memory is short.
   }
 }
 

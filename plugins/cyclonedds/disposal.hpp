@@ -12,11 +12,11 @@ struct Disposal {
   EntityId reader;
   EntityId writer;
   rtps::SequenceNumber number;
-  rtps::ParameterId key;  ///< kind of the GUID: PID_PARTICIPANT_GUID or PID_ENDPOINT_GUID
+  rtps::ParameterId key;  ///< PID_PARTICIPANT_GUID or PID_ENDPOINT_GUID, for the GUID
   Guid gone;
 };
 
-/// Writes the submessage: the entity is disposed and unregistered.
+/// Writes the submessage, which disposes and unregisters the entity.
 void write(rtps::SpanWriter& out, const Disposal& disposal);
 
 }  // namespace ddssec::cyclonedds

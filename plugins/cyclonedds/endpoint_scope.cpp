@@ -11,7 +11,7 @@ namespace {
 constexpr std::string_view kAccessControl = "org.ddssec.access_control";
 constexpr std::string_view kTopic = "org.ddssec.topic";
 constexpr std::string_view kPartition = "org.ddssec.partition";
-constexpr std::string_view kTag = "org.ddssec.tag.";  // followed by its name
+constexpr std::string_view kTag = "org.ddssec.tag.";  // the name of the tag follows
 
 std::optional<std::uint64_t> number_in(std::string_view text) {
   std::uint64_t number = 0;

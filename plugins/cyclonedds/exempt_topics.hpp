@@ -14,8 +14,7 @@ namespace ddssec::cyclonedds {
 /// refuses the prefix DCPS.
 bool is_local_builtin_topic(std::string_view name);
 
-/// True for a reader of such a topic. The core creates these readers only in a partition of its
-/// own.
+/// True for a reader of such a topic. The core creates these readers only in its own partition.
 bool reads_local_builtin_topic(const spi::EndpointRequest& request);
 
 /// True for a carrier's topic (own_readers.hpp), as long as discovery is protected: then its

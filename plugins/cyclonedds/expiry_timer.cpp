@@ -29,7 +29,7 @@ void ExpiryTimer::run(std::stop_token stop, const Tasks& tasks) {
       std::unique_lock lock(sleep_);
       wake_.wait_for(lock, stop, wait, [] { return false; });
     } catch (...) {
-      // An exception would end the process. What could not be checked now is checked again soon.
+      // An exception would end the process. Whatever could not be checked is checked again soon.
       std::this_thread::sleep_for(std::min(longest_wait_, std::chrono::milliseconds(100)));
     }
   }
@@ -39,8 +39,8 @@ std::chrono::milliseconds ExpiryTimer::next_wait(const Tasks& tasks) const {
   const auto next = tasks.next_expiry();
   if (!next) return longest_wait_;
   const std::chrono::milliseconds left = *next - clock_.now();
-  // The clock has whole seconds, and the last one may be nearly over, so check soon rather than
-  // late.
+  // The clock has whole seconds, and the last one may be nearly over, so the check comes rather too
+  // early than too late.
   return std::clamp(left,
                     std::chrono::milliseconds(std::min<std::int64_t>(50, longest_wait_.count())),
                     longest_wait_);

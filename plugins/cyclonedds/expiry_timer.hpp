@@ -14,9 +14,9 @@
 
 namespace ddssec::cyclonedds {
 
-/// Checks once a second, or earlier if something expires earlier. Once a second, because the clock
-/// may be set at any time. It holds no lock while it revokes, because the host takes its entities'
-/// locks and calls back into the plugin.
+/// Checks once a second, because the clock may be set at any time, or earlier if something expires
+/// earlier. It holds no lock while it revokes, because the host takes its entities' locks and calls
+/// back into the plugin.
 class ExpiryTimer {
  public:
   struct Tasks {

@@ -10,7 +10,8 @@ namespace ddssec::cyclonedds {
 Bytes write_farewell(const GuidPrefix& own, const GuidPrefix& peer) {
   Bytes octets(128);
   rtps::SpanWriter out(octets);
-  write(out, rtps::Header{.vendor = rtps::kVendorCyclone, .prefix = own});  // as the host does
+  // The same vendor as the host.
+  write(out, rtps::Header{.vendor = rtps::kVendorCyclone, .prefix = own});
   write(out, rtps::InfoDestination{peer});
   write(out, Disposal{.reader = rtps::kSpdpReader,
                       .writer = rtps::kSpdpWriter,

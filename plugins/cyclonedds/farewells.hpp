@@ -15,8 +15,8 @@
 
 namespace ddssec::cyclonedds {
 
-/// A whole RTPS message, for participant `peer` only (INFO_DST): participant `own` is disposed and
-/// unregistered (RTPS 8.5.3.3).
+/// A whole RTPS message for participant `peer` only (INFO_DST). It disposes and unregisters
+/// participant `own` (RTPS 8.5.3.3).
 Bytes write_farewell(const GuidPrefix& own, const GuidPrefix& peer);
 
 /// The local participants, which may have to send farewells. Thread-safe.

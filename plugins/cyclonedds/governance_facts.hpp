@@ -54,7 +54,7 @@ class GovernanceFacts {
     for (const auto& [permissions, known] : locals_) out.push_back(permissions);
     return out;
   }
-  /// The facts of a local participant; 0: unknown, or none.
+  /// The facts of a local participant; 0 if they are unknown, or if there are none.
   std::uint32_t of(spi::IdentityHandle local) const {
     const std::lock_guard lock(mutex_);
     for (const auto& [permissions, known] : locals_)
@@ -70,7 +70,7 @@ class GovernanceFacts {
     return known == locals_.end() ? std::nullopt : std::optional(known->second.local);
   }
 
-  /// From now on the participant is refused for that reason. A second reason is ignored.
+  /// Makes `check` refuse the participant for that reason. A second reason is ignored.
   void cut_off(spi::IdentityHandle local, Code reason) {
     const std::lock_guard lock(mutex_);
     for (auto& [permissions, known] : locals_)

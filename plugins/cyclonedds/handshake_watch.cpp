@@ -82,7 +82,7 @@ bool HandshakeWatch::follows_unused_reset(const Guid& remote) {
   return true;
 }
 
-// The memory is bounded: then the worst is one more interruption.
+// The memory is bounded. If an entry is lost, the worst result is one more interruption.
 void HandshakeWatch::note_begun_again(const Guid& remote, Duration now) {
   if (!begun_again_.contains(remote) && begun_again_.size() >= kMaxPeers)
     begun_again_.erase(
@@ -112,14 +112,14 @@ HandshakeWatch::Duration HandshakeWatch::timeout(const Remote& remote) const {
   return std::min(wait, kMaxWait);
 }
 
-// Endpoints can be missing only after the end of the handshake.
+// A peer can lack endpoints only after its handshake has ended.
 bool HandshakeWatch::is_stuck(const Remote& remote, Duration now) const {
   if (remote.is_settled) return false;
   if (!remote.lacks_endpoints && now - remote.met >= kMaxWait) return true;
   return now - remote.since >= timeout(remote);
 }
 
-// The memory is bounded: an attacker that invents GUIDs makes it forget those that were given up
+// The memory is bounded. An attacker that invents GUIDs makes it forget those that were given up
 // longest ago.
 HandshakeWatch::Past& HandshakeWatch::past_of(const Guid& guid, Duration now) {
   if (!past_.contains(guid) && past_.size() >= kMaxPeers)
@@ -152,7 +152,8 @@ bool HandshakeWatch::is_settled(IdentityHandle handle, Remote& remote, const Que
   return !remote.lacks_endpoints;
 }
 
-// Where the core's timer runs, always.
+// True if the handshake of one pair must begin again. It always must if the core's timer runs for
+// it.
 bool HandshakeWatch::begin_pair_again(const Half& half, const Remote& remote) {
   constexpr auto kAsksNoMore = std::chrono::seconds(10);  // the host asks once a second
   const auto now = clock_.monotonic();
@@ -164,7 +165,7 @@ bool HandshakeWatch::begin_pair_again(const Half& half, const Remote& remote) {
   return true;
 }
 
-// The handshakes of other local participants with a peer that has a session with one.
+// Gives up the handshakes of other local participants with a peer that has a session with one.
 bool HandshakeWatch::give_up_pairs(IdentityHandle handle, const Remote& remote,
                                    std::vector<Stuck>& out) {
   const auto now = clock_.monotonic();

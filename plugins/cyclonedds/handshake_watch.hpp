@@ -28,14 +28,15 @@ class HandshakeWatch {
   /// only be slow. A peer that has answered, or has finished its half, does not notice that the
   /// local side begins again.
   static constexpr Duration kTimeout = std::chrono::seconds(20);
-  /// The wait doubles each further time, up to this value. It is shorter than that of the core's
+  /// Each further time the wait doubles, up to this value. It is shorter than that of the core's
   /// own timer (CoreTimer).
   static constexpr Duration kMaxWait = std::chrono::seconds(80);
   /// A peer that was not given up for this long starts with the shortest wait again.
   static constexpr Duration kForgetAfter = std::chrono::minutes(10);
   static constexpr std::size_t kMaxPeers = 1024;
-  /// A peer that refuses the permissions of one local participant loses that session each time. It
-  /// asks for half an hour (LostSessions::kMemory).
+  /// The time between unused resets that are followed. A peer that refuses the permissions of one
+  /// local participant loses that session each time, and asks for half an hour
+  /// (LostSessions::kMemory).
   static constexpr Duration kUnusedResets = std::chrono::minutes(20);
 
   explicit HandshakeWatch(const Clock& clock) : clock_(clock) {}
@@ -45,61 +46,62 @@ class HandshakeWatch {
     spi::IdentityHandle local;
     spi::IdentityHandle remote;
   };
-  /// Does the core's own timer still run for the handshake?
+  /// Tells whether the core's own timer still runs for the handshake.
   enum class CoreTimerState { stopped, runs };
-  /// The host has met a remote participant.
+  /// Notes that the host has met a remote participant.
   void met(Pair pair, const Guid& guid, CoreTimerState timer = CoreTimerState::stopped);
-  /// An announcement in its name was refused. The host asks again, and the wait continues.
+  /// Notes that an announcement in its name was refused. The host asks again, and the wait
+  /// continues.
   void not_admitted(Pair pair, const Guid& guid, CoreTimerState timer = CoreTimerState::stopped);
-  /// True if the peer was given up after kMaxWait, and is not forgotten yet. Where governance
-  /// admits unauthenticated participants, it counts as one from then on.
+  /// True if the peer was given up after kMaxWait, and is not forgotten yet. If governance admits
+  /// unauthenticated participants, it counts as one of them afterwards.
   bool was_unanswered(const Guid& remote) const;
-  /// A request or a reply was sent.
+  /// Notes that a request or a reply was sent.
   void progressed(Pair pair, spi::HandshakeHandle handshake);
-  /// A request, or a message of this handshake, was refused.
+  /// Notes that a request, or a message of this handshake, was refused.
   void refused(spi::IdentityHandle remote);
   void refused(spi::HandshakeHandle handshake);
-  /// The handshake has ended. From now on the remote participant is given up only if its keys do
-  /// not come, because then it did not finish its half, or if another local participant gets no
-  /// session with it. That happens once, because it ends the session of the first.
-  /// It does not happen if the peer would keep that session. Then the handshake stays as it is, and
-  /// goes on when the peer answers.
+  /// Notes that the handshake has ended. Afterwards the remote participant is given up in two cases
+  /// only. Either its keys do not come, because then it did not finish its half. Or another local
+  /// participant gets no session with it; that happens once, because it ends the session of the
+  /// first. It does not happen if the peer would keep that session. Then the handshake stays as it
+  /// is, and continues when the peer answers.
   void finished(spi::HandshakeHandle handshake);
-  /// The peer has finished its half, and would not notice that the local side begins again. Its
-  /// keys are awaited as long as a handshake can last, unless a message was refused.
+  /// Notes that the peer has finished its half, and would not notice that the local side begins
+  /// again. Its keys are awaited as long as a handshake can last, unless a message was refused.
   void keeps_its_session(spi::HandshakeHandle handshake);
-  /// The peer proved that it lost a session that was never used (SessionReset), and the host can
-  /// only end all its sessions. True if it is to do so, at most once in kUnusedResets.
+  /// Notes that the peer proved that it lost a session that was never used (SessionReset). The host
+  /// can only end all its sessions. Returns true if it is to do so, at most once in kUnusedResets.
   bool follows_unused_reset(const Guid& remote);
   void forget(spi::HandshakeHandle handshake);
-  /// Of a local or a remote participant.
+  /// Forgets a local or a remote participant.
   void forget(spi::IdentityHandle participant);
 
   struct Stuck {
     spi::IdentityHandle remote;
     Guid guid;
-    bool was_disturbed;    ///< a message was refused
-    bool lacks_endpoints;  ///< everything else is done
-    bool is_first;         ///< the first time for this GUID, as far as remembered
+    bool was_disturbed;    ///< true if a message was refused
+    bool lacks_endpoints;  ///< true if everything else is done
+    bool is_first;         ///< true for the first time for this GUID, as far as remembered
     Duration waited;
-    /// Another local participant has a session with it.
+    /// True if another local participant has a session with it.
     bool is_shared = false;
-    bool is_once = false;  ///< not done again
+    bool is_once = false;  ///< true if it is not done again
   };
   /// Questions to libddssec_cryptography about a remote participant. An empty function is not
   /// asked.
   struct Questions {
-    /// Has the remote participant sent its keys?
+    /// True if the remote participant has sent its keys.
     std::function<bool(spi::IdentityHandle)> has_keys = {};
-    /// Has it sent keys for that local participant, the second one?
+    /// True if it has sent keys for that local participant, the second one.
     std::function<bool(spi::IdentityHandle, spi::IdentityHandle)> has_keys_for = {};
-    /// Has the host matched it with all local builtin endpoints? A forged announcement that omits
-    /// or disposes some of them would keep the two participants from discovering each other's
+    /// True if the host has matched it with all local builtin endpoints. A forged announcement that
+    /// omits or disposes some of them would keep the two participants from discovering each other's
     /// endpoints, because the host removes builtin endpoints only together with their participant.
     std::function<bool(spi::IdentityHandle)> is_matched = {};
-    /// When did the remote participant last show that it has the shared secret? It had finished its
-    /// half then, and its keys may still come. A peer that does not notice that the local side
-    /// begins anew is not given up.
+    /// The time when the remote participant last showed that it has the shared secret. It had
+    /// finished its half then, and its keys may still come. A peer that does not notice that the
+    /// local side begins anew is not given up.
     std::function<Duration(spi::IdentityHandle)> last_heard = {};
   };
   /// The remote participants to revoke now, each once.
@@ -111,7 +113,7 @@ class HandshakeWatch {
   struct Half {
     Duration met;
     CoreTimerState timer;
-    /// When the host asked again about a peer that is not admitted.
+    /// The time when the host asked again about a peer that is not admitted.
     std::optional<Duration> asked_again = {};
     bool is_finished = false;
   };
@@ -121,17 +123,18 @@ class HandshakeWatch {
     Duration since = met;  ///< time of the last progress
     bool keeps_its_session = false;
     bool was_disturbed = false;
-    bool is_under_way = false;  ///< a request or a reply was sent
+    bool is_under_way = false;  ///< true if a request or a reply was sent
     bool is_finished = false;
     bool lacks_endpoints = false;
-    bool is_settled = false;  ///< not given up while its builtin endpoints are matched
-    /// By local participant, until its keys are there.
+    /// True if it is not given up while its builtin endpoints are matched.
+    bool is_settled = false;
+    /// The handshakes by local participant, until its keys are there.
     std::map<spi::IdentityHandle, Half> unfinished = {};
   };
   struct Past {
     unsigned times = 0;
     Duration last{};
-    bool was_longest = false;  ///< it was waited for as long as possible
+    bool was_longest = false;  ///< true if the wait was as long as possible
   };
   Duration timeout(const Remote& remote) const;
   bool is_settled(spi::IdentityHandle handle, Remote& remote, const Questions& ask) const;
@@ -149,8 +152,8 @@ class HandshakeWatch {
   std::map<spi::IdentityHandle, Remote> remotes_;
   std::map<spi::HandshakeHandle, Pair> handshakes_;
   std::map<Guid, Past> past_;
-  /// When remote participants were last revoked for one local participant while another had a
-  /// session with them; until all have one.
+  /// The times when remote participants were last revoked for one local participant while another
+  /// had a session with them. They are kept until all have one.
   std::map<Guid, Duration> begun_again_;
 };
 

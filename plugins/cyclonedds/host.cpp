@@ -30,12 +30,12 @@ void Host::notice(const Event& event) noexcept {
   try {
     limited_.raise(event);
   } catch (...) {
-    // As above: reporting may fail for lack of memory, and everything continues.
+    // As above, reporting may fail for lack of memory, and the process continues.
   }
 }
 
 void Host::refused(const Error& error, Severity severity) noexcept {
-  Event event(error);  // copies no text
+  Event event(error);  // this copies no text
   event.severity = severity;
   counted_.raise(event);
 }

@@ -20,8 +20,8 @@ class Host {
   /// or null.
   explicit Host(std::unique_ptr<EventSink> log, const void* code = nullptr)
       : code_(code), log_(std::move(log)), limited_(*log_, clock_), counted_(limited_) {}
-  /// The services with the record of DDSSEC_STATUS_DIR; call it before the engine is made.
-  /// `reports`: an event says why there is none although the variable asks for it.
+  /// The services with the record of DDSSEC_STATUS_DIR; call it before the engine is made. If
+  /// `reports`, an event gives the reason if there is none although the variable requests it.
   const EngineServices& services_with_record(bool reports);
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
@@ -59,7 +59,7 @@ class Host {
   std::unique_ptr<EventSink> log_;
   RateLimitedSink limited_;
   CountingSink counted_;
-  std::shared_ptr<DocumentsInUse> documents_;  ///< null: the process shows none
+  std::shared_ptr<DocumentsInUse> documents_;  ///< nullptr if the process shows none
   EngineServices services_{calendar_, random_, counted_};
 };
 

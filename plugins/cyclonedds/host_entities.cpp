@@ -86,7 +86,8 @@ const dds_topic_descriptor_t& carrier_type() {
   return type;
 }
 
-// A name that contains a wildcard matches only names without one, and no peer can guess this one.
+// The partition's name. It contains a wildcard, so it matches only names without one, and no peer
+// can guess it.
 std::string partition_of_carrier() {
   std::array<std::uint8_t, 16> random{};
   if (::getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size()))
@@ -105,7 +106,8 @@ void ignore(void (*set)(dds_listener_t*, Callback), dds_listener_t* listener) {
   set(listener, &Nothing<Callback>::call);
 }
 
-// Otherwise an entity inherits the listener of its participant, which knows nothing of a carrier.
+// Without this, an entity inherits the listener of its participant, which knows nothing about
+// carriers.
 void ignore_all(const Functions& host, dds_listener_t* listener) {
   ignore(host.set_data_available, listener);
   ignore(host.set_data_on_readers, listener);

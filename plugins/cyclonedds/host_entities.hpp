@@ -12,12 +12,12 @@
 
 namespace ddssec::cyclonedds {
 
-/// A function that the host's library or any other library of the process exports; null if there is
-/// none. `code` is an address in the host's code, or null.
+/// A function that the host's library or any other library of the process exports; nullptr if there
+/// is none. `code` is an address in the host's code, or null.
 void* find_host_symbol(const void* code, const char* name) noexcept;
 
-/// The functions take locks of entities, so only threads that are not inside a call of the host may
-/// use them.
+/// The host's entities. The functions take locks of entities, so only threads that are not inside a
+/// call of the host may use them.
 class HostEntities {
  public:
   virtual ~HostEntities() = default;
@@ -36,7 +36,7 @@ class HostEntities {
   virtual bool carry_end(const Participant& participant, const Guid& ended) const = 0;
 };
 
-/// Access to the host; null if the host lacks a needed function.
+/// Access to the host; nullptr if the host lacks a needed function.
 std::unique_ptr<HostEntities> find_host_entities(const void* code);
 
 }  // namespace ddssec::cyclonedds

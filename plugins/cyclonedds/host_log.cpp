@@ -58,7 +58,7 @@ std::uint32_t log_category(Severity severity) {
       return DDS_LC_WARNING;
     case Severity::error:
     case Severity::critical:
-      return DDS_LC_ERROR;  // never DDS_LC_FATAL: that aborts the process
+      return DDS_LC_ERROR;  // never DDS_LC_FATAL, because that aborts the process
   }
   return DDS_LC_ERROR;
 }
@@ -68,7 +68,7 @@ std::uint32_t log_category(const Event& event) {
     case Code::plugins_in_use:
     case Code::no_revocation_list:
     case Code::crl_renewed:
-      return DDS_LC_WARNING;  // Cyclone DDS shows nothing below by default
+      return DDS_LC_WARNING;  // Cyclone DDS shows no lower category by default
     default:
       return log_category(event.severity);
   }

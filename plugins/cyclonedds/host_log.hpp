@@ -18,7 +18,7 @@ using LogFunction = void (*)(std::uint32_t, const char*, std::uint32_t, const ch
 /// with all its versions.
 LogFunction find_host_log(const void* caller) noexcept;
 
-/// Cyclone's log category for a severity; 0: not logged there.
+/// Cyclone's log category for a severity; 0 if it is not logged there.
 std::uint32_t log_category(Severity severity);
 /// The same for an event. Cyclone DDS shows no informational lines by default. So three of them are
 /// logged as warnings: which plugins are in use, that there is no revocation list, and that a newer

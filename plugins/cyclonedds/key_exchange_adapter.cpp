@@ -15,7 +15,8 @@ using Instance = dds_security_crypto_key_exchange;
 using CHandle = DDS_Security_CryptoHandle;
 using CTokens = DDS_Security_CryptoTokenSeq;
 
-// `create(key_exchange) -> Result<vector<Token>>`; an empty sequence means that nothing is sent.
+// Calls `create(key_exchange) -> Result<vector<Token>>`; an empty sequence means that nothing is
+// sent.
 template <class F>
 DDS_Security_boolean create(Instance* instance, CTokens* out, Exception* ex, F&& create) noexcept {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
@@ -27,7 +28,7 @@ DDS_Security_boolean create(Instance* instance, CTokens* out, Exception* ex, F&&
   });
 }
 
-// `set(key_exchange, tokens) -> Status`; the host's tokens live for the call only.
+// Calls `set(key_exchange, tokens) -> Status`; the host's tokens live only during the call.
 template <class F>
 DDS_Security_boolean set(Instance* instance, const CTokens* in, Exception* ex, F&& set) noexcept {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {

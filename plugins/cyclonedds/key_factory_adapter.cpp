@@ -139,8 +139,8 @@ CHandle register_matched_remote_datawriter(Instance* instance, const CHandle loc
       });
 }
 
-// The core returns some handles twice when several participants end at the same time. Then nothing
-// is left to do.
+// The core returns some handles twice when several participants end at the same time. The second
+// time nothing is left to do.
 Status unless_gone(Status status) {
   if (status || status.error().code() != Code::crypto_handle_unknown) return status;
   return {};

@@ -31,7 +31,8 @@ DynamicSection dynamic_section(const dl_phdr_info& library) {
   DynamicSection out;
   const auto* entry = dynamic_entries(library);
   if (entry == nullptr) return out;
-  // The loader relocates the addresses in the section, but not in one that is read-only (the vdso).
+  // The loader relocates the addresses in the section, but not in a section that is read-only (the
+  // vdso).
   const auto address = [&](const ElfW(Dyn) & of) {
     const auto value = of.d_un.d_ptr;
     return value < library.dlpi_addr ? library.dlpi_addr + value : value;
@@ -63,7 +64,8 @@ std::size_t symbol_count(const DynamicSection& section) {
   return last + 1;
 }
 
-// Must not allocate or throw: it is called from the loader's C code, which holds a lock.
+// The state of a search. It must not allocate or throw, because it is used in the loader's C code,
+// which holds a lock.
 struct Search {
   std::string_view suffix;
   std::array<char, 512> library{};

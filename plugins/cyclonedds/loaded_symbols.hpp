@@ -8,7 +8,7 @@
 namespace ddssec::cyclonedds {
 
 struct LoadedSymbol {
-  std::string library;  ///< its path; empty: the program itself
+  std::string library;  ///< its path; empty for the program itself
   std::string name;
 };
 

@@ -1,4 +1,4 @@
-// What the authentication adapter does about peers that have lost their session, or never got one.
+// The part of the authentication adapter for peers that have lost their session, or never got one.
 #include <dlfcn.h>
 #include <iterator>
 #include <thread>
@@ -48,7 +48,8 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
   }
 }
 
-// Not where unauthenticated participants are admitted: the peer may be matched as one of them.
+// No farewell is sent if unauthenticated participants are admitted, because the peer may be matched
+// as one of them.
 void AuthenticationAdapter::send_farewell(const Guid& peer) {
   for (const auto& local : farewells_.locals()) {
     if (!remotes_.has_met(local.handle, peer) || admits_unauthenticated(local.handle)) continue;
@@ -64,7 +65,7 @@ void AuthenticationAdapter::cut_off_peer(spi::IdentityHandle remote, const Revok
 }
 
 // A reset ends the sessions of all local participants with that peer, and these reset the peer in
-// turn. All of that has to be over before new sessions begin, or it ends those as well.
+// turn. All of that has to be over before new sessions begin, or it would end those as well.
 void AuthenticationAdapter::follow_resets(const std::stop_token& stop, const Revoke& revoke,
                                           bool resets_peers) {
   constexpr int kMaxTurns = 20;
@@ -77,8 +78,8 @@ void AuthenticationAdapter::follow_resets(const std::stop_token& stop, const Rev
   }
 }
 
-// Only with peers that follow a reset. Other ones would keep their side of the session, and ignore
-// each new handshake.
+// Notes only sessions with peers that follow a reset. Other peers would keep their side of the
+// session, and ignore each new handshake.
 void AuthenticationAdapter::note_lost_rights(spi::IdentityHandle local, std::uint64_t losses) {
   constexpr auto kMaxHandshake = std::chrono::seconds(10);
   auto& known = losses_[local];

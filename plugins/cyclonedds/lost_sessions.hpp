@@ -44,8 +44,8 @@ class LostSessions {
   static constexpr Duration kFirstOfCutOff = std::chrono::seconds(2);
   /// The largest number of resets for such peers at once. The others are due the next time.
   static constexpr unsigned kMaxUnmet = 32;
-  /// For how long a lost session is remembered. A peer that was out of reach for longer and kept
-  /// the session would need a lease of that length.
+  /// How long a lost session is remembered. A peer that was out of reach for longer and kept the
+  /// session would need a lease of that length.
   static constexpr Duration kMemory = std::chrono::minutes(30);
   /// The largest number of lost sessions for each local participant, and of those with participants
   /// of one certificate: as many as it may have. Beyond the share of a certificate, its oldest lost
@@ -63,19 +63,22 @@ class LostSessions {
     Bytes message;
     std::vector<spi::UdpAddress> to;
   };
-  /// A local participant has ended, with its sessions. Returns the resets that inform its peers.
+  /// Removes a local participant that has ended, with its sessions. Returns the resets that inform
+  /// its peers.
   std::vector<Reset> remove_local(spi::IdentityHandle local);
-  /// Two participants have authenticated: a session that they had lost before is forgotten.
+  /// Notes that two participants have authenticated. A session that they had lost before is
+  /// forgotten.
   void established(spi::IdentityHandle local, const Guid& remote, const spi::SharedSecret& secret);
-  /// The host has dropped the remote participant.
+  /// Notes that the host has dropped the remote participant.
   void lost(const Guid& remote);
-  /// The host is about to drop it for all local participants, since one of its sessions was reset.
-  /// The others are reset at once: if new ones began before, these would end with the former ones,
-  /// and the two processes could go on resetting each other without end.
+  /// Notes that the host is about to drop it for all local participants, because one of its
+  /// sessions was reset. The others are reset at once. If new ones began before, these would end
+  /// with the former ones, and the two processes could reset each other without end.
   void about_to_drop(const Guid& remote);
-  /// The same, since its certificate has ended or counts no longer. It is reset soon, so that it
-  /// knows. But a participant whose certificate has ended must have noticed that first: to follow
-  /// the reset, its process would interrupt the sessions of its other participants.
+  /// Notes the same for a participant whose certificate has ended or no longer counts. It is reset
+  /// soon, so that it is informed. But a participant whose certificate has ended must have noticed
+  /// that first: to follow the reset, its process would interrupt the sessions of its other
+  /// participants.
   void about_to_cut_off(const Guid& remote);
 
   /// True if the two have a session that was not lost.
@@ -88,7 +91,7 @@ class LostSessions {
     spi::IdentityHandle local;
     GuidPrefix own;
     Guid remote;
-    bool is_meeting;  ///< the host meets the peer again
+    bool is_meeting;  ///< true if the host meets the peer again
     Bytes message;
     std::vector<spi::UdpAddress> to;
   };
@@ -102,18 +105,18 @@ class LostSessions {
     GuidPrefix sender;
     spi::ResetToken token;
     std::vector<spi::UdpAddress> to;
-    std::uint64_t lost = 0;  ///< sequence number of its loss; 0: not lost
+    std::uint64_t lost = 0;  ///< sequence number of its loss; 0 if it is not lost
     Duration lost_at{};
     Duration next{};
     unsigned sent = 0;
     unsigned sent_unmet = 0;
-    Duration first_unmet = kFirstUnmet;  ///< until the first reset for a peer that is not met
+    Duration first_unmet = kFirstUnmet;  ///< time until the first reset for a peer that is not met
   };
   using Key = std::pair<Guid, spi::IdentityHandle>;  ///< remote, local
   /// The first half of a proven prefix, which is bound to the subject of the remote participant's
   /// certificate (DDS-Security 1.2, clause 10.3.3).
   using Subject = std::array<std::uint8_t, 6>;
-  /// By the sequence number of their loss.
+  /// Sessions by the sequence number of their loss.
   using InOrder = std::set<std::pair<std::uint64_t, Key>>;
   struct Local {
     GuidPrefix prefix;

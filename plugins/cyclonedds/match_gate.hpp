@@ -17,7 +17,7 @@ class MatchGate final : public spi::MatchGate {
   /// plugin, which cannot be asked. Errors: null_argument, length_out_of_range.
   static Result<std::shared_ptr<const MatchGate>> of(const DDS_Security_PropertySeq& properties);
 
-  /// `judge`: null to look it up in the process for each question.
+  /// If `judge` is null, it is looked up in the process for each question.
   explicit MatchGate(spi::PropertyList scope, JudgeMatch* judge = nullptr);
   Status check(const Peer& peer) const override;
 

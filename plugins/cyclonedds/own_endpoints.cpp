@@ -7,8 +7,8 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-// Any other refusal is not about the endpoint: permissions that have ended cut the participant
-// off.
+// True for a refusal of the endpoint itself. Other refusals are not about the endpoint: permissions
+// that have ended cut the participant off.
 bool is_denial(const Status& status) {
   return !status && (status.error().code() == Code::publish_not_allowed ||
                      status.error().code() == Code::subscribe_not_allowed);
@@ -68,7 +68,7 @@ std::optional<Error> OwnEndpoints::judge(spi::PermissionsHandle local, spi::Acce
     const bool was_allowed = std::exchange(endpoint.is_allowed, !is_denial(status));
     if (!was_allowed || endpoint.is_allowed) continue;
     if (++lost > 1) continue;
-    ++losses;  // even if there is no memory for the event
+    ++losses;  // also counted if there is no memory for the event
     first = status.error();
   }
   if (!first) return std::nullopt;

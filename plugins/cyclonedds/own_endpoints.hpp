@@ -1,6 +1,6 @@
 // The endpoints of applications, and whether renewed permissions still allow them. The core does
-// not judge again what it has matched. So when a right of an endpoint is lost, authentication ends
-// the participant's sessions (AuthenticationAdapter::note_lost_rights).
+// not judge again what it has matched. If a right of an endpoint is lost, authentication ends the
+// participant's sessions (AuthenticationAdapter::note_lost_rights).
 #pragma once
 
 #include <cstdint>
@@ -17,20 +17,21 @@ namespace ddssec::cyclonedds {
 /// The endpoints of the local participants of one domain. Thread-safe.
 class OwnEndpoints {
  public:
-  /// Where the host keeps the attributes of an endpoint, for as long as the endpoint exists.
+  /// The place where the host keeps the attributes of an endpoint, for as long as the endpoint
+  /// exists.
   using Place = const void*;
 
   void add(Place place, spi::PermissionsHandle local, bool writes,
            const spi::EndpointRequest& request);
   void remove(Place place);
-  /// The host returns the permissions of a local participant.
+  /// Forgets a local participant whose permissions the host returns.
   void forget(spi::PermissionsHandle local);
 
   /// Judges the endpoints of a local participant by its permissions, if those were renewed since
-  /// the last call. Returns own_rights_lost if they allow an endpoint no longer that was allowed
+  /// the last call. Returns own_rights_lost if they no longer allow an endpoint that was allowed
   /// before.
   std::optional<Error> judge(spi::PermissionsHandle local, spi::AccessControl& engine);
-  /// How often `judge` has returned an error for that participant.
+  /// The number of times that `judge` has returned an error for that participant.
   std::uint64_t losses(spi::PermissionsHandle local) const;
 
  private:
@@ -40,7 +41,7 @@ class OwnEndpoints {
     std::string topic;
     std::vector<std::string> partitions;
     spi::PropertyList data_tags;
-    std::uint64_t judged = 0;  ///< by permissions that were renewed so often
+    std::uint64_t judged = 0;  ///< the number of renewals of the permissions by which it was judged
     bool is_allowed = true;
   };
   static Status ask(const Endpoint& endpoint, spi::AccessControl& engine);

@@ -54,15 +54,15 @@ bool EntityKeys::contains(const EntityId& entity) const {
 }
 
 struct OwnReaders::Announcement {
-  EntityId to = {};  // the peers' reader, or all
+  EntityId to = {};  // the peers' reader, or zero for all
   rtps::SequenceNumber number{1};
   bool is_end = false;
   Guid reader = {};
   bool is_carrier = false;
-  std::optional<Guid> ended = {};  // whose end a carrier carries
+  std::optional<Guid> ended = {};  // the reader whose end a carrier carries
 
   void take(const rtps::Parameter& parameter);
-  // Reads the list up to its end, or as far as it goes.
+  // Reads the list up to its end, or up to the first fault.
   void take(BytesView payload);
 };
 

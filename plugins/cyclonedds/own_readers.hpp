@@ -48,16 +48,16 @@ class OwnReaders {
   using Room = std::array<std::uint8_t, 128>;
 
   /// The submessage to send in place of `submessage` of a local writer, before protection: either
-  /// the same, or one that was written into `room`. `sender`: the writer's handle.
+  /// the same, or one that was written into `room`. `sender` is the writer's handle.
   BytesView said(std::int64_t sender, BytesView submessage, Room& room);
 
   /// The readers whose end was not announced yet.
   std::vector<Guid> announced() const;
   /// The number of readers announced so far, each counted once.
   std::uint64_t count() const;
-  /// A carrier was created for that reader.
+  /// Notes that a carrier was created for that reader.
   void ended(const Guid& reader);
-  /// A participant of this process has ended.
+  /// Forgets a participant of this process that has ended.
   void forget(const GuidPrefix& participant);
 
  private:
@@ -66,7 +66,7 @@ class OwnReaders {
   /// The fragments of an announcement that were sent so far.
   struct Begun {
     rtps::SequenceNumber number{1};
-    std::uint32_t next = 1;  ///< fragment
+    std::uint32_t next = 1;  ///< the number of the next fragment
     Bytes octets = {};
   };
   static constexpr std::size_t kMaxBegun = 16, kMaxBegunOctets = std::size_t{1} << 18;
@@ -81,8 +81,8 @@ class OwnReaders {
   std::set<Guid> announced_;
   std::map<std::int64_t, Begun> begun_;  ///< by sender
   /// The host never drops the announcement of a deleted reader: it repeats all to a participant
-  /// that joins later. So none may be forgotten here while the owner lives, or its end is carried
-  /// again.
+  /// that joins later. None may therefore be forgotten here while its owner lives, because its end
+  /// would be carried again.
   std::map<GuidPrefix, EntityKeys> ended_;
   std::uint64_t count_ = 0;
 };

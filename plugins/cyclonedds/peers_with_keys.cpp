@@ -6,7 +6,7 @@
 namespace ddssec::cyclonedds {
 
 PeersWithKeys& PeersWithKeys::of_process() {
-  // Never destroyed: authentication's timer may ask at exit.
+  // The object is never destroyed, because authentication's timer may ask at exit.
   static auto& peers = *new PeersWithKeys;
   return peers;
 }

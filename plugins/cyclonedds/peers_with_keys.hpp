@@ -23,25 +23,25 @@ class PeersWithKeys {
   /// participants, publications and subscriptions, secure liveliness, and the key exchange.
   static constexpr std::uint32_t kSecureEndpoints = 0x0f3f0000;
 
-  /// A local participant. If memory runs out, no peer counts as one that sent it keys.
+  /// Adds a local participant. If memory runs out, no peer counts as one that sent it keys.
   void add_local(spi::ParticipantCryptoHandle local, spi::IdentityHandle identity) noexcept;
-  /// The local participant `local` met the peer, which signed that it has these builtin endpoints.
-  /// If memory runs out, the peer stays unknown and counts as one without keys.
+  /// Notes that the local participant `local` met the peer, which signed that it has these builtin
+  /// endpoints. If memory runs out, the peer stays unknown and counts as one without keys.
   void met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
            spi::ParticipantCryptoHandle local, std::uint32_t builtin_endpoints) noexcept;
-  /// If memory runs out, the keys count for no local participant.
+  /// Notes that the peer sent keys. If memory runs out, the keys count for no local participant.
   void sent_keys(spi::ParticipantCryptoHandle peer, spi::ParticipantCryptoHandle local) noexcept;
-  /// A remote participant, or a local one.
+  /// Forgets a remote participant, or a local one.
   void left(spi::ParticipantCryptoHandle participant);
   /// Adds a protected local builtin endpoint. If memory runs out, it is not waited for.
   void add_builtin(std::int64_t endpoint, spi::ParticipantCryptoHandle local) noexcept;
-  /// The host matched the peer's `endpoint` with the local endpoint `own`. If memory runs out,
-  /// nothing is recorded.
+  /// Notes that the host matched the peer's `endpoint` with the local endpoint `own`. If memory
+  /// runs out, nothing is recorded.
   void matched(std::int64_t endpoint, spi::ParticipantCryptoHandle peer, std::int64_t own) noexcept;
-  /// A local or remote endpoint was removed.
+  /// Forgets a local or remote endpoint that was removed.
   void forget(std::int64_t endpoint);
-  /// A message of the peer's endpoint was decrypted. Recorded only while keys of some peer are
-  /// awaited.
+  /// Notes that a message of the peer's endpoint was decrypted. It is recorded only while keys of
+  /// some peer are awaited.
   void heard(std::int64_t endpoint, std::chrono::nanoseconds now);
   bool awaits_keys() const noexcept { return awaited_.load(std::memory_order_relaxed) > 0; }
 
@@ -52,7 +52,7 @@ class PeersWithKeys {
   /// True if each protected local builtin endpoint is matched. Also true for a peer that does not
   /// have all kSecureEndpoints, because it is not known here which ones it lacks.
   bool is_matched(spi::IdentityHandle identity) const;
-  /// When the peer was last heard, by the monotonic clock; 0: never.
+  /// The time when the peer was last heard, by the monotonic clock; 0 for never.
   std::chrono::nanoseconds last_heard(spi::IdentityHandle identity) const;
 
  private:
@@ -63,7 +63,7 @@ class PeersWithKeys {
     std::chrono::nanoseconds last_heard{};
     std::set<std::int64_t> locals = {};     ///< local participants that met it
     std::set<std::int64_t> with_keys = {};  ///< those for which it sent keys
-    /// Local builtin endpoints, one entry for each of its own.
+    /// The matched local builtin endpoints, one entry for each endpoint of the peer.
     std::multiset<std::int64_t> matched = {};
   };
   struct Endpoint {
@@ -76,8 +76,8 @@ class PeersWithKeys {
   std::unordered_map<std::int64_t, Peer> peers_;                ///< by crypto handle
   std::unordered_map<std::int64_t, std::int64_t> by_identity_;  ///< crypto handle
   std::unordered_map<std::int64_t, std::int64_t> local_of_;     ///< crypto handle, by identity
-  std::unordered_map<std::int64_t, Endpoint> endpoints_;        ///< of peers
-  /// Local builtin endpoints: their participant.
+  std::unordered_map<std::int64_t, Endpoint> endpoints_;        ///< endpoints of peers
+  /// The participants of local builtin endpoints.
   std::unordered_map<std::int64_t, std::int64_t> builtin_;
   std::atomic<std::size_t> awaited_ = 0;  ///< peers without keys
 };

@@ -26,8 +26,8 @@ constexpr std::array<Library, 3> kLibraries = {{
 constexpr std::string_view kVersionName = "ddssec plugin version ";
 constexpr char kVersionMark[] = "ddssec plugin version " DDSSEC_VERSION;
 
-// The version of the ddssec library of that kind; null if it is not loaded, for example because a
-// stock one is used.
+// The version of the ddssec library of that kind; nullptr if it is not loaded, for example because
+// a stock one is used.
 const char* version_of(std::size_t kind) noexcept {
   void* const symbol = dlsym(RTLD_DEFAULT, kLibraries[kind].version_symbol);
   return symbol == nullptr ? nullptr : reinterpret_cast<PluginVersion*>(symbol)();
@@ -100,14 +100,14 @@ void report_plugins_in_use(Host& host, PluginKind own, std::string (*openssl)())
   if (said.test() || !reports_for_all(own) || said.test_and_set()) return;
   try {
     PluginVersions found = {version_of(0), version_of(1), version_of(2)};
-    // Also if the symbols of this library are not global.
+    // This also works if the symbols of this library are not global.
     found[static_cast<std::size_t>(own)] = version();
     const auto version_text = openssl();
     host.notice(plugins_in_use(found, version_text));
     if (const auto warning = mixture_warning(found)) host.notice(*warning);
     if (const auto warning = openssl_warning(version_text)) host.notice(*warning);
   } catch (...) {
-    // Without memory for the message the plugins still work.
+    // The plugins work even if there is no memory for the message.
   }
 }
 

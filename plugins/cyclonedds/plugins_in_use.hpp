@@ -10,15 +10,15 @@
 
 namespace ddssec::cyclonedds {
 
-/// In the order in which Cyclone DDS loads them.
+/// The plugins, in the order in which Cyclone DDS loads them.
 enum class PluginKind { authentication, access_control, cryptography };
 
 /// The project's version, which each library exports as a symbol.
 const char* version() noexcept;
 
 /// True if no other ddssec library in this process comes before this one. That library reports on
-/// behalf of all three, so that events about the process are raised once. Evaluated late, because
-/// the host loads the libraries one after the other.
+/// behalf of all three, so that events about the process are raised once. It is evaluated late,
+/// because the host loads the libraries one after the other.
 bool reports_for_all(PluginKind own) noexcept;
 
 /// Raises plugins_in_use once per process: which of the three plugins are from ddssec, their
@@ -28,22 +28,22 @@ bool reports_for_all(PluginKind own) noexcept;
 void report_plugins_in_use(Host& host, PluginKind own,
                            std::string (*openssl)() = openssl_version) noexcept;
 
-/// transport_without_resets if the process has no UDP socket; otherwise empty. `has_udp`: empty if
-/// not known.
+/// The event transport_without_resets if the process has no UDP socket; otherwise empty. `has_udp`
+/// is empty if that is not known.
 std::optional<Event> transport_warning(std::optional<bool> has_udp);
 
 /// Raises an event if the calendar was set, and about the outcome. Only the library that reports
 /// for all does so.
 void report_clock_steps(Host& host, PluginKind own) noexcept;
 
-/// For each kind the version of the ddssec plugin; null: a stock plugin or another vendor's is
+/// The version of the ddssec plugin of each kind; nullptr if a stock plugin or another vendor's is
 /// loaded.
 using PluginVersions = std::array<const char*, 3>;
-/// The event plugins_in_use. `openssl`: the result of openssl_version().
+/// The event plugins_in_use. `openssl` is the result of openssl_version().
 Event plugins_in_use(const PluginVersions& found, const std::string& openssl);
-/// plugins_mixed; empty if all three plugins are from ddssec.
+/// The event plugins_mixed; empty if all three plugins are from ddssec.
 std::optional<Event> mixture_warning(const PluginVersions& found);
-/// openssl_known_unsafe; empty if no flaw is certain.
+/// The event openssl_known_unsafe; empty if no flaw is certain.
 std::optional<Event> openssl_warning(const std::string& openssl);
 
 }  // namespace ddssec::cyclonedds

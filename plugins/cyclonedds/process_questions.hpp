@@ -18,11 +18,11 @@ bool has_our_cryptography();
 bool has_our_authentication();
 
 /// The signed permissions of a local participant, if they were renewed more than `known` times;
-/// `known` is then how often. Empty without libddssec_access_control.
+/// `known` is then set to that number. Empty without libddssec_access_control.
 std::optional<std::string> renewed_permissions(spi::IdentityHandle local, std::uint64_t& known);
 
-/// How often renewed permissions took a right from an endpoint of a local participant. 0 without
-/// libddssec_access_control.
+/// The number of times that renewed permissions removed a right from an endpoint of a local
+/// participant. 0 without libddssec_access_control.
 std::uint64_t rights_lost(spi::IdentityHandle local);
 
 /// The ciphers that libddssec_cryptography in this process can decrypt; the standard's ciphers if
@@ -32,8 +32,8 @@ spi::CipherMask ciphers_of_process();
 /// The questions; empty functions without libddssec_cryptography.
 HandshakeWatch::Questions questions_to_cryptography();
 
-/// A reader of this process may have ended: libddssec_cryptography announces that to the peers
-/// (reader_ends.hpp). Without it nothing happens.
+/// Notes that a reader of this process may have ended: libddssec_cryptography announces that to the
+/// peers (reader_ends.hpp). Without this library nothing happens.
 void look_for_ended_readers() noexcept;
 
 /// The certificate or the permissions of a local participant have expired. Cyclone's core would

@@ -47,7 +47,7 @@ void ReaderEnds::run(const std::stop_token& stop) {
     try {
       is_open = check(*host);
     } catch (...) {
-      is_open = true;  // out of memory: check again
+      is_open = true;  // memory was short: check again
     }
   }
 }
@@ -56,7 +56,7 @@ bool ReaderEnds::wait(const std::stop_token& stop, std::chrono::milliseconds lon
   std::unique_lock lock(mutex_);
   if (!wake_.wait_for(lock, stop, longest, [this] { return is_due_; })) return false;
   is_due_ = false;
-  // Waits, so that readers that are deleted together are found together.
+  // The wait lets readers that are deleted together be found together.
   wake_.wait_for(lock, stop, kPause, [] { return false; });
   return true;
 }

@@ -35,13 +35,14 @@ class ReaderEnds {
 
   OwnReaders& readers() { return readers_; }
 
-  /// An endpoint of this process may have ended. If the thread cannot be created for lack of
-  /// memory, the next hint counts.
+  /// Notes that an endpoint of this process may have ended. If the thread cannot be created for
+  /// lack of memory, the next hint counts.
   void look_soon() noexcept;
   /// Stops the thread and returns when it has ended.
   void stop();
 
-  /// One check of the host's entities. True: something is missing that the next check must confirm.
+  /// Checks the host's entities once. Returns true if something is missing that the next check must
+  /// confirm.
   bool check(const HostEntities& host);
 
  private:
@@ -50,7 +51,8 @@ class ReaderEnds {
 
   const FindHost find_host_;
   OwnReaders readers_;
-  std::set<Guid> missing_ = {};  ///< at the last check; used by the thread only
+  /// Readers that were missing at the last check; used by the thread only.
+  std::set<Guid> missing_ = {};
   std::mutex mutex_;
   std::condition_variable_any wake_;
   bool is_due_ = false;

@@ -65,7 +65,7 @@ class RemoteIdentities {
 
   mutable std::mutex mutex_;
   std::map<Guid, Remote> remotes_;
-  std::map<spi::IdentityHandle, Guid> guid_of_;  ///< for the host's handles and for pairs
+  std::map<spi::IdentityHandle, Guid> guid_of_;  ///< GUIDs of the host's handles and of pairs
   std::set<spi::IdentityHandle> ended_locals_;
 };
 

@@ -25,16 +25,16 @@ class SessionResets {
     spi::ParticipantCryptoHandle peer;
     spi::ParticipantCryptoHandle local;
   };
-  /// From now on the peer can prove with `token` that it has lost the session. If memory runs out
-  /// it cannot, and the session stays as it is.
+  /// Notes that the peer can prove with `token` that it has lost the session. If memory runs out it
+  /// cannot, and the session stays as it is.
   void expect(Pair pair, spi::IdentityHandle identity, spi::ResetToken token) noexcept;
-  /// A remote participant, or a local one: a peer that hears its end loses the session, which
-  /// concerns no other.
+  /// Forgets a remote participant, or a local one. A peer that hears the end of a local participant
+  /// loses only the session with it.
   void forget(spi::ParticipantCryptoHandle participant);
   /// Checks a received reset. False if it is not the token of an existing session.
   bool received(const spi::Reset& reset);
-  /// Whether that remote participant has requested a reset since the last call. `peers`: whose keys
-  /// have come.
+  /// Tells whether that remote participant has requested a reset since the last call. `peers` has
+  /// those whose keys have come.
   SessionReset take(spi::IdentityHandle identity, const PeersWithKeys& peers);
 
  private:
@@ -47,7 +47,8 @@ class SessionResets {
 
   std::mutex mutex_;
   std::map<spi::ResetName, Session> sessions_;
-  /// Not yet taken; `take` is called for every peer each second.
+  /// The number of lost sessions that were not taken yet; `take` is called for every peer each
+  /// second.
   std::atomic<std::size_t> lost_ = 0;
 };
 

@@ -18,7 +18,7 @@ namespace ddssec::cyclonedds {
 /// A way in which samples would leave this process without the plugins.
 struct Bypass {
   std::string_view setting;  ///< setting in Cyclone DDS's configuration
-  std::string seen;          ///< what shows that it is active
+  std::string seen;          ///< the evidence that it is active
 };
 
 /// The path of an iceoryx segment among the mappings of a process, in the format of /proc/PID/maps;
@@ -31,7 +31,7 @@ std::optional<std::string> iceoryx_segment(std::string_view mappings);
 /// shared_memory_undecidable, if /proc/self/maps (or the given file) cannot be read.
 Result<std::optional<Bypass>> find_bypass(const char* mappings_file = "/proc/self/maps");
 
-/// The direction of a local endpoint; access control of the opposite direction is what counts.
+/// The direction of a local endpoint. The access control of the opposite direction counts.
 enum class EndpointDirection : std::uint8_t { writes, reads };
 
 /// The protection of the endpoint's samples that governance demands and shared memory would not
@@ -51,12 +51,12 @@ class SharedMemoryGuard {
   /// invalid_property.
   static Result<bool> is_allowed_by(const spi::PropertyList& properties);
 
-  /// The participant accepts shared memory for all its endpoints.
+  /// Notes that the participant accepts shared memory for all its endpoints.
   void allow(spi::PermissionsHandle participant);
   bool is_allowed(spi::PermissionsHandle participant) const;
   void forget(spi::PermissionsHandle participant);
 
-  /// Success if the samples cannot bypass the plugins. `promise` is not empty. Errors:
+  /// Success if the samples cannot bypass the plugins. `promise` must not be empty. Errors:
   /// shared_memory_bypasses_protection, shared_memory_undecidable.
   Status check(std::string_view topic, std::string_view promise);
 

@@ -19,7 +19,7 @@ Result<char*> malloc_string(std::string_view text) {
   return copy;
 }
 
-// A zeroed sequence buffer; null for no elements.
+// Makes a zeroed sequence buffer; nullptr for no elements.
 template <class Sequence>
 Status malloc_elements(Sequence& sequence, std::size_t count) {
   if (count == 0) return {};

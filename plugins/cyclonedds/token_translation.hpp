@@ -18,7 +18,7 @@ Status copy_token(const spi::Token& token, DDS_Security_DataHolder& out);
 /// that was freed before is left alone.
 void free_token(DDS_Security_DataHolder& token) noexcept;
 
-/// A nil token has no class id.
+/// True for a nil token, which has no class id.
 inline bool is_nil(const DDS_Security_DataHolder* token) {
   return token == nullptr || token->class_id == nullptr;
 }

@@ -1,4 +1,5 @@
-// CryptoTransform: the message path. One malloc block for each result, and no other allocation.
+// CryptoTransform: the message path. It makes one malloc block for each result, and no other
+// allocation.
 #include <cstring>
 
 #include "plugins/cyclonedds/buffers.hpp"
@@ -15,8 +16,8 @@ using Instance = dds_security_crypto_transform;
 using CHandle = DDS_Security_CryptoHandle;
 using Octets = DDS_Security_OctetSeq;
 
-// SEC_PREFIX: submessage header and CryptoHeader. A decoded submessage must fit into the octets
-// after it.
+// The size of SEC_PREFIX: submessage header and CryptoHeader. A decoded submessage must fit into
+// the octets after it.
 constexpr std::size_t kSecurePrefixSize = 24;
 
 Status encode_serialized_payload(Adapter& adapter, Octets& out, const Octets* plain,
@@ -137,7 +138,7 @@ void note_heard(Adapter& adapter, CHandle sender) {
   if (peers.awaits_keys()) peers.heard(sender, adapter.host().clock().monotonic());
 }
 
-// Makes the host ask for its next local participant. Any other code ends the message.
+// This code makes the host ask for its next local participant. Any other code ends the message.
 constexpr DDS_Security_long kAskNext = DDS_SECURITY_ERR_INVALID_CRYPTO_RECEIVER_SIGN_CODE;
 
 // Cyclone asks for each local participant in turn. A message may be for the next participant if it

@@ -22,7 +22,8 @@ constexpr std::string_view kClosedReader = "org.ddssec.closed_reader";
 constexpr std::string_view kStandardCiphersOnly = "org.ddssec.standard_ciphers_only";
 constexpr std::string_view kAllDiscoveryProtected = "org.ddssec.all_discovery_protected";
 
-// Properties that live as long as the library. The C type has no const; nothing writes to them.
+// Makes properties that live as long as the library. The C type has no const; nothing writes to
+// them.
 template <const std::string_view&... names>
 DDS_Security_PropertySeq markers() {
   static char value[] = "true";

@@ -49,8 +49,8 @@ spi::EndpointSecurityAttributes attributes_from(
 /// from the host.
 class EndpointQuestion {
  public:
-  /// From the host's values; a null partition or null tags mean none. Error: null_argument (topic
-  /// name, an element).
+  /// Makes the question from the host's values; a null partition or null tags mean none. Error:
+  /// null_argument (topic name, an element).
   static Result<EndpointQuestion> from(const char* topic_name,
                                        const DDS_Security_PartitionQosPolicy* partition,
                                        const DDS_Security_DataTags* data_tags);
