@@ -17,24 +17,24 @@ using BytesView = std::span<const std::uint8_t>;
 /// Borrowed octets to write into.
 using MutableBytes = std::span<std::uint8_t>;
 
-/// The octets of a text, without a terminating NUL.
+/// Returns the octets of a text, without a terminating NUL.
 inline BytesView as_bytes(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// The octets viewed as text. Any octet is possible, including NUL.
+/// Returns a view of the octets as text. Any octet is possible, including NUL.
 inline std::string_view as_text(BytesView octets) {
   return {reinterpret_cast<const char*>(octets.data()), octets.size()};
 }
 
-/// A copy of the octets.
+/// Copies the octets.
 inline Bytes to_bytes(BytesView octets) { return {octets.begin(), octets.end()}; }
 
-/// Lower-case hexadecimal digits, two per octet.
+/// Returns lower-case hexadecimal digits, two per octet.
 std::string to_hex(BytesView octets);
 
-/// The octets that `hex` stands for; empty if it is not hexadecimal. `hex` has even length, either
-/// case and no separators.
+/// Returns the octets that `hex` stands for; empty if it is not hexadecimal. `hex` has even length,
+/// either case and no separators.
 std::optional<Bytes> from_hex(std::string_view hex);
 
 }  // namespace ddssec

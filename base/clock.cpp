@@ -12,8 +12,8 @@
 namespace ddssec {
 
 std::string to_string(WallTime time) {
-  // Not with to_time_t of system_clock: its nanoseconds end in the year 2262, dates in documents do
-  // not.
+  // system_clock counts nanoseconds, which overflow in the year 2262. Documents may have later
+  // dates, so the seconds are converted directly.
   const auto seconds = static_cast<std::time_t>(time.time_since_epoch().count());
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(seconds));
 }
@@ -37,8 +37,8 @@ std::chrono::nanoseconds SystemClock::since_boot() const {
 }
 
 Status SystemRandom::fill(MutableBytes out) {
-  // Thread-safe and cheap after the first call; a later failure inside libsodium aborts the
-  // process.
+  // sodium_init() is thread-safe, and cheap after the first call. If libsodium fails later, it
+  // aborts the process.
   static const bool ready = sodium_init() >= 0;
   if (!ready) return fail(Code::random_failed);
   randombytes_buf(out.data(), out.size());

@@ -1,5 +1,5 @@
-// Time and randomness. Both are passed in where they are needed, so that tests are reproducible bit
-// for bit.
+// Time and randomness. Code that needs them gets them as arguments, so that tests are reproducible
+// bit for bit.
 #pragma once
 
 #include <chrono>
@@ -16,26 +16,26 @@ using WallTime = std::chrono::sys_seconds;
 
 /// A reading of Clock::monotonic, or a length of time.
 using MonotonicTime = std::chrono::nanoseconds;
-/// As a deadline: never.
+/// A deadline that never comes.
 inline constexpr MonotonicTime kNever = MonotonicTime::max();
 
-/// "2026-11-21T03:13:43Z".
+/// Formats the time as "2026-11-21T03:13:43Z".
 std::string to_string(WallTime time);
 
 /// Time sources. All implementations except ManualClock are thread-safe.
 class Clock {
  public:
   virtual ~Clock() = default;
-  /// The calendar time; it may jump. Certificates and permissions are checked against it at every
-  /// use.
+  /// Returns the calendar time, which may jump. Certificates and permissions are checked against it
+  /// at every use.
   virtual WallTime now() const = 0;
-  /// The calendar time in nanoseconds since 1970-01-01 00:00 UTC. Samples carry it as their
+  /// Returns the calendar time in nanoseconds since 1970-01-01 00:00 UTC. Samples carry it as their
   /// timestamp.
   virtual std::chrono::nanoseconds wall() const { return now().time_since_epoch(); }
-  /// Never goes back; for timeouts and rate limits. It has an arbitrary start.
+  /// Returns a time that never goes back and starts anywhere, for timeouts and rate limits.
   virtual std::chrono::nanoseconds monotonic() const = 0;
-  /// Like monotonic(), but also counts the time during which the machine slept, if the system
-  /// reports it.
+  /// Returns a time like monotonic() that also counts the time during which the machine slept, if
+  /// the system reports it.
   virtual std::chrono::nanoseconds since_boot() const { return monotonic(); }
 };
 
@@ -48,8 +48,8 @@ class SystemClock final : public Clock {
   std::chrono::nanoseconds since_boot() const override;
 };
 
-/// A clock that stands still until it is moved: for tests, and to judge documents at another time.
-/// Not thread-safe.
+/// A clock that stands still until it is moved. Tests use it, and code that judges documents at
+/// another time. Not thread-safe.
 class ManualClock final : public Clock {
  public:
   /// `now`: the calendar time. The monotonic time begins at 0.
@@ -65,12 +65,12 @@ class ManualClock final : public Clock {
     now_ += whole;
     fraction_ -= whole;
   }
-  /// Sets the calendar; monotonic() stays.
+  /// Sets the calendar time; monotonic() does not change.
   void set(WallTime now) { now_ = now; }
 
  private:
   WallTime now_;
-  std::chrono::nanoseconds fraction_{0};  ///< below a second
+  std::chrono::nanoseconds fraction_{0};  ///< the part of the calendar time below a second
   std::chrono::nanoseconds monotonic_{0};
 };
 

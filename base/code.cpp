@@ -6,8 +6,8 @@
 namespace ddssec {
 namespace {
 
-// std::to_array, because the deduction guide of std::array would fold over the rows, and clang
-// limits a fold to 256.
+// std::to_array is used because the deduction guide of std::array would fold over the rows, and
+// clang limits a fold to 256.
 constexpr auto kUnsorted = std::to_array<CodeInfo>({
 #define X(name, number, severity, summary, hint) \
   CodeInfo{Code{number}, #name, Severity::severity, summary, hint},

@@ -10,7 +10,7 @@ namespace ddssec {
 /// The severity of a code. An event has that of its code.
 enum class Severity : std::uint8_t { debug, informational, warning, error, critical };
 
-/// The name of the enumerator, such as "warning".
+/// Returns the name of the enumerator, such as "warning".
 std::string_view to_string(Severity severity);
 
 /// All reasons. The number of a reason never changes. The lists are in base/codes/*.def, one for
@@ -30,10 +30,10 @@ struct CodeInfo {
   std::string_view hint;     ///< what the user can do about it
 };
 
-/// All codes, sorted by number.
+/// Returns all codes, sorted by number.
 std::span<const CodeInfo> all_codes();
 
-/// The row of `code`.
+/// Returns the row of `code`.
 const CodeInfo& info(Code code);
 
 }  // namespace ddssec

@@ -11,46 +11,47 @@
 
 namespace ddssec {
 
-/// Watches one file with a document, and adopts what takes its place. Not thread-safe.
+/// Watches one file with a document, and adopts a document that replaces it. Not thread-safe.
 class DocumentWatch {
  public:
   /// What is watched, and what an event about it says.
   struct WatchedDocument {
     std::string uri;
-    std::string name;        ///< of the property, for a document that stands there
-    std::size_t max_octets;  ///< octets that are read
+    std::string name;        ///< the property's name, for a document inside the property
+    std::size_t max_octets;  ///< the largest size that is read
     Code refused;            ///< the event's code
-    std::string_view stays;  ///< what is still in force then
+    std::string_view stays;  ///< what stays in force after a refusal, for the event
     /// The event gives the remedy of its reason, because the document itself must be written anew.
     bool gives_remedy_of_reason = false;
   };
 
-  /// Before the file is read for the first time.
+  /// Create the watch before the file is read for the first time.
   DocumentWatch(WatchedDocument what, std::chrono::seconds interval);
 
-  /// The octets that are in force were read.
+  /// Notes that the octets in force have been read, so that only a file with others is adopted.
   void note_read(BytesView file) { content_ = sha256(file); }
 
-  /// Judges a document that would take the place of the one in force, and uses it if it is good.
+  /// Judges a document that would replace the one in force, and uses it if it is good.
   using Adopt = std::function<Status(BytesView)>;
-  /// Reads the file if it may have changed. True: another document is in force. `now`:
-  /// Clock::monotonic. Error, once as long as the file stays the same, and only if it was wrong at
-  /// two polls in a row: WatchedDocument::refused, with what is wrong.
+  /// Reads the file if it may have changed. Returns true if another document is in force. `now` is
+  /// Clock::monotonic. Error: WatchedDocument::refused, with what is wrong. It is returned only if
+  /// the file was wrong at two polls in a row, and only once as long as the file stays the same.
   Result<bool> poll(std::chrono::nanoseconds now, const Adopt& adopt);
 
-  /// The next poll reads the file, whatever the interval is.
+  /// Makes the next poll read the file without waiting for the interval.
   void force_poll() { watch_.force_poll(); }
 
-  /// The file as it is now, whether it has changed or not. For a caller that takes it together with
-  /// another one, and then calls note_read. Errors: those of ddssec::load.
+  /// Returns the file as it is now, whether it has changed or not. A caller that adopts it together
+  /// with another file then calls note_read. Errors: those of ddssec::load.
   Result<Bytes> read() const;
 
-  /// The last error of poll(), while the file has not been good since.
+  /// Returns the last error of poll(), or nothing if the file has been good since.
   const std::optional<Error>& refused() const { return refusals_.refused(); }
-  /// See RenewalRefusals.
+  /// True if RenewalRefusals::begins_later is.
   bool begins_later() const { return refusals_.begins_later(); }
 
-  /// The absolute path of the file, or WatchedDocument::name if it is none.
+  /// Returns the absolute path of the file, or WatchedDocument::name if the document is not in a
+  /// file.
   const std::string& name() const { return what_.name; }
 
  private:

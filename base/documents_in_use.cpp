@@ -59,7 +59,8 @@ std::string_view to_string(DocumentKind kind) {
   return "";
 }
 
-// Another thread may have held the lock at the fork, and would then hold it forever.
+// False in a forked child. A child must not take mutex_: another thread of the parent may have held
+// it at the fork, and no thread of the child releases it.
 bool DocumentsInUse::is_of_this_process() const { return ::getpid() == pid_; }
 
 void DocumentsInUse::note_participant(std::int64_t identity, std::string guid,
@@ -80,7 +81,8 @@ void DocumentsInUse::note(Document& document, const DocumentState& state, WallTi
   }
   document.waiting = state.waiting;
   auto& refusal = document.refusal;
-  // Copies of an error share their details: the same ones are of the same report.
+  // Copies of an Error share one ErrorDetails object. The same address therefore means that this
+  // refusal was stored before, and its time stays.
   const bool is_known =
       refusal && state.refused && &refusal->why.details() == &state.refused->details();
   if (state.refused && !is_known) refusal = Refusal{*state.refused, now, true};
@@ -143,7 +145,7 @@ std::string DocumentsInUse::json_of(std::int64_t identity, const Participant& pa
                     {"subject", shortened(participant.subject)},
                     {"cut_off", json_of(participant.end)},
                     {"documents", std::move(documents)}};
-  // Names of files and subjects need not be UTF-8.
+  // Names of files and subjects need not be UTF-8, so invalid octets are replaced.
   return out.dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 

@@ -1,5 +1,5 @@
-// Which documents the participants of a process use, and what was refused in place of them: for a
-// person who asks the running process (status_service.hpp).
+// The record of the documents that the participants of a process use, and of the documents that
+// were refused. A person can read it from the running process (status_service.hpp).
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@
 
 namespace ddssec {
 
-/// In the order in which they are shown.
+/// The kinds of documents, in the order in which they are shown.
 enum class DocumentKind : std::uint8_t {
   identity_certificate,
   identity_ca,
@@ -30,15 +30,15 @@ enum class DocumentKind : std::uint8_t {
   permissions,
   governance
 };
-/// "identity certificate", "revocation list".
+/// Returns "identity certificate", "revocation list" and so on.
 std::string_view to_string(DocumentKind kind);
 
 /// One certificate, list or text of a document. No part may hold anything secret.
 struct DocumentPart {
-  std::string subject = {};  ///< of a revocation list: its issuer; of a governance: its revision
-  std::string number = {};   ///< serial number of a certificate, number of a revocation list
+  std::string subject = {};  ///< a revocation list has its issuer, a governance its revision
+  std::string number = {};   ///< serial number of a certificate or number of a revocation list
   std::optional<WallTime> until = {};
-  std::string sha256 = {};  ///< of a certificate (DER) or of a document's file; hexadecimal
+  std::string sha256 = {};  ///< hash of a certificate (DER) or of the file, in hexadecimal
   bool operator==(const DocumentPart&) const = default;
 };
 
@@ -46,42 +46,42 @@ struct DocumentPart {
 struct DocumentState {
   DocumentKind kind;
   std::string file = {};                     ///< its path, or the property that holds it
-  std::vector<DocumentPart> parts = {};      ///< in force
+  std::vector<DocumentPart> parts = {};      ///< the parts in force
   std::optional<Error> refused = {};         ///< why the file's present content is not in force
-  std::optional<DocumentPart> waiting = {};  ///< comes into force when the peers are ready
-  bool begins_later = false;                 ///< what was refused is taken when it begins
+  std::optional<DocumentPart> waiting = {};  ///< it comes into force when the peers are ready
+  bool begins_later = false;  ///< the refused content is adopted when its validity begins
 };
 
 /// The record of all participants of a library. Engines note the state again and again; the record
-/// finds what has changed. Its size is bounded by what engines bound: participants, and the
-/// certificates of a file. Thread-safe; in the child of a fork() it notes nothing.
+/// finds what has changed. Its size is bounded because engines bound the participants and the
+/// certificates of a file. Thread-safe. In the child of a fork() it notes nothing.
 class DocumentsInUse {
  public:
-  /// Parts that the answer has of one document; of more it has the number.
+  /// The largest number of parts that the answer lists for one document. It counts the others.
   static constexpr std::size_t kMaxParts = 16;
-  /// Octets of the answer, about; participants that do not fit are counted.
+  /// The approximate size of the answer in octets. Participants that do not fit are only counted.
   static constexpr std::size_t kMaxOctets = 512 * 1024;
 
-  /// The participant with this identity handle. Empty texts leave what is known.
+  /// Notes the participant with this identity handle. An empty text leaves what is known.
   void note_participant(std::int64_t identity, std::string guid, std::string subject);
-  /// `now`: since then the state is in force or refused, if it is another than before. A refusal
-  /// that no longer holds stays known as the last one.
+  /// Notes the state of documents. If a state differs from the last one, it counts as in force or
+  /// refused since `now`. A refusal that no longer holds is kept as the last one.
   void note(std::int64_t identity, const std::vector<DocumentState>& states, WallTime now);
-  /// The participant is cut off, for good: the first reason stays. Nothing for an identity that is
-  /// not in the record.
+  /// Notes that the participant is permanently cut off. Only the first reason is kept. Does nothing
+  /// for an identity that is not in the record.
   void note_end(std::int64_t identity, const Error& why, WallTime now);
-  /// The participant no longer uses documents of these kinds.
+  /// Notes that the participant no longer uses documents of these kinds.
   void forget(std::int64_t identity, std::span<const DocumentKind> kinds);
 
-  /// One JSON object in ASCII, at most a little longer than kMaxOctets.
+  /// Returns one JSON object in ASCII, at most a little longer than kMaxOctets.
   std::string to_json() const;
 
  private:
   struct Refusal {
     Error why;
     WallTime at;
-    bool stands;         ///< the file is still as it was refused
-    bool waits = false;  ///< and is taken when it begins
+    bool stands;         ///< the file still has the content that was refused
+    bool waits = false;  ///< that content is adopted when its validity begins
   };
   struct Document {
     std::string file = {};

@@ -8,12 +8,12 @@ namespace ddssec {
 
 class DocumentsInUse;
 
-/// Every engine gets them at construction. All of them must outlive it.
+/// The services that an engine gets at construction. All of them must outlive it.
 struct EngineServices {
   const Clock& clock;
   Random& random;
   EventSink& events;
-  DocumentsInUse* documents = nullptr;  ///< where the engine notes its documents; null: nowhere
+  DocumentsInUse* documents = nullptr;  ///< the record of the engine's documents, or null
 };
 
 }  // namespace ddssec

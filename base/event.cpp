@@ -31,7 +31,7 @@ std::string in_quotation_marks(std::string_view name) {
 // of the line, such as "[malformed 1003]", because log watchers search for that.
 std::string without_codes(std::string_view text) {
   std::string out;
-  auto open = text.npos;  // position in `out` of a bracket that is not closed yet
+  auto open = text.npos;  // the position in `out` of a bracket that is not closed yet
   bool has_gap = false;   // true if a space or a non-ASCII octet followed it
   for (const char c : text) {
     if (c == ']' && open != text.npos) {
@@ -48,7 +48,7 @@ std::string without_codes(std::string_view text) {
   return out;
 }
 
-// "2026-12-04T03:00:00.125Z"
+// Formats a time as "2026-12-04T03:00:00.125Z".
 std::string in_utc(std::chrono::nanoseconds at) {
   const auto whole = std::chrono::floor<std::chrono::seconds>(at);
   const auto thousandths = std::chrono::floor<std::chrono::milliseconds>(at - whole).count();

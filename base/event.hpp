@@ -21,8 +21,8 @@ enum class PeerProof : std::uint8_t {
 struct Event {
   Error error;
   Severity severity;
-  std::string peer_subject;  ///< subject name of the peer; empty: local or unknown
-  std::string guid;          ///< GUID of the participant concerned; empty: unknown
+  std::string peer_subject;  ///< subject name of the peer; empty if local or unknown
+  std::string guid;          ///< GUID of the participant concerned; empty if unknown
   PeerProof proof;
   bool is_returned = false;  ///< the application also receives the error as the result of its call
 
@@ -34,27 +34,27 @@ struct Event {
         guid(std::move(whose_guid)),
         proof(subject_proof) {}
 
-  /// The event for an error that the application also receives as the result of its call. A log of
-  /// events includes it. A program that prints both its events and its errors leaves it out.
+  /// Makes the event for an error that the application also receives as the result of its call. A
+  /// log of events includes it. A program that prints both its events and its errors leaves it out.
   static Event of_returned(Error reason) {
     Event out(std::move(reason), {}, {}, PeerProof::not_a_peer);
     out.is_returned = true;
     return out;
   }
 
-  /// One line for a log, without control characters. An unproven name is shown as one that the peer
-  /// "claims to be". The line ends with the event's name and code in brackets. Earlier text that
-  /// looks like that has "\x5b" in place of its bracket.
+  /// Returns one line for a log, without control characters. An unproven name is shown as one that
+  /// the peer "claims to be". The line ends with the event's name and code in brackets. Earlier
+  /// text that looks like that has "\x5b" in place of its bracket.
   std::string to_line() const;
-  /// A JSON object on one line, in ASCII: time, code, name, severity, peer_subject,
+  /// Returns a JSON object on one line, in ASCII: time, code, name, severity, peer_subject,
   /// peer_authenticated, guid, document, line, field, expected, found, hint, sentence. Each text is
-  /// at most 1024 octets long, plus "..." for what was cut off. `at`: calendar time of the event
+  /// at most 1024 octets long, plus "..." if it was cut. `at` is the calendar time of the event
   /// (Clock::wall), shown in UTC.
   std::string to_json(std::chrono::nanoseconds at) const;
 };
 
-/// True for events below a warning that a person who runs a program wants to see in any case: who
-/// authenticated, and which documents were renewed.
+/// True for events below a warning that a person who runs a program always wants to see: which
+/// peers authenticated, and which documents were renewed.
 bool is_news(Code code);
 
 /// Receives events. `raise` is called from any thread; it must not block and must not call back

@@ -17,14 +17,15 @@ class EventFile {
   EventFile(const EventFile&) = delete;
   EventFile& operator=(const EventFile&) = delete;
 
-  /// False if the path is no such output or cannot be written, such as a FIFO without a reader.
+  /// False if the path is no such output or cannot be written, for example a FIFO without a reader.
   bool is_open() const { return file_ >= 0; }
-  /// What is at the path, or the system's error, if the file could not be opened.
+  /// Tells why the file could not be opened: what is at the path, or the system's error.
   const std::string& why_not() const { return why_not_; }
 
   /// Appends a line and its end in one write, so that several processes may share a file. The line
-  /// is dropped if writing would block, if the reader has left, or if the disk is full. False: the
-  /// line was dropped or cut; the next line then begins with an end of line.
+  /// is dropped if writing would block, if the reader has left, or if the disk is full. Returns
+  /// false if the line was dropped or cut. After a cut line the next one begins with an end of
+  /// line.
   bool append(std::string_view line);
 
  private:

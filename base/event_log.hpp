@@ -12,29 +12,29 @@
 
 namespace ddssec {
 
-/// Thread-safe.
+/// Writes events into that file. Thread-safe.
 class EventLog {
  public:
-  /// `path`: of the file; no events are written if it is null or empty.
+  /// Opens the file at `path`. If `path` is null or empty, no events are written.
   explicit EventLog(const char* path);
-  /// The file that DDSSEC_EVENT_LOG names now.
+  /// Opens the file that DDSSEC_EVENT_LOG names now.
   static EventLog of_environment();
 
-  /// If there is a path, and the file cannot be written: an event that says so.
+  /// Returns the event about a file that cannot be written, or nothing.
   const std::optional<Event>& write_failure() const { return write_failure_; }
 
-  /// Writes the event with the present time. A full disk or a slow reader must not stop a refusal:
-  /// the first line that is lost, and the number of lost ones when lines can be written again, are
-  /// returned as an event for another log.
+  /// Writes the event with the present time. A full disk or a slow reader must not stop a refusal.
+  /// Returns an event for another log when the first line is lost, and another one with the number
+  /// of lost lines when lines can be written again.
   std::optional<Event> append(const Event& event);
 
  private:
   Event about_the_file(std::string expected, std::string found) const;
 
   std::string path_;
-  std::unique_ptr<EventFile> file_;  ///< null: no events are written
+  std::unique_ptr<EventFile> file_;  ///< null if no events are written
   std::optional<Event> write_failure_;
-  std::unique_ptr<std::atomic<std::uint64_t>> lost_;  ///< events, since lines went in
+  std::unique_ptr<std::atomic<std::uint64_t>> lost_;  ///< lost since the last line
 };
 
 /// Passes each event on, and writes it into an event log.

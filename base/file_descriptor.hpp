@@ -20,7 +20,7 @@ class FileDescriptor {
   }
   explicit operator bool() const { return number_ >= 0; }
   int number() const { return number_; }
-  /// Gives the number away, for a call that closes it.
+  /// Returns the descriptor without closing it, for a call that closes it.
   int release() { return std::exchange(number_, -1); }
 
  private:

@@ -29,21 +29,21 @@ struct RuleInfo {
   std::string_view hint;   ///< what the user can do about it
 };
 
-/// All rules, in the order of the lists.
+/// Returns all rules, in the order of the lists.
 std::span<const RuleInfo> all_rules();
 
-/// The row of `rule`.
+/// Returns the row of `rule`.
 const RuleInfo& info(Rule rule);
 
 /// One violation of a rule in a document or folder.
 struct Finding {
   Rule rule;
   std::string message;        ///< one sentence with the actual values
-  std::string document = {};  ///< a path; empty: the caller knows which document
-  int line = 0;               ///< from 1; 0 = none
-  std::string path = {};      ///< where in the document, such as /dds/permissions/grant[2]
-  std::string hint = {};      ///< empty = the rule's own
-  std::vector<std::string> vendors = {};  ///< products, such as "cyclonedds"; empty = all
+  std::string document = {};  ///< a path; empty if the caller knows the document
+  int line = 0;               ///< from 1; 0 if there is none
+  std::string path = {};      ///< place in the document, such as /dds/permissions/grant[2]
+  std::string hint = {};      ///< empty if the rule's hint applies
+  std::vector<std::string> vendors = {};  ///< products, such as "cyclonedds"; empty for all
   Severity severity = info(rule).severity;
 };
 

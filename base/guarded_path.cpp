@@ -19,20 +19,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxLinks = 40;  // as Linux
+constexpr int kMaxLinks = 40;  // the limit of Linux
 constexpr int kEnter = O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
 
 bool is_trusted(const struct stat& status) {
   return status.st_uid == 0 || status.st_uid == ::geteuid();
 }
 
-// A user may trust the members of the own group, root may not.
+// A user trusts the members of their own group. Root trusts no group, so for root write permission
+// of the group counts too.
 bool is_writable_for_others(const struct stat& status) {
   const mode_t others = ::geteuid() == 0 ? 022 : 002;
   return (status.st_mode & others) != 0;
 }
 
-// Only the owner of a name in such a folder can replace it.
+// True for a folder in which only the owner of a name (or of the folder) can replace the name.
 bool is_sticky(const struct stat& status) { return (status.st_mode & S_ISVTX) != 0; }
 
 std::deque<std::string> names_of(const fs::path& path) {
@@ -49,7 +50,7 @@ std::optional<std::string> target_of(int link) {
   return std::string(text.data(), static_cast<std::size_t>(size));
 }
 
-// Enters one folder after the other.
+// Enters the folders of a path one after the other.
 class Walk {
  public:
   explicit Walk(fs::path given) : given_(std::move(given)), rest_(names_of(given_)) {}
@@ -66,7 +67,7 @@ class Walk {
         ::openat(at_.number(), last.c_str(), flags | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   }
 
-  // True if no other user can change what the names up to here lead to.
+  // True if no other user can change what the names entered so far lead to.
   bool is_guarded() const { return is_guarded_; }
 
  private:
@@ -105,7 +106,7 @@ class Walk {
     at_ = std::move(folder);
   }
 
-  // False if the system refuses.
+  // Enters the next folder, or follows the next link. Returns false if the system refuses.
   Result<bool> step() {
     const auto name = rest_.front();
     if (FileDescriptor folder(::openat(at_.number(), name.c_str(), kEnter)); folder) {

@@ -60,7 +60,8 @@ Sha256Digest hmac_sha256(BytesView key, std::initializer_list<BytesView> parts) 
 
 Md5Digest md5(BytesView octets) {
   Md5Digest digest;
-  // Only fails where a FIPS provider refuses MD5; KEY_HASH then cannot be had at all.
+  // EVP_Digest fails only if a FIPS provider refuses MD5. A KEY_HASH (RTPS 9.6.4.8) cannot be
+  // computed then.
   if (EVP_Digest(octets.data(), octets.size(), digest.data(), nullptr, EVP_md5(), nullptr) != 1)
     std::abort();
   return digest;

@@ -13,17 +13,17 @@ namespace ddssec {
 using Sha256Digest = std::array<std::uint8_t, 32>;
 using Md5Digest = std::array<std::uint8_t, 16>;
 
-/// SHA-256 over the concatenation of `parts`.
+/// Returns SHA-256 over the concatenation of `parts`.
 Sha256Digest sha256(std::initializer_list<BytesView> parts);
 inline Sha256Digest sha256(BytesView octets) { return sha256({octets}); }
-/// The same, written directly to `out`: for a secret digest (see Secret::digest_of).
+/// Writes the digest directly to `out`, for a secret digest (see Secret::digest_of).
 void sha256(std::initializer_list<BytesView> parts, std::span<std::uint8_t, 32> out);
 
-/// HMAC-SHA256 over the concatenation of `parts`.
+/// Returns HMAC-SHA256 over the concatenation of `parts`.
 Sha256Digest hmac_sha256(BytesView key, std::initializer_list<BytesView> parts);
 
-/// MD5, only where RTPS has it: KEY_HASH (9.6.4.8), signatures of content filters, and digests of
-/// a publisher's writers.
+/// Returns MD5. Use it only where RTPS demands it: KEY_HASH (9.6.4.8), signatures of content
+/// filters, and digests of a publisher's writers.
 Md5Digest md5(BytesView octets);
 
 /// Overwrites with zeros. The compiler cannot optimize the call away.

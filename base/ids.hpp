@@ -21,7 +21,7 @@ struct Id {
 
   static constexpr std::size_t size = N;
   auto operator<=>(const Id&) const = default;
-  /// Compares 4-octet ids as one word: every received message is looked up by such ids.
+  /// Compares 4-octet ids as one word, because every received message is looked up by such ids.
   constexpr bool operator==(const Id& other) const {
     if constexpr (N == 4)
       return std::bit_cast<std::uint32_t>(octets) == std::bit_cast<std::uint32_t>(other.octets);
@@ -44,7 +44,7 @@ using GuidPrefix = Id<struct GuidPrefixTag, 12>;
 using EntityId = Id<struct EntityIdTag, 4>;
 /// CryptoTransformKind (DDS-Security 1.2, clause 10.5.2.1.1).
 using TransformKind = Id<struct TransformKindTag, 4>;
-/// CryptoTransformKeyId: unique within one sending participant; 0 is the key of the key exchange,
+/// CryptoTransformKeyId, unique within one sending participant. 0 is the key of the key exchange,
 /// or "none".
 using KeyId = Id<struct KeyIdTag, 4>;
 using SessionId = Id<struct SessionIdTag, 4>;
@@ -52,7 +52,7 @@ using SessionId = Id<struct SessionIdTag, 4>;
 /// The participant's own entity (RTPS 9.3.1.3).
 inline constexpr EntityId kEntityIdParticipant{{0x00, 0x00, 0x01, 0xc1}};
 
-/// GUID_t in network byte order. Comparison is octet by octet, as DDS-Security 1.2, clause 10.3.3
+/// GUID_t in network byte order. Comparison is octet by octet, as DDS-Security 1.2, clause 10.3.3,
 /// demands.
 struct Guid {
   GuidPrefix prefix;

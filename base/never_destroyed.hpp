@@ -8,9 +8,9 @@
 
 namespace ddssec {
 
-/// A static object whose destructor is never run. A process that calls exit() destroys its static
-/// objects while the host's threads, and ours, still call the plugins. Its type is trivially
-/// destructible, so nothing is registered with __cxa_atexit.
+/// A static object whose destructor never runs. It is needed because a process that calls exit()
+/// destroys its static objects while threads of the host and of this library still call the
+/// plugins. This type is trivially destructible, so nothing is registered with __cxa_atexit.
 template <class T>
 class NeverDestroyed {
  public:

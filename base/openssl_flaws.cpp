@@ -13,17 +13,19 @@ struct Version {
   auto operator<=>(const Version&) const = default;
 };
 
-constexpr unsigned kNotFixed = 0;  // as a patch: no release of the series has the fix
+// As a patch number: no release of the series has the fix.
+constexpr unsigned kNotFixed = 0;
 
 struct Row {
   std::string_view id, summary, guard;
-  std::array<Version, 8> fixes;  // the first release with the fix, by series; 0.0.0: unused
+  // The first release with the fix, for each series. 0.0.0 means unused.
+  std::array<Version, 8> fixes;
 };
 
-// From OpenSSL's advisories (https://openssl-library.org/news/vulnerabilities/). Only flaws that
-// input of ddssec can reach are listed: flaws in TLS, PKCS#12 or CMS encryption are not. Of OCSP
-// (pki/ocsp.cpp) there is none in a version that ddssec runs with: CVE-2022-1343, in OpenSSL before
-// 3.0.3, needs a flag that is not used.
+// The flaws come from OpenSSL's advisories (https://openssl-library.org/news/vulnerabilities/).
+// Only flaws that input of ddssec can reach are listed, so none in TLS, PKCS#12 or CMS encryption.
+// No flaw in OCSP (pki/ocsp.cpp) is listed: the only one, CVE-2022-1343 in OpenSSL before 3.0.3,
+// needs a flag that ddssec does not use.
 constexpr std::array kRows = {
     Row{.id = "CVE-2023-0286",
         .summary = "a revocation list or certificate with an X.400 address can read invalid memory",
@@ -55,8 +57,8 @@ constexpr std::array kRows = {
                    {3, 5, 7},
                    {3, 6, 3},
                    {4, 0, 1}}}},
-    // OpenSSL's change 31044, without a CVE. Seen with Debian's 3.0.17, 3.0.19 and 3.0.20,
-    // not 3.0.22.
+    // This is OpenSSL's change 31044, which has no CVE. The flaw was seen with Debian's 3.0.17,
+    // 3.0.19 and 3.0.20, but not with 3.0.22.
     Row{.id = "delta-crl-as-complete",
         .summary =
             "a delta revocation list counts as a complete one, so that a revoked certificate "
@@ -109,9 +111,9 @@ std::string to_text(const Version& version) {
          std::to_string(version.patch);
 }
 
-// A security update of a distribution often contains the fix under the previous number: Debian 12
-// has the fixes of 3.0.19, 3.0.21 and 3.0.23 in 3.0.18-1~deb12u2, 3.0.20-1~deb12u2 and
-// 3.0.22-1~deb12u2.
+// False for a version number that distributions give a fixed package, too. A security update often
+// contains the fix under the previous number: Debian 12 has the fixes of 3.0.19, 3.0.21 and 3.0.23
+// in 3.0.18-1~deb12u2, 3.0.20-1~deb12u2 and 3.0.22-1~deb12u2.
 bool says_number(const Version& version, const Version& fix) {
   return (fix.patch == kNotFixed || version.patch + 1 < fix.patch) &&
          std::ranges::find(kKeptNumbers, version) == kKeptNumbers.end();
@@ -128,7 +130,7 @@ std::optional<OpensslFlaw> judge(const Row& row, const Version& version) {
                      says_number(version, *fix)};
 }
 
-// "OpenSSL 3.0.19" of "OpenSSL 3.0.19 27 Jan 2026".
+// Returns "OpenSSL 3.0.19" for "OpenSSL 3.0.19 27 Jan 2026".
 std::string without_date(const std::string& version) {
   const auto name = version.find(' ');
   return name == version.npos ? version : version.substr(0, version.find(' ', name + 1));

@@ -13,21 +13,20 @@ namespace ddssec {
 struct OpensslFlaw {
   std::string_view id;       ///< "CVE-2026-45447", or a short name
   std::string_view summary;  ///< one sentence without a full stop
-  std::string_view guard;    ///< how ddssec prevents it; "" if only an update helps
-  std::string fixed_in;      ///< the first fixed release of the same series; "" if there is none
+  std::string_view guard;    ///< how ddssec prevents it; empty if only an update helps
+  std::string fixed_in;      ///< the first fixed release of the same series, or empty
   /// False if the version number does not prove the flaw: distributions backport fixes without
   /// changing the number.
   bool is_certain = true;
 };
 
-/// The flaws of a version, written "3.0.19" or as openssl_version() returns it ("OpenSSL 3.0.19 27
-/// Jan 2026"). A pure function of the text. Empty for a text without a version, and for a series
-/// that is newer than the table.
+/// Returns the flaws of a version, which is written "3.0.19" or as openssl_version() returns it
+/// ("OpenSSL 3.0.19 27 Jan 2026"). Uses nothing but the text. Returns nothing for a text without a
+/// version, and for a series that is newer than the table.
 std::vector<OpensslFlaw> openssl_flaws(std::string_view version);
 
-/// The warning for the start of a process. Error: openssl_known_unsafe if at least one flaw is
-/// certain. Flaws that are not certain are ignored, because there may be no update that changes the
-/// number.
+/// Warns at the start of a process: returns openssl_known_unsafe if at least one flaw is certain.
+/// Flaws that are not certain are ignored, because there may be no update that changes the number.
 Status openssl_advice(const std::string& version);
 
 }  // namespace ddssec

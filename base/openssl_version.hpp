@@ -5,8 +5,8 @@
 
 namespace ddssec {
 
-/// The version text of the loaded library, "OpenSSL 3.0.17 1 Jul 2025". Its patch level may differ
-/// from that of the headers at compile time.
+/// Returns the version text of the loaded library, such as "OpenSSL 3.0.17 1 Jul 2025". Its patch
+/// level may differ from that of the headers at compile time.
 std::string openssl_version();
 
 }  // namespace ddssec

@@ -1,11 +1,12 @@
-// The numbers of parameters in discovery, inline QoS and what a handshake signs (PID_...).
+// The numbers (PID_...) of the parameters in discovery, in inline QoS and in signed handshake data.
 #pragma once
 
 #include <cstdint>
 
 namespace ddssec::pid {
 
-/// ParameterId_t. A number, not an enumeration: most ids of other vendors are skipped.
+/// ParameterId_t. It is a number and not an enumeration because most ids of other vendors are
+/// skipped.
 using Id = std::uint16_t;
 
 // RTPS 2.5, clause 9.6.3 (parameters of discovery and inline QoS):
@@ -72,13 +73,13 @@ inline constexpr Id kDataTags = 0x1003;
 inline constexpr Id kEndpointSecurityInfo = 0x1004;
 inline constexpr Id kParticipantSecurityInfo = 0x1005;
 
-// The same, clauses 7.5.1.4 and 7.5.1.5; peers of other vendors skip them:
+// DDS-Security 1.2, clauses 7.5.1.4 and 7.5.1.5 (peers of other vendors skip them):
 inline constexpr Id kParticipantCiphers = 0x1012;
 inline constexpr Id kEndpointCiphers = 0x1013;
 
 /// A reader that does not know an id with this bit must not use the sample (RTPS 9.6.3.1).
 inline constexpr Id kMustUnderstand = 0x4000;
-/// A participant that does not know the tag ignores one with a tag (RTPS 9.6.2.2).
+/// A participant without this domain tag ignores a participant that has it (RTPS 9.6.2.2).
 inline constexpr Id kDomainTag = kMustUnderstand | 0x0014;
 inline constexpr Id kVendorSpecific = 0x8000;
 
@@ -90,7 +91,7 @@ inline constexpr Id kCycloneTopicGuid = 0x801b;
 // Specific to ddssec:
 /// The source timestamp of a DATA, as Time_t.
 inline constexpr Id kSourceTime = 0x8d5e;
-/// Where the payload of a DATA is in shared memory (wire/memory_reference.hpp).
+/// The place of a DATA's payload in shared memory (wire/memory_reference.hpp).
 inline constexpr Id kMemoryReference = kVendorSpecific | 0x0d5f;
 /// The type objects of an endpoint's type.
 inline constexpr Id kTypeObjects = kVendorSpecific | 0x0d75;

@@ -25,9 +25,9 @@ constexpr bool is_origin_authenticated(ProtectionKind kind) {
   return kind >= ProtectionKind::sign_with_origin_authentication;
 }
 
-/// The spelling of governance documents, such as "ENCRYPT_WITH_ORIGIN_AUTHENTICATION".
+/// Returns the spelling of governance documents, such as "ENCRYPT_WITH_ORIGIN_AUTHENTICATION".
 std::string_view to_string(ProtectionKind kind);
-/// From that spelling, upper case only; empty for any other text.
+/// Parses that spelling, upper case only; empty for any other text.
 std::optional<ProtectionKind> protection_kind_from(std::string_view text);
 
 }  // namespace ddssec

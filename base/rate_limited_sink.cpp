@@ -5,14 +5,14 @@
 namespace ddssec {
 namespace {
 
-// An attacker can cause such an event at little cost.
+// True for an event that an attacker can cause at little cost.
 bool names_an_unproven_peer(const Event& event) {
   const bool names_a_peer = !event.peer_subject.empty() || !event.guid.empty();
   return names_a_peer && event.proof == PeerProof::claimed;
 }
 
-// The same for all participants of one certificate: the first six octets of an authenticated
-// participant's GUID follow from the subject (DDS-Security 1.2, clause 10.3.3).
+// Returns a text that is the same for all participants of one certificate: the first six octets of
+// an authenticated participant's GUID follow from the subject (DDS-Security 1.2, clause 10.3.3).
 std::string certificate_of(const Event& event) {
   constexpr std::size_t kSubjectDigits = 12;
   return event.peer_subject.empty() ? event.guid.substr(0, kSubjectDigits) : event.peer_subject;
@@ -27,11 +27,12 @@ void RateLimitedSink::raise(const Event& event) {
   const bool is_proven = event.proof == PeerProof::authenticated;
   auto reason = fmt::format("{}\n{}\n{}", code, event.guid, d.document);
   if (!is_claimed) reason += fmt::format("\n{}\n{}\n{}", event.peer_subject, d.field, d.expected);
-  // In a notice about the local participant no peer chooses the text, and each change of state is
+  // No peer chooses the text of a notice about the local participant, and each change of state is
   // new information.
   if (event.proof == PeerProof::not_a_peer && event.severity == Severity::informational)
     reason += "\n" + d.found;
-  // Programs do not print it, so it must not suppress the same event that is not returned.
+  // Programs do not print an event that is also returned as an error. It must not use up the share
+  // of an equal event that is only logged.
   if (event.is_returned) reason += "\nreturned";
 
   const std::lock_guard lock(mutex_);
@@ -46,7 +47,8 @@ void RateLimitedSink::raise(const Event& event) {
   if (passes) next_.raise(event);
 }
 
-// If there are too many peers, all further ones use one common share that always counts as full.
+// Returns the share of a peer. If there are too many peers, all others use one common share that
+// always counts as full.
 RateLimitedSink::Times& RateLimitedSink::share_of(const std::string& peer,
                                                   std::chrono::nanoseconds now) {
   if (const auto known = proven_.find(peer); known != proven_.end()) return known->second;

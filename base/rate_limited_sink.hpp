@@ -15,10 +15,9 @@ namespace ddssec {
 /// Passes an event on, unless an event with the same reason about the same peer was passed on less
 /// than `interval` ago. Thread-safe.
 ///
-/// The reason consists of the code and the document. If no unauthenticated peer can have chosen
-/// them, the field and the expected value also count. The found value and names that are only
-/// claimed never count (exception: the found value of informational notices about the local
-/// participant).
+/// The reason consists of the code and the document. The field and the expected value also count if
+/// no unauthenticated peer can have chosen them. The found value and names that are only claimed
+/// never count, except the found value of an informational notice about the local participant.
 ///
 /// Memory is bounded in shares, so that no peer can suppress events about others. There is one
 /// share for the local participant and one for all peers without proof. Each authenticated peer has
@@ -27,10 +26,13 @@ namespace ddssec {
 /// once in each interval.
 class RateLimitedSink final : public EventSink {
  public:
-  /// About the local participant; also the number of shares of authenticated peers.
+  /// The largest number of reasons about the local participant, and of shares of authenticated
+  /// peers.
   static constexpr std::size_t kMaxRemembered = 1024;
-  static constexpr std::size_t kMaxClaimed = 128;  ///< about all unauthenticated peers together
-  static constexpr std::size_t kMaxOfAPeer = 16;   ///< about one authenticated peer, for each code
+  /// Reasons about all unauthenticated peers together.
+  static constexpr std::size_t kMaxClaimed = 128;
+  /// Reasons about one authenticated peer, for each code.
+  static constexpr std::size_t kMaxOfAPeer = 16;
 
   RateLimitedSink(EventSink& next, const Clock& clock,
                   std::chrono::seconds interval = std::chrono::seconds(10))

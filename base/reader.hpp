@@ -1,4 +1,4 @@
-// The only cursor with which octets of a peer or a file are read. It cannot leave its bounds.
+// The only way to read octets of a peer or a file. The cursor cannot leave its bounds.
 #pragma once
 
 #include <concepts>
@@ -25,7 +25,8 @@ class Reader {
   BytesView rest() const { return octets_.subspan(position_); }
   Endian endian() const { return endian_; }
 
-  /// An unsigned or signed integer of 1, 2, 4 or 8 octets, without alignment. Error: truncated.
+  /// Reads an unsigned or signed integer of 1, 2, 4 or 8 octets, without alignment. Error:
+  /// truncated.
   template <std::integral T>
   Result<T> read() {
     if (remaining() < sizeof(T)) return fail(Code::truncated);
@@ -39,14 +40,14 @@ class Reader {
     return static_cast<T>(value);
   }
 
-  /// The same after skipping to a multiple of the integer's size (CDR). Error: truncated.
+  /// Skips to a multiple of the integer's size (CDR) and reads the integer. Error: truncated.
   template <std::integral T>
   Result<T> read_aligned() {
     if (auto status = align(sizeof(T)); !status) return std::unexpected(std::move(status).error());
     return read<T>();
   }
 
-  /// The next `count` octets, borrowed. Error: truncated.
+  /// Returns the next `count` octets, borrowed. Error: truncated.
   Result<BytesView> read_bytes(std::size_t count);
 
   /// Copies as many octets as `out` holds. Error: truncated.
@@ -58,21 +59,21 @@ class Reader {
   /// Skips `count` octets. Error: truncated.
   Status skip(std::size_t count);
 
-  /// CDR sequence<octet>: aligned uint32 length, then the octets, which are borrowed. Error:
-  /// truncated.
+  /// Reads a CDR sequence<octet>: aligned uint32 length, then the octets, which are borrowed.
+  /// Error: truncated.
   Result<BytesView> read_octet_sequence();
 
-  /// CDR string: aligned uint32 length including the NUL, text, NUL. Length 0 is read as "",
-  /// because some peers send it. Errors: truncated; malformed (a NUL inside the text, or no NUL at
-  /// the end).
+  /// Reads a CDR string: aligned uint32 length including the NUL, text, NUL. Length 0 is read as
+  /// "", because some peers send it. Errors: truncated; malformed (a NUL inside the text, or no NUL
+  /// at the end).
   Result<std::string_view> read_string();
 
-  /// CDR sequence length for elements of at least `min_element_size` octets. Fails if the
-  /// remaining octets cannot hold that many, so that a false length causes no allocation. Errors:
-  /// truncated, length_out_of_range.
+  /// Reads a CDR sequence length for elements of at least `min_element_size` octets. Fails if the
+  /// remaining octets cannot hold that many elements, so that a false length causes no allocation.
+  /// Errors: truncated, length_out_of_range.
   Result<std::uint32_t> read_count(std::size_t min_element_size);
 
-  /// Success if no octets are left. Error: trailing_octets.
+  /// Succeeds if no octets are left. Error: trailing_octets.
   Status finish() const;
 
  private:

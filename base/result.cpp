@@ -45,7 +45,8 @@ std::string Error::to_sentence() const {
   if (d.line > 0) text += fmt::format("{}line {}", text.empty() ? "" : ", ", d.line);
   if (!d.field.empty()) text += fmt::format("{}{}", text.empty() ? "" : ", ", d.field);
   if (!text.empty()) text += ": ";
-  // Files and peers choose parts of it, and it goes to logs and terminals.
+  // Files and peers choose parts of the text, and it goes to logs and terminals, so it is made
+  // printable.
   const auto what_to_do = hint();
   if (what_to_do != "none is needed")
     text += fmt::format("{}; {}", message(), what_to_do);

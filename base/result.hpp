@@ -1,5 +1,5 @@
-// Errors are values: a Result<T> holds a T or an Error. An Error names the document, rule and
-// values.
+// Errors are values: a Result<T> holds a T or an Error. An Error names the document, the rule and
+// the values.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ namespace ddssec {
 /// Where an error was found and which values differ. Every field may be empty.
 struct ErrorDetails {
   std::string document = {};  ///< which document: a path, a property's name or a message's name
-  int line = 0;               ///< line in the document, from 1; 0 = none
+  int line = 0;               ///< line in the document, from 1; 0 if there is none
   std::string field = {};     ///< element, attribute, property or rule
   std::string expected = {};
   std::string found = {};
   std::string note = {};  ///< further information for the sentence
-  std::string hint = {};  ///< what the user can do about it; empty: the hint of the code
+  std::string hint = {};  ///< what the user can do about it; empty if the code's hint applies
 };
 
 /// A refusal. It is two words long, so that Result<T> is cheap on success. An Error without details
@@ -33,20 +33,20 @@ class Error {
       : code_(code), details_(std::make_shared<const ErrorDetails>(std::move(details))) {}
 
   Code code() const { return code_; }
-  /// The place and the values; all fields are empty if the error has none. Valid as long as this
-  /// error or a copy of it.
+  /// Returns the place and the values; all fields are empty if the error has none. Valid as long as
+  /// this error or a copy of it.
   const ErrorDetails& details() const;
 
-  /// What the user can do about it: the hint of the details, or else that of the code.
+  /// Returns what the user can do about it: the hint of the details, or else that of the code.
   std::string hint() const;
 
-  /// The same error, with `document` filled in if it had none.
+  /// Returns the same error, with `document` filled in if it had none.
   Error in(std::string document) const;
 
-  /// What happened, with the expected and the found value; without place and hint.
+  /// Tells what happened, with the expected and the found value; without place and hint.
   std::string message() const;
 
-  /// One sentence with what happened, the place, both values and the hint; without control
+  /// Returns one sentence with what happened, the place, both values and the hint, without control
   /// characters.
   std::string to_sentence() const;
 
@@ -58,10 +58,11 @@ class Error {
 template <class T>
 using Result = std::expected<T, Error>;
 
-/// Success, or the reason why not.
+/// Success, or the reason for the failure.
 using Status = Result<void>;
 
-/// The error as the result of a function: `return fail(Code::file_not_found, {.document = path});`
+/// Returns the error as the result of a function: `return fail(Code::file_not_found, {.document =
+/// path});`
 inline std::unexpected<Error> fail(Code code) { return std::unexpected(Error(code)); }
 inline std::unexpected<Error> fail(Code code, ErrorDetails details) {
   return std::unexpected(Error(code, std::move(details)));
@@ -70,16 +71,16 @@ inline std::unexpected<Error> fail(Code code, ErrorDetails details) {
 }  // namespace ddssec
 
 /// `DDSSEC_RETURN_IF_ERROR(check(name));` returns the error to the caller, if there is one. It
-/// drops the value.
+/// discards the value.
 #define DDSSEC_RETURN_IF_ERROR(...) \
   DDSSEC_RETURN_IF_ERROR_OF(DDSSEC_JOIN(ddssec_result_, __COUNTER__), __VA_ARGS__)
 
 /// `DDSSEC_ASSIGN_OR_RETURN(const auto pair, table.pair_of(handle));` returns the error to the
 /// caller, or declares `pair` and moves the value into it. The first argument may also name an
-/// object that exists, such as `out.pair`. This is several statements: after `if`, `else`, `for`
-/// and `case` it needs braces. The Result lives until the end of the scope, so `const auto& pair`
-/// may refer to the value inside it. A macro argument cannot hold the comma of a structured
-/// binding: declare the value first, then bind with `const auto& [a, b] = value;`.
+/// existing object, such as `out.pair`. The macro expands to several statements: after `if`,
+/// `else`, `for` and `case` it needs braces. The Result lives until the end of the scope, so `const
+/// auto& pair` may refer to the value inside it. A macro argument cannot hold the comma of a
+/// structured binding: declare the value first, then bind with `const auto& [a, b] = value;`.
 #define DDSSEC_ASSIGN_OR_RETURN(declaration, ...) \
   DDSSEC_ASSIGN_OR_RETURN_OF(DDSSEC_JOIN(ddssec_result_, __COUNTER__), declaration, __VA_ARGS__)
 

@@ -5,8 +5,8 @@
 
 namespace ddssec {
 
-/// Calls `undo` at the end of its scope unless released. So an early return or an exception (any
-/// allocation may fail) leaves the state unchanged. `undo` must not throw.
+/// Calls `undo` at the end of its scope unless released. An early return or an exception (any
+/// allocation may fail) therefore leaves the state unchanged. `undo` must not throw.
 template <class F>
 class Rollback {
  public:
@@ -17,7 +17,7 @@ class Rollback {
   Rollback(const Rollback&) = delete;
   Rollback& operator=(const Rollback&) = delete;
 
-  /// The work is complete: do not call `undo`.
+  /// Marks the work as complete, so that `undo` is not called.
   void release() { is_armed_ = false; }
 
  private:

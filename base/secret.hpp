@@ -14,8 +14,8 @@
 namespace ddssec {
 
 /// Up to N secret octets (for example 16 for AES-128 in a type for 32). `Tag` makes each kind a
-/// distinct type. Move-only; moving wipes the source. `expose` is the only access to the octets:
-/// search for it to find every use.
+/// distinct type. Move-only; moving wipes the source. `expose` is the only access to the octets, so
+/// a search for it finds every use.
 template <class Tag, std::size_t N>
 class Secret {
  public:
@@ -35,8 +35,8 @@ class Secret {
   Secret(const Secret&) = delete;
   Secret& operator=(const Secret&) = delete;
 
-  /// A secret of `size` octets that `fill_octets(MutableBytes) -> Status` writes in place. Errors:
-  /// length_out_of_range (more than N), those of `fill_octets`.
+  /// Makes a secret of `size` octets that `fill_octets(MutableBytes) -> Status` writes in place.
+  /// Errors: length_out_of_range (more than N), those of `fill_octets`.
   template <class Fill>
   static Result<Secret> fill(std::size_t size, Fill&& fill_octets) {
     if (size > N) return fail(Code::length_out_of_range);
@@ -47,7 +47,7 @@ class Secret {
     return secret;
   }
 
-  /// A copy of octets that the caller must wipe. Error: length_out_of_range.
+  /// Copies octets, which the caller must wipe. Error: length_out_of_range.
   static Result<Secret> copy_of(BytesView octets) {
     return fill(octets.size(), [&](MutableBytes out) -> Status {
       std::copy(octets.begin(), octets.end(), out.begin());
@@ -55,7 +55,7 @@ class Secret {
     });
   }
 
-  /// SHA-256 of secret octets, written in place so that no other copy exists.
+  /// Returns SHA-256 of secret octets, written in place so that no other copy exists.
   static Result<Secret> digest_of(BytesView octets) requires(N >= 32) {
     return fill(32, [&](MutableBytes out) -> Status {
       sha256({octets}, out.first<32>());
@@ -63,7 +63,7 @@ class Secret {
     });
   }
 
-  /// A copy; wiped independently of this one.
+  /// Returns a copy, which is wiped independently of this secret.
   Secret clone() const {
     Secret copy;
     copy.octets_ = octets_;

@@ -1,11 +1,11 @@
-// A reproducible random source. For tests: not installed.
+// A reproducible random source for tests. It is not installed.
 #pragma once
 
 #include "base/clock.hpp"
 
 namespace ddssec {
 
-/// A reproducible stream from a seed. Never for real keys.
+/// A reproducible stream from a seed. Never use it for real keys.
 class SeededRandom final : public Random {
  public:
   explicit SeededRandom(std::uint64_t seed) : seed_(seed) {}

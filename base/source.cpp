@@ -31,7 +31,7 @@ Result<std::size_t> file_size(const FileDescriptor& file, const std::string& pat
   return static_cast<std::size_t>(status.st_size);
 }
 
-// Fills `out` up to the end of the file; how many octets that were.
+// Reads until `out` is full or the file ends. Returns the number of octets that were read.
 Result<std::size_t> read_up_to(const FileDescriptor& file, const std::string& path,
                                MutableBytes out) {
   std::size_t done = 0;
@@ -76,7 +76,7 @@ Error too_large(std::size_t max_octets, std::size_t found) {
 }
 
 Result<Bytes> load_file(const std::string& path, std::size_t max_octets) {
-  // O_NONBLOCK: a FIFO put in the way of the file must not hang the process.
+  // O_NONBLOCK prevents that a FIFO in place of the file blocks the process.
   const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   DDSSEC_ASSIGN_OR_RETURN(const std::size_t size, file_size(file, path));
   if (size > max_octets) return std::unexpected(too_large(max_octets, size));
@@ -99,8 +99,8 @@ Result<Bytes> load_unnamed(std::string_view text, std::size_t max_octets) {
   return to_bytes(as_bytes(uri.rest));
 }
 
-// Attributes of RFC 7512 that tell where an object is. Anything else, such as a misspelt pin-value,
-// may be a secret.
+// True for attributes of RFC 7512 that tell where an object is. Any other attribute, such as a
+// misspelt pin-value, may be a secret.
 bool is_shown(std::string_view attribute) {
   constexpr std::array<std::string_view, 13> kShown = {"token",
                                                        "manufacturer",

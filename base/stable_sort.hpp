@@ -1,5 +1,5 @@
-// Stable sorting. The standard library's own does not compile with clang 19 on g++ 12's library
-// when warnings are errors, because it calls functions that C++17 deprecates.
+// Stable sorting. std::stable_sort does not compile with clang 19 on g++ 12's library when warnings
+// are errors, because it calls functions that C++17 deprecates.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@ void stable_sort_by(std::vector<T>& items, KeyOf&& key_of) {
   items = std::move(sorted);
 }
 
-/// The same in descending order.
+/// Sorts in descending order; equal items keep their order.
 template <class T, class KeyOf>
 void stable_sort_descending_by(std::vector<T>& items, KeyOf&& key_of) {
   std::ranges::reverse(items);

@@ -75,7 +75,7 @@ StatusServer::StatusServer(std::string folder_name, FileDescriptor folder, Answe
 
 StatusServer::~StatusServer() {
   if (::getpid() != pid_) {
-    // The thread is the parent's: joining it would never end.
+    // The thread exists only in the parent, so joining it would never end.
     static_cast<void>(thread_.release());
     return;
   }
@@ -110,8 +110,8 @@ Status StatusServer::check_folder() const {
 
 // ---- the socket
 
-// Through the descriptor: no length of the folder's path is too long for an address, and nothing
-// can be put in the folder's place meanwhile.
+// The path goes through the open folder's descriptor: it always fits into a sockaddr_un, and the
+// folder cannot be exchanged for another one.
 std::string StatusServer::path_of(const std::string& name) const {
   return fmt::format("/proc/self/fd/{}/{}", folder_.number(), name);
 }
@@ -133,10 +133,10 @@ Status StatusServer::bind_first_free() {
   return status;
 }
 
-// Error: errno is the reason.
+// On error, errno keeps the reason: bind_first_free() reads it to try the next name.
 Status StatusServer::bind_to(const std::string& name) {
   socket_ = unix_socket();
-  // Before bind(), so that the socket is never open to others.
+  // The mode is set before bind(), so that the socket is never open to others.
   bool is_bound = socket_ && ::fchmod(socket_.number(), 0600) == 0;
   const auto address = address_of(path_of(name));
   const auto bind = [&] { return ::bind(socket_.number(), generic(address), sizeof address) == 0; };
@@ -152,7 +152,7 @@ Status StatusServer::bind_to(const std::string& name) {
   return refused;
 }
 
-// Left by a process that had this number and was killed.
+// True if no process listens on the socket: a killed process with the same process number left it.
 bool StatusServer::is_abandoned(const std::string& name) const {
   struct stat status {};
   const bool is_socket =
@@ -184,7 +184,7 @@ void StatusServer::serve() noexcept {
     try {
       if (!serve_once()) return;
     } catch (...) {
-      // Without memory there is no answer. The host must not end because of that.
+      // There is no memory for an answer, but the host must not end because of that.
       for (auto& client : clients_) client = Client();
     }
   }
@@ -203,7 +203,7 @@ int StatusServer::milliseconds_to_wait() const {
   return static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 10'000));
 }
 
-// False: the server ends.
+// Waits for clients and serves them. Returns false if the server is to stop.
 bool StatusServer::serve_once() {
   std::array<pollfd, kMaxClients + 2> polled{};
   const bool accepts = has_room() && !paused_until_;
@@ -224,8 +224,8 @@ bool StatusServer::serve_once() {
   return true;
 }
 
-// poll() fails without memory, and while the limit of descriptors (RLIMIT_NOFILE) is below the
-// number that it is given. False: the server ends.
+// Waits one second after poll() failed: memory may be short, or RLIMIT_NOFILE lower than the number
+// of descriptors polled. Returns false if the server is to stop.
 bool StatusServer::has_time_to_recover() const {
   eventfd_t ignored = 0;
   for (auto left = kSecond / kRecoveryStep; left > 0; --left) {
@@ -240,7 +240,7 @@ void StatusServer::accept_one() {
   FileDescriptor socket(
       ::accept4(socket_.number(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!socket) {
-    // No descriptor is free: the connection waits, and poll() would report it at once.
+    // If no descriptor is free, the connection keeps waiting and poll() would report it at once.
     if (errno != EAGAIN && errno != EINTR) paused_until_ = now + kSecond;
     return;
   }
@@ -253,7 +253,7 @@ void StatusServer::accept_one() {
   const auto free = std::ranges::find_if(clients_, [](const Client& one) { return !one.socket; });
   if (free == clients_.end()) return;
   auto text = answer_();
-  // A process that lacks the processor may have taken seconds for the text.
+  // On a machine under load the text may have taken seconds, so the client's time starts now.
   *free = Client{std::move(socket), std::move(text), 0, steady_clock::now() + kClientTimeout};
   send_to(*free);
 }

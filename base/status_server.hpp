@@ -15,33 +15,35 @@
 
 namespace ddssec {
 
-/// Answers in a background thread: only that thread waits for clients. Each connection gets the
-/// text of its moment and is closed. What clients send is not read. Root and the user of the
-/// process are answered (SO_PEERCRED). At most kMaxClients connections and kMaxPerSecond new ones
-/// in a second; the others wait. In the child of a fork() nothing is served.
+/// Answers clients in a background thread, so that only this thread waits for them. Each client
+/// gets the text of that moment, and its connection is closed. What clients send is not read. Only
+/// root and the user of the process get an answer (SO_PEERCRED). There are at most kMaxClients
+/// connections, and kMaxPerSecond new ones in a second; further ones wait. In the child of a fork()
+/// nothing is served.
 class StatusServer {
  public:
   static constexpr std::size_t kMaxClients = 8;
   static constexpr unsigned kMaxPerSecond = 32;
-  /// A client that has not taken the whole answer by then is dropped.
+  /// How long a client may take to receive the whole answer. After that it is dropped.
   static constexpr std::chrono::seconds kClientTimeout{5};
-  /// Libraries of one process that serve, each with a socket of its own.
+  /// The largest number of libraries in one process that serve, each with its own socket.
   static constexpr int kMaxOfAProcess = 8;
 
-  /// Called in the thread; must be thread-safe, and valid until the server is destroyed.
+  /// Makes the text. Called in the thread; must be thread-safe, and valid until the server is
+  /// destroyed.
   using Answer = std::function<std::string()>;
   /// Makes ddssec-PID.sock with mode 0600 in `folder`, or ddssec-PID-2.sock and so on if another
-  /// library of the process has that one. The folder must be given by an absolute path, belong to
+  /// library of the process uses that name. The folder must be given by an absolute path, belong to
   /// this user or root, and be writable for no other user; links in the path are followed as
   /// open_guarded does. A socket of this name that no process serves is replaced. Error:
   /// status_not_served.
   static Result<std::unique_ptr<StatusServer>> start(const std::string& folder, Answer answer);
-  /// Ends the thread and removes the socket; in the child of a fork() neither.
+  /// Ends the thread and removes the socket. Does neither in the child of a fork().
   ~StatusServer();
   StatusServer(const StatusServer&) = delete;
   StatusServer& operator=(const StatusServer&) = delete;
 
-  /// Removes the socket alone, for the exit of a process whose participants live on.
+  /// Removes the socket only, for the exit of a process whose participants live on.
   void remove_socket() noexcept;
 
  private:
@@ -77,13 +79,13 @@ class StatusServer {
   const Answer answer_;
   const pid_t pid_;
   const uid_t user_;
-  std::string name_;  ///< of the socket in the folder; empty: there is none
+  std::string name_;  ///< name of the socket in the folder; empty if there is none
   FileDescriptor socket_;
   FileDescriptor stop_;  ///< an eventfd
   std::array<Client, kMaxClients> clients_;
   Time second_ = {};  ///< the start of the second in which `accepted_` counts
   unsigned accepted_ = 0;
-  std::optional<Time> paused_until_;  ///< no connection is accepted before
+  std::optional<Time> paused_until_;  ///< no connection is accepted before this time
   std::unique_ptr<std::thread> thread_;
 };
 

@@ -18,17 +18,17 @@ struct Service {
   ~Service();
 
   DocumentsInUse documents = {};
-  std::unique_ptr<StatusServer> server = {};  // ends before the record does
+  std::unique_ptr<StatusServer> server = {};  // destroyed before the record
 };
 
 struct Process {
   std::mutex mutex = {};
   std::weak_ptr<Service> service = {};
-  std::atomic<pid_t> shown_by = 0;  // the process whose service lives; 0: there is none
+  std::atomic<pid_t> shown_by = 0;  // the process whose service lives, or 0
   bool has_complained = false;
 };
 
-// Used while the process exits.
+// Never destroyed, because it is used while the process exits.
 Process& process() {
   static NeverDestroyed<Process> instance;
   return *instance;
@@ -45,7 +45,7 @@ std::shared_ptr<DocumentsInUse> documents_shown(EventSink* events) {
   const char* const folder = ::secure_getenv("DDSSEC_STATUS_DIR");
   if (folder == nullptr || *folder == '\0') return nullptr;
   auto& own = process();
-  // In the child of a process that shows its own, which must not take locks of its parent.
+  // This is the child of a process with a service. A child must not take locks of its parent.
   if (own.shown_by != 0 && own.shown_by != ::getpid()) return nullptr;
   const std::scoped_lock lock(own.mutex);
   auto service = own.service.lock();

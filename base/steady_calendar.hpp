@@ -1,4 +1,4 @@
-// A calendar that follows its clock with a delay after a step.
+// A calendar that follows a step of its clock only after a delay.
 #pragma once
 
 #include <mutex>
@@ -14,9 +14,9 @@ namespace ddssec {
 ///
 /// This clock compares the calendar with the elapsed time. If they differ by more than kStep, it
 /// ignores the step for a grace period. If the calendar is back by then, the step was undone.
-/// Otherwise the new calendar time counts from then on. Expiry in the ordinary course of time is on
-/// time. A small adjustment is followed at once, and time during which the machine slept is not a
-/// step. Thread-safe.
+/// Otherwise the new calendar time counts from then on. Without a step, expiry is never delayed. A
+/// small adjustment is followed at once, and time during which the machine slept is not a step.
+/// Thread-safe.
 class SteadyCalendar final : public Clock {
  public:
   static constexpr std::chrono::seconds kStep{10};
@@ -31,11 +31,11 @@ class SteadyCalendar final : public Clock {
   std::chrono::nanoseconds monotonic() const override { return clock_.monotonic(); }
   std::chrono::nanoseconds since_boot() const override { return clock_.since_boot(); }
 
-  /// Sets the grace period. 0: follow the calendar at once, without an event.
+  /// Sets the grace period. With 0, a step is followed at once and without an event.
   void set_grace(std::chrono::seconds grace);
 
-  /// The latest change since the last call, for an event: clock_stepped, clock_step_undone or
-  /// clock_step_followed, with both times. Reads the calendar first.
+  /// Reads the calendar, then returns the latest change since the last call, for an event:
+  /// clock_stepped, clock_step_undone or clock_step_followed, with both times.
   std::optional<Error> take_report();
 
  private:

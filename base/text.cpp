@@ -22,7 +22,7 @@ struct Character {
   bool is_valid = false;
 };
 
-// RFC 3629: no overlong forms, no surrogates, nothing above U+10FFFF.
+// Decodes UTF-8 as RFC 3629 demands: no overlong forms, no surrogates, nothing above U+10FFFF.
 Character first_character(std::string_view text) {
   const auto octet = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned lead = octet(0);

@@ -1,4 +1,4 @@
-// Text functions; ASCII only, whatever the locale.
+// Text functions. Upper and lower case are those of ASCII, whatever the locale.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@ constexpr char ascii_lower(char c) {
 std::string ascii_upper(std::string_view text);
 std::string ascii_lower(std::string_view text);
 
-/// `text` without leading and trailing characters of `blanks`.
+/// Returns `text` without leading and trailing characters of `blanks`.
 std::string_view trimmed(std::string_view text, std::string_view blanks = " \t");
 
 /// True for characters that control a terminal or display something other than what is written: C0
@@ -25,8 +25,8 @@ std::string_view trimmed(std::string_view text, std::string_view blanks = " \t")
 /// and other invisible characters.
 bool is_misleading(char32_t character);
 
-/// The first misleading character of a UTF-8 text; 0xFFFD for an octet that is not UTF-8; empty if
-/// the text has neither.
+/// Returns the first misleading character of a UTF-8 text; 0xFFFD for an octet that is not UTF-8;
+/// empty if the text has neither.
 std::optional<char32_t> first_misleading(std::string_view text);
 
 /// Characters that `printable` keeps although they are misleading or not ASCII.
@@ -36,16 +36,17 @@ struct PrintableOptions {
   bool utf8 = true;      ///< letters outside of ASCII
 };
 
-/// `text` with '?' for C0 controls and DEL, "\u202e" for other misleading characters, and "\x9b"
-/// for octets that are not UTF-8. Names from a file or a peer must not reach a terminal as a
+/// Returns `text` with '?' for C0 controls and DEL, "\u202e" for other misleading characters, and
+/// "\x9b" for octets that are not UTF-8. Names from a file or a peer must not reach a terminal as a
 /// control sequence, imitate a line of the program, or change the order of the text beside them.
 std::string printable(std::string_view text, PrintableOptions as_is);
 inline std::string printable(std::string_view text) { return printable(text, {}); }
 
-/// Pointers into the texts, with a null pointer at the end: what programs are started with.
+/// Returns pointers into the texts and a null pointer at the end: the form in which programs get
+/// their arguments.
 std::vector<char*> argument_pointers(std::vector<std::string>& texts);
 
-/// The number of characters to insert, remove or change, or of neighbours to swap, to get from one
+/// Counts the characters to insert, remove or change, or the neighbours to swap, to get from one
 /// text to the other (optimal string alignment). The time is proportional to the product of the
 /// lengths, so bound them.
 std::size_t edit_distance(std::string_view a, std::string_view b);

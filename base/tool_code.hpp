@@ -1,5 +1,5 @@
-// Codes that only the command line tool reports. They are not in the enumeration, so that a new one
-// recompiles only the tool and not every file that uses errors.
+// Codes that only the command line tool reports. They are not in the enumeration, so that a new
+// code recompiles only the tool and not every file that uses errors.
 #pragma once
 
 #include "base/code.hpp"

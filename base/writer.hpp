@@ -1,4 +1,4 @@
-// The only cursor with which octets are written.
+// A cursor that writes octets into a buffer of its own.
 #pragma once
 
 #include <concepts>
@@ -13,12 +13,12 @@ namespace ddssec {
 /// Appends to its own buffer. CDR alignment counts from the first octet written. Not thread-safe.
 class Writer {
  public:
-  /// `capacity`: octets to reserve, 0 for none; up to that size the buffer does not grow.
+  /// `capacity` is the number of octets to reserve. Up to that size the buffer does not grow.
   explicit Writer(Endian endian = Endian::big, std::size_t capacity = 0) : endian_(endian) {
     octets_.reserve(capacity);
   }
 
-  /// An integer of 1, 2, 4 or 8 octets, without alignment.
+  /// Appends an integer of 1, 2, 4 or 8 octets, without alignment.
   template <std::integral T>
   void write(T value) {
     using U = std::make_unsigned_t<T>;
@@ -29,7 +29,7 @@ class Writer {
     }
   }
 
-  /// The same after zero octets up to a multiple of the integer's size (CDR).
+  /// Appends zero octets up to a multiple of the integer's size (CDR), then the integer.
   template <std::integral T>
   void write_aligned(T value) {
     align(sizeof(T));
@@ -44,9 +44,9 @@ class Writer {
     octets_.resize((octets_.size() + alignment - 1) & ~(alignment - 1));
   }
 
-  /// CDR sequence<octet>; no padding after the last octet.
+  /// Appends a CDR sequence<octet>, without padding after the last octet.
   void write_octet_sequence(BytesView octets);
-  /// CDR string with its terminating NUL.
+  /// Appends a CDR string with its terminating NUL.
   void write_string(std::string_view text);
 
   std::size_t size() const { return octets_.size(); }
