@@ -15,7 +15,8 @@ using ddssec::secured::Participant;
 int main(int argc, char** argv) {
   const char* folder = argc > 1 ? argv[1] : "demo/talker";
   const int domain = argc > 2 ? std::stoi(argv[2]) : 0;
-  std::vector<std::string> interfaces;  // empty: every interface that is up and does multicast
+  // No interfaces means every interface that is up and does multicast.
+  std::vector<std::string> interfaces;
   if (argc > 3) interfaces = {argv[3]};
 
   auto participant =

@@ -1,4 +1,4 @@
-// Prints temperatures as they arrive, and ends when none arrives for ten seconds. The domain is 0
+// Prints temperatures as they arrive, and ends after ten seconds without one. The domain is 0
 // unless DOMAIN is given. All interfaces are used unless INTERFACE is given.
 // Usage: subscriber FOLDER [DOMAIN [INTERFACE]]
 #include <cstdio>
@@ -15,7 +15,8 @@ int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);  // flush each line, even into a pipe
   const char* folder = argc > 1 ? argv[1] : "demo/listener";
   const int domain = argc > 2 ? std::stoi(argv[2]) : 0;
-  std::vector<std::string> interfaces;  // empty: every interface that is up and does multicast
+  // No interfaces means every interface that is up and does multicast.
+  std::vector<std::string> interfaces;
   if (argc > 3) interfaces = {argv[3]};
 
   auto participant =

@@ -129,7 +129,7 @@ std::optional<std::string> literal_text(const void* value) {
   if (kind == tree_string) return quoted(tree_text(value));
   if (kind == tree_uint64) return std::to_string(static_cast<std::uint64_t>(number)) + "u";
   if (kind == tree_uint32) return std::to_string(number) + "u";
-  // The smallest values have no literal.
+  // The smallest value of 64 bits has no literal.
   if (number == std::numeric_limits<std::int64_t>::min()) return "-9223372036854775807 - 1";
   if (kind >= tree_char && kind <= tree_int64) return std::to_string(number);
   return std::nullopt;

@@ -25,18 +25,18 @@ class Refusals {
 struct CppType {
   std::string text;
   std::string initial;      ///< for example " = 0"; empty if the type's own default is sufficient
-  std::uint32_t bound = 0;  ///< most characters or elements; 0: unlimited
-  std::uint32_t element_bound = 0;  ///< the same for a sequence's elements
+  std::uint32_t bound = 0;  ///< largest number of characters or elements; 0 if unlimited
+  std::uint32_t element_bound = 0;  ///< the bound of a sequence's elements
 };
 
-/// The C++ types for the types of IDL.
+/// Finds the C++ types for the types of IDL.
 class CppTypes {
  public:
-  /// `root`: the namespace that contains everything generated, "" or "a::b".
+  /// `root` is the namespace that contains everything generated, "" or "a::b".
   CppTypes(const std::string& root, Refusals& refusals)
       : prefix_(root.empty() ? "::" : "::" + root + "::"), refusals_(refusals) {}
 
-  /// The type `spec`, with the array dimensions of `name` (nullptr: none).
+  /// Returns the type for `spec`, with the array dimensions of `name` unless that is nullptr.
   CppType of(const void* spec, const void* name);
   /// Returns the qualified name of a declared type, "::root::Module::Name".
   std::string qualified(const void* node) const;

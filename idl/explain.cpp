@@ -1,8 +1,9 @@
-// ddssec-idl-explain [-I FOLDER]... FILE SECONDS IDLC [ARGUMENT]...: runs idlc on the file for at
-// most SECONDS. idlc reports unsupported constructs only as a "syntax error". So if idlc fails,
-// this program searches the file and its includes for what idlc cannot read, and prints the
-// position and what to write instead. Exits with 0 if idlc does, otherwise with 1.
-// ddssec_idl_generate runs it.
+// Usage: ddssec-idl-explain [-I FOLDER]... FILE SECONDS IDLC [ARGUMENT]...
+//
+// Runs idlc on the file for at most SECONDS. idlc reports unsupported constructs only as a "syntax
+// error". So if idlc fails, this program searches the file and its includes for what idlc cannot
+// read, and prints the position and what to write instead. Exits with 0 if idlc does, otherwise
+// with 1. ddssec_idl_generate runs this program.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -26,8 +27,8 @@ namespace fs = std::filesystem;
 struct Unknown {
   std::string_view word, to_do;
 };
-// Reserved words of IDL 4.2 that idlc 0.10 does not know. An identifier with such a name is written
-// _name.
+// The reserved words of IDL 4.2 that idlc 0.10 does not know. The IDL can use such a word as an
+// identifier by writing it as _word.
 constexpr std::array kUnknown = {
     Unknown{"wstring", "use a string, in UTF-8"},
     Unknown{"any", "use a sequence<octet> and a string with the type's name"},
@@ -44,7 +45,7 @@ class Words {
  public:
   explicit Words(std::string_view text) : text_(text) {}
 
-  // Returns empty at the end.
+  // Returns the next word, or an empty text at the end.
   std::string_view next() {
     while (at_ < text_.size()) {
       if (skip_comment() || skip_literal()) continue;
@@ -133,7 +134,7 @@ class Explainer {
       const auto end = std::min(text.find('\n'), text.size());
       const auto written = included(text.substr(0, end));
       text.remove_prefix(std::min(end + 1, text.size()));
-      if (written.size() < 3) continue;  // not a directive, or without a name
+      if (written.size() < 3) continue;  // not an include directive, or one without a name
       const auto name = written.substr(1, written.size() - 2);
       const bool is_quoted = written[0] == '"';
       const auto beside = file_at(path.parent_path() / name);
@@ -158,13 +159,13 @@ class Explainer {
                            : "");
   }
 
-  // Returns empty if it is not a file.
+  // Returns the path, or an empty one if it is not that of a file.
   static fs::path file_at(const fs::path& path) {
     std::error_code ignored;
     return fs::is_regular_file(path, ignored) ? path.lexically_normal() : fs::path();
   }
 
-  // Searches the folders of -I. Returns empty if none of them contains it.
+  // Searches the folders of -I. Returns an empty path if none of them contains the file.
   fs::path find(std::string_view name) const {
     for (const auto& folder : folders_)
       if (auto found = file_at(folder / name); !found.empty()) return found;
@@ -176,8 +177,8 @@ class Explainer {
 
 enum class RunResult { done, failed, timed_out };
 
-// The alarm survives execvp and the end of this process, so that idlc does not continue after an
-// interrupted build.
+// Runs a command for at most `seconds`. The alarm survives execvp and the end of this process, so
+// that idlc does not continue after an interrupted build.
 RunResult run(char* const* command, unsigned seconds) {
   const auto child = fork();
   if (child < 0) return RunResult::failed;

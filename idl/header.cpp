@@ -192,8 +192,8 @@ void Header::structure(const void* which) {
     traits(which, members);
 }
 
-// Only the minimal part of the map is used: its first member, a sequence whose DHEADER counts its
-// octets.
+// Returns the declarations of the type's TypeInformation and type objects. Only the minimal part of
+// the map is used: its first member, a sequence whose DHEADER counts its octets.
 std::string Header::type_description(const void* which) {
   std::uint8_t* octets[2] = {};
   std::size_t sizes[2] = {};

@@ -11,10 +11,10 @@ namespace ddssec::idl {
 /// Writes the generated header of one IDL file.
 class Header {
  public:
-  /// `root`: the namespace that contains everything, "" or "a::b".
+  /// `root` is the namespace that contains everything, "" or "a::b".
   Header(const tree_state* state, const std::string& root);
 
-  /// Returns the text of the header; empty after a refusal, which was reported to idlc.
+  /// Returns the text of the header. It is empty if something was refused, which idlc has reported.
   std::optional<std::string> make();
 
  private:
@@ -36,8 +36,8 @@ class Header {
   Refusals refusals_;
   CppTypes types_;
   NestingCheck nesting_;
-  std::string declared_;  ///< within the namespaces
-  std::string traits_;    ///< after the namespaces
+  std::string declared_;  ///< text inside the namespaces
+  std::string traits_;    ///< text after the namespaces
 };
 
 }  // namespace ddssec::idl

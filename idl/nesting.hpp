@@ -1,5 +1,5 @@
-// Detects types that idlc cannot describe: for these it runs forever, or stops halfway and still
-// reports success.
+// Detects types that idlc cannot describe: it would run forever, or stop halfway and still report
+// success.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,8 @@ enum class Nesting { fine, recursive, before_definition };
 
 /// Follows a type through sequences, typedefs, forward declarations and members, including those in
 /// included files. Returns `recursive` if the type contains itself or a type that does. Otherwise
-/// returns `before_definition` if it contains a type that is only declared where it is used.
+/// returns `before_definition` if it contains a type that is only declared, not yet defined, where
+/// it is used.
 class NestingCheck {
  public:
   Nesting of(const void* type);

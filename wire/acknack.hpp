@@ -1,4 +1,4 @@
-// ACKNACK: what a reader has received and what it lacks (RTPS 9.4.5.2).
+// ACKNACK: the changes that a reader has received and those that it lacks (RTPS 9.4.5.2).
 #pragma once
 
 #include "wire/numbers.hpp"
@@ -6,7 +6,7 @@
 
 namespace ddssec::rtps {
 
-/// Everything below `missing.base()` has arrived; the numbers in the set are requested.
+/// Says that every change below `missing.base()` has arrived, and requests the numbers in the set.
 struct AckNack {
   EntityId reader;
   EntityId writer;
@@ -16,7 +16,7 @@ struct AckNack {
   bool operator==(const AckNack&) const = default;
 };
 
-/// A base of 0 is accepted: peers send it before they know anything (pre-emptive). Errors:
+/// Accepts a base of 0, because peers send it before they know anything (pre-emptive). Errors:
 /// truncated, rtps_number_invalid, rtps_set_invalid.
 Result<AckNack> read_acknack(const SubmessageView& view);
 void write(SpanWriter& out, const AckNack& acknack);

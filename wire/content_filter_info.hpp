@@ -10,7 +10,7 @@
 
 namespace ddssec::rtps {
 
-/// The MD5 of what a reader announces of its filter.
+/// The MD5 of the filter that a reader announces.
 using FilterSignature = std::array<std::uint8_t, 16>;
 
 struct FilterResult {
@@ -25,8 +25,8 @@ struct FilterResults {
   bool operator==(const FilterResults& other) const { return std::ranges::equal(list, other.list); }
 };
 
-/// Writes nothing if the list is empty. Received results are never read: a reader's own filter
-/// decides.
+/// Writes nothing if the list is empty. Received results are never read, because a reader's own
+/// filter decides.
 void write_content_filter_info(SpanWriter& out, const FilterResults& results);
 
 }  // namespace ddssec::rtps

@@ -6,7 +6,7 @@ namespace {
 constexpr std::uint8_t kFlagInlineQos = 0x02;
 constexpr std::uint8_t kFlagData = 0x04;
 constexpr std::uint8_t kFlagKey = 0x08;
-// From the reader id to the sequence number; counted from the end of the offset field.
+// The octets from the reader id to the sequence number. The offset to the inline QoS counts them.
 constexpr std::size_t kFixedPart = 16;
 
 Result<PayloadKind> payload_kind(const SubmessageView& view) {

@@ -11,7 +11,7 @@ enum class PayloadKind : std::uint8_t { none, data, key };
 
 /// Borrows its payload, which begins with its encapsulation (or is a protected payload).
 struct Data {
-  EntityId reader;  ///< unknown: all of the writer's readers
+  EntityId reader;  ///< unknown means all of the writer's readers
   EntityId writer;
   SequenceNumber sequence_number{1};
   InlineQos inline_qos = {};

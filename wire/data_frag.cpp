@@ -5,10 +5,11 @@ namespace {
 
 constexpr std::uint8_t kFragFlagInlineQos = 0x02;
 constexpr std::uint8_t kFragFlagKey = 0x04;
-// From the reader id to the sample size; counted from the end of the offset field.
+// The octets from the reader id to the sample size. The offset to the inline QoS counts them.
 constexpr std::size_t kFragFixedPart = 28;
 
-// The number of octets in fragments first .. first + count - 1, which must lie within the sample.
+// Returns the number of octets in fragments first .. first + count - 1. Fails if they are not
+// within the sample.
 Result<std::size_t> covered_octets(const DataFrag& frag) {
   const std::uint64_t size = frag.fragment_size;
   const std::uint64_t begin = (std::uint64_t{frag.first.value} - 1) * size;

@@ -5,9 +5,9 @@
 
 namespace ddssec::rtps {
 
-/// Borrows its payload: exactly the octets of fragments first .. first + count - 1. Fragment n
-/// covers the sample's octets from (n - 1) * fragment_size on; only the last fragment may be
-/// shorter.
+/// Borrows its payload, which is exactly the octets of fragments first .. first + count - 1.
+/// Fragment n covers the sample's octets from (n - 1) * fragment_size on; only the last fragment
+/// may be shorter.
 struct DataFrag {
   EntityId reader;
   EntityId writer;
@@ -19,11 +19,11 @@ struct DataFrag {
   InlineQos inline_qos = {};
   bool is_key = false;
   BytesView payload = {};
-  /// For a received one: everything after the fixed part and the inline QoS. A protected fragment
-  /// is longer than the octets that it covers (DDS-Security 1.2, clause 9.5.1.10.1).
+  /// In a received submessage, everything after the fixed part and the inline QoS. A protected
+  /// fragment is longer than the octets that it covers (DDS-Security 1.2, clause 9.5.1.10.1).
   BytesView encoded = {};
 
-  /// The number of fragments of the whole sample.
+  /// Returns the number of fragments of the whole sample.
   std::uint32_t total() const { return fragments_of(sample_size, fragment_size); }
   static constexpr std::uint32_t fragments_of(std::uint32_t sample_size, std::uint16_t size) {
     return size == 0 ? 0
@@ -35,7 +35,8 @@ struct DataFrag {
 /// (fragment numbers or sizes that do not fit the sample; CVE-2023-50716, CVE-2025-62799,
 /// CVE-2025-65865), rtps_submessage_overrun, those of read_inline_qos.
 Result<DataFrag> read_data_frag(const SubmessageView& view);
-/// The same fragments with their unprotected octets. Errors: truncated.
+/// Returns the same fragments with `plain`, their unprotected octets, as payload. Errors:
+/// truncated, rtps_number_invalid.
 Result<DataFrag> with_payload(DataFrag frag, BytesView plain);
 void write(SpanWriter& out, const DataFrag& data);
 

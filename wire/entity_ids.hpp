@@ -53,8 +53,8 @@ constexpr bool has_key(const EntityId& id) {
   return kind == 0x02 || kind == 0x07;
 }
 
-/// Bits of BuiltinEndpointSet_t (RTPS 9.3.2.12, DDS-Security 1.2, clause 7.5.1.4). In each pair,
-/// the reader's bit is the one above the writer's.
+/// Bits of BuiltinEndpointSet_t (RTPS 9.3.2.12, DDS-Security 1.2, clause 7.5.1.4). Each constant
+/// has two adjacent bits: the lower one for the writer, the higher one for the reader.
 namespace builtin_endpoints {
 inline constexpr std::uint32_t kParticipant = 0x3u << 0;
 inline constexpr std::uint32_t kPublications = 0x3u << 2;

@@ -8,8 +8,8 @@
 
 namespace ddssec::rtps {
 
-/// Declares irrelevant: start .. list.base() - 1, however many they are, and each number in the
-/// list. A filtered count (flag 0x04) is skipped.
+/// Declares changes irrelevant: start .. list.base() - 1, however many they are, and each number in
+/// the list. A filtered count (flag 0x04) is skipped.
 struct Gap {
   EntityId reader;
   EntityId writer;

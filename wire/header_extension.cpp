@@ -12,7 +12,7 @@ constexpr std::uint8_t kFlagWExtension8 = 0x10;
 constexpr std::uint8_t kFlagsChecksum = 0x60;
 constexpr std::uint8_t kFlagParameters = 0x80;
 
-// None, CRC-32C, CRC-64/XZ, MD5.
+// Returns the size of the checksum: none, CRC-32C, CRC-64/XZ or MD5.
 constexpr std::size_t checksum_size(std::uint8_t flags) {
   constexpr std::size_t kSizes[] = {0, 4, 8, 16};
   return kSizes[(flags & kFlagsChecksum) >> 5];

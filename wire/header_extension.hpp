@@ -8,15 +8,15 @@
 
 namespace ddssec::rtps {
 
-/// The usable parts. Checksums are not verified here.
+/// The parts that are used. Checksums are not verified here.
 struct HeaderExtension {
-  /// Of the whole message, including the RTPS header.
+  /// The length of the whole message, including the RTPS header.
   std::optional<std::uint32_t> message_length = {};
   std::optional<Time> send_time = {};
   bool operator==(const HeaderExtension&) const = default;
 };
 
-/// `message_size`: size of the datagram in octets, which a message length must match. Errors:
+/// `message_size` is the size of the datagram in octets, which a message length must match. Errors:
 /// truncated, rtps_submessage_overrun (the lengths differ), those of ParameterReader.
 Result<HeaderExtension> read_header_extension(const SubmessageView& view, std::size_t message_size);
 void write(SpanWriter& out, const HeaderExtension& extension);

@@ -7,7 +7,8 @@ constexpr std::uint8_t kHeartbeatFlagFinal = 0x02;
 constexpr std::uint8_t kHeartbeatFlagLiveliness = 0x04;
 constexpr std::uint8_t kHeartbeatFlagGroup = 0x08;
 
-// The table in 9.4.5.7 ends with lastGSN; the model in 8.3.8.6 also has the digests.
+// Reads the group's fields. The digests are optional: the table in 9.4.5.7 ends with lastGSN, but
+// the model in 8.3.8.6 has them.
 Result<GroupState> read_group(Reader& reader) {
   GroupState out;
   DDSSEC_ASSIGN_OR_RETURN(out.current, read_any_sequence_number(reader));

@@ -8,21 +8,21 @@
 
 namespace ddssec::rtps {
 
-/// The writer's position in its publisher (8.7.5). The digests are those of all writers of the
-/// publisher, and of those that are announced securely.
+/// The writer's position in its publisher (8.7.5). `writers` is a digest of all writers of the
+/// publisher, `secure_writers` one of those that are announced securely.
 struct GroupState {
-  SequenceNumber current;   ///< the publisher's last one; 0: none
-  SequenceNumber first{1};  ///< the first that this writer holds
-  SequenceNumber last;      ///< first - 1: nothing is held
+  SequenceNumber current;   ///< the publisher's last number; 0 if there is none
+  SequenceNumber first{1};  ///< the first number that this writer holds
+  SequenceNumber last;      ///< first - 1 if nothing is held
   GroupDigest writers = {}, secure_writers = {};
   bool operator==(const GroupState&) const = default;
 };
 
 struct Heartbeat {
-  EntityId reader;  ///< unknown: all of the writer's readers
+  EntityId reader;  ///< unknown means all of the writer's readers
   EntityId writer;
   SequenceNumber first{1};
-  SequenceNumber last;  ///< first - 1: nothing is held
+  SequenceNumber last;  ///< first - 1 if nothing is held
   std::int32_t count = 0;
   bool is_final = false;  ///< no answer is needed
   bool asserts_liveliness = false;

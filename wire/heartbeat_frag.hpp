@@ -1,4 +1,4 @@
-// HEARTBEAT_FRAG: up to which fragment a sample can be requested (RTPS 8.3.8.7).
+// HEARTBEAT_FRAG: the last fragment of a sample that can be requested (RTPS 8.3.8.7).
 #pragma once
 
 #include "wire/numbers.hpp"

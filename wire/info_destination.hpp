@@ -1,4 +1,4 @@
-// INFO_DST: the participant that the submessages after it are for (RTPS 9.4.5.8).
+// INFO_DST: the participant to which the submessages after it are addressed (RTPS 9.4.5.8).
 #pragma once
 
 #include "wire/submessage.hpp"
@@ -6,7 +6,7 @@
 namespace ddssec::rtps {
 
 struct InfoDestination {
-  GuidPrefix prefix;  ///< zero: every participant
+  GuidPrefix prefix;  ///< zero means every participant
   bool operator==(const InfoDestination&) const = default;
 };
 

@@ -19,7 +19,7 @@ void write_list(SpanWriter& out, const Locator& locator) {
   if (any) write_locator(out, locator);
 }
 
-// LocatorUDPv4: the address as one number in the submessage's byte order, then the port.
+// Reads a LocatorUDPv4: the address as one number in the submessage's byte order, then the port.
 Result<Locator> read_ip4(Reader& reader) {
   DDSSEC_ASSIGN_OR_RETURN(const auto address, reader.read<std::uint32_t>());
   DDSSEC_ASSIGN_OR_RETURN(const auto port, reader.read<std::uint32_t>());

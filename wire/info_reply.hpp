@@ -1,6 +1,6 @@
-// INFO_REPLY and INFO_REPLY_IP4: where answers should be sent (RTPS 9.4.5.9, 9.4.5.10). They are
-// checked and skipped: answers are sent to the locators from discovery, which an attacker on the
-// network path does not choose.
+// INFO_REPLY and INFO_REPLY_IP4: the locators to which answers should be sent (RTPS 9.4.5.9,
+// 9.4.5.10). They are checked and skipped. Answers go to the locators from discovery, which an
+// attacker on the network path does not choose.
 #pragma once
 
 #include "wire/locator.hpp"
@@ -9,7 +9,8 @@
 namespace ddssec::rtps {
 
 struct InfoReply {
-  Locator unicast;  ///< the first locator of each list, for explaining a capture
+  /// The first locator of each list, which is used only to explain a capture.
+  Locator unicast;
   Locator multicast;
   bool operator==(const InfoReply&) const = default;
 };

@@ -9,7 +9,7 @@
 namespace ddssec::rtps {
 
 struct InfoTimestamp {
-  std::optional<Time> time;  ///< empty: the following submessages have no source time
+  std::optional<Time> time;  ///< empty if the following submessages have no source time
   bool operator==(const InfoTimestamp&) const = default;
 };
 

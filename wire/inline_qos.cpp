@@ -12,8 +12,7 @@ constexpr std::uint8_t kDisposed = 0x01;
 constexpr std::uint8_t kUnregistered = 0x02;
 constexpr std::uint8_t kFiltered = 0x04;
 
-// An unknown id must stop the reader only if it must be understood. Standard ids below 0x4000 may
-// be ignored.
+// True if an unknown id must stop the reader. Standard ids below 0x4000 may be ignored.
 bool must_be_understood(ParameterId id) {
   return (id & pid::kMustUnderstand) != 0 && (id & pid::kVendorSpecific) == 0;
 }
@@ -27,7 +26,7 @@ Result<SequenceNumber> read_number(BytesView value, Endian endian) {
   return number;
 }
 
-// GUID and sequence number; the list that may follow is not needed.
+// Reads a GUID and a sequence number. The list that may follow is not needed.
 Result<Original> read_original(BytesView value, Endian endian) {
   if (value.size() < 24) return fail(Code::rtps_parameter_invalid);
   Reader reader(value, endian);
@@ -51,20 +50,20 @@ constexpr SequenceNumber Coherence::*number_of(ParameterId id) {
   }
 }
 
-// What is read. Each has one value.
+// The parameters that are read. Each has one value.
 constexpr std::array kKnown = {
     pid::kKeyHash,        pid::kStatusInfo,      pid::kCoherentSet,        pid::kGroupCoherentSet,
     pid::kGroupSeqNum,    pid::kWriterGroupInfo, pid::kOriginalWriterInfo, pid::kSourceTime,
     pid::kMemoryReference};
 
-// Numbers of ours may mean something else to another vendor. Then the length differs.
+// True if the length shows that another vendor uses one of ddssec's own ids for something else.
 bool is_of_another_vendor(const Parameter& parameter) {
   const auto size = parameter.value.size();
   return (parameter.id == pid::kSourceTime && size < 8) ||
          (parameter.id == pid::kMemoryReference && size != kMemoryReferenceSize);
 }
 
-// Reads one of kKnown.
+// Reads a parameter whose id is in kKnown.
 Status take(const Parameter& parameter, InlineQos& qos) {
   const auto& [id, value, endian] = parameter;
   if (id == pid::kKeyHash) {

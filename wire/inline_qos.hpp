@@ -1,5 +1,5 @@
-// What a DATA carries besides its payload: the key hash and status of the instance, and its
-// position among the changes of its publisher (RTPS 9.6.4, 8.7.5, 8.7.6).
+// The parameters that a DATA carries besides its payload: the key hash and status of the instance,
+// and its position among the changes of its publisher (RTPS 9.6.4, 8.7.5, 8.7.6).
 #pragma once
 
 #include <array>
@@ -20,26 +20,29 @@ using KeyHash = std::array<std::uint8_t, 16>;
 struct StatusInfo {
   bool disposed = false;
   bool unregistered = false;
-  /// Alive, but the writer found that the sample does not pass the reader's content filter.
+  /// True if the instance is alive, but the writer found that the sample does not pass the reader's
+  /// content filter.
   bool filtered = false;
   bool operator==(const StatusInfo&) const = default;
 };
 
-/// GroupDigest_t: digest of the writers of a publisher; zero if there are none.
+/// GroupDigest_t: digest of the writers of a publisher. Zero if there are none.
 using GroupDigest = std::array<std::uint8_t, 4>;
 
 /// The fields of a change for PRESENTATION. A field of 0 is absent, as with SEQUENCENUMBER_UNKNOWN.
 struct Coherence {
-  SequenceNumber set = {};  ///< COHERENT_SET: of the first change of the writer's set
-  SequenceNumber group_set =
-      {};                     ///< GROUP_COHERENT_SET: of the first change of the publisher's set
-  SequenceNumber group = {};  ///< GROUP_SEQ_NUM: of this change among the publisher's
-  GroupDigest writers = {};   ///< WRITER_GROUP_INFO
+  /// COHERENT_SET: the number of the first change of the writer's set.
+  SequenceNumber set = {};
+  /// GROUP_COHERENT_SET: the number of the first change of the publisher's set.
+  SequenceNumber group_set = {};
+  /// GROUP_SEQ_NUM: the number of this change among those of the publisher.
+  SequenceNumber group = {};
+  GroupDigest writers = {};  ///< WRITER_GROUP_INFO
   bool operator==(const Coherence&) const = default;
 };
 
 /// ORIGINAL_WRITER_INFO: the writer of a sample that a durability service sends to late joiners
-/// (RTPS 8.7.9). Number 0: the sender wrote it.
+/// (RTPS 8.7.9). If the number is 0, the sender itself wrote the sample.
 struct Original {
   Guid writer = {};
   SequenceNumber number = {};
@@ -51,10 +54,11 @@ struct InlineQos {
   StatusInfo status = {};
   Coherence coherence = {};
   Original original = {};
-  /// Used if the submessage is protected but INFO_TS is not. Specific to ddssec.
+  /// The source time, for a protected submessage whose INFO_TS is not protected. Specific to
+  /// ddssec.
   std::optional<Time> source_time = {};
   FilterResults filters = {};  ///< written only, never read
-  /// The payload is there and not in the DATA. Specific to ddssec.
+  /// The place of the payload in shared memory, if it is not in the DATA. Specific to ddssec.
   std::optional<MemoryReference> memory = {};
   bool empty() const {
     return !key_hash && status == StatusInfo{} && coherence == Coherence{} &&

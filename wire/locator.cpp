@@ -9,8 +9,8 @@
 namespace ddssec::rtps {
 namespace {
 
-// Messages to ::ffff:a.b.c.d are sent to a.b.c.d. In an IPv4 locator the first twelve octets are
-// ignored.
+// True if messages are sent to an IPv4 address: those to ::ffff:a.b.c.d are sent to a.b.c.d. In an
+// IPv4 locator the first twelve octets are ignored.
 bool has_v4_address(const Locator& locator) {
   constexpr std::array<std::uint8_t, 12> kMapped = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
   return locator.kind == LocatorKind::udp_v4 ||
@@ -50,7 +50,7 @@ bool Locator::is_loopback() const {
   return kind == LocatorKind::udp_v6 && address[15] == 1 && zeros == 15;
 }
 
-// Linux treats 0.0.0.0, in either form, as this machine.
+// Linux treats 0.0.0.0, also in its form as an IPv6 address, as this machine.
 bool Locator::is_unspecified() const {
   const auto from = has_v4_address(*this) ? address.begin() + 12 : address.begin();
   return std::all_of(from, address.end(), [](auto octet) { return octet == 0; });

@@ -3,7 +3,8 @@
 namespace ddssec::rtps {
 namespace {
 
-// RTPS 9.4.5.1.3: length 0 means "to the end of the message", except where an empty body is legal.
+// True for a submessage whose body may be empty. For all others, length 0 means "to the end of the
+// message" (RTPS 9.4.5.1.3).
 bool may_be_empty(SubmessageId id) {
   return id == SubmessageId::pad || id == SubmessageId::info_timestamp;
 }

@@ -9,11 +9,11 @@
 namespace ddssec::rtps {
 
 /// Borrows the message. An invalid submessage header ends the iteration: the submessages before it
-/// count (RTPS 8.3.4.1), nothing after it can be trusted.
+/// are valid (RTPS 8.3.4.1), but nothing after it can be trusted.
 class MessageReader {
  public:
   static Result<MessageReader> open(BytesView message);
-  /// Iterates over a plain sequence of submessages, as inside a protected message.
+  /// Iterates over submessages without a message header, such as those inside a protected message.
   static MessageReader over_submessages(const Header& header, BytesView submessages) {
     return {header, submessages};
   }
@@ -21,7 +21,7 @@ class MessageReader {
   const Header& header() const { return header_; }
   /// Returns the next submessage, or empty at the end. Errors: truncated, rtps_submessage_overrun.
   Result<std::optional<SubmessageView>> next();
-  /// The rest of the message, after the submessages returned so far.
+  /// Returns the rest of the message, after the submessages returned so far.
   BytesView rest() const { return rest_; }
 
  private:

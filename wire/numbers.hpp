@@ -43,8 +43,8 @@ struct FragmentNumber {
 
 inline constexpr std::uint32_t kMaxBitsPerSet = 256;
 
-/// The numbers base + i for each bit i that is set; bits are counted from the most significant bit
-/// of the first word. Stores its bits in 40 octets and allocates nothing.
+/// The numbers base + i for each bit i that is set. Bits are counted from the most significant bit
+/// of the first word. Stores its bits in 32 octets and allocates nothing.
 template <class Number>
 class NumberSet {
  public:
@@ -54,7 +54,7 @@ class NumberSet {
   explicit NumberSet(Number base) : base_(base) {}
 
   Number base() const { return base_; }
-  /// How many numbers from the base on the set covers, contained or not.
+  /// Returns how many numbers from the base on the set covers, contained or not.
   std::uint32_t size() const { return bits_; }
   bool empty() const { return bits_ == 0; }
 
@@ -123,7 +123,7 @@ using FragmentNumberSet = NumberSet<FragmentNumber>;
 Result<SequenceNumber> read_any_sequence_number(Reader& reader);
 /// Accepts 1 .. kMaxSequenceNumber. Errors: truncated, rtps_number_invalid.
 Result<SequenceNumber> read_sequence_number(Reader& reader);
-/// `min_base`: 0 where a pre-emptive ACKNACK is allowed, otherwise 1. Errors: truncated,
+/// `min_base` is 0 where a pre-emptive ACKNACK is allowed, otherwise 1. Errors: truncated,
 /// rtps_number_invalid, rtps_set_invalid.
 Result<SequenceNumberSet> read_sequence_number_set(Reader& reader, std::int64_t min_base);
 Result<FragmentNumberSet> read_fragment_number_set(Reader& reader);

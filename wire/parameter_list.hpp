@@ -28,7 +28,7 @@ class ParameterReader {
   /// Returns the next parameter, or empty at the sentinel. Errors: truncated (no sentinel),
   /// rtps_parameter_invalid (the length is not a multiple of 4).
   Result<std::optional<Parameter>> next();
-  /// The number of octets read so far; after the sentinel, the size of the list.
+  /// Returns the number of octets read so far; after the sentinel, the size of the list.
   std::size_t consumed() const { return reader_.position(); }
 
  private:
@@ -36,16 +36,16 @@ class ParameterReader {
   bool is_done_ = false;
 };
 
-/// The rule for an id that comes again. A list may repeat an id to give several values of one kind,
-/// such as locators (RTPS 2.5, 9.4.2.11). All other parameters have one value: of two, neither
-/// counts, and the list is refused. Otherwise two readers of a list could take different values
-/// from it. Cyclone DDS has the same rule.
+/// Finds parameters that are repeated although they have one value. A list may repeat an id to give
+/// several values of one kind, such as locators (RTPS 2.5, 9.4.2.11). All other parameters have one
+/// value: if a list has two, it is refused, because two readers could take different values from
+/// it. Cyclone DDS has the same rule.
 class SingleParameters {
  public:
   static constexpr std::size_t kMax = 64;
 
-  /// A parameter with one value has come. `index`: of its id in a table of at most kMax. Error:
-  /// rtps_parameter_invalid (it came before).
+  /// Notes that a list has a parameter with one value. `index` is the position of its id in a table
+  /// of at most kMax. Error: rtps_parameter_invalid (the list already had the parameter).
   Status take(std::size_t index) {
     if (has(index)) return fail(Code::rtps_parameter_invalid);
     taken_.set(index);
@@ -57,8 +57,8 @@ class SingleParameters {
   std::bitset<kMax> taken_;
 };
 
-/// Returns the list at the beginning of `octets`, including its sentinel; the length of every
-/// parameter has been checked. Errors: as for ParameterReader::next.
+/// Returns the list at the beginning of `octets`, including its sentinel. The length of every
+/// parameter has been checked. Errors: those of ParameterReader::next.
 Result<BytesView> parameter_list_prefix(BytesView octets, Endian endian);
 
 /// Writes a parameter header in its constructor. Its destructor pads and sets the length.

@@ -1,4 +1,4 @@
-// Writes into a buffer of fixed size that the caller owns. Messages are built with it.
+// Writes messages into a buffer of fixed size that the caller owns.
 #pragma once
 
 #include <algorithm>
@@ -9,9 +9,9 @@
 
 namespace ddssec::rtps {
 
-/// Never writes past the end of the buffer. What does not fit is left out and `overflowed()` stays
-/// true, so that one check after a whole submessage is sufficient. Alignment counts from the first
-/// octet of the buffer.
+/// Never writes past the end of the buffer. Data that does not fit is left out and `overflowed()`
+/// stays true, so that one check after a whole submessage is sufficient. Alignment counts from the
+/// first octet of the buffer.
 class SpanWriter {
  public:
   explicit SpanWriter(MutableBytes out, Endian endian = Endian::little)
@@ -23,11 +23,11 @@ class SpanWriter {
   bool overflowed() const { return has_overflowed_; }
   BytesView view() const { return out_.first(size_); }
 
-  /// The free part of the buffer, for callers that write to it; they call `commit` with the number
-  /// of octets written.
+  /// Returns the free part of the buffer, for callers that write to it; they then call `commit`
+  /// with the number of octets written.
   MutableBytes spare() { return has_overflowed_ ? MutableBytes{} : out_.subspan(size_); }
   void commit(std::size_t count) { claim(count); }
-  /// Behaves as if something had not fitted.
+  /// Marks the writer as overflowed, as if some data had not fitted.
   void overflow() { has_overflowed_ = true; }
 
   /// Removes everything from `size` on, and clears the overflow.
@@ -48,7 +48,7 @@ class SpanWriter {
   /// Writes zero octets up to a multiple of `alignment`.
   void align(std::size_t alignment) { std::ranges::fill(claim(-size_ & (alignment - 1)), 0); }
 
-  /// Overwrites an integer that was written before at `position`.
+  /// Overwrites an integer that was written earlier at `position`.
   template <std::integral T>
   void patch(std::size_t position, T value) {
     if (position + sizeof(T) <= size_) store(out_.subspan(position, sizeof(T)), value);

@@ -39,7 +39,7 @@ struct SubmessageView {
   SubmessageId id{};
   std::uint8_t flags = 0;
   BytesView body;   ///< after the submessage header
-  BytesView whole;  ///< with the header: what a transform protects
+  BytesView whole;  ///< includes the header; this is what a transform protects
 
   Endian endian() const { return flags & kFlagLittleEndian ? Endian::little : Endian::big; }
   bool has(std::uint8_t flag) const { return (flags & flag) != 0; }

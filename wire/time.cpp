@@ -26,8 +26,8 @@ SecondsAndFraction from_nanoseconds(std::chrono::nanoseconds time) {
   if (seconds > std::numeric_limits<std::int32_t>::max()) return kDurationInfinite;
   if (seconds < std::numeric_limits<std::int32_t>::min())
     return {std::numeric_limits<std::int32_t>::min(), 0};
-  // Rounded up, as in Cyclone DDS and Fast DDS. They compare fractions, so an offered lease of 0.7
-  // s would otherwise not match a requested one of 0.7 s.
+  // The fraction is rounded up, as in Cyclone DDS and Fast DDS. They compare fractions, so an
+  // offered lease of 0.7 s would otherwise not match a requested one of 0.7 s.
   const auto most = static_cast<std::uint64_t>(kNanosecondsPerSecond - 1);
   const auto fraction = ((static_cast<std::uint64_t>(part) << 32) + most) / kNanosecondsPerSecond;
   return {static_cast<std::int32_t>(seconds), static_cast<std::uint32_t>(fraction)};

@@ -18,21 +18,21 @@ struct SecondsAndFraction {
   std::uint32_t fraction = 0;
 
   auto operator<=>(const SecondsAndFraction&) const = default;
-  /// Exact to a nanosecond. Uses only arithmetic, so that no fraction can cause a long loop
-  /// (CVE-2025-63829).
+  /// Rounds to the nearest nanosecond. Uses only arithmetic, so that no fraction can cause a long
+  /// loop (CVE-2025-63829).
   std::chrono::nanoseconds to_nanoseconds() const;
 };
 SecondsAndFraction from_nanoseconds(std::chrono::nanoseconds time);
 }  // namespace detail
 
-/// A length of time. Negative ones do not occur in valid QoS.
+/// A length of time. Valid QoS has no negative ones.
 struct Duration : detail::SecondsAndFraction {
   auto operator<=>(const Duration&) const = default;
   /// Rounds up to a multiple of 2^-32 s. A value that does not fit becomes infinite (or the most
   /// negative one).
   static Duration from(std::chrono::nanoseconds time);
   bool is_infinite() const;
-  /// An infinite duration becomes nanoseconds::max().
+  /// Converts to nanoseconds. An infinite duration becomes nanoseconds::max().
   std::chrono::nanoseconds to_nanoseconds() const;
 };
 

@@ -13,8 +13,8 @@ inline constexpr VendorId kVendorDdssec{{0x01, 0xd5}};
 inline constexpr VendorId kVendorFastDds{{0x01, 0x0f}};
 inline constexpr VendorId kVendorCyclone{{0x01, 0x10}};
 
-/// The announced version. DDS-Security 1.2, clause 7.4.6.1 requires at least 2.3; Cyclone DDS and
-/// Fast DDS accept it.
+/// The announced version. DDS-Security 1.2, clause 7.4.6.1, requires at least 2.3, which Cyclone
+/// DDS and Fast DDS accept.
 inline constexpr ProtocolVersion kProtocolVersion{{2, 3}};
 
 }  // namespace ddssec::rtps
