@@ -26,14 +26,20 @@ using End = ChildProcess::End;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
 
-constexpr seconds kMaxRest{600};      // a folder may be changed by hand, and a clock be set
-constexpr seconds kTimeForFiles{60};  // a token, or another command that has locked the folder
+// The longest time from a success to the next visit: a folder may be changed by hand, and a clock
+// be set.
+constexpr seconds kMaxRest{600};
+// A worker may wait for a token, or for another command that has locked the folder.
+constexpr seconds kTimeForFiles{60};
 constexpr seconds kMinRestOfOthers{60};
-constexpr seconds kMaxLook{60};  // an overlap may be begun at any time
+// An overlap may begin at any time.
+constexpr seconds kMaxLook{60};
 constexpr seconds kRetryEnd{3600};
-constexpr seconds kTimeForOwnCa{120};  // other commands may use the CA; each waits for 20 s
+// Other commands may use the CA; a command waits up to 20 s for its lock.
+constexpr seconds kTimeForOwnCa{120};
 
-// After that, for an hour: otherwise one user could keep the agent from the other folders.
+// How long the agent waits for a worker if its owner counts as slow, which lasts for kSlowFor.
+// Otherwise one user could keep the agent from the other folders.
 constexpr seconds kTimeForSlowOwner{3};
 constexpr seconds kSlowFor{3600};
 
@@ -43,7 +49,7 @@ std::unexpected<Error> no_answer(End end) {
                                .note = end == End::too_slow ? "it took too long" : "it has ended"});
 }
 
-// Tried again with the same PIN or passphrase, it may lock the token.
+// True for errors after which another attempt with the same PIN or passphrase may lock the token.
 bool must_not_be_tried_again(Code code) {
   return code == Code::pkcs11_pin_wrong || code == Code::passphrase_wrong;
 }
@@ -76,8 +82,8 @@ Json Agent::mode() const {
           {"pid", ::getpid()}};
 }
 
-// In a process of its own, like each use of the CA's key. A passphrase that is wrong would be
-// noticed only when the first certificate is due.
+// Runs in a process of its own, like each use of the CA's key. Without this check, a wrong
+// passphrase would be noticed only when the first certificate is due.
 Status Agent::prove_ca() {
   if (hooks_.certificates) return {};
   const auto json = from_process([&]() -> Result<Json> {
@@ -136,7 +142,8 @@ void Agent::look_at_all_now() {
   silent_responders_.clear();
 }
 
-// Before the folders are looked at: the CA that ends renews no certificate that has not moved.
+// Call this before the folders are checked: once an overlap has ended, the former CA renews no
+// certificate of a participant that has not moved.
 void Agent::end_overlaps() {
   const auto now = context_.clock.now();
   auto rest = kMaxLook;
@@ -154,7 +161,7 @@ void Agent::end_overlaps() {
                         : context_.clock.since_boot() + (failed_ends_ > 0 ? kRetryEnd : rest);
 }
 
-// In a process of its own, like each use of the CA's key.
+// Runs in a process of its own, like each use of the CA's key.
 void Agent::end(const OverlapToEnd& overlap) {
   auto json = ca_refusal_
                   ? Result<Json>(std::unexpected(*ca_refusal_))
@@ -182,7 +189,8 @@ void Agent::end(const OverlapToEnd& overlap) {
   for (auto& folder : folders_) folder.next = {};  // each has new files
 }
 
-// A folder lacks what was renewed after it. The error of a folder that failed is reported already.
+// Gives each folder the entries for participants that were renewed after it. The error of a folder
+// that failed is reported already.
 void Agent::complete_lists() {
   const auto list = renewals();
   if (list.empty()) return;
@@ -241,7 +249,7 @@ steady_clock::time_point Agent::time_for(const Folder& folder) const {
   return steady_clock::now() + (is_slow ? kTimeForSlowOwner : kTimeForFiles);
 }
 
-// The owner of a folder can stop its process.
+// Remembers the owner of a folder whose worker took too long, because an owner can stop the worker.
 std::unexpected<Error> Agent::worker_ended(const Folder& folder, End end) {
   if (end == End::too_slow && folder.lock)
     slow_owners_.insert_or_assign(folder.lock->owner().user,
@@ -249,10 +257,11 @@ std::unexpected<Error> Agent::worker_ended(const Folder& folder, End end) {
   return no_answer(end);
 }
 
-// The agent's own user could ask any responder anyway.
+// The folders of the agent's own user are not restricted without --trust: that user could ask any
+// responder anyway.
 RespondersAsked Agent::responders_for(const Folder& folder) const {
   RespondersAsked out{.of_cas_from = hooks_.certificates ? "--trust" : "--ca"};
-  if (!folder.lock) return out;  // with --dry-run none is asked
+  if (!folder.lock) return out;  // with --dry-run no responder is asked
   const auto owner = folder.lock->owner().user;
   out.not_now = silent_responders_.of(owner, context_.clock.since_boot());
   if (hooks_.certificates && !arguments_.has("--trust")) {
@@ -267,7 +276,8 @@ RespondersAsked Agent::responders_for(const Folder& folder) const {
   return out;
 }
 
-// Of a CA behind a hook there is none. One that is too long for a worker is left to crl distribute.
+// The CA's renewal list as text. Empty if the CA is behind a hook, or if the list does not fit into
+// a line to a worker; `crl distribute` then writes it.
 std::string Agent::renewals() const {
   if (hooks_.certificates) return {};
   const std::filesystem::path given = arguments_.text("--ca");
@@ -278,7 +288,7 @@ std::string Agent::renewals() const {
   return text && text->size() < kMaxAgentLine / 2 ? *text : std::string();
 }
 
-// The others get the list with the new certificate soon, if that is not too much work.
+// Lets the other folders get the list with the new certificate soon, unless there are too many.
 void Agent::look_at_others(const Folder& renewed) {
   constexpr std::size_t kMax = 64;
   if (hooks_.certificates || folders_.size() > kMax) return;
@@ -287,17 +297,18 @@ void Agent::look_at_others(const Folder& renewed) {
     if (&other != &renewed && other.failures == 0) other.next = std::min(other.next, soon);
 }
 
-// Only the process that asks the CA, and the hook, need them.
+// The variables with secrets. Only the process that asks the CA, and the hook, need them.
 std::vector<std::string> Agent::secret_variables() const {
   auto out = arguments_.all("--hook-env");
   if (arguments_.has("--passphrase-env")) out.push_back(arguments_.text("--passphrase-env"));
   return out;
 }
 
-// Answers what it asks about documents, first of all. The result is the line after that. Errors do
-// not end its work.
+// Answers the worker's questions about documents, which come first. Returns the first line that is
+// about something else. The error of a document is sent as the answer and does not end the worker.
 Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
-  constexpr int kMaxLines = 4;  // one of each kind, and what became of them
+  // One line for each kind of document, and one with the outcome.
+  constexpr int kMaxLines = 4;
   for (int lines = 0;; ++lines) {
     std::string line;
     if (const auto end = worker.read_line(line, kMaxAgentLine, time_for(folder)); end != End::done)
@@ -318,7 +329,7 @@ Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
   }
 }
 
-// Lists are public. Permissions are given to the key that they are for.
+// Revocation and renewal lists are public. Permissions are given only to the holder of their key.
 Result<Bytes> Agent::ask_document(const Folder& folder, const DocumentRequest& request) {
   constexpr std::array<std::string_view, 3> kKinds = {"permissions", "crl", "renewals"};
   if (std::ranges::find(kKinds, request.wanted) == kKinds.end()) return no_answer(End::closed);
@@ -336,7 +347,8 @@ Result<Bytes> Agent::ask_document(const Folder& folder, const DocumentRequest& r
   return Bytes(octets.begin(), octets.end());
 }
 
-// The owner of a folder says when to ask again: not too often for a folder of another user.
+// The folder's worker says when to ask again. For a folder of another user the agent waits at least
+// kMinRestOfOthers.
 void Agent::note_documents(Folder& folder, const Json& told) {
   const bool is_own = folder.lock->owner().user == ::geteuid();
   const auto now = context_.clock.now();
@@ -356,8 +368,8 @@ void Agent::note_documents(Folder& folder, const Json& told) {
   events_.report("documents_fetched", folder.task.folder, std::move(members));
 }
 
-// The worker asks at most once. If the CA's answer is an error, the worker ends without an answer:
-// it has written nothing yet.
+// The worker asks the CA at most once. If the answer is an error, the worker ends without a reply,
+// because it has written nothing yet.
 Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
   std::string line;
   const auto read = [&] { return worker.read_line(line, kMaxAgentLine, time_for(folder)); };
@@ -368,8 +380,8 @@ Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
   const auto asked_lifetime = std::max(seconds(1), request.lifetime);
   if (is_own) folder.lifetime = asked_lifetime;
   DDSSEC_ASSIGN_OR_RETURN(auto answer, ask_ca(folder, request));
-  folder.lifetime = asked_lifetime;  // the CA knows the certificate
-  answer.renewals = renewals();      // with the new certificate
+  folder.lifetime = asked_lifetime;  // the CA has accepted the certificate
+  answer.renewals = renewals();      // includes the new certificate
   const auto sent = worker.write(answer_line(answer), time_for(folder));
   if (sent != End::done) return worker_ended(folder, sent);
   if (const auto end = read(); end != End::done) return worker_ended(folder, end);
@@ -380,7 +392,7 @@ Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
 }
 
 Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
-  if (!folder.lock) return no_answer(End::closed);  // with --dry-run nothing is asked
+  if (!folder.lock) return no_answer(End::closed);  // with --dry-run the CA is not asked
   DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
   if (!hooks_.certificates) return ask_own_ca(folder, request);
   DDSSEC_RETURN_IF_ERROR(check_request(request));
@@ -393,7 +405,7 @@ Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& 
   return RenewalAnswer{std::move(pem)};
 }
 
-// What `work` returns, from a process of its own with the agent's rights.
+// Returns the result of `work`, which runs in a process of its own with the agent's rights.
 Result<Json> Agent::from_process(const std::function<Result<Json>()>& work) {
   DDSSEC_ASSIGN_OR_RETURN(auto process, ChildProcess::start(signals_, [&](int, int out) {
                             const auto result = work();
@@ -407,8 +419,8 @@ Result<Json> Agent::from_process(const std::function<Result<Json>()>& work) {
   return json;
 }
 
-// The key of the CA is in that process alone. It judges the locked folder, to which the path may no
-// longer lead.
+// Only the child process has the CA's key. It judges the locked folder, because the path may lead
+// to another one by now.
 Result<RenewalAnswer> Agent::ask_own_ca(const Folder& folder, const RenewalRequest& request) {
   if (ca_refusal_) return std::unexpected(*ca_refusal_);
   const auto json = from_process([&]() -> Result<Json> {

@@ -1,4 +1,4 @@
-// The agent: looks after participants' folders, one after the other.
+// The agent, which looks after participants' folders one after the other.
 #pragma once
 
 #include <filesystem>
@@ -20,7 +20,7 @@
 
 namespace ddssec::cli {
 
-/// The programs that get something from a CA elsewhere.
+/// The programs that get certificates or documents from a CA elsewhere.
 struct AgentHooks {
   std::optional<Hook> certificates = {};  ///< empty: a CA of this machine (--ca)
   std::optional<Hook> documents = {};     ///< permissions and lists
@@ -35,7 +35,7 @@ class Agent {
 
   /// Looks at each folder once. The errors of those that failed are in the report.
   Answer<AgentRun> run_once();
-  /// Goes on until SIGTERM or SIGINT. SIGHUP: looks at all folders now.
+  /// Goes on until SIGTERM or SIGINT. After SIGHUP it looks at all folders now.
   Answer<AgentRun> run();
 
  private:
@@ -46,12 +46,12 @@ class Agent {
     Moment next{0};
     Moment next_documents{0};
     unsigned failures = 0;
-    /// Of its certificate. How often the CA is asked follows from it, so of another user's folder
-    /// only what the CA has accepted counts.
+    /// The lifetime of its certificate, which decides how often the CA is asked. For a folder of
+    /// another user it is therefore known only after the CA has accepted the certificate.
     std::chrono::seconds lifetime{std::chrono::days(1)};
-    std::string told = {};  ///< the certificate that was reported as current
+    std::string told = {};  ///< the serial number in the last event
     bool is_paused = false;
-    bool has_problem = false;  ///< said the last event about it
+    bool has_problem = false;  ///< true if the last event had a "problem"
   };
 
   void renew(Folder& folder);
@@ -61,7 +61,7 @@ class Agent {
   void end(const OverlapToEnd& overlap);
   Result<Json> try_to_renew(Folder& folder);
   RespondersAsked responders_for(const Folder& folder) const;
-  /// Until when the process for a folder must have answered.
+  /// The time by which the process for a folder must have answered.
   std::chrono::steady_clock::time_point time_for(const Folder& folder) const;
   std::unexpected<Error> worker_ended(const Folder& folder, ChildProcess::End end);
   std::string renewals() const;
@@ -87,11 +87,13 @@ class Agent {
   HeldSignals signals_;
   AgentEvents events_;
   std::vector<Folder> folders_;
-  std::optional<Error> ca_refusal_ = {};        ///< the CA's key did not take its PIN or passphrase
-  std::set<uid_t> owners_with_wrong_pin_ = {};  ///< so said a token that a folder of theirs names
-  std::map<uid_t, Moment> slow_owners_ = {};    ///< whose processes took too long; until then
+  /// The error if the CA's key refused its PIN or passphrase.
+  std::optional<Error> ca_refusal_ = {};
+  std::set<uid_t> owners_with_wrong_pin_ = {};  ///< owners of a folder whose token refused the PIN
+  /// Owners whose workers took too long, and until when that counts.
+  std::map<uid_t, Moment> slow_owners_ = {};
   SilentResponders silent_responders_ = {};
-  Moment next_end_{0};  ///< when overlaps of the CA are looked at again
+  Moment next_end_{0};  ///< when the agent looks for overlaps to end
   unsigned failed_ends_ = 0;
   std::vector<Error> errors_ = {};
   std::vector<WrittenFile> written_ = {};

@@ -27,8 +27,9 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::seconds;
 
-// A short validity begins less early: else it would be over by two thirds when it is issued. As
-// long as the old one: that began earlier by the same rule.
+// The new validity is as long as the old one. It begins kBackdated before `now`, but a short one
+// begins by at most a ninth of its span earlier: otherwise two thirds of it would be over when it
+// is issued.
 Result<pki::Validity> next_validity(const Arguments& arguments, const pki::Certificate& old,
                                     WallTime now) {
   if (arguments.has("--days")) return validity(arguments, now);
@@ -38,7 +39,8 @@ Result<pki::Validity> next_validity(const Arguments& arguments, const pki::Certi
   return pki::Validity{now - backdated, now + std::max(ahead, seconds(1))};
 }
 
-// Later in any case: a CA that ends soon would be asked again and again.
+// The new certificate must end after the old one. Otherwise a CA that itself ends soon would be
+// asked again on every visit.
 Status check_later(const pki::Certificate& renewed, const pki::Certificate& old,
                    const pki::Certificate& ca, WallTime now) {
   if (renewed.not_after() > old.not_after() || is_from_the_future(old, now)) return {};
@@ -75,7 +77,7 @@ pki::RequestedKey key_of_request(const Arguments& arguments) {
 }
 
 // The request comes from the participant, which must not get another name or, without --rekey,
-// another key. The result is the folder to record for the new certificate.
+// another key. Returns the folder to record for the new certificate.
 Result<fs::path> check_renewable(const RenewalRequest& request, const pki::Certificate& old,
                                  const fs::path& folder, const OpenCa& ca,
                                  const Arguments& arguments) {
@@ -90,7 +92,8 @@ Result<fs::path> check_renewable(const RenewalRequest& request, const pki::Certi
   return recorded_folder(old, folder, ca.paths, log);
 }
 
-// A document that the CA has replaced since may give more. It would live on with each renewal.
+// Refuses a document that the CA has replaced since: it may give more rights, and each renewal
+// would extend it.
 Status check_current(const pki::SignedDocument& document, const fs::path& file, const OpenCa& ca) {
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(ca.paths));
   const auto standing = log.standing(document.content(), document.signer(), logged_names(file));
@@ -103,7 +106,7 @@ Status check_current(const pki::SignedDocument& document, const fs::path& file, 
 
 struct ExtendedByCa {
   Bytes permissions = {};             // empty if those in place last as long as the certificate
-  std::optional<Error> problem = {};  // of the renewal list
+  std::optional<Error> problem = {};  // the reason why the renewal list was not written
 };
 
 Result<ExtendedByCa> extended_by_ca(const Bytes& old_octets, const pki::Certificate& renewed,
@@ -153,7 +156,7 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path&
   NewlyListed listed;
   listed.add(ca.paths, renewed);
   RenewalAnswer out{renewed.pem()};
-  // The certificate is logged: a list that cannot be written does not undo that.
+  // The certificate is logged already, and a list that cannot be written does not undo that.
   if (const auto written = listed.write(context.clock.now()); !written)
     out.problem = written.error();
   if (request.permissions.empty()) return out;
@@ -170,7 +173,7 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path&
 
 namespace {
 
-// A passphrase that must be typed, or that can be read only once, is kept for the renewal.
+// False if the passphrase must be typed or can be read only once: it is then kept for the renewal.
 bool can_be_read_again(const Arguments& arguments) {
   std::error_code ignored;
   if (arguments.has("--passphrase-file"))
@@ -213,7 +216,7 @@ Status check_not_on(const pki::ChainVerifier& verifier, const pki::Certificate& 
 
 namespace {
 
-// In the agent's own process, by a list that the owner of the folder cannot take away.
+// Runs in the agent's own process, with a list that the owner of the folder cannot remove.
 Status check_not_on_lists(const TrustedAskers& trusted, const pki::Certificate& certificate,
                           std::vector<pki::Certificate> cas) {
   auto file = trusted.lists;

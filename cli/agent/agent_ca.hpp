@@ -21,34 +21,35 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request,
                                   const Context& context);
 
 /// Success if the passphrase of the options opens the keys of --ca (with --permissions both), as
-/// far as that can be tried. Not tried: a key in a token, which a wrong PIN may lock; a passphrase
-/// that is typed or comes from a pipe. Errors: those of passphrase() and read_key.
+/// far as that can be tried. A key in a token is not tried, because a wrong PIN may lock the token,
+/// nor is a passphrase that is typed or comes from a pipe. Errors: those of passphrase() and
+/// read_key.
 Status prove_passphrase(const Arguments& arguments);
 
 /// The revocation lists in a file. Errors: those of read_file and Crl::all_from.
 Result<std::vector<pki::Crl>> read_lists(const std::filesystem::path& file);
 
-/// Error: certificate_revoked, if a list of the verifier, from `file`, names the certificate.
+/// Returns certificate_revoked if a list of the verifier, from `file`, names the certificate.
 Status check_not_on(const pki::ChainVerifier& verifier, const pki::Certificate& certificate,
                     const std::filesystem::path& file);
 
 /// Success if the folder of this owner may ask the CA or a hook. Another user could ask for any
-/// name: with a certificate of their own in the folder, or with a copy of another participant's.
-/// Only a request with the present key shows whose it is. Error: folder_untrusted.
+/// name, with a certificate of their own in the folder or with a copy of another participant's.
+/// Only a request that the present key signed shows who asks. Error: folder_untrusted.
 Status check_owner(const FolderOwner& owner, const Arguments& arguments,
                    const std::filesystem::path& folder);
 
 /// Which certificates an agent with a hook renews.
 struct TrustedAskers {
-  std::filesystem::path trust;  ///< a file with CAs; empty: of all CAs
+  std::filesystem::path trust;  ///< a file with CAs; empty: all CAs are trusted
   /// Revocation lists of these CAs; empty: crl.pem beside `trust`, if there is one.
   std::filesystem::path lists;
 };
 /// Success if a request may be given to a hook: it has the subject of the certificate in the folder
 /// and, unless `is_rekeying`, its key. One of the trusted CAs must have issued the certificate, and
-/// none of the lists names it. Else the owner of a folder could ask for any name, or go on after a
-/// revocation. Errors: those of check_renewal_request, check_trust_file, read_certificates and
-/// read_lists; issuer_unknown, certificate_revoked.
+/// none of the lists names it. Otherwise the owner of a folder could ask for any name, or continue
+/// after a revocation. Errors: those of check_renewal_request, check_trust_file, read_certificates
+/// and read_lists; issuer_unknown, certificate_revoked.
 Status check_asker(const RenewalRequest& request, const TrustedAskers& trusted, bool is_rekeying);
 
 }  // namespace ddssec::cli

@@ -24,12 +24,12 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::seconds;
 
-// A revocation should reach the participant soon.
+// How often the hook is asked, so that a revocation reaches the participant soon.
 constexpr seconds kAskAgain{600};
 constexpr seconds kMinRetry{2};
 constexpr seconds kMaxRetry{300};
 
-// Permissions that a CA of the folder has signed for this participant.
+// The permissions that a CA of the folder has signed for this participant.
 struct Rights {
   governance::Validity validity;
   bool has_ended;
@@ -58,7 +58,8 @@ std::optional<Rights> rights_in_place(const DocumentsTask& task) {
   return rights ? std::optional(*std::move(rights)) : std::nullopt;
 }
 
-// Two thirds of their time. Permissions that cannot be read are asked for at once.
+// Permissions are due when two thirds of their validity are over. Permissions that cannot be read
+// are due now.
 WallTime due_time(const DocumentsTask& task, const std::optional<Rights>& rights) {
   if (!rights) return task.clock.now();
   const auto& time = rights->validity;
@@ -112,7 +113,7 @@ Status put(FileTransaction& out, const fs::path& file, BytesView octets) {
   return out.put(file, octets, mode);
 }
 
-// Fetches documents, and notes what became of each.
+// Fetches documents and notes the outcome of each.
 class Fetching {
  public:
   Fetching(const DocumentsTask& task, const FetchDocument& fetch) : task_(task), fetch_(fetch) {}
@@ -167,7 +168,7 @@ class Fetching {
     DDSSEC_ASSIGN_OR_RETURN(const auto next, rights_in(task_, octets));
     DDSSEC_RETURN_IF_ERROR(check_follows(task_, next, former));
     FileTransaction out;
-    // The same text without its signature, for people.
+    // Unsigned copy of the same text, for people to read.
     if (const auto plain = fs::path(file).replace_extension("xml"); is_there(plain))
       DDSSEC_RETURN_IF_ERROR(put(out, plain, as_bytes(next.text)));
     DDSSEC_RETURN_IF_ERROR(put(out, file, octets));
@@ -183,7 +184,7 @@ class Fetching {
     return note_files(out.commit_each());
   }
 
-  // The CA of a list; null if none of the folder's signed it.
+  // The CA that signed a list; nullptr if no CA of the folder did.
   static const pki::Certificate* signer_of(const pki::Crl& list,
                                            const std::vector<pki::Certificate>& cas) {
     const auto found =
@@ -237,7 +238,7 @@ class Fetching {
     return put_lists(std::move(lists), std::move(cas));
   }
 
-  // That of the participant's own CA first, if it is there.
+  // If there is a list of the participant's own CA, it comes first.
   Status put_lists(std::vector<pki::Crl> lists, std::vector<pki::Certificate> cas) {
     const auto is_own = [&](const pki::Crl& list) {
       const auto* ca = signer_of(list, cas);

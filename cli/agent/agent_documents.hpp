@@ -13,25 +13,26 @@
 
 namespace ddssec::cli {
 
-/// Asks the hook; the answer is not yet checked. Empty: it has no such document.
+/// Asks the hook; the answer is not yet checked. The answer is empty if the hook has no such
+/// document.
 using FetchDocument = std::function<Result<Bytes>(const DocumentRequest&)>;
 
 struct DocumentsTask {
   const pki::ParticipantFolder& files;
-  const pki::Certificate& certificate;  ///< in the folder
+  const pki::Certificate& certificate;  ///< the one in the folder
   const Clock& clock;
   /// A request that the present key has signed (PKCS#10, PEM), to show who asks for permissions.
   std::function<Result<std::string>()> request;
 };
 
-/// Asks for the revocation lists, the renewal list and, after two thirds of the time of those in
-/// the folder, for permissions. Each is checked as a running participant would check it, and is
-/// put into the folder only after that, atomically and with its former mode:
+/// Asks for the revocation lists and the renewal list. Asks for permissions when two thirds of the
+/// validity of those in the folder are over. Each document is checked as a running participant
+/// would check it. Only after that it is put into the folder, atomically and with its former mode:
 /// - permissions are signed by a CA of the folder, have a grant for the participant that is valid
 ///   now, begin and were signed no earlier than those in place, and end later;
-/// - each revocation list is signed by a CA of the folder, valid now, and no older than the one of
-///   that CA in place, and names all that that one names;
-/// - of the renewal list the entries count whose CAs the folder has.
+/// - each revocation list is signed by a CA of the folder and valid now. It is no older than the
+///   list of that CA in place and names every certificate that this list names;
+/// - of the renewal list, only entries of CAs in the folder count.
 /// The result has members of the event "documents_fetched": "files"; "problem", the first one;
 /// "documents_next", when to ask again.
 Json keep_documents(const DocumentsTask& task, const FetchDocument& fetch);

@@ -1,5 +1,5 @@
-// What the agent reports: one JSON object a line, by "event of agent" in cli/schema. No event has a
-// key, a request, a PIN, or what a hook wrote.
+// What the agent reports: one JSON object for each line, as "event of agent" in cli/schema
+// describes it. No event contains a key, a request, a PIN, or what a hook wrote.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@
 
 namespace ddssec::cli {
 
-/// An event. Most come from a process of another user, so the agent keeps only members that it
-/// knows.
+/// An event. Most events come from a process of another user, so the agent keeps only members that
+/// it knows.
 struct AgentEvent {
   static constexpr std::string_view kDef = "event of agent";
   Json members;
@@ -30,7 +30,7 @@ struct AgentRun {
   static std::string text() { return {}; }
 };
 
-/// Reports at once, on standard output, or keeps the events for a report.
+/// Writes events to standard output at once, or keeps them for a report.
 class AgentEvents {
  public:
   enum class To : std::uint8_t { standard_output, report };
@@ -51,13 +51,13 @@ class AgentEvents {
   std::vector<AgentEvent> kept_;
 };
 
-/// Those members that the agent reports of an event, shortened: a process with another user's
-/// rights has sent it.
+/// Returns the members that the agent reports of an event, shortened, because a process with
+/// another user's rights has sent them.
 Json known_members(const Json& event);
-/// The files in its member "files".
+/// The files in the event's member "files".
 std::vector<WrittenFile> files_from(const Json& event);
 
-/// The members about an error: code, number, message, hint; file, if it is about one.
+/// The members about an error: code, number, message and hint, and the file if the error names one.
 Json event_members(const Error& error);
 
 }  // namespace ddssec::cli

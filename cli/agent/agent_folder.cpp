@@ -38,7 +38,7 @@ std::unexpected<Error> unreadable(const fs::path& path, int error) {
   return fail(code, std::move(details));
 }
 
-// Without the slash at its end, with which a link would be followed.
+// Removes the slash at the end of the path, because a symbolic link with a slash would be followed.
 fs::path name_of(const fs::path& folder) {
   return folder.has_filename() ? folder : folder.parent_path();
 }
@@ -51,8 +51,8 @@ bool is_at(int folder, int file) {
          open.st_dev == by_name.st_dev;
 }
 
-// The folder's owner can put anything in its place: another user's file is neither locked nor
-// removed.
+// The folder's owner can put anything in the place of the lock file. A file of another user is
+// neither locked nor removed.
 bool is_own_file(int file) {
   struct stat status {};
   return ::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && status.st_nlink == 1 &&
@@ -65,7 +65,8 @@ struct Groups {
   std::vector<gid_t> all;
 };
 
-// A folder's group may be root's; it is used only for a user without an entry.
+// The folder's group is used only for a user without an entry in the user database. It may be
+// root's, and is then replaced.
 Groups groups_of(const FolderOwner& owner) {
   const passwd* entry = ::getpwuid(owner.user);
   if (entry == nullptr) {
@@ -108,7 +109,8 @@ Status become(const FolderOwner& owner) {
                        ::setresgid(groups.own, groups.own, groups.own) == 0 &&
                        ::setresuid(owner.user, owner.user, owner.user) == 0;
   const int error = errno;
-  ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // a change of the user ends that
+  // A change of the user resets this.
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (is_done && ::setuid(0) != 0 && ::geteuid() == owner.user) return {};
   return fail(Code::internal, {.field = fmt::format("the rights of user {}", owner.user),
                                .note = std::generic_category().message(error)});

@@ -1,5 +1,6 @@
-// A participant's folder as the agent uses it. The agent may run as root and the folder may be
-// another user's: so the process that reads and writes the folder becomes that user for good.
+// A participant's folder as the agent uses it. The agent may run as root while the folder belongs
+// to another user. The process that reads and writes the folder therefore becomes that user for
+// good.
 #pragma once
 
 #include <filesystem>
@@ -16,30 +17,29 @@ struct FolderOwner {
   gid_t group;
 };
 
-/// Success for an open folder of this user (for root: of any user) in which no other user may
+/// Success for an open folder of this user (for root: of any user) in which only its owner may
 /// write. Errors: folder_untrusted; file_unreadable.
 Result<FolderOwner> check_folder(int descriptor, const std::filesystem::path& folder);
 
 /// If root runs this process: gives up its rights for those of the owner, with the owner's groups.
-/// There is no way back. The environment and the standard streams go, too: they are the agent's.
-/// Does nothing in a folder of root's. Error: internal.
+/// There is no way back. Does nothing for a folder that belongs to root. Error: internal.
 Status become(const FolderOwner& owner);
 
-/// A folder that the agent locked, for the processes that open it by its path again.
+/// The identity of a folder that the agent locked, for processes that open it by its path again.
 struct LockedFolder {
   FolderOwner owner;
   dev_t device = 0;
   ino_t inode = 0;
 
   bool is_same(const struct stat& other) const;
-  /// Success if this open folder is the locked one, under its owner. The path may lead to another
-  /// one by now. Error: folder_untrusted.
+  /// Success if this open folder is the locked one and still has the same owner. The path may lead
+  /// to another folder by now. Error: folder_untrusted.
   Status check_same(int descriptor, const std::filesystem::path& folder) const;
 };
 
-/// Says to other agents that this one keeps a folder, as long as it lives: a locked file in it,
-/// which only the agent's user can open. It is removed at the end; if the process is killed, the
-/// file stays and its lock ends.
+/// Shows other agents that this one keeps a folder, by a locked file in it that only the agent's
+/// user can open. The destructor removes the file. If the process is killed, the file stays but its
+/// lock ends.
 class FolderLock {
  public:
   /// Errors: those of check_folder and open_guarded; file_unreadable, file_unwritable;
@@ -48,7 +48,7 @@ class FolderLock {
 
   /// False after the folder or the file in it was removed or replaced, or the owner was changed.
   bool is_in_place(const std::filesystem::path& folder) const;
-  /// The open file: a process that has it keeps the lock.
+  /// The open file. A process that inherits it keeps the lock.
   int descriptor() const { return file_; }
   const LockedFolder& folder() const { return locked_; }
   const FolderOwner& owner() const { return locked_.owner; }

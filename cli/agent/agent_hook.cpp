@@ -61,8 +61,8 @@ bool is_trusted(const struct stat& status) {
   return status.st_uid == 0 || status.st_uid == ::geteuid();
 }
 
-// In a folder with the sticky bit only the owner of a file can replace it. A link is one that was
-// put there after the path was resolved.
+// In a folder with the sticky bit only the owner of a file can replace it. `file` was resolved
+// before, so a symbolic link in its path was put there since.
 Status check_place(const fs::path& file, Code unsafe) {
   for (auto folder = file.parent_path();; folder = folder.parent_path()) {
     struct stat status {};
@@ -80,7 +80,7 @@ Status check_place(const fs::path& file, Code unsafe) {
   }
 }
 
-// `file` has no links.
+// `file` is a path without symbolic links.
 Status check_file(const fs::path& file, Code unsafe, Code unreadable) {
   struct stat status {};
   if (::lstat(file.c_str(), &status) != 0)
@@ -140,13 +140,13 @@ Status check_trust_file(const fs::path& file) {
   return check_file(path, tool_code::trust_unsafe, Code::file_unreadable);
 }
 
-// A hook need not read the request, so an end of its input is no failure.
+// A hook need not read the request, so it is no failure if it closes its input.
 Result<std::string> run_hook(const Hook& hook, const HookRequest& request, HeldSignals& signals) {
   std::error_code error;
   const auto program = fs::canonical(hook.words.front(), error);
   if (error)
     return fail(tool_code::hook_failed, {.document = hook.words.front(), .note = error.message()});
-  // A user who can change the program has the rights of the agent.
+  // A user who can change the program would get the rights of the agent.
   DDSSEC_RETURN_IF_ERROR(check_file(program, tool_code::hook_unsafe, tool_code::hook_failed));
   const auto deadline = std::chrono::steady_clock::now() + hook.timeout;
   DDSSEC_ASSIGN_OR_RETURN(auto child, ChildProcess::start(signals, [&](int in, int out) {

@@ -1,6 +1,6 @@
-// The commands that get something from a CA elsewhere. --hook reads a request (PKCS#10, PEM) from
-// standard input and writes the certificate (PEM) to standard output. --documents-hook reads the
-// certificate and writes a document.
+// The commands that get certificates or documents from a CA elsewhere. --hook reads a request
+// (PKCS#10, PEM) from standard input and writes the certificate (PEM) to standard output.
+// --documents-hook reads the certificate and writes a document.
 #pragma once
 
 #include <chrono>
@@ -20,14 +20,14 @@ inline constexpr std::size_t kMaxHookDocument = 1024 * 1024;
 
 /// A hook from the command line.
 struct Hook {
-  std::vector<std::string> words;      ///< first the program, by its absolute path
-  std::vector<std::string> variables;  ///< NAME=VALUE, besides those that each hook gets
+  std::vector<std::string> words;      ///< the program by its absolute path, and its arguments
+  std::vector<std::string> variables;  ///< NAME=VALUE, added to those that every hook gets
   std::chrono::seconds timeout;
 };
 
 /// The hook of an option, --hook or --documents-hook, with --hook-env and --hook-timeout. Words are
-/// separated by blanks. Characters that mean something to a shell are refused, because none reads
-/// them. Error: usage.
+/// separated by blanks. Characters that mean something to a shell are refused, because no shell
+/// reads the words. Error: usage.
 Result<Hook> hook_of(const Arguments& arguments, const std::string& option);
 
 /// Success if no user but this one and root can change the file of --trust. Errors: trust_unsafe,
@@ -38,15 +38,14 @@ Status check_trust_file(const std::filesystem::path& file);
 struct HookRequest {
   std::filesystem::path folder;  ///< of the participant, DDSSEC_FOLDER
   std::string subject;           ///< RFC 2253, DDSSEC_SUBJECT
-  std::string input;             ///< for its standard input
+  std::string input;             ///< what the hook reads from its standard input
   std::string wanted = {};       ///< DDSSEC_WANTED: the kind of document; empty: a certificate
   std::size_t max_answer = kMaxHookAnswer;
 };
 
-/// Runs the hook and returns what it wrote, not yet checked. It is run with the rights of this
-/// process, in the folder "/", with no other variables than PATH, LC_ALL, the two above and those
-/// of
-/// --hook-env, and with the standard error of this process. Errors: hook_unsafe, hook_failed,
+/// Runs the hook and returns what it wrote, not yet checked. The hook runs with the rights of this
+/// process, in the folder "/", and with its standard error. Its only variables are PATH, LC_ALL,
+/// those that HookRequest names, and those of --hook-env. Errors: hook_unsafe, hook_failed,
 /// hook_too_slow, hook_too_long; interrupted.
 Result<std::string> run_hook(const Hook& hook, const HookRequest& request, HeldSignals& signals);
 

@@ -21,7 +21,7 @@ Result<Bytes> octets_in(const Json& json, std::string_view name) {
 
 }  // namespace
 
-// In ASCII, so that it cannot control a terminal.
+// Writes ASCII only, so that the text cannot control a terminal.
 std::string to_line(const Json& value) {
   return value.dump(-1, ' ', true, Json::error_handler_t::replace);
 }

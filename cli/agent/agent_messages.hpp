@@ -1,5 +1,5 @@
 // The lines that the agent's processes send to each other. A process with fewer rights may have
-// sent anything, so each line is checked as it is read.
+// sent anything, so each line is checked when it is read.
 #pragma once
 
 #include <chrono>
@@ -12,62 +12,65 @@
 
 namespace ddssec::cli {
 
-/// The longest line, in octets: a signed permissions document in hexadecimal, and more.
+/// The longest line, in octets. It has room for a signed permissions document in hexadecimal.
 inline constexpr std::size_t kMaxAgentLine = 4 * 1024 * 1024;
 
-/// A participant's wish for a new certificate.
+/// A participant's request for a new certificate.
 struct RenewalRequest {
   std::string request;               ///< PKCS#10, PEM
   std::string certificate;           ///< the one in place, PEM
-  Bytes permissions = {};            ///< the ones in place, to be extended; empty: they stay
+  Bytes permissions = {};            ///< those in place, to be extended; empty: they stay
   std::chrono::seconds lifetime{1};  ///< of the certificate
 };
 
-/// The CA's answer to it.
+/// The CA's answer to a RenewalRequest.
 struct RenewalAnswer {
   std::string certificate;            ///< PEM
   Bytes permissions = {};             ///< signed; empty: those in place stay
-  std::optional<Error> problem = {};  ///< why permissions could not be extended
-  /// The CA's renewal list with this certificate; empty: none, or too long for a line.
+  std::optional<Error> problem = {};  ///< why permissions or a list could not be renewed
+  /// The CA's renewal list with this certificate. Empty if there is none or if it is too long for a
+  /// line.
   std::string renewals = {};
 };
 
-/// A participant's wish for a document: "permissions", "crl" or "renewals".
+/// A participant's request for a document: "permissions", "crl" or "renewals".
 struct DocumentRequest {
   std::string wanted;
-  std::string request;      ///< PKCS#10, PEM, with permissions: shows that the key is there
+  std::string request;      ///< PKCS#10, PEM, for permissions: proves possession of the key
   std::string certificate;  ///< the one in place, PEM
 };
 
-/// One line without its end. Errors of reading: internal.
+/// One line without its line break. json_from returns the error internal.
 std::string to_line(const Json& value);
 Result<Json> json_from(std::string_view line);
 
 /// Writes one line into a pipe. Returns 0, or 1 if no process reads it.
 int send_line(int out, const Json& value);
-/// What a process sends in place of a result.
+/// What a process sends instead of a result.
 Json error_line(const Error& error);
 
 Json to_json(const RenewalRequest& request);
 Result<RenewalRequest> request_from(const Json& json);
 Json to_json(const RenewalAnswer& answer);
-/// The answer as one line with its end. Takes the renewal list out of an answer that is too long.
+/// The answer as one line with its line break. Removes the renewal list from an answer that is too
+/// long.
 std::string answer_line(RenewalAnswer& answer);
 Result<RenewalAnswer> answer_from(const Json& json);
 
 Json to_json(const DocumentRequest& request);
 DocumentRequest document_request_from(const Json& json);
-/// A document as a line, and back. Errors: one in its place; internal.
+/// A document as a line, and back. document_from returns the error that the line contains, or
+/// internal.
 Json document_line(BytesView document);
 Result<Bytes> document_from(const Json& json);
 
-/// An error with all of its details. One whose code is unknown is read as `internal`.
+/// An error with all of its details. An error with an unknown code is read as `internal`.
 Json error_to_json(const Error& error);
 Error error_from(const Json& json);
 
-/// The text of a member; empty if there is none of that name, or it is no text.
+/// The text of a member; empty if there is no member of that name or it is not a text.
 std::string text_in(const Json& json, std::string_view name);
-/// The number of a member; 0 if there is none of that name, or it is no whole number.
+/// The number of a member; 0 if there is no member of that name or it is not an integer.
 std::int64_t number_in(const Json& json, std::string_view name);
 
 }  // namespace ddssec::cli

@@ -23,7 +23,8 @@ std::vector<std::string> words_by_hand(const OverlapToEnd& overlap, const Argume
   return {"ca", "rotate", agent.text("--ca"), "--role", overlap.role, "--end", "--when-due"};
 }
 
-// By hand, a user who runs the command as root answers for the folders of other users.
+// The agent ends an overlap only if all folders belong to its own user. (If root runs `ca rotate
+// --end` by hand, root decides about the folders of other users.)
 Status check_owners(const OverlapToEnd& overlap, const Arguments& agent, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto known, affected_participants(agent.text("--ca"), now));
   for (const auto& participant : known.here) {
@@ -47,11 +48,12 @@ Json files_of(const Report& report) {
   return out;
 }
 
-// Folders that were left as they are, and those that the log knows and that are not here.
+// Returns the folders that were left as they are, and those that are in the log but not on this
+// machine.
 Json left_of(const Report& report) {
   Json out = Json::array();
   for (const auto& error : report.errors) {
-    if (error.code() == tool_code::renewal_not_taken) continue;  // has its new files
+    if (error.code() == tool_code::renewal_not_taken) continue;  // this folder has its new files
     const auto& details = error.details();
     const auto& place =
         error.code() == Code::participant_elsewhere ? details.found : details.document;

@@ -1,4 +1,4 @@
-// The ends of a CA's overlaps (ca rotate --overlap), which the agent brings about at their dates.
+// The ends of a CA's overlaps (ca rotate --overlap). The agent ends each overlap at its date.
 #pragma once
 
 #include <optional>
@@ -9,13 +9,13 @@
 
 namespace ddssec::cli {
 
-/// An overlap of a CA of --ca that the agent ends.
+/// An overlap that the agent ends, of a CA of --ca.
 struct OverlapToEnd {
   std::string role;
   WallTime until;
 };
-/// Those that are under way: of the identity CA and, with --permissions, of the permissions CA. One
-/// whose record cannot be read has none here; `ca show` says why.
+/// The overlaps that are under way: of the identity CA and, with --permissions, of the permissions
+/// CA. An overlap whose record cannot be read is left out; `ca show` says why.
 std::vector<OverlapToEnd> overlaps_to_end(const Arguments& agent);
 
 /// Runs `ca rotate --end --when-due` for that role. Every folder that the CA's log knows here must

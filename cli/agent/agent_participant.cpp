@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The paths by the folder's name, of the files that the open folder has.
+// The paths of the files in the open folder, written with the folder's name.
 pki::ParticipantFolder files_in(const fs::path& folder) {
   auto out = pki::participant_folder(as_held(folder));
   for (auto* path : {&out.identity_ca, &out.certificate, &out.key, &out.permissions_ca,
@@ -38,7 +38,8 @@ pki::ParticipantFolder files_in(const fs::path& folder) {
   return out;
 }
 
-// A file that is to be replaced keeps its mode, apart from rights that no document needs.
+// Returns the mode for the file that replaces `file`: its present mode without rights that no
+// document needs.
 Result<unsigned> mode_of(const fs::path& file, unsigned mask) {
   struct stat status {};
   const int folder = folder_descriptor(file.parent_path());
@@ -49,13 +50,14 @@ Result<unsigned> mode_of(const fs::path& file, unsigned mask) {
   return (status.st_mode & mask) | 0600U;
 }
 
-// A participant as its folder has it.
+// A participant, as read from its folder.
 struct Participant {
   const AgentTask& task;
   const Context& context;
   pki::ParticipantFolder files;
   pki::Certificate certificate;
-  Bytes permissions = {};  // signed by the folder's permissions CA; empty: not to be extended
+  // Signed by the folder's permissions CA. Empty: they are not to be extended.
+  Bytes permissions = {};
   std::optional<WallTime> permissions_end = {};
 
   WallTime now() const { return context.clock.now(); }
@@ -81,7 +83,7 @@ Result<Permissions> verified_permissions(const Participant& self, BytesView octe
   return Permissions{std::move(own.grant), std::move(text)};
 }
 
-// Permissions that cannot be read are none to extend; `doctor` says what is wrong with them.
+// Permissions that cannot be read are not extended; `doctor` says what is wrong with them.
 void read_permissions_of(Participant& self) {
   if (!self.task.takes_permissions || !is_there(self.files.permissions)) return;
   auto octets = read_file(self.files.permissions, pki::kMaxSentPermissionsOctets);
@@ -127,8 +129,8 @@ WallTime due_by_certificate(const Participant& self) {
                                                                    : renewal_time(self.certificate);
 }
 
-// With permissions that end before the certificate, as early as for a certificate of that end.
-// Those that have ended are not given again unasked.
+// If the permissions end before the certificate, the renewal is due as if the certificate ended
+// with them. Permissions that have expired are not renewed: the operator must ask for that.
 WallTime due_time(const Participant& self) {
   if (is_from_the_future(self.certificate, self.now())) return self.now();
   const auto by_certificate = due_by_certificate(self);
@@ -194,8 +196,8 @@ Status check_dates(const Participant& self, const pki::Certificate& renewed) {
   return fail(tool_code::renewal_goes_back, std::move(details));
 }
 
-// A list of the folder that has expired says nothing about today, but what it revokes stays so:
-// verify() does not look for that in such a list.
+// An expired list of the folder may lack later revocations, but what it revokes stays revoked.
+// verify() does not look for that in an expired list, so the callers use check_not_on() as well.
 Result<pki::ChainVerifier> verifier_of(const Participant& self) {
   const auto& files = self.files;
   DDSSEC_ASSIGN_OR_RETURN(auto anchors, read_certificates(files.identity_ca));
@@ -211,7 +213,8 @@ Result<pki::ChainVerifier> verifier_of(const Participant& self) {
 Status check_chain(const Participant& self, const pki::Certificate& renewed) {
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self));
   DDSSEC_RETURN_IF_ERROR(named(verifier.verify(renewed, self.now()), self.files.certificate));
-  // The one in place too: the issuer of the next one may not know of the list.
+  // The certificate in place must not be revoked either: the issuer of the new one may not know of
+  // the list.
   DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, self.certificate, self.files.crl));
   return check_not_on(verifier, renewed, self.files.crl);
 }
@@ -233,7 +236,7 @@ Result<pki::Certificate> checked(const Participant& self, const std::string& pem
   return renewed;
 }
 
-// The key, then its certificate, as `identity renew` does.
+// Puts the key before its certificate, as `identity renew` does.
 Status put_certificate(const Participant& self, const pki::Certificate& renewed,
                        const pki::PrivateKey& key, FileTransaction& out) {
   const auto& files = self.files;
@@ -267,7 +270,8 @@ Json to_json(const std::vector<WrittenFile>& files) {
   return out;
 }
 
-// A certificate whose validity began long ago is renewed after two thirds of what is left of it.
+// Returns when the renewed certificate is to be renewed. If its validity began long ago, that is
+// when two thirds of the remaining time are over.
 WallTime renewal_from(const pki::Certificate& renewed, WallTime now) {
   return std::max(renewal_time(renewed), now + (renewed.not_after() - now) * 2 / 3);
 }
@@ -280,7 +284,7 @@ Status put_list_of_ca(const Participant& self, const std::string& renewals) {
   return {};
 }
 
-// A list that cannot be put there does not undo a renewal.
+// A list that cannot be written does not undo a renewal.
 void keep_renewals(const Participant& self, const std::string& renewals, Json& event) {
   if (renewals.empty()) return;
   const auto status = put_list_of_ca(self, renewals);
@@ -291,13 +295,14 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
   DDSSEC_RETURN_IF_ERROR(mode_of(self.files.certificate, 0));  // before the CA is asked
   DDSSEC_ASSIGN_OR_RETURN(const auto key, key_for_request(self));
   DDSSEC_ASSIGN_OR_RETURN(auto pem, pki::make_request(key, self.certificate));
-  // Before the CA issues anything: one behind a hook may not know of the list.
+  // Checked before the CA issues anything, because a CA behind a hook may not know of the list.
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self));
   DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, self.certificate, self.files.crl));
   const RenewalRequest request{std::move(pem), self.certificate.pem(), self.permissions,
                                lifetime(self.certificate)};
   DDSSEC_ASSIGN_OR_RETURN(const auto answer, ask(request));
-  // Else the certificate alone would be renewed again and again, for the permissions.
+  // If only the permissions are due and cannot be extended, the certificate is not renewed alone:
+  // that would be repeated on every visit.
   if (answer.permissions.empty() && answer.problem && due_by_certificate(self) > self.now())
     return std::unexpected(*answer.problem);
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed, checked(self, answer.certificate, key));
@@ -318,7 +323,7 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
   return event;
 }
 
-// A key in a token is not tried: each time costs a PIN.
+// A key in a token is not tried, because each trial needs the PIN.
 Status check_key(const Participant& self) {
   if (self.files.key.extension() == ".p11") return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto key, read_key(self.files.key, nullptr));
@@ -343,8 +348,8 @@ Status check_permissions(const Participant& self) {
                            self.files.folder.string())});
 }
 
-// A certificate that is not due says nothing about the files beside it, without which the
-// participant does not start and the renewal will fail.
+// Checks the files beside the certificate even if it is not due: with faulty ones the participant
+// does not start, and the next renewal fails.
 Status check_fit(const Participant& self) {
   DDSSEC_RETURN_IF_ERROR(check_key(self));
   DDSSEC_RETURN_IF_ERROR(check_chain(self, self.certificate));
@@ -363,7 +368,8 @@ Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
                              const AgentServices& agent, const Context& context) {
   ::umask(022);
   DDSSEC_ASSIGN_OR_RETURN(const auto self, read_participant(task, locked, context));
-  // First: with the new lists no certificate is asked for that they revoke.
+  // Documents are fetched first, so that a new revocation list can stop the renewal of a
+  // certificate that it revokes.
   if (task.fetches_documents && !task.is_dry_run)
     agent.tell(keep_documents(
         {self.files, self.certificate, context.clock, [&] { return request_of_present_key(self); }},
@@ -383,7 +389,8 @@ Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
   }
   if (task.is_dry_run) return not_renewed(self, due);
   auto event = renew(self, agent.ask);
-  // The list keeps sessions with others, which were renewed. The event has the greater problem.
+  // Without the list, sessions with participants that were renewed would end. An error of the list
+  // is ignored, because the one of the renewal is more important.
   if (!event && !task.renewals.empty()) std::ignore = put_list_of_ca(self, task.renewals);
   return event;
 }

@@ -25,7 +25,8 @@ using std::chrono::steady_clock;
 constexpr std::chrono::seconds kTimeToEnd{2};
 
 int milliseconds_until(Deadline deadline) {
-  constexpr std::chrono::milliseconds kMax{60'000};  // poll does not count a machine's sleep
+  // The wait is cut because poll() does not count the time while a machine sleeps.
+  constexpr std::chrono::milliseconds kMax{60'000};
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - steady_clock::now());
   return static_cast<int>(std::clamp(left, std::chrono::milliseconds(0), kMax).count());
 }
@@ -35,7 +36,7 @@ std::unexpected<Error> no_process(int error) {
               {.field = "a process", .note = std::generic_category().message(error)});
 }
 
-// The header of glibc 2.36 declares it as a function of C++.
+// The header of glibc 2.36 declares pidfd_open without C linkage, so C++ cannot link to it.
 int open_process(pid_t pid) { return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)); }
 
 void close_between(int first, int last) {
@@ -55,8 +56,9 @@ void close_all_but(std::array<int, 3> kept) {
 
 [[noreturn]] void run_child(const HeldSignals& signals, const ChildProcess::Body& body, int in,
                             int out, int kept) {
-  ::setsid();  // with the terminal, its user could be made to run commands
-  // Without the agent there is no work for it. It reads its own files to their end.
+  ::setsid();  // with the agent's terminal, code in the child could type commands there
+  // The child gets SIGTERM when the agent ends. If the agent has ended already, a worker reads the
+  // end of its pipe instead.
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   ::signal(SIGPIPE, SIG_IGN);
   ::sigprocmask(SIG_SETMASK, &signals.former(), nullptr);
@@ -141,7 +143,7 @@ void ChildProcess::end_input() {
   if (in_ >= 0) ::close(std::exchange(in_, -1));
 }
 
-// `done`: there is more than before in the buffer.
+// Returns `done` if there are more octets than before in the buffer.
 End ChildProcess::fill(std::size_t max_octets, Deadline deadline) {
   std::array<char, 4096> part{};
   while (true) {
@@ -186,21 +188,21 @@ End ChildProcess::wait(Deadline deadline) {
   return End::done;
 }
 
-// The process itself too: it may not have made its group yet.
+// Also signals the process itself, because it may not have made its group yet.
 void ChildProcess::signal_group(int signal) const {
   ::kill(-pid_, signal);
   ::kill(pid_, signal);
 }
 
-// What the process left running goes with it. As long as it is not reaped, no other group can have
-// its number.
+// Kills what the process left running. No other group can have its number until the process is
+// reaped.
 void ChildProcess::end_group() {
   signal_group(SIGKILL);
   int status = 0;
   if (::waitpid(pid_, &status, 0) == pid_) status_ = status;
 }
 
-// A stop that came before must not cut this wait short, so it does not look at the signals.
+// A stop signal that arrived earlier must not shorten this wait, so this function ignores signals_.
 void ChildProcess::stop() {
   if (pid_ <= 0 || status_) return;
   signal_group(SIGTERM);

@@ -1,5 +1,5 @@
 // The agent's child processes, with which it exchanges texts of bounded length in bounded time, and
-// the signals that reach it meanwhile.
+// the signals that reach the agent meanwhile.
 #pragma once
 
 #include <chrono>
@@ -16,7 +16,7 @@ namespace ddssec::cli {
 
 using Deadline = std::chrono::steady_clock::time_point;
 
-/// Holds back SIGTERM, SIGINT and SIGHUP as long as it lives, and takes them while it waits.
+/// Blocks SIGTERM, SIGINT and SIGHUP as long as it lives, and receives them while it waits.
 class HeldSignals {
  public:
   HeldSignals();
@@ -26,9 +26,9 @@ class HeldSignals {
 
   /// The reason why a wait ended.
   enum class Woken : std::uint8_t { ready, stop, time };
-  /// Waits until the file has one of the events (of poll; -1: no file), until SIGTERM or SIGINT
-  /// came at any time, or until the deadline. With `for_reload`, also until SIGHUP, as if that were
-  /// the deadline.
+  /// Waits until the file has one of the events (of poll; -1: no file), until the deadline, or
+  /// until SIGTERM or SIGINT, which may have arrived before. With `for_reload`, SIGHUP also ends
+  /// the wait, like the deadline.
   Woken wait(int file, short events, Deadline deadline, bool for_reload = false);
 
   bool is_stopped() const { return is_stopped_; }
@@ -48,26 +48,26 @@ class HeldSignals {
 /// A child process. It is killed with its process group if it still runs when this is destroyed.
 class ChildProcess {
  public:
-  /// What a child does; its process ends with the exit code. `in` and `out` are its ends of two
-  /// pipes.
+  /// The work of a child; its process ends with the exit code. `in` and `out` are the child's ends
+  /// of two pipes.
   using Body = std::function<int(int in, int out)>;
-  /// Starts one in a session of its own, so without a terminal, and with /dev/null as standard
-  /// input. Of the files that are open, it has those pipes, standard output and error, and `kept`
-  /// (-1: none). Error: internal.
+  /// Starts a child in a session of its own, which has no terminal, with /dev/null as standard
+  /// input. Of the open files it inherits only the pipes, standard output, standard error and
+  /// `kept` (-1: none). Error: internal.
   static Result<ChildProcess> start(HeldSignals& signals, const Body& body, int kept = -1);
 
-  /// The end of an exchange with a child.
+  /// The outcome of an exchange with a child.
   enum class End : std::uint8_t { done, closed, too_long, too_slow, stopped };
-  /// Writes to the child's `in`. `closed`: the child does not read any more.
+  /// Writes to the child's `in`. Returns `closed` if the child does not read any more.
   End write(std::string_view text, Deadline deadline);
-  /// No more comes to the child's `in`.
+  /// Closes the child's `in`.
   void end_input();
   /// Reads up to the next line end, which is not part of `line`.
   End read_line(std::string& line, std::size_t max_octets, Deadline deadline);
   /// Reads all until the child closes its `out`.
   End read_all(std::string& text, std::size_t max_octets, Deadline deadline);
-  /// Waits until the process has ended of its own accord; what it left running in its group is
-  /// killed.
+  /// Waits until the process has ended of its own accord, then kills what it left running in its
+  /// group.
   End wait(Deadline deadline);
   /// Ends the process with SIGTERM and, after two seconds, its whole group with SIGKILL.
   void stop();
@@ -87,7 +87,7 @@ class ChildProcess {
   HeldSignals& signals_;
   pid_t pid_;
   int in_, out_;
-  std::string buffer_ = {};  ///< read, but not yet taken
+  std::string buffer_ = {};  ///< read from the child, but not yet returned
   std::optional<int> status_ = {};
 };
 

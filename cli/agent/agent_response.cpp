@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::chrono::minutes kRetry{5};
 
-// At half of its life: a responder may be down for the other half.
+// The response is fetched at half of its life, so that a responder may be down for the other half.
 WallTime half_life(const pki::OcspGood& response) {
   return response.this_update() + (response.until() - response.this_update()) / 2;
 }
@@ -75,7 +75,8 @@ Result<pki::OcspGood> renew(const ResponseTask& task, Json& event) {
   return fetched->good;
 }
 
-// The time of a renewed certificate stays: it is what the agent remembers it by.
+// Moves "next" to `time` if that is earlier. The time of a renewed certificate stays, because the
+// agent stores it as the renewal time of that certificate.
 void look_again_at(WallTime time, Json& event) {
   if (event["event"] == "renewed") return;
   const auto next = time_from(text_in(event, "next"));

@@ -1,4 +1,4 @@
-// What the agent does about the OCSP response of a participant whose certificate names a responder.
+// How the agent keeps the OCSP response of a participant whose certificate names a responder.
 #pragma once
 
 #include <string>
@@ -11,11 +11,11 @@
 
 namespace ddssec::cli {
 
-/// Which OCSP responders the agent asks. Who owns a folder chooses the certificate in it, and so
-/// the address that it names.
+/// Which OCSP responders the agent asks. The owner of a folder chooses the certificate in it, and
+/// so the address that the certificate names.
 struct RespondersAsked {
-  /// Certificates of CAs (PEM): only the responder of a certificate that one of them issued is
-  /// asked. Empty: of every certificate.
+  /// Certificates of CAs (PEM). A responder is asked only if one of these CAs issued the
+  /// certificate. Empty: every responder is asked.
   std::string of_cas = {};
   std::string of_cas_from = {};           ///< the file or option, for messages
   bool none = false;                      ///< ask none
@@ -24,16 +24,16 @@ struct RespondersAsked {
 
 struct ResponseTask {
   const pki::ParticipantFolder& files;
-  const pki::Certificate& certificate;  ///< in the folder now
+  const pki::Certificate& certificate;  ///< the one in the folder now
   WallTime now;
   const RespondersAsked& asked;
 };
 
-/// Fetches the response when half of the life of the one in the folder is over, or there is none
-/// for this certificate; nothing if the certificate names no responder. Members of the event:
-/// "ocsp_until"; "event" is "ocsp_renewed" if it was "current"; "next" of a "current" one is
-/// earlier if that comes first; "problem", if the response could not be fetched or written;
-/// "ocsp_silent", the URL of a responder that could not be asked.
+/// Fetches the response if half of the life of the one in the folder is over, or if the folder has
+/// none for this certificate. Does nothing if the certificate names no responder. Members of the
+/// event: "ocsp_until"; "event" becomes "ocsp_renewed" if it was "current"; "next" becomes earlier
+/// if the response is due first, unless "event" is "renewed"; "problem", if the response could not
+/// be fetched or written; "ocsp_silent", the URL of a responder that could not be asked.
 void keep_response(const ResponseTask& task, Json& event);
 
 }  // namespace ddssec::cli

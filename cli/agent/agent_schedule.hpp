@@ -8,9 +8,9 @@
 
 namespace ddssec::cli {
 
-/// Two thirds of the validity after its begin, and up to a twentieth of it later. That part depends
-/// on the certificate's octets, so that participants of one day are not all renewed in one moment,
-/// and every run of the agent computes the same time.
+/// The time after two thirds of the validity, plus up to a twentieth of it. That part depends on
+/// the certificate's octets, so that participants of one day are not all renewed at once, while
+/// every run of the agent computes the same time.
 WallTime renewal_time(const pki::Certificate& certificate);
 
 /// The time from notBefore to notAfter; at least one second.
@@ -22,8 +22,8 @@ std::chrono::seconds lifetime(const pki::Certificate& certificate);
 std::chrono::seconds retry_after(unsigned failures, std::chrono::seconds lifetime,
                                  std::uint8_t jitter);
 
-/// True for a certificate that begins after `now`: it was issued by a clock that was ahead. It is
-/// renewed at once, although the next one ends earlier.
+/// True for a certificate that begins after `now`: its issuer's clock was ahead. It is renewed at
+/// once, although the next one ends earlier.
 bool is_from_the_future(const pki::Certificate& certificate, WallTime now);
 
 }  // namespace ddssec::cli

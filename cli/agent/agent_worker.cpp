@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The worker's files after standard error.
+// The numbers of the worker's files, after standard error.
 constexpr int kIn = 3;
 constexpr int kOut = 4;
 constexpr int kLock = 5;
@@ -32,7 +32,8 @@ std::unexpected<Error> agent_ended() {
   return fail(Code::internal, {.field = "the agent", .note = "it has ended"});
 }
 
-// Above the numbers that they get, so that none is overwritten before it is copied.
+// Duplicates `file` to a number above kLock, so that the dup2() calls that follow overwrite no file
+// that is still to be copied.
 int out_of_the_way(int file) { return file < 0 ? -1 : ::fcntl(file, F_DUPFD, kLock + 1); }
 
 bool arrange_files(int in, int out, int lock) {
@@ -59,7 +60,7 @@ Result<std::string> receive(int in) {
   return out;
 }
 
-// As a worker reads it.
+// What order_line() contains, as a worker reads it.
 struct Order {
   AgentTask task;
   std::optional<LockedFolder> locked = {};
@@ -109,7 +110,7 @@ Result<Order> receive_order() {
   return out;
 }
 
-// The agent's answer to a line.
+// Sends a line to the agent and returns its answer.
 Result<Json> exchange(const Json& line) {
   if (send_line(kOut, line) != 0) return agent_ended();
   DDSSEC_ASSIGN_OR_RETURN(const auto answer, receive(kIn));

@@ -1,6 +1,6 @@
-// The process that works in a participant's folder. Code of the folder's owner can run in it: a key
-// in a token needs a PKCS#11 module. So it is not a copy of the agent but the program started anew,
-// without the agent's memory, output, terminal or secrets.
+// The process that works in a participant's folder. A key in a token needs a PKCS#11 module, so
+// code of the folder's owner can run in this process. It is therefore not a copy of the agent but
+// the program started anew, without the agent's memory, output, terminal or secrets.
 #pragma once
 
 #include <optional>
@@ -13,25 +13,25 @@
 
 namespace ddssec::cli {
 
-/// What main() is started with for this process, as the only word. Not a command of users.
+/// The only argument with which main() is started for this process. It is not a command for users.
 inline constexpr auto kAgentWorker = "--agent-worker";
 
-/// The variables of the worker. In a folder of another user: those of a short list that say where
-/// libraries and their settings are, a usual PATH, and a HOME that does not exist, so that no
-/// module is loaded that the owner configured. In a folder of the agent's own user: all but
-/// `secret`.
+/// The environment variables of the worker, none of `secret` among them. In a folder of the agent's
+/// own user it has all others. In a folder of another user it has those of a short list that say
+/// where libraries and their settings are, a usual PATH, and a HOME that does not exist, so that no
+/// module is loaded that the owner configured.
 std::vector<std::string> worker_variables(bool is_own, const std::vector<std::string>& secret);
 
 /// Starts this program anew with these variables. `in` and `out` are its ends of two pipes, and
-/// `lock` is a file that stays open (-1: none). Returns only if that fails: an exit code.
+/// `lock` is a file that stays open (-1: none). Returns only if that fails, with an exit code.
 int become_worker(std::vector<std::string> variables, int in, int out, int lock);
 
-/// The first line to a worker: what it is to do. `locked`: null with --dry-run. `now`: the time if
-/// it is not the present.
+/// The first line to a worker: what it is to do. `locked` is nullptr with --dry-run. `now` is a
+/// time to use instead of the present.
 std::string order_line(const AgentTask& task, const LockedFolder* locked,
                        std::optional<WallTime> now);
 
-/// The worker's main program.
+/// The worker's main function.
 [[noreturn]] void run_agent_worker();
 
 }  // namespace ddssec::cli

@@ -1,4 +1,4 @@
-// What the agent knows of OCSP responders that do not answer.
+// Which OCSP responders did not answer the agent.
 #pragma once
 
 #include <chrono>
@@ -10,12 +10,12 @@
 namespace ddssec::cli {
 
 /// Each request to a responder that does not answer costs seconds, and the agent looks after one
-/// folder at a time. So a responder that did not answer is left alone for a while. What a folder's
-/// owner says of a responder counts for that owner's folders only.
+/// folder at a time. So a responder that did not answer is not asked for a while. It is remembered
+/// separately for each owner, because the owner's worker reports it.
 class SilentResponders {
  public:
   using Moment = std::chrono::nanoseconds;  ///< of Clock::since_boot
-  /// Shorter than the time after which a folder's response is tried again.
+  /// Shorter than the time after which the agent fetches a folder's response again.
   static constexpr std::chrono::minutes kLeftAlone{4};
   static constexpr std::size_t kMaxUrls = 16, kMaxOwners = 256;
 
