@@ -14,9 +14,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder may have been moved, or may now belong to another CA's participant. An unreadable folder
-// counts as found, and so does a certificate that an earlier key of the CA may have issued, also
-// outside of the log: the rotation reports them.
+// True if the folder still has a participant of this CA: it may have been moved, or now belong to a
+// participant of another CA. An unreadable folder counts as found. So does a certificate that is in
+// the log or has the CA's name, because an earlier key of the CA may have issued it: the rotation
+// reports both.
 bool is_participant_of(const pki::Certificate& ca, const pki::IssueLog& log,
                        const fs::path& folder) {
   const auto certificate = read_certificate(folder / "cert.pem");
@@ -24,7 +25,8 @@ bool is_participant_of(const pki::Certificate& ca, const pki::IssueLog& log,
   return certificate->issuer() == ca.subject() || is_logged(*certificate, log);
 }
 
-// Of each subject only the last certificate counts: the folder may have moved.
+// Returns those of `elsewhere` whose folder is gone. Only the last certificate of each subject
+// counts, because the folder may have moved.
 std::vector<std::string> gone_among(const std::vector<std::string>& elsewhere,
                                     const LoggedFolders& folders, const pki::IssueLog& log) {
   std::set<std::string> seen, gone;
@@ -55,7 +57,7 @@ AffectedParticipants known_to(const CaPaths& ca, const pki::IssueLog& log,
     const auto folder = has_folder ? folders.today(issued.folder) : fs::path();
     const bool is_here = !folder.empty() && !folders.is_of_another_copy(folder) &&
                          is_participant_of(identity, log, folder);
-    if (is_here && seen_here.insert(folder).second)  // moved, it has two names in the log
+    if (is_here && seen_here.insert(folder).second)  // a folder that has moved is in the log twice
       out.here.push_back(participant_in(folder));
     else if (is_here)
       continue;

@@ -1,4 +1,4 @@
-// The participants whose files change with a CA that is rotated.
+// The participants whose files change when a CA is rotated.
 #pragma once
 
 #include <filesystem>
@@ -13,21 +13,21 @@ namespace ddssec::cli {
 struct AffectedParticipants {
   std::vector<AffectedParticipant> here;
   std::vector<std::string> elsewhere;  ///< folders, or subjects of CAs below
-  /// Those in `elsewhere` whose folder was on this machine by the log, and is not there any more.
+  /// Places in `elsewhere` whose folder was on this machine by the log, and no longer exists.
   std::vector<std::string> gone = {};
 };
 
 /// The participant of a folder, named by its path.
 AffectedParticipant participant_in(const std::filesystem::path& folder);
 
-/// All that the log of the identity CA has; none if it has no log. `given` is a folder as for
-/// ca_paths(). Errors: those of read_issue_log and read_certificate.
+/// All participants in the log of the identity CA; none if it has no log. `given` is a folder as
+/// for ca_paths(). Errors: those of read_issue_log and read_certificate.
 Result<AffectedParticipants> affected_participants(const std::filesystem::path& given,
                                                    WallTime now);
 
-/// Records where the participants are whose folders the command line names, if the identity CA's
-/// log has their certificates for other folders, in which they no longer lie. A permissions CA
-/// issues no certificate that would tell the log. `updated`: the names of participants that get new
+/// Records new places in the identity CA's log: for each folder that the command line names, if the
+/// log has its certificate for another folder in which it no longer lies. (A permissions CA issues
+/// no certificate that would update the log.) `updated`: the names of participants that get new
 /// files. The caller holds the identity CA's lock. Errors: those of read_issue_log and log_issued.
 Status log_places(const std::filesystem::path& given,
                   const std::vector<AffectedParticipant>& participants,

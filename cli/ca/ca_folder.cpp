@@ -39,12 +39,12 @@ CaPaths ca_paths_in(const fs::path& folder) {
 
 CaPaths ca_paths(const fs::path& given, std::string_view role) {
   const std::string name = std::string(role) + "_ca";
-  if (is_there(given / "public" / (name + ".cert.pem")))  // a keystore of ROS 2
+  if (is_there(given / "public" / (name + ".cert.pem")))  // the layout of a ROS 2 keystore
     return {
         given / "public" / (name + ".cert.pem"),      given / "private" / (name + ".key.pem"),
         given / "private" / (name + ".issued.jsonl"), given / "public" / (name + ".crl.pem"),
         given / "private" / (name + ".signed.jsonl"), given / "public" / (name + ".renewed.pem")};
-  // In the result of `init`, the CAs are one folder below.
+  // `init` puts the CAs into a folder below its result.
   const auto inner = given / "ca";
   const bool from_init = !is_there(given / role / "ca.pem") && is_there(inner / role / "ca.pem");
   return ca_paths_in(ca_folder(from_init ? inner : given, role));
@@ -62,7 +62,7 @@ Result<std::string> one_role(const Arguments& arguments) {
               {.field = "--role", .expected = "identity or permissions", .found = role});
 }
 
-// The part that may have to wait for user input.
+// Does the part that may have to wait for user input.
 Status CaOpener::prepare(const fs::path& path) {
   DDSSEC_RETURN_IF_ERROR(check_key_mode(path, arguments_));
   if (path.extension() != ".p11" && !passphrase_) {
@@ -86,7 +86,8 @@ Result<pki::PrivateKey> CaOpener::key(const fs::path& path) {
 Result<OpenCa> CaOpener::open(const CaPaths& paths) {
   DDSSEC_RETURN_IF_ERROR(finish_interrupted(paths.key.parent_path(), Reach::anywhere));
   DDSSEC_RETURN_IF_ERROR(
-      read_certificates(paths.certificate));  // no passphrase for a folder without a CA
+      // Checked first, so that the user types no passphrase for a folder without a CA.
+      read_certificates(paths.certificate));
   DDSSEC_RETURN_IF_ERROR(prepare(paths.key));
   DDSSEC_ASSIGN_OR_RETURN(auto&& lock, lock_records(paths));
   DDSSEC_ASSIGN_OR_RETURN(const auto trust, read_certificates(paths.certificate));
@@ -160,7 +161,8 @@ Status add_key(NewFolder& folder, const fs::path& name, const NewKey& key,
   return pem.expose([&](BytesView octets) { return folder.add(name, octets, 0600); });
 }
 
-// RFC 4514, 2.4. The title does not end the value.
+// Escapes special characters (RFC 4514, 2.4). A blank at the end of the title is not escaped,
+// because the role or "CA" follows it.
 std::string ca_subject(std::string_view title, std::string_view role) {
   constexpr std::string_view kSpecial = ",+\"\\<>;=";
   std::string escaped;

@@ -18,7 +18,8 @@ namespace ddssec::cli {
 
 /// The paths of a CA's files.
 struct CaPaths {
-  std::filesystem::path certificate;  ///< the current certificate first, then others that it needs
+  /// The current certificate comes first, then others that the CA needs.
+  std::filesystem::path certificate;
   std::filesystem::path key;
   std::filesystem::path log;  ///< pki::IssueLog
   std::filesystem::path crl;
@@ -53,7 +54,7 @@ struct OpenCa {
   const pki::Certificate& certificate() const { return authority.certificate(); }
 };
 
-/// Opens CAs for one command; asks for the passphrase once.
+/// Opens CAs for one command, and asks for the passphrase only once.
 class CaOpener {
  public:
   explicit CaOpener(const Arguments& arguments) : arguments_(arguments) {}
@@ -88,7 +89,8 @@ std::string to_pem(const std::vector<pki::Certificate>& certificates);
 /// (notice_unreadable_lines). Errors: those of read_file.
 Result<pki::IssueLog> read_issue_log(const CaPaths& paths);
 
-/// Success if every command can read these lines of a log. Error: length_out_of_range.
+/// Success if each of these lines is short enough for all commands to read it from a log. Error:
+/// length_out_of_range.
 Status check_log_lines(const std::filesystem::path& log, std::string_view lines);
 
 /// Appends lines to the log of what a CA issued. Errors: length_out_of_range, those of
@@ -97,13 +99,13 @@ Status log_issued(const CaPaths& paths, std::string_view lines);
 
 /// Locks the CA's files: while the lock lives, no other command signs, revokes, rotates or lists
 /// anything of this CA. Take it before reading the first file whose content decides what is
-/// written. The lock is on the key, which only its owner can open, so that no other user can hold
-/// it. Empty if the key is not here or not readable for this user: then the command cannot change
+/// written. The lock is on the key file: only its owner can open that, so no other user can hold
+/// the lock. Empty if this user has no key here that can be read: then the command cannot change
 /// the CA. Errors: those of FileLock::of.
 Result<std::optional<FileLock>> lock_records(const CaPaths& paths);
 
-/// Adds a new key to a new folder: as `name`, or if it is in a token, its URI as a *.p11 file in
-/// that place.
+/// Adds a new key to a new folder under `name`. For a key in a token, adds a *.p11 file with the
+/// key's URI instead.
 Status add_key(NewFolder& folder, const std::filesystem::path& name, const NewKey& key,
                const pki::Passphrase* passphrase = nullptr);
 

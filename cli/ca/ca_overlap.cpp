@@ -64,7 +64,7 @@ Result<std::optional<CaOverlap>> read_overlap(const CaPaths& ca) {
         json["former"].end();
     (is_former ? out.former : out.next).push_back(std::move(certificate));
   }
-  if (out.former.empty()) return std::nullopt;  // the CA was replaced at once since
+  if (out.former.empty()) return std::nullopt;  // the CA was replaced at once in the meantime
   if (out.next.empty()) return unreadable(file);
   return out;
 }

@@ -11,21 +11,22 @@
 
 namespace ddssec::cli {
 
-/// Both are in the CA's file, the successor first. A stock Cyclone DDS reads only the first
-/// certificate of a CA file, so in a participant's file the CA of its own documents comes first.
+/// An overlap of two CAs. Both are in the CA's file, the successor first. A stock Cyclone DDS reads
+/// only the first certificate of a CA file, so in a participant's file the CA of its own documents
+/// comes first.
 struct CaOverlap {
   std::vector<pki::Certificate> next;    ///< the successor, and the CAs above it
-  std::vector<pki::Certificate> former;  ///< what only the former CA needs
+  std::vector<pki::Certificate> former;  ///< the certificates that only the former CA needs
   WallTime until;                        ///< the date on which the former CA should end
 
   std::string next_only() const { return to_pem(next); }
-  /// For a participant that has moved, and for the CA's own file.
+  /// The file for a participant that has moved, and the CA's own file.
   std::string next_first() const { return to_pem(next) + to_pem(former); }
-  /// For a participant that has not.
+  /// The file for a participant that has not moved.
   std::string former_first() const { return to_pem(former) + to_pem(next); }
 };
 
-/// The overlap that begins with a successor. `former`: the CA's file before.
+/// The overlap that begins with a successor. `former` is the former content of the CA's file.
 CaOverlap overlap_of(std::vector<pki::Certificate> next,
                      const std::vector<pki::Certificate>& former, WallTime until);
 
@@ -33,26 +34,27 @@ CaOverlap overlap_of(std::vector<pki::Certificate> next,
 std::filesystem::path overlap_file(const CaPaths& ca);
 std::string overlap_text(const CaOverlap& overlap);
 
-/// The overlap that is under way; empty if there is none, also if the CA was replaced since.
-/// Errors: those of read_certificates and read_file; overlap_unreadable.
+/// The overlap that is under way. Empty if there is none or if the CA was replaced since. Errors:
+/// those of read_certificates and read_file; overlap_unreadable.
 Result<std::optional<CaOverlap>> read_overlap(const CaPaths& ca);
 
 /// The file with the folders that the end of a rotation did not find, beside the CA's certificate.
 std::filesystem::path unreached_file(const CaPaths& ca);
 std::string unreached_text(const std::vector<std::string>& folders);
-/// The folders in that file; none if it cannot be read.
+/// The folders in that file. Empty if the file cannot be read.
 std::vector<std::string> read_unreached(const CaPaths& ca);
 
 /// The lists in the CA's file that its former key signed.
 Result<std::vector<pki::Crl>> lists_of_former(const CaPaths& ca, const CaOverlap& overlap);
-/// The CA's file of lists with its next list: in an overlap the lists of its former key stay.
+/// The CA's file of lists with its next list. During an overlap it also keeps the lists of the CA's
+/// former key.
 Result<std::string> file_of_lists(const CaPaths& ca, const pki::Crl& next);
 
-/// Success unless the former CA of an overlap signed the document, and its successor did not: the
-/// participant must move first, with all its documents. Error: not_moved_yet.
+/// Success unless only the former CA of an overlap signed the document: the participant must then
+/// first move with all its documents. Error: not_moved_yet.
 Status check_moved(const CaPaths& ca, const std::filesystem::path& document, WallTime now);
 
-/// The same for a document that has been verified, with its signer.
+/// The same for a document that was verified already, with its signer.
 Status check_moved(const CaPaths& ca, const pki::Certificate& signer,
                    const std::filesystem::path& document);
 

@@ -57,7 +57,7 @@ bool RotationProgress::is_same_ca(const pki::Certificate& other) const {
 
 bool RotationProgress::accepts_successor(const AffectedParticipant& participant) const {
   const auto& file = ca_file(participant);
-  if (!is_there(file)) return true;  // a rotation makes no file that is missing
+  if (!is_there(file)) return true;  // a rotation does not create a missing file
   const auto trusted = read_certificates(file);
   return trusted && std::ranges::any_of(*trusted, [&](const auto& one) { return is_same_ca(one); });
 }
@@ -82,7 +82,8 @@ bool RotationProgress::has_moved(const AffectedParticipant& participant) const {
       [&](const auto& one) { return !is_there(one) || is_signed_by(one, to_pem(next_), now_); });
 }
 
-// A revoked participant gets no certificate of the successor.
+// A revoked participant gets no certificate of the successor, so it does not count as one that must
+// move.
 bool RotationProgress::is_revoked(const AffectedParticipant& participant) const {
   if (!is_identity_) return false;
   const auto certificate = read_certificate(participant.files.certificate);

@@ -1,4 +1,4 @@
-// How far the participants of a CA are in its rotation, by the files in their folders.
+// The progress of a CA's rotation, read from the files in the participants' folders.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,8 @@
 
 namespace ddssec::cli {
 
-/// Judges folders by the CA's own files. A file that cannot be read counts as one that is left.
+/// Judges folders by the CA's own files. A folder with a file that cannot be read counts as not
+/// done.
 class RotationProgress {
  public:
   /// Errors: those of read_overlap, read_certificates and read_issue_log.
@@ -25,17 +26,19 @@ class RotationProgress {
   /// The CA's file after the end of the overlap; the CA's own certificate is the first.
   const std::vector<pki::Certificate>& next() const { return next_; }
 
-  /// Those whose CA file lacks the CA, or its successor in an overlap.
+  /// The participants whose CA file lacks the CA or, during an overlap, its successor.
   std::vector<AffectedParticipant> without_successor(
       const std::vector<AffectedParticipant>& participants) const;
-  /// Those with a certificate or documents that the CA's present key did not issue or sign.
+  /// The participants with a certificate or documents that the CA's present key did not issue or
+  /// sign.
   std::vector<AffectedParticipant> not_moved(
       const std::vector<AffectedParticipant>& participants) const;
-  /// Those that trust a former CA of the same name, or trust this one and have not moved. A
-  /// participant of a CA of another name is none of them.
+  /// The participants that trust a former CA of the same name, or that trust this one and have not
+  /// moved. A participant of a CA with another name is not among them.
   std::vector<AffectedParticipant> not_ended(
       const std::vector<AffectedParticipant>& participants) const;
-  /// Those that are revoked, and so get no certificate of the successor. Of an identity CA only.
+  /// The participants that are revoked, and so get no certificate of the successor. Empty for a
+  /// permissions CA.
   std::vector<AffectedParticipant> revoked(
       const std::vector<AffectedParticipant>& participants) const;
 
@@ -55,15 +58,15 @@ class RotationProgress {
   std::vector<pki::Certificate> next_;
 };
 
-/// The folders that the last end of a rotation did not find, and that are still not here.
+/// The folders that the last end of a rotation did not find and that are still not on this machine.
 std::vector<std::string> not_reached(const CaPaths& ca, const AffectedParticipants& known);
 
 /// "1 of 4 folders has moved".
 std::string moved_words(std::size_t moved, std::size_t all);
 
-/// The command that gives the folders what `--move` put into the renewal lists of the CAs, so that
-/// `--end` ends no session of Cyclone DDS. Empty: the CA at `given` has no revocation list, and so
-/// cannot distribute lists.
+/// The command that distributes the entries that `--move` added to the renewal lists of the CAs, so
+/// that `--end` ends no session of Cyclone DDS. Empty if the CA at `given` has no revocation list,
+/// because it then cannot distribute lists.
 std::string distribution_before_end(const std::filesystem::path& given);
 
 /// The rotation of a CA as `ca show` reports it.
@@ -73,9 +76,9 @@ struct RotationFacts {
   std::vector<std::string> former = {};
   std::size_t folders = 0;
   std::vector<std::string> left = {}, elsewhere = {};
-  std::size_t unfinished = 0;  ///< folders, those elsewhere included; without an overlap
+  std::size_t unfinished = 0;  ///< folders, here and elsewhere; only without an overlap
   std::string next = {};       ///< the next step: complete lines
-  std::size_t revoked = 0;     ///< folders; not among `folders`
+  std::size_t revoked = 0;     ///< folders that are not counted in `folders`
 
   static constexpr auto fields() {
     return std::tuple(

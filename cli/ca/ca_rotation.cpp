@@ -20,7 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using Links = FileTransaction::Links;
 
-// The former CA may end that much later than planned.
+// The last list of the former CA is valid for so many days after the planned end of the overlap,
+// because the overlap may be ended late.
 constexpr int kListDaysAfterOverlap = 90;
 
 bool is_file_or_link(const fs::path& path) {
@@ -28,7 +29,8 @@ bool is_file_or_link(const fs::path& path) {
   return fs::symlink_status(path, ignored).type() > fs::file_type::not_found;
 }
 
-// Peers may go on with what is issued and signed anew. After the theft of a key they begin again.
+// True for the steps of an overlap in which running sessions continue with the new certificates and
+// documents. After `replace`, for a stolen key, all sessions begin anew.
 bool is_moving(const CaRotation& change) {
   return change.step == RotationStep::move || change.step == RotationStep::end;
 }
@@ -59,11 +61,12 @@ class DocumentResigner {
                    const Context& context)
       : out_(out), change_(change), log_(log), context_(context) {}
 
-  // The document of a file, for sign(). Errors: those of document_of().
+  // Reads the document of a file, for sign(). Errors: those of document_of().
   Result<DocumentOfCa> read(const fs::path& file) const {
     return document_of(file, change_.old, log_, change_.takes_unlogged, context_.clock.now());
   }
-  // The same for a participant, which an earlier rotation may not have reached.
+  // Reads the document of a participant. It may be of a former key, because an earlier rotation may
+  // not have reached the participant.
   Result<DocumentOfCa> read(const fs::path& file, const AffectedParticipant& participant) const {
     auto document = read(file);
     if (document) return document;
@@ -99,8 +102,8 @@ class DocumentResigner {
   NewlyListed renewals_;
 };
 
-// Symbolic links stay unchanged, and missing files are not created. A folder in the place is an
-// error.
+// Symbolic links stay unchanged, and missing files are not created. True for a folder, so that
+// putting the file fails.
 bool is_to_be_replaced(const fs::path& path) {
   std::error_code ignored;
   const auto type = fs::symlink_status(path, ignored).type();
@@ -111,8 +114,8 @@ Status put_if_there(FileTransaction& out, const fs::path& file, const std::strin
   return is_to_be_replaced(file) ? out.put_public(file, text) : Status{};
 }
 
-// If an earlier rotation could not write the folder, it still contains a certificate of the CA
-// before. The log contains that certificate.
+// Also accepts a logged certificate of an earlier key of the CA: the folder still contains it if an
+// earlier rotation could not write the folder.
 Status check_of_old_ca(const AffectedParticipant& participant, const pki::Certificate& certificate,
                        const CaRotation& change, const pki::IssueLog& log) {
   const auto& before = change.old.certificate();
@@ -125,7 +128,9 @@ Status check_of_old_ca(const AffectedParticipant& participant, const pki::Certif
                .found = "one of " + certificate.issuer()});
 }
 
-// The old key may have signed certificates that the CA never issued.
+// Success if the log has the certificate for this folder, because a thief of the old key may have
+// signed certificates that the CA never issued. Also for a moved folder that the command line
+// names, and with --unlogged for a certificate that is not in the log.
 Status check_follows(const AffectedParticipant& participant, const pki::Certificate& certificate,
                      const CaRotation& change, const pki::IssueLog& log) {
   const auto& paths = change.old.paths;
@@ -160,10 +165,10 @@ Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& 
 
 namespace {
 
-// The documents of a participant that are its own.
+// The documents in a participant's folder that are its own, and the errors of the others.
 struct OwnDocuments {
   std::map<fs::path, DocumentOfCa> sound;
-  std::vector<Error> doubtful;  // one is enough to leave all as they are
+  std::vector<Error> doubtful;  // if there is any, no document is signed
 };
 
 OwnDocuments documents_of(const AffectedParticipant& participant,
@@ -183,7 +188,7 @@ OwnDocuments documents_of(const AffectedParticipant& participant,
   return out;
 }
 
-// Adds the consequence for every participant that keeps its old files.
+// Adds the hint about a participant that keeps its old files, unless the error has its own hint.
 Error with_unwritten_hint(const Error& error, const std::string& unwritten_hint) {
   auto details = error.details();
   if (details.hint.empty()) details.hint = unwritten_hint;
@@ -207,7 +212,8 @@ class ParticipantDrafts {
   ParticipantDrafts(FileTransaction& out, RotationResult& rotation)
       : out_(out), rotation_(rotation) {}
 
-  // `draft` puts the files of a participant. Error: interrupted.
+  // Runs `draft`, which puts the files of a participant, and records its error in the result. Only
+  // interrupted is returned.
   template <class DraftFiles>
   Status add(const AffectedParticipant& participant, DraftFiles draft) {
     out_.begin_folder(participant.name);
@@ -226,7 +232,7 @@ class ParticipantDrafts {
     return {};
   }
 
-  // Success if a participant follows the new CA, or none had to.
+  // Success if at least one participant was updated, or if none failed.
   Status check() const {
     if (!rotation_.updated.empty()) return {};
     for (const auto* left : {&rotation_.doubtful, &rotation_.unwritten})
@@ -277,7 +283,7 @@ Status sign_documents_of(const AffectedParticipant& participant,
   return {};
 }
 
-// It has moved already, or does not move in this step.
+// True if the participant has moved already, or if documents do not change in this step.
 bool keeps_documents(const AffectedParticipant& participant, const CaRotation& change,
                      WallTime now) {
   if (change.step == RotationStep::replace) return false;
@@ -368,23 +374,24 @@ struct Reissue {
   const pki::IssueLog& log;
   const pki::Crl& crl;
   const std::vector<pki::Certificate>& trusted;  // the certificates of change.trust_pem
-  const std::vector<pki::Crl>& lists_of_former;  // in an overlap
+  const std::vector<pki::Crl>& lists_of_former;  // empty without an overlap
   const Context& context;
   NewlyListed& renewals;
 
-  // Only what the participant trusts.
+  // Puts only the CA file and the revocation lists.
   Status put_trust(FileTransaction& out, const AffectedParticipant& participant,
                    const pki::Certificate& certificate) const {
     const auto& files = participant.files;
     DDSSEC_RETURN_IF_ERROR(put_if_there(out, files.identity_ca, change.trust_pem));
     if (!is_to_be_replaced(files.crl)) return {};
-    // With the old list alone no peer of the new CA would be accepted, and the other way round.
+    // The file needs the lists of both CAs: with a list of only one, participants of the other CA
+    // are refused.
     return put_list(out, files.crl,
                     {crl, change.ca.certificate(), "", &certificate, trusted, context.clock.now(),
                      lists_of_former});
   }
 
-  // The line for the log; none if the certificate stays.
+  // Puts all files. Returns the line for the log; empty if the certificate stays.
   Result<std::string> put(FileTransaction& out, const AffectedParticipant& participant,
                           const pki::Certificate& certificate) const {
     const auto& files = participant.files;
@@ -412,7 +419,8 @@ std::string to_pem(const std::vector<pki::Crl>& lists) {
   return out;
 }
 
-// The former CA's key is replaced when the overlap begins: its last list is valid for longer.
+// Returns the lists of the former CA that the file keeps. Its key is replaced when the overlap
+// begins, so its last list is valid beyond the end of the overlap.
 Result<std::vector<pki::Crl>> lists_beside(const CaRotation& change, const pki::IssueLog& log,
                                            const Context& context) {
   const bool is_begin = change.step == RotationStep::begin;
@@ -453,7 +461,7 @@ Result<RotationResult> rotate_identity_ca(FileTransaction& out, const CaRotation
       DDSSEC_ASSIGN_OR_RETURN(const auto certificate,
                               read_certificate(participant.files.certificate));
       DDSSEC_ASSIGN_OR_RETURN(revoked, revoked_serial(certificate, paths, log, NextKey::same));
-      // A participant's list may be newer than the CA's own.
+      // A participant's list may be newer than the CA's own; `listed` has the entries of both.
       const auto serial = certificate.serial();
       if (std::ranges::find(listed, serial, &pki::Revocation::serial) != listed.end())
         revoked = serial;

@@ -1,5 +1,5 @@
 // Replaces a CA and its key, and issues or signs anew everything that the old one issued or signed.
-// The same for ROS 2's keystores as for participants' folders.
+// Handles ROS 2 keystores and participants' folders alike.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +14,9 @@
 
 namespace ddssec::cli {
 
-/// A participant whose files change with the CA. Symbolic links among them are kept: the file that
-/// a link leads to is replaced.
+/// A participant whose files change with the CA. Its symbolic links stay: a CA file, revocation
+/// list or governance document behind a link is not changed, and a participant whose certificate or
+/// permissions are a link is left unchanged.
 struct AffectedParticipant {
   std::string name;  ///< its name in reports
   pki::ParticipantFolder files;
@@ -24,37 +25,38 @@ struct AffectedParticipant {
 
 /// One step of a rotation.
 enum class RotationStep : std::uint8_t {
-  replace,  ///< the CA, and everything of it, at once
-  begin,    ///< of an overlap: the CA gets its successor, participants accept both
+  replace,  ///< replaces the CA and everything that it signed, at once
+  begin,    ///< begins an overlap: the CA gets its successor, and participants accept both
   move,     ///< participants get certificates and documents of the successor, and accept both
-  end,      ///< the same for those that have not moved, and all accept the successor alone
+  end,      ///< as `move` for those that have not moved; then all accept only the successor
 };
 
 /// The replaced CA and its successor.
 struct CaRotation {
-  const OpenCa& old;  ///< from RotationStep::move on the successor itself, whose file has both
+  const OpenCa& old;  ///< from RotationStep::move on this is the successor, whose file has both CAs
   const pki::Authority& ca;
   std::string trust_pem;              ///< the CA file of the participants
-  const pki::Passphrase* passphrase;  ///< of the new key; null: it is not encrypted
+  const pki::Passphrase* passphrase;  ///< for the new key; nullptr: the key is not encrypted
   bool takes_unlogged = false;        ///< also handle what the old CA's log does not contain
   RotationStep step = RotationStep::replace;
-  std::optional<CaOverlap> overlap = {};  ///< for every step but RotationStep::replace
-  /// The step was made already, and is made for participants that it did not reach: nothing is
-  /// written for the CA itself.
+  std::optional<CaOverlap> overlap = {};  ///< set for every step except RotationStep::replace
+  /// True if the step is repeated for participants that it did not reach: nothing is written for
+  /// the CA itself.
   bool is_repeated = false;
   std::string unwritten_hint = {};  ///< RotationResult::unwritten_hint; empty: the default
 };
 
-/// The result for each participant, by name.
+/// The outcome for each participant, by name.
 struct RotationResult {
-  std::vector<std::string> updated;  ///< have new files
-  std::vector<std::string> revoked;  ///< left as they are
-  /// Left unchanged: they differ from what the log contains for the folder.
+  std::vector<std::string> updated;  ///< participants that have new files
+  std::vector<std::string> revoked;  ///< participants left as they are
+  /// Participants left unchanged because their files differ from what the log contains for the
+  /// folder.
   std::vector<Error> doubtful;
-  std::vector<Error> unwritten = {};       ///< left unchanged: their folders cannot be written
+  /// Participants left unchanged because their folders cannot be written.
+  std::vector<Error> unwritten = {};
   std::vector<std::string> unlogged = {};  ///< documents signed although the log lacks them
-  /// What it means that a participant is left unchanged because its folder cannot be written, and
-  /// what to do then.
+  /// The hint for a participant whose folder cannot be written: what that means and what to do.
   std::string unwritten_hint =
       "the participant keeps its old files and meets no other one until it has new ones; make its "
       "folder writable, then rotate the CA once more";
@@ -62,7 +64,7 @@ struct RotationResult {
 
 /// Puts the new CA in place, and then the files of each participant. A participant whose files
 /// cannot be put in place moves from `updated` to `unwritten`. The next rotation includes it,
-/// because the log has recorded its files. Errors: those of FileTransaction::commit, for the CA's
+/// because the log has recorded its files. Errors: those of FileTransaction::commit for the CA's
 /// own files.
 Result<std::vector<WrittenFile>> put_in_place(FileTransaction& out, RotationResult& rotation);
 
@@ -72,24 +74,24 @@ void add_left(const RotationResult& rotation, Report& report);
 /// A validity that begins now and lasts as long as that of `old`.
 pki::Validity life_like(const pki::Certificate& old, WallTime now);
 
-/// A new root with the old CA's kind of key and length of validity. Errors: those of
-/// Authority::create_root.
+/// A new root with the same kind of key as the old CA, and the same length of validity. Errors:
+/// those of Authority::create_root.
 Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& subject,
                                 const Context& context);
 
-/// Drafts the new permissions CA, and signs every document of the participants and of `shared` anew
-/// (those of the participants only if the step asks for it);
-/// then writes the log. Signs only documents that the old CA signed and that its log contains,
-/// because the old key may be stolen. A participant with any other document is left unchanged. The
-/// caller holds the CA's lock (lock_records). Errors: those of document_of() for a shared document;
-/// the first of `doubtful` and `unwritten` if no participant is left.
+/// Drafts the new permissions CA and signs every document of `shared` anew, and those of the
+/// participants if the step asks for it; then writes the log. Signs only documents that the old CA
+/// signed and that its log contains, because the old key may be stolen. A participant with any
+/// other document is left unchanged. The caller holds the CA's lock (lock_records). Errors: those
+/// of document_of() for a shared document; the first of `doubtful` and `unwritten` if no
+/// participant is updated.
 Result<RotationResult> rotate_permissions_ca(FileTransaction& out, const CaRotation& change,
                                              const std::vector<AffectedParticipant>& participants,
                                              const std::vector<std::filesystem::path>& shared,
                                              const Context& context);
 
 /// The participants that have a document or a certificate of another permissions CA than that of
-/// `trust_pem`, which is in place: an earlier command could not write their files.
+/// `trust_pem`, which is in place. An earlier command could not write their files.
 std::vector<AffectedParticipant> left_with_another_ca(
     const std::vector<AffectedParticipant>& participants, std::string_view trust_pem, WallTime now);
 
@@ -100,12 +102,13 @@ Result<RotationResult> finish_permissions_rotation(
     const std::vector<AffectedParticipant>& participants,
     const std::vector<std::filesystem::path>& shared, const Context& context);
 
-/// Drafts the new identity CA with its revocation list, and the participants' certificates with the
-/// same subject, key and end, if the step asks for them; then writes the log. Issues a certificate
-/// only if the log contains the old one with this serial number and SHA-256 and for this folder,
-/// because the old key may be stolen. A revoked participant gets none. The caller holds the CA's
-/// lock (lock_records). Errors: the first of `doubtful` (issuer_unknown: a certificate that the old
-/// CA did not issue) and `unwritten` if nothing is left to issue; those of Authority::reissue.
+/// Drafts the new identity CA with its revocation list and, if the step asks for them, the
+/// participants' certificates with the same subject, key and end; then writes the log. Issues a
+/// certificate only if the log contains the old one with this serial number and SHA-256 and for
+/// this folder, because the old key may be stolen. A revoked participant gets none. The caller
+/// holds the CA's lock (lock_records). Errors: the first of `doubtful` (issuer_unknown: a
+/// certificate that the old CA did not issue) and `unwritten` if nothing is left to issue; those of
+/// Authority::reissue.
 Result<RotationResult> rotate_identity_ca(FileTransaction& out, const CaRotation& change,
                                           const std::vector<AffectedParticipant>& participants,
                                           const Context& context);

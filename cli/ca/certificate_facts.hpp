@@ -1,4 +1,4 @@
-// What results say of certificates.
+// What results report about certificates.
 #pragma once
 
 #include <filesystem>
@@ -35,7 +35,7 @@ struct CaFacts {
 
 inline constexpr std::string_view kRoles = "identity|permissions";
 
-/// A CA that was made together with other things.
+/// A CA that was created together with other things.
 struct NewCaFacts {
   static constexpr std::string_view kDef = "new_ca";
   std::string role, subject;
@@ -77,7 +77,7 @@ struct IssuedFacts {
   std::string name;
   std::filesystem::path dir;
   CertificateFacts certificate;
-  std::string done = {};  ///< "completed, "
+  std::string done = {};  ///< empty, or a prefix such as "completed, "
 
   static constexpr auto fields() {
     return std::tuple_cat(std::tuple(field<&IssuedFacts::name>(), field<&IssuedFacts::dir>()),

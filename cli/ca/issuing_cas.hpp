@@ -18,9 +18,9 @@ struct IssuingCas {
   OpenCa identity;
   std::optional<OpenCa> permissions;
   std::optional<pki::Crl> list;
-  std::string crl;  ///< the same, in PEM
+  std::string crl;  ///< `list` in PEM
 
-  /// For a participant with permissions, or without.
+  /// The issuers for a participant with or without permissions.
   Issuers issuers(bool with_permissions) const {
     return {identity, with_permissions ? &*permissions : nullptr, crl};
   }
@@ -31,15 +31,16 @@ struct IssuingCas {
 Result<IssuingCas> open_issuing_cas(const Arguments& arguments, bool with_permissions,
                                     WallTime now);
 
-/// Makes what the participant gets, within the life of its CA. `from`: the file that an error in
-/// the permissions is about. Errors: those of within_ca and make_participant.
+/// Makes the participant's certificate and documents, all within the life of its CA. `from` is the
+/// file that an error in the permissions names. Errors: those of within_ca and make_participant.
 Result<NewParticipant> make(ParticipantSpec& spec, const IssuingCas& cas,
                             const Arguments& arguments, const Context& context,
                             const std::filesystem::path& from);
 
-/// The last step before files get their places: a certificate that the log lacks cannot be revoked.
+/// Writes the logs. Call it as the last step before files get their places, because a certificate
+/// that the log lacks cannot be revoked.
 Status log_all(const IssuingCas& cas, std::string_view issued, std::string_view signed_lines);
-/// The same for one participant. Errors also: those of SubjectsInUse::check.
+/// The same for one participant. Also returns the errors of SubjectsInUse::check.
 Status log_one(const IssuingCas& cas, const NewParticipant& made,
                const std::filesystem::path& folder, WallTime now);
 

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The latest of the times that it is given, up to a limit.
+// The latest of the times that were added, each cut to a limit.
 class Latest {
  public:
   explicit Latest(WallTime limit) : limit_(limit) {}
@@ -24,7 +24,7 @@ class Latest {
     time = std::min(time, limit_);
     latest_ = std::max(latest_.value_or(time), time);
   }
-  // A command under a wrong clock has written it, too.
+  // Ignores a later time, because a command that ran with a wrong clock may have written it.
   void add_if_before(WallTime time) {
     if (time < limit_) add(time);
   }

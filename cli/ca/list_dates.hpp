@@ -15,11 +15,11 @@ inline constexpr Option kClockIsRight{
     "--clock-is-right", "",
     "go on although the CA's files know of nothing in the 400 days before now"};
 
-/// Success unless `date` is more than kMaxRest after everything known about the CA: its
+/// Success unless `date` is more than kMaxRest after the latest time that the CA's files show: its
 /// certificate, the lines of its log, its lists, and the times at which the files with its
-/// certificate and its participants' certificates were written. Entries of the log and the lists
-/// for `date` itself or later do not count. Always success with --clock-is-right. Errors:
-/// crl_not_yet_valid; those of read_certificate, read_issue_log, read_crls and participant_places.
+/// certificate and its participants' certificates were written. Entries of the log and lists dated
+/// `date` or later do not count. Always success with --clock-is-right. Errors: crl_not_yet_valid;
+/// those of read_certificate, read_issue_log, read_crls and participant_places.
 Status check_list_date(WallTime date, const CaPaths& ca, const Arguments& arguments);
 
 }  // namespace ddssec::cli

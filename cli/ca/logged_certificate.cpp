@@ -24,7 +24,8 @@ fs::path normal_folder(const fs::path& folder) {
   return out.has_filename() ? out : out.parent_path();
 }
 
-// Uses `given` as it was opened, if it is held: its path may lead elsewhere by now.
+// Compares with the folder that is held for `given`, if there is one, because the path may lead
+// elsewhere by now.
 bool is_same_folder(const fs::path& a, const fs::path& b, const fs::path& given) {
   std::error_code ignored;
   return a == b || fs::equivalent(a, as_held(given), ignored);
@@ -52,7 +53,8 @@ std::string in_words(const IssuedCertificate& issued) {
   return fmt::format("{}, serial {}", issued.subject, issued.serial);
 }
 
-// By its path alone, since the log may be long; the newest one. Null if there is none.
+// The newest entry whose folder has this path, or nullptr. Only paths are compared, because a
+// look-up in the file system for each entry of a long log is slow.
 const IssuedCertificate* issued_for(const fs::path& folder, const pki::IssueLog& log) {
   std::error_code ignored;
   const auto real = fs::weakly_canonical(folder, ignored).string();
@@ -69,7 +71,7 @@ bool lies_in(const fs::path& folder, const pki::Certificate& certificate) {
   return found && *found == certificate;
 }
 
-// By the log, or by the CA's list.
+// Looks for revocations of this key in the log, then in the CA's list.
 std::string revoked_serial_of_key(const pki::Certificate& certificate,
                                   const std::vector<pki::Revocation>& listed,
                                   const pki::IssueLog& log) {

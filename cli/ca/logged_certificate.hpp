@@ -1,6 +1,6 @@
 // Checks a certificate in a participant's folder against the CA's log. The folder may have come
-// back from its device, which can put any certificate that it saw into it. What the CA issued for
-// the folder is recorded in its log.
+// back from its device, which can put any certificate that it saw into the folder. The log records
+// what the CA issued for the folder.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@
 
 namespace ddssec::cli {
 
-/// Success if the CA (or the same CA before its renewal) issued the certificate in `file`, whatever
-/// its dates. Error: issuer_unknown.
+/// Success if the CA (or the same CA before its renewal) issued the certificate in `file`. Validity
+/// dates are not checked. Error: issuer_unknown.
 Status check_issuer(const pki::Certificate& certificate, const OpenCa& ca,
                     const std::filesystem::path& file);
 
@@ -20,8 +20,8 @@ Status check_issuer(const pki::Certificate& certificate, const OpenCa& ca,
 enum class Belonging : std::uint8_t {
   own,       ///< issued for this folder
   moved,     ///< issued for another folder, and the log does not know this one
-  foreign,   ///< issued for another folder, and others were issued for this one
-  unlogged,  ///< not in the log, or another certificate with this serial number is
+  foreign,   ///< issued for another folder, while the log has other certificates for this one
+  unlogged,  ///< not in the log, or the log has another certificate with this serial number
 };
 
 /// The status of a certificate; `log` is that of the CA. A folder that moved together with its CA
@@ -34,22 +34,23 @@ Belonging belonging_of(const pki::Certificate& certificate, const std::filesyste
 /// CA before its rotation.
 bool is_logged(const pki::Certificate& certificate, const pki::IssueLog& log);
 
-/// Success if the certificate was issued for the folder, or if its subject is `subject`, from the
-/// command line. `subject` may be empty: then only a certificate for the folder is accepted.
+/// Success if the certificate was issued for the folder, or if its subject is `subject`, which the
+/// command line names. With an empty `subject`, only a certificate for the folder is accepted.
 /// Errors: certificate_unlogged, certificate_of_another_folder, those of SubjectName::parse.
 Status check_own(const pki::Certificate& certificate, const std::filesystem::path& folder,
                  const CaPaths& ca, const pki::IssueLog& log, const std::string& subject);
 
-/// The folder that the log names for the successor of a certificate: the one that it names for the
-/// certificate, if that was issued for the given folder. The given path may lead to the folder of
-/// another participant, which would then be this one's. Otherwise the given folder, absolute.
+/// The folder to log for the successor of a certificate. If the certificate was issued for the
+/// given folder, that is the folder in its log entry; otherwise the given folder, absolute. The
+/// given path is not used in the first case, because it may later lead to another participant's
+/// folder.
 std::filesystem::path recorded_folder(const pki::Certificate& certificate,
                                       const std::filesystem::path& folder, const CaPaths& ca,
                                       const pki::IssueLog& log);
 
-/// Success if no other folder has the certificate, by the log and by `seen` (folders by serial
-/// number), to which it is added. Once the log records it for a folder, renewals rely on that.
-/// Error: certificate_of_another_folder.
+/// Success if no other folder has the certificate, according to the log and to `seen` (folders by
+/// serial number), to which it is added. Renewals rely on the folder that the log records. Error:
+/// certificate_of_another_folder.
 Status check_alone(const pki::Certificate& certificate, const std::filesystem::path& folder,
                    const CaPaths& ca, const pki::IssueLog& log,
                    std::map<std::string, std::filesystem::path>& seen);
@@ -74,8 +75,8 @@ Status check_key_not_revoked(const pki::Certificate& certificate, const std::fil
                              const CaPaths& ca, const pki::IssueLog& log);
 
 /// A line about the certificate in `file`, which is about to be replaced and stays valid although
-/// no file holds it any more; empty if it has ended or was revoked. `given`: the CA's folder as the
-/// user names it.
+/// no file will hold it. Empty if it has expired or was revoked. `given` is the CA's folder as the
+/// user named it.
 std::string about_former(const std::filesystem::path& file, const std::filesystem::path& given,
                          WallTime now);
 

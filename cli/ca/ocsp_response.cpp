@@ -19,7 +19,8 @@ fs::path ocsp_file(const pki::ParticipantFolder& files) {
 
 namespace {
 
-// The way to the responder is not protected, so an answer may be a recorded one.
+// An attacker on the path to the responder could replay a recorded response, because the connection
+// is not protected. Refuses a response that has expired or is older than the present one.
 Status check_later(const pki::OcspGood& fetched, const ResponseWanted& wanted,
                    const pki::ChainVerifier& verifier, WallTime now) {
   const auto refuse = [&](const char* field, WallTime earliest, WallTime found) {

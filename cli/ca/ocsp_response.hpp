@@ -1,4 +1,4 @@
-// The OCSP response of a participant's folder: fetched, or as it lies there.
+// The OCSP response of a participant, fetched from the responder or read from the folder.
 #pragma once
 
 #include <chrono>
@@ -21,7 +21,7 @@ std::filesystem::path ocsp_file(const pki::ParticipantFolder& files);
 struct ResponseWanted {
   const pki::ParticipantFolder& files;
   const pki::Certificate& certificate;
-  std::string url = {};  ///< empty: that of the certificate
+  std::string url = {};  ///< empty: the URL in the certificate
   std::chrono::seconds longest{10};
 };
 
@@ -31,8 +31,8 @@ struct FetchedResponse {
   std::string url;
 };
 
-/// A response that says "good", judged by the folder's identity CAs. Errors: ocsp_no_responder,
-/// issuer_unknown, those of pki::fetch_ocsp and pki::judge_ocsp.
+/// Fetches a response that says "good" and is valid by the folder's identity CAs. Errors:
+/// ocsp_no_responder, issuer_unknown, those of pki::fetch_ocsp and pki::judge_ocsp.
 Result<FetchedResponse> fetch_response(const ResponseWanted& wanted, WallTime now);
 
 }  // namespace ddssec::cli

@@ -27,14 +27,14 @@ namespace {
 namespace fs = std::filesystem;
 using governance::Grant;
 
-// A permissions document of a list, by what it says of itself.
+// A permissions document of a list, read without checking its signature.
 struct ListedDocument {
   Bytes file;
-  std::vector<Grant> grants = {};  // those that name their subject
-  WallTime end = {};               // of the last one
+  std::vector<Grant> grants = {};  // grants that name their subject
+  WallTime end = {};               // the end of the last grant
 };
 
-// Its signature is not checked: the participants do that. Empty: no grant names a subject.
+// Participants check the signature, so it is not checked here. Empty if no grant names a subject.
 std::optional<ListedDocument> look_into(BytesView file) {
   const auto form = pki::examine_document(file);
   if (form.ambiguous) return std::nullopt;
@@ -63,7 +63,8 @@ std::vector<const governance::GrantRule*> rules_of(const Grant& grant) {
   return out;
 }
 
-// As participants judge it in a domain. If rules differ in their domains, only the same counts.
+// True if `next` gives at least the rights of `former`, as participants judge a renewal. If the
+// rules of a grant are for different domains, only an equal grant passes.
 bool gives_at_least(const Grant& next, const Grant& former) {
   if (give_the_same(next, former)) return true;
   if (next.subject_name != former.subject_name || former.rules.empty()) return false;
@@ -78,7 +79,8 @@ bool gives_at_least(const Grant& next, const Grant& former) {
                                     {former_rules, former.default_allow});
 }
 
-// One that begins in the future leaves the former in its place until then.
+// True if `next` makes `former` superfluous. A document that begins in the future does not: the
+// former one stays until then.
 bool replaces(const ListedDocument& next, const ListedDocument& former, WallTime now) {
   return std::ranges::all_of(former.grants, [&](const auto& old) {
     return std::ranges::any_of(next.grants, [&](const auto& grant) {
@@ -89,17 +91,17 @@ bool replaces(const ListedDocument& next, const ListedDocument& former, WallTime
   });
 }
 
-// Of PEM text.
+// The size of the file as PEM text, in octets.
 std::size_t size_in_list(const Bytes& file) {
   constexpr std::size_t kAround = 80, kLine = 64;
   const auto text = (file.size() + 2) / 3 * 4;
   return text + text / kLine + kAround;
 }
 
-// The entries of a list, bounded as participants read it. Older ones come first.
+// The entries of a list, limited to what participants read. Older entries come first.
 class Entries {
  public:
-  // Of permissions, those that name a subject.
+  // Adds what has not ended. Permissions that name no subject are left out.
   void add(const pki::RenewalList& list, WallTime now) {
     for (const auto& one : list.certificates)
       if (one.not_after() > now) add(one);
@@ -111,7 +113,7 @@ class Entries {
     }
   }
 
-  // Removes what is more than participants read.
+  // Removes entries until the list is within the limits of participants.
   void shorten() {
     std::size_t octets = 0;
     for (const auto& one : certificates_) octets += one.pem().size();
@@ -141,11 +143,12 @@ class Entries {
     for (const auto& one : documents_) out.permissions.push_back(one.file);
     return out;
   }
-  // The subjects of what was removed.
+  // The subjects whose entries were removed.
   const std::set<std::string>& left_out() const { return left_out_; }
 
  private:
-  // An older list may be added after a newer one. Of one subject and key, what ends last counts.
+  // An older list may be added after a newer one. If subject and key are the same, the certificate
+  // that ends last stays.
   void add(const pki::Certificate& one) {
     const auto former =
         std::ranges::find(certificates_, one.subject_digest(), &pki::Certificate::subject_digest);
@@ -157,7 +160,8 @@ class Entries {
   static bool has_key_of(const pki::Certificate& a, const pki::Certificate& b) {
     return pki::key_digest(a) == pki::key_digest(b);
   }
-  // First those of subjects that have later ones, then those that end first.
+  // The order in which documents are removed: first those whose subjects all have later ones, then
+  // those that end first.
   std::vector<const ListedDocument*> least_first() const {
     std::set<std::string_view> later;
     std::vector<std::pair<bool, const ListedDocument*>> order;
@@ -217,7 +221,7 @@ Error begun_anew(const fs::path& file, const Error& why) {
                         "of the former list into the file's place"});
 }
 
-// No entries if the file does not exist.
+// Returns an empty list if the file does not exist.
 Result<pki::RenewalList> read_renewals(const fs::path& file) {
   if (!is_there(file)) return pki::RenewalList{};
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxRenewalListOctets));
@@ -238,7 +242,8 @@ Status add_to(const fs::path& file, const pki::RenewalList& next, WallTime now) 
   return {};
 }
 
-// Participants' folders keep what they have, so a CA's list is no great loss.
+// Adds the remedy for an unreadable list of the CA: the user may remove it, because each
+// participant's folder keeps its own entries.
 Error of_ca(const Error& error) {
   auto details = error.details();
   details.hint =
@@ -247,7 +252,7 @@ Error of_ca(const Error& error) {
   return Error(error.code(), std::move(details));
 }
 
-// What is there of CAs that the folder has: the others have no effect.
+// The entries that CAs of the folder signed, because the others have no effect there.
 pki::RenewalList of_trusted(pki::RenewalList list, const pki::ParticipantFolder& files,
                             WallTime now) {
   const auto identity_cas = read_certificates(files.identity_ca);
@@ -337,7 +342,7 @@ RenewalsOfCas renewals_of(const fs::path& given, const pki::Crl* revoked) {
 
 Status put_renewals(FileTransaction& out, const pki::ParticipantFolder& files,
                     const RenewalsForFolder& what) {
-  // The entries can only extend, so none leaves because another list lacks it.
+  // Entries only extend rights, so none is removed because another list lacks it.
   auto former =
       of_trusted(read_renewals(files.renewals).value_or(pki::RenewalList{}), files, what.now);
   std::erase_if(former.certificates, [&](const auto& one) {

@@ -16,63 +16,66 @@
 
 namespace ddssec::cli {
 
-/// What commands add to the lists of CAs. Each CA has a list of its own, renewed.pem beside its
-/// certificate: that of an identity CA has certificates, that of a permissions CA permissions. The
-/// caller holds the lock of each (OpenCa).
+/// The entries that a command adds to the lists of CAs. Each CA has a list of its own, renewed.pem
+/// beside its certificate: that of an identity CA has certificates, that of a permissions CA
+/// permissions. The caller holds the lock of each (OpenCa).
 class NewlyListed {
  public:
   void add(const CaPaths& ca, const pki::Certificate& renewed);
-  /// Permissions, signed for `file`. Those that name no subject are left out, with a notice:
-  /// permissions_unlisted.
+  /// Adds permissions that were signed for `file`. Permissions that name no subject are left out,
+  /// with a notice: permissions_unlisted.
   void add(const CaPaths& ca, BytesView signed_permissions, const std::filesystem::path& file);
-  /// Adds them to the files. A certificate replaces former ones of its subject, and permissions
-  /// replace those that give the same and do not end later. Ended entries leave. A file that
-  /// cannot be read is begun anew. If a list has more than is read, older permissions of a subject
-  /// that has later ones leave first, and then what ends first. Errors, after the files are
-  /// written: renewal_list_malformed (begun anew), file_too_large (something left); those of
-  /// FileTransaction.
+  /// Writes the entries into the files. A certificate replaces former ones of its subject, and
+  /// permissions replace those that give the same and do not end later. Expired entries are
+  /// removed. A file that cannot be read is begun anew. If a list exceeds what participants read,
+  /// older permissions of a subject that has later ones are removed first, and then those that end
+  /// first. Errors, after the files are written: renewal_list_malformed (begun anew),
+  /// file_too_large (something was left out); those of FileTransaction.
   Status write(WallTime now) const;
 
  private:
   std::map<std::filesystem::path, pki::RenewalList> files_;
 };
 
-/// The grants in the CA's list that have not ended. None if it cannot be read.
+/// The grants in the CA's list that have not expired. Empty if the list cannot be read.
 std::vector<governance::Grant> listed_grants(const CaPaths& ca, WallTime now);
 
-/// True if all grants of `next` name their subjects, and one of them gives the same as a former
-/// grant of its subject, or more, and ends later.
+/// True if all grants of `next` name their subjects, and one of them gives at least the rights of a
+/// former grant of its subject and ends later.
 bool extends(const governance::Permissions& next, const std::vector<governance::Grant>& former);
 
 /// The lists of the CAs in a folder.
 struct RenewalsOfCas {
   pki::RenewalList list = {};
-  std::vector<pki::Certificate> cas = {};  ///< whose lists were read
-  std::set<std::string> revoked = {};      ///< serial numbers of the identity CA
-  /// Of the others: those of read_file and RenewalList::parse, with hints for a CA's list.
+  std::vector<pki::Certificate> cas = {};  ///< the CAs whose lists were read
+  std::set<std::string> revoked = {};      ///< serial numbers that the identity CA revoked
+  /// Errors of lists that could not be read: those of read_file and RenewalList::parse, with hints
+  /// for a CA's list.
   std::vector<Error> problems = {};
 };
-/// The lists of both CAs at `given`, as one. Without certificates that `revoked` names, the present
-/// list of the identity CA; null: it has none.
+/// The lists of both CAs at `given`, as one. Certificates that `revoked` names are left out; it is
+/// the present list of the identity CA, or nullptr if there is none.
 RenewalsOfCas renewals_of(const std::filesystem::path& given, const pki::Crl* revoked);
 
 /// Entries for a participant's folder.
 struct RenewalsForFolder {
   const pki::RenewalList& entries;
-  const std::vector<pki::Certificate>& cas;  ///< what these issued leaves if it is `revoked`
-  const std::set<std::string>& revoked;      ///< serial numbers
+  /// The CAs whose certificates are removed if `revoked` has them.
+  const std::vector<pki::Certificate>& cas;
+  const std::set<std::string>& revoked;  ///< serial numbers
   WallTime now;
 };
 
-/// Drafts the renewal list of a participant's folder: the entries, and those that are there of
-/// CAs that the folder has, as NewlyListed::write adds them. A list that cannot be read is
-/// made anew, and one whose entries have all left is emptied. Nothing if the list is there already.
-/// A notice (file_too_large) if something was left out. Errors: those of FileTransaction::put.
+/// Drafts the renewal list of a participant's folder: `entries` together with the present entries,
+/// as NewlyListed::write combines them. Only entries of CAs in the folder are kept. A list that
+/// cannot be read is made anew, and one without remaining entries is emptied. Writes nothing if the
+/// file would not change. Adds a notice (file_too_large) if something was left out. Errors: those
+/// of FileTransaction::put.
 Status put_renewals(FileTransaction& out, const pki::ParticipantFolder& files,
                     const RenewalsForFolder& what);
 
-/// True if put_renewals can judge permissions: a permissions CA is in the folder. Otherwise it adds
-/// none, and those that are there stay.
+/// True if put_renewals can judge permissions, because a permissions CA is in the folder. Otherwise
+/// it adds none, and the present ones stay.
 bool takes_permissions(const pki::ParticipantFolder& files);
 
 }  // namespace ddssec::cli
