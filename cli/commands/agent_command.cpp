@@ -37,7 +37,8 @@ Result<Answer<AgentRun>> agent(const Arguments& arguments, const Context& contex
   if (arguments.has("--documents-hook")) {
     DDSSEC_ASSIGN_OR_RETURN(hooks.documents, hook_of(arguments, "--documents-hook"));
   }
-  // It waits for hooks, whose certificates begin later than the command itself.
+  // Uses the real clock, because the command runs for long: the certificates of hooks begin later
+  // than the command itself.
   const SystemClock clock;
   const Context present{arguments.has("--now") ? context.clock : clock, context.random};
   Agent self(arguments, std::move(hooks), present);

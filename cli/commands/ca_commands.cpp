@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 struct NewCa {
   std::string role;
-  fs::path below;  // inside the new folder
+  fs::path below;  // the CA's folder inside the new one
 };
 
 Result<std::vector<NewCa>> wanted(const std::string& role) {
@@ -44,7 +44,7 @@ std::string subject_of(const Arguments& arguments, const NewCa& ca, const fs::pa
   return ca_subject(folder_name(folder), ca.role == "identity" ? "Identity" : "Permissions");
 }
 
-// The common properties of the CAs of one command. `above` null: they are roots.
+// The common properties of the CAs of one command. `above` is nullptr for roots.
 struct CaPlan {
   pki::Validity life;
   const OpenCa* above;
@@ -56,7 +56,7 @@ Result<pki::Authority> make_ca(const std::string& subject, const pki::PrivateKey
                                : pki::Authority::create_root(subject, key, plan.life, random);
 }
 
-// The CA above a new one: that of --intermediate-of, which is the folder of a single CA.
+// The CA above a new one. It is named by --intermediate-of, which is the folder of a single CA.
 Result<std::optional<OpenCa>> ca_above(const Arguments& arguments, CaOpener& opener) {
   if (!arguments.has("--intermediate-of")) return std::nullopt;
   DDSSEC_ASSIGN_OR_RETURN(auto above,
@@ -114,7 +114,7 @@ Result<Answer<CreatedCas>> ca_create(const Arguments& arguments, const Context& 
 
 struct ImportedKey {
   NewKey key;
-  std::optional<pki::Passphrase> secret;  // what it is kept under
+  std::optional<pki::Passphrase> secret;  // the passphrase that protects the stored key
 };
 
 Result<ImportedKey> imported_key(const Arguments& arguments) {
@@ -133,7 +133,8 @@ Result<ImportedKey> imported_key(const Arguments& arguments) {
   return ImportedKey{{std::move(key)}, std::move(secret)};
 }
 
-// Below a folder that exists, or with it: both roles can be imported one after the other.
+// Adds the CA to a folder that exists, or creates the folder. Both roles can thus be imported one
+// after the other.
 Result<Answer<ImportedCa>> ca_import(const Arguments& arguments, const Context&) {
   DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
   const fs::path given = arguments.text("DIR");
@@ -163,7 +164,7 @@ Result<Answer<ImportedCa>> ca_import(const Arguments& arguments, const Context&)
   return out;
 }
 
-// Nothing: it is not here.
+// Empty if the key is not on this machine.
 Result<std::optional<KeyFacts>> key_facts(const fs::path& key) {
   struct stat status {};
   if (::stat(key.c_str(), &status) != 0) return std::nullopt;
@@ -180,7 +181,7 @@ Result<std::optional<KeyFacts>> key_facts(const fs::path& key) {
   return out;
 }
 
-// `role` null: the folder does not say which.
+// `role` is empty if the folder does not show the CA's role.
 Result<ShownCa> show_one(const CaPaths& paths, std::optional<std::string> role, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(paths.certificate));
   DDSSEC_ASSIGN_OR_RETURN(auto key, key_facts(paths.key));
@@ -207,7 +208,7 @@ bool is_one_ca(const fs::path& given) {
                         ca_paths(given, "permissions").certificate, ignored);
 }
 
-// The role of --role, or all roles in the folder.
+// The role that --role names, or all roles in the folder.
 Result<std::vector<std::string>> shown_roles(const Arguments& arguments) {
   std::vector<std::string> out;
   if (arguments.has("--role")) {
@@ -270,7 +271,7 @@ Result<pki::Certificate> renewed_ca(const OpenCa& ca, pki::Validity life,
   return out;
 }
 
-// The steps in order. A document is verified with its signer's certificate, which it contains.
+// The next steps, in order. A document contains its signer's certificate and is verified with it.
 // ddssec accepts every certificate of the file, stock products only the first (measured).
 std::string steps_for_permissions(const OpenCa& ca, const std::string& given, WallTime now) {
   const auto end = ca.certificate().not_after();

@@ -33,7 +33,7 @@ struct CreatedCas {
   std::filesystem::path dir;
   bool encrypted;
   std::vector<CaOfFolder> cas;
-  bool in_token;  ///< the key
+  bool in_token;  ///< true if the key is in a token
 
   static constexpr auto fields() {
     return std::tuple(field<&CreatedCas::dir>(), field<&CreatedCas::encrypted>(),
@@ -157,7 +157,7 @@ struct RenewedCa {
   CaFacts ca;
   std::filesystem::path dir;
   std::vector<std::string> folders = {};
-  std::string steps;  ///< what to do with the new certificate
+  std::string steps;  ///< what to do with the new certificate, in words
 
   static constexpr auto fields() {
     return std::tuple_cat(

@@ -1,5 +1,5 @@
-// ca rotate: replaces a CA and its key, for participants with separate folders; at once, or with an
-// overlap in which both count.
+// ca rotate: replaces a CA and its key, for participants with separate folders. It does so at once,
+// or with an overlap in which both CAs are accepted.
 #include <algorithm>
 #include <filesystem>
 
@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The folders of the command line, or all folders in the identity CA's log.
+// The participants of the folders on the command line, or else all in the identity CA's log.
 Result<AffectedParticipants> participants_of(const Arguments& arguments, const fs::path& given,
                                              WallTime now) {
   AffectedParticipants out;
@@ -56,7 +56,7 @@ Status check_no_other_kind(const fs::path& given) {
   return {};
 }
 
-// The new CA, and the certificates of it for participants.
+// The new CA, and the text of the participants' CA file for it.
 struct Successor {
   pki::Authority ca;
   std::string trust_pem;
@@ -189,7 +189,8 @@ Result<RotationStep> step_of(const Arguments& arguments) {
   return step;
 }
 
-// The successor is in place already, and its file has both.
+// Describes a step after the first one of an overlap: the successor is in place, and its file has
+// both CAs.
 CaRotation on_the_way(const OpenCa& ca, RotationStep step, const CaOverlap& overlap,
                       const pki::Passphrase* passphrase) {
   return {.old = ca,
@@ -200,7 +201,7 @@ CaRotation on_the_way(const OpenCa& ca, RotationStep step, const CaOverlap& over
           .overlap = overlap};
 }
 
-// With a new key.
+// Describes a step that begins with a new CA and key.
 Result<CaRotation> with_successor(const OpenCa& old, const Successor& successor, RotationStep step,
                                   const Arguments& arguments, const Context& context) {
   CaRotation change{.old = old,
@@ -219,7 +220,7 @@ Result<CaRotation> with_successor(const OpenCa& old, const Successor& successor,
   return change;
 }
 
-// What it means for a participant that a step cannot write its folder, and what to do then.
+// The hint for a participant whose folder cannot be written: what that means and what to do.
 std::string unwritten_hint(const std::string& role, RotationStep step, const std::string& given) {
   const auto command = fmt::format("ddssec ca rotate {} --role {}", given, role);
   const auto again = "make its folder writable, then: " + command;
@@ -245,14 +246,14 @@ std::string unwritten_hint(const std::string& role, RotationStep step, const std
       again);
 }
 
-// One step for the participants that it is for.
+// One step and the participants that it is for.
 struct Work {
   CaRotation change;
   AffectedParticipants known;
   std::vector<Error> warnings = {};
 };
 
-// Those of the log that the command line does not name.
+// The participants in the log that the command line does not name.
 Result<std::vector<AffectedParticipant>> unnamed(const Arguments& arguments, WallTime now) {
   const fs::path given = arguments.text("DIR");
   if (arguments.all("DIRS").empty()) return std::vector<AffectedParticipant>();
@@ -266,8 +267,8 @@ Result<std::vector<AffectedParticipant>> unnamed(const Arguments& arguments, Wal
   return known.here;
 }
 
-// --move works on folders that --overlap did not name, and --end may name fewer than --move. A
-// rotation at once leaves all that are not named.
+// --move may name folders that --overlap did not name, and --end may name fewer than --move. A
+// rotation at once leaves all folders that are not named.
 Result<std::vector<Error>> warnings_of(RotationStep step, const std::string& role,
                                        const std::vector<AffectedParticipant>& participants,
                                        const Arguments& arguments, WallTime now) {
@@ -289,7 +290,7 @@ Result<std::vector<Error>> warnings_of(RotationStep step, const std::string& rol
   return out;
 }
 
-// Those that have new files, and run without taking them.
+// Reports participants that have new files but run without taking them.
 void add_not_taken(const std::string& role, const std::vector<AffectedParticipant>& participants,
                    const RotationResult& rotation, Report& report) {
   for (const auto& participant : participants) {
@@ -302,7 +303,8 @@ void add_not_taken(const std::string& role, const std::vector<AffectedParticipan
   }
 }
 
-// The folders that the end of a rotation leaves: for `ca show`, until they are here again.
+// The folders that the end of a rotation does not find. `ca show` names them until they are here
+// again.
 Result<std::vector<std::string>> left_away(const Work& work, const std::string& role,
                                            const Arguments& arguments, WallTime now) {
   if (arguments.all("DIRS").empty()) return work.known.gone;
@@ -334,7 +336,8 @@ Result<Answer<RotatedCa>> follow(const std::string& role, const Work& work,
     DDSSEC_RETURN_IF_ERROR(
         log_places(given, work.known.here, rotation.updated, context.clock.now()));
   DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, rotation));
-  // If this fails, nothing is wrong: the former CA is not in the CA's file any more.
+  // If the file cannot be removed, nothing is wrong, because the former CA is no longer in the CA's
+  // file.
   if (is_over) remove_file(overlap_file(paths));
   if (is_over && away.empty()) remove_file(unreached_file(paths));
   auto answer = answer_of(role, change, rotation, work.known.elsewhere, given.string());
@@ -363,8 +366,8 @@ std::unexpected<Error> nothing_left(RotationStep step, const OpenCa& ca, std::si
                .hint = fmt::format("the next step is ddssec ca rotate CA --role ROLE {}", next)});
 }
 
-// --overlap or --end once more, for the folders that it did not reach. `waiting`: those whose
-// files waited beside their places before the CA was opened, which put them in place.
+// Repeats --overlap or --end for the folders that it did not reach. `waiting` are folders whose new
+// files lay beside their places until the CA was opened, which put them in place.
 Result<Work> made_again(const OpenCa& ca, RotationStep step, const RotationProgress& progress,
                         AffectedParticipants known,
                         const std::vector<AffectedParticipant>& waiting) {
@@ -386,7 +389,7 @@ Result<Work> made_again(const OpenCa& ca, RotationStep step, const RotationProgr
   return Work{std::move(change), std::move(known)};
 }
 
-// The folders that an earlier --end, or a rotation at once, did not reach.
+// The folders that an earlier --end or a rotation at once did not reach.
 std::vector<AffectedParticipant> left_before(const std::string& role, RotationStep step,
                                              const Arguments& arguments, WallTime now) {
   if (step != RotationStep::end) return {};
@@ -397,7 +400,7 @@ std::vector<AffectedParticipant> left_before(const std::string& role, RotationSt
   return progress->not_ended(known->here);
 }
 
-// The log of the identity CA learns where named folders are. Its lock comes before that of the
+// Named folders are recorded in the log of the identity CA. Its lock comes before that of the
 // permissions CA, as in every command that holds both.
 Result<std::optional<FileLock>> lock_places(const fs::path& given, const std::string& role) {
   const auto paths = ca_paths(given, "identity");
@@ -432,7 +435,8 @@ Result<Answer<RotatedCa>> ca_rotate(const Arguments& arguments, const Context& c
   };
   if (step == RotationStep::move && !overlap)
     return fail(tool_code::no_overlap, {.document = old.paths.certificate});
-  // Before a CA above has logged a successor.
+  // Reads the folders first: a faulty folder must be reported before the CA above issues and logs a
+  // successor.
   DDSSEC_ASSIGN_OR_RETURN(auto known, participants_of(arguments, given, now));
   if ((step == RotationStep::begin && overlap) || (step == RotationStep::end && !overlap)) {
     DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));

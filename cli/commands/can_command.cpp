@@ -47,10 +47,10 @@ struct Ruling {
   std::string because;
   fs::path document;
   int line;
-  std::string hint = {};  // what to do, where the grant refuses
+  std::string hint = {};  // what to do if the grant refuses
 };
 
-// The question and the participant.
+// A question about a participant.
 struct Question {
   const doctor::LoadedFolder& folder;
   governance::Action action;
@@ -64,7 +64,7 @@ doctor::Diagnosis diagnosis_for(const Question& question) {
                       {.now = question.now, .domain = question.domain, .may_run_elsewhere = true});
 }
 
-// The reason why the participant does not start at all, as `check` reports it.
+// Returns why the participant does not start at all, as `check` reports it.
 std::optional<Ruling> by_doctor(const Question& question) {
   const auto diagnosis = diagnosis_for(question);
   for (const auto& check : diagnosis.checks()) {
@@ -80,7 +80,7 @@ std::optional<Ruling> by_doctor(const Question& question) {
   return std::nullopt;
 }
 
-// The verified documents, the valid grant, and the way to evaluate them.
+// The verified governance document and the valid grant, ready to evaluate.
 struct Documents {
   std::shared_ptr<const governance::CompiledGovernance> governance;
   std::shared_ptr<const governance::CompiledGrant> grant;
@@ -117,7 +117,7 @@ Result<Documents> documents_for(const Question& question) {
   return Documents{std::move(governance), std::move(compiled)};
 }
 
-// The certificate, as every peer judges it.
+// Judges the certificate as every peer does.
 Status check_identity(const Question& question) {
   if (!question.folder.certificate) return std::unexpected(question.folder.certificate.error());
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, question.folder.chain());
@@ -150,7 +150,7 @@ std::optional<Ruling> by_revocation(const pki::ParticipantFolder& folder) {
   const auto certificate = read_certificate(folder.certificate);
   const auto cas = read_certificates(folder.identity_ca);
   const auto own = read_crls(folder.crl);
-  if (!certificate || !cas || !own) return std::nullopt;  // doctor reports it
+  if (!certificate || !cas || !own) return std::nullopt;  // doctor reports that it cannot be read
   const auto newer = governance::doctor::newer_ca_list(folder, *cas, *own);
   const auto answer = [&](const pki::Crl& list, const fs::path& file) {
     return Ruling{false,
@@ -169,7 +169,8 @@ std::optional<Ruling> by_revocation(const pki::ParticipantFolder& folder) {
   return std::nullopt;
 }
 
-// A note if stock products use another list than ddssec's plugins, for which the answer was given.
+// Adds a note if stock products use another list than ddssec's plugins, for which the answer was
+// given.
 void note_stock_products(const doctor::LoadedFolder& folder, Report& report) {
   if (!folder.crls || !folder.certificate || !folder.identity_cas || folder.crls->size() < 2)
     return;
@@ -192,7 +193,7 @@ void note_stock_products(const doctor::LoadedFolder& folder, Report& report) {
        .severity = Severity::warning});
 }
 
-// A note if Cyclone DDS's own plugins do not even create the topic: measured with 0.10.2, where
+// Adds a note if Cyclone DDS's own plugins do not even create the topic. Measured with 0.10.2, if
 // both directions of the topic are controlled.
 void note_refused_topic(const Question& question, Report& report) {
   const auto& [folder, action, request, domain, now] = question;
@@ -222,8 +223,8 @@ void note_refused_topic(const Question& question, Report& report) {
        .severity = Severity::warning});
 }
 
-// A note if only the plugins within Cyclone DDS refuse the endpoint, and the folder does not say
-// that they are used: a program may name them in its QoS.
+// Adds a note if only the plugins within Cyclone DDS refuse the endpoint, and the folder does not
+// say that they are used: a program may name them in its QoS.
 void note_drop_in(const Question& question, Report& report) {
   const auto& folder = question.folder;
   if (!folder.governance.model || runs_drop_in(folder)) return;
@@ -238,7 +239,7 @@ void note_drop_in(const Question& question, Report& report) {
   report.findings.push_back(*std::move(finding));
 }
 
-// Of Fast DDS's file too, since the question names no product.
+// Also warns of the places in Fast DDS's file, because the question names no product.
 void warn_of_places(const Question& question, Report& report) {
   const auto diagnosis = diagnosis_for(question);
   for (const auto& check : diagnosis.checks())
@@ -246,7 +247,8 @@ void warn_of_places(const Question& question, Report& report) {
       report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
 }
 
-// In an enclave of ROS 2, new permissions come from the policy, which has the topics of every node.
+// For an enclave of ROS 2, new permissions are made from the policy, which has the topics of every
+// node.
 std::string way_out(const Question& question) {
   if (question.folder.paths.layout == pki::FolderLayout::sros2)
     return "add the topic to the enclave's policy, then: ddssec keystore permission KEYSTORE "
@@ -254,7 +256,7 @@ std::string way_out(const Question& question) {
   return std::string(info(code_of(question.action)).hint);
 }
 
-// All steps as in check: identity, grant, joining, topic rule and rights.
+// Takes the same steps as `check`: identity, grant, joining, topic rule and rights.
 Result<Ruling> answer_to(const Question& question) {
   if (auto answer = by_revocation(question.folder.paths)) return *std::move(answer);
   DDSSEC_ASSIGN_OR_RETURN(const auto documents, documents_for(question));
@@ -292,7 +294,7 @@ Result<Ruling> answer_to(const Question& question) {
   return out;
 }
 
-// Not simply the first of several, because the answer may differ in each.
+// If there are several domains, the user must choose, because the answer may differ.
 Result<DomainId> domain_to_ask(const Arguments& arguments, const doctor::LoadedFolder& folder,
                                WallTime now) {
   if (arguments.has("--domain")) return domain_of(arguments);

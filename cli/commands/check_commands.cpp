@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 namespace doctor = governance::doctor;
 
-// "A=cyclonedds" sets products[0]; a bare name both.
+// "A=cyclonedds" sets products[0] and "B=..." products[1]; a name alone sets both.
 Status set_vendor(const std::string& word, doctor::NamedProduct (&products)[2]) {
   const bool is_a = word.starts_with("A=");
   const bool is_b = word.starts_with("B=");
@@ -67,8 +67,8 @@ void add_parts(std::string_view text, std::vector<std::string>& out) {
   }
 }
 
-// A missing file would otherwise count as a topic with that name. A comma shows that it is a list
-// of names.
+// Without this check, a missing file would count as a topic with its name. A word with a comma is a
+// list of names.
 bool looks_like_a_file(const std::string& word) {
   if (word.find(',') != word.npos) return false;
   constexpr std::string_view kEndings[] = {".txt", ".lst", ".list", ".csv", ".topics"};
@@ -85,7 +85,7 @@ std::unexpected<Error> no_such_list(const std::string& word) {
        .hint = fmt::format("for a topic of this name, put a comma behind it: --topics {},", word)});
 }
 
-// Names separated by commas, or a file with one on each line.
+// Reads names separated by commas, or a file with one name on each line.
 Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
   std::vector<std::string> out;
   for (const auto& word : arguments.all("--topics")) {
@@ -119,8 +119,9 @@ Report unpredictable(const fs::path& file, doctor::Vendor vendor) {
   return report;
 }
 
-// ddssec cannot parse such a certificate, but Cyclone DDS accepts it, so a "no" could be seriously
-// wrong. Empty if an answer is possible.
+// Explains why there is no answer: the product accepts a file that ddssec cannot judge, such as a
+// certificate with a key of another curve, so a "no" could be seriously wrong. Empty if an answer
+// is possible.
 std::optional<Report> unpredictable(const doctor::LoadedFolder& folder, doctor::Vendor vendor) {
   const auto& certificate = folder.certificate;
   if (const auto* file = doctor::unpredictable_file(folder, vendor))
@@ -138,7 +139,7 @@ std::optional<Report> unpredictable(const doctor::LoadedFolder& folder, doctor::
   return report;
 }
 
-// The answer is about ddssec on both sides. What another product does is a warning.
+// The answer is about ddssec on both sides, so what another product does is only a warning.
 void warn_of_readings(std::initializer_list<const doctor::LoadedFolder*> folders,
                       const doctor::Settings& settings, Report& report) {
   for (const auto* folder : folders) {
@@ -152,7 +153,8 @@ void warn_of_readings(std::initializer_list<const doctor::LoadedFolder*> folders
   }
 }
 
-// A first meeting needs no list, so that it does not change the answer.
+// The first meeting of two participants needs no renewal list, so these findings do not change the
+// answer.
 void warn_of_renewal_lists(const std::pair<const doctor::LoadedFolder*, doctor::Vendor> (&sides)[2],
                            const doctor::Settings& settings, Report& report) {
   for (const auto& [folder, vendor] : sides) {
@@ -180,7 +182,7 @@ Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& con
       std::make_shared<const doctor::LoadedFolder>(load_participant(folders[1], now))};
   const auto& a = *kept[0];
   const auto& b = *kept[1];
-  // ddssec refuses to start with such files: the answer is no.
+  // If ddssec is among the products, the answer is no, because it refuses to start with such files.
   const bool are_stock = std::ranges::none_of(
       products, [](const auto& one) { return one.vendor == doctor::Vendor::ours; });
   for (const auto& [folder, product] : {std::pair{&a, &products[0]}, std::pair{&b, &products[1]}})
@@ -210,7 +212,7 @@ Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& con
   // A topic that both may use but cannot is an error even if another topic works.
   report.exit = view.talk() && !has_topic_apart(meeting) ? Exit::done : Exit::no;
   report.findings.insert(report.findings.end(), meeting.findings.begin(), meeting.findings.end());
-  // DOC083 is about products that --vendor did not name: only --explain shows it.
+  // DOC083 is about products that --vendor did not name, so only --explain shows it.
   const bool asked = arguments.has("--explain") && !arguments.has("--vendor");
   std::ranges::copy_if(meeting.notes, std::back_inserter(report.findings),
                        [&](const Finding& note) { return asked || note.rule != Rule::DOC083; });

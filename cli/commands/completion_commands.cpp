@@ -26,7 +26,7 @@ void add_word(std::string& list, std::string_view word, std::string_view between
   list += word;
 }
 
-// For a text in single quotes.
+// Quotes a text for a shell, in single quotes.
 std::string single_quoted(std::string_view text) {
   return '\'' + replaced(text, '\'', "'\\''") + '\'';
 }
@@ -39,11 +39,11 @@ std::vector<Option> options_of(const Command& command) {
   return out;
 }
 
-// A first word: a group, or a command of one word.
+// A first word of the command line: a group, or a command of one word.
 struct FirstWord {
   std::string_view word;
   std::string summary;
-  std::vector<const Command*> commands;  // of the group
+  std::vector<const Command*> commands;  // the commands of the group
 };
 
 std::vector<FirstWord> first_words() {
@@ -67,13 +67,13 @@ std::string spelled(const std::vector<Option>& options) {
   return out;
 }
 
-// Where one of a few words is expected.
+// A place where one of a few words is expected.
 struct Place {
-  std::string pattern;  // of a shell's `case`: "WORDS OPTION", or "NUMBER COMMAND"
+  std::string pattern;  // the pattern of a shell's `case`: "WORDS OPTION", or "NUMBER COMMAND"
   std::string words;
 };
 
-// Behind which options. The second word of a command of one word may be anything.
+// The values of options. For a command of one word, the second word of the line may be anything.
 std::vector<Place> values_of_options() {
   std::vector<Place> out;
   for (const auto& command : commands()) {
@@ -98,7 +98,7 @@ std::vector<Place> values_of_places() {
   return out;
 }
 
-// One case arm each: `before` and `after` turn the words into the shell's form.
+// Returns a case arm for each place. `before` and `after` turn the words into the shell's form.
 std::string cases(const std::vector<Place>& places, std::string_view before,
                   std::string_view after) {
   std::string out;
@@ -206,7 +206,7 @@ std::string fish_condition(const Command& command) {
 }
 
 std::string fish_option(const Command& command, const Option& option) {
-  const bool is_short = !option.name.starts_with("--");  // -o
+  const bool is_short = !option.name.starts_with("--");  // a name such as -o
   auto out = fmt::format("complete -c ddssec -n {}", single_quoted(fish_condition(command)));
   out += is_short ? fmt::format(" -s {}", option.name.substr(1))
                   : fmt::format(" -l {}", option.name.substr(2));
@@ -243,7 +243,7 @@ std::string fish() {
   return out;
 }
 
-// roff: a leading dot or quote and every backslash and minus need care.
+// Escapes text for roff: a leading dot or quote, and every backslash and minus.
 std::string roff(std::string_view text) {
   auto out = replaced(replaced(text, '\\', "\\e"), '-', "\\-");
   return out.starts_with('.') || out.starts_with('\'') ? fmt::format("\\&{}", out) : out;

@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A list, a participant's folder or a CA's folder: the first one that contains a list.
+// The file with the list: `given` itself, or crl.pem in a participant's or CA's folder.
 fs::path list_at(const fs::path& given) {
   std::error_code ignored;
   if (!fs::is_directory(given, ignored)) return given;
@@ -41,7 +41,7 @@ Result<std::vector<pki::Crl>> lists_in(const fs::path& path) {
   return lists;
 }
 
-// If the time is before the CA's own certificate, the clock is wrong, not the lists.
+// If the present time is before the CA's own certificate, the clock is wrong and not the lists.
 Result<ListDate> list_date(const Arguments& arguments, const OpenCa& ca, WallTime now) {
   if (!arguments.has("--date-now")) return ListDate::after_former;
   if (ca.certificate().not_before() <= now) return ListDate::now;
@@ -89,7 +89,7 @@ Result<Answer<NewList>> crl_new(const Arguments& arguments, const Context& conte
   return answer;
 }
 
-// The products do not use the same one of several lists of one CA.
+// Warns if a file has several lists of one CA, because the products do not use the same one.
 std::string about_several(const std::vector<pki::Crl>& lists) {
   for (const auto& list : lists)
     if (std::ranges::count_if(lists, [&](const auto& o) { return o.seems_of_same_ca(list); }) > 1)
@@ -115,7 +115,7 @@ Result<Answer<ShownLists>> crl_show(const Arguments& arguments, const Context&) 
                             {.text = about_several(lists)}};
 }
 
-// For --ca with the CA's folder, which contains a list.
+// If --ca is the CA's folder and has a list, checks that this list is not older than `crl`.
 Status check_not_ahead(const pki::Crl& crl, const fs::path& path, const fs::path& ca) {
   std::error_code ignored;
   if (!fs::is_directory(ca, ignored)) return {};
@@ -132,7 +132,7 @@ Status check_not_ahead(const pki::Crl& crl, const fs::path& path, const fs::path
                            ca.string(), path.string())});
 }
 
-// The list itself may be right, but it does not cover every certificate.
+// The list may be valid, but it does not cover every certificate.
 Status check_whole(const pki::Crl& crl, const fs::path& path) {
   if (!crl.is_partial()) return {};
   return fail(Code::crl_missing,
@@ -163,7 +163,7 @@ Result<Answer<VerifiedList>> crl_verify(const Arguments& arguments, const Contex
   return answer;
 }
 
-// The folders of the command line, or those of all participants of this CA on this machine.
+// The folders on the command line, or else those of all participants of this CA on this machine.
 Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& ca) {
   ParticipantPlaces out;
   for (const auto& given : arguments.all("DIRS")) {
@@ -177,14 +177,14 @@ Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& 
   return fail(Code::usage, {.field = "DIRS", .note = "the CA's log knows no folder: name them"});
 }
 
-// Null: in a token, or not here.
+// Empty if the certificate is in a token or not on this machine.
 Result<std::optional<pki::Certificate>> certificate_in(const pki::ParticipantFolder& files) {
   if (files.certificate.extension() == ".p11" || !is_there(files.certificate)) return std::nullopt;
   DDSSEC_ASSIGN_OR_RETURN(auto certificate, read_certificate(files.certificate));
   return certificate;
 }
 
-// The list that is distributed.
+// The list to distribute.
 struct Distribution {
   pki::Crl list;
   pki::Certificate ca;
@@ -193,7 +193,8 @@ struct Distribution {
   RenewalsOfCas renewals;
 };
 
-// The folder is opened first. The condition for which it was chosen must still be true.
+// The folder is opened first, so that the condition for which it was chosen is checked in the
+// folder that is written.
 Status put_list_into(FileTransaction& out, const fs::path& folder, const Distribution& what) {
   DDSSEC_RETURN_IF_ERROR(hold_folder(folder));
   const auto files = pki::participant_folder(folder);
@@ -208,13 +209,13 @@ Status put_list_into(FileTransaction& out, const fs::path& folder, const Distrib
 // The folders that now have the list, and the errors of the others.
 struct Distributed {
   std::vector<std::string> folders;
-  std::vector<std::string> without_permissions = {};  // of them
+  std::vector<std::string> without_permissions = {};  // those of `folders`
   std::vector<Error> errors;
   std::vector<WrittenFile> files;
 };
 
-// Once the revocation list is in place: whatever is wrong with the renewal list must not keep it
-// from a folder.
+// Call this after the revocation lists are in place: a fault in a renewal list must not keep the
+// revocation list from a folder.
 Status put_renewal_lists(Distributed& done, const Distribution& what) {
   std::ranges::copy(what.renewals.problems, std::back_inserter(done.errors));
   for (const auto& folder : done.folders) {
@@ -261,7 +262,7 @@ Result<Distributed> put_lists(const std::vector<fs::path>& folders, const Distri
   return done;
 }
 
-// The hint for the CA's own folder; elsewhere the list would be fetched anew.
+// Adds hints that apply to the CA's own folder. Elsewhere the hint would be to fetch the list anew.
 Status with_hint_for_ca(Status status, const std::string& given) {
   if (status) return status;
   auto details = status.error().details();
@@ -285,16 +286,16 @@ Result<pki::Crl> list_to_distribute(const CaPaths& paths, const pki::Certificate
   return present;
 }
 
-// The distributed list, and the result.
+// The distributed list and the outcome.
 struct DistributedList {
   pki::Crl list;
   Distributed done;
 };
 
-// A user who cannot open the CA's key has no lock. Meanwhile another command may have made and
-// distributed a newer list, which this command then replaced with an older one. The newer list is
-// in the CA's folder before it is in any other. So it is found there, and distributed after the
-// older one.
+// Without the CA's key there is no lock, so another command may make and distribute a newer list at
+// the same time, and this command may then overwrite it with the older one. Each new list is first
+// written to the CA's folder. After each round that list is therefore read again, and a newer one
+// is distributed too.
 Result<DistributedList> distribute(const CaPaths& paths, const std::string& given, WallTime now,
                                    const std::vector<fs::path>& folders, bool is_alone) {
   constexpr int kMaxRounds = 16;
@@ -323,7 +324,8 @@ Result<Answer<DistributedLists>> crl_distribute(const Arguments& arguments,
   const auto given = arguments.text("--ca");
   DDSSEC_RETURN_IF_ERROR(check_ca_folder(given, "identity"));
   const auto paths = ca_paths(given, "identity");
-  // Held until every folder has the list: no other command may distribute a newer list in between.
+  // The lock is held until every folder has the list, so that no other command distributes a newer
+  // one in between.
   DDSSEC_ASSIGN_OR_RETURN(const auto lock, lock_records(paths));
   const auto now = context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
@@ -333,7 +335,7 @@ Result<Answer<DistributedLists>> crl_distribute(const Arguments& arguments,
   DDSSEC_ASSIGN_OR_RETURN(auto distributed,
                           distribute(paths, given, now, recipient.here, lock.has_value()));
   auto& [crl, done] = distributed;
-  // The lists of both CAs are distributed together.
+  // Counts the entries of both CAs, because they are distributed together.
   const auto renewals = renewals_of(given, &crl).list;
   Answer<DistributedLists> answer{
       {.list = ListHead::of(crl),

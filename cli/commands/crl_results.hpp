@@ -16,7 +16,7 @@
 
 namespace ddssec::cli {
 
-/// What a revocation list says of itself.
+/// What a revocation list says about itself.
 struct ListHead {
   std::string issuer;
   ListNumber number;
@@ -96,7 +96,7 @@ struct ShownLists {
 };
 
 struct VerifiedList {
-  /// A list of the file.
+  /// A list in the file.
   struct Seen {
     ListHead list;
     bool is_of_another_ca;

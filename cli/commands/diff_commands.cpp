@@ -36,7 +36,8 @@ bool is_narrower_to_others(const governance::Readings& readings) {
   return std::ranges::any_of(readings.all, &governance::Reading::narrows);
 }
 
-// If stock products read a range of domains differently, the comparison does not apply to them.
+// Warns if stock products read a range of domains differently, because the comparison then does not
+// apply to them.
 void warn_of_open_ranges(Report& report, Rule rule, const std::vector<governance::Note>& notes,
                          const std::filesystem::path& file) {
   for (const auto& note : notes) {

@@ -79,7 +79,7 @@ std::string table(const doctor::Diagnosis& diagnosis, std::string_view title,
   for (const auto vendor : products.vendors)
     out += fmt::format("{:<{}}", doctor::label(vendor, products.lineup), kColumnWidth);
   out = out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
-  // The JSON has each check; here one line stands for all that are good for every product.
+  // One line stands for all checks that are good for every product. The JSON has each of them.
   std::size_t good = 0;
   for (const auto& check : diagnosis.checks())
     if (is_good(check.outcomes, products))
@@ -90,7 +90,7 @@ std::string table(const doctor::Diagnosis& diagnosis, std::string_view title,
   return out + row("in all", diagnosis.outcomes(), products);
 }
 
-// The findings that concern the chosen products.
+// The findings about the chosen products.
 std::vector<Finding> findings_for(const Products& products, const doctor::Diagnosis& diagnosis) {
   std::vector<Finding> out;
   for (const auto& check : diagnosis.checks())
@@ -99,7 +99,7 @@ std::vector<Finding> findings_for(const Products& products, const doctor::Diagno
   return out;
 }
 
-// A check, for the chosen products.
+// A check and the chosen products.
 struct ShownCheck {
   const doctor::Check* check;
   const Products* products;
@@ -156,7 +156,7 @@ struct ShownDiagnosis {
   }
 };
 
-// The findings are added to the report.
+// Adds the findings to the report and returns the diagnosis to show.
 ShownDiagnosis shown(Report& report, const fs::path& folder, doctor::Diagnosis diagnosis,
                      const doctor::Settings& settings, const Products& products) {
   add_findings(report, findings_for(products, diagnosis), folder);
@@ -165,11 +165,11 @@ ShownDiagnosis shown(Report& report, const fs::path& folder, doctor::Diagnosis d
           products};
 }
 
-// A product of one participant with a product of the other.
+// A product of one participant and a product of the other one.
 struct ProductMeeting {
   std::string self, peer;
   bool talk;
-  std::string names;  // of both
+  std::string names;  // of both participants
 
   static constexpr auto fields() {
     using T = ProductMeeting;
@@ -223,7 +223,7 @@ struct DoctorResult {
   ShownDiagnosis diagnosis;
   std::vector<doctor::HostPlugin> plugins = {};
   std::optional<DiagnosedPeer> peer = {};
-  bool is_configured;  // the environment names the configuration
+  bool is_configured;  // true if the environment names the configuration
 
   static constexpr auto fields() {
     using T = DoctorResult;
@@ -260,8 +260,8 @@ bool is_said_by_diagnosis(Rule rule) {
   return std::ranges::find(kSaid, rule) != std::end(kSaid);
 }
 
-// Checks each product of one side with each product of the other. That two products are
-// incompatible is a "no" only if --vendor names both.
+// Checks each product of one side with each product of the other. If two different products do not
+// talk, the answer is "no" only if --vendor names the products.
 std::vector<ProductMeeting> meetings_of(Report& report, const doctor::Party (&parties)[2],
                                         const doctor::Settings& settings, const Products& products,
                                         bool products_chosen) {
@@ -282,7 +282,7 @@ std::vector<ProductMeeting> meetings_of(Report& report, const doctor::Party (&pa
       if (!out.back().talk && (a == b || products_chosen)) report.exit = Exit::no;
       auto findings = meeting.findings;
       std::ranges::copy_if(meeting.notes, std::back_inserter(findings), [](const auto& note) {
-        return note.rule == Rule::DOC094;  // the others are of this pair alone
+        return note.rule == Rule::DOC094;  // the other notes are only about this pair
       });
       for (const auto& finding : findings) {
         if (is_said_by_diagnosis(finding.rule)) continue;
@@ -311,7 +311,7 @@ DiagnosedPeer peer_of(
   return out;
 }
 
-// A ROS 2 node uses only its environment, and runs in domain 0 if that names none.
+// A ROS 2 node uses only its environment, and runs in domain 0 if the environment names none.
 Result<DomainId> ros_domain() {
   const auto environment = doctor::ros_environment();
   const auto found = environment.find("ROS_DOMAIN_ID");
@@ -324,8 +324,8 @@ Result<DomainId> ros_domain() {
                .note = "a leading 0 makes it octal for a node, 0x hexadecimal"});
 }
 
-// The configuration with which an application would run, as far as it is known: that of the
-// environment, or the one in the folder.
+// The configuration with which an application would run, as far as it is known: the one that the
+// environment names, or else the one in the folder.
 std::optional<std::string> configuration_for(const fs::path& folder) {
   if (auto named = doctor::cyclonedds_configuration()) return named;
   const auto file = folder / "cyclonedds.xml";
@@ -340,7 +340,7 @@ std::vector<doctor::HostPlugin> host_plugins_for(const fs::path& folder, bool is
                        : std::vector<doctor::HostPlugin>();
 }
 
-// A machine without Cyclone DDS has no plugins to report.
+// False on a machine without Cyclone DDS, which has no plugins to report.
 bool is_any_found(const std::vector<doctor::HostPlugin>& plugins) {
   return std::ranges::any_of(plugins, [](const auto& plugin) {
     return !plugin.file.empty() || plugin.library.contains('/');
@@ -351,7 +351,7 @@ void append(std::vector<fs::path>& out, std::vector<fs::path> more) {
   std::ranges::move(more, std::back_inserter(out));
 }
 
-// What a Cyclone DDS process for the participant reads, in its folder or elsewhere.
+// The files that a Cyclone DDS process of the participant reads, in the folder or elsewhere.
 std::vector<fs::path> files_of_process(const fs::path& folder, DomainId domain,
                                        const std::vector<doctor::HostPlugin>& plugins) {
   using Place = doctor::ConfigurationPlace;
@@ -372,8 +372,8 @@ std::vector<fs::path> files_of_process(const fs::path& folder, DomainId domain,
   return out;
 }
 
-// The domain of the node. If the documents do not cover it, one that they cover, so that the wrong
-// variable (DOC096) is not reported again for each document.
+// Returns the domain of the node. If the documents do not cover it, returns one that they cover:
+// otherwise the wrong variable (DOC096) would be reported again for each document.
 Result<DomainId> domain_of_node(const doctor::LoadedFolder& folder, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto domain, ros_domain());
   const auto named = doctor::domains_of(folder, now);

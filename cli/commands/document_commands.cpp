@@ -65,7 +65,8 @@ Answer<Signing> not_signed(const fs::path& file, std::vector<Finding> findings) 
   return out;
 }
 
-// The governance document that is beside the result counts for the participant.
+// Grants are compared with the governance document beside the result, because the participant uses
+// that one.
 std::vector<Finding> uncovered(const governance::Governance&, const fs::path&, const fs::path&) {
   return {};
 }
@@ -74,7 +75,7 @@ std::vector<Finding> uncovered(const governance::Permissions& document, const fs
   return uncovered_grants(document, pki::participant_folder(folder_of(to)).governance, file);
 }
 
-// What is signed: a governance document with a revision.
+// The text to sign: for a governance document with the next revision.
 Result<NumberedText> text_to_sign(const governance::Governance& document, BytesView xml,
                                   const fs::path& to, const OpenCa& ca,
                                   const Arguments& arguments) {
@@ -86,7 +87,7 @@ Result<NumberedText> text_to_sign(const governance::Permissions&, BytesView xml,
   return NumberedText{to_bytes(xml)};
 }
 
-// Whether sessions of the participants may go on with the document.
+// True if sessions of the participants can continue with the document.
 bool extends_former(const governance::Governance&, const fs::path&, const OpenCa&, WallTime) {
   return false;
 }
@@ -108,7 +109,7 @@ Status list_signed(const OpenCa& ca, BytesView signed_octets, const fs::path& to
   return listed.write(now);
 }
 
-// A document that cannot be parsed, or in which lint finds errors, must not be signed.
+// A document that cannot be parsed, or in which lint finds errors, is not signed.
 template <class Kind>
 Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context) {
   const fs::path from = arguments.text("FILE");
@@ -149,7 +150,7 @@ Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context)
                          std::move(report)};
 }
 
-// What each product makes of the signature.
+// How each product judges the signature.
 struct Verdicts {
   static constexpr std::string_view kDef = "signature_verdicts";
   bool ours = false, cyclonedds = false, fastdds = false;
@@ -166,7 +167,7 @@ struct Verdicts {
     for (const auto vendor : doctor::kVendors) out[doctor::id(vendor, lineup)] = of(vendor);
     return out;
   }
-  // "Cyclone DDS 0.10.2 refuses it, Fast DDS 2.9.1 accepts it".
+  // For example "Cyclone DDS 0.10.2 refuses it, Fast DDS 2.9.1 accepts it".
   std::string in_words() const {
     const auto words = [&](doctor::Vendor vendor) {
       return fmt::format("{} {} it", doctor::name(vendor, lineup), of(vendor));
@@ -207,7 +208,7 @@ struct Refusal {
   std::string text() const { return fmt::format("refused; {}\n", verdicts.in_words()); }
 };
 
-// The verification result of the signature with each product.
+// The signature as ddssec verified it, and the verdict of each product.
 struct Beliefs {
   Result<pki::SignedDocument> ours;
   Verdicts verdicts = {};
@@ -236,7 +237,7 @@ Result<Beliefs> beliefs(const fs::path& file, const fs::path& ca, WallTime now) 
   return out;
 }
 
-// Adds the products for which a grant's spelling of the subject does not match a certificate, as
+// Names the products for which a grant's spelling of the subject does not match the certificate, as
 // measured with each.
 void name_vendors(std::vector<Finding>& findings, const governance::Permissions& document,
                   const pki::Certificate& certificate) {

@@ -36,13 +36,13 @@ struct Ending {
   std::string subject;
   WallTime end;
   fs::path file;
-  std::size_t places = 1;  // how many files hold the same
-  std::string id = {};     // of a certificate: issuer and serial number
-  WallTime begin = {};     // before it, hosts refuse it
+  std::size_t places = 1;  // the number of files that contain it
+  std::string id = {};     // for a certificate: issuer and serial number
+  WallTime begin = {};     // hosts refuse it before this time
 };
 
-// Finds everything that expires below some paths; the same object in several files is one row. A
-// document expires with the certificate that signed it, whichever file contains that.
+// Finds everything that expires below some paths. The same object in several files is one row. A
+// document expires with the certificate that signed it, whichever file contains that certificate.
 class Search {
  public:
   // Unreadable files, and paths without anything that expires, are listed in unreadable(): a watch
@@ -76,8 +76,8 @@ class Search {
         ErrorDetails{.document = path, .expected = kKinds, .found = "another file"});
   }
 
-  // To be called after the last path: a link to a folder is well if that was searched under its
-  // own name.
+  // Call this after the last path. A link to a folder is accepted if that folder was searched under
+  // its own name.
   void check_links() {
     for (const auto& link : links_) {
       std::error_code ignored;
@@ -97,7 +97,7 @@ class Search {
     return out;
   }
   const std::vector<Error>& unreadable() const { return unreadable_; }
-  // True if one of the lists found contains it, whatever the list's signature.
+  // True if one of the lists that were found names it. The signature of the list is not checked.
   bool is_revoked(const Ending& ending) const { return revoked_.contains(ending.id); }
 
  private:
@@ -161,7 +161,7 @@ class Search {
     leave_out(file.path(), fmt::format("it is file number {}; no more are read", kMaxFiles));
   }
 
-  // Keys are readable by their owner only, and do not expire.
+  // A key may be readable only by its owner. That is no fault, because a key does not expire.
   static bool is_closed_key(const fs::path& file, Code code) {
     return code == Code::file_unreadable && file.stem().string().ends_with("key");
   }
@@ -182,14 +182,14 @@ class Search {
     return file.filename() == "cert.pem" || is_permissions(file);
   }
 
-  // Keys and requests have no end. A file of another kind that yields nothing was not read.
+  // Keys and requests have no end. Any other file in which nothing was found counts as not read.
   static bool has_no_end(const fs::path& file, std::string_view text) {
     const auto name = file.stem().string();
     return name.ends_with("key") || (name != "cert" && name != "crl" && !name.ends_with("ca") &&
                                      text.contains("-----BEGIN "));
   }
 
-  // Links to one file count once.
+  // Several links to one file count once.
   void look_into(const fs::path& file) {
     std::error_code ignored;
     if (!seen_.insert(fs::weakly_canonical(file, ignored).string()).second) {
@@ -232,7 +232,7 @@ class Search {
             certificate.not_before()};
   }
 
-  // The certificates of a renewal list are other participants', whose own folders hold them.
+  // The certificates of a renewal list belong to other participants and are also in their folders.
   static bool is_renewal_list(const fs::path& file) {
     return file.stem().string().ends_with("renewed");
   }
@@ -273,7 +273,7 @@ class Search {
     return {};
   }
 
-  // Its date counts whatever its signature: a forged date is found by verify and doctor.
+  // The date is used whatever the signature is: verify and doctor find a forged date.
   Status look_into_document(const fs::path& file, BytesView octets) {
     const auto form = pki::examine_document(octets);
     if (form.ambiguous) return std::unexpected(*form.ambiguous);
@@ -310,19 +310,20 @@ class Search {
   }
 
   std::map<std::string, Ending> found_;
-  std::map<std::string, Ending> signers_;  // inside signatures: listed where no file holds them
+  std::map<std::string, Ending> signers_;  // from signatures: listed if no file has them
   std::set<fs::path> paths_;
   std::set<std::string> seen_;
   std::set<std::string> searched_;  // folders, by their paths without links
-  std::set<fs::path> links_;        // to folders
-  std::set<std::string> revoked_;   // as Ending::id
+  std::set<fs::path> links_;        // links to folders
+  std::set<std::string> revoked_;   // values of Ending::id
   std::vector<Error> unreadable_;
   std::size_t hits_ = 0;
   bool is_full_ = false;
-  bool is_folder_ = false;  // a whole folder is searched
+  bool is_folder_ = false;  // true if a whole folder is searched
 };
 
-// An OCSP response lasts for hours or days, and the agent renews it at half of its life.
+// The time from which an end counts as soon. An OCSP response lasts for hours or days, and the
+// agent renews it when half of its life is over.
 WallTime soon_from(const Ending& ending, WallTime now, WallTime horizon) {
   return ending.kind == kOcspResponse ? now + (ending.end - ending.begin) / 2 : horizon;
 }
@@ -339,7 +340,7 @@ struct ExpiryEntry {
   std::int64_t days_left;
   fs::path file;
   std::size_t places;
-  bool is_quiet = false;  // --quiet leaves the line out
+  bool is_quiet = false;  // --quiet leaves this line out
 
   static constexpr auto fields() {
     using Self = ExpiryEntry;

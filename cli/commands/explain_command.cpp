@@ -19,16 +19,16 @@ namespace {
 
 constexpr std::size_t kMinPartLength = 4;  // characters
 
-// A row of either table.
+// A row of the table of codes or of the table of rules.
 struct Row {
   std::string_view name;
-  int number;  // 0: rules have none
+  int number;  // 0 for a rule
   Severity severity;
   std::string_view summary;
   std::string_view hint;
 };
 
-// Accepts the form of messages ("error[usage]:"), in any letter case.
+// Returns the name within a message such as "error[usage]:", in upper case.
 std::string bare(std::string_view given) {
   if (const auto open = given.find('['); open != given.npos)
     given = given.substr(open + 1, given.find(']') - open - 1);
@@ -63,7 +63,7 @@ std::optional<Row> find_in_line(std::string_view line) {
   return find(std::string(number.substr(0, number.find(')'))));
 }
 
-// `names`: with blanks between them.
+// `names` are separated by blanks.
 bool is_among(std::string_view name, std::string_view names) {
   return std::ranges::any_of(std::views::split(names, ' '), [&](const auto& part) {
     return std::string_view(part.begin(), part.end()) == name;
@@ -77,7 +77,7 @@ std::vector<std::string_view> examples_of(std::string_view name) {
   return out;
 }
 
-// As logs show that of a code, and lint and doctor that of a rule.
+// The severity as logs show it for a code, or as lint and doctor show it for a rule.
 std::string_view severity_of(const Row& row) {
   return row.number == 0 ? severity_word(row.severity) : to_string(row.severity);
 }
@@ -121,7 +121,7 @@ struct Explained {
         field<&Explained::examples>({"commands and lines of configurations"}));
   }
   std::string text() const {
-    // A rule's title names the check, not its result.
+    // The title of a rule names the check, not its result.
     auto out = fmt::format("{}{} ({})\n  {}{}\n  {}{}\n", name,
                            number ? fmt::format(" {}", *number) : "", severities(),
                            number ? "" : "checks: ", summary, number ? "" : "if it fails: ", hint);
@@ -134,7 +134,7 @@ struct Explained {
   }
 
  private:
-  // "error; note where --vendor does not name the products".
+  // For example "error; note where --vendor does not name the products".
   std::string severities() const {
     auto out = severity;
     for (const auto& other : other_severities)
@@ -238,7 +238,7 @@ Answer<Explanation> list_of(const std::vector<CycloneSentence>& found) {
   return {std::move(out)};
 }
 
-// Codes and rules whose sentence has these words.
+// The codes and rules whose sentence contains these words.
 std::vector<Row> saying(const std::string& wanted) {
   std::vector<Row> out;
   for (const auto& code : all_codes())
@@ -251,8 +251,8 @@ std::vector<Row> saying(const std::string& wanted) {
   return out;
 }
 
-// Names that contain the given one, in capitals and without separators between words, or nearly
-// contain it: at most three.
+// At most three names that contain the given one or almost do so. Upper and lower case and
+// separators between words do not count.
 std::vector<std::string> names_like(const std::string& wanted) {
   const auto bones = [](std::string_view name) {
     auto out = ascii_upper(name);
@@ -275,7 +275,7 @@ std::vector<std::string> names_like(const std::string& wanted) {
   if (near.empty()) return {};
   for (const auto& code : all_codes())
     if (bones(code.name) == near) return {std::string(code.name)};
-  return {near};  // a rule's name has nothing between words
+  return {near};  // the name of a rule has no separators
 }
 
 Answer<Explanation> about(const std::vector<Row>& rows) {

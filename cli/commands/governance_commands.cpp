@@ -25,7 +25,7 @@ std::unexpected<Error> wrong_topic(const std::string& text, std::string expected
               {.field = "--topic", .expected = std::move(expected), .found = '"' + text + '"'});
 }
 
-// A key of --topic, under its short name and the document's.
+// A key of --topic, under its short name and under the document's name.
 struct KindKey {
   std::string_view name, element;
   ProtectionKind TopicRule::*member;
@@ -45,7 +45,7 @@ constexpr FlagKey kFlagKeys[] = {
 constexpr std::string_view kKeys =
     "data=KIND, metadata=KIND, or discovery, liveliness, read, write =true or =false";
 
-// True if the key is known; its value may still be wrong.
+// Returns the key of that name or element, or nullptr.
 template <std::size_t N, class Key>
 const Key* find_key(const Key (&keys)[N], std::string_view name) {
   const auto found = std::ranges::find_if(
@@ -77,13 +77,13 @@ Status set_key(TopicRule& rule, const std::string& text, std::string_view pair) 
   return {};
 }
 
-// EXPR:key=value,...; missing keys have the values of the profile. The last colon counts, so an
-// expression with colons and without keys ends with one.
+// Reads EXPR:key=value,... where missing keys have the values of the profile. The last colon
+// separates: an expression that contains colons needs one at its end if no keys follow.
 Result<TopicRule> topic_rule_from(const std::string& text, governance::Profile profile) {
   const auto colon = std::min(text.rfind(':'), text.size());
   auto rule = governance::topic_rule_of(profile, text.substr(0, colon));
   if (rule.topic_expression.empty()) return wrong_topic(text, "an expression before the colon");
-  // No topic has this sign; between brackets it may be part of an expression.
+  // No topic name contains '='. Between brackets it may be part of an expression.
   if (rule.topic_expression.contains('=') && !rule.topic_expression.contains('['))
     return wrong_topic(text, "a colon behind the expression, such as rt/camera*:data=ENCRYPT");
   std::string_view rest = std::string_view(text).substr(std::min(colon + 1, text.size()));
@@ -95,7 +95,7 @@ Result<TopicRule> topic_rule_from(const std::string& text, governance::Profile p
   return rule;
 }
 
-// Of messages that no participant's own key protects.
+// The protection of messages that no participant's own key protects.
 Result<ProtectionKind> pre_shared_key_kind(const Arguments& arguments) {
   const auto text = arguments.text("--pre-shared-key");
   const auto kind = protection_kind_from(ascii_upper(text));
@@ -105,7 +105,7 @@ Result<ProtectionKind> pre_shared_key_kind(const Arguments& arguments) {
                             .found = '"' + text + '"'});
 }
 
-// Topics that no rule names are refused, so the profile's rule for all of them comes last.
+// A topic without a rule is refused, so the profile's rule for all topics comes last.
 Result<governance::Governance> document_from(const Arguments& arguments) {
   DDSSEC_ASSIGN_OR_RETURN(const auto profile, profile_option(arguments));
   DDSSEC_ASSIGN_OR_RETURN(auto ranges, domain_ranges(arguments, "--domain"));
@@ -128,7 +128,7 @@ struct NewGovernance {
   std::string profile;
   std::size_t topic_rules;
   std::optional<std::size_t> revision = {};
-  std::vector<WrittenFile> files = {};  // all of them
+  std::vector<WrittenFile> files = {};  // all files that were written
 
   static constexpr auto fields() {
     using Self = NewGovernance;
@@ -147,7 +147,7 @@ struct NewGovernance {
 Result<Answer<NewGovernance>> governance_new(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto governance_document, document_from(arguments));
   const auto xml = to_xml(governance_document);
-  // The arguments may contain something that no document can.
+  // The document is parsed, because the arguments may contain something that no document can.
   DDSSEC_ASSIGN_OR_RETURN(const auto document, governance::read_governance(as_bytes(xml)));
   Answer<NewGovernance> out{};
   auto& report = out.report;

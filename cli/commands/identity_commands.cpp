@@ -74,7 +74,7 @@ struct MadeRequest {
   fs::path dir;
   std::string subject, algorithm;
   fs::path request;
-  bool in_token;  // the key
+  bool in_token;  // true if the key is in a token
 
   static constexpr auto fields() {
     return std::tuple(field<&MadeRequest::name>(), field<&MadeRequest::dir>(),
@@ -135,8 +135,8 @@ Status check_subject_free(const pki::Certificate& certificate, const pki::IssueL
   return {};
 }
 
-// A participant with the name of a CA, or without a name, could not be distinguished from it. It
-// could not be revoked or given permissions by its name either.
+// A participant with the name of a CA could not be distinguished from it. A participant with such a
+// name or without one could not be revoked or given permissions by its name either.
 Status check_subject_of_request(const std::string& subject, const OpenCa& ca,
                                 const Arguments& arguments) {
   if (subject.empty())
@@ -154,7 +154,7 @@ Status check_subject_of_request(const std::string& subject, const OpenCa& ca,
                                     .hint = "make a request with another subject name"});
 }
 
-// Other certificates of the same key, which stay valid until they are revoked.
+// Lists other certificates of the same key, which stay valid until they are revoked.
 std::string same_key_text(const pki::Certificate& certificate, const pki::IssueLog& log,
                           WallTime now) {
   std::string out;
@@ -166,7 +166,8 @@ std::string same_key_text(const pki::Certificate& certificate, const pki::IssueL
   return out;
 }
 
-// The next step with the permissions CA of --ca, or a text if there is only an identity CA.
+// The next step with the permissions CA of --ca, or in general words if there is only an identity
+// CA.
 std::string after_signing(const fs::path& to, const OpenCa& ca, const std::string& given) {
   const auto permissions = ca_paths(given, "permissions").certificate;
   const bool has_both = permissions != ca.paths.certificate;

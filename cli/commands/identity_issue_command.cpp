@@ -47,7 +47,7 @@ Result<Bytes> governance_of(const Arguments& arguments, WallTime now) {
 
 using Findings = std::vector<Finding>;
 
-// The document that the participant has, or gets.
+// The governance document that the participant has or gets.
 fs::path governance_file(const Arguments& arguments) {
   return arguments.has("--governance")
              ? document_path<GovernanceKind>(arguments.text("--governance"))
@@ -86,7 +86,7 @@ Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now, Findin
   return spec;
 }
 
-// The files without which a participant cannot start and that this command was not given.
+// Names the files that the participant needs to start and that this command was not given.
 std::string missing_documents(bool has_permissions, bool has_governance) {
   std::string out;
   if (!has_governance)
@@ -116,7 +116,8 @@ Result<IssueAnswer> issue_fleet(const Arguments& arguments, const Context& conte
   DDSSEC_ASSIGN_OR_RETURN(auto specs, read_fleet(from, common, now));
   DDSSEC_ASSIGN_OR_RETURN(auto folder, FleetFolder::at(target, specs));
   DDSSEC_RETURN_IF_ERROR(
-      governance_of(arguments, now));  // no passphrase for one that cannot be used
+      // Checked first, so that the user types no passphrase for a document that cannot be used.
+      governance_of(arguments, now));
   const bool any_rights = std::ranges::any_of(specs, &ParticipantSpec::has_permissions);
   DDSSEC_ASSIGN_OR_RETURN(const auto cas, open_issuing_cas(arguments, any_rights, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto governance, governance_of(arguments, now));
@@ -147,14 +148,14 @@ Result<IssueAnswer> issue_fleet(const Arguments& arguments, const Context& conte
   return IssueAnswer{std::move(fleet), std::move(report)};
 }
 
-// One participant, as the command line asks for it.
+// One participant, as the command line requests it.
 struct IssueRequest {
   const Arguments& arguments;
   const Context& context;
   ParticipantSpec spec;
   fs::path target;
   Bytes governance;
-  pki::ParticipantFolder files;  // of `target`
+  pki::ParticipantFolder files;  // the paths of `target`
 
   bool is_replacing() const { return arguments.has("--replace"); }
 };
@@ -174,15 +175,14 @@ Result<Issued> issue(IssueRequest& request) {
   const auto now = request.context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(auto cas,
                           open_issuing_cas(request.arguments, request.spec.has_permissions(), now));
-  // A rotation that this command waited for has signed it anew.
+  // Reads the document again: a rotation that this command waited for may have signed it anew.
   DDSSEC_ASSIGN_OR_RETURN(request.governance, governance_of(request.arguments, now));
   DDSSEC_ASSIGN_OR_RETURN(auto made, make(request.spec, cas, request.arguments, request.context,
                                           request.arguments.text("--permissions")));
   return Issued{std::move(cas), std::move(made)};
 }
 
-// Reports what the folder lacks after everything is in place; in a dry run it reports nothing about
-// that.
+// Reports what the folder lacks after everything is in place. (A dry run prints another text.)
 Result<IssueAnswer> issue_answer(IssuedFacts issued, Report report, const IssueRequest& request,
                                  Result<std::vector<WrittenFile>> committed) {
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, std::move(committed));
@@ -216,7 +216,8 @@ std::unexpected<Error> refuse_existing(const fs::path& file, std::string note) {
                        "alone; or choose another folder"});
 }
 
-// A key on its own waits for its certificate, and the other way round.
+// A key alone waits for its certificate, and a certificate alone for its key, so neither is
+// completed.
 Status check_pair(const IssueRequest& request) {
   const bool has_certificate = is_there(request.files.certificate);
   const bool has_key = is_there(request.files.key);
@@ -233,7 +234,7 @@ Status check_pair(const IssueRequest& request) {
                      "makes both anew; or choose another folder"});
 }
 
-// The missing files of a folder that this command can add.
+// Adds missing files to a folder.
 class Completion {
  public:
   explicit Completion(const IssueRequest& request) : request_(request) {}
@@ -264,7 +265,7 @@ class Completion {
   std::size_t count_ = 0;
 };
 
-// The certificate that is there must be the one that was asked for, of this CA.
+// The existing certificate must have the requested subject and come from this CA.
 Status check_same(const IssueRequest& request, const pki::Certificate& certificate,
                   const pki::Certificate& ca) {
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, pki::SubjectName::parse(request.spec.subject));
@@ -301,7 +302,7 @@ Status add_permissions(const IssueRequest& request, const pki::Certificate& cert
   return log_signed(ca, as_bytes(xml), request.files.permissions, now);
 }
 
-// Key and certificate stay; only missing files are added.
+// Keeps key and certificate, and adds only missing files.
 Result<IssueAnswer> add_missing_files(IssueRequest& request) {
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(request.files.certificate));
   const auto paths = ca_paths(request.arguments.text("--ca"), "identity");
@@ -342,7 +343,7 @@ Status check_nothing_in_token(const IssueRequest& request) {
                        "token: ddssec identity csr --key pkcs11:..., then identity sign-csr"});
 }
 
-// Everything that the command creates replaces existing files; other files stay.
+// Replaces existing files by what the command creates; other files stay.
 Result<IssueAnswer> write_folder(IssueRequest& request) {
   DDSSEC_RETURN_IF_ERROR(check_nothing_in_token(request));
   DDSSEC_ASSIGN_OR_RETURN(const auto issued, issue(request));
@@ -366,7 +367,7 @@ Result<IssueAnswer> write_folder(IssueRequest& request) {
                  {*cas.list, cas.identity.certificate(), request.arguments.text("--ca"),
                   &made.self.certificate, std::move(trusted), request.context.clock.now()}));
   }
-  // Changes by the user, such as the network interface, stay.
+  // Existing configuration files keep changes of the user, such as the network interface.
   DDSSEC_ASSIGN_OR_RETURN(const auto missing_files,
                           missing_configuration_files(files, request.spec.dropin));
   for (const auto& [name, text] : missing_files)
@@ -383,7 +384,7 @@ Result<IssueAnswer> write_folder(IssueRequest& request) {
                       out.commit());
 }
 
-// A folder without a participant: nothing of one may be there.
+// Fills a folder without a participant. No file of one may be in it.
 Result<IssueAnswer> fill_existing_folder(IssueRequest& request) {
   for (const auto* file :
        {&request.files.identity_ca, &request.files.permissions_ca, &request.files.governance,
@@ -400,7 +401,7 @@ Result<IssueAnswer> issue_one(const Arguments& arguments, const Context& context
   const fs::path target = given.has_filename() ? given : given.parent_path();
   DDSSEC_RETURN_IF_ERROR(check_nameable(target));
   std::error_code ignored;
-  // A link is followed nowhere.
+  // A symbolic link does not count as a folder, so that nothing is written elsewhere.
   const bool is_folder = fs::symlink_status(target, ignored).type() == fs::file_type::directory;
   DDSSEC_ASSIGN_OR_RETURN(auto governance, governance_of(arguments, context.clock.now()));
   IssueRequest request{arguments,

@@ -31,22 +31,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Only permissions that the permissions CA of --ca signed: the CA's certificate in the
-// participant's folder is controlled by the participant.
+// Reads permissions only if the permissions CA of --ca signed them. The CA's certificate in the
+// folder does not count, because the participant controls it.
 Result<SignedPermissions> permissions_in(const pki::ParticipantFolder& files, const fs::path& ca,
                                          const pki::Certificate& certificate, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(files.permissions, ca, now));
   return named(own_permissions(proof, certificate, now), files.permissions);
 }
 
-// Empty if --ca has an identity CA alone.
+// Empty if --ca has only an identity CA.
 fs::path permissions_ca(const Arguments& arguments) {
   const fs::path given = arguments.text("--ca");
   auto out = ca_paths(given, "permissions").certificate;
   return is_there(out) && out != ca_paths(given, "identity").certificate ? out : fs::path();
 }
 
-// Reports about permissions only if the CA signed them.
+// Returns the permissions to report. Empty if the CA did not sign them.
 std::optional<SignedPermissions> permissions_seen(const pki::ParticipantFolder& files,
                                                   const Arguments& arguments,
                                                   const pki::Certificate& certificate,
@@ -85,7 +85,8 @@ Status check_not_ended(const SignedPermissions& old, const pki::ParticipantFolde
                        "anyway; without --permissions only the certificate is renewed"});
 }
 
-// The folder's owner may have put back a document that gives more. The agent asks the log the same.
+// The folder's owner may have put back an older document that gives more. The agent makes the same
+// check.
 Status check_not_superseded(const pki::ParticipantFolder& files, const OpenCa& ca, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(files.permissions, ca.paths.certificate, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(ca.paths));
@@ -105,21 +106,21 @@ Status check_not_superseded(const pki::ParticipantFolder& files, const OpenCa& c
 struct Renewal {
   const Arguments& arguments;
   const Context& context;
-  fs::path path;  // of the certificate
+  fs::path path;  // the path of the certificate
   pki::ParticipantFolder files;
   pki::Certificate old;
-  fs::path recorded = {};                             // the folder by the CA's log
-  std::optional<SignedPermissions> permissions = {};  // those in place, if the CA signed them
+  fs::path recorded = {};                             // the folder that the CA's log records
+  std::optional<SignedPermissions> permissions = {};  // those in the folder, if the CA signed them
 
   WallTime now() const { return context.clock.now(); }
   bool is_rekeying() const { return arguments.has("--rekey"); }
 };
 
-// What both results say.
+// The facts that both results contain.
 struct RenewalFacts {
   bool renewed;
   fs::path file;
-  CertificateFacts certificate;  // that is in the file now
+  CertificateFacts certificate;  // the certificate that is in the file now
 
   static constexpr auto fields() {
     return std::tuple_cat(std::tuple(field<&RenewalFacts::renewed>(), field<&RenewalFacts::file>()),
@@ -238,8 +239,8 @@ std::unexpected<Error> unfit_key(const pki::ParticipantFolder& files,
                        "is lost: ddssec identity issue --replace"});
 }
 
-// If the key is here: a folder that came back from a device may contain another participant's
-// certificate.
+// Checks the key only if it is in the folder and not encrypted. A folder that came back from a
+// device may contain another participant's certificate.
 Status check_fits_key(const pki::ParticipantFolder& files, const pki::Certificate& certificate) {
   if (files.key.extension() == ".p11" || !is_there(files.key)) return {};
   const auto encrypted = is_encrypted(files.key);
@@ -249,8 +250,8 @@ Status check_fits_key(const pki::ParticipantFolder& files, const pki::Certificat
   return unfit_key(files, certificate, "another key");
 }
 
-// With --rekey the folder's owner gets a new key for the name in the certificate. A certificate is
-// no secret, so only the key shows that the name is the owner's.
+// With --rekey the folder's owner gets a new key for the name in the certificate. Certificates are
+// public, so only the key proves that the name is the owner's.
 Status check_has_key(const pki::ParticipantFolder& files, const pki::Certificate& certificate) {
   if (files.key.extension() == ".p11") return fail(Code::key_in_token, {.document = files.key});
   if (!is_there(files.key)) return unfit_key(files, certificate, "none");
@@ -272,8 +273,8 @@ Result<bool> is_needed(const Arguments& arguments, const pki::Certificate& certi
   return certificate.not_after() < now + within;
 }
 
-// The folder's own certificate, of a participant that is not revoked. The result is the folder to
-// record for the new one.
+// Success for the folder's own certificate, if the participant is not revoked. Returns the folder
+// to record for the new certificate.
 Result<fs::path> check_renewable(const Renewal& job, const OpenCa& ca) {
   DDSSEC_RETURN_IF_ERROR(check_issuer(job.old, ca, job.path));
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca.paths));
@@ -287,7 +288,7 @@ Result<fs::path> check_renewable(const Renewal& job, const OpenCa& ca) {
   return recorded_folder(job.old, folder, ca.paths, log);
 }
 
-// A dangling link cannot be extended, and must not be ignored.
+// A link that leads nowhere cannot be extended, and must not be ignored.
 Status check_no_broken_link(const fs::path& permissions) {
   std::error_code ignored;
   if (is_there(permissions) || !fs::is_symlink(as_held(permissions))) return {};
@@ -298,7 +299,7 @@ Status check_no_broken_link(const fs::path& permissions) {
                        "--permissions only the certificate is renewed"});
 }
 
-// The permissions with the certificate, if that was asked for and is needed.
+// Renews the permissions with the certificate, if that was requested and is needed.
 Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, CaOpener& opener,
                          FileTransaction& out, Answer<RenewedIdentity>& answer) {
   if (job.arguments.has("--permissions"))
@@ -326,7 +327,7 @@ Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, Ca
   return {};
 }
 
-// What a participant that runs makes of it.
+// Reports what the renewal means for a running participant.
 void add_consequence(const Renewal& job, const pki::Certificate& renewed,
                      Answer<RenewedIdentity>& answer) {
   auto& [result, report, has_result] = answer;
@@ -358,7 +359,8 @@ Result<IdentityRenewal> renew(Renewal job) {
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, validity(arguments, now));
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
-  DDSSEC_ASSIGN_OR_RETURN(job.old, certificate_of(path));  // a rotation may have been waited for
+  // Reads the certificate again, because the command may have waited for a rotation.
+  DDSSEC_ASSIGN_OR_RETURN(job.old, certificate_of(path));
   DDSSEC_ASSIGN_OR_RETURN(job.recorded, check_renewable(job, ca));
   job.permissions = permissions_seen(files, arguments, old, now);
   DDSSEC_ASSIGN_OR_RETURN(const auto life, within_ca(validity_after(old, wanted, now),

@@ -28,11 +28,11 @@ namespace fs = std::filesystem;
 // The certificates to revoke.
 struct Doomed {
   std::string subject;
-  std::vector<std::string> serials = {};   // that are not revoked yet
-  std::vector<std::string> subjects = {};  // of each of them
-  std::string own_serial = {};             // of what was given
-  std::vector<std::string> own_keys = {};  // its digests, as a log may have them
-  std::string unlogged_key = {};           // its key, if the log does not have it yet
+  std::vector<std::string> serials = {};   // those that are not revoked yet
+  std::vector<std::string> subjects = {};  // the subject of each serial number
+  std::string own_serial = {};             // the certificate that was given
+  std::vector<std::string> own_keys = {};  // the digests of its key that a log may contain
+  std::string unlogged_key = {};           // the digest of its key if the log lacks it
   // Certificates of the same key that stay valid, in words.
   std::vector<std::string> same_key = {};
   std::vector<std::string> same_key_serials = {};
@@ -55,7 +55,8 @@ bool is_serial(std::string_view text) {
 
 // Certificates that seem to have expired are revoked as well, because the clock may be wrong. The
 // log decides which certificates belong to the participant: a device may have put another
-// participant's certificate into its folder. A separate certificate file stands for its subject.
+// participant's certificate into its folder. A certificate in a separate file stands for its
+// subject.
 Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const pki::IssueLog& log,
                                   const Arguments& arguments) {
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_of(given));
@@ -69,8 +70,8 @@ Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const
         check_own(certificate, folder, ca.paths, log, arguments.text("--subject")));
   Doomed out{.subject = certificate.subject(), .own_serial = certificate.serial()};
   const auto* own = log.find(certificate.serial());
-  // Another tool or an earlier version may have issued it: the key must not come back through a
-  // request.
+  // Another tool or an earlier version may have issued it. Its key is logged, so that no later
+  // request can use it.
   const bool is_folder = path.filename() == pki::kCertificateFile;
   const pki::KeyDigests key(certificate);
   if ((own == nullptr || !key.contains(own->key)) && log.revoked_serial(key).empty())
@@ -86,8 +87,8 @@ Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const
   return out;
 }
 
-// Certificates of the same key under another subject, or that were put elsewhere. A key that was
-// stolen makes all of them void; otherwise they are named.
+// Finds certificates of the same key under another subject or in another place. If the key was
+// stolen, they are revoked too; otherwise they are only named.
 void add_same_key(const pki::IssueLog& log, pki::RevocationReason reason, Doomed& out) {
   const auto is_doomed = [&](const pki::IssuedCertificate& issued) {
     return issued.serial == out.own_serial ||
@@ -118,7 +119,7 @@ std::string same_key_text(const Doomed& what, const std::string& ca) {
                    what.same_key_serials.front(), governance::doctor::shell_word(ca));
 }
 
-// The log may contain the name, but revoking by name alone could end the wrong participant.
+// The log may contain the name, but revoking by name alone could revoke the wrong participant.
 std::unexpected<Error> not_there(const std::string& what, const std::string& ca,
                                  const pki::IssueLog& log) {
   std::error_code ignored;
@@ -169,7 +170,7 @@ Result<pki::RevocationReason> reason_of(const Arguments& arguments) {
 std::string next_steps(const std::string& ca, const ParticipantPlaces& places,
                        const std::vector<std::string>& without_list, const CaPaths& paths,
                        const pki::IssueLog& log) {
-  const bool knows_none = places.is_empty();  // a CA above others
+  const bool knows_none = places.is_empty();  // the CA only has CAs below it
   if (knows_none && are_all_revoked(log))
     return fmt::format(
         "no other participant in the CA's log needs the list; those of CAs below it do: ddssec crl "
@@ -220,8 +221,8 @@ struct Revoked {
   std::vector<std::string> serials, same_key;
   std::optional<ListThatRevokes> crl = {};
   Folders folders = {}, without_list = {}, elsewhere = {}, left_behind = {}, of_other_cas = {};
-  std::string revoked = {};        // "(2 certificates)", or why it is revoked again
-  std::string certificates = {};   // complete lines: those of `serials`
+  std::string revoked = {};        // "(2 certificates)", or the reason why the list is made again
+  std::string certificates = {};   // complete lines: the certificates of `serials`
   std::string same_key_text = {};  // complete lines
 
   static constexpr auto fields() {
@@ -300,7 +301,7 @@ Result<Answer<Revoked>> identity_revoke(const Arguments& arguments, const Contex
   DDSSEC_ASSIGN_OR_RETURN(const auto lists, file_of_lists(ca.paths, crl));
   DDSSEC_RETURN_IF_ERROR(out.put_public(ca.paths.crl, lists));
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
-  // The log comes first: if the machine stops here, the next list is made from it.
+  // The log is written first: if the machine stops here, the next list is made from it.
   if (!lines.empty()) DDSSEC_RETURN_IF_ERROR(log_issued(ca.paths, lines));
   result.crl = ListThatRevokes{ca.paths.crl, ListNumber::of(crl), *crl.next_update()};
   result.revoked = what.serials.empty()
@@ -312,7 +313,7 @@ Result<Answer<Revoked>> identity_revoke(const Arguments& arguments, const Contex
   result.add_places(places, bare);
   report.text = next_steps(arguments.text("--ca"), places, bare, ca.paths, log);
   report.text += about_clock(crl, now, arguments.text("--ca"));
-  // A participant that has moved may still have its former certificate, too.
+  // A participant that has moved may still have its certificate of the former CA.
   DDSSEC_ASSIGN_OR_RETURN(const auto overlap, read_overlap(ca.paths));
   if (overlap) {
     report.errors.emplace_back(tool_code::revoked_after_overlap,

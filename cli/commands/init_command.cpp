@@ -27,10 +27,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The request of the command line.
+// What the command line requests.
 struct Plan {
   fs::path target;
-  std::string title;  // in the CAs' names
+  std::string title;  // part of the CAs' names
   std::vector<std::string> names;
   pki::FolderLayout layout;
   governance::Profile profile;
@@ -48,7 +48,7 @@ Result<pki::FolderLayout> layout_of(const Arguments& arguments) {
   return fail(Code::usage, {.field = "--layout", .expected = "flat or sros2", .found = word});
 }
 
-// In a keystore the names are enclaves', which begin with a slash.
+// The names in a keystore are names of enclaves, which begin with a slash.
 Result<std::vector<std::string>> names_of(const Arguments& arguments, pki::FolderLayout layout) {
   auto names = arguments.all("--participant");
   if (names.empty()) names = {"talker", "listener"};
@@ -119,7 +119,7 @@ struct FirstParticipant {
   }
 };
 
-// What configurations must have.
+// The lines that configurations need.
 struct Snippets {
   std::string cyclonedds, fastdds;
   std::optional<std::string> ros2 = {};
@@ -159,11 +159,11 @@ struct Initialised {
   }
 };
 
-// The participants that the finished folder will contain.
+// The participants of the new folder.
 struct Members {
   std::vector<FirstParticipant> rows = {};
-  std::string log = {};         // of the identity CA
-  std::string signed_log = {};  // of the permissions CA
+  std::string log = {};         // for the identity CA
+  std::string signed_log = {};  // for the permissions CA
 };
 
 Result<Members> add_members(NewFolder& folder, const Plan& plan, const Issuers& issuers,

@@ -63,7 +63,7 @@ double milliseconds(MonotonicTime time) {
   return std::chrono::duration<double, std::milli>(time).count();
 }
 
-// ---- for people
+// ---- text output
 
 std::string text_of(const GuidPrefix& prefix, const rtps::ObservedParticipant& participant) {
   auto out =
@@ -105,7 +105,7 @@ std::string text_of(const rtps::ObservedMeeting& meeting, const rtps::Observer& 
   return out + '\n';
 }
 
-// ---- for machines
+// ---- JSON output
 
 struct Protection {
   ProtectionKind rtps, discovery, liveliness;
@@ -235,7 +235,7 @@ struct Pair {
 
 struct Watched {
   rtps::Observer observer{names_in};
-  std::uint64_t cut = 0;  // frames
+  std::uint64_t cut = 0;  // frames that are cut short
 };
 
 Status watch(Capture& capture, int seconds, bool is_live, Watched& out) {
@@ -250,7 +250,7 @@ Status watch(Capture& capture, int seconds, bool is_live, Watched& out) {
       out.observer.on_datagram(datagram->payload, {datagram->from, datagram->port, frame.at});
   };
   if (!is_live) {
-    // Frames read before the file breaks off still count.
+    // The frames before the place where the file breaks off still count.
     const auto status = capture.each({}, take);
     out.cut += status ? 0 : 1;
     return out.observer.datagrams() ? Status() : status;

@@ -20,8 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Upstream links both roles to one CA. Of a killed command the keys may be there and the rest not:
-// that is finished first.
+// sros2 links both roles to one CA. If a command was killed, the new keys may be in place and other
+// files not: the work is finished first.
 Result<bool> has_one_ca(const fs::path& keystore) {
   DDSSEC_RETURN_IF_ERROR(finish_interrupted(keystore / "private", Reach::anywhere));
   std::error_code ignored;
@@ -103,7 +103,7 @@ Result<Answer<KeystoreCa>> new_permissions_ca(const fs::path& keystore, const st
   return answer;
 }
 
-// Until a keystore was split, its identity CA signed the documents as well.
+// Before a keystore is split, its identity CA also signs the documents.
 Result<OpenCa> former_signer(const fs::path& keystore, CaOpener& opener) {
   DDSSEC_ASSIGN_OR_RETURN(auto out, opener.open(ca_paths(keystore, "identity")));
   auto certificate = std::move(out.paths.certificate);
@@ -112,7 +112,7 @@ Result<OpenCa> former_signer(const fs::path& keystore, CaOpener& opener) {
   return out;
 }
 
-// For enclaves whose folders took no files when the keystore was split.
+// Handles the enclaves whose folders could not be written when the keystore was split.
 Result<Answer<KeystoreCa>> finish_split(const fs::path& keystore, const Enclaves& enclaves,
                                         const std::vector<AffectedParticipant>& left,
                                         const Arguments& arguments, const Context& context) {

@@ -89,10 +89,11 @@ Result<Answer<CreatedKeystore>> keystore_create(const Arguments& arguments,
   return out;
 }
 
-// Whether an enclave may keep the permissions that it has.
+// Says whether an enclave may keep its present permissions.
 enum class Rights : std::uint8_t { needed, may_stay };
 
-// Rights must be given explicitly, in one way: an enclave with all rights must be requested.
+// Rights must be given explicitly and in one way, so that an enclave with all rights must be
+// requested.
 Status check_one_source(const Arguments& arguments, Rights rights) {
   const bool given[] = {arguments.has("--publish") || arguments.has("--subscribe"),
                         arguments.has("--permissions"), arguments.has("--policy"),
@@ -116,7 +117,7 @@ Result<governance::Grant> grant_of_policy(const fs::path& file, const Participan
   return grant;
 }
 
-// A topic of ROS 2 has a prefix in DDS, and a policy's names have none.
+// A topic of ROS 2 has a prefix in DDS, which the names in a policy lack.
 void warn_of_missing_prefixes(const ParticipantSpec& spec, Report& report) {
   const auto is_of_ros = [](std::string_view topic) {
     for (const std::string_view prefix :
@@ -173,7 +174,8 @@ Status warn_of_missing_rights(std::string_view xml, const fs::path& document, Re
   return {};
 }
 
-// ROS 2 uses such names, so they are not an error: ddssec's plugins and Fast DDS distinguish them.
+// ROS 2 uses such names, so they are only a warning: ddssec's plugins and Fast DDS distinguish
+// them.
 Status warn_of_overlap(const ParticipantSpec& spec, const CaPaths& identity, const fs::path& target,
                        WallTime now, Report& report) {
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(identity));
@@ -189,14 +191,14 @@ Status warn_of_overlap(const ParticipantSpec& spec, const CaPaths& identity, con
   return {};
 }
 
-// What `keystore enclave` makes.
+// The task of `keystore enclave`.
 struct EnclaveJob {
   const Arguments& arguments;
   const Context& context;
   fs::path keystore;
   std::string name;
   fs::path target;
-  bool is_again;  // the enclave is there, and gets a new key and certificate
+  bool is_again;  // the enclave exists, and gets a new key and certificate
   pki::ParticipantFolder files;
 };
 
@@ -225,7 +227,7 @@ Result<EnclaveJob> enclave_job(const Arguments& arguments, const Context& contex
   return EnclaveJob{arguments, context, keystore, name, target, is_again, files};
 }
 
-// The rights are those of the name, which stays. Whether they go on is for the user to decide.
+// The permissions are for the name, which stays the same. The user decides whether they continue.
 Result<std::string> about_kept_permissions(const EnclaveJob& job,
                                            const pki::Certificate& certificate) {
   const auto now = job.context.clock.now();
@@ -246,7 +248,7 @@ Result<std::string> about_kept_permissions(const EnclaveJob& job,
   return fail(old.error().code(), std::move(details));
 }
 
-// The log comes before the files: a certificate that it lacks cannot be revoked.
+// The log is written before the files, because a certificate that the log lacks cannot be revoked.
 Result<std::vector<WrittenFile>> put_enclave(const EnclaveJob& job, EnclaveFolder& folder,
                                              const NewParticipant& made, const OpenCa& identity,
                                              const OpenCa* permissions) {

@@ -82,7 +82,7 @@ struct VerifiedEnclave {
   std::string name;
   DomainId domain;
   Json verdicts = Json::object();
-  std::string words = {};  ///< the verdicts by the products' names
+  std::string words = {};  ///< the verdicts, with the products' names
 
   static constexpr auto fields() {
     using Self = VerifiedEnclave;
@@ -109,12 +109,12 @@ struct VerifiedKeystore {
   }
 };
 
-/// What was done for a keystore that was made elsewhere.
+/// The changes to a keystore that another tool made.
 struct ImportedKeystore {
   std::vector<std::string> folders_closed = {}, keys_closed = {}, logged = {};
-  std::vector<std::string> subjects = {};  ///< of `logged`
-  std::string closed_mode = {};            ///< that the folder had
-  bool is_complete = false;                ///< no error
+  std::vector<std::string> subjects = {};  ///< the subjects of `logged`
+  std::string closed_mode = {};            ///< the mode that a closed folder had
+  bool is_complete = false;                ///< true if there was no error
 
   static constexpr auto fields() {
     using Self = ImportedKeystore;

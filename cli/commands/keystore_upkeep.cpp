@@ -32,7 +32,7 @@ namespace {
 namespace fs = std::filesystem;
 namespace doctor = governance::doctor;
 
-// Every private key of a keystore that is a file of its own.
+// Every private key of a keystore that is a file and not a link.
 std::vector<fs::path> private_keys(const fs::path& keystore, const Enclaves& enclaves) {
   std::vector<fs::path> out;
   std::error_code ignored;
@@ -51,7 +51,7 @@ bool is_for_others(const fs::path& path) {
   return ::stat(path.c_str(), &status) == 0 && (status.st_mode & 077) != 0;
 }
 
-// Reports findings that apply to every enclave once.
+// Reports findings that apply to every enclave only once.
 void add_once(const std::vector<Finding>& findings, Report& report) {
   for (const auto& finding : findings)
     if (std::ranges::find(report.findings, finding.message, &Finding::message) ==
@@ -84,7 +84,7 @@ void check_belongs(const fs::path& keystore, const doctor::LoadedFolder& enclave
     differs(enclave.paths.governance, governance);
 }
 
-// Finds enclaves that have the key of another one: each is valid in itself.
+// Finds enclaves that have the key of another one. Each of them is valid in itself.
 class Copies {
  public:
   explicit Copies(const fs::path& keystore)
@@ -114,7 +114,7 @@ class Copies {
  private:
   struct One {
     std::string name, certificate;
-    bool is_at_home;  // the certificate was issued for it
+    bool is_at_home;  // the certificate was issued for this enclave
   };
 
   bool is_at_home(const doctor::LoadedFolder& enclave, const std::string& name) const {
@@ -162,7 +162,7 @@ void check_no_key_in_public(const fs::path& keystore, Report& report) {
   }
 }
 
-// The folders of enclaves are looked at with the rest of them.
+// The folders of the enclaves are checked with the rest of each enclave.
 void check_writable_places(const fs::path& keystore, Report& report) {
   struct stat status {};
   if (::stat(keystore.c_str(), &status) != 0) return;
@@ -184,11 +184,12 @@ void add_empty(const fs::path& keystore, const Enclaves& enclaves, Report& repor
   }
 }
 
-// A copy of the enclave for its device would carry the CA's key along.
+// A CA's key in an enclave is an error here: a copy of the enclave for its device would contain the
+// key.
 void add_findings_of(const doctor::Diagnosis& diagnosis, Report& report) {
   for (const auto& check : diagnosis.checks())
     for (auto finding : check.findings) {
-      // A folder above several enclaves.
+      // A folder above several enclaves is reported once.
       if (finding.rule == Rule::DOC104 &&
           std::ranges::find(report.findings, finding.message, &Finding::message) !=
               report.findings.end())
@@ -214,7 +215,7 @@ Result<Answer<VerifiedKeystore>> keystore_verify(const Arguments& arguments,
   for (const auto& key : private_keys(keystore, enclaves)) {
     if (!is_for_others(key)) continue;
     result.keys_for_others.push_back(key.string());
-    if (key.parent_path() == keystore / "private")  // an enclave's own key is DOC003
+    if (key.parent_path() == keystore / "private")  // DOC003 reports an enclave's own key
       report.errors.emplace_back(Code::key_readable_by_others, ErrorDetails{.document = key});
   }
   check_no_key_in_public(keystore, report);
@@ -258,7 +259,7 @@ void add_error(Error error, Report& report) {
   report.errors.push_back(std::move(error));
 }
 
-// Takes over the certificates of enclaves into the CA's log.
+// Adds the certificates of enclaves to the CA's log.
 struct Import {
   const CaPaths& paths;
   const pki::Certificate& ca;
@@ -284,7 +285,8 @@ struct Import {
   }
 };
 
-// A keystore may come from another user, who can make its folders links to any folder of this one.
+// A keystore may come from another user, who can replace its folders by links to any folder of this
+// user.
 Status check_own_folders(const fs::path& keystore) {
   for (const auto* name : {"private", "enclaves"}) {
     std::error_code ignored;
@@ -297,10 +299,10 @@ Status check_own_folders(const fs::path& keystore) {
   return {};
 }
 
-// Changes exactly the folder that was looked at, whatever its name leads to meanwhile.
+// Changes exactly the folder that was checked, even if its name leads elsewhere meanwhile.
 void close_folder(const fs::path& folder, Answer<ImportedKeystore>& out) {
   const int open = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-  if (open < 0) return;  // without keys there is no such folder
+  if (open < 0) return;  // there is no such folder in a keystore without keys
   struct stat status {};
   const bool is_open = ::fstat(open, &status) == 0 && (status.st_mode & 077) != 0;
   const int error = is_open && !writes_nothing() && ::fchmod(open, 0700) != 0 ? errno : 0;

@@ -1,5 +1,4 @@
-// keystore verify and keystore import: for keystores that other tools made, or that have been in
-// use.
+// keystore verify and keystore import, for keystores that another tool made or that are in use.
 #pragma once
 
 #include "cli/commands/keystore_results.hpp"

@@ -1,4 +1,4 @@
-// permissions new: one participant's rights, for the subject of its certificate.
+// permissions new: the rights of one participant, for the subject of its certificate.
 #include <algorithm>
 #include <filesystem>
 
@@ -23,7 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The governance document of the participant: beside the new document, or beside the certificate.
+// The governance document of the participant. It lies beside the new document or beside the
+// certificate.
 fs::path governance_beside(const Arguments& arguments) {
   const fs::path cert = arguments.text("--cert");
   std::error_code ignored;
@@ -34,8 +35,8 @@ fs::path governance_beside(const Arguments& arguments) {
   return {};
 }
 
-// Without --domain, the one domain of that governance document: a participant with permissions for
-// another one cannot start.
+// Without --domain, uses the one domain of that governance document, because a participant with
+// permissions for another domain cannot start.
 Result<std::vector<governance::DomainRange>> domains_for(const Arguments& arguments,
                                                          std::vector<Finding>& findings) {
   const auto governance = governance_beside(arguments);
@@ -64,7 +65,7 @@ Result<governance::Rights> rights_from(const Arguments& arguments, Report& repor
   return out;
 }
 
-// As long as the certificate, unless told otherwise.
+// As long as the certificate, unless --days or --not-after is given.
 Result<governance::Validity> life(const Arguments& arguments, const pki::Certificate& certificate,
                                   WallTime now) {
   if (arguments.has("--days") && arguments.has("--not-after"))
@@ -87,7 +88,7 @@ Result<governance::Validity> life(const Arguments& arguments, const pki::Certifi
   return out;
 }
 
-// A folder with both CAs says which certificates its permissions are for.
+// If --ca is a folder with both CAs, its identity CA must have issued the certificate.
 Status check_issued_here(const pki::Certificate& certificate, const Arguments& arguments) {
   if (!arguments.has("--sign") || !arguments.has("--ca")) return {};
   const auto ca = arguments.text("--ca");
@@ -111,8 +112,8 @@ struct NewPermissions {
   fs::path file;
   std::string subject;
   WallTime not_before, not_after;
-  bool has_rights = true;               // a right to use a topic
-  std::vector<WrittenFile> files = {};  // all of them
+  bool has_rights = true;               // true if some topic may be used
+  std::vector<WrittenFile> files = {};  // all files that were written
 
   static constexpr auto fields() {
     using Self = NewPermissions;
@@ -140,7 +141,7 @@ Result<Answer<NewPermissions>> permissions_new(const Arguments& arguments, const
   DDSSEC_ASSIGN_OR_RETURN(const auto validity, life(arguments, certificate, context.clock.now()));
   const auto grant = grant_of("participant", certificate, rights, validity);
   const auto xml = to_xml(governance::Permissions{.grants = {grant}});
-  // The arguments may contain something that no document can.
+  // The document is parsed, because the arguments may contain something that no document can.
   DDSSEC_ASSIGN_OR_RETURN(const auto document, governance::read_permissions(as_bytes(xml)));
   add_findings(report, lint(document, {.now = context.clock.now(), .certificate = &certificate}),
                arguments.text("-o"));

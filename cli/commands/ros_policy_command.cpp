@@ -16,7 +16,8 @@ namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
-// As long as the certificate, as sros2 does; else for --days from now.
+// As long as the certificate, as sros2 does, if --validity-from names one; otherwise --days from
+// now.
 Result<governance::Validity> life(const Arguments& arguments, WallTime now) {
   if (arguments.has("--validity-from")) {
     DDSSEC_ASSIGN_OR_RETURN(const auto certificate,

@@ -49,7 +49,7 @@ struct Listed<TopicRule> {
   }
 };
 
-// Without the topic rules.
+// A domain rule without its topic rules.
 template <>
 struct Listed<DomainRule> {
   using T = DomainRule;
@@ -62,7 +62,8 @@ struct Listed<DomainRule> {
                       field("liveliness", &T::liveliness_protection_kind, kKind),
                       field("rtps", &T::rtps_protection_kind, kKind),
                       // Of DDS-Security 1.2: nothing where there is none, as everywhere but in
-                      // domains of embedded participants.
+                      // A kind of DDS-Security 1.2. Absent if there is none, as in all domains
+                      // without embedded participants.
                       field("pre_shared_key", &T::rtps_psk_protection_kind, if_protected,
                             {.note = "if there is one", .words = "SIGN|ENCRYPT", .absent = true}),
                       field("key_revision", &T::enable_key_revision, if_set,
@@ -141,7 +142,7 @@ struct ShownGovernance {
   }
 };
 
-// A rule and which of the document's it is.
+// A rule and its position in the document.
 template <class Facts>
 struct Numbered {
   Facts rule;
@@ -228,7 +229,7 @@ std::size_t number_in(const std::vector<T>& all, const T& one) {
   return static_cast<std::size_t>(&one - all.data()) + 1;
 }
 
-// Without --domain: the first domain that is covered.
+// Without --domain, the first domain that the document covers.
 DomainId domain_for(const Governance& document, std::optional<DomainId> wanted) {
   return wanted.value_or(document.domain_rules.front().domains.ranges.front().first);
 }
@@ -279,7 +280,8 @@ std::vector<std::string> texts_of(const std::vector<governance::Text>& texts) {
   return out;
 }
 
-// Whole, unlike in a comparison: two names may differ in their last letter.
+// Shows the whole texts, unlike in a comparison, because two names may differ only in their last
+// letter.
 std::string joined_texts(const std::vector<std::string>& texts) {
   std::string out;
   for (const auto& text : texts)
@@ -329,7 +331,7 @@ struct Listed<governance::GrantRule> {
   using T = governance::GrantRule;
   static constexpr auto fields() {
     constexpr Shown kTheSame{.note = "the same", .same = true};
-    // Of DDS-Security 1.2: only where there are some.
+    // Texts of DDS-Security 1.2, shown only if there are some.
     constexpr Shown kIfAny{.note = "where there are some", .absent = true};
     return std::tuple(
         field<&T::allow>(), field<&T::line>(),

@@ -1,4 +1,4 @@
-// The table of commands, of the groups' rows.
+// The table of commands. It consists of the groups' rows.
 #include <algorithm>
 
 #include "cli/commands/groups.hpp"
@@ -6,7 +6,7 @@
 namespace ddssec::cli {
 namespace {
 
-// A group's rows may come from several files; help shows them together.
+// The rows of a group may come from several files; help shows them together.
 void add_to_groups(std::vector<Command>& all, const std::vector<Command>& rows) {
   for (const auto& row : rows) {
     const auto last = std::find_if(all.rbegin(), all.rend(), [&](const Command& other) {

@@ -30,7 +30,7 @@ Result<fs::path> folder_of_sockets(const Arguments& arguments) {
                .found = "neither"});
 }
 
-// ---- which participants
+// ---- participants
 
 using Participant = RunningParticipant;
 
@@ -44,7 +44,8 @@ bool have_a_kind_in_common(const Participant& a, const Participant& b) {
 }
 
 // Under Cyclone DDS, authentication and access control are two libraries with two sockets, which
-// have one participant under one handle. Of what one library says, nothing belongs together.
+// use one handle for one participant. Two entries that come from the same library are always
+// different participants.
 class Participants {
  public:
   void add(const std::vector<Participant>& answer) {
@@ -58,7 +59,7 @@ class Participants {
         complete(all_[*same], given);
         continue;
       }
-      // A process that lies may give one handle to all.
+      // A process that lies may give all its participants one handle.
       if (same_handle.size() < kLibraries) same_handle.push_back(all_.size());
       all_.push_back(given);
     }
@@ -80,8 +81,8 @@ class Participants {
   std::map<std::int64_t, std::vector<std::size_t>> by_handle_;
 };
 
-// The library that shows nothing of the participant; empty: both do. Authentication always has a
-// certificate and access control always has permissions.
+// The library that shows nothing about the participant; empty if both do. Authentication always has
+// a certificate, and access control always has permissions.
 std::string_view missing_library(const Participant& participant) {
   if (!has_kind(participant, "identity certificate")) return "authentication";
   return has_kind(participant, "permissions") ? "" : "access control";
@@ -100,7 +101,7 @@ bool is_of_folder(const Participant& participant, const fs::path& folder) {
   });
 }
 
-// ---- what is said of them
+// ---- output
 
 bool has_ended(const DocumentPart& part, const std::string& now) {
   return part.until && *part.until < now;
