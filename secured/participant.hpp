@@ -36,10 +36,11 @@ class Participant {
   /// Joins a domain with the identity, permissions and governance in `folder`, which `ddssec init`
   /// creates. Refusals of peers are reported to `events`, which must outlive the participant; if it
   /// is nullptr, they are printed to standard error. All events are also appended to the file that
-  /// the environment variable DDSSEC_EVENT_LOG names.
-  /// Errors: file_not_found, file_unreadable, property_without_effect, those of the security
-  /// plugins, those of rtps::DomainParticipant::create. Each message names the document and what to
-  /// do.
+  /// the environment variable DDSSEC_EVENT_LOG names. `options.security` is replaced by the plugins
+  /// and the documents of the folder.
+  /// Errors: those of folder_properties, invalid_property (org.ddssec.clock_step_grace), those of
+  /// the security plugins, those of rtps::DomainParticipant::create. Each message names the
+  /// document and what to do.
   static Result<Participant> join(const std::filesystem::path& folder,
                                   rtps::DomainParticipantOptions options = {},
                                   EventSink* events = nullptr);
@@ -52,7 +53,9 @@ class Participant {
 
   /// Creates a writer with `qos`, or with writer_qos() if none is given; creates the topic if
   /// needed. The participant owns the writer. Errors: those of access control (the permissions do
-  /// not allow it), rtps_bad_parameter (the topic exists with another type), rtps_qos_inconsistent.
+  /// not allow it), rtps_bad_parameter (the topic exists with another type, or its name is empty or
+  /// longer than 256 characters), rtps_precondition_not_met (a content-filtered topic has the
+  /// name), rtps_qos_inconsistent.
   template <rtps::DdsType T>
   Result<rtps::DataWriter<T>*> writer(const std::string& topic, std::optional<rtps::Qos> qos = {}) {
     const auto on = topic_of<T>(topic);
@@ -69,7 +72,7 @@ class Participant {
   }
 
   /// Creates new keys and gives them to the peers that are trusted now; see
-  /// rtps::DomainParticipant::revise_keys.
+  /// rtps::DomainParticipant::revise_keys. Errors: rtps_key_revision_disabled.
   Status revise_keys() { return dds().revise_keys(); }
 
   /// The participant for everything else of DDS: listeners, further publishers and subscribers,
@@ -85,13 +88,17 @@ class Participant {
   template <rtps::DdsType T>
   Result<rtps::Topic*> topic_of(const std::string& name) {
     if (auto* known = dds().lookup_topicdescription(name)) return known;
-    return dds().create_topic<T>(name);
+    auto made = dds().create_topic<T>(name);
+    if (made) return made;
+    // Another thread may have created it since the look-up.
+    if (auto* known = dds().lookup_topicdescription(name)) return known;
+    return made;
   }
 
   std::unique_ptr<State> state_;
 };
 
-/// Prints the error's message to standard error and exits the process with status 1.
+/// Prints the error's sentence to standard error and exits the process with status 1.
 [[noreturn]] void exit_with(const Error& error);
 
 /// Returns the value, or exits as exit_with does. For programs that cannot continue without the

@@ -2,7 +2,10 @@
 // of them talk is shown with the installed examples (tests/install).
 #include "secured/participant.hpp"
 
+#include <array>
+#include <atomic>
 #include <fstream>
+#include <thread>
 
 #include <gmock/gmock.h>
 
@@ -11,6 +14,24 @@
 #include "secured/reported_calendar.hpp"
 #include "tests/support/recorded_events.hpp"
 #include "tests/support/silent.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace ddssec::rtps {
+
+struct Text {
+  std::string text;
+};
+template <>
+struct TypeTraits<Text> {
+  static constexpr std::string_view type_name = "Text";
+  static constexpr auto extensibility = Extensibility::final_type;
+  template <class Self, class Visit>
+  static void members(Self& s, Visit&& visit) {
+    visit(s.text);
+  }
+};
+
+}  // namespace ddssec::rtps
 
 namespace ddssec::secured {
 namespace {
@@ -151,6 +172,39 @@ TEST(SecuredParticipant, AFileThatIsMissing_IsNamed) {
   const auto participant = Participant::join(folder.path, {.domain_id = 122}, &quiet);
   ASSERT_FALSE(participant);
   EXPECT_THAT(participant.error().to_sentence(), HasSubstr("identity_ca.pem"));
+}
+
+TEST(SecuredParticipant, TopicThatTwoThreadsUseFirst_IsCreatedOnce) {
+  const Folder folder;
+  const fs::path example = fs::path(test::data_path("../../certs-example"));
+  for (const auto& [from, to] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"identity_ca.pem", "identity_ca.pem"},
+           {"permissions_ca.pem", "permissions_ca.pem"},
+           {"governance_sign.p7s", "governance.p7s"},
+           {"radar/identity.pem", "cert.pem"},
+           {"radar/identity.key", "key.pem"},
+           {"radar/permissions.p7s", "permissions.p7s"}})
+    fs::copy_file(example / from, folder.path / to);
+  test::Silent quiet;
+  auto participant = Participant::join(folder.path, {.domain_id = 122}, &quiet);
+  ASSERT_TRUE(participant) << participant.error().to_sentence();
+  // Both threads spin until the other has come, so that they look the name up at the same time.
+  constexpr int kTopics = 60;
+  std::atomic<int> arrived = 0;
+  std::array<int, 2> refused = {};
+  const auto use = [&](int& refusals) {
+    for (int i = 0; i < kTopics; ++i) {
+      ++arrived;
+      while (arrived < 2 * (i + 1)) {
+      }
+      const auto writer = participant->writer<rtps::Text>("Topic" + std::to_string(i));
+      refusals += !writer && writer.error().code() == Code::rtps_precondition_not_met;
+    }
+  };
+  std::thread other([&] { use(refused[1]); });
+  use(refused[0]);
+  other.join();
+  EXPECT_EQ(refused, (std::array<int, 2>{}));
 }
 
 // The program that gets the error prints it: or_exit does.
