@@ -87,7 +87,7 @@ using OwnGrantsOf = std::map<std::string_view, OwnGrants>;
 
 // The subjects of both documents by a key that is the same for every spelling.
 struct SubjectsOfBoth {
-  std::map<std::string, std::vector<std::string>> texts;  // as certificates say them
+  std::map<std::string, std::vector<std::string>> texts;  // the spellings in certificates
   OwnGrantsOf before, after;
 
   SubjectsOfBoth(const Permissions& old_document, const Permissions& new_document) {

@@ -10,7 +10,7 @@
 
 namespace ddssec::governance {
 
-/// What Cyclone DDS makes of a <not_after> that is not for it (DateTime::is_for_cyclone).
+/// The sentence about a <not_after> that Cyclone DDS misreads (DateTime::is_for_cyclone).
 inline constexpr std::string_view kCyclonesEndHasPassed =
     "reads <not_after> as a time that has passed";
 inline constexpr std::string_view kHintOfCyclonesEnd =
@@ -23,7 +23,7 @@ struct DateTime {
   WallTime time;
   bool has_zone;
   std::chrono::minutes east = {};  ///< the offset of the zone, as in the text
-  bool has_fraction;               ///< of a second, and not 0
+  bool has_fraction;               ///< true if a fraction of a second is not 0
   /// True if Cyclone DDS 0.10 reads the text like other products. It does not know 24:00:00, zones
   /// beyond 12 hours, or times after 2262-04-11, where its nanoseconds end. As the end of a
   /// validity it treats these as past.

@@ -17,7 +17,7 @@ std::size_t index_of(char c) { return static_cast<std::uint8_t>(c); }
 struct CycloneSet {
   Octets octets = {};
   std::size_t length = 0;
-  bool is_closed = false;  // if not, the whole expression matches nothing
+  bool is_closed = false;  // if false, the whole expression matches nothing
 };
 
 // Measured: the closing ']' is a member (and may begin a range), '^' is an ordinary character, and
@@ -135,7 +135,7 @@ std::string as_fastdds_reads_it(std::string_view expression) {
 std::optional<Unportable> unportable(std::string_view expression, SetEffort& effort) {
   Unportable out{.reason = reason_against(expression)};
   if (out.reason.empty()) return std::nullopt;
-  constexpr std::size_t kMax = 256;  // topic names are no longer
+  constexpr std::size_t kMax = 256;  // no topic name is longer
   if (expression.size() > kMax) return out;
   out.cyclonedds = difference(as_cyclone_reads_it(expression), expression, effort);
   // Without a backslash Fast DDS reads what the standard says.

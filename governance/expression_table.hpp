@@ -80,7 +80,7 @@ class ExpressionTable {
   NumberLists known_steps_;  ///< kind, value and next of each position
   NumberLists sets_;
   std::vector<NameAtom::Match> labels_;
-  std::vector<std::uint32_t> list_numbers_;  ///< of each label
+  std::vector<std::uint32_t> list_numbers_;  ///< number of each label's list
   NumberLists label_sets_;
 };
 

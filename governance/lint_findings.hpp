@@ -61,7 +61,7 @@ inline constexpr std::string_view kUnmatchableHint =
 
 /// `"rt/a"`, cut if it is long.
 std::string in_quotes(std::string_view text);
-/// The RFC 2253 text of a name; `reverse`: in reverse order, beginning with the root.
+/// The RFC 2253 text of a name; with `reverse` it begins with the root.
 std::string rfc2253(const pki::SubjectName& name, bool reverse);
 /// "3" or "0-5", several with commas.
 std::string to_text(const std::vector<DomainRange>& ranges);

@@ -13,7 +13,7 @@ namespace ddssec::governance {
 /// One topic expression of a rule.
 struct GrantEntry {
   const GrantRule* rule;
-  std::size_t rule_number;  ///< from 1, among all rules of the grant
+  std::size_t rule_number;  ///< number among all rules of the grant, from 1
   const Criteria* criteria;
   const Text* topic;
 };

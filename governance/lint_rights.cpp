@@ -96,7 +96,7 @@ void check_joined_partitions(LintFindings& out, const GrantPlace& place,
     return entry.criteria->partitions.value_or(std::vector<Text>{Text{}});
   };
   const GrantEntry* first = nullptr;
-  std::size_t told = 0;  // of the rule that was reported last
+  std::size_t told = 0;  // number of the rule that was reported last
   for (const auto& entry : entries) {
     if (first == nullptr || first->rule_number != entry.rule_number) first = &entry;
     const bool is_known = told == entry.rule_number || !entry.rule->allow;

@@ -49,7 +49,7 @@ constexpr bool is_open_range(NoteKind kind) {
 struct Note {
   NoteKind kind = NoteKind::order;
   int line = 0;
-  std::string path;        ///< of the element, such as /dds/permissions/grant[2]
+  std::string path;        ///< path of the element, such as /dds/permissions/grant[2]
   std::string text;        ///< the element and what is special about it
   std::string value = {};  ///< value of an element without children, including surrounding blanks
   std::size_t more = 0;    ///< places of the same text that have no note of their own

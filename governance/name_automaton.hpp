@@ -57,7 +57,7 @@ class NameAutomaton {
 
   /// The moves of a set of stars.
   struct StarMoves {
-    std::vector<std::uint32_t> begin;  ///< of each class in `by_class`, and the end
+    std::vector<std::uint32_t> begin;  ///< beginning of each class in `by_class`, and the end
     std::vector<Position> by_class;
     std::vector<Position> any;
     std::span<const Position> of(Class c) const {
@@ -94,9 +94,9 @@ class NameAutomaton {
   NumberLists states_;       ///< an id in forever_, an id in stars_, and positions
   NumberLists acceptances_;  ///< labels
   std::unordered_map<ListId, StarMoves> star_moves_;
-  std::vector<Origin> origins_;        ///< of each state
-  std::vector<ListId> acceptance_of_;  ///< of each state
-  std::vector<Origin> witnesses_;      ///< of each acceptance
+  std::vector<Origin> origins_;        ///< one for each state
+  std::vector<ListId> acceptance_of_;  ///< one for each state
+  std::vector<Origin> witnesses_;      ///< one for each acceptance
   std::size_t steps_taken_ = 0, moves_held_ = 0;
 
   // The state before the step.
@@ -104,8 +104,10 @@ class NameAutomaton {
   std::vector<Position> here_;
   std::vector<std::vector<Position>> by_class_;
   std::vector<Position> any_;
-  std::vector<std::uint32_t> is_star_now_;   ///< for each position: expand_count_ if it is
-  std::vector<std::uint32_t> is_star_next_;  ///< likewise, move_count_
+  /// For each position: expand_count_ if it is a star before the step.
+  std::vector<std::uint32_t> is_star_now_;
+  /// For each position: move_count_ if it is a star after the step.
+  std::vector<std::uint32_t> is_star_next_;
   std::uint32_t expand_count_ = 1, move_count_ = 0;
   // The state after the step.
   ListId forever_next_ = 0, stars_next_ = 0;

@@ -136,7 +136,7 @@ class Pattern::SetReader {
     return is_pair(at_, '[', mark) && end >= at_ + 4;
   }
 
-  // One octet, or a collating symbol or equivalence class of one octet.
+  // Reads one octet, or a collating symbol or equivalence class of one octet.
   std::optional<std::uint8_t> endpoint() {
     for (const char mark : {'.', '='}) {
       if (!is_symbol(mark)) continue;

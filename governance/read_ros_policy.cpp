@@ -127,7 +127,7 @@ class Policies {
   const ReadFile& read_;
   std::list<XmlDocument> documents_;
   int count_ = 0;
-  std::size_t octets_ = 0;  // of all files together
+  std::size_t octets_ = 0;  // size of all files together
 };
 
 // The names of the elements and attributes of a policy.

@@ -47,7 +47,7 @@ Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement ele
 /// with 0 (DDS-Security 1.2, clause 10.4.1.2.3, and its rule for all domains in 10.4.1.2.7).
 Result<DomainSet> read_domains(ReadContext& context, XmlElement element);
 /// The texts of all children of `list`. There must be at least one, and all must be named `name`.
-/// `may_be_empty`: their text may be empty.
+/// If `may_be_empty`, their text may be empty.
 Result<std::vector<Text>> read_texts(ReadContext& context, XmlElement list, std::string_view name,
                                      bool may_be_empty = false);
 

@@ -10,7 +10,7 @@ namespace ddssec::governance {
 /// Information about a refusal besides the line that decides.
 struct RefusalAdvice {
   std::string because = {};  ///< the reason as a clause, or empty
-  std::string hint = {};     ///< what to do; empty: the general hint
+  std::string hint = {};     ///< what to do; empty if the general hint fits
 };
 
 /// The partitions in which an allowing element holds, as a clause: "only in \"yard*\"", "only

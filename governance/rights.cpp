@@ -38,7 +38,7 @@ Grant grant_of(std::string name, const pki::Certificate& certificate, const Righ
     grant.rules.push_back(rule(true, none, none, {}));
     grant.rules.push_back(rule(false, rights.deny_publish, rights.deny_subscribe, {}));
   }
-  // The schema wants a rule; one without topics lets the participant join and nothing else.
+  // The schema requires a rule. A rule without topics only lets the participant join.
   grant.rules.push_back(rule(true, rights.publish, rights.subscribe, rights.partitions));
   return grant;
 }

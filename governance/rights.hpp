@@ -16,8 +16,8 @@ struct Rights {
   std::vector<std::string> subscribe = {};
   std::vector<std::string> deny_publish = {};
   std::vector<std::string> deny_subscribe = {};
-  /// The partitions of what is allowed; empty: only entities without partitions. Denials apply in
-  /// every partition.
+  /// The partitions of what is allowed. If empty, only entities without partitions are allowed.
+  /// Denials apply in every partition.
   std::vector<std::string> partitions = {};
 };
 

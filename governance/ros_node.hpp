@@ -20,8 +20,8 @@ RosPolicy with_node_defaults(RosPolicy policy);
 /// True if the grant names ros_discovery_info or a topic that begins with rt/, rq/ or rr/.
 bool speaks_of_ros(const Grant& grant);
 
-/// Which of these rights the grant does not give in that domain, in words such as "publish rosout";
-/// empty if it gives all.
+/// The rights of these that the grant does not give in that domain, in words such as "publish
+/// rosout"; empty if it gives all.
 std::vector<std::string> missing_node_rights(const Grant& grant, DomainId domain);
 
 /// The finding PERM040, once for the document: which of these rights are missing in grants that

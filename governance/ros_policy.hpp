@@ -24,7 +24,7 @@ struct RosElement {
   RosQualifier first = RosQualifier::unsaid;
   /// subscribe, request or execute.
   RosQualifier second = RosQualifier::unsaid;
-  std::vector<std::string> names = {};  ///< as written, blanks kept
+  std::vector<std::string> names = {};  ///< as written, including blanks
 };
 
 /// One node.

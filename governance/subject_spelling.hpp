@@ -13,7 +13,7 @@ namespace ddssec::governance {
 /// A problem with the spelling of a subject, and the products that it affects.
 struct SpellingProblem {
   std::string message = {};
-  std::string right = {};  ///< what to write; empty: no text is right for all
+  std::string right = {};  ///< what to write; empty if no text is right for all
   std::vector<std::string> vendors = {};
 };
 

@@ -9,13 +9,13 @@ namespace ddssec::governance {
 /// The meaning of one difference between documents.
 enum class ChangeClass : std::uint8_t {
   neutral,
-  interop,   ///< the same for ddssec, perhaps not for other products
+  interop,   ///< no difference for ddssec, perhaps one for other products
   stronger,  ///< governance: better protected
   narrower,  ///< less is allowed
   wider,     ///< more is allowed
   weaker,    ///< governance: less protected
   mixed,     ///< some of both
-  unknown,   ///< it could not be determined
+  unknown,   ///< the meaning could not be determined
 };
 std::string_view to_string(ChangeClass change);
 

@@ -7,8 +7,8 @@
 namespace ddssec::governance {
 namespace {
 
-// For each element: true if the entity's partitions (or tags) match it. Stored so that two such
-// vectors are combined by "and"; for deny rules the values are inverted.
+// For each element: true if the entity's partitions (or tags) match it. For deny rules the values
+// are inverted, so that two such vectors are combined by "and".
 using Meets = std::vector<bool>;
 
 Meets both(const Meets& a, const Meets& b) {

@@ -24,7 +24,7 @@ SharedRule part_of(const SharedDocument& document, const DomainRule* rule) {
   return rule ? SharedRule(document, rule) : nullptr;
 }
 
-// The two rules that apply in a region; nullptr: none.
+// The two rules that apply in a region; nullptr if there is none.
 using DomainRules = std::pair<const DomainRule*, const DomainRule*>;
 
 // One topic rule's values as a number; 0 is kept for "no rule".

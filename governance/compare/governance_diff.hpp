@@ -40,12 +40,12 @@ struct GovernanceChange {
   Properties lost = {}, gained = {};
   /// For a whole domain: the properties in `lost` and `gained` that do not concern all topics.
   std::vector<PropertyOfSome> of_some = {};
-  /// The rules of the domain; nullptr: the document has none there.
+  /// The rules of the domain; nullptr if the document has none there.
   std::shared_ptr<const DomainRule> old_domain = {}, new_domain = {};
-  /// The rules that decide for the witness; nullptr: none.
+  /// The rules that decide for the witness; nullptr if there is none.
   std::shared_ptr<const TopicRule> old_topic = {}, new_topic = {};
 
-  /// The line of the deciding rule, or of the domain rule; 0: none.
+  /// The line of the deciding rule, or of the domain rule; 0 if there is none.
   int old_line() const;
   int new_line() const;
 };
@@ -53,7 +53,8 @@ struct GovernanceChange {
 /// Rules that are written differently without any effect.
 struct RewrittenRules {
   DomainScope scope;
-  std::vector<std::string> only_old, only_new;  ///< expressions; both empty: only the order changed
+  /// expressions; both are empty if only the order changed
+  std::vector<std::string> only_old, only_new;
 };
 
 struct GovernanceDiff {

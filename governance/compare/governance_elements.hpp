@@ -16,8 +16,8 @@ namespace ddssec::governance {
 /// bit).
 enum class Interop : std::uint8_t {
   none,         ///< no participant is cut off
-  participant,  ///< no endpoint of the domain
-  endpoint,     ///< no endpoint of the topic
+  participant,  ///< all endpoints of the domain
+  endpoint,     ///< all endpoints of the topic
 };
 /// "none", "participant", "endpoint".
 std::string_view to_string(Interop interop);
@@ -34,15 +34,15 @@ struct ElementChange {
 /// authentication. The result is stronger, weaker, mixed or neutral.
 ChangeClass compare(ProtectionKind old_kind, ProtectionKind new_kind);
 
-/// The differences between two rules for one domain; nullptr: no rule, so no participant can join.
-/// A missing list of algorithms means all that the standard names (DDS-Security 1.2,
+/// The differences between two rules for one domain; nullptr means no rule, so that no participant
+/// can join. A missing list of algorithms means all that the standard names (DDS-Security 1.2,
 /// clause 10.4.1.2.5.9). A missing list for the trust chain means the same as the one for
 /// signatures.
 std::vector<ElementChange> compare_domain_rules(const DomainRule* old_rule,
                                                 const DomainRule* new_rule);
 
-/// The differences between two rules for one topic; nullptr: no rule, so no endpoint can be
-/// created. The domain rules decide whether a flag has any effect.
+/// The differences between two rules for one topic; nullptr means no rule, so that no endpoint can
+/// be created. The domain rules decide whether a flag has any effect.
 struct TopicRules {
   const DomainRule& old_domain;
   const DomainRule& new_domain;

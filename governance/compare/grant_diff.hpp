@@ -47,7 +47,7 @@ struct PermissionChange {
   /// For "rewritten" these are the expressions that only one of the grants has.
   std::vector<std::string> expressions_old = {}, expressions_new = {};
   EntityWords entities = {};
-  /// The line that decides for the witness, or that of the grant; 0: none.
+  /// The line that decides for the witness, or that of the grant; 0 if there is none.
   int old_line = 0, new_line = 0;
   /// An explanation for a change that may look surprising; mostly empty.
   std::string hint = {};

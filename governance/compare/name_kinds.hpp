@@ -54,7 +54,7 @@ class NameKinds {
   std::optional<std::vector<std::string>> covered_by(const std::vector<bool>& wanted) const;
 
   std::vector<std::string> expressions_;    ///< sorted; "" is among them
-  std::vector<std::string> examples_;       ///< of each kind
+  std::vector<std::string> examples_;       ///< one of each kind
   std::vector<std::vector<bool>> matched_;  ///< for each kind, by which expressions
 };
 

@@ -134,7 +134,7 @@ class OperationComparison {
 
  private:
   struct Decided {
-    const TopicItem* item;  // null: the default
+    const TopicItem* item;  // nullptr if the default decides
     bool allowed;
   };
   using FoundByElements =

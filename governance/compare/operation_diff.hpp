@@ -35,9 +35,9 @@ struct OperationDiff {
   std::vector<PermissionChange> changes = {};
   /// The combined change of the defaults, where these decide in both grants.
   CombinedChange by_default = {};
-  bool is_complete = true;  ///< false: some rules that changed are not named
-  bool is_exact = true;     ///< false: not every kind of endpoint was tried
-  bool is_known = true;     ///< false: a limit was reached
+  bool is_complete = true;  ///< false if some rules that changed are not named
+  bool is_exact = true;     ///< false if not every kind of endpoint was tried
+  bool is_known = true;     ///< false if a limit was reached
 };
 
 OperationDiff compare_operation(const RuleSides& sides, const Operation& operation,

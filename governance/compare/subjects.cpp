@@ -18,15 +18,15 @@ constexpr std::size_t kMaxSteps = 20'000'000;
 // The largest number of grants of one shape that are tried.
 constexpr std::size_t kMaxForms = 4'000;
 
-// What one text between slashes must match; as only a slash matches a slash (FNM_PATHNAME), the
-// texts of a value are independent of each other.
+// The expression that one text between slashes must match. Only a slash matches a slash
+// (FNM_PATHNAME), so the texts of a value are independent of each other.
 using Segments = std::vector<std::string>;
 
 // A grant as attributes in a fixed order: RDN by RDN, within an RDN by type.
 struct Form {
   std::size_t grant;       // number, of both documents together
   std::string shape;       // types and numbers of segments: other shapes are other subjects
-  Segments segments = {};  // of all attributes
+  Segments segments = {};  // the segments of all attributes
 };
 
 Segments segments_of(const std::string& value, bool is_expression) {

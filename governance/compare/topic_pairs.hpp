@@ -36,7 +36,7 @@ class RuleFinder {
 
  private:
   PatternSet expressions_;
-  std::vector<std::uint32_t> rule_of_;  ///< of each expression
+  std::vector<std::uint32_t> rule_of_;  ///< the rule of each expression
 };
 
 /// Names for which these two rules decide. An empty number means that no rule matches.

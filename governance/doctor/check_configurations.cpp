@@ -96,7 +96,7 @@ struct Configuration {
   Outcomes outcomes;  // the outcomes if it names another file
   std::vector<Named> files;
   bool is_fastdds = false;
-  bool may_run_elsewhere = false;  // as in Settings
+  bool may_run_elsewhere = false;  // see Settings
 };
 
 bool has_scheme(std::string_view value) {

@@ -182,7 +182,8 @@ void report_ca_file(const LoadedFolder& folder, const Subject& subject, Diagnosi
       subject.about);
 }
 
-// The permissions of an enclave come from a policy, so the hint is not to sign them again by hand.
+// The permissions of an enclave come from a policy, so their hint is about the policy and not about
+// signing again.
 void report_signature(const LoadedFolder& folder, const Subject& subject, const Error& error,
                       Diagnosis& out) {
   const bool is_permissions = subject.path == folder.paths.permissions;
@@ -324,7 +325,7 @@ void report_notes(const Subject& subject, Diagnosis& out) {
   for (const auto& note : *subject.notes) counts[note.text] += 1 + note.more;
   for (const auto& note : *subject.notes) {
     if (note.kind == NoteKind::no_zone || note.kind == NoteKind::fraction)
-      continue;  // has a rule of its own
+      continue;  // another rule reports it
     const auto count = std::exchange(counts[note.text], 0);
     if (count == 0) continue;
     const auto variant = variant_of(note);

@@ -156,8 +156,8 @@ class Checks {
     if (library_file(path->text, places).empty()) report_without_library_path(expected, *path);
   }
 
-  // Only functions with the names of another plugin are wrong, because other libraries have their
-  // own names for functions.
+  // It is wrong only if a function has the name for another plugin, because other libraries have
+  // their own names for functions.
   static const Expected* named_function_of_another(const Expected& expected,
                                                    const ConfiguredPlugin& plugin) {
     const auto* named = plugin.attribute("initfunction");

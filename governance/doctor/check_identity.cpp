@@ -144,9 +144,9 @@ bool is_twin(const pki::Certificate& one, const pki::Certificate& other) {
   return one.subject() == other.subject() && pki::key_digest(one) == pki::key_digest(other);
 }
 
-// Which products accept a file with a CA certificate that is not valid now. All do if a valid one
-// of the same name and key is before it, as `ca renew` writes them. Stock products use the first
-// one (measured).
+// The products that accept a file with a CA certificate that is not valid now. All do if a valid
+// one of the same name and key is before it, as `ca renew` writes them. Stock products use the
+// first one (measured).
 Outcomes outcomes_of_dates(const pki::Certificate& ca, const std::vector<pki::Certificate>& cas,
                            WallTime now) {
   bool is_before = true;

@@ -21,7 +21,7 @@ constexpr std::pair<Vendor, StockProduct> kProducts[] = {
 // A topic for which the product does less than ddssec.
 struct Loss {
   Text expression;      // an expression that the product reads in its own way
-  std::string because;  // what the product does
+  std::string because;  // a clause about what the product does
 };
 
 enum List : std::uint8_t { kOurs, kTheirs, kWithBracket };

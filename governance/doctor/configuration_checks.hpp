@@ -21,7 +21,7 @@ struct ConfigurationInQuestion {
   const LoadedFolder& folder;
   DomainId domain;
   const EffectiveSecurity& security;
-  bool may_run_elsewhere = false;  ///< as in Settings
+  bool may_run_elsewhere = false;  ///< see Settings
 };
 
 /// The remark in a finding about a path that may be right on another machine.
@@ -38,7 +38,7 @@ struct ProfileInQuestion {
   std::string name;  ///< its name in messages
   std::filesystem::path document;
   std::string_view text;
-  Version version;  ///< of the Fast DDS that is to read it
+  Version version;  ///< version of the Fast DDS that is to read it
 };
 
 /// Names and values in document order, including the blanks around them.

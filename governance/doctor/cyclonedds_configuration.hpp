@@ -37,7 +37,7 @@ std::string without_comments(std::string_view text);
 
 /// A start tag and the text after it; views into the text.
 struct StartTag {
-  std::string_view attributes;  ///< up to the '>'
+  std::string_view attributes;  ///< the text up to the '>'
   std::string_view after;
 };
 /// The first start tag `name` (given in lower case), in any letter case; empty if there is none.

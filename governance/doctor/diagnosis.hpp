@@ -77,7 +77,7 @@ void check_readings(const LoadedFolder& folder, const Settings& settings, Diagno
 /// The configuration that CYCLONEDDS_URI names.
 struct ConfigurationInForce {
   std::string_view text;    ///< the text of cyclonedds_configuration()
-  std::size_t inline_from;  ///< where the part begins that is in the variable itself
+  std::size_t inline_from;  ///< where the part in the variable itself begins
 };
 
 /// Checks whether a configuration of Cyclone DDS makes the participant's process read the files of

@@ -23,7 +23,7 @@ Domains domains_of(const LoadedFolder& folder, WallTime now);
 struct Contradiction {
   Domains governed;
   Domains granted;
-  int line_of_governance = 0;  ///< of the first <domains> in each
+  int line_of_governance = 0;  ///< line of the first <domains> in each document
   int line_of_permissions = 0;
 };
 /// Empty if they have a domain in common, or if either one cannot be read.

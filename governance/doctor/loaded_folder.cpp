@@ -72,7 +72,7 @@ struct Trust {
 };
 
 // The text is read even if its signature is refused, so that other faults in it can be reported.
-// Nothing else uses such a text.
+// Such a text is used for reports only.
 template <class Model>
 LoadedDocument<Model> load_document(const fs::path& path, const Trust& trust,
                                     Result<Model> (*read)(BytesView, int), WallTime now) {

@@ -67,7 +67,7 @@ struct TopicMeeting {
   /// The expression in the documents of which `topic` is only an example. Empty if `topic` is the
   /// name of a topic, from the documents or from the caller.
   std::string expression = {};
-  TopicDirection directions[2];  ///< by the writer's index
+  TopicDirection directions[2];  ///< one for each writer, by index
   /// The rules for the topic, if both documents have one.
   const TopicRule* rules[2] = {};
 };

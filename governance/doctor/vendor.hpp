@@ -85,7 +85,7 @@ std::optional<Vendor> vendor_from(std::string_view text);
 /// The outcome with one product, from good to bad.
 enum class Outcome : std::uint8_t {
   ok,
-  unsafe,  ///< it is accepted although it must not be
+  unsafe,  ///< the product accepts it although it must not
   late,    ///< the participant starts, and then it or its endpoints are refused
   fail,    ///< the participant does not start
 };

@@ -25,8 +25,8 @@ DocumentWatch::WatchedDocument signed_document(DocumentWatch::WatchedDocument wh
   return what;
 }
 
-// Empty if `octets` fit; otherwise the file as it is now if that fits. Otherwise the reason why
-// `octets` do not fit.
+// Empty if `octets` fit; otherwise the file as it is now if that fits. If neither fits, the error
+// is about the file as it is now, or about `octets` if the file has no other content.
 template <class Fits>
 Result<std::optional<Bytes>> one_that_fits(BytesView octets, const DocumentWatch& file,
                                            Fits&& fits) {

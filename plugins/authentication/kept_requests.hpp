@@ -26,7 +26,7 @@ class KeptRequests {
   /// The largest number of entries. If it is exceeded, a random entry is dropped: an attacker can
   /// announce any number of participants, but cannot choose whose entry they displace.
   static constexpr std::size_t kMax = 512;
-  /// For how long an ephemeral key waits for its answer, and a challenge for its peer.
+  /// How long an ephemeral key waits for its answer, and a challenge for its peer.
   static constexpr MonotonicTime kLife = std::chrono::hours(1);
 
   explicit KeptRequests(Random& random) : random_(random) {}

@@ -1,5 +1,5 @@
-// What an identity trusts: its certificate authorities and revocation lists, with a cache of
-// certificates.
+// The documents that an identity trusts: its certificate authorities and revocation lists, with a
+// cache of certificates.
 #pragma once
 
 #include <map>

@@ -205,8 +205,7 @@ bool AnnouncedEndpoints::is_acknowledged(const BuiltinTopic& topic, std::uint64_
   return known != writers_.end() && number < known->second.next;
 }
 
-// From now on the sample counts for its endpoint and no longer under its number. The sum never
-// grows by this.
+// Counts the sample for its endpoint and no longer under its number. The sum never grows by this.
 void AnnouncedEndpoints::settle(Writer& writer, const Announcement& announcement) {
   account_->replace(cost_of(announcement), 0);
   const auto known = writer.endpoints.find(announcement.entity);

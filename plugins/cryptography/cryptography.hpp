@@ -9,7 +9,7 @@
 
 namespace ddssec::cryptography {
 
-/// Which AEAD implementation to use.
+/// The AEAD implementation to use.
 enum class AeadChoice : std::uint8_t { automatic, ipsec_mb, openssl };
 
 /// The options that a host may set. Cyclone DDS needs other values than the defaults.

@@ -8,9 +8,9 @@ namespace ddssec::cryptography {
 namespace {
 
 constexpr std::uint8_t kInlineQosFlag = 0x02;
-constexpr std::uint8_t kDataFlag = 0x04;     // of DATA
-constexpr std::uint8_t kKeyFlag = 0x08;      // of DATA
-constexpr std::uint8_t kFragKeyFlag = 0x04;  // of DATA_FRAG
+constexpr std::uint8_t kDataFlag = 0x04;     // a flag of DATA
+constexpr std::uint8_t kKeyFlag = 0x08;      // a flag of DATA
+constexpr std::uint8_t kFragKeyFlag = 0x04;  // a flag of DATA_FRAG
 constexpr std::uint16_t kSentinel = 1;
 constexpr std::size_t kWriterAt = 12;
 // The position of the reader and writer ids in GAP, HEARTBEAT and ACKNACK.

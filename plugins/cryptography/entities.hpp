@@ -57,8 +57,8 @@ struct RemoteKeys final : Retirable, LevelKeys {
 struct LocalParticipant final : Entity {
   LocalParticipant() : Entity(EntityKind::local_participant) {}
   spi::ProtectionKind rtps = spi::ProtectionKind::none;
-  Cipher cipher = Cipher::aes256_gcm;           ///< of messages and builtin endpoints
-  Cipher endpoint_cipher = Cipher::aes256_gcm;  ///< of the application's endpoints
+  Cipher cipher = Cipher::aes256_gcm;           ///< cipher of messages and builtin endpoints
+  Cipher endpoint_cipher = Cipher::aes256_gcm;  ///< cipher of the application's endpoints
   spi::CipherMask allowed_ciphers = spi::kAllCiphers;
   Published<SendKey> key;  ///< nullptr if RTPS messages are not protected
   std::atomic<bool> is_cut_off = false;
@@ -71,8 +71,9 @@ struct LocalParticipant final : Entity {
   KeyLife life;
   std::unique_ptr<SendKey> next_key = {};
   std::unordered_set<std::int64_t> endpoints;
-  std::unordered_set<std::int64_t> matched;                              ///< remote participants
-  ReceiverPlaces receivers{ReceiverPlaces::kMaxOfEach, "participants"};  ///< of RTPS messages
+  std::unordered_set<std::int64_t> matched;  ///< remote participants
+  /// The places of the receivers of RTPS messages.
+  ReceiverPlaces receivers{ReceiverPlaces::kMaxOfEach, "participants"};
 };
 
 /// Success unless the participant was cut off. Error: identity_ended.

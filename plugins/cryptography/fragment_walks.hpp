@@ -68,7 +68,7 @@ class FragmentWalks {
   using Samples = std::map<std::uint64_t, Sample>;  ///< by writerSN
   struct Writer {
     Samples samples = {};
-    std::size_t fragments = 0;          ///< of all samples, received or not
+    std::size_t fragments = 0;          ///< fragments of all samples, received or not
     std::uint64_t forgotten_until = 0;  ///< the highest number of a forgotten sample
     void erase(Samples::iterator sample);
     bool is_full(std::uint64_t number, std::size_t fragments_more) const;

@@ -22,8 +22,8 @@ struct BuiltinTopic;
 /// is small, so that it can be copied.
 class PartitionWalk {
  public:
-  static constexpr std::size_t kMaxNames = 256;         ///< as access control allows
-  static constexpr std::size_t kMaxNameOctets = 1024;   ///< as access control allows
+  static constexpr std::size_t kMaxNames = 256;         ///< the limit of access control
+  static constexpr std::size_t kMaxNameOctets = 1024;   ///< the limit of access control
   static constexpr std::size_t kMaxStarsOfName = 2;     ///< stars with text after them
   static constexpr std::size_t kMaxStarsOfSample = 64;  ///< stars with text after them
 
@@ -52,8 +52,8 @@ class PartitionWalk {
   std::uint32_t names_left_ = 0;
   std::uint32_t name_left_ = 0;  ///< octets left of the name, including its NUL
   std::uint8_t to_pad_ = 0;
-  std::uint8_t stars_ = 0;         ///< of the present name
-  std::uint8_t stars_of_all_ = 0;  ///< of the whole parameter
+  std::uint8_t stars_ = 0;         ///< stars in the present name
+  std::uint8_t stars_of_all_ = 0;  ///< stars in the whole parameter
   std::size_t rest_ = 0;           ///< octets left of the value
   std::uint8_t text_size_ = 0;
   std::array<char, 48> text_ = {};  ///< beginning of the name, for error messages

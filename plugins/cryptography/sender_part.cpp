@@ -14,7 +14,7 @@ namespace {
 // numbers only, so these positions are the same in every byte order and in plain CDR 1 and 2.
 constexpr std::size_t kSourceAt = 4;           // message_identity.source_guid
 constexpr std::size_t kSourceEndpointAt = 84;  // source_endpoint_guid
-constexpr std::size_t kAddressesSize = 100;    // up to message_class_id
+constexpr std::size_t kAddressesSize = 100;    // the octets before message_class_id
 
 // ---- whole messages
 

@@ -259,8 +259,8 @@ void TokenLedger::acknowledged(std::uint64_t exchange, std::uint64_t next,
   if (next <= taken.next) return;
   if (taken.latest == nullptr || now - taken.latest->since >= kSpan) {
     acknowledged_.push_back({now, exchange, next});
-    taken.latest = &acknowledged_.back();  // a deque does not move elements when others are added
-                                           // or removed at its ends
+    // A deque does not move elements when others are added or removed at its ends.
+    taken.latest = &acknowledged_.back();
   }
   taken.next = taken.latest->next = next;
 }

@@ -17,7 +17,7 @@ void PeersWithKeys::add_local(spi::ParticipantCryptoHandle local,
   try {
     local_of_[identity.value] = local.value;
   } catch (...) {
-    // As declared.
+    // As declared, nothing is recorded if memory runs out.
   }
 }
 
@@ -45,7 +45,7 @@ void PeersWithKeys::sent_keys(spi::ParticipantCryptoHandle peer,
   try {
     known->second.with_keys.insert(local.value);
   } catch (...) {
-    // As declared.
+    // As declared, nothing is recorded if memory runs out.
   }
 }
 
@@ -73,7 +73,7 @@ void PeersWithKeys::add_builtin(std::int64_t endpoint,
   try {
     builtin_[endpoint] = local.value;
   } catch (...) {
-    // As declared.
+    // As declared, nothing is recorded if memory runs out.
   }
 }
 
@@ -85,7 +85,7 @@ void PeersWithKeys::matched(std::int64_t endpoint, spi::ParticipantCryptoHandle 
     const auto known = peers_.find(peer.value);
     if (known != peers_.end() && builtin_.contains(own)) known->second.matched.insert(own);
   } catch (...) {
-    // As declared.
+    // As declared, nothing is recorded if memory runs out.
   }
 }
 

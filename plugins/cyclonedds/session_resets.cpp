@@ -19,7 +19,7 @@ void SessionResets::expect(Pair pair, spi::IdentityHandle identity,
   try {
     sessions_.try_emplace(token.name, Session{pair, identity, std::move(token.proof)});
   } catch (...) {
-    // As declared.
+    // As declared, nothing is recorded if memory runs out.
   }
 }
 

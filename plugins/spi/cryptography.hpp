@@ -94,11 +94,11 @@ class CryptoKeyFactory {
   /// Makes keys of the next revision for a local participant and all its endpoints except the
   /// volatile ones (DDS-Security 1.2, clause 9.5.1.8.7). Keys that only one receiver has stay as
   /// they are. Nothing is encoded with the new keys before activate_key_revision. Returns the new
-  /// revision, or 0 if the governance does not enable key revision, and nothing was done. Error:
+  /// revision. Returns 0 and does nothing if the governance does not enable key revision. Error:
   /// key_revision_out_of_turn (the previous revision is not activated yet).
   virtual Result<KeyRevision> revise_local_entity_keys(ParticipantCryptoHandle local) = 0;
-  /// From now on, encodes everything with the keys that revise_local_entity_keys made, and wipes
-  /// the former keys (DDS-Security 1.2, clause 9.5.1.8.8). Error: key_revision_out_of_turn.
+  /// Makes everything be encoded with the keys that revise_local_entity_keys made, and wipes the
+  /// former keys (DDS-Security 1.2, clause 9.5.1.8.8). Error: key_revision_out_of_turn.
   virtual Status activate_key_revision(ParticipantCryptoHandle local, KeyRevision revision) = 0;
   /// True if the keys in use are near the limit of time or volume that the participant's properties
   /// set. Call it once a second; keys that are made when it returns true are in use well before the
