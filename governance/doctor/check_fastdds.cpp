@@ -65,7 +65,7 @@ XmlElement default_participant(XmlElement root) {
   return out;
 }
 
-// True if some <participant> is marked. It may also be beside <profiles>.
+// True if some <participant> has is_default_profile. It may also be beside <profiles>.
 bool has_default_participant(XmlElement parent) {
   for (auto child = parent.first_child(); child; child = child.next_sibling())
     if (child.name() == "participant"

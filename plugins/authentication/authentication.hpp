@@ -21,8 +21,8 @@ struct AuthenticationOptions {
   /// up neither memory nor the places of participants that can prove their identity.
   std::size_t max_remote_identities = 10'000;
   /// The largest number of identities of one subject that have authenticated, and never more than
-  /// are free. The default is a sixteenth: only few participants share a certificate, and an
-  /// insider that wants to keep newcomers out needs many certificates.
+  /// are free. The default is a sixteenth: at most a few hundred participants share a certificate,
+  /// and an insider that wants to keep newcomers out needs many certificates.
   std::size_t max_identities_of_a_subject = 625;
   std::size_t max_local_identities = 256;
 };

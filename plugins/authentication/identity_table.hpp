@@ -111,7 +111,7 @@ class IdentityTable {
   };
   /// Notes that the remote identity has authenticated: it then expires with the certificate that
   /// ends first. Our own certificate counts because the peer ends the session with it, unless the
-  /// peer keeps it. Also success if the identity was removed meanwhile. Errors:
+  /// peer keeps its sessions. Also success if the identity was removed meanwhile. Errors:
   /// too_many_remote_identities, too_many_identities_of_subject.
   Status note_authenticated(spi::IdentityHandle remote, const Proofs& proofs);
   /// Notes that other CAs have verified the same certificates. The chains of these CAs may end
