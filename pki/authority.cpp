@@ -25,7 +25,7 @@ bool add_attribute(X509_NAME* name, const NameAttribute& attribute, bool is_join
                                     static_cast<int>(value.size()), -1, is_joined ? -1 : 0) == 1;
 }
 
-// The attributes' indexes in the order of the DER name: RDN by RDN from the root.
+// Returns the attributes' indexes in the order of the DER name: RDN by RDN from the root.
 std::vector<std::vector<std::size_t>> rdns_from_root(const SubjectName& subject) {
   std::vector<std::vector<std::size_t>> rdns;
   for (std::size_t i = 0; i < subject.attributes().size(); ++i) {
@@ -59,7 +59,8 @@ Result<NamePtr> make_name(std::string_view text) {
   return name;
 }
 
-// 128 random bits: serial numbers are unpredictable (CA/Browser baseline asks for 64).
+// Sets a serial number with 126 random bits, so that it is unpredictable (the CA/Browser baseline
+// asks for 64).
 Status set_serial(X509* x509, Random& random) {
   std::array<std::uint8_t, 16> octets{};
   DDSSEC_RETURN_IF_ERROR(random.fill(octets));
@@ -75,7 +76,8 @@ bool add_extension(X509* x509, X509V3_CTX* context, int nid, const std::string& 
   return extension && X509_add_ext(x509, extension.get(), -1) == 1;
 }
 
-// By hand: in OpenSSL's words a comma in the URL would begin another value.
+// Builds the extension without X509V3_EXT_conf_nid, whose syntax takes a comma in the URL for the
+// start of another value.
 bool add_ocsp_responder(X509* x509, const std::string& url) {
   const AccessPtr access(AUTHORITY_INFO_ACCESS_new());
   auto* entry = ACCESS_DESCRIPTION_new();
@@ -103,7 +105,8 @@ Status add_extensions(X509* x509, X509* issuer, const CertificateTemplate& conte
       (content.key_usage.empty() ||
        add_extension(x509, &context, NID_key_usage, content.key_usage)) &&
       add_extension(x509, &context, NID_subject_key_identifier, "hash") &&
-      // A self-signed certificate's own identifier is there by now.
+      // For a self-signed certificate the issuer is x509 itself; its subjectKeyIdentifier was added
+      // one line above.
       add_extension(x509, &context, NID_authority_key_identifier,
                     issuer == x509 || X509_get0_subject_key_id(issuer) ? "keyid" : "issuer") &&
       (content.ocsp_responder.empty() || add_ocsp_responder(x509, content.ocsp_responder));
@@ -116,7 +119,7 @@ struct Subject {
   EVP_PKEY* key;
 };
 
-// `issuer` null = self-signed.
+// Builds and signs a certificate. If `issuer` is null, the certificate is self-signed.
 Result<Certificate> build(const CertificateTemplate& content, Subject subject,
                           const Certificate* issuer, const PrivateKey& signing_key,
                           Random& random) {
@@ -149,7 +152,7 @@ CertificateTemplate ca_template(std::string_view subject, Validity validity) {
           .key_usage = std::string(kCaKeyUsage)};
 }
 
-// The template of a certificate that takes another's place.
+// Returns the template of a certificate that replaces `old`.
 CertificateTemplate template_of_successor(const Certificate& old, Validity validity) {
   if (!old.is_ca())
     return {.subject = {}, .validity = validity, .ocsp_responder = ocsp_responder_of(old)};
@@ -186,7 +189,7 @@ Result<Asn1IntegerPtr> to_serial(const std::string& hex) {
 }
 
 bool add_reason(X509_REVOKED* entry, RevocationReason reason) {
-  if (reason == RevocationReason::unspecified) return true;  // RFC 5280 5.3.1: leave it out
+  if (reason == RevocationReason::unspecified) return true;  // RFC 5280 5.3.1: it should be absent
   const Asn1EnumeratedPtr value(ASN1_ENUMERATED_new());
   return value && ASN1_ENUMERATED_set(value.get(), static_cast<long>(reason)) == 1 &&
          X509_REVOKED_add1_ext_i2d(entry, NID_crl_reason, value.get(), 0, 0) == 1;
@@ -219,7 +222,7 @@ Status add_crl_extensions(X509_CRL* crl, X509* issuer, const CrlNumber& number) 
   return {};
 }
 
-// DER of the detached signature over `content`, signing time and certificate included.
+// Returns the DER of the detached signature over `content`, including signing time and certificate.
 Result<Bytes> detached_signature(const Credential& signer, BytesView content, WallTime time) {
   constexpr unsigned kFlags = CMS_DETACHED | CMS_BINARY;
   const CmsPtr cms(CMS_sign(nullptr, nullptr, nullptr, nullptr, kFlags | CMS_PARTIAL));

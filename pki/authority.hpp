@@ -1,5 +1,5 @@
-// Issuing: certificate authorities, identity certificates, requests, revocation lists and signed
-// documents. For tools that issue; no participant and no plugin needs it.
+// Makes certificate authorities, identity certificates, requests, revocation lists and signed
+// documents. Only tools that issue need it, no participant and no plugin.
 #pragma once
 
 #include <cstddef>
@@ -35,17 +35,17 @@ struct Validity {
 
 /// The content of a new certificate.
 struct CertificateTemplate {
-  std::string subject;  ///< RFC 4514 such as "CN=talker,O=Example", or one-line
+  std::string subject;  ///< RFC 4514, such as "CN=talker,O=Example", or one-line form
   Validity validity;
   bool is_ca = false;
   std::optional<int> path_length = {};  ///< CA only
-  /// OpenSSL's words for the keyUsage extension; empty = no such extension.
+  /// OpenSSL's words for the keyUsage extension; empty for no such extension.
   std::string key_usage = "critical,digitalSignature";
-  /// The URL of an OCSP responder, for authorityInfoAccess (RFC 5280 4.2.2.1); empty: none.
+  /// The URL of an OCSP responder for authorityInfoAccess (RFC 5280 4.2.2.1), or empty.
   std::string ocsp_responder = {};
 };
 
-/// The keyUsage of CAs made by ddssec: peers demand digitalSignature of a document's signer.
+/// The keyUsage of CAs made by ddssec. Peers demand digitalSignature from a document's signer.
 inline constexpr std::string_view kCaKeyUsage = "critical,digitalSignature,keyCertSign,cRLSign";
 
 /// A certificate with its private key.
@@ -75,61 +75,61 @@ struct RequestContent {
 /// Errors: request_invalid, key_not_allowed, name_not_allowed, name_too_long.
 Result<RequestContent> read_request(BytesView request_pem);
 
-/// A PKCS#10 request in PEM for the public half of `key`. Errors: subject_name_malformed, internal.
+/// Makes a PKCS#10 request in PEM for the public half of `key`. Errors: subject_name_malformed,
+/// name_too_long, internal.
 Result<std::string> make_request(const PrivateKey& key, std::string_view subject);
 
-/// The same for the certificate that follows `old`, with its subject octet for octet. The request
-/// has no extensions. Error: internal.
+/// Makes a request for the certificate that follows `old`, with its subject octet for octet. The
+/// request has no extensions. Error: internal.
 Result<std::string> make_request(const PrivateKey& key, const Certificate& old);
 
 /// Signs `document` as multipart/signed with a text/plain header, SHA-256 (SHA-384 for P-384) and
-/// the signer's certificate included: the form that every vendor reads (`openssl smime -sign
-/// -text`). Line ends become CRLF. Errors: smime_malformed (a lone CR), smime_nul, random_failed,
-/// internal. The signer need not be a CA: the reader decides whether it may sign (tests sign with a
-/// leaf to see it refused).
+/// the signer's certificate included. Every vendor reads this form (`openssl smime -sign -text`).
+/// Line ends become CRLF. Errors: smime_malformed (a lone CR), smime_nul, random_failed, internal.
+/// The signer need not be a CA, because the reader decides whether it may sign. (Tests sign with a
+/// leaf to see the document refused.)
 Result<Bytes> sign_document(const Credential& signer, BytesView document, WallTime signing_time,
                             Random& random);
 
 /// A certificate authority that can sign.
 ///
-/// Five calls give a certificate. Which one to take: `issue` for a new participant whose key is
-/// made here; `sign_request` for one that keeps its key and sends a request; `certify` for a key of
-/// the caller and a template; `reissue` to renew a certificate of this CA; `renewed` for the CA's
-/// own.
+/// Five functions make a certificate. `issue` is for a new participant whose key is made here,
+/// `sign_request` for one that keeps its key and sends a request, `certify` for a key of the caller
+/// and a template. `reissue` renews a certificate of this CA, `renewed` the CA's own certificate.
 class Authority {
  public:
-  /// A new self-signed CA.
-  /// Errors: subject_name_malformed, random_failed, internal.
+  /// Creates a new self-signed CA. Errors: subject_name_malformed, name_too_long, random_failed,
+  /// internal.
   static Result<Authority> create(std::string_view subject, KeySpec key, Validity validity,
                                   Random& random);
 
-  /// The same with path length 1: one CA may be between it and the certificates that are issued.
+  /// Creates a CA with path length 1: one CA may be between it and the certificates that it issues.
   /// Errors: those of create.
   static Result<Authority> create_root(std::string_view subject, KeySpec key, Validity validity,
                                        Random& random);
 
-  /// The same with the caller's key. Errors: those of create.
+  /// Does the same with the caller's key. Errors: those of create.
   static Result<Authority> create_root(std::string_view subject, PrivateKey key, Validity validity,
                                        Random& random);
 
-  /// An existing CA. Errors: key_mismatch, not_a_ca.
+  /// Takes an existing CA. Errors: key_mismatch, not_a_ca.
   static Result<Authority> load(Certificate certificate, PrivateKey key);
 
-  /// A new CA below this one, which may issue no further CA. Errors: those of create.
+  /// Creates a new CA below this one, which may issue no further CA. Errors: those of create.
   Result<Authority> subordinate(std::string_view subject, KeySpec key, Validity validity,
                                 Random& random) const;
 
-  /// The same with the caller's key. Errors: those of create.
+  /// Does the same with the caller's key. Errors: those of create.
   Result<Authority> subordinate(std::string_view subject, PrivateKey key, Validity validity,
                                 Random& random) const;
 
-  /// A new key and a certificate for it, for one participant. `ocsp_responder`: as in
-  /// CertificateTemplate. Errors: subject_name_malformed, random_failed, internal.
+  /// Makes a new key and a certificate for it, for one participant. `ocsp_responder` is as in
+  /// CertificateTemplate. Errors: subject_name_malformed, name_too_long, random_failed, internal.
   Result<Credential> issue(std::string_view subject, KeySpec key, Validity validity, Random& random,
                            std::string_view ocsp_responder = {}) const;
 
-  /// A certificate for the public half of `key`. Errors: subject_name_malformed, random_failed,
-  /// internal.
+  /// Issues a certificate for the public half of `key`. Errors: subject_name_malformed,
+  /// name_too_long, random_failed, internal.
   Result<Certificate> certify(const CertificateTemplate& content, const PrivateKey& key,
                               Random& random) const;
 
@@ -140,21 +140,21 @@ class Authority {
   Result<Certificate> reissue(const Certificate& old, Validity validity, Random& random,
                               const PrivateKey* key = nullptr) const;
 
-  /// This CA's own certificate with a new validity and serial number, signed with its own key.
-  /// For a root. Errors: random_failed, internal.
+  /// Issues this CA's own certificate again with a new validity and serial number, signed with its
+  /// own key. Only for a root. Errors: random_failed, internal.
   Result<Certificate> renewed(Validity validity, Random& random) const;
 
-  /// A certificate for a PKCS#10 request, with its subject but without its extensions. Errors:
-  /// request_invalid, key_not_allowed, random_failed, internal. `ocsp_responder`: as in
-  /// CertificateTemplate.
+  /// Issues a certificate for a PKCS#10 request, with its subject but without its extensions.
+  /// `ocsp_responder` is as in CertificateTemplate. Errors: request_invalid, key_not_allowed,
+  /// name_too_long, random_failed, internal.
   Result<Certificate> sign_request(BytesView request_pem, Validity validity, Random& random,
                                    std::string_view ocsp_responder = {}) const;
 
-  /// A revocation list. Errors: internal; crl_malformed if the serial number of an entry is
+  /// Makes a revocation list. Errors: internal; crl_malformed if the serial number of an entry is
   /// invalid.
   Result<Crl> make_crl(const CrlTemplate& content) const;
 
-  /// pki::sign_document with this CA's key. Errors: those of that function.
+  /// Calls pki::sign_document with this CA's key. Errors: those of that function.
   Result<Bytes> sign_document(BytesView document, WallTime signing_time, Random& random) const;
 
   const Certificate& certificate() const { return self_.certificate; }

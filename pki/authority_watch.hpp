@@ -11,27 +11,28 @@
 
 namespace ddssec::pki {
 
-/// Not thread-safe.
+/// Watches one CA file, and adopts CAs that replace those in force. Not thread-safe.
 class AuthorityWatch {
  public:
-  /// Before the file is read for the first time. `what.max_octets` is set here.
+  /// Create the watch before the file is read for the first time. It sets `what.max_octets` itself.
   AuthorityWatch(DocumentWatch::WatchedDocument what, std::chrono::seconds interval);
 
   using Authorities = std::vector<Certificate>;
-  /// Judges CAs that would take the place of those in force, and uses them if they are good.
+  /// Judges CAs that would replace those in force, and uses them if they are good.
   using Adopt = std::function<Status(const Authorities&)>;
-  /// Reads the file if it may have changed. True: other CAs are in force. A file with the same CAs
-  /// in another order is the same. `in_force` must not change while `adopt` runs. Error as of
-  /// DocumentWatch::poll: the fault of the file, the refusal of `adopt`, or ca_put_back.
+  /// Reads the file if it may have changed. Returns true if other CAs are in force. A file with the
+  /// same CAs in another order counts as the same. `in_force` must not change while `adopt` runs.
+  /// Errors are reported as by DocumentWatch::poll: the fault of the file, the refusal of `adopt`,
+  /// or ca_put_back.
   Result<bool> poll(std::chrono::nanoseconds now, const Authorities& in_force, const Adopt& adopt);
 
-  /// The next poll reads the file, whatever the interval is.
+  /// Makes the next poll read the file without waiting for the interval.
   void force_poll() { file_.force_poll(); }
 
-  /// The last error of poll(), while the file has not been good since.
+  /// Returns the last error of poll(), or nothing if the file has been good since.
   const std::optional<Error>& refused() const { return file_.refused(); }
 
-  /// The path of the file, or the name of the property if it is none.
+  /// Returns the path of the file, or the name of the property if the CAs are not in a file.
   const std::string& name() const { return file_.name(); }
 
  private:

@@ -30,7 +30,8 @@ std::string pem_text(BytesView der) {
   return std::string(as_text(bio_octets(bio)));
 }
 
-// The same certificate in a different encoding would have another fingerprint.
+// True for the distinguished encoding (DER). The same certificate in a different encoding would
+// have another fingerprint.
 bool is_distinguished(const X509* x509, BytesView der) {
   unsigned char* again = nullptr;
   const int size = i2d_X509(x509, &again);
@@ -52,7 +53,7 @@ Result<X509Ptr> decode(BytesView der) {
   if (!is_distinguished(x509.get(), der))
     return std::unexpected(malformed("it is not in the distinguished encoding"));
   DDSSEC_RETURN_IF_ERROR(check_distribution_points(x509.get()));
-  // Reads the extensions now, so that later use by several threads only reads.
+  // The extensions are read now, so that later use by several threads only reads.
   if (X509_check_purpose(x509.get(), -1, 0) != 1 ||
       (X509_get_extension_flags(x509.get()) & EXFLAG_INVALID) != 0)
     return openssl_failure(Code::certificate_malformed, {.field = "extensions"});
@@ -65,8 +66,8 @@ Result<WallTime> time_of(const ASN1_TIME* time, const char* field) {
   return out;
 }
 
-// The key type as named in the certificate: for a key type that is not allowed, nothing else is
-// known.
+// Returns the key type as named in the certificate. If the type is not allowed, nothing else about
+// the key is known.
 std::string_view key_type(const X509* x509) {
   ASN1_OBJECT* algorithm = nullptr;
   X509_PUBKEY_get0_param(&algorithm, nullptr, nullptr, nullptr, X509_get_X509_PUBKEY(x509));
@@ -115,7 +116,7 @@ class Held {
     return known == known_.end() ? nullptr : known->second.lock();
   }
 
-  // The last holder to release it removes it from the list.
+  // Adds a new certificate. When its last holder releases it, it is removed again.
   std::shared_ptr<const PkiAccess::CertificateImpl> share(
       std::unique_ptr<const PkiAccess::CertificateImpl> made) {
     const std::shared_ptr<const PkiAccess::CertificateImpl> out(made.release(),
@@ -129,7 +130,7 @@ class Held {
   }
 
  private:
-  // Another thread may have made one meanwhile.
+  // Removes an entry, unless another thread has made the same certificate anew meanwhile.
   void forget(const Sha256Digest& fingerprint) {
     const std::scoped_lock lock(mutex_);
     const auto known = known_.find(fingerprint);
@@ -140,7 +141,8 @@ class Held {
   std::map<Sha256Digest, std::weak_ptr<const PkiAccess::CertificateImpl>> known_;
 };
 
-// Of a file without a certificate in PEM. Products read PEM only, and DER begins with a SEQUENCE.
+// The error for a file without a PEM certificate. It names DER if the file begins with a SEQUENCE,
+// because no product reads DER there.
 Error no_pem_block(BytesView octets) {
   if (is_der(octets))
     return Error(Code::certificate_malformed,
@@ -156,7 +158,7 @@ Error too_large(std::size_t max_octets, std::size_t found) {
                 .found = std::to_string(found)});
 }
 
-// The next certificate of a PEM text; nothing at its end.
+// Reads the next certificate of a PEM text; nothing at its end.
 Result<std::optional<Certificate>> next_certificate(BIO* bio) {
   for (;;) {
     auto block = next_pem_block(bio);

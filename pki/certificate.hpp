@@ -1,4 +1,4 @@
-// X.509 certificates: parsed once, verified once, cheap to copy.
+// X.509 certificates, which are parsed once, verified once and cheap to copy.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,8 @@ struct KeyAlgorithm {
   bool operator==(const KeyAlgorithm&) const = default;
 };
 
-/// "RSA-2048", "EC-prime256v1", "EC-secp384r1": the values of dds.cert.algo in DDS-Security 1.1.
+/// Returns "RSA-2048", "EC-prime256v1" or "EC-secp384r1", the values of dds.cert.algo in
+/// DDS-Security 1.1.
 std::string to_string(KeyAlgorithm algorithm);
 
 /// The largest number of certificates in one file.
@@ -41,53 +42,55 @@ inline constexpr std::size_t kMaxNameAttributes = 64;
 /// attributes in a name. pki/chain.hpp checks whether a CA issued it.
 class Certificate {
  public:
-  /// The first PEM certificate in `octets`, as in a peer's c.id or an identity_certificate file.
-  /// Text after its block is ignored, as peers do. One trailing NUL is tolerated. Errors:
+  /// Reads the first PEM certificate in `octets`, as in a peer's c.id or an identity_certificate
+  /// file. Text after its block is ignored, as peers do. One trailing NUL is tolerated. Errors:
   /// certificate_malformed, certificate_too_large, certificate_distribution_points,
   /// key_not_allowed, name_not_allowed.
   static Result<Certificate> from_pem(BytesView octets);
 
-  /// From exactly one DER certificate. Errors as above.
+  /// Reads exactly one DER certificate. Errors: those of from_pem.
   static Result<Certificate> from_der(BytesView octets);
 
-  /// All certificates of a CA file, in the file's order. Blocks with other labels are skipped (Fast
-  /// DDS keeps revocation lists in the same file). At least one, at most kMaxCertificatesInBundle.
-  /// Errors as above.
+  /// Reads all certificates of a CA file, in the file's order: at least one, at most
+  /// kMaxCertificatesInBundle. Blocks with other labels are skipped (Fast DDS keeps revocation
+  /// lists in the same file). Errors: those of from_pem.
   static Result<std::vector<Certificate>> bundle_from_pem(BytesView octets);
 
-  /// The octets of the certificate as they were signed and received.
+  /// Returns the octets of the certificate as they were signed and received.
   BytesView der() const;
-  /// PEM text with final newline and without NUL; the form of c.id.
+  /// Returns PEM text with a final newline and without NUL, the form of c.id.
   const std::string& pem() const;
-  /// SHA-256 of der().
+  /// Returns the SHA-256 of der().
   const Sha256Digest& fingerprint() const;
-  /// Subject name as `openssl x509 -nameopt RFC2253` prints it.
+  /// Returns the subject name as `openssl x509 -nameopt RFC2253` prints it.
   const std::string& subject() const;
-  /// Subject name as /C=../CN=.., the form of dds.cert.sn in peers.
+  /// Returns the subject name as /C=../CN=.., the form of dds.cert.sn in peers.
   const std::string& subject_one_line() const;
-  /// Issuer name, RFC 2253.
+  /// Returns the issuer name, RFC 2253.
   const std::string& issuer() const;
-  /// Serial number in hexadecimal digits.
+  /// Returns the serial number in hexadecimal digits.
   std::string serial() const;
-  /// SHA-256 of the DER subject name: the adjusted GUID (DDS-Security 1.2, clause 10.3.3).
+  /// Returns the SHA-256 of the DER subject name, from which the adjusted GUID follows
+  /// (DDS-Security 1.2, clause 10.3.3).
   const Sha256Digest& subject_digest() const;
   WallTime not_before() const;
   WallTime not_after() const;
   KeyAlgorithm key_algorithm() const;
   /// True if basicConstraints says CA:TRUE.
   bool is_ca() const;
-  /// True if it is a CA, or a self-signed certificate of X.509 version 1. Version 1 has no
-  /// extensions that could mark it as a CA, but as a configured trust anchor it is one.
+  /// True for a CA, and for a self-signed certificate of X.509 version 1. Version 1 has no
+  /// extensions that could mark a CA, but such a certificate is one if it is a configured trust
+  /// anchor.
   bool can_be_anchor() const;
   /// True for a certificate of X.509 version 1.
   bool is_version_1() const;
   /// True if only its keyUsage (keyCertSign) marks it as a CA: version 3 without basicConstraints,
   /// which RFC 5280 does not allow.
   bool is_ca_by_key_usage_only() const;
-  /// The digest of the CA's signature on it, as "SHA256"; "RSASSA-PSS" for that algorithm; "" if
-  /// the algorithm has none.
+  /// Returns the digest of the CA's signature on the certificate, such as "SHA256"; "RSASSA-PSS"
+  /// for that algorithm; "" if the algorithm has no digest.
   std::string signature_digest() const;
-  /// The number of CAs allowed below this one; empty if basicConstraints has no limit.
+  /// Returns the number of CAs allowed below this one; empty if basicConstraints has no limit.
   std::optional<int> path_length() const;
   /// True if subject and issuer are the same name, as with a root CA.
   bool is_self_issued() const;

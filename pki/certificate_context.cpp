@@ -18,14 +18,14 @@ namespace {
 using LibraryContextPtr = std::unique_ptr<OSSL_LIB_CTX, Deleter<OSSL_LIB_CTX_free>>;
 using Algorithms = std::vector<OSSL_ALGORITHM>;
 
-// The provider that stands before the default one.
+// A provider that offers only the wanted algorithms of the default provider.
 struct Narrow {
-  OSSL_PROVIDER* whole = nullptr;  // in a context of its own
+  OSSL_PROVIDER* whole = nullptr;  // the default provider, in a context of its own
   Algorithms decoders, key_managers;
 };
 
 Narrow& narrow() {
-  static auto* const provider = new Narrow;  // as long as the context, which is never freed
+  static auto* const provider = new Narrow;  // lives as long as the context, which is never freed
   return *provider;
 }
 
@@ -39,7 +39,8 @@ bool reads_public_keys(std::string_view properties) {
          properties.find("structure=SubjectPublicKeyInfo") != properties.npos;
 }
 
-// Those of the default provider that are wanted, and OpenSSL's mark of their end.
+// The default provider's algorithms that `wanted` accepts, followed by the empty entry that ends
+// OpenSSL's lists.
 Algorithms chosen(int operation, bool (*wanted)(const OSSL_ALGORITHM&)) {
   Algorithms out;
   int no_cache = 0;
@@ -50,7 +51,7 @@ Algorithms chosen(int operation, bool (*wanted)(const OSSL_ALGORITHM&)) {
   return out;
 }
 
-// ---- what OpenSSL calls
+// ---- functions that OpenSSL calls
 
 const OSSL_ALGORITHM* query(void*, int operation, int* no_cache) {
   *no_cache = 0;

@@ -52,15 +52,15 @@ bool about_a_missing_or_old_crl(int error) {
          error == X509_V_ERR_CRL_HAS_EXPIRED || error == X509_V_ERR_CRL_NOT_YET_VALID;
 }
 
-// OpenSSL calls this for every error that it finds; an unchanged `ok` of 0 refuses.
+// OpenSSL calls this for every error that it finds. The certificate is refused if it returns 0.
 template <CrlPolicy policy>
 int on_fault(int ok, X509_STORE_CTX* context) {
   if (ok == 1) return 1;
   const int error = X509_STORE_CTX_get_error(context);
   const bool tolerated =
       about_a_missing_or_old_crl(error) &&
-      // CA certificates come from the configured file, where removing them revokes them: a list
-      // of their issuer is used if it is there, and not demanded.
+      // CA certificates come from the configured file, and removing one from it revokes it. A list
+      // of their issuer is therefore used if there is one, but not required.
       (policy == CrlPolicy::soft_fail ||
        (error == X509_V_ERR_UNABLE_TO_GET_CRL && X509_STORE_CTX_get_error_depth(context) > 0));
   if (!tolerated) return 0;
@@ -69,8 +69,8 @@ int on_fault(int ok, X509_STORE_CTX* context) {
 }
 
 // OpenSSL asks for the lists of a name, and uses one of them. If several CAs have that name, only
-// lists that this certificate's issuer signed count. If it signed none, OpenSSL refuses the one
-// that it uses.
+// lists that this certificate's issuer signed count. If the issuer signed none of them, all are
+// returned: OpenSSL then picks one and refuses its signature.
 STACK_OF(X509_CRL) * lists_of_issuer(const X509_STORE_CTX* context, const X509_NAME* name) {
   auto* lists = X509_STORE_CTX_get1_crls(context, name);
   const auto* chain = X509_STORE_CTX_get0_chain(context);
@@ -89,8 +89,9 @@ STACK_OF(X509_CRL) * lists_of_issuer(const X509_STORE_CTX* context, const X509_N
   return lists;
 }
 
-// Of several CAs with one name, as while one is replaced by another, OpenSSL takes the first that
-// the certificate's extensions do not exclude. It may have none that names the key.
+// True if `issuer` signed the certificate. If several CAs have one name, for example while one is
+// replaced by another, OpenSSL alone would take the first that the certificate's extensions do not
+// exclude. The extensions need not name the issuer's key.
 int is_issued_by(X509_STORE_CTX*, X509* certificate, X509* issuer) {
   const bool is_by = X509_check_issued(issuer, certificate) == X509_V_OK &&
                      X509_verify(certificate, X509_get0_pubkey(issuer)) == 1;
@@ -108,8 +109,9 @@ std::string subject_of(const X509* x509) {
   return x509 != nullptr ? name_rfc2253(X509_get_subject_name(x509)) : "";
 }
 
-// Two CAs with one name, as in a keystore that was made twice: OpenSSL finds no issuer, or one
-// whose key does not match. Empty if no anchor has the issuer's name, or the keys do not differ.
+// Explains a refusal if two CAs have one name, for example because a keystore was made twice.
+// OpenSSL then finds no issuer, or one whose key does not match. Returns an empty text if no anchor
+// has the issuer's name, or if the keys do not differ.
 std::string same_name_other_key(const X509* x509, const std::vector<Certificate>& anchors) {
   const auto named = key_id_text(X509_get0_authority_key_id(const_cast<X509*>(x509)));
   const auto issuer = name_rfc2253(X509_get_issuer_name(x509));
@@ -124,7 +126,7 @@ std::string same_name_other_key(const X509* x509, const std::vector<Certificate>
   return {};
 }
 
-// "list 2 of CN=CA": which list decided.
+// Names the list that decided, such as "list 2 of CN=CA".
 std::string list_words(X509_CRL* crl) {
   if (crl == nullptr) return {};
   const auto number = number_of(crl);
@@ -132,7 +134,7 @@ std::string list_words(X509_CRL* crl) {
          name_rfc2253(X509_CRL_get_issuer(crl));
 }
 
-// Adds the two values that explain the refusal, by its kind.
+// Builds the error with the values that explain the refusal.
 Error explain(X509_STORE_CTX* context, const std::vector<Certificate>& anchors, WallTime now) {
   const int error = X509_STORE_CTX_get_error(context);
   const X509* at = X509_STORE_CTX_get_current_cert(context);
@@ -163,8 +165,8 @@ Error explain(X509_STORE_CTX* context, const std::vector<Certificate>& anchors, 
   return Error(code, std::move(details));
 }
 
-// RFC 5280 4.2.1.3: with a keyUsage extension, signatures need digitalSignature. Peers' S/MIME
-// purpose check wants the same.
+// If there is a keyUsage extension, it must allow digitalSignature (RFC 5280 4.2.1.3). The S/MIME
+// purpose check of peers demands the same.
 Status check_key_usage(const Certificate& certificate) {
   const auto usage = X509_get_key_usage(impl_of(certificate).x509.get());
   if (usage == UINT32_MAX || (usage & KU_DIGITAL_SIGNATURE) != 0) return {};
@@ -184,7 +186,7 @@ struct ChainVerifier::Impl {
 
   std::mutex mutex;
   std::map<Sha256Digest, ChainValid> remembered;
-  std::deque<Sha256Digest> order;  // oldest first
+  std::deque<Sha256Digest> order;  // the oldest comes first
 
   void drop_superseded();
   Status fill_store(CrlPolicy policy);
@@ -199,10 +201,10 @@ struct ChainVerifier::Impl {
   void remember(const ChainValid& proof);
 };
 
-// Drops lists that a newer one supersedes. OpenSSL uses any list that is valid at the time. An
-// older list beside the newest would count again after the newest has expired, and a certificate
-// that was revoked meanwhile would be accepted. A list that the authority did not sign supersedes
-// nothing, and neither does a list of another key with the same name.
+// Drops lists that a newer one supersedes. OpenSSL uses any list that is valid at the time. If an
+// older list stayed beside the newest, it would count again after the newest has expired, and a
+// certificate that was revoked meanwhile would be accepted. A list that the authority did not sign
+// supersedes nothing, and neither does a list of another key with the same name.
 void ChainVerifier::Impl::drop_superseded() {
   const auto is_genuine = [&](const Crl& crl) {
     return std::ranges::any_of(anchors, [&](const auto& ca) { return crl.is_signed_by(ca); });
@@ -236,7 +238,8 @@ Status ChainVerifier::Impl::fill_store(CrlPolicy policy) {
       crls_until = std::min(crls_until.value_or(*next), *next);
   }
   X509_STORE_set_lookup_crls(store.get(), lists_of_issuer);
-  // Only then: it verifies a signature more for each certificate.
+  // Set only if two anchors share a name, because is_issued_by verifies one more signature per
+  // certificate.
   if (share_a_name(anchors)) X509_STORE_set_check_issued(store.get(), is_issued_by);
   X509_STORE_set_verify_cb(store.get(), policy == CrlPolicy::hard_fail
                                             ? on_fault<CrlPolicy::hard_fail>
@@ -244,7 +247,7 @@ Status ChainVerifier::Impl::fill_store(CrlPolicy policy) {
   return {};
 }
 
-// An entry counts by serial number and issuer name only; `verify` checks the rest.
+// True if a list names the certificate by serial number and issuer name. `verify` checks the rest.
 bool ChainVerifier::Impl::is_listed(const Certificate& certificate) const {
   return std::ranges::any_of(crls, [&](const Crl& crl) {
     X509_REVOKED* entry = nullptr;
@@ -253,7 +256,8 @@ bool ChainVerifier::Impl::is_listed(const Certificate& certificate) const {
   });
 }
 
-// As an issuer of the path; all of them come from the store, so from the anchors.
+// True if `issuer` signed the list and the list is valid at `now`. Every issuer of the path comes
+// from the store and is therefore an anchor.
 bool ChainVerifier::Impl::is_in_force(const Crl& crl, const X509* issuer, WallTime now) const {
   const bool is_of_this_time =
       crl.this_update() <= now && (!crl.next_update() || now < *crl.next_update());
@@ -262,8 +266,8 @@ bool ChainVerifier::Impl::is_in_force(const Crl& crl, const X509* issuer, WallTi
          });
 }
 
-// OpenSSL uses one list of each issuer, the one with the best scope and time. A certificate in
-// another list, which is equally genuine and in force, must not pass.
+// Refuses a certificate that any list in force revokes. OpenSSL uses only one list of each issuer,
+// the one with the best scope and time, although another one may be equally genuine and in force.
 Status ChainVerifier::Impl::check_every_list(X509_STORE_CTX* context, WallTime now) const {
   const auto* chain = X509_STORE_CTX_get0_chain(context);
   for (int i = 0; i < sk_X509_num(chain); ++i) {
@@ -311,12 +315,12 @@ Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificat
                                       nullptr) != 1)
     return openssl_failure(Code::internal);
   auto* parameters = X509_STORE_CTX_get0_param(context.get());
-  // Not X509_V_FLAG_USE_DELTAS: Crl reads complete lists only.
+  // X509_V_FLAG_USE_DELTAS is not set, because Crl reads complete lists only.
   if (!crls.empty()) flags |= X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL;
   X509_VERIFY_PARAM_set_flags(parameters, flags);
-  // Not by system_clock, whose nanoseconds end in 2262.
+  // The seconds are used directly, because the nanoseconds of system_clock overflow in 2262.
   X509_VERIFY_PARAM_set_time(parameters, now.time_since_epoch().count());
-  // Level 2 is 112 bits: it refuses SHA-1 everywhere but in an anchor's signature on itself.
+  // Level 2 demands 112 bits: it refuses SHA-1 everywhere but in an anchor's signature on itself.
   X509_VERIFY_PARAM_set_auth_level(parameters, 2);
   if (X509_verify_cert(context.get()) != 1) {
     take_openssl_reason();
@@ -328,9 +332,10 @@ Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificat
 
 Result<ChainValid> ChainVerifier::Impl::judge(const Certificate& certificate, WallTime now) const {
   DDSSEC_RETURN_IF_ERROR(check_key_usage(certificate));
-  // Verifies up to a root first, so that an expired root in the file counts. Only if the file has
-  // no root for it, a subordinate CA is the end of the path (with the flag, OpenSSL would stop at
-  // it even if its issuer were in the file).
+  // The first attempt verifies up to a root, so that an expired root in the file counts. Only if
+  // the file has no root for the certificate may a subordinate CA end the path. (If the first
+  // attempt had the flag, OpenSSL would stop at the subordinate CA even if its issuer were in the
+  // file.)
   auto proof = judge_path(certificate, now, 0);
   if (proof || proof.error().code() != Code::issuer_unknown) return proof;
   return judge_path(certificate, now, X509_V_FLAG_PARTIAL_CHAIN);

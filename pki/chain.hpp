@@ -25,11 +25,11 @@ enum class CrlPolicy : std::uint8_t { hard_fail, soft_fail };
 class ChainValid {
  public:
   const Certificate& certificate() const { return certificate_; }
-  /// The earliest not_after on the path: the proof is valid until then.
+  /// Returns the earliest not_after on the path. The proof is valid until then.
   WallTime not_after() const { return not_after_; }
-  /// Subject of the certificate that expires first.
+  /// Returns the subject of the certificate that expires first.
   const std::string& first_to_expire() const { return first_to_expire_; }
-  /// The earliest nextUpdate among the configured revocation lists, if there are any.
+  /// Returns the earliest nextUpdate among the configured revocation lists, if there are any.
   std::optional<WallTime> crl_next_update() const { return crl_next_update_; }
 
  private:
@@ -45,8 +45,8 @@ class ChainValid {
 /// Verifies certificates against one CA file. Every certificate of that file is a trust anchor,
 /// including subordinate CAs without their root. Certificates that a peer sends along are not used.
 ///
-/// Checked are: signatures (SHA-1 only for an anchor's signature on itself), validity,
-/// basicConstraints, path length, keyUsage, key sizes, name constraints, critical extensions,
+/// It checks signatures (SHA-1 only for an anchor's signature on itself), validity,
+/// basicConstraints, path length, keyUsage, key sizes, name constraints, critical extensions and
 /// revocation.
 ///
 /// Thread-safe. Remembers up to kMaxRemembered positive results with their validity period, so
@@ -55,24 +55,24 @@ class ChainVerifier {
  public:
   static constexpr std::size_t kMaxRemembered = 1024;
 
-  /// Creates a verifier. Empty `crls`: no revocation check. Errors: not_a_ca if a certificate of
-  /// the file is not a CA; internal.
+  /// Creates a verifier. If `crls` is empty, revocation is not checked. Errors: not_a_ca if a
+  /// certificate of the file is not a CA; internal.
   static Result<ChainVerifier> make(std::vector<Certificate> anchors, std::vector<Crl> crls = {},
                                     CrlPolicy policy = CrlPolicy::hard_fail);
 
   /// Verifies `certificate` at `now`. With revocation lists and hard_fail, there must be a list of
-  /// the certificate's issuer. CA certificates of the file are looked up if there is a list of
-  /// their issuer. Errors: certificate_expired, certificate_not_yet_valid, issuer_unknown,
+  /// the certificate's issuer. A CA certificate of the file is looked up only if there is a list of
+  /// its issuer. Errors: certificate_expired, certificate_not_yet_valid, issuer_unknown,
   /// certificate_signature_invalid, certificate_revoked, crl_missing, crl_expired,
   /// crl_not_yet_valid, crl_signature_invalid, not_a_ca, path_too_long, key_usage_forbids,
   /// digest_too_weak, chain_refused (anything else, with OpenSSL's reason).
   Result<ChainValid> verify(const Certificate& certificate, WallTime now) const;
 
-  /// False if no configured list names it or one of the CAs: then `verify` does not fail with
-  /// certificate_revoked. Costs one lookup in each list.
+  /// False if no configured list names the certificate or one of the CAs. In this case `verify`
+  /// does not fail with certificate_revoked. Costs one lookup in each list.
   bool may_be_revoked(const Certificate& certificate) const;
 
-  /// The certificates of the CA file, in its order. Valid as long as this object.
+  /// Returns the certificates of the CA file, in its order. Valid as long as this object.
   const std::vector<Certificate>& anchors() const;
 
   ~ChainVerifier();

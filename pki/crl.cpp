@@ -13,11 +13,12 @@ namespace {
 constexpr std::uint8_t kDerSequence = 0x30;
 constexpr long kRemoveFromCrl = 8;  // RFC 5280 5.3.1
 
-// RFC 5280 5.2.4: with this extension a list holds only what changed since another list. OpenSSL's
-// patch levels disagree about such lists: 3.0.19 takes one for a complete list.
+// True for a list with deltaCRLIndicator, which holds only what changed since another list (RFC
+// 5280 5.2.4). Versions of OpenSSL disagree about such lists: 3.0.19 takes one for a complete list.
 bool is_delta(const X509_CRL* crl) { return X509_CRL_get_ext_by_NID(crl, NID_delta_crl, -1) >= 0; }
 
-// RFC 5280 5.3.1; 0, which is unspecified, without one.
+// The reason code of an entry (RFC 5280 5.3.1). An entry without one has 0, which means
+// "unspecified".
 long reason_number(const X509_REVOKED* entry) {
   const Asn1EnumeratedPtr value(static_cast<ASN1_ENUMERATED*>(
       X509_REVOKED_get_ext_d2i(entry, NID_crl_reason, nullptr, nullptr)));
@@ -31,7 +32,7 @@ std::string name_of(const X509_EXTENSION* extension) {
   return name;
 }
 
-// RFC 5280 5.2: a list with a critical extension that is not understood is not to be used.
+// A list with a critical extension that is not understood must not be used (RFC 5280 5.2).
 Status check_critical(const X509_EXTENSION* extension, std::initializer_list<int> understood) {
   const int nid = OBJ_obj2nid(X509_EXTENSION_get_object(const_cast<X509_EXTENSION*>(extension)));
   if (X509_EXTENSION_get_critical(extension) == 0 ||
@@ -55,7 +56,7 @@ Status check_entry(const X509_REVOKED* entry) {
                .hint = "have the CA issue a list without that entry"});
 }
 
-// Checks that OpenSSL does not make, or makes only when it verifies a certificate with the list.
+// Makes the checks that OpenSSL omits, or makes only when it verifies a certificate with the list.
 Status check_extensions(X509_CRL* crl) {
   for (int i = 0; i < X509_CRL_get_ext_count(crl); ++i)
     DDSSEC_RETURN_IF_ERROR(check_critical(
@@ -139,7 +140,7 @@ Result<std::vector<Crl>> from_pem(BytesView octets, Deltas deltas) {
   }
 }
 
-// The octets of an extension; nullptr without it.
+// Returns the octets of an extension, or nullptr if the list does not have it.
 const ASN1_OCTET_STRING* extension(const X509_CRL* crl, int nid) {
   const int at = X509_CRL_get_ext_by_NID(crl, nid, -1);
   return at < 0 ? nullptr : X509_EXTENSION_get_data(X509_CRL_get_ext(crl, at));
@@ -152,7 +153,8 @@ bool have_same_scope(const X509_CRL* a, const X509_CRL* b) {
   return of_a == nullptr || of_b == nullptr ? of_a == of_b : ASN1_OCTET_STRING_cmp(of_a, of_b) == 0;
 }
 
-// After a rotation both have the same name; only the keys distinguish them.
+// The error for a list that `ca` did not sign. After a rotation the former CA and the new one have
+// the same name, and only the keys distinguish them.
 std::unexpected<Error> not_signed_by(const Crl& crl, const Certificate& ca) {
   ErrorDetails details{.expected = "a list signed by " + ca.subject(),
                        .found = "a list of " + crl.issuer()};

@@ -10,17 +10,17 @@
 
 namespace ddssec::pki {
 
-/// The number of a revocation list. It is not negative, and has up to 20 octets in lists of CAs
-/// that follow RFC 5280 5.2.3. Longer ones are compared in the same way.
+/// The number of a revocation list, which is not negative. Lists of CAs that follow RFC 5280 5.2.3
+/// have numbers of up to 20 octets. Longer ones are compared in the same way.
 class CrlNumber {
  public:
   CrlNumber(std::uint64_t number = 0);  // NOLINT: a number is a number
-  /// Most significant octet first.
+  /// Reads a number whose most significant octet comes first.
   static CrlNumber from_octets(BytesView octets);
 
-  /// Without leading zeros; empty for 0.
+  /// Returns the octets without leading zeros; empty for 0.
   BytesView octets() const { return octets_; }
-  /// The value; empty if it has more than 64 bits.
+  /// Returns the value; empty if it has more than 64 bits.
   std::optional<std::uint64_t> as_uint64() const;
   CrlNumber next() const;
 
@@ -31,7 +31,7 @@ class CrlNumber {
   Bytes octets_;
 };
 
-/// Decimal digits; for a number that is longer than RFC 5280 allows, only its length.
+/// Returns decimal digits, or only the length of a number that is longer than RFC 5280 allows.
 std::string to_string(const CrlNumber& number);
 
 }  // namespace ddssec::pki

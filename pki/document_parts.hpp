@@ -1,4 +1,4 @@
-// What a record of documents in use says about certificates.
+// Describes certificates for the record of documents in use.
 #pragma once
 
 #include <vector>
@@ -8,9 +8,9 @@
 
 namespace ddssec::pki {
 
-/// Subject, serial number, end and fingerprint.
+/// Returns subject, serial number, end of validity and fingerprint.
 DocumentPart part_of(const Certificate& certificate);
-/// In the same order.
+/// Returns the parts in the same order.
 std::vector<DocumentPart> parts_of(const std::vector<Certificate>& certificates);
 
 }  // namespace ddssec::pki

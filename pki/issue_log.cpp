@@ -22,7 +22,7 @@ std::unexpected<Error> malformed_line(std::string note) {
   return fail(Code::issue_log_malformed, {.note = std::move(note)});
 }
 
-// "2026-11-21T00:00:00Z", as to_string(WallTime) writes it and in no other form.
+// Parses a time such as "2026-11-21T00:00:00Z", in no other form than to_string(WallTime) writes.
 std::optional<WallTime> time_from(const std::string& text) {
   int part[6] = {};
   constexpr std::size_t kAt[6] = {0, 5, 8, 11, 14, 17};
@@ -79,7 +79,8 @@ IssueLog IssueLog::parse(BytesView text) {
   }
 }
 
-// The serial number alone does not make it the same certificate.
+// Adds a certificate, or notes the new place of one that is known. The serial number alone does not
+// prove that it is the same certificate.
 void IssueLog::add_issued(IssuedCertificate one) {
   const auto [at, is_new] = issued_by_serial_.emplace(one.serial, issued_.size());
   if (is_new) return issued_.push_back(std::move(one));

@@ -23,7 +23,7 @@ struct PeerPublicKey::Impl {
 namespace {
 
 constexpr std::size_t kModpOctets = 256;
-// The longest DER INTEGER of 256 octets of value: tag, three octets of length, a leading zero.
+// The longest DER INTEGER with a value of 256 octets: tag, three octets of length, a leading zero.
 constexpr std::size_t kMaxModpDerOctets = kModpOctets + 5;
 constexpr std::size_t kMaxSharedOctets = 256;
 
@@ -33,7 +33,8 @@ std::size_t point_octets(KeyAgreementKind kind) {
   return kind == KeyAgreementKind::ecdh_p384 ? 97 : 65;
 }
 
-// RFC 5114 2.3 for MODP. Null if there is no memory.
+// Makes the parameters of a group, for MODP those of RFC 5114 2.3. Returns nullptr if there is no
+// memory.
 PkeyPtr make_parameters(KeyAgreementKind kind) {
   constexpr std::array<std::pair<const char*, const char*>, 3> kGroups{
       {{"EC", "P-256"}, {"EC", "P-384"}, {"DHX", "dh_2048_256"}}};
@@ -51,7 +52,8 @@ PkeyPtr make_parameters(KeyAgreementKind kind) {
   return PkeyPtr(out);
 }
 
-// Parameters are created once; keys copy them. After a failure, the next call tries again.
+// Returns parameters that are created once; keys copy them. After a failure, the next call tries
+// again.
 EVP_PKEY* parameters_for(KeyAgreementKind kind) {
   static std::mutex mutex;
   static NeverDestroyed<std::array<PkeyPtr, 3>> made;
@@ -93,7 +95,7 @@ Result<PkeyPtr> parse_point(KeyAgreementKind kind, BytesView octets) {
   return with_public(kind, octets);
 }
 
-// The value of a DER INTEGER that is positive, minimal and fills `octets` exactly.
+// Returns the value of a DER INTEGER that is positive, minimal and fills `octets` exactly.
 std::optional<Bytes> der_integer_value(BytesView octets) {
   const auto* position = octets.data();
   const Asn1IntegerPtr integer(
@@ -112,12 +114,12 @@ Result<PkeyPtr> parse_modp(BytesView value) {
   if (value.empty() || value.size() > kModpOctets)
     return std::unexpected(
         bad_form("an integer of 1 to 256 octets", std::to_string(value.size()) + " octets"));
-  // DH keys are taken at the group's full length only.
+  // OpenSSL accepts DH keys only at the group's full length.
   std::array<std::uint8_t, kModpOctets> padded{};
   std::copy(value.begin(), value.end(), padded.end() - static_cast<std::ptrdiff_t>(value.size()));
   DDSSEC_ASSIGN_OR_RETURN(PkeyPtr pkey, with_public(KeyAgreementKind::dh_modp_2048_256, padded));
   const PkeyContextPtr context(EVP_PKEY_CTX_new_from_pkey(nullptr, pkey.get(), nullptr));
-  // 1 < y < p - 1 and y^q = 1 mod p (SP 800-56A 5.6.2.3.1).
+  // Checks that 1 < y < p - 1 and y^q = 1 mod p (SP 800-56A 5.6.2.3.1).
   if (!context || EVP_PKEY_public_check(context.get()) != 1)
     return std::unexpected(not_in_group("it is not in the subgroup of order q"));
   return pkey;
@@ -138,7 +140,7 @@ Bytes der_integer(BytesView value) {
   return size > 0 ? Bytes(raw, raw + size) : Bytes();
 }
 
-// The point `number` times the generator, or nothing if there is none but infinity.
+// Returns the point `number` times the generator, or nothing if `number` is out of range.
 Bytes public_point(int curve, const BIGNUM* number) {
   const GroupPtr group(EC_GROUP_new_by_curve_name(curve));
   const PointPtr point(group ? EC_POINT_new(group.get()) : nullptr);
@@ -158,7 +160,8 @@ BignumPtr modp_parameter(const char* name) {
   return BignumPtr(value);
 }
 
-// g to the power of `number`, at the group's length, or nothing if `number` is out of range.
+// Returns g to the power of `number`, at the group's length, or nothing if `number` is out of
+// range.
 Bytes public_element(const BIGNUM* number) {
   const auto p = modp_parameter(OSSL_PKEY_PARAM_FFC_P);
   const auto q = modp_parameter(OSSL_PKEY_PARAM_FFC_Q);
@@ -213,7 +216,8 @@ Result<PeerPublicKey> PeerPublicKey::parse(KeyAgreementKind kind, BytesView octe
   }
   if (octets.size() > kMaxModpDerOctets)
     return std::unexpected(bad_form("at most 261 octets", std::to_string(octets.size())));
-  // Up to 256 octets, both readings are possible for one key in 2^24; the subgroup decides.
+  // For up to 256 octets, one key in 2^24 can be read in both encodings; the check of the subgroup
+  // decides.
   if (const auto value = der_integer_value(octets)) {
     auto pkey = parse_modp(minimal(*value));
     if (pkey) return wrap(PublicKeyEncoding::der_integer, *std::move(pkey));
@@ -256,7 +260,7 @@ Result<Bytes> EphemeralKey::public_octets(PublicKeyEncoding encoding) const {
 Result<AgreedSecret> EphemeralKey::derive(const PeerPublicKey& peer) const {
   if (peer.kind() != kind_) return fail(Code::key_agreement_mismatch);
   const PkeyContextPtr context(EVP_PKEY_CTX_new_from_pkey(nullptr, impl_->pkey.get(), nullptr));
-  // The peer's key was checked when it was parsed: no second check here.
+  // The peer's key was checked when it was parsed, so it is not checked again here.
   if (!context || EVP_PKEY_derive_init(context.get()) != 1 ||
       EVP_PKEY_derive_set_peer_ex(context.get(), peer.impl_->pkey.get(), 0) != 1)
     return openssl_failure(Code::internal);

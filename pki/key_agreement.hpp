@@ -1,5 +1,5 @@
-// Key agreement of the handshake: ephemeral keys and the secret that two of them share
-// (DDS-Security 1.2, clauses 10.3.4.2 and 10.5.2.1).
+// Key agreement of the handshake: ephemeral keys, and the secret that two participants derive from
+// them (DDS-Security 1.2, clauses 10.3.4.2 and 10.5.2.1).
 #pragma once
 
 #include <cstdint>
@@ -19,19 +19,19 @@ enum class KeyAgreementKind : std::uint8_t { ecdh_p256, ecdh_p384, dh_modp_2048_
 /// the specification use the plain big-endian integer; Cyclone 0.10.2 uses a DER INTEGER.
 enum class PublicKeyEncoding : std::uint8_t { point, plain_integer, der_integer };
 
-/// SHA-256 of what both sides computed (DDS-Security 1.2, clause 10.3.2.5.2).
+/// SHA-256 of the secret that both sides computed (DDS-Security 1.2, clause 10.3.2.5.2).
 using AgreedSecret = Secret<struct AgreedSecretTag, 32>;
 
 /// A peer's public key that passed every check: on the curve, or in the subgroup of order q.
 class PeerPublicKey {
  public:
   /// Parses a peer's octets. Accepts either encoding of a MODP key. Errors: public_key_malformed
-  /// (length or form, a compressed point), public_key_not_in_group (off the curve, infinity, or 0,
-  /// 1, p-1, p and above, outside the subgroup).
+  /// (wrong length or form, or a compressed point), public_key_not_in_group (off the curve,
+  /// infinity, or 0, 1, p-1, p and above, outside the subgroup).
   static Result<PeerPublicKey> parse(KeyAgreementKind kind, BytesView octets);
 
   KeyAgreementKind kind() const { return kind_; }
-  /// The encoding that the peer used; answer with the same.
+  /// Returns the encoding that the peer used. The answer must have the same.
   PublicKeyEncoding encoding() const { return encoding_; }
 
  private:
@@ -48,17 +48,16 @@ class PeerPublicKey {
 /// A key pair for one handshake. Move it into the state that owns it; OpenSSL wipes it.
 class EphemeralKey {
  public:
-  /// Fresh from OpenSSL's generator. Error: internal.
+  /// Makes a fresh key with OpenSSL's generator. Error: internal.
   static Result<EphemeralKey> generate(KeyAgreementKind kind);
 
   KeyAgreementKind kind() const { return kind_; }
 
-  /// The public half: an uncompressed point for EC (the encoding asked for does not count), the
-  /// integer of minimal length, or its DER INTEGER, for MODP. Error: internal if there is no memory
-  /// for it.
+  /// Returns the public half: for EC an uncompressed point, whatever `encoding` is; for MODP the
+  /// integer of minimal length, or its DER INTEGER. Error: internal if there is no memory for it.
   Result<Bytes> public_octets(PublicKeyEncoding encoding = PublicKeyEncoding::plain_integer) const;
 
-  /// SHA-256(Z). Z is the X coordinate at full length for ECDH; for MODP it is without leading
+  /// Returns SHA-256(Z). For ECDH, Z is the X coordinate at full length. For MODP it has no leading
   /// zero octets, as Cyclone and Fast DDS compute it. Error: key_agreement_mismatch if the peer's
   /// key is of another kind.
   Result<AgreedSecret> derive(const PeerPublicKey& peer) const;

@@ -23,7 +23,8 @@ std::string digest_of(const X509_PUBKEY* key) {
   return digest_of(der, size);
 }
 
-// An RSA key is encoded from its numbers, whatever the certificate says.
+// Returns the digest of the key as OpenSSL encodes it. An RSA key is encoded from its numbers,
+// whatever the certificate says.
 std::string encoded_digest(const EVP_PKEY* key) {
   unsigned char* der = nullptr;
   const int size = i2d_PUBKEY(key, &der);
@@ -42,7 +43,7 @@ std::string point_digest(int curve, BytesView point) {
   return digest_of(key.get());
 }
 
-// Empty if it cannot be read.
+// Returns a coordinate of the point, or nothing if it cannot be read.
 Bytes coordinate(const EVP_PKEY* key, const char* name, std::size_t size) {
   BIGNUM* read = nullptr;
   const bool is_read = EVP_PKEY_get_bn_param(key, name, &read) == 1;
@@ -52,7 +53,7 @@ Bytes coordinate(const EVP_PKEY* key, const char* name, std::size_t size) {
   return fits ? out : Bytes();
 }
 
-// SEC 1, 2.3.3: the uncompressed point, then the compressed one.
+// Returns the digests of the uncompressed point and of the compressed one (SEC 1, 2.3.3).
 std::vector<std::string> point_digests(const EVP_PKEY* key, int curve, std::size_t size) {
   const auto x = coordinate(key, OSSL_PKEY_PARAM_EC_PUB_X, size);
   const auto y = coordinate(key, OSSL_PKEY_PARAM_EC_PUB_Y, size);
@@ -84,7 +85,8 @@ KeyDigests::KeyDigests(const Certificate& certificate) {
   X509* x509 = impl_of(certificate).x509.get();
   all_ = encodings(X509_get0_pubkey(x509), certificate.key_algorithm().kind);
   ERR_clear_error();
-  // An encoding that none of these is, such as RSA without parameters.
+  // The encoding in the certificate may differ from all of these, for example RSA without the NULL
+  // parameters.
   all_.push_back(digest_of(X509_get_X509_PUBKEY(x509)));
 }
 

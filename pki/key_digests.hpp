@@ -9,9 +9,9 @@
 
 namespace ddssec::pki {
 
-/// SHA-256 of the SubjectPublicKeyInfo in its one canonical encoding, hexadecimal: the point of an
-/// EC key is uncompressed. Two certificates of one key have the same, however their requests wrote
-/// the key.
+/// Returns the SHA-256, in hexadecimal, of the SubjectPublicKeyInfo in its one canonical encoding:
+/// the point of an EC key is uncompressed. Two certificates of one key have the same digest,
+/// however their requests encoded the key.
 std::string key_digest(const Certificate& certificate);
 
 /// All digests that a log may contain for the key of one certificate. Earlier versions of ddssec
@@ -21,7 +21,7 @@ class KeyDigests {
  public:
   explicit KeyDigests(const Certificate& certificate);
 
-  /// key_digest().
+  /// Returns the digest that key_digest() returns for the certificate.
   const std::string& canonical() const { return all_.front(); }
   const std::vector<std::string>& all() const { return all_; }
   /// True if `digest` is one of them. False for an empty text, which means that the log does not

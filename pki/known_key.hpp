@@ -1,4 +1,4 @@
-// Key pairs of a known private number. For tests with known answers: not installed.
+// Key pairs with a known private number, for tests with known answers. Not installed.
 #pragma once
 
 #include "pki/key_agreement.hpp"
@@ -6,8 +6,8 @@
 namespace ddssec::pki {
 
 struct KnownKey {
-  /// The pair of a given private number (big endian). Error: public_key_not_in_group if it is zero
-  /// or too large.
+  /// Makes the pair of a given private number (big endian). Error: public_key_not_in_group if it is
+  /// zero or too large.
   static Result<EphemeralKey> from_private(KeyAgreementKind kind, BytesView number);
 };
 

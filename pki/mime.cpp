@@ -13,9 +13,11 @@ namespace ddssec::pki {
 namespace {
 
 constexpr std::size_t kMaxHeaderOctets = 8 * 1024;
-// RFC 5322 2.1.1. OpenSSL, by which stock products read, takes a longer line for several.
+// The limit of RFC 5322 2.1.1. OpenSSL, with which stock products read, takes a longer line for
+// several.
 constexpr std::size_t kMaxHeaderLineOctets = 998;
-// LF and the CRs before it. OpenSSL cuts a line after 1023 octets, its break included.
+// The longest line break: LF and the CRs before it. OpenSSL cuts a line, including its break, after
+// 1023 octets; 998 + 16 stays below.
 constexpr std::size_t kMaxLineBreakOctets = 16;
 constexpr std::size_t kMaxHeaders = 32;
 constexpr std::size_t kMaxBoundaryOctets = 70;  // RFC 2046 5.1.1
@@ -32,14 +34,14 @@ Error header_refusal(std::size_t line, std::string_view expected, std::string_vi
                                        .found = std::string(found)});
 }
 
-// OpenSSL strips every CR that stands before the LF, when it signs and when it verifies. On Windows
-// it writes CR CR LF, since the text mode of the file adds one more.
+// OpenSSL strips every CR before the LF, when it signs and when it verifies. On Windows it writes
+// CR CR LF, because the file's text mode adds one more CR.
 std::string_view without_carriage_returns(std::string_view line) {
   while (line.ends_with('\r')) line.remove_suffix(1);
   return line;
 }
 
-// The next line without its line break; `text` moves past it.
+// Returns the next line without its line break, and moves `text` past it.
 std::string_view take_line(std::string_view& text) {
   const auto end = text.find('\n');
   const auto line = text.substr(0, end);
@@ -58,7 +60,8 @@ bool is_header_name(std::string_view name) {
   });
 }
 
-// True if every reader finds the same line here. `whole` is its size with its line break.
+// True if the line is so short that every reader finds the same one. `whole` is its size with its
+// line break.
 bool is_short_line(std::string_view line, std::size_t whole) {
   return line.size() <= kMaxHeaderLineOctets && whole - line.size() <= kMaxLineBreakOctets;
 }
@@ -69,15 +72,15 @@ bool is_plain_text(std::string_view line) {
   });
 }
 
-// OpenSSL reads each line by itself and takes a continuation line for parameters of the last header
-// that it has understood. Only after a whole parameter, outside of quotation marks and comments,
-// does it read what RFC 5322 2.2.3 says.
+// True if the next line may continue this value. OpenSSL reads each line by itself and takes a
+// continuation line for parameters of the last header that it has understood. This agrees with RFC
+// 5322 2.2.3 only after a whole parameter, outside of quotation marks and comments.
 bool may_continue(std::string_view value) {
   return value.ends_with(';') && value.find('(') == value.npos &&
          std::ranges::count(value, '"') % 2 == 0;
 }
 
-// The header lines up to the blank line; `text` moves past it.
+// Reads the header lines up to the blank line, and moves `text` past it.
 Result<std::vector<Header>> take_headers(std::string_view& text) {
   std::vector<Header> headers;
   const std::size_t before = text.size();
@@ -107,7 +110,8 @@ Result<std::vector<Header>> take_headers(std::string_view& text) {
   return std::unexpected(refusal(Code::smime_malformed, "a short header and a blank line"));
 }
 
-// The value of the only header with that name; different parsers read two of them differently.
+// Returns the value of the only header with that name. Two are refused, because different parsers
+// would use different ones.
 Result<std::string> only_header(const std::vector<Header>& headers, std::string_view name) {
   std::optional<std::string> value;
   for (const auto& header : headers) {
@@ -118,7 +122,7 @@ Result<std::string> only_header(const std::vector<Header>& headers, std::string_
   return value.value_or("");
 }
 
-// "type/subtype; name=value; name="value"".
+// A value such as: type/subtype; name=value; name="value".
 struct MediaType {
   std::string type;  // lower case
   std::vector<Header> parameters;
@@ -129,16 +133,16 @@ struct MediaType {
   }
 };
 
-// RFC 2045 5.1, token.
+// True for a character of a token (RFC 2045 5.1).
 bool is_token_character(char c) {
   return c > ' ' && c < 0x7f && std::string_view("()<>@,;:\\\"/[]?=").find(c) == std::string::npos;
 }
 
-// A quoted value has no escapes: OpenSSL knows none.
+// True for a character of a quoted value. There are no escapes, because OpenSSL knows none.
 bool is_quotable(char c) { return c >= ' ' && c < 0x7f && c != '"' && c != '\\'; }
 
-// A token, or a value that stands in quotation marks as a whole. OpenSSL opens a quotation at a
-// mark anywhere in a value, and a comment at a parenthesis.
+// Reads a token, or a value that is in quotation marks as a whole. Other forms are refused: OpenSSL
+// opens a quotation at a mark anywhere in a value, and a comment at a parenthesis.
 std::optional<std::string> take_parameter_value(std::string_view& text) {
   const bool is_quoted = text.starts_with('"');
   if (is_quoted) text.remove_prefix(1);
@@ -151,7 +155,7 @@ std::optional<std::string> take_parameter_value(std::string_view& text) {
   return std::string(value);
 }
 
-// "text/plain" itself; words for anything that is no type.
+// Returns a type such as "text/plain" itself, and a description of anything that is no type.
 std::string shown_type(std::string_view type) {
   constexpr std::size_t kMax = 127;  // RFC 6838 4.2
   const auto slash = type.find('/');
@@ -191,7 +195,7 @@ bool is_pkcs7_signature(std::string_view type) {
   return type == "application/pkcs7-signature" || type == "application/x-pkcs7-signature";
 }
 
-// The boundary that a message header announces.
+// Returns the boundary that a message header announces.
 Result<std::string> boundary_of(const std::vector<Header>& headers) {
   DDSSEC_ASSIGN_OR_RETURN(const auto text, only_header(headers, "content-type"));
   DDSSEC_ASSIGN_OR_RETURN(const auto type, parse_media_type(text));
@@ -210,11 +214,11 @@ Result<std::string> boundary_of(const std::vector<Header>& headers) {
 // One "--boundary" line.
 struct Delimiter {
   std::size_t begin;  // first octet of the line
-  std::size_t end;    // first octet behind its line break
+  std::size_t end;    // first octet after its line break
   bool closes;
 };
 
-// `at` is the first octet of a line that begins with the marker.
+// Reads the delimiter line that begins at `at`. `marker` is the number of octets of its marker.
 Result<Delimiter> read_delimiter(std::string_view body, std::size_t at, std::size_t marker) {
   auto rest = body.substr(at + marker);
   const auto left = rest.size();
@@ -226,8 +230,9 @@ Result<Delimiter> read_delimiter(std::string_view body, std::size_t at, std::siz
   return Delimiter{at, body.size() - rest.size(), closes};
 }
 
-// All lines that begin with `marker`, at most four (three are right). It may stand nowhere else:
-// OpenSSL cuts a line after 1023 octets and looks for it after the cut.
+// Finds all lines that begin with `marker`, but at most four (three are right). The marker may be
+// nowhere else, because OpenSSL cuts a line after 1023 octets and looks for the marker after the
+// cut.
 Result<std::vector<Delimiter>> find_delimiters(std::string_view body, const std::string& marker) {
   std::vector<Delimiter> found;
   std::size_t from = 0;
@@ -248,8 +253,8 @@ Result<std::vector<Delimiter>> find_delimiters(std::string_view body, const std:
 
 bool only_blank(std::string_view text) { return text.find_first_not_of(" \t\r\n") == text.npos; }
 
-// Text before the first boundary is not signed. Only the text that signing tools write there is
-// accepted: OpenSSL and libraries that imitate it.
+// True for an allowed text before the first boundary. This text is not signed, so only what signing
+// tools write there is accepted: OpenSSL and libraries that imitate it.
 bool is_known_preamble(std::string_view text) {
   constexpr std::string_view kOpenssl = "This is an S/MIME signed message";
   const auto first = text.find_first_not_of(" \t\r\n");

@@ -1,4 +1,4 @@
-// Internal to pki/: strict splitting of a multipart/signed message, in one pass and by views.
+// Internal to pki/: strict splitting of a multipart/signed message, in one pass and without copies.
 #pragma once
 
 #include <string_view>
@@ -18,12 +18,12 @@ struct MultipartSigned {
 /// smime_surrounding_text, smime_content_type.
 Result<MultipartSigned> split_multipart_signed(std::string_view text);
 
-/// The signed octets: `part` with every line break as CRLF. A line break is LF, with any number of
-/// CRs before it. Error: smime_malformed for a CR elsewhere.
+/// Returns the signed octets: `part` with CRLF for every line break. A line break is LF, with any
+/// number of CRs before it. Error: smime_malformed for a CR elsewhere.
 Result<Bytes> canonical_text(std::string_view part);
 
-/// The length of the header of the canonical first part in octets, including the blank line. The
-/// header must be `Content-Type: text/plain` in UTF-8 without an encoding. Error:
+/// Returns the length of the header of the canonical first part in octets, including the blank
+/// line. The header must be `Content-Type: text/plain` in UTF-8 without an encoding. Error:
 /// smime_content_type.
 Result<std::size_t> text_header_octets(std::string_view canonical_part);
 

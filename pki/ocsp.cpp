@@ -19,13 +19,13 @@ using ResponsePtr = std::unique_ptr<OCSP_RESPONSE, Deleter<OCSP_RESPONSE_free>>;
 using BasicPtr = std::unique_ptr<OCSP_BASICRESP, Deleter<OCSP_BASICRESP_free>>;
 using CertificateIdPtr = std::unique_ptr<OCSP_CERTID, Deleter<OCSP_CERTID_free>>;
 
-// Who signed a response, and until when that certificate lasts if it is not the CA's own.
+// The signer of a response. `until` is the end of its certificate chain if it is not the CA itself.
 struct Signer {
   Certificate certificate;
   std::optional<WallTime> until = {};
 };
 
-// One answer of a response, about the certificate that was asked for.
+// One answer of a response, about the certificate in question.
 struct Answer {
   int status;
   int reason;
@@ -56,7 +56,8 @@ Result<BasicPtr> parse(BytesView octets) {
   return basic;
 }
 
-// RFC 6960 4.4: a critical extension that is not understood makes a response unusable.
+// Refuses a response with too many answers or certificates, or with a critical extension, because
+// ddssec understands none (RFC 6960 4.4).
 Status check_extent(OCSP_BASICRESP* basic) {
   const int answers = OCSP_resp_count(basic);
   if (answers > kMaxOcspAnswers || sk_X509_num(OCSP_resp_get0_certs(basic)) > kMaxOcspCertificates)
@@ -91,8 +92,8 @@ Status check_digest(const OCSP_BASICRESP* basic) {
                .found = name != nullptr ? name : "an unknown algorithm"});
 }
 
-// RFC 6960 4.1.1: an answer names a certificate by two hashes of its issuer and by its serial
-// number.
+// True if the answer is about the certificate. It names one by two hashes of its issuer and by its
+// serial number (RFC 6960 4.1.1).
 bool is_about(const OCSP_SINGLERESP* answer, const Certificate& certificate,
               const Certificate& ca) {
   const OCSP_CERTID* id = OCSP_SINGLERESP_get0_id(answer);
@@ -156,7 +157,7 @@ struct OcspJudge {
   std::string serial() const { return "serial number " + certificate.serial(); }
 };
 
-// The answers about the certificate, if `ca` issued it.
+// Returns the answers about the certificate, if `ca` issued it.
 Result<std::vector<Answer>> OcspJudge::answers_with(const Certificate& ca) const {
   std::vector<Answer> out;
   for (int i = 0; i < OCSP_resp_count(basic.get()); ++i) {
@@ -168,7 +169,7 @@ Result<std::vector<Answer>> OcspJudge::answers_with(const Certificate& ca) const
   return out;
 }
 
-// True if the response calls `candidate` its signer, by its name or by the SHA-1 of its key.
+// True if the response names `candidate` as its signer, by its name or by the SHA-1 of its key.
 bool OcspJudge::names_as_signer(const Certificate& candidate) const {
   const ASN1_OCTET_STRING* key = nullptr;
   const X509_NAME* name = nullptr;
@@ -183,7 +184,7 @@ bool OcspJudge::names_as_signer(const Certificate& candidate) const {
                                       static_cast<std::size_t>(ASN1_STRING_length(key))));
 }
 
-// RFC 6960 4.2.2.2: the CA itself certifies the responders that may answer for it.
+// Accepts a responder other than the CA if the CA itself has certified it (RFC 6960 4.2.2.2).
 Result<Signer> OcspJudge::delegate(const Certificate& candidate, const Certificate& ca) const {
   auto* const x509 = impl_of(candidate).x509.get();
   const bool may_sign = (X509_get_extension_flags(x509) & EXFLAG_XKUSAGE) != 0 &&
@@ -212,7 +213,7 @@ Result<Signer> OcspJudge::signer(const Certificate& ca) const {
     const int size = i2d_X509(sk_X509_value(sent, i), &octets);
     const OpensslMemory owner(octets);
     if (size <= 0) return openssl_failure(Code::ocsp_malformed);
-    // Our own reader bounds what OpenSSL makes of extensions, names and keys.
+    // Certificate::from_der limits the extensions, names and keys that OpenSSL then processes.
     const auto candidate = Certificate::from_der({octets, static_cast<std::size_t>(size)});
     if (!candidate || !names_as_signer(*candidate)) continue;
     auto found = delegate(*candidate, ca);
@@ -263,7 +264,8 @@ Result<OcspGood> OcspJudge::judge(const Answer& answer, const Signer& signer) co
                .found = to_string(answer.next_update.value_or(answer.this_update))});
 }
 
-// Each of several answers must be good: a certificate that one of them revokes is revoked.
+// If there are several answers, each must be good: a certificate that one of them revokes is
+// revoked.
 Result<OcspGood> OcspJudge::judge_all(const std::vector<Answer>& answers,
                                       const Signer& signer) const {
   for (const auto& answer : answers)
@@ -277,7 +279,7 @@ Result<OcspGood> OcspJudge::judge_all(const std::vector<Answer>& answers,
   return good;
 }
 
-// Hashes come before public-key operations.
+// Compares hashes before it does public-key operations, which take longer.
 Result<OcspGood> OcspJudge::judge(BytesView response) {
   DDSSEC_ASSIGN_OR_RETURN(basic, parse(response));
   DDSSEC_RETURN_IF_ERROR(check_extent(basic.get()));

@@ -19,7 +19,8 @@ std::unexpected<Error> failed(const std::string& url, std::string note) {
   return fail(tool_code::ocsp_fetch_failed, {.found = url, .note = std::move(note)});
 }
 
-// A line break would let a certificate write requests of its own.
+// Refuses control characters and blanks: a line break in the URL would let the certificate's issuer
+// add header lines or a second HTTP request.
 bool is_plain(std::string_view url) {
   return std::ranges::all_of(url, [](char c) { return c > ' ' && c < 0x7f; });
 }
@@ -45,7 +46,8 @@ Result<OcspAddress> parse_ocsp_address(const std::string& url) {
   take_openssl_reason();
   if (is_url != 1 || host == nullptr || *host == 0 || port == nullptr || path == nullptr)
     return failed(url, "it is not the address of a responder");
-  // The answer is signed; that it is read on the way tells little more than the handshake does.
+  // TLS is not needed: the response is signed, and an observer learns little that the handshake
+  // does not show.
   if (has_tls != 0 || !url.starts_with("http://"))
     return failed(url, "only http:// is used: the answer is signed");
   return OcspAddress{host, port, path};

@@ -1,4 +1,4 @@
-// Where the OCSP responder for a certificate is.
+// The address of the OCSP responder for a certificate.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace ddssec::pki {
 
-/// The first responder that the certificate names (authorityInfoAccess, RFC 5280 4.2.2.1) with a
-/// http: URL; empty if there is none.
+/// Returns the http: URL of the first responder that the certificate names with one
+/// (authorityInfoAccess, RFC 5280 4.2.2.1); empty if there is none.
 std::string ocsp_responder_of(const Certificate& certificate);
 
 /// A URL taken apart by OpenSSL.
@@ -17,7 +17,7 @@ struct OcspAddress {
   std::string host, port, path;
 };
 
-/// Error: ocsp_fetch_failed, unless it is http:// and printable ASCII without blanks.
+/// Parses a URL. Error: ocsp_fetch_failed, unless it is http:// and printable ASCII without blanks.
 Result<OcspAddress> parse_ocsp_address(const std::string& url);
 
 }  // namespace ddssec::pki

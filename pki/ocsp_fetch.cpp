@@ -23,10 +23,10 @@ std::unexpected<Error> failed(const std::string& url, std::string note) {
   return fail(tool_code::ocsp_fetch_failed, {.found = url, .note = std::move(note)});
 }
 
-// More than judge_ocsp reads, which then says that it is too much.
+// Larger than the limit of judge_ocsp, so that judge_ocsp reports a response that is too large.
 constexpr std::size_t kMaxFetched = 64 * 1024;
 
-// SHA-1 identifies the certificate: it is what every responder understands (RFC 5019).
+// The request identifies the certificate with SHA-1, which every responder understands (RFC 5019).
 Result<BioPtr> request_for(const OcspRequest& question) {
   const OcspRequestPtr request(OCSP_REQUEST_new());
   OCSP_CERTID* const id = OCSP_cert_to_id(EVP_sha1(), impl_of(question.certificate).x509.get(),
@@ -42,7 +42,7 @@ Result<BioPtr> request_for(const OcspRequest& question) {
   return bio;
 }
 
-// A responder may be one of several hosts at its address.
+// The Host header: several responders may share one address (virtual hosts).
 Result<HeadersPtr> headers_for(const OcspAddress& address) {
   const auto host = address.port == "80" ? address.host : address.host + ":" + address.port;
   STACK_OF(CONF_VALUE)* headers = nullptr;
@@ -71,8 +71,8 @@ Result<Bytes> fetch_ocsp(const OcspRequest& question, const std::string& url,
   DDSSEC_ASSIGN_OR_RETURN(const auto address, parse_ocsp_address(url));
   DDSSEC_ASSIGN_OR_RETURN(const auto request, request_for(question));
   DDSSEC_ASSIGN_OR_RETURN(const auto headers, headers_for(address));
-  // An empty proxy is none, whatever the environment says: OpenSSL 3.0.17 reads beyond the end of
-  // the variable no_proxy (CVE-2025-9232).
+  // An empty proxy means that none is used, whatever the environment says: OpenSSL 3.0.17 reads
+  // beyond the end of the variable no_proxy (CVE-2025-9232).
   const BioPtr answer(
       OSSL_HTTP_transfer(nullptr, address.host.c_str(), address.port.c_str(), address.path.c_str(),
                          0, "", nullptr, nullptr, nullptr, nullptr, nullptr, 0, headers.get(),

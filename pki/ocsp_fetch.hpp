@@ -1,5 +1,5 @@
-// Asks an OCSP responder over HTTP. For the command line tool: nothing that plugins use includes
-// this.
+// Asks an OCSP responder over HTTP. Only the command line tool does this: no header that plugins
+// use includes this one.
 #pragma once
 
 #include <chrono>
@@ -15,12 +15,12 @@ namespace ddssec::pki {
 
 struct OcspRequest {
   const Certificate& certificate;
-  const Certificate& ca;  ///< that issued it
+  const Certificate& ca;  ///< the issuer of the certificate
 };
 
-/// The answer of the responder (DER), not judged yet. The request has no nonce, because the answer
-/// is for others to see, too. No proxy is used, and no redirection followed. The name of the host
-/// is looked up before the time is counted. Errors: ocsp_fetch_failed, out_of_memory.
+/// Returns the responder's answer (DER), which is not judged yet. The request has no nonce, because
+/// peers also read the answer. No proxy is used and no redirection is followed. The time for
+/// looking up the host name is not counted. Errors: ocsp_fetch_failed, out_of_memory.
 Result<Bytes> fetch_ocsp(const OcspRequest& question, const std::string& url,
                          std::chrono::seconds longest);
 

@@ -17,7 +17,7 @@ std::string take_openssl_reason() {
 std::unexpected<Error> openssl_failure(Code code, ErrorDetails details) {
   const bool wanted_memory = ERR_GET_REASON(ERR_peek_last_error()) == ERR_R_MALLOC_FAILURE;
   auto reason = take_openssl_reason();
-  if (wanted_memory) return fail(Code::out_of_memory);  // and the document may be good
+  if (wanted_memory) return fail(Code::out_of_memory);  // the document itself may be good
   if (details.note.empty()) details.note = std::move(reason);
   return fail(code, std::move(details));
 }
@@ -44,7 +44,7 @@ Result<WallTime> to_wall_time(const ASN1_TIME* time) {
 }
 
 Result<Asn1TimePtr> to_asn1_time(WallTime time) {
-  // Not by system_clock, whose nanoseconds end in 2262.
+  // The seconds are used directly, because the nanoseconds of system_clock overflow in 2262.
   Asn1TimePtr out(ASN1_TIME_set(nullptr, time.time_since_epoch().count()));
   if (!out) return openssl_failure(Code::internal);
   return out;
@@ -71,7 +71,7 @@ std::optional<std::string> to_utf8(const ASN1_STRING* value) {
 
 namespace {
 
-// The curve's name, or nothing if the key spells out parameters of its own (CVE-2020-0601).
+// Returns the curve's name, or "" if the key spells out parameters of its own (CVE-2020-0601).
 std::string group_name(EVP_PKEY* key) {
   char name[64];
   std::size_t size = 0;
@@ -82,7 +82,7 @@ std::string group_name(EVP_PKEY* key) {
   return EVP_PKEY_get_group_name(key, name, sizeof name, &size) == 1 ? std::string(name, size) : "";
 }
 
-// "RSA of 1024 bits", "EC secp256k1 of 256 bits".
+// Returns a text such as "RSA of 1024 bits" or "EC secp256k1 of 256 bits".
 std::string describe(EVP_PKEY* key) {
   const char* name = EVP_PKEY_get0_type_name(key);
   const auto group = EVP_PKEY_is_a(key, "EC") == 1 ? group_name(key) : "";
@@ -92,7 +92,7 @@ std::string describe(EVP_PKEY* key) {
 
 }  // namespace
 
-// A NUL inside a name reads as another, shorter name where it is printed as a C string.
+// A NUL inside a name is refused: printed as a C string, it would read as another, shorter name.
 Status check_name(const X509_NAME* name, const char* which) {
   const int count = X509_NAME_entry_count(name);
   if (count > static_cast<int>(kMaxNameAttributes))
@@ -140,7 +140,7 @@ Result<KeyAlgorithm> judge_key(EVP_PKEY* key, std::string_view type) {
 
 bool is_der(BytesView octets) {
   constexpr std::uint8_t kSequence = 0x30, kLongForm = 0x80, kMaxLengthOctets = 4;
-  constexpr std::size_t kHeader = 2;  // of a short one
+  constexpr std::size_t kHeader = 2;  // tag and length of a short object
   if (octets.size() < kHeader || octets[0] != kSequence) return false;
   const auto length = octets[1];
   return length < kLongForm ? octets.size() == kHeader + length

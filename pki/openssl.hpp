@@ -1,4 +1,4 @@
-// Internal to pki/: OpenSSL objects that free themselves, and what the classes hold inside.
+// Internal to pki/: OpenSSL objects that free themselves, and the private members of the classes.
 #pragma once
 
 #include <memory>
@@ -96,7 +96,7 @@ struct Crl::Impl {
   std::optional<WallTime> next_update;
 };
 
-/// The way to what the classes hold inside.
+/// Gives pki/ access to the private members of the classes.
 struct PkiAccess {
   using CertificateImpl = Certificate::Impl;
   using CrlImpl = Crl::Impl;
@@ -104,7 +104,7 @@ struct PkiAccess {
   static const CertificateImpl& of(const Certificate& it) { return *it.impl_; }
   static const CrlImpl& of(const Crl& it) { return *it.impl_; }
   static const PrivateKeyImpl& of(const PrivateKey& it) { return *it.impl_; }
-  /// An object that holds `impl`, which is not nullptr.
+  /// Makes an object that holds `impl`, which must not be nullptr.
   template <class T>
   static T make(std::shared_ptr<const typename T::Impl> impl) {
     return T(std::move(impl));
@@ -112,53 +112,53 @@ struct PkiAccess {
 };
 const auto& impl_of(const auto& it) { return PkiAccess::of(it); }
 
-/// OpenSSL's own last reason (its queue is empty afterwards); "" if there is none.
+/// Returns the last reason in OpenSSL's queue, or "" if there is none, and empties the queue.
 std::string take_openssl_reason();
 
-/// The library context for reading certificates. OpenSSL 3.0 asks every decoder of every provider
-/// for the public key of a certificate, which takes several times as long as verifying the
+/// Returns the library context for reading certificates. OpenSSL 3.0 asks every decoder of every
+/// provider for the public key of a certificate, which takes several times as long as verifying the
 /// certificate's signature. This context has the algorithms of OpenSSL's default provider, but only
-/// the decoders of allowed public keys (see judge_key). nullptr (OpenSSL's own context) if that is
-/// configured for FIPS or without the default provider, or if memory is short. Never freed, because
-/// certificates outlive everything else. Thread-safe.
+/// the decoders of allowed public keys (see judge_key). The result is nullptr (OpenSSL's own
+/// context) if that is configured for FIPS or without the default provider, or if memory is short.
+/// Never freed, because certificates outlive everything else. Thread-safe.
 OSSL_LIB_CTX* certificate_context();
 
-/// An error with OpenSSL's last reason as its note.
+/// Makes an error with OpenSSL's last reason as its note.
 std::unexpected<Error> openssl_failure(Code code, ErrorDetails details = {});
 
-/// A reading BIO over borrowed octets; null when they are too many for OpenSSL.
+/// Makes a reading BIO over borrowed octets; nullptr if they are too many for OpenSSL.
 BioPtr bio_over(BytesView octets);
 
-/// A key identifier in hexadecimal digits; "" for null.
+/// Returns a key identifier in hexadecimal digits; "" for nullptr.
 std::string key_id_text(const ASN1_OCTET_STRING* id);
 
-/// The number of a list; empty if it has none or a negative one.
+/// Returns the number of a list; empty if it has none or a negative one.
 std::optional<CrlNumber> number_of(const X509_CRL* crl);
 
-/// The content of a memory BIO; valid until it changes.
+/// Returns the content of a memory BIO; valid until it changes.
 BytesView bio_octets(const BioPtr& bio);
 
-/// A time of a certificate or revocation list; malformed when OpenSSL cannot read it.
+/// Converts a time of a certificate or revocation list. Error: malformed if OpenSSL cannot read it.
 Result<WallTime> to_wall_time(const ASN1_TIME* time);
 
-/// The time in the form certificates use (UTCTime up to 2049).
+/// Converts the time to the form that certificates use (UTCTime up to 2049).
 Result<Asn1TimePtr> to_asn1_time(WallTime time);
 
-/// RFC 2253 text: last RDN first, non-ASCII octets escaped.
+/// Returns RFC 2253 text: last RDN first, non-ASCII octets escaped.
 std::string name_rfc2253(const X509_NAME* name);
 
-/// Success if a subject or issuer name has an allowed form. Error: name_not_allowed.
+/// Succeeds if a subject or issuer name has an allowed form. Error: name_not_allowed.
 Status check_name(const X509_NAME* name, const char* which);
 
-/// A serial number in upper-case hexadecimal digits; "" if it cannot be read.
+/// Returns a serial number in upper-case hexadecimal digits; "" if it cannot be read.
 std::string serial_text(const ASN1_INTEGER* serial);
 
-/// A UTF-8 copy of an attribute's value; empty if it is not text or contains a NUL.
+/// Returns a UTF-8 copy of an attribute's value; empty if it is not text or contains a NUL.
 std::optional<std::string> to_utf8(const ASN1_STRING* value);
 
-/// The kind of an allowed public key: RSA of 2048 to 16384 bits, EC P-256 and P-384 with a named
-/// curve. Error: key_not_allowed with algorithm and size, or with `type` if OpenSSL could not
-/// decode the key (nullptr).
+/// Returns the kind of an allowed public key: RSA of 2048 to 16384 bits, EC P-256 and P-384 with a
+/// named curve. Error: key_not_allowed with algorithm and size, or with `type` if `key` is nullptr
+/// because OpenSSL could not decode it.
 Result<KeyAlgorithm> judge_key(EVP_PKEY* key, std::string_view type = "unknown type");
 
 /// One block of a PEM text.
@@ -170,8 +170,8 @@ struct PemBlock {
 /// True if the octets begin with a SEQUENCE in DER, as certificates, lists and keys in DER do.
 bool is_der(BytesView octets);
 
-/// The next PEM block, without regard to text between blocks; nothing at the end. Refuses
-/// encrypted blocks (malformed).
+/// Reads the next PEM block, and skips text between blocks; nothing at the end. Refuses encrypted
+/// blocks (malformed).
 Result<std::optional<PemBlock>> next_pem_block(BIO* bio);
 
 }  // namespace ddssec::pki

@@ -15,7 +15,7 @@ std::size_t octets_of(const X509_NAME* name) {
   return static_cast<std::size_t>(std::max(i2d_X509_NAME(name, nullptr), 0));
 }
 
-// The name that a relative name of `point` is appended to: RFC 5280 4.2.1.13.
+// Returns the name to which a relative name of `point` is appended (RFC 5280 4.2.1.13).
 const X509_NAME* base_name(const DIST_POINT* point, const X509* x509) {
   const int count = point->CRLissuer != nullptr ? sk_GENERAL_NAME_num(point->CRLissuer) : 0;
   for (int i = 0; i < count; ++i) {
@@ -26,7 +26,7 @@ const X509_NAME* base_name(const DIST_POINT* point, const X509* x509) {
 }
 
 bool is_relative(const DIST_POINT* point) {
-  constexpr int kRelative = 1;  // of the CHOICE DistributionPointName
+  constexpr int kRelative = 1;  // nameRelativeToCRLIssuer in DistributionPointName
   return point->distpoint != nullptr && point->distpoint->type == kRelative;
 }
 
@@ -68,8 +68,8 @@ Status bad_message_digest(std::string found) {
                                            .found = std::move(found)});
 }
 
-// RFC 5652 11.2: signed attributes hold one messageDigest with one value, an OCTET STRING. `at(i)`
-// is the attribute i of `count`.
+// Checks that the signed attributes hold one messageDigest with one value, an OCTET STRING (RFC
+// 5652 11.2). `at(i)` returns attribute i of `count`.
 template <class At>
 Status check_message_digest(int count, At at) {
   if (count <= 0) return {};  // without signed attributes the content itself is signed
@@ -113,7 +113,7 @@ Status check_signed_data(PKCS7* pkcs7) {
   const int count = signers != nullptr ? sk_PKCS7_SIGNER_INFO_num(signers) : 0;
   for (int i = 0; i < count; ++i)
     DDSSEC_RETURN_IF_ERROR(check_signer(sk_PKCS7_SIGNER_INFO_value(signers, i)));
-  // The chain is built from the certificates inside.
+  // OpenSSL builds the chain from the certificates inside, so these are checked, too.
   const auto* certificates = pkcs7->d.sign->cert;
   Copies copies;
   const int inside = certificates != nullptr ? sk_X509_num(certificates) : 0;
@@ -137,8 +137,8 @@ Status verify_cms(CMS_ContentInfo* cms, STACK_OF(X509) * trusted, BIO* content, 
   for (int i = 0; i < count; ++i)
     DDSSEC_RETURN_IF_ERROR(check_signer(sk_CMS_SignerInfo_value(signers, i)));
   // CMS_verify makes a second BIO over a memory BIO, and leaks it if a digest is missing or unknown
-  // (seen with OpenSSL 3.0.19). A peer's permissions could do that in each handshake. It does not
-  // do so with a filter.
+  // (seen with OpenSSL 3.0.19). A peer's permissions could cause that in each handshake. With a
+  // filter in front, CMS_verify makes no second BIO.
   const BioPtr filter(BIO_new(BIO_f_null()));
   if (!filter) return openssl_failure(Code::internal);
   BIO_push(filter.get(), content);

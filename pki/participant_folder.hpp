@@ -13,8 +13,8 @@ enum class FolderLayout : std::uint8_t {
 };
 
 /// The paths of a participant's files; none of the files needs to exist. Keys and certificates end
-/// in .pem, or in .p11 if only a file of that name exists, which names the object in a token (see
-/// uri_of).
+/// in .pem. If only a file of the same name in .p11 exists, the path is that file, which names the
+/// object in a token (see uri_of).
 struct ParticipantFolder {
   FolderLayout layout;
   std::filesystem::path folder;
@@ -29,30 +29,31 @@ struct ParticipantFolder {
   std::filesystem::path properties;  ///< security.properties; optional, used by ddssec only
 };
 
-/// False if no file of that name can exist. True for everything else, also for a dangling link and
-/// for a file in a folder that cannot be searched: a document that was put there must not count as
-/// absent, and reading it reports what is wrong.
+/// False if no file of that name can exist. True in all other cases, also for a dangling link and
+/// for a file in a folder that cannot be searched. Such a document must not count as absent, and
+/// reading it reports what is wrong.
 bool is_there(const std::filesystem::path& path);
 
-/// True if the folder looks like one of a participant: it has a certificate or an identity CA. For
-/// hints and the choice of a sentence, so unlike is_there false for a folder that cannot be
-/// searched.
+/// True if the folder looks like one of a participant: it has a certificate or an identity CA. It
+/// serves to choose hints and sentences, so it is false for a folder that cannot be searched,
+/// unlike is_there.
 bool is_participant_folder(const std::filesystem::path& folder);
 
 /// True if the folder looks like one of a CA, as `ca create` and `init` make it: it has a CA's
-/// certificate or key, or the certificate of an identity CA in identity/. As is_participant_folder.
+/// certificate or key, or the certificate of an identity CA in identity/. False for a folder that
+/// cannot be searched.
 bool is_ca_folder(const std::filesystem::path& folder);
 
-/// The path of a key or certificate: `file`, or if it does not exist, the *.p11 file in its place
-/// that names the object in a token.
+/// Returns the path of a key or certificate: `file`, or the *.p11 file in its place that names the
+/// object in a token, if only that one exists.
 std::filesystem::path or_in_token(const std::filesystem::path& file);
 
-/// The paths of `folder` in a layout.
+/// Returns the paths of `folder` in a layout.
 ParticipantFolder participant_folder(const std::filesystem::path& folder, FolderLayout layout);
 
-/// The paths of `folder` in its layout: sros2 if one of the CA files exists under its sros2 name
-/// and not under its flat name, otherwise flat. A symbolic link counts as existing even if it is
-/// dangling.
+/// Returns the paths of `folder` in its layout: sros2 if one of the CA files exists under its sros2
+/// name and not under its flat name, otherwise flat. A symbolic link counts as existing even if it
+/// is dangling.
 ParticipantFolder participant_folder(const std::filesystem::path& folder);
 
 }  // namespace ddssec::pki

@@ -1,5 +1,5 @@
-// OpenSSL 3.0 calls engines deprecated, and has nothing else for PKCS#11: its providers for that
-// came later, and not to Debian 12.
+// OpenSSL 3.0 calls engines deprecated, but has nothing else for PKCS#11: the providers for it came
+// later, and Debian 12 does not have them.
 #define OPENSSL_SUPPRESS_DEPRECATED
 #include "pki/pkcs11.hpp"
 
@@ -24,7 +24,7 @@ namespace {
 // PKCS#11 return values (CK_RV), which the engine passes on as OpenSSL's reasons.
 constexpr int kPinIncorrect = 0xa0, kPinInvalid = 0xa1, kPinLengthRange = 0xa2, kPinLocked = 0xa4;
 
-// While it lives, its thread answers the engine with `pin`, once.
+// While an object lives, its thread answers the engine with `pin`, but only once.
 class PinRequest {
  public:
   explicit PinRequest(const Passphrase* pin) : pin_(pin) { current() = this; }
@@ -55,7 +55,7 @@ int give_pin(UI* ui, UI_STRING* question) {
   });
 }
 
-// Never freed: keys in use need it until the process ends.
+// The method is never freed, because keys in use need it until the process ends.
 UI_METHOD* pin_method() {
   static UI_METHOD* const method = [] {
     UI_METHOD* made = UI_create_method("PIN of a token");
@@ -79,21 +79,22 @@ struct Reasons {
   bool pin_refused = false;
 };
 
-// OpenSSL's queue, which is empty afterwards.
+// Reads OpenSSL's queue of errors, which is empty afterwards.
 Reasons take_reasons() {
   Reasons out;
   while (const auto error = ERR_get_error()) {
     const auto* const text = ERR_reason_error_string(error);
     if (out.first.empty() && text != nullptr) out.first = text;
     const int reason = ERR_GET_REASON(error);
-    if (ERR_GET_LIB(error) < ERR_LIB_USER) continue;  // OpenSSL's own
+    if (ERR_GET_LIB(error) < ERR_LIB_USER) continue;  // one of OpenSSL's own errors
     out.pin_refused |= reason == kPinIncorrect || reason == kPinInvalid ||
                        reason == kPinLengthRange || reason == kPinLocked;
   }
   return out;
 }
 
-// Never freed, like the token's keys. A module that is installed later is found without a restart.
+// Returns the engine, which is never freed, like the token's keys. After a failure the next call
+// tries again, so a module that is installed later is found without a restart.
 Result<ENGINE*> engine() {
   static std::mutex mutex;
   static ENGINE* ready = nullptr;
@@ -110,8 +111,8 @@ Result<ENGINE*> engine() {
     ENGINE_free(made);
     return fail(Code::pkcs11_unavailable, {.note = take_reasons().first});
   }
-  ENGINE_free(made);  // what ENGINE_init took stays
-  // By default it asks the user at the terminal, even in a daemon.
+  ENGINE_free(made);  // the reference of ENGINE_init stays
+  // By default the engine asks the user at the terminal, even in a daemon.
   ENGINE_ctrl_cmd(made, "SET_USER_INTERFACE", 0, pin_method(), nullptr, 1);
   return ready = made;
 }
@@ -143,20 +144,21 @@ struct SplitUri {
   std::optional<Passphrase> pin;
 };
 
-// Where the attribute begins; npos if there is none.
+// Returns the position at which the attribute begins; npos if there is none.
 std::size_t find_attribute(std::string_view uri, std::string_view name) {
   for (auto at = uri.find(name); at != uri.npos; at = uri.find(name, at + 1))
     if (at > 0 && std::string_view(":;?&").contains(uri[at - 1])) return at;
   return uri.npos;
 }
 
-// Without an object name, the engine would use the first object in the token.
+// True if the URI names an object. Without a name, the engine would use the first object in the
+// token.
 bool names_object(std::string_view uri) {
   return find_attribute(uri, "object=") != uri.npos || find_attribute(uri, "id=") != uri.npos;
 }
 
-// RFC 7512 allows each attribute once. If one is repeated, the engine would use another one than
-// this code.
+// Refuses a repeated attribute. RFC 7512 allows each one once, and the engine would use another one
+// than this code.
 Status check_attributes_once(std::string_view uri) {
   std::set<std::string_view> names;
   for (auto rest = uri.substr(std::string_view("pkcs11:").size());;) {
@@ -171,7 +173,8 @@ Status check_attributes_once(std::string_view uri) {
   }
 }
 
-// The engine would take a line end in the file for a part of the PIN, and tokens lock.
+// Splits a URI. The PIN is read here, because the engine would take a line end in the file for a
+// part of the PIN, and wrong PINs lock a token.
 Result<SplitUri> read_pin_source(std::string_view text) {
   const std::string uri(text.substr(std::min(text.find("pkcs11:"), text.size())));
   constexpr std::string_view kName = "pin-source=";

@@ -26,8 +26,8 @@ int give_passphrase(char* out, int room, int /*writing*/, void* user) {
   });
 }
 
-// OpenSSL's readers of encrypted keys (3.0: epki2pki) leave the passphrase on the stack. This
-// writes over what functions called before it from the same place have left there.
+// Overwrites what functions called earlier from the same place have left on the stack. OpenSSL's
+// readers of encrypted keys (3.0: epki2pki) leave the passphrase there.
 [[gnu::noinline]] void wipe_stack() {
   std::array<std::uint8_t, std::size_t{32} << 10> room;
   wipe(room);
@@ -39,7 +39,8 @@ Result<PrivateKey> finish(PkeyPtr pkey) {
       std::make_shared<PkiAccess::PrivateKeyImpl>(std::move(pkey), algorithm));
 }
 
-// The key of an engine does not report the name of its curve. Its public half, decoded again, does.
+// Judges the public half, decoded again, because the key of an engine does not report the name of
+// its curve.
 Result<KeyAlgorithm> judge_token_key(EVP_PKEY* key) {
   unsigned char* der = nullptr;
   const int size = i2d_PUBKEY(key, &der);

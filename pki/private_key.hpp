@@ -19,33 +19,33 @@ using Passphrase = Secret<struct PassphraseTag, 1024>;
 /// An immutable private key; copies share it. OpenSSL wipes it when the last copy is destroyed.
 class PrivateKey {
  public:
-  /// From PEM text: PKCS#8 plain or encrypted, or the traditional RSA and EC forms. Never prompts.
+  /// Reads PEM text: PKCS#8 plain or encrypted, or the traditional RSA and EC forms. Never prompts.
   /// `passphrase` may be null; it is not used for a plain key. Errors: passphrase_missing,
   /// passphrase_wrong, private_key_malformed, key_not_allowed.
   static Result<PrivateKey> from_pem(BytesView pem, const Passphrase* passphrase = nullptr);
   static Result<PrivateKey> from_pem(const KeyPem& pem, const Passphrase* passphrase = nullptr);
 
-  /// The key that `uri` names, in a file, in the text or, with `pkcs11:` (RFC 7512), in a token,
-  /// which keeps it and signs; `passphrase` is its PIN, unless the URI names one. `property` is
-  /// what an error names as its document. Errors: those of load() and from_pem; pkcs11_unavailable,
-  /// pkcs11_not_found, pkcs11_pin_missing, pkcs11_pin_wrong.
+  /// Loads the key that `uri` names: in a file, in the text or, with `pkcs11:` (RFC 7512), in a
+  /// token, which keeps it and signs. For a token `passphrase` is its PIN, unless the URI names
+  /// one. `property` is the document that an error names. Errors: those of load() and from_pem;
+  /// pkcs11_unavailable, pkcs11_not_found, pkcs11_pin_missing, pkcs11_pin_wrong.
   static Result<PrivateKey> load(std::string_view uri, std::string_view property,
                                  const Passphrase* passphrase = nullptr);
 
-  /// A new key from OpenSSL's generator. `bits` counts for RSA only.
+  /// Makes a new key with OpenSSL's generator. `bits` is used for RSA only.
   static Result<PrivateKey> generate(KeyKind kind, int bits = 2048);
 
-  /// PKCS#8 PEM text, encrypted with AES-256-CBC under PBKDF2 if a passphrase is given. Error:
-  /// key_in_token.
+  /// Returns PKCS#8 PEM text, encrypted with AES-256-CBC under PBKDF2 if a passphrase is given.
+  /// Error: key_in_token.
   Result<KeyPem> to_pem(const Passphrase* passphrase = nullptr) const;
 
-  /// The kind of the key and its size in bits.
+  /// Returns the kind of the key and its size in bits.
   KeyAlgorithm algorithm() const;
   /// True if the key is in a token, from which it cannot be exported.
   bool in_token() const;
 
-  /// Success if this is the private half of the certificate's key: the public halves are equal and
-  /// a signature made with this key verifies with the certificate's. Error: key_mismatch.
+  /// Succeeds if this is the private half of the certificate's key: the public halves are equal,
+  /// and a signature made with this key verifies with the certificate's key. Error: key_mismatch.
   Status matches(const Certificate& certificate) const;
 
  private:

@@ -8,7 +8,8 @@ namespace {
 
 constexpr std::string_view kCertificateLabel = "CERTIFICATE";
 constexpr std::string_view kPermissionsLabel = "SIGNED PERMISSIONS";
-// A file that was cut short must not pass for it.
+// An empty list contains exactly this line. A file that was truncated to zero octets therefore does
+// not count as an empty list.
 constexpr std::string_view kNoEntry = "# no renewed certificate or permissions\n";
 
 std::unexpected<Error> malformed(std::string expected, std::string found) {

@@ -58,7 +58,8 @@ Result<bool> RenewalListWatch::look_at(Place& place, const Adopt& adopt) {
 }
 
 Result<bool> RenewalListWatch::poll(std::chrono::nanoseconds now, const Adopt& adopt) {
-  // What is wrong in one place must not keep another one from being read.
+  // A fault in one file must not prevent the others from being read. The first error, or else the
+  // first change, is returned.
   Result<bool> out = false;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     if (!places_[i].watch.may_have_changed(now)) continue;

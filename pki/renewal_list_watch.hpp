@@ -13,36 +13,40 @@
 
 namespace ddssec::pki {
 
-/// No file need exist. The entries of all files count together. Not thread-safe.
+/// Watches these files, none of which need exist, and adopts the entries of all of them together.
+/// Not thread-safe.
 class RenewalListWatch {
  public:
-  /// `uris` of files. `refused`: the code of events about a file that cannot be used.
+  /// `uris` are those of the files. `refused` is the code of events about a file that cannot be
+  /// used.
   RenewalListWatch(const std::vector<std::string>& uris, std::chrono::seconds interval,
                    Code refused);
 
-  /// Judges entries that would take the place of those in force, and uses them if they are good.
+  /// Judges entries that would replace those in force, and uses them if they are good.
   using Adopt = std::function<Status(const RenewalList&)>;
-  /// Reads each file that may have changed. True: other entries are in force. Error: the fault of a
-  /// file that was wrong at two looks in a row, once as long as the file stays the same; the
-  /// entries in force stay. A file that disappears after it was read is wrong. `now`:
-  /// Clock::monotonic.
+  /// Reads each file that may have changed. Returns true if other entries are in force. `now` is
+  /// Clock::monotonic. Error: the fault of a file that was wrong at two polls in a row, once as
+  /// long as the file stays the same; the entries in force stay. A file that disappears after it
+  /// was read counts as wrong.
   Result<bool> poll(std::chrono::nanoseconds now, const Adopt& adopt);
 
-  /// The next poll reads the files, whatever the interval is.
+  /// Makes the next poll read the files without waiting for the interval.
   void force_poll();
-  /// The same, and judges their entries as if they were new: what they are judged by has changed.
+  /// Also makes the next poll judge the entries as if they were new. Call it if the CAs or other
+  /// facts by which they are judged have changed.
   void judge_again();
 
-  /// The file whose entries were taken last, or else the first one; empty if there is none.
+  /// Returns the file whose entries were adopted last, or else the first one; empty if there is
+  /// none.
   std::string path() const;
-  /// The last error of poll() about a file that has not been good since.
+  /// Returns the last error of poll() about a file that has not been good since.
   std::optional<Error> refused() const;
 
  private:
   struct Place {
     FileWatch watch;
     std::string path;
-    std::optional<Sha256Digest> content = {};  ///< of the file whose entries are in force
+    std::optional<Sha256Digest> content = {};  ///< digest of the file whose entries are in force
     RenewalList list = {};
     RenewalRefusals refusals = {};
   };

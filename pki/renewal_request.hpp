@@ -1,4 +1,4 @@
-// Checks a certificate request of a participant that has a certificate already.
+// Checks a certificate request of a participant that already has a certificate.
 #pragma once
 
 #include "base/bytes.hpp"
@@ -7,11 +7,11 @@
 
 namespace ddssec::pki {
 
-/// The key of a request for the certificate that follows another one.
+/// The key that a request for the next certificate must have: that of the former one, or any.
 enum class RequestedKey : std::uint8_t { same, any };
 
-/// Success if a PKCS#10 request (PEM) has the subject of `old`, octet for octet. With
-/// RequestedKey::same it must have the key of `old`, too; its signature then shows that the
+/// Succeeds if a PKCS#10 request (PEM) has the subject of `old`, octet for octet. With
+/// RequestedKey::same it must also have the key of `old`; its signature then shows that the
 /// requester has the private key. Errors: those of read_request; request_invalid (another subject),
 /// key_mismatch.
 Status check_renewal_request(BytesView request_pem, const Certificate& old, RequestedKey key);

@@ -12,7 +12,8 @@ namespace {
 
 constexpr int kSaltOctets = 32;
 
-// Fetched once: a fetch by name for every signature costs about a microsecond.
+// The digests are fetched once, because a fetch by name for every signature costs about a
+// microsecond.
 const EVP_MD* digest_for(KeyKind kind) {
   static const NeverDestroyed<DigestPtr> sha256_digest(EVP_MD_fetch(nullptr, "SHA256", nullptr));
   static const NeverDestroyed<DigestPtr> sha384_digest(EVP_MD_fetch(nullptr, "SHA384", nullptr));
@@ -49,7 +50,7 @@ Result<Bytes> sign(const PrivateKey& key, BytesView message) {
     return openssl_failure(Code::internal);
   std::size_t size = static_cast<std::size_t>(EVP_PKEY_get_size(pkey));
   Bytes signature(size);
-  // OpenSSL 3.0 calls it a success of 2^32 - 1 octets when memory runs out while ECDSA writes.
+  // If memory runs out while ECDSA writes, OpenSSL 3.0 reports success with 2^32 - 1 octets.
   if (EVP_PKEY_sign(context.get(), signature.data(), &size, digest.octets.data(), digest.size) !=
           1 ||
       size > signature.size())

@@ -11,7 +11,7 @@
 
 namespace ddssec::pki {
 
-/// The longest signature, in octets: RSA-16384.
+/// The longest signature, in octets: that of an RSA-16384 key.
 inline constexpr std::size_t kMaxSignatureOctets = 2048;
 
 /// Proof that octets were signed with the key of `signer`. Only `verify` creates one.
@@ -25,11 +25,11 @@ class SignatureValid {
   Certificate signer_;
 };
 
-/// ECDSA with SHA-256 for a P-256 key, with SHA-384 for P-384 (DER form); RSASSA-PSS with SHA-256,
-/// MGF1-SHA256 and a salt of 32 octets for RSA. Error: internal.
+/// Signs with ECDSA (DER form) and SHA-256 for a P-256 key or SHA-384 for P-384; for RSA with
+/// RSASSA-PSS, SHA-256, MGF1-SHA256 and a salt of 32 octets. Error: internal.
 Result<Bytes> sign(const PrivateKey& key, BytesView message);
 
-/// Verifies by the type of the certificate's key, whatever the peer announced; for RSA any salt
+/// Verifies by the type of the certificate's key, whatever the peer announced. For RSA, any salt
 /// length is accepted (Cyclone signs with the longest). Error: signature_invalid.
 Result<SignatureValid> verify(const Certificate& signer, BytesView message, BytesView signature);
 

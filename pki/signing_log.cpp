@@ -21,7 +21,7 @@ std::string member(const LogJson& object, const char* name) {
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
-// 0: it is none.
+// Returns 0 if the value is not a revision number.
 std::uint32_t revision_in(const LogJson& value) {
   if (!value.is_number_unsigned()) return 0;
   const auto number = value.get<std::uint64_t>();
@@ -53,7 +53,7 @@ SigningLog SigningLog::parse(BytesView text) {
 }
 
 bool SigningLog::add_line(std::string_view line) {
-  constexpr std::size_t kDigits = 64;  // of SHA-256
+  constexpr std::size_t kDigits = 64;  // the digits of SHA-256
   if (line.size() > kMaxLogLineOctets) return false;
   const auto object = LogJson::parse(line, nullptr, false);
   if (!object.is_object() || member(object, "event") != "signed") return false;
@@ -76,7 +76,8 @@ bool SigningLog::is_last_of(const std::string& file, BytesView text) const {
   return found != last_in_.end() && found->second == document_digest(text);
 }
 
-// Two texts may extend each other, by hand; so the steps are counted.
+// A log that was edited by hand may say that two documents extend each other. The number of steps
+// is limited so that such a cycle ends.
 bool SigningLog::is_current_in(const std::string& file, const std::string& document) const {
   auto at = last_in_.find(file);
   if (at == last_in_.end()) return false;
@@ -97,8 +98,8 @@ bool SigningLog::is_superseded_in(const std::string& file, const std::string& do
          line_of_.at(document) < line_of_.at(last->second);
 }
 
-// A new CA that signs the same text again supersedes nothing: the old document is used until the
-// new one is in place.
+// If a new CA signs the same text again, that supersedes nothing: the old document is used until
+// the new one is in place.
 SigningLog::Standing SigningLog::standing(BytesView text, const Certificate& ca,
                                           const std::vector<std::string>& files) const {
   const auto document = document_digest(text);

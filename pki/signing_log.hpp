@@ -1,5 +1,5 @@
-// The log of what a permissions CA signed: a text file with one JSON object per line, to which
-// lines are only ever added.
+// The log of the documents that a permissions CA signed: a text file with one JSON object per line.
+// Lines are added to it, but never changed.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace ddssec::pki {
 
-/// SHA-256 of a document's text, hexadecimal, whatever its line ends are.
+/// Returns the SHA-256 of a document's text in hexadecimal, whatever its line ends are.
 std::string document_digest(BytesView text);
 
 /// The parsed log. A signature alone does not prove that the CA's owner signed a document, because
@@ -25,8 +25,8 @@ class SigningLog {
  public:
   /// The status of a document in the log.
   enum class Standing : std::uint8_t {
-    unknown,     ///< not signed by this CA, by this log
-    superseded,  ///< signed, but another text took its place in every file
+    unknown,     ///< not signed by this CA according to the log
+    superseded,  ///< signed, but another text replaced it in every file
     current,     ///< the last text that was signed for a file, by this CA or by one that followed,
                  ///< or one that this text extends
   };
@@ -35,27 +35,28 @@ class SigningLog {
   /// lines are ignored and listed in unreadable().
   static SigningLog parse(BytesView text);
 
-  /// The status of a document that was signed with the key of `ca`. `files`: the names of the file
-  /// that it is in now. A later text for one of them supersedes it, even if it is the last
-  /// text of another file: a folder may have been moved, and its former document put back.
+  /// Returns the status of a document that was signed with the key of `ca`. `files` are the names
+  /// of the file in which it is now. A later text for one of them supersedes it, even if it is the
+  /// last text of another file, because a folder may have been moved and its former document put
+  /// back.
   Standing standing(BytesView text, const Certificate& ca,
                     const std::vector<std::string>& files = {}) const;
-  /// True if a text is the last one that was signed for this file, by any CA in the log. The log
-  /// alone decides: the signature need not be of a CA that still exists.
+  /// True if a text is the last one that was signed for this file, by any CA in the log. Only the
+  /// log decides: the CA need not exist any more.
   bool is_last_of(const std::string& file, BytesView text) const;
   /// True if anything was signed for this file.
   bool has(const std::string& file) const { return last_in_.contains(file); }
-  /// The highest governance revision in the log; 0: none.
+  /// Returns the highest governance revision in the log, or 0 if there is none.
   std::uint32_t last_revision() const { return last_revision_; }
-  /// The numbers, from 1, of the lines that could not be read.
+  /// Returns the numbers, from 1, of the lines that could not be read.
   const std::vector<int>& unreadable() const { return unreadable_; }
 
-  /// The line, with its end, for a document that `ca` signed for a file. `extended`: the text that
-  /// it extends, if it says the same for a longer time. That one stays current, because a command
-  /// may be killed before the new one is in place.
+  /// Returns the line, with its end, for a document that `ca` signed for a file. `extended` is the
+  /// former text if the document only says the same for a longer time. The former text stays
+  /// current, because a command may be killed before the new one is in place.
   static std::string signed_line(BytesView text, const Certificate& ca, std::string_view file,
                                  WallTime now, BytesView extended = {});
-  /// The same lines with the revision of a governance document.
+  /// Returns the same lines with the revision of a governance document.
   static std::string with_revision(const std::string& lines, std::uint32_t revision);
 
  private:
@@ -65,11 +66,12 @@ class SigningLog {
 
   std::unordered_set<std::string> signed_;  ///< "key_digest() of the CA, document_digest()"
   std::unordered_map<std::string, std::vector<std::string>> files_of_;  ///< by document_digest()
-  std::unordered_map<std::string, std::string> last_in_;  ///< by file: the last document_digest()
-  /// By document_digest(): the number of the last line.
+  std::unordered_map<std::string, std::string> last_in_;  ///< the last document_digest() of a file
+  /// The number of the last line with a document_digest().
   std::unordered_map<std::string, std::size_t> line_of_;
   std::size_t lines_ = 0;
-  std::unordered_map<std::string, std::string> extends_;  ///< document_digest() of both
+  /// The document_digest() of the former text, by that of the text that extends it.
+  std::unordered_map<std::string, std::string> extends_;
   std::uint32_t last_revision_ = 0;
   std::vector<int> unreadable_;
 };

@@ -1,4 +1,4 @@
-// Internal to pki/: when a document was signed, as its signer says.
+// Internal to pki/: the time at which a document was signed, as its signer claims.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace ddssec::pki {
 
-/// The signing time among the signed attributes (RFC 5652 11.3). Empty: there is none, or not
+/// Returns the signing time among the signed attributes (RFC 5652 11.3); empty if there is not
 /// exactly one with one value. It is as trustworthy as the signature, and need not be in the past.
 std::optional<WallTime> signing_time_of(const CMS_SignerInfo* signer);
 

@@ -13,8 +13,9 @@
 namespace ddssec::pki {
 namespace {
 
-// The certificates inside are not used. Without algorithms OpenSSL does not decode their keys,
-// which takes longer than to verify the signature. Null: there is not even that.
+// The library context for decoding a signature. The certificates inside are not used. Without
+// algorithms OpenSSL does not decode their keys, which would take longer than to verify the
+// signature. Returns nullptr if OpenSSL cannot create the context.
 OSSL_LIB_CTX* no_algorithms() {
   static OSSL_LIB_CTX* const context = [] {
     OSSL_LIB_CTX* made = OSSL_LIB_CTX_new();
@@ -49,8 +50,8 @@ Result<CMS_SignerInfo*> only_signer(CMS_ContentInfo* cms) {
   return sk_CMS_SignerInfo_value(signers, 0);
 }
 
-// The signature algorithm only repeats the key and digest types and is not signed, so it must match
-// them.
+// True if the signature algorithm matches the digest. It only repeats the types of key and digest,
+// and it is not signed.
 bool fits(int signature_algorithm, int digest) {
   switch (signature_algorithm) {
     case NID_rsaEncryption:
@@ -90,8 +91,8 @@ std::string describe(CMS_SignerInfo* signer) {
   return "certificate " + std::string(hex ? hex.get() : "?") + " issued by " + name_rfc2253(issuer);
 }
 
-// A root signs with its own name as issuer. Another serial number means an earlier certificate of
-// that root.
+// True if the signer names a configured root as its issuer. A root signs with its own name as
+// issuer, so the signer is an earlier certificate of that root, or one that the root issued.
 bool is_of_other_key(CMS_SignerInfo* signer, const std::vector<Certificate>& cas) {
   X509_NAME* issuer = nullptr;
   if (CMS_SignerInfo_get0_signer_id(signer, nullptr, &issuer, nullptr) != 1 || issuer == nullptr)
@@ -102,7 +103,8 @@ bool is_of_other_key(CMS_SignerInfo* signer, const std::vector<Certificate>& cas
   });
 }
 
-// The configured certificates that the signer may mean; more than one after a CA was renewed.
+// Returns the configured certificates that the signer may mean. After a CA was renewed, it may be
+// more than one.
 Result<std::vector<Certificate>> candidates(CMS_SignerInfo* signer,
                                             const std::vector<Certificate>& cas) {
   std::vector<Certificate> out;
@@ -124,8 +126,8 @@ Result<std::vector<Certificate>> candidates(CMS_SignerInfo* signer,
   return fail(Code::smime_signer_not_permissions_ca, std::move(details));
 }
 
-// OpenSSL checks content digest, signed attributes and signature with the key of `ca`, and looks
-// at no other certificate. Whether `ca` may be believed is judged by the caller.
+// Verifies content digest, signed attributes and signature with the key of `ca`. OpenSSL looks at
+// no other certificate. The caller judges whether `ca` is valid.
 Status verify_with(const Certificate& ca, CMS_ContentInfo* cms, BytesView content) {
   const CertificateStack trusted(sk_X509_new_null());
   const BioPtr bio = bio_over(content);
@@ -150,7 +152,8 @@ Result<Verified> verified_signer(const std::vector<Certificate>& cas, BytesView 
   Status status = verify_with(possible.front(), cms.get(), content);
   if (status) return Verified{possible.front(), time};
   for (std::size_t i = 1; i < possible.size(); ++i) {
-    // A structure remembers the certificate it was tried with: each further one gets a fresh one.
+    // A structure remembers the certificate with which it was verified, so each further certificate
+    // needs a fresh one.
     DDSSEC_ASSIGN_OR_RETURN(cms, decode_signature(signature));
     status = verify_with(possible[i], cms.get(), content);
     if (status) return Verified{possible[i], time};

@@ -18,7 +18,7 @@ namespace {
 
 using Pkcs7Ptr = std::unique_ptr<PKCS7, Deleter<PKCS7_free>>;
 
-// A signature as OpenSSL finds it and, if it stands beside it, the text that was signed.
+// A signature as OpenSSL finds it, and the signed text if that is beside the signature.
 struct Parsed {
   Pkcs7Ptr pkcs7;
   BioPtr beside;
@@ -51,7 +51,7 @@ Pkcs7Ptr parse_der(BytesView file) {
   return Pkcs7Ptr(d2i_PKCS7(nullptr, &position, static_cast<long>(file.size())));
 }
 
-// Null unless it is SignedData.
+// Returns nullptr unless the octets are SignedData.
 CmsPtr parse_cms(BytesView der) {
   const auto* position = der.data();
   CmsPtr cms(d2i_CMS_ContentInfo(nullptr, &position, static_cast<long>(der.size())));
@@ -59,7 +59,7 @@ CmsPtr parse_cms(BytesView der) {
                                                                           : nullptr;
 }
 
-// The text inside an opaque signature.
+// Returns the text inside an opaque signature.
 Bytes inner_text(PKCS7* pkcs7) {
   if (PKCS7_type_is_signed(pkcs7) == 0 || PKCS7_get_detached(pkcs7) != 0 ||
       pkcs7->d.sign == nullptr || pkcs7->d.sign->contents == nullptr ||
@@ -135,7 +135,7 @@ std::optional<WallTime> signing_time_in(BytesView signature) {
   return signing_time_of(sk_CMS_SignerInfo_value(signers, 0));
 }
 
-// Takes "Content-Type: text/plain ..." and the blank line off the text.
+// Removes "Content-Type: text/plain ..." and the blank line from the text.
 void take_text_header(DocumentForm& form) {
   constexpr std::string_view kHeader = "content-type: text/plain";
   const auto text = as_text(form.unverified_text);
@@ -151,7 +151,8 @@ void take_text_header(DocumentForm& form) {
   form.unverified_text = to_bytes(as_bytes(text.substr(std::min(end, text.size()))));
 }
 
-// By the first line that is not blank: OpenSSL does not say where in the file it found the text.
+// The number of the file's line at which `text` begins. OpenSSL does not report it, so the first
+// non-blank line of the text is searched for.
 int first_line_in(std::string_view file, std::string_view text) {
   const auto begin = text.find_first_not_of(" \t\r\n");
   if (begin == text.npos) return 1;
@@ -168,7 +169,7 @@ Bytes der_of(PKCS7* pkcs7) {
   return out;
 }
 
-// Reads the text as the plugins do.
+// Reads the text as the plugins do. Returns false if they cannot read it.
 bool take_as_plugins_do(BytesView file, DocumentForm& form) {
   const auto document = read_document(file);
   const auto pkcs7 = document ? parse_der(document->signature) : nullptr;
@@ -216,7 +217,7 @@ StorePtr store_of(const std::vector<Certificate>& cas, WallTime now) {
   return store;
 }
 
-// Null if the file has no certificate.
+// Returns nullptr if the file has no certificate.
 StorePtr store_of(BytesView ca_file, std::size_t count, WallTime now) {
   const BioPtr in = bio_over(ca_file);
   auto store = empty_store(now);
@@ -226,7 +227,7 @@ StorePtr store_of(BytesView ca_file, std::size_t count, WallTime now) {
     if (!ca) break;
     X509_STORE_add_cert(store.get(), ca.get());
   }
-  take_openssl_reason();  // of the end of the file
+  take_openssl_reason();  // the error at the end of the file
   return read > 0 ? std::move(store) : nullptr;
 }
 
@@ -334,7 +335,7 @@ std::optional<AnnouncedCa> ca_announced_by_fastdds(BytesView ca_file) {
     if (!out) out = AnnouncedCa{.name = name ? name.get() : "", .algorithm = {}};
     out->algorithm = algorithm_for_fastdds(ca.get());
   }
-  take_openssl_reason();  // of the end of the file
+  take_openssl_reason();  // the error at the end of the file
   return out;
 }
 

@@ -1,5 +1,5 @@
-// Examines a document file of any form, and checks whether stock products would accept it. For
-// diagnosis only: nothing here grants anything. The decision is made by pki/smime.hpp.
+// Examines a document file of any form, and checks whether stock products would accept it. It is
+// for diagnosis only and grants nothing. pki/smime.hpp makes the decision.
 #pragma once
 
 #include <cstdint>
@@ -19,14 +19,14 @@ struct UnverifiedDocument;  // internal to pki/: pki/unverified_document.hpp
 
 /// The form of a signed document.
 enum class DocumentWrapping : std::uint8_t {
-  none,       ///< no signature at all: the XML text itself
+  none,       ///< no signature: the XML text itself
   multipart,  ///< multipart/signed, the text beside the signature
   opaque,     ///< application/pkcs7-mime, the text inside the signature
   pem,        ///< BEGIN PKCS7 or CMS
   der,
   unknown,
 };
-/// "multipart/signed", "unsigned XML" and so on.
+/// Returns "multipart/signed", "unsigned XML" and so on.
 std::string_view to_string(DocumentWrapping wrapping);
 
 /// The content of a file that should be a signed document. Everything in it is UNVERIFIED.
@@ -39,16 +39,16 @@ struct DocumentForm {
   /// empty if there is none.
   std::string signer_issuer = {};
   std::string signer_serial = {};
-  /// Or the identifier of its key, hexadecimal, where the signer is named by that (RFC 5652 5.3),
-  /// as by openssl cms -sign -keyid.
+  /// The identifier of its key in hexadecimal, if the signature names the signer by that instead
+  /// (RFC 5652 5.3), as openssl cms -sign -keyid does.
   std::string signer_key_id = {};
-  /// The certificates inside the signature that its signers name, DER, at most kMaxEmbedded.
+  /// The certificates inside the signature that its signers name, in DER, at most kMaxEmbedded.
   std::vector<Bytes> signer_certificates = {};
-  /// The claimed signing time of the first signer, where the plugins can read the document.
+  /// The claimed signing time of the first signer, if the plugins can read the document.
   std::optional<WallTime> signing_time = {};
   /// The document's text without its header; empty if it cannot be found.
   Bytes unverified_text = {};
-  /// The line of the file, from 1, on which that text begins; 1 where it is not readable in the
+  /// The line of the file, from 1, on which that text begins; 1 if the text is not readable in the
   /// file.
   int first_line = 1;
   /// Set if readers interpret the file differently, because no signature covers the lines around
@@ -61,36 +61,37 @@ struct DocumentForm {
   static constexpr std::size_t kMaxEmbedded = 16;
 };
 
-/// The first signer as named in its signature: "serial 1A of CN=CA", or "the key 2B (subject key
-/// identifier)".
+/// Returns the first signer as named in its signature: "serial 1A of CN=CA", or "the key 2B
+/// (subject key identifier)".
 std::string signer_words(const DocumentForm& form);
 
 /// Examines a file of at most kMaxDocumentOctets without trusting its content. Never fails.
 DocumentForm examine_document(BytesView file);
 
-/// Success if OpenSSL's parser finds the same text and signature in `file` as ddssec's, or nothing
+/// Succeeds if OpenSSL's parser finds the same text and signature in `file` as ddssec's, or nothing
 /// at all. Error: smime_malformed.
 Status check_same_reading(const UnverifiedDocument& ours, BytesView file);
 
-/// Success if the file is accepted by a reader that uses OpenSSL's SMIME_read_PKCS7 and
+/// Succeeds if the file is accepted by a reader that uses OpenSSL's SMIME_read_PKCS7 and
 /// PKCS7_verify with PKCS7_TEXT over a store of `cas`, as Cyclone DDS 0.10.2 and Fast DDS 2.9.1 do.
-/// They accept every signer that chains to the CA (CVE-2023-24010, CVE-2023-24011) and opaque
+/// They accept every signer that chains to the CA (CVE-2023-24010, CVE-2023-24011), and opaque
 /// documents. Errors: smime_malformed with OpenSSL's reason, those of verify_pkcs7
 /// (pki/openssl_guards.hpp), internal.
 Status stock_products_believe(BytesView file, const std::vector<Certificate>& cas, WallTime now);
 
-/// The same with the first `count` certificates of a CA file in PEM, whatever their keys are: stock
-/// products also take keys of a permissions CA that DDS-Security does not allow (measured). Errors:
-/// as above; certificate_malformed, certificate_too_large.
+/// Does the same with the first `count` certificates of a CA file in PEM, whatever their keys are,
+/// because stock products also take keys of a permissions CA that DDS-Security does not allow
+/// (measured). Errors: the same; certificate_malformed, certificate_too_large.
 Status stock_products_believe(BytesView file, BytesView ca_file, std::size_t count, WallTime now);
 
-/// What Fast DDS announces to its peers about its permissions CA file.
+/// The facts that Fast DDS announces to its peers about its permissions CA file.
 struct AnnouncedCa {
-  std::string name;       ///< subject of the first certificate, in OpenSSL's one-line form
-  std::string algorithm;  ///< "RSA" or "ECDSA", of the first signature with SHA-256; "" without one
+  std::string name;  ///< subject of the first certificate, in OpenSSL's one-line form
+  /// "RSA" or "ECDSA", from the first signature with SHA-256; empty if there is none.
+  std::string algorithm;
   bool operator==(const AnnouncedCa&) const = default;
 };
-/// Reads it from a CA file in PEM; empty if there is no certificate in it.
+/// Reads these facts from a CA file in PEM; empty if there is no certificate in it.
 std::optional<AnnouncedCa> ca_announced_by_fastdds(BytesView ca_file);
 
 }  // namespace ddssec::pki

@@ -20,21 +20,22 @@ inline constexpr std::size_t kMaxDocumentOctets = 16 * 1024 * 1024;
 /// peer.
 inline constexpr std::size_t kMaxSentPermissionsOctets = 1024 * 1024;
 
-/// The PEM text of a private key: up to RSA-16384.
+/// The PEM text of a private key, which may be as long as that of RSA-16384.
 using KeyPem = Secret<struct KeyPemTag, 16 * 1024>;
 
 using ddssec::load;
 
-/// Certificates in PEM, by their URI: like load(), and for `pkcs11:` (RFC 7512) the certificate in
-/// a token. Errors: those of load(); pkcs11_unavailable, pkcs11_not_found.
+/// Loads certificates in PEM by their URI: like load(), and for `pkcs11:` (RFC 7512) the
+/// certificate in a token. Errors: those of load(); pkcs11_unavailable, pkcs11_not_found.
 Result<Bytes> load_certificates(std::string_view uri, std::string_view property,
                                 std::size_t max_octets);
 
-/// The URI of the key or certificate at `path`: that of the file, or, if its name is *.p11 as in
-/// keystores of ROS 2, the `pkcs11:` URI in it. Errors: those of load(); unsupported_uri.
+/// Returns the URI of the key or certificate at `path`: that of the file, or, if its name is *.p11
+/// as in keystores of ROS 2, the `pkcs11:` URI in it. Errors: those of load(); unsupported_uri.
 Result<std::string> uri_of(const std::filesystem::path& path);
 
-/// An error of load() or of the parser as one about the file: its document is the path.
+/// Turns an error of load() or of the parser into one about the file, with the path as its
+/// document.
 Error about_file(const Error& error, const std::filesystem::path& path);
 
 }  // namespace ddssec::pki

@@ -26,8 +26,9 @@ std::string type_name(const ASN1_OBJECT* object) {
   return size > 0 && size < static_cast<int>(sizeof dotted) ? dotted : "";
 }
 
-// RFC 4514 section 3: type names do not depend on case. OpenSSL's table holds the short and long
-// names; the RFC's own names are the short ones in capitals, and a few have a second spelling.
+// Finds an attribute type, whose name does not depend on case (RFC 4514 section 3). OpenSSL's table
+// holds the short and long names. The RFC's own names are the short ones in capitals, and a few
+// have a second spelling.
 std::optional<std::string> canonical_type(std::string_view text) {
   const auto known = [](const std::string& name) -> std::optional<std::string> {
     const int nid = OBJ_txt2nid(name.c_str());
@@ -52,7 +53,7 @@ std::optional<std::string> canonical_type(std::string_view text) {
   return std::nullopt;
 }
 
-// '#' and hexadecimal digits: the value's DER (RFC 4514 2.4).
+// Reads a value that is written as '#' and the hexadecimal digits of its DER (RFC 4514 2.4).
 std::optional<std::string> hex_value(std::string_view digits) {
   const auto der = from_hex(digits);
   if (!der || der->empty()) return std::nullopt;
@@ -103,7 +104,7 @@ class Rfc4514 {
   }
 
   bool at_end() const { return at_ == text_.size(); }
-  // ',' or '+' between attributes; 0 if there is neither.
+  // Reads ',' or '+' between attributes; returns 0 if there is neither.
   char separator() {
     const char c = at_end() ? '\0' : text_[at_];
     if (c != ',' && c != '+') return '\0';
@@ -131,7 +132,7 @@ class Rfc4514 {
     return *std::move(value);
   }
 
-  // After a backslash: one special character, or two hexadecimal digits.
+  // Reads what follows a backslash: one special character, or two hexadecimal digits.
   Result<char> escaped() {
     constexpr std::string_view kSpecial = "\"+,;<>= #\\/";
     if (at_ < text_.size() && kSpecial.find(text_[at_]) != kSpecial.npos) return text_[at_++];
@@ -159,7 +160,7 @@ class Rfc4514 {
 
   Result<std::string> plain() {
     std::string out;
-    std::size_t meant = 0;  // up to here, blanks at the end count
+    std::size_t meant = 0;  // the size without trailing blanks, except escaped ones
     while (!at_end() && text_[at_] != ',' && text_[at_] != '+') {
       const char c = text_[at_++];
       if (std::string_view("\";<>").find(c) != std::string_view::npos)
@@ -179,7 +180,7 @@ class Rfc4514 {
   std::size_t at_ = 0;
 };
 
-// Where the next "/TYPE=" or "+TYPE=" with a known type begins.
+// Returns the position of the next "/TYPE=" or "+TYPE=" with a known type.
 std::size_t next_one_line_type(std::string_view text, std::size_t from) {
   constexpr std::string_view kSeparators = "/+";
   for (auto at = text.find_first_of(kSeparators, from); at != text.npos;
@@ -192,8 +193,8 @@ std::size_t next_one_line_type(std::string_view text, std::size_t from) {
   return text.npos;
 }
 
-// X509_NAME_oneline writes unprintable octets as \xHH; newer versions of OpenSSL 3.0 also "\/" and
-// "\+", before that nothing else.
+// Undoes the escapes of X509_NAME_oneline, which writes unprintable octets as \xHH. Newer versions
+// of OpenSSL 3.0 also write "\/" and "\+"; older ones escape nothing else.
 Result<std::string> unescape_one_line(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -242,7 +243,7 @@ Result<OneLine> parse_one_line(std::string_view text) {
 }  // namespace
 
 Result<SubjectName> SubjectName::parse(std::string_view text) {
-  // Blanks at the end may be escaped: the reader below knows.
+  // Only leading blanks are removed. A trailing blank may be escaped, which Rfc4514::plain decides.
   text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
   if (text.empty() || text.size() > kMaxSubjectOctets)
     return std::unexpected(malformed("it is empty or too long", text));
@@ -274,7 +275,7 @@ SubjectName SubjectName::of(const Certificate& certificate) {
   int last_set = -1;
   for (int i = 0; i < X509_NAME_entry_count(subject); ++i) {
     const X509_NAME_ENTRY* entry = X509_NAME_get_entry(subject, i);
-    // No Certificate object exists with names that are not text.
+    // The value is always text, because Certificate refuses other names.
     auto value = to_utf8(X509_NAME_ENTRY_get_data(entry));
     name.attributes_.push_back(
         {type_name(X509_NAME_ENTRY_get_object(entry)), value.value_or(std::string())});
@@ -302,7 +303,7 @@ std::string SubjectName::key() const {
   std::string out;
   for (const auto& rdn : sequence) {
     out += ',';
-    // With the length, so that no value reads as another attribute.
+    // The length is included, so that no value reads as another attribute.
     for (const auto& [type, value] : rdn)
       out += '+' + type + '=' + std::to_string(value.size()) + ':' + value;
   }

@@ -14,7 +14,7 @@ namespace ddssec::pki {
 namespace {
 
 constexpr std::size_t kMaxSignatureText = 64 * 1024;
-// OpenSSL and ddssec write some 600.
+// The limit for octets that are not signed. OpenSSL and ddssec write some 600.
 constexpr std::size_t kMaxUnsignedOctets = 4096;
 
 Result<Bytes> decode_base64(std::string_view text) {
@@ -30,7 +30,8 @@ Result<Bytes> decode_base64(std::string_view text) {
   joined.reserve(text.size());
   for (char c : text)
     if (std::string_view(" \t\r\n").find(c) == std::string_view::npos) joined.push_back(c);
-  // EVP_DecodeBlock takes '=' anywhere for zeros; OpenSSL's other reader ends there.
+  // '=' is allowed only at the end. EVP_DecodeBlock reads one elsewhere as zeros, but OpenSSL's
+  // other reader ends there.
   const auto digits = std::min(joined.find('='), joined.size());
   if (joined.empty() || joined.size() % 4 != 0 || joined.size() - digits > 2 ||
       joined.find_first_not_of('=', digits) != joined.npos)
@@ -52,15 +53,16 @@ Result<BytesView> check_octets(BytesView file) {
                  .found = std::to_string(file.size())});
   if (!file.empty() && file.back() == 0) file = file.first(file.size() - 1);
   if (as_text(file).find('\0') == std::string_view::npos) return file;
-  constexpr std::uint8_t kSequence = 0x30;  // what every DER signature begins with
+  constexpr std::uint8_t kSequence = 0x30;  // the first octet of every DER signature
   if (file.front() == kSequence)
     return fail(Code::smime_not_multipart, {.expected = "Content-Type: multipart/signed",
                                             .found = "a binary (DER) signature"});
   return fail(Code::smime_nul);
 }
 
-// Header lines, boundaries, blanks around the parts, and carriage returns before line feeds are not
-// signed. The sender of a document could add more of them, to use up memory or to make it look new.
+// Limits the octets that are not signed: header lines, boundaries, blanks around the parts, and
+// carriage returns before line feeds. The sender of a document could add more of them, to use up
+// memory or to make it look new.
 Status check_unsigned(BytesView file, BytesView content, BytesView signature) {
   const auto lines = static_cast<std::size_t>(std::ranges::count(content, '\n'));
   const auto base64_size = (signature.size() + 2) / 3 * 4;

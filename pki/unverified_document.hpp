@@ -1,4 +1,4 @@
-// Internal to pki/: a parsed signed document before verification of its signature.
+// Internal to pki/: a parsed signed document whose signature has not been verified yet.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +8,11 @@
 
 namespace ddssec::pki {
 
-/// UNVERIFIED.
+/// A parsed document. Everything in it is UNVERIFIED.
 struct UnverifiedDocument {
-  Bytes signed_octets;        ///< canonical: what the signature is about
-  std::size_t header_octets;  ///< of them the text/plain header, blank line included
-  int first_line;             ///< of the file, from 1: where the text begins
+  Bytes signed_octets;        ///< the canonical octets that the signature covers
+  std::size_t header_octets;  ///< size of the text/plain header in them, with the blank line
+  int first_line;             ///< the line of the file, from 1, on which the text begins
   Bytes signature;            ///< DER
 
   BytesView text() const { return BytesView(signed_octets).subspan(header_octets); }

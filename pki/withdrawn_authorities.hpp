@@ -10,25 +10,26 @@
 
 namespace ddssec::pki {
 
-/// A CA file has no number or date that would show which of two is the newer one. So a CA that has
-/// left the file does not come back while the participant runs: else an attacker who can write the
-/// folder would undo its end by putting the former file back. Not thread-safe.
+/// Remembers CAs that have left a CA file, so that they do not come back while the participant
+/// runs. A CA file has no number or date that shows which of two is newer. Otherwise an attacker
+/// who can write the folder could make the participant trust the CA again by putting the former
+/// file back. Not thread-safe.
 class WithdrawnAuthorities {
  public:
-  /// The largest number of certificates that are remembered. With so many, a change that withdraws
+  /// The largest number of certificates that are remembered. After that, a change that withdraws
   /// another one is refused.
   static constexpr std::size_t kMaxWithdrawn = 256;
 
-  /// May `next` take the place of `former`? Error: ca_put_back.
+  /// Succeeds if `next` may replace `former`. Error: ca_put_back.
   Status check(const std::vector<Certificate>& former, const std::vector<Certificate>& next) const;
-  /// It has. Call it after `check` succeeded.
+  /// Notes that `next` has replaced `former`. Call it after `check` succeeded.
   void note(const std::vector<Certificate>& former, const std::vector<Certificate>& next);
 
  private:
   std::set<Sha256Digest> withdrawn_;
 };
 
-/// Subjects and first digits of the fingerprints, for a person; of at most 512 characters.
+/// Returns subjects and first digits of the fingerprints, for a person; at most 512 characters.
 std::string describe(const std::vector<Certificate>& authorities);
 
 }  // namespace ddssec::pki
