@@ -18,8 +18,6 @@
 namespace ddssec::cli {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr unsigned kMode = 0600;  // a capture is for its owner only
 constexpr int kSnapshotOctets = 262'144;
 constexpr int kWaitMilliseconds = 100;

@@ -17,8 +17,6 @@
 namespace ddssec::cli {
 namespace {
 
-namespace fs = std::filesystem;
-
 std::vector<std::string> words_by_hand(const OverlapToEnd& overlap, const Arguments& agent) {
   return {"ca", "rotate", agent.text("--ca"), "--role", overlap.role, "--end", "--when-due"};
 }

@@ -49,7 +49,7 @@ Result<FetchedResponse> fetch_response(const ResponseWanted& wanted, WallTime no
                 {.document = files.identity_ca, .found = "issuer " + certificate.issuer()});
   auto url = given.empty() ? pki::ocsp_responder_of(certificate) : given;
   if (url.empty()) return fail(tool_code::ocsp_no_responder, {.document = files.certificate});
-  const auto issuer = *ca;
+  const auto& issuer = *ca;
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
                           named(pki::ChainVerifier::make(std::move(anchors)), files.identity_ca));
   DDSSEC_ASSIGN_OR_RETURN(auto octets, pki::fetch_ocsp({certificate, issuer}, url, longest));

@@ -76,7 +76,7 @@ Result<std::vector<pki::Revocation>> listed_revocations(const CaPaths& ca) {
 
 Result<bool> lists_all(const CaPaths& ca, const pki::IssueLog& log) {
   DDSSEC_ASSIGN_OR_RETURN(auto wanted, listed_revocations(ca));
-  const auto logged = log.revocations();
+  const auto& logged = log.revocations();
   wanted.insert(wanted.end(), logged.begin(), logged.end());
   if (wanted.empty()) return true;
   DDSSEC_ASSIGN_OR_RETURN(const auto present, present_crl(ca));
@@ -160,8 +160,8 @@ class Former {
 
 Result<Former> former_lists(const OpenCa& ca, const pki::IssueLog& log,
                             const std::vector<fs::path>& more) {
-  DDSSEC_ASSIGN_OR_RETURN(auto certificate, read_certificate(ca.paths.certificate));
-  Former out(ca, std::move(certificate));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(ca.paths.certificate));
+  Former out(ca, certificate);
   DDSSEC_RETURN_IF_ERROR(out.add_own(ca.paths.crl));
   DDSSEC_ASSIGN_OR_RETURN(const auto places, participant_places(ca.paths, log));
   for (const auto& folder : places.here)

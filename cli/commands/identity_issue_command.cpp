@@ -125,8 +125,8 @@ Result<IssueAnswer> issue_fleet(const Arguments& arguments, const Context& conte
   Report report;
   FleetMembers members(cas.permissions ? &*cas.permissions : nullptr, target, now);
   SubjectsOfFleet subjects(from);
-  DDSSEC_ASSIGN_OR_RETURN(auto issue_log, read_issue_log(cas.identity.paths));
-  SubjectsInUse in_use(std::move(issue_log), {}, now);
+  DDSSEC_ASSIGN_OR_RETURN(const auto issue_log, read_issue_log(cas.identity.paths));
+  SubjectsInUse in_use(issue_log, {}, now);
   Progress progress("participants", specs.size());
   for (std::size_t i = 0; i < specs.size(); ++i) {
     auto& spec = specs[i];
@@ -286,8 +286,8 @@ Status add_permissions(const IssueRequest& request, const pki::Certificate& cert
   const auto paths = ca_paths(request.arguments.text("--ca"), "permissions");
   if (!request.spec.has_permissions()) {
     if (!is_there(request.files.permissions) && request.governance.empty()) return {};
-    DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(paths.certificate));
-    const auto trust = to_pem(std::move(certificates));
+    DDSSEC_ASSIGN_OR_RETURN(const auto certificates, read_certificates(paths.certificate));
+    const auto trust = to_pem(certificates);
     return out.add(request.files.permissions_ca, as_bytes(trust), 0644, true);
   }
   if (is_there(request.files.permissions))

@@ -41,7 +41,6 @@ namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
-namespace doctor = governance::doctor;
 
 Result<pki::Authority> make_ca(const fs::path& keystore, std::string_view role,
                                const Arguments& arguments, const Context& context) {

@@ -54,10 +54,10 @@ Result<Answer<PolicyPermissions>> from_ros_policy(const Arguments& arguments,
   const fs::path file = arguments.text("FILE");
   DDSSEC_ASSIGN_OR_RETURN(auto file_policy, read_policy(file, arguments.all("--enclave")));
   const auto policy = with_options(std::move(file_policy), arguments);
-  DDSSEC_ASSIGN_OR_RETURN(auto domain_id, domain_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto domain_id, domain_of(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const auto validity, life(arguments, context.clock.now()));
   const governance::RosPermissionsOptions options{
-      .domain = std::move(domain_id),
+      .domain = domain_id,
       .validity = validity,
       .discovery_topic = !arguments.has("--no-discovery-topic")};
   const bool as_sros2 = arguments.has("--sros2-order");

@@ -217,8 +217,11 @@ Result<bool> RevocationLists::poll(const Clock& clock, const std::vector<pki::Ce
   for (auto& place : places_) {
     if (!place.watch.may_have_changed(clock.monotonic())) continue;
     auto renewed = look_at(place, {anchors, clock.now(), accept});
-    if (!renewed && out) out = std::move(renewed);
-    if (!renewed || !*renewed) continue;
+    if (!renewed) {
+      if (out) out = std::move(renewed);
+      continue;
+    }
+    if (!*renewed) continue;
     // The newest list of another place may now be older than this one, and a fault there has not
     // been reported yet.
     for (auto& other : places_) {
