@@ -55,5 +55,13 @@ TEST(SeededRandom, SameSeed_GivesTheSameStreamAndNoRepetition) {
   EXPECT_NE(a, next);
 }
 
+TEST(SystemRandom, TwoCalls_GiveDifferentOctets) {
+  Bytes a(32), b(32);
+  SystemRandom system;
+  ASSERT_TRUE(system.fill(a));
+  ASSERT_TRUE(system.fill(b));
+  EXPECT_NE(a, b);
+}
+
 }  // namespace
 }  // namespace ddssec

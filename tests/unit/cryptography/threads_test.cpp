@@ -28,7 +28,9 @@ void while_changing(int rounds, Work&& work, Change&& change) {
 
 class Threads : public ::testing::TestWithParam<AeadChoice> {
  protected:
-  static CryptographyOptions options() { return {.aead = GetParam(), .max_blocks_per_session = 64}; }
+  static CryptographyOptions options() {
+    return {.aead = GetParam(), .max_blocks_per_session = 64};
+  }
 };
 
 TEST_P(Threads, TokensComingAgain_DisturbNoDecoding) {
@@ -82,12 +84,20 @@ TEST_P(Threads, EntitiesThatGoWhileInUse_DoNoHarm) {
 
 TEST_P(Threads, ParticipantsThatGoWhileInUse_DoNoHarm) {
   TwoSides two(kOrigin, {}, options());
-  const auto encoded = encode_message(two, rtps_message({data_submessage(40)})).value();
+  const auto plain = rtps_message({data_submessage(40)});
+  const auto encoded = encode_message(two, plain).value();
+  const auto decode = [&] {
+    Bytes out(encoded.size());
+    auto size =
+        two.b.transform().decode_rtps_message(two.b.participant, two.b.remote, encoded, out);
+    if (size) out.resize(*size);
+    return size ? std::optional(out) : std::nullopt;
+  };
   while_changing(
       100,
       [&] {
-        Bytes out(encoded.size());
-        (void)two.b.transform().decode_rtps_message(two.b.participant, two.b.remote, encoded, out);
+        const auto decoded = decode();
+        EXPECT_TRUE(!decoded || *decoded == plain);
       },
       [&](int i) {
         if (i % 2 == 0) {
@@ -97,6 +107,7 @@ TEST_P(Threads, ParticipantsThatGoWhileInUse_DoNoHarm) {
           two.b.factory().unregister_participant(two.b.remote).value();
         }
       });
+  EXPECT_FALSE(decode()) << "of a participant that is gone";
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, Threads,

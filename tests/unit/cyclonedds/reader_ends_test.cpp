@@ -148,10 +148,17 @@ TEST_F(ReaderEndsTest, ReadersAnnouncedLater_AreFoundToo) {
 }
 
 TEST_F(ReaderEndsTest, HostWithoutAFunction_IsNotAsked) {
-  ReaderEnds without([] { return nullptr; });
+  std::atomic<int> searches = 0;
+  ReaderEnds without([&] {
+    ++searches;
+    return nullptr;
+  });
   without.look_soon();
+  EXPECT_TRUE(eventually([&] { return searches > 0; }));
+  announce(reader(1));
   without.look_soon();
   without.stop();
+  EXPECT_TRUE(carried().empty());
 }
 
 }  // namespace

@@ -58,12 +58,15 @@ TEST_F(TwoThreads, ListenersThatDeleteOnTheOtherParticipant_OneIsRefused) {
 }
 
 TEST_F(TwoThreads, ListenersThatReplaceEachOther_BothReturn) {
+  std::atomic<int> returned = 0;
   for (auto [own, other] : {std::pair{a.get(), b.get()}, std::pair{b.get(), a.get()}})
     own->listener.act = [&, other] {
       both.arrive_and_wait();
       other->reader->set_listener(nullptr);
+      ++returned;
     };
   run();
+  EXPECT_EQ(returned, 2);
 }
 
 TEST_F(TwoThreads, AParticipantDestroyedWhileItsListenerDeletesElsewhere_Ends) {
