@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whatever its dates.
+// True if the CA signed the list and has its name. The list's dates are not checked.
 bool is_list_of(const pki::Crl& list, const pki::Certificate& ca) {
   return list.is_named_after(ca) && list.check(ca, list.this_update()).has_value();
 }
@@ -91,7 +91,7 @@ namespace {
 // The basis of the next list: all lists of the CA that were found.
 class Former {
  public:
-  // `before`: the CA's certificate in its folder, which is the old one while the CA is rotated.
+  // `before` is the CA's certificate in its folder. While the CA is rotated, that is the old one.
   Former(const OpenCa& ca, const pki::Certificate& before)
       : ca_(ca.certificate()), before_(before) {}
 
@@ -104,7 +104,7 @@ class Former {
     return {};
   }
 
-  // A participant's file: an error in it does not concern the CA.
+  // Adds the lists in a participant's file. An error in that file does not concern the CA.
   void add_of_participant(const fs::path& file) {
     const auto lists = read_crls(file);
     if (!lists) return;
@@ -112,7 +112,7 @@ class Former {
       if (seen_.insert(list.pem()).second && is_genuine(list)) static_cast<void>(add(list));
   }
 
-  // A file that the command line names.
+  // Adds the lists in a file that the command line names.
   Status add_named(const fs::path& file) {
     DDSSEC_ASSIGN_OR_RETURN(const auto lists, read_crls(file));
     if (lists.empty()) return fail(Code::file_not_found, {.document = file});
@@ -129,8 +129,8 @@ class Former {
   }
 
   pki::CrlNumber next_number() const { return number_.next(); }
-  // The date of the list with the highest number. Another list may have been made with a clock
-  // that was ahead, and this one after it.
+  // Uses the date of the list with the highest number, not the latest date: another list may have
+  // been made with a clock that was ahead, and this one after it.
   WallTime this_update(WallTime now) const {
     return newest_ ? std::max(now, newest_->this_update()) : now;
   }
@@ -145,7 +145,7 @@ class Former {
     DDSSEC_ASSIGN_OR_RETURN(const auto entries, list.revoked());
     entries_.insert(entries_.end(), entries.begin(), entries.end());
     number_ = std::max(number_, list.number().value_or(0));
-    // Lists of another key are a separate sequence.
+    // Lists of another key are a separate sequence, so they do not determine the date.
     if (is_list_of(list, ca_) && (!newest_ || order(*newest_) < order(list))) newest_ = list;
     return {};
   }
@@ -237,7 +237,7 @@ Result<std::optional<pki::Crl>> list_for_newcomers(const CaPaths& paths, WallTim
   DDSSEC_ASSIGN_OR_RETURN(const auto places, participant_places(paths, log));
   for (const auto& folder : places.here) {
     const auto lists = read_crls(pki::participant_folder(folder).crl);
-    if (!lists) continue;  // a fault there does not concern the newcomer
+    if (!lists) continue;  // a fault in it does not concern the new participant
     for (const auto& list : *lists)
       if ((!newest || order(*newest) < order(list)) && is_list_of(list, ca)) newest = list;
   }
@@ -247,7 +247,7 @@ Result<std::optional<pki::Crl>> list_for_newcomers(const CaPaths& paths, WallTim
 
 namespace {
 
-// A file that cannot be read as lists is replaced; one that cannot be read at all is an error.
+// A file whose content is no list is replaced. A file that cannot be read at all is an error.
 Result<std::vector<pki::Crl>> lists_to_replace(const fs::path& file) {
   auto lists = read_crls(file);
   if (lists) return lists;
@@ -300,7 +300,7 @@ bool is_replaced_by_one_of(const pki::Crl& former, const std::vector<pki::Crl>& 
       lists, [&](const auto& list) { return pki::have_common_signer(list, former, cas); });
 }
 
-// By the key: another trusted CA may have the same name.
+// Compares keys, because another trusted CA may have the same name.
 bool is_of_issuer(const pki::Crl& list, const ListForFolder& what) {
   const auto is_by = [&](const pki::Certificate& ca) {
     return is_list_of(list, ca) && what.participant->is_issued_by(ca);

@@ -1,4 +1,4 @@
-// Revocation lists: those that a CA makes, and those in participants' folders.
+// Revocation lists, both those that a CA makes and those in participants' folders.
 #pragma once
 
 #include <filesystem>
@@ -26,14 +26,15 @@ Result<std::optional<pki::Crl>> present_crl(const CaPaths& ca);
 /// signed. Errors: those of read_crls, read_certificate and Crl::revoked.
 Result<std::vector<pki::Revocation>> listed_revocations(const CaPaths& ca);
 
-/// True if the CA's present list contains all revocations in its log and in the lists in its file;
-/// false if a crash came between the two. Errors: those of listed_revocations.
+/// True if the CA's present list contains all revocations in its log and in the lists in its file.
+/// False if a crash came after the log was written and before the list was. Errors: those of
+/// listed_revocations.
 Result<bool> lists_all(const CaPaths& ca, const pki::IssueLog& log);
 
-/// Validity, in days, of a list that a command makes in passing.
+/// The validity, in days, of a list that another command makes besides its own task.
 inline constexpr int kListDays = 180;
 
-/// The date of the next list.
+/// How the next list is dated.
 enum class ListDate : std::uint8_t {
   after_former,  ///< now, but not before the former list
   now,  ///< now, even if former lists are later because they were made with a clock that was ahead
@@ -56,7 +57,7 @@ std::string number_text(const pki::Crl& list);
 struct ListNumber {
   static constexpr std::string_view kDef = "crl_number";
   std::string text;
-  std::optional<std::uint64_t> small;  ///< empty: it has more than 64 bits
+  std::optional<std::uint64_t> small;  ///< empty: the number has more than 64 bits
 
   static ListNumber of(const pki::Crl& list) {
     return {number_text(list), list.number().value_or(0).as_uint64()};
@@ -64,15 +65,15 @@ struct ListNumber {
   Json json() const { return small ? Json(*small) : Json(text); }
 };
 
-/// next_crl() for kListDays. A list without entries is valid as long as the CA, so that it need not
-/// be renewed before a certificate is revoked.
+/// next_crl() for kListDays. A list without entries is valid as long as the CA, so it need not be
+/// renewed before a certificate is revoked.
 Result<pki::Crl> routine_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now);
 
 /// A new CA's list, without entries and valid as long as the CA. Errors: those of make_crl.
 Result<pki::Crl> first_crl(const pki::Authority& ca);
 
-/// Lines of text about a list that is dated after `now`; empty if it is not. `ca`: the CA's folder
-/// as on the command line.
+/// Lines of text about a list that is dated after `now`. Empty if it is not. `ca` is the CA's
+/// folder as on the command line.
 std::string about_clock(const pki::Crl& crl, WallTime now, const std::string& ca);
 
 /// The hint for a list that was made with a clock that was ahead.
@@ -83,15 +84,15 @@ std::string way_out_of_the_future(const std::string& ca);
 /// is none or it has expired. Errors: those of present_crl, read_issue_log and participant_places.
 Result<std::optional<pki::Crl>> list_for_newcomers(const CaPaths& paths, WallTime now);
 
-/// A list that is to be put into a participant's folder.
+/// A list to be put into a participant's folder.
 struct ListForFolder {
   const pki::Crl& list;
-  const pki::Certificate& ca;             ///< whose list it is
+  const pki::Certificate& ca;             ///< the CA that made the list
   std::string ca_folder;                  ///< as on the command line, for hints
-  const pki::Certificate* participant;    ///< the certificate of the folder; null: not known
+  const pki::Certificate* participant;    ///< in the folder; nullptr: not known
   std::vector<pki::Certificate> trusted;  ///< the participant's identity CAs
   WallTime now;
-  /// Lists of other CAs that are to be there too; of CAs among `trusted`.
+  /// Further lists to put there, of CAs among `trusted`.
   std::vector<pki::Crl> beside = {};
 };
 

@@ -22,7 +22,7 @@ namespace doctor = governance::doctor;
 
 constexpr std::size_t kMaxPairs = 1000;
 
-// A CA by its name and key: its certificate may have been renewed.
+// Identifies a CA by its name and key, because its certificate may have been renewed.
 std::string id_of(const pki::Certificate& ca) { return pki::key_digest(ca) + ca.subject(); }
 
 std::vector<std::string> ids_of(const std::vector<pki::Certificate>& cas) {
@@ -31,13 +31,13 @@ std::vector<std::string> ids_of(const std::vector<pki::Certificate>& cas) {
   return out;
 }
 
-// What a participant shows and accepts.
+// The CA of a participant's own documents, and the CAs that it accepts.
 struct Stand {
   std::string own;                   // the CA of its certificate or its permissions
   std::vector<std::string> trusted;  // in the order of its file
 };
 
-// Whether `one` accepts the CA of `other`.
+// True if `one` accepts the CA of `other`.
 bool accepts(const Stand& one, const Stand& other, bool is_stock) {
   if (is_stock) return !one.trusted.empty() && one.trusted.front() == other.own;
   return std::ranges::find(one.trusted, other.own) != one.trusted.end();
@@ -64,8 +64,8 @@ bool parts_if_stock(const Side& a, const Side& b) {
          (a.may_be_stock && b.may_be_stock && parts(a, b, true, true));
 }
 
-// False if its configuration of Cyclone DDS names ddssec's libraries by whole paths. Otherwise the
-// environment of the process decides.
+// False if the folder's Cyclone DDS configuration names ddssec's libraries by absolute paths.
+// Otherwise the environment of the process decides.
 bool may_be_stock(const fs::path& folder) {
   const auto file = folder / "cyclonedds.xml";
   if (!is_there(file)) return true;
@@ -78,7 +78,7 @@ bool may_be_stock(const fs::path& folder) {
          });
 }
 
-// Reads and changes sides.
+// Reads the CAs of a participant before and after the step.
 class Sides {
  public:
   explicit Sides(const ForecastStep& step) : step_(step) {
@@ -148,7 +148,8 @@ std::string RotationForecast::text() const {
 
 namespace {
 
-// The step leaves some as they are. Revoked ones talk to none.
+// Adds the participants that the step leaves as they are, and removes revoked ones, which talk to
+// no peer.
 Result<std::vector<AffectedParticipant>> all_here(const fs::path& given,
                                                   std::vector<AffectedParticipant> participants,
                                                   WallTime now) {

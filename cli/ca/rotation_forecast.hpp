@@ -1,4 +1,5 @@
-// Which participants would part at a step of a rotation, for `ca rotate --dry-run`.
+// Which participants would no longer accept each other after a step of a rotation, for the dry run
+// of `ca rotate`.
 #pragma once
 
 #include <filesystem>
@@ -32,7 +33,7 @@ struct RotationForecast {
   std::size_t parted = 0;  ///< pairs
   std::vector<PartedPair> pairs = {};
   std::vector<std::string> unread = {};
-  bool needs_restarts = false;  ///< of those that run on stock plugins
+  bool needs_restarts = false;  ///< true if some participants may run on stock plugins
 
   static constexpr auto fields() {
     using Self = RotationForecast;
@@ -50,14 +51,14 @@ struct RotationForecast {
 struct ForecastStep {
   const std::string& role;
   const CaRotation& change;
-  const std::vector<std::string>& again;  ///< names of the participants that get new files
+  const std::vector<std::string>& again;  ///< the names of the participants that get new files
   WallTime now;
 };
 
-/// Compares the files in the folders with what the step makes of them. Of two participants only the
-/// CAs of this role are judged, as the plugins read them: `ddssec check` judges the rest. Judged
-/// are the participants of the step and all others that the log of the CA at `given` has here, but
-/// none that is revoked. Errors: those of affected_participants and RotationProgress::of.
+/// Compares the files in the folders with what the step makes of them. Only the CAs of this role
+/// are judged, as the plugins read them; `ddssec check` judges the rest. All participants of the
+/// step are judged, and all others that the log of the CA at `given` has on this machine, except
+/// revoked ones. Errors: those of affected_participants and RotationProgress::of.
 Result<RotationForecast> forecast_of(const ForecastStep& step, const std::filesystem::path& given,
                                      const std::vector<AffectedParticipant>& participants);
 

@@ -24,7 +24,7 @@ bool is_same_name(const std::string& a, const std::string& b) {
 Status check_apart(const std::string& subject, const std::string& other, const std::string& where) {
   const bool gets_others_rights = cyclonedds_takes(other, subject);
   if (!gets_others_rights && !cyclonedds_takes(subject, other)) return {};
-  if (is_same_name(subject, other)) return {};  // another question
+  if (is_same_name(subject, other)) return {};  // equal names are checked elsewhere
   const auto& gains = gets_others_rights ? subject : other;
   const auto& owner = gets_others_rights ? other : subject;
   return fail(Code::subject_taken,
@@ -66,7 +66,8 @@ Status SubjectsInUse::check(const std::string& subject,
 }
 
 Status SubjectsInUse::check(const std::string& subject) const {
-  const std::vector<std::size_t>* rarest = nullptr;  // one with all pieces has this one
+  // A subject with all pieces is in the list of each piece, so the shortest list is enough.
+  const std::vector<std::size_t>* rarest = nullptr;
   for (const auto piece : pieces_for_cyclonedds(subject)) {
     const auto having = having_.find(std::string(piece));
     if (having == having_.end()) {
@@ -75,7 +76,8 @@ Status SubjectsInUse::check(const std::string& subject) const {
       continue;
     }
     if (rarest == nullptr || having->second.size() < rarest->size()) rarest = &having->second;
-    // One whose pieces are all in this subject begins with one of them.
+    // If all pieces of a registered subject are in this one, then its first piece is too. So the
+    // subjects that begin with one of these pieces are compared.
     if (const auto beginning = beginning_.find(std::string(piece)); beginning != beginning_.end())
       DDSSEC_RETURN_IF_ERROR(check(subject, beginning->second));
   }

@@ -15,13 +15,13 @@
 namespace ddssec::cli {
 
 /// The subjects of valid certificates. Cyclone DDS's own plugins give a certificate the permissions
-/// of every subject that has all of its attributes.
+/// of every subject that has all attributes of the certificate.
 class SubjectsInUse {
  public:
   /// The subjects in a CA's log. Certificates for `folder`, which gets a new one, are left out.
   SubjectsInUse(const pki::IssueLog& log, const std::filesystem::path& folder, WallTime now);
 
-  /// `where`: the name of the certificate in messages.
+  /// Adds a subject. `where` is the name of its certificate in messages.
   void add(const std::string& subject, std::string where);
   /// Success unless another subject is in use that has all attributes of this one, or whose
   /// attributes are all contained in this one. Error: subject_taken.
@@ -35,7 +35,7 @@ class SubjectsInUse {
   Status check(const std::string& subject, const std::vector<std::size_t>& entries) const;
 
   std::vector<Entry> entries_;
-  /// The entries that contain a piece, and those that begin with it.
+  /// The indices of entries that contain a piece, and of those that begin with it.
   std::unordered_map<std::string, std::vector<std::size_t>> having_, beginning_;
 };
 

@@ -61,7 +61,6 @@ struct Listed<DomainRule> {
                       field("discovery", &T::discovery_protection_kind, kKind),
                       field("liveliness", &T::liveliness_protection_kind, kKind),
                       field("rtps", &T::rtps_protection_kind, kKind),
-                      // Of DDS-Security 1.2: nothing where there is none, as everywhere but in
                       // A kind of DDS-Security 1.2. Absent if there is none, as in all domains
                       // without embedded participants.
                       field("pre_shared_key", &T::rtps_psk_protection_kind, if_protected,
