@@ -18,7 +18,7 @@
 namespace ddssec::cli {
 namespace {
 
-constexpr unsigned kMode = 0600;  // a capture is for its owner only
+constexpr unsigned kMode = 0600;  // only the owner may read a capture
 constexpr int kSnapshotOctets = 262'144;
 constexpr int kWaitMilliseconds = 100;
 constexpr int kBufferOctets = 16 << 20;
@@ -41,7 +41,7 @@ struct Capture::Impl {
   bool is_live;
   std::unique_ptr<pcap_t, ClosePcap> pcap;
   std::unique_ptr<pcap_dumper_t, CloseDump> dump = {};
-  std::string file = {};  // to which `dump` writes
+  std::string file = {};  // the file to which `dump` writes
 };
 
 Capture::Capture(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -71,7 +71,7 @@ Result<Capture> Capture::listen(const std::string& interface) {
 
 int Capture::link() const { return pcap_datalink(impl_->pcap.get()); }
 
-// Never overwrites an existing file.
+// Refuses to overwrite an existing file.
 Status Capture::save_to(const std::string& file) {
   impl_->file = file;
   if (writes_nothing()) return check_nothing_at(file);

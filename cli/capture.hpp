@@ -12,24 +12,24 @@
 
 namespace ddssec::cli {
 
-/// One frame. `octets` are valid until the next one is read.
+/// One frame. `octets` are valid until the next frame is read.
 struct Frame {
   std::chrono::nanoseconds at;  ///< since 1970
   BytesView octets;
   bool is_whole;  ///< false: the capture cut it
 };
 
-/// A source of frames: a network interface, or a file that tcpdump has written.
+/// A source of frames: a network interface, or a file that tcpdump wrote.
 class Capture {
  public:
-  /// A pcap or pcapng file; "-": standard input. Error: capture_unreadable.
+  /// Opens a pcap or pcapng file; "-" is standard input. Error: capture_unreadable.
   static Result<Capture> open(const std::string& file);
   /// Captures from an interface from now on. Error: capture_unreadable.
   static Result<Capture> listen(const std::string& interface);
   ~Capture();
   Capture(Capture&&) noexcept;
 
-  /// LINKTYPE_ of libpcap.
+  /// The link type, as LINKTYPE_ of libpcap.
   int link() const;
   /// From now on writes every frame that is read to a new pcap file, which only its owner can read.
   /// In a dry run it only checks that the file can be created. Errors: would_overwrite,

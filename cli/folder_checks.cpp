@@ -18,15 +18,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Entries of one folder, and all entries, that are looked at.
+// How many entries are read: of one folder, and of all folders together.
 constexpr int kMaxInFolder = 1'000;
 constexpr int kMaxLooks = 5'000;
 constexpr std::size_t kMaxShown = 4;
 
 using Wanted = std::function<bool(const fs::path&)>;
 
-// The folder that the path would be in, or the nearest above it that is there; "" is the present
-// one.
+// The folder in which the path would be, or the nearest existing folder above it. "" is the current
+// folder.
 fs::path nearest_folder(const fs::path& missing) {
   std::error_code ignored;
   auto at = without_slash(missing.lexically_normal()).parent_path();
@@ -37,7 +37,7 @@ fs::path nearest_folder(const fs::path& missing) {
   return at;
 }
 
-// Folders that are wanted in this one and, where none is, one step below.
+// Finds wanted folders in this folder. Folders that are not wanted are searched one level deeper.
 class Search {
  public:
   explicit Search(Wanted is_wanted) : is_wanted_(std::move(is_wanted)) {}
@@ -85,7 +85,7 @@ std::string participants_inside(const fs::path& folder, std::string_view words) 
   return listed(words, Search(pki::is_participant_folder).around(folder, {}));
 }
 
-// "a" of "a/b" and "a/b/", and "" of "b"; "a" of "a/ca/identity" too.
+// Returns "a" for "a/b" and "a/b/", and "" for "b". Also returns "a" for "a/ca/identity".
 fs::path parent_of(const fs::path& folder) {
   const auto plain = without_slash(folder.lexically_normal());
   return (is_there(plain / "ca.pem") ? plain.parent_path() : plain).parent_path();
@@ -104,8 +104,8 @@ std::string cas_near(const fs::path& missing, std::string_view role) {
   return listed("CAs here: ", Search(wanted).around(nearest_folder(missing), {}));
 }
 
-// Empty for a folder that is no keystore of ROS 2; a robot's has no private/, so that the enclaves
-// tell.
+// Empty for a folder that is not a keystore of ROS 2. The enclaves decide, because the keystore of
+// a robot has no private/.
 std::string about_keystore(const fs::path& folder) {
   std::vector<fs::path> enclaves;
   for (const auto& name : enclaves_of(folder).names)

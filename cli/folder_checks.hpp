@@ -10,20 +10,20 @@
 
 namespace ddssec::cli {
 
-/// Success if `given` is a participant's folder, complete or not. Errors: file_not_found,
-/// file_unreadable; both name participants nearby.
+/// Success if `given` is a participant's folder, complete or not. Errors: file_not_found and
+/// file_unreadable, which name participants nearby.
 Status check_participant_folder(const std::filesystem::path& given);
 
-/// The certificate of a participant's folder, or in a file. Errors: those of read_certificate; they
-/// name participants nearby, or report that the file contains a key.
+/// The certificate in a participant's folder or in a file. Errors: those of read_certificate, which
+/// name participants nearby or report that the file contains a key.
 Result<pki::Certificate> certificate_of(const std::filesystem::path& given);
 
-/// "participants here: demo/talker, demo/listener", those of the same name first; empty without
-/// any.
+/// For example "participants here: demo/talker, demo/listener", with those of the same name first.
+/// Empty if there are none.
 std::string participants_near(const std::filesystem::path& missing);
 
-/// Success unless `given` is the folder of a CA or of several participants, to which the files of
-/// one more participant, `name`, do not belong. Error: would_overwrite.
+/// Success unless `given` is the folder of a CA or of several participants: the files of another
+/// participant, `name`, do not belong there. Error: would_overwrite.
 Status check_not_above_participants(const std::filesystem::path& given, std::string_view name);
 
 /// Success if `given` is a folder with the `role`'s CA ("identity", "permissions"). Errors:

@@ -31,7 +31,7 @@ constexpr std::size_t kMaxPassphraseLine = pki::Passphrase::capacity + 2;
 
 std::string uri(const fs::path& path) { return "file://" + path.string(); }
 
-// A file may have been read by the path of its folder's descriptor, which means nothing to a user.
+// A file may have been read by the path of its folder's descriptor, which users cannot understand.
 std::unexpected<Error> about(const Error& error, const fs::path& path) {
   return std::unexpected(pki::about_file(pki::about_file(error, as_held(path)), path));
 }
@@ -60,7 +60,7 @@ Result<pki::Passphrase> passphrase_from_stream(int file) {
   return out;
 }
 
-// A pipe of the shell's: --passphrase-file <(pass show ca).
+// Reads from a pipe of the shell, such as --passphrase-file <(pass show ca).
 Result<pki::Passphrase> passphrase_from_pipe(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0)
@@ -327,7 +327,7 @@ Result<std::vector<std::string>> read_topics(const fs::path& file) {
 }
 
 Status check_name(std::string_view name, std::string_view any_other) {
-  constexpr std::size_t kMax = 64;  // of a common name, X.520 ub-common-name
+  constexpr std::size_t kMax = 64;  // the limit of a common name, ub-common-name of X.520
   const auto is_letter_or_digit = [](char c) {
     return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || ('0' <= c && c <= '9');
   };
@@ -339,7 +339,7 @@ Status check_name(std::string_view name, std::string_view any_other) {
     return {};
   ErrorDetails details{.found = '"' + std::string(name.substr(0, kMax)) + '"'};
   if (!any_other.empty()) {
-    const auto hint = info(Code::name_unusable).hint;  // its last clause is about --subject
+    const auto hint = info(Code::name_unusable).hint;  // the hint's last clause is about --subject
     details.hint = fmt::format("{}; {}", hint.substr(0, hint.rfind("; ")), any_other);
   }
   return fail(Code::name_unusable, std::move(details));

@@ -10,7 +10,7 @@
 
 namespace ddssec::cli {
 
-/// A whole file. Errors: those of pki::load, with the path.
+/// Reads a whole file. Errors: those of pki::load, with the path.
 Result<Bytes> read_file(const std::filesystem::path& path, std::size_t max_octets);
 
 /// The first certificate of a PEM file. Errors: those of read_file and Certificate::from_pem.
@@ -24,9 +24,9 @@ bool is_there(const std::filesystem::path& path);
 /// accessible); both name what was `expected`.
 Status check_directory(const std::filesystem::path& folder, std::string_view expected);
 
-/// The passphrase of `--passphrase-file` or `--passphrase-env`, without its line end. Otherwise, on
-/// a terminal, the user is asked (twice for a new one). Errors: passphrase_needed,
-/// passphrase_unusable, and those of read_file.
+/// The passphrase of `--passphrase-file` or `--passphrase-env`, without its line break. If neither
+/// is given, the user is asked on a terminal (twice for a new passphrase). Errors:
+/// passphrase_needed, passphrase_unusable, and those of read_file.
 enum class Typed : std::uint8_t { once, twice };
 Result<pki::Passphrase> passphrase(const Arguments& arguments, Typed typed,
                                    const char* prompt = "passphrase of the CA key: ");
@@ -41,7 +41,7 @@ std::filesystem::path ca_folder(const std::filesystem::path& folder, std::string
 /// True if the PEM text of the key is encrypted. Errors: those of pki::load_key.
 Result<bool> is_encrypted(const std::filesystem::path& key);
 
-/// A private key. `passphrase` may be null. Errors: those of pki::load_key and
+/// A private key. `passphrase` may be nullptr. Errors: those of pki::load_key and
 /// PrivateKey::from_pem.
 Result<pki::PrivateKey> read_key(const std::filesystem::path& path,
                                  const pki::Passphrase* passphrase);
@@ -62,11 +62,11 @@ pki::Validity validity_of(int days, WallTime now);
 /// The same for `--days`. Error: usage.
 Result<pki::Validity> validity(const Arguments& arguments, WallTime now);
 
-/// The URL of --ocsp-responder; empty without. Error: usage.
+/// The URL of --ocsp-responder; empty if it is not given. Error: usage.
 Result<std::string> ocsp_responder(const Arguments& arguments);
-/// The validity of a certificate in place of `former`. It does not begin before that one, because a
-/// running participant takes no such certificate. One that is not valid yet does not count: it was
-/// issued while the clock was ahead.
+/// The validity of a certificate that replaces `former`. It does not begin before that of `former`,
+/// because a running participant does not accept such a certificate. This does not apply if
+/// `former` is not valid yet: it was issued while the clock was ahead.
 pki::Validity validity_after(const pki::Certificate& former, pki::Validity wanted, WallTime now);
 
 /// The kind of key for a word. Error: usage.
@@ -77,7 +77,7 @@ Result<pki::KeySpec> key_spec(const Arguments& arguments);
 /// A key that a command generates or finds in a token.
 struct NewKey {
   pki::PrivateKey key;
-  std::string token_uri = {};  ///< empty: it is in no token
+  std::string token_uri = {};  ///< empty: the key is not in a token
 };
 /// The key of --key: a kind of key, or the `pkcs11:` URI of a key. The PIN is read like a
 /// passphrase unless the URI contains it. Errors: usage; those of PrivateKey::load and
@@ -87,10 +87,10 @@ Result<NewKey> new_key(const Arguments& arguments);
 /// of PrivateKey::load and passphrase().
 Result<pki::PrivateKey> token_key(const std::string& uri, const Arguments& arguments);
 
-/// The path of a certificate: that in a participant's folder, or `given` itself.
+/// The path of a certificate: the one in a participant's folder, or `given` itself.
 std::filesystem::path certificate_path(const std::filesystem::path& given);
 
-/// Asks the user at the terminal. Error: confirmation_needed if the answer is not yes, or there is
+/// Asks the user at the terminal. Error: confirmation_needed if the answer is not yes or there is
 /// no terminal.
 Status confirm(const std::string& question);
 
@@ -101,15 +101,16 @@ std::string folder_name(const std::filesystem::path& folder);
 /// Errors: those of read_file; usage if there is no topic.
 Result<std::vector<std::string>> read_topics(const std::filesystem::path& file);
 
-/// Success if `name` is a valid name for a participant's folder. `any_other`: the way to give a
-/// certificate any other name, for a command without --subject. Error: name_unusable.
+/// Success if `name` is a valid name for a participant's folder. `any_other` says how a certificate
+/// gets any other name, for a command without --subject. Error: name_unusable.
 Status check_name(std::string_view name, std::string_view any_other = {});
 
-/// "2026-11-21".
+/// For example "2026-11-21".
 std::string date(WallTime time);
 /// A time such as 2026-11-21T00:00:00Z, or a date, which is its first second in UTC.
 std::optional<WallTime> time_from(std::string_view text);
-/// The same, or "+30d" or "-2d": that long after or before `now`. None before 1970.
+/// The same, or "+30d" or "-2d" for a time that long after or before `now`. Empty for a time before
+/// 1970.
 std::optional<WallTime> time_from(std::string_view text, WallTime now);
 
 }  // namespace ddssec::cli

@@ -24,8 +24,8 @@ namespace {
 
 using namespace ddssec;
 
-// Names from files must not reach a terminal, or a log that is shown on a terminal later, as
-// control sequences. Nor must a terminal receive octets that it does not interpret as letters.
+// Names from files must not reach a terminal, or a log that is later shown on a terminal, as
+// control sequences. A terminal must also receive no octets that it does not interpret as letters.
 void print(std::FILE* to, const std::string& text) {
   static const bool is_utf8 = std::string_view(::nl_langinfo(CODESET)) == "UTF-8";
   const bool letters = is_utf8 || ::isatty(::fileno(to)) != 1;
@@ -33,7 +33,7 @@ void print(std::FILE* to, const std::string& text) {
   std::fwrite(shown.data(), 1, shown.size(), to);
 }
 
-// Also of a command line that could not be read.
+// Works also for a command line that cannot be parsed.
 bool wants_json(const std::vector<std::string>& words) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (ascii_lower(words[i]) == "--format=json") return true;
@@ -59,7 +59,7 @@ Result<bool> color_of(const cli::Arguments& arguments) {
   if (when != "auto")
     return fail(Code::usage,
                 {.field = "--color", .expected = "auto, always or never", .found = when});
-  const char* no_color = std::getenv("NO_COLOR");  // no-color.org: any text but the empty one
+  const char* no_color = std::getenv("NO_COLOR");  // no-color.org: any text that is not empty
   const char* terminal = std::getenv("TERM");
   return ::isatty(STDERR_FILENO) == 1 && (no_color == nullptr || *no_color == '\0') &&
          terminal != nullptr && std::string_view(terminal) != "dumb";
@@ -86,7 +86,7 @@ Result<cli::Report> run(const cli::ParsedCommand& request) {
   if (auto warning = cli::passphrase_warning(request.arguments))
     report.errors.push_back(std::move(*warning));
   cli::report_notices(report);
-  // An error beside a result: a part of what the command writes could not be written.
+  // An error beside a result means that a part of what the command writes could not be written.
   const auto is_error = [](const Error& one) {
     return cli::severity_in_tool(one.code()) >= Severity::error;
   };
@@ -107,11 +107,11 @@ int finish(const cli::Report& report, std::string_view command, bool json, cli::
   if (json) {
     auto out = cli::envelope(report, command);
     if (cli::writes_nothing()) out["dry_run"] = true;
-    // In ASCII, so that it cannot control a terminal.
+    // Writes ASCII only, so that the text cannot control a terminal.
     print(stdout, out.dump(1, ' ', true, cli::Json::error_handler_t::replace) + "\n");
   } else {
     print(stdout, text_of(report, style));
-    std::fflush(stdout);  // both may go to one file
+    std::fflush(stdout);  // both streams may go to one file
     print(stderr, cli::diagnostics_text(report, style));
   }
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return static_cast<int>(report.exit);
@@ -136,7 +136,7 @@ cli::Report failed(const Error& error, const std::vector<std::string>& words) {
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words.size() == 1 && words.front() == cli::kAgentWorker) cli::run_agent_worker();
-  std::setlocale(LC_CTYPE, "");  // which letters the terminal takes
+  std::setlocale(LC_CTYPE, "");  // to learn which letters the terminal accepts
   cli::note_interruptions();
   pki::stop_at_first_wrong_pin();
   const auto request = cli::parse(words);

@@ -117,7 +117,7 @@ std::string shown(std::string_view name) {
   if (name.empty()) return "(empty name)";
   auto text = escaped(name);
   if (text.size() <= kMaxShownLength) return text;
-  // Not within a letter of several octets.
+  // Cuts no letter of several octets in two.
   std::size_t end = kMaxShownLength - 3;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
   return text.substr(0, end) + "...";

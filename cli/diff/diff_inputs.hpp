@@ -19,14 +19,14 @@ namespace ddssec::cli {
 struct DiffSide {
   std::filesystem::path path;
   Bytes text = {};         ///< the XML document
-  std::size_t octets = 0;  ///< of the whole file
-  int first_line = 1;      ///< of the file, on which it begins
+  std::size_t octets = 0;  ///< the length of the whole file
+  int first_line = 1;      ///< the line of the file on which the document begins
   bool is_signed = false;
   bool is_verified = false;
-  /// The fingerprint of the signer's certificate if verified, otherwise the claimed one; empty: not
-  /// signed.
+  /// The fingerprint of the signer's certificate if verified, otherwise the claimed one. Empty if
+  /// the document is not signed.
   std::string signer = {};
-  /// As the signature has it; verified with the signer.
+  /// The time in the signature. It is verified together with the signer.
   std::optional<WallTime> signing_time = {};
 };
 
@@ -62,14 +62,14 @@ struct ShownSigners {
                       field<&T::verified>());
   }
 };
-/// Complete lines: the signer, and whether that was verified. Empty if nothing is signed.
+/// Complete lines: the signers, and whether they were verified. Empty if nothing is signed.
 std::string signer_text(const DiffSides& sides);
 
 /// The value of --fail-on, if given. Error: usage.
 Result<std::optional<std::string>> fail_on(const Arguments& arguments,
                                            const std::vector<std::string>& words);
 
-/// A line for each reading, under a heading; empty without any.
+/// A line for each reading, under a heading. Empty if there are no readings.
 std::string readings_text(const governance::Readings& readings);
 
 struct ShownReading {
@@ -99,25 +99,25 @@ struct ShownReadings {
   }
 };
 
-/// The same without control characters.
+/// The same text without control characters.
 std::string escaped(std::string_view name);
 /// A name from a document, short and without control characters; "(empty name)" for "".
 std::string shown(std::string_view name);
-/// "a, b, c and 4 more", each shown().
+/// For example "a, b, c and 4 more", where each name is shown().
 std::string shown(const std::vector<std::string>& names);
-/// "domain 0", "domains 0-4, 7".
+/// For example "domain 0" or "domains 0-4, 7".
 std::string shown(const std::vector<governance::DomainRange>& domains);
-/// "  old:22 new:23"; nothing for a line 0.
+/// For example "  old:22 new:23". A line number of 0 is left out.
 std::string shown_lines(int old_line, int new_line);
-/// Empty for an empty text.
+/// The text, or nothing if it is empty.
 std::optional<std::string> if_any(std::string_view text);
-/// [[0,4],[7,7]]
+/// For example [[0,4],[7,7]].
 Json domains_json(const std::vector<governance::DomainRange>& domains);
-/// "file.xml:22"; empty without a line.
+/// For example "file.xml:22". Empty without a line number.
 std::optional<std::string> place(const std::filesystem::path& path, int line);
 
-/// The lines of one change: a heading and indented parts, at most 100 columns where there are
-/// blanks.
+/// The lines of one change: a heading and indented parts. Lines have at most 100 columns if there
+/// are blanks to break them at.
 std::string wrapped(std::string_view heading, const std::vector<std::string>& parts);
 
 }  // namespace ddssec::cli

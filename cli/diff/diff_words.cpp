@@ -13,7 +13,7 @@ using governance::NameSet;
 
 constexpr std::size_t kMaxWordsShown = 3;
 
-// "a, b* and 2 more"; the empty name has a word of its own.
+// For example "a, b* and 2 more". The empty name has a word of its own.
 std::string listed(const std::vector<std::string>& names, std::string_view empty_name) {
   std::vector<std::string> words;
   for (const auto& name : names)
@@ -25,7 +25,7 @@ std::string listed(const std::vector<std::string>& names, std::string_view empty
   return text;
 }
 
-// "(e.g. a)", or nothing where the words name it already.
+// For example "(e.g. a)". Empty if there is no example with a name.
 std::string example(const NameSet& set) {
   const auto found =
       std::ranges::find_if(set.examples, [](const std::string& name) { return !name.empty(); });
@@ -39,7 +39,7 @@ bool all_literal(const NameSet& set) {
   });
 }
 
-// `every`: "every tag"; `some`: "some tags"; `empty_name`: "the empty one".
+// For example "tag", "tags" and "the empty one".
 struct Nouns {
   std::string_view one, many, empty_name;
 };

@@ -8,11 +8,12 @@
 
 namespace ddssec::cli {
 
-/// "domain 0", "domains 2-5, every tag but the empty one".
+/// For example "domain 0" or "domains 2-5, every tag but the empty one".
 std::string shown(const governance::DomainScope& scope);
-/// "topic rt/a", "topics rt/a*, rt/b* but not rt/bx* (e.g. rt/a)".
+/// For example "topic rt/a" or "topics rt/a*, rt/b* but not rt/bx* (e.g. rt/a)".
 std::string shown(const governance::TopicSet& topics, const std::string& witness);
-/// "in every partition but the default one (e.g. a)"; empty for the default partition alone.
+/// For example "in every partition but the default one (e.g. a)". Empty for the default partition
+/// alone.
 std::string shown(const governance::EntityWords& entities);
 
 template <>

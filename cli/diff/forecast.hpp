@@ -5,13 +5,13 @@
 
 namespace ddssec::cli {
 
-/// The most severe outcome, and the first reason for it. `Live` has its outcomes in the order of
-/// severity, and begins with `same`.
+/// The most severe outcome and the first reason for it. `Live` lists its outcomes in the order of
+/// severity, beginning with `same`.
 template <class Live>
 struct Forecast {
   Live outcome = Live::same;
   std::string reason = {};
-  int line = 0;  ///< of the new document
+  int line = 0;  ///< a line of the new document
 
   void add(Live next, const std::string& why, int at) {
     if (next <= outcome) return;

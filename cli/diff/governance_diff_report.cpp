@@ -15,7 +15,7 @@ using governance::ChangeClass;
 using governance::GovernanceChange;
 using governance::Interop;
 
-// Everything that is not harmless is emphasized.
+// Every change that is not harmless is in upper case.
 std::string class_word(ChangeClass change) {
   const auto word = governance::to_string(change);
   return change == ChangeClass::neutral ? std::string(word) : ascii_upper(word);
@@ -27,7 +27,7 @@ std::string where(const GovernanceChange& change) {
   return shown(change.topics, change.witness);
 }
 
-// Of a whole domain: which topics it concerns.
+// For a change of a whole domain: an example of the topics that it affects, if these are only some.
 std::string of_which(const GovernanceChange& change, governance::Property property) {
   const auto found =
       std::ranges::find(change.of_some, property, &governance::PropertyOfSome::property);
@@ -36,8 +36,8 @@ std::string of_which(const GovernanceChange& change, governance::Property proper
              : fmt::format(" (of some topics, such as {})", shown(found->witness));
 }
 
-// The consequence of a change, if the properties do not show it. `others_lose`: other changes take
-// protection away, which may be that of the same topics.
+// The consequence of a change, if the properties do not show it. `others_lose` is true if other
+// changes remove protection, perhaps for the same topics.
 std::string_view consequence(const GovernanceChange& change, bool others_lose) {
   const bool wider = change.element.change == ChangeClass::wider;
   if (change.element.element == "domain_rule")

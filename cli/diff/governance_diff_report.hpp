@@ -7,7 +7,7 @@
 
 namespace ddssec::cli {
 
-/// A mask that discovery announces with a document; empty without a rule.
+/// A mask that discovery announces with a document. Empty if there is no rule.
 std::optional<std::string> announced_mask(const governance::GovernanceChange& change, bool is_new,
                                           bool is_plugin_mask);
 std::vector<std::string_view> words_of(const governance::Properties& properties);
@@ -70,7 +70,7 @@ struct Listed<governance::RewrittenRules> {
   }
 };
 
-/// One difference. What it points to is the comparison's.
+/// One difference. It points into the comparison.
 struct ShownGovernanceChange {
   const governance::GovernanceChange* by;
   const DiffSides* sides;
@@ -98,7 +98,7 @@ struct GovernanceComparison {
   governance::GovernanceDiff diff;
   DiffSides sides;
   GovernanceForecast live;
-  bool only_listed;  ///< the comparison was one of the topics of --topics
+  bool only_listed;  ///< only the topics of --topics were compared
 
   std::vector<ShownGovernanceChange> changes() const;
 

@@ -12,15 +12,15 @@
 namespace ddssec::cli {
 namespace {
 
-// In the order of severity.
+// The outcomes in the order of severity.
 enum class Live : std::uint8_t {
   same,
   live,
   two_phases,          // topics are protected more
   live_unless_in_use,  // a rule comes before others, or protects more: its topics may be in use
   live_if_believed,    // another CA signed it
-  rolled_back,         // its revision is not higher
-  no_revision,         // it is signed, has none, and needs one
+  rolled_back,         // its revision is not higher than the former one
+  no_revision,         // it is signed without a revision, but needs one
   restart,
 };
 
@@ -48,11 +48,11 @@ std::string_view live_word(Live live) {
 
 using Prediction = Forecast<Live>;
 
-// Of both hosts on ddssec's plugins.
+// The predictions for both hosts of ddssec's plugins.
 struct Forecasts {
   Prediction embedded, cyclonedds;
-  bool raises = false;     // a rule that was there protects more
-  bool is_phased = false;  // whatever the revision
+  bool raises = false;     // true if an existing rule protects more
+  bool is_phased = false;  // true if two phases are needed, whatever the revision
 
   void add(Live next, const std::string& why, int at) {
     embedded.add(next, why, at);
@@ -91,7 +91,8 @@ void add_domain(const governance::DomainRule& before, const governance::DomainRu
   out.cyclonedds.add(Live::live_unless_in_use, why, first.line);
 }
 
-// Of a signed document without a revision. One that is not signed yet gets the next one.
+// Predicts for a signed document without a revision. A document that is not signed yet gets the
+// next revision.
 void add_missing_revision(const governance::Governance& before, const DiffSides& sides,
                           Forecasts& out) {
   if (!sides.after.is_signed || sides.after.text == sides.before.text) return;
@@ -104,7 +105,7 @@ void add_missing_revision(const governance::Governance& before, const DiffSides&
     out.embedded.add(Live::live_unless_in_use, out.embedded.reason, out.embedded.line);
 }
 
-// A document with the revision of the former one must say the same.
+// A document with the same revision as the former one must have the same content.
 void add_revision(const governance::Governance& before, const governance::Governance& after,
                   const DiffSides& sides, Forecasts& out) {
   if (after.revision == 0) return add_missing_revision(before, sides, out);
@@ -124,7 +125,7 @@ Forecasts forecast(const governance::Governance& before, const governance::Gover
       for (const auto& tag : rule.domains.tag_expressions) expressions.push_back(tag.text);
     }
   Forecasts out;
-  // One tag for each kind that the expressions distinguish.
+  // Tries one example for each kind of tag that the expressions distinguish.
   const auto kinds = governance::NameKinds::of(std::move(expressions));
   if (!kinds) out.add(Live::restart, "there are too many expressions of tags to compare", 0);
   for (governance::NameKinds::Kind kind = 0; kinds && kind < kinds->size(); ++kind)

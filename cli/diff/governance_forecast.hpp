@@ -9,13 +9,13 @@
 
 namespace ddssec::cli {
 
-/// For each host: whether it takes the new document while it runs.
+/// For each host: whether it accepts the new document while it runs.
 struct GovernanceForecast {
   std::string_view ddssec, embedded, cyclonedds, stock;
   std::string reason;
   std::optional<std::string> at;
   std::string text = {};  ///< complete lines
-  /// Embedded participants take it in two phases, if its revision allows it.
+  /// True if embedded participants change in two phases, provided that the revision allows it.
   bool is_phased = false;
 
   static constexpr auto fields() {
@@ -28,8 +28,8 @@ struct GovernanceForecast {
   }
 };
 
-/// Considers every domain, without a tag and with each tag that a document names. `is_same`: both
-/// documents say the same.
+/// Considers every domain, without a tag and with each tag that a document names. `is_same` is true
+/// if both documents have the same effect.
 GovernanceForecast forecast_of(const governance::Governance& before,
                                const governance::Governance& after, const DiffSides& sides,
                                bool is_same);

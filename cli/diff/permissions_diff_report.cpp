@@ -97,7 +97,7 @@ std::vector<ShownPermissionChange> PermissionsComparison::changes() const {
 }
 
 std::string PermissionsComparison::text() const {
-  // The most serious subject first, each with all its changes.
+  // The most serious subject comes first, each with all its changes.
   std::vector<std::string> subjects;
   std::map<std::string_view, std::string> texts;
   for (const auto& change : diff.changes) {

@@ -7,7 +7,7 @@
 
 namespace ddssec::cli {
 
-/// The endpoints that a change concerns.
+/// The endpoints that a change affects.
 template <>
 struct Listed<governance::EntityWords> {
   using T = governance::EntityWords;
@@ -42,7 +42,7 @@ struct Listed<governance::PermissionChange> {
   }
 };
 
-/// One difference. What it points to is the comparison's.
+/// One difference. It points into the comparison.
 struct ShownPermissionChange {
   const governance::PermissionChange* by;
   const DiffSides* sides;

@@ -16,7 +16,7 @@ using governance::ChangeClass;
 using governance::Grant;
 using governance::Grants;
 
-// In the order of severity.
+// The outcomes in the order of severity.
 enum class Live : std::uint8_t {
   same,
   live,
@@ -52,7 +52,7 @@ const Grant* begins_after(const Grants& grants, WallTime now) {
   return found == grants.end() ? nullptr : *found;
 }
 
-// As find_grant and check_follows judge it for a participant of this subject.
+// Predicts what find_grant and check_follows decide for a participant of this subject.
 void add_subject(const governance::Subject& subject, WallTime now, Prediction& out) {
   const auto* const in_force = governance::valid_at(subject.old_grants, now);
   if (subject.old_grants.empty()) return;
@@ -89,7 +89,7 @@ void add_subject(const governance::Subject& subject, WallTime now, Prediction& o
   out.add(Live::live, "", 0);
 }
 
-// As check_follows judges it.
+// True if check_follows refuses the document because of its signing time.
 bool is_signed_earlier(const DiffSides& sides) {
   const auto &since = sides.before.signing_time, &time = sides.after.signing_time;
   return sides.after.is_signed && since && (!time || *time < *since);
@@ -122,7 +122,8 @@ bool takes_away(const governance::PermissionsDiff& diff) {
          diff.verdict == ChangeClass::unknown;
 }
 
-// A right of an endpoint, whatever the time is, of a subject that both documents have.
+// True for a change of an endpoint's rights, whatever the time is, if both documents have the
+// subject.
 bool is_about_rights(const governance::PermissionChange& change,
                      const governance::PermissionsDiff& diff) {
   if (change.element != "rule" && change.element != "default" && change.element != "join")
@@ -132,8 +133,8 @@ bool is_about_rights(const governance::PermissionChange& change,
   });
 }
 
-// The core of Cyclone DDS does not judge again what it has matched. What an endpoint loses ends
-// its sessions with peers on our plugins; what it gains counts in the next session.
+// The core of Cyclone DDS does not judge again what it has matched. If an endpoint loses rights,
+// its sessions with peers on our plugins end. Rights that it gains count from the next session on.
 std::string_view word_in_cyclonedds(Live live, const governance::PermissionsDiff& diff) {
   if (live != Live::live) return live_word(live);
   const auto has = [&](auto... classes) {

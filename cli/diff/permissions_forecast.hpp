@@ -9,7 +9,8 @@
 
 namespace ddssec::cli {
 
-/// The two documents, what their comparison found, and the time at which they are put into place.
+/// The two documents, the result of their comparison, and the time at which the new one is put into
+/// place.
 struct PermissionsChangeOver {
   const governance::Permissions& before;
   const governance::Permissions& after;
@@ -17,7 +18,7 @@ struct PermissionsChangeOver {
   WallTime now;
 };
 
-/// For each host: whether it takes the new document while it runs.
+/// For each host: whether it accepts the new document while it runs.
 struct PermissionsForecast {
   std::string_view embedded, cyclonedds_ddssec, cyclonedds, fastdds;
   std::string reason;

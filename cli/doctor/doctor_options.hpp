@@ -9,11 +9,12 @@
 
 namespace ddssec::cli {
 
-/// The participant's folder, loaded; an encrypted key with the password that the files give.
+/// The participant's folder, loaded. An encrypted key is opened with the password that the files
+/// give.
 governance::doctor::LoadedFolder load_participant(const std::filesystem::path& folder,
                                                   WallTime now);
-/// The domain to check: the value of --domain, otherwise one that the documents of all these
-/// folders cover. If there are others, a note in the report names the chosen one. Error: usage.
+/// The domain to check: the value of --domain, or else one that the documents of all these folders
+/// cover. If there are others, a note in the report names the chosen one. Error: usage.
 Result<DomainId> domain_for(const Arguments& arguments,
                             std::initializer_list<const governance::doctor::LoadedFolder*> folders,
                             WallTime now, Report& report);

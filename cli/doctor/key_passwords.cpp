@@ -23,7 +23,8 @@ using doctor::LoadedFolder;
 
 constexpr std::string_view kFastDdsPassword = "dds.sec.auth.builtin.PKI-DH.password";
 
-// The first one of any domain: which of several counts is not judged.
+// Takes the first password of any domain. If there are several, this does not judge which one
+// counts.
 std::string of_cyclonedds(const LoadedFolder& folder) {
   const auto file = folder.paths.folder / "cyclonedds.xml";
   auto configuration = doctor::cyclonedds_configuration();
@@ -54,7 +55,8 @@ std::string of_embedded(const LoadedFolder& folder) {
                     : std::string();
 }
 
-// Also keeps the opened key. A property wipes its value at its end.
+// Keeps the opened key. The password is held in a property, which wipes its value when it is
+// destroyed.
 bool opens(std::string password, LoadedFolder& folder) {
   const spi::Property property{std::string(spi::property::kPassword), std::move(password), false};
   const auto passphrase = pki::Passphrase::copy_of(as_bytes(property.value));

@@ -5,10 +5,10 @@
 
 namespace ddssec::cli {
 
-/// Opens the folder's key, if it is encrypted, and notes which products are given a password that
-/// opens it: Cyclone DDS by <Password> of the configuration that CYCLONEDDS_URI names, or of
-/// cyclonedds.xml; Fast DDS by fastdds.xml; ddssec's plugins by security.properties, and in Cyclone
-/// DDS as that is.
+/// Opens the folder's key if it is encrypted, and notes which products get a password that opens
+/// it. Cyclone DDS gets it from <Password> of the configuration that CYCLONEDDS_URI names, or of
+/// cyclonedds.xml; Fast DDS from fastdds.xml. ddssec's plugins get it from security.properties, and
+/// within Cyclone DDS as Cyclone DDS does.
 void open_key(governance::doctor::LoadedFolder& folder);
 
 }  // namespace ddssec::cli

@@ -41,7 +41,7 @@ std::string place_of(const PartyDecision& judgement) {
                             : fmt::format(" ({})", file);
 }
 
-// "listener accepts talker: ok    talker accepts listener: ok".
+// For example "listener accepts talker: ok    talker accepts listener: ok".
 std::string step_line(std::string_view title, const std::vector<PartyDecision>& judgements,
                       const MeetingView& view) {
   auto out = fmt::format("{:<17}", title);
@@ -103,7 +103,7 @@ std::string judgement_line(const PartyDecision& one, const MeetingView& view) {
 
 std::string reason_apart(const TopicDirection& direction, const MeetingView& view);
 
-// The reason, if the lines below do not give it.
+// The reason, unless the lines below already give it.
 std::string reason_beside(const TopicDirection& direction, const MeetingView& view) {
   const bool is_below = view.explain || view.topics_named || !direction.differences.empty() ||
                         !direction.obstacle.reason.empty();
@@ -129,7 +129,8 @@ std::string name_of(const TopicMeeting& topic) {
   return topic.topic.empty() ? "\"\"" : topic.topic;
 }
 
-// A name that is only an example of an expression is in neither document.
+// A name that is only an example of an expression is in neither document, so the expression is
+// shown first.
 std::string words_of(const TopicMeeting& topic) {
   return topic.expression.empty() ? name_of(topic)
                                   : fmt::format("{} (e.g. {})", topic.expression, name_of(topic));
@@ -145,7 +146,7 @@ bool is_idle(const TopicMeeting& topic) {
   return !topic.directions[0].ok && !topic.directions[1].ok;
 }
 
-// True if the permissions allow the topic in one direction, and something else separates the
+// True if the permissions allow the topic in one direction, but something else separates the
 // participants: the protection, or the behaviour of a product.
 bool is_kept_apart(const TopicMeeting& topic) {
   return is_idle(topic) && std::ranges::any_of(topic.directions, [](const TopicDirection& one) {
@@ -160,7 +161,7 @@ bool protection_differs(const TopicMeeting& topic) {
   });
 }
 
-// The first reason why a writer and a reader do not match; "" if they do.
+// The first reason why a writer and a reader do not match. Empty if they match.
 std::string reason_apart(const TopicDirection& direction, const MeetingView& view) {
   for (const auto& one : direction.steps) {
     if (one.ok) continue;
@@ -194,7 +195,7 @@ bool is_of_every_node(std::string_view topic) {
            topic.contains("/list_parameters") || topic.contains("/describe_parameters")));
 }
 
-// "talker publishes to listener: rt/chatter".
+// For example "talker publishes to listener: rt/chatter".
 std::string working_topics(const MeetingView& view, int writer) {
   constexpr std::size_t kMax = 5;
   std::size_t count = 0;
@@ -214,12 +215,12 @@ std::string working_topics(const MeetingView& view, int writer) {
   return fmt::format("{} publishes to {}: {}", view.names[writer], view.names[1 - writer], names);
 }
 
-// "  not on Circle: listener may not subscribe to it: ...".
+// For example "  not on Circle: listener may not subscribe to it: ...".
 std::string topics_apart(const MeetingView& view) {
   constexpr std::size_t kMax = 5;
   std::size_t count = 0;
   std::string out;
-  for (const bool is_wanted : {true, false})  // those that both may use come first
+  for (const bool is_wanted : {true, false})  // topics that both may use come first
     for (const auto& topic : view.meeting.topics) {
       if (!is_idle(topic) || is_kept_apart(topic) != is_wanted || is_of_every_node(topic.topic))
         continue;

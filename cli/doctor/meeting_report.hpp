@@ -11,11 +11,11 @@
 
 namespace ddssec::cli {
 
-/// The required directions for topics.
+/// The directions that must work for topics.
 enum class Wanted : std::uint8_t {
-  any,       ///< one direction on every topic
-  both,      ///< both directions
-  writer_a,  ///< the first writes and the second reads
+  any,       ///< one direction is enough, on every topic
+  both,      ///< both directions must work
+  writer_a,  ///< the first participant writes and the second reads
   writer_b,
 };
 
@@ -106,7 +106,7 @@ struct ShownDirection {
   std::vector<JudgementStep> steps() const;
   std::optional<TopicProtection> protection() const;
   std::optional<std::string> obstacle() const;
-  /// The first thing that keeps them apart.
+  /// The first reason why writer and reader do not match.
   std::optional<std::string> reason() const;
 
   static constexpr auto fields() {
@@ -183,10 +183,10 @@ struct MeetingView {
   governance::doctor::Meeting meeting;
   std::string names[2];
   DomainId domain = 0;
-  bool topics_named = false;  ///< the topics were named; otherwise one that works is enough
+  bool topics_named = false;  ///< topics were named; otherwise one topic that works is enough
   Wanted wanted = Wanted::any;
-  bool explain = false;  ///< show every judgement, not only the deciding ones
-  Kept kept[2] = {};     ///< the folders, whose documents the meeting names
+  bool explain = false;  ///< show every judgement, not only those that decide
+  Kept kept[2] = {};     ///< the folders with the documents that the meeting refers to
 
   /// True if they would communicate as wanted.
   bool talk() const;
@@ -194,7 +194,7 @@ struct MeetingView {
   std::optional<ShownHandshake> handshake() const;
   std::vector<ShownTopic> topics() const;
   std::vector<std::string> vendor_notes() const;
-  /// Steps, topics and a last line with the result.
+  /// The steps, the topics and a last line with the result.
   std::string text() const;
 
   static constexpr auto fields() {
@@ -211,8 +211,8 @@ struct MeetingView {
   }
 };
 
-/// True if they meet, and both may use a topic on which something else separates them: governance
-/// documents that protect it differently, or the behaviour of a product.
+/// True if they meet, but something else than permissions separates them on a topic that both may
+/// use: governance documents that protect it differently, or the behaviour of a product.
 bool has_topic_apart(const governance::doctor::Meeting& meeting);
 
 }  // namespace ddssec::cli

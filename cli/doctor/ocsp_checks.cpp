@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using doctor::LoadedFolder;
 using doctor::Outcome;
 
-// What a file that cannot be read means is said elsewhere (DOC093).
+// A file that cannot be read counts as empty here; DOC093 reports it.
 spi::PropertyList properties_of(const LoadedFolder& folder) {
   if (!is_there(folder.paths.properties)) return {};
   return spi::read_property_file(folder.paths.properties).value_or(spi::PropertyList());
@@ -31,8 +31,8 @@ fs::path response_file(const LoadedFolder& folder, const spi::PropertyList& prop
   return file_named_by(absolute_uri(named)).value_or(ocsp_file(folder.paths).string());
 }
 
-// `judge`: whose CAs and revocation lists count. Errors: file_not_found; those of read_file and
-// judge_ocsp, or of the parts that it needs.
+// The response in the file, judged with the CAs and revocation lists of `judge`. Errors:
+// file_not_found; those of read_file and judge_ocsp, or of the parts of the folder that are needed.
 Result<pki::OcspGood> response_of(const LoadedFolder& folder, const fs::path& file,
                                   const LoadedFolder& judge, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxOcspOctets));
@@ -54,8 +54,8 @@ bool demands(const doctor::Party& party) {
   return policy && *policy == spi::OcspPolicy::hard;
 }
 
-// Why the participant shows no response that says "good" to the judge; empty if it does. It sends
-// none that is not good to itself.
+// The reason why the participant shows the judge no response that says "good"; empty if it shows
+// one. A participant does not send a response that it does not itself accept as good.
 std::string lack_of(const doctor::Party& party, const LoadedFolder& judge, WallTime now) {
   if (party.vendor != doctor::Vendor::ours) return party.product() + " sends none";
   const auto file = response_file(party.folder, properties_of(party.folder));
@@ -89,7 +89,7 @@ void check_ocsp(const LoadedFolder& folder, const doctor::Settings& settings,
   auto finding = about_response(file, response.error());
   if (response.error().code() == Code::ocsp_revoked)
     return out.report({.ours = Outcome::fail}, std::move(finding));
-  // The participant starts without it.
+  // The participant starts without a response.
   finding.severity = Severity::warning;
   out.report({}, std::move(finding));
 }

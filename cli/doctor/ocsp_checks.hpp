@@ -1,5 +1,5 @@
-// OCSP responses for doctor and check: whether a folder's own can be sent, and whether a
-// participant that demands one gets it.
+// OCSP responses for doctor and check: whether a folder's own response can be sent, and whether a
+// participant that demands a response gets one.
 #pragma once
 
 #include <vector>
@@ -8,12 +8,11 @@
 
 namespace ddssec::cli {
 
-/// DOC112, if the folder has a response or a property about them.
+/// Reports DOC112 if the folder has a response or a property about responses.
 void check_ocsp(const governance::doctor::LoadedFolder& folder,
                 const governance::doctor::Settings& settings, governance::doctor::Diagnosis& out);
 
-/// DOC113 for each of the two that demands a response of the other, which has none that says
-/// "good".
+/// DOC113 for each participant that demands a response, if the other one has none that says "good".
 std::vector<Finding> demanded_responses(const governance::doctor::Party& a,
                                         const governance::doctor::Party& b, WallTime now);
 

@@ -77,7 +77,7 @@ bool starts(const doctor::Diagnosis& diagnosis) {
   return diagnosis.outcomes().of(doctor::Vendor::ours) < Outcome::late;
 }
 
-// Errors about a value name the property, and those about a file the file.
+// An error about a value names the property, and an error about a file names the file.
 std::string document_of(const Error& error, const fs::path& otherwise) {
   const auto& document = error.details().document;
   return document.empty() || !is_there(document) ? otherwise.string() : document;
@@ -104,11 +104,11 @@ void check_own_start(const doctor::LoadedFolder& folder, const doctor::Settings&
 
 namespace {
 
-// A value of Cyclone DDS's configuration, and the property as which its core passes it.
+// An element of Cyclone DDS's configuration, and the property as which its core passes the value.
 struct ConfiguredProperty {
   std::string_view element;
   std::string_view name;
-  fs::path pki::ParticipantFolder::*file;  // the folder's own; null: it has none
+  fs::path pki::ParticipantFolder::*file;  // the folder's own file; nullptr: there is none
 };
 using Files = pki::ParticipantFolder;
 constexpr ConfiguredProperty kConfigured[] = {
@@ -123,13 +123,13 @@ constexpr ConfiguredProperty kConfigured[] = {
     {"permissions", property::kPermissions, &Files::permissions},
 };
 
-// A configuration, and what sentences call it.
+// A configuration, and its name in messages.
 struct HostConfiguration {
   std::string document;
   doctor::EffectiveSecurity security;
 };
 
-// Of a participant that its QoS secures, as ROS 2 does: with the folder's files.
+// The properties of a participant that its QoS secures with the folder's files, as ROS 2 does.
 Result<spi::PropertyList> properties_of_folder(const pki::ParticipantFolder& files) {
   spi::PropertyList out;
   for (const auto& [element, name, file] : kConfigured) {
@@ -151,7 +151,8 @@ spi::PropertyList properties_of(const doctor::EffectiveSecurity& security, Domai
   return out;
 }
 
-// That of the environment, or the folder's own. None: an application without a configuration.
+// The configuration that the environment names, or else the folder's own. Empty for an application
+// without a configuration.
 std::optional<HostConfiguration> configuration_for(const doctor::LoadedFolder& folder,
                                                    const doctor::Settings& settings) {
   using Place = doctor::ConfigurationPlace;
@@ -170,7 +171,7 @@ std::optional<HostConfiguration> configuration_for(const doctor::LoadedFolder& f
                            doctor::effective_security(*text, settings.domain, Place::file)};
 }
 
-// The environment may be that of another participant.
+// False if the environment is that of another participant.
 bool is_of(const pki::ParticipantFolder& files, const spi::PropertyList& properties) {
   const auto named = pki::load(spi::property_value(properties, property::kIdentityCertificate), "",
                                pki::kMaxCertificateOctets);
@@ -188,7 +189,7 @@ std::string variable(const char* name) {
 Status start_in_cyclonedds(spi::PropertyList of_host, const doctor::Settings& settings) {
   DDSSEC_ASSIGN_OR_RETURN(auto properties, spi::with_process_properties(std::move(of_host)));
   DDSSEC_RETURN_IF_ERROR(spi::check_properties_of_adapters(properties));
-  // Only an embedded participant reads it.
+  // Cyclone DDS does not read this property; only an embedded participant does.
   std::erase_if(properties,
                 [](const auto& one) { return one.name == property::kGovernanceChangeTime; });
   return start(std::move(properties), {}, settings);
@@ -210,7 +211,7 @@ void check_start_in_cyclonedds(const doctor::LoadedFolder& folder, const doctor:
     of_folder->push_back({std::string(property::kPassword),
                           std::string(spi::property_value(of_file, property::kPassword)), false});
   }
-  // What else keeps such a process from starting is said of the document that does.
+  // If the folder's files alone do not start, another check reports the document that prevents it.
   if (!of_folder || !start(*of_folder, {}, settings)) return;
   const auto of_host =
       is_configured ? properties_of(configuration->security, settings.domain) : *of_folder;

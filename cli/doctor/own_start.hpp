@@ -1,4 +1,4 @@
-// Whether ddssec's own plugins start with the properties that are set, for doctor and check.
+// Whether ddssec's own plugins start with the given properties, for doctor and check.
 #pragma once
 
 #include "governance/doctor/diagnosis.hpp"
@@ -6,16 +6,16 @@
 namespace ddssec::cli {
 
 /// Starts the plugins as an embedded participant does, without a socket, and reports their refusal
-/// (DOC093). Only for a folder with security.properties, and with nothing else that keeps them from
-/// starting: `before` are the checks besides those of the folder itself.
+/// (DOC093). This is done only for a folder with security.properties, and only if nothing else
+/// prevents the start: `before` are the checks besides those of the folder itself.
 void check_own_start(const governance::doctor::LoadedFolder& folder,
                      const governance::doctor::Settings& settings,
                      const governance::doctor::Diagnosis& before,
                      governance::doctor::Diagnosis& out);
 
 /// The same for a Cyclone DDS process: with the values of its configuration, and with the
-/// properties of DDSSEC_PROPERTIES and DDSSEC_SYMMETRIC_CIPHER_ALGORITHM. `is_in_use`: the process
-/// would load ddssec's plugins; otherwise a refusal is a warning.
+/// properties of DDSSEC_PROPERTIES and DDSSEC_SYMMETRIC_CIPHER_ALGORITHM. If the process would not
+/// load ddssec's plugins (`is_in_use` is false), a refusal is only a warning.
 void check_start_in_cyclonedds(const governance::doctor::LoadedFolder& folder,
                                const governance::doctor::Settings& settings, bool is_in_use,
                                const governance::doctor::Diagnosis& before,

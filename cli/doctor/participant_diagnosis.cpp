@@ -38,8 +38,8 @@ constexpr doctor::Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ours = Ou
 
 fs::path configuration_in(const fs::path& folder) { return folder / "cyclonedds.xml"; }
 
-// Whether an application is meant to start with the folder's own configuration: nodes of ROS 2 are
-// secured by their QoS.
+// True if an application is meant to start with the folder's own configuration. Nodes of ROS 2 are
+// secured by their QoS instead.
 bool has_own_configuration(const LoadedFolder& folder) {
   return folder.paths.layout != pki::FolderLayout::sros2 &&
          is_there(configuration_in(folder.paths.folder));
@@ -51,7 +51,7 @@ std::string export_line(const fs::path& folder) {
   return "export CYCLONEDDS_URI=" + doctor::shell_word("file://" + file.string());
 }
 
-// Measured with Cyclone DDS 0.10.2: it opens a folder, reads nothing, and goes on.
+// Measured with Cyclone DDS 0.10.2: it opens the folder as a file, reads nothing, and goes on.
 void report_named_folder(const LoadedFolder& folder, const fs::path& named,
                          doctor::Diagnosis& out) {
   const bool is_meant = has_own_configuration(folder);
@@ -100,7 +100,7 @@ void check_profiles_file(const LoadedFolder& folder, const doctor::Settings& set
   doctor::check_profile_of_working_directory(folder, settings, out);
 }
 
-// As the plugins judge it when a participant is made.
+// Judges the rule as the plugins do when a participant is created.
 Status enforceable(const LoadedFolder& folder, const governance::DomainRule& rule,
                    const access_control::AccessControlOptions& options) {
   DDSSEC_RETURN_IF_ERROR(access_control::check_enforceable(rule, options));
@@ -218,8 +218,8 @@ void warn_of_unset_profiles_file(const LoadedFolder& folder, const doctor::Setti
 
 namespace {
 
-// With which an application would run, as far as it is known: that of the environment, or the one
-// in the folder.
+// The configuration with which an application would run, as far as it is known: the one that the
+// environment names, or else the one in the folder.
 std::optional<std::string> configuration_for(const LoadedFolder& folder) {
   if (auto named = doctor::cyclonedds_configuration()) return named;
   const auto file = configuration_in(folder.paths.folder);
@@ -247,7 +247,7 @@ bool runs_drop_in(const LoadedFolder& folder) {
   });
 }
 
-// As plugins/cyclonedds/access_control_adapter.cpp decides it.
+// Decides as plugins/cyclonedds/access_control_adapter.cpp does.
 std::optional<Finding> refused_by_drop_in(const LoadedFolder& folder,
                                           const governance::DomainRule& domain,
                                           const governance::TopicRule& rule, Action action) {

@@ -10,17 +10,17 @@
 
 namespace ddssec::cli {
 
-/// doctor::diagnose, pre-shared keys, limits of keys, CYCLONEDDS_URI, and DOC103.
+/// doctor::diagnose, with pre-shared keys, limits of keys, CYCLONEDDS_URI, and DOC103.
 governance::doctor::Diagnosis diagnosis_of(const governance::doctor::LoadedFolder& folder,
                                            const governance::doctor::Settings& settings);
 
-/// The part that `doctor::meet` does not check itself.
+/// The part of diagnosis_of that `doctor::meet` does not check itself.
 governance::doctor::Diagnosis diagnosis_beyond_folder(
     const governance::doctor::LoadedFolder& folder, const governance::doctor::Settings& settings);
 
-/// DOC101, a warning: CYCLONEDDS_URI is not set or empty, and the folder has a cyclonedds.xml. An
-/// application that starts in this environment would run without security. It does not concern the
-/// folder itself.
+/// Reports DOC101 as a warning if CYCLONEDDS_URI is not set or empty and the folder has a
+/// cyclonedds.xml. An application that starts in this environment would run without security. The
+/// warning is not about the folder itself.
 void warn_of_unset_variable(const governance::doctor::LoadedFolder& folder,
                             const governance::doctor::Settings& settings,
                             governance::doctor::Diagnosis& out);

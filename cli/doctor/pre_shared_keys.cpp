@@ -36,7 +36,8 @@ struct PreSharedKeys final : EventSink {
   }
 };
 
-// The protection kind that the governance demands; NONE: no pre-shared keys.
+// The protection kind that the governance document demands. NONE means that there are no pre-shared
+// keys.
 ProtectionKind asked_for(const LoadedFolder& folder, DomainId domain) {
   if (!folder.governance.model) return ProtectionKind::none;
   const auto* const rule = folder.governance.model->find(domain);
@@ -65,7 +66,7 @@ Finding missing(const LoadedFolder& folder, ProtectionKind kind, const Error& er
           .line = error.details().line};
 }
 
-// The reason why the second cannot decrypt the first's messages; empty if it can.
+// The reason why `to` cannot decrypt the messages of `from`; empty if it can.
 std::string obstacle(const doctor::Party& from, const PreSharedKeys& of_from,
                      const doctor::Party& to, const PreSharedKeys& of_to) {
   const auto& sends = of_from.passphrases.front();
@@ -106,8 +107,8 @@ void compare(const doctor::Party& a, const doctor::Party& b, DomainId domain,
           {.rule = Rule::DOC092, .message = why, .document = b.folder.paths.properties.string()});
 }
 
-// Adds what meet() cannot know: the environment and the properties. Missing passphrases are
-// compared below.
+// Adds refusals that meet() cannot know of, because they come from the environment and the
+// properties. Missing passphrases are compared below.
 void refuse_beyond_folder(const doctor::Party& party, const doctor::Settings& settings,
                           doctor::Meeting& out) {
   const auto diagnosis = diagnosis_beyond_folder(party.folder, settings);

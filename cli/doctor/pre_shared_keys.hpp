@@ -7,7 +7,7 @@
 
 namespace ddssec::cli {
 
-/// DOC091, if the governance demands pre-shared keys.
+/// Reports DOC091 if the governance document demands pre-shared keys.
 void check_pre_shared_keys(const governance::doctor::LoadedFolder& folder,
                            const governance::doctor::Settings& settings,
                            governance::doctor::Diagnosis& out);

@@ -21,7 +21,7 @@ namespace doctor = governance::doctor;
 namespace fs = std::filesystem;
 using doctor::LoadedFolder;
 
-// What a file of properties that cannot be read means is said elsewhere (DOC093).
+// A file of properties that cannot be read counts as empty here; DOC093 reports it.
 fs::path list_of(const LoadedFolder& folder) {
   if (!is_there(folder.paths.properties)) return folder.paths.renewals;
   const auto properties =
@@ -31,7 +31,7 @@ fs::path list_of(const LoadedFolder& folder) {
   return file_named_by(absolute_uri(named)).value_or(folder.paths.renewals.string());
 }
 
-// Why entries have no effect, each with its subject.
+// For each entry without effect: its subject and the reason.
 using Reasons = std::vector<std::string>;
 
 void look_at_certificates(const LoadedFolder& folder, const pki::RenewalList& list, WallTime now,
@@ -45,7 +45,7 @@ void look_at_certificates(const LoadedFolder& folder, const pki::RenewalList& li
   }
 }
 
-// Empty: a grant of it may count.
+// The reason why the document has no effect. Empty if one of its grants may count.
 std::string reason_of(BytesView file, const pki::DocumentVerifier& verifier, WallTime now) {
   const auto form = pki::examine_document(file);
   const auto document = governance::read_permissions(form.unverified_text, form.first_line);
@@ -105,7 +105,7 @@ void check_renewal_list(const LoadedFolder& folder, const doctor::Settings& sett
   if (reasons.empty()) return;
   const auto entries = list->certificates.size() + list->permissions.size();
   finding.message = fmt::format("{}: {}", file.filename().string(), in_words(reasons, entries));
-  // The end of some entries is nothing to see to.
+  // It is normal that some entries expire.
   finding.severity = reasons.size() == entries ? Severity::warning : Severity::informational;
   out.report({}, std::move(finding));
 }

@@ -5,9 +5,9 @@
 
 namespace ddssec::cli {
 
-/// DOC115, if the folder has a renewal list: one finding if it cannot be read, or if entries of it
-/// have no effect, since they have ended, were revoked, or are of no CA of the folder. Whether an
-/// entry extends what a peer presents is not looked at.
+/// Reports DOC115 if the folder has a renewal list that cannot be read, or that has entries without
+/// effect: they have expired, were revoked, or are of no CA of the folder. It does not check
+/// whether an entry extends what a peer presents.
 void check_renewal_list(const governance::doctor::LoadedFolder& folder,
                         const governance::doctor::Settings& settings,
                         governance::doctor::Diagnosis& out);

@@ -25,7 +25,8 @@ bool is_zero(std::string_view value) { return value == "0"; }
 
 bool is_any(std::string_view value) { return !value.empty(); }
 
-// A certificate that has ended counts for this long after the calendar was set forward.
+// True for a long grace time: an expired certificate counts for this long after the calendar was
+// set forward.
 bool is_long_grace(std::string_view value) {
   constexpr int kLong = 600;  // seconds
   int seconds = 0;

@@ -1,4 +1,4 @@
-// Properties of ddssec that take away protection, for doctor and check.
+// Properties of ddssec that reduce protection, for doctor and check.
 #pragma once
 
 #include "governance/doctor/diagnosis.hpp"
@@ -6,9 +6,9 @@
 
 namespace ddssec::cli {
 
-/// DOC116, a warning, for each such property in the folder's security.properties, which an embedded
-/// participant reads, and in the file of DDSSEC_PROPERTIES, which the plugins in Cyclone DDS read.
-/// A file that cannot be read is DOC093, not a finding of this check.
+/// Reports DOC116 as a warning for each such property. It reads the folder's security.properties,
+/// which an embedded participant uses, and the file of DDSSEC_PROPERTIES, which the plugins in
+/// Cyclone DDS use. DOC093 reports a file that cannot be read.
 void check_weakened_protection(const governance::doctor::LoadedFolder& folder,
                                governance::doctor::Diagnosis& out);
 

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// "3" or "0-5"; nothing if it is neither.
+// Reads "3" or "0-5". Empty for any other text.
 std::optional<governance::DomainRange> range_from(std::string_view text) {
   governance::DomainRange range;
   const auto* const end = text.data() + text.size();
@@ -47,7 +47,7 @@ Result<pki::SignedDocument> verified(const fs::path& file, const fs::path& ca, W
   return named(verifier.verify(octets, now), file);
 }
 
-// A text that is not a signed form is left to the XML parser, whose error is the most helpful.
+// A text that is not in a signed form is passed to the XML parser, whose error is the most helpful.
 Result<DocumentText> unverified_text(const fs::path& file) {
   DDSSEC_ASSIGN_OR_RETURN(auto octets, read_file(file, pki::kMaxDocumentOctets));
   auto form = pki::examine_document(octets);
@@ -60,7 +60,7 @@ Result<DocumentText> unverified_text(const fs::path& file) {
 
 std::size_t signed_size(BytesView octets) {
   if (pki::examine_document(octets).wrapping != pki::DocumentWrapping::none) return octets.size();
-  // Lines of signed text end in CR LF.
+  // The lines of signed text end in CR LF.
   const auto text = as_text(octets);
   return text.size() + static_cast<std::size_t>(std::ranges::count(text, '\n')) -
          static_cast<std::size_t>(std::ranges::count(text, '\r'));

@@ -16,15 +16,14 @@
 
 namespace ddssec::cli {
 
-/// The result; an error without a document gets the path as its document.
+/// Returns the result. An error without a document gets the path as its document.
 template <class T>
 Result<T> named(Result<T> result, const std::filesystem::path& path) {
   if (result) return result;
   return std::unexpected(result.error().in(path));
 }
 
-/// The signed document, verified at `now` against the permissions CA file `ca`.
-/// Errors: those of read_file, Certificate::bundle_from_pem and DocumentVerifier::verify.
+/// The signed document, verified at `now` with the permissions CA file `ca`.
 Result<pki::SignedDocument> verified(const std::filesystem::path& file,
                                      const std::filesystem::path& ca, WallTime now);
 
@@ -53,7 +52,7 @@ struct PermissionsKind {
   }
 };
 
-/// The document of a participant's folder; `given` itself if it is not a folder.
+/// The document in a participant's folder, or `given` itself if it is not a folder.
 template <class Kind>
 std::filesystem::path document_path(const std::filesystem::path& given) {
   std::error_code ignored;
@@ -71,11 +70,11 @@ Result<typename Kind::Document> unverified_document(const std::filesystem::path&
   return named(Kind::read(text->xml, text->first_line), file);
 }
 
-/// The length of the signed form of a document; `octets` are the document, plain or signed. For a
-/// plain one without the signature itself, which has 1 to 4 KiB.
+/// The length of the signed form of a document. `octets` are the document, plain or signed. For a
+/// plain document the signature itself, of 1 to 4 KiB, is not counted.
 std::size_t signed_size(BytesView octets);
 
-/// Adds findings about this file to the report; the answer is "no" if one is an error.
+/// Adds findings about this file to the report. The answer becomes "no" if one of them is an error.
 void add_findings(Report& report, std::vector<Finding> findings, const std::filesystem::path& file);
 /// The numbers of findings.
 struct FindingCounts {
@@ -91,7 +90,7 @@ struct FindingCounts {
   std::string words() const;
 };
 
-/// FindingCounts::words() of these.
+/// FindingCounts::words() of these findings.
 std::string counted(const std::vector<Finding>& findings);
 
 /// The value of --profile. Error: usage.
@@ -113,8 +112,8 @@ Result<std::vector<std::string>> topics_of(const Arguments& arguments, std::stri
 /// The path of the signed form beside a document: its path with the ending p7s.
 std::filesystem::path signed_path(const std::filesystem::path& document);
 
-/// Success if write_result() can use its target, so that no log contains a document that was never
-/// written. Error: would_overwrite.
+/// Success if write_result() can use its target. Check it before writing a log, so that no log
+/// contains a document that was never written. Error: would_overwrite.
 Status check_result_place(const std::filesystem::path& target, const Arguments& arguments);
 /// Writes a document for a command that has --replace. Errors: those of write_new_file and, with
 /// that option, of FileTransaction.
@@ -122,9 +121,10 @@ Result<WrittenFile> write_result(const std::filesystem::path& target, BytesView 
                                  const Arguments& arguments);
 
 /// Writes a new document to the path of -o and, with --sign, its signed form beside it (-o may name
-/// either). Writes both or neither. `governance`: the document itself, if it is one; its signed
-/// form has the next revision, unless --no-revision is given. Errors: usage (--sign without --ca),
-/// and those of CaOpener, with_next_revision, Authority::sign_document and write_new_file.
+/// either). Writes both or neither. `governance` is the document itself if it is a governance
+/// document. Its signed form has the next revision, unless --no-revision is given. Errors: usage
+/// (--sign without --ca), and those of CaOpener, with_next_revision, Authority::sign_document and
+/// write_new_file.
 Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Arguments& arguments,
                                                 const Context& context,
                                                 const governance::Governance* governance = nullptr);

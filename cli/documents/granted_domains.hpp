@@ -10,16 +10,17 @@
 
 namespace ddssec::cli {
 
-/// The values of --domain; otherwise all domains of the governance document in `governance`;
-/// otherwise domain 0. Outside of these a participant would not start; `findings` then get DOC050.
-/// The document is not verified, because it only provides a default. Error: usage.
+/// The values of --domain, or else all domains of the governance document in `governance`, or else
+/// domain 0. If --domain has no domain in common with the governance document, `findings` get
+/// DOC050, because the participant would not start. The document is not verified, because it only
+/// provides a default. Error: usage.
 Result<std::vector<governance::DomainRange>> granted_domains(
     const Arguments& arguments, const std::filesystem::path& governance,
     std::vector<Finding>& findings);
 
 /// DOC050 as a warning for each grant that allows no domain of the governance document: a
-/// participant with it cannot start, and one that runs loses its rights. Empty if there is no such
-/// document. It is not verified.
+/// participant with such a grant cannot start, and a running one loses its rights. Empty if there
+/// is no governance document. The document is not verified.
 std::vector<Finding> uncovered_grants(const governance::Permissions& permissions,
                                       const std::filesystem::path& governance,
                                       const std::filesystem::path& file);

@@ -35,8 +35,8 @@ bool has_dds_prefix(std::string_view name) {
   return name.starts_with("rt/") || name.starts_with("rq/") || name.starts_with("rr/");
 }
 
-// A policy may come from another person, so an included file must not be a link to another file of
-// this machine.
+// A policy may come from another person, so an included file must not be a link to any other file
+// of this machine.
 Status check_inside(const fs::path& included, const fs::path& policy) {
   std::error_code ignored;
   const auto root =
@@ -90,7 +90,7 @@ std::vector<Finding> merged_profiles(const RosPolicy& policy) {
 }
 
 std::vector<Finding> prefixed_names(const RosPolicy& policy) {
-  constexpr std::size_t kMax = 16;  // more findings would say nothing new
+  constexpr std::size_t kMax = 16;  // more findings would report nothing new
   std::vector<Finding> out;
   const auto look_at = [&](const RosEnclave& enclave, const RosElement& element) {
     for (const auto& written : element.names)

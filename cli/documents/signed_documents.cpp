@@ -18,8 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 using Standing = pki::SigningLog::Standing;
 
-// The CA may have expired since; its successor signs what it signed while it was valid, which it no
-// longer is at not_after.
+// The time at which a document of the CA is verified. The CA may have expired since, and its
+// successor then signs what it signed while it was valid. At not_after itself it is no longer
+// valid.
 WallTime within(const pki::Certificate& ca, WallTime now) {
   const auto last = ca.not_after() - std::chrono::seconds(1);
   return std::clamp(now, ca.not_before(), std::max(ca.not_before(), last));
@@ -39,7 +40,8 @@ Status check_standing(Standing standing, const fs::path& file, const OpenCa& ca)
                          file.string())});
 }
 
-// A document that the CA's present key did not sign, or an error: the given one.
+// The text of a document that the CA's present key did not sign, if the log has it as the last one
+// of the file. Otherwise returns `error`.
 Result<DocumentOfCa> logged_text(const fs::path& file, const pki::SigningLog& log,
                                  const Error& error) {
   const auto found = unverified_text(file);

@@ -1,5 +1,5 @@
-// Documents that a permissions CA signs, and its log of them. A document in a participant's folder
-// with the CA's signature may have been signed with a stolen key.
+// Documents that a permissions CA signs, and the CA's log of them. A stolen key may have signed a
+// document in a participant's folder.
 #pragma once
 
 #include <filesystem>
@@ -19,11 +19,11 @@ std::vector<std::string> logged_names(const std::filesystem::path& file);
 std::string signed_line(const pki::Certificate& ca, BytesView text,
                         const std::filesystem::path& file, WallTime now, BytesView extended = {});
 
-/// Appends whole lines to the CA's log. The last step before files are put in place. Errors:
-/// interrupted, length_out_of_range, those of append_lines.
+/// Appends whole lines to the CA's log. Call it as the last step before files are put in place.
+/// Errors: interrupted, length_out_of_range, those of append_lines.
 Status log_signed(const CaPaths& ca, std::string_view lines);
-/// The same for one document. `extended`: the text that it says again for a longer time, if there
-/// is one (SigningLog::signed_line).
+/// The same for one document. `extended` is the text that the document repeats for a longer time,
+/// if there is one (SigningLog::signed_line).
 Status log_signed(const OpenCa& ca, BytesView text, const std::filesystem::path& file, WallTime now,
                   BytesView extended = {});
 
@@ -33,7 +33,7 @@ Result<pki::SigningLog> read_signing_log(const CaPaths& ca);
 
 /// A document in a participant's folder that the CA's key signed.
 struct DocumentOfCa {
-  std::string text;       ///< line ends LF
+  std::string text;       ///< with LF as line ends
   bool is_logged = true;  ///< false: accepted because of an option
 };
 
@@ -54,8 +54,8 @@ Result<DocumentOfCa> document_of_former_key(const std::filesystem::path& file,
                                             const std::filesystem::path& trusted, const OpenCa& ca,
                                             const pki::SigningLog& log, WallTime now);
 
-/// True if a CA signed the document; the CA's certificate is the first in `trust_pem`. Verified at
-/// a time at which the CA was valid.
+/// True if a CA signed the document. The CA's certificate is the first one in `trust_pem`. The
+/// document is verified at a time at which the CA was valid.
 bool is_signed_by(const std::filesystem::path& file, std::string_view trust_pem, WallTime now);
 
 }  // namespace ddssec::cli

@@ -24,7 +24,8 @@ Result<SignedPermissions> own_permissions(const pki::SignedDocument& signed_docu
   if (found == document.grants.end()) found = std::ranges::find_if(document.grants, is_own);
   if (found == document.grants.end())
     return fail(Code::no_grant_for_subject, {.found = certificate.subject()});
-  // An extension would put off what the other one says.
+  // Refuses if another grant of the participant ends later: an extension would delay the rights
+  // that it plans.
   const auto planned = std::ranges::find_if(document.grants, [&](const auto& grant) {
     return is_own(grant) && grant.validity.not_after > found->validity.not_after;
   });

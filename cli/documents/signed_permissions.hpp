@@ -14,7 +14,7 @@ namespace ddssec::cli {
 struct SignedPermissions {
   governance::Grant grant;  ///< the participant's own
   bool has_ended;
-  Bytes text;  ///< of the whole document
+  Bytes text;  ///< the text of the whole document
 };
 
 /// The grant for the certificate's subject. Errors: no_grant_for_subject, those of
@@ -22,7 +22,7 @@ struct SignedPermissions {
 Result<SignedPermissions> own_permissions(const pki::SignedDocument& document,
                                           const pki::Certificate& certificate, WallTime now);
 
-/// A document with this one grant until `until`, and no other grant that its name may match.
+/// A document with this grant until `until`, and without any other grant that its name may match.
 governance::Permissions extended(const SignedPermissions& old, const pki::Certificate& certificate,
                                  WallTime until);
 

@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::string_view kGap = "...";
 
-// docs/sentences-of-cyclone-dds.md says the same, and tests/cli/sentences_test.py compares them.
+// docs/sentences-of-cyclone-dds.md has the same rows, and tests/cli/sentences_test.py compares
+// them.
 constexpr std::array kSentences = {
     CycloneSentence{"Could not load Authentication library: ...: cannot open shared object file",
                     "the library of the <Library> element is not found",
@@ -82,7 +83,7 @@ constexpr std::array kSentences = {
                     "ip route get ADDRESS"},
 };
 
-// Without the gaps at its end, which match anything.
+// Removes the gaps at the end, because they match anything.
 std::string_view without_end(std::string_view sentence) {
   while (sentence.ends_with(kGap) || sentence.ends_with(' '))
     sentence.remove_suffix(sentence.ends_with(kGap) ? kGap.size() : 1);

@@ -1,4 +1,4 @@
-// Sentences about security that Cyclone DDS itself writes to its log, and that have no code.
+// Sentences about security that Cyclone DDS itself writes to its log, without a code.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@ namespace ddssec::cli {
 struct CycloneSentence {
   std::string_view sentence;  ///< "..." stands for names and numbers
   std::string_view meaning;
-  std::string_view look_with;  ///< the command that says more
+  std::string_view look_with;  ///< where to look next, such as a command
 };
 
 /// All sentences, in the order of the page.

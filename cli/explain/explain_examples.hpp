@@ -1,4 +1,4 @@
-// Commands and configuration lines that correct the problem of a code or rule.
+// Commands and configuration lines that fix the problem of a code or rule.
 #pragma once
 
 #include <span>
@@ -6,8 +6,8 @@
 
 namespace ddssec::cli {
 
-/// The correction, in the names of `ddssec init demo`. `names` are those of codes and rules, with
-/// blanks between them; a line that begins with "ddssec " is a command.
+/// A line that fixes a problem, with the names of `ddssec init demo`. `names` are codes and rules,
+/// separated by blanks. A line that begins with "ddssec " is a command.
 struct ExplainExample {
   std::string_view names;
   std::string_view line;

@@ -1,4 +1,4 @@
-// The typed result of a command, and the command as the table has it.
+// The typed result of a command, and the command as the table contains it.
 #pragma once
 
 #include <functional>
@@ -13,18 +13,19 @@ namespace ddssec::cli {
 class Arguments;
 struct Context;
 
-/// What a command with a result of the type T returns.
+/// What a command returns whose result has the type T.
 template <class T>
 struct Answer {
   T result;
-  /// Everything else. Its text follows that of the result and has no facts: it says what to do
-  /// next. Its `result` stays empty.
+  /// Everything besides the result. Its text follows that of the result and contains no facts, only
+  /// what to do next. Its `result` stays empty.
   Report report = {};
-  bool has_result = true;  ///< false: the answer is no, and says why; the JSON's result is {}
+  /// False: the answer is no, and the report says why. The JSON's result is {}.
+  bool has_result = true;
 };
 
-/// The lines of a result: those of its member text(). They are made from the values that the JSON
-/// has, and from members that are no fields.
+/// The lines of a result, from its member text(). They are made from the values in the JSON, and
+/// from members that are no fields.
 template <class T>
 std::string text_of(const T& result) {
   if constexpr (fields_detail::kIsA<T, std::variant>)
@@ -33,7 +34,7 @@ std::string text_of(const T& result) {
     return result.text();
 }
 
-/// The report: both forms are made from the result.
+/// The report of an answer. Its text and its JSON are both made from the result.
 template <class T>
 Report report_of(Answer<T> answer) {
   auto out = std::move(answer.report);
@@ -43,12 +44,12 @@ Report report_of(Answer<T> answer) {
   return out;
 }
 
-/// The field list of a result, as the pages need it.
+/// The field list of a result, as generated pages need it.
 struct ResultShape {
   Json schema;          ///< of `result`
   Json definitions;     ///< entries of the schema's $defs that are made from field lists
   std::string members;  ///< the row of the README's table
-  Json rows;            ///< of members that have rows of their own
+  Json rows;            ///< rows for members that have rows of their own
 };
 
 template <class T>

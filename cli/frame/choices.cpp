@@ -6,14 +6,14 @@
 namespace ddssec::cli {
 namespace {
 
-// One row; the first that fits counts.
+// One row of the table. The first row that fits is used.
 struct Row {
-  std::string_view command;  // empty: every one
+  std::string_view command;  // empty: every command
   std::string_view name;
   std::string_view words;
 };
 constexpr Row kRows[] = {
-    {"ca import", "--key", ""},  // a file
+    {"ca import", "--key", ""},  // the value is a file
     {"ca create", "--role", "identity permissions both"},
     {"check", "--vendor",
      "cyclonedds fastdds ddssec A=cyclonedds A=fastdds A=ddssec B=cyclonedds "

@@ -1,5 +1,5 @@
-// The possible words for an option or positional of a command, if they are few: for completion, and
-// for values in another letter case.
+// The possible words for an option or positional of a command, if they are few. Used for
+// completion, and for values in another letter case.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace ddssec::cli {
 
-/// The words, separated by blanks; "" if any value is allowed. `name` is that of an option or a
+/// The words, separated by blanks. Empty if any value is allowed. `name` is that of an option or a
 /// positional.
 std::string choices_of(const Command& command, std::string_view name);
 

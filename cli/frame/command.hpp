@@ -14,38 +14,38 @@ namespace ddssec::cli {
 
 /// An argument that is identified by its position.
 struct Positional {
-  std::string_view name;  ///< as help shows it, such as "DIR"
+  std::string_view name;  ///< as in the help, such as "DIR"
   std::string_view summary;
   bool optional = false;         ///< may be left out
-  bool repeated = false;         ///< may be given more than once; only the last one of a command
+  bool repeated = false;         ///< may be given more than once; only the last of a command
   std::string_view unless = {};  ///< the option that must be given if this is left out
 };
 
 /// An argument that is identified by its name.
 struct Option {
   std::string_view name;   ///< "--days"
-  std::string_view value;  ///< as help shows it, such as "N"; empty for a flag
+  std::string_view value;  ///< as in the help, such as "N"; empty for a flag
   std::string_view summary;
   std::string_view fallback = {};  ///< the default value
   bool repeated = false;           ///< may be given more than once
   bool required = false;
   std::string_view letter = {};  ///< a short form, such as "-q"
 
-  /// "-q,--quiet": every way to write it.
+  /// Every way to write it, such as "-q,--quiet".
   std::string spellings() const;
 };
 
-/// The parsed command line, by the names of the table. Every value is given or has its default.
+/// The parsed command line, with the names of the table. Every value is given or has its default.
 class Arguments {
  public:
   using Values = std::map<std::string, std::vector<std::string>, std::less<>>;
   explicit Arguments(Values values) : values_(std::move(values)) {}
 
   bool has(std::string_view name) const { return values_.contains(name); }
-  /// The (last) value; "" if there is none.
+  /// The value, or the last one of several. Empty if there is none.
   std::string text(std::string_view name) const;
   const std::vector<std::string>& all(std::string_view name) const;
-  /// The value as a whole number. Error: usage.
+  /// The value as an integer. Error: usage.
   Result<int> number(std::string_view name, int lowest, int highest) const;
 
  private:
@@ -68,7 +68,7 @@ struct Command {
   std::vector<std::string_view> examples;
   Runner run;
 
-  /// "ca create".
+  /// For example "ca create".
   std::string full_name() const;
 };
 

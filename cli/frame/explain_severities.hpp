@@ -8,7 +8,7 @@
 
 namespace ddssec::cli {
 
-/// `names` are those of rules, with blanks between them.
+/// `names` are those of rules, separated by blanks.
 struct OtherSeverity {
   std::string_view names;
   Severity severity;
@@ -19,9 +19,9 @@ struct OtherSeverity {
 /// finding against this list.
 std::span<const OtherSeverity> other_severities();
 
-/// The severity of a code in the command line. About octets, files and certificates (1000 to 1199)
-/// a participant may only warn, because it drops what a peer sent and goes on; a command that
-/// reports one has failed with it.
+/// The severity of a code in the command line tool. A participant may only warn of faults in
+/// octets, files and certificates (1000 to 1199), because it drops what a peer sent and goes on. A
+/// command that reports such a code has failed.
 Severity severity_in_tool(Code code);
 
 }  // namespace ddssec::cli

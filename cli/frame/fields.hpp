@@ -43,22 +43,23 @@ namespace ddssec::cli {
 /// JSON whose members keep their order.
 using Json = nlohmann::ordered_json;
 
-/// What is known of a field besides its type.
+/// What is known about a field besides its type.
 struct Shown {
   std::string_view note = {};     ///< for the README: "null: none"
   std::string_view def = {};      ///< the entry of $defs for the value or, of a list, its elements
-  std::string_view words = {};    ///< all values that it can have, with | between them
+  std::string_view words = {};    ///< all values that it can have, separated by |
   std::string_view pattern = {};  ///< the regular expression that a text matches
-  bool same = false;              ///< `note` says of which struct the members are
+  bool same = false;              ///< `note` names the struct that has the same members
   bool apart = false;             ///< the README has a row of its own for the members
-  std::size_t min = 0;            ///< elements of a list; the lowest number (not of std::int64_t)
-  std::size_t max = 0;            ///< 0: any number
-  bool absent = false;            ///< an empty std::optional is left out; otherwise it is null
+  std::size_t min = 0;  ///< least number of elements, or lowest number (not of std::int64_t)
+  std::size_t max = 0;  ///< the largest number of elements; 0: any number
+  bool absent = false;  ///< an empty std::optional is left out; otherwise it is null
 };
 
 namespace fields_detail {
 
-/// The name of a member, as the compiler writes it: "... [with auto Member = &Signing::file; ...]".
+/// The name of a member, taken from the compiler's text: "... [with auto Member = &Signing::file;
+/// ...]".
 template <auto Member>
 consteval std::string_view name_of() {
   std::string_view text = std::source_location::current().function_name();
@@ -109,8 +110,8 @@ constexpr auto field(std::string_view name, T (Owner::*make)() const, Shown show
   return made<Owner>(name, make, shown);
 }
 
-/// A field that `next` makes from a member: another member of it, if it is a struct or a pointer to
-/// one, or a function of it.
+/// A field that `next` makes from a member. `next` is another member of it, if it is a struct or a
+/// pointer to one, or a function of it.
 template <class Owner, class T, class Next>
 requires std::invocable<Next, const T&>
 constexpr auto field(std::string_view name, T Owner::*member, Next next, Shown shown = {}) {
@@ -126,7 +127,7 @@ constexpr auto field(Shown shown = {}) {
   return field(fields_detail::name_of<Member>(), Member, shown);
 }
 
-/// A field of a part of `Owner`, which stands among the fields of `Owner` itself.
+/// A field of a part of `Owner`, which appears among the fields of `Owner` itself.
 template <class Owner, class Part, class OfPart>
 struct PartField {
   using Value = typename OfPart::Value;
@@ -143,7 +144,7 @@ struct PartField {
   }
 };
 
-/// The field list of a struct of another folder: a specialization has fields(), and may have kDef.
+/// The field list for a struct of another folder. A specialization has fields(), and may have kDef.
 template <class T>
 struct Listed {};
 
@@ -243,7 +244,7 @@ Json to_json(const T& value) {
 template <class T>
 Json schema_of(const Shown& shown = {});
 
-/// The schema of the struct itself, also where it has an entry of its own in $defs.
+/// The schema of the struct itself, even if it has an entry of its own in $defs.
 template <HasFields T>
 Json object_schema() {
   using namespace fields_detail;
@@ -314,7 +315,7 @@ Json schema_of(const Shown& shown) {
     else if constexpr (std::floating_point<T>)
       return {{"type", "number"}};
     else if constexpr (std::same_as<T, Json>)
-      return Json::object();  // anything; Shown::def says what
+      return Json::object();  // any value; Shown::def names its schema
     else
       return text_schema<T>(shown);
   }
@@ -322,7 +323,7 @@ Json schema_of(const Shown& shown) {
 
 namespace fields_detail {
 
-/// The struct whose members a field of this type has; void if it has none.
+/// The struct with the members that a field of this type has; void if it has none.
 template <class T>
 struct Inner {
   using Type = std::conditional_t<HasFields<T>, T, void>;
@@ -337,7 +338,7 @@ struct Inner<std::vector<T>> : Inner<T> {
 
 }  // namespace fields_detail
 
-/// Adds the entries of $defs that a value of this type needs and that are made from field lists.
+/// Adds the entries of $defs that a value of this type needs, as far as field lists describe them.
 template <class T>
 void add_definitions(Json& out) {
   using namespace fields_detail;
@@ -355,7 +356,7 @@ void add_definitions(Json& out) {
   }
 }
 
-/// The row of the README: "`dir`, `cas` (each: `role`, `subject`), `until` (null: none)".
+/// The row of the README, such as "`dir`, `cas` (each: `role`, `subject`), `until` (null: none)".
 template <class T>
 std::string members_of();
 
@@ -406,7 +407,7 @@ std::string members_of() {
   }
 }
 
-/// Adds the rows of the README for the members of fields that are `apart`, by their names.
+/// Adds the rows of the README for the members of fields with `apart`, by their names.
 template <class T>
 void add_rows(Json& out) {
   using namespace fields_detail;

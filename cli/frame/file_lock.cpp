@@ -20,7 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-// A line is "1: FLOCK  ADVISORY  WRITE 4711 08:01:1234 0 EOF". Empty if no line has the file.
+// Returns the number of the process that holds a lock on the file, from a line of /proc/locks such
+// as "1: FLOCK  ADVISORY  WRITE 4711 08:01:1234 0 EOF". Empty if no line names the file.
 std::string holder_of(int file) {
   struct stat status {};
   if (::fstat(file, &status) != 0) return {};
@@ -35,7 +36,7 @@ std::string holder_of(int file) {
   return {};
 }
 
-// 0 (of another container) and -1 are no process that can be named.
+// False for 0 (a process of another container) and for -1, which name no process.
 bool is_process(const std::string& pid) { return !pid.empty() && pid != "0" && pid[0] != '-'; }
 
 std::unexpected<Error> still_locked(int file, const fs::path& path, std::chrono::seconds timeout) {
@@ -53,7 +54,7 @@ std::unexpected<Error> still_locked(int file, const fs::path& path, std::chrono:
                .hint = "wait until that process has ended, or end it; then run the command again"});
 }
 
-// For a lock, a network file system wants a file that is open for writing.
+// Opens the file for writing if possible, because a network file system needs that for a lock.
 int open_for_lock(const fs::path& path) {
   constexpr int kFlags = O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
   const int file = ::open(path.c_str(), O_RDWR | kFlags);
@@ -104,7 +105,8 @@ bool is_same_file(int a, int b) {
 
 }  // namespace
 
-// Locks of one process exclude each other as well, if the file was opened twice.
+// The locks that this process holds. If a process opened a file twice, its own locks would exclude
+// each other.
 std::vector<std::weak_ptr<FileLock::Held>>& FileLock::all() {
   static std::vector<std::weak_ptr<Held>> out;
   return out;

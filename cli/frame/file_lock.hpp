@@ -11,7 +11,7 @@
 
 namespace ddssec::cli {
 
-/// For how long a command waits for another one that reads and then writes a CA's files.
+/// How long a command waits for another one that reads and then writes a CA's files.
 inline constexpr std::chrono::seconds kLockTimeout{20};
 
 /// Locks an open file (flock) exclusively for this process; waits at most `timeout`. `path` is for
@@ -19,14 +19,14 @@ inline constexpr std::chrono::seconds kLockTimeout{20};
 /// interrupted.
 Status lock_file(int file, const std::filesystem::path& path, std::chrono::seconds timeout);
 
-/// While it lives, other commands that lock the same file wait. So what one command reads and then
-/// rewrites cannot lose what another one wrote in between. A command that holds the lock of a file
-/// may take it again.
+/// A lock on a file. As long as it lives, other commands that lock the same file wait. Thus no
+/// change of another command is lost between reading and rewriting. A command that holds the lock
+/// of a file may take it again.
 class FileLock {
  public:
-  /// Locks a file. Only its owner should be able to open it, because everyone who can open it can
-  /// hold the lock. Links are followed. A file that was replaced during the wait is locked in its
-  /// new form. Errors as lock_file.
+  /// Locks a file. Only its owner should be able to open it, because every user who can open it can
+  /// hold the lock. Links are followed. If the file is replaced during the wait, the new file is
+  /// locked. Errors as lock_file.
   static Result<FileLock> of(const std::filesystem::path& path);
 
  private:

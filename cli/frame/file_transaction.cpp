@@ -22,8 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // Writes a draft beside the target, in the folder that was opened first, and flushes it to the
-// disk. A killed process may have left a draft with the same process number; this happens soon in a
-// container, where each start may have the same number. remove_drafts_of() knows these names.
+// disk. A killed process may have left a draft with the same process number. In a container this
+// happens soon, because each start may have the same number. remove_drafts_of() knows these names.
 Result<fs::path> write_draft(const fs::path& target, BytesView octets, unsigned mode) {
   constexpr int kMaxTries = 100;
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
@@ -45,7 +45,7 @@ Result<fs::path> write_draft(const fs::path& target, BytesView octets, unsigned 
   return target.parent_path() / at.path;
 }
 
-// Both are in one folder, which is open since the draft was made. 0 or the number in errno.
+// Renames within one folder, which has been open since the draft was made. Returns 0 or errno.
 int rename_draft(const Draft& draft, unsigned flags) {
   const int folder = folder_descriptor(folder_of(draft.target));
   const auto from = draft.draft.filename();
@@ -64,7 +64,7 @@ fs::path target_in_open_folder(const fs::path& target) {
   return fs::path(fmt::format("/proc/self/fd/{}", folder)) / target.filename();
 }
 
-// The kind of file at the target, which may be a link: 0 if there is none. Error: errno.
+// The kind of file at the target, which may be a link. 0 if there is none. Error: errno.
 std::expected<mode_t, int> kind_at(const fs::path& target) {
   const int folder = folder_descriptor(folder_of(target));
   struct stat status {};
@@ -89,7 +89,7 @@ bool is_protected(int folder, const struct stat& file) {
          place.st_uid != user && file.st_uid != user;
 }
 
-// The folder may be another user's.
+// Success if the draft can be renamed. The folder may belong to another user, who can change it.
 Status check_can_be_put(const Draft& draft) {
   const int folder = folder_descriptor(folder_of(draft.target));
   struct stat status {};
@@ -111,20 +111,20 @@ bool is_waiting(const Draft& draft) {
                      F_OK, AT_SYMLINK_NOFOLLOW) == 0;
 }
 
-// Those that are not in place yet.
+// True if all drafts that are not in place yet still exist.
 bool are_there(const std::vector<Draft>& drafts) {
   return std::ranges::all_of(drafts,
                              [](const auto& one) { return one.draft.empty() || is_waiting(one); });
 }
 
-// Called after the commit, because until then another list may contain them.
+// Call this after the commit, because until then another list may contain the drafts.
 void remove_former_drafts(const std::vector<Draft>& drafts) {
   std::vector<fs::path> targets;
   for (const auto& draft : drafts) targets.push_back(target_in_open_folder(draft.target));
   remove_drafts_of(targets);
 }
 
-// Where the last line that has a line end ends; -1 if the file cannot be read.
+// The end of the last line that has a line break; -1 if the file cannot be read.
 off_t end_of_last_line(int file) {
   off_t end = ::lseek(file, 0, SEEK_END);
   char last = 0;
@@ -136,14 +136,14 @@ off_t end_of_last_line(int file) {
   return end;
 }
 
-// Where lines can be added to a log.
+// The place where lines can be added to a log.
 struct EndOfLog {
   off_t at;
   bool lacks_line_end;
 };
 
-// No part of a line is a whole JSON object. One that is whole counts, and only lacks its line end:
-// an editor may have taken it away.
+// A part of a line is never a complete JSON object. A complete last line counts and only lacks its
+// line break, which an editor may have removed.
 std::optional<EndOfLog> end_of_log(int file) {
   const auto end = end_of_last_line(file);
   const auto size = ::lseek(file, 0, SEEK_END);
@@ -223,8 +223,9 @@ Result<std::vector<WrittenFile>> FileTransaction::commit_each() {
   return put_in_place(nullptr);
 }
 
-// Checks first, so that a folder gets all of its files or none. Changes by its owner between the
-// check and a rename can still stop this half way; then the next command does the rest.
+// Checks all drafts first, so that a folder gets all of its files or none. If its owner changes it
+// between the check and a rename, only some files are put in place; then the next command does the
+// rest.
 Status FileTransaction::put_in_place(Folder& folder) {
   for (const auto& draft : folder.drafts)
     if (!draft.draft.empty()) DDSSEC_RETURN_IF_ERROR(check_can_be_put(draft));

@@ -18,14 +18,14 @@
 namespace ddssec::cli {
 
 /// Writes files into existing folders: new ones, and replacements if that is the purpose of the
-/// command. All are written beside their places and are on the disk before the first one is
-/// renamed. So is a list of them, with which the next command finishes the work of a killed one. A
-/// target that is a symbolic link, a folder or a device is refused, so that nothing is written
-/// elsewhere.
+/// command. All files are written beside their places and are on the disk before the first one is
+/// renamed. A list of them is on the disk too, with which the next command finishes the work of a
+/// killed one. A target that is a symbolic link, a folder or a device is refused, so that nothing
+/// is written elsewhere.
 ///
 /// Files that are put before begin_folder() belong together: if one cannot be put in place, none
-/// is. Files that are put after it belong to one participant's folder, which may be another user's:
-/// if that folder cannot be written, other folders still get their files.
+/// is. Files that are put after it belong to one participant's folder, which may belong to another
+/// user: if that folder cannot be written, other folders still get their files.
 class FileTransaction {
  public:
   /// The reaction to a symbolic link: `replaced` replaces the link itself, never its target.
@@ -36,7 +36,7 @@ class FileTransaction {
   Status put_public(const std::filesystem::path& target, std::string_view text) {
     return put(target, as_bytes(text), 0644);
   }
-  /// The following files are for the folder of that name, until the next call.
+  /// Begins the files of the folder with that name. It gets all files until the next call.
   void begin_folder(std::string name);
   /// Removes the files that were put since begin_folder().
   void abandon_folder();
@@ -46,8 +46,8 @@ class FileTransaction {
   /// the next command can finish. Errors, for files that were put before the first begin_folder():
   /// file_unwritable, interrupted.
   Result<std::vector<WrittenFile>> commit();
-  /// The same without a list and without remaining drafts, for files that the next command makes
-  /// anew, such as a revocation list for each participant. Errors as commit.
+  /// The same without a list and without leaving drafts. Use it for files that the next command
+  /// makes anew, such as a revocation list for each participant. Errors as commit.
   Result<std::vector<WrittenFile>> commit_each();
 
   /// A folder whose files could not be put in place, and why.
@@ -65,16 +65,16 @@ class FileTransaction {
  private:
   struct Folder {
     std::string name = {};
-    std::vector<Draft> drafts = {};  ///< without a path once it is in place
+    std::vector<Draft> drafts = {};  ///< the draft's path is empty once the file is in place
     std::vector<WrittenFile> files = {};
   };
 
   static Status put_in_place(Folder& folder);
   Result<std::vector<WrittenFile>> put_in_place(Intent* intent);
   std::vector<Draft> all_drafts() const;
-  std::vector<Folder> folders_ = {{}};  ///< first what is for no folder
+  std::vector<Folder> folders_ = {{}};  ///< the first one has the files that belong to no folder
   std::vector<Failure> failures_;
-  std::optional<InterruptionGuard> drafting_;  ///< once there are drafts
+  std::optional<InterruptionGuard> drafting_;  ///< set once there are drafts
 };
 
 /// Writes one new file, completely or not at all, and never in place of another one. Errors:
@@ -82,18 +82,19 @@ class FileTransaction {
 Result<WrittenFile> write_new_file(const std::filesystem::path& target, BytesView octets,
                                    unsigned mode);
 
-/// Success if write_link can probably make this link. Error: would_overwrite.
+/// Success if write_link will probably be able to make this link. Error: would_overwrite.
 Status check_link_place(const std::filesystem::path& target, const std::filesystem::path& to);
 /// Creates a symbolic link to `to`. An existing link with the same target is kept, because an
 /// interrupted command may have made it. Errors: would_overwrite, file_unwritable, interrupted.
 Result<WrittenFile> write_link(const std::filesystem::path& target,
                                const std::filesystem::path& to);
 
-/// Appends whole lines to a log of JSON objects, created with mode 0644 if it does not exist. They
-/// are on the disk when this returns. A last line that an earlier crash cut short is removed first;
-/// one that is whole and only lacks its line end gets one. Safe against other processes that do the
-/// same with the same `lock`, a file that only its owner can open: every user who can read the text
-/// file could hold a lock on it. Errors: those of FileLock::of, file_unwritable, interrupted.
+/// Appends whole lines to a log of JSON objects. Creates it with mode 0644 if it does not exist.
+/// The lines are on the disk when this returns. An incomplete last line, which an earlier crash
+/// left, is removed first; a complete one without a line break gets one. Safe against other
+/// processes that do the same with the same `lock`. That is a file that only its owner can open,
+/// because every user who can read the log could hold a lock on the log itself. Errors: those of
+/// FileLock::of, file_unwritable, interrupted.
 Status append_lines(const std::filesystem::path& target, std::string_view lines,
                     const std::filesystem::path& lock);
 

@@ -20,10 +20,10 @@ namespace fs = std::filesystem;
 
 struct Folder {
   int descriptor;
-  bool is_held;  // by hold_folder(): files are read through it as well
+  bool is_held;  // by hold_folder(): files are also read through it
 };
 
-// They are closed when the process of the command ends.
+// The descriptors are closed when the process of the command ends.
 std::map<std::string, Folder>& folders() {
   static std::map<std::string, Folder> out;
   return out;
@@ -34,7 +34,8 @@ std::string name_of(const fs::path& folder) {
   return out.empty() ? "." : out.string();
 }
 
-// A fleet has more folders than a process may open by default.
+// Raises the limit of open files, because a fleet may have more folders than a process may open by
+// default.
 bool raise_limit() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == limit.rlim_max) return false;
@@ -49,7 +50,7 @@ int open_folder(int parent, const std::string& name, int flags) {
   return ::openat(parent, name.c_str(), flags);
 }
 
-// O_PATH, because a user without the right to list a folder may still write into it.
+// Opens with O_PATH, because a user without the right to list a folder may still write into it.
 
 int open_and_keep(const std::string& name) {
   const int folder = open_folder(AT_FDCWD, name, O_PATH);
@@ -75,7 +76,7 @@ bool is_link(const std::string& name) {
 
 fs::path path_of(int folder) { return fmt::format("/proc/self/fd/{}", folder); }
 
-// Without it the files could be read by their paths alone.
+// Without /proc the files could be read only by their paths.
 Status check_proc(int folder, const std::string& name) {
   struct stat by_path {};
   struct stat by_descriptor {};
@@ -135,14 +136,15 @@ int keep_owner(int file, int folder, const fs::path& target, unsigned mode) {
       S_ISREG(former.st_mode);
   const bool is_root = ::geteuid() == 0;
   constexpr unsigned kPublic = 0044;
-  // What root adds to a user's folder is the user's, too, unless it is secret.
+  // A file that root adds to a user's folder belongs to that user too, unless it is secret.
   const bool is_new = !is_file && is_root && (mode & kPublic) == kPublic;
   if (is_new && ::fstatat(folder, "", &former, AT_EMPTY_PATH) != 0) return 0;
   if ((!is_file && !is_new) || ::fstat(file, &draft) != 0) return 0;
   if (draft.st_uid == former.st_uid && draft.st_gid == former.st_gid) return 0;
   if (!is_root && draft.st_uid != former.st_uid) return 0;
   if (::fchown(file, is_root ? former.st_uid : ~uid_t{}, former.st_gid) == 0) return 0;
-  // Files that everyone can read do not matter, nor does the group of one that it cannot read.
+  // The wrong owner does not matter for a file that everyone can read, nor does the wrong group for
+  // a file that the group cannot read.
   const bool matters = is_root ? (mode & 044) == 0 : (mode & 044) == 040;
   return matters ? errno : 0;
 }

@@ -1,5 +1,5 @@
-// Folders that stay open from the first read to the last write: another user may own a
-// participant's folder, and meanwhile replace it by a link to another folder.
+// Folders that stay open from the first read to the last write. Another user may own a
+// participant's folder and replace it by a link to another folder meanwhile.
 #pragma once
 
 #include <filesystem>
@@ -17,22 +17,22 @@ namespace ddssec::cli {
 Status hold_folder(const std::filesystem::path& folder);
 
 /// The descriptor of a folder, by the path given to hold_folder(). A folder that is not held is
-/// opened now, following links, and kept open for writing. Error: -1, with errno.
+/// opened now, following links, and kept open for writing. On error returns -1, with errno.
 int folder_descriptor(const std::filesystem::path& folder);
 
-/// Opens a folder in an open folder, for listing and writing; a symbolic link is not followed.
-/// Error: -1, with errno.
+/// Opens a folder within an open folder, for listing and writing. A symbolic link is not followed.
+/// On error the descriptor is -1, with errno.
 FileDescriptor open_folder_in(int parent, const std::filesystem::path& name);
 
-/// The path with which to read a file directly in a held folder, or the folder itself; any other
-/// path is returned unchanged. For system calls, not for messages.
+/// The path for reading a file directly in a held folder, or for the folder itself. Any other path
+/// is returned unchanged. For system calls, not for messages.
 std::filesystem::path as_held(const std::filesystem::path& path);
 
-/// Keeps the owner of a replaced file: a key that only root could read would stop the participant.
-/// A new file that all may read gets the owner of the folder.
-/// If root runs the command, the open `file` gets the owner and group of the target in `folder`; if
-/// the owner runs it, the group. Returns 0, or errno for a file that must not be readable for
-/// everyone, or whose group must be able to read it.
+/// Keeps the owner of a replaced file, because the participant could not start with a key that only
+/// root can read. If root runs the command, the open `file` gets the owner and group of the target
+/// in `folder`; if the owner runs it, only the group. A new file that everyone may read gets the
+/// owner of the folder. Returns 0. If the owner or group cannot be set, returns errno for a file
+/// that must not be readable for everyone, or whose group must be able to read it.
 int keep_owner(int file, int folder, const std::filesystem::path& target, unsigned mode);
 
 }  // namespace ddssec::cli

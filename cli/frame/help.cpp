@@ -8,7 +8,7 @@
 namespace ddssec::cli {
 namespace {
 
-// Commands that help shows together: a group, or commands of one word by their names.
+// Commands that help shows together: a group, or single-word commands by their names.
 struct Section {
   std::string_view title;
   std::string_view group;

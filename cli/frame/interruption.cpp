@@ -9,11 +9,11 @@ namespace ddssec::cli {
 namespace {
 
 volatile std::sig_atomic_t interrupted_by = 0;
-std::atomic<int> unfinished = 0;  // how many objects of InterruptionGuard are alive
+std::atomic<int> unfinished = 0;  // the number of living InterruptionGuard objects
 static_assert(std::atomic<int>::is_always_lock_free);
 constexpr itimerval kTimeToNotice = {.it_interval = {}, .it_value = {0, 200'000}};
 
-// setitimer is a bare system call on Linux: safe in a handler.
+// setitimer is only a system call on Linux, so a signal handler may call it.
 void await_notice() { ::setitimer(ITIMER_REAL, &kTimeToNotice, nullptr); }
 
 void remember(int signal) {
@@ -21,8 +21,8 @@ void remember(int signal) {
   interrupted_by = signal;
 }
 
-// A command that only computes does not check for interruptions. One that writes does, at each
-// file, and removes its drafts.
+// A command that only computes does not check for interruptions. A command that writes checks at
+// each file, and then removes its drafts.
 void end_unless_writing(int) {
   if (unfinished != 0) return await_notice();
   ::signal(interrupted_by, SIG_DFL);
@@ -40,7 +40,7 @@ Status check_not_interrupted() {
 
 void note_interruptions() {
   struct sigaction action {};
-  action.sa_handler = remember;  // no SA_RESTART: a prompt for a passphrase ends as well
+  action.sa_handler = remember;  // without SA_RESTART a prompt for a passphrase ends as well
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
   action.sa_handler = end_unless_writing;
   ::sigaction(SIGALRM, &action, nullptr);

@@ -1,4 +1,4 @@
-// Signals that end a command: at its next file, so that no draft is left behind.
+// Signals that end a command. A command ends before its next file, so that no draft is left behind.
 #pragma once
 
 #include "base/result.hpp"
@@ -8,10 +8,10 @@ namespace ddssec::cli {
 /// From now on SIGINT, SIGTERM and SIGHUP end the command at the next file with `interrupted`. If
 /// no file follows within 200 ms, the signal itself ends it, unless an InterruptionGuard is alive.
 void note_interruptions();
-/// Success unless a signal came. Error: interrupted.
+/// Success unless a signal arrived. Error: interrupted.
 Status check_not_interrupted();
 
-/// Lives as long as files or folders are drafted, and neither in place nor removed.
+/// Lives as long as there are drafts of files or folders that are neither in place nor removed.
 class InterruptionGuard {
  public:
   InterruptionGuard();

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxEntries = 10'000;
 constexpr std::time_t kDay = 24 * 60 * 60;
 
-// 0 if it is not known.
+// Returns 0 if the namespace is not known.
 std::uint64_t pid_namespace() {
   struct stat status {};
   return ::stat("/proc/self/ns/pid", &status) == 0 ? status.st_ino : 0;
@@ -48,7 +48,7 @@ struct Maker {
   std::uint64_t pid = 0, name_space = 0;
 };
 
-// Of "PID.NAMESPACE.rest", which leaves the rest.
+// Reads "PID.NAMESPACE." from the front of `text` and leaves the rest.
 std::optional<Maker> take_maker(std::string_view& text) {
   const auto pid = take_number(text);
   const auto name_space = pid ? take_number(text) : std::nullopt;
@@ -74,7 +74,7 @@ std::optional<Maker> maker_of_draft(std::string_view rest) {
 
 std::optional<Maker> maker_of_folder(std::string_view rest) {
   const auto maker = take_maker(rest);
-  constexpr std::size_t kRandomLetters = 6;  // of mkdtemp()
+  constexpr std::size_t kRandomLetters = 6;  // as NewFolder makes them
   const bool is_ours = maker && rest.size() == kRandomLetters && rest.find('.') == rest.npos;
   return is_ours ? maker : std::nullopt;
 }
@@ -89,7 +89,8 @@ bool may_go(const fs::path& file, const Maker& maker) {
   return ::lstat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode) && may_go(status, maker);
 }
 
-// What is checked is what is emptied, even if the name leads elsewhere meanwhile.
+// The folder that is checked is the one that is emptied, even if its name leads elsewhere
+// meanwhile.
 void remove_leftover(int parent, const char* name, const Maker& maker) {
   const auto folder = open_folder_in(parent, name);
   struct stat status {};
@@ -131,7 +132,7 @@ void remove_contents(int folder) {
   auto listed = open_folder_in(folder, ".");
   DIR* listing = listed ? ::fdopendir(listed.number()) : nullptr;
   if (listing == nullptr) return;
-  listed.release();  // closedir() closes it
+  listed.release();  // closedir() closes the descriptor
   while (const auto* entry = ::readdir(listing)) {
     const std::string_view name = entry->d_name;
     if (name == "." || name == ".." || ::unlinkat(folder, entry->d_name, 0) == 0) continue;

@@ -1,4 +1,4 @@
-// Removes drafts and unfinished folders of killed commands.
+// Removes drafts and unfinished folders that killed commands left.
 #pragma once
 
 #include <filesystem>
@@ -7,12 +7,13 @@
 
 namespace ddssec::cli {
 
-/// "PID.NAMESPACE" in digits: part of the name of every draft, so that another process can tell
-/// whether the one that made it is still alive. PIDs are compared only within their namespace.
+/// "PID.NAMESPACE" in digits, a part of the name of every draft. With it another process can check
+/// whether the process that made the draft is still alive. PIDs are compared only within their
+/// namespace.
 std::string process_mark();
 
 /// Removes drafts of these files ("NAME.MARK.new", "NAME.MARK.N.new") that an ended process left
-/// beside them. Only regular files of this user are removed. Those of a process in another
+/// beside them. Only regular files of this user are removed. Drafts of a process in another
 /// namespace are removed when they are one day old. At most 10,000 entries of a folder are checked.
 void remove_drafts_of(std::span<const std::filesystem::path> targets);
 
@@ -20,7 +21,7 @@ void remove_drafts_of(std::span<const std::filesystem::path> targets);
 void remove_contents(int folder);
 
 /// The same as remove_drafts_of for unfinished folders (".NAME.MARK.XXXXXX") beside `target`, with
-/// their contents; symbolic links are removed, never followed.
+/// their contents. Symbolic links are removed, never followed.
 void remove_unfinished_folders(const std::filesystem::path& target);
 
 }  // namespace ddssec::cli

@@ -18,7 +18,7 @@ fs::path without_slash(const fs::path& path) {
 }
 
 std::string about_missing(const fs::path& missing) {
-  constexpr std::size_t kMaxNames = 1'000;  // that are looked at
+  constexpr std::size_t kMaxNames = 1'000;  // the number of names that are compared
   const auto plain = without_slash(missing);
   const auto folder = plain.has_parent_path() ? plain.parent_path() : fs::path(".");
   std::error_code error;

@@ -52,7 +52,7 @@ Status check_nothing_at(const fs::path& path) {
   if (error == std::errc::not_a_directory) return unwritable(path, ENOTDIR);
   if (type == fs::file_type::not_found)
     return fs::exists(folder_of(path), error) ? Status() : unwritable(path, ENOENT);
-  // For example a name that is too long, or a folder that cannot be entered.
+  // The name may be too long, or the folder may not be accessible.
   if (type == fs::file_type::none) return unwritable(path, error.value());
   return fail(Code::would_overwrite, {.document = path});
 }

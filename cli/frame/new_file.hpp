@@ -29,7 +29,7 @@ std::unexpected<Error> rename_failed(const std::filesystem::path& target, int er
 /// Errors: would_overwrite, file_unwritable.
 Status check_nothing_at(const std::filesystem::path& path);
 
-/// A path by which a file can be reached: from `folder`, a descriptor, if it is relative.
+/// A path of a file. If it is relative, it starts at `folder`, a descriptor.
 struct FilePlace {
   int folder;
   std::string path;
@@ -37,12 +37,13 @@ struct FilePlace {
 
 enum class Flush : std::uint8_t { now, later };
 
-/// Creates a file that does not exist, without following links. -1 with errno if it cannot.
+/// Creates a file that does not exist, without following links. On error the descriptor is -1, with
+/// errno.
 FileDescriptor open_new(const FilePlace& at, unsigned mode);
-/// Writes everything. 0 or errno.
+/// Writes everything. Returns 0 or errno.
 int write_all(int file, BytesView octets);
-/// Writes to a file of open_new and closes it; on an error it is removed. `meant` is its final
-/// path, which errors name. Error: file_unwritable.
+/// Writes to a file of open_new and closes it. On an error the file is removed. `meant` is its
+/// final path, which errors name. Error: file_unwritable.
 Status write_and_close(FileDescriptor file, const FilePlace& at, const std::filesystem::path& meant,
                        BytesView octets, Flush flush);
 

@@ -17,8 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Six letters, as remove_unfinished_folders() knows them. They need not be secret: a name that
-// exists is never used.
+// Returns six letters, the form that remove_unfinished_folders() knows. They need not be secret,
+// because a name that exists is never used.
 std::string random_letters() {
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEF";
   std::array<std::uint8_t, 6> octets{};
@@ -35,7 +35,7 @@ std::unexpected<Error> exchanged(const fs::path& target) {
                .hint = "make it where only you can write, and move it afterwards"});
 }
 
-// In an open folder, a missing folder or a link can only be the work of others.
+// In an open folder, only another process can remove a folder or put a link there.
 std::unexpected<Error> unwritable_in(const fs::path& target, const fs::path& name, int error) {
   if (error == ENOENT || error == ELOOP || error == ENOTDIR) return exchanged(target);
   return unwritable(target / name, error);
@@ -45,7 +45,7 @@ bool is_empty(int folder) {
   auto listed = open_folder_in(folder, ".");
   DIR* listing = listed ? ::fdopendir(listed.number()) : nullptr;
   if (listing == nullptr) return false;
-  listed.release();  // closedir() closes it
+  listed.release();  // closedir() closes the descriptor
   int entries = 0;
   while (entries <= 2 && ::readdir(listing) != nullptr) ++entries;
   ::closedir(listing);
@@ -64,7 +64,7 @@ bool is_at(int parent, const std::string& name, int folder) {
          ::fstat(folder, &open) == 0 && is_same(by_name, open);
 }
 
-// A file system may map owners, but it shows one user's folder and file alike.
+// A file system may map owners, but it maps those of one user's folder and file alike.
 bool is_of_owner_of(int file, int folder) {
   struct stat made {};
   struct stat place {};
@@ -73,7 +73,7 @@ bool is_of_owner_of(int file, int folder) {
 
 }  // namespace
 
-// A folder with contents is not the one that was just made. It is left as it is.
+// A folder that has contents is not the one that was just made. It is left as it is.
 Result<NewFolder::Staging> NewFolder::make_staging(const fs::path& target) {
   constexpr int kMaxTries = 100;
   const int parent = folder_descriptor(folder_of(target));
@@ -103,7 +103,7 @@ Result<NewFolder> NewFolder::at(const fs::path& given) {
   return out;
 }
 
-// Folders are made one by one, with their final mode from the beginning.
+// Folders are created one by one, each with its final mode from the beginning.
 Result<FileDescriptor> NewFolder::open_folder_of(const fs::path& name) const {
   auto at = open_folder_in(staging_->folder.number(), ".");
   for (const auto& part : name.parent_path()) {
@@ -182,7 +182,7 @@ Result<std::vector<WrittenFile>> NewFolder::commit() {
   return files_;
 }
 
-// Wherever the folder is now, nothing stays in it.
+// Removes all contents of the unfinished folder, wherever it is now.
 NewFolder::~NewFolder() {
   if (!staging_ || !staging_->folder) return;
   const auto& [parent, name, folder, drafting] = *staging_;

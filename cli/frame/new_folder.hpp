@@ -14,12 +14,12 @@
 namespace ddssec::cli {
 
 /// A folder that a command creates. It is built beside its final place, under a temporary name and
-/// readable by the owner only. When it is complete and on the disk, one rename gives it its name. A
+/// readable only by the owner. When it is complete and on the disk, one rename gives it its name. A
 /// folder that is not committed is removed.
 ///
-/// The parent may be another user's, who can rename the unfinished folder and put a link or another
-/// folder in its place at any time. So everything is written through descriptors, which are opened
-/// once and without following links, and a folder that was exchanged is refused.
+/// The parent may belong to another user, who can rename the unfinished folder and put a link or
+/// another folder in its place at any time. So everything is written through descriptors, which are
+/// opened once and without following links, and a folder that was exchanged is refused.
 class NewFolder {
  public:
   /// Begins a folder. Errors: would_overwrite if there is anything (including a dangling link) at
@@ -27,12 +27,13 @@ class NewFolder {
   static Result<NewFolder> at(const std::filesystem::path& target);
 
   /// Writes a file, created with `mode` and never with more permissions. `name` may contain
-  /// folders; those called "private" are for the owner only. Errors: file_unwritable, interrupted.
+  /// folders; only the owner can enter those called "private". Errors: file_unwritable,
+  /// interrupted.
   Status add(const std::filesystem::path& name, BytesView octets, unsigned mode);
   Status add_public(const std::filesystem::path& name, std::string_view text) {
     return add(name, as_bytes(text), 0644);
   }
-  /// A symbolic link to `to`, which is relative to the link. Errors as add.
+  /// Adds a symbolic link to `to`, which is relative to the link. Errors as add.
   Status link(const std::filesystem::path& name, const std::filesystem::path& to);
 
   /// Gives the folder its name. Errors: would_overwrite, file_unwritable, interrupted.
@@ -48,7 +49,7 @@ class NewFolder {
   /// The unfinished folder.
   struct Staging {
     int parent;        ///< a descriptor that stays open until the process ends
-    std::string name;  ///< in the parent
+    std::string name;  ///< its name in the parent
     FileDescriptor folder;
     InterruptionGuard drafting = {};
   };
@@ -59,7 +60,7 @@ class NewFolder {
   Status flush() const;
   Status put_in_place();
   std::filesystem::path target_;
-  std::optional<Staging> staging_;  ///< none once committed, and in a dry run
+  std::optional<Staging> staging_;  ///< empty once committed, and in a dry run
   std::vector<std::filesystem::path> names_;
   std::vector<WrittenFile> files_;
 };

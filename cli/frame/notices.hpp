@@ -1,4 +1,4 @@
-// Warnings from deep inside a command that its report shows, whatever its result.
+// Warnings from deep inside a command, which its report shows whatever its result is.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,8 @@
 
 namespace ddssec::cli {
 
-/// Stores a warning for the report of this run; the same warning about the same document only once.
+/// Stores a warning for the report of this run. The same warning about the same document is stored
+/// once.
 void add_notice(Error warning);
 /// Adds a notice about unreadable lines of a CA's log: log_line_unreadable, once for each log.
 void notice_unreadable_lines(const std::filesystem::path& log, const std::vector<int>& lines);

@@ -29,14 +29,14 @@ std::string listed(const std::vector<std::string>& names) {
   return out;
 }
 
-// The probable intention of a surplus argument.
+// The probable intention behind an argument too many.
 std::string_view instead_of_one_more(std::string_view command) {
   if (command == "doctor") return "; ddssec check compares two participants";
   if (command == "governance show") return "; --topic names a topic";
   return {};
 }
 
-// CLI11 parses the arguments of one command; the command itself was determined before.
+// Parses the arguments of one command with CLI11. The command itself was determined before.
 class CommandLine {
  public:
   explicit CommandLine(const Command& command) : command_(command) {
@@ -50,7 +50,7 @@ class CommandLine {
   Result<Arguments> parse(std::span<const std::string> words) {
     DDSSEC_RETURN_IF_ERROR(check_values(words));
     DDSSEC_RETURN_IF_ERROR(check_names(words));
-    std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 takes them
+    std::vector<std::string> reversed(words.rbegin(), words.rend());  // the order of CLI11
     try {
       app_.parse(std::move(reversed));
     } catch (const CLI::ParseError& error) {
@@ -89,8 +89,8 @@ class CommandLine {
     slot.unless = positional.unless;
   }
 
-  // If nothing follows the equals sign, CLI11 takes the next word, which would be another option's
-  // name or a file.
+  // If nothing follows the equals sign, CLI11 takes the next word, which may be the name of another
+  // option or a file.
   Status check_values(std::span<const std::string> words) const {
     for (const auto& word : words) {
       const std::string_view name = std::string_view(word).substr(0, word.find('='));
@@ -110,10 +110,10 @@ class CommandLine {
     return nullptr;
   }
 
-  // CLI11 reads an option's name as the value of the option before. It also does not report which
-  // option is unknown, only that there are too many words.
+  // CLI11 reads an option's name as the value of the option before it. It also does not report
+  // which option is unknown, only that there are too many words.
   Status check_names(std::span<const std::string> words) const {
-    const Option* waits = nullptr;  // for its value
+    const Option* waits = nullptr;  // the option that still needs its value
     for (const auto& word : words) {
       auto name = std::string_view(word).substr(0, word.find('='));
       if (word == "--" && waits == nullptr) return {};
@@ -136,8 +136,8 @@ class CommandLine {
     return {};
   }
 
-  // If only the last positional lacks, and the one before it holds a word that it cannot have, then
-  // that one was left out.
+  // If only the last positional is missing and the one before it has a word that it cannot have,
+  // then that one was left out.
   std::string left_out(const std::string& lacking) const {
     const auto& positionals = command_.positionals;
     if (positionals.size() < 2 || lacking != positionals.back().name) return lacking;
@@ -149,7 +149,7 @@ class CommandLine {
     return is_choice ? lacking : before;
   }
 
-  // Everything that must be given and was not, in one sentence.
+  // Everything that is required but was not given, in one sentence.
   std::vector<std::string> missing() const {
     std::vector<std::string> out;
     for (const auto& slot : slots_) {
@@ -161,7 +161,7 @@ class CommandLine {
     if (out.size() == 1) out[0] = left_out(out[0]);
     return out;
   }
-  // An option with its value.
+  // An option together with its value.
   std::string shown(std::string_view name) const {
     const auto* option = option_named(name);
     return option == nullptr ? std::string(name)
@@ -187,7 +187,7 @@ class CommandLine {
                              extra.empty() ? "" : "; ", extra, command_.examples.front()));
   }
 
-  // Words of a table count in any letter case, also before the version of a product.
+  // The words of a table are accepted in any letter case, also before the version of a product.
   std::vector<std::string> as_chosen(const Slot& slot) const {
     auto out = slot.values;
     const auto words = choices_of(command_, slot.name);
@@ -214,10 +214,10 @@ class CommandLine {
 
   const Command& command_;
   CLI::App app_;
-  std::list<Slot> slots_;  // CLI11 keeps references into it
+  std::list<Slot> slots_;  // CLI11 keeps references to its elements
 };
 
-// Options of every command may stand before it as well: from there they are put behind it.
+// Options that every command accepts may stand before the command: they are moved behind it.
 std::vector<std::string> command_first(std::span<const std::string> words) {
   std::vector<std::string> options;
   std::size_t at = 0;
@@ -248,7 +248,7 @@ const Command* find(std::string_view full_name) {
   return found == commands().end() ? nullptr : &*found;
 }
 
-// "create, import, show or renew".
+// For example "create, import, show or renew".
 std::string second_words(std::string_view group) {
   std::string out;
   for (const auto& command : commands())

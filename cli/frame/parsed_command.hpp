@@ -8,7 +8,7 @@
 
 namespace ddssec::cli {
 
-/// The parsed request. `command` null: only print `help`.
+/// The parsed request. If `command` is nullptr, only `help` is printed.
 struct ParsedCommand {
   const Command* command = nullptr;
   Arguments arguments{{}};
@@ -19,10 +19,10 @@ struct ParsedCommand {
 /// there is one.
 Result<ParsedCommand> parse(std::span<const std::string> words);
 
-/// The command, or the group of commands, that these words begin with; "" if they name none.
+/// The command, or the group of commands, with which these words begin. Empty if they name none.
 std::string command_named(std::span<const std::string> words);
 
-/// Help on everything, on a group ("ca") or on a command ("ca create"); "" if it does not exist.
+/// Help on everything, on a group ("ca") or on a command ("ca create"). Empty if it does not exist.
 std::string help_on(std::string_view what);
 
 }  // namespace ddssec::cli

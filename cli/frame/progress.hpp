@@ -11,7 +11,7 @@ namespace ddssec::cli {
 void say_no_progress();
 
 /// Counts steps and shows them on standard error, beginning after one second. On a terminal one
-/// line is updated in place; elsewhere a new line is written now and then.
+/// line is updated in place; elsewhere a new line is written from time to time.
 class Progress {
  public:
   Progress(std::string what, std::size_t total);

@@ -32,7 +32,7 @@ std::string_view tool_hint_of(Code code) {
   }
 }
 
-// An error or a finding, as both forms of output show it.
+// An error or a finding, as text and JSON show it.
 struct Diagnostic {
   std::string_view id;
   Severity severity;
@@ -44,7 +44,7 @@ struct Diagnostic {
   std::vector<std::string> vendors;
 };
 
-// The details describe the error in a command line; the code's summary adds nothing to them.
+// For an error in the command line, the details say everything, so the code's summary is left out.
 std::string message_of(const Error& error) {
   const auto& details = error.details();
   if (error.code() != Code::usage) return error.message();
@@ -88,7 +88,7 @@ std::vector<Diagnostic> diagnostics_of(const Report& report) {
   return out;
 }
 
-// Bold red, yellow or cyan.
+// The escape sequence for bold red, yellow or cyan.
 std::string_view color_of(Severity severity) {
   if (severity >= Severity::error) return "\033[1;31m";
   return severity == Severity::warning ? "\033[1;33m" : "\033[1;36m";
@@ -149,7 +149,7 @@ std::string hint_of(const Error& error, const std::string& help_on) {
   return std::string(own);
 }
 
-// Tools that read diagnostics know three words.
+// Tools that read diagnostics know only three words.
 std::string_view severity_word(Severity severity) {
   if (severity >= Severity::error) return "error";
   return severity == Severity::warning ? "warning" : "note";
@@ -208,7 +208,7 @@ Exit exit_of(Code code) {
 
 namespace {
 
-// Names the command that reads a document which was given to the wrong command.
+// Adds the command that reads a document which was given to the wrong command.
 Error with_right_command(const Error& error) {
   auto details = error.details();
   for (const auto& [body, kind] : {std::pair("<permissions>", "permissions"),

@@ -12,12 +12,12 @@ namespace ddssec::cli {
 
 /// The exit codes of every command.
 enum class Exit : std::uint8_t {
-  done = 0,        ///< done; or the answer is yes
+  done = 0,        ///< done, or the answer is yes
   no = 1,          ///< the answer is no
   usage = 2,       ///< the command line is wrong
   unreadable = 3,  ///< an input cannot be read or parsed
   refused = 4,     ///< refused for safety
-  failed = 5,      ///< internal failure, or the result could not be written
+  failed = 5,      ///< an internal failure, or the result could not be written
 };
 
 /// The exit code of a command that ends with this error.
@@ -27,21 +27,21 @@ Exit exit_of(Code code);
 struct WrittenFile {
   std::string path;
   std::string mode;  ///< octal, such as "0600"; "link" for a symbolic link
-  std::string sha256 =
-      {};  ///< lower-case hexadecimal; empty: not made (--dry-run) and not foreseen
-  std::string link_to = {};  ///< of a symbolic link
+  /// Lower-case hexadecimal. Empty if the file was not written (--dry-run) and is not predicted.
+  std::string sha256 = {};
+  std::string link_to = {};  ///< the target of a symbolic link
 };
 
 /// The result of a command.
 struct Report {
   Exit exit = Exit::done;
-  std::string text;  ///< for people: complete lines
+  std::string text;  ///< for people; complete lines
   Json result = Json::object();
   std::vector<Error> errors = {};
-  std::vector<Finding> findings = {};  ///< of lint and doctor
+  std::vector<Finding> findings = {};  ///< from lint and doctor
   std::vector<WrittenFile> files_written = {};
   std::string help_on = {};   ///< the command or group of the command line, for the hint of `usage`
-  std::string forecast = {};  ///< for people, of --dry-run: what would follow
+  std::string forecast = {};  ///< for people, with --dry-run: what would follow
 };
 
 /// The word in diagnostics: "error", "warning" or "note".
@@ -61,18 +61,18 @@ struct Style {
   bool verbose = false;  ///< every file as well
 };
 
-/// Every error and finding for people: "error[CODE]: what happened", "  --> file:line" if there is
-/// one, "  hint: what to do".
+/// Every error and finding for people: "error[CODE]: what happened"; "  --> file:line" if there is
+/// a place; "  hint: what to do".
 std::string diagnostics_text(const Report& report, Style style = {});
 
-/// What to do about an error, in the words of the command line: some hints of the library mention a
-/// participant's properties. `help_on`: Report::help_on.
+/// What to do about an error, in the words of the command line, because some hints of the library
+/// mention a participant's properties. `help_on` is Report::help_on.
 std::string hint_of(const Error& error, const std::string& help_on = {});
 
-/// "1 folder", "3 folders".
+/// For example "1 folder" or "3 folders".
 std::string counted(std::size_t count, std::string_view thing);
 
-/// "would write 0600 path" for every file: the output of --dry-run.
+/// For example "would write 0600 path" for every file: the output of --dry-run.
 std::string dry_run_text(const Report& report);
 
 }  // namespace ddssec::cli

@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t kMaxGuesses = 4;
 constexpr std::size_t kMaxOctets = 64;  // of a word that is compared
 
-// Verbs of other tools, with the corresponding verbs of this tool; the first one that the group has
-// is meant.
+// Verbs of other tools, with the corresponding verbs of this tool. The first one that the group has
+// is suggested.
 struct Verb {
   std::string_view typed;
   std::array<std::string_view, 4> meant;
@@ -54,7 +54,7 @@ constexpr Elsewhere kElsewhere[] = {
     {"keystore", "distribute", "crl distribute"},
 };
 
-// Options that other tools have.
+// Options of other tools.
 struct Spelling {
   std::string_view typed;
   std::array<std::string_view, 3> meant;
@@ -94,7 +94,7 @@ bool has_group(std::string_view group) {
   return std::ranges::find(commands(), group, &Command::group) != commands().end();
 }
 
-// The group's command with this name, or with a word of the same meaning; null if there is none.
+// The group's command with this name, or with a verb of the same meaning. nullptr if there is none.
 const Command* in_group(std::string_view group, std::string_view verb) {
   if (const auto* command = command_of(group, verb)) return command;
   for (const auto& row : kVerbs)
@@ -167,7 +167,7 @@ std::vector<std::string> options_like(std::string_view word, const Command& comm
   for (const auto* options : {&command.options, &common_options()})
     for (const auto& option : *options) {
       known.emplace_back(option.name);
-      // A letter means an option that begins with it.
+      // A single letter means an option that begins with it.
       if (word.size() == 2 && option.name.starts_with(fmt::format("-{}", word)))
         add(out, std::string(option.name));
     }

@@ -26,8 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr auto kListName = ".ddssec-unfinished";
-constexpr std::chrono::seconds kListTimeout{10};  // a list is there during the renames alone
-constexpr std::string_view kEnd("end\0", 4);      // of a list that is whole
+constexpr std::chrono::seconds kListTimeout{10};  // a list exists only during the renames
+constexpr std::string_view kEnd("end\0", 4);      // the end of a complete list
 
 std::unexpected<Error> cannot_write(const fs::path& path) {
   return fail(Code::file_unwritable,
@@ -47,7 +47,8 @@ bool is_in(const fs::path& folder, const fs::path& target) {
          target.parent_path() == folder;
 }
 
-// "target NUL ending NUL" for each: a file of the folder by its name, any other by its whole path.
+// Writes "target NUL ending NUL" for each draft. A file of the folder is named by its name, any
+// other file by its whole path.
 std::string text_of(const fs::path& folder, std::span<const Draft> drafts) {
   std::string out;
   std::error_code ignored;
@@ -85,7 +86,7 @@ std::string_view next_part(std::string_view& rest) {
   return out;
 }
 
-// Whatever a list contains, only drafts are moved, and only to the place beside them.
+// Only drafts are moved, and only to the place beside them, whatever a list contains.
 bool is_ending(std::string_view ending) {
   return ending.starts_with('.') && ending.ends_with(".new") &&
          ending.substr(0, ending.size() - 3).find_first_not_of(".0123456789") == ending.npos;
@@ -97,7 +98,7 @@ struct Entry {
   std::string ending;
 };
 
-// Empty for a list that was cut short: then nothing had been put in place yet.
+// Empty for a list that was cut short, because then nothing had been put in place yet.
 std::vector<Entry> entries_of(std::string_view text) {
   std::vector<Entry> out;
   if (!text.ends_with(kEnd)) return out;
@@ -118,8 +119,8 @@ bool others_may_write(const struct stat& status) { return (status.st_mode & 022)
 
 bool is_plain(const struct stat& status) { return S_ISREG(status.st_mode) && status.st_nlink == 1; }
 
-// The reason why the list is not trusted; empty if it belongs to this user. In a sticky folder only
-// its owner can replace it.
+// The reason why the list is not trusted. Empty if it belongs to this user. In a sticky folder only
+// the owner of a file can replace it.
 std::string doubt_about(int folder, int list) {
   struct stat place {};
   struct stat file {};
@@ -134,7 +135,7 @@ std::string doubt_about(int folder, int list) {
   return {};
 }
 
-// A list that is this user's own.
+// A list that belongs to this user.
 struct List {
   fs::path path;
   int folder;
@@ -144,7 +145,8 @@ struct List {
   Status put_in_place(int in, const std::string& name, std::string_view ending) const {
     const auto draft = std::string(name).append(ending);
     struct stat status {};
-    if (::fstatat(in, draft.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) return {};  // it was put
+    // The file was put in place before.
+    if (::fstatat(in, draft.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) return {};
     if (!is_plain(status) || !is_own(status)) return untrusted(path, "a draft of another user");
     if (::renameat(in, draft.c_str(), in, name.c_str()) != 0) return cannot_write(name);
     return {};
@@ -154,7 +156,7 @@ struct List {
     return put_in_place(folder, entry.target.string(), entry.ending);
   }
 
-  // The folder's owner may prevent the file, or may have replaced the draft. False if the draft
+  // The folder's owner may prevent this, or may have replaced the draft. Returns false if the draft
   // stays on the list.
   bool put_elsewhere(const Entry& entry) const {
     const FileDescriptor parent(open_folder(entry.target.parent_path()));
@@ -166,7 +168,7 @@ struct List {
     return false;
   }
 
-  // The entries that could not be put in place.
+  // Returns the entries that could not be put in place.
   Result<std::vector<Entry>> finish(std::string_view text) const {
     std::vector<Entry> left;
     for (auto& entry : entries_of(text)) {
@@ -181,7 +183,7 @@ struct List {
   }
 };
 
-// After the wait for its lock: it may be gone by now.
+// The list may have been removed during the wait for its lock.
 bool is_still_there(int file) {
   struct stat status {};
   return ::fstat(file, &status) == 0 && status.st_nlink > 0;
@@ -199,8 +201,7 @@ Reach reach_of(const fs::path& folder, std::span<const Draft> drafts) {
   return is_inside ? Reach::folder : Reach::anywhere;
 }
 
-// The remaining entries of a list whose drafts exist. A draft is dropped if there is a newer one
-// for its file.
+// The remaining entries of a list. If there is a newer draft for a file, the older one is removed.
 std::vector<Draft> left_besides(std::vector<Entry> left, std::span<const Draft> drafts) {
   std::vector<Draft> out;
   std::error_code ignored;
@@ -217,7 +218,7 @@ std::vector<Draft> left_besides(std::vector<Entry> left, std::span<const Draft> 
   return out;
 }
 
-// Waits for a process that is alive.
+// Waits for a process that still holds the list. Returns the entries that are left.
 Result<std::vector<Entry>> finish_list(const fs::path& given, Reach reach) {
   const fs::path at = given.empty() ? fs::path(".") : given;
   const FileDescriptor folder(open_folder(at));

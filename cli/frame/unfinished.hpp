@@ -16,9 +16,9 @@ struct Draft {
   std::filesystem::path draft, target;
 };
 
-/// The places that a list may contain.
+/// The places that a list may name.
 enum class Reach : std::uint8_t {
-  folder,    ///< only files of the folder in which the list lies
+  folder,    ///< only files of the folder that contains the list
   anywhere,  ///< also files of other folders: for a CA's own folder, which no participant writes
 };
 
@@ -27,9 +27,9 @@ enum class Reach : std::uint8_t {
 /// draft in place.
 class Intent {
  public:
-  /// Writes a list; first finishes the work that an earlier process left there. Drafts that cannot
-  /// be finished yet stay on the list, except for files of which `drafts` has new versions. Errors:
-  /// those of finish_interrupted.
+  /// Writes a list. First finishes the work that an earlier process left there. Drafts that cannot
+  /// be finished yet stay on the list, unless `drafts` has a new version of the file. Errors: those
+  /// of finish_interrupted.
   static Result<Intent> write(const std::filesystem::path& folder, std::span<const Draft> drafts);
 
   /// True if finish_interrupted() will accept the list.
@@ -44,7 +44,7 @@ class Intent {
  private:
   Intent(int folder, int file) : folder_(folder), file_(file) {}
   int folder_;
-  int file_;  ///< locked, so that others see that this process lives
+  int file_;  ///< locked, which shows that this process is alive
   bool is_kept_ = false;
 };
 
@@ -53,13 +53,13 @@ class Intent {
 /// process that is alive. Does nothing in a dry run, or if the folder cannot be read.
 ///
 /// A list is accepted only if this user (or root) wrote it. Folder, list and drafts must belong to
-/// them. The list and the drafts must be regular files without further names, and no other user may
-/// be able to write the list or replace it in the folder. A participant's folder may be another
-/// user's, or have come from its device.
+/// that user. The list and the drafts must be regular files without further names, and no other
+/// user may be able to write the list or replace it in the folder. The reason is that a
+/// participant's folder may belong to another user, or may have come from its device.
 ///
 /// With Reach::anywhere, a file of another folder that cannot be put in place stays on the list and
-/// causes a notice (unfinished_left): no participant's folder stops the commands of the CA. Errors:
-/// unfinished_untrusted, file_unwritable.
+/// causes a notice (unfinished_left), so that no participant's folder stops the commands of the CA.
+/// Errors: unfinished_untrusted, file_unwritable.
 Status finish_interrupted(const std::filesystem::path& folder, Reach reach = Reach::folder);
 
 }  // namespace ddssec::cli

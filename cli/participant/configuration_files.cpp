@@ -40,14 +40,14 @@ std::string whole_path(const fs::path& path) {
 
 std::string xml_path(const fs::path& path) { return xml_text(whole_path(path)); }
 
-// A key in a token has no file, so a product must be given the key's own URI.
+// A key in a token has no file, so the product must be given the key's own URI.
 std::string xml_uri(const fs::path& path) {
   const auto uri = path.extension() == ".p11" ? pki::uri_of(path) : Result<std::string>();
   return uri && !uri->empty() ? xml_text(*uri) : "file:" + xml_path(path);
 }
 
-// Cyclone DDS replaces ${X} by a variable, and knows no escape: "$" comes from a variable without a
-// name and a value (measured).
+// Cyclone DDS replaces ${X} by the variable X and has no escape for "$". A variable without a name
+// and with the default value "$" stands for it (measured).
 std::string without_variables(std::string text) {
   constexpr std::string_view kBegin = "${", kInstead = "${:-$}{";
   for (auto at = text.find(kBegin); at != text.npos; at = text.find(kBegin, at + kInstead.size()))
@@ -55,7 +55,7 @@ std::string without_variables(std::string text) {
   return text;
 }
 
-// The loader opens a path with a slash literally, and searches for a name without one.
+// The loader opens a path with a slash as it is, and searches for a name without one.
 std::string library(const fs::path& dropin, std::string_view name, std::string_view what) {
   const auto path = dropin.empty() ? fmt::format("dds_security_{}", name)
                                    : (dropin / fmt::format("libdds_security_{}.so", name)).string();

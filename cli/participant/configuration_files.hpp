@@ -11,24 +11,24 @@
 
 namespace ddssec::cli {
 
-/// A configuration file in a participant's folder with which a product is started.
+/// A configuration file in a participant's folder, with which a product is started.
 struct ConfigurationFile {
   std::string name;  ///< cyclonedds.xml, fastdds.xml
   std::string text;
 };
 /// The configuration files of all products. Every command that makes a participant's folder writes
-/// them there, except for ROS 2, which needs none. They name the files of `folder` by absolute
-/// paths, and likewise the plugin libraries in `dropin`. If that is empty, the loader finds the
-/// libraries by their names.
+/// them there, except for ROS 2, which needs none. They name the files of `folder`, and the plugin
+/// libraries in `dropin`, by absolute paths. If `dropin` is empty, the loader finds the libraries
+/// by their names.
 std::array<ConfigurationFile, 2> configuration_files(const pki::ParticipantFolder& folder,
                                                      const std::filesystem::path& dropin = {});
-/// The configuration files that a folder lacks: existing ones may have been changed by the user.
-/// With `dropin`, also a cyclonedds.xml that differs only in the libraries. Errors:
-/// would_overwrite if it differs in more; those of check_nameable.
+/// The configuration files that a folder lacks. Existing ones stay, because the user may have
+/// changed them. With `dropin`, also returns a cyclonedds.xml that differs only in the libraries.
+/// Errors: would_overwrite if it differs in more; those of check_nameable.
 Result<std::vector<ConfigurationFile>> missing_configuration_files(
     const pki::ParticipantFolder& folder, const std::filesystem::path& dropin);
 /// Lines of text with the environment variables that name these files of `folder`, which belongs to
-/// `name`.
+/// the participant `name`.
 std::string configuration_lines(std::string_view name, const std::filesystem::path& folder);
 /// True if the folder's cyclonedds.xml names libraries without a path.
 bool leaves_libraries_open(const std::filesystem::path& folder);

@@ -23,7 +23,8 @@ std::unexpected<Error> unusable(const fs::path& folder, std::string note, std::s
                             .hint = std::move(hint)});
 }
 
-// Cyclone DDS replaces variables in a configuration, and its attributes are XML.
+// True if Cyclone DDS reads the path as it is: it replaces variables in a configuration, and its
+// attributes are XML.
 bool is_plain(const std::string& path) {
   return std::ranges::none_of(path, [](const char c) {
     return std::string_view("$\\\"&<>`").contains(c) || static_cast<unsigned char>(c) < 0x20;

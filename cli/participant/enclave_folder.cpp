@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The new folder begins at the first part of the name that is not there yet, so that all of it
+// The new folder begins at the first part of the name that does not exist yet, so that all of it
 // appears at once.
 fs::path first_new_part(const fs::path& target) {
   std::error_code ignored;

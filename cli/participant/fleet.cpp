@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Also for "publishes" and "topics_publish", which begin or end with a key.
+// Also finds keys for "publishes" and "topics_publish", which begin or end with a key.
 std::string nearest_key(std::string_view key, const std::vector<std::string>& known) {
   auto near = nearest(key, known);
   if (!near.empty()) return near;
@@ -28,7 +28,7 @@ std::string nearest_key(std::string_view key, const std::vector<std::string>& kn
   return part == known.end() ? near : *part;
 }
 
-// One table of the file, with what errors need.
+// One table of the file, with what error messages need.
 class Table {
  public:
   Table(const toml::table& table, const fs::path& file) : table_(table), file_(file) {}
@@ -56,7 +56,7 @@ class Table {
     return {};
   }
 
-  // Leaves `out` as it is if the key is not there.
+  // Leaves `out` as it is if the key is missing.
   Status read(std::string_view key, std::string& out) const {
     const auto* node = table_.get(key);
     if (node == nullptr) return {};
@@ -143,15 +143,15 @@ Result<ParticipantSpec> participant_of(const toml::table& node, const fs::path& 
   return spec;
 }
 
-// The description of the failure, without the part that may quote the file: a path may point to any
-// file.
+// The description of the failure without the part that may quote the file, because a path may lead
+// to any file.
 std::string without_content(std::string_view description) {
   return std::string(description.substr(0, description.find(": ")));
 }
 
 // The parser limits nested values, but not dotted keys ("a.a.a = 1"), whose tables it visits by
-// recursion. Such a key is on one line. In strings dots are counted as well: where a string ends is
-// for the parser to find out.
+// recursion. Such a key is on one line. Dots in strings count as well, because only the parser
+// knows where a string ends.
 Status check_dots(std::string_view text, const fs::path& file) {
   constexpr int kMaxDotsInLine = 512;
   int line = 1;

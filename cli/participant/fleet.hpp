@@ -15,10 +15,10 @@ inline constexpr std::size_t kMaxFleetOctets = 32 * 1024 * 1024;
 
 /// Reads a fleet. The file has tables [[participant]] with name, subject, domain, days, key,
 /// publish, subscribe, permissions (the path of a document, relative to the file's folder). The
-/// same keys except name, subject and permissions at the top are defaults for all participants.
-/// `standard` has the defaults if neither is given; its validity is counted from `now`. An unknown
-/// key is an error, because a misspelt right would otherwise be missing. Errors: fleet_malformed
-/// with the line, name_unusable, those of read_file.
+/// same keys at the top, except name, subject and permissions, are defaults for all participants.
+/// `standard` applies if neither is given; its validity is counted from `now`. An unknown key is an
+/// error, because a misspelt right would otherwise be missing. Errors: fleet_malformed with the
+/// line, name_unusable, those of read_file.
 Result<std::vector<ParticipantSpec>> read_fleet(const std::filesystem::path& file,
                                                 const ParticipantSpec& standard, WallTime now);
 

@@ -11,11 +11,11 @@
 
 namespace ddssec::cli {
 
-/// The output of a fleet's command: the whole folder, or one folder for each participant that an
-/// existing fleet lacks.
+/// The output of a command for a fleet: the whole folder, or one folder for each participant that
+/// an existing fleet lacks.
 class FleetFolder {
  public:
-  /// Removes participants that already have a certificate there from `specs`. Errors:
+  /// Removes participants from `specs` that already have a certificate there. Errors:
   /// would_overwrite if all of them have one, or if something else has the name of one; those of
   /// NewFolder::at and check_nameable.
   static Result<FleetFolder> at(const std::filesystem::path& target,
@@ -62,11 +62,11 @@ struct IssuedFleet {
 /// The lines of the CAs' logs for the participants of a fleet.
 class FleetMembers {
  public:
-  /// `permissions`: the permissions CA, or null.
+  /// `permissions` is the permissions CA, or nullptr.
   FleetMembers(const OpenCa* permissions, std::filesystem::path target, WallTime now)
       : permissions_(permissions), target_(std::move(target)), now_(now) {}
 
-  /// What the report says of it.
+  /// Adds the lines of a participant. Returns what the report says about it.
   IssuedFacts add(const std::string& name, const NewParticipant& made);
   const std::string& issued() const { return issued_; }
   const std::string& signed_lines() const { return signed_; }

@@ -25,7 +25,7 @@ bool is_token(std::string_view token) {
          std::ranges::all_of(token, [&](char c) { return is_letter(c) || ('0' <= c && c <= '9'); });
 }
 
-// From an enclave's folder to enclaves/.
+// The relative path from an enclave's folder up to enclaves/.
 fs::path up_to_enclaves(std::string_view name) {
   fs::path out;
   for (const auto& part : fs::path(name).relative_path())
@@ -54,7 +54,7 @@ Status check_enclave(std::string_view name) {
 
 namespace {
 
-// A folder inside a keystore, given in its place, is a likely mistake.
+// The user may have given a folder inside a keystore in place of the keystore.
 std::string keystore_above(const fs::path& folder) {
   for (auto at = folder.lexically_normal(); at.has_parent_path() && at != at.parent_path();) {
     at = at.parent_path();
@@ -158,7 +158,7 @@ Status add_enclave(NewFolder& folder, const fs::path& below, std::string_view na
 
 namespace {
 
-// Looks for enclaves, folder by folder: an unreadable one hides no other.
+// Searches for enclaves folder by folder, so that an unreadable folder hides no other one.
 class EnclaveSearch {
  public:
   explicit EnclaveSearch(fs::path root) : root_(std::move(root)) {}
@@ -182,7 +182,7 @@ class EnclaveSearch {
     if (out_.names.size() >= kMaxEnclaves) return;
     std::error_code error;
     auto content = content_of(folder, error);
-    // Another user may remove a folder at any time.
+    // It is no error if the folder is gone, because another user may remove it at any time.
     if (error && error != std::errc::no_such_file_or_directory) leave_out(folder, error.message());
     if (content.has_key || content.has_other_file) add(folder, content.has_key);
     if (content.is_empty && !error && depth > 0) out_.empty.push_back(name_of(folder));
@@ -193,7 +193,7 @@ class EnclaveSearch {
     for (const auto& inner : content.folders) look_into(inner, depth + 1);
   }
 
-  // Entries that were read before an error count.
+  // The entries that were read before an error are kept.
   static Content content_of(const fs::path& folder, std::error_code& error) {
     Content out;
     fs::directory_iterator at(folder, error);
@@ -248,8 +248,8 @@ void add_unseen(const Enclaves& enclaves, Report& report) {
     report.errors.emplace_back(tool_code::enclave_without_key, ErrorDetails{.found = name});
 }
 
-// An enclave may belong to another user, who can replace the key by a link or a further name of any
-// file. So the mode of exactly the checked file is changed.
+// An enclave may belong to another user, who can replace the key by a link or by another name of
+// any file. So the mode of exactly the checked file is changed.
 Result<bool> close_key(const fs::path& key) {
   if (key.filename() == "key.pem") DDSSEC_RETURN_IF_ERROR(hold_folder(key.parent_path()));
   const int file = ::openat(folder_descriptor(key.parent_path()), key.filename().c_str(),

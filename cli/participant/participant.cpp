@@ -58,7 +58,7 @@ Status check_own_grants(const governance::Permissions& document, const pki::Subj
                                          .found = std::move(names)});
 }
 
-// Peers would read the certificate as self-signed, or as the CA's.
+// Refuses a CA's name: peers would take the certificate for a self-signed one, or for the CA's.
 Status check_not_of_ca(const pki::Certificate& certificate, const Issuers& issuers) {
   const auto name = pki::SubjectName::of(certificate).key();
   for (const auto* ca : {&issuers.identity, issuers.permissions})
@@ -117,7 +117,8 @@ Result<std::string> permissions_xml(const ParticipantSpec& spec,
   grant.subject_name = certificate.subject();
   grant.validity = {certificate.not_before(), certificate.not_after()};
   auto xml = to_xml(governance::Permissions{.grants = {std::move(grant)}});
-  // The requested rights may contain something that no document can.
+  // The document is parsed, because the requested rights may contain something that no document
+  // can.
   DDSSEC_RETURN_IF_ERROR(governance::read_permissions(as_bytes(xml)));
   return xml;
 }

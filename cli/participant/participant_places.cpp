@@ -26,8 +26,8 @@ bool is_below(const fs::path& path, const fs::path& root) {
   return std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first == root.end();
 }
 
-// The folder in which the CA's participants lie as a rule: the keystore, or the folder with the
-// CA's folder in it (what `init` makes; `ca create ca` and `identity issue -o talker`).
+// The folder that usually contains the CA's participants: the keystore, or the folder that contains
+// the CA's folder (as `init` makes it, or `ca create ca` with `identity issue -o talker`).
 fs::path root_of(const CaPaths& ca, bool is_keystore) {
   const auto folder = full_path(ca.log).parent_path();
   const auto role = folder.filename();
@@ -41,10 +41,11 @@ bool is_same_certificate(const fs::path& path, const pki::Certificate& certifica
   return found && std::ranges::equal(found->fingerprint(), certificate.fingerprint());
 }
 
-// The CA of the certificate in a folder on this machine.
+// The kind of CA that issued the certificate in a folder of this machine.
 enum class Issuer : std::uint8_t { present, before_rotation, other };
 
-// An unreadable certificate counts as the CA's: the command that works on the folder reports it.
+// An unreadable certificate counts as issued by the CA: the command that works on the folder
+// reports it.
 Issuer issuer_in(const fs::path& folder, const std::vector<pki::Certificate>& cas,
                  const pki::IssueLog& log) {
   const auto certificate = read_certificate(folder / "cert.pem");
@@ -145,9 +146,9 @@ Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::Issue
   if (log.issued().empty() && ca.log.filename() != "identity_ca.issued.jsonl") return out;
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(ca.certificate));
   std::vector<pki::Certificate> cas{certificate};
-  // A participant that has not moved accepts those that have, and needs their list.
-  // If the record of the overlap cannot be read, all former CAs count: a list too many does no
-  // harm.
+  // During an overlap, a participant that has not moved accepts those that have, and needs their
+  // list. If the record of the overlap cannot be read, participants of all former CAs are included:
+  // one list too many does no harm.
   const auto overlap = read_overlap(ca);
   const auto of_former = overlap ? Issuer::before_rotation : Issuer::present;
   if (overlap && *overlap)
@@ -157,7 +158,7 @@ Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::Issue
   std::set<fs::path> seen;
   for (const auto& logged : log.places()) {
     const auto folder = folders.today(logged);
-    std::error_code error;  // a folder that may not be entered is here
+    std::error_code error;  // a folder that cannot be entered counts as here
     const bool is_here = fs::exists(folder / "cert.pem", error) || error;
     if (folders.is_of_another_copy(folder)) {
       out.other_copies.push_back(logged);

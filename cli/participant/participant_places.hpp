@@ -12,15 +12,15 @@
 
 namespace ddssec::cli {
 
-/// The certificate in a participant's folder, to compare it. Another user may own the folder, so
-/// nothing but a file is opened, and no link that this user can change is followed. Nullopt if
-/// there is none, or none that can be read.
+/// The certificate in a participant's folder, for comparison. Another user may own the folder, so
+/// only a plain file is opened, and no link that another user can change is followed. Empty if
+/// there is no certificate that can be read.
 std::optional<pki::Certificate> certificate_of_others(const std::filesystem::path& folder);
 
 /// Translates paths of the log to present paths.
 class LoggedFolders {
  public:
-  /// Both must outlive it.
+  /// Both arguments must outlive it.
   LoggedFolders(const CaPaths& ca, const pki::IssueLog& log);
 
   /// The present path of a folder in the log. It is beside the CA if the certificate that the log
@@ -31,7 +31,7 @@ class LoggedFolders {
   /// copied). That copy's commands write there, and this one's must not.
   bool is_of_another_copy(const std::filesystem::path& folder) const;
 
-  /// True if the folder is in the keystore, or in the folder that contains the CA's.
+  /// True if the folder is in the keystore, or in the folder that contains the CA's folder.
   bool is_inside(const std::filesystem::path& folder) const;
 
   /// The keystore of the CA; empty if it has none.
@@ -51,7 +51,7 @@ struct ParticipantPlaces {
   std::vector<std::filesystem::path> here;
   std::vector<std::string> outside;       ///< folders in `here` that are not in the CA's keystore
   std::vector<std::string> unlogged;      ///< folders in `here` that are not in the log
-  std::vector<std::string> elsewhere;     ///< in the log, not on this machine
+  std::vector<std::string> elsewhere;     ///< in the log, but not on this machine
   std::vector<std::string> left_behind;   ///< here, with a certificate of the CA before a rotation
   std::vector<std::string> of_other_cas;  ///< here, with a certificate that the log does not have
   std::vector<std::string> other_copies;  ///< beside another copy of the CA
@@ -64,11 +64,12 @@ struct ParticipantPlaces {
   }
 };
 
-/// All folders in the log, and all enclaves of a keystore's CA, in the log or not. A folder that
-/// cannot be entered counts as `here`. Errors: those of read_certificate, for the CA's.
+/// All folders in the log. For a keystore's CA also all enclaves, whether they are in the log or
+/// not. A folder that cannot be entered counts as `here`. Errors: those of read_certificate for the
+/// CA's certificate.
 Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::IssueLog& log);
 
-/// True if the log has participants with folders, and each of them is revoked: no folder of them
+/// True if the log has participants with folders and all of them are revoked, so that no folder
 /// needs a revocation list.
 bool are_all_revoked(const pki::IssueLog& log);
 

@@ -12,7 +12,7 @@ Error not_taken(ErrorDetails details) {
   return Error(tool_code::renewal_not_taken, std::move(details));
 }
 
-// Nothing is known about a key in a token, or one with a passphrase.
+// False for a key in a token or one with a passphrase, about which nothing is known.
 bool is_another_key(const pki::ParticipantFolder& files, const pki::Certificate& certificate) {
   const auto encrypted = is_encrypted(files.key);
   if (!encrypted || *encrypted) return false;

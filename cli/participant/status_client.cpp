@@ -30,7 +30,8 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::steady_clock;
 
-// For all sockets of a folder together: its owner can put many into it that never answer.
+// The time for all sockets of a folder together, because its owner can put many into it that never
+// answer.
 constexpr std::chrono::seconds kAnswerTimeout{10};
 constexpr std::size_t kMaxAnswerOctets = 2 * 1024 * 1024;
 constexpr std::size_t kMaxOctetsOfAll = 32 * 1024 * 1024;
@@ -46,11 +47,11 @@ std::optional<pid_t> pid_in(std::string_view name) {
   pid_t out = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), out);
   const bool is_number = error == std::errc() && end == name.data() + name.size();
-  // No process writes 007 for its 7.
+  // A process number has no leading zeros.
   return is_number && out > 0 && fmt::to_string(out) == name ? std::optional(out) : std::nullopt;
 }
 
-// "2026-11-21T03:13:43Z".
+// True for a text such as "2026-11-21T03:13:43Z".
 bool is_time(std::string_view text) {
   constexpr std::string_view kForm = "0000-00-00T00:00:00Z";
   return std::ranges::equal(text, kForm, [](char c, char form) {
@@ -58,11 +59,11 @@ bool is_time(std::string_view text) {
   });
 }
 
-// Takes what is known from an answer: it may be of a later version, or of a process that lies.
-// Missing members are exceptions of Json.
+// Reads the known members of an answer. The answer may come from a later version, or from a process
+// that lies. Missing members raise exceptions of Json.
 class Reading {
  public:
-  // Empty: this is no answer of ddssec's plugins.
+  // Empty if this is no answer of ddssec's plugins.
   static std::optional<StatusFolder::Answer> answer_of(const std::string& answer) {
     Reading reading;
     const auto given = Json::parse(answer);
@@ -83,7 +84,7 @@ class Reading {
     } else if constexpr (kIsA<T, std::vector>) {
       for (const auto& element : from) read(element, shown, to.emplace_back());
     } else if constexpr (std::same_as<T, std::string>) {
-      // In one line: a process that lies must not write lines of its own.
+      // Texts are put on one line, so that a process that lies cannot write lines of its own.
       to = printable(from.get<std::string>());
       has_times_ = has_times_ && (shown.def != "time" || is_time(to));
     } else {
@@ -145,7 +146,7 @@ void StatusFolder::list() {
     if (pid && sockets_.size() == kMaxSockets) ++left_out_;
     if (pid && sockets_.size() < kMaxSockets) sockets_.push_back({*pid, entry->d_name});
   }
-  // ddssec-1.sock before ddssec-1-2.sock.
+  // The order puts ddssec-1.sock before ddssec-1-2.sock.
   std::ranges::sort(sockets_, {}, [](const Socket& one) {
     return std::tuple(one.pid, one.name.size(), one.name);
   });
@@ -165,7 +166,7 @@ Result<FileDescriptor> StatusFolder::connect(const Socket& socket) const {
   if (!S_ISSOCK(status.st_mode))
     return cannot(socket, tool_code::status_unanswered, "this is no socket");
   FileDescriptor out(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  // Through the descriptor: a path may be too long for an address.
+  // Uses the folder's descriptor, because a path may be too long for a socket address.
   const auto path = fmt::format("/proc/self/fd/{}/{}", folder_.number(), socket.name);
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -184,7 +185,7 @@ Result<FileDescriptor> StatusFolder::connect(const Socket& socket) const {
                 is_gone ? "" : errno_text(error));
 }
 
-// Root asks processes of users: what another user puts into the folder is not believed.
+// Root asks processes of users, so an answer of a third user in the folder is not accepted.
 Status StatusFolder::check_answering(const Socket& socket, int connection) const {
   ucred peer{};
   socklen_t size = sizeof peer;
@@ -228,11 +229,11 @@ Result<StatusFolder::Answer> StatusFolder::ask(const Socket& socket) {
   try {
     if (auto read = Reading::answer_of(answer)) return *std::move(read);
   } catch (const Json::parse_error& error) {
-    // The process has dropped the connection: it has no memory, or was kept from sending.
+    // The process has dropped the connection: it lacks memory, or was kept from sending.
     if (error.byte > answer.size())
       return cannot(socket, tool_code::status_unanswered, "its answer is cut off");
   } catch (const Json::exception&) {
-    // As any other answer that is not of the plugins.
+    // This is handled like any other answer that does not come from the plugins.
   }
   return cannot(socket, tool_code::status_unanswered,
                 "what it answers is not what ddssec's plugins say");

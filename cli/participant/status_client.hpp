@@ -14,7 +14,7 @@
 
 namespace ddssec::cli {
 
-/// A certificate, list or document of a file.
+/// A certificate, list or document in a file.
 struct DocumentPart {
   static constexpr std::string_view kDef = "document part";
   std::string subject, number;
@@ -29,14 +29,14 @@ struct DocumentPart {
   }
 };
 
-/// Why a file was refused, or a participant cut off.
+/// The reason why a file was refused or a participant was cut off.
 struct StatusRefusal {
   static constexpr std::string_view kDef = "refusal";
   std::string at, file;
   int code;
   std::string name, sentence;
   bool stands;
-  std::optional<bool> waits;  ///< processes with ddssec 0.2 do not say it
+  std::optional<bool> waits;  ///< empty: ddssec 0.2 does not report it
 
   static constexpr auto fields() {
     using Self = StatusRefusal;
@@ -51,7 +51,7 @@ struct RunningDocument {
   std::string kind, file, since;
   std::vector<DocumentPart> in_force;
   unsigned more;
-  std::optional<DocumentPart> waiting;  ///< processes with ddssec 0.2 do not say it
+  std::optional<DocumentPart> waiting;  ///< empty: ddssec 0.2 does not report it
   std::optional<StatusRefusal> refused;
 
   static constexpr auto fields() {
@@ -99,9 +99,9 @@ class StatusFolder {
 
   static constexpr std::size_t kMaxSockets = 1024;
 
-  /// ddssec-PID.sock and ddssec-PID-2.sock to -8.sock, in order; at most kMaxSockets.
+  /// The sockets ddssec-PID.sock and ddssec-PID-2.sock to -8.sock, in order; at most kMaxSockets.
   const std::vector<Socket>& sockets() const { return sockets_; }
-  /// The number of sockets that the folder has besides.
+  /// The number of sockets that were left out.
   std::size_t left_out() const { return left_out_; }
   const std::filesystem::path& path() const { return path_; }
 
@@ -110,8 +110,9 @@ class StatusFolder {
     std::uint64_t left_out = 0;  ///< number of participants that the answer had no room for
   };
   /// The participants of the process. Only an answer of the folder's owner, of this user or of root
-  /// counts. It is bounded in size, and all answers of the folder together in size and time.
-  /// Errors: status_process_ended, status_of_another_user, status_unanswered.
+  /// is accepted. The size of each answer is limited, and so are the size and the time of all
+  /// answers of the folder together. Errors: status_process_ended, status_of_another_user,
+  /// status_unanswered.
   Result<Answer> ask(const Socket& socket);
 
  private:
