@@ -28,14 +28,14 @@ struct Engines::Parts {
                                                             .host_changes_protection = true})),
         cryptography(cryptography::make_cryptography(services)) {}
 
-  // For the plugins that judge documents.
+  // The services for the plugins that judge documents.
   EngineServices judging(const EngineServices& services) const {
     EngineServices out{calendar, services.random, services.events};
     out.documents = documents.get();
     return out;
   }
 
-  std::shared_ptr<DocumentsInUse> documents;  // nullptr: none are shown
+  std::shared_ptr<DocumentsInUse> documents;  // nullptr: no documents are shown
   ReportedCalendar calendar;
   std::unique_ptr<spi::Authentication> authentication;
   std::unique_ptr<spi::AccessControl> access_control;

@@ -20,12 +20,12 @@ class Engines {
   explicit Engines(const EngineServices& services);
   ~Engines();
 
-  /// Takes the property org.ddssec.clock_step_grace: how long a system clock that was set is not
-  /// believed. Without a call: SteadyCalendar::kDefaultGrace. Error: invalid_property.
+  /// Takes the property org.ddssec.clock_step_grace: how long a changed system clock is not
+  /// believed. Without a call, SteadyCalendar::kDefaultGrace applies. Error: invalid_property.
   Status set_clock_step_grace(const spi::PropertyList& properties);
 
-  /// For the options of a participant (DomainParticipantOptions::security). Lives as long as this
-  /// object.
+  /// The plugins for the options of a participant (DomainParticipantOptions::security). They live
+  /// as long as this object.
   rtps::SecurityPlugins view();
 
  private:

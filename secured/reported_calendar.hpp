@@ -7,10 +7,10 @@
 namespace ddssec::secured {
 
 /// A SteadyCalendar that raises an event when the system clock was set, when it is back, and when
-/// the new time counts. Thread-safe.
+/// the new time is accepted. Thread-safe.
 class ReportedCalendar final : public Clock {
  public:
-  /// Both must outlive this object.
+  /// Both arguments must outlive this object.
   ReportedCalendar(const Clock& clock, EventSink& events) : calendar_(clock), events_(events) {}
 
   WallTime now() const override {
