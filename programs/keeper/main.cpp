@@ -38,7 +38,7 @@ sigset_t hold_signals() {
   sigaddset(&set, SIGINT);
   sigaddset(&set, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
-  std::signal(SIGXFSZ, SIG_IGN);  // exceeding a file size limit is an error like a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // a file size limit is treated like a full disk
   return set;
 }
 

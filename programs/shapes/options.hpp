@@ -31,7 +31,7 @@ struct Options {
   std::string durability_directory;  ///< empty: samples last as long as the publisher
   bool print_written = false;
   std::int32_t size = 20;  ///< 0: grows by one with each write
-  bool read = false;       ///< instead of take
+  bool read = false;       ///< read samples instead of taking them
   bool by_instance = true;
   bool verbose = false;
   std::int64_t write_period = 33;

@@ -86,7 +86,7 @@ class PublisherRun {
     each_instance([&] {
       const auto written = writer.write(shape_);
       if (written && options_.print_written) say_sample(writer.topic().name(), shape_);
-      // With KEEP_ALL a slow reader may block the writer; then this shape is skipped.
+      // With KEEP_ALL a slow reader may block the writer. Then this shape is skipped.
       if (!written && written.error().code() != Code::rtps_history_full) failed = written;
     });
     if (failed) return true;

@@ -60,7 +60,7 @@ void say(const char* format, ...) {
 }
 
 void hold_signals() {
-  std::signal(SIGXFSZ, SIG_IGN);  // exceeding a file size limit is an error like a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // a file size limit is treated like a full disk
   const auto set = ending_signals();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
 }

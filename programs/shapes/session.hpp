@@ -74,7 +74,7 @@ class Session final : private EventSink {
     }
     return out;
   }
-  /// The filter that -c of a subscriber or --cft requests; empty: none.
+  /// The filter that -c of a subscriber or --cft requests; empty if there is none.
   std::optional<rtps::FilterText> filter() const;
   rtps::GroupQos group_qos() const;
   rtps::Qos writer_qos() const;
@@ -85,7 +85,7 @@ class Session final : private EventSink {
 
  private:
   void raise(const Event& event) override;
-  /// Returns the path of the file in --durability-directory; empty: none. Errors:
+  /// Returns the path of the file in --durability-directory; empty if no store is used. Errors:
   /// rtps_store_unusable.
   Result<std::string> store() const;
   rtps::Qos common_qos() const;

@@ -64,7 +64,7 @@ class SubscriberRun {
       if (*found == 0) return true;
       for (const auto& sample : samples_) say_one(reader, sample);
       previous = samples_[0].info.instance_handle;
-      if (!options_.by_instance) return true;  // there is nothing more
+      if (!options_.by_instance) return true;  // all samples were read at once
     }
   }
 
