@@ -55,7 +55,8 @@ class Secret {
     });
   }
 
-  /// Returns SHA-256 of secret octets, written in place so that no other copy exists.
+  /// Returns SHA-256 of secret octets, written in place so that no other copy exists. It cannot
+  /// fail.
   static Result<Secret> digest_of(BytesView octets) requires(N >= 32) {
     return fill(32, [&](MutableBytes out) -> Status {
       sha256({octets}, out.first<32>());

@@ -91,15 +91,15 @@ Result<std::string> make_request(const PrivateKey& key, const Certificate& old);
 Result<Bytes> sign_document(const Credential& signer, BytesView document, WallTime signing_time,
                             Random& random);
 
-/// A certificate authority that can sign.
+/// A certificate authority that can sign. Each call can also fail with out_of_memory.
 ///
 /// Five functions make a certificate. `issue` is for a new participant whose key is made here,
 /// `sign_request` for one that keeps its key and sends a request, `certify` for a key of the caller
 /// and a template. `reissue` renews a certificate of this CA, `renewed` the CA's own certificate.
 class Authority {
  public:
-  /// Creates a new self-signed CA. Errors: subject_name_malformed, name_too_long, random_failed,
-  /// internal.
+  /// Creates a new self-signed CA. Errors: subject_name_malformed, name_too_long, key_not_allowed
+  /// (an RSA key of less than 2048 or more than 16384 bits), random_failed, internal.
   static Result<Authority> create(std::string_view subject, KeySpec key, Validity validity,
                                   Random& random);
 
@@ -124,7 +124,7 @@ class Authority {
                                 Random& random) const;
 
   /// Makes a new key and a certificate for it, for one participant. `ocsp_responder` is as in
-  /// CertificateTemplate. Errors: subject_name_malformed, name_too_long, random_failed, internal.
+  /// CertificateTemplate. Errors: those of create.
   Result<Credential> issue(std::string_view subject, KeySpec key, Validity validity, Random& random,
                            std::string_view ocsp_responder = {}) const;
 
@@ -135,18 +135,20 @@ class Authority {
 
   /// Issues `old` again with a new validity and serial number. The subject is the same octet for
   /// octet. The key is the public half of `key`, or the old public key if `key` is null. A CA stays
-  /// a CA with the same path length. The OCSP responder stays the same. The signer of `old` is not
+  /// a CA with the same path length. The OCSP responder stays the same. No other extension of `old`
+  /// is copied: its keyUsage becomes that of CertificateTemplate. The signer of `old` is not
   /// checked. Errors: random_failed, internal.
   Result<Certificate> reissue(const Certificate& old, Validity validity, Random& random,
                               const PrivateKey* key = nullptr) const;
 
   /// Issues this CA's own certificate again with a new validity and serial number, signed with its
-  /// own key. Only for a root. Errors: random_failed, internal.
+  /// own key. Only for a root: for another CA the result is self-signed, too. Errors:
+  /// random_failed, internal.
   Result<Certificate> renewed(Validity validity, Random& random) const;
 
   /// Issues a certificate for a PKCS#10 request, with its subject but without its extensions.
   /// `ocsp_responder` is as in CertificateTemplate. Errors: request_invalid, key_not_allowed,
-  /// name_too_long, random_failed, internal.
+  /// name_not_allowed, name_too_long, random_failed, internal.
   Result<Certificate> sign_request(BytesView request_pem, Validity validity, Random& random,
                                    std::string_view ocsp_responder = {}) const;
 

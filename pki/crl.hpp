@@ -73,7 +73,7 @@ class Crl {
   /// Returns all entries, in the list's order. An unknown reason counts as unspecified. Error:
   /// crl_malformed.
   Result<std::vector<Revocation>> revoked() const;
-  /// Returns PEM text.
+  /// Returns PEM text; empty if OpenSSL has no memory for it.
   std::string pem() const;
 
   /// True if the list covers only a part of the CA's certificates, or comes from one of several

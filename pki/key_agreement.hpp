@@ -58,10 +58,10 @@ class EphemeralKey {
   Result<Bytes> public_octets(PublicKeyEncoding encoding = PublicKeyEncoding::plain_integer) const;
 
   /// Returns SHA-256(Z). For ECDH, Z is the X coordinate at full length. For MODP it has no leading
-  /// zero octets, as Cyclone and Fast DDS compute it. Error: key_agreement_mismatch if the peer's
-  /// key is of another kind.
+  /// zero octets, as Cyclone and Fast DDS compute it. Errors: key_agreement_mismatch (the peer's
+  /// key is of another kind), internal.
   Result<AgreedSecret> derive(const PeerPublicKey& peer) const;
-  /// Parses and derives in one step.
+  /// Parses and derives in one step. Errors: those of PeerPublicKey::parse and of the other derive.
   Result<AgreedSecret> derive(BytesView peer_octets) const;
 
  private:

@@ -32,11 +32,12 @@ class PrivateKey {
   static Result<PrivateKey> load(std::string_view uri, std::string_view property,
                                  const Passphrase* passphrase = nullptr);
 
-  /// Makes a new key with OpenSSL's generator. `bits` is used for RSA only.
+  /// Makes a new key with OpenSSL's generator. `bits` is used for RSA only. Errors: key_not_allowed
+  /// (less than 2048 or more than 16384 bits), internal.
   static Result<PrivateKey> generate(KeyKind kind, int bits = 2048);
 
   /// Returns PKCS#8 PEM text, encrypted with AES-256-CBC under PBKDF2 if a passphrase is given.
-  /// Error: key_in_token.
+  /// Errors: key_in_token; length_out_of_range (more than 16 KiB); internal.
   Result<KeyPem> to_pem(const Passphrase* passphrase = nullptr) const;
 
   /// Returns the kind of the key and its size in bits.

@@ -1,4 +1,5 @@
-// Size limits for keys, certificates and documents that a URI names (base/source.hpp reads them).
+// Limits for keys, certificates and documents that a URI names, and functions that read them
+// (base/source.hpp).
 #pragma once
 
 #include <cstddef>
