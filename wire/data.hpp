@@ -7,6 +7,7 @@
 
 namespace ddssec::rtps {
 
+/// The content of the serialized payload: nothing, a sample, or the key of an instance that ends.
 enum class PayloadKind : std::uint8_t { none, data, key };
 
 /// Borrows its payload, which begins with its encapsulation (or is a protected payload).

@@ -18,6 +18,7 @@ struct DataFrag {
   std::uint32_t sample_size = 0;
   InlineQos inline_qos = {};
   bool is_key = false;
+  /// The octets of these fragments and no more; `write` does not check it.
   BytesView payload = {};
   /// In a received submessage, everything after the fixed part and the inline QoS. A protected
   /// fragment is longer than the octets that it covers (DDS-Security 1.2, clause 9.5.1.10.1).

@@ -18,6 +18,7 @@ struct GroupState {
   bool operator==(const GroupState&) const = default;
 };
 
+/// Tells readers which changes a writer holds (RTPS 8.3.8.6).
 struct Heartbeat {
   EntityId reader;  ///< unknown means all of the writer's readers
   EntityId writer;

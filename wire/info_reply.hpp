@@ -8,6 +8,7 @@
 
 namespace ddssec::rtps {
 
+/// What is kept of the submessage.
 struct InfoReply {
   /// The first locator of each list, which is used only to explain a capture.
   Locator unicast;

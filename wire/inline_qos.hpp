@@ -49,6 +49,8 @@ struct Original {
   bool operator==(const Original&) const = default;
 };
 
+/// The parameters of a change that are sent with it (RTPS 9.6.4). Others are skipped, or
+/// refused if they must be understood.
 struct InlineQos {
   std::optional<KeyHash> key_hash = {};
   StatusInfo status = {};

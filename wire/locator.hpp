@@ -44,6 +44,7 @@ std::string to_string(const Locator& locator);
 
 inline constexpr std::size_t kLocatorSize = 24;
 
+/// Error: truncated.
 Result<Locator> read_locator(Reader& reader);
 template <class Out>
 void write_locator(Out& out, const Locator& locator) {

@@ -12,6 +12,7 @@ namespace ddssec::rtps {
 /// are valid (RTPS 8.3.4.1), but nothing after it can be trusted.
 class MessageReader {
  public:
+  /// Reads the message header. Errors: those of read_header.
   static Result<MessageReader> open(BytesView message);
   /// Iterates over submessages without a message header, such as those inside a protected message.
   static MessageReader over_submessages(const Header& header, BytesView submessages) {

@@ -119,7 +119,7 @@ class NumberSet {
 using SequenceNumberSet = NumberSet<SequenceNumber>;
 using FragmentNumberSet = NumberSet<FragmentNumber>;
 
-/// Accepts any 64 bits; the caller checks the value.
+/// Accepts any 64 bits; the caller checks the value. Error: truncated.
 Result<SequenceNumber> read_any_sequence_number(Reader& reader);
 /// Accepts 1 .. kMaxSequenceNumber. Errors: truncated, rtps_number_invalid.
 Result<SequenceNumber> read_sequence_number(Reader& reader);

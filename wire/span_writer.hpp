@@ -10,7 +10,8 @@
 namespace ddssec::rtps {
 
 /// Never writes past the end of the buffer. Data that does not fit is left out and `overflowed()`
-/// stays true, so that one check after a whole submessage is sufficient. Alignment counts from the
+/// stays true, so that one check after a whole submessage is sufficient. The `write` functions of
+/// this folder report nothing else: their caller asks `overflowed()`. Alignment counts from the
 /// first octet of the buffer.
 class SpanWriter {
  public:

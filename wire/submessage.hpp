@@ -70,6 +70,7 @@ class SubmessageScope {
   std::size_t begin_ = 0;
 };
 
+/// Each reads one value in place. Error: truncated.
 Result<EntityId> read_entity_id(Reader& reader);
 Result<GuidPrefix> read_guid_prefix(Reader& reader);
 Result<Guid> read_guid(Reader& reader);

@@ -55,6 +55,7 @@ inline bool Time::is_valid() const { return *this != kTimeInvalid; }
 /// Returns a text such as "1.500 s" or "infinite".
 std::string to_string(const Duration& duration);
 
+/// Error of both: truncated. Every value of 64 bits is a time.
 Result<Duration> read_duration(Reader& reader);
 Result<Time> read_time(Reader& reader);
 template <class Out>
