@@ -32,7 +32,7 @@ class Clock {
   /// Returns the calendar time in nanoseconds since 1970-01-01 00:00 UTC. Samples carry it as their
   /// timestamp.
   virtual std::chrono::nanoseconds wall() const { return now().time_since_epoch(); }
-  /// Returns a time that never goes back and starts anywhere, for timeouts and rate limits.
+  /// Returns a time that never goes back, for timeouts and rate limits. Its start is arbitrary.
   virtual std::chrono::nanoseconds monotonic() const = 0;
   /// Returns a time like monotonic() that also counts the time during which the machine slept, if
   /// the system reports it.

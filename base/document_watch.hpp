@@ -14,7 +14,7 @@ namespace ddssec {
 /// Watches one file with a document, and adopts a document that replaces it. Not thread-safe.
 class DocumentWatch {
  public:
-  /// What is watched, and what an event about it says.
+  /// The watched document, and the contents of an event about it.
   struct WatchedDocument {
     std::string uri;
     std::string name;        ///< the property's name, for a document inside the property
@@ -28,7 +28,8 @@ class DocumentWatch {
   /// Create the watch before the file is read for the first time.
   DocumentWatch(WatchedDocument what, std::chrono::seconds interval);
 
-  /// Notes that the octets in force have been read, so that only a file with others is adopted.
+  /// Notes the octets that are in force, so that poll() adopts the file only if its content
+  /// differs.
   void note_read(BytesView file) { content_ = sha256(file); }
 
   /// Judges a document that would replace the one in force, and uses it if it is good.

@@ -42,7 +42,7 @@ struct DocumentPart {
   bool operator==(const DocumentPart&) const = default;
 };
 
-/// What an engine knows about one document of a participant.
+/// The state of one document of a participant, as an engine reports it.
 struct DocumentState {
   DocumentKind kind;
   std::string file = {};                     ///< its path, or the property that holds it

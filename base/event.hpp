@@ -10,7 +10,7 @@
 
 namespace ddssec {
 
-/// Whether a peer has proven the subject name that an event gives it.
+/// The proof that a peer has given for the subject name that an event gives it.
 enum class PeerProof : std::uint8_t {
   claimed,        ///< the name comes from an announcement, which anyone can send
   authenticated,  ///< the name is in the certificate with which the peer authenticated

@@ -13,7 +13,7 @@ struct Version {
   auto operator<=>(const Version&) const = default;
 };
 
-// As a patch number: no release of the series has the fix.
+// A patch number that means that no release of the series has the fix.
 constexpr unsigned kNotFixed = 0;
 
 struct Row {
@@ -111,9 +111,9 @@ std::string to_text(const Version& version) {
          std::to_string(version.patch);
 }
 
-// False for a version number that distributions give a fixed package, too. A security update often
-// contains the fix under the previous number: Debian 12 has the fixes of 3.0.19, 3.0.21 and 3.0.23
-// in 3.0.18-1~deb12u2, 3.0.20-1~deb12u2 and 3.0.22-1~deb12u2.
+// True if the version number proves the flaw. It often does not, because a distribution's security
+// update can contain the fix under the previous number: Debian 12 has the fixes of 3.0.19, 3.0.21
+// and 3.0.23 in 3.0.18-1~deb12u2, 3.0.20-1~deb12u2 and 3.0.22-1~deb12u2.
 bool says_number(const Version& version, const Version& fix) {
   return (fix.patch == kNotFixed || version.patch + 1 < fix.patch) &&
          std::ranges::find(kKeptNumbers, version) == kKeptNumbers.end();

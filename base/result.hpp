@@ -13,7 +13,7 @@
 
 namespace ddssec {
 
-/// Where an error was found and which values differ. Every field may be empty.
+/// The place of an error and the values that differ. Every field may be empty.
 struct ErrorDetails {
   std::string document = {};  ///< which document: a path, a property's name or a message's name
   int line = 0;               ///< line in the document, from 1; 0 if there is none
@@ -61,8 +61,7 @@ using Result = std::expected<T, Error>;
 /// Success, or the reason for the failure.
 using Status = Result<void>;
 
-/// Returns the error as the result of a function: `return fail(Code::file_not_found, {.document =
-/// path});`
+/// Makes the result of a function: `return fail(Code::file_not_found, {.document = path});`
 inline std::unexpected<Error> fail(Code code) { return std::unexpected(Error(code)); }
 inline std::unexpected<Error> fail(Code code, ErrorDetails details) {
   return std::unexpected(Error(code, std::move(details)));

@@ -1,4 +1,4 @@
-// A reproducible random source for tests. It is not installed.
+// A reproducible random source for tests. Not installed.
 #pragma once
 
 #include "base/clock.hpp"

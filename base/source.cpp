@@ -76,7 +76,7 @@ Error too_large(std::size_t max_octets, std::size_t found) {
 }
 
 Result<Bytes> load_file(const std::string& path, std::size_t max_octets) {
-  // O_NONBLOCK prevents that a FIFO in place of the file blocks the process.
+  // O_NONBLOCK keeps a FIFO in place of the file from blocking the process.
   const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   DDSSEC_ASSIGN_OR_RETURN(const std::size_t size, file_size(file, path));
   if (size > max_octets) return std::unexpected(too_large(max_octets, size));
