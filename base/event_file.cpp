@@ -6,8 +6,9 @@
 #include <fcntl.h>
 #include <string>
 #include <sys/stat.h>
-#include <system_error>
 #include <unistd.h>
+
+#include "base/errno_text.hpp"
 
 namespace ddssec {
 namespace {
@@ -30,7 +31,7 @@ int open_suitable(const char* path) {
 
 std::string reason() {
   if (errno == 0) return "something else";
-  return errno == ENXIO ? "a FIFO without a reader" : std::generic_category().message(errno);
+  return errno == ENXIO ? "a FIFO without a reader" : errno_text(errno);
 }
 
 // Suppresses SIGPIPE, which a FIFO without a reader raises in the writing thread.

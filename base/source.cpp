@@ -10,22 +10,21 @@
 #include <system_error>
 #include <unistd.h>
 
+#include "base/errno_text.hpp"
 #include "base/file_descriptor.hpp"
 
 namespace ddssec {
 namespace {
 
-std::string reason(int error) { return std::generic_category().message(error); }
-
 Result<std::size_t> file_size(const FileDescriptor& file, const std::string& path) {
   if (file.number() < 0) {
     if (errno == ENOENT || errno == ENOTDIR)
       return fail(Code::file_not_found, {.note = "looked for " + path});
-    return fail(Code::file_unreadable, {.found = path, .note = reason(errno)});
+    return fail(Code::file_unreadable, {.found = path, .note = errno_text(errno)});
   }
   struct stat status {};
   if (::fstat(file.number(), &status) != 0)
-    return fail(Code::file_unreadable, {.found = path, .note = reason(errno)});
+    return fail(Code::file_unreadable, {.found = path, .note = errno_text(errno)});
   if (!S_ISREG(status.st_mode))
     return fail(Code::file_unreadable, {.expected = "a regular file", .found = path});
   return static_cast<std::size_t>(status.st_size);
@@ -38,7 +37,7 @@ Result<std::size_t> read_up_to(const FileDescriptor& file, const std::string& pa
   while (done < out.size()) {
     const auto got = ::read(file.number(), out.data() + done, out.size() - done);
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return fail(Code::file_unreadable, {.found = path, .note = reason(errno)});
+    if (got < 0) return fail(Code::file_unreadable, {.found = path, .note = errno_text(errno)});
     if (got == 0) break;
     done += static_cast<std::size_t>(got);
   }

@@ -9,12 +9,12 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
-#include <system_error>
 #include <unistd.h>
 
 #include <fmt/format.h>
 
 #include "base/background_thread.hpp"
+#include "base/errno_text.hpp"
 #include "base/guarded_path.hpp"
 
 namespace ddssec {
@@ -25,8 +25,6 @@ using std::chrono::steady_clock;
 constexpr int kBacklog = 16;
 constexpr std::chrono::seconds kSecond{1};
 constexpr std::chrono::milliseconds kRecoveryStep{50};
-
-std::string errno_text(int error) { return std::generic_category().message(error); }
 
 FileDescriptor unix_socket() {
   return FileDescriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));

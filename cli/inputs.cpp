@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "base/errno_text.hpp"
 #include "base/hash.hpp"
 #include "base/tool_code.hpp"
 #include "cli/frame/file_transaction.hpp"
@@ -63,9 +64,7 @@ Result<pki::Passphrase> passphrase_from_stream(int file) {
 // Reads from a pipe of the shell, such as --passphrase-file <(pass show ca).
 Result<pki::Passphrase> passphrase_from_pipe(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0)
-    return fail(Code::file_unreadable,
-                {.document = path, .note = std::generic_category().message(errno)});
+  if (file < 0) return fail(Code::file_unreadable, {.document = path, .note = errno_text(errno)});
   auto out = passphrase_from_stream(file);
   ::close(file);
   return out;

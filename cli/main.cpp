@@ -10,6 +10,7 @@
 #include <unistd.h>
 #include <vector>
 
+#include "base/errno_text.hpp"
 #include "base/text.hpp"
 #include "cli/agent/agent_worker.hpp"
 #include "cli/frame/explain_severities.hpp"
@@ -117,7 +118,7 @@ int finish(const cli::Report& report, std::string_view command, bool json, cli::
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return static_cast<int>(report.exit);
   const Error unwritten(Code::file_unwritable,
                         {.document = "standard output",
-                         .note = std::strerror(errno),
+                         .note = errno_text(errno),
                          .hint = "the answer is incomplete: run the command again with an output "
                                  "that has room and is not closed"});
   print(stderr, cli::diagnostics_text(cli::report_of(unwritten), style));

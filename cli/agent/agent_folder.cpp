@@ -9,13 +9,13 @@
 #include <sys/file.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
-#include <system_error>
 #include <unistd.h>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "base/errno_text.hpp"
 #include "base/guarded_path.hpp"
 #include "base/tool_code.hpp"
 #include "cli/frame/file_transaction.hpp"
@@ -30,7 +30,7 @@ constexpr gid_t kNoGroup = 65534;
 
 std::unexpected<Error> unreadable(const fs::path& path, int error) {
   const auto code = error == ENOENT ? Code::file_not_found : Code::file_unreadable;
-  ErrorDetails details{.document = path, .note = std::generic_category().message(error)};
+  ErrorDetails details{.document = path, .note = errno_text(error)};
   if (error == ELOOP || error == ENOTDIR) {
     details.note = "it is no folder, or a link, which may be exchanged";
     details.hint = "name the folder itself, not a link to it";
@@ -113,7 +113,7 @@ Status become(const FolderOwner& owner) {
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (is_done && ::setuid(0) != 0 && ::geteuid() == owner.user) return {};
   return fail(Code::internal, {.field = fmt::format("the rights of user {}", owner.user),
-                               .note = std::generic_category().message(error)});
+                               .note = errno_text(error)});
 }
 
 Result<FolderLock> FolderLock::take(const fs::path& path) {

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "base/errno_text.hpp"
 #include "base/text.hpp"
 #include "base/tool_code.hpp"
 
@@ -84,7 +85,7 @@ Status check_place(const fs::path& file, Code unsafe) {
 Status check_file(const fs::path& file, Code unsafe, Code unreadable) {
   struct stat status {};
   if (::lstat(file.c_str(), &status) != 0)
-    return fail(unreadable, {.document = file, .note = std::generic_category().message(errno)});
+    return fail(unreadable, {.document = file, .note = errno_text(errno)});
   if (S_ISREG(status.st_mode) && is_trusted(status) && (status.st_mode & 022) == 0)
     return check_place(file, unsafe);
   return fail(unsafe, {.document = file,

@@ -9,11 +9,12 @@
 #include <sys/signalfd.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
-#include <system_error>
 #include <unistd.h>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "base/errno_text.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -32,8 +33,7 @@ int milliseconds_until(Deadline deadline) {
 }
 
 std::unexpected<Error> no_process(int error) {
-  return fail(Code::internal,
-              {.field = "a process", .note = std::generic_category().message(error)});
+  return fail(Code::internal, {.field = "a process", .note = errno_text(error)});
 }
 
 // The header of glibc 2.36 declares pidfd_open without C linkage, so C++ cannot link to it.

@@ -6,11 +6,11 @@
 #include <string>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <system_error>
 #include <unistd.h>
 
 #include <fmt/format.h>
 
+#include "base/errno_text.hpp"
 #include "base/guarded_path.hpp"
 
 namespace ddssec::cli {
@@ -108,8 +108,7 @@ Status hold_folder(const fs::path& folder) {
                 {.document = name,
                  .note = "it is a link, which may be exchanged while the command runs",
                  .hint = "name the folder that the link leads to"});
-  return fail(Code::file_unwritable,
-              {.document = name, .note = std::generic_category().message(error)});
+  return fail(Code::file_unwritable, {.document = name, .note = errno_text(error)});
 }
 
 int folder_descriptor(const fs::path& folder) {

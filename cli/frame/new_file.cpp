@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/errno_text.hpp"
 #include "base/hash.hpp"
 
 namespace ddssec::cli {
@@ -28,7 +29,7 @@ fs::path folder_of(const fs::path& path) {
 std::unexpected<Error> unwritable(const fs::path& path, int error) {
   const auto folder = folder_of(path);
   std::error_code ignored;
-  ErrorDetails details{.document = path, .note = std::generic_category().message(error)};
+  ErrorDetails details{.document = path, .note = errno_text(error)};
   if (error == ENOENT && !fs::exists(folder, ignored)) {
     details.note = fmt::format("the folder {} does not exist", folder.string());
     details.hint =

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "base/errno_text.hpp"
 #include "base/file_descriptor.hpp"
 #include "base/tool_code.hpp"
 #include "cli/frame/file_lock.hpp"
@@ -30,8 +31,7 @@ constexpr std::chrono::seconds kListTimeout{10};  // a list exists only during t
 constexpr std::string_view kEnd("end\0", 4);      // the end of a complete list
 
 std::unexpected<Error> cannot_write(const fs::path& path) {
-  return fail(Code::file_unwritable,
-              {.document = path, .note = std::generic_category().message(errno)});
+  return fail(Code::file_unwritable, {.document = path, .note = errno_text(errno)});
 }
 
 std::unexpected<Error> untrusted(const fs::path& list, std::string why) {

@@ -20,6 +20,7 @@
 
 #include <fmt/format.h>
 
+#include "base/errno_text.hpp"
 #include "base/guarded_path.hpp"
 #include "base/text.hpp"
 #include "base/tool_code.hpp"
@@ -35,8 +36,6 @@ using std::chrono::steady_clock;
 constexpr std::chrono::seconds kAnswerTimeout{10};
 constexpr std::size_t kMaxAnswerOctets = 2 * 1024 * 1024;
 constexpr std::size_t kMaxOctetsOfAll = 32 * 1024 * 1024;
-
-std::string errno_text(int error) { return std::generic_category().message(error); }
 
 std::optional<pid_t> pid_in(std::string_view name) {
   constexpr std::string_view kStart = "ddssec-", kEnd = ".sock";

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <sqlite3.h>
 
+#include "base/errno_text.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -23,13 +25,13 @@ int last_errno(sqlite3* database) {
 std::string reason(int kind, const std::string& path, sqlite3* database) {
   if (database == nullptr || path.empty()) return {};
   if (const int number = kind == SQLITE_IOERR ? last_errno(database) : 0; number != 0)
-    return std::string(": ") + std::strerror(number);
+    return std::string(": ") + errno_text(number);
   if (kind != SQLITE_FULL) return {};
   constexpr std::uintmax_t kFew = 64 << 10;
   std::error_code unknown;
   const auto space = std::filesystem::space(path, unknown);
   if (!unknown && space.available >= kFew) return ": the store has reached its limit";
-  return std::string(": ") + std::strerror(ENOSPC);
+  return std::string(": ") + errno_text(ENOSPC);
 }
 
 // SQLite's message is shown unchanged: it contains names of files and limits, never samples.

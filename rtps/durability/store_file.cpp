@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "base/errno_text.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -55,7 +57,7 @@ Status make_store_file(const std::string& path) {
   constexpr std::string_view kMagic("SQLite format 3\0", 16);
   const int file =
       ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
-  if (file < 0) return refuse_file(path, "a file that can be written", std::strerror(errno));
+  if (file < 0) return refuse_file(path, "a file that can be written", errno_text(errno));
   struct stat status {};
   std::array<char, 512> head{};
   const bool is_known = ::fstat(file, &status) == 0;

@@ -1,10 +1,11 @@
 #include "rtps/transport/event_loop.hpp"
 
 #include <cerrno>
-#include <cstring>
 #include <span>
 #include <sys/eventfd.h>
 #include <unistd.h>
+
+#include "base/errno_text.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 constexpr std::uint64_t kWakeUp = ~0ull;
 
 std::unexpected<Error> failed(const char* call) {
-  return fail(Code::rtps_socket_failed, {.field = call, .found = std::strerror(errno)});
+  return fail(Code::rtps_socket_failed, {.field = call, .found = errno_text(errno)});
 }
 
 bool add(int epoll, int fd, std::uint64_t tag) {

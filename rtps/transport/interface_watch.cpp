@@ -2,18 +2,19 @@
 
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <linux/netlink.h>
 #include <linux/rtnetlink.h>
 #include <sys/socket.h>
+
+#include "base/errno_text.hpp"
 
 namespace ddssec::rtps {
 
 Result<InterfaceWatch> InterfaceWatch::open() {
   const auto failed = [](const char* call) {
-    return fail(Code::rtps_socket_failed, {.document = "changes of network interfaces",
-                                           .field = call,
-                                           .found = std::strerror(errno)});
+    return fail(
+        Code::rtps_socket_failed,
+        {.document = "changes of network interfaces", .field = call, .found = errno_text(errno)});
   };
   FileDescriptor fd(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, NETLINK_ROUTE));
   if (fd.number() < 0) return failed("socket");

@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include "base/errno_text.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -53,7 +55,7 @@ Locator locator_of(const sockaddr_storage& storage) {
 }
 
 std::unexpected<Error> failed(Code code, const char* call, const Locator& at) {
-  return fail(code, {.document = to_string(at), .field = call, .found = std::strerror(errno)});
+  return fail(code, {.document = to_string(at), .field = call, .found = errno_text(errno)});
 }
 
 Code code_of_errno() {
