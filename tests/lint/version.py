@@ -4,6 +4,7 @@
 - It is the newest released version of CHANGELOG.md, and that file's headings have the form of Keep a Changelog, the newest
   first, after [Unreleased]. A released version has at most 90 lines, so that users read it.
 - README.md names it, and each find_package(ddssec ...) asks for its minor version.
+- plugins/README.md shows it in the line by which a process says that our plugins are in use.
 
 Exit 1 and a line for each fault.
 """
@@ -57,6 +58,13 @@ def asked_for(root):
         yield from ((name, version) for version in re.findall(r"find_package\(ddssec (\d[\d.]*)", text))
 
 
+def sample_line_faults(text, version):
+    """The line of the event plugins_in_use in plugins/README.md has the version."""
+    shown = re.findall(r"cryptography of ddssec ([\d.]+);.*\[plugins_in_use", text)
+    if shown != [version]:
+        yield f"the sample line of plugins_in_use has {' and '.join(shown) or 'no version'}, and this is {version}"
+
+
 def main():
     root = pathlib.Path(sys.argv[1])
     version = re.search(r"project\(ddssec VERSION (\d+\.\d+\.\d+)", (root / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
@@ -65,6 +73,8 @@ def main():
              for fault in changelog_faults((root / "CHANGELOG.md").read_text(encoding="utf-8"), version)]
     if not re.search(rf"^Version {re.escape(version)}\.(\s|$)", (root / "README.md").read_text(encoding="utf-8"), re.M):
         found.append(f'README.md: no line begins with "Version {version}."')
+    found += [f"plugins/README.md: {fault}"
+              for fault in sample_line_faults((root / "plugins/README.md").read_text(encoding="utf-8"), version)]
     asking = list(asked_for(root))
     found += [f"{name}: it asks for ddssec {asked}, and this is {version}" for name, asked in asking if asked not in (minor, version)]
     if not asking:
