@@ -175,7 +175,8 @@ function(ddssec_library name)
   target_compile_features(ddssec_${name} PUBLIC cxx_std_23)  # their headers need it
   target_link_libraries(ddssec_${name} PUBLIC ${ARG_PUBLIC}
                         PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:ddssec_options>)
-  target_compile_options(ddssec_${name} PRIVATE "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wshadow;-Wconversion;-Wmissing-declarations>")
+  target_compile_options(ddssec_${name} PRIVATE
+                         "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wshadow;-Wconversion;-Wmissing-declarations>")
   if(ARG_QUICK)
     ddssec_compile_quickly(ddssec_${name})
   endif()

@@ -41,13 +41,16 @@ foreach(component ${CPACK_COMPONENTS_ALL})
 endforeach()
 
 # Debian's manual pages are compressed.
-install(FILES ${CMAKE_BINARY_DIR}/cli/ddssec.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tools EXCLUDE_FROM_ALL)
-install(CODE "execute_process(COMMAND gzip -9nf \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1/ddssec.1\"
+install(FILES ${CMAKE_BINARY_DIR}/cli/ddssec.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tools
+        EXCLUDE_FROM_ALL)
+install(CODE "execute_process(
+              COMMAND gzip -9nf \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1/ddssec.1\"
               COMMAND_ERROR_IS_FATAL ANY)" COMPONENT tools EXCLUDE_FROM_ALL)
 # Debian's zsh does not search site-functions below /usr.
 install(FILES ${CMAKE_BINARY_DIR}/cli/completion.zsh DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions
         RENAME _ddssec COMPONENT tools EXCLUDE_FROM_ALL)
-install(FILES ${packaging}/keeper/ddssec-keeper.service DESTINATION lib/systemd/system COMPONENT keeper EXCLUDE_FROM_ALL)
+install(FILES ${packaging}/keeper/ddssec-keeper.service DESTINATION lib/systemd/system COMPONENT keeper
+        EXCLUDE_FROM_ALL)
 install(FILES ${packaging}/keeper/ddssec-keeper.sysusers DESTINATION lib/sysusers.d RENAME ddssec-keeper.conf
         COMPONENT keeper EXCLUDE_FROM_ALL)
 install(FILES ${packaging}/keeper/ddssec-keeper.default DESTINATION ../etc/default RENAME ddssec-keeper

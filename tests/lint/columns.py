@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds the lines of C++ sources and of pages to 120 columns, and comments to their wrapping.
+"""Holds the lines of C++ sources, of CMake files and of pages to 120 columns, and comments to their wrapping.
 
 Exit 1 and a line for each fault.
 
@@ -79,7 +79,8 @@ def main():
     for name in names:
         path = root / name
         is_page = path.suffix == ".md"
-        if not (is_page or path.suffix in CODE) or name.startswith(LEFT_OUT) or not path.is_file():
+        is_cmake = path.suffix == ".cmake" or path.name == "CMakeLists.txt"
+        if not (is_page or is_cmake or path.suffix in CODE) or name.startswith(LEFT_OUT) or not path.is_file():
             continue
         lines = path.read_text(encoding="utf-8").split("\n")
         if is_page and "--write" in sys.argv[2:] and any(True for _ in long_lines(lines, True)):
