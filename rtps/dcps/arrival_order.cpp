@@ -11,7 +11,7 @@ void ArrivalOrder::erase(const HeldSample& sample) {
   (sample.is_read ? read_ : unread_).erase(sample.arrival);
 }
 
-// Moves the node, so that reading allocates nothing.
+// Moves the node from one map to the other, so that reading allocates nothing.
 void ArrivalOrder::mark_read(const HeldSample& sample) {
   read_.insert(unread_.extract(sample.arrival));
 }

@@ -23,7 +23,7 @@ class ArrivalOrder {
   /// Must be called before the sample is read.
   void mark_read(const HeldSample& sample);
   void clear();
-  /// Returns the first samples that are in these states, at most so many.
+  /// Returns the first `max_samples` samples, or fewer, that are in these states.
   std::vector<Entry> first(const States& states, std::size_t max_samples) const;
 
  private:

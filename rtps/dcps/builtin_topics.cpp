@@ -43,7 +43,7 @@ Result<T> by_key(BytesView octets) {
   return out;
 }
 
-// DDS 1.4, 2.2.5.
+// The policies of builtin readers (DDS 1.4, 2.2.5).
 Qos builtin_reader_qos() {
   auto qos = default_reader_qos();
   qos.reliability.kind = ReliabilityKind::reliable;
@@ -85,7 +85,8 @@ BuiltinTopics::BuiltinTopics(DomainParticipant& participant, ParticipantContext&
   GroupQos qos;
   qos.presentation.scope = PresentationScope::topic;
   subscriber_.reset(new Subscriber(participant_, context_, qos));
-  // Fails before the participant is enabled, which then enables it.
+  // This fails if the participant is not enabled yet. The participant's enable() then enables the
+  // subscriber.
   [[maybe_unused]] const auto enabled = subscriber_->enable();
 }
 
@@ -167,7 +168,7 @@ void BuiltinTopics::deliver_end(const BuiltinChange& what, const GuidPrefix& by)
       readers_[what.topic].ended.add(what.key, identity_of(by), octets));
 }
 
-// If there is no room, instances that have ended are removed for those that exist.
+// If there is no room, instances that have ended are removed to make room for those that exist.
 void BuiltinTopics::offer(AnyDataReader& reader, const BuiltinChange& what, Change change) {
   change.writer = what.of;
   change.key_hash = what.key;

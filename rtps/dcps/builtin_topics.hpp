@@ -19,9 +19,9 @@ namespace ddssec::rtps {
 
 /// A remote participant. The key is its GUID. For a disposed instance only the key is available.
 struct ParticipantBuiltinTopicData : ParticipantData {};
-/// A remote writer. Its key is as above.
+/// A remote writer. The key is its GUID, as above.
 struct PublicationBuiltinTopicData : EndpointData {};
-/// A remote reader. Its key is as above.
+/// A remote reader. The key is its GUID, as above.
 struct SubscriptionBuiltinTopicData : EndpointData {};
 /// A topic on which a remote writer or reader was found. The participant's own topics are not
 /// reported.
@@ -67,7 +67,7 @@ struct BuiltinTopicOf<SubscriptionBuiltinTopicData> {
   static Result<SubscriptionBuiltinTopicData> read(BytesView payload, bool is_key_only);
 };
 
-/// What a builtin reader returns.
+/// A sample that a builtin reader returns.
 template <class T>
 struct BuiltinSample {
   T data;  ///< only its key is meaningful if !info.valid_data
@@ -104,9 +104,9 @@ class BuiltinDataReader final
   }
 };
 
-/// Each reader is created when it is first requested; before that it costs nothing. Samples that no
-/// application takes stay in the reader. For entities that have ended, their number is limited
-/// (EndedInstances).
+/// The builtin readers of a participant. Each reader is created when it is first requested; before
+/// that it costs nothing. Samples that no application takes stay in the reader. For entities that
+/// have ended, their number is limited (EndedInstances).
 class BuiltinTopics final : private DiscoveryListener {
  public:
   /// Both must outlive this object.
@@ -132,7 +132,7 @@ class BuiltinTopics final : private DiscoveryListener {
     EndedInstances ended = {};
     bool is_refused = false;  ///< the reader had no room, and an event reported it
   };
-  /// What is delivered to a reader. `of`: the endpoint or participant; zero for a topic.
+  /// A change that is delivered to a reader. `of` is the endpoint or participant; zero for a topic.
   struct BuiltinChange {
     std::string_view topic;
     KeyHash key;
@@ -156,7 +156,8 @@ class BuiltinTopics final : private DiscoveryListener {
   std::unique_ptr<Subscriber> subscriber_;
   std::map<std::string_view, ReaderState> readers_;  ///< by topic
   std::string_view only_;  ///< the only topic that receives data while what is known is delivered
-  /// Of participants, kept until their removal is delivered.
+  /// The identities of participants. Each is kept until the removal of its participant is
+  /// delivered.
   std::map<GuidPrefix, GuidPrefix> identities_;
   std::map<Guid, KeyHash> topic_of_;
   std::map<KeyHash, int> endpoints_of_;

@@ -13,7 +13,7 @@ struct CallbackLock::Waiting {
   Waiting* next = nullptr;
 };
 
-// All waits of the process. A list in the stacks of the threads that wait, so that a wait
+// All waits of the process. The list is in the stacks of the waiting threads, so that a wait
 // allocates nothing.
 struct CallbackLock::Waits {
   std::mutex mutex;  // protects the list and all locks
@@ -24,7 +24,7 @@ struct CallbackLock::Waits {
   void add(Waiting& one) {
     one.next = std::exchange(list, &one);
     ++count;
-    changed.notify_all();  // it may be one that others wait for
+    changed.notify_all();  // because of this wait, waits of other threads may never end
   }
   void remove(const Waiting& one) {
     auto** at = &list;
@@ -48,8 +48,9 @@ const CallbackLock::Waiting* CallbackLock::waiting(ThreadId thread) {
   return nullptr;
 }
 
-// Follows the chain: who holds the lock, for what that thread waits, who holds that. A chain
-// cannot be longer than there are waits, unless it is a circle of others, which they resolve.
+// Follows the chain: the thread that holds the lock, the lock for which that thread waits, the
+// thread that holds that one, and so on. A chain cannot have more steps than there are waits,
+// unless it leads into a circle of other threads, which they resolve.
 bool CallbackLock::never_ends(const Waiting& own) const {
   const auto* lock = this;
   for (std::size_t steps = 0; steps <= waits().count && lock->depth_ > 0; ++steps) {

@@ -6,9 +6,9 @@
 
 namespace ddssec::rtps {
 
-/// Recursive. A thread that calls a listener holds the lock of that participant, and may wait for
-/// the lock of another one. A wait that would never end is refused, because the thread that holds
-/// the lock waits for the caller, directly or through further threads.
+/// A recursive lock. A thread that calls a listener holds the lock of that participant, and may
+/// wait for the lock of another one. A wait that would never end is refused: the thread that holds
+/// the lock then waits for the caller, directly or through further threads.
 class CallbackLock {
  public:
   CallbackLock();
@@ -18,7 +18,8 @@ class CallbackLock {
   enum class Wait : std::uint8_t {
     none,           ///< takes the lock only if it is free
     while_it_ends,  ///< waits, unless the wait would never end
-    first,          ///< the same, but of waits for each other it refuses the others first
+    /// Like while_it_ends, but if two waits are for each other, the other one is refused first.
+    first,
   };
   /// Returns false if the lock was not taken.
   [[nodiscard]] bool acquire(Wait wait);
@@ -35,7 +36,7 @@ class CallbackLock {
   bool wait_for(Waiting& waiting);
 
   ThreadId owner_ = nullptr;
-  std::uint32_t depth_ = 0;  ///< how often its owner holds it
+  std::uint32_t depth_ = 0;  ///< how often its owner has acquired it
 };
 
 }  // namespace ddssec::rtps

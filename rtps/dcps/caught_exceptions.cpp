@@ -16,7 +16,7 @@ void CaughtExceptions::note(std::string_view what, const char* thrown) noexcept 
                                .found = fmt::format("{}; {} so far", thrown, count),
                                .note = "another event follows when they are twice as many"})));
   } catch (...) {
-    // Without memory for the event there is still the counter.
+    // If there is no memory for the event, the exception is still counted.
   }
 }
 

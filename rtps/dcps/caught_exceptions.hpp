@@ -16,8 +16,8 @@ class CaughtExceptions {
   /// `events` must outlive this object.
   explicit CaughtExceptions(EventSink& events) : events_(events) {}
 
-  /// Calls `f`. Returns false if an exception ended it. `what`: a text for the event that says what
-  /// was given up.
+  /// Calls `f`. Returns false if an exception ended it. `what` is a text for the event that names
+  /// the work that was abandoned.
   template <class F>
   bool run(std::string_view what, F&& f) {
     try {

@@ -30,9 +30,10 @@ class Condition {
   bool trigger_value() const;
 
  protected:
-  /// `turn`: of the participant whose entity triggers it; empty if the application does.
+  /// `turn` is that of the participant whose entity triggers the condition; empty if the
+  /// application triggers it.
   explicit Condition(std::shared_ptr<ServingTurn> turn);
-  /// With true, wakes the threads that wait for it.
+  /// Sets the trigger value. If it is true, wakes the threads that wait for it.
   void trigger(bool value);
   const std::shared_ptr<ServingTurn>& turn() const;
 
@@ -41,25 +42,26 @@ class Condition {
   const std::shared_ptr<ConditionState> state_;
 };
 
-/// Triggered by the application, which creates and owns it.
+/// A condition that the application creates, owns and triggers.
 class GuardCondition final : public Condition {
  public:
-  /// Not triggered.
+  /// Creates a condition that is not triggered.
   GuardCondition() : Condition(nullptr) {}
 
-  /// With true, wakes the threads that wait for it. It stays triggered until it is set to false.
-  /// May be called by any thread.
+  /// Sets the trigger value. If it is true, wakes the threads that wait for it. It stays triggered
+  /// until it is set to false. May be called by any thread.
   void set_trigger_value(bool value) { trigger(value); }
 };
 
-/// Triggered while one of the enabled communication statuses of its entity has changed and has not
-/// been read. All statuses are enabled at first. Its entity creates and owns it.
+/// A condition that is triggered while one of the enabled communication statuses of its entity has
+/// changed and has not been read. All statuses are enabled at first. Its entity creates and owns
+/// it.
 class StatusCondition final : public Condition {
  public:
   Entity& entity() const { return entity_; }
   /// The statuses that trigger it.
   StatusMask enabled_statuses() const { return StatusMask::from(enabled_); }
-  /// From now on only these statuses trigger it, also those that have changed already.
+  /// Sets the statuses that trigger it. Statuses that have already changed count as well.
   void set_enabled_statuses(StatusMask statuses);
 
  private:
@@ -73,15 +75,16 @@ class StatusCondition final : public Condition {
   std::atomic<std::uint32_t> enabled_ = kAnyStatus.bits;
 };
 
-/// Triggered while its reader holds samples in these states. Created and deleted by the reader.
+/// A condition that is triggered while its reader holds samples in these states. The reader creates
+/// and deletes it.
 class ReadCondition : public Condition {
  public:
   AnyDataReader& datareader() const { return reader_; }
   const States& states() const { return states_; }
-  /// nullptr if this is not a QueryCondition, or if its expression is empty. To be used only by the
-  /// reader.
+  /// Returns nullptr if this is not a QueryCondition, or if its expression is empty. Only the
+  /// reader may use it.
   const QueryMatches* query() const { return query_.get(); }
-  /// Success if it is one of this reader. Errors: rtps_precondition_not_met.
+  /// Succeeds if the condition belongs to this reader. Errors: rtps_precondition_not_met.
   Status check_reader(const AnyDataReader& reader) const;
 
  protected:
@@ -93,15 +96,15 @@ class ReadCondition : public Condition {
   std::unique_ptr<QueryMatches> query_;
 };
 
-/// Triggered while its reader holds samples in these states that match a query. Samples without
-/// data match no query (DDS 1.4, 2.2.2.5.9).
+/// A condition that is triggered while its reader holds samples in these states that match a query.
+/// Samples without data match no query (DDS 1.4, 2.2.2.5.9).
 class QueryCondition final : public ReadCondition {
  public:
   const std::string& query_expression() const { return text_.expression; }
   /// The values of %0, %1 and so on in the expression.
   std::vector<std::string> query_parameters() const;
-  /// Applies at once, to the samples that the reader holds too. Errors: rtps_filter_invalid; then
-  /// nothing has changed.
+  /// Sets the values of the parameters. They apply at once, also to the samples that the reader
+  /// holds. Errors: rtps_filter_invalid; then nothing has changed.
   Status set_query_parameters(std::vector<std::string> parameters);
 
  private:

@@ -21,8 +21,8 @@ struct WaitSetState;
 /// that a condition and a wait set may be destroyed at the same time in different threads.
 struct ConditionState {
   explicit ConditionState(std::shared_ptr<ServingTurn> of) : turn(std::move(of)) {}
-  /// Of the participant whose entity triggers the condition; nullptr: the application triggers it,
-  /// or the participant has no thread of its own.
+  /// The turn of the participant whose entity triggers the condition. nullptr if the application
+  /// triggers it, or if the participant has no thread of its own.
   const std::shared_ptr<ServingTurn> turn;
   std::atomic<bool> trigger = false;
   std::mutex mutex;
@@ -41,13 +41,15 @@ struct WaitSetState : std::enable_shared_from_this<WaitSetState> {
 
   std::mutex mutex;
   std::condition_variable changed;
-  /// Never contains a destroyed condition. Without this mutex only a condition's state may be used.
+  /// Never contains a destroyed condition. A thread without this mutex may only use the conditions'
+  /// states.
   std::vector<AttachedCondition> conditions;
   bool is_waiting = false;
-  /// What the waiting thread serves; nullptr: it waits for `changed`.
+  /// The turn that the waiting thread serves; nullptr if it waits for `changed`.
   ServingTurn* served = nullptr;
   pthread_t serving{};  ///< valid if `served` is set
-  /// Those of the participants whose conditions the thread waits for; for that thread alone.
+  /// The turns of the participants whose conditions the thread waits for. Only that thread uses
+  /// them.
   std::vector<std::shared_ptr<ServingTurn>> turns;
 
   /// Makes the waiting thread check its conditions. The caller does not hold the mutex.
@@ -58,7 +60,7 @@ struct WaitSetState : std::enable_shared_from_this<WaitSetState> {
   void wait_until(std::unique_lock<std::mutex>& lock, TimePoint end);
 
  private:
-  /// `own`: the thread's place among those that wait for the only participant; otherwise nullptr.
+  /// `own` is the thread's place among those that wait for the only participant, or nullptr.
   void wait_until(std::unique_lock<std::mutex>& lock, TimePoint end, ServingTurn::Waiting* own);
 };
 

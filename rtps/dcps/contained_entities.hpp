@@ -7,7 +7,7 @@
 
 namespace ddssec::rtps {
 
-/// Owns the contained entities; those that remain are deleted with it. Creates none itself.
+/// Owns the contained entities; those that remain are deleted with it. It creates none itself.
 template <class Child>
 class ContainedEntities {
  public:

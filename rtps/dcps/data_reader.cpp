@@ -136,7 +136,7 @@ Status QueryCondition::set_query_parameters(std::vector<std::string> parameters)
   const auto held = reader_.lock();
   FilterText text{text_.expression, std::move(parameters)};
   DDSSEC_ASSIGN_OR_RETURN(auto compiled, reader_.conditions_.compile(text));
-  // In place, because concurrent readers hold its address.
+  // query_ is changed in place and not replaced, because concurrent reads hold its address.
   text_.parameters = std::move(text.parameters);
   if (!compiled) return {};
   query_->replace(std::move(*compiled));
@@ -158,7 +158,8 @@ Status AnyDataReader::wait_for_historical_data(std::chrono::nanoseconds timeout)
   auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
   if (qos_.durability == DurabilityKind::volatile_) return {};
-  // A HEARTBEAT alone can complete the history, and does not notify the context. So check in steps.
+  // A HEARTBEAT alone can complete the history and does not notify the context. The wait is
+  // therefore divided into short steps.
   constexpr std::chrono::nanoseconds kStep = std::chrono::milliseconds(10);
   const auto complete = [&] {
     const auto* reader = context_.protocol().local_endpoints().reader(guid_);

@@ -31,9 +31,9 @@ class AnyDataReader : public Endpoint {
   Subscriber& subscriber() const;
   /// Returns nullptr if the reader receives all samples of its topic.
   ContentFilteredTopic* content_filtered_topic() const { return filter_.topic(); }
-  /// Replaces the listener, which the caller owns; nullptr: none. `mask`: the statuses that it
-  /// handles; the others go to the listeners of its subscriber and participant. Waits until running
-  /// callbacks of the former listener have returned (exceptions: rtps/dcps/listener.hpp).
+  /// Replaces the listener, which the caller owns; nullptr removes it. `mask` has the statuses that
+  /// it handles; the others go to the listeners of its subscriber and participant. Waits until
+  /// running callbacks of the former listener have returned (exceptions: rtps/dcps/listener.hpp).
   void set_listener(DataReaderListener* listener, StatusMask mask = kAnyStatus);
 
   /// Appends the samples that match the query to `out` and returns their number. Errors:
@@ -88,8 +88,8 @@ class AnyDataReader : public Endpoint {
   AnyDataReader(Group& subscriber, ParticipantContext& context, Topic& topic, Qos qos);
   /// Counts a sample that could not be deserialized as the type.
   void count_malformed() { reception_.samples().count_malformed(); }
-  /// Removes the samples, which could not be deserialized as the type, and counts them. `taken`:
-  /// they are not held any more.
+  /// Removes the samples, which could not be deserialized as the type, and counts them. `taken`
+  /// means that the reader does not hold them any more.
   void discard_malformed(std::span<const OctetSample> samples, bool taken);
 
  private:
@@ -109,7 +109,7 @@ class AnyDataReader : public Endpoint {
     reception_.on_group(writer, group);
   }
 
-  /// Changes that the reader refused for lack of room are offered once more.
+  /// Offers changes again that the reader refused for lack of room.
   void offer_again();
 
   void on_retired() override;
@@ -167,8 +167,8 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
   friend class SampleAccess<DataReader<T>, Samples<T>>;
   using AnyDataReader::AnyDataReader;
 
-  // A sample that cannot be deserialized is removed, and the next one is found in its place, so
-  // that no writer hides what others wrote. A writer could send such samples as fast as they are
+  // A sample that cannot be deserialized is removed, and the next one is returned in its place, so
+  // that no writer hides samples of others. A writer could send such samples as fast as they are
   // removed, so their number is bounded.
   Result<std::size_t> fill(SampleQuery query, Samples<T>& out) {
     out.size_ = 0;
@@ -186,8 +186,8 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
     if (discarded > 0) out.join_selections();
     return out.size();
   }
-  /// Whether the query can find more, without finding again what it found. Changes a query for
-  /// the next instance to one for the instance that was found.
+  /// True if the query can find more samples without finding the same ones again. Changes a query
+  /// for the next instance to one for the instance that was found.
   static bool has_more(SampleQuery& query, const Samples<T>& found) {
     if (found.empty()) return true;
     if (query.scope == SampleQuery::Scope::next_instance) {

@@ -158,18 +158,18 @@ Result<InstanceHandle> AnyDataWriter::instance_of(const OctetWrite& change) {
 Status AnyDataWriter::wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change) {
   const auto key = change.key.value_or(KeyHash{});
   const auto timeout = qos_.reliability.max_blocking_time.to_nanoseconds();
-  // Slow down gently: samples that do not fit in the receiver's buffers would have to be sent
-  // twice.
+  // A writer that is far ahead waits a little: samples that do not fit in the receiver's buffers
+  // would have to be sent twice.
   const auto may_go_on = [&] { return !protocol().is_ahead(context_.now()); };
   if (!may_go_on()) context_.wait(lock, std::min(timeout, kBrake), may_go_on);
-  // Last, because other threads write while this one waits.
+  // Room is checked last, because other threads write while this one waits.
   const auto room = [&] { return protocol().has_room(change.payload.size(), key); };
   if (context_.wait(lock, timeout, room)) return {};
   return fail(Code::rtps_history_full, {.document = "writer " + guid_.to_string()});
 }
 
 Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
-  // Readers give up larger samples, and the writer would not notice.
+  // Readers drop larger samples, and the writer would not notice.
   if (request.payload.size() > StatefulReader::kMaxSample)
     return fail(Code::rtps_sample_too_large,
                 {.document = "writer of topic " + topic_.name(),
@@ -182,7 +182,7 @@ Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
       durability_.wait_for_room(held, qos_.reliability.max_blocking_time.to_nanoseconds()));
   DDSSEC_RETURN_IF_ERROR(instance_of(request));
   DDSSEC_RETURN_IF_ERROR(wait_for_room(held, request));
-  DDSSEC_RETURN_IF_ERROR(instance_of(request));  // others may have removed it meanwhile
+  DDSSEC_RETURN_IF_ERROR(instance_of(request));  // other threads may have removed it meanwhile
   Change change;
   const auto [now, wall] = context_.moment();
   DDSSEC_ASSIGN_OR_RETURN(

@@ -39,9 +39,9 @@ class AnyDataWriter : public Endpoint, private Timed {
 
   /// The publisher that owns it.
   Publisher& publisher() const;
-  /// Replaces the listener, which the caller owns; nullptr: none. `mask`: the statuses that it
-  /// handles; the others go to the listeners of its publisher and participant. Waits until running
-  /// callbacks of the former listener have returned (exceptions: rtps/dcps/listener.hpp).
+  /// Replaces the listener, which the caller owns; nullptr removes it. `mask` has the statuses that
+  /// it handles; the others go to the listeners of its publisher and participant. Waits until
+  /// running callbacks of the former listener have returned (exceptions: rtps/dcps/listener.hpp).
   void set_listener(DataWriterListener* listener, StatusMask mask = kAnyStatus);
 
   /// Writes a sample. The octets are copied. Waits for room for at most
@@ -58,10 +58,10 @@ class AnyDataWriter : public Endpoint, private Timed {
   Status write_octets(const OctetWrite& change);
   /// Disposes the instance. `change.payload` is the serialized key. Errors: those of write_octets.
   Status dispose_octets(const OctetWrite& change);
-  /// The writer will not write the instance any more. Errors: those of write_octets,
-  /// rtps_precondition_not_met (the instance is not registered).
+  /// Unregisters the instance, because the writer will not write it any more. Errors: those of
+  /// write_octets, rtps_precondition_not_met (the instance is not registered).
   Status unregister_octets(const OctetWrite& change);
-  /// Makes the instance known to the writer, which writing does too; sends nothing. Errors:
+  /// Makes the instance known to the writer, as writing does. Sends nothing. Errors:
   /// rtps_not_enabled, rtps_bad_parameter, rtps_out_of_resources.
   Result<InstanceHandle> register_octets(const OctetWrite& change);
   /// Returns HANDLE_NIL if the instance is not registered.
@@ -73,8 +73,8 @@ class AnyDataWriter : public Endpoint, private Timed {
   /// PERSISTENT also waits until everything is stored. Errors: rtps_timeout, rtps_not_enabled; from
   /// the store rtps_store_failed, rtps_store_unusable and out_of_memory.
   Status wait_for_acknowledgments(std::chrono::nanoseconds timeout);
-  /// Says that the writer is alive (DDS 1.4, 2.2.2.4.2.22), for LIVELINESS MANUAL_BY_PARTICIPANT or
-  /// MANUAL_BY_TOPIC. A write says it too. Errors: rtps_not_enabled.
+  /// Asserts that the writer is alive (DDS 1.4, 2.2.2.4.2.22), for LIVELINESS MANUAL_BY_PARTICIPANT
+  /// or MANUAL_BY_TOPIC. A write does so too. Errors: rtps_not_enabled.
   Status assert_liveliness();
 
   /// The statuses of DDS 1.4, 2.2.4.1. Reading one resets its change counts.
@@ -111,7 +111,7 @@ class AnyDataWriter : public Endpoint, private Timed {
   Result<InstanceHandle> instance_of(const OctetWrite& change);
   Status wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change);
   void after_write(const KeyHash& key, StatusInfo status, SequenceNumber number, MonotonicTime now);
-  /// When on_time has something to do.
+  /// The time at which on_time has something to do.
   MonotonicTime next_work(MonotonicTime now) const;
   void end_set(Coherence marker, MonotonicTime now);
   StatefulWriter& protocol() const;
@@ -127,7 +127,7 @@ class AnyDataWriter : public Endpoint, private Timed {
   WriterDurability durability_;
   OfferedLiveliness liveliness_;
   WriterLifespan lifespan_;
-  /// Sequence number at which the open coherent set begins; 0: wrote nothing in it.
+  /// The sequence number at which the open coherent set begins; 0 if nothing was written in it.
   SequenceNumber set_begin_;
   bool is_concluded_ = false;  ///< conclude() sent at least one dispose
   LivelinessLostStatus liveliness_lost_;
@@ -138,7 +138,7 @@ class AnyDataWriter : public Endpoint, private Timed {
 template <DdsType T>
 class DataWriter final : public AnyDataWriter {
  public:
-  /// Writes a sample. `handle`: that of its instance, or HANDLE_NIL. The source time is now. May
+  /// Writes a sample. `handle` is that of its instance, or HANDLE_NIL. The source time is now. May
   /// wait for RELIABILITY.max_blocking_time. Errors of all calls that write:
   /// AnyDataWriter::write_octets.
   Status write(const T& sample, InstanceHandle handle = {}) {
@@ -154,9 +154,9 @@ class DataWriter final : public AnyDataWriter {
   Status dispose_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
     return dispose_octets(with_key(Buffers(*this), sample, handle, source_timestamp));
   }
-  /// The writer will not write this instance any more. With autodispose_unregistered_instances (the
-  /// default) the instance is disposed as well. Further error: rtps_precondition_not_met (the
-  /// instance is not registered).
+  /// Unregisters the instance, because the writer will not write it any more. With
+  /// autodispose_unregistered_instances (the default) the instance is disposed as well. Further
+  /// error: rtps_precondition_not_met (the instance is not registered).
   Status unregister_instance(const T& sample, InstanceHandle handle = {}) {
     return unregister_octets(with_key(Buffers(*this), sample, handle, std::nullopt));
   }
@@ -187,7 +187,7 @@ class DataWriter final : public AnyDataWriter {
   struct Octets {
     Bytes payload, key;
   };
-  /// What one call serializes into, until it has returned.
+  /// The buffers into which one call serializes, until it has returned.
   class Buffers {
    public:
     explicit Buffers(DataWriter& writer)

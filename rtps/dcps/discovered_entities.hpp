@@ -6,7 +6,7 @@
 
 namespace ddssec::rtps {
 
-/// Thread-safe. The calls are those of DomainParticipant.
+/// The remote entities of one participant. Thread-safe. The calls are those of DomainParticipant.
 class DiscoveredEntities {
  public:
   /// `check`, which is called with the lock held, returns an error if the participant may not
@@ -15,15 +15,16 @@ class DiscoveredEntities {
       : context_(context), check_(std::move(check)) {}
 
   std::vector<Guid> participants() const;
-  /// Errors: rtps_bad_parameter (no such participant).
+  /// Returns what a participant announced. Errors: rtps_bad_parameter (no such participant).
   Result<ParticipantBuiltinTopicData> participant_data(const Guid& participant) const;
-  /// The topics on which at least one remote endpoint is known; each pair of name and type once.
+  /// The topics on which at least one remote endpoint is known. Each pair of name and type is
+  /// listed once.
   std::vector<TopicBuiltinTopicData> topics() const;
 
   // Ignores the entity permanently. Errors: those of `check`.
   Status ignore_participant(const Guid& participant);
   Status ignore_topic(const std::string& name);
-  /// `endpoint` is a writer or a reader.
+  /// Ignores a remote writer or a remote reader.
   Status ignore_endpoint(const Guid& endpoint);
 
  private:

@@ -43,7 +43,7 @@ Status announce_by_multicast(ParticipantSockets& sockets, ParticipantConfig& con
   for (const auto& interface : sockets.interfaces()) {
     const auto joined = sockets.join(group, interface);
     if (joined) continue;
-    // With peers to announce to, other participants can still be found.
+    // If there are peers to announce to, other participants can still be found.
     if (sockets.interfaces().size() == 1 && config.announce_to.empty()) return joined;
     events.raise(Event(joined.error().in(to_string({&interface, 1}))));
   }

@@ -28,7 +28,7 @@ namespace ddssec::rtps {
 class DurableStores;
 class ParticipantService;
 
-/// What a participant is created with. Only domain_id usually needs a value.
+/// The options with which a participant is created. Only domain_id usually needs a value.
 struct DomainParticipantOptions {
   /// The DDS domain, 0 to 232.
   DomainId domain_id = 0;
@@ -62,14 +62,13 @@ struct DomainParticipantOptions {
   /// Receive buffer to request from the operating system for each socket, in octets. If less is
   /// granted than large samples need, a warning event is raised.
   std::size_t receive_buffer = std::size_t{4} << 20;
-  /// Before a thread sleeps until something arrives, it looks for it again and again for this long.
-  /// Takes a processor meanwhile, and saves the time until a sleeping thread runs. At most
-  /// kMaxBusyWait.
+  /// How long a thread looks for input again and again before it sleeps. This occupies a processor,
+  /// but saves the time that a sleeping thread takes to wake up. At most kMaxBusyWait.
   std::chrono::nanoseconds busy_wait{};
   static constexpr std::chrono::nanoseconds kMaxBusyWait = std::chrono::milliseconds(1);
   bool own_thread = true;  ///< false: the application calls poll()
   /// Delivers samples to participants of the same process directly, in the writer's thread, unless
-  /// the topic is protected. false: always over the network.
+  /// the topic is protected. If false, samples always go over the network.
   bool is_in_process = true;
   bool enabled = true;  ///< false: sends nothing until enable()
   /// Path of the file that stores the samples of writers with DURABILITY PERSISTENT. It is created
@@ -78,7 +77,7 @@ struct DomainParticipantOptions {
   std::string durability_store = {};
   /// Limit for the size of the store, in octets.
   std::size_t durability_store_octets = std::size_t{4} << 30;
-  /// Empty: the participant is not secured.
+  /// The security options; empty if the participant is not secured.
   std::optional<SecurityOptions> security = {};
 };
 
@@ -101,8 +100,7 @@ struct DomainParticipantCounters : ParticipantCounters {
 };
 
 namespace detail {
-/// A base class of its own, because it must be constructed before Entity, which needs the context
-/// in it.
+/// A separate base class, because it must be constructed before Entity, which needs its context.
 struct ServiceHolder {
   ServiceHolder(const EngineServices& services, const DomainParticipantOptions& options);
   ~ServiceHolder();
@@ -110,8 +108,9 @@ struct ServiceHolder {
 };
 }  // namespace detail
 
-/// Creates and deletes its topics, publishers and subscribers; those that remain are deleted with
-/// it. All calls are thread-safe. Listeners are called by the participant's thread, or by poll().
+/// A participant of a DDS domain. Creates and deletes its topics, publishers and subscribers; those
+/// that remain are deleted with it. All calls are thread-safe. Listeners are called by the
+/// participant's thread, or by poll().
 class DomainParticipant final : private detail::ServiceHolder, public Entity {
  public:
   /// Number of participant indexes at each address of DomainParticipantOptions::peers.
@@ -142,14 +141,14 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
 
   /// The policies that are in force.
   DomainParticipantQos qos() const;
-  /// Changed user data is announced soon. Always succeeds.
+  /// Sets the policies. Changed user data is announced soon. Always succeeds.
   Status set_qos(const DomainParticipantQos& qos);
   /// Starts its thread and discovery, and enables what it contains unless
   /// autoenable_created_entities is false. Errors: rtps_thread_failed, those of the entities.
   Status enable() override;
-  /// Replaces the listener, which the caller owns; nullptr: none. `mask`: the statuses that it
-  /// handles; the listeners of its entities are asked first. Waits until running callbacks of the
-  /// former listener have returned (exceptions: rtps/dcps/listener.hpp).
+  /// Replaces the listener, which the caller owns; nullptr removes it. `mask` has the statuses that
+  /// it handles; the listeners of its entities are called first. Waits until running callbacks of
+  /// the former listener have returned (exceptions: rtps/dcps/listener.hpp).
   void set_listener(DomainParticipantListener* listener, StatusMask mask = kAnyStatus);
 
   /// Creates a topic, which the participant owns. Errors: rtps_precondition_not_met (the name is
@@ -161,7 +160,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
                               TopicListener* listener = nullptr, StatusMask mask = kAnyStatus) {
     return create_topic(std::move(name), type_support<T>(), std::move(qos), listener, mask);
   }
-  /// The same for a type that is described at run time, such as a topic of octets.
+  /// Does the same for a type that is described at run time, such as a topic of octets.
   Result<Topic*> create_topic(std::string name, TypeSupport type, std::optional<Qos> qos = {},
                               TopicListener* listener = nullptr, StatusMask mask = kAnyStatus);
   /// Returns nullptr if there is no topic with this name.
@@ -193,14 +192,14 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
                                         StatusMask mask = kAnyStatus) {
     return groups_.create_subscriber(std::move(qos), listener, mask);
   }
-  /// Deletes the topic; one that find_topic has returned as well only with the last of these calls.
-  /// Waits until running listeners of this participant have returned. Errors:
+  /// Deletes the topic. If find_topic has returned it as well, only the last of as many calls
+  /// deletes it. Waits until running listeners of this participant have returned. Errors:
   /// rtps_precondition_not_met (the topic belongs to another participant or is in use, or the call
   /// is made from within a callback of this participant, or of another one that a callback of this
   /// one waits for).
   Status delete_topic(Topic& topic) { return topics_.remove(topic); }
-  /// Deletes a publisher without writers, or a subscriber without readers. Errors and waiting: as
-  /// for delete_topic; rtps_precondition_not_met also if it is not empty.
+  /// Deletes a publisher without writers, or a subscriber without readers. Waits as delete_topic
+  /// does. Errors: those of delete_topic; rtps_precondition_not_met also if it is not empty.
   Status delete_publisher(Publisher& publisher) { return groups_.remove(publisher); }
   Status delete_subscriber(Subscriber& subscriber) { return groups_.remove(subscriber); }
   /// Deletes all topics, publishers and subscribers with what they contain. Pointers to them are
@@ -231,7 +230,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
     return static_cast<BuiltinDataReader<T>*>(
         topics.subscriber().lookup_datareader(BuiltinTopicOf<T>::topic));
   }
-  /// The remote participants that were accepted. For a secured participant: those that are
+  /// The remote participants that were accepted. A secured participant accepts those that are
   /// authenticated, or admitted without authentication.
   std::vector<Guid> discovered_participants() const { return discovered_.participants(); }
   /// Returns what a participant announced. Errors: rtps_bad_parameter (no such participant).
@@ -247,8 +246,9 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   /// knows. Errors: rtps_not_enabled, rtps_key_revision_disabled.
   Status revise_keys();
   /// Ignores the participant until this one is deleted, as if it had never been found (DDS 1.4,
-  /// 2.2.2.2.1.14). With the own GUID: its writers and readers do not match each other. A secured
-  /// participant then revises its keys, if the governance enables that. Errors: rtps_not_enabled.
+  /// 2.2.2.2.1.14). With the participant's own GUID, its writers and readers do not match each
+  /// other. A secured participant then revises its keys, if the governance enables that. Errors:
+  /// rtps_not_enabled.
   Status ignore_participant(const Guid& participant) {
     return discovered_.ignore_participant(participant);
   }

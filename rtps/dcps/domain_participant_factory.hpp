@@ -12,7 +12,7 @@
 
 namespace ddssec::rtps {
 
-/// Owns its participants, which are deleted with it. Thread-safe.
+/// Creates participants and owns them; they are deleted with it. Thread-safe.
 class DomainParticipantFactory {
  public:
   /// The clock, random source and event sink in `services` must outlive the factory.

@@ -24,7 +24,7 @@ class EndedInstances {
 
   /// Adds an instance that has ended. Returns the instances that the reader must forget.
   std::vector<KeyHash> add(const KeyHash& key, const GuidPrefix& identity, std::size_t octets);
-  /// The instance exists again.
+  /// Removes an instance, because it exists again.
   void remove(const KeyHash& key);
   /// Removes all instances and returns them; the reader must forget them.
   std::vector<KeyHash> take_all();

@@ -18,24 +18,25 @@ class Endpoint : public Entity, protected EndpointListener {
   ~Endpoint() override = default;
 
   Topic& topic() const { return topic_; }
-  /// Zero until the endpoint is enabled.
+  /// The endpoint's GUID; zero until it is enabled.
   Guid guid() const;
   Qos qos() const;
-  /// Errors: rtps_qos_inconsistent, rtps_immutable_policy.
+  /// Changes the policies. Errors: rtps_qos_inconsistent, rtps_immutable_policy.
   Status set_qos(const Qos& qos);
   Status enable() override;
 
  protected:
   friend class Group;
   friend class Groups;
-  /// What differs between writers and readers.
+  /// The values that differ between writers and readers.
   struct Side {
     std::string_view name, group;
     StatusKind matched, incompatible_qos, deadline_missed;
   };
   Endpoint(Group& group, ParticipantContext& context, Topic& topic, Qos qos, const Side& side);
   /// Removes the endpoint from the protocol, which makes no further calls to it. Called before the
-  /// endpoint is deleted, and by the destructors of derived classes, for those that fail to begin.
+  /// endpoint is deleted, and by the destructors of derived classes for endpoints whose creation
+  /// failed.
   void retire();
 
   // The caller holds the lock:
@@ -50,7 +51,7 @@ class Endpoint : public Entity, protected EndpointListener {
   virtual void await_acknowledgment(std::chrono::steady_clock::time_point deadline) {
     (void)deadline;
   }
-  /// Errors: rtps_precondition_not_met (the endpoint must not be deleted now).
+  /// Checks that the endpoint may be deleted now. Errors: rtps_precondition_not_met.
   virtual Status check_unused() const { return {}; }
 
   void on_matched(const EndpointData& remote) override;
@@ -76,7 +77,7 @@ class Endpoint : public Entity, protected EndpointListener {
   /// Errors: rtps_bad_parameter (the remote endpoint is not matched).
   Result<EndpointData> matched_data(const Guid& remote) const;
 
-  /// Whether regroup would succeed.
+  /// Checks that regroup would succeed.
   Status check_regroup(const GroupQos& group);
   /// Announces the endpoint with the changed policies of its group.
   Status regroup(const GroupQos& group);

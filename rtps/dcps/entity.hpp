@@ -40,14 +40,16 @@ class Entity {
   void mark_enabled() { is_enabled_ = true; }
   bool enabled() const { return is_enabled_; }
   Status check_enabled(std::string_view what) const;
-  /// False by default: the listener is called for the entities that it contains.
+  /// True if a listener handles this status of the entity. False by default: the listener of a
+  /// group or a participant is called for the entities that it contains.
   virtual bool has_listener(StatusKind) const { return false; }
 
   /// Calls the listeners for the statuses that changed. The caller does not hold the lock.
   virtual void notify_listeners() {}
 
-  /// `replace` sets a listener, with the lock held, and returns true if there was one. Then waits
-  /// until no other thread is calling that one. The caller does not hold the lock.
+  /// Calls `replace` with the lock held. It sets a listener and returns true if there was one
+  /// before. Then waits until no other thread is calling the former one. The caller does not hold
+  /// the lock.
   template <class Replace>
   void replace_listener(Replace replace) {
     bool had_one = false;

@@ -149,7 +149,7 @@ void Group::conclude(std::span<const std::unique_ptr<Endpoint>> members) {
   for (const auto& member : members) member->conclude();
   const auto deadline = std::chrono::steady_clock::now() + kMaxLinger;
   for (const auto& member : members) member->await_acknowledgment(deadline);
-  // Before their destructors begin: until then, other threads call them.
+  // Members are retired before their destructors begin, because other threads call them until then.
   for (const auto& member : members) member->retire();
 }
 

@@ -76,8 +76,8 @@ class Group : public Entity {
       return {};
     });
   }
-  /// The same, and calls `prepare` with the member before the member can be enabled. Errors: also
-  /// those of `prepare`.
+  /// Does the same, and calls `prepare` with the member before the member can be enabled. Errors:
+  /// also those of `prepare`.
   template <class E, class Prepare>
   Result<E*> create(Topic& topic, std::string_view type, std::optional<Qos> qos, Prepare prepare) {
     if (auto fits = check_topic(topic, type); !fits) return std::unexpected(fits.error());
@@ -88,8 +88,8 @@ class Group : public Entity {
     if (auto adopted = adopt(std::move(member)); !adopted) return std::unexpected(adopted.error());
     return out;
   }
-  /// Errors: rtps_precondition_not_met (the member belongs to another group or is in use, or the
-  /// call is made from within a callback).
+  /// Deletes the member. Errors: rtps_precondition_not_met (it belongs to another group or is in
+  /// use, or the call is made from within a callback).
   Status delete_member(Endpoint& member);
   /// Returns any member on that topic, or nullptr if there is none.
   Endpoint* lookup(std::string_view topic_name) const;

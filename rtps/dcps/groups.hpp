@@ -7,23 +7,24 @@
 
 namespace ddssec::rtps {
 
-/// Thread-safe. The calls are those of DomainParticipant.
+/// The publishers and subscribers of one participant. Thread-safe. The calls are those of
+/// DomainParticipant.
 class Groups {
  public:
   /// Both must outlive this object.
   Groups(DomainParticipant& participant, ParticipantContext& context)
       : participant_(participant), context_(context), publishers_(context), subscribers_(context) {}
 
-  /// Errors: those of Group::enable.
+  /// Creates a group, which this object owns. Errors: those of Group::enable.
   Result<Publisher*> create_publisher(GroupQos qos, PublisherListener* listener, StatusMask mask);
   Result<Subscriber*> create_subscriber(GroupQos qos, SubscriberListener* listener,
                                         StatusMask mask);
-  /// Errors: rtps_precondition_not_met (the group is not empty or belongs to another participant,
-  /// or the call is made from within a callback).
+  /// Deletes the group. Errors: rtps_precondition_not_met (it is not empty or belongs to another
+  /// participant, or the call is made from within a callback).
   Status remove(Publisher& publisher);
   Status remove(Subscriber& subscriber);
 
-  /// The caller holds the callback lock. Errors: those of Group::enable.
+  /// Enables all groups. The caller holds the callback lock. Errors: those of Group::enable.
   Status enable();
   /// Announces the endpoints on `topic` again, after its TOPIC_DATA changed (2.2.3.2). Errors:
   /// those of Endpoint::regroup.

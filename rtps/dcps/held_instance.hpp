@@ -19,13 +19,13 @@ struct HeldSample {
   Change change;
   bool is_read = false;
   bool valid = true;       ///< has data
-  bool by_source = false;  ///< its place among those of its instance depends on its source time
+  bool by_source = false;  ///< true if its place in its instance depends on its source time
   std::int32_t disposed_generations = 0, no_writers_generations = 0;
   MonotonicTime expires = kNever;
   std::uint64_t expiry = 0;   ///< distinguishes samples that expire at the same time
   std::uint64_t arrival = 0;  ///< position in the order of arrival, if that order is kept
   std::uint64_t place = 0;    ///< distinguishes samples in the order of source times
-  HeldShareOf share = {};     ///< of its writer's identity
+  HeldShareOf share = {};     ///< that of its writer's identity
   std::int32_t generations() const { return disposed_generations + no_writers_generations; }
 };
 using HeldSamples = std::list<HeldSample>;
@@ -77,18 +77,18 @@ struct HeldInstance {
   HeldSamples::iterator invalid_at;                ///< only if there is one
   /// With DESTINATION_ORDER BY_SOURCE_TIMESTAMP and a long history: the samples in that order.
   std::map<SourceOrder, HeldSamples::iterator> by_source;
-  /// Of the identity for which the instance and its key count. One of its writers has the instance,
-  /// as long as any writer has it.
+  /// The share of the identity for which the instance and its key count. A writer of this identity
+  /// has the instance, as long as any writer has it.
   HeldShareOf share;
-  std::size_t payers = 0;          ///< number of its writers among `writers`
+  std::size_t payers = 0;          ///< number of this identity's writers in `writers`
   std::vector<Guid> writers;       ///< those that are alive and have not unregistered the instance
   std::optional<Guid> owner;       ///< only with OWNERSHIP EXCLUSIVE
-  Original latest;                 ///< the origin of the latest stored change; the same
+  Original latest;                 ///< origin of the latest stored change; used as `owner` is
   std::optional<Time> seen_until;  ///< source time of the newest sample that was read or taken
   MonotonicTime deadline = kNever;
-  MonotonicTime quiet_until{};      ///< TIME_BASED_FILTER
+  MonotonicTime quiet_until{};      ///< the end of the minimum separation (TIME_BASED_FILTER)
   MonotonicTime release_at{};       ///< not before quiet_until
-  std::optional<Change> held_back;  ///< kept until release_at
+  std::optional<Change> held_back;  ///< the change that waits until release_at
   HeldShareOf share_of_held_back;
   MonotonicTime expiry_of_held_back = kNever;
   Link<HeldInstance> ready{this};  ///< list of the instances that have samples

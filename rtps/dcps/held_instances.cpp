@@ -9,7 +9,7 @@ namespace ddssec::rtps {
 namespace {
 
 constexpr std::size_t kMaxSpare = 4096;
-// In a history of this length a sample's place is found without an index.
+// In a history that is not longer than this, a sample's place is found without an index.
 constexpr std::int32_t kShortHistory = 32;
 
 std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
@@ -20,7 +20,7 @@ SourceOrder order_of(const HeldSample& sample) {
   return {sample.change.source_time, sample.change.writer, sample.place};
 }
 
-// Where a sample belongs among those of its instance.
+// The place of a sample among those of its instance.
 HeldSamples::iterator place_of(HeldInstance& instance, const HeldSample& sample, bool is_indexed) {
   auto before = instance.held.end();
   if (!sample.by_source) return before;
@@ -33,8 +33,8 @@ HeldSamples::iterator place_of(HeldInstance& instance, const HeldSample& sample,
   return before;
 }
 
-// A new sample, which is unread, has its place. Once it is not the last one, the first unread one
-// must be searched for.
+// Updates unread_from for a new sample, which is unread and has its place. Unless it is the last
+// sample, or the first unread one was directly after it, the search begins again at the start.
 void note_unread(HeldInstance& instance, HeldSamples::iterator at) {
   auto& first = instance.unread_from;
   if (first == instance.held.end() || std::next(at) == first)
@@ -43,13 +43,13 @@ void note_unread(HeldInstance& instance, HeldSamples::iterator at) {
     first = instance.held.begin();
 }
 
-// How many places samples that belong together take, beside those that are held, and alone.
+// The places that samples of one set take: beside the samples that are held now, and alone.
 struct Places {
   std::size_t now = 0, alone = 0;
 };
 
-// With KEEP_LAST, only as many samples of each instance as its history has. If the instances are
-// not known, all samples may replace others.
+// With KEEP_LAST, the samples of an instance take at most as many places as its history has. If the
+// instances are not known, no place is counted, because all samples may replace others.
 Places places_for(const WantedRoom& wanted, const History& history, const HeldInstances& held) {
   if (history.kind == HistoryKind::keep_all) return {wanted.samples, wanted.samples};
   const auto depth = static_cast<std::size_t>(history.depth);
@@ -63,7 +63,7 @@ Places places_for(const WantedRoom& wanted, const History& history, const HeldIn
   return out;
 }
 
-// Moves the instance, with its key, to another account. nullptr: to none.
+// Moves the instance, with its key, to another account, or to none if `share` is nullptr.
 void charge(HeldInstance& instance, const HeldShareOf& share) {
   const auto octets = instance.key_value.size();
   if (share) share->octets += octets, ++share->instances;
@@ -144,7 +144,7 @@ HeldInstances::Rejection HeldInstances::rejects(const HeldInstance* instance, co
   if (replaces && instance->oldest()->share == share) freed.own = freed.octets;
   const bool is_held_back =
       instance != nullptr && instance->held_back && &*instance->held_back == &change;
-  if (is_held_back) {  // its octets count already
+  if (is_held_back) {  // the octets of this change are counted already
     freed.octets += change.payload.size();
     freed.own += change.payload.size();
   }
@@ -163,8 +163,8 @@ bool HeldInstances::is_full(const HeldInstance& instance) const {
          instance.valid() >= static_cast<std::size_t>(history_.depth);
 }
 
-// If new instances are added one after the other, the last one is within the share if all but it
-// are fewer than what is free then.
+// An identity may add an instance only while it has fewer than are free (can_pay). Each new one
+// adds to the first number and takes from the second, so it is enough to check the last one.
 Room HeldInstances::room_for_instances(const WantedRoom& wanted, const HeldShareOf& share) const {
   const bool is_shared = shares_ && share;
   const auto fits = [&](std::size_t fresh, std::size_t free, std::size_t own) {
@@ -185,8 +185,8 @@ Room HeldInstances::room_for_instances(const WantedRoom& wanted, const HeldShare
   return fits(wanted.instances.size(), max_instances_, 0) ? Room::later : Room::never;
 }
 
-// If they are stored one after the other, the last one is within the share if all of them together
-// are no more than what is free afterwards.
+// All samples are within the share of their identity if, after the last of them, the identity holds
+// no more than is free.
 Room HeldInstances::room_for(const WantedRoom& wanted, const HeldShareOf& share) const {
   const auto places = places_for(wanted, history_, *this);
   const auto fits = [&](const HeldShare& all, const HeldShare& own, std::size_t added) {
@@ -383,7 +383,9 @@ bool HeldInstances::leave(HeldInstance& instance, const Guid& writer) {
   for (const auto& other : others) joined_.remove(other, instance.handle);
   others.clear();
   instance.owner.reset();
-  take_held_back(instance);  // of one of them: it would keep the instance in the former account
+  // The held-back change is of one of these writers. It would keep the instance in the former
+  // account.
+  take_held_back(instance);
   return true;
 }
 

@@ -14,30 +14,30 @@
 namespace ddssec::rtps {
 
 class QueryMatches;
-/// Those of a reader's QueryConditions.
+/// The queries of a reader's QueryConditions.
 using Queries = std::vector<QueryMatches*>;
 inline const Queries kNoQueries = {};
 
-/// Whether samples that belong together can be stored.
+/// The time when samples that belong together can be stored.
 enum class Room : std::uint8_t {
   now,
   later,  ///< when samples that the reader holds have been taken
   never,  ///< not even if the reader held no other samples
 };
 
-/// What samples that belong together need.
+/// The room that samples that belong together need.
 struct WantedRoom {
   std::size_t samples = 0, octets = 0;
-  std::map<KeyHash, std::size_t> instances = {};  ///< the samples of each
+  std::map<KeyHash, std::size_t> instances = {};  ///< the number of samples of each instance
 };
 
 /// The instances and samples of one reader, and the limits that they count against. ReaderCache
 /// owns it.
 class HeldInstances {
  public:
-  /// The limits where RESOURCE_LIMITS says "unlimited", so that memory stays bounded. No identity
-  /// may have more samples than are still free, nor the first sample of more instances than are
-  /// still free. So there is always room for another identity.
+  /// The limits that apply if RESOURCE_LIMITS says "unlimited", so that memory stays bounded. No
+  /// identity may have more samples than are still free, nor the first sample of more instances
+  /// than are still free. So there is always room for another identity.
   static constexpr std::size_t kMaxSamples = 131072;
   static constexpr std::size_t kMaxInstances = 131072;
   /// Limit for the octets of samples and keys, with the same rule.
@@ -56,24 +56,24 @@ class HeldInstances {
 
   struct Rejection {
     SampleRejectedReason reason = SampleRejectedReason::not_rejected;
-    bool crowded = false;  ///< due to a limit that identities share
+    bool crowded = false;  ///< true if the limit is one that identities share
   };
-  /// Returns the limit that leaves no room for the change, or not_rejected. `instance`: the
-  /// instance of the change; nullptr: a new one with a key of so many octets. `share`: of the
+  /// Returns the limit that leaves no room for the change, or not_rejected. `instance` is that of
+  /// the change; nullptr means a new one with a key of `key_octets`. `share` is that of the
   /// writer's identity. The change may be the one that the instance holds back.
   Rejection rejects(const HeldInstance* instance, const Change& change, const HeldShareOf& share,
                     std::size_t key_octets) const;
-  /// With KEEP_LAST: the next sample replaces the oldest one.
+  /// True if the next sample replaces the oldest one (KEEP_LAST).
   bool is_full(const HeldInstance& instance) const;
-  /// Whether these samples of an identity can be stored beside those that are held. The octets of
-  /// new keys and the places of InstanceWriters are not counted.
+  /// Returns whether these samples of an identity can be stored beside those that are held: now,
+  /// later or never. The octets of new keys and the places of InstanceWriters are not counted.
   Room room_for(const WantedRoom& wanted, const HeldShareOf& share) const;
   /// Must be called only if `rejects` found room. May remove the oldest idle instance to make room.
   HeldInstance& create(const KeyHash& key, Payload key_value, const HeldShareOf& share);
   /// Must be called after a change to the instance. Moves it to the lists where it belongs, or
   /// forgets it.
   void settle(HeldInstance& instance);
-  /// The instance must not have samples. What it holds back is dropped.
+  /// Removes the instance, which must not have samples. A change that it holds back is dropped.
   void forget(HeldInstance& instance);
 
   void insert(HeldInstance& instance, HeldSample held);
@@ -91,20 +91,21 @@ class HeldInstances {
   MonotonicTime next_expiry() const;
   void erase_all(HeldInstance& instance);
   void mark_read(HeldInstance& instance, HeldSample& sample);
-  /// Whether `hold_back` finds room.
+  /// True if `hold_back` finds room.
   bool can_hold_back(const HeldInstance& instance, const Change& change,
                      const HeldShareOf& share) const;
-  /// Keeps a change for later, instead of the one kept before. Until then, the instance is not
-  /// forgotten. Returns false if there is no room: then nothing has changed.
+  /// Keeps a change for later, instead of the one kept before. The instance is not forgotten while
+  /// it holds a change back. Returns false if there is no room: then nothing has changed.
   bool hold_back(HeldInstance& instance, Change& change, const HeldShareOf& share = {},
                  MonotonicTime expires = kNever);
   std::optional<Change> take_held_back(HeldInstance& instance);
 
-  /// Does nothing if there is no room.
+  /// Notes that the writer has the instance. Does nothing if there is no room.
   void join(HeldInstance& instance, const Guid& writer, const HeldShareOf& share);
-  /// Returns false if the writer was not one of the instance's writers. If no other writer of its
-  /// identity has the instance, the instance counts for the identity of one that stays. If none of
-  /// these has room for it, they leave as well, and what the instance holds back is dropped.
+  /// Notes that the writer no longer has the instance. Returns false if it did not have it. If no
+  /// other writer of its identity has the instance, the instance counts for the identity of another
+  /// writer. If none of these has room for it, they leave as well, and a change that the instance
+  /// holds back is dropped.
   bool leave(HeldInstance& instance, const Guid& writer);
   /// The instances that the writer has joined.
   std::vector<InstanceHandle> joined_by(const Guid& writer) const {
@@ -116,7 +117,7 @@ class HeldInstances {
   /// may share.
   void order_by_arrival(std::uint64_t& arrivals) { arrivals_ = &arrivals; }
   bool is_ordered() const { return arrivals_ != nullptr; }
-  /// Empty unless they are ordered.
+  /// The samples in this order; empty unless they are ordered.
   const ArrivalOrder& order() const { return order_; }
   /// True if any sample is in these states.
   bool any(const States& states) const { return counts_.any(states); }
@@ -147,10 +148,10 @@ class HeldInstances {
  private:
   void count(const HeldInstance& instance, int sign);
   Room room_for_instances(const WantedRoom& wanted, const HeldShareOf& share) const;
-  /// Whether the instance can count for this identity, or already does for another one that has it.
-  /// nullptr: a new instance, whose key is not counted.
+  /// True if the instance can count for this identity, or already counts for another one that has
+  /// it. nullptr means a new instance, whose key is not counted.
   bool can_pay(const HeldInstance* instance, const HeldShareOf& share) const;
-  /// `freed`: octets that go at the same time; `own`: those of them of the same share.
+  /// `octets` are released at the same time; `own` are those of them that belong to the same share.
   struct Freed {
     std::size_t octets = 0, own = 0;
   };

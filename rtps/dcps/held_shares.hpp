@@ -1,4 +1,4 @@
-// What a reader holds of each identity.
+// The samples and instances that a reader holds of each identity.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +9,13 @@
 
 namespace ddssec::rtps {
 
-/// Of one identity: the number of samples, the octets of samples and keys, how often one of its
-/// writers has an instance, and the number of instances that count for it.
+/// The counters of one identity: the number of samples, the octets of samples and keys, how often
+/// one of its writers has an instance, and the number of instances that count for it.
 struct HeldShare {
   std::size_t samples = 0, octets = 0, joins = 0, instances = 0;
 };
-/// All that is held of an identity refers to its share. nullptr: nothing is counted.
+/// Everything that is held of an identity refers to its share. nullptr means that nothing is
+/// counted.
 using HeldShareOf = std::shared_ptr<HeldShare>;
 
 /// Finds the share of an identity while anything holds it.

@@ -1,4 +1,4 @@
-// Which writers of a reader have an instance: those that wrote it and have not unregistered it.
+// The writers of a reader that have an instance: they wrote it and have not unregistered it.
 #pragma once
 
 #include <map>
@@ -11,20 +11,20 @@
 
 namespace ddssec::rtps {
 
-/// By writer, so that removing a writer costs time only for its own instances. No identity gets
-/// more of the places than are free.
+/// The instances of each writer, so that removing a writer costs time only for its own instances.
+/// No identity gets more of the places than are free.
 class InstanceWriters {
  public:
   static constexpr std::size_t kMax = 524288;
 
-  /// True if the writer may have the instance, or has it. `share`: of the writer's identity.
+  /// True if the writer may have the instance, or has it. `share` is that of the writer's identity.
   bool has_room(const Guid& writer, InstanceHandle instance, const HeldShareOf& share) const;
-  /// Returns false if the writer has it already.
+  /// Notes that the writer has the instance. Returns false if it has it already.
   bool add(const Guid& writer, InstanceHandle instance, const HeldShareOf& share);
-  /// Returns false if the writer does not have it.
+  /// Notes that the writer no longer has the instance. Returns false if it did not have it.
   bool remove(const Guid& writer, InstanceHandle instance);
   std::vector<InstanceHandle> instances_of(const Guid& writer) const;
-  /// Of a writer that has an instance.
+  /// The share of a writer that has an instance.
   const HeldShareOf& share_of(const Guid& writer) const { return writers_.at(writer).share; }
   std::size_t size() const { return size_; }
 

@@ -7,9 +7,9 @@ namespace ddssec::rtps {
 
 /// Both values are set when the endpoint is enabled. Any thread may read them.
 struct KeyProtection {
-  /// Payloads are encrypted: key hashes must not reveal short keys.
+  /// True if payloads are encrypted: key hashes must not reveal short keys.
   std::atomic<bool> hidden = false;
-  /// Payloads are protected, but the key hash next to them is not.
+  /// True if payloads are protected, but the key hash next to them is not.
   std::atomic<bool> proven = false;
 };
 

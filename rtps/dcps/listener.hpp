@@ -24,7 +24,8 @@ class AnyDataWriter;
 class Subscriber;
 class Topic;
 
-/// A status that a listener is called with counts as read: its change counts begin again at 0.
+/// A listener for a topic. When a listener is called with a status, the status counts as read: its
+/// change counts begin again at 0.
 class TopicListener {
  public:
   virtual ~TopicListener() = default;
@@ -32,7 +33,7 @@ class TopicListener {
   virtual void on_inconsistent_topic(Topic&, const InconsistentTopicStatus&) {}
 };
 
-/// For a writer; at a publisher or participant for all of its writers.
+/// A listener for a writer, or, at a publisher or participant, for all of its writers.
 class DataWriterListener {
  public:
   virtual ~DataWriterListener() = default;
@@ -47,10 +48,10 @@ class DataWriterListener {
   virtual void on_publication_matched(AnyDataWriter&, const MatchedStatus&) {}
 };
 
-/// For a publisher: it is called for its writers.
+/// A listener for all writers of a publisher.
 class PublisherListener : public virtual DataWriterListener {};
 
-/// For a reader; at a subscriber or participant for all of its readers.
+/// A listener for a reader, or, at a subscriber or participant, for all of its readers.
 class DataReaderListener {
  public:
   virtual ~DataReaderListener() = default;
@@ -61,10 +62,10 @@ class DataReaderListener {
   virtual void on_requested_incompatible_qos(AnyDataReader&, const IncompatibleQosStatus&) {}
   /// A sample had no room within RESOURCE_LIMITS.
   virtual void on_sample_rejected(AnyDataReader&, const SampleRejectedStatus&) {}
-  /// A matched writer is alive again, or no longer.
+  /// A matched writer is alive again, or is no longer alive.
   virtual void on_liveliness_changed(AnyDataReader&, const LivelinessChangedStatus&) {}
-  /// The reader holds samples that are new. Take or read until there are none: several samples may
-  /// bring one call.
+  /// The reader holds samples that are new. Take or read until there are none, because one call may
+  /// be about several samples.
   virtual void on_data_available(AnyDataReader&) {}
   /// A writer matched, or no longer does.
   virtual void on_subscription_matched(AnyDataReader&, const MatchedStatus&) {}
@@ -72,15 +73,16 @@ class DataReaderListener {
   virtual void on_sample_lost(AnyDataReader&, const SampleLostStatus&) {}
 };
 
-/// While a listener for DATA_ON_READERS is installed here, on_data_available of that subscriber's
-/// readers is not called.
+/// A listener for a subscriber. While a listener for DATA_ON_READERS is installed here,
+/// on_data_available of that subscriber's readers is not called.
 class SubscriberListener : public virtual DataReaderListener {
  public:
   /// At least one of its readers holds samples that are new.
   virtual void on_data_on_readers(Subscriber&) {}
 };
 
-/// For a participant: it is called for its topics, and for all of its writers and readers.
+/// A listener for a participant: it is called for its topics, and for all of its writers and
+/// readers.
 class DomainParticipantListener : public virtual TopicListener,
                                   public virtual PublisherListener,
                                   public virtual SubscriberListener {};

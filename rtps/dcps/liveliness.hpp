@@ -41,12 +41,12 @@ class LivelinessMonitor {
   /// work.
   static constexpr MonotonicTime kMinLease = std::chrono::milliseconds(1);
 
-  /// A matched writer is alive at first.
+  /// Adds a matched writer, which is alive at first.
   void add(const Guid& writer, Duration lease, MonotonicTime now);
-  /// From now on this signal also asserts the writer; nullptr: no signal does.
+  /// Makes this signal assert the writer as well, instead of a former one. nullptr means no signal.
   void follow(const Guid& writer, std::shared_ptr<LivelinessSignal> signal);
   void remove(const Guid& writer);
-  /// The writer asserted its liveliness.
+  /// Notes that the writer asserted its liveliness.
   void alive(const Guid& writer, MonotonicTime now);
   /// Calls `ended` for each writer whose lease ran out, with its signal, or nullptr if it has none.
   using Ended = std::function<void(const Guid&, LivelinessSignal*)>;
@@ -66,7 +66,7 @@ class LivelinessMonitor {
     MonotonicTime asserted{};
     bool is_alive = true;
     std::shared_ptr<LivelinessSignal> signal = {};
-    MonotonicTime noted_end = kNever;  ///< its time in ends_; kNever: not in ends_
+    MonotonicTime noted_end = kNever;  ///< its time in ends_; kNever if it is not in ends_
     MonotonicTime end() const;
   };
   /// Schedules a check at the time when its lease ends, as far as is known now.
@@ -75,7 +75,7 @@ class LivelinessMonitor {
   void count(const Guid& writer, int alive, int not_alive);
 
   std::map<Guid, Writer> writers_;
-  /// The times at which leases end, or earlier: only writers that are alive.
+  /// For each writer that is alive, the time at which its lease ends, or an earlier one.
   std::set<std::pair<MonotonicTime, Guid>> ends_;
   LivelinessChangedStatus status_;
   bool has_changed_ = false;

@@ -1,4 +1,4 @@
-// Deletes nothing that a listener may be using.
+// Keeps listeners from being called while objects are deleted that they may be using.
 #pragma once
 
 #include "rtps/dcps/participant_context.hpp"
@@ -13,8 +13,8 @@ class NoCallbacks {
   /// rtps_precondition_not_met (called from within a callback of this participant, or from one of
   /// another participant for which a callback of this one waits).
   static Result<NoCallbacks> begin(ParticipantContext& context);
-  /// The same for the end of the participant, which cannot be refused: ends the process with the
-  /// event rtps_ended_in_listener. `whose`: the participant.
+  /// Does the same for the end of the participant, which cannot be refused. On an error, raises the
+  /// event rtps_ended_in_listener and ends the process. `whose` is the participant.
   static NoCallbacks begin_or_terminate(ParticipantContext& context, const Guid& whose);
 
   NoCallbacks(NoCallbacks&& other) noexcept : context_(std::exchange(other.context_, nullptr)) {}

@@ -44,11 +44,11 @@ class OfferedLiveliness final : private Timed {
                     std::function<void()> lost)
       : Timed(timers), of_participant_(of_participant), lost_(std::move(lost)) {}
 
-  /// The writer is enabled: its lease begins.
+  /// Begins the lease, because the writer is enabled.
   void start(const Liveliness& liveliness, MonotonicTime now);
   /// Must be called before destruction.
   void stop();
-  /// The writer wrote, or the application asserted it `explicitly`.
+  /// Notes that the writer wrote, or that the application asserted it `explicitly`.
   void assert_at(MonotonicTime now, bool explicitly);
   MonotonicTime lease_duration() const { return policy_.lease_duration.to_nanoseconds(); }
 
@@ -60,7 +60,7 @@ class OfferedLiveliness final : private Timed {
   ManualLiveliness& of_participant_;
   std::function<void()> lost_;
   Liveliness policy_;
-  std::optional<WriterLease> lease_;  ///< empty: not enabled
+  std::optional<WriterLease> lease_;  ///< empty until the writer is enabled
 };
 
 }  // namespace ddssec::rtps

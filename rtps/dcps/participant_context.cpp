@@ -44,7 +44,7 @@ MonotonicTime ParticipantContext::next() {
   return waiting_until_ = std::min({waiting_until_, protocol_->next_tick(), timers_.next()});
 }
 
-// After callbacks, the serving thread checks next() itself.
+// Within callbacks nothing is needed: after them, the serving thread checks next() itself.
 void ParticipantContext::reschedule() {
   if (!in_callback()) wake_if(protocol_->next_tick());
 }

@@ -1,5 +1,5 @@
-// What the entities of one participant share: its lock (shared with the other participants of its
-// process peers), protocol, timers and callbacks.
+// The objects that the entities of one participant share: its lock (shared with the other
+// participants of its process peers), protocol, timers and callbacks.
 #pragma once
 
 #include <condition_variable>
@@ -32,7 +32,7 @@ class ParticipantContext {
     virtual void serve(std::chrono::nanoseconds timeout) = 0;
   };
 
-  /// `turn`: nullptr if the participant has no thread of its own.
+  /// `turn` is nullptr if the participant has no thread of its own.
   ParticipantContext(const EngineServices& services, Server& server,
                      std::shared_ptr<ServingTurn> turn,
                      std::shared_ptr<ProcessPeers> process_peers);
@@ -47,9 +47,9 @@ class ParticipantContext {
 
   // The caller holds the lock:
   RtpsParticipant& protocol() const { return *protocol_; }
-  const GuidPrefix& prefix() const;  ///< of the protocol
+  const GuidPrefix& prefix() const;  ///< prefix of the protocol
   void adopt(std::unique_ptr<RtpsParticipant> protocol);
-  /// From now on nothing outside calls the protocol.
+  /// Leaves the process peers. After that, nothing outside this object calls the protocol.
   void leave();
   bool has_protocol() const { return protocol_ != nullptr; }
   TimerQueue& timers() { return timers_; }
@@ -57,10 +57,10 @@ class ParticipantContext {
   MonotonicTime tick(std::chrono::nanoseconds timeout);
   /// Returns the time of the next work, after callbacks that may have changed it.
   MonotonicTime next();
-  /// Must be called after something that changes when tick() must run, or that listeners must be
-  /// called for.
+  /// Must be called after a change because of which tick() must run at another time, or listeners
+  /// must be called.
   void reschedule();
-  /// The same after an action of another participant of this process, which can affect only
+  /// Does the same after an action of another participant of this process, which can affect only
   /// timers and listeners.
   void attend() {
     if (!is_serving_) wake_if(kNever);
@@ -79,7 +79,7 @@ class ParticipantContext {
   bool wait(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds timeout, Ready ready,
             ServingTurn::For reason = ServingTurn::For::other);
   bool has_pending() const { return !pending_.empty(); }
-  /// The entity has a status for which its listeners must be called.
+  /// Notes that listeners must be called for a status of the entity.
   void enqueue(Link<Entity>& entity) { entity.append_to(pending_); }
 
   // The caller does not hold the lock:
@@ -97,21 +97,22 @@ class ParticipantContext {
   /// Calls the listeners of the enqueued entities. Returns true if there were any. While another
   /// thread deletes entities it does nothing: that thread wakes the server afterwards.
   bool dispatch();
-  /// Makes waiting calls check again, or serve.
+  /// Makes waiting calls check their condition again, or serve.
   void notify_waiting() {
     const std::lock_guard lock(mutex_);
     notify_now();
   }
   /// True if this thread is calling a listener of the participant.
   bool in_callback() const;
-  /// Called by the thread that is about to call listeners, and for as long as it does.
+  /// Exists in the thread that calls listeners, from before the first call until after the last
+  /// one.
   class Calling {
    public:
     Calling(const ParticipantContext& context, CallbackLock::Wait wait);
     ~Calling();
     Calling(const Calling&) = delete;
     Calling& operator=(const Calling&) = delete;
-    /// False: no listener may be called now.
+    /// False if no listener may be called now.
     explicit operator bool() const { return holds_; }
 
    private:
@@ -133,7 +134,7 @@ class ParticipantContext {
   std::recursive_mutex& members() const { return members_; }
 
  private:
-  /// While work is done with the lock held, which may end with an exception.
+  /// Exists while work is done with the lock held, also if an exception ends the work.
   struct Serving {
     Serving(ParticipantContext& of, bool& has_changed) : context(of), changed(has_changed) {
       context.is_serving_ = true;
@@ -153,7 +154,7 @@ class ParticipantContext {
   bool wait_beside_thread(std::unique_lock<std::mutex>& lock,
                           std::chrono::steady_clock::time_point end, Ready ready,
                           ServingTurn::For reason);
-  /// Wakes the server if listeners, timers or work at time `other` cannot wait, unless it has
+  /// Wakes the server for listeners, timers or work at time `other` that cannot wait, unless it has
   /// already been woken.
   void wake_if(MonotonicTime other);
 
@@ -163,7 +164,7 @@ class ParticipantContext {
   const std::shared_ptr<ProcessPeers> process_peers_;
   std::mutex& mutex_;
   std::condition_variable changed_;
-  bool is_served_by_waiting_ = false;  ///< a thread that waits here serves, and must be woken
+  bool is_served_by_waiting_ = false;  ///< a waiting thread serves here, and must be woken
   bool is_serving_ = false;
   bool has_changed_while_serving_ = false;
   std::unique_ptr<RtpsParticipant> protocol_;
@@ -173,7 +174,7 @@ class ParticipantContext {
   bool is_woken_ = false;  ///< woken, but has not called tick() since
   mutable CallbackLock callbacks_;
   mutable std::recursive_mutex members_;
-  /// What this thread is calling: the innermost of listeners that call poll().
+  /// The listener call of this thread: the innermost one if a listener calls poll().
   static thread_local const Calling* calling_;
 };
 

@@ -10,10 +10,11 @@
 namespace ddssec::rtps {
 namespace {
 
-// After work that was due ended with an exception, it is due again after this time.
+// If an exception ended work that was due, the work is due again after this time.
 constexpr MonotonicTime kRetry = std::chrono::milliseconds(100);
 
-// More datagrams than this at once are better received while the application handles the first.
+// If more datagrams than this arrive at once, it is better to receive them while the application
+// handles the first ones.
 constexpr std::size_t kBulk = 2;
 
 }  // namespace
@@ -40,7 +41,7 @@ void ParticipantService::follow_interfaces(std::vector<std::string> wanted) {
   watch_.emplace(std::move(*watch));
 }
 
-// If an interface that was named is gone, it may come back.
+// An interface that was named and is gone may come back.
 void ParticipantService::look_at_interfaces() {
   if (!watch_->drain()) return;
   caught_.run("changed network interfaces", [&] {
@@ -148,7 +149,8 @@ void ParticipantService::serve(std::chrono::nanoseconds timeout) {
   dispatch();
 }
 
-// A thread that is cancelled in a system call would leave the participant half way.
+// Cancellation is off while the thread serves: if it was cancelled in a system call, it would leave
+// the participant's work half done.
 void ParticipantService::serve_for_waiting(std::chrono::nanoseconds timeout,
                                            ServingTurn::Waiting& waiting) {
   {

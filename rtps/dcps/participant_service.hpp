@@ -12,9 +12,9 @@
 
 namespace ddssec::rtps {
 
-/// Runs in a thread of its own, or whenever serve is called. Owns what the participant's entities
-/// share. No exception leaves it: the datagram, timer or listener is given up, counted and
-/// reported.
+/// Runs in a thread of its own, or whenever serve is called. Owns the objects that the
+/// participant's entities share. No exception leaves it: the datagram, timer or listener is
+/// abandoned, counted and reported.
 class ParticipantService final : private ParticipantContext::Server, private ServingTurn::Server {
  public:
   ParticipantService(const EngineServices& services, bool own_thread,
@@ -29,19 +29,19 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
   /// Must be called before all others.
   void use(std::unique_ptr<ParticipantSockets> sockets) { sockets_ = std::move(sockets); }
   ParticipantSockets& sockets() const { return *sockets_; }
-  /// From now on passes what the sockets receive to the protocol. Errors: those of
+  /// Passes to the protocol what the sockets receive from now on. Errors: those of
   /// ParticipantSockets::listen.
   Status adopt(std::unique_ptr<RtpsParticipant> protocol);
-  /// From now on follows the changes of this machine's interfaces: sockets and protocol use those
-  /// that choose_interfaces returns for `wanted`. If that is not possible, an event says so. Must
-  /// be called after `adopt`.
+  /// Begins to follow the changes of this machine's interfaces: sockets and protocol use those that
+  /// choose_interfaces returns for `wanted`. If that is not possible, an event says so. Must be
+  /// called after `adopt`.
   void follow_interfaces(std::vector<std::string> wanted);
-  /// From now on serves timers and listeners; starts the thread, if there is to be one. Errors:
+  /// Begins to serve timers and listeners; starts the thread, if there is to be one. Errors:
   /// rtps_thread_failed.
   Status start();
   /// Number of exceptions that were caught; never reset.
   std::uint64_t exceptions() const { return caught_.count(); }
-  /// Ends the thread. Work that is due after that is not done.
+  /// Ends the thread. Work that becomes due later is not done.
   void stop();
 
   /// Serves for at most `timeout`.
@@ -54,7 +54,7 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
   void end_serving() override { sockets_->loop().wake(); }
   void notify_waiting() override { context_.notify_waiting(); }
   ServingTurn::Server& turn_server() { return *this; }
-  /// Does what is due. Returns the time until which to wait for the sockets; empty: not started.
+  /// Does what is due. Returns the time until which to wait for the sockets; empty if not started.
   std::optional<MonotonicTime> tick(std::chrono::nanoseconds timeout);
   bool dispatch();
   void run();
@@ -64,13 +64,13 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
   void receive_memory();
   void receive_batch(UdpSocket& socket, std::size_t count);
 
-  const std::shared_ptr<ServingTurn> turn_;      ///< nullptr: no thread of its own
+  const std::shared_ptr<ServingTurn> turn_;      ///< nullptr without a thread of its own
   std::unique_ptr<ParticipantSockets> sockets_;  // the protocol sends through them
   ParticipantContext context_;
   CaughtExceptions caught_;
   std::optional<InterfaceWatch> watch_;
   std::vector<std::string> wanted_interfaces_;
-  bool has_lost_interfaces_ = false;  ///< one of those that were named
+  bool has_lost_interfaces_ = false;  ///< one that was named is gone
   bool is_started_ = false;           ///< protected by the lock
   std::thread thread_;
 };

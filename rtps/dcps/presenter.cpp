@@ -13,7 +13,7 @@ void Presenter::add_writer(PresentedReader& reader, const Guid& writer,
   source.key = key;
   if (source.streams.empty() && source.ready.empty()) source.identity = identity;
   source.streams.try_emplace({&reader, writer});
-  source.leaving.erase({&reader, writer});  // it is back
+  source.leaving.erase({&reader, writer});  // the writer is back
 }
 
 bool Presenter::remove_writer(PresentedReader& reader, const Guid& writer, MonotonicTime now) {
@@ -56,7 +56,7 @@ void Presenter::note_presented(Source& source, const StreamKey& key) {
   key.first->left(key.second);
 }
 
-// Returns the next source.
+// Returns an iterator to the next source.
 std::map<Presenter::SourceKey, Presenter::Source>::iterator Presenter::forget_if_done(
     std::map<SourceKey, Source>::iterator at) {
   auto& source = at->second;
@@ -96,7 +96,7 @@ Presenter::Source* Presenter::find(PresentedReader& reader, const Guid& writer) 
 
 bool Presenter::on_change(PresentedReader& reader, Change& change, MonotonicTime now) {
   auto* source = find(reader, change.writer);
-  if (source == nullptr) return true;  // no longer matched
+  if (source == nullptr) return true;  // the writer is no longer matched
   if (!make_room(*source)) return false;
   add_to_set(*source, {&reader, change.writer}, change, now);
   present_ready_of(*source, now);
@@ -137,7 +137,8 @@ void Presenter::forget_empty(std::map<GuidPrefix, Held>::iterator held) {
   if (held->second.octets() == 0) held_.erase(held);
 }
 
-// Complete sets that wait for a reader will be taken. A set that grows without end never would be.
+// Complete sets that wait for a reader will be taken, so the change is refused for now. A set that
+// grows without end would never be taken, so the largest ones are given up.
 bool Presenter::make_room(const Source& source) {
   const auto held = held_.find(source.identity);
   if (held == held_.end()) return octets_ < kMaxOctets;
@@ -186,7 +187,8 @@ void Presenter::give_up_batch(Batch& batch, const Source& source, PresentedReade
   }
 }
 
-// Later changes of the set do not begin with its first change, so the set cannot become complete.
+// Later changes of the set do not begin with its first change. The set therefore cannot become
+// complete afterwards.
 void Presenter::give_up_set(Source& source, std::map<SequenceNumber, Set>::iterator at) {
   for (auto& [key, stream] : source.streams)
     if (stream.set == at->first) stream.set = {};
@@ -209,7 +211,7 @@ void Presenter::add_to_set(Source& source, const StreamKey& key, Change& change,
   const auto before = std::exchange(stream.last, number);
   if (stream.set.value > 0 && (ends || id != stream.set))
     end_set(source, key, std::exchange(stream.set, {}), follows, now);
-  else if (change.is_marker() && id.value > 0)  // wrote nothing in the set
+  else if (change.is_marker() && id.value > 0)  // the writer wrote nothing in the set
     end_set(source, key, id, follows || before.value == 0, now);
   if (change.is_marker()) return;
   if (id.value == 0) {
@@ -225,7 +227,7 @@ void Presenter::add_to_set(Source& source, const StreamKey& key, Change& change,
   add_item(source, set, {key.first, std::move(change)});
 }
 
-// Samples of a set that cannot become complete are not kept.
+// Samples of a set that cannot become complete are counted as lost and not kept.
 void Presenter::add_item(Source& source, Set& set, Item item) {
   if (set.is_broken) return item.reader->lose(1);
   charge_open(source, set, price_of(item));
@@ -240,7 +242,8 @@ void Presenter::end_set(Source& source, const StreamKey& key, SequenceNumber id,
   finish_if_complete(source, id, now);
 }
 
-// A set that is given up cannot become complete: a writer that has ended it does not end it again.
+// If there are too many sets, the first is given up. It cannot become complete later, because a
+// writer that has ended it does not end it again.
 Presenter::Set& Presenter::set_of(Source& source, SequenceNumber id) {
   if (source.sets.size() >= kMaxSets && !source.sets.contains(id))
     give_up_set(source, source.sets.begin());
@@ -285,8 +288,8 @@ void Presenter::lose_items(const Source& source, Set& set,
   }
 }
 
-// The Presenter does not wait for a reader that could never hold the batch. Nothing after it would
-// be presented, and no sample of a set may be seen without the others.
+// The Presenter does not wait for a reader that could never hold the batch: it would present
+// nothing after the batch, and no sample of a set may be seen without the others.
 void Presenter::enqueue(Source& source, SequenceNumber at, Batch batch) {
   charge_ready(source, batch);
   note_wanted(batch);
@@ -295,7 +298,7 @@ void Presenter::enqueue(Source& source, SequenceNumber at, Batch batch) {
   source.ready.emplace(at, std::move(batch));  // equal keys stay in the order of insertion
 }
 
-// RTPS 8.7.5: nothing can arrive before it any more, or the wait has ended.
+// True if nothing can arrive any more before the batch (RTPS 8.7.5), or if the wait has ended.
 bool Presenter::may_present(const Source& source, SequenceNumber first, const Batch& batch,
                             MonotonicTime now) const {
   if (!is_by_group_ || batch.last.value == 0) return true;
@@ -324,8 +327,8 @@ Room Presenter::room_for(const Batch& batch) {
   return out;
 }
 
-// The limits on keys and joins are known only when a change is stored. Then the rest waits: its
-// writer has been told that it has arrived, and would not send it again.
+// The limits on keys and joins are known only when a change is stored. If one is reached, the rest
+// of the batch waits: its writer was told that it has arrived, and would not send it again.
 bool Presenter::present_batch(Source& source, Batch& batch) {
   auto next = batch.items.begin();
   for (; next != batch.items.end(); ++next) {
@@ -385,7 +388,7 @@ void Presenter::pause(bool paused, MonotonicTime now) {
   present_ready(now);
 }
 
-// Sources have turns: the search begins after the one that was searched last.
+// Sources take turns: the search begins after the one that was searched last.
 void Presenter::present_ready(MonotonicTime now, bool freed) {
   retries_ = false;
   const auto last = searched_;

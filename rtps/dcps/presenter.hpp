@@ -15,21 +15,23 @@ namespace ddssec::rtps {
 /// A reader whose samples a Presenter holds back.
 class PresentedReader {
  public:
-  /// Why a set is given up.
+  /// The reason why a set is given up.
   enum class Limit : std::uint8_t {
     samples,  ///< the reader cannot hold so many samples or octets at once
     share,    ///< its identity exceeds its share for open sets
   };
 
   virtual ~PresentedReader() = default;
-  /// The instance of a change; the default value if it has no key, or none that can be read.
+  /// The instance of a change; the default value if it has no key, or a key that cannot be read.
   virtual KeyHash instance_of(const Change& change) const = 0;
-  /// Whether all of this can be stored. `writer`: one of the writers, all of which have the same
-  /// identity.
+  /// Returns whether all of this can be stored. `writer` is one of the writers, which all have the
+  /// same identity.
   virtual Room room_for(const WantedRoom& wanted, const Guid& writer) const = 0;
-  /// Returns false if there is no room for the change after all. Then it is as before.
+  /// Stores the change. Returns false if there is no room for it after all. The change is then
+  /// unchanged.
   virtual bool present(Change& change) = 0;
-  /// A writer that was removed while its samples waited for room: the last of them was presented.
+  /// Notes that a writer has left: it was removed while its samples waited for room, and the last
+  /// of them was presented.
   virtual void left(const Guid& writer) = 0;
   /// Reports samples of a set that will never be complete.
   virtual void lose(std::size_t samples) = 0;
@@ -37,48 +39,48 @@ class PresentedReader {
   virtual void give_up(const Guid& writer, std::size_t samples, Limit limit) = 0;
 };
 
-/// Serves one reader, or with GROUP scope all readers of a subscriber.
+/// Holds samples back for one reader, or with GROUP scope for all readers of a subscriber.
 class Presenter {
  public:
-  /// Limit for everything that is held, of all writers together. No identity may hold more than is
-  /// still free, so that there is always room for another identity. If an identity exceeds its
+  /// The limit for everything that is held, of all writers together. No identity may hold more than
+  /// is still free, so that there is always room for another identity. If an identity exceeds its
   /// share, its changes are refused for now while complete sets wait for the reader. Otherwise its
   /// largest open sets are given up.
   static constexpr std::size_t kMaxOctets = std::size_t{128} << 20;
-  /// Counted for each sample and each open set, in addition to its payload.
+  /// The price of each sample and each open set, in addition to its payload.
   static constexpr std::size_t kPricePerItem = 1024;
-  /// Limit for the sets of one publisher that not all of its writers have ended. Beyond it, the
-  /// oldest set is given up.
+  /// The largest number of sets of one publisher that not all of its writers have ended. If there
+  /// are more, the oldest set is given up.
   static constexpr std::size_t kMaxSets = 1024;
   /// How long a gap in a group's sequence numbers delays the samples after it.
   static constexpr MonotonicTime kGapTimeout = std::chrono::milliseconds(200);
 
-  /// A search for room costs time for each item of a batch. After searches in vain for so many
-  /// items there is none for a while, which is this long for each of them: what waits costs little
-  /// of the reader's time, however often samples are taken.
+  /// A search for room costs time for each item of a batch. After unsuccessful searches for
+  /// kItemsBeforePause items, the Presenter does not search for kPausePerItem for each of them. So
+  /// waiting batches cost little of the reader's time, however often samples are taken.
   static constexpr std::size_t kItemsBeforePause = 256;
   static constexpr MonotonicTime kPausePerItem = std::chrono::microseconds(4);
 
   Presenter(bool by_group, bool coherent, bool ordered)
       : is_by_group_(by_group), is_coherent_(coherent), is_ordered_(ordered) {}
 
-  /// `group`: the writer's publisher, if it was announced. `identity`: the identity whose share the
-  /// writer uses.
+  /// `group` is the writer's publisher, if it was announced. `identity` is the identity whose share
+  /// the writer uses.
   void add_writer(PresentedReader& reader, const Guid& writer, const std::optional<Guid>& group,
                   const GuidPrefix& identity);
-  /// Samples of the writer whose set is incomplete are lost. Others still wait for room, since the
-  /// writer was told that they have arrived: then this returns true, and the reader is told when
-  /// the writer has left.
+  /// Removes the writer. Its samples in incomplete sets are lost. Others still wait for room,
+  /// because the writer was told that they have arrived: then this returns true, and the reader is
+  /// told when the writer has left.
   bool remove_writer(PresentedReader& reader, const Guid& writer, MonotonicTime now);
   void remove_reader(PresentedReader& reader, MonotonicTime now);
 
   /// Takes the next change of a writer for a reader. Returns false if the change is refused for
   /// now.
   bool on_change(PresentedReader& reader, Change& change, MonotonicTime now);
-  /// The writer has delivered everything that it has up to this group sequence number.
+  /// Notes that the writer has delivered everything that it has up to this group sequence number.
   void on_progress(PresentedReader& reader, const Guid& writer, SequenceNumber group,
                    MonotonicTime now);
-  /// While paused, nothing is presented (begin_access).
+  /// Pauses or resumes. While paused, nothing is presented (begin_access).
   void pause(bool paused, MonotonicTime now);
   /// Must be called when readers may have room again (`freed`), and at `next_tick`.
   void present_ready(MonotonicTime now, bool freed = true);
@@ -93,13 +95,13 @@ class Presenter {
     PresentedReader* reader;
     Change change;
   };
-  /// What one writer sends to one reader.
+  /// The changes that one writer sends to one reader.
   struct Stream {
-    SequenceNumber last;      ///< last change; 0: none yet
+    SequenceNumber last;      ///< number of the last change; 0: none yet
     SequenceNumber set;       ///< the open set; 0: none
     SequenceNumber progress;  ///< group sequence number
   };
-  /// What one reader gets of a batch.
+  /// The room that one reader needs for its items of a batch.
   struct Wanted {
     WantedRoom room;
     Guid writer;  ///< one of the writers
@@ -116,8 +118,8 @@ class Presenter {
     SequenceNumber last;  ///< last group sequence number in the batch
     MonotonicTime since{};
     std::map<PresentedReader*, Wanted> wanted = {};
-    bool is_blocked = false;  ///< found no room
-    bool retries = false;     ///< readers have taken something since
+    bool is_blocked = false;  ///< true if no room was found for it
+    bool retries = false;     ///< true if readers have taken samples since
   };
   /// A publisher, or one writer of one reader.
   struct Source {
@@ -131,7 +133,7 @@ class Presenter {
     /// last of them.
     std::map<StreamKey, std::size_t> leaving;
   };
-  /// What is held of one identity.
+  /// The octets that are held of one identity.
   struct Held {
     std::size_t open = 0, ready = 0;
     std::size_t octets() const { return open + ready; }
@@ -176,11 +178,11 @@ class Presenter {
 
   const bool is_by_group_, is_coherent_, is_ordered_;
   bool is_paused_ = false;
-  MonotonicTime search_at_{};  ///< no room is searched for blocked batches before
-  bool retries_ = false;       ///< a batch waits for that
-  std::size_t in_vain_ = 0;    ///< items of the searches in vain since the last pause
+  MonotonicTime search_at_{};  ///< before this time, no room is searched for blocked batches
+  bool retries_ = false;       ///< true if a batch waits for search_at_
+  std::size_t in_vain_ = 0;    ///< items of the unsuccessful searches since the last pause
   SourceKey searched_;         ///< source of the batch that was searched last
-  std::size_t octets_ = 0;     ///< of everything that is held
+  std::size_t octets_ = 0;     ///< octets of everything that is held
   std::map<GuidPrefix, Held> held_;
   std::map<SourceKey, Source> sources_;
   std::map<StreamKey, SourceKey> source_of_;

@@ -51,7 +51,8 @@ void Publisher::admit(StatefulWriter& writer, MonotonicTime now) {
   if (is_by_group_) writer.join(group_);
 }
 
-// RTPS 9.3.2.5: the first octets of the MD5 of the sorted entity ids in big-endian CDR.
+// The hash is the first octets of the MD5 of the sorted entity ids in big-endian CDR (RTPS
+// 9.3.2.5).
 void Publisher::count_writers() {
   std::vector<EntityId> ids;
   for (const auto& member : members_)
@@ -107,7 +108,8 @@ Status Publisher::end_coherent_changes() {
   }
   const auto now = context_.now();
   {
-    // One message, so that readers of several topics see the end at the same time.
+    // The ends are sent in one message, so that readers of several topics see them at the same
+    // time.
     const auto gathering = context_.protocol().gather();
     for (const auto& member : members_) writer_of(member).end_set(marker, now);
   }

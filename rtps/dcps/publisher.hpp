@@ -13,15 +13,15 @@
 
 namespace ddssec::rtps {
 
-/// Creates and deletes writers, which share its policies. Created and deleted by its participant.
-/// Thread-safe.
+/// A publisher creates and deletes writers, which share its policies. Created and deleted by its
+/// participant. Thread-safe.
 class Publisher final : public Group {
  public:
   ~Publisher() override { members_.clear(); }  // they refer to members of this class
 
-  /// Replaces the listener, which the caller owns; nullptr: none. `mask`: the statuses that it
-  /// handles; writers' own listeners are asked first. Waits until running callbacks of the former
-  /// listener have returned (exceptions: rtps/dcps/listener.hpp).
+  /// Replaces the listener, which the caller owns; nullptr removes it. `mask` has the statuses that
+  /// it handles; writers' own listeners are called first. Waits until running callbacks of the
+  /// former listener have returned (exceptions: rtps/dcps/listener.hpp).
   void set_listener(PublisherListener* listener, StatusMask mask = kAnyStatus);
 
   Qos default_datawriter_qos() const { return default_endpoint_qos(); }
@@ -40,7 +40,7 @@ class Publisher final : public Group {
                                            StatusMask mask = kAnyStatus) {
     return create<DataWriter<T>>(topic, TypeTraits<T>::type_name, std::move(qos), listener, mask);
   }
-  /// Creates a writer of serialized samples. Errors: as above.
+  /// Creates a writer of serialized samples. Errors: those of the call above.
   Result<AnyDataWriter*> create_datawriter(Topic& topic, std::optional<Qos> qos = {},
                                            DataWriterListener* listener = nullptr,
                                            StatusMask mask = kAnyStatus) {
@@ -60,8 +60,7 @@ class Publisher final : public Group {
   /// Ends the coherent set. Errors: rtps_not_enabled, rtps_precondition_not_met (no
   /// begin_coherent_changes before).
   Status end_coherent_changes();
-  /// What its writers write from now on is sent only after resume_publications. Errors:
-  /// rtps_not_enabled.
+  /// Holds back what its writers write, until resume_publications. Errors: rtps_not_enabled.
   Status suspend_publications();
   /// Sends what was held back. Errors: rtps_not_enabled, rtps_precondition_not_met (publications
   /// are not suspended).
@@ -80,8 +79,8 @@ class Publisher final : public Group {
   }
 
   // The caller holds the lock:
-  /// With coherent or ordered access of GROUP scope: the GUID of this publisher in its writers'
-  /// announcements. Otherwise empty.
+  /// Returns the GUID of this publisher in its writers' announcements. Empty without coherent or
+  /// ordered access of GROUP scope.
   std::optional<Guid> group_guid();
   /// Prepares a new writer.
   void admit(StatefulWriter& writer, MonotonicTime now);
@@ -90,7 +89,7 @@ class Publisher final : public Group {
   Coherence stamp(SequenceNumber& set_begin, SequenceNumber number);
 
   Listening<PublisherListener> listening_;
-  bool presents_ = false;  ///< changes are stamped
+  bool presents_ = false;  ///< true if changes are stamped
   bool is_by_group_ = false;
   std::optional<Guid> guid_;
   WriterGroup group_;

@@ -21,7 +21,8 @@ void QueryMatches::clear() {
   counts_ = {};
 }
 
-// If there is no memory, nothing has changed, or the sample is only missing in the order.
+// If memory runs out, either nothing changes, or the sample is only missing in the order of
+// arrival.
 void QueryMatches::add(HeldInstance& instance, HeldSamples::iterator sample) {
   if (!sample->valid || !filter_.passes(sample->change.payload.view()).value_or(false)) return;
   const auto known = by_handle_.find(instance.handle);

@@ -7,15 +7,16 @@
 
 namespace ddssec::rtps {
 
-/// HeldInstances keeps it up to date, so each sample is evaluated once, when it is stored. A sample
-/// that arrives costs the same however many are held. Samples without data pass no query.
+/// The samples that pass one query. HeldInstances keeps it up to date, so each sample is evaluated
+/// once, when it is stored. A sample that arrives costs the same however many are held. Samples
+/// without data pass no query.
 class QueryMatches {
  public:
   explicit QueryMatches(BoundFilter filter) : filter_(std::move(filter)) {}
 
-  /// `match` must be called afterwards.
+  /// Replaces the query. `match` must be called afterwards.
   void replace(BoundFilter filter) { filter_ = std::move(filter); }
-  /// Evaluates all samples that are held, of these instances, anew.
+  /// Evaluates all samples of these instances again.
   void match(const LinkedList<HeldInstance>& ready);
   /// Evaluates the sample. It and its instance must live until it is removed.
   void add(HeldInstance& instance, HeldSamples::iterator sample);
@@ -26,7 +27,7 @@ class QueryMatches {
   /// HeldInstances::Recount.
   void count(const HeldInstance& instance, int sign);
 
-  /// The samples of one instance that pass: at least one.
+  /// The samples of one instance that pass; there is at least one.
   struct Passing {
     HeldInstance* instance;
     std::map<SourceOrder, HeldSamples::iterator> samples = {};
@@ -34,14 +35,14 @@ class QueryMatches {
   };
   /// True if any sample that passes is in these states.
   bool any(const States& states) const { return counts_.any(states); }
-  /// In the order in which the first sample of each passed. An instance may leave the list while it
-  /// is iterated.
+  /// The instances, in the order in which the first sample of each passed. An instance may leave
+  /// the list while it is iterated.
   const std::list<Passing>& instances() const { return passing_; }
   /// Returns nullptr if none of its samples passes.
   const Passing* of(InstanceHandle instance) const;
-  /// The next instance by handle; nullptr: there is none.
+  /// Returns the next instance by handle, or nullptr if there is none.
   const Passing* after(InstanceHandle instance) const;
-  /// Empty unless the reader keeps the order of arrival.
+  /// The samples in the order of arrival; empty unless the reader keeps this order.
   const ArrivalOrder& order() const { return order_; }
 
  private:

@@ -7,25 +7,26 @@
 
 namespace ddssec::rtps {
 
-/// Makes and deletes them. The caller holds the participant's lock.
+/// Creates and deletes the conditions of one reader. The caller holds the participant's lock.
 class ReadConditions {
  public:
-  /// `reader`, of samples of this type, outlives it.
+  /// `reader` and `type`, the type of its samples, must outlive this object.
   ReadConditions(AnyDataReader& reader, const TypeSupport& type) : reader_(reader), type_(type) {}
 
   ReadCondition& create(const States& states);
-  /// The samples must be matched afterwards (QueryMatches::match). Errors: rtps_filter_invalid.
+  /// Creates a QueryCondition. The samples must be matched afterwards (QueryMatches::match).
+  /// Errors: rtps_filter_invalid.
   Result<QueryCondition*> create(const States& states, FilterText query);
-  /// nullptr for an empty expression, which finds everything. Errors: rtps_filter_invalid.
+  /// Returns nullptr for an empty expression, which finds everything. Errors: rtps_filter_invalid.
   Result<std::unique_ptr<BoundFilter>> compile(const FilterText& query) const;
-  /// Errors: rtps_precondition_not_met (another reader's).
+  /// Deletes the condition. Errors: rtps_precondition_not_met (it belongs to another reader).
   Status erase(const ReadCondition& condition);
   void clear();
   std::size_t size() const { return conditions_.size(); }
-  /// Those of the QueryConditions. HeldInstances keeps them up to date.
+  /// The queries of the QueryConditions. HeldInstances keeps them up to date.
   const Queries& queries() const { return queries_; }
 
-  /// Triggers those that find something in the cache.
+  /// Triggers the conditions that find a sample in the cache.
   void update(const ReaderCache& cache);
 
  private:

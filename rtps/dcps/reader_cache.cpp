@@ -17,10 +17,10 @@ bool is_far_ahead(const std::optional<Time>& time, const Moment& at) {
   return time && time->to_nanoseconds() - at.wall.to_nanoseconds() > ReaderCache::kMaxAhead;
 }
 
-// With source order: true if the change is older than what was already read or taken, or than what
-// is held back. Also true if it ends the instance but is older than a later sample, or if a full
-// history would drop it first. Source times that are far ahead of our clock at `at` do not count:
-// it was set back after they came.
+// With source order: true if the change is older than a sample that was read or taken, or than the
+// change that is held back. Also true if it ends the instance but is older than a later sample, or
+// if a full history would drop it first. Source times that are far ahead of our clock at `at` do
+// not count: the clock was set back after they came.
 bool is_too_old(const HeldInstances& all, const HeldInstance& instance, const Change& change,
                 const std::optional<Moment>& at = std::nullopt) {
   if (!change.source_time) return false;
@@ -34,9 +34,9 @@ bool is_too_old(const HeldInstances& all, const HeldInstance& instance, const Ch
   return all.is_full(instance) && is_before(instance.oldest()->change.source_time);
 }
 
-// A durability service sends what it still has. It would replace a sample that the original writer
-// wrote later. A writer that was restarted with the same GUID has lower numbers and later
-// timestamps.
+// True if the original writer has written a later sample. A durability service sends what it still
+// has, which would replace that sample. A writer that was restarted with the same GUID has lower
+// numbers and later timestamps.
 bool was_replaced(const HeldInstances& all, const HeldInstance& instance, const Change& change) {
   const auto origin = change.origin();
   if (origin.writer == change.writer || !all.is_full(instance)) return false;
@@ -61,7 +61,7 @@ bool holds_back(const HeldInstance& instance, const Guid& writer) {
   return instance.held_back && instance.held_back->writer == writer;
 }
 
-// TIME_BASED_FILTER: the reader must not see the change yet.
+// True if the reader must not see the change yet (TIME_BASED_FILTER).
 bool waits(const HeldInstance& instance, const Change& change, const Moment& at) {
   return change.is_alive() && at.now < instance.quiet_until;
 }
@@ -105,8 +105,9 @@ const Payload* ReaderCache::key_value(InstanceHandle instance) const {
   return at == held_.all().end() ? nullptr : &at->second.key_value;
 }
 
-// DDS 1.4, 2.2.3.9.2. Of equally strong writers, the one with the lower GUID owns the instance, so
-// that every reader chooses the same.
+// True if the writer owns the instance, or may become its owner (DDS 1.4, 2.2.3.9.2). If two
+// writers are equally strong, the one with the lower GUID owns it, so that every reader chooses the
+// same.
 bool ReaderCache::may_own(const Instance& instance, const Guid& writer) const {
   if (!is_exclusive_ || !instance.owner || *instance.owner == writer) return true;
   const auto ours = writer_of(writer).strength, theirs = writer_of(*instance.owner).strength;
@@ -118,7 +119,8 @@ bool ReaderCache::is_wanted_again(const Change& change) {
   auto* instance = held_.find(change.key_hash.value_or(KeyHash{}));
   if (instance == nullptr) return false;
   if (!is_exclusive_) {
-    // Otherwise the instance would end with the one that sent the sample first, such as a keeper.
+    // The change's own writer joins too. Otherwise the instance would end with the writer that sent
+    // the sample first, such as a keeper.
     if (change.is_alive()) held_.join(*instance, change.writer, writer_of(change.writer).share);
     return false;
   }
@@ -159,7 +161,7 @@ std::optional<ReaderCache::Stored> ReaderCache::rejects_again(const Change& chan
                 instance == nullptr ? InstanceHandle{} : instance->handle, crowded};
 }
 
-// Nothing may change before a rejection: the change is offered again.
+// Nothing may change before a rejection, because the change will be offered again.
 ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
   limit_source_time(change, at);
   const auto expires = expiry_of(change, at);
@@ -168,7 +170,8 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
   const Stored dropped{StoreResult::dropped, {}, instance->handle};
   if (expires <= at.now) return dropped;
   if (!may_own(*instance, change.writer)) {
-    // It is still one of the writers of the instance, which ends when all of them have left.
+    // The writer is still one of the writers of the instance, which ends when all of them have
+    // left.
     if (change.status.unregistered)
       leave(*instance, change.writer, at.now);
     else
@@ -178,7 +181,7 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
   if (is_far_ahead(instance->seen_until, at)) instance->seen_until.reset();
   if (is_by_source_ ? is_too_old(held_, *instance, change, at)
                     : was_replaced(held_, *instance, change)) {
-    // Whenever it says so, the writer has left. Otherwise the instance would never end.
+    // An unregister counts even if the change is too old: without it the instance would never end.
     const bool ends = change.status.unregistered && leave(*instance, change.writer, at.now);
     return ends ? Stored{StoreResult::stored, {}, dropped.instance} : dropped;
   }
@@ -186,7 +189,7 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
   return store_next(*instance, change, expires, at.now);
 }
 
-// An end without a dispose of an instance that is not known says nothing.
+// An unregister of an unknown instance is dropped: there is nothing to end.
 ReaderCache::Stored ReaderCache::store_first(Change& change, MonotonicTime expires,
                                              MonotonicTime now) {
   const bool says_something = change.is_alive() || change.status.disposed;
@@ -208,7 +211,7 @@ ReaderCache::Stored ReaderCache::store_first(Change& change, MonotonicTime expir
 
 ReaderCache::Stored ReaderCache::store_next(Instance& instance, Change& change,
                                             MonotonicTime expires, MonotonicTime now) {
-  // The writer leaves: readers get the last sample of it, which was held back, before its end.
+  // The writer leaves. Readers get its last sample, which was held back, before its end.
   const bool brings_last =
       change.status.unregistered && !change.status.disposed && holds_back(instance, change.writer);
   const auto [reason, crowded] = held_.rejects(
@@ -232,8 +235,8 @@ ReaderCache::Stored ReaderCache::insert(Instance& instance, Change& change, Mono
   return stored;
 }
 
-// DDS 1.4, 2.2.3.12: the minimum separation has not passed. A reliable reader gets the last of the
-// samples when it has.
+// Holds the change back, because the minimum separation has not passed (DDS 1.4, 2.2.3.12). When it
+// has passed, a reliable reader gets the last of these samples.
 ReaderCache::Stored ReaderCache::hold_back(Instance& instance, Change& change,
                                            MonotonicTime expires) {
   const Stored dropped{StoreResult::dropped, {}, instance.handle};
@@ -243,7 +246,7 @@ ReaderCache::Stored ReaderCache::hold_back(Instance& instance, Change& change,
   const auto writer = change.writer;
   if (!held_.hold_back(instance, change, share, expires))
     return {StoreResult::rejected, SampleRejectedReason::by_samples_limit, instance.handle, true};
-  held_.join(instance, writer, share);  // so that the instance does not end before it
+  held_.join(instance, writer, share);  // so that the instance does not end before this sample
   if (is_exclusive_) instance.owner = writer;
   if (is_exclusive_) instance.latest = origin;
   return dropped;
@@ -268,7 +271,7 @@ void ReaderCache::store_alive(Instance& instance, HeldSample sample, MonotonicTi
   if (separation_.count() > 0) begin_quiet(instance, now, now + separation_);
 }
 
-// DDS 1.4, 2.2.3.12: a reliable reader gets the last sample in the end. That end is now.
+// Stores the sample that a reliable reader gets at the end of the separation (DDS 1.4, 2.2.3.12).
 bool ReaderCache::store_held_back(Instance& instance, MonotonicTime now) {
   HeldSample sample;
   sample.expires = instance.expiry_of_held_back;
@@ -304,7 +307,7 @@ void ReaderCache::store_end(Instance& instance, const Change& change, MonotonicT
   held_.insert_invalid(instance, change.writer, change.source_time);
 }
 
-// DDS 1.4, 2.2.3.22.
+// Ends the instance and schedules its purge (DDS 1.4, 2.2.3.22).
 void ReaderCache::end(Instance& instance, InstanceState state, MonotonicTime now) {
   instance.state = state;
   instance.purge.leave();
@@ -348,7 +351,7 @@ std::size_t ReaderCache::discard(std::span<const OctetSample> samples) {
         at = goes ? held_.erase(*instance, at) : std::next(at);
       }
     };
-    discard_from(instance->unread_from);  // what was just read begins there
+    discard_from(instance->unread_from);  // the samples that were just read begin there
     discard_from(instance->held.begin());
   }
   for (const auto& [handle, which] : wanted)
@@ -375,7 +378,7 @@ void ReaderCache::forget_ended(const KeyHash& key) {
   held_.forget(*instance);
 }
 
-// Without room for the last sample it is lost, as its writer is gone.
+// If there is no room for the writer's last sample, it is lost, because the writer is gone.
 bool ReaderCache::leave(Instance& instance, const Guid& writer, MonotonicTime now) {
   bool changes = false;
   if (holds_back(instance, writer)) {
@@ -464,8 +467,9 @@ void ReaderCache::begin_quiet(Instance& instance, MonotonicTime now, MonotonicTi
   instance.quiet.append_to(quiet_);
 }
 
-// DDS 1.4, 2.2.3.12: a reliable reader gets the last sample in the end. A rejected one is due again
-// later than now, even without a separation, so that each instance has one turn.
+// Stores the samples whose separation has ended, which a reliable reader must get (DDS 1.4,
+// 2.2.3.12). A rejected one is due again later than now, even without a separation, so that each
+// instance has one turn.
 bool ReaderCache::release(const Moment& at) {
   bool any = false;
   while (!quiet_.empty() && quiet_.front()->release_at <= at.now) {
@@ -473,7 +477,8 @@ bool ReaderCache::release(const Moment& at) {
     instance.quiet.leave();
     if (!instance.held_back) continue;
     if (!has_room_for_held_back(held_, instance) && instance.expiry_of_held_back > at.now) {
-      // It keeps its place: others may have used the share that it would need for a new one.
+      // The sample keeps its place: others may have used the share that it would need for a new
+      // one.
       begin_quiet(instance, at.now, at.now + std::max<MonotonicTime>(separation_, kMinPause));
       continue;
     }

@@ -19,22 +19,22 @@ class ReaderCache {
   /// any more.
   using KeyOf = std::function<Bytes(const Change&)>;
   /// With DESTINATION_ORDER BY_SOURCE_TIMESTAMP: how far a source time may be ahead of our clock. A
-  /// later one counts as the time of arrival (DDS 1.4, 2.2.3.17), so that no sample from the far
-  /// future ends what others write to its instance.
+  /// later one is replaced by the time of arrival (DDS 1.4, 2.2.3.17), so that a sample from the
+  /// far future does not suppress what others write to its instance.
   static constexpr std::chrono::seconds kMaxAhead{10};
-  /// `queries`: see HeldInstances.
+  /// For `queries` see HeldInstances.
   explicit ReaderCache(const Qos& qos, KeyOf key_of = nullptr, const Queries& queries = kNoQueries);
 
-  /// Adds a matched writer, or changes its OWNERSHIP_STRENGTH. `identity`: the identity whose share
-  /// its samples and new instances count for (ParticipantCore::identity_of); empty: they are not
+  /// Adds a matched writer, or changes its OWNERSHIP_STRENGTH. Its samples and new instances count
+  /// for the share of `identity` (ParticipantCore::identity_of). If that is empty, they are not
   /// counted.
   void set_writer(const Guid& writer, std::int32_t strength, Duration lifespan,
                   const std::optional<GuidPrefix>& identity = {});
-  /// The writer was unmatched or is no longer alive: it leaves all its instances. Returns true if
-  /// any state changed.
+  /// Removes a writer that was unmatched or is no longer alive from all its instances. Returns true
+  /// if any state changed.
   bool lose_writer(const Guid& writer, bool unmatched, MonotonicTime now);
 
-  /// When the LIFESPAN of its writer ends the change. kNever: never.
+  /// The time at which the LIFESPAN of its writer ends the change, or kNever.
   MonotonicTime expiry_of(const Change& change, const Moment& at) const;
 
   enum class StoreResult : std::uint8_t { stored, dropped, rejected };
@@ -42,26 +42,27 @@ class ReaderCache {
     StoreResult outcome = StoreResult::stored;
     SampleRejectedReason reason = SampleRejectedReason::not_rejected;
     InstanceHandle instance;
-    bool crowded = false;  ///< rejected due to a limit that identities share
+    bool crowded = false;  ///< true if the limit is one that identities share
   };
   /// Stores the change, unless it is rejected: then nothing has changed, and it may be offered
   /// again. A change is dropped if readers must not see it: its writer is not the owner, or it is
   /// too late or expired.
   Stored store(Change& change, const Moment& at);
-  /// For a change that was rejected: returns its rejection if there is still no room for it.
+  /// Returns the rejection of a change that was rejected before, if there is still no room for it.
   std::optional<Stored> rejects_again(const Change& change, const Moment& at) const;
 
-  /// Samples are read in the order of their arrival, whatever their instance (ordered access with
-  /// TOPIC or GROUP scope). `arrivals` is the counter, which other readers may share.
+  /// Makes samples be read in the order of their arrival, whatever their instance (ordered access
+  /// with TOPIC or GROUP scope). `arrivals` is the counter, which other readers may share.
   void order_by_arrival(std::uint64_t& arrivals) { held_.order_by_arrival(arrivals); }
-  /// Whether these samples of a writer's identity can be stored (HeldInstances).
+  /// Returns whether these samples of a writer's identity can be stored (HeldInstances).
   Room room_for(const WantedRoom& wanted, const Guid& writer) const {
     const auto& of_writer = writer_of(writer);
     return held_.room_for(wanted, of_writer.share);
   }
-  /// The change's own writer sends what another writer delivered before. With OWNERSHIP EXCLUSIVE
-  /// the writer gets its instance back, if it is stronger than the owner. Returns true if the
-  /// change must be stored again, because the owner replaced it in the meantime.
+  /// Handles a change that comes from its own writer after another writer delivered it. With
+  /// OWNERSHIP EXCLUSIVE the writer gets its instance back, if it is stronger than the owner.
+  /// Returns true if the change must be stored again, because the owner replaced it in the
+  /// meantime.
   bool is_wanted_again(const Change& change);
   /// Appends the samples that match the query to `out`; samples of one instance are adjacent.
   void select(const SampleQuery& query, const Moment& at, std::vector<OctetSample>& out);
@@ -71,20 +72,21 @@ class ReaderCache {
     return matching == nullptr ? held_.any(states) : matching->any(states);
   }
 
-  /// Removes what LIFESPAN or READER_DATA_LIFECYCLE ended. Returns true if there was anything.
+  /// Removes what LIFESPAN or READER_DATA_LIFECYCLE has ended. Returns true if it removed anything.
   bool expire(MonotonicTime now);
   /// Calls `missed` for each instance whose DEADLINE passed, and removes its owner.
   void check_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
   /// The next time at which expire or check_deadlines has work.
   MonotonicTime next_tick() const;
   void set_deadline(Duration period, MonotonicTime now);
-  /// Applies to instances that end from now on.
+  /// Sets the policy for instances that end from now on.
   void set_lifecycle(const ReaderDataLifecycle& lifecycle) { lifecycle_ = lifecycle; }
 
-  /// TIME_BASED_FILTER: a sample of an instance that arrives sooner than this after the previous
-  /// one is dropped. A reliable reader gets the latest of them when the time has passed.
+  /// Sets the separation of TIME_BASED_FILTER: a sample of an instance that arrives sooner than
+  /// this after the previous one is dropped. A reliable reader gets the latest of them when the
+  /// time has passed.
   void set_minimum_separation(Duration separation);
-  /// Stores the samples that were kept until now. Returns true if there were any.
+  /// Stores the samples that were held back until now. Returns true if there were any.
   bool release(const Moment& at);
 
   /// Returns HANDLE_NIL if the instance is not known.
@@ -95,9 +97,9 @@ class ReaderCache {
   /// Removes samples that were selected before, if they are still held. Looks once at each sample
   /// of their instances. Returns how many it removed.
   std::size_t discard(std::span<const OctetSample> samples);
-  /// The octets of one instance.
+  /// The octets that the reader holds of one instance.
   std::size_t octets_of(const KeyHash& key) const;
-  /// Removes all trace of the instance, if it has ended.
+  /// Removes everything about the instance, if it has ended.
   void forget_ended(const KeyHash& key);
 
   /// Number of changes whose source time was more than kMaxAhead ahead; never reset.
@@ -129,15 +131,15 @@ class ReaderCache {
   void end(Instance& instance, InstanceState state, MonotonicTime now);
   bool purge(MonotonicTime now);
   void restart_deadline(Instance& instance, MonotonicTime now);
-  /// Samples of the instance are filtered until the separation ends. What is held back until then
-  /// is stored at `release_at`.
+  /// Begins to filter the samples of the instance until the separation ends. A sample that is held
+  /// back is stored at `release_at`.
   void begin_quiet(Instance& instance, MonotonicTime now, MonotonicTime release_at);
 
   const bool is_exclusive_, is_by_source_, is_reliable_;
-  MonotonicTime deadline_ = kNever;  ///< period
+  MonotonicTime deadline_ = kNever;  ///< the DEADLINE period
   ReaderDataLifecycle lifecycle_;
   KeyOf key_of_;
-  MonotonicTime separation_{};  ///< TIME_BASED_FILTER; 0: none
+  MonotonicTime separation_{};  ///< TIME_BASED_FILTER; 0 without a filter
   std::uint64_t times_ahead_ = 0;
   HeldShares shares_;
   std::map<Guid, Writer> writers_;

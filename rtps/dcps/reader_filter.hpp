@@ -9,22 +9,23 @@ namespace ddssec::rtps {
 
 class ContentFilteredTopic;
 
-/// Without a topic, all samples pass. The caller holds the participant's lock.
+/// The filter of one reader. Without a topic, all samples pass. The caller holds the participant's
+/// lock.
 class ReaderFilter {
  public:
   ReaderFilter() = default;
   ReaderFilter(const ReaderFilter&) = delete;
   ReaderFilter& operator=(const ReaderFilter&) = delete;
 
-  /// From now on only samples that pass the topic's filter pass. The topic calls update() when its
-  /// filter changes. Errors: rtps_filter_invalid.
+  /// Applies the topic's filter from now on. The topic calls update() when its filter changes.
+  /// Errors: rtps_filter_invalid.
   Status attach(ContentFilteredTopic& topic);
   /// Must be called before destruction.
   void detach();
-  /// The topic's parameters have changed. Errors: rtps_filter_invalid.
+  /// Applies the topic's changed parameters. Errors: rtps_filter_invalid.
   Status update();
 
-  /// nullptr: all samples pass.
+  /// The topic; nullptr if all samples pass.
   ContentFilteredTopic* topic() const { return topic_; }
   BoundFilter* filter() { return filter_ ? &*filter_ : nullptr; }
   /// The filter as discovery announces it.

@@ -11,15 +11,16 @@ namespace ddssec::rtps {
 /// holds them back: the reader's own, or that of its subscriber.
 class ReaderPresentation {
  public:
-  /// `reader` receives what is presented, and must outlive this object.
+  /// `reader` receives the changes that are presented, and must outlive this object.
   explicit ReaderPresentation(PresentedReader& reader) : reader_(reader) {}
 
-  /// The reader is enabled. `of_group`: the subscriber's Presenter for GROUP scope; nullptr: not
-  /// needed. `paused`: the subscriber is between begin_access and end_access.
+  /// Called when the reader is enabled. `of_group` is the subscriber's Presenter for GROUP scope,
+  /// or nullptr if none is needed. `paused` is true between begin_access and end_access of the
+  /// subscriber.
   void start(const Presentation& policy, Presenter* of_group, bool paused, MonotonicTime now);
-  /// Samples of this reader that are still held are not presented any more.
+  /// Called when the reader ends. Its samples that are still held are not presented any more.
   void stop(MonotonicTime now);
-  /// false: changes go to the reader's samples at once.
+  /// False if changes go to the reader's samples at once.
   bool holds_back() const { return presenter_ != nullptr; }
 
   // These do nothing, and return false, unless holds_back():
@@ -33,7 +34,7 @@ class ReaderPresentation {
   /// Returns kNever unless holds_back().
   MonotonicTime next_tick() const;
 
-  /// Only if holds_back(). Returns false if the change is refused for now.
+  /// Must be called only if holds_back(). Returns false if the change is refused for now.
   bool on_change(Change& change, MonotonicTime now) {
     return presenter_->on_change(reader_, change, now);
   }

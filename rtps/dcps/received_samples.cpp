@@ -18,8 +18,8 @@ bool ReceivedSamples::passes(const Change& change, BoundFilter& filter) {
   return passes.value_or(false);
 }
 
-// If the payload is protected, its key comes from the writer. The key hash next to it is not
-// protected, so the key is computed from the payload.
+// The key of a protected payload comes from its writer. The key hash next to it is not protected,
+// so the key is computed from the payload.
 std::optional<KeyHash> ReceivedSamples::key_of(const Change& change,
                                                const KeyProtection& keys) const {
   const bool from_payload = keys.proven && change.payload.size() > 0;
@@ -41,7 +41,7 @@ KeyHash ReceivedSamples::instance_of(const Change& change, const KeyProtection& 
 
 ReceivedSamples::Received ReceivedSamples::take(Change& change, BoundFilter* filter,
                                                 const KeyProtection& keys, const Moment& at) {
-  if (change.is_examined && seen_)  // before the digests of large payloads
+  if (change.is_examined && seen_)  // checked before the digests of large payloads are computed
     if (const auto refusal = cache_->rejects_again(change, at))
       return {Reception::rejected, *refusal};
   const bool is_new = !std::exchange(change.is_examined, false);
@@ -61,7 +61,7 @@ ReceivedSamples::Received ReceivedSamples::take(Change& change, BoundFilter* fil
     change.is_examined = true;
     return {Reception::rejected, stored};
   }
-  // Samples that the reader does not see do not take a place.
+  // Samples that the reader does not see do not take a place in `seen_`.
   const bool is_seen = stored.outcome == ReaderCache::StoreResult::stored;
   if (seen_ && (is_seen || !sighting.claim)) seen_->add(sighting);
   return {is_seen ? Reception::stored : Reception::unseen, stored};

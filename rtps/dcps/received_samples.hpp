@@ -20,7 +20,7 @@ class ReceivedSamples {
 
   /// Applies changed policies of a reader that is not enabled yet.
   void reset(const Qos& qos);
-  /// For a reader that requests history: a sample that several writers hold is taken only once.
+  /// Prepares for history: a sample that several writers hold is then taken only once.
   void expect_history() { seen_.emplace(); }
 
   enum class Reception : std::uint8_t {
@@ -33,11 +33,11 @@ class ReceivedSamples {
     Reception outcome = Reception::unseen;
     ReaderCache::Stored stored = {};  ///< set if the outcome is `stored` or `rejected`
   };
-  /// `filter`: the reader's content filter; nullptr: none.
+  /// Takes a change. `filter` is the reader's content filter, or nullptr if it has none.
   Received take(Change& change, BoundFilter* filter, const KeyProtection& keys, const Moment& at);
 
-  /// The instance that `take` would find; the default value if the type has no key, or this change
-  /// none that can be read.
+  /// The instance that `take` would find. The default value if the type has no key, or if the key
+  /// of this change cannot be read.
   KeyHash instance_of(const Change& change, const KeyProtection& keys) const;
 
   ReaderCache& cache() { return *cache_; }
@@ -49,7 +49,7 @@ class ReceivedSamples {
  private:
   bool passes(const Change& change, BoundFilter& filter);
   std::optional<KeyHash> key_of(const Change& change, const KeyProtection& keys) const;
-  /// Returns false if the type has a key that cannot be read.
+  /// Sets the instance of the change. Returns false if the type has a key that cannot be read.
   bool name_instance(Change& change, const KeyProtection& keys) const;
 
   const TypeSupport& type_;

@@ -12,7 +12,7 @@ void RequestedLiveliness::remove_writer(const Guid& writer) {
   update();
 }
 
-// A writer that is not alive when it is announced again still waits for the next assertion.
+// A writer that is announced again while it is not alive still waits for its next assertion.
 void RequestedLiveliness::on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) {
   if (signal && !monitor_.is_alive(writer)) signal->notify(reader_, writer);
   monitor_.follow(writer, std::move(signal));

@@ -57,7 +57,7 @@ class Samples {
     raw_.clear();
     return malformed;
   }
-  /// Corrects the infos after samples were left out or found by several selections.
+  /// Corrects the infos after samples were left out, or were found by several selections.
   void join_selections() {
     std::vector<SampleInfo*> infos;
     for (auto& sample : *this) infos.push_back(&sample.info);
@@ -87,7 +87,7 @@ class SampleAccess {
              const States& states = {}) {
     return find(out, max_samples, {.states = states});
   }
-  /// The same, and removes them.
+  /// Does the same, and removes them.
   Count take(Collection& out, std::int32_t max_samples = kLengthUnlimited,
              const States& states = {}) {
     return find(out, max_samples, {.states = states, .take = true});
@@ -97,7 +97,7 @@ class SampleAccess {
                          std::int32_t max_samples = kLengthUnlimited) {
     return find(out, max_samples, {}, &condition);
   }
-  /// The same, and removes them.
+  /// Does the same, and removes them.
   Count take_w_condition(Collection& out, const ReadCondition& condition,
                          std::int32_t max_samples = kLengthUnlimited) {
     return find(out, max_samples, {.take = true}, &condition);
@@ -108,7 +108,7 @@ class SampleAccess {
     return find(out, max_samples,
                 {.states = states, .scope = Scope::instance, .instance = instance});
   }
-  /// The same, and removes them.
+  /// Does the same, and removes them.
   Count take_instance(Collection& out, InstanceHandle instance,
                       std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
     return find(out, max_samples,
@@ -121,7 +121,7 @@ class SampleAccess {
     return find(out, max_samples,
                 {.states = states, .scope = Scope::next_instance, .instance = previous});
   }
-  /// The same, and removes them.
+  /// Does the same, and removes them.
   Count take_next_instance(Collection& out, InstanceHandle previous,
                            std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
     return find(
@@ -135,7 +135,7 @@ class SampleAccess {
     return find(out, max_samples, {.scope = Scope::next_instance, .instance = previous},
                 &condition);
   }
-  /// The same, and removes them.
+  /// Does the same, and removes them.
   Count take_next_instance_w_condition(Collection& out, InstanceHandle previous,
                                        const ReadCondition& condition,
                                        std::int32_t max_samples = kLengthUnlimited) {

@@ -102,7 +102,8 @@ KeyHash SampleReception::instance_of(const Change& change) const {
   return samples_.instance_of(change, keys_);
 }
 
-// A filter may leave little of them, so only what all samples need together counts.
+// A filter may let few of the samples pass, so their instances do not count: only the number and
+// the octets of all samples together do.
 Room SampleReception::room_for(const WantedRoom& wanted, const Guid& writer) const {
   if (filter_.filter() == nullptr) return cache().room_for(wanted, writer);
   return cache().room_for({wanted.samples, wanted.octets}, writer);
@@ -186,7 +187,7 @@ void SampleReception::give_up(const Guid& writer, std::size_t samples, Limit lim
       reader_.entity, writer);
 }
 
-// Reported rarely (on the 1st, 2nd, 4th, 8th ... time): a clock that is wrong stays so.
+// Reported rarely (on the 1st, 2nd, 4th, 8th ... time), because a clock that is wrong stays wrong.
 void SampleReception::report_time_ahead(const Guid& writer) {
   const auto count = cache().times_ahead();
   if (!std::has_single_bit(count)) return;

@@ -22,7 +22,7 @@ class SampleReception final : private PresentedReader, private Timed {
     ReadConditions& conditions;
     std::function<void(InstanceHandle)> deadline_missed;
   };
-  /// What it needs to know about the reader. All must outlive it.
+  /// The objects that it needs to know about the reader. All must outlive it.
   struct Reader {
     ParticipantContext& context;
     const Topic& topic;
@@ -33,8 +33,8 @@ class SampleReception final : private PresentedReader, private Timed {
   };
   SampleReception(const Reader& reader, Reports reports);
 
-  /// The reader is enabled. `of_group` and `paused`: see ReaderPresentation. `arrivals` counts the
-  /// samples of all readers of the subscriber.
+  /// Starts when the reader is enabled. For `of_group` and `paused` see ReaderPresentation.
+  /// `arrivals` counts the samples of all readers of the subscriber.
   struct Subscription {
     Presenter* of_group;
     std::uint64_t& arrivals;
@@ -43,12 +43,12 @@ class SampleReception final : private PresentedReader, private Timed {
   void start(const Qos& announced, const Subscription& subscription);
   /// Must be called before destruction.
   void stop();
-  /// Applies changed policies. Before the start all of them may change.
+  /// Applies changed policies. Before the start, any of them may change.
   void change_qos(const Qos& before, const Qos& now, bool started);
 
   void add_writer(const EndpointData& writer);
   void remove_writer(const Guid& writer);
-  /// These writers are no longer alive.
+  /// Notes that these writers are no longer alive.
   void lose_writers(std::span<const Guid> writers, MonotonicTime now);
   /// See EndpointListener.
   bool on_change(Change& change);
@@ -66,12 +66,12 @@ class SampleReception final : private PresentedReader, private Timed {
   bool discard_malformed(std::span<const OctetSample> samples, bool taken);
   /// See ReaderPresentation::pause.
   void pause(bool paused, MonotonicTime now);
-  /// Schedules a call of the Presenter at the time that it asks for.
+  /// Schedules the next call of the Presenter.
   void schedule_presenter() { call_at(presentation_.next_tick()); }
   /// See ReaderCache.
   void forget_ended(std::span<const KeyHash> keys);
   void update_conditions() { reports_.conditions.update(samples_.cache()); }
-  /// Applies a query to all samples anew, and updates the conditions.
+  /// Evaluates a query for all samples again, and updates the conditions.
   void match(QueryMatches& query);
 
   const ReaderCache& cache() const { return samples_.cache(); }
@@ -88,7 +88,7 @@ class SampleReception final : private PresentedReader, private Timed {
   void lose(std::size_t samples) override { on_lost(static_cast<std::int64_t>(samples)); }
   void give_up(const Guid& writer, std::size_t samples, Limit limit) override;
   void on_time(MonotonicTime now) override;
-  /// Samples have left the reader.
+  /// Must be called when samples have left the reader.
   void present_again();
   bool store(Change& change);
   void reject(const Change& change, const ReaderCache::Stored& stored, bool is_new);
@@ -107,15 +107,16 @@ class SampleReception final : private PresentedReader, private Timed {
   ReceivedSamples samples_;
   ReaderPresentation presentation_{*this};
   std::uint64_t arrivals_ = 0;
-  bool has_refused_ = false;   ///< a writer waits for room
-  bool is_exclusive_ = false;  ///< OWNERSHIP
+  bool has_refused_ = false;   ///< true if a writer waits for room
+  bool is_exclusive_ = false;  ///< OWNERSHIP is EXCLUSIVE
   std::pair<Guid, SequenceNumber> last_rejected_;
   SampleLostStatus lost_;
   SampleRejectedStatus rejected_;
-  /// Changes rejected by the limits that identities share: on instances, and on samples.
+  /// The numbers of changes rejected by the limits that identities share: on instances, and on
+  /// samples.
   std::uint64_t crowded_ = 0, crowded_samples_ = 0;
-  std::uint64_t given_up_ = 0;   ///< sets that were given up
-  std::uint64_t discarded_ = 0;  ///< samples that could not be deserialized
+  std::uint64_t given_up_ = 0;   ///< number of sets that were given up
+  std::uint64_t discarded_ = 0;  ///< number of samples that could not be deserialized
 };
 
 }  // namespace ddssec::rtps

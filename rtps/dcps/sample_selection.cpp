@@ -46,7 +46,7 @@ HeldSamples::iterator hand_out(HeldInstances& instances, HeldInstance& instance,
   return take ? instances.erase(instance, at) : std::next(at);
 }
 
-// The samples of one instance that the query finds, at most so many.
+// Returns the samples of one instance that the query finds, at most `max_samples`.
 std::vector<HeldSamples::iterator> find_matching(const HeldInstance& instance,
                                                  const SampleQuery& query,
                                                  std::size_t max_samples) {
@@ -104,7 +104,7 @@ void select_from(HeldInstances& instances, HeldInstance& instance, const SampleQ
 
 // Sets the ranks within the collection.
 void rank(std::span<SampleInfo* const> infos) {
-  // Number of samples, generations.
+  // For each instance, the number of later samples and the generations of the last one.
   std::map<InstanceHandle, std::pair<std::int32_t, std::int32_t>> later;
   for (auto* info : infos | std::views::reverse) {
     const auto known = later.try_emplace(info->instance_handle, 0, generations_of(*info)).first;

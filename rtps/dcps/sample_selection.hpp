@@ -13,9 +13,10 @@ struct SampleQuery {
   std::size_t max_samples = ~std::size_t{0};
   bool take = false;
   enum class Scope : std::uint8_t { all, instance, next_instance } scope = Scope::all;
-  /// For `instance`; for `next_instance` the instance before the wanted one.
+  /// The instance; for `next_instance` the one before the wanted instance.
   InstanceHandle instance = {};
-  const QueryMatches* matching = nullptr;  ///< only samples that pass this query; nullptr: all
+  /// Only samples that pass this query, or all if it is nullptr.
+  const QueryMatches* matching = nullptr;
 };
 
 /// Appends the samples that match to `out`. Samples of one instance are adjacent, unless
@@ -23,8 +24,8 @@ struct SampleQuery {
 /// marked as read, or taken.
 void select(HeldInstances& instances, const SampleQuery& query, std::vector<OctetSample>& out);
 
-/// Makes the infos of samples from several selections those of one collection: their ranks, and the
-/// view state of an instance, which is the one before the first selection.
+/// Corrects the infos of samples from several selections as if one selection had found them: their
+/// ranks, and the view state of an instance, which is the one before the first selection.
 void join_selections(std::span<SampleInfo* const> infos);
 
 /// The arrival numbers of the samples in these states.

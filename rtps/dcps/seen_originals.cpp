@@ -8,15 +8,17 @@
 namespace ddssec::rtps {
 namespace {
 
-// Copies of a sample that arrive one after the other end at about the same time.
+// The largest difference between the expiry times of two copies of a sample that arrive one after
+// the other.
 constexpr std::chrono::milliseconds kSameTime{10};
 
 bool is_claim(const Change& change) {
   return change.original.number.value > 0 && change.original.writer != change.writer;
 }
 
-// Covers everything that a reader sees. A durability service that keeps a dispose does not keep
-// the unregistration with it.
+// The digest covers everything that a reader sees. A dispose with an unregistration has the digest
+// of a dispose, because a durability service that keeps a dispose does not keep the unregistration
+// with it.
 Sha256Digest digest_of(const Change& change, BytesView padding = {}) {
   const auto& status = change.status;
   const auto key = change.key_hash.value_or(KeyHash{});
@@ -33,8 +35,8 @@ Sha256Digest digest_of(const Change& change, BytesView padding = {}) {
   return sha256({head.view(), change.payload.view(), padding});
 }
 
-// The sample behind the claim may have received up to three octets of submessage padding on its
-// way.
+// True if the change is the sample of the claim. That sample may have received up to three octets
+// of submessage padding on its way.
 bool says(const Change& change, const Sha256Digest& claim) {
   constexpr std::array<std::uint8_t, 3> kZeros{};
   const auto missing = (4 - change.payload.size() % 4) % 4;
@@ -111,7 +113,7 @@ void SeenOriginals::forget_oldest() {
   writers_.erase(oldest);
 }
 
-// Several at once, because it looks at all writers.
+// Several ranges are forgotten at once, because the search looks at all writers.
 void SeenOriginals::forget_oldest_ranges() {
   auto& most = std::ranges::max_element(writers_, {}, [](const auto& entry) {
                  return entry.second.ranges.size();

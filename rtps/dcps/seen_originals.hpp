@@ -19,17 +19,17 @@ namespace ddssec::rtps {
 class SeenOriginals {
  public:
   static constexpr std::size_t kMaxWriters = 1024;
-  /// Of all writers. Beyond, the writer with the most ranges loses its oldest ones, so 64 of each
-  /// are never lost.
+  /// The limit for the ranges of all writers together. If there are more, the writer with the most
+  /// ranges loses its oldest ones, so each writer always keeps 64.
   static constexpr std::size_t kMaxRanges = 65536;
   static constexpr std::size_t kMaxClaims = 65536;
 
-  /// What must be remembered of a change after it has been passed on.
+  /// The facts that must be remembered of a change after it has been passed on.
   struct Sighting {
     Original origin;
     /// Digest of the contents, if the change does not come from its own writer.
     std::optional<Sha256Digest> claim;
-    MonotonicTime expires;  ///< when the LIFESPAN of the change's writer ends it
+    MonotonicTime expires;  ///< the time at which the LIFESPAN of the writer ends it
   };
   static Sighting of(const Change& change, MonotonicTime expires = kNever);
 
@@ -55,14 +55,14 @@ class SeenOriginals {
   };
   void note_claim(const Original& original, const Claim& claim);
   void forget_oldest();
-  /// Of the writer with the most ranges.
+  /// Forgets ranges of the writer with the most ranges.
   void forget_oldest_ranges();
 
   std::map<Guid, Writer> writers_;
-  std::size_t ranges_ = 0;  ///< of all writers
+  std::size_t ranges_ = 0;  ///< number of the ranges of all writers
   std::uint64_t uses_ = 0;
   std::map<std::pair<Guid, SequenceNumber>, Claim> claims_;
-  std::deque<std::pair<Guid, SequenceNumber>> order_;  ///< of claims, oldest first
+  std::deque<std::pair<Guid, SequenceNumber>> order_;  ///< the claims, oldest first
 };
 
 }  // namespace ddssec::rtps

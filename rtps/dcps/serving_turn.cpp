@@ -20,7 +20,7 @@ ServingTurn::Waiting::Waiting(ServingTurn& turn, For reason, std::shared_ptr<Wai
   turn.returns_soon_ = now - turn.last_end_ < kGrace;
   turn.add(*this);
   if (turn.count_ == 1 && may_serve_) return;
-  // A thread that serves for itself alone would leave the others without service at times.
+  // If each thread served for itself alone, the others would be without service at times.
   turn.own_until_ = std::max(turn.own_until_, now + (may_serve_ ? kAfterListeners : kAfterBulk));
   if (turn.holder_ == Holder::none) turn.arm(std::chrono::nanoseconds::zero());
 }
@@ -54,7 +54,7 @@ bool ServingTurn::may_begin(Clock::time_point now) {
   if (holder_ != Holder::none || count_ != 1) return false;
   holder_ = Holder::application;
   is_due_at_once_ = false;
-  // At a low rate, stopping the timer costs less than the wake-up of the participant's thread.
+  // At a low rate, it costs less to stop the timer than to let it wake the participant's thread.
   if (is_armed_ && now - last_turn_ > kGrace) arm(std::chrono::nanoseconds::max());
   last_turn_ = now;
   return true;
@@ -89,7 +89,7 @@ void ServingTurn::give_up(Clock::time_point now) {
     arm(kGrace);
 }
 
-// Zero: at once. The greatest value: never.
+// Sets the timer. Zero means at once, and the greatest value never.
 void ServingTurn::arm(std::chrono::nanoseconds after) {
   is_armed_ = after != std::chrono::nanoseconds::max();
   is_due_at_once_ = after == std::chrono::nanoseconds::zero();
@@ -103,7 +103,7 @@ bool ServingTurn::await() {
   for (bool fired = true;; fired = sleep()) {
     const auto now = Clock::now();
     const std::lock_guard held(mutex_);
-    if (fired) is_armed_ = false;  // or this is the first turn
+    if (fired) is_armed_ = false;  // false if this is the first turn
     if (is_closed_) return false;
     if (holder_ == Holder::own || take_from_held(watch, now)) return true;
     if (holder_ != Holder::none) continue;
@@ -142,8 +142,8 @@ bool ServingTurn::take_from_held(Watch& watch, Clock::time_point now) {
   return true;
 }
 
-// The system wakes one of the threads that wait for the sockets. If that is the one held up, the
-// participant's thread must look by itself.
+// The system wakes one of the threads that wait for the sockets. If that is the thread that is held
+// up, the participant's thread must check the sockets by itself.
 std::chrono::nanoseconds ServingTurn::longest_own() const {
   return displaced_ > 0 ? kBesideHeld : kMaxOwn;
 }

@@ -1,5 +1,5 @@
-// Which thread serves the sockets and timers of a participant: its own, or the application thread
-// that waits for data ("leader and followers"). A thread that waits and serves gets its data
+// Decides which thread serves the sockets and timers of a participant: its own, or the application
+// thread that waits for data ("leader and followers"). A thread that waits and serves gets its data
 // without a further switch of threads.
 #pragma once
 
@@ -18,16 +18,17 @@ namespace ddssec::rtps {
 
 struct WaitSetState;
 
-/// One for each participant with a thread of its own, shared with what may outlive it.
+/// There is one for each participant with a thread of its own, shared with objects that may outlive
+/// the participant.
 ///
 /// The participant's thread has the turn at first. It gives the turn to a thread that waits for
 /// data if no other thread waits, and if that thread came back soon after its last wait. The thread
 /// that serves gives the turn up when its wait ends. If none takes it within kGrace, the
 /// participant's thread does: a timer wakes it, so that a wait that ends wakes no thread.
 ///
-/// A thread of the application may be held up, by a long signal handler or a low priority. If it
-/// does not come back for kHeld from where it waits, the participant's thread takes the turn away.
-/// It cannot while the thread is held up in the middle of its work.
+/// A thread of the application may be held up by a long signal handler or a low priority. If it
+/// does not return from its wait for kHeld, the participant's thread takes the turn away. It cannot
+/// do so while the thread is held up in the middle of its work.
 ///
 /// Only the participant's thread calls listeners. So a thread that waits may hold locks that
 /// listeners take. Thread-safe.
@@ -36,19 +37,19 @@ class ServingTurn {
   using Clock = std::chrono::steady_clock;
   /// How long sockets and timers may wait after a wait has ended.
   static constexpr std::chrono::nanoseconds kGrace = std::chrono::milliseconds(1);
-  /// How long the participant's thread keeps the turn after what a waiting thread cannot serve
+  /// How long the participant's thread keeps the turn after work that a waiting thread cannot do
   /// well: data in bulk, listeners, and waits of several threads.
   static constexpr std::chrono::nanoseconds kAfterBulk = std::chrono::milliseconds(10);
   static constexpr std::chrono::nanoseconds kAfterListeners = std::chrono::milliseconds(100);
-  /// A thread that serves comes back after this time, even if there is nothing to do. The
-  /// participant's thread looks as often.
+  /// A thread that serves returns after this time, even if there is nothing to do. The
+  /// participant's thread checks as often.
   static constexpr std::chrono::nanoseconds kMaxServe = std::chrono::milliseconds(100);
   /// After this time without progress, a thread that serves counts as held up.
   static constexpr std::chrono::nanoseconds kHeld = std::chrono::milliseconds(300);
   /// How long the participant's thread keeps the turn after it took it from a thread held up.
   static constexpr std::chrono::nanoseconds kAfterHeld = std::chrono::seconds(1);
-  /// How long the participant's thread sleeps at most: usually, and while a thread whose turn it
-  /// took may still wait for the same sockets.
+  /// The longest sleep of the participant's thread: usually, and while a thread whose turn it took
+  /// may still wait for the same sockets.
   static constexpr std::chrono::nanoseconds kMaxOwn = std::chrono::seconds(10);
   static constexpr std::chrono::nanoseconds kBesideHeld = std::chrono::milliseconds(10);
 
@@ -76,22 +77,22 @@ class ServingTurn {
   /// A wait of the calling thread, from its construction until its destruction.
   class Waiting {
    public:
-    /// `set`: the wait set whose condition variable the thread waits on; nullptr: it waits in a
+    /// `set` is the wait set whose condition variable the thread waits on; nullptr if it waits in a
     /// call of the participant.
     Waiting(ServingTurn& turn, For reason, std::shared_ptr<WaitSetState> set = {});
     ~Waiting();
     Waiting(const Waiting&) = delete;
     Waiting& operator=(const Waiting&) = delete;
-    /// True: the thread has the turn and must call `serve`. False: another thread serves. The
-    /// caller holds the mutex of its condition variable until it waits, so that it is not notified
-    /// in vain.
+    /// True if the thread has the turn and must call `serve`; false if another thread serves. The
+    /// caller holds the mutex of its condition variable until it waits, so that no notification is
+    /// lost.
     bool serves();
-    /// The caller holds no lock.
+    /// Serves for at most `timeout`. The caller holds no lock.
     void serve(std::chrono::nanoseconds timeout) {
       turn_.server_.serve_for_waiting(std::min(timeout, kMaxServe), *this);
     }
-    /// False: the participant's thread has taken the turn away. Otherwise it does not until
-    /// `end_work`, which must follow.
+    /// Returns false if the participant's thread has taken the turn away. Otherwise it cannot do so
+    /// until `end_work`, which must follow.
     bool begin_work() { return turn_.progress_.compare_exchange_strong(progress_, progress_ + 1); }
     void end_work() { turn_.progress_.store(progress_ += 2); }
 
@@ -101,26 +102,26 @@ class ServingTurn {
     const bool may_serve_;
     const std::shared_ptr<WaitSetState> set_;
     bool serves_ = false;         ///< as far as this thread knows
-    std::uint64_t progress_ = 0;  ///< while it serves: what ServingTurn::progress_ was last
+    std::uint64_t progress_ = 0;  ///< while it serves: its last value of ServingTurn::progress_
     Waiting* next_ = nullptr;
   };
 
   // For the participant's thread:
   /// Waits for the turn. Returns false after `close`.
   bool await();
-  /// For how long it may wait for sockets and timers.
+  /// How long it may wait for sockets and timers.
   std::chrono::nanoseconds longest_own() const;
   /// Gives the turn to a thread that waits, or to none after `close`. Returns false if the
   /// participant's thread keeps it.
   bool yield();
 
-  /// The participant's thread shall have the turn for a while, soon.
+  /// Soon gives the turn to the participant's thread, for a while.
   void prefer_own(std::chrono::nanoseconds how_long);
-  /// Returns true if no thread serves. Then the participant's thread will at once.
+  /// Returns true if no thread serves. The participant's thread then serves at once.
   bool take_over();
-  /// Ends the wait of the thread that serves, if it is an application's.
+  /// Ends the wait of the thread that serves, if it is an application thread.
   void wake() { server_.end_serving(); }
-  /// From now on no thread gets the turn. Returns when no application thread serves.
+  /// Gives no thread the turn any more. Returns when no application thread serves.
   void close();
 
  private:
@@ -135,9 +136,9 @@ class ServingTurn {
   void note_displaced(Waiting& waiting);
 
   // For the participant's thread:
-  /// What it has seen of the application thread that serves.
+  /// The progress that it has seen of the application thread that serves.
   struct Watch {
-    std::uint64_t progress = ~0ull;  ///< at first: none that is at rest
+    std::uint64_t progress = ~0ull;  ///< at first a value that progress_ never has at rest
     Clock::time_point since{};
   };
   bool take_from_held(Watch& watch, Clock::time_point now);
@@ -148,14 +149,15 @@ class ServingTurn {
   std::mutex mutex_;            ///< a leaf: no other lock is taken with it
   std::condition_variable given_up_;
   Holder holder_ = Holder::own;
-  const Waiting* leader_ = nullptr;  ///< if an application thread has the turn
-  /// Threads whose turn was taken away while they served, and still do.
+  const Waiting* leader_ = nullptr;  ///< set if an application thread has the turn
+  /// The number of threads whose turn was taken away while they served, and that still serve.
   std::atomic<int> displaced_ = 0;
-  /// Grows whenever an application thread gets the turn, its work begins or ends, or its turn is
-  /// taken away. Odd: it works.
+  /// Increases whenever an application thread gets the turn, its work begins or ends, or its turn
+  /// is taken away. An odd value means that it works.
   std::atomic<std::uint64_t> progress_ = 0;
   bool is_closed_ = false, is_due_at_once_ = false, is_armed_ = false;
-  bool returns_soon_ = false;  ///< the last wait began less than kGrace after the one before
+  /// True if the last wait began less than kGrace after the one before.
+  bool returns_soon_ = false;
   Waiting* list_ = nullptr;
   std::size_t count_ = 0;
   Clock::time_point given_up_at_{}, last_end_{}, last_turn_{}, own_until_{};

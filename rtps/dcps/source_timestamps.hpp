@@ -9,7 +9,7 @@
 
 namespace ddssec::rtps {
 
-/// With DESTINATION_ORDER BY_SOURCE_TIMESTAMP, timestamps never decrease.
+/// The timestamps of one writer. With DESTINATION_ORDER BY_SOURCE_TIMESTAMP, they never decrease.
 class SourceTimestamps {
  public:
   /// Returns the timestamp of the next change: `wanted`, or `now` if the application passes none.

@@ -7,7 +7,7 @@
 
 namespace ddssec::rtps {
 
-/// Answers whether any sample has given states, without a search through the samples.
+/// Tells without a search whether any sample has given states.
 class StateCounts {
  public:
   /// Adds samples of an instance, or with `sign` -1 subtracts them.
@@ -23,7 +23,8 @@ class StateCounts {
   bool any(const States& states) const;
 
  private:
-  /// Of the counter for its unread samples. The one for those that were read follows.
+  /// The index of the counter for the instance's unread samples. The counter for its read samples
+  /// follows.
   static std::size_t index_of(const HeldInstance& instance) {
     const std::size_t state = instance.state == InstanceState::alive                ? 0
                               : instance.state == InstanceState::not_alive_disposed ? 1

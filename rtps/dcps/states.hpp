@@ -35,12 +35,12 @@ struct Mask {
   constexpr bool operator==(const Mask&) const = default;
 };
 
-/// Whether the reader has returned the sample before (DDS 1.4, 2.2.2.5.1).
+/// Says whether the reader has returned the sample before (DDS 1.4, 2.2.2.5.1).
 enum class SampleState : std::uint8_t { read = 1, not_read = 2 };
-/// Whether it is the first time that the reader returns samples of the instance, or of this
+/// Says whether it is the first time that the reader returns samples of the instance, or of this
 /// generation of it.
 enum class ViewState : std::uint8_t { new_ = 1, not_new = 2 };
-/// Whether the instance has writers, was disposed, or has lost all its writers.
+/// Says whether the instance has writers, was disposed, or has lost all its writers.
 enum class InstanceState : std::uint8_t {
   alive = 1,
   not_alive_disposed = 2,
@@ -90,7 +90,7 @@ struct OctetSample {
   Payload payload;           ///< with its encapsulation
   bool is_key_only = false;  ///< the payload is a serialized key; empty if the key was not sent
   SampleInfo info;
-  SequenceNumber number = {};  ///< that its writer gave it; 0 if it has none
+  SequenceNumber number = {};  ///< number that its writer gave it; 0 if it has none
 };
 
 }  // namespace ddssec::rtps

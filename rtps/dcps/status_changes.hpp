@@ -14,10 +14,10 @@ class StatusChanges {
   StatusChanges(Entity& entity, ParticipantContext& context)
       : entity_(entity), context_(context), condition_(entity, context.turn()), pending_(&entity) {}
 
-  /// The status changed. Waiting calls check their condition again, and the status's listener, if
-  /// there is one, will be called.
+  /// Notes that the status changed. Waiting calls check their condition again, and the status's
+  /// listener, if there is one, will be called.
   void note(StatusKind kind);
-  /// The status was read.
+  /// Notes that the status was read.
   void clear(StatusKind kind);
   bool contains(StatusKind kind) const { return changed_.contains(kind); }
   StatusMask all() const { return changed_; }

@@ -45,7 +45,7 @@ Presenter* Subscriber::presenter(const Presentation& presentation) {
   return presenter_.get();
 }
 
-// DDS 1.4, 2.2.2.5.2.8.
+// Checks that the application may access samples now (DDS 1.4, 2.2.2.5.2.8).
 Status Subscriber::check_access() const {
   if (!presenter_ || accesses_ > 0) return {};
   return precondition_not_met("subscriber with GROUP access", "begin_access before", "none");

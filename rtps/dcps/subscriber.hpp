@@ -13,15 +13,15 @@
 
 namespace ddssec::rtps {
 
-/// Creates and deletes readers, which share its policies. Created and deleted by its participant.
-/// Thread-safe.
+/// A subscriber creates and deletes readers, which share its policies. Created and deleted by its
+/// participant. Thread-safe.
 class Subscriber final : public Group {
  public:
   ~Subscriber() override { members_.clear(); }  // they refer to members of this class
 
-  /// Replaces the listener, which the caller owns; nullptr: none. `mask`: the statuses that it
-  /// handles; readers' own listeners are asked first. Waits until running callbacks of the former
-  /// listener have returned (exceptions: rtps/dcps/listener.hpp).
+  /// Replaces the listener, which the caller owns; nullptr removes it. `mask` has the statuses that
+  /// it handles; readers' own listeners are called first. Waits until running callbacks of the
+  /// former listener have returned (exceptions: rtps/dcps/listener.hpp).
   void set_listener(SubscriberListener* listener, StatusMask mask = kAnyStatus);
 
   Qos default_datareader_qos() const { return default_endpoint_qos(); }
@@ -39,14 +39,14 @@ class Subscriber final : public Group {
                                            StatusMask mask = kAnyStatus) {
     return create<DataReader<T>>(topic, TypeTraits<T>::type_name, std::move(qos), listener, mask);
   }
-  /// Creates a reader of serialized samples. Errors: as above.
+  /// Creates a reader of serialized samples. Errors: those of the call above.
   Result<OctetDataReader*> create_datareader(Topic& topic, std::optional<Qos> qos = {},
                                              DataReaderListener* listener = nullptr,
                                              StatusMask mask = kAnyStatus) {
     return create<OctetDataReader>(topic, topic.type_name(), std::move(qos), listener, mask);
   }
-  /// Creates a reader that receives only the samples that pass the topic's filter. Errors: as
-  /// above, and rtps_filter_invalid.
+  /// Creates a reader that receives only the samples that pass the topic's filter. Errors: those of
+  /// the call above, and rtps_filter_invalid.
   template <DdsType T>
   Result<DataReader<T>*> create_datareader(ContentFilteredTopic& topic, std::optional<Qos> qos = {},
                                            DataReaderListener* listener = nullptr,
@@ -66,9 +66,9 @@ class Subscriber final : public Group {
   Status delete_datareader(AnyDataReader& reader) { return delete_member(reader); }
   /// Returns any of its readers on that topic, or nullptr if there is none.
   AnyDataReader* lookup_datareader(std::string_view topic_name) const;
-  /// Until end_access, the readers show no new coherent sets, whatever the scope, and no new
-  /// samples of a group with ordered access. All readers show what they held when the access began.
-  /// Calls may be nested. Errors: rtps_not_enabled.
+  /// Begins an access. Until end_access, the readers show no new coherent sets, whatever the scope,
+  /// and no new samples of a group with ordered access. All readers show what they held when the
+  /// access began. Calls may be nested. Errors: rtps_not_enabled.
   Status begin_access();
   /// Ends the access. Errors: rtps_not_enabled, rtps_precondition_not_met (no begin_access before).
   Status end_access();
@@ -98,8 +98,8 @@ class Subscriber final : public Group {
   }
 
   // The caller holds the lock:
-  /// Returns the Presenter that its readers share. nullptr unless PRESENTATION has GROUP scope and
-  /// needs one.
+  /// Returns the Presenter that its readers share, or nullptr unless PRESENTATION has GROUP scope
+  /// and needs one.
   Presenter* presenter(const Presentation& presentation);
   bool is_accessing() const { return accesses_ > 0; }
   Status check_access() const;

@@ -10,7 +10,7 @@ namespace ddssec::rtps {
 
 class DomainParticipant;
 
-/// Created and deleted by its participant. Thread-safe.
+/// A topic is created and deleted by its participant. Thread-safe.
 class Topic final : public Entity {
  public:
   ~Topic() override;
@@ -26,11 +26,11 @@ class Topic final : public Entity {
   /// TOPIC_DATA. Errors: rtps_qos_inconsistent, rtps_immutable_policy (once it is enabled).
   Status set_qos(const Qos& qos);
   Status enable() override;
-  /// Replaces the listener, which the caller owns; nullptr: none. `mask`: the statuses that it
-  /// handles; the others go to the listener of its participant. Waits until running callbacks of
+  /// Replaces the listener, which the caller owns; nullptr removes it. `mask` has the statuses that
+  /// it handles; the others go to the listener of its participant. Waits until running callbacks of
   /// the former listener have returned (exceptions: rtps/dcps/listener.hpp).
   void set_listener(TopicListener* listener, StatusMask mask = kAnyStatus);
-  /// Reading the status resets its change count.
+  /// Returns the status and resets its change count.
   InconsistentTopicStatus inconsistent_topic_status();
 
  private:

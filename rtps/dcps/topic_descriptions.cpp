@@ -71,8 +71,8 @@ ContentFilteredTopic* TopicDescriptions::lookup_filtered(std::string_view name) 
   return filtered_.named(name);
 }
 
-// DDS 1.4, 2.2.2.2.1.11: returns a topic of this participant, or creates one of octets with the
-// type that remote endpoints use.
+// Returns a topic of this participant, or creates a topic of octets with the type that remote
+// endpoints use (DDS 1.4, 2.2.2.2.1.11).
 Result<Topic*> TopicDescriptions::find(const std::string& name, std::chrono::nanoseconds timeout) {
   std::optional<EndpointData> remote;
   {
@@ -93,7 +93,8 @@ Result<Topic*> TopicDescriptions::find(const std::string& name, std::chrono::nan
                 participant_.default_topic_qos(), nullptr, kAnyStatus);
 }
 
-// A topic that was found as well is deleted with its last reference.
+// Returns true if the topic has other references, because it was found as well. It is deleted with
+// its last reference.
 bool TopicDescriptions::drop_reference(Topic& topic, bool& unused) const {
   const std::lock_guard held(context_.mutex());
   unused = topic.users_ == 0;

@@ -6,10 +6,12 @@
 
 namespace ddssec::rtps {
 
-/// All names are different. Thread-safe. The calls are those of DomainParticipant.
+/// The topics of one participant, which all have different names. Thread-safe. The calls are those
+/// of DomainParticipant.
 class TopicDescriptions {
  public:
-  /// `announce_types`: see DomainParticipantOptions. The other arguments must outlive this object.
+  /// For `announce_types` see DomainParticipantOptions. The other arguments must outlive this
+  /// object.
   TopicDescriptions(DomainParticipant& participant, ParticipantContext& context,
                     bool announce_types)
       : participant_(participant),
@@ -18,25 +20,27 @@ class TopicDescriptions {
         topics_(context),
         filtered_(context) {}
 
-  /// Errors: rtps_precondition_not_met (the name is already in use), rtps_qos_inconsistent,
-  /// rtps_bad_parameter (the name of the topic or type is empty or longer than 256 characters).
+  /// Creates a topic. Errors: rtps_precondition_not_met (the name is already in use),
+  /// rtps_qos_inconsistent, rtps_bad_parameter (the name of the topic or type is empty or longer
+  /// than 256 characters).
   Result<Topic*> create(std::string name, TypeSupport type, const Qos& qos, TopicListener* listener,
                         StatusMask mask);
-  /// Errors: rtps_filter_invalid, rtps_precondition_not_met (the name is already in use, or the
-  /// topic belongs to another participant), rtps_bad_parameter (the name).
+  /// Creates a content-filtered topic. Errors: rtps_filter_invalid, rtps_precondition_not_met (the
+  /// name is already in use, or the topic belongs to another participant), rtps_bad_parameter (the
+  /// name is invalid).
   Result<ContentFilteredTopic*> create_filtered(std::string name, Topic& related,
                                                 FilterText filter);
-  /// Return nullptr if there is none.
+  /// Both return nullptr if there is none.
   Topic* lookup(std::string_view name) const;
   ContentFilteredTopic* lookup_filtered(std::string_view name) const;
   /// See DomainParticipant::find_topic. Errors: rtps_timeout, those of create.
   Result<Topic*> find(const std::string& name, std::chrono::nanoseconds timeout);
-  /// Errors: rtps_precondition_not_met (the topic is in use or belongs to another participant, or
-  /// the call is made from within a callback).
+  /// Deletes the topic. Errors: rtps_precondition_not_met (it is in use or belongs to another
+  /// participant, or the call is made from within a callback).
   Status remove(Topic& topic);
   Status remove(ContentFilteredTopic& topic);
 
-  /// The caller holds the callback lock. Errors: those of Topic::enable.
+  /// Enables all topics. The caller holds the callback lock. Errors: those of Topic::enable.
   Status enable();
   /// The caller holds the lock.
   bool empty() const { return topics_.all().empty() && filtered_.all().empty(); }

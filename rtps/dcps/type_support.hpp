@@ -17,8 +17,9 @@
 
 namespace ddssec::rtps {
 
-/// For a topic of octets, `name` and `with_key` are sufficient. Then samples of types with keys
-/// must arrive with their key hash, and the serialized key of an instance is not available.
+/// The functions for the type of one topic. For a topic of octets, `name` and `with_key` are
+/// sufficient. Then samples of types with keys must arrive with their key hash, and the serialized
+/// key of an instance is not available.
 struct TypeSupport {
   std::string name;
   bool with_key = true;

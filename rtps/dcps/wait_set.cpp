@@ -20,8 +20,8 @@ bool Condition::trigger_value() const { return state_->trigger; }
 
 const std::shared_ptr<ServingTurn>& Condition::turn() const { return state_->turn; }
 
-// Only trigger() holds both mutexes, and locks the condition's first. Every other function empties
-// its own list before it removes itself from the lists of the others.
+// Only trigger() holds both mutexes, and it locks that of the condition first. Every other function
+// empties its own list before it removes itself from the lists of the others.
 Condition::~Condition() {
   std::vector<std::shared_ptr<WaitSetState>> sets;
   {
@@ -42,7 +42,8 @@ void Condition::trigger(bool value) {
   for (const auto& set : state_->sets) set->notify();
 }
 
-// A thread that serves checks the conditions itself after what it has triggered.
+// A thread that serves is not woken for what it triggers itself: it checks the conditions
+// afterwards.
 void WaitSetState::notify() {
   const std::lock_guard held(mutex);
   changed.notify_all();
@@ -56,8 +57,8 @@ std::vector<Condition*> WaitSetState::triggered() const {
   return out;
 }
 
-// Each participant of the conditions must know that a thread waits. The thread serves the
-// participant if there is only one. If that is deleted meanwhile, its turn is closed but remains.
+// Each participant of the conditions must know that a thread waits. If there is only one, the
+// thread serves it. If that participant is deleted meanwhile, its turn is closed but still exists.
 void WaitSetState::wait_until(std::unique_lock<std::mutex>& lock, TimePoint end) {
   turns.clear();
   for (const auto& attached : conditions)
@@ -150,7 +151,7 @@ Result<std::vector<Condition*>> WaitSet::wait(std::chrono::nanoseconds timeout) 
     return fail(Code::rtps_precondition_not_met,
                 {.document = "wait set", .expected = "one waiting thread", .found = "a second"});
   state_->is_waiting = true;
-  // Also when the thread is cancelled.
+  // This also happens if the thread is cancelled.
   const Rollback is_over([&] { state_->is_waiting = false; });
   auto out = state_->triggered();
   if (out.empty()) {

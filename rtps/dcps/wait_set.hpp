@@ -22,13 +22,13 @@ class WaitSet {
   WaitSet(const WaitSet&) = delete;
   WaitSet& operator=(const WaitSet&) = delete;
 
-  /// From now on the wait set waits for the condition too, which it does not own. Attaching a
-  /// condition a second time has no effect.
+  /// Adds a condition to those that the wait set waits for. The wait set does not own it. Attaching
+  /// a condition a second time has no effect.
   void attach_condition(Condition& condition);
-  /// From now on the wait set does not wait for the condition. Errors: rtps_precondition_not_met
-  /// (it is not attached).
+  /// Removes the condition from those that the wait set waits for. Errors:
+  /// rtps_precondition_not_met (it is not attached).
   Status detach_condition(Condition& condition);
-  /// The attached conditions. They belong to their owners.
+  /// The attached conditions. The wait set does not own them.
   std::vector<Condition*> conditions() const;
 
   /// Waits until a condition is triggered, for at most `timeout`. Returns the triggered conditions,

@@ -7,7 +7,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// The store removes many samples in several steps.
+// The pause between two steps: the store removes many samples in several steps.
 constexpr MonotonicTime kMinPause = std::chrono::milliseconds(5);
 
 }  // namespace

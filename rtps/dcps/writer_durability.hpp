@@ -20,30 +20,31 @@ class DurableStore;
 class WriterDurability {
  public:
   WriterDurability() = default;
-  /// From now on another writer may continue the stream.
+  /// Closes the stream. After that, another writer may continue it.
   ~WriterDurability();
   WriterDurability(const WriterDurability&) = delete;
   WriterDurability& operator=(const WriterDurability&) = delete;
 
-  /// What an earlier writer left, and when each sample of it expires. kNever: it does not.
+  /// The samples that an earlier writer left, and the time at which each of them expires; kNever if
+  /// it does not.
   struct Restored {
     std::vector<Change> history;
     std::vector<MonotonicTime> expires;
   };
   /// Returns the samples that an earlier writer left in the stream. `store` must outlive this
-  /// object. `lifespan`: that of the writer, whose samples live no longer. Errors: those of
+  /// object. `lifespan` is that of the writer, whose samples live no longer. Errors: those of
   /// DurableStore::open_stream.
   Result<Restored> open(DurableStore& store, StreamKey key, const DurabilityService& service,
                         const Moment& now, Duration lifespan = kDurationInfinite);
   bool is_open() const { return store_ != nullptr; }
 
-  /// The LIFESPAN of what is appended from now on.
+  /// Sets the LIFESPAN of samples that are appended from now on.
   void set_lifespan(Duration lifespan) { lifespan_ = lifespan; }
   /// Stores the change with sequence number `number` of `writer`. Never waits.
   void append(Change& change, const Guid& writer, SequenceNumber number, const Moment& now);
-  /// Removes from the store what has expired, if anything has. Never waits.
+  /// Removes expired samples from the store. Never waits.
   void clean_up(const Moment& now);
-  /// When clean_up is to be called next. kNever: there is nothing to remove.
+  /// The time at which clean_up is to be called next; kNever if there is nothing to remove.
   MonotonicTime next_clean_up(MonotonicTime now) const;
   /// If too much is waiting to be stored, releases `lock` and waits. Errors: those of
   /// DurableStore::status and DurableStore::wait_for_room.

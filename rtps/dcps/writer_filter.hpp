@@ -17,9 +17,9 @@ class WriterFilter final : public ChangeFilter {
   /// ms.
   static constexpr std::size_t kMaxSteps = 2048;
 
-  /// Creates the filter for samples on that topic that need not be sent to `reader`, which
-  /// announced it. `view`: a view of samples of the topic's type, may be nullptr. Returns nullptr
-  /// if the reader gets all samples:
+  /// Creates the filter that decides which samples on that topic need not be sent to `reader`,
+  /// which announced it. `view` is a view of samples of the topic's type, and may be nullptr.
+  /// Returns nullptr if the reader gets all samples:
   /// - if the writer cannot apply the filter, which is no reason to refuse the reader (8.7.3.4);
   /// - if the reader reads coherent sets, because it must see that none of their changes is
   ///   missing.

@@ -15,13 +15,13 @@ namespace ddssec::rtps {
 /// The registered instances of one DataWriter.
 class WriterInstances {
  public:
-  /// The limit where RESOURCE_LIMITS.max_instances says "unlimited".
+  /// The limit that applies if RESOURCE_LIMITS.max_instances is "unlimited".
   static constexpr std::size_t kMaxInstances = 65536;
 
   explicit WriterInstances(const Qos& qos);
 
-  /// Returns the instance's handle; registers the instance if needed. HANDLE_NIL: the limit is
-  /// reached.
+  /// Returns the instance's handle, and registers the instance if needed. Returns HANDLE_NIL if the
+  /// limit is reached.
   InstanceHandle enter(const KeyHash& key, const std::function<Bytes()>& serialized_key);
   /// Returns HANDLE_NIL if the instance is not registered.
   InstanceHandle lookup(const KeyHash& key) const;
@@ -32,9 +32,9 @@ class WriterInstances {
   /// The key hash and the serialized key of each instance.
   std::vector<std::pair<KeyHash, Bytes>> keys() const;
 
-  /// The instance was written at `now`: its DEADLINE period starts again.
+  /// Notes that the instance was written at `now`: its DEADLINE period starts again.
   void written(const KeyHash& key, MonotonicTime now);
-  /// The instance has no deadline until it is written again.
+  /// Notes that the instance was disposed: it has no deadline until it is written again.
   void disposed(const KeyHash& key);
   void check_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
   MonotonicTime next_deadline() const;
@@ -49,7 +49,7 @@ class WriterInstances {
   };
 
   const std::size_t max_;
-  MonotonicTime deadline_ = kNever;  ///< period
+  MonotonicTime deadline_ = kNever;  ///< the DEADLINE period
   LinkedList<Instance> due_;         ///< in the order of deadlines; must outlive the instances
   std::map<KeyHash, Instance> by_key_;
   std::map<InstanceHandle, const Instance*> by_handle_;

@@ -5,7 +5,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// So many are kept in any case.
+// Up to this many entries of dropped changes are left in the list, because pruning costs a pass.
 constexpr std::size_t kFew = 64;
 
 }  // namespace

@@ -17,12 +17,12 @@ class WriterLifespan {
  public:
   /// Adds a change that is written now.
   void add(SequenceNumber change, Duration lifespan, MonotonicTime now);
-  /// Adds a change that expires at `at`. kNever: it does not.
+  /// Adds a change that expires at `at`. kNever means that it does not expire.
   void add(SequenceNumber change, MonotonicTime at);
   /// Calls `expired` once for each change that has expired.
   void expire(MonotonicTime now, const std::function<void(SequenceNumber)>& expired);
-  /// Forgets changes that are not in the history any more, once there are more of them than of the
-  /// others. The cost for each change does not depend on their number.
+  /// Forgets changes that are not in the history any more, once there are more of them than others.
+  /// The cost for each change does not depend on their number.
   void forget_dropped(const WriterHistory& history);
   /// Returns kNever if no change expires.
   MonotonicTime next_tick() const { return expiring_.empty() ? kNever : expiring_.front().first; }
@@ -30,7 +30,8 @@ class WriterLifespan {
 
  private:
   using Expiring = std::pair<MonotonicTime, SequenceNumber>;
-  /// A heap, the next one first: a policy that changes may let a later change expire earlier.
+  /// A heap with the next one first. It is not a queue, because after a change of policy a later
+  /// change may expire earlier.
   std::vector<Expiring> expiring_;
 };
 
