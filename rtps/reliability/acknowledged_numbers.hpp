@@ -8,7 +8,7 @@
 
 namespace ddssec::rtps {
 
-/// The lowest number is available without a search. Acknowledging allocates nothing.
+/// The lowest number is known without a search, and acknowledging allocates nothing.
 class AcknowledgedNumbers {
   using Numbers = std::multiset<SequenceNumber>;
 
@@ -19,7 +19,7 @@ class AcknowledgedNumbers {
     std::optional<Numbers::iterator> at_;
   };
 
-  /// The reader has received everything up to `through`.
+  /// Notes that the reader has received everything up to `through`.
   void set(Place& place, SequenceNumber through) {
     if (!place.at_) {
       place.at_ = numbers_.insert(through);
@@ -33,7 +33,7 @@ class AcknowledgedNumbers {
     if (place.at_) numbers_.erase(*place.at_);
     place.at_.reset();
   }
-  /// Empty if there is no reader.
+  /// The lowest number that a reader has acknowledged; empty if there is no reader.
   std::optional<SequenceNumber> lowest() const {
     return numbers_.empty() ? std::nullopt : std::optional(*numbers_.begin());
   }

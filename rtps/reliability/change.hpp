@@ -15,18 +15,18 @@ namespace ddssec::rtps {
 struct Change {
   Guid writer;
   SequenceNumber sequence_number;
-  StatusInfo status;  ///< no flag set: alive
+  StatusInfo status;  ///< the instance is alive if no flag is set
   std::optional<KeyHash> key_hash;
   std::optional<Time> source_time;
   bool is_key_only = false;  ///< the payload is a serialized key
   Payload payload;           ///< with its encapsulation
   Coherence coherence = {};
   Original original = {};
-  /// Set by a DataReader that has no room for the change: `key_hash` names its instance for
-  /// certain, and it passed the content filter. Offering it again then costs the same for every
-  /// length.
+  /// Set by a DataReader that has no room for the change. It then knows that `key_hash` names the
+  /// instance, and that the change passed the content filter. Another attempt costs the same for
+  /// every length of the change.
   bool is_examined = false;
-  std::uint32_t key_octets = 0;  ///< if it is examined: length of the key that would be stored
+  std::uint32_t key_octets = 0;  ///< length of the key that would be stored, if it is examined
 
   /// The original writer and its sequence number, even if another writer sent the change.
   Original origin() const {

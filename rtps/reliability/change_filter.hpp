@@ -10,8 +10,9 @@ namespace ddssec::rtps {
 class ChangeFilter {
  public:
   virtual ~ChangeFilter() = default;
-  /// Returns whether a change passes that is alive and has data. The result is always the same for
-  /// the same change. Empty: the reader must decide, so it gets the change without a result.
+  /// Returns whether a change that is alive and has data passes. The result is always the same for
+  /// the same change. If it is empty, the reader must decide, so it gets the change without a
+  /// result.
   virtual std::optional<bool> passes(const Change& change) = 0;
 
   FilterSignature signature{};

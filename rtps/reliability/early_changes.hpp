@@ -9,7 +9,7 @@
 
 namespace ddssec::rtps {
 
-/// Sorted by sequence number, each once. The owner limits their number.
+/// The changes are sorted by sequence number, each once. The owner limits their number.
 class EarlyChanges {
   struct Entry {
     std::optional<Change> change;
@@ -20,7 +20,7 @@ class EarlyChanges {
  public:
   /// Nodes for reuse, which several writers share.
   using Spare = SpareNodes<Map>;
-  /// What each change counts besides its octets.
+  /// The octets that each change counts in addition to its payload.
   static constexpr std::size_t kPrice = 256;
 
   /// Both must outlive this object.
@@ -32,12 +32,13 @@ class EarlyChanges {
   /// Number of changes with lower sequence numbers.
   std::int64_t count_below(SequenceNumber number) const;
 
-  /// `change`: empty if it is irrelevant. Returns false if the number already exists.
+  /// Inserts a change; an empty one means that the number is irrelevant. Returns false if the
+  /// number already exists.
   bool insert(SequenceNumber number, std::optional<Change> change);
   /// The lowest and the highest sequence number. Must not be called if there is none.
   SequenceNumber first() const { return changes_.begin()->first; }
   SequenceNumber last() const { return changes_.rbegin()->first; }
-  /// The change with the lowest sequence number; empty if it is irrelevant.
+  /// The change with the lowest sequence number; empty if that number is irrelevant.
   std::optional<Change>& front() { return changes_.begin()->second.change; }
   void erase_first() { erase(changes_.begin()); }
   void erase_last() { erase(std::prev(changes_.end())); }

@@ -30,8 +30,8 @@ bool FilteredWriting::judge(const Change& change, bool in_memory) {
   return all;
 }
 
-// A reader that shares a locator with a reader that gets the sample receives it too, and drops it:
-// the sample carries the filter result, and the reader's own filter rejects it as well.
+// A reader that shares a locator with a reader that gets the sample receives the sample too. It
+// drops the sample, which carries the filter result, and its own filter also rejects it.
 void FilteredWriting::send(const Change& change, const std::optional<MemoryReference>& memory) {
   const bool all = judge(change, memory.has_value());
   for (auto& [guid, proxy] : readers_.all())

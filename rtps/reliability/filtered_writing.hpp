@@ -8,22 +8,23 @@
 
 namespace ddssec::rtps {
 
-/// A reader that does not get a change gets a GAP for it, at the latest before a HEARTBEAT that
-/// would make it request the change. The constructor's arguments must outlive this object.
+/// Decides which readers get a change. A reader that does not get it gets a GAP for it, at the
+/// latest before a HEARTBEAT that would make it request the change. The constructor's arguments
+/// must outlive this object.
 class FilteredWriting {
  public:
   FilteredWriting(MatchedReaders& readers, WriterMessages& messages)
       : readers_(readers), messages_(messages) {}
 
-  /// Sends a change that was just written to the readers that get it. `memory`: where its payload
-  /// is, for those that find it there; empty: nowhere.
+  /// Sends a change that was just written to the readers that get it. `memory` is the place of its
+  /// payload for readers that find it there; empty if there is none.
   void send(const Change& change, const std::optional<MemoryReference>& memory = {});
   /// Sends the GAPs up to `end` that were not sent yet: to one reader, or to all.
   void send_gap(ReaderProxy& proxy, SequenceNumber end);
   void send_gaps(SequenceNumber end);
 
  private:
-  /// Returns true if all readers get the change.
+  /// Decides which readers get the change. Returns true if all do.
   bool judge(const Change& change, bool in_memory);
 
   MatchedReaders& readers_;

@@ -6,9 +6,9 @@
 
 namespace ddssec::rtps {
 
-/// Handles one request at a time: a new one replaces the previous one. A receiver that lost
-/// fragments has small buffers, so portions are small. The HEARTBEAT after a portion triggers the
-/// next request.
+/// The requests of one reader. It handles one at a time: a new one replaces the previous one. A
+/// receiver that lost fragments has small buffers, so portions are small. The HEARTBEAT after a
+/// portion triggers the next request.
 class FragmentRepair {
  public:
   static constexpr std::uint32_t kFragmentsPerPortion = 8;
@@ -31,10 +31,10 @@ class FragmentRepair {
     begun_ = now;
   }
   SequenceNumber sample() const { return sample_; }
-  /// When the next portion is due; kNever: nothing is left, or the portion that was due has been
-  /// sent.
+  /// The time at which the next portion is due; kNever if nothing is left, or if the portion that
+  /// was due has been sent.
   MonotonicTime due() const { return due_; }
-  /// Sends nothing more of the request.
+  /// Ends the request: nothing more of it is sent.
   void end() { due_ = kNever; }
 
   /// Calls `send(FragmentNumber)` for each fragment of the next portion.

@@ -28,7 +28,7 @@ bool FragmentSet::insert(FragmentNumber first, std::uint32_t count) {
     if ((octet & bit_of(index)) == 0) --missing_;
     octet |= bit_of(index);
   }
-  // It only moves forward, so all calls together take one step for each fragment.
+  // first_missing_ only moves forward, so all calls together take one step for each fragment.
   while (first_missing_.value <= total_ && contains(first_missing_)) ++first_missing_.value;
   return missing_ < missing_before;
 }

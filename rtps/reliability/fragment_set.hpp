@@ -9,14 +9,14 @@
 
 namespace ddssec::rtps {
 
-/// A bitmap in pages, each allocated when the first of its fragments arrives. A sender that
+/// A bitmap in pages, each allocated when the first of its fragments arrives. So a sender that
 /// announces many fragments and sends few causes no more work than one that announces few.
 class FragmentSet {
  public:
   static constexpr std::uint32_t kFragmentsPerPage = 4096;
   static constexpr std::uint32_t kMaxFragments = 32 * kFragmentsPerPage;
 
-  /// `total`: number of fragments of the whole sample, at most kMaxFragments.
+  /// `total` is the number of fragments of the whole sample, at most kMaxFragments.
   explicit FragmentSet(std::uint32_t total = 0);
 
   /// Adds fragments first .. first + count - 1, which must not exceed the total. Returns false if
@@ -24,7 +24,7 @@ class FragmentSet {
   bool insert(FragmentNumber first, std::uint32_t count);
   bool contains(FragmentNumber number) const;
   bool is_complete() const { return missing_ == 0; }
-  /// total + 1 if none is missing.
+  /// The first missing fragment; total + 1 if none is missing.
   FragmentNumber first_missing() const { return first_missing_; }
   /// The missing fragments within 256 of the first missing one.
   FragmentNumberSet missing() const;
@@ -35,7 +35,8 @@ class FragmentSet {
   std::uint32_t total_ = 0;
   std::uint32_t missing_ = 0;
   FragmentNumber first_missing_{1};
-  /// Payloads, because their memory is reused: nothing is allocated once samples flow.
+  /// The pages are Payloads, because their memory is reused: nothing is allocated once samples
+  /// flow.
   std::array<Payload, kMaxFragments / kFragmentsPerPage> pages_;
 };
 

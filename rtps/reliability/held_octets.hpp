@@ -9,8 +9,8 @@
 
 namespace ddssec::rtps {
 
-/// Each identity has a share. An attacker that spreads its data over many writers of its own takes
-/// no room from others.
+/// Each identity has a share. So an attacker that spreads its data over many writers of its own
+/// takes no room from others.
 class HeldOctets {
   struct Share {
     std::size_t writers = 0, octets = 0;
@@ -24,10 +24,10 @@ class HeldOctets {
     std::size_t of_one = kMaxOfOne;  ///< for all writers of one identity
   };
 
-  /// What one writer uses of its identity's share, until it is destroyed.
+  /// The part of its identity's share that one writer uses, until it is destroyed.
   class Account {
    public:
-    /// `all` must outlive it.
+    /// `all` must outlive this account.
     Account(HeldOctets& all, const GuidPrefix& identity);
     ~Account();
     Account(const Account&) = delete;
@@ -47,16 +47,16 @@ class HeldOctets {
   void limit(const Limits& limits) { limits_ = limits; }
   std::size_t octets() const { return octets_; }
   std::size_t identities() const { return shares_.size(); }
-  /// For readers that share it: true if the identity holds more than its limit, or more than is
-  /// free. So it leaves room for another identity in each of them.
+  /// For readers that share this object: true if the identity holds more than its limit, or more
+  /// than is free. So it leaves room for another identity in each of them.
   bool exceeds_share(const GuidPrefix& identity) const;
-  /// The identity that must give something up: the one that holds the most. Empty if everything is
+  /// The identity that must give something up, because it holds the most. Empty if everything is
   /// within the limits.
   std::optional<GuidPrefix> over_limit() const;
 
  private:
   Limits limits_;
-  std::size_t octets_ = 0;  ///< of all shares
+  std::size_t octets_ = 0;  ///< octets of all shares
   std::map<GuidPrefix, Share> shares_;
 };
 

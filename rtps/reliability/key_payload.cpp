@@ -21,8 +21,8 @@ BytesView key_payload_for(const KeyReading& readers, BytesView payload, const Ke
     scratch = to_bare(payload);
     return scratch.empty() ? payload : BytesView(scratch);
   }
-  // Readers stop after the key's last member, so the payload may become longer. In XCDR2 the length
-  // distinguishes layouts and must not change; Fast DDS 2 knows only XCDR1.
+  // Readers stop after the key's last member, so the payload may become longer. In XCDR2 its length
+  // must not change, because the length distinguishes layouts. Fast DDS 2 knows only XCDR1.
   const bool grows = readers.short_is_hash && opened->encapsulation == Encapsulation::cdr &&
                      payload.size() <= kMaxTakenForHash;
   if (!grows) return payload;

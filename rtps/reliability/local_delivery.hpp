@@ -9,15 +9,14 @@ namespace ddssec::rtps {
 
 /// These readers get the history without messages, in the order of sequence numbers, in the thread
 /// that writes, takes or matches. A change that a reader refuses stays with the writer until the
-/// reader asks for it.
+/// reader requests it.
 class LocalDelivery {
  public:
   /// `history` and `readers` must outlive this object.
   LocalDelivery(const Guid& writer, const WriterHistory& history, MatchedReaders& readers)
       : writer_(writer), history_(history), readers_(readers) {}
 
-  /// From now on readers also get the writer's position in the group. `group` must outlive this
-  /// object.
+  /// Makes readers also get the writer's position in the group. `group` must outlive this object.
   void join(const WriterGroup& group) { group_ = &group; }
   /// Offers an attached reader all changes that it has not taken.
   void feed(ReaderProxy& proxy);

@@ -1,4 +1,4 @@
-// The locators of many readers, each once.
+// The locators of many readers, with each locator listed once.
 #pragma once
 
 #include <map>

@@ -38,25 +38,25 @@ class MatchedReaders {
   /// Number of readers that do not get everything.
   std::size_t filtered() const { return filtered_; }
   void set_filter(ReaderProxy& proxy, std::shared_ptr<ChangeFilter> filter);
-  /// A form of keys that all readers can read.
+  /// The form of keys that all readers can read.
   KeyReading key_reading() const { return {bare_only_ > 0, short_is_hash_ > 0}; }
 
   void readdress(ReaderProxy& proxy, LocatorList locators);
-  /// Whether the reader finds payloads in the writer's memory.
+  /// Sets whether the reader finds payloads in the writer's memory.
   void set_in_memory(ReaderProxy& proxy, bool in_memory);
   void acknowledge(ReaderProxy& proxy, SequenceNumber through);
   const AcknowledgedNumbers& acknowledged() const { return acknowledged_; }
   /// Finds out which readers acknowledge in time (Timeliness). Costs time for each reader, so it
   /// does nothing if it was called less than kCheckPeriod ago.
   void check_timeliness(SequenceNumber written, MonotonicTime now);
-  /// Only of the readers that acknowledge in time.
+  /// The acknowledged numbers of the readers that acknowledge in time.
   const AcknowledgedNumbers& acknowledged_in_time() const { return in_time_; }
 
-  /// The DSCP of messages to the readers.
+  /// Sets the DSCP of messages to the readers.
   void set_dscp(std::uint8_t dscp) { dscp_ = dscp; }
-  /// True if some readers are sent messages.
+  /// True if messages are sent to some readers.
   bool any_remote() const { return !locators_.all().empty(); }
-  /// The same of those that find payloads in memory, and of the others.
+  /// True if messages are sent to readers that find payloads in memory, or to others.
   bool any_in_memory() const { return !in_memory_.all().empty(); }
   bool any_by_network() const { return !by_network_.all().empty(); }
   Receiver one(const ReaderProxy& proxy) const {
@@ -65,7 +65,7 @@ class MatchedReaders {
   Receiver one(const Guid& reader, const LocatorList& at) const {
     return {{reader.prefix, at, dscp_}, reader.entity};
   }
-  /// All readers at once.
+  /// The receiver that stands for all readers.
   Receiver all_readers() const {
     return is_pairwise() ? one(proxies_.begin()->second)
                          : Receiver{{{}, locators_.all(), dscp_}, kEntityIdUnknown};
@@ -74,7 +74,7 @@ class MatchedReaders {
   Receiver readers_by_network() const { return {{{}, by_network_.all(), dscp_}, kEntityIdUnknown}; }
 
  private:
-  /// True if there is only one reader and the key of that pair protects what it is sent.
+  /// True if there is only one reader, and the key of that pair protects what is sent to it.
   bool is_pairwise() const { return writer_ == kVolatileMessageWriter && size() == 1; }
   void count(const ReaderProxy& proxy, int by);
   LocatorCounts& locators_of(const ReaderProxy& proxy) {
@@ -85,7 +85,7 @@ class MatchedReaders {
   const bool is_reliable_;
   std::uint8_t dscp_ = 0;
   Proxies proxies_;
-  AcknowledgedNumbers acknowledged_;  ///< of the readers that acknowledge
+  AcknowledgedNumbers acknowledged_;  ///< numbers of the readers that acknowledge
   AcknowledgedNumbers in_time_;
   MonotonicTime next_check_{};
   LocatorCounts locators_;

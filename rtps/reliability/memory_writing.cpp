@@ -11,8 +11,8 @@ void MemoryWriting::set_reading(const GuidPrefix& participant, bool in_memory) {
 }
 
 // A change that a reliable reader has not acknowledged, and that the history still holds, may be
-// asked for. It is sent in messages then. But that costs more, so its place in memory is not used
-// for another change before.
+// requested. It is then sent in messages, which costs more. So its place in memory is not used for
+// another change before.
 std::optional<MemoryReference> MemoryWriting::store(const Change& change, MonotonicTime now) {
   if (memory_ == nullptr) return std::nullopt;
   const auto acknowledged =

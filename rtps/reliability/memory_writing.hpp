@@ -8,21 +8,23 @@
 namespace ddssec::rtps {
 
 /// Only a change that was just written goes through memory. A change that is sent again goes in
-/// messages, also to these readers. The constructor's arguments must outlive this object.
+/// messages to these readers too. The constructor's arguments must outlive this object.
 class MemoryWriting {
  public:
   MemoryWriting(MatchedReaders& readers, WriterMessages& messages, const WriterHistory& history)
       : readers_(readers), messages_(messages), history_(history) {}
 
-  /// `memory`: nullptr: all payloads are sent in messages. It must outlive its use.
+  /// Sets the memory, which must outlive its use. nullptr means that all payloads are sent in
+  /// messages.
   void use(SampleMemory* memory) { memory_ = memory; }
-  /// From now on readers of that participant find payloads in memory, or no longer do. Flush
-  /// the sender before.
+  /// Sets whether readers of that participant find payloads in memory. The sender must be flushed
+  /// before.
   void set_reading(const GuidPrefix& participant, bool in_memory);
 
-  /// Puts a change that was just written into memory. Empty: it must be sent in messages.
+  /// Puts a change that was just written into memory. Returns an empty value if it must be sent in
+  /// messages.
   std::optional<MemoryReference> store(const Change& change, MonotonicTime now);
-  /// Sends it to all readers. `memory`: where its payload is.
+  /// Sends the change to all readers. `memory` is the place of its payload.
   void send(const Change& change, const std::optional<MemoryReference>& memory);
 
  private:

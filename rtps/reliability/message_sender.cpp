@@ -40,7 +40,7 @@ void MessageSender::begin(const Destination& to, const SendProtection::Levels& l
   const bool empty = out_.size() == 0;
   if (other) to_.assign(to.locators.begin(), to.locators.end());
   if (empty) begin_message(to_, levels);
-  // INFO_DST applies until the next one or the end of the message.
+  // An INFO_DST applies until the next one or the end of the message.
   if ((empty && !to.prefix.is_zero()) || (!empty && to.prefix != destination_))
     write(out_, InfoDestination{to.prefix});
   receiver_ = empty || to.prefix == receiver_ ? to.prefix : GuidPrefix{};
@@ -64,8 +64,8 @@ void MessageSender::begin_message(std::span<const Locator> to,
   write(out_, header_);
 }
 
-// DDS-Security 1.2, clause 10.5.3.3.4.3: a payload that is signed without its length must end on a
-// 4-octet boundary.
+// A payload that is signed without its length must end on a 4-octet boundary (DDS-Security 1.2,
+// clause 10.5.3.3.4.3).
 std::optional<BytesView> MessageSender::protected_payload(const EntityId& writer, BytesView plain) {
   if (plain.size() % 4 != 0) {
     SpanWriter padded(plain_);
@@ -147,7 +147,7 @@ void MessageSender::flush() {
     is_flush_wanted_ = true;
 }
 
-// Out of memory: the next flush tries again.
+// If memory runs out, the next flush tries again.
 void MessageSender::flush_at_end() noexcept {
   try {
     flush_now();

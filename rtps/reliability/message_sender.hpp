@@ -26,7 +26,7 @@ struct Destination {
   std::span<const Locator> locators = {};   ///< borrowed for the call
   std::uint8_t dscp = 0;                    ///< see Outgoing
   std::size_t interface = kEveryInterface;  ///< see Outgoing
-  /// The participant whose AmplificationLimit is charged; zero: that of `prefix`.
+  /// The participant whose AmplificationLimit is charged; zero means that of `prefix`.
   GuidPrefix charged = {};
 };
 
@@ -36,22 +36,22 @@ struct Receiver {
   EntityId reader = kEntityIdUnknown;  ///< unknown: all matched readers
 };
 
-/// Submessages for the same locators share a message until it is full or flushed. The messages of a
-/// large sample share a call of the transport. Memory is allocated only if more messages are needed
-/// at once than ever before. Not thread-safe.
+/// Packs submessages for the same locators into a message until it is full or flushed. The messages
+/// of a large sample share a call of the transport. Memory is allocated only if more messages are
+/// needed at once than ever before. Not thread-safe.
 class MessageSender {
  public:
-  /// As in Cyclone DDS: a message fits two jumbo frames; larger samples are sent in fragments. In
-  /// octets.
+  /// The size of a message in octets, as in Cyclone DDS: it fits two jumbo frames. Larger samples
+  /// are sent in fragments.
   static constexpr std::size_t kMaxMessage = 14720;
   /// The largest fragment that fits into such a message, in octets.
   static constexpr std::uint16_t kMaxFragment = 14336;
   /// The limit of a UDP datagram, in octets: used if all receivers are on this machine, and for
   /// protected messages.
   static constexpr std::size_t kMaxDatagram = 64000;
-  /// A protected message of this many octets to receivers on this machine is full: the rest is room
-  /// for the last submessage, and for the receivers' MACs (DDS-Security 1.2, clause 10.5.3.3.4)
-  /// unless they are many. Then the last submessage begins the next message.
+  /// A protected message of this many octets to receivers on this machine is full. The rest is room
+  /// for the last submessage, and for the receivers' MACs (DDS-Security 1.2, clause 10.5.3.3.4). If
+  /// there are too many MACs, the last submessage begins the next message.
   static constexpr std::size_t kFullProtected = 46000;
 
   /// Limits for full messages that wait for more of the same sample. They are low because
@@ -61,14 +61,14 @@ class MessageSender {
 
   MessageSender(Transport& transport, const GuidPrefix& prefix);
 
-  /// From now on `protection` encodes messages. It must outlive the use of the sender.
+  /// Makes `protection` encode messages from now on. It must outlive the use of the sender.
   void protect_with(SendProtection& protection);
 
   template <class S>
   void add(const Destination& to, const S& submessage) {
     put(to, nullptr, submessage);
   }
-  /// `time` is that of the submessage after it, in this message only.
+  /// Adds a submessage with its time, which applies to this message only.
   template <class S>
   void add(const Destination& to, const InfoTimestamp& time, const S& submessage) {
     put(to, &time, submessage);
@@ -78,18 +78,18 @@ class MessageSender {
   void add_unauthenticated(const Destination& to, const S& submessage) {
     put(to, nullptr, submessage, kStatelessMessageWriter);
   }
-  /// The limits for what unproven participants may be sent. A message above the limit is not sent.
+  /// The limits on the octets that are sent to unproven participants. A message above the limit is
+  /// not sent.
   AmplificationLimit& amplification_limit() { return limit_; }
-  /// Sends what was added. While a Gathering exists, this happens at its end.
+  /// Sends everything that was added. While a Gathering exists, this happens at its end.
   void flush();
-  /// Sends a whole message, which is sent as it is.
+  /// Sends a whole message without changes.
   void send_alone(BytesView message, std::span<const Locator> to) {
     transport_.send_all({{&message, 1}, to});
   }
-  /// Sends at once: before keys that the messages need are removed, or if a message must not be
-  /// shared.
+  /// Sends at once. For messages whose keys are about to be removed, or that must not be shared.
   void flush_now();
-  /// The same in a destructor, from which no exception may come.
+  /// Does the same in a destructor, which must not throw.
   void flush_at_end() noexcept;
   /// While an instance exists, nothing is flushed, so that the results of one event share messages.
   class Gathering {
@@ -104,8 +104,8 @@ class MessageSender {
    private:
     MessageSender& sender_;
   };
-  /// Samples with more octets than `size` are sent in fragments of that size; at most
-  /// kMaxFragment.
+  /// Sets the fragment size: samples with more octets than `size` are sent in fragments of that
+  /// size, which is at most kMaxFragment.
   void fragment_at(std::uint32_t size) {
     fragment_size_ = static_cast<std::uint16_t>(std::clamp<std::uint32_t>(size, 1, kMaxFragment));
   }
@@ -115,16 +115,16 @@ class MessageSender {
   /// The number of octets at which the waiting message, or the last one that waited, is full.
   std::size_t full_size() const { return full_size_; }
 
-  /// From now on what was added may wait for more. The owner must call flush at the time flush_by
-  /// returns.
+  /// Allows that submessages wait for more. The owner must then call flush at the time that
+  /// flush_by returns.
   void allow_delayed_flush() { may_delay_flush_ = true; }
   bool may_delay_flush() const { return may_delay_flush_; }
   /// Requests a flush at `deadline` at the latest, instead of now.
   void delay_flush(MonotonicTime deadline) { flush_by_ = std::min(flush_by_, deadline); }
-  /// kNever: nothing waits.
+  /// The time at which flush must be called; kNever if nothing waits.
   MonotonicTime flush_by() const { return flush_by_; }
 
-  /// A sample arrived: the next write may be an answer that a peer waits for.
+  /// Notes that a sample arrived: the next write may be an answer that a peer waits for.
   void note_sample() { ++samples_heard_; }
   std::uint32_t samples_heard() const { return samples_heard_; }
 
@@ -145,7 +145,7 @@ class MessageSender {
   void put(const Destination& to, const InfoTimestamp* time, const S& submessage) {
     put(to, time, submessage, ends_of(submessage).from);
   }
-  /// Protects the submessage as one that `as` sends.
+  /// Adds the submessage, protected as one that `as` sends.
   template <class S>
   void put(const Destination& to, const InfoTimestamp* time, const S& submessage,
            const EntityId& as) {
@@ -164,7 +164,7 @@ class MessageSender {
       finish_message();
     }
   }
-  /// Returns false if it could not be protected.
+  /// Returns false if the submessage could not be protected.
   template <class S>
   bool write_protected(const SendProtection::Levels& levels, const Guid& receiver,
                        const EntityId& sender, S submessage) {
@@ -182,7 +182,7 @@ class MessageSender {
     write(plain, submessage);
     const bool done =
         !plain.overflowed() && write_protected_submessage(sender, receiver, plain.view());
-    // It contains keys.
+    // The submessage contains keys.
     if (sender == kVolatileMessageWriter) wipe(MutableBytes(plain_).first(plain.size()));
     return done;
   }
@@ -190,7 +190,7 @@ class MessageSender {
   bool write_protected_submessage(const EntityId& sender, const Guid& receiver, BytesView plain);
   void begin(const Destination& to, const SendProtection::Levels& levels);
   void begin_message(std::span<const Locator> to, const SendProtection::Levels& levels);
-  /// The message waits for a flush, or until kMaxWaiting messages wait.
+  /// Makes the message wait for a flush, or until kMaxWaiting messages wait.
   void finish_message();
   void wait_for_more(BytesView message);
   void send_waiting();
@@ -208,12 +208,12 @@ class MessageSender {
   std::size_t slot_size_ = kMaxMessage;
   std::size_t full_size_ = kMaxMessage;
   SpanWriter out_;  ///< the current message, written into the next slot or protected into it
-  std::vector<Locator> to_;  ///< destination of everything that waits
-  std::uint8_t dscp_ = 0;    ///< the same
+  std::vector<Locator> to_;  ///< the destination of everything that waits
+  std::uint8_t dscp_ = 0;    ///< DSCP of everything that waits
   std::size_t interface_ = kEveryInterface;
-  GuidPrefix destination_;  ///< of the last submessage
-  GuidPrefix receiver_;     ///< of all submessages in the message; zero if they differ
-  GuidPrefix limited_;      ///< whose limit is charged for everything that waits; zero: none
+  GuidPrefix destination_;  ///< destination of the last submessage
+  GuidPrefix receiver_;     ///< receiver of all submessages in the message; zero if they differ
+  GuidPrefix limited_;      ///< participant whose limit is charged for what waits; zero: none
   AmplificationLimit limit_;
   SendProtection::Wrap wrap_ = SendProtection::Wrap::none;
   bool may_delay_flush_ = false;

@@ -9,14 +9,15 @@
 
 namespace ddssec::rtps {
 
-/// The same moment on both clocks.
+/// One moment, as monotonic time and as calendar time.
 struct Moment {
   MonotonicTime now{};
   Time wall{};
 };
 
-/// When the LIFESPAN of a sample ends (DDS 1.4, 2.2.3.16). It counts from the source time; if the
-/// writer's clock is ahead of the local one, its samples still get no more than the lifespan.
+/// The time at which the LIFESPAN of a sample ends (DDS 1.4, 2.2.3.16). It counts from the source
+/// time. If the writer's clock is ahead of the local one, its samples still get no more than the
+/// lifespan.
 inline MonotonicTime end_of_life(const std::optional<Time>& source, Duration lifespan,
                                  const Moment& at) {
   if (lifespan.is_infinite()) return kNever;

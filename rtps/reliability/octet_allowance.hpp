@@ -17,7 +17,7 @@ class OctetAllowance {
   static constexpr std::size_t kMaxOctets = kAtOnce;
   static constexpr std::size_t kOctetsPerMillisecond = kPerMillisecond;
 
-  /// Returns what is left now.
+  /// Returns the number of octets that are left now.
   std::size_t renewed(MonotonicTime now) {
     using std::chrono::microseconds;
     constexpr std::int64_t kFull = (kAtOnce / kPerMillisecond + 1) * 1000;
@@ -33,20 +33,21 @@ class OctetAllowance {
   MonotonicTime since_{};
 };
 
-/// For repeated samples, for each reader. If requests are not protected, an attacker can send them
-/// in the reader's name and use the writer to flood the reader. Without a limit, one datagram with
-/// many requests was answered with 338 times its octets.
+/// The allowance of each reader for repeated samples. If requests are not protected, an attacker
+/// can send them in the reader's name and use the writer to flood the reader. Without a limit, one
+/// datagram with many requests was answered with 338 times its octets.
 using RepairAllowance = OctetAllowance<std::size_t{256} << 10, std::size_t{128} << 10>;
 
-/// For history, for all best-effort readers of a writer together. Such readers do not request it at
-/// their own pace, and a participant can announce any number of them at any address. Without a
-/// limit, an announcement of 600 octets was answered with everything that the writer held.
+/// The allowance for history, for all best-effort readers of a writer together. Such readers do not
+/// request it at their own pace, and a participant can announce any number of them at any address.
+/// Without a limit, an announcement of 600 octets was answered with everything that the writer
+/// held.
 using HistoryAllowance = OctetAllowance<std::size_t{4} << 20, std::size_t{1} << 10>;
 
-/// For readers' filters that a writer evaluates when it repeats samples, or sends history: here it
-/// counts evaluations, of all readers together. One takes up to 13 us (WriterFilter::kMaxSteps), so
-/// this is a fifth of a processor. Without a limit, a request of 152 octets made the writer compute
-/// for 3.3 ms.
+/// The allowance for readers' filters that a writer evaluates when it repeats samples or sends
+/// history. It counts evaluations, of all readers together. One evaluation takes up to 13 us
+/// (WriterFilter::kMaxSteps), so this is a fifth of a processor. Without a limit, a request of 152
+/// octets made the writer compute for 3.3 ms.
 using EvaluationAllowance = OctetAllowance<4096, 16>;
 
 }  // namespace ddssec::rtps

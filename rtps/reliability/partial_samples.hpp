@@ -9,8 +9,8 @@
 
 namespace ddssec::rtps {
 
-/// Sorted by sequence number. The announced size of a sample is accepted up to the limits below,
-/// and counted before its octets arrive.
+/// The samples are sorted by sequence number. The announced size of a sample is accepted up to the
+/// limits below, and counted before its octets arrive.
 class PartialSamples {
  public:
   static constexpr std::size_t kMaxSamples = 4;
@@ -18,10 +18,10 @@ class PartialSamples {
   /// because each fragment has a cost besides its octets.
   static constexpr std::uint32_t kMaxSmallFragments = 4096;
   static constexpr std::uint16_t kMinFragmentSize = 512;
-  /// What each sample counts besides its octets.
+  /// The octets that each sample counts in addition to its payload.
   static constexpr std::size_t kPrice = 256;
 
-  /// `prefers_newest`: if there is one sample too many, the oldest is dropped, otherwise the
+  /// If there is one sample too many, the oldest one is dropped if `prefers_newest`, else the
   /// newest. `account` must outlive this object.
   PartialSamples(HeldOctets::Account& account, bool prefers_newest)
       : account_(account), prefers_newest_(prefers_newest) {}
@@ -39,7 +39,8 @@ class PartialSamples {
   /// Begins a sample, whose fragment must pass `admits` and which must not be contained. Returns
   /// false if there is no room.
   bool begin(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time);
-  /// Returns false if the fragments had already arrived, or the sample is not contained.
+  /// Inserts the fragments. Returns false if they had already arrived, or if the sample is not
+  /// contained.
   bool insert(const DataFrag& frag);
   /// Removes and returns the sample if no fragment of it is missing.
   std::optional<Change> take_complete(SequenceNumber number);

@@ -10,14 +10,14 @@
 
 namespace ddssec::rtps {
 
-/// What such a writer sent before it left does not count as new when the writer returns. If there
-/// is no room, the identity with the most writers loses its oldest.
+/// Remembers these writers' positions: what a writer sent before it left does not count as new when
+/// it returns. If there is no room, the identity with the most writers loses its oldest.
 class PastWriters {
  public:
   static constexpr std::size_t kMax = 1024;
   struct Position {
     Sha256Digest keys;
-    SequenceNumber next;  ///< everything below it was delivered or given up
+    SequenceNumber next;  ///< every change below was delivered or given up
     std::int32_t last_heartbeat;
   };
 

@@ -17,7 +17,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// Four sizes for each power of two, so at most a quarter of a payload is wasted.
+// There are four sizes for each power of two, so at most a quarter of a payload is wasted.
 constexpr std::size_t kMin = 64;
 constexpr std::size_t kSteps = 4;
 
@@ -43,7 +43,7 @@ static_assert(class_of(128) == 4 && class_of(129) == 5 && capacity_of(4) == 128)
 struct Payload::Store {
   std::mutex mutex;
   std::array<Block*, kClasses> kept{};
-  std::size_t octets = 0;  // of the blocks that are kept
+  std::size_t octets = 0;  // octets of the blocks that are kept
 
   Block* take(std::size_t size_class) {
     const std::lock_guard lock(mutex);

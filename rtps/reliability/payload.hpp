@@ -14,7 +14,8 @@ namespace ddssec::rtps {
 /// and it is limited. Once samples flow, a payload costs no allocation. Thread-safe.
 class Payload {
  public:
-  /// Larger payloads, and more octets than kMaxKept, are returned to the allocator at once.
+  /// A payload with more octets than this, or one for which kMaxKept leaves no room, is returned to
+  /// the allocator at once.
   static constexpr std::size_t kMaxKeptOctets = std::size_t{8} << 20;
   static constexpr std::size_t kMaxKept = std::size_t{32} << 20;
 
@@ -37,19 +38,20 @@ class Payload {
     std::ranges::copy(octets, out.fill().begin());
     return out;
   }
-  /// Must be filled before it is shared. Pages that are never written cost no memory.
+  /// Returns a payload that must be filled before it is shared. Pages that are never written cost
+  /// no memory.
   static Payload uninitialized(std::size_t size);
 
   BytesView view() const { return block_ == nullptr ? BytesView{} : BytesView(octets(), size()); }
   MutableBytes fill() {
     return block_ == nullptr ? MutableBytes{} : MutableBytes(octets(), size());
   }
-  /// Before it is shared: only the first `size` octets count.
+  /// Reduces the payload to its first `size` octets. Must be called before it is shared.
   void shrink(std::size_t size) {
     if (block_ != nullptr) block_->size = std::min(size, block_->size);
   }
   std::size_t size() const { return block_ == nullptr ? 0 : block_->size; }
-  /// The payload contains keys: its memory is wiped when the last holder is gone.
+  /// Makes the memory be wiped when the last holder is gone, because the payload contains keys.
   void wipe_at_end() {
     if (block_ != nullptr) block_->holds_secrets = true;
   }

@@ -8,9 +8,9 @@
 
 namespace ddssec::rtps {
 
-/// One HEARTBEAT in each millisecond, so that a reader soon knows what it lacks. A reader that
-/// lacks nothing does not answer, unless the HEARTBEAT is a question, which requires an answer.
-/// Questions are frequent enough that histories shrink while a writer is busy.
+/// One HEARTBEAT is sent in each millisecond, so that a reader soon knows what it lacks. A reader
+/// that lacks nothing does not answer, unless the HEARTBEAT is a question, which requires an
+/// answer. Questions are frequent enough that histories shrink while a writer is busy.
 class PiggybackHeartbeats {
  public:
   enum class Kind : std::uint8_t { none, final, question };
@@ -21,8 +21,8 @@ class PiggybackHeartbeats {
   /// With KEEP_ALL and limits, several questions are sent before the history is full.
   explicit PiggybackHeartbeats(const Qos& qos);
 
-  /// Returns what a sample of that size carries. `is_full`: returns whether the history has no room
-  /// for another sample of that size; called only if it matters.
+  /// Returns the kind of HEARTBEAT that a sample of that size carries. `is_full` returns whether
+  /// the history has no room for another sample of that size, and is called only if it matters.
   template <class F>
   Kind on_sample(std::size_t octets, MonotonicTime now, F&& is_full) {
     octets_ += octets;
@@ -32,7 +32,7 @@ class PiggybackHeartbeats {
     last_ = now;
     return asks ? Kind::question : Kind::final;
   }
-  /// A question was sent, with a sample or without.
+  /// Notes that a question was sent, with a sample or without.
   void note_question() {
     samples_ = 0;
     octets_ = 0;
@@ -40,7 +40,7 @@ class PiggybackHeartbeats {
 
  private:
   const int samples_per_question_;
-  int samples_ = 0;  ///< written since the last question
+  int samples_ = 0;  ///< samples written since the last question
   std::size_t octets_ = 0;
   MonotonicTime last_{std::chrono::hours(-1)};
 };

@@ -1,4 +1,4 @@
-// When a writer that has not been heard is queried again.
+// The time at which a writer that has not been heard is queried again.
 #pragma once
 
 #include <algorithm>
@@ -13,13 +13,13 @@ class QuestionTimer {
   static constexpr MonotonicTime kFirstWait = std::chrono::milliseconds(50);
   static constexpr MonotonicTime kMaxWait = std::chrono::seconds(5);
 
-  /// kNever: no query is due.
+  /// The time of the next query; kNever if none is due.
   MonotonicTime due() const { return due_; }
   void note_asked(MonotonicTime now) {
     due_ = now + wait_;
     wait_ = std::min(wait_ * 2, kMaxWait);
   }
-  /// The writer was heard.
+  /// Stops the timer, because the writer was heard.
   void stop() { due_ = kNever; }
 
  private:

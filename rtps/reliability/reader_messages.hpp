@@ -14,7 +14,8 @@ class ReaderMessages {
   ReaderMessages(const EntityId& reader, MessageSender& sender)
       : reader_(reader), sender_(sender) {}
 
-  /// Everything below the base of `missing` has arrived. `is_final`: no answer is needed.
+  /// Acknowledges everything below the base of `missing`. `is_final` means that no answer is
+  /// needed.
   void acknack(const Destination& to, const EntityId& writer, const SequenceNumberSet& missing,
                bool is_final) {
     sender_.add(to, AckNack{reader_, writer, missing, ++count_, is_final});

@@ -24,17 +24,17 @@ struct MatchedReader {
   bool wants_history = false;  ///< durability is TRANSIENT_LOCAL or higher
   LocatorList locators = {};   ///< empty if it gets changes directly in this process
   bool is_in_process = false;
-  std::shared_ptr<ChangeFilter> filter = {};  ///< nullptr: it gets everything
+  std::shared_ptr<ChangeFilter> filter = {};  ///< the reader gets everything if this is nullptr
   KeyReading keys = {};
 };
 
-/// Whether a reader acknowledges in time: everything that was written before a point in time, at
-/// most kMaxDelay later.
+/// Tells whether a reader acknowledges in time: everything that was written before a point in time,
+/// at most kMaxDelay later.
 class Timeliness {
  public:
   static constexpr MonotonicTime kMaxDelay = std::chrono::milliseconds(500);
 
-  /// `written`: the last number that was written.
+  /// Checks whether the reader is late. `written` is the last number that was written.
   void check(SequenceNumber acknowledged, SequenceNumber written, MonotonicTime now) {
     if (acknowledged >= awaited_) {
       awaited_ = written;
@@ -44,7 +44,7 @@ class Timeliness {
       is_late_ = true;
     }
   }
-  /// True until it has acknowledged what was awaited.
+  /// True until the reader has acknowledged what was awaited.
   bool is_late() const { return is_late_; }
 
  private:
@@ -53,16 +53,16 @@ class Timeliness {
   bool is_late_ = false;
 };
 
-/// No I/O, clock or lock.
+/// A matched reader, with the progress that it has acknowledged. No I/O, clock or lock.
 class ReaderProxy {
  public:
   /// The changes that the reader gets.
   struct Range {
-    SequenceNumber first;       ///< a late joiner gets no changes below this
-    SequenceNumber until = {};  ///< it gets no changes from here on; 0: no limit
+    SequenceNumber first;       ///< a late joiner gets no changes below this number
+    SequenceNumber until = {};  ///< the reader gets no changes from here on; 0: no limit
   };
 
-  /// `writer_is_reliable`: if false, a reliable reader acknowledges nothing.
+  /// If `writer_is_reliable` is false, a reliable reader acknowledges nothing.
   ReaderProxy(MatchedReader reader, const Range& range, bool writer_is_reliable)
       : reader_(std::move(reader)),
         range_(range),
@@ -76,7 +76,7 @@ class ReaderProxy {
   /// True if both sides are reliable.
   bool acknowledges() const { return acknowledges_; }
   SequenceNumber first_relevant() const { return range_.first; }
-  /// Everything up to here has arrived. Set by MatchedReaders.
+  /// Every change up to this number has arrived. Set by MatchedReaders.
   SequenceNumber acknowledged() const { return acknowledged_; }
   void set_acknowledged(SequenceNumber through) { acknowledged_ = through; }
 
@@ -88,12 +88,12 @@ class ReaderProxy {
   bool ends_before(SequenceNumber number) const {
     return range_.until.value != 0 && number >= range_.until;
   }
-  /// The result of its filter. Empty: it has no filter, or must decide itself.
+  /// The result of its filter. Empty if it has no filter, or must decide itself.
   std::optional<bool> filter_result(const Change& change) const {
     if (!reader_.filter || !change.is_alive()) return std::nullopt;
     return reader_.filter->passes(change);
   }
-  /// True if it may not get everything.
+  /// True if the reader may not get everything.
   bool is_filtered() const { return reader_.filter != nullptr || range_.until.value != 0; }
   void set_filter(std::shared_ptr<ChangeFilter> filter) { reader_.filter = std::move(filter); }
 
@@ -106,17 +106,17 @@ class ReaderProxy {
     return false;
   }
 
-  AcknowledgedNumbers::Place place;          ///< if it acknowledges
-  AcknowledgedNumbers::Place place_in_time;  ///< if it does so in time
+  AcknowledgedNumbers::Place place;          ///< set if it acknowledges
+  AcknowledgedNumbers::Place place_in_time;  ///< set if it acknowledges in time
   Timeliness timeliness;
   RecentMessages<AckNack> acknacks;
   RecentMessages<NackFrag> nack_frags;
   RepairAllowance allowance;
   FragmentRepair repair;
-  StatefulReader* local = nullptr;  ///< reader in this process; nullptr: not attached
+  StatefulReader* local = nullptr;  ///< the reader in this process; nullptr if it is not attached
   bool in_memory = false;           ///< its participant has mapped the writer's memory
-  bool wanted = true;               ///< the last change passed its filter
-  /// The first change that did not pass its filter and was not reported to it by a GAP yet; 0:
+  bool wanted = true;               ///< true if the last change passed its filter
+  /// The first change that did not pass its filter and for which no GAP was sent yet; 0 if there is
   /// none.
   SequenceNumber filtered_from = {};
 

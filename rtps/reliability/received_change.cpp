@@ -5,7 +5,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// Key tokens arrive at the volatile secure endpoint.
+// Key tokens arrive at the volatile secure endpoint, so their memory is wiped.
 void wipe_if_secret(Change& change) {
   if (change.writer.entity == kVolatileMessageWriter) change.payload.wipe_at_end();
 }

@@ -6,10 +6,10 @@
 
 namespace ddssec::rtps {
 
-/// `payload`: that of the DATA, or one that it names.
+/// Returns the change of a DATA. `payload` is its payload, or one to which it refers.
 Change received_change(const GuidPrefix& from, const Data& data, const std::optional<Time>& time,
                        Payload payload);
-/// The payload has the size of the whole sample.
+/// Returns the change of a DATA_FRAG. Its payload has the size of the whole sample.
 Change received_change(const GuidPrefix& from, const DataFrag& frag,
                        const std::optional<Time>& time);
 

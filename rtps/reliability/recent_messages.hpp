@@ -1,4 +1,4 @@
-// Which HEARTBEATs, ACKNACKs and NACK_FRAGs are repetitions (RTPS 8.4.15.7).
+// Finds out which HEARTBEATs, ACKNACKs and NACK_FRAGs are repetitions (RTPS 8.4.15.7).
 #pragma once
 
 #include <algorithm>
@@ -11,19 +11,20 @@
 namespace ddssec::rtps {
 
 /// The messages of one kind from one sender. Their counts increase, so a message whose count is not
-/// later than the last one is a repetition, by the network or by an attacker.
+/// later than the last one was repeated, by the network or by an attacker.
 ///
 /// That holds for messages that keys of the sender protect. Without protection, an attacker can
-/// send any count, and one far ahead would make all later messages of the sender count as
+/// send any count. One that is far ahead would make all later messages of the sender count as
 /// repetitions. So an unprotected message is a repetition only if it equals one of the last
-/// kRemembered. The attacker gains nothing by repeating older ones: it could invent others. Nor do
-/// unprotected messages affect which protected ones are repetitions.
+/// kRemembered. The attacker gains nothing by repeating older ones, because it could invent new
+/// ones. Nor do unprotected messages affect which protected ones are repetitions.
 template <class Message>
 class RecentMessages {
  public:
   static constexpr std::size_t kRemembered = 2;
 
-  /// Returns false for a repetition. `is_protected`: by keys of the sender.
+  /// Returns false for a repetition. `is_protected` means that keys of the sender protect the
+  /// message.
   bool accept(const Message& message, bool is_protected) {
     const auto& last = is_protected ? last_protected_ : last_;
     const bool is_new = !last || is_later(message.count, *last) ||
@@ -34,11 +35,12 @@ class RecentMessages {
     ++taken_;
     return true;
   }
-  /// The sender was known before, and its last count then was this.
+  /// Restores the last count of a sender that was known before.
   void resume(std::int32_t last) { last_protected_ = last_ = last; }
-  /// The count of the last protected message, or of the last one if none was protected; 0: none.
+  /// The count of the last protected message, or of the last one if none was protected; 0 if there
+  /// is none.
   std::int32_t last() const { return last_protected_.value_or(last_.value_or(0)); }
-  /// How many were taken.
+  /// The number of messages that were accepted.
   std::uint64_t taken() const { return taken_; }
 
  private:
@@ -52,7 +54,7 @@ class RecentMessages {
 
   std::optional<std::int32_t> last_protected_, last_;
   std::uint64_t taken_ = 0;
-  std::vector<Message> recent_;  ///< unprotected
+  std::vector<Message> recent_;  ///< unprotected messages
 };
 
 }  // namespace ddssec::rtps

@@ -4,7 +4,7 @@
 
 namespace ddssec::rtps {
 
-// The answer to one request, number by number in ascending order.
+// The answer to one request. The numbers are passed to it in ascending order.
 class Retransmissions::Answer {
  public:
   Answer(Retransmissions& from, ReaderProxy& proxy, const Receiver& receiver, MonotonicTime now)
@@ -22,7 +22,7 @@ class Retransmissions::Answer {
     const auto* change = from_.history_.find(number);
     if (change == nullptr) return skip(number, from_.history_.next_held(number));
     if (!may_judge()) {
-      left_ = 0;  // the reader asks again for the rest
+      left_ = 0;  // the reader requests the rest again
     } else if (!proxy_.accepts(*change)) {
       skip(number, number.next());
     } else {
@@ -31,7 +31,7 @@ class Retransmissions::Answer {
       spend(std::max(change->payload.size(), kMinOctets));
     }
   }
-  // Call it last.
+  // Sends the open gap. Must be called last.
   void end_gap() {
     if (gap_begin_ == gap_end_) return;
     from_.messages_.gap(receiver_, gap_begin_, gap_end_);
@@ -63,9 +63,9 @@ class Retransmissions::Answer {
   ReaderProxy& proxy_;
   const Receiver& receiver_;
   const SequenceNumber lowest_;
-  std::size_t left_;                          // octets
-  std::size_t evaluations_;                   // of filters
-  SequenceNumber gap_begin_{1}, gap_end_{1};  // not sent yet; empty if they are equal
+  std::size_t left_;                          // octets that may still be sent
+  std::size_t evaluations_;                   // filter evaluations that may still be made
+  SequenceNumber gap_begin_{1}, gap_end_{1};  // the open gap; empty if they are equal
 };
 
 bool Retransmissions::answer(ReaderProxy& proxy, const Receiver& receiver,

@@ -11,7 +11,7 @@ namespace ddssec::rtps {
 class Retransmissions {
  public:
   static constexpr std::size_t kMaxOctetsPerAnswer = 128 << 10;
-  /// What a repeated sample counts at least, including its header.
+  /// The smallest number of octets that a repeated sample counts, including its header.
   static constexpr std::size_t kMinOctets = 64;
 
   /// All must outlive this object.
@@ -23,8 +23,9 @@ class Retransmissions {
   SequenceNumber lowest_for(const ReaderProxy& proxy) const {
     return std::max(history_.first(), proxy.first_relevant());
   }
-  /// Sends what an ACKNACK requests, or GAPs for what the reader does not get: one for each range,
-  /// also if it goes beyond the request. Returns false if the request was just answered.
+  /// Sends the changes that an ACKNACK requests, and GAPs for those that the reader does not get:
+  /// one for each range, even if the range goes beyond the request. Returns false if the request
+  /// was just answered.
   bool answer(ReaderProxy& proxy, const Receiver& receiver, const SequenceNumberSet& missing,
               MonotonicTime now);
   /// Accepts the request of a NACK_FRAG, which is answered in portions. Returns false if the

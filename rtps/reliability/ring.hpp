@@ -8,7 +8,7 @@
 
 namespace ddssec::rtps {
 
-/// First in, first out. Not thread-safe.
+/// A first-in, first-out queue. Not thread-safe.
 template <class T>
 class Ring {
  public:

@@ -1,5 +1,5 @@
-// Where a writer puts payloads for readers of other processes on this machine: the interface to
-// rtps/security.
+// The memory into which a writer puts payloads for readers of other processes on this machine: the
+// interface to rtps/security.
 #pragma once
 
 #include <optional>
@@ -13,9 +13,9 @@ namespace ddssec::rtps {
 class SampleMemory {
  public:
   virtual ~SampleMemory() = default;
-  /// Puts the payload of a change that was just written there. Empty: it must be sent in messages.
-  /// `needed_from`: readers may still ask for the changes from this number on. Allocates nothing
-  /// once samples of about that size flow.
+  /// Puts the payload of a change that was just written into memory. Returns an empty value if it
+  /// must be sent in messages. Readers may still request the changes from `needed_from` on.
+  /// Allocates nothing once samples of about that size flow.
   virtual std::optional<MemoryReference> store(const Change& change, SequenceNumber needed_from,
                                                MonotonicTime now) = 0;
 };

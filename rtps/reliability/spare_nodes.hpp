@@ -6,7 +6,7 @@
 
 namespace ddssec::rtps {
 
-/// For one map: erase keeps the node, insert uses it again.
+/// The spare nodes of one map: erase keeps the node, insert uses it again.
 template <class Map>
 class SpareNodes {
  public:

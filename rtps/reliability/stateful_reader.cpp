@@ -89,7 +89,7 @@ bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
   // DDS 1.4 has no instance state for samples that did not pass a filter, so there is nothing to
   // report.
   if (data.inline_qos.status.filtered) return accept(*proxy, data.sequence_number, std::nullopt);
-  // Like accept(), but without moving the change once more.
+  // This does the same as accept(), but does not move the change once more.
   auto payload = elsewhere.size() > 0 ? std::move(elsewhere) : Payload::copy_of(data.payload);
   const bool is_new =
       proxy->accept(data.sequence_number, received_change(from, data, time, std::move(payload)));
@@ -122,8 +122,8 @@ bool StatefulReader::has_place(WriterProxy& proxy, const DataFrag& frag,
   return true;
 }
 
-// By identity, so that an attacker that spreads its data over many writers displaces no other
-// identity's.
+// The limits are for each identity, so that an attacker that spreads its data over many writers
+// displaces no data of another identity.
 void StatefulReader::trim(const WriterProxy& proxy) {
   if (shares_held_) {
     while (proxy.held().octets() > 0 && common_.held->exceeds_share(proxy.held().identity()))
@@ -153,8 +153,9 @@ bool StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heart
   return true;
 }
 
-// A range is skipped as a whole if the reader has arrived at its start. Otherwise only up to 256 of
-// its numbers are recorded; the writer announces the range again when the reader requests it.
+// If the reader has arrived at the start of a range, the whole range is skipped. Otherwise at most
+// 256 of its numbers are recorded; the writer announces the range again when the reader requests
+// it.
 bool StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap) {
   auto* proxy = find({from, gap.writer});
   if (proxy == nullptr) return false;
@@ -178,7 +179,8 @@ void StatefulReader::acknowledge(WriterProxy& proxy, SequenceNumber last) {
   const auto base = unfinished_ ? unfinished_(writer, proxy.next()) : proxy.next();
   const auto missing = proxy.missing(std::min(base, proxy.next()), last);
   messages_.acknack(destination_of(proxy), writer.entity, missing, missing.empty());
-  // One sample at a time: each answer ends with a HEARTBEAT, which triggers the next request.
+  // One sample is requested at a time: each answer ends with a HEARTBEAT, which triggers the next
+  // request.
   if (const auto& partial = proxy.partial(); !partial.empty() && partial.first() <= last)
     messages_.nack_frag(destination_of(proxy), writer.entity, partial.first(),
                         partial.missing_of_first());
@@ -211,9 +213,9 @@ StatefulReader::Refused StatefulReader::refused() const {
   return out;
 }
 
-// Neither final nor with anything missing: all known vendors answer with a HEARTBEAT. (Fast DDS
-// itself queries with base 0, which Cyclone DDS considers malformed. If it is queried in that way,
-// it forgets what the reader has acknowledged.)
+// The query is not final and has nothing missing: all known vendors answer it with a HEARTBEAT.
+// (Fast DDS itself queries with base 0, which Cyclone DDS considers malformed. If Fast DDS is
+// queried in that way, it forgets what the reader has acknowledged.)
 void StatefulReader::ask(WriterProxy& proxy, MonotonicTime now) {
   const auto base = proxy.writer().begins_at_zero ? SequenceNumber{0} : proxy.next();
   messages_.acknack(destination_of(proxy), proxy.writer().guid.entity, SequenceNumberSet(base),

@@ -1,5 +1,5 @@
-// The reader's side of the protocol: what has arrived, what is missing and what is requested (RTPS
-// 8.4.12).
+// The reader's side of the protocol: the changes that have arrived, are missing or are requested
+// (RTPS 8.4.12).
 #pragma once
 
 #include <functional>
@@ -14,20 +14,21 @@ namespace ddssec::rtps {
 
 /// Delivers each writer's changes in order, each once. Its memory is limited: changes that arrived
 /// early and samples with missing fragments are kept up to the limits below. Above them, the
-/// identity with the most loses its latest ones, which are requested again. No clock or lock.
+/// identity that holds the most loses its latest ones, which are requested again. No clock or lock.
 class StatefulReader final : private Timed {
  public:
   static constexpr std::uint32_t kMaxSample = 64u << 20;
   /// Limits, which can be lowered for readers whose samples are small.
   struct Limits {
-    /// Limit for samples in fragments; larger ones are given up.
+    /// The limit for samples in fragments. Larger ones are given up.
     std::uint32_t largest_sample = kMaxSample;
     std::size_t held_octets = HeldOctets::kMax;
     std::size_t held_octets_of_one = HeldOctets::kMaxOfOne;
   };
 
-  /// Takes the change, or refuses it for now (a full history): then it is kept here, and offered
-  /// again with the writer's next HEARTBEAT. A best-effort change that is refused is lost.
+  /// Takes the change, or returns false to refuse it for now (a full history). A refused change is
+  /// kept here, and offered again with the writer's next HEARTBEAT. If it is a best-effort change,
+  /// it is lost.
   using Deliver = std::function<bool(Change&)>;
   /// Without timers, the owner must call tick at the time that next_tick returns.
   StatefulReader(const Guid& guid, bool reliable, MessageSender& sender, Deliver deliver,
@@ -35,8 +36,8 @@ class StatefulReader final : private Timed {
   ~StatefulReader() override;
 
   void limit(const Limits& limits);
-  /// What is held counts together with that of other readers, within the limits of `held`. Must be
-  /// called before a writer is matched.
+  /// Makes the octets that are held count together with those of other readers, within the limits
+  /// of `held`. Must be called before a writer is matched.
   void share_held(std::shared_ptr<HeldOctets> held);
   /// Called with the number of a writer's changes that were given up although they were not
   /// declared irrelevant (SAMPLE_LOST of DDS 1.4, 2.2.4.1).
@@ -46,7 +47,7 @@ class StatefulReader final : private Timed {
   /// `next` if there is none before it.
   using Unfinished = std::function<SequenceNumber(const Guid& writer, SequenceNumber next)>;
   void acknowledge_before(Unfinished unfinished) { unfinished_ = std::move(unfinished); }
-  /// Must be called when fewer changes of a writer are unfinished: acknowledges to it.
+  /// Acknowledges to the writer. Must be called when fewer of its changes are unfinished.
   void acknowledge_again(const Guid& writer);
   /// Called for a sample that was given up because it is larger than the limit.
   using Dropped = std::function<void(const Guid& writer, std::uint32_t octets)>;
@@ -60,29 +61,30 @@ class StatefulReader final : private Timed {
 
   const Guid& guid() const { return guid_; }
   std::size_t matched() const { return writers_.size(); }
-  /// nullptr: it is not matched.
+  /// Returns nullptr if the writer is not matched.
   const WriterProxy* writer(const Guid& guid) const {
     const auto at = writers_.find(guid);
     return at == writers_.end() ? nullptr : &at->second;
   }
 
-  /// A writer that returns with the keys that it left with continues at its former position: what
-  /// it sent before that is not new, from any sender. `wants_history`: the writer may start again
-  /// with what it holds, but only by a HEARTBEAT that was not received before.
+  /// Matches a writer. A writer that returns with the keys that it had when it left continues at
+  /// its former position: what it sent before that is not new, from any sender. With
+  /// `wants_history`, the writer may start again with the changes that it holds, but only by a
+  /// HEARTBEAT that was not received before.
   void match(MatchedWriter writer, MonotonicTime now, bool wants_history = false);
-  /// `keys`: the keys with which the writer is remembered; empty: it is not.
+  /// Removes the writer. It is remembered with `keys`; if they are empty, it is not.
   void unmatch(const Guid& writer, const std::optional<Sha256Digest>& keys = {});
 
-  /// From now on a matched writer of another process is sent to at these locators.
+  /// Sets the locators to which messages for a matched writer of another process are sent.
   void readdress(const Guid& writer, const LocatorList& locators);
 
   // All return whether the message was new. Only a new message is a sign of life, because old
   // messages can be repeated.
-  /// `elsewhere`: a payload that is not in the submessage; empty: it is there.
+  /// `elsewhere` is a payload that is not in the submessage; empty if the submessage has it.
   bool on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time,
                Payload elsewhere = {});
   bool on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time);
-  /// `is_protected`: by keys of the writer's participant.
+  /// `is_protected` means that keys of the writer's participant protect the message.
   bool on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat, bool is_protected = true);
   bool on_gap(const GuidPrefix& from, const Gap& gap);
 
@@ -90,27 +92,28 @@ class StatefulReader final : private Timed {
   /// Returns false if the writer is not matched.
   bool attach(StatefulWriter& writer);
   void detach(const Guid& writer);
-  /// Returns false if the change is refused for now.
+  /// Offers a change. Returns false if it is refused for now.
   bool offer(const Change& change);
   void pass(const Guid& writer, SequenceNumber group) {
     if (on_group_) on_group_(writer, group);
   }
-  /// Everything below `next` was offered, or will never be.
+  /// Skips everything below `next`, which was offered or will never be.
   void skip(const Guid& writer, SequenceNumber next);
   void hear(const Guid& writer) {
     if (alive_) alive_(writer);
   }
 
-  /// There is room again: offers what was refused for now, and acknowledges it if it is taken.
+  /// Must be called when there is room again. Offers changes that were refused for now, and
+  /// acknowledges them if they are taken.
   void offer_again();
-  /// Requests again what was refused for now: that writer may have replaced it. Returns the octets
-  /// of the samples that will be sent again if it has not.
+  /// Requests again what was refused for now, because that writer may have replaced it. Returns the
+  /// octets of the samples that will be sent again if it has not.
   std::size_t request_refused(const Guid& writer);
   struct Refused {
     std::uint64_t waiting = 0;    ///< changes that wait behind one that was refused for now
-    std::uint64_t abandoned = 0;  ///< that waited when their writers left; never reset
+    std::uint64_t abandoned = 0;  ///< changes that waited when their writers left; never reset
   };
-  /// A writer that comes back offers again what was abandoned.
+  /// The numbers of refused changes. A writer that comes back offers again what was abandoned.
   Refused refused() const;
   /// True once everything has arrived that the matched reliable writers held when they were first
   /// heard.
@@ -126,16 +129,16 @@ class StatefulReader final : private Timed {
     return at == writers_.end() ? nullptr : &at->second;
   }
   bool accept(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
-  /// Returns false if the fragment belongs to a sample that has no room.
+  /// Begins a sample if needed. Returns false if the fragment belongs to a sample that has no room.
   bool has_place(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time);
-  /// Gives up the latest changes of the identity that holds the most, from its writer that holds
-  /// the most. They are requested again.
-  /// After something of this writer was held.
+  /// Both give up the latest changes of the identity that holds the most, from its writer that
+  /// holds the most. They are requested again. trim is called after a change of this writer was
+  /// held.
   void trim(const WriterProxy& proxy);
   void give_up_largest(const GuidPrefix& identity);
   /// Asks the writer what it holds, and schedules the next query.
   void ask(WriterProxy& proxy, MonotonicTime now);
-  /// Acknowledges what has arrived, and requests what is missing up to `last`.
+  /// Acknowledges the changes that have arrived, and requests those that are missing up to `last`.
   void acknowledge(WriterProxy& proxy, SequenceNumber last);
 
   const Guid guid_;
@@ -147,7 +150,7 @@ class StatefulReader final : private Timed {
   Alive alive_;
   Group on_group_;
   std::uint32_t largest_sample_ = kMaxSample;
-  bool shares_held_ = false;  ///< with other readers
+  bool shares_held_ = false;  ///< shares them with other readers
   WriterProxy::Common common_;
   std::map<Guid, WriterProxy> writers_;
   PastWriters past_;

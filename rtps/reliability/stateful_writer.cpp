@@ -9,7 +9,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// The approximate size of a message besides its payload.
+// The approximate size of a message in addition to its payload.
 constexpr std::size_t kChangeOctets = 64;
 
 }  // namespace
@@ -61,7 +61,7 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   if (!proxy.acknowledges()) {
     send_history(proxy, now);
   } else if (!is_builtin(guid_.entity) || history_.last().value > 0) {
-    // If a builtin writer holds nothing, readers learn that when they ask.
+    // If a builtin writer holds nothing, readers learn this when they request changes.
     send_question(readers_.one(proxy), proxy.first_relevant());
     schedule_.restart(now);
     call_at(schedule_.due());
@@ -224,8 +224,8 @@ bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
   auto* proxy = readers_.find({from, acknack.reader});
   if (proxy == nullptr || !proxy->reader().is_reliable) return false;
   const auto base = acknack.missing.base();
-  // A reader that knows nothing yet asks what the writer holds (base 0: Fast DDS; count 0: Cyclone
-  // DDS). A recorded request of this kind must not make old counts acceptable again.
+  // A reader that knows nothing yet asks which changes the writer holds (base 0: Fast DDS; count 0:
+  // Cyclone DDS). A recorded request of this kind must not make old counts acceptable again.
   const bool pre_emptive = base.value < 1 || acknack.count == 0;
   if (!pre_emptive && !proxy->acknacks.accept(acknack, is_protected)) return false;
   bool answered = false;
@@ -260,7 +260,7 @@ bool StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, 
   return true;
 }
 
-// With the HEARTBEAT the reader can request the next portion at once.
+// The HEARTBEAT lets the reader request the next portion at once.
 void StatefulWriter::continue_repair(ReaderProxy& proxy, MonotonicTime now) {
   if (!retransmissions_.send_portion(proxy, readers_.one(proxy), now)) return;
   send_question(readers_.one(proxy), retransmissions_.lowest_for(proxy));
@@ -301,7 +301,8 @@ bool StatefulWriter::is_ahead(MonotonicTime now) {
   return in_time && history_.octets_after(*in_time, kHighWater) > kHighWater;
 }
 
-// No reader will request these changes again: late joiners of a volatile writer get no old changes.
+// No reader will request these changes again, because late joiners of a volatile writer get no old
+// changes.
 void StatefulWriter::release_acknowledged() {
   if (qos_.durability >= DurabilityKind::transient_local) return;
   const auto last = is_held_back_ ? held_from_.previous() : history_.last();

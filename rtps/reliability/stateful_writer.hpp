@@ -1,4 +1,4 @@
-// The writer's side of the protocol: what each reader has received and what it requests (RTPS
+// The writer's side of the protocol: the changes that each reader has received and requests (RTPS
 // 8.4.9).
 #pragma once
 
@@ -19,8 +19,8 @@ namespace ddssec::rtps {
 /// Sends only through the sender. No clock or lock: the caller passes times and serializes calls.
 class StatefulWriter final : private Timed {
  public:
-  /// Limit for content filters that the writer applies. Further readers get everything and filter
-  /// themselves.
+  /// The largest number of content filters that the writer applies. Further readers get everything
+  /// and filter themselves.
   static constexpr std::size_t kMaxFilters = 32;
 
   /// Without timers, the owner must call tick at the time that next_tick returns.
@@ -33,22 +33,23 @@ class StatefulWriter final : private Timed {
   const WriterHistory& history() const { return history_; }
   const MatchedReaders& readers() const { return readers_; }
 
-  /// A reliable reader is sent a HEARTBEAT at once.
+  /// Matches a reader. A reliable one is sent a HEARTBEAT at once.
   void match(MatchedReader reader, MonotonicTime now);
-  /// Readers that match from now on get what is held at that time, and nothing later.
+  /// Makes readers that match from now on get the changes that are held when they match, and
+  /// nothing later.
   void serve_history_only() { is_history_only_ = true; }
   void unmatch(const Guid& reader);
-  /// From now on a matched reader of another process is sent to at these locators.
+  /// Sets the locators to which messages for a matched reader of another process are sent.
   void readdress(const Guid& reader, const LocatorList& locators, MonotonicTime now);
-  /// For readers that can read keys of its type only in one layout.
+  /// Sets the function for readers that can read keys of its type only in one layout.
   void rewrite_keys_with(KeyRewriter to_bare) { messages_.rewrite_keys_with(std::move(to_bare)); }
   /// Changes the filter of a matched reader, for what is sent from now on.
   void set_filter(const Guid& reader, std::shared_ptr<ChangeFilter> filter);
 
   /// True while so much is unacknowledged that further samples would only be lost: a fast writer
   /// should wait briefly. Only readers that acknowledge in time count (Timeliness), so that a
-  /// reader that is gone, slow or hostile does not hold up the writer. Never true for
-  /// TRANSIENT_LOCAL writers, which also keep what is acknowledged.
+  /// reader that is gone, slow or hostile does not delay the writer. Never true for TRANSIENT_LOCAL
+  /// writers, which also keep what is acknowledged.
   bool is_ahead(MonotonicTime now);
   bool has_room(std::size_t payload_size, const KeyHash& instance = {}) const {
     return history_.has_room(payload_size, instance);
@@ -58,21 +59,22 @@ class StatefulWriter final : private Timed {
   SequenceNumber write(Change change, MonotonicTime now);
   /// Applies LATENCY_BUDGET and TRANSPORT_PRIORITY; a priority of 0 to 63 is the DSCP of messages.
   void set_urgency(const Qos& qos);
-  /// Requests acknowledgments, for a caller that waits for them: readers do not acknowledge each
-  /// sample, but answer such HEARTBEATs. `even_if_none_is_missing`: also checks whether the readers
-  /// still answer.
+  /// Requests acknowledgments for a caller that waits for them: readers do not acknowledge each
+  /// sample, but answer such HEARTBEATs. With `even_if_none_is_missing`, also checks whether the
+  /// readers still answer.
   void ask_for_acknowledgments(bool even_if_none_is_missing = false);
 
-  /// The same of one reader, also if it misses nothing or does not match.
+  /// Requests an acknowledgment of one reader, even if it misses nothing or does not match.
   void ask(const Guid& reader, const LocatorList& at);
 
-  /// No reader gets this change any more (LIFESPAN). A request for it is answered with a GAP.
+  /// Drops a change, which no reader gets any more (LIFESPAN). A request for it is answered with a
+  /// GAP.
   void discard(SequenceNumber number) { history_.discard(number); }
   /// Asserts the writer's liveliness to all readers without a sample (LIVELINESS MANUAL_BY_TOPIC).
   void assert_liveliness();
 
-  /// Return false if the message was received before, or contains nothing yet (a pre-emptive one).
-  /// `is_protected`: by keys of its sender.
+  /// Both return false if the message was received before, or contains nothing yet (a pre-emptive
+  /// one). `is_protected` means that keys of its sender protect it.
   bool on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now,
                   bool is_protected = true);
   bool on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now,
@@ -82,31 +84,34 @@ class StatefulWriter final : private Timed {
   MonotonicTime next_tick() const;
   /// Calls `f` whenever a reader of this process took what it had refused, or was removed.
   void on_acknowledged(std::function<void()> f) { on_acknowledged_ = std::move(f); }
-  /// Its HEARTBEATs and GAPs include its position in the group. `group` must outlive the writer.
+  /// Makes its HEARTBEATs and GAPs include its position in the group. `group` must outlive the
+  /// writer.
   void join(const WriterGroup& group);
-  /// While held back, nothing is sent; afterwards everything is (suspend_publications).
+  /// Holds back or releases. While held back, nothing is sent; afterwards everything is
+  /// (suspend_publications).
   void hold_back(bool held_back, MonotonicTime now);
   /// True if every reliable reader has received everything.
   bool all_acknowledged() const { return readers_.acknowledged().reach(history_.last()); }
 
-  /// For readers of other processes on this machine. Flushes the sender.
+  /// The memory for readers of other processes on this machine. Flushes the sender.
   MemoryWriting& memory();
 
   // Readers of this process (see LocalDelivery):
-  /// Both must be matched with in_process. From now on the reader gets changes directly, until
-  /// either side unmatches or is destroyed. The side that matches second calls this.
+  /// Makes the reader get changes directly, until either side unmatches or is destroyed. Both must
+  /// be matched with in_process. The side that matches second calls this.
   void attach(StatefulReader& reader);
-  /// The reader no longer wants to get changes directly.
+  /// Ends direct delivery, because the reader no longer wants it.
   void detach(const Guid& reader);
-  /// The reader is being destroyed.
+  /// Removes a reader that is being destroyed.
   void lose(const Guid& reader);
-  /// A reader that refused a change has room again.
+  /// Offers changes again to a reader that refused one and has room again.
   void feed(const Guid& reader);
 
  private:
   void on_time(MonotonicTime now) override { tick(now); }
   void send(const Change& written, MonotonicTime now);
-  /// Sends the latest changes of the history, as many as best-effort readers may get now.
+  /// Sends the latest changes of the history, up to the octets that best-effort readers may get
+  /// now.
   void send_history(const ReaderProxy& proxy, MonotonicTime now);
   /// Decides which HEARTBEAT a change that was just written carries.
   PiggybackHeartbeats::Kind heartbeat_for(const Change& written, MonotonicTime now);

@@ -38,8 +38,8 @@ class Timed {
   std::size_t place_ = 0;  ///< index in the queue, if a call is requested
 };
 
-/// A heap whose members know their indexes: no member has to be searched for. Memory is allocated
-/// only for more members than ever before.
+/// A heap whose members know their indexes, so that no member has to be searched for. Memory is
+/// allocated only for more members than ever before.
 class TimerQueue {
  public:
   MonotonicTime next() const { return heap_.empty() ? kNever : heap_.front()->wanted_; }
@@ -56,14 +56,14 @@ class TimerQueue {
  private:
   friend class Timed;
   static constexpr MonotonicTime kRetry = std::chrono::milliseconds(100);
-  /// If an exception ends what was due, it is due again.
+  /// If an exception ends work that was due, its object is due again.
   struct Again {
     ~Again() {
       if (!is_needed) return;
       try {
         timed.call_at(when);
       } catch (...) {
-        return;  // even for that there is no memory
+        return;  // there is no memory for this either
       }
     }
     Timed& timed;
@@ -88,7 +88,8 @@ class TimerQueue {
     }
     put(place, timed);
   }
-  /// Its time is still kNever, so the heap stays one. Without memory nothing has changed.
+  /// Adds an object at the end. Its time is still kNever, so the order of the heap holds. If memory
+  /// runs out, nothing has changed.
   void add(Timed* timed) {
     heap_.push_back(timed);
     timed->place_ = heap_.size() - 1;

@@ -24,7 +24,7 @@ class WritePace {
   void set_budget(const Duration& budget) {
     budget_ = budget.is_infinite() ? kMaxBudget : std::min(budget.to_nanoseconds(), kMaxBudget);
   }
-  /// `samples_heard`: number of samples that the participant has received until now.
+  /// `samples_heard` is the number of samples that the participant has received until now.
   void note_write(MonotonicTime now, std::uint32_t samples_heard) {
     const bool quick = now - last_write_ < kQuick && samples_heard == samples_heard_;
     quick_writes_ = quick ? std::min(quick_writes_ + 1, kQuickWrites) : 0;
@@ -42,7 +42,7 @@ class WritePace {
  private:
   MonotonicTime budget_{};
   MonotonicTime last_write_{};
-  std::uint32_t samples_heard_ = 0;  ///< at the time last_write_
+  std::uint32_t samples_heard_ = 0;  ///< the value at last_write_
   int quick_writes_ = 0;             ///< consecutive fast writes
 };
 

@@ -1,4 +1,4 @@
-// What the writers of one publisher with GROUP access have in common (RTPS 8.7.6).
+// The state that the writers of one publisher with GROUP access have in common (RTPS 8.7.6).
 #pragma once
 
 #include "wire/inline_qos.hpp"

@@ -61,11 +61,11 @@ SequenceNumber WriterHistory::add(Change change) {
   return last();
 }
 
-// A late joiner needs the last samples of living instances most.
+// A late joiner most needs the last samples of living instances, so these are dropped last.
 void WriterHistory::make_room() {
   if (may_have_ended_) {
     drop_ended_instances(max_changes_ - max_changes_ / 8);
-    // If nothing was found, there is nothing to look for until such a change comes.
+    // If nothing was found, another search is useless until such a change comes.
     may_have_ended_ = count_ - markers_ <= max_changes_ || find(last())->status.unregistered;
   }
   drop_replaced(max_changes_ - max_changes_ / 64);
@@ -74,7 +74,7 @@ void WriterHistory::make_room() {
   while (count_ - markers_ > max_changes_) remove_through(first());
 }
 
-// The writer has unregistered them. Until no more than `aim` changes are left.
+// Drops instances that the writer has unregistered, until no more than `aim` changes are left.
 void WriterHistory::drop_ended_instances(std::size_t aim) {
   for (std::size_t i = 0; i < changes_.size() && count_ - markers_ > aim; ++i) {
     const auto& slot = changes_[i];
@@ -91,7 +91,7 @@ void WriterHistory::drop_instance(SequenceNumber number) {
   }
 }
 
-// Those that a later change of the same instance follows.
+// Drops changes that a later change of the same instance follows.
 void WriterHistory::drop_replaced(std::size_t aim) {
   if (count_ - markers_ <= max_changes_) return;
   for (; !replaced_.empty() && count_ - markers_ > aim; replaced_.pop_front())
@@ -103,7 +103,7 @@ bool WriterHistory::is_replaced(SequenceNumber number) const {
   return place && changes_[*place].change && changes_[*place].next.value > 0;
 }
 
-// Forgets those that were dropped, once they are more than half.
+// Adds a replaced change. Forgets those that were dropped, once they are more than half.
 void WriterHistory::note_replaced(SequenceNumber number) {
   constexpr std::size_t kFew = 64;
   replaced_.push_back(number);
@@ -115,7 +115,8 @@ void WriterHistory::note_replaced(SequenceNumber number) {
   }
 }
 
-// A late joiner discards a set whose end is forgotten.
+// Keeps a marker. If an old marker is dropped, a late joiner discards that set, because its end is
+// missing.
 void WriterHistory::keep_marker(SequenceNumber number) {
   while (!marks_.empty() && (marks_.front() < first() || markers_ > kMaxMarkers)) {
     drop(marks_.front());
@@ -124,7 +125,7 @@ void WriterHistory::keep_marker(SequenceNumber number) {
   marks_.push_back(number);
 }
 
-// With KEEP_LAST the oldest change of the instance is dropped.
+// Adds the change to its instance. With KEEP_LAST the oldest change of the instance is dropped.
 void WriterHistory::join_instance(Slot& added) {
   const auto key = added.change->key_hash.value_or(KeyHash{});
   const auto number = added.change->sequence_number;
@@ -171,7 +172,7 @@ void WriterHistory::trim_front() {
   while (!changes_.empty() && !changes_.front().change) changes_.pop_front();
 }
 
-// Forgets dropped changes after one that is still held, once they are more than half.
+// Forgets dropped changes that follow one that is still held, once they are more than half.
 void WriterHistory::forget_dropped() {
   constexpr std::size_t kFew = 64;
   if (changes_.size() <= 2 * count_ + kFew) return;
@@ -194,8 +195,8 @@ void WriterHistory::discard(SequenceNumber number) {
   trim_front();
 }
 
-// The latest changes have consecutive numbers, so their index is computed; the others are searched
-// for.
+// The latest changes have consecutive numbers, so their index is computed. For the others a search
+// is needed.
 std::size_t WriterHistory::place_from(SequenceNumber number) const {
   if (number >= next_) return changes_.size();
   if (number <= first()) return 0;

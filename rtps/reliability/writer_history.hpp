@@ -1,4 +1,4 @@
-// The changes that a writer still holds: limited, sorted by sequence number.
+// The changes that a writer still holds, limited in number and sorted by sequence number.
 #pragma once
 
 #include <map>
@@ -14,10 +14,10 @@ namespace ddssec::rtps {
 /// The HistoryCache of one writer (RTPS 8.2.2), with the limits of HISTORY and RESOURCE_LIMITS.
 class WriterHistory {
  public:
-  /// The limits where RESOURCE_LIMITS says "unlimited", so that memory stays bounded.
+  /// The limits that apply if RESOURCE_LIMITS says "unlimited", so that memory stays bounded.
   static constexpr std::size_t kMaxChanges = 65536;
   static constexpr std::size_t kMaxOctets = std::size_t{256} << 20;
-  /// Limit for markers, which end coherent sets.
+  /// The largest number of markers, which end coherent sets.
   static constexpr std::size_t kMaxMarkers = 1024;
 
   explicit WriterHistory(const Qos& qos);
@@ -25,8 +25,8 @@ class WriterHistory {
   /// Returns false if the history is full and no change may be dropped to make room (KEEP_ALL).
   bool has_room(std::size_t payload_size, const KeyHash& instance = {}) const;
   /// Adds the change with the next sequence number. With KEEP_LAST the oldest change of the same
-  /// instance is dropped. Above the limit of changes, first those of instances that the writer has
-  /// unregistered go, then those that others of the same instance follow, then the oldest.
+  /// instance is dropped. Above the limit, changes of instances that the writer has unregistered
+  /// are dropped first, then changes that others of the same instance follow, then the oldest.
   SequenceNumber add(Change change);
   /// Drops all changes up to and including `number`.
   void remove_through(SequenceNumber number);
@@ -36,7 +36,7 @@ class WriterHistory {
   /// Returns nullptr if the change was dropped, or is not yet written.
   const Change* find(SequenceNumber number) const;
   /// The first number from `number` on that is held; one after the last if there is none. The cost
-  /// does not depend on how many numbers were used up in between; nor does that of previous_held.
+  /// does not depend on how many numbers in between are not held. The same holds for previous_held.
   SequenceNumber next_held(SequenceNumber number) const;
   /// The last number below `number` that is held; 0 if there is none.
   SequenceNumber previous_held(SequenceNumber number) const;
@@ -48,15 +48,16 @@ class WriterHistory {
   std::size_t octets() const { return octets_; }
   /// The octets of the changes after `number`, or more than `enough` if there are more.
   std::size_t octets_after(SequenceNumber number, std::size_t enough) const;
-  /// The changes that are held, and the dropped ones that are not forgotten yet: at most about
-  /// twice as many.
+  /// The number of changes that are held or were dropped and are not forgotten yet: at most about
+  /// twice as many as are held.
   std::size_t places() const { return changes_.size(); }
 
  private:
-  /// A change, and its neighbours of the same instance if instances are counted; 0: none.
+  /// A change, and its neighbours of the same instance if instances are counted; 0 if there is
+  /// none.
   struct Slot {
     SequenceNumber number;
-    std::optional<Change> change;  ///< empty: it was dropped
+    std::optional<Change> change;  ///< empty if it was dropped
     SequenceNumber previous, next;
   };
   struct Instance {
@@ -76,7 +77,7 @@ class WriterHistory {
   void drop(SequenceNumber number);
   void make_room();
   void drop_ended_instances(std::size_t aim);
-  void drop_instance(SequenceNumber number);  // of its last change
+  void drop_instance(SequenceNumber number);  // `number` is that of its last change.
   void drop_replaced(std::size_t aim);
   bool is_replaced(SequenceNumber number) const;
   void note_replaced(SequenceNumber number);
@@ -87,17 +88,19 @@ class WriterHistory {
   const History history_;
   const std::size_t max_changes_;
   const std::size_t max_per_instance_;
-  const bool counts_instances_;  ///< instances are counted
-  /// Sorted by sequence number. Not many more than are held, however old the first of them is.
+  const bool counts_instances_;  ///< true if the changes of each instance are counted
+  /// Sorted by sequence number. There are not many more than are held, however old the first one
+  /// is.
   Ring<Slot> changes_;
   SequenceNumber next_{1};
   std::size_t count_ = 0;
   std::size_t markers_ = 0;  ///< number of markers, which do not count for any limit
   Ring<SequenceNumber> marks_;
   std::size_t octets_ = 0;
-  bool may_have_ended_ = false;  ///< make_room may find changes of instances that have ended
-  /// With KEEP_LAST and a depth above 1: those that others of the same instance follow, and some
-  /// that were dropped.
+  /// True if make_room may find changes of instances that have ended.
+  bool may_have_ended_ = false;
+  /// With KEEP_LAST and a depth above 1: the changes that others of the same instance follow, and
+  /// some that were dropped.
   Ring<SequenceNumber> replaced_;
   Instances instances_;  ///< if by_instance_
   SpareNodes<Instances> spare_;

@@ -14,8 +14,9 @@ PayloadKind kind_of(const Change& change) {
 
 }  // namespace
 
-// The payload of an alive sample contains its key. A dispose needs the key hash (Fast DDS ignores
-// others), and so does a durability service that stores samples without knowing their type.
+// The payload of an alive sample contains its key. A dispose needs the key hash, because Fast DDS
+// ignores a dispose without it. So does a sample for a durability service, which stores samples
+// without knowing their type.
 InlineQos WriterMessages::inline_qos_of(const Change& change,
                                         std::span<const FilterResult> filters) const {
   const auto time = sender_.leaves_time_unprotected(writer_) ? change.source_time : std::nullopt;
@@ -99,7 +100,7 @@ void WriterMessages::heartbeat(const Receiver& receiver, SequenceNumber first, b
                         is_final, asserts_liveliness, group_state()});
 }
 
-// If nothing is held, the range is empty and begins after everything that was written.
+// If no change is held, the range is empty and begins after everything that was written.
 std::optional<GroupState> WriterMessages::group_state() const {
   if (group_ == nullptr) return std::nullopt;
   GroupState out{group_->current, group_->current.next(), group_->current, group_->writers, {}};

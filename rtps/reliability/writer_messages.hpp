@@ -21,19 +21,19 @@ class WriterMessages {
                  const WriterHistory& history)
       : writer_(writer), durability_(durability), sender_(sender), history_(history) {}
 
-  /// For readers that can read keys of the writer's type only in one layout.
+  /// Sets the function for readers that can read keys of the writer's type only in one layout.
   void rewrite_keys_with(KeyRewriter to_bare) { to_bare_key_ = std::move(to_bare); }
-  /// How readers interpret the keys that are sent from now on.
+  /// Sets how readers interpret the keys that are sent from now on.
   void set_key_reading(const KeyReading& reading) { key_reading_ = reading; }
-  /// HEARTBEATs and GAPs include the writer's position in the group. `group` must outlive this
-  /// object.
+  /// Makes HEARTBEATs and GAPs include the writer's position in the group. `group` must outlive
+  /// this object.
   void join(const WriterGroup& group) { group_ = &group; }
 
   /// The size of the fragments that are sent, in octets.
   std::uint16_t fragment_size() const { return sender_.fragment_size(); }
 
-  /// Sends a change in DATA or, if it is too large, its first `max_fragments` in DATA_FRAG.
-  /// `filters`: the results of the receivers' content filters.
+  /// Sends a change in DATA or, if it is too large, its first `max_fragments` fragments in
+  /// DATA_FRAG. `filters` has the results of the receivers' content filters.
   void change(const Receiver& receiver, const Change& change,
               std::span<const FilterResult> filters = {},
               std::uint32_t max_fragments = kAllFragments);
@@ -44,8 +44,8 @@ class WriterMessages {
                 std::span<const FilterResult> filters = {});
   /// Declares changes first .. end - 1 irrelevant.
   void gap(const Receiver& receiver, SequenceNumber first, SequenceNumber end);
-  /// Announces the changes from `first` to the last that was written. `is_final`: no answer is
-  /// needed.
+  /// Announces the changes from `first` to the last that was written. `is_final` means that no
+  /// answer is needed.
   void heartbeat(const Receiver& receiver, SequenceNumber first, bool is_final,
                  bool asserts_liveliness = false);
 

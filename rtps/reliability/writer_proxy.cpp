@@ -23,7 +23,7 @@ bool WriterProxy::accept(SequenceNumber number, std::optional<Change> change) {
   partial_.erase(number, number);
   if (!is_reliable_) {
     note_lost(number);
-    next_ = number.next();  // best effort: older changes are lost
+    next_ = number.next();  // with best effort, older changes are lost
     partial_.erase({0}, number);
     if (change) common_.deliver(*change);
     return true;
@@ -61,7 +61,8 @@ std::uint64_t WriterProxy::refused() const {
   return std::max<std::uint64_t>(early_.size(), static_cast<std::uint64_t>(announced));
 }
 
-// Changes that a late joiner could never have received are not lost.
+// Counts the changes from next_ to `until` as lost, except those that a late joiner could never
+// have received.
 void WriterProxy::note_lost(SequenceNumber until) {
   const bool counts = std::exchange(is_started_, true) && until > next_ && common_.lost;
   if (!counts) return;
@@ -71,9 +72,8 @@ void WriterProxy::note_lost(SequenceNumber until) {
   lost_until_ = std::max(lost_until_, until);
 }
 
-// Without protection, the HEARTBEAT that ends a wait may have been recorded before, or a forged one
-// may have had the latest count. Then the former position counts, so that nothing is delivered
-// twice.
+// Without protection, the HEARTBEAT that ends a wait may be a recorded one, or a forged one may
+// have had the latest count. Then the former position counts, so that nothing is delivered twice.
 bool WriterProxy::on_heartbeat(const Heartbeat& heartbeat, bool is_protected) {
   if (!was_heard_ && !waits_for_heartbeat_) heartbeats_ = {};
   const bool is_later_one = is_later(heartbeat.count, heartbeats_.last());
@@ -90,7 +90,8 @@ bool WriterProxy::on_heartbeat(const Heartbeat& heartbeat, bool is_protected) {
   return true;
 }
 
-// An attacker may have kept changes that the writer no longer holds.
+// Drops early changes below `number`: an attacker may have kept them, and the writer no longer
+// holds them.
 void WriterProxy::start_at(SequenceNumber number) {
   while (!early_.empty() && early_.first() < number) early_.erase_first();
   next_ = std::max(next_, number);

@@ -22,13 +22,14 @@ struct MatchedWriter {
   bool is_reliable = false;
   LocatorList locators = {};  ///< empty if it delivers directly in this process
   bool is_in_process = false;
-  /// Digest of the keys that protect its samples; empty: unprotected. Only the writer can have
-  /// created samples that arrive while the keys are the same, but an attacker may have kept some of
-  /// them.
+  /// The digest of the keys that protect its samples; empty if they are unprotected. While the keys
+  /// are the same, only the writer can have created the samples that arrive, but an attacker may
+  /// have kept some of them.
   std::optional<Sha256Digest> keys = {};
-  /// The identity whose share of the limits it uses; empty: that of its participant.
+  /// The identity whose share of the limits it uses; if empty, that of its participant.
   std::optional<GuidPrefix> identity = {};
-  /// The writer sends what it keeps once more only to a reader that begins with number 0.
+  /// True if the writer repeats the changes that it keeps only for a reader that begins with number
+  /// 0.
   bool begins_at_zero = false;
   GuidPrefix owner() const { return identity.value_or(guid.prefix); }
 };
@@ -38,12 +39,13 @@ struct MatchedWriter {
 class WriterProxy {
  public:
   static constexpr std::size_t kMaxEarlyChanges = 2048;
-  /// What forget_refused() forgets at once; in octets, one change at least.
+  /// The limits for the changes that forget_refused() forgets at once: their number and their
+  /// octets. One change is always forgotten.
   static constexpr std::size_t kMaxForgotten = 256, kMaxForgottenOctets = std::size_t{256} << 10;
 
-  /// What the proxies of one reader have in common. It must outlive them.
+  /// The objects that the proxies of one reader share. It must outlive them.
   struct Common {
-    /// Takes the change, or refuses it for now.
+    /// Takes the change, or returns false to refuse it for now.
     std::function<bool(Change&)> deliver = {};
     /// Called with the number of changes that were given up although the writer did not declare
     /// them irrelevant.
@@ -52,7 +54,7 @@ class WriterProxy {
     EarlyChanges::Spare spare = {};
   };
 
-  /// `reader_is_reliable`: if false, a reliable writer is treated as a best-effort one.
+  /// If `reader_is_reliable` is false, a reliable writer is treated as a best-effort one.
   WriterProxy(MatchedWriter writer, bool reader_is_reliable, Common& common);
   WriterProxy(const WriterProxy&) = delete;
   WriterProxy& operator=(const WriterProxy&) = delete;
@@ -61,7 +63,7 @@ class WriterProxy {
   void set_locators(LocatorList locators) { writer_.locators = std::move(locators); }
   /// True if missing changes are requested.
   bool is_reliable() const { return is_reliable_; }
-  /// Everything below was delivered or given up.
+  /// The next number: every change below was delivered or given up.
   SequenceNumber next() const { return next_; }
   /// The last change that a HEARTBEAT announced.
   SequenceNumber announced() const { return announced_; }
@@ -72,9 +74,9 @@ class WriterProxy {
   /// True once everything has arrived that a reliable writer held when it was first heard.
   bool has_history() const { return !is_reliable_ || (was_heard_ && next_ > history_end_); }
 
-  /// The writer was matched before and continues at its former position. `wants_history`: a
-  /// HEARTBEAT with a later count than before may start again with what the writer holds; until a
-  /// HEARTBEAT arrives nothing is delivered.
+  /// Continues at the former position, because the writer was matched before. With `wants_history`,
+  /// nothing is delivered until a HEARTBEAT arrives. If its count is later than before, the writer
+  /// may start again with the changes that it holds.
   void resume(const PastWriters::Position& past, bool wants_history);
   PastWriters::Position position(const Sha256Digest& keys) const {
     return {keys, next_, heartbeats_.last()};
@@ -82,11 +84,11 @@ class WriterProxy {
 
   /// True if the change was neither delivered nor given up, and is not held completely.
   bool lacks(SequenceNumber number) const { return number >= next_ && !early_.contains(number); }
-  /// Takes a change with a number from next() on. `change`: empty if it is irrelevant. Returns
-  /// false if it is already known, or there is no room to keep it.
+  /// Takes a change with a number from next() on; an empty one means that the number is irrelevant.
+  /// Returns false if it is already known, or if there is no room to keep it.
   bool accept(SequenceNumber number, std::optional<Change> change);
-  /// Returns false if the HEARTBEAT was received before. `is_protected`: by keys of the writer's
-  /// participant.
+  /// Returns false if the HEARTBEAT was received before. `is_protected` means that keys of the
+  /// writer's participant protect it.
   bool on_heartbeat(const Heartbeat& heartbeat, bool is_protected = true);
   /// True while the next HEARTBEAT determines where the writer starts.
   bool waits_for_heartbeat() const { return waits_for_heartbeat_; }
@@ -94,17 +96,17 @@ class WriterProxy {
   void skip_to(SequenceNumber number);
   /// Forgets the next change if it was refused for now, and some that follow, so that they are
   /// requested again: the writer may have replaced them. Returns their octets, or nothing if there
-  /// are none. Does nothing, and returns nothing, if since this was called before the writer has
-  /// announced nothing and nothing was taken or given up.
+  /// are none. Also returns nothing if, since the last call, the writer has announced nothing and
+  /// no change was taken or given up.
   std::optional<std::size_t> forget_refused();
-  /// Delivers what was refused for now. Returns false if nothing was taken.
+  /// Offers changes again that were refused for now. Returns false if none was taken.
   bool offer_again();
   PartialSamples& partial() { return partial_; }
 
   /// True if samples or fragments of them are missing up to `last`.
   bool misses_any(SequenceNumber last) const;
-  /// The samples up to `last` of which no fragment has arrived, as far as a set reaches from
-  /// `base`.
+  /// The samples from `base` up to `last` of which no fragment has arrived, as far as a set
+  /// reaches.
   SequenceNumberSet missing(SequenceNumber base, SequenceNumber last) const;
 
   std::size_t early() const { return early_.size(); }
@@ -117,12 +119,12 @@ class WriterProxy {
   void forget_latest();
 
   // In this process:
-  /// nullptr: its changes arrive in messages.
+  /// The writer, if it is in this process; nullptr if its changes arrive in messages.
   StatefulWriter* local() const { return local_; }
-  /// `last`: the last change that the writer has written until now.
+  /// `last` is the last change that the writer has written until now.
   void attach(StatefulWriter& writer, SequenceNumber last);
   void detach() { local_ = nullptr; }
-  /// Everything below `next` was delivered, or will never be.
+  /// Sets the next number: every change below was delivered, or will never be.
   void set_next(SequenceNumber next) { next_ = next; }
 
   QuestionTimer question;
@@ -137,15 +139,16 @@ class WriterProxy {
   Common& common_;
   const bool is_reliable_;
   bool was_heard_ = false;
-  bool is_started_ = false;  ///< a change of it arrived, or a HEARTBEAT gave its position
-  /// For a HEARTBEAT; until then all changes are kept.
+  bool is_started_ = false;  ///< true if a change arrived, or a HEARTBEAT gave its position
+  /// True while it waits for a HEARTBEAT. Until then, all changes are kept.
   bool waits_for_heartbeat_ = false;
   SequenceNumber former_;      ///< position before the wait
-  SequenceNumber lost_until_;  ///< what is missing below was counted as lost
+  SequenceNumber lost_until_;  ///< missing changes below were counted as lost
   RecentMessages<Heartbeat> heartbeats_;
   SequenceNumber next_{1};
   SequenceNumber announced_;
-  std::pair<SequenceNumber, SequenceNumber> forgotten_at_;  ///< announced() and next()
+  /// Announced() and next() at the last call.
+  std::pair<SequenceNumber, SequenceNumber> forgotten_at_;
   SequenceNumber history_end_;  ///< the last change that its first HEARTBEAT announced
   HeldOctets::Account held_;
   EarlyChanges early_;
