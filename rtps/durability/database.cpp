@@ -10,7 +10,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// The operating system's last error for the write-ahead log or the file; 0: none.
+// The operating system's last error for the write-ahead log or the file; 0 if there is none.
 int last_errno(sqlite3* database) {
   int number = 0;
   sqlite3_file* log = nullptr;
@@ -21,7 +21,8 @@ int last_errno(sqlite3* database) {
   return number;
 }
 
-// SQLite has the same message for a full disk and for the store's own limit.
+// Returns the reason, because SQLite has the same message for a full disk and for the store's own
+// limit.
 std::string reason(int kind, const std::string& path, sqlite3* database) {
   if (database == nullptr || path.empty()) return {};
   if (const int number = kind == SQLITE_IOERR ? last_errno(database) : 0; number != 0)
@@ -162,7 +163,7 @@ Status Database::Transaction::commit() {
   return {};
 }
 
-// Some errors have already rolled back; then this fails without harm.
+// Some errors have already rolled back. This statement then fails without harm.
 Database::Transaction::~Transaction() {
   if (database_ != nullptr) static_cast<void>(database_->run("ROLLBACK"));
 }

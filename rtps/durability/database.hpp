@@ -42,14 +42,15 @@ class SqlStatement {
   std::string path_;
 };
 
-/// One connection. One thread at a time.
+/// One connection, for one thread at a time.
 class Database {
  public:
   /// An empty path opens a database in memory. The file must exist; symbolic links are not
   /// followed. Errors: rtps_store_unusable.
   static Result<Database> open(const std::string& path);
 
-  /// Errors: rtps_store_failed (no room), rtps_store_unusable (anything else).
+  /// Prepares a statement. Errors: rtps_store_failed (no room), rtps_store_unusable (anything
+  /// else).
   Result<SqlStatement> prepare(std::string_view sql);
   /// Runs one statement whose rows are not needed. Errors: those of prepare.
   Status run(std::string_view sql);

@@ -9,14 +9,16 @@
 namespace ddssec::rtps {
 namespace {
 
-// A full disk may have room later.
+// How long to wait before the next attempt, because a full disk may have room later.
 constexpr std::chrono::milliseconds kRetry{200};
 constexpr std::chrono::seconds kMaxOpen{5};
-// While something waits for room: other programs may have freed some of the disk.
+// How often to check the room while changes wait for it: other programs may have freed some of the
+// disk.
 constexpr std::chrono::seconds kRoomPollInterval{1};
 constexpr std::uint32_t kMaxAlike = 64;
 
-// What a commit has to do for a change, in octets. A row that goes costs about as much as one.
+// The octets that a commit handles for a change. A row that is removed costs about as much as one
+// that is stored.
 std::size_t work_of(const StoredChange& stored) {
   return stored.change.payload.size() + stored.removed.size() * StoreShares::cost(0);
 }
@@ -57,7 +59,7 @@ DurableStore::~DurableStore() {
 
 template <class Ready>
 Status DurableStore::wait(std::chrono::nanoseconds timeout, Ready ready) {
-  // A time that does not fit the clock is shortened to the longest wait.
+  // A timeout that does not fit the clock is shortened to the longest wait.
   constexpr std::chrono::nanoseconds kMax = std::chrono::hours(24 * 365);
   std::unique_lock held(mutex_);
   const bool done =
@@ -75,7 +77,7 @@ Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
   forget_closed();
   for (key.ordinal = 0; key.ordinal < kMaxAlike; ++key.ordinal) {
     DDSSEC_ASSIGN_OR_RETURN(const auto id, store_.stream(key));
-    std::uint64_t before = 0;  // what an earlier writer appended
+    std::uint64_t before = 0;  // the last change of an earlier writer
     {
       const std::lock_guard held(mutex_);
       if (!open_.insert(id).second) continue;
@@ -164,7 +166,7 @@ DurableStore::Appended DurableStore::append(StoredChange change, const Moment& n
       return out;
     }
   }
-  // What is being stored counts twice until it is stored: then there may be room.
+  // Changes that are being stored count twice until they are stored. Then there may be room.
   if (identity && pending_.empty() && appended_ == committed_) index_.shares().refuse(*identity);
   if (now.now >= look_at_room_at_) {
     look_at_room_at_ = now.now + kRoomPollInterval;
@@ -275,7 +277,7 @@ void DurableStore::run() {
   }
 }
 
-// An event that cannot be raised, for example without memory, must not end the thread.
+// An event that cannot be raised, for example because memory is short, must not end the thread.
 void DurableStore::report(const Error* failure, std::uint64_t left_out,
                           const std::vector<StoreShares::Refusals>& refusals) noexcept try {
   if (failure != nullptr) events_.raise(Event(*failure));
@@ -309,7 +311,7 @@ Status DurableStore::write(std::span<const StoredChange> group, Time now) {
   }
 }
 
-// A row that was removed has no later change that needs it. A removal whose row is not stored yet
+// A row that was removed is not needed by any later change. A removal whose row is not stored yet
 // has no effect now, and is repeated in its turn.
 std::vector<StoredChange> DurableStore::removals_before(
     std::vector<StoredChange>& group) const noexcept try {
@@ -328,7 +330,7 @@ std::vector<StoredChange> DurableStore::removals_before(
   return {};
 }
 
-// Empty: there was no memory to find out.
+// Empty if there was no memory to determine it.
 std::optional<std::size_t> DurableStore::room_now() noexcept try {
   const auto room = store_.room();
   return room ? std::optional(*room) : std::nullopt;

@@ -14,14 +14,14 @@
 namespace ddssec::rtps {
 
 /// Changes that are appended while a group is written form the next group. A file uses a
-/// write-ahead log and synchronous=FULL: what flush has waited for survives a power failure.
-/// Thread-safe.
+/// write-ahead log and synchronous=FULL: changes for which flush has waited survive a power
+/// failure. Thread-safe.
 class DurableStore {
  public:
   /// Limits for changes that are appended but not committed. Above them, writers should wait.
   static constexpr std::size_t kMaxPending = 65536;
   static constexpr std::size_t kMaxPendingOctets = std::size_t{16} << 20;
-  /// The limit for one identity, whose changes wait above it. One change is always taken.
+  /// The limit for one identity, whose changes wait above it. One change is always accepted.
   static constexpr std::size_t kMaxPendingOctetsOfOne = std::size_t{4} << 20;
 
   /// `events` must outlive the store. Samples that have expired at `now`, a calendar time, are
@@ -29,43 +29,46 @@ class DurableStore {
   static Result<std::unique_ptr<DurableStore>> open(
       const std::string& path, EventSink& events,
       std::size_t max_octets = SampleStore::kDefaultOctets, Time now = {});
-  /// Commits what was appended, if possible.
+  /// Commits the changes that were appended, if possible.
   ~DurableStore();
 
   struct Opened {
     StreamId id;
     std::vector<Change> history;
-    std::vector<std::int64_t> rows;  ///< identify the samples of `history`
+    std::vector<std::int64_t> rows;  ///< the rows of the samples in `history`
     std::vector<HeardWriter> heard = {};
-    std::vector<MonotonicTime> expires = {};  ///< when each of `history` does; kNever: it does not
+    /// When each of `history` expires; kNever: it does not.
+    std::vector<MonotonicTime> expires = {};
   };
-  /// Opens the first stream of `key` that no other writer has open; its ordinal is chosen here.
-  /// A stream to which nothing is appended that is not committed can be opened on a full disk.
-  /// Source timestamps of stored samples that are later than `now` overtake nothing. `lifespan`
-  /// limits how long the samples live, besides what is stored with each; those that have expired
-  /// are removed. Errors: those of SampleStore, and those of flush.
+  /// Opens the first stream of `key` that no other writer has open; its ordinal is chosen here. A
+  /// stream whose changes are all committed can be opened on a full disk. Source timestamps of
+  /// stored samples that are later than `now` overtake nothing. `lifespan` limits how long the
+  /// samples live, in addition to the limit that is stored with each; those that have expired are
+  /// removed. Errors: those of SampleStore, and those of flush.
   Result<Opened> open_stream(StreamKey key, const DurabilityService& service, const Moment& now,
                              Duration lifespan = kDurationInfinite);
-  /// Once everything that was appended to the stream is committed, a stream without samples is
-  /// removed.
+  /// Closes the stream. Once everything that was appended to it is committed, it is removed if it
+  /// has no samples.
   void close_stream(StreamId stream);
 
   struct Appended {
     SampleIndex::AddResult outcome;
-    std::uint64_t number = 0;  ///< committed() reaches it when this is stored
-    /// It waits although nothing else of its identity is being stored: it may wait for long.
+    std::uint64_t number = 0;  ///< committed() reaches this number when the change is stored
+    /// True if the change waits although nothing else of its identity is being stored: it may wait
+    /// for long.
     bool has_no_share = false;
   };
-  /// Never waits for a disk. A change with the decision `waits` was not appended: try again
-  /// later. Call clean_up before it, so that samples that have expired use no room.
+  /// Appends a change. Never waits for a disk. A change with the decision `waits` was not appended:
+  /// try again later. Call clean_up before it, so that samples that have expired use no room.
   Appended append(StoredChange change, const Moment& now);
   void append(StreamId stream, const Change& change, const Moment& now) {
     append({.stream = stream, .change = change}, now);
   }
-  /// A sample of the identity has no room for another reason. It is counted and reported as those
-  /// are that wait for room in the store.
+  /// Counts and reports a sample of the identity that has no room for another reason, like those
+  /// that wait for room in the store.
   void refuse(const GuidPrefix& identity);
-  /// See SampleIndex::clean_up. Returns the rows that go: not all at once, if they are many.
+  /// See SampleIndex::clean_up. Returns the rows that are removed. If there are many, it removes
+  /// only some of them.
   std::vector<std::int64_t> clean_up(StreamId stream, const Moment& now);
   /// See SampleIndex::next_due.
   MonotonicTime next_due(StreamId stream) const;
@@ -83,10 +86,10 @@ class DurableStore {
   /// Waits until everything that was appended before is committed. Errors: rtps_timeout,
   /// out_of_memory, those of SampleStore::commit.
   Status flush(std::chrono::nanoseconds timeout);
-  /// Waits until the queue is shorter. Errors: as for flush.
+  /// Waits until the queue is shorter. Errors: those of flush.
   Status wait_for_room(std::chrono::nanoseconds timeout);
 
-  /// True if it holds no stream. Errors: those of SampleStore, rtps_timeout.
+  /// True if the store has no stream. Errors: those of SampleStore, rtps_timeout.
   Result<bool> is_empty();
   const std::string& path() const { return store_.path(); }
 
@@ -98,24 +101,24 @@ class DurableStore {
   Status start();
   void run();
   Status write(std::span<const StoredChange> group, Time now);
-  /// What clean_up removes, for a group that failed: it goes first, because the group may need its
-  /// room. What it removes of the group itself is not stored any more.
+  /// Returns what clean_up removes, for a group that failed. It is removed first, because the group
+  /// may need its room. Removed changes of the group itself are not stored any more.
   std::vector<StoredChange> removals_before(std::vector<StoredChange>& group) const noexcept;
   /// The caller holds the mutex.
   std::vector<std::int64_t> clean_up(StreamId stream, const Moment& now, std::size_t max_samples);
   void commit(std::unique_lock<std::mutex>& held);
-  /// False: the identity has enough that is not committed yet.
+  /// Returns false if the identity has enough changes that are not committed yet.
   bool may_append(const GuidPrefix& identity, std::size_t octets) const;
-  /// Counts what was pushed to pending_. The caller holds the mutex, as for set_free.
+  /// Counts the change that was pushed to pending_. The caller holds the mutex, as for set_free.
   std::uint64_t count_pending(Time now);
   void set_free();
   std::optional<std::size_t> room_now() noexcept;
   void report(const Error* failure, std::uint64_t beyond_limits,
               const std::vector<StoreShares::Refusals>& refusals) noexcept;
-  /// `after`: the change that must be committed before.
+  /// Loads a stream. `after` is the change that must be committed before.
   Result<Opened> load(StreamId id, const DurabilityService& service, std::uint64_t after,
                       const Moment& now, Duration lifespan);
-  /// The caller holds the store's mutex.
+  /// Removes closed streams without samples. The caller holds the store's mutex.
   void forget_closed();
   bool over() const {
     return pending_.size() + failed_.size() >= kMaxPending ||
@@ -130,12 +133,13 @@ class DurableStore {
   SampleStore store_;
   EventSink& events_;
   std::vector<StoredChange> pending_;
-  std::vector<StoredChange> failed_;  ///< a group that is committed again, before later ones
+  /// A group that failed and is committed again, before later ones.
+  std::vector<StoredChange> failed_;
   std::size_t octets_ = 0, failed_octets_ = 0;
-  std::map<GuidPrefix, std::size_t> octets_of_;  ///< of both, by identity
+  std::map<GuidPrefix, std::size_t> octets_of_;  ///< octets of both, by identity
   Time now_{};
   std::uint64_t appended_ = 0, committed_ = 0, groups_ = 0;
-  std::uint64_t left_out_ = 0;  ///< that an event has named
+  std::uint64_t left_out_ = 0;  ///< the number that an event has reported
   Status status_;
   SampleIndex index_;
   std::size_t room_ = 0;  ///< octets that were free after the last commit
@@ -143,7 +147,7 @@ class DurableStore {
   bool looks_at_room_ = false;
   std::set<StreamId> open_;
   std::map<StreamId, std::uint64_t> last_;  ///< the number of the last change appended to each
-  std::set<StreamId> closed_;               ///< not open any more, and not forgotten yet
+  std::set<StreamId> closed_;               ///< streams that are closed and not forgotten yet
   bool is_stopping_ = false;
   std::thread thread_;
 };

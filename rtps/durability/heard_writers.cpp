@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kOctetsPerEntry = 1024;
 
-// Writers number their changes from 1 on.
+// The number of an entry about an ended instance. Writers number their changes from 1 on.
 constexpr SequenceNumber kEnded{0};
 
 Guid guid_from(BytesView octets) {
@@ -76,7 +76,7 @@ Status HeardWriters::remember(Database& database, StreamId stream, const StoredE
   return {};
 }
 
-// Several at once, because it looks at all of them.
+// Several entries are forgotten at once, because the search looks at all of them.
 Status HeardWriters::forget_longest_unused(Database& database) {
   const auto surplus = std::to_string(counters_.entries - max_ + max_ / 16);
   DDSSEC_RETURN_IF_ERROR(database.run(

@@ -1,4 +1,5 @@
-// The table of what a keeper has heard: up to where of each writer, and which instances have ended.
+// The table of what a keeper has heard: up to which change of each writer, and which instances have
+// ended.
 #pragma once
 
 #include <span>
@@ -8,23 +9,23 @@
 
 namespace ddssec::rtps {
 
-/// Of a store of samples. The caller holds a transaction for whatever writes. Errors of all
-/// functions: rtps_store_failed, rtps_store_unusable.
+/// The table of one store of samples. The caller holds a transaction around each function that
+/// writes. Errors of all functions: rtps_store_failed, rtps_store_unusable.
 class HeardWriters {
  public:
-  /// Limit for the entries, of all streams. In a small store they are fewer. Of too many, those
-  /// that were used longest ago are forgotten.
+  /// The largest number of entries, for all streams together. A small store has fewer. If there are
+  /// too many, those that were used longest ago are forgotten.
   static constexpr std::size_t kMax = 1 << 18;
 
-  /// `max_octets`: those of the store.
+  /// `max_octets` is the size limit of the store.
   Status open(Database& database, std::size_t max_octets);
-  /// Remembers what the changes say about a stream.
+  /// Remembers what the changes tell about a stream.
   Status remember(Database& database, std::span<const StoredChange* const> changes);
   /// Returns false if an entry is damaged.
   Result<bool> load(Database& database, StreamId stream, StoredHistory& out) const;
   /// Forgets what was heard on the stream.
   Status forget(Database& database, StreamId stream);
-  /// What the counters were, for a transaction that fails.
+  /// The counters, so that they can be restored if a transaction fails.
   struct Counters {
     std::size_t entries = 0;
     std::int64_t last_use = 0;

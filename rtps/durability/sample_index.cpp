@@ -10,7 +10,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// The most rows of an instance that a relayed change is compared with, latest first.
+// The largest number of rows of an instance that a relayed change is compared with, latest first.
 constexpr std::size_t kMaxCompared = 64;
 
 std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
@@ -19,9 +19,9 @@ std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
 
 KeyHash key_of(const Change& change) { return change.key_hash.value_or(KeyHash{}); }
 
-// What is left of `period` for something that began at `since`: not more than `period`, however
-// far ahead `since` is. Not above 0: it is over. kNever: it never is. No sum overflows, because
-// durations and ages stay below 2^32 s.
+// The part of `period` that is left for something that began at `since`: at most `period`, however
+// far ahead `since` is. It is over if the result is not above 0, and never over if it is kNever. No
+// sum overflows, because durations and ages stay below 2^32 s.
 MonotonicTime left_of(Duration period, Time since, Time now) {
   if (period.is_infinite()) return kNever;
   const auto age = now.to_nanoseconds() - since.to_nanoseconds();
@@ -39,7 +39,7 @@ MonotonicTime later_by(MonotonicTime left, MonotonicTime now) {
   return left == kNever ? kNever : now + left;
 }
 
-// When a disposed instance is removed. kNever: never, or it is alive.
+// The time at which a disposed instance is removed; kNever if it is not, or if it is alive.
 MonotonicTime end_of(const Change& change, const DurabilityService& service, Time since,
                      const Moment& now) {
   if (!change.status.disposed) return kNever;
@@ -111,7 +111,7 @@ SampleIndex::Decision SampleIndex::decide(const Stream& stream, const StoredChan
   if (entry.is_late && is_overtaken(stream, key, row.time, row.account)) return overtaken;
   if (is_outdated(stream, entry, row.time, place)) return overtaken;
   if (disposes && stream.service.cleanup_delay == kDurationZero) return ended;
-  // The end of an instance that has no room removes the instance.
+  // If the end of an instance has no room, the instance is removed.
   if (!has_share(stream, key, row.account, row.octets)) return disposes ? ended : waits;
   if (!has_room(stream, key, count)) return disposes ? ended : left_out;
   return stored;
@@ -174,7 +174,7 @@ std::size_t SampleIndex::replaced(const Stream& stream, const Rows& rows) {
   return rows.size() - depth + 1;
 }
 
-// With KEEP_ALL, only the end of its instance is in its way.
+// True if a later change overtakes it. With KEEP_ALL, only a later end of its instance does.
 bool SampleIndex::is_overtaken(const Stream& stream, const KeyHash& key, Time time,
                                Account account) {
   if (stream.past_ends.has_later(key, time, account)) return true;
@@ -204,7 +204,8 @@ SampleIndex::Place SampleIndex::place_of(const Stream& stream, const KeyHash& ke
   return out;
 }
 
-// Another durability service may have missed what was written since.
+// True if the stored samples are newer: another durability service may have missed what was written
+// since.
 bool SampleIndex::is_outdated(const Stream& stream, const StoredChange& entry, Time time,
                               const Place& place) {
   if (entry.relay_order == RelayOrder::direct) return false;
@@ -221,13 +222,14 @@ bool SampleIndex::is_outdated(const Stream& stream, const StoredChange& entry, T
                          last.origin.writer == entry.change.origin().writer;
     return !is_next && time < last.time;
   }
-  // Before the last one, it ends and revives nothing.
+  // A change before the last row can neither end nor revive the instance.
   const bool is_first = place < rows.begin()->first;
   return has_ended || !entry.change.is_alive() || rows.contains(place) ||
          (is_first && replaced(stream, rows) > 0);
 }
 
-// A key has at most 16 octets, and may equal the GUID of a writer.
+// The digest has a purpose of its own: a key has at most 16 octets, and may equal the GUID of a
+// writer.
 SampleIndex::PastEnds::Digest SampleIndex::PastEnds::digest_of(const KeyHash& key) {
   constexpr std::string_view kPurpose = "ddssec ended instance";
   const auto full = sha256({as_bytes(kPurpose), key});
@@ -281,8 +283,8 @@ void SampleIndex::note_end(Stream& stream, StoredChange& entry, const KeyHash& k
   if (stream.is_kept) entry.ends.insert(entry.ends.end(), ends.begin(), ends.end());
 }
 
-// What needs no more room than what it replaces is always taken. Anything else must leave as much
-// room as its identity uses.
+// A change that needs no more room than what it replaces is always accepted. Any other change must
+// leave as much room as its identity uses.
 bool SampleIndex::has_share(const Stream& stream, const KeyHash& key, Account account,
                             std::size_t octets) const {
   if (account == StoreShares::kNone) return true;
@@ -311,7 +313,7 @@ bool SampleIndex::has_room(const Stream& stream, const KeyHash& key, std::size_t
   return held->second.size() - replaced < limit_of(limits.max_samples_per_instance, max_samples_);
 }
 
-// Does nothing if an allocation fails.
+// Inserts a row. Has no effect if an allocation fails.
 void SampleIndex::insert(Stream& stream, const KeyHash& key, const Place& place, const Row& row,
                          MonotonicTime ends_at) {
   auto& own = stream.samples_of[row.account];
@@ -361,7 +363,7 @@ void SampleIndex::erase_instance(Stream& stream, const KeyHash& key) {
   stream.ended.remove(key);
 }
 
-// The rest of an instance that has many samples goes with the next calls, oldest first.
+// If an instance has many samples, the rest is removed by the next calls, oldest first.
 std::vector<std::int64_t> SampleIndex::clean_up(StoredChange& entry, MonotonicTime now,
                                                 std::size_t max_samples) {
   const auto found = streams_.find(entry.stream);

@@ -8,7 +8,7 @@ namespace ddssec::rtps {
 namespace {
 
 constexpr std::size_t kMaxPayload = 64u << 20;
-// Seconds take 32 bits, and an expiry is the sum of a time and a duration.
+// The limit for an expiry, which is the sum of a time and a duration. Seconds take 32 bits.
 constexpr std::int64_t kMaxNanoseconds = (std::int64_t{1} << 32) * 1'000'000'000;
 
 }  // namespace

@@ -20,14 +20,14 @@ constexpr std::string_view kSelectSamples =
     "SELECT id, key, keyed, disposed, seconds, fraction, payload, sum, writer, number, identity, "
     "expires, lifespan, stream FROM sample ";
 
-/// Reads a row of kSelectSamples, whose first column is the row's number. Empty: it differs from
-/// what was stored.
+/// Reads a row of kSelectSamples, whose first column is the row's number. Returns empty if it
+/// differs from what was stored.
 std::optional<SampleRow> read_row(const SqlStatement& row);
 
-/// Empty: no limit applies, or an earlier version stored the sample.
+/// Returns empty if no limit applies, or if an earlier version stored the sample.
 std::optional<GuidPrefix> identity_from(BytesView octets);
 
-/// SQLite detects damage to its own structures, but not to their contents.
+/// A checksum of the contents, because SQLite detects damage only to its own structures.
 using SampleSum = std::array<std::uint8_t, 8>;
 SampleSum sum_of(std::int64_t row, StreamId stream, const Change& change,
                  const std::optional<StoredExpiry>& expiry);

@@ -17,7 +17,7 @@ constexpr std::size_t kPageSize = 4096;
 constexpr std::string_view kWithoutSamples =
     "NOT EXISTS (SELECT 1 FROM sample WHERE sample.stream = stream.id)";
 
-// Includes the length of each name, so that different lists never give the same octets.
+// The octets include the length of each name, so that different lists never give the same octets.
 Bytes partition_octets(const std::vector<std::string>& names) {
   Bytes out;
   for (const auto& name : names) {
@@ -28,7 +28,8 @@ Bytes partition_octets(const std::vector<std::string>& names) {
   return out;
 }
 
-// The same for partitions and scope. Without a scope it is what earlier versions stored.
+// Does the same for partitions and scope. Without a scope, the octets are those that earlier
+// versions stored.
 Bytes partition_octets(const StreamKey& key) {
   constexpr std::array<std::uint8_t, 2> kLengthOfNoName{0xff, 0xff};
   auto out = partition_octets(key.partition);
@@ -61,11 +62,11 @@ Result<SampleStore> SampleStore::open(const std::string& path, std::size_t max_o
   return store;
 }
 
-// Only reads at first, so that a file of another kind is not changed before it is refused.
+// First only reads, so that a file of another kind is not changed before it is refused.
 Status SampleStore::prepare(std::size_t max_octets, Time now) {
   // EXCLUSIVE must be set before anything is read. Then the write-ahead log of a process that was
-  // killed is recovered in memory, without another file next to it, even on a full disk. What is
-  // removed is not overwritten: that would take as much room in the log.
+  // killed is recovered in memory, without another file next to it, even on a full disk. Removed
+  // octets are not overwritten, because that would take as much room in the log.
   for (const auto* pragma : {"PRAGMA trusted_schema=OFF", "PRAGMA cell_size_check=ON",
                              "PRAGMA secure_delete=FAST", "PRAGMA locking_mode=EXCLUSIVE"})
     DDSSEC_RETURN_IF_ERROR(database_.run(pragma));
@@ -96,7 +97,7 @@ Status SampleStore::prepare(std::size_t max_octets, Time now) {
   DDSSEC_ASSIGN_OR_RETURN(erase_, database_.prepare("DELETE FROM sample WHERE id = ?"));
   DDSSEC_ASSIGN_OR_RETURN(last_row_, database_.number("SELECT coalesce(max(id), 0) FROM sample"));
   [[maybe_unused]] const auto shortened = shorten_log();
-  // Without room, what has expired and the empty streams stay until there is some.
+  // If there is no room, expired samples and empty streams stay until there is some.
   for (const auto& erased : {erase_expired(now), erase_unused_streams()})
     if (!erased && erased.error().code() != Code::rtps_store_failed) return erased;
   DDSSEC_ASSIGN_OR_RETURN(last_stream_,
@@ -125,7 +126,8 @@ Status SampleStore::check_origin() {
   return {};
 }
 
-// The exact comparison ensures that no trigger or view in a file is ever executed.
+// The schema must be exactly the expected one, so that no trigger or view in a file is ever
+// executed.
 Status SampleStore::check_schema(std::int64_t version) {
   DDSSEC_ASSIGN_OR_RETURN(
       auto statement,
@@ -157,7 +159,7 @@ Status SampleStore::upgrade_schema(std::int64_t version) {
   return database_.run("PRAGMA user_version=" + std::to_string(kVersion));
 }
 
-// A row that is damaged may say anything. It stays, and is refused when its stream is loaded.
+// A damaged row may have any content. It stays, and is refused when its stream is loaded.
 Status SampleStore::erase_expired(Time now) {
   std::vector<std::int64_t> expired;
   {
@@ -248,7 +250,8 @@ Result<std::size_t> SampleStore::streams() {
 Result<StreamId> SampleStore::stream(const StreamKey& key) {
   DDSSEC_ASSIGN_OR_RETURN(const auto id, find(key));
   if (id) {
-    streams_.try_emplace(*id, Stream{key, true});  // otherwise it has no row yet
+    // No effect on a stream that is known without a row.
+    streams_.try_emplace(*id, Stream{key, true});
     return *id;
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto stream_count, streams());
@@ -304,7 +307,7 @@ Result<std::size_t> SampleStore::room() {
 
 Status SampleStore::shorten_log() { return database_.run("PRAGMA wal_checkpoint(TRUNCATE)"); }
 
-// Each octet is written to the log, and from there to a page of the file.
+// Counts each octet twice: it is written to the log, and from there to a page of the file.
 Status SampleStore::check_disk(std::span<const StoredChange> changes) {
   std::size_t wanted = 0;
   for (const auto& stored : changes)
@@ -350,7 +353,7 @@ Result<StoredHistory> SampleStore::load(StreamId stream) {
   return out;
 }
 
-// What another program wrote may have filled the disk. The log is what can be given back then.
+// If another program has filled the disk, the room of the log can be given back.
 Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
   DDSSEC_RETURN_IF_ERROR(check_disk(changes));
   auto written = write(changes, now);
@@ -362,7 +365,7 @@ Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
 
 Status SampleStore::write(std::span<const StoredChange> changes, Time now) {
   std::vector<Stream*> made;
-  // What was remembered is forgotten with the transaction.
+  // If the transaction fails, the counters of remembered writers are restored.
   Rollback undo([this, counters = heard_.counters()] { heard_.restore(counters); });
   {
     DDSSEC_ASSIGN_OR_RETURN(auto transaction, Database::Transaction::begin(database_));

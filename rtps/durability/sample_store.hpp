@@ -13,7 +13,8 @@
 namespace ddssec::rtps {
 
 /// Committed changes survive the end of the process or, for a file, of the machine. Changes that
-/// were not committed leave no trace. One thread at a time; one process for each file.
+/// were not committed leave no trace. May be used by one thread at a time, and a file by one
+/// process.
 class SampleStore {
  public:
   static constexpr std::size_t kMaxStreams = 1024;
@@ -30,20 +31,20 @@ class SampleStore {
   SampleStore(SampleStore&&) noexcept = default;
 
   /// Returns the stream of a writer: a new one, or the existing one with its samples. A new stream
-  /// is in the database from its first sample on. Of too many streams, one is forgotten that is not
-  /// open and has no samples. Errors: rtps_store_failed, rtps_store_unusable.
+  /// is in the database from its first sample on. If there are too many streams, one that is not
+  /// open and has no samples is forgotten. Errors: rtps_store_failed, rtps_store_unusable.
   Result<StreamId> stream(const StreamKey& key);
-  /// The stream's writer is gone: removes the stream if it has no samples, and no writer is
-  /// remembered that was heard on it. Errors: rtps_store_failed, rtps_store_unusable (then it is
-  /// removed when the store is opened again).
+  /// Closes a stream whose writer is gone. Removes it if it has no samples, and no writer that was
+  /// heard on it is remembered. Errors: rtps_store_failed, rtps_store_unusable (then it is removed
+  /// when the store is opened again).
   Status close(StreamId stream);
   /// Returns the samples in the order in which they were stored, oldest first, each with its
   /// original writer. Errors: rtps_store_unusable (a sample differs from what was stored),
   /// rtps_store_failed.
   Result<StoredHistory> load(StreamId stream);
   /// Removes and stores what the changes say or, if it fails, does nothing. SampleIndex determines
-  /// what they say; without a source timestamp, `now` is stored. Of too many remembered writers,
-  /// those that were heard longest ago are forgotten. Errors: rtps_store_failed,
+  /// what they say; without a source timestamp, `now` is stored. If too many writers are
+  /// remembered, those that were heard longest ago are forgotten. Errors: rtps_store_failed,
   /// rtps_store_unusable.
   Status commit(std::span<const StoredChange> changes, Time now);
 
@@ -73,7 +74,7 @@ class SampleStore {
   Status create_schema();
   /// Upgrades the schema of an earlier version.
   Status upgrade_schema(std::int64_t version);
-  /// Of all streams. The caller holds none of them.
+  /// Removes expired samples of all streams. The caller holds none of them.
   Status erase_expired(Time now);
   /// Removes all streams without samples and remembered writers.
   Status erase_unused_streams();
@@ -81,9 +82,9 @@ class SampleStore {
   Status forget_least_used_stream();
   /// Removes a stream without samples, and the writers that were heard on it.
   Status forget(StreamId id);
-  /// Empty: not in the database.
+  /// Returns empty if the stream is not in the database.
   Result<std::optional<StreamId>> row_of(const StreamKey& key);
-  /// Empty: neither in the database nor in memory.
+  /// Returns empty if the stream is neither in the database nor in memory.
   Result<std::optional<StreamId>> find(const StreamKey& key);
   Status insert_row(StreamId id, const StreamKey& key);
   Status insert(const StoredChange& stored, Time now);
@@ -93,7 +94,7 @@ class SampleStore {
   /// Copies the write-ahead log into the file, and gives its room back.
   Status shorten_log();
   struct Pages {
-    std::size_t used, unused;  ///< of those that the file has, or will have
+    std::size_t used, unused;  ///< number of the pages that the file has, or will have
   };
   Result<Pages> pages();
   Status remember(std::span<const StoredChange> changes);

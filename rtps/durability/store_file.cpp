@@ -40,7 +40,7 @@ Status check_private(const std::string& path, const struct stat& status) {
                .hint = "chmod 600 the file; other users may already have read what is in it"});
 }
 
-// SQLite takes over what stands in these files, and keeps their modes.
+// SQLite adopts the contents of these files, and keeps their modes.
 Status check_companions(const std::string& path) {
   for (const auto* suffix : {"-wal", "-shm", "-journal"}) {
     struct stat status {};

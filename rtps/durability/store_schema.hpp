@@ -8,8 +8,8 @@
 namespace ddssec::rtps {
 
 constexpr std::int64_t kApplicationId = 0x44445353;  // "DDSS"
-// Version 2 did not store the sender of a sample, version 3 not up to where a writer was heard,
-// version 4 not when a sample expires.
+// Version 2 did not store the sender of a sample, version 3 did not store up to which change a
+// writer was heard, and version 4 did not store when a sample expires.
 constexpr std::int64_t kVersion = 5, kMinVersion = 2;
 
 constexpr std::string_view kSchema[] = {
@@ -27,13 +27,13 @@ constexpr std::string_view kSchema[] = {
 
 struct AddedColumn {
   std::int64_t since;     ///< the first version that has it
-  std::string_view text;  ///< as it stands in the table
+  std::string_view text;  ///< the text in the table
 };
 /// The last columns of the table of samples, in their order.
 constexpr AddedColumn kAddedColumns[] = {
     {3, "identity BLOB"}, {5, "expires INTEGER"}, {5, "lifespan INTEGER"}};
 
-/// Returns the text as SQLite stores it, which is how it was written.
+/// Returns the text as SQLite stores it, which is the text that was executed.
 inline std::string schema_of(std::int64_t version, std::string_view sql) {
   std::string out(sql);
   for (const auto& [since, column] : kAddedColumns) {

@@ -1,6 +1,6 @@
-// How much of a store the samples of each identity use. No identity may use more octets of the
-// store than are free, and no more places of a stream than are free in it. So there is always room
-// for another identity.
+// Counts how much of a store the samples of each identity use. No identity may use more octets of
+// the store than are free, and no more places of a stream than are free in it. So there is always
+// room for another identity.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ class StoreShares {
     return octets <= kPage / 2 ? octets : (octets + kPage - 1) / kPage * kPage;
   }
 
-  /// `identity`: see ParticipantCore::identity_of.
+  /// Returns the share of an identity (ParticipantCore::identity_of).
   Account account(const GuidPrefix& identity);
   std::size_t octets(Account account) const { return shares_[account].octets; }
   void add(Account account, std::size_t octets) { shares_[account].octets += octets; }
@@ -40,7 +40,7 @@ class StoreShares {
     GuidPrefix identity;
     std::uint64_t times;  ///< total so far
   };
-  /// A sample had no room.
+  /// Counts a sample that had no room.
   void refuse(const GuidPrefix& identity);
   /// The identities whose refusals have doubled since the last report.
   std::vector<Refusals> take_news() { return std::exchange(news_, {}); }

@@ -1,4 +1,4 @@
-// What the parts of a store of samples tell each other.
+// The types that the parts of a store of samples exchange.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ struct StreamKey {
   std::uint32_t domain = 0;
   std::string topic, type;
   std::vector<std::string> partition = {};
-  /// Whatever else determines which readers may get the samples, such as the domain tag.
+  /// Everything else that determines which readers may get the samples, such as the domain tag.
   std::vector<std::string> scope = {};
   /// Distinguishes writers of the participant for which all other members are equal.
   std::uint32_t ordinal = 0;
@@ -29,16 +29,17 @@ struct StreamId {
   auto operator<=>(const StreamId&) const = default;
 };
 
-/// LIFESPAN (DDS 1.4, 2.2.3.16) of a stored sample, in nanoseconds. For the next process: while one
-/// runs, its monotonic clock decides.
+/// LIFESPAN (DDS 1.4, 2.2.3.16) of a stored sample, in nanoseconds. It is for the next process:
+/// while a process runs, its monotonic clock decides.
 struct StoredExpiry {
   std::int64_t at;        ///< calendar time
-  std::int64_t lifespan;  ///< greater than 0: the longest time that is left when a store is opened
+  std::int64_t lifespan;  ///< greater than 0; the longest time left when a store is opened
   bool operator==(const StoredExpiry&) const = default;
 };
 
-/// What decides whether a change that its original writer did not send itself is newer than what is
-/// stored of its instance. Between different writers, source timestamps always decide.
+/// Tells what decides whether a relayed change, which its original writer did not send itself, is
+/// newer than the stored samples of its instance. Between different writers, source timestamps
+/// always decide.
 enum class RelayOrder : std::uint8_t {
   direct,       ///< its original writer sent it: the order of arrival decides
   number,       ///< the sequence numbers of its original writer
@@ -52,30 +53,30 @@ struct StoredEnd {
   bool is_forgotten = false;
 };
 
-/// What a commit does for one change.
+/// The work of a commit for one change.
 struct StoredChange {
   StreamId stream = {};
   Change change = {};
-  /// The identity whose share of the store it uses (ParticipantCore::identity_of). Empty: no limit
-  /// applies.
+  /// The identity whose share of the store it uses (ParticipantCore::identity_of). If it is empty,
+  /// no limit applies.
   std::optional<GuidPrefix> identity = {};
-  /// It has waited for room: between it and what another identity wrote to its instance, source
-  /// timestamps decide. They count for late changes only: otherwise one from the future, or a clock
-  /// that is behind, would keep a writer out.
+  /// True if the change has waited for room. Source timestamps then decide between it and what
+  /// another identity wrote to its instance. They count for late changes only: otherwise a
+  /// timestamp from the future, or a clock that is behind, would exclude a writer.
   bool is_late = false;
-  /// The store remembers that it has this change of its original writer, stored or not.
+  /// True if the store remembers that it has this change of its original writer, stored or not.
   bool is_remembered = false;
   RelayOrder relay_order = RelayOrder::direct;
   /// The LIFESPAN of its writer. A sample that has expired is not stored.
   Duration lifespan = kDurationInfinite;
-  std::int64_t row = 0;                     ///< where it is stored; 0: nowhere
+  std::int64_t row = 0;                     ///< the row in which it is stored; 0: none
   std::optional<StoredExpiry> expiry = {};  ///< follows from its source timestamp and lifespan
-  std::vector<std::int64_t> removed = {};   ///< rows that go
-  /// What changes in what is remembered of instances that have ended.
+  std::vector<std::int64_t> removed = {};   ///< rows that are removed
+  /// The changes to the entries of instances that have ended.
   std::vector<StoredEnd> ends = {};
 };
 
-/// Up to which change, and which source timestamp, a writer was heard.
+/// The last change of a writer that was heard, and its source timestamp.
 struct HeardWriter {
   Guid writer;
   SequenceNumber number;
