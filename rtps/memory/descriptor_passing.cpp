@@ -17,7 +17,7 @@
 namespace ddssec::rtps::memory {
 namespace {
 
-// After so long without a turn, the thread counts as held up.
+// If the thread is busy with one turn for this long, it counts as held up.
 constexpr MonotonicTime kHeldUp = std::chrono::seconds(1);
 constexpr std::size_t kMaxAtOnce = 16;
 
@@ -46,7 +46,7 @@ MonotonicTime now_of_thread() { return std::chrono::steady_clock::now().time_sin
 
 void signal(const FileDescriptor& event) {
   const std::uint64_t one = 1;
-  // Full: it is readable already.
+  // If the counter is full, the event is readable already.
   if (::write(event.number(), &one, sizeof one) < 0) return;
 }
 
@@ -57,11 +57,12 @@ void drain(const FileDescriptor& event) {
 
 FileDescriptor new_event() { return FileDescriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)); }
 
-// A thread that is held up still needs its code, also if the program unloads the library.
+// Keeps the library loaded if the program unloads it, because a thread that is held up still needs
+// its code.
 void keep_code() {
   Dl_info info{};
   if (::dladdr(static_cast<const void*>(&kHeldUp), &info) == 0 || info.dli_fname == nullptr) return;
-  // The handle is given up on purpose: it is never closed.
+  // The handle is never closed, on purpose.
   static_cast<void>(::dlopen(info.dli_fname, RTLD_NOW | RTLD_NOLOAD | RTLD_NODELETE));
 }
 
@@ -76,7 +77,7 @@ struct DescriptorPassing::Shared {
   Shared(DescriptorServer of_writers, Users admitted)
       : server(std::move(of_writers)), users(admitted) {}
 
-  // One turn of work. `wait`: until there is any.
+  // One turn of work. With `wait`, waits until there is any.
   void turn(MonotonicTime now, bool wait);
   void run();
   void wait_for_work(MonotonicTime now);
@@ -84,7 +85,7 @@ struct DescriptorPassing::Shared {
   void fetch(std::uint64_t id, const DescriptorOffer& offer, MonotonicTime now);
   // Returns true if the request has ended.
   bool look_at(Request& request, MonotonicTime now);
-  // `fetches`: not only what no other process can delay.
+  // Returns the next work. Without `fetches`, only work that no other process can delay.
   std::optional<Work> next_work(bool fetches);
   template <class T, class R>
   void give(std::vector<T>& results, std::uint64_t id, R result);
@@ -93,22 +94,22 @@ struct DescriptorPassing::Shared {
   std::uint64_t push(decltype(Work::what) what);
   bool is_held_up() const;
 
-  // Of the thread:
-  DescriptorServer server;  // its offers are of both
+  // Only the thread uses these:
+  DescriptorServer server;  // both sides use its offers
   const Users users;
   std::vector<Request> requests;
   std::vector<pollfd> waiting;
 
   const FileDescriptor wake = new_event(), ready = new_event();
   std::atomic<bool> ends = false;
-  // When the thread began what it does; 0: it waits.
+  // The time at which the thread began its current work; 0 while it waits.
   std::atomic<MonotonicTime::rep> busy_since = 0;
 
-  mutable std::mutex lock;  // of all below; held for no call that could wait
+  mutable std::mutex lock;  // protects all below; no call that could wait is made with it
   std::deque<Work> work;
   std::vector<Fetched> fetched;
   std::vector<Prepared> prepared;
-  std::size_t unfinished = 0;  // whose results were not taken
+  std::size_t unfinished = 0;  // work whose results were not taken yet
   std::uint64_t last_id = 0;
   bool has_thread = false, refuses = false, has_ended = false;
   std::condition_variable ended;
@@ -123,12 +124,13 @@ void DescriptorPassing::Shared::run() {
     try {
       if (!ends) turn(now_of_thread(), true);
     } catch (const std::bad_alloc&) {
-      // Not even a result could be given: the writer goes on by UDP.
+      // There was no memory even for a result, so the writer continues by UDP.
     }
     busy_since = 0;
   }
   requests.clear();
-  { const auto last = std::move(server); }  // closes what strangers sent to
+  // Closes the connections of strangers, with what they sent.
+  { const auto last = std::move(server); }
   const std::lock_guard held(lock);
   has_ended = true;
   ended.notify_all();
@@ -235,7 +237,7 @@ bool DescriptorPassing::start() {
   return shared_->has_thread;
 }
 
-// A thread that is held up ends when it can. What it uses it owns.
+// If the thread is held up, it ends when it can. It owns everything that it uses.
 DescriptorPassing::~DescriptorPassing() {
   shared_->ends = true;
   signal(shared_->wake);

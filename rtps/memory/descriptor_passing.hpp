@@ -1,7 +1,7 @@
 // Passes descriptors of memory between processes, and prepares memory, in a thread of its own.
 //
 // Strangers may connect to the local socket of a writer's process, and a hostile writer may answer
-// what it likes. What they send can hold up the thread that receives, drops or closes it. So no
+// anything. The data that they send can hold up the thread that receives, drops or closes it. So no
 // thread of the participant does any of that: it gives work to the thread here, and takes results.
 // If that thread is held up, results are late or never come, and samples go by UDP.
 #pragma once
@@ -14,12 +14,13 @@
 
 namespace ddssec::rtps::memory {
 
-/// No call blocks, except the destructor, for at most kMaxEnd. One thread may use it.
+/// Passes work to its thread. No call blocks, except the destructor, for at most kMaxEnd. Only one
+/// thread may use it.
 class DescriptorPassing {
  public:
-  /// How long a writer's process may take to answer.
+  /// The longest time that a writer's process may take to answer.
   static constexpr std::chrono::seconds kMaxRequest{3};
-  /// Limit for the work that is not finished.
+  /// The largest number of tasks that are not finished.
   static constexpr std::size_t kMaxWork = 64;
   static constexpr std::chrono::milliseconds kMaxEnd{200};
 
@@ -34,20 +35,20 @@ class DescriptorPassing {
     MemoryResult<SampleSlots> slots;
   };
 
-  /// Errors: those of the local socket.
+  /// Creates the local socket, without a thread. Errors: those of the local socket.
   static MemoryResult<std::unique_ptr<DescriptorPassing>> make(Random& random,
                                                                Users users = Users::own);
   ~DescriptorPassing();
 
-  /// From now on a thread does the work. Until then `serve` does it, for tests. Returns false if
-  /// there is no thread: then no work is taken.
+  /// Starts the thread, which does the work from now on. Until then `serve` does it, for tests.
+  /// Returns false if no thread could be started: then no work is accepted.
   bool start();
   /// Must be called when `descriptor()` is readable, and at `deadline()`.
   void serve(MonotonicTime now);
   int descriptor() const;
   std::optional<MonotonicTime> deadline() const { return offers().next_end(); }
 
-  /// See DescriptorServer. Also: held_up.
+  /// See DescriptorServer. Further error: held_up.
   MemoryResult<DescriptorOffer> offer(const Segment& segment, Random& random, MonotonicTime now,
                                       std::string identity = {});
   OpenOffers& offers();
@@ -58,7 +59,7 @@ class DescriptorPassing {
   MemoryResult<std::uint64_t> fetch(DescriptorOffer offer);
   /// See SampleSlots::make; also no_room.
   MemoryResult<std::uint64_t> make_slots(std::uint64_t segment, std::size_t largest);
-  /// See SampleSlots. Also if work is no longer taken.
+  /// See SampleSlots. May be called even if work is no longer accepted.
   std::uint64_t wipe(SampleSlots slots);
 
   std::vector<Fetched> take_fetched();
@@ -68,7 +69,7 @@ class DescriptorPassing {
   struct Shared;
   explicit DescriptorPassing(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
 
-  const std::shared_ptr<Shared> shared_;  // the thread has it too, and may outlive this object
+  const std::shared_ptr<Shared> shared_;  // shared with the thread, which may outlive this object
 };
 
 }  // namespace ddssec::rtps::memory

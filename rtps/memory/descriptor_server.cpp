@@ -20,7 +20,8 @@ constexpr std::size_t kTokenSize = 32;
 constexpr int kAcceptsOfATurn = 32;
 constexpr int kBacklog = 128;
 constexpr std::chrono::seconds kPause{1};
-// Most closes are quick. Strangers that send descriptors must not keep readers waiting for long.
+// How long accepting pauses if too many closes wait. Most closes are quick, and strangers that send
+// descriptors must not keep readers waiting for long.
 constexpr std::chrono::milliseconds kPauseForCloses{50};
 constexpr std::string_view kPrefix = "ddssec-";
 
@@ -32,7 +33,8 @@ struct Address {
   }
 };
 
-// Abstract: it leaves no file behind, also after kill -9. It is not a secret; the token is.
+// The address is abstract: it leaves no file behind, even after kill -9. The address is not a
+// secret, but the token is.
 Address address_of(const SocketName& name) {
   Address out;
   out.octets.sun_family = AF_UNIX;
@@ -44,7 +46,7 @@ Address address_of(const SocketName& name) {
 }
 
 FileDescriptor local_socket() {
-  // Packets: a token arrives whole or not at all.
+  // The socket has packets, so that a token arrives whole or not at all.
   return FileDescriptor(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
 }
 
@@ -75,12 +77,13 @@ void send_descriptor(int socket, int descriptor) {
   head->cmsg_type = SCM_RIGHTS;
   head->cmsg_len = CMSG_LEN(sizeof(int));
   std::memcpy(CMSG_DATA(head), &descriptor, sizeof descriptor);
-  // A reader that is gone by now needs no descriptor.
+  // A reader that is gone by now needs no descriptor, so an error is ignored.
   static_cast<void>(::sendmsg(socket, &message, MSG_NOSIGNAL | MSG_DONTWAIT));
 }
 
-// One is expected. The kernel closes those that have no room, which may hold this thread up; but
-// more room would let a peer use up the descriptors of the process.
+// Room for several descriptors, although one is expected. The kernel closes those that have no
+// room, which may hold this thread up. But still more room would let a peer use up the descriptors
+// of the process.
 struct ManyDescriptors {
   static constexpr std::size_t kMax = 16;
   static constexpr std::size_t kTime = CMSG_SPACE(sizeof(timeval));  // see UntrustedSocket
@@ -137,7 +140,8 @@ DescriptorServer& DescriptorServer::operator=(DescriptorServer&& other) noexcept
   return *this;
 }
 
-// Who waits to be accepted may have sent already, and the close of the listener would drop that.
+// Closing the listener would drop what waiting connections have already sent, and that can hold up
+// this thread. So they are accepted and closed elsewhere.
 DescriptorServer::~DescriptorServer() {
   if (!listener_) return;
   ::shutdown(listener_.number(), SHUT_RDWR);
@@ -200,19 +204,20 @@ void DescriptorServer::accept_waiting(MonotonicTime now) {
         ::accept4(listener_.number(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK)));
     if (!socket) {
       if (would_block(errno) || errno == ECONNABORTED) return;
-      // No descriptors are left. The waiting connection would wake the caller again and again.
+      // No descriptors are left, and the waiting connection would wake the caller again and again.
       paused_until_ = now + kPause;
       return;
     }
     const auto who = other_side(socket.number());
     if (!who || !admits(users_, who->uid)) continue;
     Connection connection{std::move(socket), who->pid, who->uid, now + kSilence};
-    // A reader sends its token at once. It is not kept waiting by those that say nothing.
+    // A reader sends its token at once, so connections that send nothing do not keep it waiting.
     if (!is_done(connection)) keep(std::move(connection));
   }
 }
 
-// The oldest one leaves: of the process, of the user, or of all.
+// Keeps the connection. If there are too many, the oldest one is closed: of the process, of the
+// user, or of all.
 void DescriptorServer::keep(Connection connection) {
   const auto leave_at = [&](std::size_t limit, auto&& counts) {
     if (std::ranges::count_if(connections_, counts) < static_cast<std::ptrdiff_t>(limit)) return;
@@ -232,7 +237,8 @@ bool DescriptorServer::is_done(const Connection& connection) {
   const int socket = connection.socket.number();
   const auto next = connection.socket.next();
   if (next == UntrustedSocket::Next::nothing) return false;
-  if (next == UntrustedSocket::Next::descriptors) return true;  // it is closed elsewhere, with them
+  // The socket is closed elsewhere, with the descriptors.
+  if (next == UntrustedSocket::Next::descriptors) return true;
   const auto size = ::recv(socket, octets.data(), octets.size(), MSG_DONTWAIT);
   if (size < 0 && would_block(errno)) return false;
   if (size != static_cast<ssize_t>(kTokenSize)) return true;
@@ -279,7 +285,7 @@ MemoryResult<std::optional<MappedSegment>> DescriptorRequest::take() {
   if (size < 0 && would_block(errno)) return std::optional<MappedSegment>();
   if (size < 0) return refuse(MemoryRefusal::no_answer);
   auto received = received_with(message);
-  // Only what can be sealed is closed here: no other process has a part in that.
+  // Only memory that can be sealed is closed here, because no other process can delay that.
   const auto is_foreign = [](const auto& one) { return ::fcntl(one.number(), F_GET_SEALS) < 0; };
   const bool any_foreign = std::ranges::any_of(received, is_foreign);
   for (auto& one : received)

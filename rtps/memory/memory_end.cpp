@@ -13,7 +13,7 @@
 namespace ddssec::rtps::memory {
 namespace {
 
-// One for the process: a user may have few (fs.inotify.max_user_instances).
+// There is one for the process, because a user may have few (fs.inotify.max_user_instances).
 struct Watches {
   std::mutex lock;
   FileDescriptor inotify;
@@ -25,7 +25,8 @@ Watches& watches() {
   return *out;
 }
 
-// A watch holds no memory. IN_IGNORED: the kernel has removed the inode.
+// Reads which memory is gone. A watch holds no memory. IN_IGNORED means that the kernel has removed
+// the inode.
 void read_events(Watches& all) {
   alignas(inotify_event) std::array<char, 4096> octets{};
   while (true) {
@@ -49,7 +50,7 @@ std::optional<MemoryEnd> MemoryEnd::watch(int descriptor) {
   if (!all.inotify) return std::nullopt;
   read_events(all);
   const auto path = "/proc/self/fd/" + std::to_string(descriptor);
-  ::fchmod(descriptor, S_IRUSR | S_IWUSR);  // a reader of the same user may have changed it
+  ::fchmod(descriptor, S_IRUSR | S_IWUSR);  // a reader of the same user may have changed the mode
   const int number = ::inotify_add_watch(all.inotify.number(), path.c_str(), IN_DELETE_SELF);
   return number < 0 ? std::nullopt : std::optional(MemoryEnd(number));
 }

@@ -1,4 +1,4 @@
-// Why memory is not used. The caller then falls back to UDP.
+// The reasons why memory is not used. The caller then falls back to UDP.
 #pragma once
 
 #include <cstdint>
@@ -15,26 +15,26 @@ enum class MemoryRefusal : std::uint8_t {
   full,             ///< readers still need every slot
   wrong_kind,       ///< the descriptor is not of memory that can be sealed
   not_sealed,       ///< a seal is missing
-  wrong_size,       ///< empty, above the limit, or memory that is not there yet
-  other_memory,     ///< not the memory that the writer offered
+  wrong_size,       ///< it is empty, above the limit, or has pages that do not exist yet
+  other_memory,     ///< it is not the memory that the writer offered
   other_segment,    ///< the reference is to another segment
   outside,          ///< the reference leaves the segment
-  gone,             ///< the slot has other content by now: ask for a retransmission
+  gone,             ///< the slot has other content by now: request a retransmission
   no_socket,        ///< the local socket cannot be made or reached
-  wrong_process,    ///< another process than the writer's listens
+  wrong_process,    ///< a process other than the writer's listens
   no_answer,        ///< the token was refused, or the answer is late or malformed
   too_many_tokens,  ///< the limit of offers is reached
   not_matched,      ///< no reader of the participant has matched the writer yet
-  limit_reached,    ///< the limit of the writer's participant for its memory
+  limit_reached,    ///< the memory limit of the writer's participant is reached
   other_user,       ///< the other process is of another user
   no_room,          ///< the memory cgroup has too little room
-  held_up,          ///< what passes descriptors on is held up by another process
+  held_up,          ///< the thread that passes descriptors is held up by another process
   off               ///< shared memory is off in the reader's participant
 };
 inline constexpr std::uint32_t kRefusals = 1 + static_cast<std::uint32_t>(MemoryRefusal::off);
 
-/// The next attempt may succeed: the reader has not matched yet, its process is slow, or strangers
-/// fill the socket.
+/// True if the next attempt may succeed: the reader has not matched yet, its process is slow, or
+/// strangers fill the socket.
 bool may_pass_by(MemoryRefusal why);
 
 /// The reason for people: "the token was refused, ...".

@@ -7,13 +7,13 @@
 namespace ddssec::rtps::memory {
 namespace {
 
-// The files of one version of cgroups.
+// The files in one version of cgroups.
 struct Version {
   const char* folder;
   const char* limit;
-  const char* slow;  // beyond it the system slows the processes down; may be empty
+  const char* slow;  // above it, the system slows the processes down; may be empty
   const char* used;
-  const char* droppable;  // a line of memory.stat
+  const char* droppable;  // a line of memory.stat: files that can be dropped
 };
 constexpr Version kTwo{"/sys/fs/cgroup", "/memory.max", "/memory.high", "/memory.current",
                        "inactive_file"};
@@ -25,7 +25,7 @@ constexpr Version kOne{"/sys/fs/cgroup/memory", "/memory.limit_in_bytes", "",
 std::optional<std::uint64_t> number_in(const std::string& path) {
   std::ifstream file(path);
   std::uint64_t out = 0;
-  return file >> out ? std::optional(out) : std::nullopt;  // "max" is none
+  return file >> out ? std::optional(out) : std::nullopt;  // "max" means no limit
 }
 
 std::uint64_t droppable_in(const std::string& folder, const char* name) {
@@ -51,7 +51,7 @@ std::optional<std::uint64_t> room_of(const std::string& folder, const Version& v
   return *limit - std::min(*limit, needed);
 }
 
-// In a container the path may be that of the host; then only the group at the top is found.
+// In a container the path may be that of the host. Then only the group at the top is found.
 std::optional<std::uint64_t> room_along(const std::string& root, std::string path,
                                         const Version& version) {
   std::optional<std::uint64_t> out;
@@ -71,7 +71,7 @@ bool lists_memory(const std::string& controllers) {
 
 }  // namespace
 
-// Lines are "number:controllers:path"; those of version 2 name no controllers.
+// Lines are "number:controllers:path"; the lines of version 2 name no controllers.
 std::optional<std::uint64_t> memory_room(const std::string& root) {
   std::optional<std::uint64_t> out;
   std::ifstream file(root + "/proc/self/cgroup");

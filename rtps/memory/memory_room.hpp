@@ -1,4 +1,4 @@
-// How much memory the limits of the process's memory cgroup leave.
+// The memory that the limits of the process's memory cgroup leave.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,12 @@
 
 namespace ddssec::rtps::memory {
 
-/// In octets: the least that a group of the process, or a group above it, leaves. Files that the
-/// system can drop are not counted as used. Empty: there is no limit, or it cannot be seen. `root`:
-/// folder before /proc and /sys, for tests.
+/// Returns the room in octets: the least that a group of the process, or a group above it, leaves.
+/// Files that the system can drop are not counted as used. Empty if there is no limit, or if it
+/// cannot be seen. `root` is the folder before /proc and /sys, for tests.
 std::optional<std::uint64_t> memory_room(const std::string& root = "");
-/// Whether so much can be taken and as much again is left. Beyond its limit, the system ends a
-/// process and does not refuse.
+/// True if so much memory can be taken and as much again is left. Above the limit, the system does
+/// not refuse but ends a process.
 bool has_memory_room(std::uint64_t octets);
 
 }  // namespace ddssec::rtps::memory

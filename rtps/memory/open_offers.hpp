@@ -16,11 +16,11 @@ namespace ddssec::rtps::memory {
 
 using Token = Secret<struct DescriptorToken, 32>;
 
-/// Thread-safe.
+/// The open offers with their tokens. Thread-safe.
 class OpenOffers {
  public:
   static constexpr std::size_t kMax = 64;
-  static constexpr std::size_t kMaxOfOne = 16;  ///< for one identity
+  static constexpr std::size_t kMaxOfOne = 16;  ///< the limit for one identity
   static constexpr std::chrono::seconds kLifetime{10};
 
   struct Offer {
@@ -28,18 +28,19 @@ class OpenOffers {
     FileDescriptor descriptor;
     std::uint64_t segment = 0;
     MonotonicTime until{};
-    std::string identity = {};  ///< of the peer
+    std::string identity = {};  ///< identity of the peer
   };
 
   OpenOffers() { offers_.reserve(kMax); }
-  /// Error: too_many_tokens.
+  /// Adds an offer. Error: too_many_tokens.
   MemoryResult<void> add(Offer offer);
   void withdraw(std::uint64_t segment);
   void forget_late(MonotonicTime now);
-  /// When the next one is late.
+  /// The time at which the next offer is late.
   std::optional<MonotonicTime> next_end() const;
-  /// Takes the offer away, so that its token does not work again; an empty descriptor: there is
-  /// none. All are compared, so that the time says nothing about them.
+  /// Removes the offer of this token, so that the token does not work again, and returns its
+  /// descriptor. The descriptor is empty if there is no such offer. All tokens are compared, so
+  /// that the time reveals nothing about them.
   FileDescriptor redeem(const Token& token);
   std::size_t size() const;
 

@@ -6,7 +6,7 @@
 namespace ddssec::rtps::memory {
 namespace {
 
-// Four sizes for each power of two, so that at most a quarter of a slot is wasted.
+// There are four sizes for each power of two, so that at most a quarter of a slot is wasted.
 std::size_t rounded(std::size_t size) {
   constexpr std::size_t kMin = 4096;
   const auto step = std::max(kMin, std::bit_floor(size) / 4);

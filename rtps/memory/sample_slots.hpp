@@ -1,4 +1,4 @@
-// The slots of a segment, by the samples that are in them.
+// The slots of a segment, by the samples that they contain.
 #pragma once
 
 #include <chrono>
@@ -10,32 +10,34 @@
 namespace ddssec::rtps::memory {
 
 /// Samples come with ascending numbers. The slot of a sample is used again when no reader needs the
-/// sample any longer, the oldest one first; or, if no slot is free, kMaxUse after it was
-/// written. Then a reader that comes late finds it gone. Allocates only in `make`.
+/// sample any longer, the oldest one first. If no slot is free, it is used again kMaxUse after it
+/// was written. Then a reader that comes late finds the sample gone. Allocates only in `make`.
 class SampleSlots {
  public:
   static constexpr MonotonicTime kMaxUse = std::chrono::milliseconds(200);
-  /// How much memory the slots of a segment take together, unless that makes fewer or more of them.
+  /// The memory that the slots of a segment take together, unless their number would be below kMin
+  /// or above kMax.
   static constexpr std::size_t kOctets = std::size_t{16} << 20;
   static constexpr std::size_t kMin = 4, kMax = 64;
 
-  /// About how much memory `make` takes, in octets.
+  /// The approximate memory that `make` takes, in octets.
   static std::size_t size_for(std::size_t largest);
-  /// For payloads of up to `largest` octets, or somewhat more. Errors: those of Segment::make.
+  /// Creates slots for payloads of up to `largest` octets, or somewhat more. Errors: those of
+  /// Segment::make.
   static MemoryResult<SampleSlots> make(std::uint64_t id, std::size_t largest);
 
   const Segment& segment() const { return segment_; }
-  /// Frees all slots, and overwrites what was in them.
+  /// Frees all slots, and overwrites their contents.
   void wipe();
   /// See Segment.
   void unmap() { segment_.unmap(); }
 
-  /// Returns the place for the next sample. `needed_from`: readers may still need the samples from
-  /// this number on. Error: full.
+  /// Returns the place for the next sample. Readers may still need the samples from `needed_from`
+  /// on. Error: full.
   MemoryResult<MutableBytes> begin(SequenceNumber needed_from, MonotonicTime now);
-  /// The sample is there.
+  /// Ends the writing of the sample, which readers may then read.
   Reference end(SequenceNumber number, std::size_t length, MonotonicTime now);
-  /// It is not there after all.
+  /// Ends the writing without a sample.
   void cancel() { segment_.cancel(); }
 
  private:
@@ -49,7 +51,7 @@ class SampleSlots {
   void release_oldest();
 
   Segment segment_;
-  std::vector<Used> used_;  // a ring: `count_` from `first_` on, the oldest first
+  std::vector<Used> used_;  // a ring: `count_` from `first_` on, oldest first
   std::size_t first_ = 0;
   std::size_t count_ = 0;
 };

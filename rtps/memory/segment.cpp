@@ -14,7 +14,7 @@
 #include <sys/vfs.h>
 #include <unistd.h>
 
-// Newer than the headers of some systems; the kernel decides.
+// These flags are newer than the headers of some systems. The kernel decides whether it knows them.
 #ifndef F_SEAL_FUTURE_WRITE
 #define F_SEAL_FUTURE_WRITE 0x0010
 #endif
@@ -31,14 +31,14 @@ constexpr std::size_t kMaxSlots = std::size_t{1} << 20;
 FileDescriptor make_memory() {
   constexpr unsigned kFlags = MFD_CLOEXEC | MFD_ALLOW_SEALING;
   FileDescriptor out(::memfd_create("ddssec", kFlags | MFD_NOEXEC_SEAL));
-  if (!out) out = FileDescriptor(::memfd_create("ddssec", kFlags));  // Linux before 6.3
+  if (!out) out = FileDescriptor(::memfd_create("ddssec", kFlags));  // for Linux before 6.3
   if (out) ::fchmod(out.number(), S_IRUSR | S_IWUSR);  // readers need not open it themselves
   return out;
 }
 
 bool take_memory(int descriptor, std::size_t size) {
   rlimit limit{};
-  // The system ends a process that goes beyond this limit.
+  // The system ends a process that writes above this limit.
   if (::getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur < size) return false;
   int status = 0;
   do {
@@ -50,12 +50,12 @@ bool take_memory(int descriptor, std::size_t size) {
 MemoryResult<Mapping> map_octets(int descriptor, std::size_t size, int protection, int flags = 0) {
   void* at = ::mmap(nullptr, size, protection, MAP_SHARED | flags, descriptor, 0);
   if (at == MAP_FAILED) return refuse(MemoryRefusal::no_memory);
-  // A child process neither sees nor changes what is written later.
+  // The mapping is not inherited: a child process neither sees nor changes what is written later.
   ::madvise(at, size, MADV_DONTFORK);
   return Mapping({static_cast<std::uint8_t*>(at), size});
 }
 
-// Loads do not write, so that the mapping may be one that is only read.
+// The cast is safe: loads do not write, so the mapping may be read-only.
 std::atomic_ref<std::uint64_t> generation_of(std::uint8_t* slot) {
   return std::atomic_ref<std::uint64_t>(*static_cast<std::uint64_t*>(static_cast<void*>(slot)));
 }
@@ -66,8 +66,9 @@ bool is_shape(std::size_t largest, std::size_t count) {
 
 MemoryId id_of(const struct stat& info) { return {info.st_dev, info.st_ino}; }
 
-// With all pages there, and no right of the writer to take one away, no access raises SIGBUS or
-// takes memory that counts for the reader. Blocks are no measure: they may be beyond the end.
+// All pages exist, and the writer cannot take one away, so no access raises SIGBUS or takes memory
+// that counts for the reader. The number of blocks would not prove this, because blocks may be
+// beyond the end.
 bool is_complete(int descriptor, const struct stat& info) {
   if (info.st_size <= 0 || static_cast<std::uint64_t>(info.st_size) > kMaxSegment) return false;
   return ::lseek(descriptor, 0, SEEK_HOLE) == info.st_size;
@@ -90,7 +91,7 @@ MemoryResult<Segment> Segment::make(std::uint64_t id, std::size_t largest, std::
   out.descriptor_ = make_memory();
   const int number = out.descriptor();
   if (number < 0 || !take_memory(number, size)) return refuse(MemoryRefusal::no_memory);
-  // Written to at once: to readers, a page that was never written is a hole.
+  // The pages are written to at once, because to readers a page that was never written is a hole.
   auto mapping = map_octets(number, size, PROT_READ | PROT_WRITE, MAP_POPULATE);
   if (!mapping) return refuse(mapping.error());
   out.mapping_ = *std::move(mapping);
@@ -125,7 +126,8 @@ MemoryResult<MutableBytes> Segment::begin() {
   --free_count_;
   slots_[index].is_in_use = true;
   written_ = index;
-  // Odd before the first octet changes, and even only after the last one has.
+  // The generation is odd before the first octet changes, and even only after the last one has
+  // changed.
   generation_of(slot(index)).store(++slots_[index].generation, std::memory_order_relaxed);
   std::atomic_thread_fence(std::memory_order_release);
   return MutableBytes(slot(index) + kSlotHead, largest_payload());
@@ -142,18 +144,18 @@ Reference Segment::end(std::size_t length) {
 
 FileDescriptor Segment::for_reader() const {
   const auto path = "/proc/self/fd/" + std::to_string(descriptor());
-  // A reader of the same user may have changed it.
+  // A reader of the same user may have changed the mode.
   ::fchmod(descriptor(), S_IRUSR | S_IWUSR);
   return FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
 }
 
-// A write lease is granted only to the one file description of the memory. Ours of all writing is
-// not counted: it was not opened. A descriptor that was opened for a reader is, until no process
-// has it or a mapping with it.
+// A write lease is granted only if this is the only file description of the memory. Our own
+// writable one does not count, because it was not opened. A descriptor that was opened for a reader
+// counts until no process has it or a mapping with it.
 bool Segment::is_with_others() const {
   const auto probe = for_reader();
   if (!probe) return true;
-  // Would be sent if the lease were broken, and is ignored by default.
+  // This signal would be sent if the lease were broken, and is ignored by default.
   if (::fcntl(probe.number(), F_SETSIG, SIGURG) != 0) return true;
   if (::fcntl(probe.number(), F_SETLEASE, F_WRLCK) != 0) return true;
   ::fcntl(probe.number(), F_SETLEASE, F_UNLCK);
@@ -190,14 +192,15 @@ MemoryResult<MappedSegment> MappedSegment::map(const FileDescriptor& descriptor,
   struct stat info {};
   struct statfs system {};
   const int number = descriptor.number();
-  // First of all: it asks no file system, which might be another process (FUSE).
+  // The seals are checked first, because that involves no file system, which might be another
+  // process (FUSE).
   const int seals = ::fcntl(number, F_GET_SEALS);
   if (seals < 0) return refuse(MemoryRefusal::wrong_kind);
   if (::fstat(number, &info) != 0 || !S_ISREG(info.st_mode) || ::fstatfs(number, &system) != 0 ||
       system.f_type != TMPFS_MAGIC)
     return refuse(MemoryRefusal::wrong_kind);
   if ((seals & kSeals) != kSeals) return refuse(MemoryRefusal::not_sealed);
-  // The size is final only because the seals were there before it was read.
+  // The size is read after the seals: only because of them is it final.
   if (::fstat(number, &info) != 0 || !is_complete(number, info))
     return refuse(MemoryRefusal::wrong_size);
   if (id_of(info) != memory) return refuse(MemoryRefusal::other_memory);
@@ -212,7 +215,7 @@ MemoryResult<MappedSegment> MappedSegment::map(const FileDescriptor& descriptor,
 MemoryResult<void> MappedSegment::check(const Reference& reference) const {
   if (reference.segment != id_) return refuse(MemoryRefusal::other_segment);
   const std::size_t size = mapping_.octets().size();
-  // By subtraction, so that no sum overflows.
+  // The checks subtract, so that no sum overflows.
   if (reference.offset % kSlotHead != 0 || size < kSlotHead ||
       reference.offset > size - kSlotHead || reference.length > size - kSlotHead - reference.offset)
     return refuse(MemoryRefusal::outside);

@@ -1,9 +1,9 @@
 // Payloads in memory that one process writes and others only read.
 //
-// The writer makes the memory (memfd), maps it, and seals it: from then on it cannot change its
-// size, and no process can map or open it for writing, the writer included. The mapping that the
-// writer has stays writable. A reader copies, and checks a generation before and after, so that
-// content that was replaced meanwhile is noticed. Readers write nothing, so none of them can harm
+// The writer makes the memory (memfd), maps it, and seals it. After that its size cannot change,
+// and no process can map or open it for writing, including the writer. The existing mapping of the
+// writer stays writable. A reader copies, and checks a generation before and after, so that it
+// notices if the content was replaced meanwhile. Readers write nothing, so none of them can harm
 // the writer or another reader.
 #pragma once
 
@@ -19,10 +19,11 @@
 
 namespace ddssec::rtps::memory {
 
-/// Where a payload is. A reader believes only what arrived as protected as DATA must be.
+/// The place of a payload. A reader trusts only a reference that arrived with the protection that
+/// DATA must have.
 using Reference = MemoryReference;
 
-/// Which memory a descriptor is of, as fstat reports it.
+/// Identifies the memory of a descriptor, as fstat reports it.
 struct MemoryId {
   std::uint64_t device = 0;
   std::uint64_t inode = 0;
@@ -30,7 +31,7 @@ struct MemoryId {
   bool operator==(const MemoryId&) const = default;
 };
 
-/// A mapping that ends in the destructor.
+/// A mapping that the destructor removes.
 class Mapping {
  public:
   Mapping() = default;
@@ -47,15 +48,16 @@ class Mapping {
   MutableBytes octets_;
 };
 
-/// The head of a slot, in octets; a payload follows. A cache line, so that slots do not share one.
+/// The head of a slot, in octets; a payload follows. It has a cache line, so that slots do not
+/// share one.
 inline constexpr std::size_t kSlotHead = 64;
 /// The largest segment that is made or mapped, in octets.
 inline constexpr std::size_t kMaxSegment = std::size_t{1} << 30;
 
-/// The writer's side. Not thread-safe. Allocates only in `make`.
+/// The writer's side of a segment. Not thread-safe. Allocates only in `make`.
 class Segment {
  public:
-  /// `count` slots for payloads of up to `largest` octets. All of the memory is taken now and
+  /// Makes `count` slots for payloads of up to `largest` octets. All of the memory is taken now and
   /// written to, so that no reader finds a page missing. A system without memory refuses, but in a
   /// memory cgroup at its limit the system ends a process instead. Errors: bad_shape, no_memory,
   /// no_seals.
@@ -63,14 +65,15 @@ class Segment {
 
   /// Copies the payload into the slot that has been free for longest. Errors: too_large, full.
   MemoryResult<Reference> store(BytesView payload);
-  /// The same in two steps: a slot to write to, of largest_payload() octets, and its reference once
-  /// the first `length` of them are written. Until then readers find nothing there. Error: full.
+  /// Does the same in two steps. `begin` returns a slot to write to, of largest_payload() octets,
+  /// and `end` its reference once the first `length` of them are written. Until then readers find
+  /// nothing there. Error: full.
   MemoryResult<MutableBytes> begin();
   Reference end(std::size_t length);
-  /// Nothing was written after all.
+  /// Ends the writing without a payload.
   void cancel();
-  /// No reader needs the slot any longer. Its content stays until the slot is used again. False if
-  /// the reference is not of a slot in use.
+  /// Notes that no reader needs the slot any longer. Its content stays until the slot is used
+  /// again. Returns false if the reference is not of a slot in use.
   bool release(const Reference& reference);
 
   std::size_t slots() const { return slots_.size(); }
@@ -80,16 +83,16 @@ class Segment {
   std::uint64_t id() const { return id_; }
   MemoryId memory() const { return memory_; }
   int descriptor() const { return descriptor_.number(); }
-  /// A descriptor for one reader, opened for it alone, so that `is_with_others` knows of it. Empty:
-  /// the system gave none, or /proc is missing.
+  /// Returns a descriptor for one reader, opened for this reader alone, so that `is_with_others`
+  /// knows of it. Empty if the system gave none, or if /proc is missing.
   FileDescriptor for_reader() const;
-  /// Whether a descriptor for a reader, or a mapping that was made with one, still exists in any
-  /// process or on its way to one. True, too, if that cannot be seen (Linux before 5.3, leases
-  /// off). A path to it (O_PATH) is not seen; see MemoryEnd.
+  /// True if a descriptor for a reader, or a mapping that was made with one, still exists in any
+  /// process or on its way to one. Also true if that cannot be determined (Linux before 5.3, leases
+  /// off). A descriptor that is only a path (O_PATH) is not noticed; see MemoryEnd.
   bool is_with_others() const;
   /// Overwrites all payloads that were ever written. No slot may be in use.
   void wipe();
-  /// Nothing is written or read any more. The memory lasts for as long as the descriptor does.
+  /// Ends reading and writing. The memory lasts for as long as the descriptor does.
   void unmap() { mapping_ = Mapping(); }
 
  private:
@@ -105,14 +108,14 @@ class Segment {
   MemoryId memory_;
   FileDescriptor descriptor_;
   Mapping mapping_;
-  std::vector<Slot> slots_;        // the writer's own: nothing is believed that the memory says
+  std::vector<Slot> slots_;  // the writer's own copy, because the memory itself is not trusted
   std::vector<std::size_t> free_;  // a ring: `free_count_` slots from `first_free_` on
   std::size_t first_free_ = 0;
   std::size_t free_count_ = 0;
   std::optional<std::size_t> written_;  // the slot between `begin` and `end`
 };
 
-/// The reader's side. Thread-safe after `map`. Does not allocate.
+/// The reader's side of a segment. Thread-safe after `map`. Does not allocate.
 class MappedSegment {
  public:
   /// Checks and maps the segment `id` of a writer that offered `memory`. The descriptor is not
@@ -121,7 +124,7 @@ class MappedSegment {
                                          MemoryId memory);
 
   std::size_t octets() const { return mapping_.octets().size(); }
-  /// Whether the reference leads to a payload now. Errors: other_segment, outside, gone.
+  /// Checks that the reference leads to a payload now. Errors: other_segment, outside, gone.
   MemoryResult<void> check(const Reference& reference) const;
   /// Copies the payload to `out`, whose size must be the length of the reference. After an
   /// error, `out` does not contain a payload. Errors: other_segment, outside, gone.

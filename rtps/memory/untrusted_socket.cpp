@@ -24,7 +24,7 @@ struct Closer {
   bool runs = false;  // and closes one that no longer waits
 };
 
-// Never destroyed: its thread may outlast main.
+// The object is never destroyed, because its thread may outlast main.
 Closer& closer() {
   static auto* const out = new Closer;
   return *out;
@@ -45,9 +45,9 @@ void close_all() {
 
 enum class Front : std::uint8_t { nothing, end, error, octets, descriptors };
 
-// Looks at the next message, and leaves it and what is in it where it is. A message comes with its
-// time (SO_TIMESTAMP), which fills the room for control data: so the end is not an empty message,
-// and no descriptor is installed.
+// Looks at the next message without removing it or its descriptors. A message comes with its time
+// (SO_TIMESTAMP), which fills the room for control data. So the end can be told from an empty
+// message, and no descriptor is installed.
 Front front_of(int socket) {
   char octet = 0;
   iovec part{.iov_base = &octet, .iov_len = 1};
@@ -63,9 +63,9 @@ Front front_of(int socket) {
   return size == 0 && CMSG_FIRSTHDR(&message) == nullptr ? Front::end : Front::octets;
 }
 
-// Nothing may come any more. Messages without descriptors are dropped; they are as many as the
-// system lets a sender queue, in general 10 to 512. An error stands before them (ECONNRESET), and
-// is told once: nothing may be received before the next look.
+// True if nothing more can arrive. Messages without descriptors are dropped; there are as many as
+// the system lets a sender queue, in general 10 to 512. An error comes before them (ECONNRESET),
+// and is reported once: nothing may be received before the next look.
 bool is_empty(int socket) {
   constexpr int kMax = 1024;
   for (int i = 0; i < kMax; ++i) {
@@ -92,7 +92,7 @@ void close_elsewhere(FileDescriptor descriptor) {
     start_background_thread<std::thread>(close_all).detach();
     all.runs = true;
   } catch (const std::system_error&) {
-    // It is closed with the next one.
+    // The descriptor is closed with the next one.
   }
 }
 
@@ -116,7 +116,8 @@ UntrustedSocket::~UntrustedSocket() {
 UntrustedSocket::Next UntrustedSocket::next() const {
   auto front = front_of(number());
   for (int i = 0; i < 4 && front == Front::error; ++i) front = front_of(number());
-  if (front == Front::error) return Next::descriptors;  // it may be: nothing is received
+  // There may be descriptors: nothing is received.
+  if (front == Front::error) return Next::descriptors;
   if (front == Front::nothing) return Next::nothing;
   return front == Front::descriptors ? Next::descriptors : Next::octets;
 }
