@@ -7,7 +7,7 @@ void InstanceOwners::set_writer(const Guid& writer, std::int32_t strength,
   const auto [at, is_new] = writers_.try_emplace(writer, strength, identity);
   at->second.strength = strength;  // its identity does not change while it is matched
   if (!is_new || !identity) return;
-  // What it was only expected to own counts for its identity from now on.
+  // Instances that the writer was only expected to own count for its identity from now on.
   for (auto owned = owned_.lower_bound({writer, {}});
        owned != owned_.end() && owned->first == writer; ++owned)
     ++of_identity_[*identity];

@@ -1,5 +1,5 @@
-// OWNERSHIP EXCLUSIVE of a kept topic (DDS 1.4, 2.2.3.9): which writer owns each instance. No I/O,
-// clock or lock.
+// OWNERSHIP EXCLUSIVE of a kept topic (DDS 1.4, 2.2.3.9): the writer that owns each instance. No
+// I/O, clock or lock.
 #pragma once
 
 #include <map>
@@ -12,38 +12,38 @@
 
 namespace ddssec::rtps {
 
-/// Decides as a reader does: an instance belongs to its strongest living writer, and of equally
-/// strong ones to the one with the lower GUID. The owner keeps an instance that it disposes, until
-/// it unregisters it or is no longer alive.
+/// Decides as a reader does. An instance belongs to its strongest living writer; if several are
+/// equally strong, to the one with the lowest GUID. The owner keeps an instance that it disposes,
+/// until it unregisters it or is no longer alive.
 class InstanceOwners {
  public:
-  /// No identity may own more of these instances than are free, so there is always room for
-  /// another identity.
+  /// The limit for owned instances. No identity may own more of them than are free, so there is
+  /// always room for another identity.
   static constexpr std::size_t kMaxInstances = 131072;
 
-  /// `expects_until`: until then the owners that are only expected count as alive.
+  /// Until `expects_until`, owners that are only expected count as alive.
   explicit InstanceOwners(MonotonicTime expects_until) : expects_until_(expects_until) {}
 
-  /// Adds a matched writer, or changes its OWNERSHIP_STRENGTH. `identity`: whose share its
-  /// instances use; empty: no share applies.
+  /// Adds a matched writer, or changes its OWNERSHIP_STRENGTH. Its instances use the share of
+  /// `identity`; if it is empty, no share applies.
   void set_writer(const Guid& writer, std::int32_t strength,
                   const std::optional<GuidPrefix>& identity);
   void remove_writer(const Guid& writer);
-  /// The writer's lease ended: it owns nothing until it writes again.
+  /// Notes that the writer's lease ended: it owns nothing until it writes again.
   void lose(const Guid& writer);
-  /// The stored instance was last written by this writer, which may still be alive. Must be called
-  /// before all others. Without room it is not expected.
+  /// Notes that the stored instance was last written by this writer, which may still be alive. Must
+  /// be called before all others. If there is no room, the writer is not expected.
   void expect(const KeyHash& instance, const Guid& writer);
 
   enum class Claim : std::uint8_t {
-    owned,    ///< it is the writer's now
+    owned,    ///< the writer owns it now
     refused,  ///< a stronger living writer owns it
     later,    ///< the expected owner may still come back
     no_room,  ///< the share of the writer's identity is used up
   };
-  /// The writer has a sample of the instance.
+  /// Handles a sample of the instance by the writer.
   Claim claim(const KeyHash& instance, const Guid& writer, MonotonicTime now);
-  /// The writer unregistered the instance.
+  /// Notes that the writer unregistered the instance.
   void release(const KeyHash& instance, const Guid& writer);
 
   std::size_t size() const { return owners_.size(); }
@@ -56,7 +56,8 @@ class InstanceOwners {
   using Owners = std::map<KeyHash, Guid>;
 
   bool is_stronger(const Guid& writer, const Guid& owner) const;
-  /// `replaced`: an owner that loses an instance to the writer.
+  /// True if the writer may own one more instance. `replaced` is an owner that loses an instance to
+  /// it.
   bool has_room(const Guid& writer, const Guid* replaced = nullptr) const;
   std::optional<GuidPrefix> identity_of(const Guid& writer) const;
   void enter(const KeyHash& instance, const Guid& writer);
@@ -66,7 +67,7 @@ class InstanceOwners {
   std::map<Guid, Writer> writers_;
   Owners owners_;
   std::set<std::pair<Guid, KeyHash>> owned_;       ///< the same by owner
-  std::map<GuidPrefix, std::size_t> of_identity_;  ///< number of instances of matched writers
+  std::map<GuidPrefix, std::size_t> of_identity_;  ///< number of instances, for matched writers
 };
 
 }  // namespace ddssec::rtps

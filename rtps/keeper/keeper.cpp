@@ -16,8 +16,8 @@
 namespace ddssec::rtps {
 namespace {
 
-// Digest of topic, type, partitions and data tags. Names never contain a NUL, and topic names are
-// not empty.
+// The digest of topic, type, partitions and data tags. Names never contain a NUL, and topic names
+// are not empty.
 KeyHash key_of(const EndpointData& writer) {
   std::string text;
   const auto& tags = writer.qos.data_tags;
@@ -39,8 +39,8 @@ StreamKey stream_of_announcements(DomainId domain, const std::string& domain_tag
   return key;
 }
 
-// A reader with these partitions would not match the writer: a name with wildcards matches only
-// names without.
+// Refuses a writer that has only partitions with wildcards. A reader with these partitions would
+// not match it: a name with wildcards matches only names without.
 Status check_partition(const EndpointData& writer) {
   const auto& names = writer.qos.partition;
   if (partitions_match(names, names)) return {};
@@ -59,11 +59,11 @@ Change announcement(const EndpointData& writer, const KeyHash& key) {
   return change;
 }
 
-// False: the writer's announcement alone is the reason. Otherwise there may be room later, or the
-// right, when permissions are renewed.
+// False if the writer's announcement alone is the reason. Otherwise there may be room later, or the
+// right when permissions are renewed.
 bool may_succeed_later(const Error& error) { return error.code() != Code::rtps_qos_incompatible; }
 
-// Removes what was remembered of the topic.
+// Returns the change that removes the remembered topic.
 Change end_of_announcement(const KeyHash& key) {
   Change change;
   change.key_hash = key;
@@ -186,7 +186,7 @@ std::optional<EndpointData> Keeper::wanted(const Guid& writer) const {
   if (announced == nullptr || !wants(*announced)) return std::nullopt;
   auto out = *announced;
   const auto& core = remotes.core();
-  // All that did not authenticate are one identity, as in KeptTopic.
+  // All participants that did not authenticate are one identity, as in KeptTopic.
   const bool is_stranger = core.security && !core.is_authenticated(writer.prefix);
   out.guid.prefix = is_stranger ? GuidPrefix{} : core.identity_of(writer.prefix);
   return out;

@@ -12,37 +12,39 @@ class KeptTopic;
 class RefusedWriters;
 
 struct KeeperOptions {
-  std::string store = {};  ///< path of a file that outlives the keeper; empty: memory
+  std::string store = {};  ///< path of a file that outlives the keeper; memory if empty
   std::size_t store_octets = SampleStore::kDefaultOctets;
   std::vector<std::string> topics = {"*"};  ///< topic names, which may have wildcards
 };
 
-/// A participant of its own. It needs no types, because it stores octets with the key hashes that
-/// durable writers of ddssec send.
+/// A durability service with a participant of its own. It needs no types, because it stores octets
+/// with the key hashes that durable writers of ddssec send.
 /// - Each sample names its original writer (ORIGINAL_WRITER_INFO), so that readers of ddssec get no
 ///   sample twice. Readers of other vendors do not evaluate this. They get a sample twice if its
 ///   writer still exists and has kept it as well.
 /// - Writers with different partitions or data tags are kept apart, each with its own reader and
-///   writer, as are domain tags in a store. A writer that has only partitions with wildcards is not
-///   kept.
+///   writer. In a store, so are domain tags. A writer that has only partitions with wildcards is
+///   not kept.
 /// - With OWNERSHIP EXCLUSIVE it keeps what a reader sees: the samples of the strongest living
-///   writer of each instance. What a weaker one writes meanwhile is not kept.
+///   writer of each instance. Samples that a weaker one writes meanwhile are not kept.
 /// - The first writer that access control permits to write to a topic determines how the topic is
 ///   kept; its DURABILITY_SERVICE determines how much.
 /// - A topic is remembered from its first sample on. Until then it can be replaced by others, and
 ///   is removed when the writer that announced it is removed.
 /// - A topic that cannot be kept is named in an event, and the others are kept. If only room is
 ///   missing, it is kept as soon as there is some.
-/// - Only one keeper can use a file. What was kept with security is not served without, and vice
-///   versa.
+/// - Only one keeper can use a file. Samples that were kept with security are not served without
+///   it, and vice versa.
 class Keeper final : private DataReaderListener {
  public:
-  /// Topics that one identity announced first take no more places than are free, so at most half of
-  /// all, and there is always room for another identity.
+  /// The largest number of kept topics. An identity gets no more of these places than are free for
+  /// topics that it announced first. That is at most half of all, so there is always room for
+  /// another identity.
   static constexpr std::size_t kMaxTopics = 512;
 
-  /// Samples of the wanted topics that are already in the store are served at once. Errors: those
-  /// of DomainParticipant::create and of DurableStore::open, rtps_store_unusable.
+  /// Creates a keeper. Samples of the wanted topics that are already in the store are served at
+  /// once. Errors: those of DomainParticipant::create and of DurableStore::open,
+  /// rtps_store_unusable.
   static Result<std::unique_ptr<Keeper>> create(DomainParticipantOptions options,
                                                 KeeperOptions keeps,
                                                 const EngineServices& services);
@@ -56,16 +58,15 @@ class Keeper final : private DataReaderListener {
   /// left_out() because of the limits of DURABILITY_SERVICE.
   std::uint64_t dropped() const;
   std::uint64_t left_out() const;
-  /// What late joiners get: the number of samples, and the octets of their payloads. At most what
+  /// The number of samples that late joiners get, and the octets of their payloads. At most what
   /// the store holds.
   std::uint64_t served() const;
   std::uint64_t served_octets() const;
-  /// Number of samples that still waited for room when their writers left: not kept, and never
-  /// acknowledged. A writer that comes back offers them again.
+  /// Number of samples that still waited for room when their writers left. They are not kept and
+  /// were never acknowledged. A writer that comes back offers them again.
   std::uint64_t abandoned() const;
-  /// Number of samples that are not in the store yet, and so were not acknowledged.
-  /// Those that wait for room in the share of their identity count, also if their writers alone
-  /// have them.
+  /// Number of samples that are not in the store yet, and so were not acknowledged. Those that wait
+  /// for room in the share of their identity count, even if only their writers have them.
   std::uint64_t unstored() const;
   /// Waits until everything that arrived before is stored. Errors: those of DurableStore::flush.
   Status flush(std::chrono::nanoseconds timeout) { return store_->flush(timeout); }
@@ -81,8 +82,8 @@ class Keeper final : private DataReaderListener {
   bool wants(const EndpointData& writer) const;
   /// Keeps the writer's topic if the writer still exists and may write to it.
   void consider(const Guid& writer);
-  /// Returns the writer's announcement, with the prefix of its identity. Empty: the writer is gone
-  /// or is not wanted.
+  /// Returns the writer's announcement, with the prefix of its identity. Empty if the writer is
+  /// gone or is not wanted.
   std::optional<EndpointData> wanted(const Guid& writer) const;
   bool may_write(const Guid& writer) const;
   /// Keeps a topic that is already in the store. If it cannot be kept, the others still are.
@@ -92,8 +93,8 @@ class Keeper final : private DataReaderListener {
   /// Considers a refused writer again. Returns false if it is still refused.
   bool retry(const Guid& writer);
   bool retry_known(const Guid& writer, const EndpointData& announced);
-  /// Keeps the topic from now on, if it is not kept yet. `announcer`: empty if the topic is already
-  /// in the store. Errors: rtps_store_failed, those of KeptTopic::open.
+  /// Keeps the topic from now on, if it is not kept yet. `announcer` is empty if the topic is
+  /// already in the store. Errors: rtps_store_failed, those of KeptTopic::open.
   Status keep(const EndpointData& writer, const std::optional<Guid>& announcer);
   /// True if the topic with that key is kept and does not change.
   bool is_settled(const KeyHash& key, const EndpointData& writer) const;
@@ -103,24 +104,25 @@ class Keeper final : private DataReaderListener {
   /// Returns the names of the removed topics.
   std::set<std::string> remove_abandoned();
   std::vector<Guid> writers_on(const std::set<std::string>& topics) const;
-  /// Makes room for one more topic of `identity`: a topic without samples gives way if its identity
-  /// has more topics. Returns false if none does.
+  /// Makes room for one more topic of `identity`: a topic without samples is removed if its
+  /// identity has more topics. Returns false if there is none.
   bool make_room(const GuidPrefix& identity);
-  /// The topic with that name gave way: its writers are considered again.
+  /// Considers the writers of the topic with that name again, because the topic was removed to make
+  /// room.
   void report_replaced(const std::string& name);
   template <class Count>
   std::uint64_t sum(Count count) const;
 
   std::unique_ptr<DomainParticipant> participant_;
   std::unique_ptr<DurableStore> store_;
-  /// What all topics hold out of order, in fragments or because it waits for room.
+  /// The octets that all topics hold out of order, in fragments or because they wait for room.
   const std::shared_ptr<HeldOctets> held_ = std::make_shared<HeldOctets>();
   const std::vector<std::string> patterns_;
   std::string domain_tag_;
   StreamId known_;  ///< stream of the announcements of the kept topics
   struct Entry {
     std::unique_ptr<KeptTopic> topic;
-    GuidPrefix identity;  ///< of the announcer
+    GuidPrefix identity;  ///< identity of the announcer
     Guid announcer;  ///< the writer that the topic was created for; not used once there are samples
   };
   mutable std::mutex mutex_;  ///< protects topics_ and refused_known_

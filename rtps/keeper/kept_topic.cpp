@@ -10,18 +10,18 @@
 namespace ddssec::rtps {
 namespace {
 
-// A commit takes about this long.
+// The approximate duration of a commit.
 constexpr MonotonicTime kCommitPollInterval = std::chrono::milliseconds(5);
-// How often changes are offered again that wait for an owner to come back.
+// How often changes that wait for an owner to come back are offered again.
 constexpr MonotonicTime kDeferredPollInterval = std::chrono::milliseconds(100);
-// How often writers are looked for that have caught up.
+// How often to search for writers that have caught up.
 constexpr MonotonicTime kLateWriterPollInterval = std::chrono::milliseconds(500);
-// What a late joiner is offered at least, because assertions go to all participants for as long as
-// the topic is kept.
+// The shortest lease that a late joiner is offered, because assertions go to all participants for
+// as long as the topic is kept.
 constexpr Duration kMinLease{{1, 0}};
 
-// The policies of the original writer, so that every reader that matches it also matches this
-// writer (unless it requests GROUP scope, or a lease of less than kMinLease). With OWNERSHIP
+// Returns the policies of the original writer, so that every reader that matches it also matches
+// this writer (unless it requests GROUP scope, or a lease of less than kMinLease). With OWNERSHIP
 // EXCLUSIVE, this writer has the lowest strength. It has no limits of its own: DURABILITY_SERVICE
 // limits what is stored, and only that is served.
 Qos serving_qos(const Qos& original, Duration lifespan = kDurationInfinite) {
@@ -33,7 +33,7 @@ Qos serving_qos(const Qos& original, Duration lifespan = kDurationInfinite) {
   qos.resource_limits = {.max_samples = most, .max_samples_per_instance = most};
   qos.ownership_strength = std::numeric_limits<std::int32_t>::min();
   qos.liveliness.lease_duration = std::max(qos.liveliness.lease_duration, kMinLease);
-  // Each sample by itself, in the order in which it was stored.
+  // Each sample is presented by itself, in the order in which it was stored.
   qos.presentation = {
       .scope = PresentationScope::topic, .coherent_access = true, .ordered_access = true};
   qos.user_data.clear();
@@ -51,7 +51,7 @@ Qos reading_qos(const Qos& original) {
   return qos;
 }
 
-// What separates streams besides their partitions. Empty: nothing.
+// The values that separate streams in addition to their partitions; may be empty.
 std::vector<std::string> scope_of(const std::string& domain_tag, const PropertyList& tags) {
   if (domain_tag.empty() && tags.empty()) return {};
   std::vector<std::string> out{domain_tag};
@@ -59,7 +59,7 @@ std::vector<std::string> scope_of(const std::string& domain_tag, const PropertyL
   return out;
 }
 
-// The LIFESPAN after which none of these samples is older than its own.
+// The LIFESPAN that is long enough for all these samples: none of them lives longer.
 Duration lifespan_of(const DurableStore::Opened& opened, const Moment& at) {
   auto out = kDurationZero;
   for (std::size_t i = 0; i < opened.history.size(); ++i) {
@@ -172,14 +172,15 @@ bool KeptTopic::has_scope_of(const EndpointData& writer) const {
   return writer.qos.partition == like_.qos.partition && writer.qos.data_tags == like_.qos.data_tags;
 }
 
-// The reader matches every writer with a partition in common. What such a writer sends is
-// acknowledged here and not kept.
+// The reader matches every writer with a partition in common. A sample of a writer that is not kept
+// here is acknowledged and dropped.
 bool KeptTopic::on_change(Change& change) {
   using Claim = InstanceOwners::Claim;
   if (change.is_marker() || !writers_.contains(change.writer)) return true;
   const auto expires =
       end_of_life(change.source_time, lifespan_of(context_, change.writer), context_.moment());
-  // What another keeper relays may be missing here: its writer may hold less than the service does.
+  // A sample that another keeper relays may be missing here: its writer may hold less than the
+  // service does.
   const bool is_direct = change.origin().writer == change.writer;
   if (seen_.contains(change, expires) || (is_direct && was_heard(change))) {
     if (is_direct) claim(change);  // the owner of a stored instance came back
@@ -211,8 +212,8 @@ bool KeptTopic::defer(MonotonicTime now) {
   return false;
 }
 
-// Before the keeper was restarted. A writer that was restarted and has the same GUID begins again
-// with the number 1, and later timestamps.
+// True if the change was heard before the keeper was restarted. A writer that was restarted and has
+// the same GUID begins again with the number 1, and later timestamps.
 bool KeptTopic::was_heard(const Change& change) const {
   const auto origin = change.origin();
   const auto at = heard_.find(origin.writer);
@@ -337,8 +338,8 @@ void KeptTopic::look_again(MonotonicTime now) {
 }
 
 void KeptTopic::on_time(MonotonicTime now) {
-  // Not while endpoints are being matched. Nothing refuses it: LIFESPAN is neither matched nor
-  // immutable.
+  // The announcement is changed here, because it cannot be while endpoints are being matched. It
+  // cannot be refused: LIFESPAN is neither matched nor immutable.
   if (std::exchange(announced_lifespan_, longest_lifespan_) != longest_lifespan_) {
     [[maybe_unused]] const auto changed =
         context_.protocol().change_qos(writer_, serving_qos(like_.qos, longest_lifespan_), now);

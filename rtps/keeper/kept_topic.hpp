@@ -16,42 +16,42 @@
 
 namespace ddssec::rtps {
 
-/// Keeps the samples of the writers with exactly the same partitions and data tags: what is served
-/// reaches no reader that the original writer does not match.
+/// Keeps the samples of the writers with exactly the same partitions and data tags. So the samples
+/// reach no reader that the original writer does not match.
 /// A sample is acknowledged only when it is stored, because a writer may leave once its samples are
-/// acknowledged. Late joiners get what is stored, and what is being stored: the limits of the
-/// store, with the shares of all identities, are those of the memory as well. A sample above the
-/// share of its identity stays with its writer until there is room. With OWNERSHIP
-/// EXCLUSIVE it keeps what a reader would have seen: the samples of the owner of each instance.
-/// Called by the participant, with its lock held.
+/// acknowledged. Late joiners get the samples that are stored or are being stored: the limits of
+/// the store, with the shares of all identities, are those of the memory as well. A sample above
+/// the share of its identity stays with its writer until there is room. With OWNERSHIP EXCLUSIVE it
+/// keeps what a reader would have seen: the samples of the owner of each instance. Called by the
+/// participant, with its lock held.
 class KeptTopic final : private EndpointListener, private Timed {
  public:
-  /// How long the writers that own stored instances have to come back, once the topic is opened.
+  /// How long the writers that own stored instances have to come back after the topic was opened.
   /// Until then, samples of these instances by other writers wait.
   static constexpr MonotonicTime kReturn = std::chrono::seconds(10);
 
-  /// `writer`: the announcement of one of its writers. `held` limits what the readers of all topics
-  /// hold. `on_first_sample` is called with the lock held when there is something to keep.
+  /// `writer` is the announcement of one of its writers. `held` limits what the readers of all
+  /// topics hold. `on_first_sample` is called with the lock held when there is something to keep.
   KeptTopic(ParticipantContext& context, DurableStore& store, std::shared_ptr<HeldOctets> held,
             EndpointData writer, std::function<void()> on_first_sample);
   ~KeptTopic() override;
 
-  /// The caller does not hold the lock. Errors: those of DurableStore::open_stream,
-  /// RtpsParticipant::create_writer and create_reader.
+  /// Opens the stream, and creates the writer and the reader. The caller does not hold the lock.
+  /// Errors: those of DurableStore::open_stream, RtpsParticipant::create_writer and create_reader.
   Status open(DomainId domain, const std::string& domain_tag);
   /// The caller holds the lock:
   std::uint64_t without_key() const { return without_key_; }
   std::uint64_t dropped() const { return dropped_; }
   /// Number of samples that wait for room, or until it is known who owns their instance.
   std::uint64_t waiting() const;
-  /// Number of those that waited when their writers left.
+  /// Number of the samples that waited when their writers left.
   std::uint64_t abandoned() const;
-  /// What late joiners get: the number of samples, and the octets of their payloads.
+  /// The number of samples that late joiners get, and the octets of their payloads.
   std::uint64_t served() const;
   std::uint64_t served_octets() const;
   bool has_samples() const { return has_samples_; }
   const std::string& name() const { return like_.topic_name; }
-  /// True if a writer whose samples are kept matched, or if it has samples.
+  /// True if it has samples, or if a writer whose samples are kept has matched.
   bool is_in_use() const { return has_samples_ || !writers_.empty(); }
   /// True if a topic that was created for that writer would be kept in the same way.
   bool is_made_for(const EndpointData& writer) const;
@@ -66,11 +66,11 @@ class KeptTopic final : private EndpointListener, private Timed {
   void on_sample_dropped(const Guid& writer, std::uint32_t octets) override;
   void on_time(MonotonicTime now) override;
   StatefulWriter& server() const;
-  /// What the store removed is no longer served.
+  /// Stops serving the samples that the store removed.
   void discard(const std::vector<std::int64_t>& rows);
   void look_again(MonotonicTime now);
   SequenceNumber first_unstored(const Guid& writer, SequenceNumber next) const;
-  /// Acknowledges what was stored. Returns false if nothing was.
+  /// Acknowledges samples that were stored. Returns false if none was.
   bool acknowledge_stored();
   void look_at_waiting(MonotonicTime now);
   /// Lets the writer offer the change again later.
@@ -81,15 +81,15 @@ class KeptTopic final : private EndpointListener, private Timed {
   EndpointDescription request(Qos qos) const;
   void expect_owners(const std::vector<Change>& history);
   InstanceOwners::Claim claim(const Change& change);
-  /// Returns false if there is no room.
+  /// Stores the change. Returns false if there is no room.
   bool keep(Change& change);
-  /// The change waits until its identity has room.
+  /// Makes the change wait until its identity has room.
   bool wait_for_room(const Guid& writer, bool has_no_share);
-  /// Readers end samples when the LIFESPAN that is announced to them ends: the longest one of those
-  /// whose samples they get.
+  /// Makes the announced LIFESPAN at least as long as this one. Readers end samples when the
+  /// announced LIFESPAN ends, so it is the longest one of the samples that they get.
   void serve_as_long_as(Duration lifespan);
   bool was_heard(const Change& change) const;
-  /// False: the writer reaches other readers, or needs other permissions.
+  /// False if the writer reaches other readers, or needs other permissions.
   bool has_scope_of(const EndpointData& writer) const;
   /// The identity whose share of the store a sample uses.
   std::optional<GuidPrefix> identity_of(const GuidPrefix& sender) const;
@@ -102,19 +102,20 @@ class KeptTopic final : private EndpointListener, private Timed {
   std::optional<StreamId> stream_;
   Guid reader_, writer_;
   SeenOriginals seen_;
-  std::map<Guid, HeardWriter> heard_;  ///< before the topic was opened
+  std::map<Guid, HeardWriter> heard_;  ///< as heard before the topic was opened
   std::uint64_t without_key_ = 0, dropped_ = 0;
   std::function<void()> on_first_sample_;
   bool has_samples_ = false;
   Duration longest_lifespan_, announced_lifespan_;
-  std::set<Guid> writers_;                ///< that matched the reader, and whose samples are kept
+  std::set<Guid> writers_;                ///< writers that matched, and whose samples are kept
   std::optional<InstanceOwners> owners_;  ///< only with OWNERSHIP EXCLUSIVE
   LivelinessMonitor liveliness_;          ///< the same: owners that are not alive own nothing
-  bool has_deferred_ = false;             ///< a change waits for room, or for an owner to come back
-  /// Writers: until they have caught up, all that they write counts as late (StoredChange).
+  bool has_deferred_ = false;  ///< true if a change waits for room, or for an owner to come back
+  /// Writers that have waited. Until they have caught up, all that they write counts as late
+  /// (StoredChange).
   std::set<Guid> have_waited_;
-  /// Writers: the next change of each has no share of the store. It is requested again, because
-  /// nothing needs to wait for what its writer has replaced.
+  /// Writers whose next change has no share of the store. It is requested again, because a change
+  /// that its writer has replaced need not wait.
   std::set<Guid> without_share_;
   RequestPace pace_;
   MonotonicTime look_at_late_at_{};
@@ -124,7 +125,7 @@ class KeptTopic final : private EndpointListener, private Timed {
     SequenceNumber change;
   };
   std::map<Guid, std::deque<Unstored>> unstored_;  ///< by writer
-  /// What is served, by its row in the store.
+  /// The samples that are served, by their rows in the store.
   std::map<std::int64_t, SequenceNumber> rows_;
 };
 

@@ -71,7 +71,7 @@ void RefusedWriters::run() {
       for (const auto& writer : waiting())
         if (!is_stopping() && again_(writer)) remove(writer);
     } catch (const std::exception&) {
-      continue;  // without memory, for example: those that still wait are tried again
+      continue;  // memory may be short, for example; those that still wait are tried again
     }
   }
 }

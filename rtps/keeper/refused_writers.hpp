@@ -1,4 +1,4 @@
-// Durable writers whose topics a keeper could not keep for want of room or of a right, and the
+// Durable writers whose topics a keeper could not keep because room or a right was missing, and the
 // thread that tries again.
 #pragma once
 
@@ -14,10 +14,11 @@
 
 namespace ddssec::rtps {
 
-/// A writer is announced once, so nothing else would bring its topic back. Thread-safe.
+/// Tries again, because a writer is announced only once and nothing else would bring its topic
+/// back. Thread-safe.
 class RefusedWriters {
  public:
-  /// Of these places, one identity gets at most as many as are free.
+  /// The largest number of writers. One identity gets at most as many of these places as are free.
   static constexpr std::size_t kMax = 512;
 
   /// `again` is called once in each `pause` for each writer, by a thread of its own and without a
@@ -43,7 +44,7 @@ class RefusedWriters {
   const std::chrono::milliseconds pause_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::map<Guid, GuidPrefix> writers_;  ///< with their identities
+  std::map<Guid, GuidPrefix> writers_;  ///< the writers and their identities
   std::map<GuidPrefix, std::size_t> counts_;
   bool is_stopping_ = false;
   std::thread thread_;

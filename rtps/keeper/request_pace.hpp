@@ -1,5 +1,5 @@
-// How often a keeper requests samples again that wait for room: their writers may have replaced
-// them. No I/O, clock or lock.
+// The pace at which a keeper requests samples again that wait for room, because their writers may
+// have replaced them. No I/O, clock or lock.
 #pragma once
 
 #include <algorithm>
@@ -8,12 +8,14 @@
 
 namespace ddssec::rtps {
 
-/// The larger the samples that were requested, the later the next ones are, so that samples that
-/// wait cost little time of both sides. Before, one sample of 60 MB was sent again twice a second.
+/// The larger the samples that were requested, the later the next ones are requested. So samples
+/// that wait cost little time of both sides. Before, one sample of 60 MB was sent again twice a
+/// second.
 class RequestPace {
  public:
   static constexpr MonotonicTime kMinPause = std::chrono::milliseconds(500);
-  /// So 2 MB/s are requested again: to receive as many takes about a hundredth of a core.
+  /// With this pause 2 MB/s are requested again. To receive this amount takes about a hundredth of
+  /// a core.
   static constexpr std::chrono::nanoseconds kPauseOfOctet{500};
 
   bool is_due(MonotonicTime now) const { return now >= due_; }
