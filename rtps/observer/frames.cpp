@@ -23,7 +23,7 @@ std::uint16_t number_at(BytesView octets, std::size_t at) {
   return static_cast<std::uint16_t>(octets[at] << 8 | octets[at + 1]);
 }
 
-// Returns what follows after `size` octets; empty if there are fewer.
+// Returns the octets after the first `size` ones; empty if there are fewer.
 BytesView behind(BytesView octets, std::size_t size) {
   return octets.size() < size ? BytesView() : octets.subspan(size);
 }
@@ -67,7 +67,7 @@ std::optional<Frames::Datagram> datagram_of(std::string from, BytesView udp) {
                           to_bytes(udp.subspan(kHeader, size - kHeader))};
 }
 
-// Without extension headers, and so without fragments.
+// Reads packets without extension headers, and so without fragments.
 std::optional<Frames::Datagram> read_ipv6(BytesView packet) {
   constexpr std::size_t kHeader = 40;
   if (packet.size() < kHeader || packet[6] != kUdp) return std::nullopt;

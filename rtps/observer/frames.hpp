@@ -14,7 +14,8 @@ namespace ddssec::rtps {
 /// Reads frames one after the other, and keeps the fragments that belong together.
 class Frames {
  public:
-  /// Limit for IPv4 datagrams with missing fragments. Above it, the oldest is forgotten.
+  /// The largest number of IPv4 datagrams with missing fragments. Above it, the oldest is
+  /// forgotten.
   static constexpr std::size_t kMaxPartial = 64;
 
   struct Datagram {

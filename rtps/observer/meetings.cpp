@@ -26,7 +26,7 @@ const std::string* claim_of(const ObservedParticipant& participant, std::string_
 struct Side {
   const GuidPrefix& prefix;
   const ObservedParticipant& participant;
-  const HandshakeFlow& sent;  // to the other side
+  const HandshakeFlow& sent;  // what it sent to the other side
 
   std::string name() const { return name_of(prefix, participant); }
   const std::string* identity_ca() const { return claim_of(participant, kIdentityCa); }
@@ -66,7 +66,7 @@ std::string protection(const ObservedParticipant& participant) {
 
 double seconds(MonotonicTime time) { return std::chrono::duration<double>(time).count(); }
 
-// Returns a contradiction between the announcements of the two.
+// Returns a contradiction between the announcements of the two participants.
 std::optional<Finding> contradiction(const Side& a, const Side& b) {
   if (a.participant.is_secured() != b.participant.is_secured()) {
     const auto& without = a.participant.is_secured() ? b : a;
@@ -99,7 +99,7 @@ std::string times(const Seen& seen) {
   return seen.count == 1 ? "once" : fmt::format("{} times", seen.count);
 }
 
-// Returns where the handshake that `a` began stopped. Empty: it did not stop, or not for long
+// Returns where the handshake that `a` began stopped. Empty if it did not stop, or not for long
 // enough.
 std::optional<Finding> standstill(const Side& a, const Side& b, MonotonicTime end) {
   const auto& request = a.sent.at(HandshakeStep::request);
@@ -125,9 +125,9 @@ std::optional<Finding> standstill(const Side& a, const Side& b, MonotonicTime en
   return std::nullopt;
 }
 
-// From 2.10 on, Fast DDS takes part in nothing before it has received a peer's data of
-// DCPSParticipantsSecure, and Cyclone DDS 0.10 never writes there. No announcement reliably shows
-// the version.
+// Returns the doubt that applies to a pair of Fast DDS and Cyclone DDS. From 2.10 on, Fast DDS
+// takes part in nothing before it has received a peer's data of DCPSParticipantsSecure, and Cyclone
+// DDS 0.10 never writes there. No announcement reliably shows the version.
 std::optional<Finding> doubt(const Side& a, const Side& b) {
   const auto are = [&](VendorId first, VendorId second) {
     return a.participant.vendor == first && b.participant.vendor == second;

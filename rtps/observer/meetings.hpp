@@ -1,5 +1,5 @@
-// How far each pair of observed participants got in authenticating each other, and what prevents
-// it.
+// Finds out how far each pair of observed participants got in authenticating each other, and what
+// prevents it.
 #pragma once
 
 #include "base/finding.hpp"
@@ -9,7 +9,7 @@ namespace ddssec::rtps {
 
 enum class MeetingState : std::uint8_t {
   unsecured,      ///< neither has an identity: nothing to observe
-  apart,          ///< they do not communicate: see the finding
+  apart,          ///< they do not communicate, for the reason in the finding
   under_way,      ///< not observed for long enough to decide
   authenticated,  ///< both sent the other protected submessages after the handshake
 };
@@ -20,8 +20,8 @@ struct ObservedMeeting {
   MeetingState state = MeetingState::under_way;
   MonotonicTime met{};                     ///< when both had been heard
   std::optional<MonotonicTime> took = {};  ///< time from then until both had sent keys
-  /// What prevents authentication. For two that authenticated: what may prevent each from
-  /// discovering the other's topics.
+  /// The obstacle to authentication. For two participants that authenticated, what may prevent each
+  /// from discovering the other's topics.
   std::optional<Finding> finding = {};
 };
 
@@ -40,7 +40,7 @@ std::vector<ObservedMeeting> meetings_of(const Observer& observer);
 /// so that no two of them can communicate.
 std::optional<Finding> all_in_different_domains(const Observer& observer);
 
-/// What each participant sends that others could read.
+/// Returns what each participant sends that others could read.
 std::vector<Finding> leaks_of(const Observer& observer);
 
 }  // namespace ddssec::rtps

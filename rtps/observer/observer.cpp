@@ -33,8 +33,8 @@ std::optional<TransformKind> kind_in(BytesView octets) {
   return TransformKind::from(octets.first(TransformKind::size));
 }
 
-// A CDR encapsulation begins with its representation id and two octets of options. None of these
-// has the value of a kind.
+// True if the payload begins with the kind of a CryptoHeader. A CDR encapsulation begins with its
+// representation id and two octets of options, and none of these has the value of a kind.
 bool is_encrypted(BytesView payload) {
   const auto kind = kind_in(payload);
   return kind && kind->octets[0] == 0 && kind->octets[1] == 0 && kind->octets[3] != 0;

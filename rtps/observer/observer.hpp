@@ -1,6 +1,6 @@
-// What a passive listener learns about secured participants: their announcements, the progress of
-// handshakes, and what is sent unprotected. Nothing of it is proven: any host may have sent it in
-// any name. No I/O, clock or lock.
+// Collects what a passive listener learns about secured participants: their announcements, the
+// progress of handshakes, and what is sent unprotected. None of this is proven: any host may have
+// sent it in any name. No I/O, clock or lock.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace ddssec::rtps {
 
 struct EndpointData;
 
-/// How often something was seen, and when.
+/// The number of times that something was seen, and when.
 struct Seen {
   std::uint64_t count = 0;
   MonotonicTime first{}, last{};
@@ -37,7 +37,7 @@ enum class HandshakeStep : std::uint8_t {
 };
 std::string_view to_string(HandshakeStep step);
 
-/// What one participant sent to another one.
+/// The messages that one participant sent to another one.
 struct HandshakeFlow {
   std::array<Seen, 5> steps = {};
   Seen& at(HandshakeStep step) { return steps[static_cast<std::size_t>(step)]; }
@@ -48,14 +48,14 @@ struct HandshakeFlow {
 struct CertificateNames {
   std::string subject, issuer;
 };
-/// Reads a certificate in PEM; empty if it is none. (This folder does not depend on the certificate
-/// code.)
+/// Reads a certificate in PEM; empty if it is not one. (This folder does not depend on the
+/// certificate code.)
 using ReadCertificate = std::function<std::optional<CertificateNames>(BytesView pem)>;
 
 struct ObservedTopic {
   std::string type;
   bool is_written = false, is_read = false;
-  std::size_t octets = 0;  ///< octets that it counts for
+  std::size_t octets = 0;  ///< octets that it counts for the limit
 };
 
 struct ObservedParticipant {
@@ -63,17 +63,18 @@ struct ObservedParticipant {
   std::optional<ParticipantData> data;
   VendorId vendor;
   DomainId domain = -1;             ///< -1: not known from an announcement
-  std::set<std::string> addresses;  ///< from which it was heard
+  std::set<std::string> addresses;  ///< addresses from which it was heard
   Seen messages;
   std::uint64_t protected_messages = 0;
   std::uint64_t protected_submessages = 0;
-  std::set<TransformKind> kinds;         ///< of the protected messages and submessages
-  std::uint64_t clear_samples = 0;       ///< of user topics
-  std::uint64_t encrypted_payloads = 0;  ///< of user topics, in submessages that are not protected
+  std::set<TransformKind> kinds;    ///< kinds of the protected messages and submessages
+  std::uint64_t clear_samples = 0;  ///< samples of user topics
+  /// Payloads of user topics, in submessages that are not protected.
+  std::uint64_t encrypted_payloads = 0;
   /// The topics that plain discovery announced, by name.
   std::map<std::string, ObservedTopic> clear_topics;
-  std::size_t topic_octets = 0;  ///< of these topics, including a price for each
-  /// From its handshake messages, which are not encrypted.
+  std::size_t topic_octets = 0;  ///< octets of these topics, including a price for each
+  /// The names from its handshake messages, which are not encrypted.
   std::optional<CertificateNames> certificate;
   bool has_left = false;
 
@@ -83,12 +84,12 @@ struct ObservedParticipant {
 /// Collects what the messages of a network reveal of the participants in it.
 class Observer {
  public:
-  /// Limits. Above them nothing new is stored; what is stored is still counted.
+  /// The limits. Above them nothing new is stored, but what is stored is still counted.
   static constexpr std::size_t kMaxParticipants = 1024;
   static constexpr std::size_t kMaxFlows = 65536;
   static constexpr std::size_t kMaxTopicsEach = 4096;
-  /// Limit for the topics of all participants together. kTopicOctetsOfEach of each participant is
-  /// kept whatever others announce.
+  /// The limit for the topics of all participants together. Each participant keeps
+  /// kTopicOctetsOfEach, whatever others announce.
   static constexpr std::size_t kMaxTopicOctets = std::size_t{32} << 20;
   static constexpr std::size_t kTopicOctetsOfEach = std::size_t{32} << 10;
   static constexpr std::size_t kPricePerTopic = 256;
@@ -112,12 +113,12 @@ class Observer {
   const HandshakeFlow& flow(const GuidPrefix& from, const GuidPrefix& to) const;
   const Seen& datagrams() const { return datagrams_; }
   std::uint64_t rtps_messages() const { return rtps_messages_; }
-  /// Messages of participants, and of topics, for which there was no room.
+  /// The number of messages of participants, and of topics, for which there was no room.
   std::uint64_t left_out() const { return left_out_; }
 
  private:
   struct Message {
-    GuidPrefix source, destination;  ///< destination: zero for all
+    GuidPrefix source, destination;  ///< zero if it is for all
     ObservedParticipant* sender;
     const Arrival& arrival;
   };
@@ -141,7 +142,7 @@ class Observer {
   Seen datagrams_;
   std::uint64_t rtps_messages_ = 0;
   std::uint64_t left_out_ = 0;
-  std::size_t topic_octets_ = 0;  ///< of all participants
+  std::size_t topic_octets_ = 0;  ///< octets of the topics of all participants
 };
 
 }  // namespace ddssec::rtps
