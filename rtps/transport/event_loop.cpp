@@ -23,7 +23,7 @@ bool add(int epoll, int fd, std::uint64_t tag) {
   return ::epoll_ctl(epoll, EPOLL_CTL_ADD, fd, &event) == 0;
 }
 
-// Kernels before 5.11 support only whole milliseconds.
+// Waits for events. Kernels before 5.11 support only whole milliseconds.
 int wait_for_events(int epoll, std::span<epoll_event> events, std::chrono::nanoseconds timeout) {
   const bool for_ever = timeout < std::chrono::nanoseconds::zero();
   timeout = std::min(timeout, std::chrono::nanoseconds(std::chrono::hours(1)));

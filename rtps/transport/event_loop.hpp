@@ -14,14 +14,14 @@ namespace ddssec::rtps {
 /// One epoll instance. Only wake() may be called from other threads.
 class EventLoop {
  public:
-  /// Errors: rtps_socket_failed.
+  /// Creates a loop that waits for nothing yet. Errors: rtps_socket_failed.
   static Result<EventLoop> create();
 
-  /// From now on `wait` calls `on_readable` whenever `fd` is readable. Errors: rtps_socket_failed.
+  /// Makes `wait` call `on_readable` whenever `fd` is readable. Errors: rtps_socket_failed.
   Status watch(int fd, std::function<void()> on_readable);
-  /// From now on `wait` first looks for readable sockets again and again, for this long.
+  /// Makes `wait` first look for readable sockets again and again, for this long.
   void busy_wait(std::chrono::nanoseconds how_long) { busy_wait_ = how_long; }
-  /// What is readable. Remains so until it is handled.
+  /// The sockets that are readable. They remain so until they are handled.
   class Readable {
    public:
     Readable() = default;
@@ -35,7 +35,7 @@ class EventLoop {
   Readable poll(std::chrono::nanoseconds timeout) const;
   /// Calls the handlers of the readable sockets.
   void handle(const Readable& readable);
-  /// Both.
+  /// Does both.
   void wait(std::chrono::nanoseconds timeout) { handle(poll(timeout)); }
   /// Ends a `wait`. May be called from any thread.
   void wake() const;

@@ -1,4 +1,4 @@
-// Sockets that send to one host each, for when the send buffer of a shared socket is full.
+// Sockets that each send to one host, for when the send buffer of a shared socket is full.
 #pragma once
 
 #include <list>
@@ -7,12 +7,13 @@
 
 namespace ddssec::rtps {
 
-/// Datagrams to an address where no machine is wait in the kernel for about three seconds and count
+/// Datagrams to an address without a machine wait in the kernel for about three seconds and count
 /// for the send buffer of their socket. In a shared socket they leave no room for other hosts. Here
 /// each host has a send buffer of its own. Not thread-safe.
 class HostSockets {
  public:
-  /// The host that was sent to longest ago loses its socket to a further one.
+  /// The largest number of hosts. If there are more, the host that was sent to longest ago loses
+  /// its socket.
   static constexpr std::size_t kMax = 32;
   using Open = std::function<Result<UdpSocket>()>;
   explicit HostSockets(Open open) : open_(std::move(open)) {}
@@ -30,7 +31,7 @@ class HostSockets {
   UdpSocket* socket_of(Locator address);
 
   Open open_;
-  std::list<Host> hosts_;  ///< the last one that was sent to is in front
+  std::list<Host> hosts_;  ///< the host that was sent to last is at the front
 };
 
 }  // namespace ddssec::rtps

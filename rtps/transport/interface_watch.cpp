@@ -26,7 +26,8 @@ Result<InterfaceWatch> InterfaceWatch::open() {
   return InterfaceWatch(std::move(fd));
 }
 
-// A message that had no room in the socket is an error, once: that is a change as well.
+// If a message had no room in the socket, recv() fails once (ENOBUFS). That counts as a change as
+// well.
 bool InterfaceWatch::drain() const {
   constexpr int kMax = 64;
   std::array<std::uint8_t, 8192> ignored;

@@ -19,7 +19,7 @@ struct Free {
   void operator()(ifaddrs* list) const { freeifaddrs(list); }
 };
 
-// Empty: neither IPv4 nor IPv6.
+// Returns empty if the address is neither IPv4 nor IPv6.
 std::optional<Locator> locator_of(const sockaddr* address) {
   if (address == nullptr) return std::nullopt;
   Locator out;
@@ -36,7 +36,8 @@ std::optional<Locator> locator_of(const sockaddr* address) {
   return out;
 }
 
-// A link-local address has no meaning without its interface, which a Locator does not contain.
+// True for a link-local address. It has no meaning without its interface, which a Locator does not
+// contain.
 bool is_link_local(const Locator& locator) {
   return locator.kind == LocatorKind::udp_v6 && locator.address[0] == 0xfe &&
          (locator.address[1] & 0xc0) == 0x80;
@@ -77,7 +78,7 @@ Result<NetworkInterface> find_interface(const std::string& wanted,
   const auto found = address ? std::ranges::find(known, *address, &NetworkInterface::address)
                              : std::ranges::find(known, wanted, &NetworkInterface::name);
   if (found != known.end()) return *found;
-  // Binding to it shows whether it is a local address: every address of 127.0.0.0/8 is.
+  // A bind to it shows whether it is a local address: every address of 127.0.0.0/8 is.
   if (address) return NetworkInterface{{}, *address, 128, true};
   return fail(Code::rtps_address_not_here, {.document = "participant options",
                                             .field = "interfaces",

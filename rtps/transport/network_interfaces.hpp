@@ -10,8 +10,8 @@
 namespace ddssec::rtps {
 
 struct NetworkInterface {
-  std::string name;  ///< empty: an address that belongs to no listed interface, such as 127.0.0.2
-  Locator address;   ///< without a port
+  std::string name;             ///< empty for an address that no interface lists, such as 127.0.0.2
+  Locator address;              ///< without a port
   std::size_t prefix_bits = 0;  ///< number of bits of the network prefix
   bool multicast = false;
 
@@ -20,7 +20,7 @@ struct NetworkInterface {
   bool reaches(const Locator& locator) const;
 };
 
-/// Limit for the interfaces of a participant: one socket cannot join more groups
+/// The largest number of interfaces of a participant, because one socket cannot join more groups
 /// (igmp_max_memberships).
 inline constexpr std::size_t kMaxInterfaces = 16;
 
@@ -31,10 +31,10 @@ std::vector<NetworkInterface> interfaces_of_this_machine();
 /// All addresses of this machine, without ports.
 LocatorList addresses_of_this_machine();
 
-/// Returns the interfaces in `wanted`, given by name or address. If it is empty: the IPv4
-/// interfaces that are up, support multicast and are not the loopback, as other vendors choose
-/// theirs. If there are none: the loopback. Errors: rtps_address_not_here, invalid_property (more
-/// than kMaxInterfaces, not an address, or IPv4 and IPv6 together).
+/// Returns the interfaces in `wanted`, given by name or address. If `wanted` is empty, returns the
+/// IPv4 interfaces that are up, support multicast and are not the loopback, as other vendors choose
+/// theirs. If there are none, returns the loopback. Errors: rtps_address_not_here, invalid_property
+/// (more than kMaxInterfaces, not an address, or IPv4 and IPv6 together).
 Result<std::vector<NetworkInterface>> choose_interfaces(std::span<const std::string> wanted);
 
 /// Returns a text such as "eth0 (192.0.2.2) and wlan0 (192.0.2.130)".

@@ -52,7 +52,8 @@ std::vector<Error> ParticipantSockets::use(std::vector<NetworkInterface> interfa
   const auto note = [&](const Status& status, const NetworkInterface& interface) {
     if (!status) errors.push_back(status.error().in(to_string({&interface, 1})));
   };
-  // The same ones again: they were gone meanwhile, and the system has forgotten their memberships.
+  // If they are the same ones again, they were gone meanwhile, and the system has forgotten their
+  // memberships.
   const bool are_back = interfaces == interfaces_;
   if (group_)
     for (const auto& former : interfaces_)

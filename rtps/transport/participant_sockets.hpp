@@ -13,13 +13,13 @@
 
 namespace ddssec::rtps {
 
-/// One socket for discovery, one for user data, one for a multicast group, and one for each further
-/// interface, through which messages to the group are sent. The discovery socket sends everything
-/// else, and HostSockets what its send buffer has no room for.
+/// The sockets are one for discovery, one for user data, one for a multicast group, and one for
+/// each further interface, through which messages to the group are sent. The discovery socket sends
+/// everything else. HostSockets send the datagrams for which its send buffer has no room.
 class ParticipantSockets final : public Transport {
  public:
   struct Options {
-    /// In octets, to request from the system.
+    /// The size to request from the system, in octets.
     std::size_t receive_buffer = UdpSocket::kWantedBuffer;
     /// If false, sockets of the loopback alone cannot be reached from other machines, and `use`
     /// cannot replace it.
@@ -44,12 +44,12 @@ class ParticipantSockets final : public Transport {
   /// UdpSocket::everywhere.
   Status join(const Locator& group, const NetworkInterface& interface);
   bool has_joined() const { return sockets_.size() > kWithoutGroup; }
-  /// The interfaces of this machine have changed: from now on uses these, also for the group that
-  /// it joined. The same ones as before: they were gone and are back. Returns an error for each
-  /// interface that cannot be used for the group.
+  /// Uses these interfaces from now on, also for the group that it joined, because the interfaces
+  /// of this machine have changed. If they are the same ones as before, they were gone and are
+  /// back. Returns an error for each interface that cannot be used for the group.
   std::vector<Error> use(std::vector<NetworkInterface> interfaces);
 
-  /// From now on calls `f(socket)` whenever a socket is readable. Errors: those of
+  /// Calls `f(socket)` whenever a socket is readable from now on. Errors: those of
   /// EventLoop::watch.
   Status listen(std::function<void(UdpSocket&)> f);
   EventLoop& loop() { return loop_; }
@@ -67,11 +67,11 @@ class ParticipantSockets final : public Transport {
                      const Options& options)
       : loop_(std::move(loop)), interfaces_(std::move(interfaces)), index_(index) {
     overflow_ = HostSockets([this, options] { return socket_at(interfaces_, 0, options); });
-    sockets_.reserve(kWithoutGroup + 1);  // what waits for them refers to them
+    sockets_.reserve(kWithoutGroup + 1);  // the handlers refer to the sockets in it
   }
   static Result<UdpSocket> socket_at(std::span<const NetworkInterface> interfaces,
                                      std::uint32_t port, const Options& options);
-  /// From now on, messages to the group are sent through this interface as well.
+  /// Makes messages to the group be sent through this interface as well.
   Status send_by(const NetworkInterface& interface);
   void send_first(const Outgoing& out);
   bool leaves_by(const UdpSocket& socket, std::size_t interface) const;

@@ -11,7 +11,7 @@ inline constexpr std::uint32_t kFirst = 7400, kDomainGain = 250;
 constexpr std::uint32_t base(DomainId domain) {
   return kFirst + kDomainGain * static_cast<std::uint32_t>(domain);
 }
-/// Returns the domain that a port belongs to; -1: none.
+/// Returns the domain that a port belongs to, or -1 if it belongs to none.
 constexpr DomainId domain_of(std::uint32_t port) {
   return port < kFirst ? -1 : static_cast<DomainId>((port - kFirst) / kDomainGain);
 }

@@ -1,4 +1,5 @@
-// What the protocol needs of a transport. UDP implements it; TCP and shared memory could.
+// The interface that the protocol needs of a transport. UDP implements it; TCP and shared memory
+// could.
 #pragma once
 
 #include <limits>
@@ -9,7 +10,7 @@
 
 namespace ddssec::rtps {
 
-/// Value of Outgoing::interface: messages to a group are sent through each interface.
+/// The value of Outgoing::interface with which messages to a group are sent through each interface.
 inline constexpr std::size_t kEveryInterface = std::numeric_limits<std::size_t>::max();
 
 /// Messages for the same receivers, borrowed for the call.

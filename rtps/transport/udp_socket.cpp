@@ -74,7 +74,7 @@ bool set_option(int fd, int level, int option, const T& value) {
   return setsockopt(fd, level, option, &value, sizeof value) == 0;
 }
 
-// `join`: false if it leaves the group.
+// Joins the group, or leaves it if `join` is false.
 bool change_group(int fd, const Locator& group, const Locator& interface, bool join) {
   if (group.kind != interface.kind) {
     errno = EADDRNOTAVAIL;
@@ -98,7 +98,7 @@ struct UdpSocket::Batch {
   std::array<sockaddr_storage, kBatch> sources;
   std::array<iovec, kBatch> vectors;
   std::array<mmsghdr, kBatch> headers;
-  std::size_t used = kBatch;  // so many headers must be prepared before the next call
+  std::size_t used = kBatch;  // this many headers must be prepared before the next call
 
   void prepare(std::size_t i) {
     vectors[i] = {octets[i].data(), octets[i].size()};
@@ -179,7 +179,8 @@ std::size_t UdpSocket::receive_buffer_size() const {
   int size = 0;
   socklen_t length = sizeof size;
   ::getsockopt(fd(), SOL_SOCKET, SO_RCVBUF, &size, &length);
-  return static_cast<std::size_t>(size) / 2;  // Linux includes its overhead: socket(7)
+  // Linux includes its own overhead, which takes half: socket(7).
+  return static_cast<std::size_t>(size) / 2;
 }
 
 Status UdpSocket::check_receive_buffer() const {
@@ -194,7 +195,7 @@ Status UdpSocket::check_receive_buffer() const {
 std::size_t UdpSocket::fetch() {
   if (batch_ == nullptr) batch_.reset(new Batch);
   auto& batch = *batch_;
-  // The kernel changed the headers that it filled the last time.
+  // The kernel changed the headers that it filled last time, so they are prepared again.
   for (; batch.used > 0; --batch.used) batch.prepare(batch.used - 1);
   const int count = ::recvmmsg(fd(), batch.headers.data(), kBatch, MSG_DONTWAIT, nullptr);
   batch.used = count > 0 ? static_cast<std::size_t>(count) : 0;
@@ -222,7 +223,7 @@ class UdpSocket::Sending {
     header.cmsg_level = v6 ? IPPROTO_IPV6 : IPPROTO_IP;
     header.cmsg_type = v6 ? IPV6_TCLASS : IP_TOS;
     header.cmsg_len = CMSG_LEN(sizeof(int));
-    // The lower two bits are for congestion notification: RFC 3168.
+    // The lower two bits are for congestion notification (RFC 3168).
     const int traffic_class = dscp << 2;
     std::memcpy(CMSG_DATA(&header), &traffic_class, sizeof traffic_class);
   }

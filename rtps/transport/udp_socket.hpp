@@ -13,48 +13,49 @@
 
 namespace ddssec::rtps {
 
-/// Receiving is not thread-safe; sending is safe from any thread.
+/// One UDP socket. Receiving is not thread-safe; sending is safe from any thread.
 class UdpSocket {
  public:
   static constexpr std::size_t kMaxDatagram = 65507;
   static constexpr std::size_t kBatch = 16;
 
-  /// The receive buffer that large samples need, in octets: what a writer sends before it waits
-  /// (StatefulWriter::is_ahead), plus the kernel's overhead for it.
+  /// The receive buffer that large samples need, in octets: the octets that a writer sends before
+  /// it waits (StatefulWriter::is_ahead), plus the kernel's overhead for them.
   static constexpr std::size_t kNeededBuffer = std::size_t{1} << 20;
   static constexpr std::size_t kWantedBuffer = std::size_t{4} << 20;
 
-  /// Binds a socket to the address and port of `at`; port 0 selects one. `buffer`: octets to
-  /// request from the system. Errors: rtps_port_taken, rtps_address_not_here, rtps_socket_failed.
+  /// Binds a socket to the address and port of `at`; port 0 selects one. `buffer` is the size to
+  /// request from the system, in octets. Errors: rtps_port_taken, rtps_address_not_here,
+  /// rtps_socket_failed.
   static Result<UdpSocket> bind(const Locator& at, std::size_t buffer = kWantedBuffer);
   /// Creates a socket that can be reached at the port of `interface` by every address of this
   /// machine. Peers on it may use another address than the announced one (Fast DDS 2.9: loopback).
   /// `local` and multicast use `interface`. If `interface` is the loopback, the socket is bound to
-  /// it alone. Errors: as for bind.
+  /// it alone. Errors: those of bind.
   static Result<UdpSocket> on_interface(const Locator& interface,
                                         std::size_t buffer = kWantedBuffer);
-  /// The same, but even if `interface` is the loopback, the socket can be reached by every address:
-  /// for a participant that uses several interfaces.
+  /// Does the same, but even if `interface` is the loopback, the socket can be reached by every
+  /// address: for a participant that uses several interfaces.
   static Result<UdpSocket> everywhere(const Locator& interface, std::size_t buffer = kWantedBuffer);
   /// Creates a socket bound to the port of `group` and joins the group on the interface with
-  /// address `interface`. Errors: as for bind, and rtps_no_multicast.
+  /// address `interface`. Errors: those of bind, and rtps_no_multicast.
   static Result<UdpSocket> join(const Locator& group, const Locator& interface);
-  /// Also receives what arrives for `group` on another interface. Errors: rtps_no_multicast.
+  /// Also receives messages to `group` that arrive on another interface. Errors: rtps_no_multicast.
   Status join_also(const Locator& group, const Locator& interface);
-  /// Undoes that, also if the interface is gone.
+  /// Leaves the group on that interface, even if the interface is gone.
   void leave(const Locator& group, const Locator& interface) const;
-  /// From now on, `local` and multicast use the interface with this address, for a socket that can
-  /// be reached by every address. Errors: rtps_address_not_here, rtps_socket_failed.
+  /// Makes `local` and multicast use the interface with this address. For a socket that can be
+  /// reached by every address. Errors: rtps_address_not_here, rtps_socket_failed.
   Status use(const Locator& interface);
 
-  /// From now on almost nothing that arrives is kept: for a socket that only sends.
+  /// Makes the kernel keep almost nothing that arrives, for a socket that only sends.
   void keep_no_input() const;
 
   int fd() const { return fd_.number(); }
   const Locator& local() const { return local_; }
   /// The buffer that the system granted, in octets.
   std::size_t receive_buffer_size() const;
-  /// Errors: rtps_receive_buffer_small if large samples need more.
+  /// Checks that the buffer is large enough for large samples. Errors: rtps_receive_buffer_small.
   Status check_receive_buffer() const;
 
   /// Passes each waiting datagram to `f(datagram, source)`, at most kBatch, and returns their
