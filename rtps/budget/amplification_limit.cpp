@@ -70,7 +70,7 @@ void AmplificationLimit::set_addresses(const GuidPrefix& participant,
                                        std::span<const SourceAddress> sources) {
   auto* account = find(participant);
   if (account == nullptr) return;
-  // Without memory nothing has changed: each address has a source.
+  // If memory runs out, nothing has changed: each address still has a source.
   Account changed{.sources = account->sources, .proven = account->proven, .turn = account->turn};
   for (std::size_t i = 0; i < std::min(addresses.size(), sources.size()); ++i) {
     changed.addresses.emplace_back(addresses[i], sources[i]);
@@ -87,7 +87,7 @@ void AmplificationLimit::set_addresses(const GuidPrefix& participant,
 }
 
 // If a peer sends from none of its announced addresses, it is not known which of them is its own.
-// So they are credited in turn.
+// So the addresses are credited in turn.
 std::size_t AmplificationLimit::add_credit(const GuidPrefix& participant) {
   auto* account = not_credited_ == 0 ? nullptr : find(participant);
   if (account == nullptr || account->addresses.empty()) return 0;

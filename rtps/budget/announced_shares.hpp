@@ -1,4 +1,5 @@
-// Limits what is known of the endpoints of remote participants, in all and for each identity.
+// Limits the data that is stored about the endpoints of remote participants, in all and for each
+// identity.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +9,8 @@
 
 namespace ddssec::rtps {
 
-/// An identity may have no more than is free. So the first one takes at most half, and each further
-/// one still finds some.
+/// An identity may have no more than is free. So the first identity takes at most half, and each
+/// further one still finds some.
 class AnnouncedShares {
  public:
   struct Amount {
@@ -31,7 +32,7 @@ class AnnouncedShares {
 
   explicit AnnouncedShares(const Amount& max) : max_(max) {}
 
-  /// True if there is room for `more` of the identity once `less` of it has gone.
+  /// True if there is room for `more` of the identity once `less` of it has been removed.
   bool has_room(const GuidPrefix& identity, const Amount& more, const Amount& less) const {
     auto own = of(identity), all = all_;
     (own += more) -= less;
@@ -43,7 +44,7 @@ class AnnouncedShares {
     of_identity_[identity] += more;
     all_ += more;
   }
-  /// `less` was added before.
+  /// Removes an amount, which must have been added before.
   void remove(const GuidPrefix& identity, const Amount& less) {
     const auto own = of_identity_.find(identity);
     if (own == of_identity_.end()) return;

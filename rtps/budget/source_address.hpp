@@ -8,7 +8,7 @@
 namespace ddssec::rtps {
 
 /// An IPv4 address, or the first 64 bits of an IPv6 address, because one host has all addresses
-/// below these. Without a port, because one host has all ports. All datagrams from unknown sources
+/// below these. It has no port, because one host has all ports. All datagrams from unknown sources
 /// have the same source address.
 class SourceAddress {
  public:

@@ -12,14 +12,14 @@ namespace ddssec::rtps {
 /// same size.
 class SourceBudget {
  public:
-  /// A source with this many units in a burst, and one per period, has few requests.
+  /// A source with at most this many units in a burst, and one per period, has few requests.
   static constexpr int kLittle = 8;
   static constexpr MonotonicTime kLittlePeriod = std::chrono::seconds(1);
   /// Above this number of sources, all are forgotten: each then counts again as one with few
   /// requests.
   static constexpr std::size_t kMaxSources = 256;
 
-  /// Burst and refill of each of the two budgets; see WorkBudget.
+  /// `burst` and `refill` are those of each of the two budgets; see WorkBudget.
   SourceBudget(int burst, MonotonicTime refill) : few_(burst, refill, {}), many_(few_) {}
 
   /// Returns false if the work must not be done now.
