@@ -5,10 +5,11 @@
 
 namespace ddssec::rtps {
 
-/// Not thread-safe: it decodes into its own memory.
+/// A compiled filter and its view. Not thread-safe: it decodes into its own memory.
 class BoundFilter {
  public:
-  /// `view` may be nullptr: then the type has no named members. Errors: rtps_filter_invalid.
+  /// Compiles the filter. If `view` is nullptr, the type has no named members. Errors:
+  /// rtps_filter_invalid.
   static Result<BoundFilter> compile(const FilterText& text, std::unique_ptr<SampleView> view) {
     static const std::span<const Leaf> kNone;
     auto filter = Filter::compile(text, view ? view->leaves() : kNone);
@@ -22,7 +23,8 @@ class BoundFilter {
       return std::unexpected(read.error());
     return filter_.passes(*view_);
   }
-  /// Empty: the sample cannot be read, or takes more than this many steps (Filter::passes_within).
+  /// Does the same with at most this many steps (Filter::passes_within). Empty if the sample cannot
+  /// be read, or needs more steps.
   std::optional<bool> passes_within(std::size_t max_steps, BytesView payload) {
     if (!view_->decode(payload, filter_.members())) return std::nullopt;
     return filter_.passes_within(max_steps, *view_);

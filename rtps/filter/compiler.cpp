@@ -11,7 +11,7 @@ namespace {
 
 using Kind = FilterToken::Kind;
 
-// Types of values that can be compared with each other.
+// The types of values that can be compared with each other.
 enum class Family : std::uint8_t { integer, real, text, character, boolean, enumeration };
 
 constexpr std::string_view kFamilyNames[] = {"an integer",  "a number",      "a text",
@@ -231,8 +231,8 @@ class FilterCompiler {
     return Filter::Operand{false, index};
   }
 
-  // Returns the literal that a parameter stands for, with the position of the parameter; other
-  // tokens unchanged.
+  // If the token is a parameter, returns the literal that it stands for, with the position of the
+  // parameter. Returns other tokens unchanged.
   Result<FilterToken> literal_of(const FilterToken& token) {
     if (token.kind != Kind::parameter) return token;
     std::size_t number = 0;

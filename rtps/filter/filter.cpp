@@ -132,7 +132,7 @@ bool matches_pattern(std::string_view text, std::string_view pattern) {
   return matches_pattern(text, pattern, steps);
 }
 
-// Backtracks to the last % only: whatever an earlier % could match, the last one can match as well.
+// Backtracks only to the last %, because the last one can match whatever an earlier % could match.
 bool matches_pattern(std::string_view text, std::string_view pattern, std::size_t& steps) {
   std::size_t t = 0, p = 0, after_any = 0, tried = 0;
   bool any = false;

@@ -24,13 +24,13 @@ struct FilterText {
 /// integers.
 class Filter {
  public:
-  // Limits, because expressions come from applications and, for filtering by writers, from remote
-  // readers.
+  // There are limits, because expressions come from applications and, if writers filter, from
+  // remote readers.
   static constexpr std::size_t kMaxExpression = 4096;
   static constexpr std::size_t kMaxNesting = 32;
   static constexpr std::size_t kMaxParameters = 100;
   static constexpr std::size_t kMaxParameter = 256;
-  static constexpr std::size_t kMaxPattern = 256;  ///< for LIKE
+  static constexpr std::size_t kMaxPattern = 256;  ///< for the pattern of LIKE
 
   /// Compiles an expression for samples whose view has these leaves. An empty expression is
   /// refused. Errors: rtps_filter_invalid, with the position, what was expected and what was found.
@@ -38,10 +38,10 @@ class Filter {
 
   /// Returns whether the sample in `view` passes. The view must be of the same type as the leaves.
   bool passes(const SampleView& view) const;
-  /// The same with at most this many steps. A comparison takes one step, one for each eight octets
-  /// of text, and one for each character that LIKE examines. Empty: it takes more.
+  /// Does the same with at most this many steps. A comparison takes one step, one for each eight
+  /// octets of text, and one for each character that LIKE examines. Empty if more steps are needed.
   std::optional<bool> passes_within(std::size_t max_steps, const SampleView& view) const;
-  /// The number of members that it needs: for SampleView::decode.
+  /// The number of members that SampleView::decode must decode.
   std::size_t members() const { return members_; }
 
  private:
@@ -49,7 +49,7 @@ class Filter {
 
   /// All 64-bit integers, signed and unsigned, in one order.
   struct Integer {
-    bool above = false;  ///< greater than all signed ones
+    bool above = false;  ///< true if it is greater than all signed ones
     std::uint64_t bits = 0;
     static Integer of(std::int64_t value) { return {false, static_cast<std::uint64_t>(value)}; }
     static Integer of(std::uint64_t value) { return {(value >> 63) != 0, value}; }
@@ -77,12 +77,13 @@ class Filter {
   /// The program: an accumulator, and jumps that only go forward.
   struct Step {
     enum class Kind : std::uint8_t { test, negate, skip_if_false, skip_if_true } kind = Kind::test;
-    std::uint16_t index = 0;  ///< of the test, or of the step to continue with
+    std::uint16_t index = 0;  ///< index of the test, or of the step to continue with
   };
 
   template <class T>
   static bool compare(const T& left, const T& right, Relation relation);
-  /// Subtracts the cost from `steps`. Also returns false if there are not enough.
+  /// Evaluates the test and subtracts its cost from `steps`. Also returns false if there are not
+  /// enough.
   bool holds(const Test& test, std::span<const Leaf> leaves, std::size_t& steps) const;
   Integer integer_of(const Operand& operand, std::span<const Leaf> leaves) const;
   long double real_of(const Operand& operand, std::span<const Leaf> leaves) const;
@@ -94,10 +95,10 @@ class Filter {
   std::size_t members_ = 0;
 };
 
-/// LIKE: % stands for any characters, _ for any one.
+/// True if the text matches the pattern of a LIKE: % stands for any characters, _ for any one.
 bool matches_pattern(std::string_view text, std::string_view pattern);
-/// The same, but subtracts one from `steps` for each character that it examines. Returns false once
-/// it is 0.
+/// Does the same, but subtracts one from `steps` for each character that it examines. Returns false
+/// once `steps` is 0.
 bool matches_pattern(std::string_view text, std::string_view pattern, std::size_t& steps);
 
 }  // namespace ddssec::rtps

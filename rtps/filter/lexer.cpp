@@ -12,7 +12,7 @@ using Kind = FilterToken::Kind;
 
 constexpr std::size_t kMaxShown = 40;
 
-// Not those of <cctype>, because the result must not depend on the locale.
+// The functions of <cctype> are not used, because the result must not depend on the locale.
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 constexpr bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 constexpr bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
@@ -29,7 +29,7 @@ struct Keyword {
 constexpr Keyword kKeywords[] = {
     {"AND", Kind::and_},  {"OR", Kind::or_},     {"NOT", Kind::not_},    {"BETWEEN", Kind::between},
     {"LIKE", Kind::like}, {"TRUE", Kind::true_}, {"FALSE", Kind::false_}};
-// The longer ones first.
+// The longer operators come first, so that they are found first.
 constexpr std::string_view kRelations[] = {"==", "<>", "!=", "<=", ">=", "=", "<", ">"};
 
 std::size_t span_of(std::string_view text, bool (*is)(char)) {
@@ -120,7 +120,7 @@ Result<FilterToken> FilterLexer::number() {
   return take(kind, length);
 }
 
-// Annex B: a text begins with a left or a right quote and ends with a right one, on one line.
+// A text begins with a left or a right quote and ends with a right one, on one line (Annex B).
 Result<FilterToken> FilterLexer::quoted() {
   const auto text = rest();
   const auto end = text.find_first_of("'\n", 1);

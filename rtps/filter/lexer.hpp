@@ -29,7 +29,7 @@ struct FilterToken {
   };
   Kind kind = Kind::end;
   std::string_view text = {};
-  std::size_t position = 1;  ///< of its first character, counted from 1
+  std::size_t position = 1;  ///< position of its first character, counted from 1
 };
 
 /// Reads one token after the other. Keywords are not case-sensitive.
@@ -37,7 +37,7 @@ class FilterLexer {
  public:
   explicit FilterLexer(std::string_view expression) : all_(expression) {}
 
-  /// Errors: rtps_filter_invalid.
+  /// Returns the next token. Errors: rtps_filter_invalid.
   Result<FilterToken> next();
 
  private:

@@ -1,4 +1,4 @@
-// A decoded sample whose members a filter accesses by the names in the IDL.
+// A decoded sample whose members a filter accesses by their names in the IDL.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace ddssec::rtps {
 
-/// The value of an enumeration of any type.
+/// A member that is an enumeration, of any type.
 struct EnumLeaf {
   const void* at = nullptr;
   std::int32_t (*read)(const void*) = nullptr;
