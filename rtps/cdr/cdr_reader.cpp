@@ -7,7 +7,8 @@ void CdrReader::take_text(std::string& value, std::size_t bound) {
   if (length > remaining()) refuse(Code::truncated);
   if (!status_) return;
   const auto octets = *reader_.read_bytes(length);
-  // Some peers write "" with length 0. CVE-2023-23932: the NUL is checked, not assumed.
+  // Some peers write "" with length 0. The NUL is checked and not assumed, because of
+  // CVE-2023-23932.
   const auto text = as_text(octets.empty() ? octets : octets.first(length - 1));
   if (!octets.empty() && octets.back() != 0) return refuse(Code::malformed);
   if (text.find('\0') != text.npos) return refuse(Code::malformed);

@@ -39,16 +39,16 @@ std::size_t min_size() {
 
 }  // namespace detail
 
-/// After the first error, every `take` fails and leaves its value unchanged.
+/// Reads from octets. After the first error, every `take` fails and leaves its value unchanged.
 class CdrReader {
  public:
-  /// Types can be nested through sequences; deeper nesting is refused.
+  /// The deepest nesting of types, which sequences can nest. Deeper nesting is refused.
   static constexpr int kMaxNesting = 32;
 
   CdrReader(BytesView octets, XcdrVersion version, Endian endian)
       : reader_(octets, endian), end_(octets.size()), version_(version) {}
 
-  /// Errors: truncated, malformed, length_out_of_range.
+  /// The first error, if any: truncated, malformed, length_out_of_range.
   const Status& status() const { return status_; }
   /// True if members were absent, and so keep their former values.
   bool ended_early() const { return has_ended_early_; }
@@ -186,8 +186,8 @@ class CdrReader {
     ++depth_;
     const Delimited delimited(*this, appendable);
     [[maybe_unused]] std::size_t taken = 0;
-    // XTypes 7.6.3.4: an older writer's appendable type ends early; the other members keep their
-    // defaults.
+    // If an older writer's appendable type ends early, the other members keep their defaults
+    // (XTypes 7.6.3.4).
     detail::for_each_member(value, [&](const auto& member) {
       if constexpr (limited)
         if (taken++ >= max_count) return;
@@ -228,11 +228,11 @@ class CdrReader {
 /// type).
 template <DdsType T>
 Result<T> deserialize(BytesView payload);
-/// The same for the key alone; other members keep their defaults. In XCDR2 either KeyLayout is
+/// Does the same for the key alone; other members keep their defaults. In XCDR2 either KeyLayout is
 /// accepted, and for an appendable type also PLAIN_CDR2, which earlier versions of ddssec wrote.
 template <DdsType T>
 Result<T> deserialize_key(BytesView payload);
-/// The same into a value that keeps its memory. After an error its content is undefined.
+/// Does the same into a value that keeps its memory. After an error its content is undefined.
 template <DdsType T>
 Status deserialize_into(BytesView payload, T& value);
 template <DdsType T>
@@ -275,7 +275,7 @@ Status deserialize_into(BytesView payload, T& value) {
 
 // Nothing in the payload shows which layout it has, but the lengths do. A DHEADER counts the octets
 // from there to the end, and a key with a DHEADER never has the same length as the same key without
-// one. So the layout that leaves nothing over is the right one.
+// one. So the right layout is the one that leaves no octets over.
 template <DdsType T>
 Status deserialize_key_into(BytesView payload, T& value) {
   auto delimited = detail::open_key_reader(payload, TypeTraits<T>::extensibility);

@@ -129,8 +129,8 @@ class CdrWriter {
     end_delimited(header);
   }
 
-  // DHEADER: the size of what follows, XCDR2 only. Returns the position after it, or 0 for no
-  // header.
+  // Begins a DHEADER, which has the size of what follows, in XCDR2 only. Returns the position after
+  // it, or 0 if there is no header.
   std::size_t begin_delimited(bool wanted) {
     if (!wanted || version_ == XcdrVersion::xcdr1) return 0;
     put_bits(std::uint32_t{0});
@@ -171,7 +171,7 @@ void serialize(const T& value, Bytes& out, XcdrVersion version = XcdrVersion::xc
   detail::end_payload(out);
 }
 
-/// The same for the key alone: the payload of a dispose or unregister.
+/// Does the same for the key alone: the payload of a dispose or unregister.
 template <DdsType T>
 void serialize_key(const T& value, Bytes& out, XcdrVersion version = XcdrVersion::xcdr1,
                    Endian endian = Endian::little, KeyLayout layout = KeyLayout::delimited) {

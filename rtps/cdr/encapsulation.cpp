@@ -23,7 +23,7 @@ Result<SerializedPayload> open_payload(BytesView payload) {
   DDSSEC_ASSIGN_OR_RETURN(const auto options, reader.read<std::uint16_t>());
   const auto kind = static_cast<std::uint16_t>(id & ~1u);
   if (!is_known(kind)) return fail(Code::rtps_encapsulation_unsupported);
-  // XTypes 7.6.3.1.2: the two lowest option bits count the octets of padding at the end.
+  // The two lowest option bits count the octets of padding at the end (XTypes 7.6.3.1.2).
   const std::size_t padding = options & 3u;
   if (padding > reader.remaining()) return fail(Code::truncated);
   return SerializedPayload{static_cast<Encapsulation>(kind),

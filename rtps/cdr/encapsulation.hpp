@@ -33,7 +33,8 @@ struct SerializedPayload {
   BytesView body = {};  ///< without the padding at its end; alignment counts from its first octet
 };
 
-/// Errors: truncated, rtps_encapsulation_unsupported (an unknown id; Cyclone DDS #1751).
+/// Parses the encapsulation. Errors: truncated, rtps_encapsulation_unsupported (an unknown id;
+/// Cyclone DDS #1751).
 Result<SerializedPayload> open_payload(BytesView payload);
 
 }  // namespace ddssec::rtps

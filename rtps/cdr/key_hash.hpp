@@ -36,7 +36,7 @@ std::size_t max_key_size(std::size_t offset, std::size_t bound, bool keys_only) 
     });
     return offset;
   } else {
-    return kUnbounded;  // sequences: far above 16 octets whatever their bound
+    return kUnbounded;  // sequences may be far above 16 octets, whatever their bound
   }
 }
 
@@ -44,9 +44,9 @@ KeyHash key_hash_of(BytesView big_endian_key, bool always_md5);
 
 }  // namespace detail
 
-/// Returns the key hash of `value`'s instance. `scratch` keeps its capacity. `always_md5`: for
-/// topics whose key is protected (DDS-Security 1.2, clause 7.4.4). `version`: that of the samples,
-/// as peers do it; it makes a difference where a member of 8 octets follows one of 4.
+/// Returns the key hash of `value`'s instance. `scratch` keeps its capacity. `always_md5` is for
+/// topics whose key is protected (DDS-Security 1.2, clause 7.4.4). `version` is that of the
+/// samples, as other vendors do it. It makes a difference if a member of 8 octets follows one of 4.
 template <DdsType T>
 KeyHash key_hash(const T& value, Bytes& scratch, bool always_md5 = false,
                  XcdrVersion version = XcdrVersion::xcdr1) {

@@ -15,13 +15,13 @@
 
 namespace ddssec::rtps {
 
-/// Whether further members may be added to a type (XTypes 1.3, 7.2.2.4.2). MUTABLE is not
+/// Says whether further members may be added to a type (XTypes 1.3, 7.2.2.4.2). MUTABLE is not
 /// supported.
 enum class Extensibility : std::uint8_t { final_type, appendable };
 
-/// The layout of a key alone in XCDR2. With a DHEADER for appendable types, like their samples
-/// (XTypes 1.3, 7.6.3.4 and 7.6.8). Or without any, as Cyclone DDS up to 0.10 reads and writes it.
-/// Key hashes are computed from the second layout.
+/// The layout of a key alone in XCDR2. `delimited` has DHEADERs for appendable types, like their
+/// samples (XTypes 1.3, 7.6.3.4 and 7.6.8). `bare` has none; Cyclone DDS up to 0.10 reads and
+/// writes it. Key hashes are computed from the bare layout.
 enum class KeyLayout : std::uint8_t { delimited, bare };
 
 /// To be specialised for each user type:
@@ -49,9 +49,9 @@ template <class T>
 struct Member {
   T& value;
   bool is_key = false;
-  std::size_t bound = kUnbounded;          ///< most characters or elements
+  std::size_t bound = kUnbounded;          ///< the largest number of characters or elements
   std::string_view name = {};              ///< in the IDL; empty: filters cannot use the member
-  std::size_t element_bound = kUnbounded;  ///< of a sequence's elements
+  std::size_t element_bound = kUnbounded;  ///< the bound of a sequence's elements
 };
 
 // In the traits of a type, each of these describes a member; they can be nested. `value` is
@@ -72,7 +72,7 @@ template <class T>
 constexpr Member<T> named(std::string_view name, T& value) {
   return {value, false, kUnbounded, name};
 }
-/// The same for a member that has further properties.
+/// Does the same for a member that has further properties.
 template <class T>
 constexpr Member<T> named(std::string_view name, Member<T> member) {
   member.name = name;
@@ -84,7 +84,7 @@ template <class T>
 constexpr Member<T> with_element_bound(T& value, std::size_t bound) {
   return {value, false, kUnbounded, {}, bound};
 }
-/// The same for a member that has further properties.
+/// Does the same for a member that has further properties.
 template <class T>
 constexpr Member<T> with_element_bound(Member<T> member, std::size_t bound) {
   member.element_bound = bound;
