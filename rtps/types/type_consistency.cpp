@@ -32,7 +32,7 @@ std::optional<EquivalenceHash> hash_in(BytesView type_identifier) {
   return hash;
 }
 
-// XTypes 7.4.3.4.2: the length of a member of a mutable type.
+// Reads a member of a mutable type, whose length is in the header (XTypes 7.4.3.4.2).
 Result<BytesView> read_member(Reader& reader, std::uint32_t header) {
   const auto length_code = header >> 28 & 7;
   if (length_code < 4) return reader.read_bytes(std::size_t{1} << length_code);
@@ -72,7 +72,7 @@ struct Structure {
 };
 using Structures = std::map<EquivalenceHash, Structure>;
 
-// CommonStructMember and the hash of its name (XTypes Annex B).
+// Reads a CommonStructMember and the hash of its name (XTypes Annex B).
 Result<Member> read_struct_member(BytesView octets) {
   Reader reader(octets, Endian::little);
   Member out;
@@ -95,7 +95,7 @@ Result<std::optional<Structure>> read_structure(BytesView object) {
   if (value != kStructure) return std::optional<Structure>();
   Structure out;
   DDSSEC_ASSIGN_OR_RETURN(out.flags, reader.read<std::uint16_t>());
-  // The base type: there is none, or it makes the hash different.
+  // The base type is skipped: either there is none, or it makes the hash different.
   DDSSEC_RETURN_IF_ERROR(read_delimited(reader));
   DDSSEC_RETURN_IF_ERROR(align(reader));
   DDSSEC_RETURN_IF_ERROR(reader.read<std::uint32_t>());
@@ -140,7 +140,7 @@ Status skip_collection_header(Reader& type) {
   return {};
 }
 
-// XTypes 7.2.4.4: decides whether a reader's type can take samples of a writer's type.
+// Decides whether a reader's type can take samples of a writer's type (XTypes 7.2.4.4).
 class Comparison {
  public:
   Comparison(const Structures& writer, const Structures& reader, const TypeConsistency& policy)

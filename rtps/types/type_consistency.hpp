@@ -1,6 +1,6 @@
 // Decides whether the types of a writer and a reader are compatible (XTypes 7.2.4), as far as
-// discovery shows. TypeInformation, which every vendor announces, is used. Between participants of
-// ddssec, the minimal TypeObjects are also used.
+// discovery shows. It uses TypeInformation, which every vendor announces, and, between participants
+// of ddssec, also the minimal TypeObjects.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace ddssec::rtps {
 
-/// What is known of a type besides its name; both members may be empty.
+/// The known facts about a type besides its name; both members may be empty.
 struct TypeDescription {
   Bytes information = {};  ///< TypeInformation, XCDR2 little-endian (XTypes 7.6.3.2.2)
   /// The minimal TypeObjects of the type and of the types that it contains:
@@ -28,7 +28,8 @@ inline constexpr std::size_t kMaxTypeObjects = 6144;
 
 /// Identifies a type in its minimal TypeIdentifier (XTypes 7.3.4.6).
 using EquivalenceHash = std::array<std::uint8_t, 14>;
-/// Empty if the octets, which may come from any sender, are not a TypeInformation with such a hash.
+/// Returns the hash, or empty if the octets, which may come from any sender, are not a
+/// TypeInformation with such a hash.
 std::optional<EquivalenceHash> minimal_hash(BytesView type_information);
 
 enum class TypeVerdict : std::uint8_t {
@@ -40,13 +41,13 @@ enum class TypeVerdict : std::uint8_t {
 struct TypeJudgement {
   TypeVerdict verdict = TypeVerdict::unknown;
   /// The setting of TYPE_CONSISTENCY_ENFORCEMENT that refuses what its default would allow, for
-  /// example "prevent_type_widening = true"; empty: none.
+  /// example "prevent_type_widening = true"; empty if none does.
   std::string_view refused_by = {};
   bool fits() const { return verdict != TypeVerdict::different && refused_by.empty(); }
 };
 /// Compares the types under the reader's policy. If the answer depends on TypeObjects that are not
-/// known, the verdict is unknown: refused with force_type_validation, otherwise names decide.
-/// (DISALLOW_TYPE_COERCION needs no TypeObjects.)
+/// known, the verdict is unknown. With force_type_validation the types are then refused; otherwise
+/// their names decide. (DISALLOW_TYPE_COERCION needs no TypeObjects.)
 TypeJudgement judge_types(const TypeDescription& writer, const TypeDescription& reader,
                           const TypeConsistency& policy = {});
 
