@@ -51,8 +51,8 @@ bool one_matches(std::string_view a, std::string_view b) {
   return has_wildcard(b) ? glob_match(b, a) : a == b;
 }
 
-// Parses the set after a '[': whether it contains `c`, and where it ends. Without a ']' the '[' is
-// an ordinary character.
+// The set after a '[': whether it contains `c`, and its size. Without a ']' the '[' is an ordinary
+// character.
 struct SetMatch {
   bool contains;
   std::size_t size;
@@ -73,9 +73,9 @@ std::optional<SetMatch> match_set(std::string_view set, char c) {
   return std::nullopt;
 }
 
-// Returns how many pattern characters match the one text character, 0 for none. `may_close`: there
-// is a ']' late enough to end a set that begins here. Otherwise each '[' would cause a useless
-// search to the end.
+// Returns how many pattern characters match the one text character, 0 if none does. `may_close`
+// means that there is a ']' late enough to end a set that begins here. Otherwise each '[' would
+// cause a useless search to the end.
 std::size_t match_one(std::string_view pattern, char c, bool may_close) {
   if (pattern.empty()) return 0;
   if (pattern[0] == '?') return 1;
@@ -161,7 +161,7 @@ std::optional<QosMismatch> mismatch(const Qos& offered, const Qos& requested) {
     return QosMismatch{Id::destination_order, "DESTINATION_ORDER.kind",
                        name(kOrder, offered.destination_order),
                        name(kOrder, requested.destination_order)};
-  // XTypes 7.6.3.1.1: the writer uses its first representation, which the reader must support.
+  // The writer uses its first representation, which the reader must support (XTypes 7.6.3.1.1).
   if (offered.data_representation.empty() ||
       std::ranges::find(requested.data_representation, offered.data_representation.front()) ==
           requested.data_representation.end())

@@ -23,7 +23,7 @@ enum class QosPolicyId : std::int32_t {
   type_consistency_enforcement = 24,
 };
 
-/// Why a writer and a reader do not match: the policy and both values, as text.
+/// The reason why a writer and a reader do not match: the policy and both values, as text.
 struct QosMismatch {
   QosPolicyId id = QosPolicyId::invalid;
   std::string policy;  ///< for example "RELIABILITY.kind"
@@ -45,8 +45,8 @@ std::string remedy(const QosMismatch& mismatch);
 /// never match.
 bool partitions_match(const std::vector<std::string>& a, const std::vector<std::string>& b);
 
-/// POSIX fnmatch without backtracking into earlier stars: its time is proportional to text times
-/// pattern.
+/// Matches like POSIX fnmatch, but without backtracking into earlier stars. The time is
+/// proportional to the product of the lengths of text and pattern.
 bool glob_match(std::string_view pattern, std::string_view text);
 
 }  // namespace ddssec::rtps

@@ -10,7 +10,8 @@ constexpr auto kReliable = ReliabilityKind::reliable;
 constexpr auto kVolatile = DurabilityKind::volatile_;
 constexpr auto kTransientLocal = DurabilityKind::transient_local;
 
-// ROS 2, rmw/qos_profiles.h; "latched" is the ROS 2 equivalent of ROS 1's latched topics.
+// The values are from ROS 2, rmw/qos_profiles.h. "latched" is the ROS 2 equivalent of ROS 1's
+// latched topics.
 constexpr std::array kPresets = {
     QosPreset{"default", kReliable, kVolatile, 10},
     QosPreset{"sensor_data", ReliabilityKind::best_effort, kVolatile, 5},

@@ -16,7 +16,7 @@ struct QosPreset {
   std::string_view name;
   ReliabilityKind reliability;
   DurabilityKind durability;
-  std::int32_t depth;         ///< of HISTORY
+  std::int32_t depth;         ///< the depth of HISTORY
   std::int32_t lifespan = 0;  ///< seconds; 0: infinite
 };
 

@@ -33,7 +33,7 @@ struct Reliability {
   Duration max_blocking_time{{0, 0x1999999a}};  // 100 ms
   bool operator==(const Reliability&) const = default;
 };
-/// LIVELINESS: how a writer asserts that it is alive, and how often at least.
+/// LIVELINESS: how, and at least how often, a writer asserts that it is alive.
 struct Liveliness {
   LivelinessKind kind = LivelinessKind::automatic;
   Duration lease_duration = kDurationInfinite;
@@ -82,8 +82,8 @@ struct TypeConsistency {
   bool ignore_sequence_bounds = true;
   bool ignore_string_bounds = true;
   bool ignore_member_names = false;
-  bool prevent_type_widening = false;  ///< refuses writers whose type has more members
-  /// Refuses types that cannot be compared; otherwise names decide.
+  bool prevent_type_widening = false;  ///< refuse writers whose type has more members
+  /// Refuse types that cannot be compared; otherwise their names decide.
   bool force_type_validation = false;
   bool operator==(const TypeConsistency&) const = default;
 };
@@ -133,10 +133,11 @@ inline Qos default_writer_qos() {
   return qos;
 }
 
-/// Limits for the partitions of one endpoint, and for the characters of a name (DDS 1.4, 2.2.3.13).
+/// The largest numbers of partitions of one endpoint, and of characters of a name (DDS 1.4,
+/// 2.2.3.13).
 inline constexpr std::size_t kMaxPartitions = 64;
 inline constexpr std::size_t kMaxNameLength = 256;
-/// Limit for the data tags of one endpoint.
+/// The largest number of data tags of one endpoint.
 inline constexpr std::size_t kMaxDataTags = 64;
 
 /// Refuses a change of a policy that must not change once an entity is enabled (DDS 1.4, 2.2.3,
