@@ -48,7 +48,7 @@ void Announcer::tick() {
   next_ = core_.now + (++announcements_ < kFastAnnouncements ? kFastPeriod : period());
 }
 
-// Several announcements in each lease, so that losing some does not end it.
+// There are several announcements in each lease, so that the lease survives the loss of some.
 MonotonicTime Announcer::period() const {
   constexpr int kInALease = 6;
   const auto share = core_.config.lease_duration.to_nanoseconds() / kInALease;

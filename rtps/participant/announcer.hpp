@@ -10,12 +10,12 @@ namespace ddssec::rtps {
 /// Sends the announcements of one local participant, when they are due or when a peer asks.
 class Announcer {
  public:
-  /// Limit for announcements that are answered at once, in each kAnswerPeriod. The addresses in
-  /// them are not proven.
+  /// The largest number of announcements that are answered at once, in each kAnswerPeriod. The
+  /// addresses in them are not proven.
   static constexpr int kMaxAnswers = 100;
   static constexpr MonotonicTime kAnswerPeriod = std::chrono::milliseconds(10);
-  /// The shortest time between two announcements to all, when there are more announcements to
-  /// answer.
+  /// The shortest time between two announcements to all, if more announcements arrive than can be
+  /// answered.
   static constexpr MonotonicTime kMinPeriod = std::chrono::milliseconds(250);
 
   Announcer(ParticipantCore& core, BuiltinEndpoints& builtin);
@@ -27,7 +27,7 @@ class Announcer {
   void answer(const GuidPrefix& participant, std::span<const Locator> metatraffic);
   /// Must be called after the announced data changed.
   void announce_again();
-  /// From now on, announces as often as in the beginning.
+  /// Announces from now on as often as in the beginning.
   void announce_often() { announcements_ = 0; }
   /// Sends to authenticated participants the data that must not be sent unprotected, or a dispose
   /// if `leaving`.
@@ -42,7 +42,7 @@ class Announcer {
   static constexpr MonotonicTime kFastPeriod = std::chrono::milliseconds(100);
   static constexpr MonotonicTime kRepeatDelay = std::chrono::milliseconds(500);
 
-  /// `charged`: see Destination.
+  /// For `charged` see Destination.
   void announce(std::span<const Locator> to, const GuidPrefix& charged = {});
   void announce(const ParticipantData& own, const Destination& to);
   MonotonicTime period() const;

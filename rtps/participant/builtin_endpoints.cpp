@@ -5,7 +5,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// RTPS 8.5.4: builtin writers keep the last announcement of each instance.
+// Builtin writers keep the last announcement of each instance (RTPS 8.5.4).
 Qos builtin_qos() {
   auto qos = default_writer_qos();
   qos.durability = DurabilityKind::transient_local;

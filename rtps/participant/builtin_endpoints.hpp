@@ -11,8 +11,8 @@
 
 namespace ddssec::rtps {
 
-/// Limits for announcements that discovery keeps because they arrived early or incomplete, of all
-/// participants together.
+/// The limits for announcements that discovery keeps because they arrived early or incomplete. They
+/// are for all participants together.
 inline constexpr StatefulReader::Limits kBuiltinLimits{.largest_sample = 256 << 10,
                                                        .held_octets = std::size_t{16} << 20};
 
@@ -71,7 +71,7 @@ class BuiltinEndpoints {
   void secure();
 
   StatefulWriter& writer(BuiltinTopic topic) { return *endpoints_[index(topic)].writer; }
-  /// Return nullptr if `id` is not one of the builtin endpoints.
+  /// Both return nullptr if `id` is not one of the builtin endpoints.
   StatefulWriter* find_writer(const EntityId& id);
   StatefulReader* find_reader(const EntityId& id);
   /// The one reader of the writer's topic; empty if there is none.
@@ -104,7 +104,7 @@ class BuiltinEndpoints {
   TimerQueue& timers_;
   Deliver deliver_;
   std::array<Endpoint, kBuiltinTopics.size()> endpoints_;
-  /// The same readers, for readers_of().
+  /// The readers again, in the form that readers_of() returns.
   std::array<StatefulReader*, kBuiltinTopics.size()> readers_ = {};
 };
 

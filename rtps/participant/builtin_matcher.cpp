@@ -56,7 +56,8 @@ void BuiltinMatcher::unmatch(const RemoteParticipant& remote) {
   });
 }
 
-// A new match begins with the first announcement that the writer keeps.
+// The endpoints are unmatched first, because a new match begins with the first announcement that
+// the writer keeps.
 void BuiltinMatcher::read_again(RemoteParticipant& remote) {
   for (const auto& info : kBuiltinTopics) {
     if (!is_plain_sedp(info)) continue;
@@ -80,9 +81,9 @@ void BuiltinMatcher::readdress(const RemoteParticipant& remote, MonotonicTime no
   });
 }
 
-// Fast DDS announces DCPSParticipantsSecure in all versions. Up to 2.9 it does not implement it.
-// Later versions do, and take part in nothing else until they have received the peer's data on it.
-// So it is matched when the first message from it arrives.
+// All versions of Fast DDS announce DCPSParticipantsSecure, but up to 2.9 Fast DDS does not
+// implement it. Later versions do, and take part in nothing else until they have received the
+// peer's data on it. So it is matched when the first message from it arrives.
 void BuiltinMatcher::note_participants_secure(RemoteParticipant& remote) {
   if (std::exchange(remote.heard_participants_secure, true)) return;
   if (remote.accepted && remote.data.vendor == kVendorFastDds) {

@@ -7,23 +7,25 @@
 
 namespace ddssec::rtps {
 
-/// Matches and unmatches them as remote participants come, authenticate and leave.
+/// Matches and unmatches builtin endpoints as remote participants come, authenticate and leave.
 class BuiltinMatcher {
  public:
   BuiltinMatcher(ParticipantCore& core, BuiltinEndpoints& builtin);
 
   /// Matches all builtin endpoints of the participant.
   void match(RemoteParticipant& remote);
-  /// Called when the keys for that participant and the local endpoint have arrived.
+  /// Matches one local endpoint. Called when the keys for that participant and this endpoint have
+  /// arrived.
   void match(const EntityId& local, RemoteParticipant& remote);
   void unmatch(const RemoteParticipant& remote);
   /// Requests all plain announcements of the participant's endpoints again.
   void read_again(RemoteParticipant& remote);
-  /// Returns true if all of them have arrived, as far as is known.
+  /// Returns true if all of these have arrived, as far as is known.
   bool has_read(const RemoteParticipant& remote) const;
-  /// The addresses that are used for the participant may have changed.
+  /// Must be called when the addresses that are used for the participant may have changed.
   void readdress(const RemoteParticipant& remote, MonotonicTime now);
-  /// Called when a message from the participant's endpoints of DCPSParticipantsSecure has arrived.
+  /// Must be called when a message from the participant's endpoints of DCPSParticipantsSecure has
+  /// arrived.
   void note_participants_secure(RemoteParticipant& remote);
 
  private:

@@ -9,30 +9,30 @@
 
 namespace ddssec::rtps {
 
-/// Where neither discovery nor RTPS messages are protected, anyone can announce endpoints in a
-/// participant's name, at any port of its hosts. This limits the addresses (with their ports) that
-/// such announcements add to those of the participant.
+/// If neither discovery nor RTPS messages are protected, anyone can announce endpoints in a
+/// participant's name, at any port of its hosts. This class limits the addresses (with their ports)
+/// that such announcements add to those of the participant.
 class ClearAddresses {
  public:
-  /// Limit for the addresses in use at a time. Other vendors let an endpoint have a port of its
-  /// own.
+  /// The largest number of addresses in use at a time. There are several, because other vendors let
+  /// an endpoint have a port of its own.
   static constexpr std::size_t kMax = 16;
 
-  /// The endpoint uses the address from now on. Returns false if there is no room for a further
+  /// Notes that the endpoint uses the address. Returns false if there is no room for a further
   /// address.
   bool use(const Locator& address, const EntityId& endpoint) {
     if (users_.size() >= kMax && !users_.contains(address)) return false;
     users_[address].insert(endpoint);
     return true;
   }
-  /// The endpoint has ended.
+  /// Notes that the endpoint has ended.
   void release(const EntityId& endpoint) {
     for (auto at = users_.begin(); at != users_.end();) {
       at->second.erase(endpoint);
       at = at->second.empty() ? users_.erase(at) : std::next(at);
     }
   }
-  /// No endpoint uses any.
+  /// Forgets all addresses, because no endpoint uses any.
   void clear() { users_.clear(); }
 
  private:

@@ -1,4 +1,5 @@
-// Defers what a listener requests from within a call, but what is safe only after that call.
+// Defers actions that a listener requests from within a call, but that are safe only after that
+// call.
 #pragma once
 
 #include <functional>
@@ -34,8 +35,8 @@ class DeferredCalls {
   }
 
  private:
-  /// Each function may defer further ones. An exception (no memory) ends that function alone: it
-  /// must not leave the destructor.
+  /// Runs the deferred functions, each of which may defer further ones. If an exception (memory is
+  /// short) ends one of them, the others still run: it must not leave the destructor.
   void run() noexcept {
     while (!later_.empty())
       for (const auto& f : std::exchange(later_, {})) try {

@@ -8,8 +8,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// XTypes calls this an inconsistent topic. The reader's policy is the reason, so the policy is
-// named.
+// Names the reader's policy, because it is the reason. XTypes calls this an inconsistent topic.
 std::optional<QosMismatch> refusal(const TypeJudgement& types, const EndpointData& writer,
                                    const EndpointData& reader) {
   return QosMismatch{

@@ -21,7 +21,7 @@ class EndpointDirectory final : public EndpointLookup {
   ParticipantCore& core_;
   LocalEndpoints& local_;
   RemoteParticipants& remotes_;
-  StatefulReader* volatile_reader_ = nullptr;  ///< of the peer that was looked up last
+  StatefulReader* volatile_reader_ = nullptr;  ///< that of the peer that was looked up last
 };
 
 }  // namespace ddssec::rtps

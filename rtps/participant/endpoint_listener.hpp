@@ -1,5 +1,5 @@
-// The interface between a local endpoint and its owner: what the owner requests, and what it is
-// notified of.
+// The interface between a local endpoint and its owner: the description with which the owner
+// creates it, and the notifications that the owner receives.
 #pragma once
 
 #include "rtps/discovery/endpoint_data.hpp"
@@ -32,8 +32,8 @@ class EndpointListener {
   /// accept.
   virtual void on_sample_dropped(const Guid&, std::uint32_t) { on_sample_lost(1); }
   /// Readers only: the matched writer offers a finite lease_duration and is asserted by this
-  /// signal, together with others. nullptr: only by on_alive (MANUAL_BY_TOPIC). Called after
-  /// on_matched.
+  /// signal, together with others. nullptr means that only on_alive asserts it (MANUAL_BY_TOPIC).
+  /// Called after on_matched.
   virtual void on_signal(const Guid&, std::shared_ptr<LivelinessSignal>) {}
   /// Readers only: the matched writer asserted its liveliness. Called for a MANUAL_BY_TOPIC writer
   /// with a finite lease_duration, or if the reader requested it with LivelinessSignal::notify.
@@ -42,14 +42,15 @@ class EndpointListener {
   virtual void on_group(const Guid&, SequenceNumber) {}
   /// Writers only: there may be room again.
   virtual void on_acknowledged() {}
-  /// The payloads are encrypted, and with them the keys (DDS-Security 1.2, clause 7.4.4). Called
+  /// The payloads and the keys in them are encrypted (DDS-Security 1.2, clause 7.4.4). Called
   /// before any other notification.
   virtual void on_key_protected() {}
   /// The payloads are protected, so their contents are proven, but the key hash next to them is
   /// not. Called before any other notification.
   virtual void on_payload_protected() {}
-  /// Writers only: returns the filter for the samples that are sent to a matching reader; nullptr:
-  /// none. Called before on_matched, and again whenever the reader announces itself again.
+  /// Writers only: returns the filter for the samples that are sent to a matching reader, or
+  /// nullptr if it has none. Called before on_matched, and again whenever the reader announces
+  /// itself again.
   virtual std::shared_ptr<ChangeFilter> filter_for(const EndpointData&) { return nullptr; }
 };
 
@@ -61,7 +62,8 @@ struct EndpointDescription {
   bool with_key = true;
   TypeDescription type = {};
   std::optional<ContentFilterProperty> content_filter = {};  ///< readers only
-  /// Readers only: what they hold counts together (StatefulReader::share_held). Empty: for itself.
+  /// Readers only: the octets that are held count together with those of others
+  /// (StatefulReader::share_held). If it is empty, they count for this reader alone.
   std::shared_ptr<HeldOctets> held = {};
   /// Writers only: earlier changes, for readers that request history.
   std::vector<Change> history = {};

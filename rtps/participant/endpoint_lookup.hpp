@@ -1,5 +1,5 @@
-// The two interfaces through which MessageReceiver uses its participant: one finds endpoints, the
-// other takes what is not for an endpoint.
+// The two interfaces through which MessageReceiver uses its participant. One finds endpoints, and
+// the other receives what is not for an endpoint.
 #pragma once
 
 #include <span>
@@ -23,21 +23,21 @@ class EndpointLookup {
   virtual bool sends_keys(const GuidPrefix& participant) = 0;
 };
 
-/// What a message shows about its sender, whatever its contents.
+/// The facts that a message shows about its sender, whatever its contents.
 struct SignsOfLife {
   bool is_news = false;      ///< a local endpoint received something new
   bool is_directed = false;  ///< the message named the local participant as its receiver
   bool is_proof = false;     ///< the new part was protected by a key of the sender
 };
 
-/// Takes what messages contain that is not for a matched reader or writer.
+/// Receives the parts of messages that are not for a matched reader or writer.
 class MessageListener {
  public:
   virtual ~MessageListener() = default;
   /// A DATA of the SPDP writer (RTPS 8.5.3). Errors: those of reading it.
   virtual Status on_announcement(const GuidPrefix& source, const Data& data) = 0;
   /// A message to the stateless endpoint, before authentication (DDS-Security 1.2, clause 7.5.3).
-  /// Not proven.
+  /// It is not proven.
   virtual void on_stateless(const GuidPrefix& source, BytesView payload) = 0;
   virtual void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) = 0;
   /// A HEARTBEAT of a builtin writer, whether it matched a local reader or not.
@@ -45,8 +45,8 @@ class MessageListener {
   /// A writer that matched a local reader asserted its liveliness, by a sample or by a HEARTBEAT
   /// with the liveliness flag.
   virtual void on_alive(const Guid& writer) = 0;
-  /// An ACKNACK of a reader of `source`, for a local writer that it matched. `is_protected`: by
-  /// keys of `source`.
+  /// An ACKNACK of a reader of `source`, for a local writer that it matched. `is_protected` means
+  /// that keys of `source` protect it.
   virtual void on_acknack(const GuidPrefix& source, const AckNack& acknack, bool is_protected) = 0;
   /// A submessage that only the peer can have protected arrived on the volatile secure channel.
   virtual void on_key_exchange(const GuidPrefix& source) = 0;

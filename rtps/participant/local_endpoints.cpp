@@ -118,8 +118,8 @@ void LocalEndpoints::unpublish(const Guid& endpoint) {
   sedp_writer(endpoint.entity).write(std::move(change), core_.now);
 }
 
-// DDS-Security 1.2, clause 7.5.1.7: the governance selects the topics whose endpoints are announced
-// only to authenticated participants.
+// True if the endpoint is announced only to authenticated participants. The governance selects the
+// topics (DDS-Security 1.2, clause 7.5.1.7).
 bool LocalEndpoints::is_announced_securely(const EntityId& endpoint) const {
   const auto* attributes =
       core_.security ? core_.security->keyring().attributes(endpoint) : nullptr;

@@ -33,7 +33,8 @@ struct LocalReader {
   WaitingMatches waiting = {};
 };
 
-/// Knows remote endpoints only by GUID, as EndpointMatcher matched them.
+/// The local endpoints of one participant. It knows remote endpoints only by their GUIDs, as
+/// EndpointMatcher matched them.
 class LocalEndpoints final : public ProcessPeer {
  public:
   /// `deliver` is called with the changes that arrive for the builtin readers.
@@ -51,7 +52,7 @@ class LocalEndpoints final : public ProcessPeer {
   /// Creates a GUID for a publisher.
   Guid create_group();
 
-  /// Return nullptr if it is not a local endpoint.
+  /// All of these return nullptr if it is not a local endpoint.
   LocalWriter* find_writer(const EntityId& id);
   const LocalWriter* find_writer(const EntityId& id) const;
   LocalReader* find_reader(const EntityId& id);

@@ -30,7 +30,8 @@ bool MatchPlaces::has_place(const Local& local, RemoteParticipant& remote,
   return false;
 }
 
-// Any host can have announced many in the name of the identity, before this one was announced.
+// Returns an unproven match of the identity that can be replaced. Any host can have announced many
+// endpoints in the name of the identity before this one was announced.
 std::optional<Guid> MatchPlaces::replaceable_match(const Local& local,
                                                    const EndpointData& endpoint) const {
   const auto identity = core_.identity_of(endpoint.guid.prefix);
@@ -48,7 +49,8 @@ void MatchPlaces::claim(const Local& local, const EndpointData& endpoint) {
                     core_.is_proven(endpoint));
 }
 
-// Not matched while a match ends: its participant may be about to leave with all its endpoints.
+// Waiting endpoints are not matched while a match ends, because its participant may be about to
+// leave with all its endpoints.
 void MatchPlaces::note_room(const Local& local) {
   if (local.waiting.empty()) return;
   with_room_.insert(local.id);

@@ -1,5 +1,5 @@
-// Which endpoints of an identity have a place among the matches of a local endpoint, and which wait
-// for one.
+// Decides which endpoints of an identity have a place among the matches of a local endpoint, and
+// which wait for one.
 #pragma once
 
 #include <functional>
@@ -12,17 +12,17 @@ namespace ddssec::rtps {
 /// EndpointMatcher asks it before each match, and reports the end of each.
 class MatchPlaces final : private Timed {
  public:
-  /// How many waiting endpoints are tried at a time for one local endpoint, and the pause after
-  /// that.
+  /// The number of waiting endpoints that are tried at a time for one local endpoint, and the pause
+  /// after that.
   static constexpr int kMaxTries = 32;
   static constexpr MonotonicTime kPause = std::chrono::milliseconds(1);
 
-  /// `match_again`: called for an endpoint that need not wait any more.
+  /// `match_again` is called for an endpoint that need not wait any more.
   MatchPlaces(ParticipantCore& core, LocalEndpoints& local,
               std::function<void(const EntityId& local, const Guid& remote)> match_again)
       : Timed(core.timers), core_(core), local_(local), match_again_(std::move(match_again)) {}
 
-  /// A local endpoint.
+  /// The matches of a local endpoint, which may be a writer or a reader.
   struct Local {
     template <class T>
     explicit Local(T& endpoint)
@@ -32,22 +32,22 @@ class MatchPlaces final : private Timed {
     WaitingMatches& waiting;
   };
   /// Returns false if the identity of `remote` has reached its limit of matches with this endpoint,
-  /// and no match gives way (replaceable_match). Then the remote endpoint waits. This is counted,
-  /// and an event is raised once.
+  /// and no match can be replaced (replaceable_match). Then the remote endpoint waits. This is
+  /// counted, and an event is raised once.
   bool has_place(const Local& local, RemoteParticipant& remote, const EndpointData& endpoint);
-  /// Returns the endpoint whose match must end before this one can match: there is no room, and
-  /// anyone can have announced that one, but not this one.
+  /// Returns the endpoint whose match must end before this one can match. There is one if there is
+  /// no room, and if anyone can have announced the former endpoint, but not this one.
   std::optional<Guid> replaceable_match(const Local& local, const EndpointData& endpoint) const;
-  /// The match of that endpoint has ended.
+  /// Notes that the match of that endpoint was ended for another one.
   void note_displaced(const Local& local, const Guid& remote);
-  /// The endpoint matches.
+  /// Notes that the endpoint matches.
   void claim(const Local& local, const EndpointData& endpoint);
-  /// A match has ended.
+  /// Notes that a match has ended.
   void note_room(const Local& local);
 
  private:
   void on_time(MonotonicTime now) override;
-  /// Matches some that wait.
+  /// Matches some of the waiting endpoints.
   void fill(const Local& local);
   bool has_macs(const EntityId& local) const;
 

@@ -9,26 +9,25 @@
 
 namespace ddssec::rtps {
 
-/// Each entry includes the identity that the endpoint belonged to when it matched
-/// (ParticipantCore::identity_of), and whether its announcement is proven: only its participant can
-/// have sent it.
+/// Each entry includes the identity of the endpoint when it matched (ParticipantCore::identity_of),
+/// and whether its announcement is proven: only its participant can have sent it.
 class MatchTable {
  public:
-  /// Limit for the endpoints of one identity.
+  /// The largest number of endpoints of one identity.
   static constexpr std::size_t kMaxOfOne = 1024;
 
   bool contains(const Guid& remote) const { return matched_.contains(remote); }
-  /// The limits for a local endpoint whose submessages carry a MAC for each match
-  /// (DDS-Security 1.2, clause 10.5.3.3.4). With them, a fragment and the MACs of all participants,
-  /// a datagram is full. One identity gets no more of the places than are free.
+  /// The limit for a local endpoint whose submessages carry a MAC for each match (DDS-Security 1.2,
+  /// clause 10.5.3.3.4). With these MACs, a fragment, and the MACs of all participants, a datagram
+  /// is full. One identity gets no more of the places than are free.
   static constexpr std::size_t kMaxWithMacs = 1900;
 
-  /// `has_macs`: its submessages carry a MAC for each match.
+  /// `has_macs` means that its submessages carry a MAC for each match.
   bool has_room(const GuidPrefix& identity, bool has_macs = false) const {
     return fits(count(identity), matched_.size(), has_macs);
   }
-  /// Returns the endpoint of the identity that matched last of those that are not proven. Empty if
-  /// there is none, or if without it there is still no room.
+  /// Returns the unproven endpoint of the identity that matched last. Empty if there is none, or if
+  /// there is still no room without it.
   std::optional<Guid> replaceable(const GuidPrefix& identity, bool has_macs) const {
     const auto at = shares_.find(identity);
     if (at == shares_.end() || at->second.unproven.empty()) return std::nullopt;
@@ -60,11 +59,11 @@ class MatchTable {
  private:
   struct Entry {
     GuidPrefix identity;
-    std::uint64_t number;  ///< in the order of their matches
+    std::uint64_t number;  ///< position in the order of matches
   };
   struct Share {
     std::size_t count = 0;
-    std::map<std::uint64_t, Guid> unproven = {};  ///< by their numbers
+    std::map<std::uint64_t, Guid> unproven = {};  ///< by `number`
   };
   static bool fits(std::size_t own, std::size_t all, bool has_macs) {
     return own < kMaxOfOne && (!has_macs || (all < kMaxWithMacs && own < kMaxWithMacs - all));

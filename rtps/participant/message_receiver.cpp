@@ -54,7 +54,7 @@ void MessageReceiver::report(Context& context) {
   context.signs = {.is_directed = context.signs.is_directed};
 }
 
-// RTPS 8.3.4.1: the first invalid submessage ends the message.
+// The first invalid submessage ends the message (RTPS 8.3.4.1).
 Status MessageReceiver::walk(BytesView octets, Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(auto message, MessageReader::open(octets));
   while (true) {
@@ -69,8 +69,8 @@ Status MessageReceiver::walk(BytesView octets, Context& context) {
   return {};
 }
 
-// Prefix, one submessage and postfix (DDS-Security 1.2, clause 7.4.6.4). If they cannot be opened,
-// they are dropped; the submessages after them still count.
+// Reads a prefix, one submessage and a postfix (DDS-Security 1.2, clause 7.4.6.4). If they cannot
+// be opened, they are dropped; the submessages after them still count.
 Status MessageReceiver::open_group(const SubmessageView& prefix, MessageReader& message,
                                    Context& context) {
   auto size = prefix.whole.size();
@@ -127,8 +127,8 @@ Status MessageReceiver::process_info(const SubmessageView& view, Context& contex
       return {};
     }
     case SubmessageId::info_source: {
-      // A key that protected the message proves only its owner as source. And what the message
-      // contained so far does not show that another participant is alive.
+      // A key that protected the message proves only its owner as source. The submessages before do
+      // not show that another participant is alive.
       DDSSEC_ASSIGN_OR_RETURN(auto info_source, read_info_source(view));
       const auto source = std::move(info_source).source.prefix;
       if (source != context.source) report(context);
@@ -169,7 +169,7 @@ StatefulWriter* MessageReceiver::addressed(const EntityId& writer, const EntityI
   if (!context.counts()) return nullptr;
   auto* found = endpoints_.writer_for(writer, context.source);
   const Guid from{context.source, reader};
-  // A reader that counts as ended may be heard again (DoubtedReaders).
+  // A reader that no longer matches because it was silent may be heard again.
   const bool may_speak =
       found != nullptr && (found->readers().contains(from) || !is_builtin(writer));
   return may_speak && accepts(writer, from, context) ? found : nullptr;
@@ -223,7 +223,8 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
   if (is_elsewhere) return on_reference(data, context);
   each_reader(data.reader, data.writer, context, [&](StatefulReader& reader) {
     auto plain = data;
-    // The end of a coherent set has no payload, and is no more than a GAP could report.
+    // A marker, which ends a coherent set, has no payload. It has no more effect than a GAP could
+    // have.
     const bool marker = data.payload.empty() && data.inline_qos.status == StatusInfo{};
     const bool ends_bare = data.payload.empty() && !marker;
     if (ends_bare && is_refused(reader.guid().entity, {from, data.writer}, context)) return;
@@ -241,7 +242,8 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
   return {};
 }
 
-// What cannot be fetched has not arrived: a reliable reader asks for it, and gets it in messages.
+// If the payload cannot be fetched, the sample counts as not arrived: a reliable reader requests
+// it, and gets it in messages.
 Status MessageReceiver::on_reference(const Data& data, Context& context) {
   const Guid writer{context.source, data.writer};
   const bool is_sample = data.payload.empty() && data.inline_qos.status == StatusInfo{};

@@ -17,24 +17,26 @@ class MappedMemory;
 /// except buffers.
 class MessageReceiver {
  public:
-  /// Reports a message that cannot be read. `source`: the participant; zero if not even the header
-  /// can be read.
+  /// Reports a message that cannot be read. `source` is the participant; it is zero if not even the
+  /// header can be read.
   using Report =
       std::function<void(const GuidPrefix& source, const Error& error, EventOrigin origin)>;
   /// Everything is borrowed and must outlive the receiver.
   MessageReceiver(const GuidPrefix& own, EndpointLookup& endpoints, MessageListener& listener,
                   ParticipantCounters& counters, Report report);
 
-  /// From now on messages are opened with these keys. A submessage that is not protected as the
+  /// Opens messages with these keys from now on. A submessage that is not protected as the
   /// governance requires is dropped.
   void open_with(Keyring& keyring);
-  /// From now on payloads are also taken from the memory of writers. nullptr: they are not.
+  /// Takes payloads also from the memory of writers from now on, or no longer if `memory` is
+  /// nullptr.
   void fetch_from(MappedMemory* memory) { memory_ = memory; }
-  /// Processes one datagram from an untrusted source. What cannot be read is counted and reported.
+  /// Processes one datagram from an untrusted source. Parts that cannot be read are counted and
+  /// reported.
   void receive(BytesView datagram, MonotonicTime now);
 
  private:
-  /// RTPS 8.3.4: what earlier submessages of a message specify for later ones.
+  /// The state that earlier submessages of a message set for later ones (RTPS 8.3.4).
   struct Context {
     GuidPrefix source;
     bool is_for_us = true;    ///< INFO_DST names this participant, or none
@@ -45,12 +47,13 @@ class MessageReceiver {
     ReceivedProtection opened_by = {};
     SignsOfLife signs = {};
 
-    /// Nothing that arrives speaks for this participant: its own endpoints reach each other
-    /// directly.
+    /// True if the submessages count. Messages in the name of this participant do not: its own
+    /// endpoints reach each other directly.
     bool counts() const { return is_for_us && !is_from_us; }
     /// True if keys of the source protect the submessage.
     bool is_protected() const { return opened_by.message || opened_by.submessage.prefix == source; }
-    /// An endpoint received a submessage. `is_new`: it had not received it before.
+    /// Notes that an endpoint received a submessage. `is_new` means that it had not received it
+    /// before.
     void note_told(bool is_new) {
       signs.is_news |= is_new;
       signs.is_proof |= is_new && is_protected();
@@ -58,15 +61,15 @@ class MessageReceiver {
   };
 
   void read(const Header& header, BytesView datagram, MonotonicTime now);
-  /// Reports to the listener what the submessages of the current source show about it. Later
-  /// submessages can belong to another source.
+  /// Reports to the listener what the submessages of the current source show about it. Called
+  /// before the source changes.
   void report(Context& context);
   Status walk(BytesView message, Context& context);
   Status open_group(const SubmessageView& prefix, MessageReader& message, Context& context);
   Status process(const SubmessageView& view, Context& context);
   Status process_info(const SubmessageView& view, Context& context);
   Status on_data(const SubmessageView& view, Context& context);
-  /// A DATA whose payload is in shared memory.
+  /// Handles a DATA whose payload is in shared memory.
   Status on_reference(const Data& data, Context& context);
   Status on_data_frag(const SubmessageView& view, Context& context);
   Status on_heartbeat(const SubmessageView& view, Context& context);
@@ -77,8 +80,8 @@ class MessageReceiver {
   /// protected as that reader requires.
   template <class F>
   void each_reader(const EntityId& reader, const EntityId& writer, const Context& context, F&& f);
-  /// Returns the local writer that a reader addresses. nullptr: there is none, or the submessage is
-  /// not protected as it requires.
+  /// Returns the local writer that a reader addresses, or nullptr if there is none, or if the
+  /// submessage is not protected as the writer requires.
   StatefulWriter* addressed(const EntityId& writer, const EntityId& reader, const Context& context);
   bool accepts(const EntityId& local, const Guid& remote, const Context& context);
   /// True for a dispose or unregister without a payload, if its writer would have sent one.
@@ -88,7 +91,7 @@ class MessageReceiver {
   /// The payload without its protection; empty if it cannot be opened.
   std::optional<BytesView> opened(const StatefulReader& reader, const Guid& writer,
                                   BytesView payload, const ReceivedProtection& opened_by);
-  /// The same for a payload from shared memory; empty if it cannot be opened.
+  /// Does the same for a payload from shared memory.
   Payload opened(const StatefulReader& reader, const Guid& writer, const Payload& payload,
                  const ReceivedProtection& opened_by);
 
@@ -97,7 +100,7 @@ class MessageReceiver {
   MessageListener& listener_;
   ParticipantCounters& counters_;
   const Report report_;
-  Keyring* keyring_ = nullptr;  ///< nullptr: the participant is not secured
+  Keyring* keyring_ = nullptr;  ///< nullptr if the participant is not secured
   MappedMemory* memory_ = nullptr;
   Bytes message_scratch_, submessage_scratch_, payload_scratch_;
 };

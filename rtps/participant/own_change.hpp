@@ -1,4 +1,4 @@
-// A change of what the local participant announces of itself.
+// A change of the data that the local participant announces about itself.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// What the parts of one participant share: configuration, time, sender and security.
+// The objects that the parts of one participant share: configuration, time, sender and security.
 #pragma once
 
 #include "base/event.hpp"
@@ -19,14 +19,14 @@ struct ParticipantConfig {
   Bytes user_data = {};
   Duration lease_duration{{10, 0}};
   LocatorList metatraffic_unicast = {}, metatraffic_multicast = {}, default_unicast = {};
-  /// The interfaces of this machine that reach other participants. Empty: all remote addresses are
-  /// considered reachable.
+  /// The interfaces of this machine that reach other participants. If there are none, all remote
+  /// addresses are considered reachable.
   std::vector<NetworkInterface> interfaces = {};
   /// The destinations of announcements: multicast groups, and the well-known ports of unicast
   /// peers.
   std::vector<Locator> announce_to = {};
-  /// Time between announcements, after the first few, which follow quickly. 0: derived from the
-  /// lease duration.
+  /// Time between announcements, after the first few, which follow quickly. If it is 0, it is
+  /// derived from the lease duration.
   std::chrono::nanoseconds announcement_period{};
   std::uint32_t fragment_size = MessageSender::kMaxFragment;
   /// The first entity id of writers and readers, at most kMaxFirstEntity. A random value
@@ -36,12 +36,13 @@ struct ParticipantConfig {
   static constexpr std::uint32_t kMaxFirstEntity = 0x7fffff;
   /// A random secret (AmplificationLimit::set_secret).
   std::optional<Sha256Digest> address_secret = {};
-  /// The members are called without the network where nothing is protected. The caller adds the
-  /// participant to the process peers, and holds their lock during all calls.
+  /// The other participants of this process, whose endpoints are called without the network if
+  /// nothing is protected. The caller adds the participant to the process peers, and holds their
+  /// lock during all calls.
   std::shared_ptr<ProcessPeers> process_peers = {};
 };
 
-/// All parts borrow it; it knows none of them.
+/// The state that all parts use. It does not know the parts.
 struct ParticipantCore {
   ParticipantCore(ParticipantConfig configuration, Transport& transport, EventSink& sink)
       : config(std::move(configuration)), events(sink), sender(transport, config.prefix) {
@@ -52,9 +53,9 @@ struct ParticipantCore {
   bool is_authenticated(const GuidPrefix& peer) const {
     return security && security->is_authenticated(peer);
   }
-  /// The identity whose share of a limit a participant uses. DDS-Security 1.2, clause 10.3.3: for
-  /// an authenticated participant, the first half of the prefix is bound to the subject of its
-  /// certificate. The participant may choose the rest, so the rest is ignored.
+  /// The identity whose share of a limit a participant uses. For an authenticated participant, the
+  /// first half of the prefix is bound to the subject of its certificate (DDS-Security 1.2, clause
+  /// 10.3.3). The participant may choose the rest, so the rest is ignored.
   GuidPrefix identity_of(const GuidPrefix& peer) const {
     auto out = peer;
     if (is_authenticated(peer)) std::ranges::fill(std::span(out.octets).subspan(6), 0);
@@ -62,13 +63,13 @@ struct ParticipantCore {
   }
   /// The address without its port. All addresses of this machine are one host.
   Locator host_of(const Locator& address) const;
-  /// See Keyring. Empty without security.
+  /// Returns the digest of the keys (see Keyring); empty without security.
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const {
     return security ? security->keyring().keys_of(local, remote) : std::nullopt;
   }
-  /// Raises an event about a remote participant, or about its endpoint with that GUID. `origin`,
-  /// who can have sent the data in question, decides whether the event names the peer as proven
-  /// (peer_event.hpp).
+  /// Raises an event about a remote participant, or about its endpoint with that GUID. `origin`
+  /// says who can have sent the data in question. So it decides whether the event names the peer as
+  /// proven (peer_event.hpp).
   void raise(Error error, const GuidPrefix& prefix, std::string guid, EventOrigin origin) {
     if (security) return security->core().raise(std::move(error), prefix, std::move(guid), origin);
     events.raise(peer_event(std::move(error), std::move(guid)));
@@ -76,12 +77,12 @@ struct ParticipantCore {
   void raise(Error error, const Guid& guid, EventOrigin origin) {
     raise(std::move(error), guid.prefix, guid.to_string(), origin);
   }
-  /// Raises an event about what is announced of a remote endpoint.
+  /// Raises an event about the announcement of a remote endpoint.
   void raise_about(Error error, const EndpointData& announced) {
     raise(std::move(error), announced.guid,
           origin_of_announcement(announced.guid, announced.by_secure_discovery));
   }
-  /// Raises an event about what a remote endpoint sent to a local one.
+  /// Raises an event about data that a remote endpoint sent to a local one.
   void raise_about(Error error, const EntityId& local, const Guid& remote) {
     raise(std::move(error), remote,
           security ? security->core().origin(local, remote) : EventOrigin::anyone);
@@ -90,12 +91,12 @@ struct ParticipantCore {
     return security ? security->core().origin_of_announcement(endpoint, by_secure_discovery)
                     : EventOrigin::anyone;
   }
-  /// Only its participant can have announced the endpoint.
+  /// True if only its participant can have announced the endpoint.
   bool is_proven(const EndpointData& announced) const {
     return origin_of_announcement(announced.guid, announced.by_secure_discovery) ==
            EventOrigin::its_keys;
   }
-  /// The governance's attributes of the domain. Without security: nothing is protected.
+  /// The governance's attributes of the domain. Without security, nothing is protected.
   const spi::ParticipantSecurityAttributes& attributes() const {
     static const spi::ParticipantSecurityAttributes kNone;
     return security ? security->own().attributes() : kNone;
@@ -107,12 +108,12 @@ struct ParticipantCore {
   TimerQueue timers;
   ParticipantCounters counters;
   IgnoredEntities ignored;
-  MonotonicTime now{};          ///< time of the current call
-  SourceAddress source{};       ///< of the datagram that is being received
-  LocatorList own_addresses{};  ///< of this machine, when a peer last authenticated; without ports
-  Locator source_host{};        ///< the same (host_of); invalid while none is received
-  bool is_from_elsewhere = false;      ///< the datagram came from an address of another machine
-  std::unique_ptr<Security> security;  ///< nullptr: not secured
+  MonotonicTime now{};             ///< time of the current call
+  SourceAddress source{};          ///< source of the datagram that is being received
+  LocatorList own_addresses{};     ///< of this machine, when a peer last authenticated; no ports
+  Locator source_host{};           ///< host_of(source); invalid while no datagram is received
+  bool is_from_elsewhere = false;  ///< true if the datagram came from another machine's address
+  std::unique_ptr<Security> security;  ///< nullptr without security
 };
 
 inline Locator ParticipantCore::host_of(const Locator& address) const {

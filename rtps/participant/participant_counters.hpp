@@ -5,7 +5,7 @@
 
 namespace ddssec::rtps {
 
-/// Counts of what was received, and of what was dropped; never reset.
+/// The numbers of received and of dropped messages; never reset.
 struct ParticipantCounters {
   std::uint64_t messages = 0;           ///< datagrams received, also those that were dropped
   std::uint64_t malformed = 0;          ///< messages with a part that could not be read

@@ -21,7 +21,7 @@ class ProcessPeer {
   virtual bool is_secured() const = 0;
   /// True if nothing that the endpoint sends is protected.
   virtual bool is_open(const EntityId& endpoint) const = 0;
-  // Return nullptr if it is not one of its endpoints.
+  // Both return nullptr if it is not one of the participant's endpoints.
   virtual StatefulWriter* writer(const Guid& guid) const = 0;
   virtual StatefulReader* reader(const Guid& guid) const = 0;
 };
@@ -30,7 +30,7 @@ class ProcessPeer {
 /// participant that holds it may call the endpoints of the others.
 class ProcessPeers {
  public:
-  /// Returns those of the domain, or a new object.
+  /// Returns the participants of the domain and tag, or a new object if there are none.
   static std::shared_ptr<ProcessPeers> of(DomainId domain, std::string_view tag);
 
   std::mutex& mutex() { return mutex_; }
@@ -46,12 +46,12 @@ class ProcessPeers {
   std::vector<const ProcessPeer*> members_;
 };
 
-/// Returns the participant of this process, `own` included, whose endpoint the local endpoint may
-/// call directly. nullptr: the pair uses the network. Both sides of a pair get the same answer.
+/// Returns the participant of this process, possibly `own`, whose endpoint the local endpoint may
+/// call directly. nullptr means that the pair uses the network. Both sides of a pair get the same
+/// answer.
 const ProcessPeer* process_peer_of(const ProcessPeer& own, const ProcessPeers* others,
                                    const EntityId& local, const Guid& remote);
-/// From now on the writer of the pair passes changes directly to its reader, once both sides have
-/// matched.
+/// Makes the writer of the pair pass changes directly to its reader, once both sides have matched.
 void join_in_process(const ProcessPeer& own, const ProcessPeer& other, const Guid& local,
                      const Guid& remote);
 

@@ -3,9 +3,9 @@
 namespace ddssec::rtps {
 namespace {
 
-// A reader that took the key hash from beside the data computes it from now on. Key hashes of
-// endpoints that exist keep their form, since instances are known by them: the governance takes
-// such a change only where submessages or messages are encrypted.
+// From now on, a reader that took the key hash from beside the data computes it. Key hashes of
+// existing endpoints keep their form, because instances are identified by them. The governance
+// accepts such a change only if submessages or messages are encrypted.
 template <class Local>
 void announce(ParticipantCore& core, LocalEndpoints& locals, std::map<EntityId, Local>& endpoints) {
   for (auto& [id, local] : endpoints) {

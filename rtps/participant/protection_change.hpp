@@ -1,4 +1,4 @@
-// What changes when local endpoints of a running participant get another protection.
+// Handles a change in the protection of local endpoints while the participant runs.
 #pragma once
 
 #include "rtps/participant/endpoint_matcher.hpp"

@@ -1,4 +1,4 @@
-// Matched readers that may not be able yet to read what the local writers send.
+// Matched readers that may not yet be able to read what the local writers send.
 #pragma once
 
 #include <deque>
@@ -10,9 +10,9 @@
 
 namespace ddssec::rtps {
 
-/// Where anything of a topic is protected, another participant may receive its keys some time after
-/// the local participant. What a volatile writer sends before that is lost to the reader. So a
-/// reliable reader counts as matched when the first message from it arrives, or after
+/// If any part of a topic is protected, another participant may receive its keys some time after
+/// the local participant. Samples that a volatile writer sends before that are lost to the reader.
+/// So a reliable reader counts as matched when the first message from it arrives, or after
 /// kMatchTimeout.
 class ReadinessQueue {
  public:
@@ -47,7 +47,7 @@ class ReadinessQueue {
 
   /// The deadline of each pair that waits.
   std::map<std::pair<Guid, Guid>, MonotonicTime> waiting_;
-  std::deque<Pair> pairs_;  ///< sorted by deadline; some no longer wait, but the first one does
+  std::deque<Pair> pairs_;  ///< sorted by deadline; the first one waits, others may not
 };
 
 }  // namespace ddssec::rtps

@@ -26,8 +26,9 @@ LocatorList only_proven(const ParticipantCore& core, const RemoteParticipant& re
   return out;
 }
 
-// The participant's ports at the hosts from which it was heard. A participant behind a router, or
-// with a second address that it never sends from, signs none of them.
+// The participant's ports at the hosts from which it was heard. They are needed because a
+// participant behind a router, or with a second address that it never sends from, signs none of
+// these addresses.
 LocatorList at_hosts(const RemoteParticipant& remote, const LocatorList& announced) {
   LocatorList out;
   for (const auto& host : remote.hosts.all())
@@ -39,7 +40,7 @@ LocatorList at_hosts(const RemoteParticipant& remote, const LocatorList& announc
   return out;
 }
 
-// Those at proven hosts; without any, the same ports at these hosts.
+// The addresses at proven hosts, or, if there are none, the same ports at these hosts.
 LocatorList proven_of(const ParticipantCore& core, const RemoteParticipant& remote,
                       const LocatorList& announced) {
   auto out = only_proven(core, remote, announced);
@@ -65,7 +66,8 @@ void settle(const ParticipantCore& core, RemoteParticipant& remote) {
   remote.metatraffic_sources.assign(remote.metatraffic.size(), remote.source);
 }
 
-// A participant that signed nothing is limited by other means, so that its addresses are believed.
+// True if the address is at a host of the participant. A participant that signed nothing is limited
+// by other means, so all its addresses are trusted.
 bool is_at_its_hosts(const ParticipantCore& core, const RemoteParticipant& remote,
                      const Locator& address) {
   const auto host = core.host_of(address);
@@ -80,7 +82,7 @@ std::string text_of(const LocatorList& locators) {
   return out.empty() ? "none" : out;
 }
 
-// Without their ports.
+// The text shows the hosts without their ports.
 std::string text_of_hosts(const ParticipantCore& core, const RemoteParticipant& remote) {
   std::string out;
   for (const auto& host : has_signed(remote) ? remote.hosts.all() : remote.metatraffic) {
@@ -127,7 +129,7 @@ bool is_own(const RemoteParticipant& remote, const Locator& address) {
          has(remote.signed_metatraffic);
 }
 
-// Those of the addresses that the endpoint may use although anyone can have announced it.
+// The addresses that the endpoint may use, although anyone can have announced it.
 LocatorList within_limit(ParticipantCore& core, RemoteParticipant& remote,
                          const EndpointData& endpoint, const LocatorList& addresses) {
   LocatorList out;
@@ -148,7 +150,7 @@ bool adopt_signed_addresses(ParticipantCore& core, RemoteParticipant& remote,
   std::erase_if(user, cannot_be_sent_to);
   const bool any = !metatraffic.empty();
   if (!core.config.interfaces.empty()) core.own_addresses = addresses_of_this_machine();
-  // What was sent during the handshake went to these addresses, and the peer answered it.
+  // The messages of the handshake went to these addresses, and the peer answered them.
   const auto answered = only_host(core, remote);
   remote.signed_metatraffic = metatraffic.empty() ? remote.metatraffic : std::move(metatraffic);
   remote.signed_user = user.empty() ? remote.user : std::move(user);
@@ -158,7 +160,7 @@ bool adopt_signed_addresses(ParticipantCore& core, RemoteParticipant& remote,
   for (const auto& address : remote.signed_metatraffic)
     if (core.sender.amplification_limit().is_proven(remote.prefix(), address))
       remote.hosts.add(core.host_of(address));
-  remote.hosts.add(core.host_of(core.source_host));  // the addresses of this machine are new
+  remote.hosts.add(core.host_of(core.source_host));  // own_addresses was just read again
   settle(core, remote);
   return any;
 }
@@ -214,7 +216,7 @@ LocatorList addresses_of(ParticipantCore& core, RemoteParticipant& remote,
   auto used = usable_locators(out, {}, own);
   if (core.security && !core.is_proven(endpoint)) {
     used = within_limit(core, remote, endpoint, used);
-    // A forged announcement must not keep what is sent from the participant itself.
+    // A forged announcement must not keep samples from reaching the participant itself.
     for (const auto& address : remote.user)
       if (std::ranges::find(used, address) == used.end()) used.push_back(address);
   }

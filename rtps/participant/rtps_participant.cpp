@@ -10,7 +10,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// Size limit of c.pdata; the plugin refuses more.
+// The largest size of c.pdata; the plugin refuses more.
 constexpr std::size_t kMaxOwnData = 16384;
 
 // Returns false if the source or the local addresses are not known.
@@ -21,7 +21,7 @@ bool is_from_elsewhere(const Locator& source, std::span<const NetworkInterface> 
   });
 }
 
-// Sets what the participant signs of itself in handshakes.
+// Sets the data that the participant signs about itself in handshakes.
 Status describe_own(ParticipantCore& core, const Announcer& announcer) {
   Bytes octets(kMaxOwnData);
   SpanWriter out(octets, Endian::big);
@@ -32,7 +32,7 @@ Status describe_own(ParticipantCore& core, const Announcer& announcer) {
   return {};
 }
 
-// Returns false if all addresses are others now.
+// Returns false if none of the former addresses is left.
 bool take_addresses(ParticipantCore& core, OwnChange::Addresses addresses) {
   auto& config = core.config;
   const bool any_stays = std::ranges::any_of(config.metatraffic_unicast, [&](const auto& former) {
@@ -47,7 +47,7 @@ bool take_addresses(ParticipantCore& core, OwnChange::Addresses addresses) {
 
 }  // namespace
 
-// A change for a builtin reader is never refused for now.
+// The function always returns true, because a change for a builtin reader is never refused for now.
 RtpsParticipant::RtpsParticipant(ParticipantConfig config, Transport& transport, EventSink& events)
     : core_(std::move(config), transport, events),
       local_(core_, [this](BuiltinTopic topic, Change& change) {
@@ -194,7 +194,7 @@ void RtpsParticipant::change_own(OwnChange change, MonotonicTime now) {
     discovery_.on_addresses_changed(is_new);
     announcer_.announce_often();
   }
-  // It can only be too long when the participant is created.
+  // This cannot fail here: the data can be too long only when the participant is created.
   if (core_.security) static_cast<void>(describe_own(core_, announcer_));
   announcer_.announce_again();
 }

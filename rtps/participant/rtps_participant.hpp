@@ -38,7 +38,7 @@ class RtpsParticipant {
 
   const GuidPrefix& prefix() const { return core_.config.prefix; }
   const ParticipantCounters& counters() const { return core_.counters; }
-  /// All zero without security.
+  /// Both are all zero without security.
   ProtectionCounters protection_counters() const;
   AuthenticationCounters authentication_counters() const;
   bool is_authenticated(const GuidPrefix& peer) const { return core_.is_authenticated(peer); }
@@ -51,12 +51,12 @@ class RtpsParticipant {
   /// As long as the returned object exists, messages are collected; they are sent together when it
   /// is destroyed.
   MessageSender::Gathering gather() { return MessageSender::Gathering(core_.sender); }
-  /// Processes one datagram. `source`: the address it came from, which limits how much unproven
-  /// data one address can store.
+  /// Processes one datagram. `source` is the address that it came from, which limits how much
+  /// unproven data one address can store.
   void receive(BytesView datagram, MonotonicTime now, const Locator& source = {});
-  /// Must be called after each batch of datagrams. `has_backlog`: more datagrams wait to be
-  /// received. Some of them may answer what would otherwise be repeated. So no work is due before
-  /// they have been read, or before many batches have been read.
+  /// Must be called after each batch of datagrams. `has_backlog` means that more datagrams wait to
+  /// be received. Some of them may be answers, without which messages would be repeated. So no work
+  /// is due before they have been read, or before many batches have been read.
   void note_backlog(bool has_backlog) {
     backlog_ = has_backlog ? backlog_ + 1 : 0;
     reads_first_ = backlog_ % kMaxBacklog != 0;
@@ -67,7 +67,8 @@ class RtpsParticipant {
   /// Disposes the participant, so that peers know that it leaves.
   void leave() { announcer_.leave(remotes_); }
 
-  /// Errors: rtps_qos_inconsistent, and for a secured participant those of access control.
+  /// Creates an endpoint. Errors: rtps_qos_inconsistent, and for a secured participant those of
+  /// access control.
   Result<Guid> create_writer(EndpointDescription request, EndpointListener& listener,
                              MonotonicTime now);
   Result<Guid> create_reader(EndpointDescription request, EndpointListener& listener,
@@ -84,13 +85,13 @@ class RtpsParticipant {
   /// Announces a changed content filter of a local reader.
   void change_filter(const Guid& reader, ContentFilterProperty filter, MonotonicTime now);
 
-  /// Announces what has changed of the participant itself, soon.
+  /// Changes the data of the participant itself, and announces it soon.
   void change_own(OwnChange change, MonotonicTime now);
 
   /// Asserts the liveliness of the local writers of this kind to all participants (RTPS 8.4.13).
   /// tick does this for kind AUTOMATIC.
   void assert_liveliness(LivelinessKind kind, MonotonicTime now);
-  /// See Security. Errors: rtps_key_revision_disabled, also without security.
+  /// See Security. Errors: rtps_key_revision_disabled, which is also returned without security.
   Status revise_keys();
 
   /// See RemoteParticipants.
@@ -99,9 +100,9 @@ class RtpsParticipant {
   std::optional<EndpointData> endpoint_on(const std::string& topic_name) const {
     return matcher_.endpoint_on(topic_name);
   }
-  /// Ignores the entity permanently, as if it had never been found. With the local prefix: the
-  /// local endpoints ignore each other. If called from within a callback, what is known of the
-  /// entity is removed when the outermost call ends.
+  /// Ignores the entity permanently, as if it had never been found. With the local prefix, the
+  /// local endpoints ignore each other. If called from within a callback, the data about the entity
+  /// is removed when the outermost call ends.
   void ignore_participant(const GuidPrefix& prefix);
   void ignore_endpoint(const Guid& guid);
   void ignore_topic(const std::string& name);
@@ -121,7 +122,7 @@ class RtpsParticipant {
                                           origin);
                             }};
   unsigned backlog_ = 0;      ///< number of batches since there was no backlog
-  bool reads_first_ = false;  ///< true: read the backlog before tick does anything
+  bool reads_first_ = false;  ///< true if the backlog is read before tick does anything
   DeferredCalls calls_;
 };
 

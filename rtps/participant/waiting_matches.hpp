@@ -12,17 +12,18 @@
 
 namespace ddssec::rtps {
 
-/// They wait until a match ends (MatchTable). Of one identity, those that are proven come first,
-/// and otherwise the one that has waited longest. Identities take turns.
+/// Waiting endpoints wait until a match ends (MatchTable). Among those of one identity, proven ones
+/// come first, and otherwise the one that has waited longest. Identities take turns.
 class WaitingMatches {
  public:
-  /// Limit for the waiting endpoints of one identity: for those that are proven, and for all
+  /// The largest number of waiting endpoints of one identity: of those that are proven, and of all
   /// others.
   static constexpr std::size_t kMaxOfOne = MatchTable::kMaxOfOne;
 
   bool empty() const { return places_.empty(); }
-  /// `is_proven`: only its participant can have announced it. No effect if it waits already, or if
-  /// there is no room: then it is not tried again until it is announced again.
+  /// Adds an endpoint. `is_proven` means that only its participant can have announced it. Has no
+  /// effect if it waits already, or if there is no room: then it is not tried again until it is
+  /// announced again.
   void add(const Guid& remote, const GuidPrefix& identity, bool is_proven) {
     if (places_.contains(remote)) return;
     auto& queue = queues_[identity][is_proven ? 0 : 1];
@@ -30,7 +31,7 @@ class WaitingMatches {
     queue.push_back(remote);
     places_[remote] = {identity, is_proven, std::prev(queue.end())};
   }
-  /// It has ended, or may not match.
+  /// Removes an endpoint that has ended, or may not match.
   void remove(const Guid& remote) {
     const auto at = places_.find(remote);
     if (at == places_.end()) return;
@@ -40,7 +41,7 @@ class WaitingMatches {
     if (queues->second[0].empty() && queues->second[1].empty()) queues_.erase(queues);
     places_.erase(at);
   }
-  /// Removes and returns the next endpoint of an identity that has room; empty: there is none.
+  /// Removes and returns the next endpoint of an identity that has room; empty if there is none.
   std::optional<Guid> take(std::predicate<const GuidPrefix&> auto has_room) {
     auto at = queues_.upper_bound(served_);
     for (auto left = queues_.size(); left > 0; --left, ++at) {
@@ -62,8 +63,7 @@ class WaitingMatches {
     bool is_proven = false;
     Queue::iterator at = {};
   };
-  std::map<GuidPrefix, std::array<Queue, 2>>
-      queues_;  ///< the first queue is of those that are proven
+  std::map<GuidPrefix, std::array<Queue, 2>> queues_;  ///< the first queue has the proven ones
   std::map<Guid, Place> places_;
   GuidPrefix served_{};  ///< the identity that had the last turn
 };

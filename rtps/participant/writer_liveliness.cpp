@@ -5,13 +5,14 @@
 namespace ddssec::rtps {
 namespace {
 
-// ParticipantMessageData::kind (RTPS 9.6.3.1), the same octets for all vendors.
+// The values of ParticipantMessageData::kind (RTPS 9.6.3.1) are the same octets for all vendors.
 constexpr std::uint8_t kAutomatic = 1;
 constexpr std::uint8_t kManualByParticipant = 2;
-// GUID prefix and kind.
+// The key consists of the GUID prefix and the kind.
 constexpr std::size_t kKeySize = 16;
 
-// Several assertions fit into the shortest lease, but no lease causes more than one in this time.
+// Several assertions fit into the shortest lease, but a lease never causes more than one within
+// kMinPeriod.
 constexpr int kAssertionsPerLease = 3;
 constexpr MonotonicTime kMinPeriod = std::chrono::milliseconds(1);
 
@@ -25,8 +26,8 @@ WriterLiveliness::WriterLiveliness(ParticipantCore& core, LocalEndpoints& local,
                                    RemoteParticipants& remotes)
     : core_(core), local_(local), remotes_(remotes) {}
 
-// The assertion need not be sent at once: the leases of readers that match the writer later start
-// then.
+// The assertion need not be sent at once, because the leases of readers that match the writer later
+// start when they match.
 void WriterLiveliness::expect(const Liveliness& liveliness) {
   if (liveliness.kind != LivelinessKind::automatic || liveliness.lease_duration.is_infinite())
     return;
@@ -67,8 +68,8 @@ void WriterLiveliness::assert_liveliness(LivelinessKind kind) {
   local_.builtin().writer(topic).write(std::move(change), core_.now);
 }
 
-// Fast DDS labels the same octets PL_CDR. Where liveliness is protected, only Cyclone DDS, which
-// never uses the secure topic, may assert it by the unprotected topic.
+// Fast DDS labels the same octets PL_CDR. If liveliness is protected, only Cyclone DDS, which never
+// uses the secure topic, may assert it by the unprotected topic.
 void WriterLiveliness::on_participant_message(const Change& change, bool secure) {
   auto* remote = remotes_.find(change.writer.prefix);
   const auto opened = open_payload(change.payload.view());

@@ -12,7 +12,7 @@ class WriterLiveliness {
  public:
   WriterLiveliness(ParticipantCore& core, LocalEndpoints& local, RemoteParticipants& remotes);
 
-  /// A local writer with this policy exists from now on.
+  /// Notes that a local writer with this policy exists.
   void expect(const Liveliness& liveliness);
   /// Asserts the liveliness of the local writers of this kind to all participants.
   void assert_liveliness(LivelinessKind kind);
@@ -22,10 +22,12 @@ class WriterLiveliness {
 
   /// Processes a sample of DCPSParticipantMessage, or of its secure counterpart.
   void on_participant_message(const Change& change, bool secure);
-  /// `remote` asserted the liveliness of all its writers of this kind: AUTOMATIC writers by any
-  /// message, MANUAL_BY_PARTICIPANT writers by a sample of any of them or by a ParticipantMessage.
+  /// Notes that `remote` asserted the liveliness of all its writers of this kind: AUTOMATIC writers
+  /// by any message, MANUAL_BY_PARTICIPANT writers by a sample of any of them or by a
+  /// ParticipantMessage.
   void note_alive(RemoteParticipant& remote, LivelinessKind kind);
-  /// This writer asserted its liveliness, by a sample or by a HEARTBEAT with the liveliness flag.
+  /// Notes that this writer asserted its liveliness, by a sample or by a HEARTBEAT with the
+  /// liveliness flag.
   void note_alive(const Guid& writer);
 
  private:
