@@ -7,7 +7,7 @@
 
 namespace ddssec::rtps {
 
-/// Tells without a search whether any sample has given states.
+/// Says without a search whether any sample has given states.
 class StateCounts {
  public:
   /// Adds samples of an instance, or with `sign` -1 subtracts them.

@@ -19,7 +19,7 @@ class HeardWriters {
 
   /// `max_octets` is the size limit of the store.
   Status open(Database& database, std::size_t max_octets);
-  /// Remembers what the changes tell about a stream.
+  /// Remembers what the changes say about a stream.
   Status remember(Database& database, std::span<const StoredChange* const> changes);
   /// Returns false if an entry is damaged.
   Result<bool> load(Database& database, StreamId stream, StoredHistory& out) const;

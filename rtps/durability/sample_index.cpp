@@ -228,8 +228,8 @@ bool SampleIndex::is_outdated(const Stream& stream, const StoredChange& entry, T
          (is_first && replaced(stream, rows) > 0);
 }
 
-// The digest has a purpose of its own: a key has at most 16 octets, and may equal the GUID of a
-// writer.
+// The digest covers a fixed text in addition to the key, because a key has at most 16 octets and
+// may equal the GUID of a writer.
 SampleIndex::PastEnds::Digest SampleIndex::PastEnds::digest_of(const KeyHash& key) {
   constexpr std::string_view kPurpose = "ddssec ended instance";
   const auto full = sha256({as_bytes(kPurpose), key});

@@ -37,7 +37,7 @@ struct StoredExpiry {
   bool operator==(const StoredExpiry&) const = default;
 };
 
-/// Tells what decides whether a relayed change, which its original writer did not send itself, is
+/// Says what decides whether a relayed change, which its original writer did not send itself, is
 /// newer than the stored samples of its instance. Between different writers, source timestamps
 /// always decide.
 enum class RelayOrder : std::uint8_t {

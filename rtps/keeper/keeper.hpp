@@ -37,9 +37,9 @@ struct KeeperOptions {
 ///   it, and vice versa.
 class Keeper final : private DataReaderListener {
  public:
-  /// The largest number of kept topics. An identity gets no more of these places than are free for
-  /// topics that it announced first. That is at most half of all, so there is always room for
-  /// another identity.
+  /// The largest number of kept topics. The topics that one identity announced first take no more
+  /// places than are free. That is at most half of all, so there is always room for another
+  /// identity.
   static constexpr std::size_t kMaxTopics = 512;
 
   /// Creates a keeper. Samples of the wanted topics that are already in the store are served at

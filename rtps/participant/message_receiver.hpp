@@ -61,8 +61,8 @@ class MessageReceiver {
   };
 
   void read(const Header& header, BytesView datagram, MonotonicTime now);
-  /// Reports to the listener what the submessages of the current source show about it. Called
-  /// before the source changes.
+  /// Reports to the listener what the submessages of the current source show about it. Called after
+  /// the last submessage of each source.
   void report(Context& context);
   Status walk(BytesView message, Context& context);
   Status open_group(const SubmessageView& prefix, MessageReader& message, Context& context);

@@ -182,7 +182,7 @@ class MessageSender {
     write(plain, submessage);
     const bool done =
         !plain.overflowed() && write_protected_submessage(sender, receiver, plain.view());
-    // The submessage contains keys.
+    // Submessages of this writer contain keys.
     if (sender == kVolatileMessageWriter) wipe(MutableBytes(plain_).first(plain.size()));
     return done;
   }

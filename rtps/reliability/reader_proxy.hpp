@@ -28,7 +28,7 @@ struct MatchedReader {
   KeyReading keys = {};
 };
 
-/// Tells whether a reader acknowledges in time: everything that was written before a point in time,
+/// Says whether a reader acknowledges in time: everything that was written before a point in time,
 /// at most kMaxDelay later.
 class Timeliness {
  public:

@@ -31,7 +31,7 @@ class Retransmissions::Answer {
       spend(std::max(change->payload.size(), kMinOctets));
     }
   }
-  // Sends the open gap. Must be called last.
+  // Sends the open gap, if there is one. Must also be called after the last number.
   void end_gap() {
     if (gap_begin_ == gap_end_) return;
     from_.messages_.gap(receiver_, gap_begin_, gap_end_);

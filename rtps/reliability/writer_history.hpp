@@ -77,7 +77,7 @@ class WriterHistory {
   void drop(SequenceNumber number);
   void make_room();
   void drop_ended_instances(std::size_t aim);
-  void drop_instance(SequenceNumber number);  // `number` is that of its last change.
+  void drop_instance(SequenceNumber number);  // `number` is that of its last change
   void drop_replaced(std::size_t aim);
   bool is_replaced(SequenceNumber number) const;
   void note_replaced(SequenceNumber number);

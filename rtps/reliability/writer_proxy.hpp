@@ -147,7 +147,7 @@ class WriterProxy {
   RecentMessages<Heartbeat> heartbeats_;
   SequenceNumber next_{1};
   SequenceNumber announced_;
-  /// Announced() and next() at the last call.
+  /// The values of announced() and next() at the last call of forget_refused().
   std::pair<SequenceNumber, SequenceNumber> forgotten_at_;
   SequenceNumber history_end_;  ///< the last change that its first HEARTBEAT announced
   HeldOctets::Account held_;
