@@ -115,8 +115,19 @@ Status AnnouncedEndpoints::note(const BuiltinTopic& topic, const Announcement& a
                : unreadable_name(topic, "something else came under its number before");
   if (!account_->replace(0, cost_of(announcement))) return too_much(topic);
   writer.passed.emplace(announcement.number, announcement);
-  writer.hides |= hides_endpoint(announcement);
+  note_announced(writer, announcement);
   return {};
+}
+
+void AnnouncedEndpoints::note_announced(Writer& writer, const Announcement& announcement) {
+  writer.hides |= hides_endpoint(announcement);
+  if (announcement.kind != Announcement::Kind::announces) return;
+  if (!writer.announced.insert(announcement.entity).second) ++repeats_;
+}
+
+std::size_t AnnouncedEndpoints::take_repeats() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(repeats_, 0);
 }
 
 // A sample that the host has acknowledged is new only for a participant that was created later.
@@ -140,7 +151,7 @@ Status AnnouncedEndpoints::complete(const BuiltinTopic& topic, const Announcemen
   const auto known = writer.passed.find(announcement.number);
   if (known == writer.passed.end()) return note_again(topic, writer, announcement);
   known->second = announcement;
-  writer.hides |= hides_endpoint(announcement);
+  note_announced(writer, announcement);
   return {};
 }
 
@@ -220,6 +231,7 @@ void AnnouncedEndpoints::settle(Writer& writer, const Announcement& announcement
 
 void AnnouncedEndpoints::forget(Writer& writer, const EntityId& entity) {
   set(writer, entity, 0);
+  writer.announced.erase(entity);
   const auto known = writer.again.find(entity);
   if (known == writer.again.end()) return;
   account_->replace(known->second, 0, AnnouncedOctets::Heard::again);

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <unordered_map>
 
 #include "base/ids.hpp"
@@ -112,6 +113,10 @@ class AnnouncedEndpoints {
   void acknowledged(const BuiltinTopic& topic, std::uint64_t next);
   bool is_acknowledged(const BuiltinTopic& topic, std::uint64_t number) const;
 
+  /// Returns how many announcements of endpoints that were announced before, and have not ended,
+  /// passed since the last call. Those that the host had already are not counted.
+  std::size_t take_repeats();
+
   /// True if the participant has announced a writer, or a reader, without saying how that is
   /// protected. The host does not ask access control about such an endpoint, so no answer about
   /// another endpoint may count for it.
@@ -127,11 +132,13 @@ class AnnouncedEndpoints {
     std::map<std::uint64_t, Announcement> passed = {};
     SkippedNumbers skipped = {};
     std::map<EntityId, std::size_t> endpoints = {};  ///< octets that the host stores for each
+    std::set<EntityId> announced = {};               ///< endpoints whose end is not acknowledged
     /// Octets that came for each endpoint under numbers that were already acknowledged.
     std::map<EntityId, std::size_t> again = {};
   };
   static std::size_t cost_of(const Announcement& announcement);
   Status note_again(const BuiltinTopic& topic, Writer& writer, const Announcement& announcement);
+  void note_announced(Writer& writer, const Announcement& announcement);
   void settle(Writer& writer, const Announcement& announcement);
   bool hides(const EntityId& writer) const;
   void set(Writer& writer, const EntityId& entity, std::size_t cost);
@@ -143,6 +150,7 @@ class AnnouncedEndpoints {
   mutable std::mutex mutex_;
   std::shared_ptr<AnnouncedOctets> account_ = std::make_shared<AnnouncedOctets>();
   std::map<EntityId, Writer> writers_;  ///< at most one for each topic
+  std::size_t repeats_ = 0;
 };
 
 }  // namespace ddssec::cryptography

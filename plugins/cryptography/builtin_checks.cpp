@@ -153,6 +153,20 @@ PeerDiscovery* announcer(const BuiltinTopic& topic, const Owner& owner, Discover
   return topic.key == 0 ? nullptr : peers.of(owner.value_or(GuidPrefix{}));
 }
 
+// True for a writer that announces endpoints under a key of its own. What is announced in the clear
+// is not delayed: anyone may announce it in the peer's name.
+bool announces_securely(const BuiltinTopic& topic) {
+  constexpr EntityId kWriters{{0xff, 0, 3, 0xc2}}, kReaders{{0xff, 0, 4, 0xc2}};
+  return topic.writer == kWriters || topic.writer == kReaders;
+}
+
+// Charges the work of endpoints that were announced again.
+void charge_changes(PeerDiscovery* peer, MonotonicTime now) {
+  if (peer == nullptr) return;
+  for (auto repeats = peer->announced.take_repeats(); repeats > 0; --repeats)
+    peer->work.announced_again(now);
+}
+
 // Records the numbers that the host skips from now on.
 void note_skipped(BytesView submessage, const Owner& owner, DiscoveryOfPeers& peers) {
   const auto skipped = read_skipped(submessage);
@@ -177,15 +191,18 @@ Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner
     DDSSEC_RETURN_IF_ERROR(check_other_inline_qos(submessage));
     return TypeInformationAt{};
   }
+  auto* const peer = announcer(*topic, owner, peers);
+  if (peer != nullptr && announces_securely(*topic))
+    DDSSEC_RETURN_IF_ERROR(peer->work.check(peers.now()));
   const auto piece = read_data_piece(submessage);
   if (!piece) return unreadable_name(*topic, "its lengths contradict one another");
   DDSSEC_ASSIGN_OR_RETURN(const auto ending, check_inline_qos(*topic, owner, *piece));
-  auto* const peer = announcer(*topic, owner, peers);
   if (!piece->has_data && !piece->has_key) {
     DDSSEC_RETURN_IF_ERROR(check_without_payload(*topic, *piece, peer));
     return TypeInformationAt{};
   }
   DDSSEC_ASSIGN_OR_RETURN(auto at, check_payload(*topic, owner, *piece, ending, peer, peers.now()));
+  charge_changes(peer, peers.now());
   if (at) at->at += static_cast<std::uint32_t>(piece->payload.data() - submessage.data());
   return at;
 }

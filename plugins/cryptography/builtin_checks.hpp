@@ -20,7 +20,8 @@ namespace ddssec::cryptography {
 ///
 /// Returns the position of the parameter id of type information, of any participant
 /// (type_information.hpp). Errors: builtin_source_mismatch, builtin_source_unreadable,
-/// inline_qos_refused; builtin_fragment_early for a fragment that must come again.
+/// inline_qos_refused; builtin_fragment_early for a fragment that must come again, and
+/// announcements_delayed for an announcement that must (discovery_work.hpp).
 Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner& owner,
                                                DiscoveryOfPeers& peers);
 

@@ -59,6 +59,7 @@ struct CryptographyState {
   std::uint64_t routes_made = 0;                                            ///< guarded by mutex
   mutable TokenLedger ledger;  ///< used for a host that does not check sources
   AnnouncementAccounts announcements = {};
+  WorkAccounts work = {};
 };
 
 /// The subject whose participants share places: the octets of the prefix that are bound to the

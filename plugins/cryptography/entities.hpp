@@ -16,6 +16,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <pthread.h>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
@@ -182,6 +183,8 @@ struct LocalEndpoint final : Entity {
   bool is_builtin = false;   ///< according to access control
   bool is_volatile = false;  ///< ParticipantVolatileMessageSecure: keys of the key exchange
   bool is_discovery_protected = false;  ///< true if its announcements come under a key
+  /// The thread that made it. The host matches a new endpoint with all known ones in that thread.
+  const pthread_t maker = pthread_self();
   /// Decides which peers get keys; nullptr if there is no check here.
   std::shared_ptr<const spi::MatchGate> gate = {};
   Cipher cipher = Cipher::aes256_gcm;
@@ -221,6 +224,7 @@ struct RemoteEndpoint final : Entity {
   std::optional<std::uint64_t> place = {};
   /// Subject for which the local endpoint counts the match; empty if it is not counted.
   std::optional<std::uint64_t> share = {};
+  bool is_in_crowd = false;  ///< DiscoveryWork counts the match
 };
 
 }  // namespace ddssec::cryptography

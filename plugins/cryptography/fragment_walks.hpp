@@ -26,6 +26,7 @@
 #include "plugins/cryptography/announced_endpoints.hpp"
 #include "plugins/cryptography/builtin_names.hpp"
 #include "plugins/cryptography/data_piece.hpp"
+#include "plugins/cryptography/discovery_work.hpp"
 #include "plugins/cryptography/type_information.hpp"
 
 namespace ddssec::cryptography {
@@ -94,6 +95,7 @@ class FragmentWalks {
 struct PeerDiscovery {
   FragmentWalks walks = {};
   AnnouncedEndpoints announced = {};
+  DiscoveryWork work = {};
 };
 
 /// Finds the announcements of participants.

@@ -7,6 +7,7 @@
 #include "base/rollback.hpp"
 #include "plugins/cryptography/builtin_checks.hpp"
 #include "plugins/cryptography/cryptography.hpp"
+#include "plugins/cryptography/key_exchange.hpp"
 #include "plugins/cryptography/key_material.hpp"
 
 namespace ddssec::cryptography {

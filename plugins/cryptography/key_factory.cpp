@@ -26,7 +26,19 @@ bool same_key_exchange(const Pair& a, const Pair& b) {
   return a.key_exchange_send->material().sender_key == b.key_exchange_send->material().sender_key;
 }
 
+// The host matches a new local endpoint with all known ones in the thread that made it.
+DiscoveryWork::Cause cause_at(const LocalEndpoint& local) {
+  return pthread_equal(local.maker, pthread_self()) != 0 ? DiscoveryWork::Cause::host
+                                                         : DiscoveryWork::Cause::peer;
+}
+
 }  // namespace
+
+// A host that checks sources limits them itself. Endpoints whose announcements are not protected
+// are not counted: an attacker can invent them in the peer's name.
+bool KeyFactory::is_counted(const LocalEndpoint& local) const {
+  return !state_.host_checks_sources && !local.is_builtin && local.is_discovery_protected;
+}
 
 template <class T>
 Result<T> KeyFactory::random() {
@@ -224,8 +236,9 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
   DDSSEC_RETURN_IF_ERROR(claim_place(*participant, remote_identity, *fresh));
   Rollback release([&] { participant->receivers.release(fresh->place); });
   DDSSEC_ASSIGN_OR_RETURN(auto* const remote, remote_with_identity(remote_identity));
-  remote->discovery.announced.count_for(
-      state_.announcements.of(subject_of(remote_identity.value, *fresh)));
+  const auto subject = subject_of(remote_identity.value, *fresh);
+  remote->discovery.announced.count_for(state_.announcements.of(subject));
+  remote->discovery.work.count_for(state_.work.of(subject, state_.services.clock.monotonic()));
   auto& pair = remote->pairs[local.value];
   participant->matched.insert(remote->handle());
   if (pair && !state_.host_checks_sources)
@@ -368,17 +381,22 @@ void KeyFactory::release_peer_key(const RemoteEndpoint& writer) noexcept {
     writer.local.peer_keys.erase(writer.participant.handle());
 }
 
-// A host that checks sources limits them itself. Endpoints whose announcements are not protected
-// are not counted, because an attacker can invent them in the peer's name.
 Status KeyFactory::claim_share(RemoteEndpoint& remote, const Pair& pair) {
   auto& local = remote.local;
-  if (local.is_builtin || !local.is_discovery_protected) return {};
+  if (!is_counted(local)) return {};
+  auto& work = remote.participant.discovery.work;
+  const auto now = state_.services.clock.monotonic();
+  work.tried(cause_at(local), now);
   const auto subject = subject_of(remote.participant.identity, pair);
   if (auto status = local.matches.claim(subject); !status) {
     state_.report(status.error(), pair.peer_prefix);
     return status;
   }
   remote.share = subject;
+  if (remote.kind() == EntityKind::remote_reader) {
+    work.matched(local.handle(), local.matched.size(), cause_at(local), now);
+    remote.is_in_crowd = true;
+  }
   return {};
 }
 
@@ -396,10 +414,8 @@ Result<std::int64_t> KeyFactory::add_match(const Match& match, EntityKind kind) 
   DDSSEC_RETURN_IF_ERROR(state_.registry.add(std::move(remote)));
   Rollback forget([&] { drop_remote(added); });
   if (local.has_peer_keys()) DDSSEC_RETURN_IF_ERROR(claim_peer_key(added));
-  if (state_.host_checks_sources)
-    DDSSEC_RETURN_IF_ERROR(state_.claim_place(added, pair));
-  else
-    DDSSEC_RETURN_IF_ERROR(claim_share(added, pair));
+  if (state_.host_checks_sources) DDSSEC_RETURN_IF_ERROR(state_.claim_place(added, pair));
+  DDSSEC_RETURN_IF_ERROR(claim_share(added, pair));
   local.matched.insert(added.handle());
   parent.endpoints.insert(added.handle());
   if (local.is_volatile) state_.publish_route(added);

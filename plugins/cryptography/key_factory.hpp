@@ -109,8 +109,10 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   /// Takes a place for the remote participant. Error: receiver_places_taken, after an event that
   /// names the peer.
   Status claim_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh);
-  /// Counts the match for the peer's certificate. Error: too_many_matches, after an event that
-  /// names the peer.
+  /// True if the matches of the endpoint are counted for the subjects of its peers.
+  bool is_counted(const LocalEndpoint& local) const;
+  /// Counts the match and charges its work (discovery_work.hpp). Error: too_many_matches, after an
+  /// event that names the peer.
   Status claim_share(RemoteEndpoint& remote, const Pair& pair);
   void drop(const Entity& entity);
   void drop_local(LocalParticipant& participant);

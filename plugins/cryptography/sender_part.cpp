@@ -76,6 +76,12 @@ Result<TypeInformationAt> check_next(BytesView rest, std::size_t size, const Gui
                                            .note = "what follows it was dropped"});
 }
 
+// True if only this submessage does not pass, and its sender will send it again.
+bool comes_again(const Error& error) {
+  return error.code() == Code::builtin_fragment_early ||
+         error.code() == Code::announcements_delayed;
+}
+
 // True if a closed writer sends the submessage in the clear. Every participant with the key of the
 // message can write such a submessage in the name of any other, so nothing in it may count. In a
 // signed group it counts once the writer's key has verified it.
@@ -128,7 +134,7 @@ SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, Discovery
     auto found = is_closed ? TypeInformationAt{} : check_next(rest, *size, sender, source, peers);
     if (is_closed && here != signed_at) {
       part.hidden.push_back(here);
-    } else if (!found && found.error().code() == Code::builtin_fragment_early) {
+    } else if (!found && comes_again(found.error())) {
       part.hidden.push_back(here);
     } else if (!found) {
       end(std::move(found).error());

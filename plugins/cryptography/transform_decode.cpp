@@ -163,6 +163,13 @@ Status check_discovery(const CryptographyState& state, const RemoteEndpoint& sen
   return {};
 }
 
+bool is_reported(const CryptographyState& state, const RemoteEndpoint& sender, const Error& error) {
+  if (error.code() == Code::announcements_delayed)
+    return sender.participant.discovery.work.take_report(state.services.clock.monotonic());
+  return error.code() != Code::crypto_tokens_repeated &&
+         error.code() != Code::builtin_fragment_early;
+}
+
 // Makes all source checks, for a host that would trust any source and endpoint that the submessage
 // names.
 Status check_source_named(CryptographyState& state, const RemoteEndpoint& sender,
@@ -176,8 +183,7 @@ Status check_source_named(CryptographyState& state, const RemoteEndpoint& sender
     status = check_discovery(state, sender, pair->peer_prefix, plain);
   }
   if (status && sender.local.is_volatile) status = keep_tokens(state, sender, *pair, plain);
-  if (!status && status.error().code() != Code::crypto_tokens_repeated &&
-      status.error().code() != Code::builtin_fragment_early)
+  if (!status && is_reported(state, sender, status.error()))
     state.report(status.error(), pair->peer_prefix);
   return status;
 }

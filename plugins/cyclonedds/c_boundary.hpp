@@ -29,10 +29,10 @@ struct FailureReport {
   bool raises_event = true;
 };
 /// The default: number and severity of the Code. For keys_not_permitted access control raises the
-/// event.
+/// event, and for announcements_delayed cryptography, once in a while.
 inline FailureReport default_report(const Error& error) {
   return {static_cast<DDS_Security_long>(error.code()), info(error.code()).severity,
-          error.code() != Code::keys_not_permitted};
+          error.code() != Code::keys_not_permitted && error.code() != Code::announcements_delayed};
 }
 
 /// The Error for an exception. Never throws.

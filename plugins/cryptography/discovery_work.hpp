@@ -1,0 +1,118 @@
+// Limits the work that the endpoints of one certificate cause in the host's discovery by coming and
+// going. At each match and each end of a reader, Cyclone DDS walks all readers that match the same
+// writer: 4,000 readers that ended and came again, beside 1,024 others and 30 writers, kept a
+// newcomer out for two minutes.
+//
+// Each match is charged to the participant and to its certificate. While either is in debt by more
+// than it may be, further announcements do not pass. Discovery is reliable: what does not pass is
+// sent again, so endpoints are met later, and none is refused.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+
+#include "base/clock.hpp"
+#include "base/result.hpp"
+
+namespace ddssec::cryptography {
+
+/// A debt that is paid off as time passes. Not thread-safe.
+class WorkDebt {
+ public:
+  /// The largest debt with which announcements pass, as the time until it is paid off.
+  static constexpr MonotonicTime kMax = std::chrono::seconds(64);
+
+  /// `price`: the time in which one unit of work is paid off.
+  explicit WorkDebt(MonotonicTime price) : price_(price) {}
+
+  void charge(std::size_t units, MonotonicTime now);
+  bool is_paid(MonotonicTime now) const { return until_ <= now; }
+  bool is_too_large(MonotonicTime now) const { return until_ > now && until_ - now > kMax; }
+
+ private:
+  MonotonicTime price_;
+  MonotonicTime until_ = MonotonicTime::min();  ///< when it is paid off
+};
+
+/// The debt of the participants of one certificate. Thread-safe.
+class WorkAccount {
+ public:
+  /// 500,000 units in a second, 32 million at once. A unit takes Cyclone DDS half a microsecond.
+  static constexpr MonotonicTime kPrice = std::chrono::microseconds(2);
+
+  void charge(std::size_t units, MonotonicTime now);
+  bool is_paid(MonotonicTime now) const;
+  bool is_too_large(MonotonicTime now) const;
+
+ private:
+  mutable std::mutex mutex_;
+  WorkDebt debt_{kPrice};
+};
+
+/// The accounts of all subjects (subject_of in cryptography_state.hpp) that have participants or
+/// debts. A participant that leaves takes no debt with it. Thread-safe.
+class WorkAccounts {
+ public:
+  std::shared_ptr<WorkAccount> of(std::uint64_t subject, MonotonicTime now);
+  std::size_t size() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::unordered_map<std::uint64_t, std::shared_ptr<WorkAccount>> accounts_;
+};
+
+/// The work that one participant causes. Thread-safe.
+class DiscoveryWork {
+ public:
+  /// Half of what its certificate has: one participant leaves the other half to others.
+  static constexpr MonotonicTime kPrice = 2 * WorkAccount::kPrice;
+  /// What an attempt to match costs, in units, even if the certificate has its share of matches.
+  static constexpr std::size_t kOfAttempt = 16;
+  /// The least time between two reports of one participant.
+  static constexpr MonotonicTime kReportInterval = std::chrono::minutes(1);
+
+  /// What the host does for a local endpoint that its application has just made is no work of the
+  /// peer's.
+  enum class Cause : std::uint8_t { peer, host };
+
+  /// From now on, work counts for that account, too.
+  void count_for(std::shared_ptr<WorkAccount> account);
+
+  /// Charges an attempt to match one of its endpoints with a local one, to which access control
+  /// has agreed. An attempt that it refuses may come from a forged announcement.
+  void tried(Cause cause, MonotonicTime now);
+  /// One of its readers matches a local writer, which matches `standing` others already. Charges
+  /// this and, in advance, the end of the match.
+  void matched(std::int64_t local, std::size_t standing, Cause cause, MonotonicTime now);
+  /// The match has ended.
+  void unmatched(std::int64_t local, std::size_t standing);
+  /// Charges a change of an announced endpoint. If its addresses have changed, the host walks the
+  /// readers of all local writers that it matches. Which these are is not known here, so all that
+  /// any reader of the participant matches count.
+  void announced_again(MonotonicTime now);
+
+  /// Success if an announcement may pass. Error: announcements_delayed.
+  Status check(MonotonicTime now) const;
+  /// True if a delay is to be reported now; then the next one is kReportInterval later.
+  bool take_report(MonotonicTime now);
+
+ private:
+  struct Crowd {
+    std::size_t own = 0;       ///< matches of this participant
+    std::size_t standing = 0;  ///< readers of the local writer at the last change
+  };
+  void set_crowd(std::int64_t local, std::size_t own, std::size_t standing);
+  void charge(std::size_t units, MonotonicTime now);
+
+  mutable std::mutex mutex_;
+  std::shared_ptr<WorkAccount> account_ = std::make_shared<WorkAccount>();
+  WorkDebt debt_{kPrice};
+  std::unordered_map<std::int64_t, Crowd> crowds_;  ///< by local writer
+  std::size_t crowd_ = 0;                           ///< the sum of all `standing`
+  MonotonicTime next_report_ = MonotonicTime::min();
+};
+
+}  // namespace ddssec::cryptography
