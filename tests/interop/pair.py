@@ -2,6 +2,7 @@
 
 import functools
 import os
+import select
 import selectors
 import signal
 import subprocess
@@ -15,6 +16,7 @@ SAMPLES = 10
 POSITIVE_LIMIT = 15.0   # seconds a pair that should exchange data may take
 NEGATIVE_LIMIT = 3.0    # seconds after both were created until "nothing came" is believed
 CREATION_LIMIT = 12.0   # seconds until both must have been created or refused
+SETUP_LIMIT = 60.0      # seconds until a network namespace must be there
 STOP_LIMIT = 4.0        # seconds from SIGTERM to SIGKILL
 SILENCE = 2.5           # seconds without a sample after which a flow (10 samples/s) is cut
 CUT_LIMIT = EXPIRY_SECONDS + 15.0  # seconds a flow may take to be cut, SILENCE not counted
@@ -37,11 +39,16 @@ class Namespace:
         self._holder = subprocess.Popen([*unshare, "sh", "-c", self.SETUP], text=True,
                                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                         stderr=subprocess.PIPE)
-        if self._holder.stdout.readline().strip() != "ready":
+        if not self._is_ready():
+            self._holder.kill()  # otherwise it may keep stderr open while it sleeps
             reason = self._holder.stderr.read().strip()
             self.close()
             raise RuntimeError(f"cannot make a network namespace: {reason}; run this as root, "
                                "or allow user namespaces (sysctl kernel.unprivileged_userns_clone)")
+
+    def _is_ready(self):
+        return (select.select([self._holder.stdout], [], [], SETUP_LIMIT)[0]
+                and self._holder.stdout.readline().strip() == "ready")
 
     @property
     def path(self):
