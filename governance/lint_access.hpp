@@ -11,6 +11,8 @@ bool is_plain(const TopicRule& rule);
 /// True if any kind of the domain or of its topics is SIGN or more.
 bool protects_anything(const DomainRule& rule);
 
+/// GOV014: rules that take names from a later one that protects more.
+void check_overlaps(LintFindings& out, const DomainPlace& place);
 /// GOV021, GOV022, GOV025, GOV040, GOV041, GOV043, and GOV047 to GOV050.
 void check_access(LintFindings& out, const DomainPlace& place);
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -28,10 +29,6 @@ bool within(const DomainSet& inner, const DomainSet& outer) {
   });
 }
 
-SetLimits limits_of_pair(SetEffort& effort) {
-  return {.states = 2'000, .steps = 1'000'000, .shared = &effort};
-}
-
 bool meets(const DomainSet& a, const DomainSet& b) {
   return within(a, b) || std::ranges::any_of(a.ranges, [&](const DomainRange& one) {
            return std::ranges::any_of(b.ranges, [&](const DomainRange& other) {
@@ -40,12 +37,29 @@ bool meets(const DomainSet& a, const DomainSet& b) {
          });
 }
 
-std::vector<std::string_view> partitions_of(const Criteria& criteria) {
+}  // namespace
+
+std::vector<std::string_view> allowed_partitions(const Criteria& criteria) {
   if (!criteria.partitions) return {""};
   std::vector<std::string_view> out;
   for (const auto& partition : *criteria.partitions) out.emplace_back(partition.text);
   return out;
 }
+
+std::vector<std::string_view> denied_partitions(const GrantEntry& denial) {
+  if (!denial.criteria->partitions) return {"*"};
+  return allowed_partitions(*denial.criteria);
+}
+
+bool allows_before(const GrantEntry& earlier, const GrantEntry& denial, SetEffort& effort) {
+  return earlier.rule->allow && !denial.rule->allow &&
+         meets(denial.rule->domains, earlier.rule->domains) &&
+         overlap(denied_partitions(denial), allowed_partitions(*earlier.criteria),
+                 limits_of_pair(effort))
+                 .kind == SetAnswer::Kind::yes;
+}
+
+namespace {
 
 // True if entities with partitions or data tags can have rights of their own.
 bool conditions_matter(const Grant& grant) {
@@ -61,8 +75,8 @@ bool conditions_matter(const Grant& grant) {
 bool partitions_cover(const GrantEntry& earlier, const GrantEntry& later, SetEffort& effort) {
   if (!earlier.rule->allow && !earlier.criteria->partitions) return true;
   if (!later.rule->allow && (earlier.rule->allow || !later.criteria->partitions)) return false;
-  const auto inner = partitions_of(*later.criteria);
-  const auto outer = partitions_of(*earlier.criteria);
+  const auto inner = allowed_partitions(*later.criteria);
+  const auto outer = allowed_partitions(*earlier.criteria);
   return contained(inner, outer, limits_of_pair(effort)).kind == SetAnswer::Kind::yes;
 }
 
@@ -81,27 +95,12 @@ bool covers(const GrantEntry& earlier, const GrantEntry& later, bool with_condit
   return tags_cover(earlier, later) && partitions_cover(earlier, later, effort);
 }
 
-// The partitions that the denial is for. A denial without partitions is for all of them.
-std::vector<std::string_view> denied_partitions(const GrantEntry& denial) {
-  if (!denial.criteria->partitions) return {"*"};
-  return partitions_of(*denial.criteria);
-}
-
-// True if an earlier rule allows something that the denial names.
-bool allows_before(const GrantEntry& earlier, const GrantEntry& denial, SetEffort& effort) {
-  return earlier.rule->allow && !denial.rule->allow &&
-         meets(denial.rule->domains, earlier.rule->domains) &&
-         overlap(denied_partitions(denial), partitions_of(*earlier.criteria),
-                 limits_of_pair(effort))
-                 .kind == SetAnswer::Kind::yes;
-}
-
 // True if an allow rule is for each domain and partition of the denial. A rule without partitions
 // is for the partition "" alone, and a denial that names none either may mean just that one.
 bool allows_everywhere(const GrantEntry& allowed, const GrantEntry& denial, SetEffort& effort) {
   if (!within(denial.rule->domains, allowed.rule->domains)) return false;
   if (!allowed.criteria->partitions && !denial.criteria->partitions) return true;
-  return contained(denied_partitions(denial), partitions_of(*allowed.criteria),
+  return contained(denied_partitions(denial), allowed_partitions(*allowed.criteria),
                    limits_of_pair(effort))
              .kind == SetAnswer::Kind::yes;
 }
@@ -216,10 +215,14 @@ void add_rule(LintFindings& out, const GrantPlace& place, const std::vector<cons
 
 }  // namespace
 
-void lint_dead_rules(LintFindings& out, const GrantPlace& place) {
+std::set<const Text*> lint_dead_rules(LintFindings& out, const GrantPlace& place) {
   const auto dead = dead_entries(place, out.effort());
+  std::set<const Text*> reported;
   std::map<std::size_t, std::vector<const Dead*>> by_rule;
-  for (const auto& one : dead) by_rule[one.entry.rule_number].push_back(&one);
+  for (const auto& one : dead) {
+    by_rule[one.entry.rule_number].push_back(&one);
+    reported.insert(one.entry.topic);
+  }
   const auto counts = entries_by_rule(place);
   for (const auto& [number, all] : by_rule) {
     if (all.size() == counts[number]) {
@@ -236,6 +239,7 @@ void lint_dead_rules(LintFindings& out, const GrantPlace& place) {
       out.add(std::move(finding));
     }
   }
+  return reported;
 }
 
 void lint_unmatchable(LintFindings& out, const GrantPlace& place) {

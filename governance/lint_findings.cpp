@@ -103,6 +103,10 @@ std::vector<Finding> LintFindings::take() {
   return std::move(all_);
 }
 
+SetLimits limits_of_pair(SetEffort& effort) {
+  return {.states = 2'000, .steps = 1'000'000, .shared = &effort};
+}
+
 std::string matches_nothing(std::string_view expression) {
   return "no name matches " + in_quotes(expression);
 }

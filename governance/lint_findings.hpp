@@ -54,6 +54,9 @@ class LintFindings {
   std::map<Rule, std::size_t> count_;
 };
 
+/// For a question about two expressions, of which a document has many.
+SetLimits limits_of_pair(SetEffort& effort);
+
 /// `no name matches "[z-a]"`.
 std::string matches_nothing(std::string_view expression);
 inline constexpr std::string_view kUnmatchableHint =

@@ -364,6 +364,7 @@ std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use
     check_coverage(out, governance, i, place);
     check_tags(out, place);
     check_dead_rules(out, place);
+    check_overlaps(out, place);
     check_topics_without_rule(out, place);
     check_domain_kinds(out, place);
     check_access(out, place);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -56,8 +57,19 @@ const std::vector<Text>& listed_partitions(const Criteria& criteria);
 /// The texts of the entries that are in an allow_rule.
 std::vector<std::string_view> allowed_texts(const std::vector<GrantEntry>& entries);
 
-/// Checks PERM012: rules that can never apply.
-void lint_dead_rules(LintFindings& out, const GrantPlace& place);
+/// The partitions for which an allow rule's element is.
+std::vector<std::string_view> allowed_partitions(const Criteria& criteria);
+/// The partitions for which a denial is: without a list, all.
+std::vector<std::string_view> denied_partitions(const GrantEntry& denial);
+/// True if `earlier` allows, and `denial` denies, in a common domain and partition. Their topics
+/// are not compared.
+bool allows_before(const GrantEntry& earlier, const GrantEntry& denial, SetEffort& effort);
+
+/// Checks PERM012: rules that can never apply. Returns the topics of the entries that it reports.
+std::set<const Text*> lint_dead_rules(LintFindings& out, const GrantPlace& place);
+/// Checks PERM016, except for the entries in `reported`.
+void lint_overlaps(LintFindings& out, const GrantPlace& place,
+                   const std::set<const Text*>& reported);
 /// Checks PERM012: partitions, tags, relayed topics and subjects that no name matches.
 void lint_unmatchable(LintFindings& out, const GrantPlace& place);
 /// Checks PERM013 to PERM015, PERM020, PERM021, PERM023 to PERM027, PERM034.

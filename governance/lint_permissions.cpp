@@ -257,7 +257,7 @@ std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& 
     check_names(out, place);
     if (!use.certificate) check_spelling(out, place);
     check_letters(out, place);
-    lint_dead_rules(out, place);
+    lint_overlaps(out, place, lint_dead_rules(out, place));
     lint_unmatchable(out, place);
     lint_rights(out, place, use.governance);
     lint_ros(out, place);
