@@ -189,6 +189,23 @@ std::string reason(const Dead& dead) {
                                   "<id_range> without <max> as one domain");
 }
 
+// The hint; empty: the rule's own. An earlier expression with no other names could never apply if
+// the dead one stood before it.
+std::string hint_for(const Dead& dead, SetEffort& effort) {
+  if (dead.by.empty()) return std::string(kUnmatchableHint);
+  const std::string_view moved[] = {dead.entry.topic->text};
+  const auto is_taken = [&](const GrantEntry& by) {
+    const std::string_view earlier[] = {by.topic->text};
+    return contained(earlier, moved, limits_of_pair(effort)).kind == SetAnswer::Kind::yes;
+  };
+  const auto taken = std::ranges::find_if(dead.by, is_taken);
+  if (taken == dead.by.end()) return {};
+  return fmt::format(
+      "delete it, or {} in line {} if this one is meant to count: moved before that, it would "
+      "take all of its names",
+      in_quotes(taken->topic->text), taken->topic->line);
+}
+
 std::string_view fault(const Dead& dead) {
   return dead.is_void ? "denies nothing that would be allowed without it" : "can never apply";
 }
@@ -208,7 +225,7 @@ void add_rule(LintFindings& out, const GrantPlace& place, const std::vector<cons
       fmt::format("{} {}: to {} {}, {}", rule_name(first.entry), fault(first), first.action,
                   in_quotes(first.entry.topic->text), reason(first)));
   finding.severity = Severity::informational;
-  if (first.by.empty()) finding.hint = kUnmatchableHint;
+  finding.hint = hint_for(first, out.effort());
   for (const auto* dead : all) finding.severity = std::max(finding.severity, severity_of(*dead));
   out.add(std::move(finding));
 }
@@ -235,7 +252,7 @@ std::set<const Text*> lint_dead_rules(LintFindings& out, const GrantPlace& place
           fmt::format("to {} {} {} in {}: {}", one->action, in_quotes(one->entry.topic->text),
                       fault(*one), rule_name(one->entry), reason(*one)));
       finding.severity = severity_of(*one);
-      if (one->by.empty()) finding.hint = kUnmatchableHint;
+      finding.hint = hint_for(*one, out.effort());
       out.add(std::move(finding));
     }
   }

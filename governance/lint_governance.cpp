@@ -131,6 +131,18 @@ Finding unmatchable(const DomainPlace& place, std::size_t topic) {
   return finding;
 }
 
+// The first of the rules in `by` that could never apply if the rule at `at` stood before it.
+std::optional<std::uint32_t> dead_if_moved(const DomainRule& rule,
+                                           const std::vector<std::uint32_t>& by, std::size_t at,
+                                           SetEffort& effort) {
+  const std::string_view moved[] = {rule.topic_rules[at].topic_expression};
+  for (const auto one : by) {
+    const std::string_view earlier[] = {rule.topic_rules[one].topic_expression};
+    if (contained(earlier, moved, limits_of_pair(effort)).kind == SetAnswer::Kind::yes) return one;
+  }
+  return std::nullopt;
+}
+
 // A dead rule is harmless if the earlier rules have the same effect.
 void check_dead_rules(LintFindings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
@@ -153,6 +165,11 @@ void check_dead_rules(LintFindings& out, const DomainPlace& place) {
                     names.size() == 1 ? "matches" : "together match",
                     is_harmless ? ", with the same protection" : ""));
     if (is_harmless) finding.severity = Severity::warning;
+    if (const auto taken = dead_if_moved(place.rule, found[i].by, i, out.effort()))
+      finding.hint = fmt::format(
+          "delete it, or rule {} if this one is meant to count: moved before that rule, it would "
+          "take all of its names",
+          *taken + 1);
     out.add(std::move(finding));
   }
 }

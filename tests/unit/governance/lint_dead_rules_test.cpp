@@ -25,6 +25,17 @@ TEST(LintPermissions, DeadPartsOfARule_AreNamedOneByOne) {
   EXPECT_EQ(only(with(rights({"a*", "ab"}))).severity, Severity::informational);
 }
 
+// Before: "move it" left a finding about the other rule.
+TEST(LintPermissions, ADeadRuleThatCannotBeMoved_IsToBeDeleted) {
+  const auto denial = only(with_rules({rule(true, {"a*"}), rule(false, {"a*"})}));
+  EXPECT_EQ(denial.hint,
+            "delete it, or \"a*\" in line 16 if this one is meant to count: moved before that, it "
+            "would take all of its names");
+  EXPECT_EQ(only(with_rules({rule(true, {"rt*"}), rule(false, {"rta*"})})).hint, "");
+  EXPECT_TRUE(lint_but_joining(with_rules({rule(false, {"rta*"}), rule(true, {"rt*"})})).empty())
+      << "moved";
+}
+
 // What another domain, partition or data tag needs is not dead.
 TEST(LintPermissions, SamePartsInOtherCircumstances_AreNotDead) {
   auto first = rule(true, {"*"}), second = rule(true, {"a"});

@@ -186,6 +186,38 @@ TEST(LintGovernance, ReadersThatCanWrite_AreNotedOnRequest) {
   EXPECT_TRUE(of(ddssec::Rule::GOV042, governance_of(Profile::open, {{0, 0}}), use).empty());
 }
 
+// Before: "move it" left the finding, for another rule.
+TEST(LintGovernance, DeadRuleThatCannotBeMoved_IsToBeDeleted) {
+  const auto hint_of = [](std::vector<TopicRule> rules) {
+    const auto found = of(ddssec::Rule::GOV010, with_rules(std::move(rules)));
+    return found.size() == 1 ? found[0].hint : std::to_string(found.size()) + " findings";
+  };
+  EXPECT_EQ(hint_of({strict("a*"), strict("a*"), strict("*")}),
+            "delete it, or rule 1 if this one is meant to count: moved before that rule, it would "
+            "take all of its names");
+  EXPECT_TRUE(hint_of({strict("[a-m]*"), strict("[n-z]*"), strict("[a-z]*"), strict("*")})
+                  .starts_with("delete it, or rule 1 "));
+  EXPECT_EQ(hint_of({strict("a*"), strict("ab*"), strict("*")}), "") << "the rule's own";
+  EXPECT_TRUE(
+      of(ddssec::Rule::GOV010, with_rules({strict("ab*"), strict("a*"), strict("*")})).empty())
+      << "moved";
+  EXPECT_TRUE(of(ddssec::Rule::GOV010, with_rules({strict("a*"), strict("*")})).empty())
+      << "deleted";
+}
+
+TEST(LintGovernance, RemedyAgainstForgedDiscovery_RemovesTheFinding) {
+  const GovernanceUse use{.choices = true};
+  for (const auto kind : {sign, encrypt}) {
+    const auto document = changed_strict([&](DomainRule& rule) {
+      const auto raised =
+          kind == sign ? sign_with_origin_authentication : encrypt_with_origin_authentication;
+      rule.discovery_protection_kind = rule.liveliness_protection_kind = raised;
+      rule.rtps_protection_kind = none;
+    });
+    EXPECT_TRUE(of(ddssec::Rule::GOV044, document, use).empty());
+  }
+}
+
 TEST(LintGovernance, DiscoveryThatEveryParticipantCanForge_IsNotedOnRequest) {
   const GovernanceUse use{.choices = true};
   const auto of_kinds = [&](ProtectionKind discovery, ProtectionKind liveliness,
