@@ -16,6 +16,13 @@ namespace ddssec::rtps {
 /// some.
 class SubjectShares {
  public:
+  using Subject = std::array<std::uint8_t, 6>;
+  static Subject subject_of(const GuidPrefix& prefix) {
+    Subject out;
+    std::copy_n(prefix.octets.begin(), out.size(), out.begin());
+    return out;
+  }
+
   explicit SubjectShares(std::size_t places) : places_(places) {}
 
   /// True if there is a place for one more participant of that subject.
@@ -37,13 +44,6 @@ class SubjectShares {
   }
 
  private:
-  using Subject = std::array<std::uint8_t, 6>;
-  static Subject subject_of(const GuidPrefix& prefix) {
-    Subject out;
-    std::copy_n(prefix.octets.begin(), out.size(), out.begin());
-    return out;
-  }
-
   const std::size_t places_;
   std::size_t taken_ = 0;
   std::map<Subject, std::size_t> of_subject_;

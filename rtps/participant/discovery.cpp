@@ -122,6 +122,11 @@ void follow(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& bui
   readdress(core, matcher, builtin, remote);
 }
 
+void note_heard(RemoteParticipants& remotes, BuiltinMatcher& builtin, const Guid& of) {
+  if (of.entity != kParticipantsSecureWriter && of.entity != kParticipantsSecureReader) return;
+  if (auto* known = remotes.find(of.prefix)) builtin.note_participants_secure(*known);
+}
+
 // A datagram arrived in this participant's name. If sending to it is limited, more may now be
 // sent.
 void note_credit(ParticipantCore& core, const GuidPrefix& source) {
@@ -423,13 +428,14 @@ void Discovery::on_key_exchange(const GuidPrefix& source) {
 }
 
 void Discovery::on_builtin_heartbeat(const Guid& writer) {
-  if (core_.security && writer.entity == kParticipantsSecureWriter) on_early_keys(writer);
+  if (core_.security) note_heard(parts_.remotes, builtin_, writer);
 }
 
-void Discovery::on_early_keys(const Guid& remote) {
-  if (remote.entity != kParticipantsSecureWriter && remote.entity != kParticipantsSecureReader)
-    return;
-  if (auto* known = parts_.remotes.find(remote.prefix)) builtin_.note_participants_secure(*known);
+// It may have been unregistered because too many waited for keys.
+void Discovery::on_early_keys(const EntityId& local, const Guid& remote) {
+  note_heard(parts_.remotes, builtin_, remote);
+  if (!is_builtin(local) && core_.security->keyring().keys_for(local, remote).may_be_dropped)
+    parts_.matcher.match(local, remote);
 }
 
 void Discovery::on_authenticated(const GuidPrefix& peer) {

@@ -53,7 +53,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_unconfirmed(const GuidPrefix& peer) override;
   void on_replaced(const GuidPrefix& peer) override;
   void on_keys(const EntityId& local, const Guid& remote) override;
-  void on_early_keys(const Guid& remote) override;
+  void on_early_keys(const EntityId& local, const Guid& remote) override;
   bool on_rights_changed(const GuidPrefix& peer) override;
   void on_ended(const GuidPrefix& peer) override { gone_.push_back(peer); }
 

@@ -39,6 +39,16 @@ bool register_pair(ParticipantCore& core, const EntityId& local, const Guid& rem
   return core.security->register_pair(local, remote, permission.is_relay_only);
 }
 
+AfterMatch after_match(bool may_return) {
+  return may_return ? AfterMatch::may_return : AfterMatch::gone;
+}
+
+// The pair may have been registered while there was a place.
+void suspend_pair(ParticipantCore& core, const EntityId& local, const Guid& remote) {
+  if (core.security)
+    core.security->keyring().unregister_pair(local, remote, AfterMatch::may_return);
+}
+
 }  // namespace
 
 EndpointMatcher::EndpointMatcher(ParticipantCore& core, LocalEndpoints& local,
@@ -267,8 +277,10 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
   const auto permission = judge(core_, writer.data, *writer.listener, data);
   if (!permission) return forget(writer, data.guid, true);
   const bool is_silent = writer.silent.contains(data.guid);
-  if (!known && !is_silent && !places_.has_place(MatchPlaces::Local(writer), remote, data)) return;
-  if (!register_pair(core_, writer.data.guid.entity, data.guid, *permission) || is_silent) return;
+  if (is_silent) return;
+  if (!known && !places_.has_place(MatchPlaces::Local(writer), remote, data))
+    return suspend_pair(core_, writer.data.guid.entity, data.guid);
+  if (!register_pair(core_, writer.data.guid.entity, data.guid, *permission)) return;
   // A reader in this process gets each sample directly and filters by itself.
   const auto* near =
       process_peer_of(local_, core_.config.process_peers.get(), writer.data.guid.entity, data.guid);
@@ -300,7 +312,8 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
   if (known) remote.stop_watching(*reader.listener, data.guid);
   const auto permission = judge(core_, reader.data, *reader.listener, data);
   if (!permission) return forget(reader, data.guid, true);
-  if (!known && !places_.has_place(MatchPlaces::Local(reader), remote, data)) return;
+  if (!known && !places_.has_place(MatchPlaces::Local(reader), remote, data))
+    return suspend_pair(core_, own.entity, data.guid);
   if (!register_pair(core_, own.entity, data.guid, *permission)) return;
   if (known) {
     reader.listener->on_matched(data);
@@ -326,7 +339,7 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
 
 void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote, bool stays) {
   if (core_.security)
-    core_.security->keyring().unregister_pair(writer.data.guid.entity, remote, stays);
+    core_.security->keyring().unregister_pair(writer.data.guid.entity, remote, after_match(stays));
   presence_.forget(writer, remote);
   writer.waiting.remove(remote);
   if (!writer.matched.remove(remote)) return;
@@ -339,7 +352,7 @@ void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote, bool stays
 void EndpointMatcher::forget(LocalReader& reader, const Guid& remote, bool stays) {
   const auto keys = core_.keys_of(reader.data.guid.entity, remote);
   if (core_.security)
-    core_.security->keyring().unregister_pair(reader.data.guid.entity, remote, stays);
+    core_.security->keyring().unregister_pair(reader.data.guid.entity, remote, after_match(stays));
   reader.waiting.remove(remote);
   if (!reader.matched.remove(remote)) return;
   if (auto* participant = remotes_.find_or_self(remote.prefix))

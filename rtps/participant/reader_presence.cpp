@@ -85,6 +85,10 @@ void ReaderPresence::on_silent(const DoubtedReaders::Pair& pair) {
   if (proxy == nullptr || !writer->matched.remove(pair.reader)) return;
   forget(*writer, pair.reader);
   writer->silent.emplace(pair.reader, proxy->acknacks);
+  if (core_.security)
+    if (const auto displaced = core_.security->keyring().unregister_pair(
+            pair.writer.entity, pair.reader, AfterMatch::silent))
+      writer->silent.erase(*displaced);
   writer->protocol->unmatch(pair.reader);
   writer->listener->on_unmatched(pair.reader);
   places_.note_room(MatchPlaces::Local(*writer));

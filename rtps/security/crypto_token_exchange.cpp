@@ -335,7 +335,7 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
     return true;
   }
   if (!peer.state.association()->early.keep(std::move(message), octets, core_.now)) return false;
-  core_.host.on_early_keys(remote);
+  core_.host.on_early_keys(local.entity, remote);
   return true;
 }
 
@@ -375,6 +375,9 @@ bool CryptoTokenExchange::register_pair(const EntityId& local, const Guid& remot
       [&](const auto& early) { is_ready = apply_tokens(*peer, early) || is_ready; });
   if (any && (have_room_.empty() || have_room_.back() != remote.prefix))
     have_room_.push_back(remote.prefix);
+  // It may have sent its keys before the pair gave them up.
+  if (!any && !is_ready && core_.keyring.keys_for(local, remote).may_be_dropped)
+    request_tokens(local, remote);
   return is_ready;
 }
 

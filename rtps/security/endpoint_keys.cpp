@@ -29,8 +29,10 @@ const LocalKeys* find(const Locals& locals, const EntityId& id) {
   return at == locals.end() ? nullptr : &at->second;
 }
 
-void LocalKeys::list(const EntityId& id, PairKeys& pair) {
-  if (!pair.is_ready || pair.handle == 0 || pair.place) return;
+void LocalKeys::list(const EntityId& id, const Guid& remote, PairKeys& pair) {
+  const bool is_used = pair.is_ready && pair.handle != 0 && !pair.is_suspended && !pair.is_silent;
+  if (!is_used || pair.place) return;
+  idle.remove(remote);
   pair.place = is_ready.size();
   is_ready.push_back(&pair);
   if (is_writer(id))
@@ -54,6 +56,15 @@ void LocalKeys::unlist(const EntityId& id, PairKeys& pair) {
     remove(readers);
   else
     remove(writers);
+}
+
+// A pair with a reader that sends no keys has nothing that only the reader could send again.
+std::optional<Guid> LocalKeys::note_idle(const Guid& remote, const PairKeys& pair) {
+  if (pair.handle == 0 || pair.place || is_volatile) return std::nullopt;
+  const bool have_come = pair.keys != Sha256Digest{};
+  return idle.add(remote, pair.is_silent ? IdlePairs::Why::silent
+                          : have_come    ? IdlePairs::Why::suspended
+                                         : IdlePairs::Why::keys_awaited);
 }
 
 // ---- local endpoints
@@ -84,7 +95,7 @@ void EndpointKeys::remove(Locals& from, const EntityId& id) {
   const auto at = from.find(id);
   if (at == from.end()) return;
   while (!at->second.pairs.empty())
-    unregister_pair(from, id, Guid(at->second.pairs.begin()->first), false);
+    unregister_pair(from, id, Guid(at->second.pairs.begin()->first), AfterMatch::gone);
   const auto handle = at->second.handle;
   from.erase(at);
   if (handle == 0) return;
@@ -135,35 +146,41 @@ Result<PairRegistration> EndpointKeys::register_pair(const EntityId& id, LocalKe
       out.is_ready = pair.is_ready = !waits_for_tokens(id, local.attributes);
     }
   }
-  local.list(id, local.pairs[remote] = pair);
+  auto& registered = local.pairs[remote] = pair;
+  local.list(id, remote, registered);
+  out.displaced = local.note_idle(remote, registered);
   return out;
 }
 
-void EndpointKeys::unregister_pair(Locals& from, const EntityId& id, const Guid& remote,
-                                   bool may_return) {
+std::optional<Guid> EndpointKeys::unregister_pair(Locals& from, const EntityId& id,
+                                                  const Guid& remote, AfterMatch after) {
   const auto at = from.find(id);
-  if (at == from.end()) return;
+  if (at == from.end()) return std::nullopt;
   const auto pair = at->second.pairs.find(remote);
-  if (pair == at->second.pairs.end()) return;
+  if (pair == at->second.pairs.end()) return std::nullopt;
   // The remote endpoint is of the other kind.
   const auto handle = pair->second.handle;
   at->second.unlist(id, pair->second);
-  pair->second.is_suspended = may_return && handle != 0 && !at->second.is_volatile;
-  if (pair->second.is_suspended) return;
+  const bool stays = after != AfterMatch::gone && handle != 0 && !at->second.is_volatile;
+  pair->second.is_suspended = stays && after == AfterMatch::may_return;
+  pair->second.is_silent = stays && after == AfterMatch::silent;
+  if (stays) return at->second.note_idle(remote, pair->second);
+  at->second.idle.remove(remote);
   at->second.pairs.erase(pair);
   endpoint_of_.erase(handle);
-  if (handle == 0) return;
+  if (handle == 0) return std::nullopt;
   if (is_writer(id))
     static_cast<void>(factory().unregister_datareader({handle}));
   else
     static_cast<void>(factory().unregister_datawriter({handle}));
+  return std::nullopt;
 }
 
 void EndpointKeys::unregister_pairs_of(Locals& from, const GuidPrefix& remote) {
   for (auto& [id, local] : from)
     for (auto at = local.pairs.lower_bound({remote, {}});
          at != local.pairs.end() && at->first.prefix == remote;)
-      unregister_pair(from, id, Guid((at++)->first), false);
+      unregister_pair(from, id, Guid((at++)->first), AfterMatch::gone);
 }
 
 const EndpointKeys::Endpoint* EndpointKeys::endpoint_of(std::int64_t handle) const {
@@ -232,7 +249,13 @@ void SecondProtections::remove(const EntityId& id) {
 void SecondProtections::unregister_pair(const EntityId& id, const Guid& remote) {
   forget(permitted_, id, remote);
   forget(announced_with_second_, id, remote);
-  keys_.unregister_pair(others_, id, remote, false);
+  keys_.unregister_pair(others_, id, remote, AfterMatch::gone);
+}
+
+void SecondProtections::give_up(const EntityId& id, const std::optional<Guid>& remote) {
+  if (!remote) return;
+  unregister_pair(id, *remote);
+  keys_.unregister_pair(first_, id, *remote, AfterMatch::gone);
 }
 
 void SecondProtections::unregister_pairs_of(const GuidPrefix& remote) {
@@ -301,6 +324,11 @@ Result<SecondProtections::Completion> SecondProtections::complete(const EntityId
   const bool is_relay_only =
       has_first ? in_first->second.is_relay_only : in_other->second.is_relay_only;
   DDSSEC_ASSIGN_OR_RETURN(auto registered, keys_.register_pair(id, lacks, remote, is_relay_only));
+  // A pair keeps its first protection without the second one, but not the other way round.
+  if (has_other)
+    give_up(id, registered.displaced);
+  else if (registered.displaced)
+    unregister_pair(id, *registered.displaced);
   return Completion{lacks.protection, std::move(registered.tokens)};
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/hash.hpp"
+#include "rtps/security/idle_pairs.hpp"
 #include "rtps/security/own_security.hpp"
 
 namespace ddssec::rtps {
@@ -23,8 +24,18 @@ struct PairKeys {
   bool is_ready = false;
   bool is_relay_only = false;
   bool is_suspended = false;
-  Sha256Digest keys = {};                 ///< digest of its latest tokens
+  bool is_silent = false;  ///< nothing is protected for it but what is sent to it alone
+  Sha256Digest keys = {};  ///< digest of its latest tokens
   std::optional<std::size_t> place = {};  ///< index in the lists of ready pairs
+};
+
+/// What becomes of the keys of a pair that is no longer matched.
+enum class AfterMatch : std::uint8_t {
+  gone,        ///< they are dropped
+  may_return,  ///< the pair is suspended: nothing is protected for it, or opened
+  /// The remote reader does not answer. Messages to all readers contain nothing for it, but it may
+  /// still be asked, and its answer can be opened.
+  silent,
 };
 
 /// A local endpoint under one protection.
@@ -38,9 +49,13 @@ struct LocalKeys {
   std::vector<spi::DatareaderCryptoHandle> readers = {};  ///< for a writer: the ready readers
   std::vector<spi::DatawriterCryptoHandle> writers = {};  ///< for a reader: the ready writers
   std::vector<PairKeys*> is_ready = {};                   ///< the pairs of either list
+  IdlePairs idle = {};                                    ///< those that are in neither list
   /// Adds a pair to the lists if it is ready, or removes it, without iterating over the others.
-  void list(const EntityId& id, PairKeys& pair);
+  void list(const EntityId& id, const Guid& remote, PairKeys& pair);
   void unlist(const EntityId& id, PairKeys& pair);
+  /// The pair is in neither list, and has keys. Returns the pair whose keys must be given up in
+  /// exchange, if any.
+  std::optional<Guid> note_idle(const Guid& remote, const PairKeys& pair);
 };
 using Locals = std::map<EntityId, LocalKeys>;
 /// Returns nullptr if it is not there.
@@ -60,6 +75,8 @@ struct PairRegistration {
   bool is_ready = false;  ///< the keys have arrived, or none are needed
   bool is_new = false;
   std::vector<spi::Token> tokens = {};  ///< to be sent to the remote endpoint, if the pair is new
+  /// The pair of the same local endpoint that must be unregistered in exchange (IdlePairs).
+  std::optional<Guid> displaced = {};
 };
 
 /// Registers them with the plugin, and returns the handles.
@@ -73,8 +90,10 @@ class EndpointKeys {
   /// Errors: crypto_not_matched (the remote participant is not known), those of the plugin.
   Result<PairRegistration> register_pair(const EntityId& id, LocalKeys& local, const Guid& remote,
                                          bool is_relay_only);
-  /// See Keyring::unregister_pair.
-  void unregister_pair(Locals& from, const EntityId& id, const Guid& remote, bool may_return);
+  /// See Keyring::unregister_pair. Returns the pair that must be unregistered in exchange
+  /// (IdlePairs), if any.
+  std::optional<Guid> unregister_pair(Locals& from, const EntityId& id, const Guid& remote,
+                                      AfterMatch after);
   /// The same for all endpoints of the participant.
   void unregister_pairs_of(Locals& from, const GuidPrefix& remote);
   Result<std::vector<spi::Token>> tokens_for(const EntityId& id, const LocalKeys& local,
@@ -118,6 +137,8 @@ class SecondProtections {
   void remove_all();
   void remove(const EntityId& id);
   void unregister_pair(const EntityId& id, const Guid& remote);
+  /// Drops the keys for both protections, if a pair is named.
+  void give_up(const EntityId& id, const std::optional<Guid>& remote);
   void unregister_pairs_of(const GuidPrefix& remote);
 
   /// The first protection; 0: unknown endpoint.

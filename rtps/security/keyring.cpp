@@ -107,24 +107,33 @@ Result<PairRegistration> Keyring::register_pair(const EntityId& id, const Guid& 
   auto& local = at->second;
   if (const auto known = local.pairs.find(remote); known != local.pairs.end()) {
     auto& pair = known->second;
-    if (pair.is_relay_only == is_relay_only && !pair.is_suspended)
+    if (pair.is_relay_only == is_relay_only && !pair.is_suspended) {
+      pair.is_silent = false;
+      local.list(id, remote, pair);
       return PairRegistration{pair.is_ready};
+    }
     if (pair.is_relay_only == is_relay_only) {
       // The remote endpoint gets the keys again: they may have been revised.
       DDSSEC_ASSIGN_OR_RETURN(auto tokens, keys_.tokens_for(id, local, pair));
       pair.is_suspended = false;
-      local.list(id, pair);
+      local.list(id, remote, pair);
+      second_protections_.give_up(id, local.note_idle(remote, pair));
       return PairRegistration{pair.is_ready, true, std::move(tokens)};
     }
     unregister_pair(id, remote);
   }
-  return keys_.register_pair(id, local, remote, is_relay_only);
+  DDSSEC_ASSIGN_OR_RETURN(auto registered, keys_.register_pair(id, local, remote, is_relay_only));
+  second_protections_.give_up(id, registered.displaced);
+  return registered;
 }
 
 // A suspended pair gets its second protection again when it returns.
-void Keyring::unregister_pair(const EntityId& id, const Guid& remote, bool may_return) {
+std::optional<Guid> Keyring::unregister_pair(const EntityId& id, const Guid& remote,
+                                             AfterMatch after) {
   second_protections_.unregister_pair(id, remote);
-  keys_.unregister_pair(locals_, id, remote, may_return);
+  auto displaced = keys_.unregister_pair(locals_, id, remote, after);
+  second_protections_.give_up(id, displaced);
+  return displaced;
 }
 
 Keyring::PairKind Keyring::kind_of(const EntityId& id, const Guid& remote) const {
@@ -144,11 +153,13 @@ bool Keyring::is_pair_registered(const EntityId& id, const Guid& remote) const {
 Keyring::PairKeys Keyring::keys_for(const EntityId& id, const Guid& remote) const {
   const auto* local = find(id);
   if (local == nullptr) return {};
+  PairKeys out{.may_be_dropped = local->idle.has_displaced(remote.prefix)};
   const auto found = local->pairs.find(remote);
-  if (found == local->pairs.end()) return {};
+  if (found == local->pairs.end()) return out;
   const auto& pair = found->second;
-  return {.have_come = pair.keys != Sha256Digest{},
-          .are_awaited = !pair.is_ready && !pair.is_suspended};
+  out.have_come = pair.keys != Sha256Digest{};
+  out.are_awaited = !pair.is_ready && !pair.is_suspended;
+  return out;
 }
 
 // If only payloads are protected, an attacker can change their sequence numbers.
@@ -184,9 +195,9 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
     DDSSEC_RETURN_IF_ERROR(exchange().set_remote_datawriter_crypto_tokens({own}, {peer}, tokens));
   pair->second.keys = digest_of(tokens);
   const bool was_ready = std::exchange(pair->second.is_ready, true);
-  if (pair->second.is_suspended) return false;
-  local->list(id, pair->second);
-  return is_first && !was_ready;
+  local->list(id, remote, pair->second);
+  second_protections_.give_up(id, local->note_idle(remote, pair->second));
+  return is_first && !was_ready && !pair->second.is_suspended;
 }
 
 // ---- key revision

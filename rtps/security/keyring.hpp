@@ -60,10 +60,11 @@ class Keyring final : public SendProtection {
   /// Registers a pair, or finds it.
   Result<PairRegistration> register_pair(const EntityId& local, const Guid& remote,
                                          bool is_relay_only = false);
-  /// `may_return`: the pair is suspended. It may be registered again, and the remote endpoint,
-  /// which need not know of that, does not send its keys again then. Nothing is protected for it
-  /// meanwhile.
-  void unregister_pair(const EntityId& local, const Guid& remote, bool may_return = false);
+  /// A pair whose keys stay may be registered again, and the remote endpoint, which need not know
+  /// of that, does not send its keys again then. Returns the pair whose keys were dropped in
+  /// exchange (IdlePairs), if any.
+  std::optional<Guid> unregister_pair(const EntityId& local, const Guid& remote,
+                                      AfterMatch after = AfterMatch::gone);
   enum class PairKind : std::uint8_t { unknown, ordinary, relay_only, suspended };
   PairKind kind_of(const EntityId& local, const Guid& remote) const;
   /// False for a pair that is suspended.
@@ -72,6 +73,9 @@ class Keyring final : public SendProtection {
   struct PairKeys {
     bool have_come = false;    ///< also if the pair is suspended
     bool are_awaited = false;  ///< the pair is registered, and waits for them
+    /// There were too many pairs of the local endpoint with the subject of the remote one, so some
+    /// were unregistered (IdlePairs).
+    bool may_be_dropped = false;
   };
   PairKeys keys_for(const EntityId& local, const Guid& remote) const;
   /// A digest of the keys that protect messages from the remote to the local endpoint. It stays the

@@ -29,7 +29,7 @@ class SecurityHost {
   /// The keys of a pair that is registered have arrived.
   virtual void on_keys(const EntityId& local, const Guid& remote) = 0;
   /// Keys of the remote endpoint arrived, and are kept, for a pair that is not registered.
-  virtual void on_early_keys(const Guid& remote) = 0;
+  virtual void on_early_keys(const EntityId& local, const Guid& remote) = 0;
   /// The peer's permissions, or the local ones, were renewed: endpoints may match that did not, or
   /// no longer match. Returns true if any no longer match.
   virtual bool on_rights_changed(const GuidPrefix& peer) = 0;

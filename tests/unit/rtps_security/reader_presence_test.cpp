@@ -165,6 +165,48 @@ TEST_F(ReaderPresenceTest, ReportOfAWriter_ChangesNothing) {
   EXPECT_EQ(matched(), 1);
 }
 
+// Otherwise a peer whose readers fall silent in turn would fill the writer's messages with MACs.
+TEST(ReaderPresenceMacs, OfASilentReader_AreLeftOutUntilItIsHeard) {
+  Pair pair({.discovery = kEncrypt, .metadata = ProtectionKind::sign_with_origin_authentication});
+  ASSERT_TRUE(pair.match());
+  Listener second;
+  auto qos = default_reader_qos();
+  qos.reliability.kind = ReliabilityKind::reliable;
+  ASSERT_TRUE(pair.b->create_reader(square(qos), second, pair.world.now));
+  ASSERT_TRUE(pair.world.run_until([&] { return pair.a.listener.matched == 2; }));
+  pair.world.run(100);
+  bool is_cut_off = false;
+  pair.world.filter = [&](const Node& from, Bytes datagram) {
+    const bool drops = is_cut_off && &from == &pair.b && is_about(datagram, pair.reader.entity);
+    return drops ? std::vector<Bytes>() : one(std::move(datagram));
+  };
+  const auto size_of_sample = [&] {
+    pair.a.post.sent.clear();
+    pair.write();
+    const auto size = pair.a.post.sent.front().second.size();
+    pair.world.run(20);
+    return size;
+  };
+  const auto with_both = size_of_sample();
+  is_cut_off = true;
+  Bytes buffer(64);
+  SpanWriter out(buffer);
+  write_endpoint_key(out, pair.reader);
+  pair.a->receive(forged(pair.b->prefix(), Data{kSubscriptionsReader,
+                                                kSubscriptionsWriter,
+                                                {1},
+                                                {pair.reader.octets(), {true, true}},
+                                                PayloadKind::key,
+                                                out.view()}),
+                  pair.world.now);
+  ASSERT_TRUE(pair.world.run_until([&] { return pair.a.listener.matched == 1; }, 600));
+  constexpr std::size_t kMac = 20;
+  EXPECT_EQ(size_of_sample(), with_both - kMac);
+  is_cut_off = false;
+  ASSERT_TRUE(pair.world.run_until([&] { return pair.a.listener.matched == 2; }, 4000));
+  EXPECT_EQ(size_of_sample(), with_both);
+}
+
 TEST_F(ReaderPresenceTest, EndThatIsProtected_EndsAtOnce) {
   is_cut_off = true;
   report_end(pair.reader);
