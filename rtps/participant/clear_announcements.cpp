@@ -12,16 +12,11 @@ bool differ_in_what_a_match_keeps(const Qos& before, const Qos& after) {
 
 }  // namespace
 
-void ClearAnnouncements::make_room_for(RemoteParticipant& remote, const EndpointData& secure) {
+void ClearAnnouncements::give_way_to(RemoteParticipant& remote, const EndpointData& secure) {
   const auto id = secure.guid.entity;
   const auto known = remote.endpoints.find(id);
   if (known != remote.endpoints.end() && !known->second.data.by_secure_discovery)
     matcher_.remove(remote, id);
-  if (remotes_.has_room(remote, secure)) return;
-  std::vector<EntityId> clear;
-  for (const auto& [other, endpoint] : remote.endpoints)
-    if (!endpoint.data.by_secure_discovery) clear.push_back(other);
-  for (const auto& other : clear) matcher_.remove(remote, other);
 }
 
 bool ClearAnnouncements::note_announced(RemoteParticipant& remote, const EndpointData& endpoint) {

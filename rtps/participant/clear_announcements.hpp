@@ -19,9 +19,9 @@ class ClearAnnouncements final : private Timed {
         matcher_(matcher),
         builtin_(builtin) {}
 
-  /// Makes room for a securely announced endpoint: removes the unprotected announcement of the same
-  /// endpoint and, if there is still no room, all unprotected ones. Any host may have sent those.
-  void make_room_for(RemoteParticipant& remote, const EndpointData& secure);
+  /// Removes the unprotected announcement of an endpoint that is announced securely. Any host may
+  /// have sent it.
+  void give_way_to(RemoteParticipant& remote, const EndpointData& secure);
   /// The participant's endpoint is announced. If anyone can have said so and it changes what is
   /// known, the participant's announcements are read again later (SecondReading). Returns false if
   /// it changes nothing, or not before that.

@@ -371,7 +371,7 @@ void Discovery::on_endpoint(BuiltinTopic topic, const Change& change) {
     ++core_.counters.refused_discovery;
     return;
   }
-  if (secure) clear_.make_room_for(*remote, *data);
+  if (secure) clear_.give_way_to(*remote, *data);
   if (!clear_.note_announced(*remote, *data)) return;
   parts_.matcher.add(*remote, std::move(*data));
 }

@@ -13,6 +13,14 @@ std::size_t price_of(const EndpointData& data) {
   return RemoteParticipants::kPricePerEndpoint + octets_of(data);
 }
 
+// The endpoint does not count any more as it is stored.
+void discount(std::array<AnnouncedShares, 2>& all, RemoteParticipant& remote,
+              const RemoteEndpoint& endpoint) {
+  const AnnouncedShares::Amount less{endpoint.price, 1};
+  remote.announced[endpoint.is_proven ? 1 : 0] -= less;
+  all[endpoint.is_proven ? 1 : 0].remove(remote.account, less);
+}
+
 // Returns kNever if the lease does not end.
 MonotonicTime lease_of(const ParticipantCore& core, const ParticipantData& data) {
   const auto announced =
@@ -151,10 +159,12 @@ std::optional<GuidPrefix> RemoteParticipants::next_to_evict() {
 void RemoteParticipants::accept(RemoteParticipant& remote) {
   if (core_.is_authenticated(remote.prefix())) {
     // From now on its endpoints count for its identity.
-    const AnnouncedShares::Amount own{remote.endpoint_octets, remote.endpoints.size()};
     const auto identity = core_.identity_of(remote.prefix());
-    announced_.add(identity, own);
-    announced_.remove(std::exchange(remote.account, identity), own);
+    for (const std::size_t proven : {0u, 1u}) {
+      announced_[proven].add(identity, remote.announced[proven]);
+      announced_[proven].remove(remote.account, remote.announced[proven]);
+    }
+    remote.account = identity;
     discharge(remote);
   }
   if (!std::exchange(remote.accepted, true)) on_changed(remote);
@@ -228,37 +238,42 @@ void RemoteParticipants::raise_about(Error error, const EntityId& local, const G
 // there are of its identity.
 bool RemoteParticipants::has_room(RemoteParticipant& remote, const EndpointData& endpoint) {
   const auto price = price_of(endpoint);
+  const std::size_t proven = core_.is_proven(endpoint) ? 1 : 0;
   const auto known = remote.endpoints.find(endpoint.guid.entity);
-  const bool is_new = known == remote.endpoints.end();
-  const auto before = is_new ? 0 : known->second.price;
-  const auto of_it = remote.endpoint_octets - before + price;
-  const std::size_t old = is_new ? 0 : 1;
-  const bool fits = of_it <= kMaxEndpointOctetsPerParticipant &&
-                    (!is_new || remote.endpoints.size() < kMaxEndpointsPerParticipant) &&
-                    announced_.has_room(remote.account, {price, 1}, {before, old});
-  if (fits || of_it <= kEndpointOctetsOfEach) return true;
+  const bool replaces = known != remote.endpoints.end() && known->second.is_proven == (proven == 1);
+  const AnnouncedShares::Amount more{price, 1};
+  const auto less =
+      replaces ? AnnouncedShares::Amount{known->second.price, 1} : AnnouncedShares::Amount{};
+  auto own = remote.announced[proven];
+  (own += more) -= less;
+  const bool fits = own.octets <= kMaxEndpointOctetsPerParticipant &&
+                    own.endpoints <= kMaxEndpointsPerParticipant &&
+                    announced_[proven].has_room(remote.account, more, less);
+  if (fits || own.octets <= kEndpointOctetsOfEach) return true;
   ++core_.counters.refused_discovery;
-  if (!std::exchange(remote.exceeds, true))
+  const auto& before = remote.announced[proven];
+  if (!std::exchange(remote.exceeds[proven], true))
     core_.raise_about(
         Error(Code::rtps_too_many_endpoints,
-              {.found = fmt::format("{} endpoints of {} octets", remote.endpoints.size(),
-                                    remote.endpoint_octets)}),
+              {.found = fmt::format("{} endpoints of {} octets", before.endpoints, before.octets)}),
         endpoint);
   return false;
 }
 
 RemoteEndpoint& RemoteParticipants::store(RemoteParticipant& remote, EndpointData data) {
-  const auto price = price_of(data);
+  const AnnouncedShares::Amount more{price_of(data), 1};
+  const bool is_proven = core_.is_proven(data);
   const auto [at, is_new] = remote.endpoints.try_emplace(data.guid.entity);
   auto& endpoint = at->second;
   Rollback counted([&, place = at, added = is_new] {
     if (added) remote.endpoints.erase(place);
   });
-  announced_.add(remote.account, {price, 1});
+  announced_[is_proven ? 1 : 0].add(remote.account, more);
   counted.release();
-  announced_.remove(remote.account, {endpoint.price, is_new ? 0u : 1u});
-  remote.endpoint_octets += price - endpoint.price;
-  endpoint.price = price;
+  if (!is_new) discount(announced_, remote, endpoint);
+  remote.announced[is_proven ? 1 : 0] += more;
+  endpoint.price = more.octets;
+  endpoint.is_proven = is_proven;
   endpoint.data = std::move(data);
   if (discovery_ != nullptr) discovery_->on_endpoint(endpoint.data);
   return endpoint;
@@ -268,8 +283,7 @@ void RemoteParticipants::remove(RemoteParticipant& remote, const EntityId& id) {
   const auto known = remote.endpoints.find(id);
   if (known == remote.endpoints.end()) return;
   if (discovery_ != nullptr) discovery_->on_endpoint_gone(known->second.data);
-  remote.endpoint_octets -= known->second.price;
-  announced_.remove(remote.account, {known->second.price, 1});
+  discount(announced_, remote, known->second);
   remote.endpoints.erase(known);
   remote.clear_addresses.release(id);
 }

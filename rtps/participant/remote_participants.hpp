@@ -23,6 +23,7 @@ struct RemoteEndpoint {
   EndpointData data;
   std::vector<StatefulReader*> readers = {};  ///< the local readers that this writer matched
   std::size_t price = 0;
+  bool is_proven = false;  ///< it counts for what its participant alone can have announced
 };
 
 struct RemoteParticipant {
@@ -45,9 +46,11 @@ struct RemoteParticipant {
   ProvenHosts doubted_hosts = {};        ///< see exchange_hosts
   bool has_displaced_addresses = false;  ///< messages also went to addresses that are not known now
   bool heard_participants_secure = false;
-  std::size_t endpoint_octets = 0;  ///< sum of their prices
-  GuidPrefix account = {};          ///< the identity that its endpoints count for
-  bool exceeds = false;             ///< it announced more than the limit, and the event was raised
+  /// Its endpoints and their prices: that anyone can have announced, and that are proven.
+  std::array<AnnouncedShares::Amount, 2> announced = {};
+  GuidPrefix account = {};  ///< the identity that its endpoints count for
+  /// It announced more than the limit, and the event was raised. The same order.
+  std::array<bool, 2> exceeds = {};
   /// The sources that announced these locators.
   std::vector<SourceAddress> metatraffic_sources = {}, user_sources = {};
   SourceAddress source = {};                 ///< the source that announced the participant first
@@ -80,6 +83,8 @@ class RemoteParticipants {
  public:
   static constexpr std::size_t kMaxParticipants = 512;
   static_assert(Handshakes::kMaxAuthenticated < kMaxParticipants, "some are left for newcomers");
+  /// The limits for endpoints hold once for those that are proven (ParticipantCore::is_proven), and
+  /// once for those that anyone can have announced: these cannot use up the room of the others.
   static constexpr std::size_t kMaxEndpointsPerParticipant = 16384;
   /// Limit for all participants together. One identity gets no more than is free.
   static constexpr std::size_t kMaxEndpoints = 65536;
@@ -190,7 +195,10 @@ class RemoteParticipants {
   std::map<GuidPrefix, RemoteParticipant> remotes_;
   RemoteParticipant self_;
   DiscoveryListener* discovery_ = nullptr;
-  AnnouncedShares announced_{{kMaxEndpointOctets, kMaxEndpoints}};
+  static constexpr AnnouncedShares::Amount kMaxAnnounced{kMaxEndpointOctets, kMaxEndpoints};
+  /// In the order of RemoteParticipant::announced.
+  std::array<AnnouncedShares, 2> announced_{AnnouncedShares(kMaxAnnounced),
+                                            AnnouncedShares(kMaxAnnounced)};
   UnprovenParticipants unproven_;  ///< only used by a secured participant
   MonotonicTime next_end_ = kNever;
   MonotonicTime next_question_ = kNever;
