@@ -44,7 +44,8 @@ void BuiltinMatcher::match(const BuiltinTopicInfo& info, RemoteParticipant& remo
         {.guid = other,
          .is_reliable = true,
          .locators = remote.metatraffic,
-         .begins_at_zero = again && remote.data.vendor == kVendorFastDds},
+         .begins_at_zero = again && remote.data.vendor == kVendorFastDds,
+         .contradicted = core_.security && is_plain_sedp(info) ? contradicted_ : nullptr},
         core_.now);
 }
 
@@ -63,6 +64,15 @@ void BuiltinMatcher::read_again(RemoteParticipant& remote) {
     if (!is_plain_sedp(info)) continue;
     builtin_.find_reader(info.reader)->unmatch({remote.prefix(), info.writer});
     match(info, remote, false, true);
+  }
+}
+
+void BuiltinMatcher::offer_again(const RemoteParticipant& remote) {
+  for (const auto& info : kBuiltinTopics) {
+    const Guid reader{remote.prefix(), info.reader};
+    auto& writer = builtin_.writer(info.topic);
+    if (is_plain_sedp(info) && writer.readers().contains(reader))
+      writer.ask(reader, remote.metatraffic);
   }
 }
 

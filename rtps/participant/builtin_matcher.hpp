@@ -12,6 +12,11 @@ class BuiltinMatcher {
  public:
   BuiltinMatcher(ParticipantCore& core, BuiltinEndpoints& builtin);
 
+  /// Called when messages of plain discovery in a participant's name contradict each other. For
+  /// participants that match from now on.
+  void on_contradiction(std::function<void(const Guid& writer)> contradicted) {
+    contradicted_ = std::move(contradicted);
+  }
   /// Matches all builtin endpoints of the participant.
   void match(RemoteParticipant& remote);
   /// Matches one local endpoint. Called when the keys for that participant and this endpoint have
@@ -20,7 +25,10 @@ class BuiltinMatcher {
   void unmatch(const RemoteParticipant& remote);
   /// Requests all plain announcements of the participant's endpoints again.
   void read_again(RemoteParticipant& remote);
-  /// Returns true if all of these have arrived, as far as is known.
+  /// Tells the participant which plain announcements of ours there are: it requests those that it
+  /// has not received, whatever was acknowledged in its name.
+  void offer_again(const RemoteParticipant& remote);
+  /// Returns true if all announcements of the participant have arrived, as far as is known.
   bool has_read(const RemoteParticipant& remote) const;
   /// Must be called when the addresses that are used for the participant may have changed.
   void readdress(const RemoteParticipant& remote, MonotonicTime now);
@@ -34,6 +42,7 @@ class BuiltinMatcher {
 
   ParticipantCore& core_;
   BuiltinEndpoints& builtin_;
+  std::function<void(const Guid&)> contradicted_;
 };
 
 }  // namespace ddssec::rtps

@@ -12,6 +12,34 @@ bool differ_in_what_a_match_keeps(const Qos& before, const Qos& after) {
 
 }  // namespace
 
+ClearAnnouncements::ClearAnnouncements(ParticipantCore& core, LocalEndpoints& local,
+                                       RemoteParticipants& remotes, EndpointMatcher& matcher,
+                                       BuiltinMatcher& builtin)
+    : Timed(core.timers),
+      core_(core),
+      local_(local),
+      remotes_(remotes),
+      matcher_(matcher),
+      builtin_(builtin) {
+  builtin_.on_contradiction([this](const Guid& writer) { note_contradiction(writer.prefix); });
+}
+
+// Participants that were found at the same time are not all read at the same time.
+void ClearAnnouncements::begin(RemoteParticipant& remote) {
+  if (!is_doubtful(remote, kPublicationsWriter, false)) return;
+  const auto digest = sha256({core_.config.prefix.octets, remote.prefix().octets});
+  const auto share = SecondReading::kMaxPause / 256 * (1 + digest[0]);
+  remote.second_reading.begin(core_.now, share);
+  remote.next_offer = core_.now + kOfferPeriod;
+  call_at(std::min(remote.second_reading.next(), remote.next_offer));
+}
+
+void ClearAnnouncements::note_contradiction(const GuidPrefix& participant) {
+  auto* remote = remotes_.find(participant);
+  if (remote != nullptr && is_doubtful(*remote, kPublicationsWriter, false))
+    note_change(remote->second_reading);
+}
+
 void ClearAnnouncements::give_way_to(RemoteParticipant& remote, const EndpointData& secure) {
   const auto id = secure.guid.entity;
   const auto known = remote.endpoints.find(id);
@@ -144,7 +172,11 @@ void ClearAnnouncements::on_time(MonotonicTime now) {
     auto& reading = remote.second_reading;
     if (reading.take_over(now)) on_read(remote);
     if (reading.take_due(now)) builtin_.read_again(remote);
-    next = std::min(next, reading.next());
+    if (now >= remote.next_offer) {
+      builtin_.offer_again(remote);
+      remote.next_offer = now + kOfferPeriod;
+    }
+    next = std::min({next, reading.next(), remote.next_offer});
   }
   call_at(next);
 }

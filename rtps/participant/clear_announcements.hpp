@@ -10,14 +10,17 @@ namespace ddssec::rtps {
 /// announces.
 class ClearAnnouncements final : private Timed {
  public:
+  /// How often a participant is told which plain announcements of ours there are.
+  static constexpr MonotonicTime kOfferPeriod = std::chrono::seconds(32);
+
   ClearAnnouncements(ParticipantCore& core, LocalEndpoints& local, RemoteParticipants& remotes,
-                     EndpointMatcher& matcher, BuiltinMatcher& builtin)
-      : Timed(core.timers),
-        core_(core),
-        local_(local),
-        remotes_(remotes),
-        matcher_(matcher),
-        builtin_(builtin) {}
+                     EndpointMatcher& matcher, BuiltinMatcher& builtin);
+  ClearAnnouncements(const ClearAnnouncements&) = delete;
+  ClearAnnouncements& operator=(const ClearAnnouncements&) = delete;
+
+  /// The participant was accepted. If anyone can send announcements in its name, both sides compare
+  /// from time to time what is announced.
+  void begin(RemoteParticipant& remote);
 
   /// Removes the unprotected announcement of an endpoint that is announced securely. Any host may
   /// have sent it.
@@ -33,6 +36,7 @@ class ClearAnnouncements final : private Timed {
   void on_time(MonotonicTime now) override;
   bool is_doubtful(const RemoteParticipant& remote, const EntityId& endpoint, bool secure) const;
   void note_change(SecondReading& reading);
+  void note_contradiction(const GuidPrefix& participant);
   /// The local endpoints of the other kind.
   std::vector<EntityId> counterparts(const EntityId& endpoint) const;
   /// True if keys that the endpoint sent for a local one are there.

@@ -446,6 +446,7 @@ void Discovery::on_authenticated(const GuidPrefix& peer) {
     core_.sender.amplification_limit().begin(peer, remote->metatraffic,
                                              remote->metatraffic_sources);
   accept(*remote);
+  clear_.begin(*remote);
 }
 
 // DDS-Security 1.2, clause 9.8.3.1: the participant may then be admitted without authentication.

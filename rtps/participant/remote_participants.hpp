@@ -60,6 +60,7 @@ struct RemoteParticipant {
   /// It announced an endpoint at hosts that are not proven, and the event was raised.
   bool has_unproven_endpoints = false;
   SecondReading second_reading = {};
+  MonotonicTime next_offer = kNever;  ///< when our plain announcements are next offered to it
   /// What its clear announcements add to its own addresses.
   ClearAddresses clear_addresses = {};
   /// They would have added more, and the event was raised.

@@ -34,10 +34,11 @@ void SecondReading::note_alive(const EntityId& endpoint) {
 }
 
 bool SecondReading::take_due(MonotonicTime now) {
-  if (now < due_) return false;
+  if (now < std::min(due_, routine_)) return false;
+  pause_ = now < due_ ? kMinPause : std::min(pause_ * 2, kMaxPause);
   due_ = kNever;
   last_ = now;
-  pause_ = std::min(pause_ * 2, kMaxPause);
+  if (routine_ != kNever) routine_ = now + kMaxPause;
   for (auto& [endpoint, state] : ended_) state.is_read = true;
   over_ = now + kAnswerTimeout;
   return true;
@@ -71,6 +72,6 @@ std::optional<EntityId> SecondReading::note_gone(const EntityId& endpoint) {
   return first;
 }
 
-MonotonicTime SecondReading::next() const { return std::min(due_, over_); }
+MonotonicTime SecondReading::next() const { return std::min({due_, over_, routine_}); }
 
 }  // namespace ddssec::rtps

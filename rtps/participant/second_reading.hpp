@@ -16,6 +16,11 @@ namespace ddssec::rtps {
 /// does not correct it. But its SEDP writers keep what it announced, and send it again to a reader
 /// that requests it. Of an endpoint that has in truth ended or changed, they keep only the latest.
 ///
+/// An attacker can also make us miss an announcement: by a message with the sequence number that
+/// the next one will have, or by a HEARTBEAT or GAP that skips it. Messages that contradict each
+/// other count as a change. Not all forgeries are noticed. So everything is also read if there was
+/// no reading for kMaxPause.
+///
 /// The pause grows, so that a participant with many short-lived endpoints does not send all of them
 /// again each time.
 class SecondReading {
@@ -32,7 +37,10 @@ class SecondReading {
   /// Limit for the endpoints that are known by name to have lost their keys.
   static constexpr std::size_t kMaxWithoutKeys = 1024;
 
-  /// Something that proves nothing has changed an endpoint that was known.
+  /// From now on everything is read at least once in kMaxPause, first within `first`.
+  void begin(MonotonicTime now, MonotonicTime first) { routine_ = now + first; }
+  /// Something that proves nothing has changed an endpoint that was known, or contradicts what was
+  /// received before.
   void note_change(MonotonicTime now);
   /// The same, and an endpoint that has sent its keys is said to have ended. Returns true if that
   /// counts from now on, and the keys are kept; false if the next reading decides.
@@ -68,7 +76,7 @@ class SecondReading {
     bool is_read = false;  ///< a reading has begun since
   };
 
-  MonotonicTime due_ = kNever, over_ = kNever;
+  MonotonicTime due_ = kNever, over_ = kNever, routine_ = kNever;
   MonotonicTime last_{};
   MonotonicTime pause_ = kMinPause;
   std::map<EntityId, State> ended_;

@@ -12,6 +12,13 @@ Destination destination_of(const WriterProxy& proxy) {
   return {proxy.writer().guid.prefix, proxy.writer().locators};
 }
 
+// Reports what the message contradicts.
+template <class... Message>
+void check(WriterProxy& proxy, const Message&... message) {
+  if (proxy.contradictions && proxy.contradictions->note(message...))
+    proxy.writer().contradicted(proxy.writer().guid);
+}
+
 }  // namespace
 
 StatefulReader::StatefulReader(const Guid& guid, bool reliable, MessageSender& sender,
@@ -85,7 +92,9 @@ bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
                              const std::optional<Time>& time, Payload elsewhere) {
   sender_.note_sample();
   auto* proxy = find({from, data.writer});
-  if (proxy == nullptr || data.sequence_number < proxy->next()) return false;
+  if (proxy == nullptr) return false;
+  check(*proxy, data, proxy->next());
+  if (data.sequence_number < proxy->next()) return false;
   // DDS 1.4 has no instance state for samples that did not pass a filter, so there is nothing to
   // report.
   if (data.inline_qos.status.filtered) return accept(*proxy, data.sequence_number, std::nullopt);
@@ -100,7 +109,9 @@ bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
 bool StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
                                   const std::optional<Time>& time) {
   auto* proxy = find({from, frag.writer});
-  if (proxy == nullptr || !proxy->lacks(frag.sequence_number)) return false;
+  if (proxy == nullptr) return false;
+  check(*proxy, frag, proxy->next());
+  if (!proxy->lacks(frag.sequence_number)) return false;
   if (!has_place(*proxy, frag, time)) return false;
   const bool is_new = proxy->partial().insert(frag);
   auto complete = proxy->partial().take_complete(frag.sequence_number);
@@ -145,7 +156,9 @@ void StatefulReader::give_up_largest(const GuidPrefix& identity) {
 bool StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat,
                                   bool is_protected) {
   auto* proxy = find({from, heartbeat.writer});
-  if (proxy == nullptr || !proxy->on_heartbeat(heartbeat, is_protected)) return false;
+  if (proxy == nullptr) return false;
+  check(*proxy, heartbeat);
+  if (!proxy->on_heartbeat(heartbeat, is_protected)) return false;
   if (!proxy->is_reliable()) return true;
   if (heartbeat.group && proxy->next() > heartbeat.last && on_group_)
     on_group_(proxy->writer().guid, heartbeat.group->current);
@@ -159,6 +172,7 @@ bool StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heart
 bool StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap) {
   auto* proxy = find({from, gap.writer});
   if (proxy == nullptr) return false;
+  if (proxy->contradictions) proxy->contradictions->note(gap);
   const auto before = std::pair(proxy->next(), proxy->early());
   if (gap.start <= proxy->next() && !proxy->waits_for_heartbeat()) {
     proxy->skip_to(gap.list.base());

@@ -10,7 +10,9 @@ WriterProxy::WriterProxy(MatchedWriter writer, bool reader_is_reliable, Common& 
       is_reliable_(reader_is_reliable && writer_.is_reliable),
       held_(*common.held, writer_.owner()),
       early_(held_, common.spare),
-      partial_(held_, !reader_is_reliable) {}
+      partial_(held_, !reader_is_reliable) {
+  if (writer_.contradicted) contradictions = std::make_unique<Contradictions>();
+}
 
 void WriterProxy::resume(const PastWriters::Position& past, bool wants_history) {
   heartbeats_.resume(past.last_heartbeat);

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 
 #include "base/hash.hpp"
+#include "rtps/reliability/contradictions.hpp"
 #include "rtps/reliability/early_changes.hpp"
 #include "rtps/reliability/partial_samples.hpp"
 #include "rtps/reliability/past_writers.hpp"
@@ -31,6 +33,9 @@ struct MatchedWriter {
   /// True if the writer repeats the changes that it keeps only for a reader that begins with number
   /// 0.
   bool begins_at_zero = false;
+  /// Called when messages in the writer's name contradict each other (Contradictions). Empty: that
+  /// is not looked for.
+  std::function<void(const Guid& writer)> contradicted = {};
   GuidPrefix owner() const { return identity.value_or(guid.prefix); }
 };
 
@@ -128,6 +133,7 @@ class WriterProxy {
   void set_next(SequenceNumber next) { next_ = next; }
 
   QuestionTimer question;
+  std::unique_ptr<Contradictions> contradictions;  ///< nullptr: they are not looked for
 
  private:
   void advance();

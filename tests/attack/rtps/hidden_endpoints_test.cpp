@@ -1,0 +1,181 @@
+// Where neither the discovery of a topic nor RTPS messages are protected, an attacker uses up the
+// sequence numbers of announcements, so that true ones count as known (T60).
+#include "rtps/discovery/serialized.hpp"
+#include "tests/unit/rtps_security/attacker.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+// a writes, b reads. Each test hides a second reader of b from a.
+struct HiddenEndpoints : ::testing::Test {
+  HiddenEndpoints() : pair({.discovery = ProtectionKind::encrypt, .clear_topics = true}) {
+    EXPECT_TRUE(pair.match());
+    pair.world.run(100);
+  }
+  template <class Message>
+  void send_to_a(const Message& message) {
+    pair.a->receive(forged(pair.b->prefix(), message), pair.world.now, attacker);
+  }
+  // In b's name: the announcement of a reader that does not exist.
+  void invent(SequenceNumber number) {
+    auto data = *pair.a.participant->remote_participants().endpoint(pair.reader);
+    data.guid.entity.octets = {0x40, 0, 0, 7};
+    Bytes buffer(4096);
+    SpanWriter out(buffer);
+    write_payload(out, data);
+    send_to_a(Data{
+        kSubscriptionsReader, kSubscriptionsWriter, number, {}, PayloadKind::data, out.view()});
+  }
+  void claim(SequenceNumber first, SequenceNumber last) {
+    send_to_a(Heartbeat{.reader = kSubscriptionsReader,
+                        .writer = kSubscriptionsWriter,
+                        .first = first,
+                        .last = last,
+                        .count = 1000});
+  }
+  Guid create_reader() {
+    auto qos = default_reader_qos();
+    qos.reliability.kind = ReliabilityKind::reliable;
+    return pair.b->create_reader(square(qos), pair.b.listener, pair.world.now).value();
+  }
+  bool matches(const Guid& reader) const {
+    const auto matched = pair.a.participant->local_endpoints().matched(pair.writer);
+    return std::ranges::find(matched, reader) != matched.end();
+  }
+  bool is_found(const Guid& reader, std::chrono::seconds within) {
+    return pair.world.run_until([&] { return matches(reader); }, static_cast<int>(within / 10ms));
+  }
+  const SecondReading& reading() const {
+    return pair.a.participant->remote_participants()
+        .all()
+        .at(pair.b.participant->prefix())
+        .second_reading;
+  }
+  const Locator attacker = *Locator::parse("127.0.0.1", 7999);
+  const SequenceNumber next{2};  // b has announced one reader
+  Pair pair;
+};
+
+constexpr auto kShort = 5s;  // SecondReading::kMinPause, and some time for the answer
+constexpr auto kOffer = 40s;
+
+TEST_F(HiddenEndpoints, ByAnAnnouncementWithTheirNumber_AreFound) {
+  invent(next);
+  const auto reader = create_reader();
+  pair.world.run(100);
+  ASSERT_FALSE(matches(reader));
+  EXPECT_TRUE(is_found(reader, kShort));
+}
+
+TEST_F(HiddenEndpoints, ByAHeartbeatThatSkipsThem_AreFound) {
+  claim({100001}, {100000});
+  const auto reader = create_reader();
+  pair.world.run(100);
+  ASSERT_FALSE(matches(reader));
+  EXPECT_TRUE(is_found(reader, kShort));
+}
+
+TEST_F(HiddenEndpoints, ByAHeartbeatThatSkipsOnlyThem_AreFound) {
+  claim({3}, {2});
+  const auto reader = create_reader();
+  pair.world.run(100);
+  ASSERT_FALSE(matches(reader));
+  EXPECT_TRUE(is_found(reader, kShort));
+}
+
+TEST_F(HiddenEndpoints, ByAGap_AreFound) {
+  send_to_a(Gap{kSubscriptionsReader, kSubscriptionsWriter, next,
+                SequenceNumberSet(SequenceNumber{1000})});
+  const auto reader = create_reader();
+  pair.world.run(100);
+  ASSERT_FALSE(matches(reader));
+  EXPECT_TRUE(is_found(reader, kShort));
+}
+
+// The true announcement is lost, so nothing contradicts the forged one before b says what it has.
+TEST_F(HiddenEndpoints, ByAHeartbeat_AreFoundBeforeAnotherIsAnnounced) {
+  pair.world.attack = [](World::Traffic& traffic) { traffic.clear(); };
+  const auto reader = create_reader();
+  claim({100001}, {100000});
+  pair.b->receive(forged(pair.a->prefix(), AckNack{kSubscriptionsReader, kSubscriptionsWriter,
+                                                   SequenceNumberSet(next.next()), 1000, true}),
+                  pair.world.now, attacker);
+  pair.world.run(10);
+  pair.world.attack = {};
+  pair.world.run(100);
+  ASSERT_FALSE(matches(reader));
+  EXPECT_TRUE(is_found(reader, kOffer));
+}
+
+// b believes that a has it.
+TEST_F(HiddenEndpoints, ByAForgedAcknowledgment_AreOfferedAgain) {
+  pair.world.attack = [](World::Traffic& traffic) { traffic.clear(); };
+  const auto reader = create_reader();
+  pair.world.run(1);
+  pair.b->receive(forged(pair.a->prefix(), AckNack{kSubscriptionsReader, kSubscriptionsWriter,
+                                                   SequenceNumberSet(next.next()), 1000, true}),
+                  pair.world.now, attacker);
+  pair.world.run(10);
+  pair.world.attack = {};
+  pair.world.run(300);
+  ASSERT_FALSE(matches(reader));
+  EXPECT_TRUE(is_found(reader, kOffer));
+}
+
+// The forged announcement has the right number, the true one is lost, and b believes that a has it:
+// nothing contradicts anything. Other vendors do not say again what they have announced.
+TEST_F(HiddenEndpoints, WithoutAContradiction_AreFoundByTheNextReading) {
+  auto& a_for_b =
+      const_cast<RemoteParticipant&>(pair.b->remote_participants().all().at(pair.a->prefix()));
+  a_for_b.next_offer = kNever;
+  pair.world.attack = [](World::Traffic& traffic) { traffic.clear(); };
+  const auto reader = create_reader();
+  invent(next);
+  pair.world.run(1);
+  pair.b->receive(forged(pair.a->prefix(), AckNack{kSubscriptionsReader, kSubscriptionsWriter,
+                                                   SequenceNumberSet(next.next()), 1000, true}),
+                  pair.world.now, attacker);
+  pair.world.run(10);
+  pair.world.attack = {};
+  pair.world.run(6000);
+  ASSERT_FALSE(matches(reader)) << "by chance, the next reading came early";
+  EXPECT_TRUE(is_found(reader, 256s + kShort));
+}
+
+// The forgeries cost the peer one reading in 256 s at last.
+TEST_F(HiddenEndpoints, ByForgeriesThatGoOn_AreReadLessAndLessOften) {
+  int readings = 0;
+  bool was_under_way = false;
+  for (int i = 0; i < 600; ++i) {
+    invent({i % 2 == 0 ? 100 : 3 + i});
+    claim({1}, {i % 50});
+    pair.world.run(100);
+    const bool is_under_way = reading().is_under_way();
+    readings += is_under_way && !was_under_way ? 1 : 0;
+    was_under_way = is_under_way;
+  }
+  EXPECT_GE(readings, 3);
+  EXPECT_LE(readings, 9) << "in 600 s";
+}
+
+// Nothing is forged.
+TEST_F(HiddenEndpoints, WhereNothingContradicts_EverythingIsReadSeldom) {
+  int readings = 0;
+  bool was_under_way = false;
+  for (int i = 0; i < 1024; ++i) {
+    if (i % 20 == 0) create_reader();
+    pair.world.run(100);
+    const bool is_under_way = reading().is_under_way();
+    readings += is_under_way && !was_under_way ? 1 : 0;
+    was_under_way = is_under_way;
+  }
+  EXPECT_GE(readings, 3);
+  EXPECT_LE(readings, 9) << "in 1024 s";
+  EXPECT_TRUE(matches(pair.reader));
+  EXPECT_TRUE(pair.a.events.is_quiet()) << pair.a.events.text();
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
