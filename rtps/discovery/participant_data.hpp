@@ -14,6 +14,10 @@
 
 namespace ddssec::rtps {
 
+/// The property in a participant's signed data that says that it marks payloads which end an
+/// instance (end_mark). It is not announced, because the announcement must stay short.
+inline constexpr std::string_view kMarksEndsProperty = "org.ddssec.marks_ends";
+
 struct ParticipantData {
   Guid guid;
   ProtocolVersion version = kProtocolVersion;

@@ -460,6 +460,7 @@ LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& 
   if (remote == nullptr) return usable(core_, proven.metatraffic_unicast);
   adopt_names(remote->data, proven);
   remote->data.builtin_endpoints = proven.builtin_endpoints;
+  remote->marks_ends = find_property(proven.properties, kMarksEndsProperty) != nullptr;
   // Cyclone DDS announces the lease duration only by DCPSParticipantsSecure.
   if (proven.vendor != kVendorCyclone) remote->data.lease_duration = proven.lease_duration;
   auto metatraffic = proven.metatraffic_unicast, user = proven.default_unicast;

@@ -26,4 +26,9 @@ bool EndpointDirectory::sends_keys(const GuidPrefix& participant) {
   return remote != nullptr && remote->data.vendor == kVendorDdssec;
 }
 
+bool EndpointDirectory::marks_ends(const GuidPrefix& participant) {
+  const auto* remote = remotes_.find(participant);
+  return remote != nullptr && remote->marks_ends;
+}
+
 }  // namespace ddssec::rtps

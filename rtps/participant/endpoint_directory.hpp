@@ -16,6 +16,7 @@ class EndpointDirectory final : public EndpointLookup {
   std::span<StatefulReader* const> readers_of(const Guid& writer) override;
   StatefulWriter* writer_for(const EntityId& writer, const GuidPrefix& reader) override;
   bool sends_keys(const GuidPrefix& participant) override;
+  bool marks_ends(const GuidPrefix& participant) override;
 
  private:
   ParticipantCore& core_;

@@ -21,6 +21,8 @@ class EndpointLookup {
   /// dispose or unregister. If INFO_TS is not protected, such writers also send the source time
   /// next to the sample. Other vendors may do neither.
   virtual bool sends_keys(const GuidPrefix& participant) = 0;
+  /// True if the participant's writers mark protected payloads that end an instance (end_mark).
+  virtual bool marks_ends(const GuidPrefix& participant) = 0;
 };
 
 /// The facts that a message shows about its sender, whatever its contents.

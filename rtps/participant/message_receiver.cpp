@@ -1,5 +1,6 @@
 #include "rtps/participant/message_receiver.hpp"
 
+#include "rtps/reliability/end_mark.hpp"
 #include "rtps/security/mapped_memory.hpp"
 #include "wire/header_extension.hpp"
 #include "wire/heartbeat_frag.hpp"
@@ -183,10 +184,28 @@ bool MessageReceiver::accepts(const EntityId& local, const Guid& remote, const C
   return true;
 }
 
-bool MessageReceiver::is_refused(const EntityId& reader, const Guid& writer,
+bool MessageReceiver::is_marked(const EntityId& reader, const Guid& writer,
+                                const Context& context) {
+  return keyring_ != nullptr &&
+         is_only_payload_proven(*keyring_, reader, writer, context.opened_by) &&
+         endpoints_.marks_ends(writer.prefix);
+}
+
+// The end of a coherent set has no payload, and is no more than a GAP could report.
+bool MessageReceiver::is_refused(const EntityId& reader, const Guid& writer, const Data& plain,
                                  const Context& context) {
-  return keyring_ != nullptr && endpoints_.sends_keys(writer.prefix) &&
-         !keyring_->accepts_without_payload(reader, writer, context.opened_by);
+  const auto& status = plain.inline_qos.status;
+  if (!plain.payload.empty()) {
+    const auto mark = end_mark(status, plain.kind == PayloadKind::key);
+    if (!is_marked(reader, writer, context) || has_end_mark(plain.payload, mark)) return false;
+    keyring_->note_unproven_end(reader, writer, "the payload of another message");
+    return true;
+  }
+  if (status == StatusInfo{} || keyring_ == nullptr || !endpoints_.sends_keys(writer.prefix) ||
+      !is_only_payload_proven(*keyring_, reader, writer, context.opened_by))
+    return false;
+  keyring_->note_unproven_end(reader, writer, "a dispose or unregister without a payload");
+  return true;
 }
 
 // Submessage protection does not cover INFO_TS, so an attacker can change it.
@@ -223,16 +242,13 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
   if (is_elsewhere) return on_reference(data, context);
   each_reader(data.reader, data.writer, context, [&](StatefulReader& reader) {
     auto plain = data;
-    // A marker, which ends a coherent set, has no payload. It has no more effect than a GAP could
-    // have.
     const bool marker = data.payload.empty() && data.inline_qos.status == StatusInfo{};
-    const bool ends_bare = data.payload.empty() && !marker;
-    if (ends_bare && is_refused(reader.guid().entity, {from, data.writer}, context)) return;
     const auto payload = marker
                              ? data.payload
                              : opened(reader, {from, data.writer}, data.payload, context.opened_by);
     if (!payload) return;
     plain.payload = *payload;
+    if (is_refused(reader.guid().entity, {from, data.writer}, plain, context)) return;
     if (!reader.on_data(from, plain, source_time(context, data.inline_qos))) return;
     context.note_told(true);
     listener_.on_alive({from, data.writer});
@@ -254,7 +270,9 @@ Status MessageReceiver::on_reference(const Data& data, Context& context) {
     if (fetched.size() == 0) fetched = memory_->fetch(writer, *data.inline_qos.memory, context.now);
     if (fetched.size() == 0) return;
     auto payload = opened(reader, writer, fetched, context.opened_by);
-    if (payload.size() == 0 ||
+    const bool ends =
+        is_marked(reader.guid().entity, writer, context) && !has_end_mark(payload.view(), 0);
+    if (payload.size() == 0 || ends ||
         !reader.on_data(writer.prefix, data, source_time(context, data.inline_qos),
                         std::move(payload)))
       return;
@@ -287,7 +305,8 @@ Status MessageReceiver::on_data_frag(const SubmessageView& view, Context& contex
     const auto payload = opened(reader, {from, frag.writer}, frag.encoded, context.opened_by);
     const auto plain = payload ? with_payload(frag, *payload) : fail(Code::truncated);
     if (!plain) return;
-    if (!reader.on_data_frag(from, *plain, source_time(context, frag.inline_qos))) return;
+    const bool marks = is_marked(reader.guid().entity, {from, frag.writer}, context);
+    if (!reader.on_data_frag(from, *plain, source_time(context, frag.inline_qos), marks)) return;
     context.note_told(true);
     listener_.on_alive({from, frag.writer});
     if (memory_ != nullptr)

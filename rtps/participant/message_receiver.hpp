@@ -85,7 +85,10 @@ class MessageReceiver {
   StatefulWriter* addressed(const EntityId& writer, const EntityId& reader, const Context& context);
   bool accepts(const EntityId& local, const Guid& remote, const Context& context);
   /// True for a dispose or unregister without a payload, if its writer would have sent one.
-  bool is_refused(const EntityId& reader, const Guid& writer, const Context& context);
+  bool is_refused(const EntityId& reader, const Guid& writer, const Data& plain,
+                  const Context& context);
+  /// True if only the payload is proven, and says by its mark whether it ends an instance.
+  bool is_marked(const EntityId& reader, const Guid& writer, const Context& context);
   /// The time at which a sample with this inline QoS was written.
   std::optional<Time> source_time(const Context& context, const InlineQos& inline_qos) const;
   /// The payload without its protection; empty if it cannot be opened.

@@ -46,6 +46,7 @@ struct RemoteParticipant {
   ProvenHosts doubted_hosts = {};        ///< see exchange_hosts
   bool has_displaced_addresses = false;  ///< messages also went to addresses that are not known now
   bool heard_participants_secure = false;
+  bool marks_ends = false;  ///< it signed kMarksEndsProperty
   /// Its endpoints and their prices: that anyone can have announced, and that are proven.
   std::array<AnnouncedShares::Amount, 2> announced = {};
   GuidPrefix account = {};  ///< the identity that its endpoints count for

@@ -25,7 +25,9 @@ bool is_from_elsewhere(const Locator& source, std::span<const NetworkInterface> 
 Status describe_own(ParticipantCore& core, const Announcer& announcer) {
   Bytes octets(kMaxOwnData);
   SpanWriter out(octets, Endian::big);
-  write_parameter_list(out, announcer.own_data());
+  auto own = announcer.own_data();
+  own.properties = {{std::string(kMarksEndsProperty), "1", true}};
+  write_parameter_list(out, own);
   if (out.overflowed()) return fail(Code::length_out_of_range, {.document = "participant data"});
   octets.resize(out.size());
   core.security->core().own_data = std::make_shared<const Bytes>(std::move(octets));

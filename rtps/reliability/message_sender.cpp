@@ -27,6 +27,10 @@ bool MessageSender::leaves_time_unprotected(const EntityId& writer) const {
   return levels.submessage && levels.message != SendProtection::Wrap::participant_key;
 }
 
+bool MessageSender::protects_payload(const EntityId& writer) const {
+  return protection_ != nullptr && !is_builtin(writer) && protection_->levels(writer).payload;
+}
+
 void MessageSender::begin(const Destination& to, const SendProtection::Levels& levels) {
   const auto wrap = levels.message;
   const auto& charged = to.charged.is_zero() ? to.prefix : to.charged;

@@ -112,6 +112,8 @@ class MessageSender {
   std::uint16_t fragment_size() const { return fragment_size_; }
   /// True if the writer's submessages are protected but the INFO_TS before them is not.
   bool leaves_time_unprotected(const EntityId& writer) const;
+  /// True if the writer's payloads are protected, so that they may be all that is.
+  bool protects_payload(const EntityId& writer) const;
   /// The number of octets at which the waiting message, or the last one that waited, is full.
   std::size_t full_size() const { return full_size_; }
 

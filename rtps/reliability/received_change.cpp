@@ -1,5 +1,6 @@
 #include "rtps/reliability/received_change.hpp"
 
+#include "rtps/reliability/end_mark.hpp"
 #include "wire/entity_ids.hpp"
 
 namespace ddssec::rtps {
@@ -23,6 +24,8 @@ Change received_change(const GuidPrefix& from, const Data& data, const std::opti
              std::move(payload),
              data.inline_qos.coherence,
              data.inline_qos.original};
+  // The same end may also arrive from a writer that does not mark it.
+  if (!out.is_alive()) set_end_mark(out.payload.fill(), 0);
   wipe_if_secret(out);
   return out;
 }

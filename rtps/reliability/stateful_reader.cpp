@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rtps/reliability/end_mark.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -107,7 +109,7 @@ bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
 }
 
 bool StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
-                                  const std::optional<Time>& time) {
+                                  const std::optional<Time>& time, bool is_marked) {
   auto* proxy = find({from, frag.writer});
   if (proxy == nullptr) return false;
   check(*proxy, frag, proxy->next());
@@ -115,7 +117,11 @@ bool StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
   if (!has_place(*proxy, frag, time)) return false;
   const bool is_new = proxy->partial().insert(frag);
   auto complete = proxy->partial().take_complete(frag.sequence_number);
-  return complete ? accept(*proxy, frag.sequence_number, std::move(complete)) : is_new;
+  if (!complete) return is_new;
+  const auto mark = end_mark(complete->status, complete->is_key_only);
+  if (is_marked && !has_end_mark(complete->payload.view(), mark)) return false;
+  if (mark != 0) set_end_mark(complete->payload.fill(), 0);
+  return accept(*proxy, frag.sequence_number, std::move(complete));
 }
 
 bool StatefulReader::has_place(WriterProxy& proxy, const DataFrag& frag,

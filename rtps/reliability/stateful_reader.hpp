@@ -83,7 +83,10 @@ class StatefulReader final : private Timed {
   /// `elsewhere` is a payload that is not in the submessage; empty if the submessage has it.
   bool on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time,
                Payload elsewhere = {});
-  bool on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time);
+  /// `is_marked` means that only the payload is proven, and that it has the mark of its change
+  /// (end_mark).
+  bool on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time,
+                    bool is_marked = false);
   /// `is_protected` means that keys of the writer's participant protect the message.
   bool on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat, bool is_protected = true);
   bool on_gap(const GuidPrefix& from, const Gap& gap);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rtps/reliability/end_mark.hpp"
 #include "wire/data_frag.hpp"
 
 namespace ddssec::rtps {
@@ -33,9 +34,15 @@ InlineQos WriterMessages::inline_qos_of(const Change& change,
 }
 
 BytesView WriterMessages::payload_of(const Change& change) {
-  const auto octets = change.payload.view();
-  if (!change.is_key_only || is_builtin(writer_)) return octets;
-  return key_payload_for(key_reading_, octets, to_bare_key_, key_scratch_);
+  auto octets = change.payload.view();
+  if (is_builtin(writer_)) return octets;
+  if (change.is_key_only)
+    octets = key_payload_for(key_reading_, octets, to_bare_key_, key_scratch_);
+  const auto mark = end_mark(change.status, change.is_key_only);
+  if (mark == 0 || octets.empty() || !sender_.protects_payload(writer_)) return octets;
+  if (octets.data() != key_scratch_.data()) key_scratch_.assign(octets.begin(), octets.end());
+  set_end_mark(key_scratch_, mark);
+  return key_scratch_;
 }
 
 void WriterMessages::change(const Receiver& receiver, const Change& change,

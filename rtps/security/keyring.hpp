@@ -127,10 +127,9 @@ class Keyring final : public SendProtection {
   /// True if the submessage was protected as the governance requires. Refused submessages are
   /// counted.
   bool accepts(const EntityId& local, const Guid& remote, const ReceivedProtection& opened_by);
-  /// The same for a dispose or unregister without a payload, if only payloads are protected and the
-  /// writer sends keys in payloads.
-  bool accepts_without_payload(const EntityId& local, const Guid& remote,
-                               const ReceivedProtection& opened_by);
+  /// Only the payload is protected, and does not show that it ends an instance, as the message
+  /// says, or that it does not. This is counted, and raises an event. `found`: for the event.
+  void note_unproven_end(const EntityId& local, const Guid& remote, std::string found);
   const ProtectionCounters& counters() const { return counters_; }
 
   // SendProtection:
@@ -160,5 +159,9 @@ class Keyring final : public SendProtection {
   ProtectionCounters counters_;
   PreSharedMessages pre_shared_{own_, events_, counters_};
 };
+
+/// True if nothing but the payload of a submessage shows that it comes from the remote endpoint.
+bool is_only_payload_proven(const Keyring& keyring, const EntityId& local, const Guid& remote,
+                            const ReceivedProtection& opened_by);
 
 }  // namespace ddssec::rtps

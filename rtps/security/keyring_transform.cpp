@@ -122,21 +122,22 @@ bool Keyring::accepts(const EntityId& id, const Guid& remote, const ReceivedProt
   return false;
 }
 
-bool Keyring::accepts_without_payload(const EntityId& id, const Guid& remote,
-                                      const ReceivedProtection& opened_by) {
-  const auto* local = find(id);
-  if (local == nullptr) return false;
-  const bool proven = opened_by.message || opened_by.submessage == remote;
-  if (proven || !local->attributes.is_payload_protected()) return true;
-  const auto* other = second_protections_.of(id, remote);
-  if (other != nullptr && !other->attributes.is_payload_protected()) return true;
+bool is_only_payload_proven(const Keyring& keyring, const EntityId& local, const Guid& remote,
+                            const ReceivedProtection& opened_by) {
+  if (opened_by.message || opened_by.submessage == remote) return false;
+  const auto* attributes = keyring.attributes(local);
+  if (attributes == nullptr || !attributes->is_payload_protected()) return false;
+  const auto* other = keyring.second_protections().of(local, remote);
+  return other == nullptr || other->attributes.is_payload_protected();
+}
+
+void Keyring::note_unproven_end(const EntityId& id, const Guid& remote, std::string found) {
   ++counters_.unprotected;
   events_.raise(peer_event(Error(Code::rtps_protection_missing,
                                  {.document = "endpoint " + id.to_string(),
                                   .expected = "the protected key of the instance that ends",
-                                  .found = "a dispose or unregister without a payload"}),
+                                  .found = std::move(found)}),
                            remote.to_string()));
-  return false;
 }
 
 // ---- SendProtection

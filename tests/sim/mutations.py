@@ -49,7 +49,7 @@ FAULTS = [
      "  if (!plain && plain.error().code() != Code::crypto_not_matched)",
      "  if (!plain && FAULT) return payload;\n  if (!plain && plain.error().code() != Code::crypto_not_matched)"),
     ("a dispose without a protected key", "rtps/security/keyring_transform.cpp",
-     "if (proven || !local", "if (FAULT || proven || !local"),
+     "if (opened_by.message || opened_by.submessage == remote)", "if (FAULT || opened_by.message || opened_by.submessage == remote)"),
     ("the protection of payloads that are sent", "rtps/security/keyring_transform.cpp",
      "{.payload = local->attributes.is_payload_protected(),",
      "{.payload = local->attributes.is_payload_protected() && !FAULT,"),

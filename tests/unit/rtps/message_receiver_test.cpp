@@ -26,6 +26,7 @@ struct NoEndpoints final : EndpointLookup {
   std::span<StatefulReader* const> readers_of(const Guid&) override { return {}; }
   StatefulWriter* writer_for(const EntityId&, const GuidPrefix&) override { return nullptr; }
   bool sends_keys(const GuidPrefix&) override { return true; }
+  bool marks_ends(const GuidPrefix&) override { return true; }
 };
 
 struct Heard final : MessageListener {
