@@ -1,7 +1,7 @@
 #include "base/document_watch.hpp"
 
 #include "base/rollback.hpp"
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 
 namespace ddssec {
 
@@ -31,7 +31,7 @@ Result<bool> DocumentWatch::poll(std::chrono::nanoseconds now, const Adopt& adop
   }
   if (!refusals_.is_due(status.error().code(), content)) return false;
   const auto& why = status.error();
-  auto report = renewal_refused(what_.refused, why, what_.name, what_.stays);
+  auto report = renewal_refused_error(what_.refused, why, what_.name, what_.stays);
   const bool is_about_folder = report.code() == Code::folder_unreadable;
   if (what_.gives_remedy_of_reason && why.code() != what_.refused && !is_about_folder) {
     auto details = report.details();

@@ -92,7 +92,7 @@ std::string Event::to_json(std::chrono::nanoseconds at) const {
   return json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
 }
 
-bool is_news(Code code) {
+bool is_always_shown(Code code) {
   switch (code) {
     case Code::rtps_joined:
     case Code::rtps_peer_authenticated:

@@ -55,7 +55,7 @@ struct Event {
 
 /// True for events below a warning that a person who runs a program always wants to see: which
 /// peers authenticated, and which documents were renewed.
-bool is_news(Code code);
+bool is_always_shown(Code code);
 
 /// Receives events. `raise` is called from any thread; it must not block and must not call back
 /// into a plugin.

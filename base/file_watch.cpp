@@ -2,7 +2,7 @@
 
 #include <sys/stat.h>
 
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 
 namespace ddssec {
 

@@ -16,8 +16,9 @@ namespace ddssec {
 /// thread-safe.
 class FileWatch {
  public:
-  /// `uri` is as in base/source.hpp. A relative path is relative to the current working directory
-  /// of this moment. No change is ever reported if `uri` names no file, or if `interval` is 0.
+  /// `uri` is as in base/uri_source.hpp. A relative path is relative to the current working
+  /// directory of this moment. No change is ever reported if `uri` names no file, or if `interval`
+  /// is 0.
   FileWatch(std::string_view uri, std::chrono::nanoseconds interval);
 
   /// True if the file must be read now, because it may have been changed, replaced, created or

@@ -19,8 +19,8 @@ std::optional<Error> folder_refused(const Error& why, const std::string& path) {
                 .note = "what was read of its documents before stays in force"});
 }
 
-Error renewal_refused(Code code, const Error& why, const std::string& path,
-                      std::string_view stays) {
+Error renewal_refused_error(Code code, const Error& why, const std::string& path,
+                            std::string_view stays) {
   if (auto folder = folder_refused(why, path)) return *std::move(folder);
   auto details = why.details();
   details.document = path;

@@ -58,6 +58,7 @@ std::optional<Error> folder_refused(const Error& why, const std::string& path);
 
 /// Makes the event about a file that stays refused: folder_refused if that applies, otherwise
 /// `code` with the details of `why`. `stays` names the document that is still in force.
-Error renewal_refused(Code code, const Error& why, const std::string& path, std::string_view stays);
+Error renewal_refused_error(Code code, const Error& why, const std::string& path,
+                            std::string_view stays);
 
 }  // namespace ddssec

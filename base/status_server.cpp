@@ -90,7 +90,8 @@ void StatusServer::remove_socket() noexcept {
   name_.clear();
 }
 
-std::unexpected<Error> StatusServer::not_served(std::string expected, std::string found) const {
+std::unexpected<Error> StatusServer::not_served_error(std::string expected,
+                                                      std::string found) const {
   return fail(
       Code::status_not_served,
       {.document = folder_name_, .expected = std::move(expected), .found = std::move(found)});
@@ -98,10 +99,11 @@ std::unexpected<Error> StatusServer::not_served(std::string expected, std::strin
 
 Status StatusServer::check_folder() const {
   struct stat status {};
-  if (::fstat(folder_.number(), &status) != 0) return not_served("a folder", errno_text(errno));
+  if (::fstat(folder_.number(), &status) != 0)
+    return not_served_error("a folder", errno_text(errno));
   const bool is_ours = status.st_uid == user_ || status.st_uid == 0;
   if (is_ours && (status.st_mode & 022) == 0) return {};
-  return not_served(
+  return not_served_error(
       fmt::format("a folder of user {} or root that no other user can write to", user_),
       fmt::format("user {}, mode {:04o}", status.st_uid, status.st_mode & 07777));
 }
@@ -117,7 +119,7 @@ std::string StatusServer::path_of(const std::string& name) const {
 Status StatusServer::listen() {
   DDSSEC_RETURN_IF_ERROR(bind_first_free());
   if (stop_ && ::listen(socket_.number(), kBacklog) == 0) return {};
-  return not_served("a socket", errno_text(errno));
+  return not_served_error("a socket", errno_text(errno));
 }
 
 Status StatusServer::bind_first_free() {
@@ -145,7 +147,7 @@ Status StatusServer::bind_to(const std::string& name) {
     return {};
   }
   const int error = errno;
-  auto refused = not_served("room for the socket " + name, errno_text(error));
+  auto refused = not_served_error("room for the socket " + name, errno_text(error));
   errno = error;
   return refused;
 }
@@ -171,7 +173,7 @@ Status StatusServer::start_thread() {
         std::make_unique<std::thread>(start_background_thread<std::thread>([this] { serve(); }));
     return {};
   } catch (const std::exception& error) {
-    return not_served("a thread", error.what());
+    return not_served_error("a thread", error.what());
   }
 }
 

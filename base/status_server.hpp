@@ -56,7 +56,7 @@ class StatusServer {
   };
 
   StatusServer(std::string folder_name, FileDescriptor folder, Answer answer);
-  std::unexpected<Error> not_served(std::string expected, std::string found) const;
+  std::unexpected<Error> not_served_error(std::string expected, std::string found) const;
   Status check_folder() const;
   Status listen();
   Status bind_first_free();

@@ -30,7 +30,7 @@ struct CloseDump {
   void operator()(pcap_dumper_t* dump) const noexcept { pcap_dump_close(dump); }
 };
 
-std::unexpected<Error> unreadable(const std::string& what, std::string note) {
+std::unexpected<Error> unreadable_capture_error(const std::string& what, std::string note) {
   return fail(Code::capture_unreadable, {.document = what, .note = std::move(note)});
 }
 
@@ -52,20 +52,20 @@ Result<Capture> Capture::open(const std::string& file) {
   char why[PCAP_ERRBUF_SIZE] = {};
   std::unique_ptr<pcap_t, ClosePcap> pcap(
       pcap_open_offline_with_tstamp_precision(file.c_str(), PCAP_TSTAMP_PRECISION_NANO, why));
-  if (!pcap) return unreadable(file, why);
+  if (!pcap) return unreadable_capture_error(file, why);
   return Capture(std::make_unique<Impl>(Impl{file, false, std::move(pcap)}));
 }
 
 Result<Capture> Capture::listen(const std::string& interface) {
   char why[PCAP_ERRBUF_SIZE] = {};
   std::unique_ptr<pcap_t, ClosePcap> pcap(pcap_create(interface.c_str(), why));
-  if (!pcap) return unreadable(interface, why);
+  if (!pcap) return unreadable_capture_error(interface, why);
   pcap_set_snaplen(pcap.get(), kSnapshotOctets);
   pcap_set_timeout(pcap.get(), kWaitMilliseconds);
   pcap_set_buffer_size(pcap.get(), kBufferOctets);
   pcap_set_tstamp_precision(pcap.get(), PCAP_TSTAMP_PRECISION_NANO);
   if (pcap_activate(pcap.get()) < 0 || pcap_setnonblock(pcap.get(), 1, why) < 0)
-    return unreadable(interface, pcap_geterr(pcap.get()));
+    return unreadable_capture_error(interface, pcap_geterr(pcap.get()));
   return Capture(std::make_unique<Impl>(Impl{interface, true, std::move(pcap)}));
 }
 
@@ -80,7 +80,7 @@ Status Capture::save_to(const std::string& file) {
   const int error = errno;
   if (number < 0 && error == EEXIST) return fail(Code::would_overwrite, {.document = file});
   auto* stream = number < 0 ? nullptr : ::fdopen(number, "w");
-  if (stream == nullptr) return unwritable(file, error);
+  if (stream == nullptr) return unwritable_error(file, error);
   impl_->dump.reset(pcap_dump_fopen(impl_->pcap.get(), stream));
   if (impl_->dump) return {};
   std::fclose(stream);
@@ -95,7 +95,7 @@ Result<WrittenFile> Capture::saved() {
   impl_->dump.reset();
   if (!whole) {
     std::remove(impl_->file.c_str());
-    return unwritable(impl_->file, error);
+    return unwritable_error(impl_->file, error);
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto octets,
                           read_file(impl_->file, std::numeric_limits<std::size_t>::max()));
@@ -113,7 +113,7 @@ Status Capture::each(std::chrono::nanoseconds how_long,
     const unsigned char* octets = nullptr;
     const int result = pcap_next_ex(impl_->pcap.get(), &header, &octets);
     if (result == PCAP_ERROR_BREAK) break;  // the end of the file
-    if (result < 0) return unreadable(impl_->name, pcap_geterr(impl_->pcap.get()));
+    if (result < 0) return unreadable_capture_error(impl_->name, pcap_geterr(impl_->pcap.get()));
     if (result == 0) {
       ::poll(&ready, 1, kWaitMilliseconds);
       continue;

@@ -19,9 +19,9 @@
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
 #include "governance/date_time.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/ocsp_address.hpp"
 #include "pki/participant_folder.hpp"
-#include "pki/source.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -33,7 +33,7 @@ constexpr std::size_t kMaxPassphraseLine = pki::Passphrase::capacity + 2;
 std::string uri(const fs::path& path) { return "file://" + path.string(); }
 
 // A file may have been read by the path of its folder's descriptor, which users cannot understand.
-std::unexpected<Error> about(const Error& error, const fs::path& path) {
+std::unexpected<Error> error_in_file(const Error& error, const fs::path& path) {
   return std::unexpected(pki::about_file(pki::about_file(error, as_held(path)), path));
 }
 
@@ -122,11 +122,11 @@ Result<pki::Passphrase> typed_passphrase(const char* prompt) {
 
 Result<Bytes> read_file(const fs::path& path, std::size_t max_octets) {
   auto octets = pki::load(uri(as_held(path)), "", max_octets);
-  if (!octets) return about(octets.error(), path);
+  if (!octets) return error_in_file(octets.error(), path);
   return octets;
 }
 
-bool is_there(const fs::path& path) {
+bool path_exists(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(as_held(path), ignored);
 }
@@ -147,7 +147,7 @@ Status check_directory(const fs::path& folder, std::string_view expected) {
 Result<pki::Certificate> read_certificate(const fs::path& path) {
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMaxCertificateOctets));
   auto certificate = pki::Certificate::from_pem(octets);
-  if (!certificate) return about(certificate.error(), path);
+  if (!certificate) return error_in_file(certificate.error(), path);
   return certificate;
 }
 
@@ -190,15 +190,15 @@ fs::path ca_folder(const fs::path& folder, std::string_view role) {
 
 Result<pki::PrivateKey> read_key(const fs::path& path, const pki::Passphrase* passphrase) {
   const auto uri = pki::uri_of(as_held(path));
-  if (!uri) return about(uri.error(), path);
+  if (!uri) return error_in_file(uri.error(), path);
   auto key = pki::PrivateKey::load(*uri, "", passphrase);
-  if (!key) return about(key.error(), path);
+  if (!key) return error_in_file(key.error(), path);
   return key;
 }
 
 Result<bool> is_encrypted(const fs::path& key) {
   const auto pem = load_secret<pki::KeyPem>(uri(as_held(key)), "");
-  if (!pem) return about(pem.error(), key);
+  if (!pem) return error_in_file(pem.error(), key);
   return pem->expose([](BytesView octets) {
     const auto text = as_text(octets);
     return text.find("BEGIN ENCRYPTED") != text.npos || text.find(",ENCRYPTED") != text.npos;

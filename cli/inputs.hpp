@@ -17,8 +17,8 @@ Result<Bytes> read_file(const std::filesystem::path& path, std::size_t max_octet
 Result<pki::Certificate> read_certificate(const std::filesystem::path& path);
 
 /// True if something exists at `path`. False for a dangling link, and for a file in a folder that
-/// cannot be searched: the command reports that when it writes there (compare pki::is_there).
-bool is_there(const std::filesystem::path& path);
+/// cannot be searched: the command reports that when it writes there (compare pki::may_exist).
+bool path_exists(const std::filesystem::path& path);
 
 /// Success if a folder can be read. Errors: file_not_found, file_unreadable (not a folder, or not
 /// accessible); both name what was `expected`.

@@ -93,10 +93,10 @@ set(DDSSEC_CARRIED_HEADERS
   base/parameter_ids.hpp
   base/protection_kind.hpp
   base/reader.hpp
-  base/source.hpp
+  base/uri_source.hpp
   base/writer.hpp
   pki/crl_number.hpp
-  pki/source.hpp
+  pki/certificate_source.hpp
   # writers and readers are made for each type where the application is compiled: serialization
   rtps/cdr/cdr_reader.hpp
   rtps/cdr/cdr_writer.hpp

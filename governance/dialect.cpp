@@ -107,7 +107,7 @@ std::optional<ReadingDifference> difference(std::string_view product, std::strin
 
 bool is_portable(std::string_view expression) { return reason_against(expression).empty(); }
 
-std::string as_cyclone_reads_it(std::string_view expression) {
+std::string meaning_in_cyclonedds(std::string_view expression) {
   std::string out;
   for (std::size_t at = 0; at < expression.size(); ++at) {
     const char c = expression[at];
@@ -124,7 +124,7 @@ std::string as_cyclone_reads_it(std::string_view expression) {
   return out;
 }
 
-std::string as_fastdds_reads_it(std::string_view expression) {
+std::string meaning_in_fastdds(std::string_view expression) {
   const Pattern pattern(expression, Pattern::Syntax::verbatim_backslash);
   if (pattern.is_literal()) return expression_of(pattern.text());
   std::string out;
@@ -137,10 +137,10 @@ std::optional<Unportable> unportable(std::string_view expression, SetEffort& eff
   if (out.reason.empty()) return std::nullopt;
   constexpr std::size_t kMax = 256;  // no topic name is longer
   if (expression.size() > kMax) return out;
-  out.cyclonedds = difference(as_cyclone_reads_it(expression), expression, effort);
+  out.cyclonedds = difference(meaning_in_cyclonedds(expression), expression, effort);
   // Without a backslash Fast DDS reads what the standard says.
   if (expression.find('\\') != expression.npos)
-    out.fastdds = difference(as_fastdds_reads_it(expression), expression, effort);
+    out.fastdds = difference(meaning_in_fastdds(expression), expression, effort);
   return out;
 }
 

@@ -38,7 +38,7 @@ std::optional<Unportable> unportable(std::string_view expression, SetEffort& eff
 bool is_portable(std::string_view expression);
 
 /// The names that the product matches with the expression, as an expression of the standard.
-std::string as_cyclone_reads_it(std::string_view expression);
-std::string as_fastdds_reads_it(std::string_view expression);
+std::string meaning_in_cyclonedds(std::string_view expression);
+std::string meaning_in_fastdds(std::string_view expression);
 
 }  // namespace ddssec::governance

@@ -10,7 +10,7 @@
 #include "governance/lint_grant.hpp"
 #include "governance/ros_node.hpp"
 #include "governance/subject_spelling.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/subject_name.hpp"
 
 namespace ddssec::governance {

@@ -160,7 +160,7 @@ Result<RosQualifier> qualifier(const Node& node, std::string_view name) {
   return refuse(Code::policy_value, node, std::string(name) + "=ALLOW or DENY", value);
 }
 
-std::unexpected<Error> unknown(const Node& node) {
+std::unexpected<Error> unknown_element_error(const Node& node) {
   return fail(Code::element_unknown, {.document = node.file,
                                       .line = node.element.line(),
                                       .field = in_brackets(node.element.name())});
@@ -201,7 +201,7 @@ class Reader {
     DDSSEC_ASSIGN_OR_RETURN(auto all, policies_.children(parent));
     std::erase_if(all, [&](const Node& n) { return n.element.name() == or_ignored; });
     for (const auto& node : all)
-      if (node.element.name() != name) return unknown(node);
+      if (node.element.name() != name) return unknown_element_error(node);
     return all;
   }
 
@@ -241,7 +241,7 @@ class Reader {
 
   Result<RosElement> element(const Node& node) {
     const auto words = std::ranges::find(kWords, node.element.name(), &Words::list);
-    if (words == kWords.end()) return unknown(node);
+    if (words == kWords.end()) return unknown_element_error(node);
     DDSSEC_RETURN_IF_ERROR(check_attributes(node, {words->first, words->second}));
     DDSSEC_ASSIGN_OR_RETURN(const auto first, qualifier(node, words->first));
     DDSSEC_ASSIGN_OR_RETURN(const auto second, qualifier(node, words->second));

@@ -104,8 +104,8 @@ class MarkupCheck {
       Status status = all_[at_] == '<' ? markup() : text();
       if (!status) return status;
     }
-    if (depth_ != 0) return ill("an end tag", "the end of the document");
-    if (!had_root_) return ill("an element", "none");
+    if (depth_ != 0) return malformed_error("an end tag", "the end of the document");
+    if (!had_root_) return malformed_error("an element", "none");
     return {};
   }
 
@@ -116,7 +116,7 @@ class MarkupCheck {
   std::unexpected<Error> refuse(Code code, std::string found) const {
     return fail(code, {.line = line(), .found = std::move(found)});
   }
-  std::unexpected<Error> ill(std::string expected, std::string found) const {
+  std::unexpected<Error> malformed_error(std::string expected, std::string found) const {
     return fail(Code::xml_not_well_formed,
                 {.line = line(), .expected = std::move(expected), .found = std::move(found)});
   }
@@ -132,7 +132,7 @@ class MarkupCheck {
   // Moves past the next `end`, or fails.
   Status skip_past(std::string_view end) {
     const auto found = all_.find(end, at_);
-    if (found == all_.npos) return ill(std::string(end), "the end of the document");
+    if (found == all_.npos) return malformed_error(std::string(end), "the end of the document");
     at_ = found + end.size();
     return {};
   }
@@ -144,16 +144,16 @@ class MarkupCheck {
   // Reads <?xml version="1.0" encoding="UTF-8" standalone="yes"?>.
   Status declaration() {
     const auto end = all_.find("?>", at_);
-    if (end == all_.npos) return ill("?>", "the end of the document");
+    if (end == all_.npos) return malformed_error("?>", "the end of the document");
     std::string_view inside = all_.substr(at_, end - at_);
-    if (inside.find('<', 1) != inside.npos) return ill("?>", "<");
+    if (inside.find('<', 1) != inside.npos) return malformed_error("?>", "<");
     std::string lower(inside);
     std::ranges::transform(lower, lower.begin(),
                            [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
     if (const auto name = lower.find("encoding"); name != lower.npos) {
       const auto quote = lower.find_first_of("\"'", name);
       const auto close = quote == lower.npos ? quote : lower.find(lower[quote], quote + 1);
-      if (close == lower.npos) return ill("a quoted encoding", shown());
+      if (close == lower.npos) return malformed_error("a quoted encoding", shown());
       const std::string value = lower.substr(quote + 1, close - quote - 1);
       if (value != "utf-8" && value != "utf8" && value != "us-ascii")
         return fail(Code::xml_encoding, {.line = line(),
@@ -175,7 +175,7 @@ class MarkupCheck {
       return {};
     at_ = begin;
     const auto end = here.find("?>");
-    if (end == here.npos) return ill("?>", "the end of the document");
+    if (end == here.npos) return malformed_error("?>", "the end of the document");
     if (!revision_in(here.substr(2, end - 2)))
       return fail(Code::value_not_revision, {.line = line(),
                                              .field = "<?ddssec ...?>",
@@ -196,13 +196,13 @@ class MarkupCheck {
   Status comment() {
     at_ += 4;
     if (auto status = skip_past("--"); !status) return status;
-    if (!rest().starts_with('>')) return ill("-->", "-- inside a comment");
+    if (!rest().starts_with('>')) return malformed_error("-->", "-- inside a comment");
     ++at_;
     return {};
   }
 
   Status cdata() {
-    if (depth_ == 0) return ill("only white space outside the root element", "CDATA");
+    if (depth_ == 0) return malformed_error("only white space outside the root element", "CDATA");
     return skip_past("]]>");
   }
 
@@ -214,15 +214,16 @@ class MarkupCheck {
         if (auto status = reference(); !status) return status;
         continue;
       }
-      if (depth_ == 0 && !is_space(c)) return ill("nothing outside the root element", "text");
-      if (c == ']' && rest().starts_with("]]>")) return ill("]]&gt;", "]]>");
+      if (depth_ == 0 && !is_space(c))
+        return malformed_error("nothing outside the root element", "text");
+      if (c == ']' && rest().starts_with("]]>")) return malformed_error("]]&gt;", "]]>");
       ++at_;
     }
     return {};
   }
 
   Status reference() {
-    if (depth_ == 0) return ill("nothing outside the root element", "text");
+    if (depth_ == 0) return malformed_error("nothing outside the root element", "text");
     const auto end = all_.find(';', at_);
     if (end == all_.npos || end - at_ > 12) return refuse(Code::xml_entity, "&");
     const std::string_view name = all_.substr(at_ + 1, end - at_ - 1);
@@ -249,7 +250,7 @@ class MarkupCheck {
   }
 
   Status name() {
-    if (at_ >= all_.size() || !is_name_start(all_[at_])) return ill("a name", shown());
+    if (at_ >= all_.size() || !is_name_start(all_[at_])) return malformed_error("a name", shown());
     while (at_ < all_.size() && is_name(all_[at_])) ++at_;
     return {};
   }
@@ -258,9 +259,9 @@ class MarkupCheck {
     at_ += 2;
     if (auto status = name(); !status) return status;
     skip_space();
-    if (!rest().starts_with('>')) return ill(">", shown());
+    if (!rest().starts_with('>')) return malformed_error(">", shown());
     ++at_;
-    if (depth_ == 0) return ill("a start tag", "an end tag");
+    if (depth_ == 0) return malformed_error("a start tag", "an end tag");
     --depth_;
     return {};
   }
@@ -281,7 +282,7 @@ class MarkupCheck {
         ++at_;
         return {};
       }
-      if (before == at_) return ill("white space, > or />", shown());
+      if (before == at_) return malformed_error("white space, > or />", shown());
       if (attributes == kMaxXmlAttributes)
         return fail(Code::xml_too_many_attributes,
                     {.line = line(), .expected = std::to_string(attributes), .found = "more"});
@@ -290,7 +291,7 @@ class MarkupCheck {
   }
 
   Status open_element() {
-    if (depth_ == 0 && had_root_) return ill("one root element", "another");
+    if (depth_ == 0 && had_root_) return malformed_error("one root element", "another");
     had_root_ = true;
     if (++elements_ > kMaxXmlElements) {
       return fail(Code::xml_too_large, {.line = line(),
@@ -307,20 +308,21 @@ class MarkupCheck {
   Status attribute() {
     if (auto status = name(); !status) return status;
     skip_space();
-    if (!rest().starts_with('=')) return ill("=", shown());
+    if (!rest().starts_with('=')) return malformed_error("=", shown());
     ++at_;
     skip_space();
-    if (!rest().starts_with('"') && !rest().starts_with('\'')) return ill("a quote", shown());
+    if (!rest().starts_with('"') && !rest().starts_with('\''))
+      return malformed_error("a quote", shown());
     const char quote = all_[at_++];
     while (at_ < all_.size() && all_[at_] != quote) {
-      if (all_[at_] == '<') return ill("&lt;", "<");
+      if (all_[at_] == '<') return malformed_error("&lt;", "<");
       if (all_[at_] != '&') {
         ++at_;
       } else if (auto status = reference(); !status) {
         return status;
       }
     }
-    if (at_ >= all_.size()) return ill("a closing quote", "the end of the document");
+    if (at_ >= all_.size()) return malformed_error("a closing quote", "the end of the document");
     ++at_;
     return {};
   }

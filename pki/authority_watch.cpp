@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 namespace ddssec::pki {
 namespace {

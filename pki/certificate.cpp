@@ -4,16 +4,16 @@
 #include <map>
 #include <mutex>
 
+#include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
 #include "pki/openssl_guards.hpp"
-#include "pki/source.hpp"
 
 namespace ddssec::pki {
 namespace {
 
 constexpr std::string_view kLabel = "CERTIFICATE";
 
-Error malformed(std::string note) {
+Error malformed_error(std::string note) {
   return Error(Code::certificate_malformed, {.note = std::move(note)});
 }
 
@@ -49,9 +49,9 @@ Result<X509Ptr> decode(BytesView der) {
   X509Ptr x509(made);
   if (!read) return openssl_failure(Code::certificate_malformed);
   if (position != der.data() + der.size())
-    return std::unexpected(malformed("octets follow the certificate"));
+    return std::unexpected(malformed_error("octets follow the certificate"));
   if (!is_distinguished(x509.get(), der))
-    return std::unexpected(malformed("it is not in the distinguished encoding"));
+    return std::unexpected(malformed_error("it is not in the distinguished encoding"));
   DDSSEC_RETURN_IF_ERROR(check_distribution_points(x509.get()));
   // The extensions are read now, so that later use by several threads only reads.
   if (X509_check_purpose(x509.get(), -1, 0) != 1 ||
@@ -103,10 +103,10 @@ Result<std::unique_ptr<const PkiAccess::CertificateImpl>> finish(X509Ptr x509, B
 
 // The certificates in use. Parsing one takes longer than verifying a signature, so certificates
 // are shared. Thread-safe.
-class Held {
+class CertificateCache {
  public:
-  static Held& by_anybody() {
-    static auto* const all = new Held;  // outlives every thread
+  static CertificateCache& instance() {
+    static auto* const all = new CertificateCache;  // outlives every thread
     return *all;
   }
 
@@ -143,16 +143,16 @@ class Held {
 
 // The error for a file without a PEM certificate. It names DER if the file begins with a SEQUENCE,
 // because no product reads DER there.
-Error no_pem_block(BytesView octets) {
+Error no_pem_block_error(BytesView octets) {
   if (is_der(octets))
     return Error(Code::certificate_malformed,
                  {.expected = "PEM",
                   .found = "DER",
                   .hint = "write it as PEM: openssl x509 -inform DER -in FILE -out FILE.pem"});
-  return malformed("there is no PEM block CERTIFICATE");
+  return malformed_error("there is no PEM block CERTIFICATE");
 }
 
-Error too_large(std::size_t max_octets, std::size_t found) {
+Error too_large_error(std::size_t max_octets, std::size_t found) {
   return Error(Code::certificate_too_large,
                {.expected = "at most " + std::to_string(max_octets) + " octets",
                 .found = std::to_string(found)});
@@ -162,7 +162,7 @@ Error too_large(std::size_t max_octets, std::size_t found) {
 Result<std::optional<Certificate>> next_certificate(BIO* bio) {
   for (;;) {
     auto block = next_pem_block(bio);
-    if (!block) return std::unexpected(malformed(block.error().details().note));
+    if (!block) return std::unexpected(malformed_error(block.error().details().note));
     if (!*block) return std::nullopt;
     if ((*block)->label != kLabel) continue;
     DDSSEC_ASSIGN_OR_RETURN(auto certificate, Certificate::from_der((*block)->der));
@@ -186,27 +186,28 @@ std::string to_string(KeyAlgorithm algorithm) {
 
 Result<Certificate> Certificate::from_der(BytesView octets) {
   if (octets.size() > kMaxCertificateOctets)
-    return std::unexpected(too_large(kMaxCertificateOctets, octets.size()));
-  auto& held = Held::by_anybody();
-  if (auto known = held.find(sha256(octets))) return PkiAccess::make<Certificate>(std::move(known));
+    return std::unexpected(too_large_error(kMaxCertificateOctets, octets.size()));
+  auto& cache = CertificateCache::instance();
+  if (auto known = cache.find(sha256(octets)))
+    return PkiAccess::make<Certificate>(std::move(known));
   DDSSEC_ASSIGN_OR_RETURN(auto decoded, decode(octets));
   DDSSEC_ASSIGN_OR_RETURN(auto checked, finish(std::move(decoded), octets));
-  return PkiAccess::make<Certificate>(held.share(std::move(checked)));
+  return PkiAccess::make<Certificate>(cache.share(std::move(checked)));
 }
 
 Result<Certificate> Certificate::from_pem(BytesView octets) {
   if (octets.size() > kMaxCertificateOctets)
-    return std::unexpected(too_large(kMaxCertificateOctets, octets.size()));
+    return std::unexpected(too_large_error(kMaxCertificateOctets, octets.size()));
   if (!octets.empty() && octets.back() == 0) octets = octets.first(octets.size() - 1);
   const BioPtr bio = bio_over(octets);
   DDSSEC_ASSIGN_OR_RETURN(auto certificate, next_certificate(bio.get()));
-  if (!certificate) return std::unexpected(no_pem_block(octets));
+  if (!certificate) return std::unexpected(no_pem_block_error(octets));
   return *std::move(certificate);
 }
 
 Result<std::vector<Certificate>> Certificate::bundle_from_pem(BytesView octets) {
   if (octets.size() > kMaxBundleOctets)
-    return std::unexpected(too_large(kMaxBundleOctets, octets.size()));
+    return std::unexpected(too_large_error(kMaxBundleOctets, octets.size()));
   const BioPtr bio = bio_over(octets);
   std::vector<Certificate> out;
   while (true) {
@@ -219,7 +220,7 @@ Result<std::vector<Certificate>> Certificate::bundle_from_pem(BytesView octets) 
                                " certificates in a file"});
     out.push_back(*std::move(certificate));
   }
-  if (out.empty()) return std::unexpected(no_pem_block(octets));
+  if (out.empty()) return std::unexpected(no_pem_block_error(octets));
   return out;
 }
 

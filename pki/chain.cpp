@@ -135,7 +135,7 @@ std::string list_words(X509_CRL* crl) {
 }
 
 // Builds the error with the values that explain the refusal.
-Error explain(X509_STORE_CTX* context, const std::vector<Certificate>& anchors, WallTime now) {
+Error chain_error(X509_STORE_CTX* context, const std::vector<Certificate>& anchors, WallTime now) {
   const int error = X509_STORE_CTX_get_error(context);
   const X509* at = X509_STORE_CTX_get_current_cert(context);
   const Code code = code_for(error);
@@ -324,7 +324,7 @@ Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificat
   X509_VERIFY_PARAM_set_auth_level(parameters, 2);
   if (X509_verify_cert(context.get()) != 1) {
     take_openssl_reason();
-    return std::unexpected(explain(context.get(), anchors, now));
+    return std::unexpected(chain_error(context.get(), anchors, now));
   }
   DDSSEC_RETURN_IF_ERROR(check_every_list(context.get(), now));
   return prove(certificate, context.get());

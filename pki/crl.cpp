@@ -4,8 +4,8 @@
 #include <array>
 #include <set>
 
+#include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
-#include "pki/source.hpp"
 
 namespace ddssec::pki {
 namespace {
@@ -155,7 +155,7 @@ bool have_same_scope(const X509_CRL* a, const X509_CRL* b) {
 
 // The error for a list that `ca` did not sign. After a rotation the former CA and the new one have
 // the same name, and only the keys distinguish them.
-std::unexpected<Error> not_signed_by(const Crl& crl, const Certificate& ca) {
+std::unexpected<Error> not_signed_by_error(const Crl& crl, const Certificate& ca) {
   ErrorDetails details{.expected = "a list signed by " + ca.subject(),
                        .found = "a list of " + crl.issuer()};
   const auto named = crl.authority_key_id();
@@ -286,7 +286,7 @@ bool Crl::is_partial() const {
 }
 
 Status Crl::check(const Certificate& issuer, WallTime now) const {
-  if (!is_signed_by(issuer)) return not_signed_by(*this, issuer);
+  if (!is_signed_by(issuer)) return not_signed_by_error(*this, issuer);
   if (now < impl_->this_update)
     return fail(Code::crl_not_yet_valid,
                 {.expected = "a time after " + ddssec::to_string(impl_->this_update),

@@ -18,7 +18,7 @@ std::string line_of(const Json& object) {
   return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::unexpected<Error> malformed_line(std::string note) {
+std::unexpected<Error> malformed_line_error(std::string note) {
   return fail(Code::issue_log_malformed, {.note = std::move(note)});
 }
 
@@ -48,7 +48,7 @@ std::string text_of(const Json& object, const char* name) {
 
 Result<WallTime> time_of(const Json& object, const char* name) {
   const auto time = time_from(text_of(object, name));
-  if (!time) return malformed_line(std::string(name) + " is no time");
+  if (!time) return malformed_line_error(std::string(name) + " is no time");
   return *time;
 }
 
@@ -57,7 +57,7 @@ Result<std::string> serial_of(const Json& object) {
   const auto is_digit = [](char c) { return ('0' <= c && c <= '9') || ('A' <= c && c <= 'F'); };
   constexpr std::size_t kMaxDigits = 64;
   if (serial.empty() || serial.size() > kMaxDigits || !std::ranges::all_of(serial, is_digit))
-    return malformed_line("serial is no serial number");
+    return malformed_line_error("serial is no serial number");
   return serial;
 }
 
@@ -91,9 +91,9 @@ void IssueLog::add_issued(IssuedCertificate one) {
 }
 
 Status IssueLog::add_line(std::string_view line) {
-  if (line.size() > kMaxLogLineOctets) return malformed_line("the line is too long");
+  if (line.size() > kMaxLogLineOctets) return malformed_line_error("the line is too long");
   const auto object = Json::parse(line, nullptr, false);
-  if (!object.is_object()) return malformed_line("the line is no JSON object");
+  if (!object.is_object()) return malformed_line_error("the line is no JSON object");
   DDSSEC_ASSIGN_OR_RETURN(auto serial, serial_of(object));
   const auto event = text_of(object, "event");
   if (const auto time = time_from(text_of(object, "time"))) times_.push_back(*time);
@@ -109,9 +109,9 @@ Status IssueLog::add_line(std::string_view line) {
     add_issued(std::move(one));
     return {};
   }
-  if (event != "revoked") return malformed_line("event is neither issued nor revoked");
+  if (event != "revoked") return malformed_line_error("event is neither issued nor revoked");
   const auto reason = revocation_reason_from(text_of(object, "reason"));
-  if (!reason) return malformed_line("reason is none of RFC 5280");
+  if (!reason) return malformed_line_error("reason is none of RFC 5280");
   DDSSEC_ASSIGN_OR_RETURN(const auto time, time_of(object, "time"));
   const Revocation revocation{serial, time, *reason};
   if (auto key = text_of(object, "key"); !key.empty())

@@ -63,12 +63,12 @@ EVP_PKEY* parameters_for(KeyAgreementKind kind) {
   return parameters.get();
 }
 
-Error not_in_group(const char* note) {
+Error not_in_group_error(const char* note) {
   take_openssl_reason();
   return Error(Code::public_key_not_in_group, {.note = note});
 }
 
-Error bad_form(std::string expected, std::string found) {
+Error bad_form_error(std::string expected, std::string found) {
   return Error(Code::public_key_malformed,
                {.expected = std::move(expected), .found = std::move(found)});
 }
@@ -80,18 +80,18 @@ Result<PkeyPtr> with_public(KeyAgreementKind kind, BytesView encoded) {
     return openssl_failure(Code::internal);
   // OpenSSL checks here that a point is on the curve and not infinity.
   if (EVP_PKEY_set1_encoded_public_key(pkey.get(), encoded.data(), encoded.size()) != 1)
-    return std::unexpected(not_in_group("it is not an element of the group"));
+    return std::unexpected(not_in_group_error("it is not an element of the group"));
   return pkey;
 }
 
 Result<PkeyPtr> parse_point(KeyAgreementKind kind, BytesView octets) {
   constexpr std::uint8_t kUncompressed = 0x04;
   if (octets.size() == 1 && octets[0] == 0)
-    return std::unexpected(not_in_group("it is the point at infinity"));
+    return std::unexpected(not_in_group_error("it is the point at infinity"));
   if (octets.size() != point_octets(kind) || octets[0] != kUncompressed)
     return std::unexpected(
-        bad_form("an uncompressed point of " + std::to_string(point_octets(kind)) + " octets",
-                 std::to_string(octets.size()) + " octets"));
+        bad_form_error("an uncompressed point of " + std::to_string(point_octets(kind)) + " octets",
+                       std::to_string(octets.size()) + " octets"));
   return with_public(kind, octets);
 }
 
@@ -113,7 +113,7 @@ std::optional<Bytes> der_integer_value(BytesView octets) {
 Result<PkeyPtr> parse_modp(BytesView value) {
   if (value.empty() || value.size() > kModpOctets)
     return std::unexpected(
-        bad_form("an integer of 1 to 256 octets", std::to_string(value.size()) + " octets"));
+        bad_form_error("an integer of 1 to 256 octets", std::to_string(value.size()) + " octets"));
   // OpenSSL accepts DH keys only at the group's full length.
   std::array<std::uint8_t, kModpOctets> padded{};
   std::copy(value.begin(), value.end(), padded.end() - static_cast<std::ptrdiff_t>(value.size()));
@@ -121,7 +121,7 @@ Result<PkeyPtr> parse_modp(BytesView value) {
   const PkeyContextPtr context(EVP_PKEY_CTX_new_from_pkey(nullptr, pkey.get(), nullptr));
   // Checks that 1 < y < p - 1 and y^q = 1 mod p (SP 800-56A 5.6.2.3.1).
   if (!context || EVP_PKEY_public_check(context.get()) != 1)
-    return std::unexpected(not_in_group("it is not in the subgroup of order q"));
+    return std::unexpected(not_in_group_error("it is not in the subgroup of order q"));
   return pkey;
 }
 
@@ -215,7 +215,7 @@ Result<PeerPublicKey> PeerPublicKey::parse(KeyAgreementKind kind, BytesView octe
     return wrap(PublicKeyEncoding::point, std::move(point));
   }
   if (octets.size() > kMaxModpDerOctets)
-    return std::unexpected(bad_form("at most 261 octets", std::to_string(octets.size())));
+    return std::unexpected(bad_form_error("at most 261 octets", std::to_string(octets.size())));
   // For up to 256 octets, one key in 2^24 can be read in both encodings; the check of the subgroup
   // decides.
   if (const auto value = der_integer_value(octets)) {
@@ -242,7 +242,8 @@ Result<EphemeralKey> KnownKey::from_private(KeyAgreementKind kind, BytesView num
   const SecretBignumPtr secret(
       BN_bin2bn(number.data(), static_cast<int>(number.size()), BN_secure_new()));
   const auto element = secret ? public_of(kind, secret.get()) : Bytes();
-  if (element.empty()) return std::unexpected(not_in_group("the private number is out of range"));
+  if (element.empty())
+    return std::unexpected(not_in_group_error("the private number is out of range"));
   DDSSEC_ASSIGN_OR_RETURN(auto pair, make_pair(kind, secret.get(), element));
   return EphemeralKey(kind, std::make_shared<const EphemeralKey::Impl>(std::move(pair)));
 }

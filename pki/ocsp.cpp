@@ -34,7 +34,7 @@ struct Answer {
   std::optional<WallTime> next_update;
 };
 
-std::unexpected<Error> malformed(std::string note) {
+std::unexpected<Error> malformed_error(std::string note) {
   return fail(Code::ocsp_malformed, {.note = std::move(note)});
 }
 
@@ -47,7 +47,8 @@ Result<BasicPtr> parse(BytesView octets) {
   const ResponsePtr response(
       d2i_OCSP_RESPONSE(nullptr, &position, static_cast<long>(octets.size())));
   if (!response) return openssl_failure(Code::ocsp_malformed);
-  if (position != octets.data() + octets.size()) return malformed("octets follow the response");
+  if (position != octets.data() + octets.size())
+    return malformed_error("octets follow the response");
   if (const int status = OCSP_response_status(response.get());
       status != OCSP_RESPONSE_STATUS_SUCCESSFUL)
     return fail(Code::ocsp_not_successful, {.found = OCSP_response_status_str(status)});
@@ -66,10 +67,10 @@ Status check_extent(OCSP_BASICRESP* basic) {
                              std::to_string(kMaxOcspCertificates) + " certificates",
                  .found = "more"});
   constexpr auto kCritical = "it has a critical extension, which is not understood here";
-  if (OCSP_BASICRESP_get_ext_by_critical(basic, 1, -1) >= 0) return malformed(kCritical);
+  if (OCSP_BASICRESP_get_ext_by_critical(basic, 1, -1) >= 0) return malformed_error(kCritical);
   for (int i = 0; i < answers; ++i)
     if (OCSP_SINGLERESP_get_ext_by_critical(OCSP_resp_get0(basic, i), 1, -1) >= 0)
-      return malformed(kCritical);
+      return malformed_error(kCritical);
   return {};
 }
 
@@ -135,7 +136,7 @@ Result<OcspDates> ocsp_dates(BytesView response) {
     if (!out) out = OcspDates{answer.this_update, until};
     out = OcspDates{std::max(out->this_update, answer.this_update), std::min(out->until, until)};
   }
-  if (!out) return malformed("it has no answer");
+  if (!out) return malformed_error("it has no answer");
   return *out;
 }
 
@@ -250,7 +251,7 @@ Result<OcspGood> OcspJudge::judge(const Answer& answer, const Signer& signer) co
   if (answer.status != V_OCSP_CERTSTATUS_GOOD)
     return fail(Code::ocsp_unknown, {.field = certificate.subject(), .found = serial()});
   const auto next = answer.next_update.value_or(answer.this_update + kOcspLifeWithoutEnd);
-  if (next < answer.this_update) return malformed("nextUpdate is before thisUpdate");
+  if (next < answer.this_update) return malformed_error("nextUpdate is before thisUpdate");
   const OcspGood good(answer.this_update, std::min(next, signer.until.value_or(next)));
   if (good.holds_at(now)) return good;
   if (answer.this_update > now)

@@ -15,7 +15,7 @@ namespace {
 void free_texts(STACK_OF(OPENSSL_STRING) * texts) noexcept { X509_email_free(texts); }
 using TextsPtr = std::unique_ptr<STACK_OF(OPENSSL_STRING), Deleter<free_texts>>;
 
-std::unexpected<Error> failed(const std::string& url, std::string note) {
+std::unexpected<Error> url_error(const std::string& url, std::string note) {
   return fail(tool_code::ocsp_fetch_failed, {.found = url, .note = std::move(note)});
 }
 
@@ -37,7 +37,8 @@ std::string ocsp_responder_of(const Certificate& certificate) {
 }
 
 Result<OcspAddress> parse_ocsp_address(const std::string& url) {
-  if (!is_plain(url)) return failed(url, "it has blanks, or octets that are not printable ASCII");
+  if (!is_plain(url))
+    return url_error(url, "it has blanks, or octets that are not printable ASCII");
   char *host = nullptr, *port = nullptr, *path = nullptr;
   int has_tls = 0;
   const int is_url = OSSL_HTTP_parse_url(url.c_str(), &has_tls, nullptr, &host, &port, nullptr,
@@ -45,11 +46,11 @@ Result<OcspAddress> parse_ocsp_address(const std::string& url) {
   const OpensslText owners[] = {OpensslText(host), OpensslText(port), OpensslText(path)};
   take_openssl_reason();
   if (is_url != 1 || host == nullptr || *host == 0 || port == nullptr || path == nullptr)
-    return failed(url, "it is not the address of a responder");
+    return url_error(url, "it is not the address of a responder");
   // TLS is not needed: the response is signed, and an observer learns little that the handshake
   // does not show.
   if (has_tls != 0 || !url.starts_with("http://"))
-    return failed(url, "only http:// is used: the answer is signed");
+    return url_error(url, "only http:// is used: the answer is signed");
   return OcspAddress{host, port, path};
 }
 

@@ -19,7 +19,7 @@ void free_headers(STACK_OF(CONF_VALUE) * headers) noexcept {
 }
 using HeadersPtr = std::unique_ptr<STACK_OF(CONF_VALUE), Deleter<free_headers>>;
 
-std::unexpected<Error> failed(const std::string& url, std::string note) {
+std::unexpected<Error> fetch_error(const std::string& url, std::string note) {
   return fail(tool_code::ocsp_fetch_failed, {.found = url, .note = std::move(note)});
 }
 
@@ -80,7 +80,7 @@ Result<Bytes> fetch_ocsp(const OcspRequest& question, const std::string& url,
                          kMaxFetched, static_cast<int>(longest.count()), 0));
   if (!answer) {
     const auto reason = take_openssl_reason();
-    return failed(url, reason.empty() ? "no answer" : reason);
+    return fetch_error(url, reason.empty() ? "no answer" : reason);
   }
   auto octets = all_of(answer.get());
   take_openssl_reason();

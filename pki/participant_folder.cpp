@@ -13,7 +13,7 @@ bool is_seen(const fs::path& path) {
 
 }  // namespace
 
-bool is_there(const fs::path& path) {
+bool may_exist(const fs::path& path) {
   std::error_code error;
   const auto type = fs::symlink_status(path, error).type();
   return type != fs::file_type::not_found && error != std::errc::filename_too_long;
@@ -29,20 +29,21 @@ bool is_ca_folder(const fs::path& folder) {
          is_seen(folder / "identity/ca.pem");
 }
 
-fs::path or_in_token(const fs::path& file) {
+fs::path path_or_token_file(const fs::path& file) {
   auto in_token = fs::path(file).replace_extension(".p11");
-  return is_there(in_token) && !is_there(file) ? in_token : file;
+  return may_exist(in_token) && !may_exist(file) ? in_token : file;
 }
 
 ParticipantFolder participant_folder(const fs::path& folder, FolderLayout layout) {
   const bool flat = layout == FolderLayout::flat;
   return {.layout = layout,
           .folder = folder,
-          .identity_ca = or_in_token(folder / (flat ? "identity_ca.pem" : "identity_ca.cert.pem")),
-          .certificate = or_in_token(folder / "cert.pem"),
-          .key = or_in_token(folder / "key.pem"),
-          .permissions_ca =
-              or_in_token(folder / (flat ? "permissions_ca.pem" : "permissions_ca.cert.pem")),
+          .identity_ca =
+              path_or_token_file(folder / (flat ? "identity_ca.pem" : "identity_ca.cert.pem")),
+          .certificate = path_or_token_file(folder / "cert.pem"),
+          .key = path_or_token_file(folder / "key.pem"),
+          .permissions_ca = path_or_token_file(
+              folder / (flat ? "permissions_ca.pem" : "permissions_ca.cert.pem")),
           .governance = folder / "governance.p7s",
           .permissions = folder / "permissions.p7s",
           .crl = folder / "crl.pem",
@@ -53,8 +54,8 @@ ParticipantFolder participant_folder(const fs::path& folder, FolderLayout layout
 ParticipantFolder participant_folder(const fs::path& folder) {
   auto flat = participant_folder(folder, FolderLayout::flat);
   auto sros2 = participant_folder(folder, FolderLayout::sros2);
-  const bool is_sros2 = (is_there(sros2.identity_ca) && !is_there(flat.identity_ca)) ||
-                        (is_there(sros2.permissions_ca) && !is_there(flat.permissions_ca));
+  const bool is_sros2 = (may_exist(sros2.identity_ca) && !may_exist(flat.identity_ca)) ||
+                        (may_exist(sros2.permissions_ca) && !may_exist(flat.permissions_ca));
   return is_sros2 ? sros2 : flat;
 }
 

@@ -32,11 +32,11 @@ struct ParticipantFolder {
 /// False if no file of that name can exist. True in all other cases, also for a dangling link and
 /// for a file in a folder that cannot be searched. Such a document must not count as absent, and
 /// reading it reports what is wrong.
-bool is_there(const std::filesystem::path& path);
+bool may_exist(const std::filesystem::path& path);
 
 /// True if the folder looks like one of a participant: it has a certificate or an identity CA. It
 /// serves to choose hints and sentences, so it is false for a folder that cannot be searched,
-/// unlike is_there.
+/// unlike may_exist.
 bool is_participant_folder(const std::filesystem::path& folder);
 
 /// True if the folder looks like one of a CA, as `ca create` and `init` make it: it has a CA's
@@ -46,7 +46,7 @@ bool is_ca_folder(const std::filesystem::path& folder);
 
 /// Returns the path of a key or certificate: `file`, or the *.p11 file in its place that names the
 /// object in a token, if only that one exists.
-std::filesystem::path or_in_token(const std::filesystem::path& file);
+std::filesystem::path path_or_token_file(const std::filesystem::path& file);
 
 /// Returns the paths of `folder` in a layout.
 ParticipantFolder participant_folder(const std::filesystem::path& folder, FolderLayout layout);

@@ -15,7 +15,7 @@
 #include <openssl/ui.h>
 
 #include "base/background_thread.hpp"
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 #include "pki/token_logins.hpp"
 
 namespace ddssec::pki {
@@ -117,7 +117,7 @@ Result<ENGINE*> engine() {
   return ready = made;
 }
 
-std::unexpected<Error> refused(std::string_view uri, const PinRequest& request) {
+std::unexpected<Error> token_error(std::string_view uri, const PinRequest& request) {
   auto reasons = take_reasons();
   ErrorDetails details{.found = without_pin(uri), .note = std::move(reasons.first)};
   if (reasons.pin_refused) pin_was_refused = true;
@@ -213,7 +213,7 @@ Result<PkeyPtr> token_private_key(std::string_view uri, const Passphrase* pin) {
   const PinRequest request(split.pin ? &*split.pin : pin);
   ERR_clear_error();
   PkeyPtr key(ENGINE_load_private_key(token, split.uri.c_str(), pin_method(), nullptr));
-  if (!key) return refused(uri, request);
+  if (!key) return token_error(uri, request);
   ERR_clear_error();
   return key;
 }
@@ -231,7 +231,7 @@ Result<X509Ptr> token_certificate(std::string_view uri) {
   ERR_clear_error();
   const bool found = ENGINE_ctrl_cmd(token, "LOAD_CERT_CTRL", 0, &wanted, nullptr, 1) == 1;
   X509Ptr certificate(wanted.certificate);
-  if (!found || !certificate) return refused(uri, request);
+  if (!found || !certificate) return token_error(uri, request);
   ERR_clear_error();
   return certificate;
 }

@@ -1,7 +1,7 @@
 #include "pki/renewal_list.hpp"
 
+#include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
-#include "pki/source.hpp"
 
 namespace ddssec::pki {
 namespace {
@@ -12,14 +12,15 @@ constexpr std::string_view kPermissionsLabel = "SIGNED PERMISSIONS";
 // not count as an empty list.
 constexpr std::string_view kNoEntry = "# no renewed certificate or permissions\n";
 
-std::unexpected<Error> malformed(std::string expected, std::string found) {
+std::unexpected<Error> malformed_error(std::string expected, std::string found) {
   return fail(Code::renewal_list_malformed,
               {.expected = std::move(expected), .found = std::move(found)});
 }
 
 Status check_room(std::size_t count, std::string_view what) {
   if (count < kMaxRenewals) return {};
-  return malformed("at most " + std::to_string(kMaxRenewals) + " " + std::string(what), "more");
+  return malformed_error("at most " + std::to_string(kMaxRenewals) + " " + std::string(what),
+                         "more");
 }
 
 Status add(RenewalList& out, PemBlock block) {
@@ -30,11 +31,11 @@ Status add(RenewalList& out, PemBlock block) {
     return {};
   }
   if (block.label != kPermissionsLabel)
-    return malformed(std::string(kCertificateLabel) + " or " + std::string(kPermissionsLabel),
-                     "a block " + block.label.substr(0, 64));
+    return malformed_error(std::string(kCertificateLabel) + " or " + std::string(kPermissionsLabel),
+                           "a block " + block.label.substr(0, 64));
   DDSSEC_RETURN_IF_ERROR(check_room(out.permissions.size(), "permissions"));
   if (block.der.size() > kMaxSentPermissionsOctets)
-    return malformed(
+    return malformed_error(
         "permissions of at most " + std::to_string(kMaxSentPermissionsOctets) + " octets",
         std::to_string(block.der.size()));
   out.permissions.push_back(std::move(block.der));
@@ -45,8 +46,8 @@ Status add(RenewalList& out, PemBlock block) {
 
 Result<RenewalList> RenewalList::parse(BytesView file) {
   if (file.size() > kMaxRenewalListOctets)
-    return malformed("at most " + std::to_string(kMaxRenewalListOctets) + " octets",
-                     std::to_string(file.size()));
+    return malformed_error("at most " + std::to_string(kMaxRenewalListOctets) + " octets",
+                           std::to_string(file.size()));
   const BioPtr bio = bio_over(file);
   RenewalList out;
   while (true) {
@@ -57,7 +58,8 @@ Result<RenewalList> RenewalList::parse(BytesView file) {
     if (!*block) break;
     DDSSEC_RETURN_IF_ERROR(add(out, **std::move(block)));
   }
-  if (out.is_empty() && as_text(file) != kNoEntry) return malformed("at least one entry", "none");
+  if (out.is_empty() && as_text(file) != kNoEntry)
+    return malformed_error("at least one entry", "none");
   return out;
 }
 

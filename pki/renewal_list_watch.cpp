@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "base/rollback.hpp"
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 
 namespace ddssec::pki {
 
@@ -17,7 +17,7 @@ RenewalListWatch::RenewalListWatch(const std::vector<std::string>& uris,
   }
 }
 
-RenewalList RenewalListWatch::together() const {
+RenewalList RenewalListWatch::merged_list() const {
   RenewalList out;
   for (const auto& place : places_) {
     const auto& [certificates, permissions] = place.list;
@@ -31,12 +31,12 @@ Status RenewalListWatch::judge(Place& place, BytesView file, const Adopt& adopt)
   DDSSEC_ASSIGN_OR_RETURN(auto list, RenewalList::parse(file));
   std::swap(place.list, list);
   Rollback back([&] { std::swap(place.list, list); });
-  DDSSEC_RETURN_IF_ERROR(adopt(together()));
+  DDSSEC_RETURN_IF_ERROR(adopt(merged_list()));
   back.release();
   return {};
 }
 
-Result<bool> RenewalListWatch::look_at(Place& place, const Adopt& adopt) {
+Result<bool> RenewalListWatch::read_place(Place& place, const Adopt& adopt) {
   Rollback again([&] { place.watch.force_change(); });
   const auto file = load(place.watch.uri(), place.path, kMaxRenewalListOctets);
   const bool not_yet = !place.content && !file && file.error().code() == Code::file_not_found;
@@ -53,8 +53,8 @@ Result<bool> RenewalListWatch::look_at(Place& place, const Adopt& adopt) {
   }
   if (!place.refusals.is_due(status.error().code(), content)) return false;
   return std::unexpected(place.refusals.note(
-      renewal_refused(refused_, status.error(), place.path,
-                      place.content ? "the list read before stays in force" : "")));
+      renewal_refused_error(refused_, status.error(), place.path,
+                            place.content ? "the list read before stays in force" : "")));
 }
 
 Result<bool> RenewalListWatch::poll(std::chrono::nanoseconds now, const Adopt& adopt) {
@@ -63,7 +63,7 @@ Result<bool> RenewalListWatch::poll(std::chrono::nanoseconds now, const Adopt& a
   Result<bool> out = false;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     if (!places_[i].watch.may_have_changed(now)) continue;
-    auto taken = look_at(places_[i], adopt);
+    auto taken = read_place(places_[i], adopt);
     if (taken && *taken) taken_from_ = i;
     if (out && (!taken || *taken)) out = std::move(taken);
   }
@@ -74,7 +74,7 @@ void RenewalListWatch::force_poll() {
   for (auto& place : places_) place.watch.force_poll();
 }
 
-void RenewalListWatch::judge_again() {
+void RenewalListWatch::reevaluate() {
   for (auto& place : places_) {
     place.content.reset();
     place.watch.force_poll();

@@ -34,7 +34,7 @@ class RenewalListWatch {
   void force_poll();
   /// Also makes the next poll judge the entries as if they were new. Call it if the CAs or other
   /// facts by which they are judged have changed.
-  void judge_again();
+  void reevaluate();
 
   /// Returns the file whose entries were adopted last, or else the first one; empty if there is
   /// none.
@@ -51,9 +51,9 @@ class RenewalListWatch {
     RenewalRefusals refusals = {};
   };
 
-  Result<bool> look_at(Place& place, const Adopt& adopt);
+  Result<bool> read_place(Place& place, const Adopt& adopt);
   Status judge(Place& place, BytesView file, const Adopt& adopt);
-  RenewalList together() const;
+  RenewalList merged_list() const;
 
   const Code refused_;
   std::vector<Place> places_;

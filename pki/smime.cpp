@@ -4,10 +4,10 @@
 
 #include <openssl/provider.h>
 
+#include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
 #include "pki/openssl_guards.hpp"
 #include "pki/signing_time.hpp"
-#include "pki/source.hpp"
 #include "pki/unverified_document.hpp"
 
 namespace ddssec::pki {

@@ -6,11 +6,11 @@
 
 #include <openssl/pkcs7.h>
 
+#include "pki/certificate_source.hpp"
 #include "pki/mime.hpp"
 #include "pki/openssl.hpp"
 #include "pki/openssl_guards.hpp"
 #include "pki/signing_time.hpp"
-#include "pki/source.hpp"
 #include "pki/unverified_document.hpp"
 
 namespace ddssec::pki {
@@ -242,7 +242,7 @@ std::string algorithm_for_fastdds(const X509* certificate) {
   }
 }
 
-Status is_believed(BytesView file, const StorePtr& store) {
+Status verify_with_store(BytesView file, const StorePtr& store) {
   if (file.size() > kMaxDocumentOctets) return fail(Code::smime_too_large);
   const auto parsed = parse_smime(file);
   if (!parsed.pkcs7) return openssl_failure(Code::smime_malformed);
@@ -315,14 +315,15 @@ DocumentForm examine_document(BytesView file) {
   return form;
 }
 
-Status stock_products_believe(BytesView file, const std::vector<Certificate>& cas, WallTime now) {
-  return is_believed(file, store_of(cas, now));
+Status verify_as_stock_products(BytesView file, const std::vector<Certificate>& cas, WallTime now) {
+  return verify_with_store(file, store_of(cas, now));
 }
 
-Status stock_products_believe(BytesView file, BytesView ca_file, std::size_t count, WallTime now) {
+Status verify_as_stock_products(BytesView file, BytesView ca_file, std::size_t count,
+                                WallTime now) {
   if (ca_file.size() > kMaxBundleOctets) return fail(Code::certificate_too_large);
   const auto store = store_of(ca_file, count, now);
-  return store ? is_believed(file, store) : fail(Code::certificate_malformed);
+  return store ? verify_with_store(file, store) : fail(Code::certificate_malformed);
 }
 
 std::optional<AnnouncedCa> ca_announced_by_fastdds(BytesView ca_file) {

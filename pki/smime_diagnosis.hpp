@@ -77,12 +77,12 @@ Status check_same_reading(const UnverifiedDocument& ours, BytesView file);
 /// They accept every signer that chains to the CA (CVE-2023-24010, CVE-2023-24011), and opaque
 /// documents. Errors: smime_malformed with OpenSSL's reason, those of verify_pkcs7
 /// (pki/openssl_guards.hpp), internal.
-Status stock_products_believe(BytesView file, const std::vector<Certificate>& cas, WallTime now);
+Status verify_as_stock_products(BytesView file, const std::vector<Certificate>& cas, WallTime now);
 
 /// Does the same with the first `count` certificates of a CA file in PEM, whatever their keys are,
 /// because stock products also take keys of a permissions CA that DDS-Security does not allow
 /// (measured). Errors: the same; certificate_malformed, certificate_too_large.
-Status stock_products_believe(BytesView file, BytesView ca_file, std::size_t count, WallTime now);
+Status verify_as_stock_products(BytesView file, BytesView ca_file, std::size_t count, WallTime now);
 
 /// The facts that Fast DDS announces to its peers about its permissions CA file.
 struct AnnouncedCa {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n";
 
-Error malformed(std::string note, std::string_view found) {
+Error malformed_error(std::string note, std::string_view found) {
   return Error(Code::subject_name_malformed,
                {.found = std::string(found.substr(0, 256)), .note = std::move(note)});
 }
@@ -90,16 +90,16 @@ class Rfc4514 {
 
   Result<NameAttribute> attribute() {
     const auto equals = text_.find('=', at_);
-    if (equals == text_.npos) return std::unexpected(malformed("there is no '='", text_));
+    if (equals == text_.npos) return std::unexpected(malformed_error("there is no '='", text_));
     const auto type = trimmed(text_.substr(at_, equals - at_), kBlanks);
     auto name = canonical_type(type);
-    if (!name) return std::unexpected(malformed("the attribute type is unknown", type));
+    if (!name) return std::unexpected(malformed_error("the attribute type is unknown", type));
     at_ = equals + 1;
     skip_blanks();
     DDSSEC_ASSIGN_OR_RETURN(auto value, this->value());
     skip_blanks();
     if (!valid_utf8_without_nul(value))
-      return std::unexpected(malformed("a value is not UTF-8 text", text_));
+      return std::unexpected(malformed_error("a value is not UTF-8 text", text_));
     return NameAttribute{*std::move(name), std::move(value)};
   }
 
@@ -127,7 +127,7 @@ class Rfc4514 {
   Result<std::string> hexadecimal() {
     const auto end = std::min(text_.find_first_of(",+", at_), text_.size());
     auto value = hex_value(trimmed(text_.substr(at_ + 1, end - at_ - 1), kBlanks));
-    if (!value) return std::unexpected(malformed("a '#' value is no DER text", text_));
+    if (!value) return std::unexpected(malformed_error("a '#' value is no DER text", text_));
     at_ = end;
     return *std::move(value);
   }
@@ -138,7 +138,7 @@ class Rfc4514 {
     if (at_ < text_.size() && kSpecial.find(text_[at_]) != kSpecial.npos) return text_[at_++];
     const auto octet = from_hex(text_.substr(std::min(at_, text_.size()), 2));
     if (!octet || octet->size() != 1)
-      return std::unexpected(malformed("a backslash stands before nothing special", text_));
+      return std::unexpected(malformed_error("a backslash stands before nothing special", text_));
     at_ += 2;
     return static_cast<char>((*octet)[0]);
   }
@@ -153,7 +153,7 @@ class Rfc4514 {
       }
       out.push_back(meant_character);
     }
-    if (at_end()) return std::unexpected(malformed("a quotation mark is not closed", text_));
+    if (at_end()) return std::unexpected(malformed_error("a quotation mark is not closed", text_));
     ++at_;
     return out;
   }
@@ -164,7 +164,7 @@ class Rfc4514 {
     while (!at_end() && text_[at_] != ',' && text_[at_] != '+') {
       const char c = text_[at_++];
       if (std::string_view("\";<>").find(c) != std::string_view::npos)
-        return std::unexpected(malformed("a special character is not escaped", text_));
+        return std::unexpected(malformed_error("a special character is not escaped", text_));
       char meant_character = c;
       if (c == '\\') {
         DDSSEC_ASSIGN_OR_RETURN(meant_character, escaped());
@@ -209,12 +209,13 @@ Result<std::string> unescape_one_line(std::string_view text) {
     out.push_back(text[i]);
   }
   if (!valid_utf8_without_nul(out))
-    return std::unexpected(malformed("a value is not UTF-8 text", text));
+    return std::unexpected(malformed_error("a value is not UTF-8 text", text));
   return out;
 }
 
-Error too_many(std::string_view text) {
-  return malformed(fmt::format("there are more than {} attributes", kMaxNameAttributes), text);
+Error too_many_attributes_error(std::string_view text) {
+  return malformed_error(fmt::format("there are more than {} attributes", kMaxNameAttributes),
+                         text);
 }
 
 struct OneLine {
@@ -225,9 +226,10 @@ struct OneLine {
 Result<OneLine> parse_one_line(std::string_view text) {
   OneLine out;
   std::size_t at = next_one_line_type(text, 0);
-  if (at != 0) return std::unexpected(malformed("it does not begin with /TYPE=", text));
+  if (at != 0) return std::unexpected(malformed_error("it does not begin with /TYPE=", text));
   while (at != text.npos) {
-    if (out.attributes.size() == kMaxNameAttributes) return std::unexpected(too_many(text));
+    if (out.attributes.size() == kMaxNameAttributes)
+      return std::unexpected(too_many_attributes_error(text));
     const auto equals = text.find('=', at);
     const auto next = next_one_line_type(text, equals);
     auto type = canonical_type(trimmed(text.substr(at + 1, equals - at - 1), kBlanks));
@@ -246,7 +248,7 @@ Result<SubjectName> SubjectName::parse(std::string_view text) {
   // Only leading blanks are removed. A trailing blank may be escaped, which Rfc4514::plain decides.
   text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
   if (text.empty() || text.size() > kMaxSubjectOctets)
-    return std::unexpected(malformed("it is empty or too long", text));
+    return std::unexpected(malformed_error("it is empty or too long", text));
   SubjectName name;
   if (text.front() == '/') {
     name.is_root_first_ = true;
@@ -257,14 +259,15 @@ Result<SubjectName> SubjectName::parse(std::string_view text) {
   }
   Rfc4514 reader(text);
   for (char separator = ',';;) {
-    if (name.attributes_.size() == kMaxNameAttributes) return std::unexpected(too_many(text));
+    if (name.attributes_.size() == kMaxNameAttributes)
+      return std::unexpected(too_many_attributes_error(text));
     DDSSEC_ASSIGN_OR_RETURN(auto attribute, reader.attribute());
     name.attributes_.push_back(std::move(attribute));
     name.joined_.push_back(separator == '+');
     if (reader.at_end()) return name;
     separator = reader.separator();
     if (separator == '\0')
-      return std::unexpected(malformed("something follows a quoted value", text));
+      return std::unexpected(malformed_error("something follows a quoted value", text));
   }
 }
 

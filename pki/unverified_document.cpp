@@ -6,9 +6,9 @@
 
 #include <openssl/evp.h>
 
+#include "pki/certificate_source.hpp"
 #include "pki/mime.hpp"
 #include "pki/openssl.hpp"
-#include "pki/source.hpp"
 
 namespace ddssec::pki {
 namespace {

@@ -4,15 +4,15 @@
 #include <iterator>
 
 #include "base/status_service.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/participant_folder.hpp"
-#include "pki/source.hpp"
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/authentication/authentication.hpp"
 #include "plugins/cryptography/cryptography.hpp"
 #include "plugins/spi/clock_step_grace.hpp"
 #include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"
-#include "secured/folder_check.hpp"
+#include "secured/participant_check.hpp"
 #include "secured/reported_calendar.hpp"
 
 namespace ddssec::secured {

@@ -34,7 +34,7 @@ rtps::Subscriber& Participant::subscriber() { return *state_->subscriber; }
 
 void StandardErrorEvents::raise(const Event& event) {
   if (event.is_returned) return;
-  if (event.severity >= Severity::warning || is_news(event.error.code()))
+  if (event.severity >= Severity::warning || is_always_shown(event.error.code()))
     std::fprintf(stderr, "%s\n", event.to_line().c_str());
 }
 

@@ -9,8 +9,8 @@ constexpr std::uint8_t kHeartbeatFlagGroup = 0x08;
 
 // Reads the group's fields. The digests are optional: the table in 9.4.5.7 ends with lastGSN, but
 // the model in 8.3.8.6 has them.
-Result<GroupState> read_group(Reader& reader) {
-  GroupState out;
+Result<HeartbeatGroupInfo> read_group(Reader& reader) {
+  HeartbeatGroupInfo out;
   DDSSEC_ASSIGN_OR_RETURN(out.current, read_any_sequence_number(reader));
   DDSSEC_ASSIGN_OR_RETURN(out.first, read_sequence_number(reader));
   DDSSEC_ASSIGN_OR_RETURN(out.last, read_any_sequence_number(reader));

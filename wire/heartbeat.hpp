@@ -10,12 +10,12 @@ namespace ddssec::rtps {
 
 /// The writer's position in its publisher (8.7.5). `writers` is a digest of all writers of the
 /// publisher, `secure_writers` one of those that are announced securely.
-struct GroupState {
+struct HeartbeatGroupInfo {
   SequenceNumber current;   ///< the publisher's last number; 0 if there is none
   SequenceNumber first{1};  ///< the first number that this writer holds
   SequenceNumber last;      ///< first - 1 if nothing is held
   GroupDigest writers = {}, secure_writers = {};
-  bool operator==(const GroupState&) const = default;
+  bool operator==(const HeartbeatGroupInfo&) const = default;
 };
 
 /// Tells readers which changes a writer holds (RTPS 8.3.8.6).
@@ -27,7 +27,7 @@ struct Heartbeat {
   std::int32_t count = 0;
   bool is_final = false;  ///< no answer is needed
   bool asserts_liveliness = false;
-  std::optional<GroupState> group = {};
+  std::optional<HeartbeatGroupInfo> group = {};
   bool operator==(const Heartbeat&) const = default;
 };
 

@@ -27,24 +27,24 @@ Result<SequenceNumber> read_number(BytesView value, Endian endian) {
 }
 
 // Reads a GUID and a sequence number. The list that may follow is not needed.
-Result<Original> read_original(BytesView value, Endian endian) {
+Result<OriginalWriterInfo> read_original(BytesView value, Endian endian) {
   if (value.size() < 24) return fail(Code::rtps_parameter_invalid);
   Reader reader(value, endian);
   DDSSEC_ASSIGN_OR_RETURN(const auto guid, read_guid(reader));
-  Original out{guid, {}};
+  OriginalWriterInfo out{guid, {}};
   DDSSEC_ASSIGN_OR_RETURN(out.number, read_sequence_number(reader));
   return out;
 }
 
 // Returns the member of Coherence that a parameter sets, or nullptr.
-constexpr SequenceNumber Coherence::*number_of(ParameterId id) {
+constexpr SequenceNumber CoherentSetInfo::*number_of(ParameterId id) {
   switch (id) {
     case pid::kCoherentSet:
-      return &Coherence::set;
+      return &CoherentSetInfo::set;
     case pid::kGroupCoherentSet:
-      return &Coherence::group_set;
+      return &CoherentSetInfo::group_set;
     case pid::kGroupSeqNum:
-      return &Coherence::group;
+      return &CoherentSetInfo::group;
     default:
       return nullptr;
   }
@@ -130,7 +130,7 @@ void write(SpanWriter& out, const InlineQos& qos) {
     const std::array<std::uint8_t, 4> octets{0, 0, 0, flags};
     out.write_bytes(octets);
   }
-  if (qos.coherence != Coherence{}) {
+  if (qos.coherence != CoherentSetInfo{}) {
     write_number(out, pid::kCoherentSet, qos.coherence.set);
     write_number(out, pid::kGroupCoherentSet, qos.coherence.group_set);
     write_number(out, pid::kGroupSeqNum, qos.coherence.group);

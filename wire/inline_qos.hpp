@@ -30,7 +30,7 @@ struct StatusInfo {
 using GroupDigest = std::array<std::uint8_t, 4>;
 
 /// The fields of a change for PRESENTATION. A field of 0 is absent, as with SEQUENCENUMBER_UNKNOWN.
-struct Coherence {
+struct CoherentSetInfo {
   /// COHERENT_SET: the number of the first change of the writer's set.
   SequenceNumber set = {};
   /// GROUP_COHERENT_SET: the number of the first change of the publisher's set.
@@ -38,15 +38,15 @@ struct Coherence {
   /// GROUP_SEQ_NUM: the number of this change among those of the publisher.
   SequenceNumber group = {};
   GroupDigest writers = {};  ///< WRITER_GROUP_INFO
-  bool operator==(const Coherence&) const = default;
+  bool operator==(const CoherentSetInfo&) const = default;
 };
 
 /// ORIGINAL_WRITER_INFO: the writer of a sample that a durability service sends to late joiners
 /// (RTPS 8.7.9). If the number is 0, the sender itself wrote the sample.
-struct Original {
+struct OriginalWriterInfo {
   Guid writer = {};
   SequenceNumber number = {};
-  bool operator==(const Original&) const = default;
+  bool operator==(const OriginalWriterInfo&) const = default;
 };
 
 /// The parameters of a change that are sent with it (RTPS 9.6.4). Others are skipped, or
@@ -54,8 +54,8 @@ struct Original {
 struct InlineQos {
   std::optional<KeyHash> key_hash = {};
   StatusInfo status = {};
-  Coherence coherence = {};
-  Original original = {};
+  CoherentSetInfo coherence = {};
+  OriginalWriterInfo original = {};
   /// The source time, for a protected submessage whose INFO_TS is not protected. Specific to
   /// ddssec.
   std::optional<Time> source_time = {};
@@ -63,7 +63,7 @@ struct InlineQos {
   /// The place of the payload in shared memory, if it is not in the DATA. Specific to ddssec.
   std::optional<MemoryReference> memory = {};
   bool empty() const {
-    return !key_hash && status == StatusInfo{} && coherence == Coherence{} &&
+    return !key_hash && status == StatusInfo{} && coherence == CoherentSetInfo{} &&
            original.number.value == 0 && !source_time && filters.list.empty() && !memory;
   }
   bool operator==(const InlineQos&) const = default;

@@ -43,7 +43,7 @@ constexpr seconds kTimeForOwnCa{120};
 constexpr seconds kTimeForSlowOwner{3};
 constexpr seconds kSlowFor{3600};
 
-std::unexpected<Error> no_answer(End end) {
+std::unexpected<Error> no_answer_error(End end) {
   if (end == End::stopped) return fail(Code::interrupted);
   return fail(Code::internal, {.field = "a process of the agent",
                                .note = end == End::too_slow ? "it took too long" : "it has ended"});
@@ -84,10 +84,10 @@ Json Agent::mode() const {
 
 // Runs in a process of its own, like each use of the CA's key. Without this check, a wrong
 // passphrase would be noticed only when the first certificate is due.
-Status Agent::prove_ca() {
+Status Agent::check_ca_opens() {
   if (hooks_.certificates) return {};
-  const auto json = from_process([&]() -> Result<Json> {
-    const auto status = prove_passphrase(arguments_);
+  const auto json = run_in_child_process([&]() -> Result<Json> {
+    const auto status = check_passphrase(arguments_);
     if (!status) return std::unexpected(status.error());
     return Json::object();
   });
@@ -96,7 +96,7 @@ Status Agent::prove_ca() {
 }
 
 Answer<AgentRun> Agent::run_once() {
-  if (const auto proven = prove_ca(); !proven) return {{}, report_of(proven.error())};
+  if (const auto proven = check_ca_opens(); !proven) return {{}, report_of(proven.error())};
   end_overlaps();
   for (auto& folder : folders_)
     if (!signals_.is_stopped()) renew(folder);
@@ -110,10 +110,11 @@ Answer<AgentRun> Agent::run_once() {
 
 Answer<AgentRun> Agent::run() {
   constexpr bool kHasResult = false;
-  if (const auto proven = prove_ca(); !proven) return {{}, report_of(proven.error()), kHasResult};
+  if (const auto proven = check_ca_opens(); !proven)
+    return {{}, report_of(proven.error()), kHasResult};
   events_.report("started", mode());
   while (!signals_.is_stopped()) {
-    if (signals_.take_reload()) look_at_all_now();
+    if (signals_.take_reload()) schedule_all_now();
     if (next_end_ <= context_.clock.since_boot()) end_overlaps();
     auto& folder = *std::ranges::min_element(folders_, {}, &Folder::next);
     const auto now = context_.clock.since_boot();
@@ -130,7 +131,7 @@ Answer<AgentRun> Agent::run() {
   return {{}, {}, kHasResult};
 }
 
-void Agent::look_at_all_now() {
+void Agent::schedule_all_now() {
   for (auto& folder : folders_) {
     folder.next = folder.next_documents = {};
     folder.is_paused = false;
@@ -163,9 +164,9 @@ void Agent::end_overlaps() {
 
 // Runs in a process of its own, like each use of the CA's key.
 void Agent::end(const OverlapToEnd& overlap) {
-  auto json = ca_refusal_
-                  ? Result<Json>(std::unexpected(*ca_refusal_))
-                  : from_process([&] { return end_overlap(overlap, arguments_, context_); });
+  auto json = ca_refusal_ ? Result<Json>(std::unexpected(*ca_refusal_)) : run_in_child_process([&] {
+    return end_overlap(overlap, arguments_, context_);
+  });
   if (!json) {
     if (json.error().code() == Code::interrupted && signals_.is_stopped()) return;
     if (must_not_be_tried_again(json.error().code())) ca_refusal_ = json.error();
@@ -239,7 +240,7 @@ Result<Json> Agent::try_to_renew(Folder& folder) {
       order_line(folder.task, folder.lock ? &folder.lock->folder() : nullptr,
                  arguments_.has("--now") ? std::optional(context_.clock.now()) : std::nullopt);
   const auto sent = worker.write(order, time_for(folder));
-  if (sent != End::done) return worker_ended(folder, sent);
+  if (sent != End::done) return worker_ended_error(folder, sent);
   return serve_worker(folder, worker);
 }
 
@@ -250,11 +251,11 @@ steady_clock::time_point Agent::time_for(const Folder& folder) const {
 }
 
 // Remembers the owner of a folder whose worker took too long, because an owner can stop the worker.
-std::unexpected<Error> Agent::worker_ended(const Folder& folder, End end) {
+std::unexpected<Error> Agent::worker_ended_error(const Folder& folder, End end) {
   if (end == End::too_slow && folder.lock)
     slow_owners_.insert_or_assign(folder.lock->owner().user,
                                   context_.clock.since_boot() + kSlowFor);
-  return no_answer(end);
+  return no_answer_error(end);
 }
 
 // The folders of the agent's own user are not restricted without --trust: that user could ask any
@@ -289,7 +290,7 @@ std::string Agent::renewals() const {
 }
 
 // Lets the other folders get the list with the new certificate soon, unless there are too many.
-void Agent::look_at_others(const Folder& renewed) {
+void Agent::schedule_others(const Folder& renewed) {
   constexpr std::size_t kMax = 64;
   if (hooks_.certificates || folders_.size() > kMax) return;
   const auto soon = context_.clock.since_boot() + seconds(1);
@@ -312,11 +313,11 @@ Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
   for (int lines = 0;; ++lines) {
     std::string line;
     if (const auto end = worker.read_line(line, kMaxAgentLine, time_for(folder)); end != End::done)
-      return worker_ended(folder, end);
+      return worker_ended_error(folder, end);
     DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
     const bool is_told = json.contains("documents");
     if (!is_told && !json.contains("wanted")) return json;
-    if (lines == kMaxLines || !folder.task.fetches_documents) return no_answer(End::closed);
+    if (lines == kMaxLines || !folder.task.fetches_documents) return no_answer_error(End::closed);
     if (is_told) {
       note_documents(folder, json["documents"]);
       continue;
@@ -325,14 +326,15 @@ Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
     if (!document && signals_.is_stopped()) return std::unexpected(document.error());
     const auto answer = document ? document_line(*document) : error_line(document.error());
     const auto sent = worker.write(to_line(answer) + '\n', time_for(folder));
-    if (sent != End::done) return worker_ended(folder, sent);
+    if (sent != End::done) return worker_ended_error(folder, sent);
   }
 }
 
 // Revocation and renewal lists are public. Permissions are given only to the holder of their key.
 Result<Bytes> Agent::ask_document(const Folder& folder, const DocumentRequest& request) {
   constexpr std::array<std::string_view, 3> kKinds = {"permissions", "crl", "renewals"};
-  if (std::ranges::find(kKinds, request.wanted) == kKinds.end()) return no_answer(End::closed);
+  if (std::ranges::find(kKinds, request.wanted) == kKinds.end())
+    return no_answer_error(End::closed);
   DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
   if (request.wanted == kKinds.front())
     DDSSEC_RETURN_IF_ERROR(check_request({request.request, request.certificate}));
@@ -383,8 +385,8 @@ Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
   folder.lifetime = asked_lifetime;  // the CA has accepted the certificate
   answer.renewals = renewals();      // includes the new certificate
   const auto sent = worker.write(answer_line(answer), time_for(folder));
-  if (sent != End::done) return worker_ended(folder, sent);
-  if (const auto end = read(); end != End::done) return worker_ended(folder, end);
+  if (sent != End::done) return worker_ended_error(folder, sent);
+  if (const auto end = read(); end != End::done) return worker_ended_error(folder, end);
   DDSSEC_ASSIGN_OR_RETURN(const auto json_value, json_from(line));
   DDSSEC_ASSIGN_OR_RETURN(auto event, event_from(json_value));
   if (!answer.renewals.empty()) folder.task.renewals = std::move(answer.renewals);
@@ -392,7 +394,7 @@ Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
 }
 
 Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
-  if (!folder.lock) return no_answer(End::closed);  // with --dry-run the CA is not asked
+  if (!folder.lock) return no_answer_error(End::closed);  // with --dry-run the CA is not asked
   DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
   if (!hooks_.certificates) return ask_own_ca(folder, request);
   DDSSEC_RETURN_IF_ERROR(check_request(request));
@@ -406,14 +408,14 @@ Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& 
 }
 
 // Returns the result of `work`, which runs in a process of its own with the agent's rights.
-Result<Json> Agent::from_process(const std::function<Result<Json>()>& work) {
+Result<Json> Agent::run_in_child_process(const std::function<Result<Json>()>& work) {
   DDSSEC_ASSIGN_OR_RETURN(auto process, ChildProcess::start(signals_, [&](int, int out) {
                             const auto result = work();
                             return send_line(out, result ? *result : error_line(result.error()));
                           }));
   std::string line;
   const auto end = process.read_line(line, kMaxAgentLine, steady_clock::now() + kTimeForOwnCa);
-  if (end != End::done) return no_answer(end);
+  if (end != End::done) return no_answer_error(end);
   DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
   if (json.contains("error")) return std::unexpected(error_from(json["error"]));
   return json;
@@ -423,7 +425,7 @@ Result<Json> Agent::from_process(const std::function<Result<Json>()>& work) {
 // to another one by now.
 Result<RenewalAnswer> Agent::ask_own_ca(const Folder& folder, const RenewalRequest& request) {
   if (ca_refusal_) return std::unexpected(*ca_refusal_);
-  const auto json = from_process([&]() -> Result<Json> {
+  const auto json = run_in_child_process([&]() -> Result<Json> {
     const auto& path = folder.task.folder;
     DDSSEC_RETURN_IF_ERROR(hold_folder(path));
     DDSSEC_RETURN_IF_ERROR(folder.lock->folder().check_same(folder_descriptor(path), path));
@@ -437,7 +439,7 @@ Result<RenewalAnswer> Agent::ask_own_ca(const Folder& folder, const RenewalReque
 }
 
 Status Agent::check_request(const RenewalRequest& request) {
-  const auto json = from_process([&]() -> Result<Json> {
+  const auto json = run_in_child_process([&]() -> Result<Json> {
     const auto status = check_asker(request, {arguments_.text("--trust"), arguments_.text("--crl")},
                                     arguments_.has("--rekey"));
     if (!status) return std::unexpected(status.error());
@@ -459,7 +461,7 @@ void Agent::note_success(Folder& folder, Json event) {
   if (name == "renewed") {
     folder.task.known = text_in(event, "sha256");
     folder.task.known_renewal = next.value_or(now);
-    look_at_others(folder);
+    schedule_others(folder);
   }
   for (auto& file : files_from(event)) written_.push_back(std::move(file));
   const bool is_news =

@@ -63,7 +63,7 @@ class Agent {
   RespondersAsked responders_for(const Folder& folder) const;
   /// The time by which the process for a folder must have answered.
   std::chrono::steady_clock::time_point time_for(const Folder& folder) const;
-  std::unexpected<Error> worker_ended(const Folder& folder, ChildProcess::End end);
+  std::unexpected<Error> worker_ended_error(const Folder& folder, ChildProcess::End end);
   std::string renewals() const;
   void note_documents(Folder& folder, const Json& told);
   Result<Bytes> ask_document(const Folder& folder, const DocumentRequest& request);
@@ -72,12 +72,12 @@ class Agent {
   Result<Json> answer_documents(Folder& folder, ChildProcess& worker);
   Result<RenewalAnswer> ask_own_ca(const Folder& folder, const RenewalRequest& request);
   Status check_request(const RenewalRequest& request);
-  Status prove_ca();
-  Result<Json> from_process(const std::function<Result<Json>()>& work);
+  Status check_ca_opens();
+  Result<Json> run_in_child_process(const std::function<Result<Json>()>& work);
   void note_success(Folder& folder, Json event);
   void note_failure(Folder& folder, const Error& error);
-  void look_at_all_now();
-  void look_at_others(const Folder& renewed);
+  void schedule_all_now();
+  void schedule_others(const Folder& renewed);
   Json mode() const;
   std::vector<std::string> secret_variables() const;
 

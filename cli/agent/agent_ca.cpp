@@ -182,8 +182,8 @@ bool can_be_read_again(const Arguments& arguments) {
   return arguments.has("--passphrase-env") || (::isatty(STDIN_FILENO) == 0 && !writes_nothing());
 }
 
-Status prove_passphrase(const fs::path& key, const Arguments& arguments) {
-  if (key.extension() == ".p11" || !is_there(key)) return {};
+Status check_passphrase(const fs::path& key, const Arguments& arguments) {
+  if (key.extension() == ".p11" || !path_exists(key)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const bool encrypted, is_encrypted(key));
   if (!encrypted) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto secret, passphrase(arguments, Typed::once));
@@ -193,12 +193,12 @@ Status prove_passphrase(const fs::path& key, const Arguments& arguments) {
 
 }  // namespace
 
-Status prove_passphrase(const Arguments& arguments) {
+Status check_passphrase(const Arguments& arguments) {
   if (!can_be_read_again(arguments)) return {};
   const fs::path given = arguments.text("--ca");
-  DDSSEC_RETURN_IF_ERROR(prove_passphrase(ca_paths(given, "identity").key, arguments));
+  DDSSEC_RETURN_IF_ERROR(check_passphrase(ca_paths(given, "identity").key, arguments));
   if (!arguments.has("--permissions")) return {};
-  return prove_passphrase(ca_paths(given, "permissions").key, arguments);
+  return check_passphrase(ca_paths(given, "permissions").key, arguments);
 }
 
 Result<std::vector<pki::Crl>> read_lists(const fs::path& file) {
@@ -222,7 +222,7 @@ Status check_not_on_lists(const TrustedAskers& trusted, const pki::Certificate& 
   auto file = trusted.lists;
   if (file.empty()) {
     file = fs::path(trusted.trust).replace_filename("crl.pem");
-    if (!is_there(file)) return {};
+    if (!path_exists(file)) return {};
   }
   DDSSEC_RETURN_IF_ERROR(check_trust_file(file));
   DDSSEC_ASSIGN_OR_RETURN(auto lists, read_lists(file));

@@ -24,7 +24,7 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request,
 /// far as that can be tried. A key in a token is not tried, because a wrong PIN may lock the token,
 /// nor is a passphrase that is typed or comes from a pipe. Errors: those of passphrase() and
 /// read_key.
-Status prove_passphrase(const Arguments& arguments);
+Status check_passphrase(const Arguments& arguments);
 
 /// The revocation lists in a file. Errors: those of read_file and Crl::all_from.
 Result<std::vector<pki::Crl>> read_lists(const std::filesystem::path& file);

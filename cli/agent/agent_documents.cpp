@@ -51,7 +51,7 @@ Result<Rights> rights_in(const DocumentsTask& task, BytesView octets) {
 }
 
 std::optional<Rights> rights_in_place(const DocumentsTask& task) {
-  if (!is_there(task.files.permissions)) return std::nullopt;
+  if (!path_exists(task.files.permissions)) return std::nullopt;
   const auto octets = read_file(task.files.permissions, pki::kMaxSentPermissionsOctets);
   if (!octets) return std::nullopt;
   auto rights = rights_in(task, *octets);
@@ -66,8 +66,8 @@ WallTime due_time(const DocumentsTask& task, const std::optional<Rights>& rights
   return time.not_before + (time.not_after - time.not_before) * 2 / 3;
 }
 
-std::unexpected<Error> goes_back(const DocumentsTask& task, const std::string& what, WallTime limit,
-                                 WallTime found) {
+std::unexpected<Error> older_permissions_error(const DocumentsTask& task, const std::string& what,
+                                               WallTime limit, WallTime found) {
   return fail(tool_code::renewal_goes_back, {.document = task.files.permissions,
                                              .expected = what + to_string(limit),
                                              .found = to_string(found)});
@@ -83,17 +83,19 @@ Status check_follows(const DocumentsTask& task, const Rights& next,
                                       to_string(next.validity.not_after))});
   if (!former) return {};
   if (next.validity.not_before < former->validity.not_before)
-    return goes_back(task, "a begin not before ", former->validity.not_before,
-                     next.validity.not_before);
+    return older_permissions_error(task, "a begin not before ", former->validity.not_before,
+                                   next.validity.not_before);
   if (next.validity.not_after <= former->validity.not_after)
-    return goes_back(task, "an end after ", former->validity.not_after, next.validity.not_after);
+    return older_permissions_error(task, "an end after ", former->validity.not_after,
+                                   next.validity.not_after);
   if (!former->signing_time) return {};
   if (!next.signing_time)
     return fail(tool_code::renewal_goes_back,
                 {.document = task.files.permissions,
                  .expected = "a document that says when it was signed, as the one in place does"});
   if (*next.signing_time < *former->signing_time)
-    return goes_back(task, "a signing time not before ", *former->signing_time, *next.signing_time);
+    return older_permissions_error(task, "a signing time not before ", *former->signing_time,
+                                   *next.signing_time);
   return {};
 }
 
@@ -102,7 +104,7 @@ Result<unsigned> mode_of(const fs::path& file) {
   struct stat status {};
   const int folder = folder_descriptor(file.parent_path());
   if (::fstatat(folder, file.filename().c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0)
-    return errno == ENOENT ? Result<unsigned>(kNew) : unwritable(file, errno);
+    return errno == ENOENT ? Result<unsigned>(kNew) : unwritable_error(file, errno);
   if (!S_ISREG(status.st_mode))
     return fail(Code::would_overwrite, {.document = file, .note = "it is not a plain file"});
   return (status.st_mode & kNew) | 0600U;
@@ -169,7 +171,7 @@ class Fetching {
     DDSSEC_RETURN_IF_ERROR(check_follows(task_, next, former));
     FileTransaction out;
     // Unsigned copy of the same text, for people to read.
-    if (const auto plain = fs::path(file).replace_extension("xml"); is_there(plain))
+    if (const auto plain = fs::path(file).replace_extension("xml"); path_exists(plain))
       DDSSEC_RETURN_IF_ERROR(put(out, plain, as_bytes(next.text)));
     DDSSEC_RETURN_IF_ERROR(put(out, file, octets));
     return note_files(out.commit());

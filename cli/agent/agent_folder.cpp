@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 constexpr auto kLockName = ".ddssec-agent";
 constexpr gid_t kNoGroup = 65534;
 
-std::unexpected<Error> unreadable(const fs::path& path, int error) {
+std::unexpected<Error> unreadable_folder_error(const fs::path& path, int error) {
   const auto code = error == ENOENT ? Code::file_not_found : Code::file_unreadable;
   ErrorDetails details{.document = path, .note = errno_text(error)};
   if (error == ELOOP || error == ENOTDIR) {
@@ -86,7 +86,7 @@ Groups groups_of(const FolderOwner& owner) {
 
 Result<FolderOwner> check_folder(int descriptor, const fs::path& folder) {
   struct stat status {};
-  if (::fstat(descriptor, &status) != 0) return unreadable(folder, errno);
+  if (::fstat(descriptor, &status) != 0) return unreadable_folder_error(folder, errno);
   const uid_t user = ::geteuid();
   ErrorDetails details{.document = folder};
   if (user != 0 && status.st_uid != user) {
@@ -102,7 +102,7 @@ Result<FolderOwner> check_folder(int descriptor, const fs::path& folder) {
   return FolderOwner{status.st_uid, status.st_gid};
 }
 
-Status become(const FolderOwner& owner) {
+Status switch_to_owner(const FolderOwner& owner) {
   if (::geteuid() != 0 || owner.user == 0) return {};
   const auto groups = groups_of(owner);
   const bool is_done = ::setgroups(groups.all.size(), groups.all.data()) == 0 &&
@@ -118,17 +118,17 @@ Status become(const FolderOwner& owner) {
 
 Result<FolderLock> FolderLock::take(const fs::path& path) {
   DDSSEC_ASSIGN_OR_RETURN(auto opened, open_guarded(name_of(path), O_RDONLY));
-  if (!opened) return unreadable(path, errno);
+  if (!opened) return unreadable_folder_error(path, errno);
   const int folder = opened.release();
   FolderLock out(folder, -1);
   DDSSEC_ASSIGN_OR_RETURN(out.locked_.owner, check_folder(folder, path));
   struct stat status {};
-  if (::fstat(folder, &status) != 0) return unreadable(path, errno);
+  if (::fstat(folder, &status) != 0) return unreadable_folder_error(path, errno);
   out.locked_.device = status.st_dev;
   out.locked_.inode = status.st_ino;
   constexpr int kFlags = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
   const int file = ::openat(folder, kLockName, kFlags, 0600);
-  if (file < 0) return unwritable(path / kLockName, errno);
+  if (file < 0) return unwritable_error(path / kLockName, errno);
   const bool is_own = is_own_file(file);
   const bool is_locked = is_own && ::flock(file, LOCK_EX | LOCK_NB) == 0;
   if (is_locked && is_at(folder, file)) {
@@ -158,7 +158,7 @@ bool FolderLock::is_in_place(const fs::path& path) const {
 
 Status LockedFolder::check_same(int descriptor, const fs::path& folder) const {
   struct stat status {};
-  if (::fstat(descriptor, &status) != 0) return unreadable(folder, errno);
+  if (::fstat(descriptor, &status) != 0) return unreadable_folder_error(folder, errno);
   if (is_same(status)) return {};
   return fail(tool_code::folder_untrusted,
               {.document = folder,

@@ -23,7 +23,7 @@ Result<FolderOwner> check_folder(int descriptor, const std::filesystem::path& fo
 
 /// If root runs this process: gives up its rights for those of the owner, with the owner's groups.
 /// There is no way back. Does nothing for a folder that belongs to root. Error: internal.
-Status become(const FolderOwner& owner);
+Status switch_to_owner(const FolderOwner& owner);
 
 /// The identity of a folder that the agent locked, for processes that open it by its path again.
 struct LockedFolder {

@@ -22,7 +22,8 @@ using End = ChildProcess::End;
 
 constexpr int kNotStarted = 127;
 
-std::unexpected<Error> no_hook(const std::string& option, std::string expected, std::string found) {
+std::unexpected<Error> invalid_hook_error(const std::string& option, std::string expected,
+                                          std::string found) {
   return fail(Code::usage, {.field = option,
                             .expected = std::move(expected),
                             .found = '"' + std::move(found) + '"',
@@ -32,8 +33,8 @@ std::unexpected<Error> no_hook(const std::string& option, std::string expected, 
 Result<std::vector<std::string>> words_of(const std::string& option, const std::string& text) {
   constexpr std::string_view kOfShells = "\"'\\$`;|&<>()*?[]{}~#!\n\r\t";
   if (text.find_first_of(kOfShells) != text.npos)
-    return no_hook(option, "words that are separated by blanks, without characters of a shell",
-                   text);
+    return invalid_hook_error(
+        option, "words that are separated by blanks, without characters of a shell", text);
   std::vector<std::string> out;
   for (std::size_t at = 0; (at = text.find_first_not_of(' ', at)) != text.npos;) {
     const auto end = std::min(text.find(' ', at), text.size());
@@ -41,7 +42,7 @@ Result<std::vector<std::string>> words_of(const std::string& option, const std::
     at = end;
   }
   if (out.empty() || !out.front().starts_with('/'))
-    return no_hook(option, "the absolute path of a program, and its arguments", text);
+    return invalid_hook_error(option, "the absolute path of a program, and its arguments", text);
   return out;
 }
 
@@ -113,7 +114,7 @@ int become_hook(Hook hook, const fs::path& program, const HookRequest& request, 
   return kNotStarted;
 }
 
-std::unexpected<Error> ended(End end, const Hook& hook, std::size_t max_answer) {
+std::unexpected<Error> hook_ended_error(End end, const Hook& hook, std::size_t max_answer) {
   const auto& program = hook.words.front();
   if (end == End::stopped) return fail(Code::interrupted);
   if (end == End::too_long)
@@ -154,13 +155,14 @@ Result<std::string> run_hook(const Hook& hook, const HookRequest& request, HeldS
                             return become_hook(hook, program, request, in, out);
                           }));
   const auto sent = child.write(request.input, deadline);
-  if (sent != End::done && sent != End::closed) return ended(sent, hook, request.max_answer);
+  if (sent != End::done && sent != End::closed)
+    return hook_ended_error(sent, hook, request.max_answer);
   child.end_input();
   std::string out;
   if (const auto end = child.read_all(out, request.max_answer, deadline); end != End::done)
-    return ended(end, hook, request.max_answer);
+    return hook_ended_error(end, hook, request.max_answer);
   if (const auto end = child.wait(deadline); end != End::done)
-    return ended(end, hook, request.max_answer);
+    return hook_ended_error(end, hook, request.max_answer);
   if (child.failure().empty()) return out;
   return fail(
       tool_code::hook_failed,

@@ -9,13 +9,13 @@
 namespace ddssec::cli {
 namespace {
 
-std::unexpected<Error> unclear() {
+std::unexpected<Error> malformed_message_error() {
   return fail(Code::internal, {.field = "a process of the agent", .note = "an unclear message"});
 }
 
 Result<Bytes> octets_in(const Json& json, std::string_view name) {
   auto out = from_hex(text_in(json, name));
-  if (!out) return unclear();
+  if (!out) return malformed_message_error();
   return *std::move(out);
 }
 
@@ -28,7 +28,7 @@ std::string to_line(const Json& value) {
 
 Result<Json> json_from(std::string_view line) {
   auto out = Json::parse(line, nullptr, false);
-  if (!out.is_object()) return unclear();
+  if (!out.is_object()) return malformed_message_error();
   return out;
 }
 

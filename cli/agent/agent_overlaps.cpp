@@ -48,7 +48,7 @@ Json files_of(const Report& report) {
 
 // Returns the folders that were left as they are, and those that are in the log but not on this
 // machine.
-Json left_of(const Report& report) {
+Json remaining_folders_json(const Report& report) {
   Json out = Json::array();
   for (const auto& error : report.errors) {
     if (error.code() == tool_code::renewal_not_taken) continue;  // this folder has its new files
@@ -88,7 +88,7 @@ Result<Json> end_overlap(const OverlapToEnd& overlap, const Arguments& agent,
               {"subject", report.result["subject"]},
               {"until", to_string(overlap.until)},
               {"folders", report.result["folders"]},
-              {"left", left_of(report)},
+              {"left", remaining_folders_json(report)},
               {"files", files_of(report)}};
   if (!report.errors.empty()) out["problem"] = error_to_json(report.errors.front());
   return out;

@@ -44,7 +44,7 @@ Result<unsigned> mode_of(const fs::path& file, unsigned mask) {
   struct stat status {};
   const int folder = folder_descriptor(file.parent_path());
   if (::fstatat(folder, file.filename().c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0)
-    return unwritable(file, errno);
+    return unwritable_error(file, errno);
   if (!S_ISREG(status.st_mode))
     return fail(Code::would_overwrite, {.document = file, .note = "it is not a plain file"});
   return (status.st_mode & mask) | 0600U;
@@ -85,7 +85,7 @@ Result<Permissions> verified_permissions(const Participant& self, BytesView octe
 
 // Permissions that cannot be read are not extended; `doctor` says what is wrong with them.
 void read_permissions_of(Participant& self) {
-  if (!self.task.takes_permissions || !is_there(self.files.permissions)) return;
+  if (!self.task.takes_permissions || !path_exists(self.files.permissions)) return;
   auto octets = read_file(self.files.permissions, pki::kMaxSentPermissionsOctets);
   if (!octets) return;
   const auto found = verified_permissions(self, *octets);
@@ -112,7 +112,7 @@ Result<Participant> read_participant(const AgentTask& task, const LockedFolder* 
     DDSSEC_RETURN_IF_ERROR(locked->check_same(folder_descriptor(task.folder), task.folder));
   DDSSEC_ASSIGN_OR_RETURN(const auto owner,
                           check_folder(folder_descriptor(task.folder), task.folder));
-  DDSSEC_RETURN_IF_ERROR(become(owner));
+  DDSSEC_RETURN_IF_ERROR(switch_to_owner(owner));
   DDSSEC_RETURN_IF_ERROR(finish_interrupted(as_held(task.folder)));
   auto files = files_in(task.folder);
   if (files.certificate.extension() == ".p11")
@@ -174,7 +174,8 @@ Result<std::string> request_of_present_key(const Participant& self) {
   return pki::make_request(key, self.certificate);
 }
 
-std::unexpected<Error> unfit(const Participant& self, std::string expected, std::string found) {
+std::unexpected<Error> unfit_renewal_error(const Participant& self, std::string expected,
+                                           std::string found) {
   return fail(tool_code::renewal_unfit, {.document = self.files.certificate,
                                          .expected = std::move(expected),
                                          .found = std::move(found)});
@@ -202,7 +203,7 @@ Result<pki::ChainVerifier> verifier_of(const Participant& self) {
   const auto& files = self.files;
   DDSSEC_ASSIGN_OR_RETURN(auto anchors, read_certificates(files.identity_ca));
   std::vector<pki::Crl> lists;
-  if (is_there(files.crl)) {
+  if (path_exists(files.crl)) {
     DDSSEC_ASSIGN_OR_RETURN(lists, read_lists(files.crl));
   }
   return named(
@@ -225,11 +226,12 @@ Result<pki::Certificate> checked(const Participant& self, const std::string& pem
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed,
                           named(pki::Certificate::from_pem(as_bytes(pem)), file));
   if (renewed.subject_digest() != self.certificate.subject_digest())
-    return unfit(self, self.certificate.subject(),
-                 renewed.subject() == self.certificate.subject()
-                     ? "the same text in another encoding"
-                     : renewed.subject());
-  if (renewed.is_ca()) return unfit(self, "the certificate of a participant", "one of a CA");
+    return unfit_renewal_error(self, self.certificate.subject(),
+                               renewed.subject() == self.certificate.subject()
+                                   ? "the same text in another encoding"
+                                   : renewed.subject());
+  if (renewed.is_ca())
+    return unfit_renewal_error(self, "the certificate of a participant", "one of a CA");
   DDSSEC_RETURN_IF_ERROR(named(key.matches(renewed), file));
   DDSSEC_RETURN_IF_ERROR(check_chain(self, renewed));
   DDSSEC_RETURN_IF_ERROR(check_dates(self, renewed));
@@ -255,7 +257,7 @@ Status put_permissions(const Participant& self, const Bytes& octets, FileTransac
   DDSSEC_ASSIGN_OR_RETURN(auto permissions, verified_permissions(self, octets));
   const auto text = std::move(permissions).text;
   const auto plain = fs::path(file).replace_extension("xml");
-  if (is_there(plain)) {
+  if (path_exists(plain)) {
     DDSSEC_ASSIGN_OR_RETURN(const auto mode, mode_of(plain, 0644));
     DDSSEC_RETURN_IF_ERROR(out.put(plain, as_bytes(text), mode));
   }
@@ -332,7 +334,7 @@ Status check_key(const Participant& self) {
 
 Status check_permissions(const Participant& self) {
   const auto& file = self.files.permissions;
-  if (!self.task.takes_permissions || !is_there(file)) return {};
+  if (!self.task.takes_permissions || !path_exists(file)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxSentPermissionsOctets));
   DDSSEC_ASSIGN_OR_RETURN(const auto permissions, verified_permissions(self, octets));
   const auto end = permissions.grant.validity.not_after;
@@ -371,7 +373,7 @@ Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
   // Documents are fetched first, so that a new revocation list can stop the renewal of a
   // certificate that it revokes.
   if (task.fetches_documents && !task.is_dry_run)
-    agent.tell(keep_documents(
+    agent.report_documents(keep_documents(
         {self.files, self.certificate, context.clock, [&] { return request_of_present_key(self); }},
         agent.fetch));
   const auto due = due_time(self);

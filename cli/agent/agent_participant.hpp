@@ -41,7 +41,7 @@ using AskCa = std::function<Result<RenewalAnswer>(const RenewalRequest&)>;
 struct AgentServices {
   AskCa ask;
   FetchDocument fetch;
-  std::function<void(const Json&)> tell;  ///< reports the outcome of the documents
+  std::function<void(const Json&)> report_documents;  ///< reports the outcome of the documents
 };
 
 /// Renews the certificate in the folder if it is due. Gives up the rights of root first

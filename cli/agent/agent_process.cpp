@@ -32,7 +32,7 @@ int milliseconds_until(Deadline deadline) {
   return static_cast<int>(std::clamp(left, std::chrono::milliseconds(0), kMax).count());
 }
 
-std::unexpected<Error> no_process(int error) {
+std::unexpected<Error> no_process_error(int error) {
   return fail(Code::internal, {.field = "a process", .note = errno_text(error)});
 }
 
@@ -108,11 +108,11 @@ Woken HeldSignals::wait(int file, short events, Deadline deadline, bool for_relo
 
 Result<ChildProcess> ChildProcess::start(HeldSignals& signals, const Body& body, int kept) {
   std::array<int, 2> down{}, up{};
-  if (::pipe2(down.data(), O_CLOEXEC) != 0) return no_process(errno);
+  if (::pipe2(down.data(), O_CLOEXEC) != 0) return no_process_error(errno);
   if (::pipe2(up.data(), O_CLOEXEC) != 0) {
     const int error = errno;
     for (const int file : down) ::close(file);
-    return no_process(error);
+    return no_process_error(error);
   }
   const pid_t pid = ::fork();
   if (pid == 0) run_child(signals, body, down[0], up[1], kept);
@@ -120,7 +120,7 @@ Result<ChildProcess> ChildProcess::start(HeldSignals& signals, const Body& body,
   ::close(down[0]);
   ::close(up[1]);
   ChildProcess out(signals, pid, down[1], up[0]);
-  if (pid < 0) return no_process(error);
+  if (pid < 0) return no_process_error(error);
   for (const int file : {out.in_, out.out_}) ::fcntl(file, F_SETFL, O_NONBLOCK);
   return out;
 }

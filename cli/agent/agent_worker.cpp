@@ -28,16 +28,17 @@ constexpr std::array<std::string_view, 7> kPlacesOfLibraries = {
     "OPENSSL_MODULES", "PKCS11_MODULE_PATH", "SOFTHSM2_CONF",
 };
 
-std::unexpected<Error> agent_ended() {
+std::unexpected<Error> agent_ended_error() {
   return fail(Code::internal, {.field = "the agent", .note = "it has ended"});
 }
 
 // Duplicates `file` to a number above kLock, so that the dup2() calls that follow overwrite no file
 // that is still to be copied.
-int out_of_the_way(int file) { return file < 0 ? -1 : ::fcntl(file, F_DUPFD, kLock + 1); }
+int duplicate_above_reserved(int file) { return file < 0 ? -1 : ::fcntl(file, F_DUPFD, kLock + 1); }
 
 bool arrange_files(int in, int out, int lock) {
-  const std::array<int, 3> from = {out_of_the_way(in), out_of_the_way(out), out_of_the_way(lock)};
+  const std::array<int, 3> from = {duplicate_above_reserved(in), duplicate_above_reserved(out),
+                                   duplicate_above_reserved(lock)};
   if (from[0] < 0 || from[1] < 0 || (lock >= 0 && from[2] < 0)) return false;
   const bool are_placed = ::dup2(from[0], kIn) >= 0 && ::dup2(from[1], kOut) >= 0 &&
                           (lock < 0 ? (::close(kLock), true) : ::dup2(from[2], kLock) >= 0);
@@ -54,7 +55,7 @@ Result<std::string> receive(int in) {
   while (out.size() <= kMaxAgentLine && !out.ends_with('\n')) {
     const auto size = ::read(in, part.data(), part.size());
     DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
-    if (size <= 0) return agent_ended();
+    if (size <= 0) return agent_ended_error();
     out.append(part.data(), static_cast<std::size_t>(size));
   }
   return out;
@@ -93,7 +94,7 @@ Result<Order> receive_order() {
   DDSSEC_ASSIGN_OR_RETURN(const auto line, receive(kIn));
   DDSSEC_ASSIGN_OR_RETURN(const auto json, json_from(line));
   const auto folder = from_hex(text_in(json, "folder"));
-  if (!folder) return agent_ended();
+  if (!folder) return agent_ended_error();
   Order out{.task = {.folder = fs::path(std::string(as_text(*folder))),
                      .is_rekeying = is_set(json, "rekey"),
                      .takes_permissions = is_set(json, "permissions"),
@@ -112,7 +113,7 @@ Result<Order> receive_order() {
 
 // Sends a line to the agent and returns its answer.
 Result<Json> exchange(const Json& line) {
-  if (send_line(kOut, line) != 0) return agent_ended();
+  if (send_line(kOut, line) != 0) return agent_ended_error();
   DDSSEC_ASSIGN_OR_RETURN(const auto answer, receive(kIn));
   return json_from(answer);
 }
@@ -126,7 +127,7 @@ AgentServices services() {
             DDSSEC_ASSIGN_OR_RETURN(const auto json, exchange(to_json(request)));
             return document_from(json);
           },
-          .tell =
+          .report_documents =
               [](const Json& documents) {
                 send_line(kOut, {{"documents", documents}});
               }};

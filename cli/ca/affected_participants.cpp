@@ -74,7 +74,7 @@ AffectedParticipants known_to(const CaPaths& ca, const pki::IssueLog& log,
 Status log_places(const fs::path& given, const std::vector<AffectedParticipant>& participants,
                   const std::vector<std::string>& updated, WallTime now) {
   const auto paths = ca_paths(given, "identity");
-  if (!is_there(paths.certificate) || !is_there(paths.log)) return {};
+  if (!path_exists(paths.certificate) || !path_exists(paths.log)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
   std::string lines;
   for (const auto& participant : participants) {
@@ -82,7 +82,7 @@ Status log_places(const fs::path& given, const std::vector<AffectedParticipant>&
     if (!participant.is_named || std::ranges::find(updated, participant.name) == updated.end())
       continue;
     const auto certificate = read_certificate(files.certificate);
-    if (!certificate || belonging_of(*certificate, files.folder, paths, log) != Belonging::moved)
+    if (!certificate || log_status_of(*certificate, files.folder, paths, log) != LogStatus::moved)
       continue;
     const auto folder = recorded_folder(*certificate, files.folder, paths, log);
     lines += pki::IssueLog::issued_line(*certificate, folder.string(), now);

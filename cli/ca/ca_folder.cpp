@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 
 #include "cli/documents/documents.hpp"
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 #include "cli/frame/notices.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/participant_folder.hpp"
-#include "pki/source.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -32,21 +32,22 @@ Status check_key_mode(const fs::path& key, const Arguments& arguments) {
 }  // namespace
 
 CaPaths ca_paths_in(const fs::path& folder) {
-  return {folder / "ca.pem",       pki::or_in_token(folder / "ca.key.pem"),
+  return {folder / "ca.pem",       pki::path_or_token_file(folder / "ca.key.pem"),
           folder / "issued.jsonl", folder / "crl.pem",
           folder / "signed.jsonl", folder / "renewed.pem"};
 }
 
 CaPaths ca_paths(const fs::path& given, std::string_view role) {
   const std::string name = std::string(role) + "_ca";
-  if (is_there(given / "public" / (name + ".cert.pem")))  // the layout of a ROS 2 keystore
+  if (path_exists(given / "public" / (name + ".cert.pem")))  // the layout of a ROS 2 keystore
     return {
         given / "public" / (name + ".cert.pem"),      given / "private" / (name + ".key.pem"),
         given / "private" / (name + ".issued.jsonl"), given / "public" / (name + ".crl.pem"),
         given / "private" / (name + ".signed.jsonl"), given / "public" / (name + ".renewed.pem")};
   // `init` puts the CAs into a folder below its result.
   const auto inner = given / "ca";
-  const bool from_init = !is_there(given / role / "ca.pem") && is_there(inner / role / "ca.pem");
+  const bool from_init =
+      !path_exists(given / role / "ca.pem") && path_exists(inner / role / "ca.pem");
   return ca_paths_in(ca_folder(from_init ? inner : given, role));
 }
 

@@ -8,7 +8,7 @@
 #include "cli/documents/signed_documents.hpp"
 #include "cli/frame/report.hpp"
 #include "governance/date_time.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -23,7 +23,7 @@ fs::path beside(const CaPaths& ca, std::string_view ending) {
   return ca.certificate.parent_path() / (ca.certificate.stem().string() + std::string(ending));
 }
 
-std::unexpected<Error> unreadable(const fs::path& file) {
+std::unexpected<Error> unreadable_overlap_error(const fs::path& file) {
   return fail(tool_code::overlap_unreadable, {.document = file});
 }
 
@@ -47,15 +47,15 @@ std::string overlap_text(const CaOverlap& overlap) {
 
 Result<std::optional<CaOverlap>> read_overlap(const CaPaths& ca) {
   const auto file = overlap_file(ca);
-  if (!is_there(file)) return std::nullopt;
+  if (!path_exists(file)) return std::nullopt;
   DDSSEC_ASSIGN_OR_RETURN(const auto text, read_file(file, pki::kMaxBundleOctets));
   const auto json = Json::parse(as_text(text), nullptr, false);
   if (!json.is_object() || !json.contains("until") || !json.contains("former") ||
       !json["until"].is_string() || !json["former"].is_array())
-    return unreadable(file);
+    return unreadable_overlap_error(file);
   const auto until =
       governance::parse_date_time(json["until"].get<std::string>(), governance::Round::down);
-  if (!until) return unreadable(file);
+  if (!until) return unreadable_overlap_error(file);
   CaOverlap out{{}, {}, until->time};
   DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(ca.certificate));
   for (auto& certificate : certificates) {
@@ -65,7 +65,7 @@ Result<std::optional<CaOverlap>> read_overlap(const CaPaths& ca) {
     (is_former ? out.former : out.next).push_back(std::move(certificate));
   }
   if (out.former.empty()) return std::nullopt;  // the CA was replaced at once in the meantime
-  if (out.next.empty()) return unreadable(file);
+  if (out.next.empty()) return unreadable_overlap_error(file);
   return out;
 }
 
@@ -78,7 +78,7 @@ std::string unreached_text(const std::vector<std::string>& folders) {
 std::vector<std::string> read_unreached(const CaPaths& ca) {
   std::vector<std::string> out;
   const auto file = unreached_file(ca);
-  const auto text = is_there(file) ? read_file(file, pki::kMaxDocumentOctets) : Bytes();
+  const auto text = path_exists(file) ? read_file(file, pki::kMaxDocumentOctets) : Bytes();
   const auto json = text ? Json::parse(as_text(*text), nullptr, false) : Json();
   if (!json.is_object() || !json.contains("folders") || !json["folders"].is_array()) return out;
   for (const auto& folder : json["folders"])

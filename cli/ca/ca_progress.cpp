@@ -17,8 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 template <class Predicate>
-std::vector<AffectedParticipant> those(const std::vector<AffectedParticipant>& participants,
-                                       Predicate predicate) {
+std::vector<AffectedParticipant> participants_if(
+    const std::vector<AffectedParticipant>& participants, Predicate predicate) {
   std::vector<AffectedParticipant> out;
   std::ranges::copy_if(participants, std::back_inserter(out), predicate);
   return out;
@@ -57,14 +57,14 @@ bool RotationProgress::is_same_ca(const pki::Certificate& other) const {
 
 bool RotationProgress::accepts_successor(const AffectedParticipant& participant) const {
   const auto& file = ca_file(participant);
-  if (!is_there(file)) return true;  // a rotation does not create a missing file
+  if (!path_exists(file)) return true;  // a rotation does not create a missing file
   const auto trusted = read_certificates(file);
   return trusted && std::ranges::any_of(*trusted, [&](const auto& one) { return is_same_ca(one); });
 }
 
 bool RotationProgress::trusts_former(const AffectedParticipant& participant) const {
   const auto& file = ca_file(participant);
-  if (!is_there(file)) return false;
+  if (!path_exists(file)) return false;
   const auto trusted = read_certificates(file);
   return !trusted || std::ranges::any_of(*trusted, [&](const auto& one) {
     return one.subject() == next_.front().subject() && !is_same_ca(one);
@@ -79,7 +79,7 @@ bool RotationProgress::has_moved(const AffectedParticipant& participant) const {
   }
   return std::ranges::all_of(
       std::vector{files.permissions, files.governance},
-      [&](const auto& one) { return !is_there(one) || is_signed_by(one, to_pem(next_), now_); });
+      [&](const auto& one) { return !path_exists(one) || is_signed_by(one, to_pem(next_), now_); });
 }
 
 // A revoked participant gets no certificate of the successor, so it does not count as one that must
@@ -94,26 +94,27 @@ bool RotationProgress::is_revoked(const AffectedParticipant& participant) const 
 
 std::vector<AffectedParticipant> RotationProgress::without_successor(
     const std::vector<AffectedParticipant>& participants) const {
-  return those(participants,
-               [&](const auto& one) { return !accepts_successor(one) && !is_revoked(one); });
+  return participants_if(
+      participants, [&](const auto& one) { return !accepts_successor(one) && !is_revoked(one); });
 }
 
 std::vector<AffectedParticipant> RotationProgress::not_moved(
     const std::vector<AffectedParticipant>& participants) const {
-  return those(participants, [&](const auto& one) { return !has_moved(one) && !is_revoked(one); });
+  return participants_if(participants,
+                         [&](const auto& one) { return !has_moved(one) && !is_revoked(one); });
 }
 
 std::vector<AffectedParticipant> RotationProgress::not_ended(
     const std::vector<AffectedParticipant>& participants) const {
-  return those(participants, [&](const auto& one) {
-    const bool is_of_ca = is_there(ca_file(one)) && accepts_successor(one);
+  return participants_if(participants, [&](const auto& one) {
+    const bool is_of_ca = path_exists(ca_file(one)) && accepts_successor(one);
     return (trusts_former(one) || (is_of_ca && !has_moved(one))) && !is_revoked(one);
   });
 }
 
 std::vector<AffectedParticipant> RotationProgress::revoked(
     const std::vector<AffectedParticipant>& participants) const {
-  return those(participants, [&](const auto& one) { return is_revoked(one); });
+  return participants_if(participants, [&](const auto& one) { return is_revoked(one); });
 }
 
 std::vector<std::string> not_reached(const CaPaths& ca, const AffectedParticipants& known) {
@@ -131,7 +132,7 @@ std::string moved_words(std::size_t moved, std::size_t all) {
 }
 
 std::string distribution_before_end(const fs::path& given) {
-  if (!is_there(ca_paths(given, "identity").crl)) return {};
+  if (!path_exists(ca_paths(given, "identity").crl)) return {};
   return fmt::format("ddssec crl distribute --ca {}", given.string());
 }
 

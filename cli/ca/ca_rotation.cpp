@@ -134,8 +134,8 @@ Status check_of_old_ca(const AffectedParticipant& participant, const pki::Certif
 Status check_follows(const AffectedParticipant& participant, const pki::Certificate& certificate,
                      const CaRotation& change, const pki::IssueLog& log) {
   const auto& paths = change.old.paths;
-  const auto belonging = belonging_of(certificate, participant.files.folder, paths, log);
-  if (belonging == Belonging::moved && participant.is_named) return {};
+  const auto log_status = log_status_of(certificate, participant.files.folder, paths, log);
+  if (log_status == LogStatus::moved && participant.is_named) return {};
   const bool is_unlogged = log.find(certificate.serial()) == nullptr;
   if (is_unlogged && change.takes_unlogged) return {};
   const auto own = check_own(certificate, participant.files.folder, paths, log, {});
@@ -256,7 +256,7 @@ Result<std::vector<WrittenFile>> put_in_place(FileTransaction& out, RotationResu
   return files;
 }
 
-void add_left(const RotationResult& rotation, Report& report) {
+void add_unreached(const RotationResult& rotation, Report& report) {
   for (const auto& error : rotation.doubtful) report.errors.push_back(error);
   if (!rotation.doubtful.empty()) report.exit = Exit::no;
   for (const auto& error : rotation.unwritten) {

@@ -69,7 +69,7 @@ struct RotationResult {
 Result<std::vector<WrittenFile>> put_in_place(FileTransaction& out, RotationResult& rotation);
 
 /// Reports the participants that were left unchanged.
-void add_left(const RotationResult& rotation, Report& report);
+void add_unreached(const RotationResult& rotation, Report& report);
 
 /// A validity that begins now and lasts as long as that of `old`.
 pki::Validity life_like(const pki::Certificate& old, WallTime now);

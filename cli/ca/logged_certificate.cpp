@@ -84,8 +84,9 @@ std::string revoked_serial_of_key(const pki::Certificate& certificate,
   return {};
 }
 
-std::unexpected<Error> other_issuer(const pki::Certificate& certificate, const pki::Certificate& ca,
-                                    const fs::path& path, std::string hint) {
+std::unexpected<Error> other_issuer_error(const pki::Certificate& certificate,
+                                          const pki::Certificate& ca, const fs::path& path,
+                                          std::string hint) {
   return fail(Code::issuer_unknown, {.document = path,
                                      .expected = "a certificate that " + ca.subject() + " issued",
                                      .found = "one of " + certificate.issuer(),
@@ -97,15 +98,16 @@ std::unexpected<Error> other_issuer(const pki::Certificate& certificate, const p
 Status check_issuer(const pki::Certificate& certificate, const OpenCa& ca, const fs::path& path) {
   if (certificate.is_issued_by(ca.certificate())) return {};
   if (certificate.issuer() != ca.certificate().subject())
-    return other_issuer(certificate, ca.certificate(), path,
-                        "name the folder of the CA that issued it: --ca DIR");
+    return other_issuer_error(certificate, ca.certificate(), path,
+                              "name the folder of the CA that issued it: --ca DIR");
   DDSSEC_ASSIGN_OR_RETURN(const auto overlap, read_overlap(ca.paths));
   const auto is_issuer = [&](const auto& one) { return certificate.is_issued_by(one); };
   if (overlap && std::ranges::any_of(overlap->former, is_issuer))
     return fail(tool_code::not_moved_yet, {.document = path});
-  auto error = other_issuer(certificate, ca.certificate(), path,
-                            "issue the participant again: ddssec identity issue --replace; or name "
-                            "the folder of the CA that issued it: --ca DIR");
+  auto error =
+      other_issuer_error(certificate, ca.certificate(), path,
+                         "issue the participant again: ddssec identity issue --replace; or name "
+                         "the folder of the CA that issued it: --ca DIR");
   auto details = error.error().details();
   details.note =
       "the CA of that name has another key now: it was rotated while this folder was away, or "
@@ -119,35 +121,35 @@ bool is_logged(const pki::Certificate& certificate, const pki::IssueLog& log) {
   return entry != nullptr && !entry->sha256.empty();
 }
 
-Belonging belonging_of(const pki::Certificate& certificate, const fs::path& given,
-                       const CaPaths& ca, const pki::IssueLog& log) {
+LogStatus log_status_of(const pki::Certificate& certificate, const fs::path& given,
+                        const CaPaths& ca, const pki::IssueLog& log) {
   const auto folder = normal_folder(given);
   const LoggedFolders places(ca, log);
   const auto* entry = entry_of(certificate, log);
   if (entry == nullptr) {
     const bool is_logged = log.find(certificate.serial()) != nullptr;
-    return !is_logged && has_enclaves_name(certificate, folder, places) ? Belonging::own
-                                                                        : Belonging::unlogged;
+    return !is_logged && has_enclaves_name(certificate, folder, places) ? LogStatus::own
+                                                                        : LogStatus::unlogged;
   }
   const auto home = entry->folder.empty() ? fs::path() : places.today(entry->folder);
-  if (!home.empty() && is_same_folder(home, folder, given)) return Belonging::own;
+  if (!home.empty() && is_same_folder(home, folder, given)) return LogStatus::own;
   const bool is_copy = !home.empty() && lies_in(home, certificate);
-  return is_copy || issued_for(folder, log) != nullptr ? Belonging::foreign : Belonging::moved;
+  return is_copy || issued_for(folder, log) != nullptr ? LogStatus::foreign : LogStatus::moved;
 }
 
 fs::path recorded_folder(const pki::Certificate& certificate, const fs::path& folder,
                          const CaPaths& ca, const pki::IssueLog& log) {
   const auto* entry = entry_of(certificate, log);
   const bool is_own = entry != nullptr && !entry->folder.empty() &&
-                      belonging_of(certificate, folder, ca, log) == Belonging::own;
+                      log_status_of(certificate, folder, ca, log) == LogStatus::own;
   return is_own ? LoggedFolders(ca, log).today(entry->folder) : normal_folder(folder);
 }
 
 Status check_own(const pki::Certificate& certificate, const fs::path& folder, const CaPaths& ca,
                  const pki::IssueLog& log, const std::string& subject) {
-  const auto belonging = belonging_of(certificate, folder, ca, log);
-  const bool is_another = belonging == Belonging::unlogged && log.find(certificate.serial());
-  if (belonging == Belonging::own && subject.empty()) return {};
+  const auto log_status = log_status_of(certificate, folder, ca, log);
+  const bool is_another = log_status == LogStatus::unlogged && log.find(certificate.serial());
+  if (log_status == LogStatus::own && subject.empty()) return {};
   const auto* wanted = issued_for(normal_folder(folder), log);
   ErrorDetails details{
       .document = folder / "cert.pem",
@@ -160,7 +162,8 @@ Status check_own(const pki::Certificate& certificate, const fs::path& folder, co
     if (pki::SubjectName::of(certificate).key() == named.key()) return {};
     return fail(Code::certificate_of_another_folder, std::move(details));
   }
-  if (belonging == Belonging::unlogged) return fail(Code::certificate_unlogged, std::move(details));
+  if (log_status == LogStatus::unlogged)
+    return fail(Code::certificate_unlogged, std::move(details));
   const auto logged = log.find(certificate.serial())->place();
   details.found += logged.empty() ? ", issued for no folder" : ", issued for " + logged;
   return fail(Code::certificate_of_another_folder, std::move(details));
@@ -173,7 +176,7 @@ Status check_alone(const pki::Certificate& certificate, const fs::path& folder, 
     return fail(Code::certificate_of_another_folder,
                 {.document = folder / "cert.pem",
                  .found = certificate.subject() + ", which is also in " + first->second.string()});
-  if (belonging_of(certificate, folder, ca, log) != Belonging::foreign) return {};
+  if (log_status_of(certificate, folder, ca, log) != LogStatus::foreign) return {};
   return check_own(certificate, folder, ca, log, {});
 }
 
@@ -217,7 +220,7 @@ Status check_not_revoked(const pki::Certificate& certificate, const fs::path& fi
   return fail(Code::certificate_revoked, std::move(details));
 }
 
-std::string about_former(const fs::path& file, const fs::path& given, WallTime now) {
+std::string former_certificate_text(const fs::path& file, const fs::path& given, WallTime now) {
   const auto former = read_certificate(file);
   if (!former || former->not_after() < now) return {};
   const auto log = read_issue_log(ca_paths(given, "identity"));
@@ -233,7 +236,7 @@ Status check_issued_for(const pki::Certificate& certificate, const fs::path& fol
   const auto file = folder / "cert.pem";
   DDSSEC_ASSIGN_OR_RETURN(const auto issuer, read_certificate(ca.certificate));
   if (!certificate.is_issued_by(issuer))
-    return other_issuer(certificate, issuer, file, "put the folder's own certificate back");
+    return other_issuer_error(certificate, issuer, file, "put the folder's own certificate back");
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca));
   DDSSEC_RETURN_IF_ERROR(check_own(certificate, folder, ca, log, {}));
   return check_not_revoked(certificate, file, ca, log, NextKey::same);

@@ -17,7 +17,7 @@ Status check_issuer(const pki::Certificate& certificate, const OpenCa& ca,
                     const std::filesystem::path& file);
 
 /// The status of a certificate in a folder, by the log.
-enum class Belonging : std::uint8_t {
+enum class LogStatus : std::uint8_t {
   own,       ///< issued for this folder
   moved,     ///< issued for another folder, and the log does not know this one
   foreign,   ///< issued for another folder, while the log has other certificates for this one
@@ -27,8 +27,8 @@ enum class Belonging : std::uint8_t {
 /// The status of a certificate; `log` is that of the CA. A folder that moved together with its CA
 /// counts as the same folder. So does an enclave of a keystore whose certificate has the enclave's
 /// name and is not in the log (sros2).
-Belonging belonging_of(const pki::Certificate& certificate, const std::filesystem::path& folder,
-                       const CaPaths& ca, const pki::IssueLog& log);
+LogStatus log_status_of(const pki::Certificate& certificate, const std::filesystem::path& folder,
+                        const CaPaths& ca, const pki::IssueLog& log);
 
 /// True if the log contains exactly this certificate, by its SHA-256: the CA issued it, or the same
 /// CA before its rotation.
@@ -77,8 +77,8 @@ Status check_key_not_revoked(const pki::Certificate& certificate, const std::fil
 /// A line about the certificate in `file`, which is about to be replaced and stays valid although
 /// no file will hold it. Empty if it has expired or was revoked. `given` is the CA's folder as the
 /// user named it.
-std::string about_former(const std::filesystem::path& file, const std::filesystem::path& given,
-                         WallTime now);
+std::string former_certificate_text(const std::filesystem::path& file,
+                                    const std::filesystem::path& given, WallTime now);
 
 /// Success if the CA issued the folder's certificate for this folder and did not revoke it. Errors:
 /// those of check_issuer, check_own and check_not_revoked.

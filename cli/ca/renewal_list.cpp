@@ -14,7 +14,7 @@
 #include "cli/documents/documents.hpp"
 #include "cli/frame/notices.hpp"
 #include "cli/inputs.hpp"
-#include "governance/extension.hpp"
+#include "governance/grant_extension.hpp"
 #include "governance/read.hpp"
 #include "governance/write.hpp"
 #include "pki/key_digests.hpp"
@@ -123,7 +123,7 @@ class Entries {
     };
     std::set<const ListedDocument*> dropped;
     if (is_too_long(documents_.size()))
-      for (const auto* const least : least_first()) {
+      for (const auto* const least : in_order_of_removal()) {
         if (!is_too_long(documents_.size() - dropped.size())) break;
         octets -= size_in_list(least->file);
         for (const auto& grant : least->grants) left_out_.insert(grant.subject_name);
@@ -162,7 +162,7 @@ class Entries {
   }
   // The order in which documents are removed: first those whose subjects all have later ones, then
   // those that end first.
-  std::vector<const ListedDocument*> least_first() const {
+  std::vector<const ListedDocument*> in_order_of_removal() const {
     std::set<std::string_view> later;
     std::vector<std::pair<bool, const ListedDocument*>> order;
     for (const auto& document : std::views::reverse(documents_)) {
@@ -193,7 +193,7 @@ Entries entries_of(const pki::RenewalList& former, const pki::RenewalList& next,
   return out;
 }
 
-Error too_long(const fs::path& file, const std::set<std::string>& left_out) {
+Error too_long_error(const fs::path& file, const std::set<std::string>& left_out) {
   constexpr std::size_t kMax = 4;
   std::vector<std::string> shown(left_out.begin(), left_out.end());
   const auto more = shown.size() > kMax ? shown.size() - kMax : 0;
@@ -210,7 +210,7 @@ Error too_long(const fs::path& file, const std::set<std::string>& left_out) {
                "participants named authenticate again when the former documents end"});
 }
 
-Error begun_anew(const fs::path& file, const Error& why) {
+Error list_begun_anew_error(const fs::path& file, const Error& why) {
   return Error(Code::renewal_list_malformed,
                {.document = file,
                 .expected = "a renewal list",
@@ -223,7 +223,7 @@ Error begun_anew(const fs::path& file, const Error& why) {
 
 // Returns an empty list if the file does not exist.
 Result<pki::RenewalList> read_renewals(const fs::path& file) {
-  if (!is_there(file)) return pki::RenewalList{};
+  if (!path_exists(file)) return pki::RenewalList{};
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxRenewalListOctets));
   return named(pki::RenewalList::parse(octets), file);
 }
@@ -237,14 +237,14 @@ Status add_to(const fs::path& file, const pki::RenewalList& next, WallTime now) 
   FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(out.put_public(file, text));
   DDSSEC_RETURN_IF_ERROR(out.commit_each());
-  if (!former) return std::unexpected(begun_anew(file, former.error()));
-  if (!entries.left_out().empty()) return std::unexpected(too_long(file, entries.left_out()));
+  if (!former) return std::unexpected(list_begun_anew_error(file, former.error()));
+  if (!entries.left_out().empty()) return std::unexpected(too_long_error(file, entries.left_out()));
   return {};
 }
 
 // Adds the remedy for an unreadable list of the CA: the user may remove it, because each
 // participant's folder keeps its own entries.
-Error of_ca(const Error& error) {
+Error with_hint_for_ca(const Error& error) {
   auto details = error.details();
   details.hint =
       "remove it, or put a copy of the former one into its place; the next renewal begins a new "
@@ -313,11 +313,11 @@ RenewalsOfCas renewals_of(const fs::path& given, const pki::Crl* revoked) {
   std::set<fs::path> seen;
   for (const auto* const role : {"identity", "permissions"}) {
     const auto paths = ca_paths(given, role);
-    if (!is_there(paths.renewals) || !seen.insert(paths.renewals).second) continue;
+    if (!path_exists(paths.renewals) || !seen.insert(paths.renewals).second) continue;
     auto list = read_renewals(paths.renewals);
     auto cas = read_certificates(paths.certificate);
     if (!list || !cas) {
-      out.problems.push_back(list ? cas.error() : of_ca(list.error()));
+      out.problems.push_back(list ? cas.error() : with_hint_for_ca(list.error()));
       continue;
     }
     std::ranges::move(list->certificates, std::back_inserter(out.list.certificates));
@@ -352,9 +352,9 @@ Status put_renewals(FileTransaction& out, const pki::ParticipantFolder& files,
   auto next = of_trusted(what.entries, files, what.now);
   if (!takes_permissions(files)) next.permissions.clear();
   const auto entries = entries_of(former, next, what.now);
-  if (!entries.left_out().empty()) add_notice(too_long(files.renewals, entries.left_out()));
+  if (!entries.left_out().empty()) add_notice(too_long_error(files.renewals, entries.left_out()));
   const auto list = entries.list();
-  if (list.is_empty() && !is_there(files.renewals)) return {};
+  if (list.is_empty() && !path_exists(files.renewals)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto text, list.text());
   const auto present = read_file(files.renewals, pki::kMaxRenewalListOctets);
   if (present && as_text(*present) == text) return {};

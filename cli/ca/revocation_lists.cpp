@@ -44,7 +44,7 @@ std::string number_and_date(const pki::Crl& list) {
 std::string number_text(const pki::Crl& list) { return to_string(list.number().value_or(0)); }
 
 Result<std::vector<pki::Crl>> read_crls(const fs::path& path) {
-  if (!is_there(path)) return std::vector<pki::Crl>();
+  if (!path_exists(path)) return std::vector<pki::Crl>();
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMaxDocumentOctets));
   DDSSEC_ASSIGN_OR_RETURN(auto lists, named(pki::Crl::all_from(octets), path));
   if (lists.empty())
@@ -89,10 +89,10 @@ Result<bool> lists_all(const CaPaths& ca, const pki::IssueLog& log) {
 namespace {
 
 // The basis of the next list: all lists of the CA that were found.
-class Former {
+class FormerLists {
  public:
   // `before` is the CA's certificate in its folder. While the CA is rotated, that is the old one.
-  Former(const OpenCa& ca, const pki::Certificate& before)
+  FormerLists(const OpenCa& ca, const pki::Certificate& before)
       : ca_(ca.certificate()), before_(before) {}
 
   // The CA's own file is trusted, because only its owner can write it.
@@ -158,10 +158,10 @@ class Former {
   std::set<std::string> seen_;
 };
 
-Result<Former> former_lists(const OpenCa& ca, const pki::IssueLog& log,
-                            const std::vector<fs::path>& more) {
+Result<FormerLists> former_lists(const OpenCa& ca, const pki::IssueLog& log,
+                                 const std::vector<fs::path>& more) {
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(ca.paths.certificate));
-  Former out(ca, certificate);
+  FormerLists out(ca, certificate);
   DDSSEC_RETURN_IF_ERROR(out.add_own(ca.paths.crl));
   DDSSEC_ASSIGN_OR_RETURN(const auto places, participant_places(ca.paths, log));
   for (const auto& folder : places.here)
@@ -170,7 +170,7 @@ Result<Former> former_lists(const OpenCa& ca, const pki::IssueLog& log,
   return out;
 }
 
-Result<pki::Crl> following(const OpenCa& ca, const Former& former,
+Result<pki::Crl> following(const OpenCa& ca, const FormerLists& former,
                            std::vector<pki::Revocation> entries, WallTime date, WallTime until) {
   // No entry is later than its list, because a product may read such an entry as a future
   // revocation.
@@ -182,7 +182,7 @@ Result<pki::Crl> following(const OpenCa& ca, const Former& former,
 }
 
 // The log comes first, because it has the original reasons and times.
-std::vector<pki::Revocation> all_entries(const pki::IssueLog& log, const Former& former) {
+std::vector<pki::Revocation> all_entries(const pki::IssueLog& log, const FormerLists& former) {
   auto out = log.revocations();
   out.insert(out.end(), former.entries().begin(), former.entries().end());
   return out;
@@ -214,16 +214,16 @@ Result<pki::Crl> first_crl(const pki::Authority& ca) {
                       .entries = {}});
 }
 
-std::string about_clock(const pki::Crl& crl, WallTime now, const std::string& ca) {
+std::string list_date_warning(const pki::Crl& crl, WallTime now, const std::string& ca) {
   if (crl.this_update() <= now) return {};
   return fmt::format(
       "the clock of this machine says {}, which is before the list before this one; the new list "
       "is dated {} as well, and no participant takes it earlier. Set the clock, if it is behind. "
       "If it is right, the list before was made under a clock that was ahead: {}\n",
-      to_string(now), to_string(crl.this_update()), way_out_of_the_future(ca));
+      to_string(now), to_string(crl.this_update()), future_list_hint(ca));
 }
 
-std::string way_out_of_the_future(const std::string& ca) {
+std::string future_list_hint(const std::string& ca) {
   return fmt::format(
       "ddssec crl new --ca {0} --date-now makes a list that is dated now and names all that was "
       "revoked; then ddssec crl distribute --ca {0}",
@@ -269,8 +269,8 @@ bool is_under(const pki::Certificate& participant, const ListForFolder& what) {
   return false;
 }
 
-std::unexpected<Error> newer_there(const fs::path& file, const pki::Crl& former,
-                                   const ListForFolder& what, const std::string& lacks) {
+std::unexpected<Error> newer_list_error(const fs::path& file, const pki::Crl& former,
+                                        const ListForFolder& what, const std::string& lacks) {
   return fail(
       Code::crl_older,
       {.document = file,
@@ -284,13 +284,13 @@ std::unexpected<Error> newer_there(const fs::path& file, const pki::Crl& former,
 }
 
 Status check_follows(const fs::path& file, const pki::Crl& former, const ListForFolder& what) {
-  if (!what.list.replaces(former, what.now)) return newer_there(file, former, what, "");
+  if (!what.list.replaces(former, what.now)) return newer_list_error(file, former, what, "");
   DDSSEC_ASSIGN_OR_RETURN(const auto revoked, what.list.revoked());
   const auto serials = serials_of(revoked);
   DDSSEC_ASSIGN_OR_RETURN(const auto revocations, named(former.revoked(), file));
   for (const auto& one : revocations)
     if (!serials.contains(one.serial))
-      return newer_there(file, former, what, ", which lacks serial number " + one.serial);
+      return newer_list_error(file, former, what, ", which lacks serial number " + one.serial);
   return {};
 }
 

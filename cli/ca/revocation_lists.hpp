@@ -74,10 +74,10 @@ Result<pki::Crl> first_crl(const pki::Authority& ca);
 
 /// Lines of text about a list that is dated after `now`. Empty if it is not. `ca` is the CA's
 /// folder as on the command line.
-std::string about_clock(const pki::Crl& crl, WallTime now, const std::string& ca);
+std::string list_date_warning(const pki::Crl& crl, WallTime now, const std::string& ca);
 
 /// The hint for a list that was made with a clock that was ahead.
-std::string way_out_of_the_future(const std::string& ca);
+std::string future_list_hint(const std::string& ca);
 
 /// The list for a new participant: the newest list of the CA, from its own folder or from those of
 /// its participants on this machine (the CA's may have been restored from a backup). Empty if there

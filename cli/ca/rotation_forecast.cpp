@@ -32,43 +32,44 @@ std::vector<std::string> ids_of(const std::vector<pki::Certificate>& cas) {
 }
 
 // The CA of a participant's own documents, and the CAs that it accepts.
-struct Stand {
+struct TrustState {
   std::string own;                   // the CA of its certificate or its permissions
   std::vector<std::string> trusted;  // in the order of its file
 };
 
 // True if `one` accepts the CA of `other`.
-bool accepts(const Stand& one, const Stand& other, bool is_stock) {
+bool accepts(const TrustState& one, const TrustState& other, bool is_stock) {
   if (is_stock) return !one.trusted.empty() && one.trusted.front() == other.own;
   return std::ranges::find(one.trusted, other.own) != one.trusted.end();
 }
 
-struct Side {
+struct ForecastParticipant {
   std::string name;
-  Stand now, then;
+  TrustState before, after;
   bool may_be_stock;
 };
 
-bool talk(const Stand& a, const Stand& b, bool a_is_stock, bool b_is_stock) {
+bool accept_each_other(const TrustState& a, const TrustState& b, bool a_is_stock, bool b_is_stock) {
   return accepts(a, b, a_is_stock) && accepts(b, a, b_is_stock);
 }
 
-bool parts(const Side& a, const Side& b, bool a_is_stock, bool b_is_stock) {
-  return talk(a.now, b.now, a_is_stock, b_is_stock) &&
-         !talk(a.then, b.then, a_is_stock, b_is_stock);
+bool are_separated(const ForecastParticipant& a, const ForecastParticipant& b, bool a_is_stock,
+                   bool b_is_stock) {
+  return accept_each_other(a.before, b.before, a_is_stock, b_is_stock) &&
+         !accept_each_other(a.after, b.after, a_is_stock, b_is_stock);
 }
 
-bool parts_if_stock(const Side& a, const Side& b) {
-  return (a.may_be_stock && parts(a, b, true, false)) ||
-         (b.may_be_stock && parts(a, b, false, true)) ||
-         (a.may_be_stock && b.may_be_stock && parts(a, b, true, true));
+bool are_separated_if_stock(const ForecastParticipant& a, const ForecastParticipant& b) {
+  return (a.may_be_stock && are_separated(a, b, true, false)) ||
+         (b.may_be_stock && are_separated(a, b, false, true)) ||
+         (a.may_be_stock && b.may_be_stock && are_separated(a, b, true, true));
 }
 
 // False if the folder's Cyclone DDS configuration names ddssec's libraries by absolute paths.
 // Otherwise the environment of the process decides.
 bool may_be_stock(const fs::path& folder) {
   const auto file = folder / "cyclonedds.xml";
-  if (!is_there(file)) return true;
+  if (!path_exists(file)) return true;
   const auto configuration = doctor::cyclonedds_configuration(file.string());
   if (!configuration) return true;
   const auto plugins = doctor::host_plugins(*configuration, {});
@@ -79,29 +80,30 @@ bool may_be_stock(const fs::path& folder) {
 }
 
 // Reads the CAs of a participant before and after the step.
-class Sides {
+class ForecastReader {
  public:
-  explicit Sides(const ForecastStep& step) : step_(step) {
+  explicit ForecastReader(const ForecastStep& step) : step_(step) {
     if (auto next = pki::Certificate::bundle_from_pem(as_bytes(step.change.trust_pem)))
       next_ = *std::move(next);
   }
 
-  std::optional<Side> of(const AffectedParticipant& participant) const {
+  std::optional<ForecastParticipant> of(const AffectedParticipant& participant) const {
     const auto& file =
         is_identity() ? participant.files.identity_ca : participant.files.permissions_ca;
     const auto trusted = read_certificates(file);
     if (!trusted) return std::nullopt;
     const auto own = issuer_of(participant, *trusted);
     if (!own) return std::nullopt;
-    Stand now{*own, ids_of(*trusted)};
-    auto then = now;
+    TrustState before{*own, ids_of(*trusted)};
+    auto after = before;
     std::error_code ignored;
     if (std::ranges::find(step_.again, participant.name) != step_.again.end()) {
-      if (!fs::is_symlink(file, ignored)) then.trusted = ids_of(next_);
-      if (step_.change.step != RotationStep::begin) then.own = id_of(step_.change.ca.certificate());
+      if (!fs::is_symlink(file, ignored)) after.trusted = ids_of(next_);
+      if (step_.change.step != RotationStep::begin)
+        after.own = id_of(step_.change.ca.certificate());
     }
-    return Side{participant.name, std::move(now), std::move(then),
-                may_be_stock(participant.files.folder)};
+    return ForecastParticipant{participant.name, std::move(before), std::move(after),
+                               may_be_stock(participant.files.folder)};
   }
 
  private:
@@ -173,8 +175,8 @@ Result<std::vector<AffectedParticipant>> all_here(const fs::path& given,
 Result<RotationForecast> forecast_of(const ForecastStep& step, const fs::path& given,
                                      const std::vector<AffectedParticipant>& participants) {
   DDSSEC_ASSIGN_OR_RETURN(const auto all, all_here(given, participants, step.now));
-  const Sides reader(step);
-  std::vector<Side> sides;
+  const ForecastReader reader(step);
+  std::vector<ForecastParticipant> sides;
   RotationForecast out;
   for (const auto& participant : all) {
     auto side = reader.of(participant);
@@ -188,8 +190,8 @@ Result<RotationForecast> forecast_of(const ForecastStep& step, const fs::path& g
                        std::ranges::any_of(sides, [](const auto& one) { return one.may_be_stock; });
   for (auto a = sides.begin(); a != sides.end(); ++a)
     for (auto b = a + 1; b != sides.end(); ++b) {
-      const bool is_for_all = parts(*a, *b, false, false);
-      if (!is_for_all && !parts_if_stock(*a, *b)) continue;
+      const bool is_for_all = are_separated(*a, *b, false, false);
+      if (!is_for_all && !are_separated_if_stock(*a, *b)) continue;
       ++out.parted;
       if (out.pairs.size() < kMaxPairs) out.pairs.push_back({a->name, b->name, !is_for_all});
     }

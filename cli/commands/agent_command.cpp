@@ -6,25 +6,26 @@
 namespace ddssec::cli {
 namespace {
 
-std::unexpected<Error> usage(std::string field, std::string note) {
+std::unexpected<Error> usage_error(std::string field, std::string note) {
   return fail(Code::usage, {.field = std::move(field), .note = std::move(note)});
 }
 
 Status check_options(const Arguments& arguments) {
   const bool by_ca = arguments.has("--ca");
   if (by_ca == arguments.has("--hook"))
-    return usage("--ca", "either --ca DIR or --hook COMMAND says where certificates come from");
+    return usage_error("--ca",
+                       "either --ca DIR or --hook COMMAND says where certificates come from");
   for (const auto* option : {"--permissions", "--days"})
-    if (!by_ca && arguments.has(option)) return usage(option, "only with --ca");
+    if (!by_ca && arguments.has(option)) return usage_error(option, "only with --ca");
   for (const auto* option : {"--hook-env", "--trust", "--documents-hook"})
-    if (by_ca && arguments.has(option)) return usage(option, "only with --hook");
+    if (by_ca && arguments.has(option)) return usage_error(option, "only with --hook");
   if (arguments.has("--crl") && !arguments.has("--trust"))
-    return usage("--crl", "only with --trust");
+    return usage_error("--crl", "only with --trust");
   if (arguments.has("--once")) return {};
   for (const auto* option : {"--now", "--dry-run"})
-    if (arguments.has(option)) return usage(option, "only with --once");
+    if (arguments.has(option)) return usage_error(option, "only with --once");
   if (arguments.text("--format") == "json")
-    return usage("--format", "only with --once: the agent always reports lines of JSON");
+    return usage_error("--format", "only with --once: the agent always reports lines of JSON");
   return {};
 }
 

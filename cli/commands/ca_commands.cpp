@@ -11,7 +11,7 @@
 #include "cli/commands/ca_results.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/new_folder.hpp"
 #include "cli/frame/options.hpp"
@@ -19,7 +19,7 @@
 #include "cli/participant/participant.hpp"
 #include "cli/participant/participant_places.hpp"
 #include "governance/doctor/shell_word.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -275,7 +275,7 @@ Result<pki::Certificate> renewed_ca(const OpenCa& ca, pki::Validity life,
 // ddssec accepts every certificate of the file, stock products only the first (measured).
 std::string steps_for_permissions(const OpenCa& ca, const std::string& given, WallTime now) {
   const auto end = ca.certificate().not_after();
-  const bool is_keystore = is_there(fs::path(given) / "public/permissions_ca.cert.pem");
+  const bool is_keystore = path_exists(fs::path(given) / "public/permissions_ca.cert.pem");
   return fmt::format(
       "The signed documents are still the old certificate's, which {} on {}. {}:\n"
       "  with ddssec's plugins alone: put the new {} into every folder as permissions_ca.pem; then "
@@ -295,7 +295,7 @@ Result<std::string> steps_after_renewal(const OpenCa& ca, const std::string& rol
   if (role == "permissions") return steps_for_permissions(ca, given, now);
   const auto end = ca.certificate().not_after();
   std::string out = "Participants take the new and the old certificate. ";
-  out += is_there(fs::path(given) / "public/identity_ca.cert.pem")
+  out += path_exists(fs::path(given) / "public/identity_ca.cert.pem")
              ? "Enclaves of the keystore have a link to the new one.\n"
              : fmt::format("Put the new {} into every folder as identity_ca.pem {}.\n",
                            ca.paths.certificate.filename().string(),

@@ -75,7 +75,7 @@ struct KeyFacts {
     return std::tuple(field<&KeyFacts::encrypted>(),
                       field<&KeyFacts::mode>({.pattern = "^[0-7]{4}$"}),
                       field<&KeyFacts::token>(
-                          {.note = "its URI without a PIN, if it is in one", .absent = true}));
+                          {.note = "its URI without a PIN, if it is in one", .omits_empty = true}));
   }
   std::string words() const {
     if (token) return "in a token, " + *token;
@@ -137,7 +137,7 @@ struct ShownCas {
     return std::tuple_cat(fields_within(&ShownCas::first),
                           std::tuple(field<&ShownCas::others>(
                               {.note = "the same of the folder's other CA, without --role",
-                               .same = true,
+                               .has_same_members = true,
                                .max = 1})));
   }
   std::string text() const {
@@ -196,7 +196,7 @@ struct RotatedCa {
         field<&Self::unlogged>({"documents signed although the log lacks them"}),
         field<&Self::elsewhere>(
             {"folders, or CAs below, that the log knows and this machine does not have"}),
-        field<&Self::forecast>({.note = "with `--dry-run`", .absent = true}));
+        field<&Self::forecast>({.note = "with `--dry-run`", .omits_empty = true}));
   }
   std::string text() const {
     auto out = summary();

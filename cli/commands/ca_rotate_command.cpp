@@ -14,7 +14,7 @@
 #include "cli/commands/ca_results.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 #include "cli/frame/options.hpp"
 #include "cli/inputs.hpp"
 #include "cli/participant/participant.hpp"
@@ -43,12 +43,12 @@ Result<AffectedParticipants> participants_of(const Arguments& arguments, const f
 }
 
 Status check_no_other_kind(const fs::path& given) {
-  if (is_there(given / "public/identity_ca.cert.pem"))
+  if (path_exists(given / "public/identity_ca.cert.pem"))
     return fail(Code::usage,
                 {.field = "DIR",
                  .note = "it is a keystore of ROS 2, which has no overlap: ddssec keystore rotate "
                          "replaces its CA at once"});
-  if (is_there(given / "cert.pem"))
+  if (path_exists(given / "cert.pem"))
     return fail(Code::usage,
                 {.field = "DIR",
                  .note = "it is a participant's folder: name the folder of its CA, and the "
@@ -90,7 +90,7 @@ Result<Successor> successor_of(const pki::Certificate& old, const Arguments& arg
 // In the result of `init`, the signed governance document for new participants is beside the CAs.
 std::vector<fs::path> shared_documents(const fs::path& given) {
   std::vector<fs::path> out;
-  if (is_there(given / "ca") && is_there(given / "governance.p7s"))
+  if (path_exists(given / "ca") && path_exists(given / "governance.p7s"))
     out.push_back(given / "governance.p7s");
   return out;
 }
@@ -162,7 +162,7 @@ Answer<RotatedCa> answer_of(const std::string& role, const CaRotation& change,
   result.revoked = rotation.revoked;
   result.unlogged = rotation.unlogged;
   result.elsewhere = elsewhere;
-  add_left(rotation, report);
+  add_unreached(rotation, report);
   for (const auto& name : elsewhere)
     report.errors.emplace_back(Code::participant_elsewhere, ErrorDetails{.found = name});
   report.text += next_step(role, change.step, given);
@@ -191,8 +191,8 @@ Result<RotationStep> step_of(const Arguments& arguments) {
 
 // Describes a step after the first one of an overlap: the successor is in place, and its file has
 // both CAs.
-CaRotation on_the_way(const OpenCa& ca, RotationStep step, const CaOverlap& overlap,
-                      const pki::Passphrase* passphrase) {
+CaRotation rotation_in_overlap(const OpenCa& ca, RotationStep step, const CaOverlap& overlap,
+                               const pki::Passphrase* passphrase) {
   return {.old = ca,
           .ca = ca.authority,
           .trust_pem = step == RotationStep::end ? overlap.next_only() : overlap.next_first(),
@@ -247,7 +247,7 @@ std::string unwritten_hint(const std::string& role, RotationStep step, const std
 }
 
 // One step and the participants that it is for.
-struct Work {
+struct RotationWork {
   CaRotation change;
   AffectedParticipants known;
   std::vector<Error> warnings = {};
@@ -305,8 +305,9 @@ void add_not_taken(const std::string& role, const std::vector<AffectedParticipan
 
 // The folders that the end of a rotation does not find. `ca show` names them until they are here
 // again.
-Result<std::vector<std::string>> left_away(const Work& work, const std::string& role,
-                                           const Arguments& arguments, WallTime now) {
+Result<std::vector<std::string>> folders_not_reached(const RotationWork& work,
+                                                     const std::string& role,
+                                                     const Arguments& arguments, WallTime now) {
   if (arguments.all("DIRS").empty()) return work.known.gone;
   const fs::path given = arguments.text("DIR");
   DDSSEC_ASSIGN_OR_RETURN(const auto known, affected_participants(given, now));
@@ -318,13 +319,14 @@ void remove_file(const fs::path& file) {
   if (!writes_nothing()) fs::remove(file, ignored);
 }
 
-Result<Answer<RotatedCa>> follow(const std::string& role, const Work& work,
+Result<Answer<RotatedCa>> follow(const std::string& role, const RotationWork& work,
                                  const Arguments& arguments, const Context& context) {
   const fs::path given = arguments.text("DIR");
   const auto& change = work.change;
   FileTransaction out;
   const bool is_over = change.step == RotationStep::end || change.step == RotationStep::replace;
-  DDSSEC_ASSIGN_OR_RETURN(const auto away, left_away(work, role, arguments, context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto away,
+                          folders_not_reached(work, role, arguments, context.clock.now()));
   const auto& paths = change.old.paths;
   if (is_over && !away.empty())
     DDSSEC_RETURN_IF_ERROR(out.put_public(unreached_file(paths), unreached_text(away)));
@@ -355,8 +357,8 @@ Result<Answer<RotatedCa>> follow(const std::string& role, const Work& work,
   return answer;
 }
 
-std::unexpected<Error> nothing_left(RotationStep step, const OpenCa& ca, std::size_t unmoved,
-                                    std::size_t all) {
+std::unexpected<Error> nothing_left_error(RotationStep step, const OpenCa& ca, std::size_t unmoved,
+                                          std::size_t all) {
   if (step == RotationStep::end)
     return fail(tool_code::no_overlap, {.document = ca.paths.certificate});
   const auto next = unmoved == 0 ? "--end" : "--move; when all have moved, --end";
@@ -368,14 +370,14 @@ std::unexpected<Error> nothing_left(RotationStep step, const OpenCa& ca, std::si
 
 // Repeats --overlap or --end for the folders that it did not reach. `waiting` are folders whose new
 // files lay beside their places until the CA was opened, which put them in place.
-Result<Work> made_again(const OpenCa& ca, RotationStep step, const RotationProgress& progress,
-                        AffectedParticipants known,
-                        const std::vector<AffectedParticipant>& waiting) {
+Result<RotationWork> repeated_step(const OpenCa& ca, RotationStep step,
+                                   const RotationProgress& progress, AffectedParticipants known,
+                                   const std::vector<AffectedParticipant>& waiting) {
   const bool is_begin = step == RotationStep::begin;
   auto left = is_begin ? progress.without_successor(known.here) : progress.not_ended(known.here);
   if (left.empty()) left = waiting;
   if (left.empty())
-    return nothing_left(step, ca, progress.not_moved(known.here).size(), known.here.size());
+    return nothing_left_error(step, ca, progress.not_moved(known.here).size(), known.here.size());
   auto overlap =
       is_begin ? *progress.overlap() : CaOverlap{progress.next(), {}, ca.certificate().not_after()};
   CaRotation change{.old = ca,
@@ -386,12 +388,14 @@ Result<Work> made_again(const OpenCa& ca, RotationStep step, const RotationProgr
                     .overlap = std::move(overlap),
                     .is_repeated = true};
   known.here = std::move(left);
-  return Work{std::move(change), std::move(known)};
+  return RotationWork{std::move(change), std::move(known)};
 }
 
 // The folders that an earlier --end or a rotation at once did not reach.
-std::vector<AffectedParticipant> left_before(const std::string& role, RotationStep step,
-                                             const Arguments& arguments, WallTime now) {
+std::vector<AffectedParticipant> participants_missed_before(const std::string& role,
+                                                            RotationStep step,
+                                                            const Arguments& arguments,
+                                                            WallTime now) {
   if (step != RotationStep::end) return {};
   const fs::path given = arguments.text("DIR");
   const auto progress = RotationProgress::of(given, role, now);
@@ -404,7 +408,7 @@ std::vector<AffectedParticipant> left_before(const std::string& role, RotationSt
 // permissions CA, as in every command that holds both.
 Result<std::optional<FileLock>> lock_places(const fs::path& given, const std::string& role) {
   const auto paths = ca_paths(given, "identity");
-  if (role == "identity" || !is_there(paths.key)) return std::nullopt;
+  if (role == "identity" || !path_exists(paths.key)) return std::nullopt;
   return lock_records(paths);
 }
 
@@ -414,11 +418,11 @@ Result<Answer<RotatedCa>> ca_rotate(const Arguments& arguments, const Context& c
   DDSSEC_ASSIGN_OR_RETURN(const auto step, step_of(arguments));
   DDSSEC_RETURN_IF_ERROR(check_no_other_kind(given));
   const auto now = context.clock.now();
-  const auto waiting = left_before(role, step, arguments, now);
+  const auto waiting = participants_missed_before(role, step, arguments, now);
   DDSSEC_ASSIGN_OR_RETURN(const auto lock, lock_places(given, role));
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto old, opener.open(ca_paths(given, role)));
-  if (const auto log = ca_paths(given, "identity"); is_there(log.certificate))
+  if (const auto log = ca_paths(given, "identity"); path_exists(log.certificate))
     DDSSEC_RETURN_IF_ERROR(check_list_date(now, log, arguments));
   if (old.authority.key().in_token()) return fail(Code::key_in_token, {.document = old.paths.key});
   auto overlap_read = read_overlap(old.paths);
@@ -426,7 +430,7 @@ Result<Answer<RotatedCa>> ca_rotate(const Arguments& arguments, const Context& c
   const auto overlap = std::move(overlap_read).value_or(std::nullopt);
   if (step == RotationStep::end && overlap && arguments.has("--when-due") && now < overlap->until)
     return Answer<RotatedCa>{rotated(role, "not due", old.certificate(), overlap)};
-  const auto run = [&](Work work) -> Result<Answer<RotatedCa>> {
+  const auto run = [&](RotationWork work) -> Result<Answer<RotatedCa>> {
     work.change.takes_unlogged = arguments.has("--unlogged");
     work.change.unwritten_hint = unwritten_hint(role, step, given.string());
     DDSSEC_ASSIGN_OR_RETURN(work.warnings,
@@ -440,11 +444,13 @@ Result<Answer<RotatedCa>> ca_rotate(const Arguments& arguments, const Context& c
   DDSSEC_ASSIGN_OR_RETURN(auto known, participants_of(arguments, given, now));
   if ((step == RotationStep::begin && overlap) || (step == RotationStep::end && !overlap)) {
     DDSSEC_ASSIGN_OR_RETURN(const auto progress, RotationProgress::of(given, role, now));
-    DDSSEC_ASSIGN_OR_RETURN(auto work, made_again(old, step, progress, std::move(known), waiting));
+    DDSSEC_ASSIGN_OR_RETURN(auto work,
+                            repeated_step(old, step, progress, std::move(known), waiting));
     return run(std::move(work));
   }
   if (step == RotationStep::move || step == RotationStep::end)
-    return run({on_the_way(old, step, *overlap, opener.used_passphrase()), std::move(known)});
+    return run(
+        {rotation_in_overlap(old, step, *overlap, opener.used_passphrase()), std::move(known)});
   DDSSEC_ASSIGN_OR_RETURN(const auto successor,
                           successor_of(old.certificate(), arguments, context));
   DDSSEC_ASSIGN_OR_RETURN(auto change, with_successor(old, successor, step, arguments, context));

@@ -10,13 +10,13 @@
 #include "cli/doctor/doctor_options.hpp"
 #include "cli/doctor/participant_diagnosis.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 #include "cli/frame/options.hpp"
 #include "cli/inputs.hpp"
 #include "governance/decision.hpp"
 #include "governance/doctor/ca_list.hpp"
 #include "governance/doctor/diagnosis.hpp"
-#include "governance/doctor/domains.hpp"
+#include "governance/doctor/domains_of_folder.hpp"
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
@@ -249,7 +249,7 @@ void warn_of_places(const Question& question, Report& report) {
 
 // For an enclave of ROS 2, new permissions are made from the policy, which has the topics of every
 // node.
-std::string way_out(const Question& question) {
+std::string permission_hint(const Question& question) {
   if (question.folder.paths.layout == pki::FolderLayout::sros2)
     return "add the topic to the enclave's policy, then: ddssec keystore permission KEYSTORE "
            "ENCLAVE --policy POLICY --node-defaults";
@@ -290,7 +290,7 @@ Result<Ruling> answer_to(const Question& question) {
   if (decision.allowed && decision.criteria != nullptr && question.request.partitions.empty())
     if (const auto where = partitions_of(*decision.criteria); !where.empty())
       out.because += ", but " + where;
-  if (!decision.allowed) out.hint = !advice.hint.empty() ? advice.hint : way_out(question);
+  if (!decision.allowed) out.hint = !advice.hint.empty() ? advice.hint : permission_hint(question);
   return out;
 }
 

@@ -15,7 +15,7 @@
 #include "cli/doctor/products.hpp"
 #include "cli/doctor/renewal_list_check.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 #include "cli/frame/options.hpp"
 #include "cli/inputs.hpp"
 #include "governance/doctor/diagnosis.hpp"
@@ -33,7 +33,7 @@ Status set_vendor(const std::string& word, doctor::NamedProduct (&products)[2]) 
   const bool is_a = word.starts_with("A=");
   const bool is_b = word.starts_with("B=");
   const auto product = doctor::product_from(is_a || is_b ? word.substr(2) : word);
-  if (!product) return unknown_vendor(word, "A= or B= and ");
+  if (!product) return unknown_vendor_error(word, "A= or B= and ");
   if (!is_b) products[0] = *product;
   if (!is_a) products[1] = *product;
   return {};
@@ -76,7 +76,7 @@ bool looks_like_a_file(const std::string& word) {
          std::ranges::any_of(kEndings, [&](auto ending) { return word.ends_with(ending); });
 }
 
-std::unexpected<Error> no_such_list(const std::string& word) {
+std::unexpected<Error> unknown_list_error(const std::string& word) {
   return fail(
       Code::file_not_found,
       {.document = word,
@@ -94,7 +94,7 @@ Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
       DDSSEC_ASSIGN_OR_RETURN(const auto topics, read_topics(word));
       out.insert(out.end(), topics.begin(), topics.end());
     } else if (looks_like_a_file(word)) {
-      return no_such_list(word);
+      return unknown_list_error(word);
     } else {
       add_parts(word, out);
     }

@@ -13,7 +13,7 @@
 #include "cli/commands/crl_results.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
 #include "cli/frame/options.hpp"
@@ -53,7 +53,7 @@ Result<ListDate> list_date(const Arguments& arguments, const OpenCa& ca, WallTim
 }
 
 // Explains which participants accept such a list, and which must be restarted for it.
-std::string after_the_future(const std::string& ca) {
+std::string next_steps_after_date_now(const std::string& ca) {
   return fmt::format(
       "next: ddssec crl distribute --ca {0}; on other machines copy the list into each folder, "
       "also "
@@ -83,14 +83,14 @@ Result<Answer<NewList>> crl_new(const Arguments& arguments, const Context& conte
   const auto given = arguments.text("--ca");
   Answer<NewList> answer{{ca.paths.crl, ListHead::of(crl), revoked.size()}};
   auto& report = answer.report;
-  report.text = about_clock(crl, now, given);
-  if (date == ListDate::now) report.text += after_the_future(given);
+  report.text = list_date_warning(crl, now, given);
+  if (date == ListDate::now) report.text += next_steps_after_date_now(given);
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
   return answer;
 }
 
 // Warns if a file has several lists of one CA, because the products do not use the same one.
-std::string about_several(const std::vector<pki::Crl>& lists) {
+std::string several_lists_warning(const std::vector<pki::Crl>& lists) {
   for (const auto& list : lists)
     if (std::ranges::count_if(lists, [&](const auto& o) { return o.seems_of_same_ca(list); }) > 1)
       return fmt::format(
@@ -112,7 +112,7 @@ Result<Answer<ShownLists>> crl_show(const Arguments& arguments, const Context&) 
   auto first = std::move(shown.front());
   shown.erase(shown.begin());
   return Answer<ShownLists>{{path, std::move(first), std::move(shown)},
-                            {.text = about_several(lists)}};
+                            {.text = several_lists_warning(lists)}};
 }
 
 // If --ca is the CA's folder and has a list, checks that this list is not older than `crl`.
@@ -151,7 +151,7 @@ Result<Answer<VerifiedList>> crl_verify(const Arguments& arguments, const Contex
   const auto is_of_ca = [&](const pki::Crl& list) { return list.is_named_after(ca); };
   const auto own = std::ranges::find_if(lists, is_of_ca);
   const auto& first = own == lists.end() ? lists.front() : *own;
-  Answer<VerifiedList> answer{{path, ListHead::of(first)}, {.text = about_several(lists)}};
+  Answer<VerifiedList> answer{{path, ListHead::of(first)}, {.text = several_lists_warning(lists)}};
   for (const auto& crl : lists) {
     const bool is_other = !is_of_ca(crl) && &crl != &first;
     answer.result.all.push_back({ListHead::of(crl), is_other});
@@ -179,7 +179,8 @@ Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& 
 
 // Empty if the certificate is in a token or not on this machine.
 Result<std::optional<pki::Certificate>> certificate_in(const pki::ParticipantFolder& files) {
-  if (files.certificate.extension() == ".p11" || !is_there(files.certificate)) return std::nullopt;
+  if (files.certificate.extension() == ".p11" || !path_exists(files.certificate))
+    return std::nullopt;
   DDSSEC_ASSIGN_OR_RETURN(auto certificate, read_certificate(files.certificate));
   return certificate;
 }
@@ -270,7 +271,7 @@ Status with_hint_for_ca(Status status, const std::string& given) {
                      ? fmt::format("make a new list: ddssec crl new --ca {}", given)
                      : "set the clock of this machine if it is behind; if it is right, the list "
                        "was made under a clock that was ahead: " +
-                           way_out_of_the_future(given);
+                           future_list_hint(given);
   return fail(status.error().code(), std::move(details));
 }
 

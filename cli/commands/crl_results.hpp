@@ -84,9 +84,10 @@ struct ShownLists {
   std::vector<ShownList> others;
 
   static constexpr auto fields() {
-    return std::tuple_cat(std::tuple(field<&ShownLists::file>()), fields_within(&ShownLists::first),
-                          std::tuple(field<&ShownLists::others>(
-                              {.note = "the same of further lists of the file", .same = true})));
+    return std::tuple_cat(
+        std::tuple(field<&ShownLists::file>()), fields_within(&ShownLists::first),
+        std::tuple(field<&ShownLists::others>(
+            {.note = "the same of further lists of the file", .has_same_members = true})));
   }
   std::string text() const {
     auto out = first.text();

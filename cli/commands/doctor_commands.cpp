@@ -17,11 +17,11 @@
 #include "cli/doctor/pre_shared_keys.hpp"
 #include "cli/doctor/products.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 #include "cli/frame/options.hpp"
 #include "cli/inputs.hpp"
 #include "governance/doctor/diagnosis.hpp"
-#include "governance/doctor/domains.hpp"
+#include "governance/doctor/domains_of_folder.hpp"
 #include "governance/doctor/effective_security.hpp"
 #include "governance/doctor/host_plugins.hpp"
 #include "governance/doctor/lint_checks.hpp"
@@ -113,13 +113,13 @@ struct ShownCheck {
   static constexpr auto fields() {
     using T = ShownCheck;
     return std::tuple(
-        made<T>("id", [](const T& one) { return info(one.check->rule).id; },
-                {.pattern = "^[A-Z]+[0-9]{3}$"}),
-        made<T>("title", [](const T& one) { return one.check->title; }),
-        made<T>("verdicts",
-                [](const T& one) { return verdicts_json(one.check->outcomes, *one.products); },
-                {.note = "by vendor: ok, unsafe, late, fail", .def = "outcomes"}),
-        field<&T::fix>({.absent = true}));
+        computed<T>("id", [](const T& one) { return info(one.check->rule).id; },
+                    {.pattern = "^[A-Z]+[0-9]{3}$"}),
+        computed<T>("title", [](const T& one) { return one.check->title; }),
+        computed<T>("verdicts",
+                    [](const T& one) { return verdicts_json(one.check->outcomes, *one.products); },
+                    {.note = "by vendor: ok, unsafe, late, fail", .def = "outcomes"}),
+        field<&T::fix>({.omits_empty = true}));
   }
 };
 
@@ -147,9 +147,10 @@ struct ShownDiagnosis {
              .def = "product",
              .min = 1}),
         field<&T::checks>(),
-        made<T>("verdicts",
-                [](const T& one) { return verdicts_json(one.diagnosis.outcomes(), one.products); },
-                {.note = "of all checks", .def = "outcomes"}));
+        computed<T>(
+            "verdicts",
+            [](const T& one) { return verdicts_json(one.diagnosis.outcomes(), one.products); },
+            {.note = "of all checks", .def = "outcomes"}));
   }
   std::string text() const {
     return table(diagnosis, title, products) + counted(findings_for(products, diagnosis)) + '\n';
@@ -205,14 +206,15 @@ struct Listed<doctor::HostPlugin> {
     return std::tuple(
         field<&T::role>({.words = "authentication|access control|cryptography"}),
         field<&T::library>(),
-        made<T>("file", [](const T& one) { return if_any(one.file.native()); }),
-        made<T>("maker",
-                [](const T& one) {
-                  using enum T::Maker;
-                  return if_any(one.maker == ours ? "ddssec" : one.maker == other ? "other" : "");
-                },
-                {.note = "ddssec, other; null: not found", .words = "ddssec|other"}),
-        made<T>("version", [](const T& one) { return if_any(one.version); }));
+        computed<T>("file", [](const T& one) { return if_any(one.file.native()); }),
+        computed<T>(
+            "maker",
+            [](const T& one) {
+              using enum T::Maker;
+              return if_any(one.maker == ours ? "ddssec" : one.maker == other ? "other" : "");
+            },
+            {.note = "ddssec, other; null: not found", .words = "ddssec|other"}),
+        computed<T>("version", [](const T& one) { return if_any(one.version); }));
   }
 };
 
@@ -235,8 +237,8 @@ struct DoctorResult {
                    field<&T::peer>(
                        {.note = "with --peer: the same of the other participant, and `meetings` "
                                 "(each: `self`, `peer`, `talk`)",
-                        .same = true,
-                        .absent = true})));
+                        .has_same_members = true,
+                        .omits_empty = true})));
   }
   std::string text() const {
     auto out = diagnosis.text();
@@ -329,7 +331,7 @@ Result<DomainId> ros_domain() {
 std::optional<std::string> configuration_for(const fs::path& folder) {
   if (auto named = doctor::cyclonedds_configuration()) return named;
   const auto file = folder / "cyclonedds.xml";
-  return is_there(file) ? doctor::cyclonedds_configuration(file.string()) : std::nullopt;
+  return path_exists(file) ? doctor::cyclonedds_configuration(file.string()) : std::nullopt;
 }
 
 std::vector<doctor::HostPlugin> host_plugins_for(const fs::path& folder, bool is_of_ros,
@@ -417,7 +419,7 @@ Result<Answer<DoctorResult>> doctor_of(const Arguments& arguments, const Context
   if (arguments.has("--ros"))
     doctor::check_loadable(plugins, diagnosis);
   else
-    doctor::check_host_plugins(plugins, places, is_there(folder / "cyclonedds.xml"), diagnosis);
+    doctor::check_host_plugins(plugins, places, path_exists(folder / "cyclonedds.xml"), diagnosis);
   doctor::check_files_of_process(loaded, files_of_process(folder, domain, plugins), diagnosis);
   doctor::check_lint(loaded, settings, diagnosis);
   DoctorResult result{.domain = domain,

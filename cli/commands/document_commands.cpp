@@ -13,16 +13,16 @@
 #include "cli/documents/governance_revision.hpp"
 #include "cli/documents/granted_domains.hpp"
 #include "cli/documents/signed_documents.hpp"
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/new_file.hpp"
 #include "cli/frame/options.hpp"
 #include "cli/inputs.hpp"
 #include "governance/doctor/loaded_folder.hpp"
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 #include "governance/doctor/subject_form.hpp"
 #include "governance/lint.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -46,10 +46,10 @@ struct Signing {
   std::optional<std::uint64_t> revision;
 
   static constexpr auto fields() {
-    return std::tuple(
-        field<&Signing::file>(), field<&Signing::signer>({.def = "subject"}),
-        field<&Signing::revision>(
-            {.note = "of a governance document that has one", .def = "revision", .absent = true}));
+    return std::tuple(field<&Signing::file>(), field<&Signing::signer>({.def = "subject"}),
+                      field<&Signing::revision>({.note = "of a governance document that has one",
+                                                 .def = "revision",
+                                                 .omits_empty = true}));
   }
   std::string text() const {
     return fmt::format("{}  signed by {}{}\n", file.string(), signer,
@@ -175,7 +175,7 @@ struct Verdicts {
     return words(doctor::Vendor::cyclonedds) + ", " + words(doctor::Vendor::fastdds);
   }
 };
-constexpr Shown kVerdicts{.note = "by vendor: accepts, refuses"};
+constexpr FieldOptions kVerdicts{.note = "by vendor: accepts, refuses"};
 
 struct Verification {
   fs::path file;
@@ -209,26 +209,27 @@ struct Refusal {
 };
 
 // The signature as ddssec verified it, and the verdict of each product.
-struct Beliefs {
+struct SignatureVerdicts {
   Result<pki::SignedDocument> ours;
   Verdicts verdicts = {};
 };
 
-Result<Beliefs> beliefs(const fs::path& file, const fs::path& ca, WallTime now) {
+Result<SignatureVerdicts> signature_verdicts(const fs::path& file, const fs::path& ca,
+                                             WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxDocumentOctets));
   DDSSEC_ASSIGN_OR_RETURN(const auto file_octets, read_file(ca, pki::kMaxBundleOctets));
   DDSSEC_ASSIGN_OR_RETURN(const Result<std::vector<pki::Certificate>> anchors,
                           named(pki::Certificate::bundle_from_pem(file_octets), ca));
   const auto verifier = named(pki::DocumentVerifier::make(*anchors), ca);
-  Beliefs out{.ours = verifier ? named(verifier->verify(octets, now), file)
-                               : std::unexpected(verifier.error())};
+  SignatureVerdicts out{.ours = verifier ? named(verifier->verify(octets, now), file)
+                                         : std::unexpected(verifier.error())};
   // From version 11 on, Cyclone DDS accepts only the CA itself as signer, like ddssec.
   auto& verdicts = out.verdicts;
   const auto by_another = measured(doctor::Variant::permissions_by_itself, verdicts.lineup);
   const bool is_other_signer =
       !out.ours && out.ours.error().code() == Code::smime_signer_not_permissions_ca;
   const auto accepts = [&](doctor::Vendor vendor) {
-    return believes(vendor, octets, anchors, {}, now) &&
+    return verify_signature_as(vendor, octets, anchors, {}, now) &&
            !(is_other_signer && by_another.of(vendor) == doctor::Outcome::fail);
   };
   verdicts.ours = out.ours.has_value();
@@ -275,7 +276,7 @@ Result<Verified> verify(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
   DDSSEC_ASSIGN_OR_RETURN(
       const auto all,
-      beliefs(file, ca_certificate_path(arguments.text("--ca"), "permissions"), now));
+      signature_verdicts(file, ca_certificate_path(arguments.text("--ca"), "permissions"), now));
   if (!all.ours) return Verified{Refusal{all.verdicts}, report_of(all.ours.error())};
   const auto& proof = all.ours;
   DDSSEC_ASSIGN_OR_RETURN(const auto document,

@@ -15,10 +15,10 @@
 #include "cli/frame/options.hpp"
 #include "cli/inputs.hpp"
 #include "governance/read.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/crl.hpp"
 #include "pki/ocsp.hpp"
 #include "pki/smime_diagnosis.hpp"
-#include "pki/source.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -31,14 +31,14 @@ constexpr auto kKinds = "a certificate, a revocation list or permissions";
 constexpr std::string_view kOcspResponse = "OCSP response";
 
 // Something that expires.
-struct Ending {
+struct ExpiringItem {
   std::string_view kind;  // "CA", "certificate", "revocation list", "permissions", kOcspResponse
   std::string subject;
-  WallTime end;
+  WallTime not_after;
   fs::path file;
-  std::size_t places = 1;  // the number of files that contain it
-  std::string id = {};     // for a certificate: issuer and serial number
-  WallTime begin = {};     // hosts refuse it before this time
+  std::size_t places = 1;    // the number of files that contain it
+  std::string id = {};       // for a certificate: issuer and serial number
+  WallTime not_before = {};  // hosts refuse it before this time
 };
 
 // Finds everything that expires below some paths. The same object in several files is one row. A
@@ -88,17 +88,18 @@ class Search {
     }
   }
 
-  std::vector<Ending> endings() const {
-    std::vector<Ending> out;
-    for (const auto& [key, ending] : found_) out.push_back(ending);
-    for (const auto& [key, ending] : signers_)
-      if (!found_.contains(key)) out.push_back(ending);
-    stable_sort_by(out, [](const Ending& e) { return std::tuple(e.end, e.file.string()); });
+  std::vector<ExpiringItem> items() const {
+    std::vector<ExpiringItem> out;
+    for (const auto& [key, item] : found_) out.push_back(item);
+    for (const auto& [key, item] : signers_)
+      if (!found_.contains(key)) out.push_back(item);
+    stable_sort_by(out,
+                   [](const ExpiringItem& e) { return std::tuple(e.not_after, e.file.string()); });
     return out;
   }
   const std::vector<Error>& unreadable() const { return unreadable_; }
   // True if one of the lists that were found names it. The signature of the list is not checked.
-  bool is_revoked(const Ending& ending) const { return revoked_.contains(ending.id); }
+  bool is_revoked(const ExpiringItem& item) const { return revoked_.contains(item.id); }
 
  private:
   void leave_out(const fs::path& path, std::string why) {
@@ -162,7 +163,7 @@ class Search {
   }
 
   // A key may be readable only by its owner. That is no fault, because a key does not expire.
-  static bool is_closed_key(const fs::path& file, Code code) {
+  static bool is_unreadable_key(const fs::path& file, Code code) {
     return code == Code::file_unreadable && file.stem().string().ends_with("key");
   }
 
@@ -203,7 +204,7 @@ class Search {
                         : is_document(file)      ? look_into_document(file, *octets)
                                                  : look_into_pem(file, *octets);
     if (!status) {
-      if (!is_closed_key(file, status.error().code()))
+      if (!is_unreadable_key(file, status.error().code()))
         unreadable_.push_back(status.error().in(file));
     } else if (is_folder_ && hits_ == before &&
                (is_document(file) || !has_no_end(file, as_text(*octets)))) {
@@ -222,7 +223,7 @@ class Search {
     return out;
   }
 
-  static Ending ending_of(const pki::Certificate& certificate, const fs::path& file) {
+  static ExpiringItem item_of(const pki::Certificate& certificate, const fs::path& file) {
     return {certificate.is_ca() ? "CA" : "certificate",
             certificate.subject(),
             certificate.not_after(),
@@ -243,7 +244,7 @@ class Search {
     if (text.contains("-----BEGIN CERTIFICATE-----")) {
       DDSSEC_ASSIGN_OR_RETURN(const auto bundle, pki::Certificate::bundle_from_pem(as_bytes(text)));
       for (const auto& certificate : bundle)
-        add(ending_of(certificate, file), to_hex(certificate.fingerprint()));
+        add(item_of(certificate, file), to_hex(certificate.fingerprint()));
     }
     if (text.find("-----BEGIN X509 CRL-----") == text.npos) return {};
     DDSSEC_ASSIGN_OR_RETURN(const auto crls, pki::Crl::all_from(octets));
@@ -253,9 +254,9 @@ class Search {
       if (crl.next_update())
         add({.kind = "revocation list",
              .subject = crl.issuer(),
-             .end = *crl.next_update(),
+             .not_after = *crl.next_update(),
              .file = file,
-             .begin = crl.this_update()},
+             .not_before = crl.this_update()},
             to_hex(sha256(as_bytes(crl.pem()))));
     }
     return {};
@@ -266,9 +267,9 @@ class Search {
     const auto certificate = read_certificate(fs::path(file).replace_filename("cert.pem"));
     add({.kind = kOcspResponse,
          .subject = certificate ? certificate->subject() : "unknown",
-         .end = dates.until,
+         .not_after = dates.until,
          .file = file,
-         .begin = dates.this_update},
+         .not_before = dates.this_update},
         to_hex(sha256(octets)));
     return {};
   }
@@ -287,9 +288,9 @@ class Search {
     for (const auto& grant : document.grants)
       add({.kind = "permissions",
            .subject = grant.subject_name,
-           .end = grant.validity.not_after,
+           .not_after = grant.validity.not_after,
            .file = file,
-           .begin = grant.validity.not_before},
+           .not_before = grant.validity.not_before},
           to_hex(sha256(octets)) + grant.subject_name);
     return signers;
   }
@@ -297,25 +298,25 @@ class Search {
   Status add_signers(const pki::DocumentForm& form, const fs::path& file) {
     for (const auto& der : form.signer_certificates) {
       DDSSEC_ASSIGN_OR_RETURN(const auto signer, pki::Certificate::from_der(der));
-      signers_.try_emplace(to_hex(signer.fingerprint()), ending_of(signer, file));
+      signers_.try_emplace(to_hex(signer.fingerprint()), item_of(signer, file));
       ++hits_;
     }
     return {};
   }
 
-  void add(Ending ending, const std::string& key) {
+  void add(ExpiringItem item, const std::string& key) {
     ++hits_;
-    const auto [at, is_new] = found_.try_emplace(key, std::move(ending));
+    const auto [at, is_new] = found_.try_emplace(key, std::move(item));
     if (!is_new) ++at->second.places;
   }
 
-  std::map<std::string, Ending> found_;
-  std::map<std::string, Ending> signers_;  // from signatures: listed if no file has them
+  std::map<std::string, ExpiringItem> found_;
+  std::map<std::string, ExpiringItem> signers_;  // from signatures: listed if no file has them
   std::set<fs::path> paths_;
   std::set<std::string> seen_;
   std::set<std::string> searched_;  // folders, by their paths without links
   std::set<fs::path> links_;        // links to folders
-  std::set<std::string> revoked_;   // values of Ending::id
+  std::set<std::string> revoked_;   // values of ExpiringItem::id
   std::vector<Error> unreadable_;
   std::size_t hits_ = 0;
   bool is_full_ = false;
@@ -324,14 +325,14 @@ class Search {
 
 // The time from which an end counts as soon. An OCSP response lasts for hours or days, and the
 // agent renews it when half of its life is over.
-WallTime soon_from(const Ending& ending, WallTime now, WallTime horizon) {
-  return ending.kind == kOcspResponse ? now + (ending.end - ending.begin) / 2 : horizon;
+WallTime soon_from(const ExpiringItem& item, WallTime now, WallTime horizon) {
+  return item.kind == kOcspResponse ? now + (item.not_after - item.not_before) / 2 : horizon;
 }
 
-std::string_view state_of(const Ending& ending, WallTime now, WallTime horizon) {
-  if (ending.end <= now) return "expired";
-  if (ending.begin > now) return "not yet";
-  return ending.end <= std::min(horizon, soon_from(ending, now, horizon)) ? "soon" : "ok";
+std::string_view state_of(const ExpiringItem& item, WallTime now, WallTime horizon) {
+  if (item.not_after <= now) return "expired";
+  if (item.not_before > now) return "not yet";
+  return item.not_after <= std::min(horizon, soon_from(item, now, horizon)) ? "soon" : "ok";
 }
 
 struct ExpiryEntry {
@@ -383,18 +384,18 @@ Result<Answer<Expiry>> expiry(const Arguments& arguments, const Context& context
   const auto horizon = now + within;
   Answer<Expiry> out{{horizon}};
   std::size_t due = 0;
-  for (const auto& ending : search.endings()) {
-    const auto by_time = state_of(ending, now, horizon);
-    const auto state = by_time == "ok" && search.is_revoked(ending) ? "revoked" : by_time;
+  for (const auto& item : search.items()) {
+    const auto by_time = state_of(item, now, horizon);
+    const auto state = by_time == "ok" && search.is_revoked(item) ? "revoked" : by_time;
     if (by_time != "ok") ++due;
     out.result.entries.push_back(
         {.state = std::string(state),
-         .kind = std::string(ending.kind),
-         .subject = ending.subject,
-         .not_after = ending.end,
-         .days_left = std::chrono::floor<std::chrono::days>(ending.end - now).count(),
-         .file = ending.file,
-         .places = ending.places,
+         .kind = std::string(item.kind),
+         .subject = item.subject,
+         .not_after = item.not_after,
+         .days_left = std::chrono::floor<std::chrono::days>(item.not_after - now).count(),
+         .file = item.file,
+         .places = item.places,
          .is_quiet = by_time == "ok" && arguments.has("--quiet")});
   }
   auto& report = out.report;

@@ -29,7 +29,7 @@ struct Row {
 };
 
 // Returns the name within a message such as "error[usage]:", in upper case.
-std::string bare(std::string_view given) {
+std::string without_brackets(std::string_view given) {
   if (const auto open = given.find('['); open != given.npos)
     given = given.substr(open + 1, given.find(']') - open - 1);
   return ascii_upper(given);
@@ -114,7 +114,7 @@ struct Explained {
   static constexpr auto fields() {
     return std::tuple(
         field<&Explained::name>(),
-        field<&Explained::number>({.note = "rules have none", .absent = true}),
+        field<&Explained::number>({.note = "rules have none", .omits_empty = true}),
         field<&Explained::severity>({.def = "severity"}),
         field<&Explained::other_severities>({"that findings of a rule can have as well"}),
         field<&Explained::summary>(), field<&Explained::hint>(),
@@ -158,7 +158,7 @@ Explained about(const Row& row) {
 }
 
 // The codes and rules that match a part of a name or number.
-std::vector<Row> like(const std::string& wanted) {
+std::vector<Row> rows_with_name_part(const std::string& wanted) {
   constexpr std::size_t kMinSearchedPart = 2;  // characters of a part
   std::vector<Row> out;
   if (wanted.size() < kMinSearchedPart) return out;
@@ -180,7 +180,7 @@ struct Match {
   std::string severity, summary;
 
   static constexpr auto fields() {
-    return std::tuple(field<&Match::name>(), field<&Match::number>({.absent = true}),
+    return std::tuple(field<&Match::name>(), field<&Match::number>({.omits_empty = true}),
                       field<&Match::severity>({.def = "severity"}), field<&Match::summary>());
   }
   static Match of(const Row& row) {
@@ -239,7 +239,7 @@ Answer<Explanation> list_of(const std::vector<CycloneSentence>& found) {
 }
 
 // The codes and rules whose sentence contains these words.
-std::vector<Row> saying(const std::string& wanted) {
+std::vector<Row> rows_with_words(const std::string& wanted) {
   std::vector<Row> out;
   for (const auto& code : all_codes())
     if (ascii_upper(code.summary).contains(wanted))
@@ -288,19 +288,21 @@ Answer<Explanation> about(const std::vector<Row>& rows) {
 Result<Answer<Explanation>> explain(const Arguments& arguments, const Context&) {
   const auto wanted = arguments.text("CODE");
   if (const auto row = find_in_line(wanted)) return Answer<Explanation>{about(*row)};
-  if (const auto row = find(bare(wanted))) return Answer<Explanation>{about(*row)};
+  if (const auto row = find(without_brackets(wanted))) return Answer<Explanation>{about(*row)};
   if (wanted.contains(' ')) {
     if (const auto found = cyclone_sentences_like(wanted); !found.empty()) return list_of(found);
-    if (const auto rows = saying(ascii_upper(wanted)); !rows.empty()) return about(rows);
+    if (const auto rows = rows_with_words(ascii_upper(wanted)); !rows.empty()) return about(rows);
   }
-  if (const auto rows = like(bare(wanted)); !rows.empty()) return about(rows);
+  if (const auto rows = rows_with_name_part(without_brackets(wanted)); !rows.empty())
+    return about(rows);
   if (const auto found = cyclone_sentences_like(wanted); !found.empty()) return list_of(found);
   return fail(
       Code::usage,
       {.field = "CODE",
        .expected = "a name or number as messages show it in brackets, or a part of one, or of "
                    "a sentence of ddssec or Cyclone DDS",
-       .found = '"' + wanted.substr(0, 64) + '"' + did_you_mean(names_like(bare(wanted)))});
+       .found =
+           '"' + wanted.substr(0, 64) + '"' + did_you_mean(names_like(without_brackets(wanted)))});
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ namespace {
 
 using governance::TopicRule;
 
-std::unexpected<Error> wrong_topic(const std::string& text, std::string expected) {
+std::unexpected<Error> topic_option_error(const std::string& text, std::string expected) {
   return fail(Code::usage,
               {.field = "--topic", .expected = std::move(expected), .found = '"' + text + '"'});
 }
@@ -55,24 +55,24 @@ const Key* find_key(const Key (&keys)[N], std::string_view name) {
 
 Status set_key(TopicRule& rule, const std::string& text, std::string_view pair) {
   const auto equals = pair.find('=');
-  if (equals == pair.npos) return wrong_topic(text, "EXPR:" + std::string(kKeys));
+  if (equals == pair.npos) return topic_option_error(text, "EXPR:" + std::string(kKeys));
   const auto name = pair.substr(0, equals);
   const std::string value(pair.substr(equals + 1));
   if (const auto* key = find_key(kKindKeys, name)) {
     const auto kind = protection_kind_from(ascii_upper(value));
     const bool is_data = key->member == &TopicRule::data_protection_kind;
     if (!kind || (is_data && is_origin_authenticated(*kind)))
-      return wrong_topic(text, fmt::format("{}=NONE, SIGN{}", key->name,
-                                           is_data ? " or ENCRYPT"
-                                                   : ", ENCRYPT or either with "
-                                                     "_WITH_ORIGIN_AUTHENTICATION"));
+      return topic_option_error(text, fmt::format("{}=NONE, SIGN{}", key->name,
+                                                  is_data ? " or ENCRYPT"
+                                                          : ", ENCRYPT or either with "
+                                                            "_WITH_ORIGIN_AUTHENTICATION"));
     rule.*(key->member) = *kind;
   } else if (const auto* flag = find_key(kFlagKeys, name)) {
     if (value != "true" && value != "false")
-      return wrong_topic(text, fmt::format("{}=true or {}=false", flag->name, flag->name));
+      return topic_option_error(text, fmt::format("{}=true or {}=false", flag->name, flag->name));
     rule.*(flag->member) = value == "true";
   } else {
-    return wrong_topic(text, std::string(kKeys));
+    return topic_option_error(text, std::string(kKeys));
   }
   return {};
 }
@@ -82,10 +82,12 @@ Status set_key(TopicRule& rule, const std::string& text, std::string_view pair) 
 Result<TopicRule> topic_rule_from(const std::string& text, governance::Profile profile) {
   const auto colon = std::min(text.rfind(':'), text.size());
   auto rule = governance::topic_rule_of(profile, text.substr(0, colon));
-  if (rule.topic_expression.empty()) return wrong_topic(text, "an expression before the colon");
+  if (rule.topic_expression.empty())
+    return topic_option_error(text, "an expression before the colon");
   // No topic name contains '='. Between brackets it may be part of an expression.
   if (rule.topic_expression.contains('=') && !rule.topic_expression.contains('['))
-    return wrong_topic(text, "a colon behind the expression, such as rt/camera*:data=ENCRYPT");
+    return topic_option_error(text,
+                              "a colon behind the expression, such as rt/camera*:data=ENCRYPT");
   std::string_view rest = std::string_view(text).substr(std::min(colon + 1, text.size()));
   while (!rest.empty()) {
     const auto comma = std::min(rest.find(','), rest.size());
@@ -135,7 +137,7 @@ struct NewGovernance {
     return std::tuple(
         field<&Self::file>(), field<&Self::profile>({.words = "open|balanced|strict"}),
         field<&Self::topic_rules>({"how many"}),
-        field<&Self::revision>({.note = "with `--sign`", .def = "revision", .absent = true}));
+        field<&Self::revision>({.note = "with `--sign`", .def = "revision", .omits_empty = true}));
   }
   std::string text() const {
     std::string out;

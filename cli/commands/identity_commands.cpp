@@ -9,14 +9,14 @@
 #include "cli/ca/subject_overlap.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/new_folder.hpp"
 #include "cli/frame/options.hpp"
 #include "cli/inputs.hpp"
 #include "cli/participant/participant.hpp"
 #include "governance/doctor/meeting.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/subject_name.hpp"
 
 namespace ddssec::cli {

@@ -15,7 +15,7 @@
 #include "cli/documents/documents.hpp"
 #include "cli/documents/granted_domains.hpp"
 #include "cli/documents/signed_documents.hpp"
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
 #include "cli/frame/options.hpp"
@@ -26,7 +26,7 @@
 #include "cli/participant/fleet.hpp"
 #include "cli/participant/fleet_folder.hpp"
 #include "cli/participant/participant.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/subject_name.hpp"
 
 namespace ddssec::cli {
@@ -186,8 +186,8 @@ Result<Issued> issue(IssueRequest& request) {
 Result<IssueAnswer> issue_answer(IssuedFacts issued, Report report, const IssueRequest& request,
                                  Result<std::vector<WrittenFile>> committed) {
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, std::move(committed));
-  const bool has_permissions = is_there(request.files.permissions);
-  const bool has_governance = is_there(request.files.governance);
+  const bool has_permissions = path_exists(request.files.permissions);
+  const bool has_governance = path_exists(request.files.governance);
   report.text += missing_documents(has_permissions, has_governance);
   if (has_permissions && has_governance)
     report.text += configuration_lines(request.spec.name, request.target);
@@ -219,8 +219,8 @@ std::unexpected<Error> refuse_existing(const fs::path& file, std::string note) {
 // A key alone waits for its certificate, and a certificate alone for its key, so neither is
 // completed.
 Status check_pair(const IssueRequest& request) {
-  const bool has_certificate = is_there(request.files.certificate);
-  const bool has_key = is_there(request.files.key);
+  const bool has_certificate = path_exists(request.files.certificate);
+  const bool has_key = path_exists(request.files.key);
   if (has_certificate == has_key) return {};
   const auto& file = has_key ? request.files.key : request.files.certificate;
   return fail(
@@ -241,7 +241,7 @@ class Completion {
 
   // Leaves an identical file unchanged; any other existing file is an error.
   Status add(const fs::path& file, BytesView octets, unsigned mode, bool is_asked_for) {
-    if (!is_there(file)) {
+    if (!path_exists(file)) {
       ++count_;
       return out_.put(file, octets, mode);
     }
@@ -285,12 +285,12 @@ Status add_permissions(const IssueRequest& request, const pki::Certificate& cert
   const auto now = request.context.clock.now();
   const auto paths = ca_paths(request.arguments.text("--ca"), "permissions");
   if (!request.spec.has_permissions()) {
-    if (!is_there(request.files.permissions) && request.governance.empty()) return {};
+    if (!path_exists(request.files.permissions) && request.governance.empty()) return {};
     DDSSEC_ASSIGN_OR_RETURN(const auto certificates, read_certificates(paths.certificate));
     const auto trust = to_pem(certificates);
     return out.add(request.files.permissions_ca, as_bytes(trust), 0644, true);
   }
-  if (is_there(request.files.permissions))
+  if (path_exists(request.files.permissions))
     return refuse_existing(request.files.permissions, "the participant has permissions");
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(request.arguments).open("permissions"));
   DDSSEC_ASSIGN_OR_RETURN(const auto xml, named(permissions_xml(request.spec, certificate, now),
@@ -356,7 +356,7 @@ Result<IssueAnswer> write_folder(IssueRequest& request) {
   if (!made.permissions.empty())
     DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, made.permissions, 0644));
   const auto plain = fs::path(files.permissions).replace_extension("xml");
-  if (!made.permissions.empty() && is_there(plain))
+  if (!made.permissions.empty() && path_exists(plain))
     DDSSEC_RETURN_IF_ERROR(out.put_public(plain, made.permissions_xml));
   if (!request.governance.empty())
     DDSSEC_RETURN_IF_ERROR(out.put(files.governance, request.governance, 0644));
@@ -378,8 +378,8 @@ Result<IssueAnswer> write_folder(IssueRequest& request) {
   DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, made.self.certificate.pem()));
   DDSSEC_RETURN_IF_ERROR(log_one(cas, made, request.target, request.context.clock.now()));
   Report report;
-  report.text = about_former(request.files.certificate, request.arguments.text("--ca"),
-                             request.context.clock.now());
+  report.text = former_certificate_text(request.files.certificate, request.arguments.text("--ca"),
+                                        request.context.clock.now());
   return issue_answer(issued_of(request, made.self.certificate), std::move(report), request,
                       out.commit());
 }
@@ -389,7 +389,7 @@ Result<IssueAnswer> fill_existing_folder(IssueRequest& request) {
   for (const auto* file :
        {&request.files.identity_ca, &request.files.permissions_ca, &request.files.governance,
         &request.files.permissions, &request.files.crl})
-    if (is_there(*file))
+    if (path_exists(*file))
       return refuse_existing(*file, "it is there without a key and a certificate");
   return write_folder(request);
 }
@@ -416,8 +416,8 @@ Result<IssueAnswer> issue_one(const Arguments& arguments, const Context& context
   DDSSEC_RETURN_IF_ERROR(finish_interrupted(target));
   if (request.is_replacing()) return write_folder(request);
   DDSSEC_RETURN_IF_ERROR(check_pair(request));
-  return is_there(request.files.certificate) ? add_missing_files(request)
-                                             : fill_existing_folder(request);
+  return path_exists(request.files.certificate) ? add_missing_files(request)
+                                                : fill_existing_folder(request);
 }
 
 Result<IssueAnswer> identity_issue(const Arguments& arguments, const Context& context) {

@@ -17,7 +17,7 @@
 #include "cli/documents/granted_domains.hpp"
 #include "cli/documents/signed_documents.hpp"
 #include "cli/documents/signed_permissions.hpp"
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
 #include "cli/frame/options.hpp"
@@ -43,7 +43,7 @@ Result<SignedPermissions> permissions_in(const pki::ParticipantFolder& files, co
 fs::path permissions_ca(const Arguments& arguments) {
   const fs::path given = arguments.text("--ca");
   auto out = ca_paths(given, "permissions").certificate;
-  return is_there(out) && out != ca_paths(given, "identity").certificate ? out : fs::path();
+  return path_exists(out) && out != ca_paths(given, "identity").certificate ? out : fs::path();
 }
 
 // Returns the permissions to report. Empty if the CA did not sign them.
@@ -52,14 +52,14 @@ std::optional<SignedPermissions> permissions_seen(const pki::ParticipantFolder& 
                                                   const pki::Certificate& certificate,
                                                   WallTime now) {
   const auto ca = permissions_ca(arguments);
-  if (!is_there(files.permissions) || ca.empty()) return std::nullopt;
+  if (!path_exists(files.permissions) || ca.empty()) return std::nullopt;
   auto out = permissions_in(files, ca, certificate, now);
   return out ? std::optional(*std::move(out)) : std::nullopt;
 }
 
 // A participant with another CA in its folder would not accept what this CA signs.
 Status check_same_ca(const pki::ParticipantFolder& files, const OpenCa& ca) {
-  if (!is_there(files.permissions_ca)) return {};
+  if (!path_exists(files.permissions_ca)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto trusted, read_certificates(ca.paths.certificate));
   DDSSEC_ASSIGN_OR_RETURN(const auto certificates, read_certificates(files.permissions_ca));
   for (const auto& one : certificates)
@@ -193,7 +193,7 @@ Result<governance::Permissions> put_extended(FileTransaction& out, const Renewal
   DDSSEC_ASSIGN_OR_RETURN(const auto octets,
                           sign_permissions(ca.authority, xml, now, job.context.random));
   const auto plain = fs::path(files.permissions).replace_extension("xml");
-  if (is_there(plain)) DDSSEC_RETURN_IF_ERROR(out.put_public(plain, xml));
+  if (path_exists(plain)) DDSSEC_RETURN_IF_ERROR(out.put_public(plain, xml));
   DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, octets, 0644));
   DDSSEC_RETURN_IF_ERROR(
       log_signed(ca, as_bytes(xml), job.recorded / files.permissions.filename(), now, old.text));
@@ -228,8 +228,8 @@ std::string signed_in_words(const governance::Permissions& document, const fs::p
                      grant.default_allow ? "ALLOW" : "DENY", folder.string());
 }
 
-std::unexpected<Error> unfit_key(const pki::ParticipantFolder& files,
-                                 const pki::Certificate& certificate, std::string found) {
+std::unexpected<Error> unfit_key_error(const pki::ParticipantFolder& files,
+                                       const pki::Certificate& certificate, std::string found) {
   return fail(Code::key_mismatch,
               {.document = files.key,
                .expected = fmt::format("the key of {}, which {} certifies", certificate.subject(),
@@ -242,23 +242,23 @@ std::unexpected<Error> unfit_key(const pki::ParticipantFolder& files,
 // Checks the key only if it is in the folder and not encrypted. A folder that came back from a
 // device may contain another participant's certificate.
 Status check_fits_key(const pki::ParticipantFolder& files, const pki::Certificate& certificate) {
-  if (files.key.extension() == ".p11" || !is_there(files.key)) return {};
+  if (files.key.extension() == ".p11" || !path_exists(files.key)) return {};
   const auto encrypted = is_encrypted(files.key);
   if (!encrypted || *encrypted) return {};
   const auto key = read_key(files.key, nullptr);
   if (!key || key->matches(certificate)) return {};
-  return unfit_key(files, certificate, "another key");
+  return unfit_key_error(files, certificate, "another key");
 }
 
 // With --rekey the folder's owner gets a new key for the name in the certificate. Certificates are
 // public, so only the key proves that the name is the owner's.
 Status check_has_key(const pki::ParticipantFolder& files, const pki::Certificate& certificate) {
   if (files.key.extension() == ".p11") return fail(Code::key_in_token, {.document = files.key});
-  if (!is_there(files.key)) return unfit_key(files, certificate, "none");
+  if (!path_exists(files.key)) return unfit_key_error(files, certificate, "none");
   DDSSEC_ASSIGN_OR_RETURN(const bool encrypted, is_encrypted(files.key));
-  if (encrypted) return unfit_key(files, certificate, "a key with a passphrase, unread");
+  if (encrypted) return unfit_key_error(files, certificate, "a key with a passphrase, unread");
   DDSSEC_ASSIGN_OR_RETURN(const auto key, read_key(files.key, nullptr));
-  return key.matches(certificate) ? Status() : unfit_key(files, certificate, "another key");
+  return key.matches(certificate) ? Status() : unfit_key_error(files, certificate, "another key");
 }
 
 Status put_key(FileTransaction& out, const fs::path& path, const pki::PrivateKey& key) {
@@ -291,7 +291,7 @@ Result<fs::path> check_renewable(const Renewal& job, const OpenCa& ca) {
 // A link that leads nowhere cannot be extended, and must not be ignored.
 Status check_no_broken_link(const fs::path& permissions) {
   std::error_code ignored;
-  if (is_there(permissions) || !fs::is_symlink(as_held(permissions))) return {};
+  if (path_exists(permissions) || !fs::is_symlink(as_held(permissions))) return {};
   return fail(Code::file_not_found,
               {.document = permissions,
                .note = "it is a link that leads nowhere",
@@ -310,7 +310,7 @@ Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, Ca
     result.permissions_until = seen->grant.validity.not_after;
     result.permissions_had_ended = seen->has_ended;
   }
-  if (job.arguments.has("--permissions") && is_there(job.files.permissions) &&
+  if (job.arguments.has("--permissions") && path_exists(job.files.permissions) &&
       (!seen || *result.permissions_until < renewed.not_after())) {
     DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("permissions"));
     DDSSEC_ASSIGN_OR_RETURN(const auto document, put_extended(out, job, renewed, ca, report));
@@ -318,7 +318,8 @@ Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, Ca
     result.permissions_extended = true;
     report.text += signed_in_words(document, job.path.parent_path());
     report.findings = uncovered_grants(document, job.files.governance, job.files.permissions);
-  } else if (!seen && is_there(job.files.permissions) && !permissions_ca(job.arguments).empty()) {
+  } else if (!seen && path_exists(job.files.permissions) &&
+             !permissions_ca(job.arguments).empty()) {
     report.text += fmt::format(
         "permissions.p7s is not what this permissions CA signed for {}: "
         "ddssec doctor {}\n",

@@ -13,7 +13,7 @@
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/options.hpp"
 #include "cli/inputs.hpp"
@@ -26,13 +26,13 @@ namespace {
 namespace fs = std::filesystem;
 
 // The certificates to revoke.
-struct Doomed {
+struct CertificatesToRevoke {
   std::string subject;
-  std::vector<std::string> serials = {};   // those that are not revoked yet
-  std::vector<std::string> subjects = {};  // the subject of each serial number
-  std::string own_serial = {};             // the certificate that was given
-  std::vector<std::string> own_keys = {};  // the digests of its key that a log may contain
-  std::string unlogged_key = {};           // the digest of its key if the log lacks it
+  std::vector<std::string> serials = {};            // those that are not revoked yet
+  std::vector<std::string> subjects = {};           // the subject of each serial number
+  std::string given_serial = {};                    // the certificate that was given
+  std::vector<std::string> given_key_digests = {};  // the digests of its key that a log may contain
+  std::string unlogged_key = {};                    // the digest of its key if the log lacks it
   // Certificates of the same key that stay valid, in words.
   std::vector<std::string> same_key = {};
   std::vector<std::string> same_key_serials = {};
@@ -57,18 +57,19 @@ bool is_serial(std::string_view text) {
 // log decides which certificates belong to the participant: a device may have put another
 // participant's certificate into its folder. A certificate in a separate file stands for its
 // subject.
-Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const pki::IssueLog& log,
-                                  const Arguments& arguments) {
+Result<CertificatesToRevoke> certificates_of_participant(const fs::path& given, const OpenCa& ca,
+                                                         const pki::IssueLog& log,
+                                                         const Arguments& arguments) {
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_of(given));
   const auto path = certificate_path(given);
   if (!is_logged(certificate, log)) DDSSEC_RETURN_IF_ERROR(check_issuer(certificate, ca, path));
   const auto folder = path.parent_path();
-  const auto belonging = belonging_of(certificate, folder, ca.paths, log);
-  const bool is_by_itself = path == given && belonging == Belonging::moved;
+  const auto log_status = log_status_of(certificate, folder, ca.paths, log);
+  const bool is_by_itself = path == given && log_status == LogStatus::moved;
   if (!is_by_itself)
     DDSSEC_RETURN_IF_ERROR(
         check_own(certificate, folder, ca.paths, log, arguments.text("--subject")));
-  Doomed out{.subject = certificate.subject(), .own_serial = certificate.serial()};
+  CertificatesToRevoke out{.subject = certificate.subject(), .given_serial = certificate.serial()};
   const auto* own = log.find(certificate.serial());
   // Another tool or an earlier version may have issued it. Its key is logged, so that no later
   // request can use it.
@@ -76,7 +77,7 @@ Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const
   const pki::KeyDigests key(certificate);
   if ((own == nullptr || !key.contains(own->key)) && log.revoked_serial(key).empty())
     out.unlogged_key = key.canonical();
-  out.own_keys = key.all();
+  out.given_key_digests = key.all();
   if (!log.is_revoked(certificate.serial())) out.add(certificate.serial(), certificate.subject());
   for (const auto& issued : log.issued()) {
     const bool is_of_folder = is_folder && own != nullptr && own->shares_place_with(issued);
@@ -89,17 +90,18 @@ Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const
 
 // Finds certificates of the same key under another subject or in another place. If the key was
 // stolen, they are revoked too; otherwise they are only named.
-void add_same_key(const pki::IssueLog& log, pki::RevocationReason reason, Doomed& out) {
-  const auto is_doomed = [&](const pki::IssuedCertificate& issued) {
-    return issued.serial == out.own_serial ||
+void add_same_key(const pki::IssueLog& log, pki::RevocationReason reason,
+                  CertificatesToRevoke& out) {
+  const auto is_to_be_revoked = [&](const pki::IssuedCertificate& issued) {
+    return issued.serial == out.given_serial ||
            std::ranges::find(out.serials, issued.serial) != out.serials.end();
   };
-  std::set<std::string> keys(out.own_keys.begin(), out.own_keys.end());
+  std::set<std::string> keys(out.given_key_digests.begin(), out.given_key_digests.end());
   for (const auto& issued : log.issued())
-    if (is_doomed(issued)) keys.insert(issued.key);
+    if (is_to_be_revoked(issued)) keys.insert(issued.key);
   keys.erase("");
   for (const auto& issued : log.issued()) {
-    if (is_doomed(issued) || issued.revoked || !keys.contains(issued.key)) continue;
+    if (is_to_be_revoked(issued) || issued.revoked || !keys.contains(issued.key)) continue;
     if (reason == pki::RevocationReason::key_compromise) {
       out.add(issued.serial, issued.subject);
       continue;
@@ -109,7 +111,7 @@ void add_same_key(const pki::IssueLog& log, pki::RevocationReason reason, Doomed
   }
 }
 
-std::string same_key_text(const Doomed& what, const std::string& ca) {
+std::string same_key_text(const CertificatesToRevoke& what, const std::string& ca) {
   if (what.same_key.empty()) return "";
   std::string out = "the same key has another certificate, which stays valid:\n";
   for (const auto& one : what.same_key) out += fmt::format("  {}\n", one);
@@ -120,8 +122,8 @@ std::string same_key_text(const Doomed& what, const std::string& ca) {
 }
 
 // The log may contain the name, but revoking by name alone could revoke the wrong participant.
-std::unexpected<Error> not_there(const std::string& what, const std::string& ca,
-                                 const pki::IssueLog& log) {
+std::unexpected<Error> not_found_error(const std::string& what, const std::string& ca,
+                                       const pki::IssueLog& log) {
   std::error_code ignored;
   const auto path = fs::absolute(what, ignored).lexically_normal();
   const auto folder = path.has_filename() ? path : path.parent_path();
@@ -132,7 +134,7 @@ std::unexpected<Error> not_there(const std::string& what, const std::string& ca,
     const bool is_meant = issued.subject == what || issued.subject == "CN=" + what ||
                           folder_name(issued.folder) == what || issued.folder == folder;
     if (!is_meant || issued.revoked) continue;
-    const bool is_here = is_there(fs::path(issued.folder) / "cert.pem");
+    const bool is_here = path_exists(fs::path(issued.folder) / "cert.pem");
     details.hint =
         fmt::format("the CA's log has it: ddssec identity revoke {} --ca {}",
                     is_here ? governance::doctor::shell_word(issued.folder) : issued.serial,
@@ -141,15 +143,17 @@ std::unexpected<Error> not_there(const std::string& what, const std::string& ca,
   return fail(Code::file_not_found, std::move(details));
 }
 
-Result<Doomed> doomed(const Arguments& arguments, const OpenCa& ca, const pki::IssueLog& log) {
+Result<CertificatesToRevoke> certificates_to_revoke(const Arguments& arguments, const OpenCa& ca,
+                                                    const pki::IssueLog& log) {
   const auto what = arguments.text("WHAT");
-  if (is_there(what)) return doomed_participant(what, ca, log, arguments);
-  if (!is_serial(what)) return not_there(what, arguments.text("--ca"), log);
+  if (path_exists(what)) return certificates_of_participant(what, ca, log, arguments);
+  if (!is_serial(what)) return not_found_error(what, arguments.text("--ca"), log);
   const auto serial = ascii_upper(what);
   const auto* issued = log.find(serial);
   if (issued == nullptr)
     return fail(Code::serial_unknown, {.document = ca.paths.log, .found = serial});
-  Doomed out{.subject = issued->subject, .own_serial = serial, .own_keys = {issued->key}};
+  CertificatesToRevoke out{
+      .subject = issued->subject, .given_serial = serial, .given_key_digests = {issued->key}};
   if (!log.is_revoked(serial)) out.add(serial, issued->subject);
   return out;
 }
@@ -228,7 +232,7 @@ struct Revoked {
   static constexpr auto fields() {
     using Self = Revoked;
     constexpr auto kIfAny = [](std::string_view note) {
-      return Shown{.note = note, .absent = true};
+      return FieldOptions{.note = note, .omits_empty = true};
     };
     return std::tuple(
         field<&Self::subject>({.def = "subject"}),
@@ -260,10 +264,11 @@ struct Revoked {
   }
 };
 
-std::string log_lines(const Doomed& what, const std::vector<pki::Revocation>& revocations) {
+std::string log_lines(const CertificatesToRevoke& what,
+                      const std::vector<pki::Revocation>& revocations) {
   std::string out;
   for (const auto& one : revocations) {
-    const bool is_own = one.serial == what.own_serial;
+    const bool is_own = one.serial == what.given_serial;
     const bool is_new = std::ranges::find(what.serials, one.serial) != what.serials.end();
     if (is_new || (is_own && !what.unlogged_key.empty()))
       out += pki::IssueLog::revoked_line(one, is_own ? what.unlogged_key : "");
@@ -271,7 +276,7 @@ std::string log_lines(const Doomed& what, const std::vector<pki::Revocation>& re
   return out;
 }
 
-std::string_view how_revoked_before(const Doomed& what) {
+std::string_view how_revoked_before(const CertificatesToRevoke& what) {
   return what.unlogged_key.empty() ? "already, but the list did not say so"
                                    : "already, but the log did not have its key";
 }
@@ -284,7 +289,7 @@ Result<Answer<Revoked>> identity_revoke(const Arguments& arguments, const Contex
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
   DDSSEC_RETURN_IF_ERROR(check_list_date(now, ca.paths, arguments));
   DDSSEC_ASSIGN_OR_RETURN(auto log, read_issue_log(ca.paths));
-  DDSSEC_ASSIGN_OR_RETURN(auto what, doomed(arguments, ca, log));
+  DDSSEC_ASSIGN_OR_RETURN(auto what, certificates_to_revoke(arguments, ca, log));
   add_same_key(log, reason, what);
   Answer<Revoked> answer{{what.subject, what.serials, what.same_key_serials}};
   auto& [result, report, has_result] = answer;
@@ -312,7 +317,7 @@ Result<Answer<Revoked>> identity_revoke(const Arguments& arguments, const Contex
   const auto bare = without_list(places);
   result.add_places(places, bare);
   report.text = next_steps(arguments.text("--ca"), places, bare, ca.paths, log);
-  report.text += about_clock(crl, now, arguments.text("--ca"));
+  report.text += list_date_warning(crl, now, arguments.text("--ca"));
   // A participant that has moved may still have its certificate of the former CA.
   DDSSEC_ASSIGN_OR_RETURN(const auto overlap, read_overlap(ca.paths));
   if (overlap) {

@@ -126,7 +126,7 @@ struct Snippets {
 
   static constexpr auto fields() {
     return std::tuple(field<&Snippets::cyclonedds>(), field<&Snippets::fastdds>(),
-                      field<&Snippets::ros2>({.note = "sros2 only", .absent = true}));
+                      field<&Snippets::ros2>({.note = "sros2 only", .omits_empty = true}));
   }
 };
 

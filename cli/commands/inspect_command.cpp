@@ -131,7 +131,7 @@ struct ClearTopic {
   static constexpr auto fields() {
     using T = ClearTopic;
     using By = rtps::ObservedTopic;
-    return std::tuple(made<T>("topic", [](const T& one) { return *one.topic; }),
+    return std::tuple(computed<T>("topic", [](const T& one) { return *one.topic; }),
                       field("type", &T::by, &By::type), field("published", &T::by, &By::is_written),
                       field("subscribed", &T::by, &By::is_read));
   }
@@ -154,27 +154,27 @@ struct Seen {
     return std::tuple(
         field("guid_prefix", &T::prefix, &GuidPrefix::to_string, {.def = "guid prefix"}),
         field<&T::name>(),
-        made<T>("vendor", [](const T& one) { return std::string(name_of(one.by->vendor)); }),
-        made<T>("domain",
-                [](const T& one) {
-                  const auto domain = one.by->domain;
-                  return domain < 0 ? std::nullopt : std::optional(unsigned(domain));
-                },
-                {"null: not known"}),
-        made<T>("addresses",
-                [](const T& one) {
-                  const auto& all = one.by->addresses;
-                  return std::vector<std::string>(all.begin(), all.end());
-                }),
-        made<T>("announced", [](const T& one) { return one.by->data.has_value(); }),
+        computed<T>("vendor", [](const T& one) { return std::string(name_of(one.by->vendor)); }),
+        computed<T>("domain",
+                    [](const T& one) {
+                      const auto domain = one.by->domain;
+                      return domain < 0 ? std::nullopt : std::optional(unsigned(domain));
+                    },
+                    {"null: not known"}),
+        computed<T>("addresses",
+                    [](const T& one) {
+                      const auto& all = one.by->addresses;
+                      return std::vector<std::string>(all.begin(), all.end());
+                    }),
+        computed<T>("announced", [](const T& one) { return one.by->data.has_value(); }),
         field("secured", &T::by, &By::is_secured),
         field("certificate", &T::by, &By::certificate, {"null: not seen"}),
-        made<T>("protection", [](const T& one) { return protection_of(*one.by); },
-                {"null: not said"}),
-        made<T>("messages", [](const T& one) { return one.by->messages.count; }),
+        computed<T>("protection", [](const T& one) { return protection_of(*one.by); },
+                    {"null: not said"}),
+        computed<T>("messages", [](const T& one) { return one.by->messages.count; }),
         field("protected_messages", &T::by, &By::protected_messages),
         field("protected_submessages", &T::by, &By::protected_submessages),
-        made<T>("kinds", [](const T& one) { return kinds_of(*one.by); }),
+        computed<T>("kinds", [](const T& one) { return kinds_of(*one.by); }),
         field("clear_samples", &T::by, &By::clear_samples),
         field("encrypted_payloads", &T::by, &By::encrypted_payloads), field<&T::clear_topics>(),
         field("left", &T::by, &By::has_left));
@@ -194,10 +194,11 @@ struct Listed<rtps::HandshakeFlow> {
   using Step = rtps::HandshakeStep;
   static constexpr std::string_view kDef = "handshake flow";
   static constexpr auto fields() {
-    return std::tuple(
-        made<T>("auth_request", count_of<Step::auth_request>),
-        made<T>("request", count_of<Step::request>), made<T>("reply", count_of<Step::reply>),
-        made<T>("final", count_of<Step::final>), made<T>("keys", count_of<Step::keys>));
+    return std::tuple(computed<T>("auth_request", count_of<Step::auth_request>),
+                      computed<T>("request", count_of<Step::request>),
+                      computed<T>("reply", count_of<Step::reply>),
+                      computed<T>("final", count_of<Step::final>),
+                      computed<T>("keys", count_of<Step::keys>));
   }
 };
 
@@ -210,24 +211,24 @@ struct Pair {
   static constexpr auto fields() {
     using T = Pair;
     return std::tuple(
-        made<T>("a", [](const T& one) { return one.meeting.a.to_string(); },
-                {.def = "guid prefix"}),
-        made<T>("b", [](const T& one) { return one.meeting.b.to_string(); },
-                {.def = "guid prefix"}),
+        computed<T>("a", [](const T& one) { return one.meeting.a.to_string(); },
+                    {.def = "guid prefix"}),
+        computed<T>("b", [](const T& one) { return one.meeting.b.to_string(); },
+                    {.def = "guid prefix"}),
         field("state", &T::meeting, &rtps::ObservedMeeting::state,
               {.words = "unsecured|apart|under way|authenticated"}),
-        made<T>("milliseconds",
-                [](const T& one) {
-                  const auto took = one.meeting.took;
-                  return took ? std::optional(milliseconds(*took)) : std::nullopt;
-                },
-                {"null: not authenticated, or not seen"}),
-        made<T>("a_to_b",
-                [](const T& one) { return one.observer->flow(one.meeting.a, one.meeting.b); },
-                {"messages of each step of the handshake"}),
-        made<T>("b_to_a",
-                [](const T& one) { return one.observer->flow(one.meeting.b, one.meeting.a); },
-                {.note = "the same", .same = true}));
+        computed<T>("milliseconds",
+                    [](const T& one) {
+                      const auto took = one.meeting.took;
+                      return took ? std::optional(milliseconds(*took)) : std::nullopt;
+                    },
+                    {"null: not authenticated, or not seen"}),
+        computed<T>("a_to_b",
+                    [](const T& one) { return one.observer->flow(one.meeting.a, one.meeting.b); },
+                    {"messages of each step of the handshake"}),
+        computed<T>("b_to_a",
+                    [](const T& one) { return one.observer->flow(one.meeting.b, one.meeting.a); },
+                    {.note = "the same", .has_same_members = true}));
   }
 };
 
@@ -284,9 +285,11 @@ struct Inspection {
     using T = Inspection;
     return std::tuple(
         field<&T::source>(), field<&T::seconds>(),
-        made<T>("datagrams", [](const T& one) { return one.watched.observer.datagrams().count; }),
-        made<T>("rtps_messages", [](const T& one) { return one.watched.observer.rtps_messages(); }),
-        field<&T::participants>({.apart = true}), field<&T::pairs>({.apart = true}));
+        computed<T>("datagrams",
+                    [](const T& one) { return one.watched.observer.datagrams().count; }),
+        computed<T>("rtps_messages",
+                    [](const T& one) { return one.watched.observer.rtps_messages(); }),
+        field<&T::participants>({.has_own_row = true}), field<&T::pairs>({.has_own_row = true}));
   }
   std::string text() const {
     const auto& observer = watched.observer;

@@ -48,11 +48,11 @@ struct KeystoreCa {
   bool is_new = true;
 
   static constexpr auto fields() {
-    return std::tuple_cat(
-        fields_within(&KeystoreCa::ca),
-        std::tuple(field<&KeystoreCa::enclaves>({"signed anew"}),
-                   field<&KeystoreCa::unlogged>(
-                       {.note = "documents signed although the log lacks them", .absent = true})));
+    return std::tuple_cat(fields_within(&KeystoreCa::ca),
+                          std::tuple(field<&KeystoreCa::enclaves>({"signed anew"}),
+                                     field<&KeystoreCa::unlogged>(
+                                         {.note = "documents signed although the log lacks them",
+                                          .omits_empty = true})));
   }
   std::string text() const {
     if (!is_new) return fmt::format("{}  has two CAs already\n", keystore.string());
@@ -80,7 +80,7 @@ std::string subject_for(const fs::path& keystore, std::string_view role) {
 void add_rotation(const RotationResult& rotation, const Enclaves& enclaves,
                   Answer<KeystoreCa>& out) {
   out.result.unlogged = rotation.unlogged;
-  add_left(rotation, out.report);
+  add_unreached(rotation, out.report);
   add_unseen(enclaves, out.report);
 }
 
@@ -162,7 +162,7 @@ Result<Answer<KeystoreCa>> new_identity_ca(const fs::path& keystore, const Argum
   auto answer = answer_of(keystore, "identity", ca.certificate(), rotation.updated);
   for (const auto& name : rotation.revoked)
     answer.report.text += name + " is revoked and was left out\n";
-  add_left(rotation, answer.report);
+  add_unreached(rotation, answer.report);
   add_unseen(enclaves, answer.report);
   answer.report.files_written = std::move(files);
   return answer;

@@ -25,17 +25,17 @@
 #include "cli/frame/held_folder.hpp"
 #include "cli/frame/new_folder.hpp"
 #include "cli/frame/options.hpp"
-#include "cli/frame/unfinished.hpp"
+#include "cli/frame/rename_recovery.hpp"
 #include "cli/inputs.hpp"
 #include "cli/participant/configuration_files.hpp"
 #include "cli/participant/keystore.hpp"
-#include "governance/doctor/domains.hpp"
+#include "governance/doctor/domains_of_folder.hpp"
 #include "governance/doctor/shell_word.hpp"
 #include "governance/profile.hpp"
 #include "governance/read.hpp"
 #include "governance/ros_node.hpp"
 #include "governance/write.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -209,8 +209,8 @@ Result<EnclaveJob> enclave_job(const Arguments& arguments, const Context& contex
   DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
   const auto target = keystore / enclave_folder(name);
   const auto files = pki::participant_folder(target, pki::FolderLayout::sros2);
-  const bool is_again = arguments.has("--replace") && is_there(target);
-  if (is_there(files.certificate) && !is_again)
+  const bool is_again = arguments.has("--replace") && path_exists(target);
+  if (path_exists(files.certificate) && !is_again)
     return fail(Code::would_overwrite,
                 {.document = target,
                  .note = "the enclave exists",
@@ -227,8 +227,8 @@ Result<EnclaveJob> enclave_job(const Arguments& arguments, const Context& contex
 }
 
 // The permissions are for the name, which stays the same. The user decides whether they continue.
-Result<std::string> about_kept_permissions(const EnclaveJob& job,
-                                           const pki::Certificate& certificate) {
+Result<std::string> kept_permissions_text(const EnclaveJob& job,
+                                          const pki::Certificate& certificate) {
   const auto now = job.context.clock.now();
   const auto old = [&]() -> Result<SignedPermissions> {
     const auto ca = ca_paths(job.keystore, "permissions").certificate;
@@ -299,10 +299,11 @@ Result<Answer<MadeEnclave>> keystore_enclave(const Arguments& arguments, const C
   DDSSEC_RETURN_IF_ERROR(
       warn_of_missing_rights(made.permissions_xml, job.files.permissions, out.report));
   if (signer == nullptr) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto kept, about_kept_permissions(job, certificate));
+    DDSSEC_ASSIGN_OR_RETURN(const auto kept, kept_permissions_text(job, certificate));
     out.report.text += kept;
   }
-  if (job.is_again) out.report.text += about_former(job.files.certificate, job.keystore, now);
+  if (job.is_again)
+    out.report.text += former_certificate_text(job.files.certificate, job.keystore, now);
   out.report.text += ros2_snippet(job.keystore, job.name);
   DDSSEC_ASSIGN_OR_RETURN(out.report.files_written,
                           put_enclave(job, folder, made, identity, signer));

@@ -23,8 +23,8 @@
 #include "governance/doctor/ros_environment.hpp"
 #include "governance/doctor/shell_word.hpp"
 #include "governance/doctor/writable_places.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/key_digests.hpp"
-#include "pki/source.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -85,17 +85,17 @@ void check_belongs(const fs::path& keystore, const doctor::LoadedFolder& enclave
 }
 
 // Finds enclaves that have the key of another one. Each of them is valid in itself.
-class Copies {
+class KeyCopies {
  public:
-  explicit Copies(const fs::path& keystore)
+  explicit KeyCopies(const fs::path& keystore)
       : keystore_(keystore),
         paths_(ca_paths(keystore, "identity")),
         log_(read_issue_log(paths_).value_or(pki::IssueLog())) {}
 
-  void look_at(const doctor::LoadedFolder& enclave, const std::string& name, Report& report) {
+  void add(const doctor::LoadedFolder& enclave, const std::string& name, Report& report) {
     if (!enclave.certificate) return;
     const auto& certificate = *enclave.certificate;
-    const One one{name, enclave.paths.certificate.string(), is_at_home(enclave, name)};
+    const KeyHolder one{name, enclave.paths.certificate.string(), is_at_home(enclave, name)};
     const auto [at, is_new] = enclave_of_key_.try_emplace(pki::key_digest(certificate), one);
     if (is_new) return;
     const bool is_original = one.is_at_home && !at->second.is_at_home;
@@ -112,16 +112,16 @@ class Copies {
   }
 
  private:
-  struct One {
+  struct KeyHolder {
     std::string name, certificate;
     bool is_at_home;  // the certificate was issued for this enclave
   };
 
   bool is_at_home(const doctor::LoadedFolder& enclave, const std::string& name) const {
     const auto& certificate = *enclave.certificate;
-    const auto belonging = belonging_of(certificate, enclave.paths.folder, paths_, log_);
-    return belonging == Belonging::own ||
-           (belonging == Belonging::unlogged && certificate.subject() == "CN=" + name);
+    const auto log_status = log_status_of(certificate, enclave.paths.folder, paths_, log_);
+    return log_status == LogStatus::own ||
+           (log_status == LogStatus::unlogged && certificate.subject() == "CN=" + name);
   }
 
   std::string hint_for(const std::string& name) const {
@@ -138,7 +138,7 @@ class Copies {
   fs::path keystore_;
   CaPaths paths_;
   pki::IssueLog log_;
-  std::map<std::string, One> enclave_of_key_ = {};
+  std::map<std::string, KeyHolder> enclave_of_key_ = {};
 };
 
 void refuse(Rule rule, const fs::path& file, std::string message, Report& report) {
@@ -222,7 +222,7 @@ Result<Answer<VerifiedKeystore>> keystore_verify(const Arguments& arguments,
   check_writable_places(keystore, report);
   add_empty(keystore, enclaves, report);
   Report domains;
-  Copies copies(keystore);
+  KeyCopies key_copies(keystore);
   const auto lineup = installed_lineup();
   for (const auto& name : enclaves.names) {
     const auto folder =
@@ -243,7 +243,7 @@ Result<Answer<VerifiedKeystore>> keystore_verify(const Arguments& arguments,
     }
     add_findings_of(diagnosis, report);
     check_belongs(keystore, loaded, name, report);
-    copies.look_at(loaded, name, report);
+    key_copies.add(loaded, name, report);
     result.enclaves.push_back(std::move(enclave));
   }
   add_once(domains.findings, report);
@@ -300,7 +300,7 @@ Status check_own_folders(const fs::path& keystore) {
 }
 
 // Changes exactly the folder that was checked, even if its name leads elsewhere meanwhile.
-void close_folder(const fs::path& folder, Answer<ImportedKeystore>& out) {
+void restrict_folder_mode(const fs::path& folder, Answer<ImportedKeystore>& out) {
   const int open = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (open < 0) return;  // there is no such folder in a keystore without keys
   struct stat status {};
@@ -314,10 +314,11 @@ void close_folder(const fs::path& folder, Answer<ImportedKeystore>& out) {
 }
 
 // A key that cannot be restricted does not prevent restricting the others.
-void close_keys(const fs::path& keystore, const Enclaves& enclaves, Answer<ImportedKeystore>& out) {
+void restrict_key_modes(const fs::path& keystore, const Enclaves& enclaves,
+                        Answer<ImportedKeystore>& out) {
   for (const auto& key : private_keys(keystore, enclaves)) {
     if (!is_for_others(key)) continue;
-    const auto is_closed = close_key(key);
+    const auto is_closed = restrict_key_mode(key);
     if (!is_closed) add_error(is_closed.error(), out.report);
     if (!is_closed || !*is_closed) continue;
     out.result.keys_closed.push_back(key.string());
@@ -348,8 +349,8 @@ Result<Answer<ImportedKeystore>> keystore_import(const Arguments& arguments,
     }
     if (!added) add_error(std::move(added).error(), out.report);
   }
-  close_keys(keystore, enclaves, out);
-  close_folder(keystore / "private", out);
+  restrict_key_modes(keystore, enclaves, out);
+  restrict_folder_mode(keystore / "private", out);
   if (!import.lines.empty()) DDSSEC_RETURN_IF_ERROR(log_issued(paths, import.lines));
   out.result.is_complete = out.report.errors.empty();
   add_unseen(enclaves, out.report);

@@ -7,7 +7,7 @@
 #include "cli/ca/ocsp_response.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/inputs.hpp"
 

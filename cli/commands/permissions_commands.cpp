@@ -8,11 +8,11 @@
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/documents/granted_domains.hpp"
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 #include "cli/frame/new_file.hpp"
 #include "cli/frame/options.hpp"
 #include "cli/inputs.hpp"
-#include "governance/doctor/domains.hpp"
+#include "governance/doctor/domains_of_folder.hpp"
 #include "governance/lint.hpp"
 #include "governance/read.hpp"
 #include "governance/rights.hpp"
@@ -31,7 +31,8 @@ fs::path governance_beside(const Arguments& arguments) {
   const auto folders = {folder_of(arguments.text("-o")),
                         fs::is_directory(cert, ignored) ? cert : folder_of(cert)};
   for (const auto& folder : folders)
-    if (const auto file = pki::participant_folder(folder).governance; is_there(file)) return file;
+    if (const auto file = pki::participant_folder(folder).governance; path_exists(file))
+      return file;
   return {};
 }
 
@@ -93,7 +94,8 @@ Status check_issued_here(const pki::Certificate& certificate, const Arguments& a
   if (!arguments.has("--sign") || !arguments.has("--ca")) return {};
   const auto ca = arguments.text("--ca");
   const auto paths = ca_paths(ca, "identity");
-  if (!is_there(paths.certificate) || paths.certificate == ca_paths(ca, "permissions").certificate)
+  if (!path_exists(paths.certificate) ||
+      paths.certificate == ca_paths(ca, "permissions").certificate)
     return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto cas, read_certificates(paths.certificate));
   if (std::ranges::any_of(cas, [&](const auto& one) { return certificate.is_issued_by(one); }))

@@ -30,7 +30,7 @@ std::optional<ProtectionKind> if_protected(ProtectionKind kind) {
 
 std::optional<bool> if_set(bool flag) { return flag ? std::optional(flag) : std::nullopt; }
 
-constexpr Shown kKind{.def = "protection_kind"};
+constexpr FieldOptions kKind{.def = "protection_kind"};
 
 }  // namespace
 
@@ -54,19 +54,19 @@ template <>
 struct Listed<DomainRule> {
   using T = DomainRule;
   static constexpr auto fields() {
-    return std::tuple(field("domains", &T::domains, range_list, {.def = "domain_ranges"}),
-                      field<&T::line>(),
-                      field("allow_unauthenticated", &T::allow_unauthenticated_participants),
-                      field("join_access_control", &T::enable_join_access_control),
-                      field("discovery", &T::discovery_protection_kind, kKind),
-                      field("liveliness", &T::liveliness_protection_kind, kKind),
-                      field("rtps", &T::rtps_protection_kind, kKind),
-                      // A kind of DDS-Security 1.2. Absent if there is none, as in all domains
-                      // without embedded participants.
-                      field("pre_shared_key", &T::rtps_psk_protection_kind, if_protected,
-                            {.note = "if there is one", .words = "SIGN|ENCRYPT", .absent = true}),
-                      field("key_revision", &T::enable_key_revision, if_set,
-                            {.note = "if keys are revised", .absent = true}));
+    return std::tuple(
+        field("domains", &T::domains, range_list, {.def = "domain_ranges"}), field<&T::line>(),
+        field("allow_unauthenticated", &T::allow_unauthenticated_participants),
+        field("join_access_control", &T::enable_join_access_control),
+        field("discovery", &T::discovery_protection_kind, kKind),
+        field("liveliness", &T::liveliness_protection_kind, kKind),
+        field("rtps", &T::rtps_protection_kind, kKind),
+        // A kind of DDS-Security 1.2. Absent if there is none, as in all domains without
+        // embedded participants.
+        field("pre_shared_key", &T::rtps_psk_protection_kind, if_protected,
+              {.note = "if there is one", .words = "SIGN|ENCRYPT", .omits_empty = true}),
+        field("key_revision", &T::enable_key_revision, if_set,
+              {.note = "if keys are revised", .omits_empty = true}));
   }
 };
 
@@ -132,7 +132,7 @@ struct ShownGovernance {
     using Self = ShownGovernance;
     return std::tuple(
         field<&Self::file>(), field<&Self::domain_rules>({.min = 1}),
-        field<&Self::revision>({.note = "if it has one", .def = "revision", .absent = true}));
+        field<&Self::revision>({.note = "if it has one", .def = "revision", .omits_empty = true}));
   }
   std::string text() const {
     auto out = revision ? fmt::format("revision {}\n", *revision) : "";
@@ -173,7 +173,7 @@ std::string sentence(const governance::Properties& p) {
 }
 
 // The requirement for reading or writing a topic.
-std::string_view asked_of(bool access_control) {
+std::string_view access_requirement(bool access_control) {
   return access_control ? "by permission" : "free: every participant of the domain";
 }
 
@@ -197,8 +197,8 @@ struct ShownTopic {
     return std::tuple(
         field<&Self::file>(), field<&Self::topic>(), field<&Self::domain>(),
         field<&Self::domain_rule>(
-            {.note = "the same without `topic_rules`, and `number`", .same = true}),
-        field<&Self::topic_rule>({.note = "the same, and `number`", .same = true}),
+            {.note = "the same without `topic_rules`, and `number`", .has_same_members = true}),
+        field<&Self::topic_rule>({.note = "the same, and `number`", .has_same_members = true}),
         field<&Self::properties>({.pattern = "^(outsider|insider|relay)\\.[a-z_]+$"}));
   }
   std::string text() const {
@@ -215,8 +215,8 @@ struct ShownTopic {
                rule_number, rule.line,
                effect(row.enable_discovery_protection, rule.discovery_protection_kind),
                effect(row.enable_liveliness_protection, rule.liveliness_protection_kind),
-               asked_of(row.enable_read_access_control),
-               asked_of(row.enable_write_access_control)) +
+               access_requirement(row.enable_read_access_control),
+               access_requirement(row.enable_write_access_control)) +
            achieves;
   }
 };
@@ -316,12 +316,12 @@ struct Listed<governance::Criteria> {
   static constexpr std::string_view kDef = "criterion";
   static constexpr auto fields() {
     return std::tuple(field<&T::line>(), field("topics", &T::topics, texts_of),
-                      made<T>("partitions",
-                              [](const T& one) {
-                                return one.partitions ? texts_of(*one.partitions)
-                                                      : std::vector<std::string>();
-                              }),
-                      field<&T::data_tags>({.note = "where there are some", .absent = true}));
+                      computed<T>("partitions",
+                                  [](const T& one) {
+                                    return one.partitions ? texts_of(*one.partitions)
+                                                          : std::vector<std::string>();
+                                  }),
+                      field<&T::data_tags>({.note = "where there are some", .omits_empty = true}));
   }
 };
 
@@ -329,16 +329,16 @@ template <>
 struct Listed<governance::GrantRule> {
   using T = governance::GrantRule;
   static constexpr auto fields() {
-    constexpr Shown kTheSame{.note = "the same", .same = true};
+    constexpr FieldOptions kTheSame{.note = "the same", .has_same_members = true};
     // Texts of DDS-Security 1.2, shown only if there are some.
-    constexpr Shown kIfAny{.note = "where there are some", .absent = true};
+    constexpr FieldOptions kIfAny{.note = "where there are some", .omits_empty = true};
     return std::tuple(
         field<&T::allow>(), field<&T::line>(),
         field("domains", &T::domains, range_list, {.def = "domain_ranges"}), field<&T::publish>(),
         field<&T::subscribe>(kTheSame), field<&T::relay>(kTheSame),
-        made<T>(
+        computed<T>(
             "domain_tags", [](const T& one) { return texts_if_any(one.domains.tags); }, kIfAny),
-        made<T>(
+        computed<T>(
             "domain_tag_expressions",
             [](const T& one) { return texts_if_any(one.domains.tag_expressions); }, kIfAny));
   }
@@ -365,11 +365,12 @@ struct ShownGrant {
     return std::tuple(
         field("name", &T::grant, &Grant::name), field("subject", &T::grant, &Grant::subject_name),
         field("line", &T::grant, &Grant::line),
-        made<T>("not_before", [](const T& one) { return one.grant.validity.not_before; }),
-        made<T>("not_after", [](const T& one) { return one.grant.validity.not_after; }),
+        computed<T>("not_before", [](const T& one) { return one.grant.validity.not_before; }),
+        computed<T>("not_after", [](const T& one) { return one.grant.validity.not_after; }),
         field<&T::valid_now>(),
-        made<T>("default", [](const T& one) { return one.grant.default_allow ? "ALLOW" : "DENY"; },
-                {.words = "ALLOW|DENY"}),
+        computed<T>("default",
+                    [](const T& one) { return one.grant.default_allow ? "ALLOW" : "DENY"; },
+                    {.words = "ALLOW|DENY"}),
         field("rules", &T::grant, &Grant::rules));
   }
   std::string text() const {

@@ -186,7 +186,7 @@ struct Answers {
   std::vector<Error> errors = {};
 };
 
-Error not_shown(const fs::path& place, pid_t pid, std::string note) {
+Error not_shown_error(const fs::path& place, pid_t pid, std::string note) {
   return {tool_code::status_unanswered,
           {.document = place, .field = fmt::format("process {}", pid), .note = std::move(note)}};
 }
@@ -199,9 +199,9 @@ Answers ask_all(StatusFolder& folder, std::optional<pid_t> wanted) {
     if (answer) {
       out.processes[socket.pid].add(answer->participants);
       if (answer->left_out > 0)
-        out.errors.push_back(
-            not_shown(folder.path() / socket.name, socket.pid,
-                      fmt::format("its answer had no room for {} participants", answer->left_out)));
+        out.errors.push_back(not_shown_error(
+            folder.path() / socket.name, socket.pid,
+            fmt::format("its answer had no room for {} participants", answer->left_out)));
     } else if (wanted || answer.error().code() != tool_code::status_process_ended) {
       out.errors.push_back(answer.error());
     }
@@ -209,8 +209,8 @@ Answers ask_all(StatusFolder& folder, std::optional<pid_t> wanted) {
   return out;
 }
 
-std::unexpected<Error> nothing_shown(const fs::path& folder, std::optional<pid_t> pid,
-                                     const std::string& participant) {
+std::unexpected<Error> nothing_shown_error(const fs::path& folder, std::optional<pid_t> pid,
+                                           const std::string& participant) {
   if (pid && !is_running(*pid))
     return fail(tool_code::status_process_ended,
                 {.document = folder, .field = fmt::format("process {}", *pid)});
@@ -243,7 +243,7 @@ Result<Answer<TrustStatus>> trust_status(const Arguments& arguments, const Conte
       if (!wanted.empty() && !is_of_folder(participant, of)) continue;
       all_well = all_well && is_well(participant, now);
       if (const auto missing = missing_library(participant); !missing.empty())
-        report.errors.push_back(not_shown(
+        report.errors.push_back(not_shown_error(
             place, number,
             fmt::format("{} shows no documents of {}: its socket is missing, or it is not ddssec's",
                         missing, participant.subject)));
@@ -258,7 +258,8 @@ Result<Answer<TrustStatus>> trust_status(const Arguments& arguments, const Conte
               {.document = place,
                .note = fmt::format("{} of its sockets were not asked: at most {} are",
                                    folder.left_out(), StatusFolder::kMaxSockets)}));
-  if (result.processes.empty() && report.errors.empty()) return nothing_shown(place, pid, wanted);
+  if (result.processes.empty() && report.errors.empty())
+    return nothing_shown_error(place, pid, wanted);
   report.exit = !report.errors.empty() ? Exit::unreadable : all_well ? Exit::done : Exit::no;
   return answer;
 }

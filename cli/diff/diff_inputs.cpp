@@ -7,8 +7,8 @@
 #include "cli/ca/ca_folder.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/inputs.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/smime_diagnosis.hpp"
-#include "pki/source.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -22,12 +22,13 @@ struct Listed<governance::NameSet> {
   static constexpr std::string_view kDef = "name_set";
   static constexpr auto fields() {
     return std::tuple(
-        made<T>("form",
-                [](const T& set) {
-                  constexpr std::string_view kForms[] = {"every", "every_but", "listed", "some"};
-                  return kForms[static_cast<std::size_t>(set.form)];
-                },
-                {.words = "every|every_but|listed|some"}),
+        computed<T>(
+            "form",
+            [](const T& set) {
+              constexpr std::string_view kForms[] = {"every", "every_but", "listed", "some"};
+              return kForms[static_cast<std::size_t>(set.form)];
+            },
+            {.words = "every|every_but|listed|some"}),
         field<&T::expressions>(), field<&T::examples>({.min = 1}));
   }
 };
@@ -37,7 +38,7 @@ struct Listed<governance::TopicWords> {
   using T = governance::TopicWords;
   static constexpr auto fields() {
     return std::tuple(field<&T::expression>(),
-                      made<T>("also", [](const T& words) { return if_any(words.also); }),
+                      computed<T>("also", [](const T& words) { return if_any(words.also); }),
                       field<&T::except>(), field<&T::more_exceptions>());
   }
 };
@@ -74,11 +75,12 @@ template <>
 struct Listed<governance::DomainScope> {
   using T = governance::DomainScope;
   static constexpr auto fields() {
-    return std::tuple(
-        field("domains", &T::domains, domains_json, {.def = "domain_ranges"}),
-        made<T>("tag_set",
-                [](const T& one) { return one.has_tags ? std::optional(one.tags) : std::nullopt; },
-                {"null: no tags"}));
+    return std::tuple(field("domains", &T::domains, domains_json, {.def = "domain_ranges"}),
+                      computed<T>("tag_set",
+                                  [](const T& one) {
+                                    return one.has_tags ? std::optional(one.tags) : std::nullopt;
+                                  },
+                                  {"null: no tags"}));
   }
 };
 

@@ -28,7 +28,7 @@ struct Listed<governance::PropertyOfSome> {
   using T = governance::PropertyOfSome;
   static constexpr auto fields() {
     return std::tuple(
-        made<T>("property", [](const T& one) { return governance::to_string(one.property); }),
+        computed<T>("property", [](const T& one) { return governance::to_string(one.property); }),
         field<&T::witness>());
   }
 };
@@ -37,20 +37,20 @@ template <>
 struct Listed<governance::GovernanceChange> {
   using T = governance::GovernanceChange;
   static constexpr auto fields() {
-    constexpr Shown kMask{.def = "mask"}, kPluginMask{.def = "mask", .absent = true};
-    constexpr Shown kProperties{.def = "property"};
+    constexpr FieldOptions kMask{.def = "mask"}, kPluginMask{.def = "mask", .omits_empty = true};
+    constexpr FieldOptions kProperties{.def = "property"};
     return std::tuple_cat(
-        fields_within(&T::scope), std::tuple(made<T>("topics", ChangedTopics::of<T>)),
+        fields_within(&T::scope), std::tuple(computed<T>("topics", ChangedTopics::of<T>)),
         fields_within(&T::element),
         std::tuple(
-            made<T>(
+            computed<T>(
                 "mask_old", [](const T& one) { return announced_mask(one, false, false); }, kMask),
-            made<T>(
+            computed<T>(
                 "mask_new", [](const T& one) { return announced_mask(one, true, false); }, kMask),
-            made<T>(
+            computed<T>(
                 "plugin_mask_old", [](const T& one) { return announced_mask(one, false, true); },
                 kPluginMask),
-            made<T>(
+            computed<T>(
                 "plugin_mask_new", [](const T& one) { return announced_mask(one, true, true); },
                 kPluginMask),
             field("properties_lost", &T::lost, words_of, kProperties),
@@ -80,16 +80,18 @@ struct ShownGovernanceChange {
     return std::tuple_cat(
         fields_within(&T::by),
         std::tuple(
-            made<T>("old_at",
-                    [](const T& one) { return place(one.sides->before.path, one.by->old_line()); }),
-            made<T>("new_at",
-                    [](const T& one) { return place(one.sides->after.path, one.by->new_line()); }),
-            made<T>("tags",
-                    [](const T& one) {
-                      const auto& scope = one.by->scope;
-                      return scope.has_tags ? std::optional(scope.tags.examples) : std::nullopt;
-                    },
-                    {.note = "examples of `tag_set`", .absent = true})));
+            computed<T>(
+                "old_at",
+                [](const T& one) { return place(one.sides->before.path, one.by->old_line()); }),
+            computed<T>(
+                "new_at",
+                [](const T& one) { return place(one.sides->after.path, one.by->new_line()); }),
+            computed<T>("tags",
+                        [](const T& one) {
+                          const auto& scope = one.by->scope;
+                          return scope.has_tags ? std::optional(scope.tags.examples) : std::nullopt;
+                        },
+                        {.note = "examples of `tag_set`", .omits_empty = true})));
   }
 };
 
@@ -105,22 +107,23 @@ struct GovernanceComparison {
   static constexpr auto fields() {
     using T = GovernanceComparison;
     using Diff = governance::GovernanceDiff;
-    constexpr Shown kRanges{.def = "domain_ranges"};
+    constexpr FieldOptions kRanges{.def = "domain_ranges"};
     return std::tuple(
         field("verdict", &T::diff, &Diff::verdict,
               {.words = "weaker|stronger|mixed|neutral|unknown"}),
-        made<T>("breaks_interop", [](const T& one) { return !one.diff.flag_day_domains.empty(); }),
-        made<T>(
+        computed<T>("breaks_interop",
+                    [](const T& one) { return !one.diff.flag_day_domains.empty(); }),
+        computed<T>(
             "flag_day_domains",
             [](const T& one) { return domains_json(one.diff.flag_day_domains); }, kRanges),
-        field<&T::changes>({.apart = true}), field("rewritten", &T::diff, &Diff::rewritten),
-        made<T>(
+        field<&T::changes>({.has_own_row = true}), field("rewritten", &T::diff, &Diff::rewritten),
+        computed<T>(
             "unknown_domains", [](const T& one) { return domains_json(one.diff.unknown_domains); },
             kRanges),
         field("complete", &T::diff, &Diff::complete),
-        made<T>("readings",
-                [](const T& one) { return ShownReadings::of(one.diff.readings, one.sides); },
-                {"what other products may read differently, and only one document has"}),
+        computed<T>("readings",
+                    [](const T& one) { return ShownReadings::of(one.diff.readings, one.sides); },
+                    {"what other products may read differently, and only one document has"}),
         field("signer", &T::sides, ShownSigners::of),
         field<&T::live>(
             {"what running participants do: same, live, two phases, live unless in use, live if "

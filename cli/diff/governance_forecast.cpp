@@ -18,9 +18,9 @@ enum class Live : std::uint8_t {
   live,
   two_phases,          // topics are protected more
   live_unless_in_use,  // a rule comes before others, or protects more: its topics may be in use
-  live_if_believed,    // another CA signed it
-  rolled_back,         // its revision is not higher than the former one
-  no_revision,         // it is signed without a revision, but needs one
+  live_if_signer_accepted,  // another CA signed it
+  rolled_back,              // its revision is not higher than the former one
+  no_revision,              // it is signed without a revision, but needs one
   restart,
 };
 
@@ -34,7 +34,7 @@ std::string_view live_word(Live live) {
       return "two phases";
     case Live::live_unless_in_use:
       return "live unless in use";
-    case Live::live_if_believed:
+    case Live::live_if_signer_accepted:
       return "live if the signer is believed";
     case Live::rolled_back:
       return "refused as a roll-back";
@@ -151,7 +151,7 @@ std::string_view in_words(Live live, bool is_ready) {
                         "sign writes the revision that it needs";
     case Live::live_unless_in_use:
       return "taken while they run; restart those that use one of its topics";
-    case Live::live_if_believed:
+    case Live::live_if_signer_accepted:
       return "refused, unless the new signer is one of their permissions CAs";
     case Live::rolled_back:
       return "refused as a roll-back: sign it anew";
@@ -171,7 +171,7 @@ GovernanceForecast forecast_of(const governance::Governance& before,
   auto ours = forecast(before, after, sides);
   const auto &before_signer = sides.before.signer, &after_signer = sides.after.signer;
   if (!before_signer.empty() && !after_signer.empty() && before_signer != after_signer)
-    ours.add(Live::live_if_believed, "another CA signed the new document", 0);
+    ours.add(Live::live_if_signer_accepted, "another CA signed the new document", 0);
   const auto& worse = ours.worse();
   const auto stock = is_same && worse.outcome == Live::same ? Live::same : Live::restart;
   const bool is_ready = sides.after.is_signed || after.revision != 0;

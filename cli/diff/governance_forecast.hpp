@@ -20,7 +20,7 @@ struct GovernanceForecast {
 
   static constexpr auto fields() {
     using T = GovernanceForecast;
-    constexpr Shown kLive{.def = "live"};
+    constexpr FieldOptions kLive{.def = "live"};
     return std::tuple(field<&T::ddssec>({.note = "the worse of both", .def = "live"}),
                       field<&T::embedded>(kLive), field<&T::cyclonedds>(kLive),
                       field<&T::stock>({.words = "same|restart"}), field<&T::reason>(),

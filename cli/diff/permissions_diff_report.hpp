@@ -13,7 +13,7 @@ struct Listed<governance::EntityWords> {
   using T = governance::EntityWords;
   static constexpr auto fields() {
     return std::tuple(field<&T::every>(),
-                      field<&T::partitions>({.note = "as `tag_set`", .same = true}),
+                      field<&T::partitions>({.note = "as `tag_set`", .has_same_members = true}),
                       field<&T::example_data_tags>());
   }
 };
@@ -28,14 +28,14 @@ struct Listed<governance::PermissionChange> {
             field<&T::element>(
                 {.words = "rule|default|grant|validity|join|subject_name|rewritten"}),
             field("operation", &T::operation, if_any, {.words = "publish|subscribe|relay"}),
-            made<T>("topics", ChangedTopics::of<T>),
+            computed<T>("topics", ChangedTopics::of<T>),
             field("partitions", &T::entities, &governance::EntityWords::example_partitions,
                   {"of one endpoint"}),
-            made<T>("endpoints",
-                    [](const T& one) {
-                      return one.is_about_topics ? std::optional(one.entities) : std::nullopt;
-                    },
-                    {"null: the change is not about endpoints"}),
+            computed<T>("endpoints",
+                        [](const T& one) {
+                          return one.is_about_topics ? std::optional(one.entities) : std::nullopt;
+                        },
+                        {"null: the change is not about endpoints"}),
             field("old", &T::old_value, if_any), field("new", &T::new_value, if_any),
             field("class", &T::change, {.words = "wider|narrower|mixed|interop|neutral|unknown"}),
             field("hint", &T::hint, if_any)));
@@ -49,13 +49,15 @@ struct ShownPermissionChange {
 
   static constexpr auto fields() {
     using T = ShownPermissionChange;
-    return std::tuple_cat(
-        fields_within(&T::by),
-        std::tuple(
-            made<T>("old_at",
-                    [](const T& one) { return place(one.sides->before.path, one.by->old_line); }),
-            made<T>("new_at",
-                    [](const T& one) { return place(one.sides->after.path, one.by->new_line); })));
+    return std::tuple_cat(fields_within(&T::by),
+                          std::tuple(computed<T>("old_at",
+                                                 [](const T& one) {
+                                                   return place(one.sides->before.path,
+                                                                one.by->old_line);
+                                                 }),
+                                     computed<T>("new_at", [](const T& one) {
+                                       return place(one.sides->after.path, one.by->new_line);
+                                     })));
   }
 };
 
@@ -70,15 +72,15 @@ struct PermissionsComparison {
   static constexpr auto fields() {
     using T = PermissionsComparison;
     return std::tuple(
-        made<T>("verdict", [](const T& one) { return one.diff.verdict; },
-                {.words = "wider|narrower|mixed|neutral|unknown"}),
-        made<T>("breaks_interop", [](const T&) { return false; }, {"never"}),
-        field<&T::changes>({.apart = true}),
+        computed<T>("verdict", [](const T& one) { return one.diff.verdict; },
+                    {.words = "wider|narrower|mixed|neutral|unknown"}),
+        computed<T>("breaks_interop", [](const T&) { return false; }, {"never"}),
+        field<&T::changes>({.has_own_row = true}),
         field("complete", &T::diff, &governance::PermissionsDiff::is_complete),
-        made<T>("approximate", [](const T& one) { return !one.diff.is_exact; }),
-        made<T>("readings",
-                [](const T& one) { return ShownReadings::of(one.diff.readings, one.sides); },
-                {"what other products may read differently, and only one document has"}),
+        computed<T>("approximate", [](const T& one) { return !one.diff.is_exact; }),
+        computed<T>("readings",
+                    [](const T& one) { return ShownReadings::of(one.diff.readings, one.sides); },
+                    {"what other products may read differently, and only one document has"}),
         field("signer", &T::sides, ShownSigners::of),
         field<&T::takes_effect>(
             {"what running participants do: same, live, live when it begins, live if the signer "

@@ -7,7 +7,7 @@
 #include "cli/diff/forecast.hpp"
 #include "governance/compare/subjects.hpp"
 #include "governance/grant.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -20,9 +20,9 @@ using governance::Grants;
 enum class Live : std::uint8_t {
   same,
   live,
-  live_later,        // the grant begins in the future
-  live_if_believed,  // another CA signed it
-  restart,           // the participant is cut off already
+  live_later,               // the grant begins in the future
+  live_if_signer_accepted,  // another CA signed it
+  restart,                  // the participant is cut off already
   refused,
 };
 
@@ -34,7 +34,7 @@ std::string_view live_word(Live live) {
       return "live";
     case Live::live_later:
       return "live when it begins";
-    case Live::live_if_believed:
+    case Live::live_if_signer_accepted:
       return "live if the signer is believed";
     case Live::restart:
       return "restart";
@@ -113,7 +113,7 @@ Prediction forecast(const PermissionsChangeOver& change, const DiffSides& sides)
   }
   const auto &before = sides.before.signer, &after = sides.after.signer;
   if (!before.empty() && !after.empty() && before != after)
-    out.add(Live::live_if_believed, "another CA signed the new document", 0);
+    out.add(Live::live_if_signer_accepted, "another CA signed the new document", 0);
   return out;
 }
 
@@ -155,7 +155,7 @@ std::string_view in_words(Live live) {
       return "taken while they run";
     case Live::live_later:
       return "taken while they run, when it begins";
-    case Live::live_if_believed:
+    case Live::live_if_signer_accepted:
       return "refused, unless the new signer is one of their permissions CAs";
     case Live::restart:
       return "restart";
@@ -184,7 +184,7 @@ PermissionsForecast forecast_of(const PermissionsChangeOver& change, const DiffS
   out.text += wrapped(
       kHeading, {"on ddssec's plugins:", std::string(in_words(ours.outcome)),
                  ours.reason.empty() ? std::string() : fmt::format("({})", escaped(ours.reason))});
-  const bool is_taken = ours.outcome >= Live::live && ours.outcome <= Live::live_if_believed;
+  const bool is_taken = ours.outcome >= Live::live && ours.outcome <= Live::live_if_signer_accepted;
   if (is_taken && narrows)
     out.text += wrapped(indentation,
                         {"what was taken away ends within a second between embedded participants;",

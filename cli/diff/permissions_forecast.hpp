@@ -27,7 +27,7 @@ struct PermissionsForecast {
 
   static constexpr auto fields() {
     using T = PermissionsForecast;
-    constexpr Shown kOurs{.def = "taken_permissions"},
+    constexpr FieldOptions kOurs{.def = "taken_permissions"},
         kInCyclone{.def = "taken_permissions_in_cyclonedds"}, kStock{.words = "same|restart"};
     return std::tuple(field<&T::embedded>(kOurs), field<&T::cyclonedds_ddssec>(kInCyclone),
                       field<&T::cyclonedds>(kStock), field<&T::fastdds>(kStock),

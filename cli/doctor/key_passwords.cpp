@@ -5,12 +5,12 @@
 #include <string>
 #include <utility>
 
-#include "base/source.hpp"
 #include "base/text.hpp"
+#include "base/uri_source.hpp"
 #include "cli/inputs.hpp"
 #include "governance/doctor/configuration_checks.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 #include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"
 
@@ -25,10 +25,10 @@ constexpr std::string_view kFastDdsPassword = "dds.sec.auth.builtin.PKI-DH.passw
 
 // Takes the first password of any domain. If there are several, this does not judge which one
 // counts.
-std::string of_cyclonedds(const LoadedFolder& folder) {
+std::string password_for_cyclonedds(const LoadedFolder& folder) {
   const auto file = folder.paths.folder / "cyclonedds.xml";
   auto configuration = doctor::cyclonedds_configuration();
-  if (!configuration && is_there(file))
+  if (!configuration && path_exists(file))
     configuration = doctor::cyclonedds_configuration(file.string());
   if (!configuration) return {};
   const auto text = doctor::without_comments(*configuration);
@@ -37,7 +37,7 @@ std::string of_cyclonedds(const LoadedFolder& folder) {
              : std::string();
 }
 
-std::string of_fastdds(const LoadedFolder& folder) {
+std::string password_for_fastdds(const LoadedFolder& folder) {
   const auto file = folder.paths.folder / "fastdds.xml";
   const auto octets = ddssec::load("file://" + file.string(), "", pki::kMaxDocumentOctets);
   if (!octets) return {};
@@ -48,8 +48,8 @@ std::string of_fastdds(const LoadedFolder& folder) {
   return found == properties->end() ? std::string() : found->second;
 }
 
-std::string of_embedded(const LoadedFolder& folder) {
-  if (!is_there(folder.paths.properties)) return {};
+std::string password_for_embedded(const LoadedFolder& folder) {
+  if (!path_exists(folder.paths.properties)) return {};
   const auto properties = spi::read_property_file(folder.paths.properties);
   return properties ? std::string(spi::property_value(*properties, spi::property::kPassword))
                     : std::string();
@@ -57,7 +57,7 @@ std::string of_embedded(const LoadedFolder& folder) {
 
 // Keeps the opened key. The password is held in a property, which wipes its value when it is
 // destroyed.
-bool opens(std::string password, LoadedFolder& folder) {
+bool open_key_with(std::string password, LoadedFolder& folder) {
   const spi::Property property{std::string(spi::property::kPassword), std::move(password), false};
   const auto passphrase = pki::Passphrase::copy_of(as_bytes(property.value));
   if (property.value.empty() || !passphrase) return false;
@@ -73,9 +73,9 @@ bool opens(std::string password, LoadedFolder& folder) {
 void open_key(LoadedFolder& folder) {
   if (folder.key || folder.key.error().code() != Code::passphrase_missing) return;
   doctor::PasswordGiven given;
-  given.cyclonedds = opens(of_cyclonedds(folder), folder);
-  given.fastdds = opens(of_fastdds(folder), folder);
-  given.ours = opens(of_embedded(folder), folder) || given.cyclonedds;
+  given.cyclonedds = open_key_with(password_for_cyclonedds(folder), folder);
+  given.fastdds = open_key_with(password_for_fastdds(folder), folder);
+  given.ours = open_key_with(password_for_embedded(folder), folder) || given.cyclonedds;
   if (folder.key) folder.password = given;
 }
 

@@ -27,9 +27,9 @@ struct Listed<governance::doctor::PartyDecision> {
   static constexpr std::string_view kDef = "judgement";
   static constexpr auto fields() {
     return std::tuple(
-        made<T>("from", [](const T& one) { return kSides[one.about]; }, {.words = kSideWords}),
-        made<T>("to", [](const T& one) { return kSides[one.judge]; }, {.words = kSideWords}),
-        field<&T::ok>(), made<T>("reason", [](const T& one) {
+        computed<T>("from", [](const T& one) { return kSides[one.about]; }, {.words = kSideWords}),
+        computed<T>("to", [](const T& one) { return kSides[one.judge]; }, {.words = kSideWords}),
+        field<&T::ok>(), computed<T>("reason", [](const T& one) {
           return one.ok ? std::nullopt : std::optional(one.reason);
         }));
   }
@@ -41,10 +41,10 @@ struct Listed<governance::doctor::Difference> {
   static constexpr std::string_view kDef = "difference";
   static constexpr auto fields() {
     return std::tuple(field<&T::element>(),
-                      made<T>("a", [](const T& one) { return one.values[0]; }),
-                      made<T>("b", [](const T& one) { return one.values[1]; }),
-                      made<T>("line_a", [](const T& one) { return one.lines[0]; }),
-                      made<T>("line_b", [](const T& one) { return one.lines[1]; }));
+                      computed<T>("a", [](const T& one) { return one.values[0]; }),
+                      computed<T>("b", [](const T& one) { return one.values[1]; }),
+                      computed<T>("line_a", [](const T& one) { return one.lines[0]; }),
+                      computed<T>("line_b", [](const T& one) { return one.lines[1]; }));
   }
 };
 
@@ -55,15 +55,16 @@ struct DecidingRule {
   static constexpr auto fields() {
     using T = DecidingRule;
     using By = governance::doctor::PartyDecision;
-    return std::tuple(
-        field("grant", &T::by, &By::grant), field("index", &T::by, &By::rule),
-        made<T>("kind",
-                [](const T& one) {
-                  return one.by->rule == 0 ? "default" : one.by->is_allow_rule ? "allow" : "deny";
-                },
-                {.words = "allow|deny|default"}),
-        field("expression", &T::by, &By::expression), field("file", &T::by, &By::document),
-        field("line", &T::by, &By::line));
+    return std::tuple(field("grant", &T::by, &By::grant), field("index", &T::by, &By::rule),
+                      computed<T>("kind",
+                                  [](const T& one) {
+                                    return one.by->rule == 0       ? "default"
+                                           : one.by->is_allow_rule ? "allow"
+                                                                   : "deny";
+                                  },
+                                  {.words = "allow|deny|default"}),
+                      field("expression", &T::by, &By::expression),
+                      field("file", &T::by, &By::document), field("line", &T::by, &By::line));
   }
 };
 
@@ -74,12 +75,13 @@ struct JudgementStep {
   static constexpr auto fields() {
     using T = JudgementStep;
     using By = governance::doctor::PartyDecision;
-    return std::tuple(
-        made<T>("judge", [](const T& one) { return kSides[one.by->judge]; }, {.words = kSideWords}),
-        made<T>("about", [](const T& one) { return kSides[one.by->about]; }, {.words = kSideWords}),
-        field("op", &T::by, &By::operation, {.words = "publish|subscribe"}),
-        field("ok", &T::by, &By::ok), field("reason", &T::by, &By::reason),
-        made<T>("rule", [](const T& one) { return DecidingRule{one.by}; }));
+    return std::tuple(computed<T>("judge", [](const T& one) { return kSides[one.by->judge]; },
+                                  {.words = kSideWords}),
+                      computed<T>("about", [](const T& one) { return kSides[one.by->about]; },
+                                  {.words = kSideWords}),
+                      field("op", &T::by, &By::operation, {.words = "publish|subscribe"}),
+                      field("ok", &T::by, &By::ok), field("reason", &T::by, &By::reason),
+                      computed<T>("rule", [](const T& one) { return DecidingRule{one.by}; }));
   }
 };
 
@@ -88,7 +90,7 @@ struct TopicProtection {
 
   static constexpr auto fields() {
     using T = TopicProtection;
-    constexpr Shown kKind{.def = "protection_kind"};
+    constexpr FieldOptions kKind{.def = "protection_kind"};
     return std::tuple(field<&T::payload>(kKind), field<&T::metadata>(kKind),
                       field<&T::rtps>(kKind));
   }
@@ -112,16 +114,16 @@ struct ShownDirection {
   static constexpr auto fields() {
     using T = ShownDirection;
     using By = governance::doctor::TopicDirection;
-    constexpr Shown kIfAny{.absent = true};
+    constexpr FieldOptions kIfAny{.omits_empty = true};
     return std::tuple(
-        made<T>("writer", [](const T& one) { return kSides[one.by->writer]; },
-                {.words = kSideWords}),
-        made<T>("reader", [](const T& one) { return kSides[1 - one.by->writer]; },
-                {.words = kSideWords}),
+        computed<T>("writer", [](const T& one) { return kSides[one.by->writer]; },
+                    {.words = kSideWords}),
+        computed<T>("reader", [](const T& one) { return kSides[1 - one.by->writer]; },
+                    {.words = kSideWords}),
         field("ok", &T::by, &By::ok), field<&T::steps>(),
         field("differences", &T::by, &By::differences), field<&T::protection>(kIfAny),
         field<&T::obstacle>(kIfAny),
-        field<&T::reason>({.note = "the first thing that keeps them apart", .absent = true}));
+        field<&T::reason>({.note = "the first thing that keeps them apart", .omits_empty = true}));
   }
 };
 
@@ -134,19 +136,19 @@ struct ShownTopic {
     using By = governance::doctor::TopicMeeting;
     return std::tuple(
         field("name", &T::by, &By::topic),
-        made<T>("expression",
-                [](const T& one) {
-                  return one.by->expression.empty() ? std::nullopt
-                                                    : std::optional(one.by->expression);
-                },
-                {"of the documents, of which `name` is only an example; null: none"}),
-        made<T>(
+        computed<T>("expression",
+                    [](const T& one) {
+                      return one.by->expression.empty() ? std::nullopt
+                                                        : std::optional(one.by->expression);
+                    },
+                    {"of the documents, of which `name` is only an example; null: none"}),
+        computed<T>(
             "directions",
             [](const T& one) {
               const auto& [a, b] = one.by->directions;
               return std::vector<ShownDirection>{{one.view, one.by, &a}, {one.view, one.by, &b}};
             },
-            {.apart = true, .min = 2, .max = 2}));
+            {.has_own_row = true, .min = 2, .max = 2}));
   }
 };
 
@@ -160,7 +162,7 @@ struct ShownJoin {
   static constexpr auto fields() {
     using T = ShownJoin;
     return std::tuple(field<&T::domain>(), field<&T::ok>(),
-                      field<&T::judgements>({.note = "as `start`", .same = true}),
+                      field<&T::judgements>({.note = "as `start`", .has_same_members = true}),
                       field<&T::differences>(),
                       field<&T::masks>({.def = "masks", .min = 2, .max = 2}));
   }
@@ -200,7 +202,7 @@ struct MeetingView {
   static constexpr auto fields() {
     using T = MeetingView;
     using By = governance::doctor::Meeting;
-    constexpr Shown kSame{.note = "the same", .same = true};
+    constexpr FieldOptions kSame{.note = "the same", .has_same_members = true};
     return std::tuple(field("start", &T::meeting, &By::start),
                       field("authentication", &T::meeting, &By::authentication, kSame),
                       field("permissions", &T::meeting, &By::permissions, kSame), field<&T::join>(),

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 #include "cli/ca/ocsp_response.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/inputs.hpp"
@@ -22,7 +22,7 @@ using doctor::Outcome;
 
 // A file that cannot be read counts as empty here; DOC093 reports it.
 spi::PropertyList properties_of(const LoadedFolder& folder) {
-  if (!is_there(folder.paths.properties)) return {};
+  if (!path_exists(folder.paths.properties)) return {};
   return spi::read_property_file(folder.paths.properties).value_or(spi::PropertyList());
 }
 
@@ -41,7 +41,7 @@ Result<pki::OcspGood> response_of(const LoadedFolder& folder, const fs::path& fi
   return pki::judge_ocsp(octets, *folder.certificate, verifier, now);
 }
 
-Finding about_response(const fs::path& file, const Error& error) {
+Finding response_finding(const fs::path& file, const Error& error) {
   return {.rule = Rule::DOC112,
           .message = fmt::format("{}: {}", file.filename().string(), error.message()),
           .document = file.string(),
@@ -56,7 +56,8 @@ bool demands(const doctor::Party& party) {
 
 // The reason why the participant shows the judge no response that says "good"; empty if it shows
 // one. A participant does not send a response that it does not itself accept as good.
-std::string lack_of(const doctor::Party& party, const LoadedFolder& judge, WallTime now) {
+std::string missing_response_reason(const doctor::Party& party, const LoadedFolder& judge,
+                                    WallTime now) {
   if (party.vendor != doctor::Vendor::ours) return party.product() + " sends none";
   const auto file = response_file(party.folder, properties_of(party.folder));
   auto response = response_of(party.folder, file, party.folder, now);
@@ -76,17 +77,17 @@ void check_ocsp(const LoadedFolder& folder, const doctor::Settings& settings,
   const auto policy = spi::ocsp_policy(properties);
   const bool is_asked = spi::find_property(properties, spi::property::kOcsp) != nullptr ||
                         spi::find_property(properties, spi::property::kOcspResponse) != nullptr;
-  if (!is_there(file) && !is_asked) return;
+  if (!path_exists(file) && !is_asked) return;
   out.pass(Rule::DOC112);
   if (!policy)
     out.report({.ours = Outcome::fail}, {.rule = Rule::DOC112,
                                          .message = policy.error().to_sentence(),
                                          .document = folder.paths.properties.string(),
                                          .hint = std::string(policy.error().hint())});
-  if (!is_there(file) || !folder.certificate || !folder.chain()) return;
+  if (!path_exists(file) || !folder.certificate || !folder.chain()) return;
   const auto response = response_of(folder, file, folder, settings.now);
   if (response) return;
-  auto finding = about_response(file, response.error());
+  auto finding = response_finding(file, response.error());
   if (response.error().code() == Code::ocsp_revoked)
     return out.report({.ours = Outcome::fail}, std::move(finding));
   // The participant starts without a response.
@@ -102,12 +103,12 @@ std::vector<Finding> demanded_responses(const doctor::Party& a, const doctor::Pa
     const auto& judge = *parties[i];
     const auto& other = *parties[1 - i];
     if (!demands(judge)) continue;
-    const auto lack = lack_of(other, judge.folder, now);
-    if (lack.empty()) continue;
+    const auto reason = missing_response_reason(other, judge.folder, now);
+    if (reason.empty()) continue;
     out.push_back({.rule = Rule::DOC113,
                    .message = fmt::format("{} demands an OCSP response ({} = hard), and {} has "
                                           "none that it can use: {}",
-                                          judge.name, spi::property::kOcsp, other.name, lack),
+                                          judge.name, spi::property::kOcsp, other.name, reason),
                    .document = judge.folder.paths.properties.string()});
   }
   return out;

@@ -14,7 +14,7 @@
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/effective_security.hpp"
 #include "governance/doctor/expanded_variables.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/authentication/authentication.hpp"
 #include "plugins/cryptography/cryptography.hpp"
@@ -80,7 +80,7 @@ bool starts(const doctor::Diagnosis& diagnosis) {
 // An error about a value names the property, and an error about a file names the file.
 std::string document_of(const Error& error, const fs::path& otherwise) {
   const auto& document = error.details().document;
-  return document.empty() || !is_there(document) ? otherwise.string() : document;
+  return document.empty() || !path_exists(document) ? otherwise.string() : document;
 }
 
 }  // namespace
@@ -163,7 +163,7 @@ std::optional<HostConfiguration> configuration_for(const doctor::LoadedFolder& f
         doctor::effective_security(*text, settings.domain, Place::variable, inline_from)};
   }
   const auto file = folder.paths.folder / "cyclonedds.xml";
-  const auto text = is_there(file) && folder.paths.layout != pki::FolderLayout::sros2
+  const auto text = path_exists(file) && folder.paths.layout != pki::FolderLayout::sros2
                         ? doctor::cyclonedds_configuration(file.string())
                         : std::nullopt;
   if (!text) return std::nullopt;

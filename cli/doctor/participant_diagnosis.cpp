@@ -16,7 +16,7 @@
 #include "governance/doctor/effective_security.hpp"
 #include "governance/doctor/host_plugins.hpp"
 #include "governance/doctor/shell_word.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 #include "plugins/access_control/allowed_algorithms.hpp"
 #include "plugins/access_control/protection.hpp"
 #include "plugins/authentication/credentials.hpp"
@@ -42,7 +42,7 @@ fs::path configuration_in(const fs::path& folder) { return folder / "cyclonedds.
 // secured by their QoS instead.
 bool has_own_configuration(const LoadedFolder& folder) {
   return folder.paths.layout != pki::FolderLayout::sros2 &&
-         is_there(configuration_in(folder.paths.folder));
+         path_exists(configuration_in(folder.paths.folder));
 }
 
 std::string export_line(const fs::path& folder) {
@@ -55,7 +55,7 @@ std::string export_line(const fs::path& folder) {
 void report_named_folder(const LoadedFolder& folder, const fs::path& named,
                          doctor::Diagnosis& out) {
   const bool is_meant = has_own_configuration(folder);
-  const bool has_file = is_there(configuration_in(named));
+  const bool has_file = path_exists(configuration_in(named));
   Finding finding{.rule = Rule::DOC101,
                   .message = fmt::format(
                       "CYCLONEDDS_URI names the folder {}: Cyclone DDS starts, reads nothing "
@@ -199,7 +199,7 @@ void warn_of_unset_profiles_file(const LoadedFolder& folder, const doctor::Setti
   const char* const set = std::getenv(variable);
   const auto file = folder.paths.folder / "fastdds.xml";
   if ((set != nullptr && *set != '\0') || folder.paths.layout == pki::FolderLayout::sros2 ||
-      !is_there(file))
+      !path_exists(file))
     return;
   std::error_code ignored;
   out.report({},
@@ -223,7 +223,7 @@ namespace {
 std::optional<std::string> configuration_for(const LoadedFolder& folder) {
   if (auto named = doctor::cyclonedds_configuration()) return named;
   const auto file = configuration_in(folder.paths.folder);
-  return is_there(file) ? doctor::cyclonedds_configuration(file.string()) : std::nullopt;
+  return path_exists(file) ? doctor::cyclonedds_configuration(file.string()) : std::nullopt;
 }
 
 void check_tag(const LoadedFolder& folder, doctor::Diagnosis& out) {

@@ -38,7 +38,7 @@ struct PreSharedKeys final : EventSink {
 
 // The protection kind that the governance document demands. NONE means that there are no pre-shared
 // keys.
-ProtectionKind asked_for(const LoadedFolder& folder, DomainId domain) {
+ProtectionKind required_protection(const LoadedFolder& folder, DomainId domain) {
   if (!folder.governance.model) return ProtectionKind::none;
   const auto* const rule = folder.governance.model->find(domain);
   return rule == nullptr ? ProtectionKind::none : rule->rtps_psk_protection_kind;
@@ -95,7 +95,7 @@ void refuse(doctor::Meeting& out, Finding finding) {
 
 void compare(const doctor::Party& a, const doctor::Party& b, DomainId domain,
              doctor::Meeting& out) {
-  const auto kind = asked_for(a.folder, domain);
+  const auto kind = required_protection(a.folder, domain);
   const auto of_a = keys_of(a.folder), of_b = keys_of(b.folder);
   if (!of_a) refuse(out, missing(a.folder, kind, of_a.error()));
   if (!of_b) refuse(out, missing(b.folder, kind, of_b.error()));
@@ -148,7 +148,7 @@ void refuse_topics(const doctor::Party& a, const doctor::Party& b, doctor::Meeti
 
 void check_pre_shared_keys(const LoadedFolder& folder, const doctor::Settings& settings,
                            doctor::Diagnosis& out) {
-  const auto kind = asked_for(folder, settings.domain);
+  const auto kind = required_protection(folder, settings.domain);
   if (!is_protected(kind)) return;
   out.pass(Rule::DOC091);
   const auto keys = keys_of(folder);
@@ -169,7 +169,7 @@ doctor::Meeting meet_with_keys(const doctor::Party& a, const doctor::Party& b,
   for (auto& finding : demanded_responses(a, b, settings.now)) refuse(out, std::move(finding));
   const auto needs_keys = [&](const doctor::Party& party) {
     return party.vendor == doctor::Vendor::ours &&
-           is_protected(asked_for(party.folder, settings.domain));
+           is_protected(required_protection(party.folder, settings.domain));
   };
   if (needs_keys(a) && needs_keys(b)) compare(a, b, settings.domain, out);
   return out;

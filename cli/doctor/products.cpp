@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "governance/doctor/installed.hpp"
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/installed_version.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -58,7 +58,7 @@ doctor::Lineup installed_lineup() {
   return out;
 }
 
-std::unexpected<Error> unknown_vendor(const std::string& word, std::string_view before) {
+std::unexpected<Error> unknown_vendor_error(const std::string& word, std::string_view before) {
   return fail(Code::usage, {.field = "--vendor",
                             .expected = fmt::format("{}cyclonedds, fastdds or ddssec, the first "
                                                     "two with a version if wanted "
@@ -75,7 +75,7 @@ Result<Products> products_of(const Arguments& arguments, Report& report) {
       continue;
     }
     const auto product = doctor::product_from(word);
-    if (!product) return unknown_vendor(word, "all, ");
+    if (!product) return unknown_vendor_error(word, "all, ");
     named.push_back(*product);
   }
   if (named.empty())

@@ -30,6 +30,6 @@ governance::doctor::Version version_of(const governance::doctor::NamedProduct& p
 governance::doctor::Lineup installed_lineup();
 
 /// The error usage for an unknown --vendor. `before` and the vendors are the valid values.
-std::unexpected<Error> unknown_vendor(const std::string& word, std::string_view before);
+std::unexpected<Error> unknown_vendor_error(const std::string& word, std::string_view before);
 
 }  // namespace ddssec::cli

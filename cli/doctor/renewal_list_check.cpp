@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 #include "cli/inputs.hpp"
 #include "governance/read.hpp"
 #include "pki/renewal_list.hpp"
@@ -23,7 +23,7 @@ using doctor::LoadedFolder;
 
 // A file of properties that cannot be read counts as empty here; DOC093 reports it.
 fs::path list_of(const LoadedFolder& folder) {
-  if (!is_there(folder.paths.properties)) return folder.paths.renewals;
+  if (!path_exists(folder.paths.properties)) return folder.paths.renewals;
   const auto properties =
       spi::read_property_file(folder.paths.properties).value_or(spi::PropertyList());
   const auto named = spi::property_value(properties, spi::property::kRenewalList);
@@ -85,7 +85,7 @@ std::string in_words(const Reasons& reasons, std::size_t entries) {
 void check_renewal_list(const LoadedFolder& folder, const doctor::Settings& settings,
                         doctor::Diagnosis& out) {
   const auto file = list_of(folder);
-  if (!is_there(file)) return;
+  if (!path_exists(file)) return;
   out.pass(Rule::DOC115);
   Finding finding{.rule = Rule::DOC115,
                   .message = {},

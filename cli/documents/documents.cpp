@@ -11,8 +11,8 @@
 #include "cli/frame/file_transaction.hpp"
 #include "cli/inputs.hpp"
 #include "governance/lint.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/smime_diagnosis.hpp"
-#include "pki/source.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "cli/documents/documents.hpp"
-#include "governance/doctor/domains.hpp"
+#include "governance/doctor/domains_of_folder.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -9,8 +9,8 @@
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/notices.hpp"
 #include "cli/inputs.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/smime.hpp"
-#include "pki/source.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -11,12 +11,11 @@
 //     }
 //   };
 //
-// The member gives the field its name; field("old", &Change::before) gives another one. made() is a
-// field that a function makes. Listed<T> has the field list of a struct that knows
-// nothing of this file. A struct with kDef ("new_ca") has an entry of its own in the schema's
-// $defs. A value with kDef and a member json() is a leaf that the schema describes by hand. The
-// alternatives of a std::variant are results of one command; kWhen of the second and the later ones
-// says when.
+// The member gives the field its name; field("old", &Change::before) gives another one. computed()
+// is a field that a function makes. Listed<T> has the field list of a struct that knows nothing of
+// this file. A struct with kDef ("new_ca") has an entry of its own in the schema's $defs. A value
+// with kDef and a member json() is a leaf that the schema describes by hand. The alternatives of a
+// std::variant are results of one command; kWhen of the second and the later ones says when.
 #pragma once
 
 #include <algorithm>
@@ -44,16 +43,16 @@ namespace ddssec::cli {
 using Json = nlohmann::ordered_json;
 
 /// What is known about a field besides its type.
-struct Shown {
+struct FieldOptions {
   std::string_view note = {};     ///< for the README: "null: none"
   std::string_view def = {};      ///< the entry of $defs for the value or, of a list, its elements
   std::string_view words = {};    ///< all values that it can have, separated by |
   std::string_view pattern = {};  ///< the regular expression that a text matches
-  bool same = false;              ///< `note` names the struct that has the same members
-  bool apart = false;             ///< the README has a row of its own for the members
-  std::size_t min = 0;  ///< least number of elements, or lowest number (not of std::int64_t)
-  std::size_t max = 0;  ///< the largest number of elements; 0: any number
-  bool absent = false;  ///< an empty std::optional is left out; otherwise it is null
+  bool has_same_members = false;  ///< `note` names the struct that has the same members
+  bool has_own_row = false;       ///< the README has a row of its own for the members
+  std::size_t min = 0;       ///< least number of elements, or lowest number (not of std::int64_t)
+  std::size_t max = 0;       ///< the largest number of elements; 0: any number
+  bool omits_empty = false;  ///< an empty std::optional is left out; otherwise it is null
 };
 
 namespace fields_detail {
@@ -77,54 +76,57 @@ struct Field {
   using Value = T;
   std::string_view name;
   T Owner::*member;
-  Shown shown;
+  FieldOptions options;
 
   const T& of(const Owner& owner) const { return owner.*member; }
 };
 
 template <class Owner, class T>
 requires std::is_object_v<T>
-constexpr Field<Owner, T> field(std::string_view name, T Owner::*member, Shown shown = {}) {
-  return {name, member, shown};
+constexpr Field<Owner, T> field(std::string_view name, T Owner::*member,
+                                FieldOptions options = {}) {
+  return {name, member, options};
 }
 
 /// A field that `make` makes from `Owner`.
 template <class Owner, class Make>
-struct MadeField {
+struct ComputedField {
   using Value = std::remove_cvref_t<std::invoke_result_t<Make, const Owner&>>;
   std::string_view name;
   Make make;
-  Shown shown;
+  FieldOptions options;
 
   decltype(auto) of(const Owner& owner) const { return std::invoke(make, owner); }
 };
 
 template <class Owner, class Make>
-constexpr MadeField<Owner, Make> made(std::string_view name, Make make, Shown shown = {}) {
-  return {name, make, shown};
+constexpr ComputedField<Owner, Make> computed(std::string_view name, Make make,
+                                              FieldOptions options = {}) {
+  return {name, make, options};
 }
 
 /// A field that a member function makes.
 template <class Owner, class T>
-constexpr auto field(std::string_view name, T (Owner::*make)() const, Shown shown = {}) {
-  return made<Owner>(name, make, shown);
+constexpr auto field(std::string_view name, T (Owner::*make)() const, FieldOptions options = {}) {
+  return computed<Owner>(name, make, options);
 }
 
 /// A field that `next` makes from a member. `next` is another member of it, if it is a struct or a
 /// pointer to one, or a function of it.
 template <class Owner, class T, class Next>
 requires std::invocable<Next, const T&>
-constexpr auto field(std::string_view name, T Owner::*member, Next next, Shown shown = {}) {
+constexpr auto field(std::string_view name, T Owner::*member, Next next,
+                     FieldOptions options = {}) {
   const auto make = [member, next](const Owner& owner) -> decltype(auto) {
     return std::invoke(next, owner.*member);
   };
-  return made<Owner>(name, make, shown);
+  return computed<Owner>(name, make, options);
 }
 
 /// A field with the name of its member: field<&Signing::file>().
 template <auto Member>
-constexpr auto field(Shown shown = {}) {
-  return field(fields_detail::name_of<Member>(), Member, shown);
+constexpr auto field(FieldOptions options = {}) {
+  return field(fields_detail::name_of<Member>(), Member, options);
 }
 
 /// A field of a part of `Owner`, which appears among the fields of `Owner` itself.
@@ -134,7 +136,7 @@ struct PartField {
   std::string_view name;
   Part Owner::*part;
   OfPart inner;
-  Shown shown;
+  FieldOptions options;
 
   decltype(auto) of(const Owner& owner) const {
     if constexpr (std::is_pointer_v<Part>)
@@ -165,7 +167,7 @@ constexpr auto fields_within(Part Owner::*part) {
   return std::apply(
       [&](const auto&... inner) {
         return std::tuple(PartField<Owner, Part, std::remove_cvref_t<decltype(inner)>>{
-            inner.name, part, inner, inner.shown}...);
+            inner.name, part, inner, inner.options}...);
       },
       fields_detail::ListOf<std::remove_cvref_t<std::remove_pointer_t<Part>>>::fields());
 }
@@ -183,11 +185,11 @@ template <template <class...> class Template, class... Ts>
 inline constexpr bool kIsA<Template<Ts...>, Template> = true;
 
 template <class T>
-constexpr std::string_view def_of(const Shown& shown) {
+constexpr std::string_view def_of(const FieldOptions& options) {
   if constexpr (requires { ListOf<T>::kDef; })
     return ListOf<T>::kDef;
-  else if (!shown.def.empty())
-    return shown.def;
+  else if (!options.def.empty())
+    return options.def;
   else if constexpr (std::same_as<T, std::filesystem::path>)
     return "path";
   else if constexpr (std::same_as<T, WallTime>)
@@ -217,7 +219,7 @@ Json to_json(const T& value) {
     const auto add = [&](const auto& one) {
       const auto& held = one.of(value);
       if constexpr (kIsA<std::remove_cvref_t<decltype(held)>, std::optional>)
-        if (one.shown.absent && !held) return;
+        if (one.options.omits_empty && !held) return;
       out[std::string(one.name)] = to_json(held);
     };
     std::apply([&](const auto&... all) { (add(all), ...); }, ListOf<T>::fields());
@@ -242,7 +244,7 @@ Json to_json(const T& value) {
 }
 
 template <class T>
-Json schema_of(const Shown& shown = {});
+Json schema_of(const FieldOptions& options = {});
 
 /// The schema of the struct itself, even if it has an entry of its own in $defs.
 template <HasFields T>
@@ -250,9 +252,9 @@ Json object_schema() {
   using namespace fields_detail;
   Json required = Json::array(), properties = Json::object();
   const auto add = [&](const auto& one) {
-    if (!one.shown.absent) required.push_back(one.name);
+    if (!one.options.omits_empty) required.push_back(one.name);
     properties[std::string(one.name)] =
-        schema_of<typename std::remove_cvref_t<decltype(one)>::Value>(one.shown);
+        schema_of<typename std::remove_cvref_t<decltype(one)>::Value>(one.options);
   };
   std::apply([&](const auto&... all) { (add(all), ...); }, ListOf<T>::fields());
   return {{"type", "object"},
@@ -269,21 +271,21 @@ Json alternatives(std::type_identity<std::variant<Ts...>>) {
 }
 
 template <class T>
-Json text_schema(const Shown& shown) {
+Json text_schema(const FieldOptions& options) {
   static_assert(
       std::convertible_to<T, std::string_view> || std::is_enum_v<T> || !def_of<T>({}).empty(),
       "a type without a schema: give it fields()");
-  if (!shown.words.empty()) return {{"enum", words_json(shown.words)}};
+  if (!options.words.empty()) return {{"enum", words_json(options.words)}};
   Json out = {{"type", "string"}};
-  if (!shown.pattern.empty()) out["pattern"] = shown.pattern;
+  if (!options.pattern.empty()) out["pattern"] = options.pattern;
   return out;
 }
 
 template <class T>
-Json list_schema(const Shown& shown) {
-  Json out = {{"type", "array"}, {"items", schema_of<typename T::value_type>(shown)}};
-  if (shown.min > 0) out["minItems"] = shown.min;
-  if (shown.max > 0) out["maxItems"] = shown.max;
+Json list_schema(const FieldOptions& options) {
+  Json out = {{"type", "array"}, {"items", schema_of<typename T::value_type>(options)}};
+  if (options.min > 0) out["minItems"] = options.min;
+  if (options.max > 0) out["maxItems"] = options.max;
   return out;
 }
 
@@ -291,16 +293,16 @@ Json list_schema(const Shown& shown) {
 
 /// The schema of a value of this type.
 template <class T>
-Json schema_of(const Shown& shown) {
+Json schema_of(const FieldOptions& options) {
   using namespace fields_detail;
   if constexpr (kIsA<T, std::optional>) {
-    auto inner = schema_of<typename T::value_type>(shown);
-    if (shown.absent) return inner;
+    auto inner = schema_of<typename T::value_type>(options);
+    if (options.omits_empty) return inner;
     return {{"anyOf", Json::array({Json{{"type", "null"}}, std::move(inner)})}};
   } else if constexpr (kIsA<T, std::vector>) {
-    return list_schema<T>(shown);
+    return list_schema<T>(options);
   } else {
-    if (const auto def = def_of<T>(shown); !def.empty())
+    if (const auto def = def_of<T>(options); !def.empty())
       return {{"$ref", "#/$defs/" + std::string(def)}};
     if constexpr (HasFields<T>)
       return object_schema<T>();
@@ -311,13 +313,13 @@ Json schema_of(const Shown& shown) {
     else if constexpr (std::same_as<T, std::int64_t>)
       return {{"type", "integer"}};
     else if constexpr (std::integral<T>)
-      return {{"type", "integer"}, {"minimum", shown.min}};
+      return {{"type", "integer"}, {"minimum", options.min}};
     else if constexpr (std::floating_point<T>)
       return {{"type", "number"}};
     else if constexpr (std::same_as<T, Json>)
-      return Json::object();  // any value; Shown::def names its schema
+      return Json::object();  // any value; FieldOptions::def names its schema
     else
-      return text_schema<T>(shown);
+      return text_schema<T>(options);
   }
 }
 
@@ -363,10 +365,10 @@ std::string members_of();
 namespace fields_detail {
 
 template <class Value>
-std::string member_words(std::string_view name, const Shown& shown) {
-  std::string inside(shown.note);
+std::string member_words(std::string_view name, const FieldOptions& options) {
+  std::string inside(options.note);
   if constexpr (HasFields<typename Inner<Value>::Type>) {
-    if (!shown.same && !shown.apart) {
+    if (!options.has_same_members && !options.has_own_row) {
       if (!inside.empty()) inside += "; ";
       if (Inner<Value>::kIsList) inside += "each: ";
       inside += members_of<typename Inner<Value>::Type>();
@@ -400,7 +402,7 @@ std::string members_of() {
     std::string out;
     const auto add = [&](const auto& one) {
       using Value = typename std::remove_cvref_t<decltype(one)>::Value;
-      out += (out.empty() ? "" : ", ") + member_words<Value>(one.name, one.shown);
+      out += (out.empty() ? "" : ", ") + member_words<Value>(one.name, one.options);
     };
     std::apply([&](const auto&... all) { (add(all), ...); }, ListOf<T>::fields());
     return out;
@@ -414,7 +416,7 @@ void add_rows(Json& out) {
   const auto add = [&](const auto& one) {
     using Struct = typename Inner<typename std::remove_cvref_t<decltype(one)>::Value>::Type;
     if constexpr (HasFields<Struct>) {
-      if (one.shown.apart) out[std::string(one.name)] = members_of<Struct>();
+      if (one.options.has_own_row) out[std::string(one.name)] = members_of<Struct>();
       add_rows<Struct>(out);
     }
   };

@@ -39,7 +39,8 @@ std::string holder_of(int file) {
 // False for 0 (a process of another container) and for -1, which name no process.
 bool is_process(const std::string& pid) { return !pid.empty() && pid != "0" && pid[0] != '-'; }
 
-std::unexpected<Error> still_locked(int file, const fs::path& path, std::chrono::seconds timeout) {
+std::unexpected<Error> still_locked_error(int file, const fs::path& path,
+                                          std::chrono::seconds timeout) {
   const auto pid = holder_of(file);
   struct stat process {};
   std::string holder = "another process";
@@ -74,9 +75,9 @@ Status lock_file(int file, const fs::path& path, std::chrono::seconds timeout) {
   constexpr std::chrono::milliseconds kPause{20};
   const auto end = Clock::now() + timeout;
   while (::flock(file, LOCK_EX | LOCK_NB) != 0) {
-    if (errno != EWOULDBLOCK && errno != EINTR) return unwritable(path, errno);
+    if (errno != EWOULDBLOCK && errno != EINTR) return unwritable_error(path, errno);
     DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
-    if (Clock::now() >= end) return still_locked(file, path, timeout);
+    if (Clock::now() >= end) return still_locked_error(file, path, timeout);
     std::this_thread::sleep_for(kPause);
   }
   return {};
@@ -115,7 +116,7 @@ std::vector<std::weak_ptr<FileLock::Held>>& FileLock::all() {
 Result<FileLock> FileLock::of(const fs::path& path) {
   while (true) {
     const int file = open_for_lock(path);
-    if (file < 0) return unwritable(path, errno);
+    if (file < 0) return unwritable_error(path, errno);
     const auto opened = std::make_shared<Held>(file);
     for (const auto& other : all())
       if (auto held = other.lock(); held && is_same_file(held->file(), file)) return FileLock(held);

@@ -13,7 +13,7 @@
 
 #include "cli/frame/file_lock.hpp"
 #include "cli/frame/held_folder.hpp"
-#include "cli/frame/leftovers.hpp"
+#include "cli/frame/stale_drafts.hpp"
 #include "pki/issue_log.hpp"
 
 namespace ddssec::cli {
@@ -28,7 +28,7 @@ Result<fs::path> write_draft(const fs::path& target, BytesView octets, unsigned 
   constexpr int kMaxTries = 100;
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   FilePlace at{folder_descriptor(folder_of(target)), {}};
-  if (at.folder < 0) return unwritable(target, errno);
+  if (at.folder < 0) return unwritable_error(target, errno);
   const auto beginning = fmt::format("{}.{}", target.filename().string(), process_mark());
   at.path = beginning + ".new";
   auto file = open_new(at, mode);
@@ -36,10 +36,10 @@ Result<fs::path> write_draft(const fs::path& target, BytesView octets, unsigned 
     at.path = fmt::format("{}.{}.new", beginning, i);
     file = open_new(at, mode);
   }
-  if (!file) return unwritable(target, errno);
+  if (!file) return unwritable_error(target, errno);
   if (const int error = keep_owner(file.number(), at.folder, target, mode); error != 0) {
     ::unlinkat(at.folder, at.path.c_str(), 0);
-    return unwritable(target, error);
+    return unwritable_error(target, error);
   }
   DDSSEC_RETURN_IF_ERROR(write_and_close(std::move(file), at, target, octets, Flush::now));
   return target.parent_path() / at.path;
@@ -75,7 +75,7 @@ std::expected<mode_t, int> kind_at(const fs::path& target) {
   return std::unexpected(errno);
 }
 
-std::unexpected<Error> draft_lost(const Draft& draft) {
+std::unexpected<Error> draft_lost_error(const Draft& draft) {
   return fail(Code::file_unwritable,
               {.document = draft.target,
                .note = "another user or program removed the new file before it got its place"});
@@ -96,10 +96,10 @@ Status check_can_be_put(const Draft& draft) {
   const auto is_at = [&](const fs::path& path) {
     return ::fstatat(folder, path.filename().c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0;
   };
-  if (!is_at(draft.draft) || !S_ISREG(status.st_mode)) return draft_lost(draft);
+  if (!is_at(draft.draft) || !S_ISREG(status.st_mode)) return draft_lost_error(draft);
   if (!is_at(draft.target)) return {};
-  if (S_ISDIR(status.st_mode)) return unwritable(draft.target, EISDIR);
-  return is_protected(folder, status) ? unwritable(draft.target, EPERM) : Status();
+  if (S_ISDIR(status.st_mode)) return unwritable_error(draft.target, EISDIR);
+  return is_protected(folder, status) ? unwritable_error(draft.target, EPERM) : Status();
 }
 
 bool has_begun(const std::vector<Draft>& drafts) {
@@ -174,13 +174,13 @@ Result<WrittenFile> write_link(const fs::path& target, const fs::path& to) {
   DDSSEC_RETURN_IF_ERROR(check_nothing_at(target));
   if (!writes_nothing() &&
       ::symlinkat(to.c_str(), folder_descriptor(folder_of(target)), target.filename().c_str()) != 0)
-    return unwritable(target, errno);
+    return unwritable_error(target, errno);
   return out;
 }
 
 Status FileTransaction::put(const fs::path& target, BytesView octets, unsigned mode, Links links) {
   const auto kind = kind_at(target);
-  if (!kind) return unwritable(target, kind.error());
+  if (!kind) return unwritable_error(target, kind.error());
   const bool may_go = *kind == S_IFLNK && links == Links::replaced;
   if (*kind != 0 && *kind != S_IFREG && !may_go)
     return fail(Code::would_overwrite, {.document = target, .note = "it is not a plain file"});
@@ -214,8 +214,9 @@ Result<std::vector<WrittenFile>> FileTransaction::commit() {
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   const auto drafts = all_drafts();
   if (drafts.size() < 2) return put_in_place(nullptr);
-  DDSSEC_ASSIGN_OR_RETURN(auto intent, Intent::write(folder_of(drafts.front().target), drafts));
-  return put_in_place(&intent);
+  DDSSEC_ASSIGN_OR_RETURN(auto pending,
+                          PendingRenames::write(folder_of(drafts.front().target), drafts));
+  return put_in_place(&pending);
 }
 
 Result<std::vector<WrittenFile>> FileTransaction::commit_each() {
@@ -232,18 +233,18 @@ Status FileTransaction::put_in_place(Folder& folder) {
   for (auto& draft : folder.drafts) {
     if (draft.draft.empty()) continue;
     if (const int error = rename_draft(draft, 0); error != 0)
-      return is_waiting(draft) ? unwritable(draft.target, error) : draft_lost(draft);
+      return is_waiting(draft) ? unwritable_error(draft.target, error) : draft_lost_error(draft);
     draft.draft.clear();
   }
   remove_former_drafts(folder.drafts);
   return {};
 }
 
-Result<std::vector<WrittenFile>> FileTransaction::put_in_place(Intent* intent) {
-  const bool may_leave = intent != nullptr && intent->is_believed();
+Result<std::vector<WrittenFile>> FileTransaction::put_in_place(PendingRenames* pending) {
+  const bool may_leave = pending != nullptr && pending->is_trusted();
   if (auto own = put_in_place(folders_.front()); !own) {
     if (may_leave && has_begun(folders_.front().drafts)) {
-      intent->keep();
+      pending->leave_for_next_command();
       folders_.clear();
     }
     return std::unexpected(std::move(own).error());
@@ -257,7 +258,7 @@ Result<std::vector<WrittenFile>> FileTransaction::put_in_place(Intent* intent) {
       failures_.push_back({folder.name, std::move(put).error()});
     }
     if (!may_leave || !are_there(folder.drafts)) continue;
-    intent->keep();
+    pending->leave_for_next_command();
     folder.drafts.clear();
   }
   return files;
@@ -273,14 +274,15 @@ Status append_lines(const fs::path& target, std::string_view lines, const fs::pa
   DDSSEC_ASSIGN_OR_RETURN(const auto held, FileLock::of(lock));
   const FileDescriptor file(
       ::open(target.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644));
-  if (!file) return unwritable(target, errno);
+  if (!file) return unwritable_error(target, errno);
   const auto end = end_of_log(file.number());
   if (!end || ::ftruncate(file.number(), end->at) != 0 ||
       ::lseek(file.number(), end->at, SEEK_SET) != end->at)
-    return unwritable(target, errno);
+    return unwritable_error(target, errno);
   const auto text = (end->lacks_line_end ? "\n" : "") + std::string(lines);
   const int error = write_all(file.number(), as_bytes(text));
-  if (error != 0 || ::fsync(file.number()) != 0) return unwritable(target, error ? error : errno);
+  if (error != 0 || ::fsync(file.number()) != 0)
+    return unwritable_error(target, error ? error : errno);
   return {};
 }
 
@@ -291,7 +293,7 @@ Result<WrittenFile> write_new_file(const fs::path& target, BytesView octets, uns
   const Draft draft{std::move(draft_file), target};
   if (const int error = rename_draft(draft, RENAME_NOREPLACE); error != 0) {
     remove_draft(draft);
-    return rename_failed(target, error);
+    return rename_failed_error(target, error);
   }
   const auto in_folder = target_in_open_folder(target);
   remove_drafts_of({&in_folder, 1});

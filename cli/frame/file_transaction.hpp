@@ -12,8 +12,8 @@
 #include "base/bytes.hpp"
 #include "cli/frame/interruption.hpp"
 #include "cli/frame/new_file.hpp"
+#include "cli/frame/rename_recovery.hpp"
 #include "cli/frame/report.hpp"
-#include "cli/frame/unfinished.hpp"
 
 namespace ddssec::cli {
 
@@ -70,7 +70,7 @@ class FileTransaction {
   };
 
   static Status put_in_place(Folder& folder);
-  Result<std::vector<WrittenFile>> put_in_place(Intent* intent);
+  Result<std::vector<WrittenFile>> put_in_place(PendingRenames* pending);
   std::vector<Draft> all_drafts() const;
   std::vector<Folder> folders_ = {{}};  ///< the first one has the files that belong to no folder
   std::vector<Failure> failures_;

@@ -17,7 +17,7 @@ fs::path without_slash(const fs::path& path) {
   return path.has_filename() ? path : path.parent_path();
 }
 
-std::string about_missing(const fs::path& missing) {
+std::string missing_path_hint(const fs::path& missing) {
   constexpr std::size_t kMaxNames = 1'000;  // the number of names that are compared
   const auto plain = without_slash(missing);
   const auto folder = plain.has_parent_path() ? plain.parent_path() : fs::path(".");

@@ -11,6 +11,6 @@ std::filesystem::path without_slash(const std::filesystem::path& path);
 
 /// A possible error in the path of a missing file: its folder does not exist, or its name is
 /// similar to that of another file. Empty if neither.
-std::string about_missing(const std::filesystem::path& missing);
+std::string missing_path_hint(const std::filesystem::path& missing);
 
 }  // namespace ddssec::cli

@@ -26,7 +26,7 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-std::unexpected<Error> unwritable(const fs::path& path, int error) {
+std::unexpected<Error> unwritable_error(const fs::path& path, int error) {
   const auto folder = folder_of(path);
   std::error_code ignored;
   ErrorDetails details{.document = path, .note = errno_text(error)};
@@ -41,20 +41,20 @@ std::unexpected<Error> unwritable(const fs::path& path, int error) {
   return fail(Code::file_unwritable, std::move(details));
 }
 
-std::unexpected<Error> rename_failed(const fs::path& target, int error) {
+std::unexpected<Error> rename_failed_error(const fs::path& target, int error) {
   if (error == EEXIST || error == ENOTEMPTY)
     return fail(Code::would_overwrite, {.document = target});
-  return unwritable(target, error);
+  return unwritable_error(target, error);
 }
 
 Status check_nothing_at(const fs::path& path) {
   std::error_code error;
   const auto type = fs::symlink_status(path, error).type();
-  if (error == std::errc::not_a_directory) return unwritable(path, ENOTDIR);
+  if (error == std::errc::not_a_directory) return unwritable_error(path, ENOTDIR);
   if (type == fs::file_type::not_found)
-    return fs::exists(folder_of(path), error) ? Status() : unwritable(path, ENOENT);
+    return fs::exists(folder_of(path), error) ? Status() : unwritable_error(path, ENOENT);
   // The name may be too long, or the folder may not be accessible.
-  if (type == fs::file_type::none) return unwritable(path, error.value());
+  if (type == fs::file_type::none) return unwritable_error(path, error.value());
   return fail(Code::would_overwrite, {.document = path});
 }
 
@@ -78,7 +78,7 @@ Status write_and_close(FileDescriptor file, const FilePlace& at, const fs::path&
   if (error == 0 && flush == Flush::now && ::fsync(file.number()) != 0) error = errno;
   if (::close(file.release()) == 0 && error == 0) return {};
   ::unlinkat(at.folder, at.path.c_str(), 0);
-  return unwritable(meant, error != 0 ? error : EIO);
+  return unwritable_error(meant, error != 0 ? error : EIO);
 }
 
 WrittenFile written(const fs::path& path, BytesView octets, unsigned mode) {

@@ -21,10 +21,10 @@ bool writes_nothing();
 /// The folder of a path; "." for a bare name.
 std::filesystem::path folder_of(const std::filesystem::path& path);
 /// The error file_unwritable for a path, by errno; it reports a missing folder.
-std::unexpected<Error> unwritable(const std::filesystem::path& path, int error);
+std::unexpected<Error> unwritable_error(const std::filesystem::path& path, int error);
 /// The error of a rename that must not replace anything, by errno: would_overwrite or
 /// file_unwritable.
-std::unexpected<Error> rename_failed(const std::filesystem::path& target, int error);
+std::unexpected<Error> rename_failed_error(const std::filesystem::path& target, int error);
 /// Success if there is nothing at the path, not even a dangling link, and its folder exists.
 /// Errors: would_overwrite, file_unwritable.
 Status check_nothing_at(const std::filesystem::path& path);

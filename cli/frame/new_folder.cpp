@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "cli/frame/held_folder.hpp"
-#include "cli/frame/leftovers.hpp"
+#include "cli/frame/stale_drafts.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -28,7 +28,7 @@ std::string random_letters() {
   return out;
 }
 
-std::unexpected<Error> exchanged(const fs::path& target) {
+std::unexpected<Error> exchanged_folder_error(const fs::path& target) {
   return fail(Code::file_unwritable,
               {.document = target,
                .note = "another user or program exchanged the unfinished folder",
@@ -36,9 +36,10 @@ std::unexpected<Error> exchanged(const fs::path& target) {
 }
 
 // In an open folder, only another process can remove a folder or put a link there.
-std::unexpected<Error> unwritable_in(const fs::path& target, const fs::path& name, int error) {
-  if (error == ENOENT || error == ELOOP || error == ENOTDIR) return exchanged(target);
-  return unwritable(target / name, error);
+std::unexpected<Error> unwritable_in_folder_error(const fs::path& target, const fs::path& name,
+                                                  int error) {
+  if (error == ENOENT || error == ELOOP || error == ENOTDIR) return exchanged_folder_error(target);
+  return unwritable_error(target / name, error);
 }
 
 bool is_empty(int folder) {
@@ -77,20 +78,20 @@ bool is_of_owner_of(int file, int folder) {
 Result<NewFolder::Staging> NewFolder::make_staging(const fs::path& target) {
   constexpr int kMaxTries = 100;
   const int parent = folder_descriptor(folder_of(target));
-  if (parent < 0) return unwritable(target, errno);
+  if (parent < 0) return unwritable_error(target, errno);
   Staging out{.parent = parent, .name = {}, .folder = FileDescriptor()};
   for (int i = 0, made = -1; made != 0; ++i) {
     out.name =
         fmt::format(".{}.{}.{}", target.filename().string(), process_mark(), random_letters());
     made = ::mkdirat(parent, out.name.c_str(), 0700);
-    if (made != 0 && (errno != EEXIST || i >= kMaxTries)) return unwritable(target, errno);
+    if (made != 0 && (errno != EEXIST || i >= kMaxTries)) return unwritable_error(target, errno);
   }
   out.folder = open_folder_in(parent, out.name);
   if (out.folder && is_empty(out.folder.number())) return out;
-  if (out.folder) return exchanged(target);
+  if (out.folder) return exchanged_folder_error(target);
   const int error = errno;
   ::unlinkat(parent, out.name.c_str(), AT_REMOVEDIR);
-  return unwritable_in(target, {}, error);
+  return unwritable_in_folder_error(target, {}, error);
 }
 
 Result<NewFolder> NewFolder::at(const fs::path& given) {
@@ -110,10 +111,10 @@ Result<FileDescriptor> NewFolder::open_folder_of(const fs::path& name) const {
     if (!at) break;
     const unsigned mode = part == "private" ? 0700 : 0755;
     if (::mkdirat(at.number(), part.c_str(), mode) != 0 && errno != EEXIST)
-      return unwritable_in(target_, name, errno);
+      return unwritable_in_folder_error(target_, name, errno);
     at = open_folder_in(at.number(), part);
   }
-  if (!at) return unwritable_in(target_, name, errno);
+  if (!at) return unwritable_in_folder_error(target_, name, errno);
   return at;
 }
 
@@ -122,11 +123,11 @@ Status NewFolder::create(const fs::path& name, BytesView octets, unsigned mode) 
   DDSSEC_ASSIGN_OR_RETURN(const auto folder, open_folder_of(name));
   const FilePlace at{folder.number(), name.filename()};
   auto file = open_new(at, mode);
-  if (!file) return unwritable_in(target_, name, errno);
+  if (!file) return unwritable_in_folder_error(target_, name, errno);
   if (is_of_owner_of(file.number(), folder.number()))
     return write_and_close(std::move(file), at, target_ / name, octets, Flush::later);
   ::unlinkat(at.folder, at.path.c_str(), 0);
-  return exchanged(target_);
+  return exchanged_folder_error(target_);
 }
 
 Status NewFolder::add(const fs::path& name, BytesView octets, unsigned mode) {
@@ -144,7 +145,7 @@ Status NewFolder::link(const fs::path& name, const fs::path& to) {
   if (!staging_) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto folder, open_folder_of(name));
   if (::symlinkat(to.c_str(), folder.number(), name.filename().c_str()) == 0) return {};
-  return unwritable_in(target_, name, errno);
+  return unwritable_in_folder_error(target_, name, errno);
 }
 
 // A few files are flushed separately; for a fleet one call for the whole file system is much
@@ -152,12 +153,13 @@ Status NewFolder::link(const fs::path& name, const fs::path& to) {
 Status NewFolder::flush() const {
   constexpr std::size_t kFew = 32;
   if (names_.size() > kFew)
-    return ::syncfs(staging_->folder.number()) == 0 ? Status() : unwritable(target_, errno);
+    return ::syncfs(staging_->folder.number()) == 0 ? Status() : unwritable_error(target_, errno);
   for (const auto& name : names_) {
     DDSSEC_ASSIGN_OR_RETURN(const auto folder, open_folder_of(name));
     const FileDescriptor file(::openat(folder.number(), name.filename().c_str(),
                                        O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
-    if (!file || ::fsync(file.number()) != 0) return unwritable_in(target_, name, errno);
+    if (!file || ::fsync(file.number()) != 0)
+      return unwritable_in_folder_error(target_, name, errno);
   }
   return {};
 }
@@ -166,10 +168,10 @@ Status NewFolder::flush() const {
 Status NewFolder::put_in_place() {
   const auto& [parent, name, folder, drafting] = *staging_;
   const std::string final_name = target_.filename();
-  if (!is_at(parent, name, folder.number())) return exchanged(target_);
+  if (!is_at(parent, name, folder.number())) return exchanged_folder_error(target_);
   if (::renameat2(parent, name.c_str(), parent, final_name.c_str(), RENAME_NOREPLACE) != 0)
-    return rename_failed(target_, errno);
-  return is_at(parent, final_name, folder.number()) ? Status() : exchanged(target_);
+    return rename_failed_error(target_, errno);
+  return is_at(parent, final_name, folder.number()) ? Status() : exchanged_folder_error(target_);
 }
 
 Result<std::vector<WrittenFile>> NewFolder::commit() {

@@ -14,12 +14,13 @@
 namespace ddssec::cli {
 namespace {
 
-std::unexpected<Error> wrong(std::string note) {
+std::unexpected<Error> wrong_usage_error(std::string note) {
   return fail(Code::usage, {.note = std::move(note)});
 }
 
-std::unexpected<Error> unknown(std::string_view word, const std::vector<std::string>& guesses) {
-  return wrong("\"" + std::string(word) + "\" is unknown here" + did_you_mean(guesses));
+std::unexpected<Error> unknown_word_error(std::string_view word,
+                                          const std::vector<std::string>& guesses) {
+  return wrong_usage_error("\"" + std::string(word) + "\" is unknown here" + did_you_mean(guesses));
 }
 
 std::string listed(const std::vector<std::string>& names) {
@@ -54,7 +55,7 @@ class CommandLine {
     try {
       app_.parse(std::move(reversed));
     } catch (const CLI::ParseError& error) {
-      return explained(error);
+      return parse_error(error);
     }
     return Arguments(values());
   }
@@ -96,7 +97,7 @@ class CommandLine {
       const std::string_view name = std::string_view(word).substr(0, word.find('='));
       const bool ends_there = name.starts_with("--") && name.size() + 1 == word.size();
       if (ends_there && std::ranges::find(slots_, name, &Slot::name) != slots_.end())
-        return wrong(
+        return wrong_usage_error(
             fmt::format("nothing follows \"{}\"; an empty value is written {} ''", word, name));
     }
     return {};
@@ -122,17 +123,18 @@ class CommandLine {
       if (has_letter) name = name.substr(0, 2);  // "-oFILE"
       const auto* option = looks_like_one ? option_named(name) : nullptr;
       if (waits != nullptr && option != nullptr)
-        return wrong(
+        return wrong_usage_error(
             fmt::format("no value follows \"{0}\": \"{1}\" is an option; if it is meant as "
                         "the value, write {0}={1}",
                         waits->name, word));
       const bool is_value = waits != nullptr;
       waits = nullptr;
       if (is_value || !looks_like_one) continue;
-      if (option == nullptr) return unknown(name, options_like(name, command_));
+      if (option == nullptr) return unknown_word_error(name, options_like(name, command_));
       if (!option->value.empty() && name.size() == word.size()) waits = option;
     }
-    if (waits != nullptr) return wrong(fmt::format("no value follows \"{}\"", waits->name));
+    if (waits != nullptr)
+      return wrong_usage_error(fmt::format("no value follows \"{}\"", waits->name));
     return {};
   }
 
@@ -172,7 +174,7 @@ class CommandLine {
     return slot != slots_.end() && slot->option->count() > 0;
   }
 
-  std::unexpected<Error> explained(const CLI::ParseError& error) const {
+  std::unexpected<Error> parse_error(const CLI::ParseError& error) const {
     const auto lacking = missing();
     const auto rest = app_.remaining();
     std::string extra;
@@ -181,10 +183,11 @@ class CommandLine {
     if (!extra.empty())
       extra += rest.size() == 1 ? " is one argument too many" : " are arguments too many";
     if (rest.size() == 1) extra += instead_of_one_more(command_.full_name());
-    if (lacking.empty()) return wrong(extra.empty() ? std::string(error.what()) : extra);
-    return wrong(fmt::format("missing argument{} {}{}{}; for example: {}",
-                             lacking.size() == 1 ? "" : "s", listed(lacking),
-                             extra.empty() ? "" : "; ", extra, command_.examples.front()));
+    if (lacking.empty())
+      return wrong_usage_error(extra.empty() ? std::string(error.what()) : extra);
+    return wrong_usage_error(
+        fmt::format("missing argument{} {}{}{}; for example: {}", lacking.size() == 1 ? "" : "s",
+                    listed(lacking), extra.empty() ? "" : "; ", extra, command_.examples.front()));
   }
 
   // The words of a table are accepted in any letter case, also before the version of a product.
@@ -279,18 +282,19 @@ Result<ParsedCommand> parse(std::span<const std::string> given) {
   }
   if (words.empty() || words[0].starts_with("-"))
     return asks_for_help(words) ? Result<ParsedCommand>(help_request(""))
-                                : wrong("no command is given");
+                                : wrong_usage_error("no command is given");
   const Command* command = find(words[0]);
   std::size_t used = 1;
   if (command == nullptr) {
-    if (help_on(words[0]).empty()) return unknown(words[0], commands_like(words));
+    if (help_on(words[0]).empty()) return unknown_word_error(words[0], commands_like(words));
     if (words.size() > 1 && (command = find(words[0] + " " + words[1])) != nullptr) used = 2;
   }
   if (asks_for_help(words)) return help_request(command ? command->full_name() : words[0]);
   if (command == nullptr)
     return words.size() > 1 && !words[1].starts_with("-")
-               ? unknown(words[1], commands_like(words))
-               : wrong("\"" + words[0] + "\" needs a second word: " + second_words(words[0]));
+               ? unknown_word_error(words[1], commands_like(words))
+               : wrong_usage_error("\"" + words[0] +
+                                   "\" needs a second word: " + second_words(words[0]));
   CommandLine line(*command);
   ParsedCommand out;
   DDSSEC_ASSIGN_OR_RETURN(out.arguments, line.parse(std::span(words).subspan(used)));

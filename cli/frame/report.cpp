@@ -138,7 +138,7 @@ Json to_array(const std::vector<T>& values) {
 std::string hint_of(const Error& error, const std::string& help_on) {
   const auto& details = error.details();
   if (error.code() == Code::file_not_found && details.hint.empty())
-    if (const auto words = about_missing(details.document); !words.empty())
+    if (const auto words = missing_path_hint(details.document); !words.empty())
       return fmt::format("{}: {}", tool_hint_of(error.code()), words);
   const auto own = tool_hint_of(error.code());
   if (!error.details().hint.empty() || own.empty()) {

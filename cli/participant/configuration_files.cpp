@@ -9,7 +9,7 @@
 #include "base/text.hpp"
 #include "cli/inputs.hpp"
 #include "governance/doctor/shell_word.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -94,7 +94,7 @@ Result<std::vector<ConfigurationFile>> missing_configuration_files(
   std::vector<ConfigurationFile> out;
   for (auto& wanted : configuration_files(folder, dropin)) {
     const auto file = folder.folder / wanted.name;
-    if (!is_there(file)) {
+    if (!path_exists(file)) {
       out.push_back(std::move(wanted));
     } else if (wanted.name == kCycloneDdsFile && !dropin.empty()) {
       DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxDocumentOctets));

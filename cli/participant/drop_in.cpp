@@ -16,7 +16,8 @@ constexpr auto kWhere =
     "name the folder that has ddssec's three libdds_security_*.so: lib/ddssec/dropin of an "
     "installation, build/release/dropin of a build";
 
-std::unexpected<Error> unusable(const fs::path& folder, std::string note, std::string hint) {
+std::unexpected<Error> unusable_folder_error(const fs::path& folder, std::string note,
+                                             std::string hint) {
   return fail(Code::usage, {.field = "--dropin",
                             .found = folder.string(),
                             .note = std::move(note),
@@ -36,9 +37,10 @@ Status check_libraries(const fs::path& folder) {
     const auto file = folder / fmt::format("libdds_security_{}.so", name);
     std::error_code ignored;
     if (!fs::is_regular_file(file, ignored))
-      return unusable(folder, "it has no " + file.filename().string(), kWhere);
+      return unusable_folder_error(folder, "it has no " + file.filename().string(), kWhere);
     if (!governance::doctor::is_ours(file))
-      return unusable(folder, "its " + file.filename().string() + " is not ddssec's", kWhere);
+      return unusable_folder_error(folder, "its " + file.filename().string() + " is not ddssec's",
+                                   kWhere);
   }
   return {};
 }
@@ -51,13 +53,13 @@ Result<fs::path> drop_in_of(const Arguments& arguments) {
   std::error_code error;
   const auto whole = fs::absolute(given, error).lexically_normal();
   if (given.empty() || error || !is_plain(whole.string()))
-    return unusable(given, "a configuration cannot name it",
-                    "choose a folder without $, \\, \", &, <, > and ` in its path");
+    return unusable_folder_error(given, "a configuration cannot name it",
+                                 "choose a folder without $, \\, \", &, <, > and ` in its path");
   if (fs::exists(whole, error)) {
     DDSSEC_RETURN_IF_ERROR(check_libraries(whole));
   } else if (given.is_relative()) {
-    return unusable(given, "there is no such folder here",
-                    "name a folder of another machine by its whole path");
+    return unusable_folder_error(given, "there is no such folder here",
+                                 "name a folder of another machine by its whole path");
   }
   return whole;
 }

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "cli/inputs.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 namespace ddssec::cli {
 namespace {

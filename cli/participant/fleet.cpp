@@ -12,7 +12,7 @@
 #include <toml++/toml.h>
 
 #include "cli/frame/suggestions.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -33,8 +33,8 @@ class Table {
  public:
   Table(const toml::table& table, const fs::path& file) : table_(table), file_(file) {}
 
-  std::unexpected<Error> wrong(std::string field, std::string expected,
-                               const toml::node* where = nullptr) const {
+  std::unexpected<Error> malformed_error(std::string field, std::string expected,
+                                         const toml::node* where = nullptr) const {
     return fail(Code::fleet_malformed,
                 {.document = file_,
                  .line = static_cast<int>((where ? where : &table_)->source().begin.line),
@@ -48,10 +48,10 @@ class Table {
     for (const auto& [key, value] : table_) {
       if (std::ranges::find(known, key.str()) != known.end()) continue;
       const auto near = nearest_key(key.str(), known);
-      return wrong(std::string(key.str().substr(0, 64)),
-                   fmt::format("one of {}{}", fmt::join(known, ", "),
-                               near.empty() ? "" : did_you_mean({near})),
-                   &value);
+      return malformed_error(std::string(key.str().substr(0, 64)),
+                             fmt::format("one of {}{}", fmt::join(known, ", "),
+                                         near.empty() ? "" : did_you_mean({near})),
+                             &value);
     }
     return {};
   }
@@ -61,7 +61,7 @@ class Table {
     const auto* node = table_.get(key);
     if (node == nullptr) return {};
     const auto value = node->value_exact<std::string>();
-    if (!value) return wrong(std::string(key), "a text", node);
+    if (!value) return malformed_error(std::string(key), "a text", node);
     out = *value;
     return {};
   }
@@ -71,9 +71,9 @@ class Table {
     if (node == nullptr) return {};
     const auto value = node->value_exact<std::int64_t>();
     if (!value || *value < lowest || highest < *value)
-      return wrong(std::string(key),
-                   "a number from " + std::to_string(lowest) + " to " + std::to_string(highest),
-                   node);
+      return malformed_error(
+          std::string(key),
+          "a number from " + std::to_string(lowest) + " to " + std::to_string(highest), node);
     out = static_cast<int>(*value);
     return {};
   }
@@ -82,11 +82,11 @@ class Table {
     const auto* node = table_.get(key);
     if (node == nullptr) return {};
     const auto* array = node->as_array();
-    if (array == nullptr) return wrong(std::string(key), "a list of texts", node);
+    if (array == nullptr) return malformed_error(std::string(key), "a list of texts", node);
     out.clear();
     for (const auto& element : *array) {
       const auto value = element.value_exact<std::string>();
-      if (!value) return wrong(std::string(key), "a list of texts", &element);
+      if (!value) return malformed_error(std::string(key), "a list of texts", &element);
       out.push_back(*value);
     }
     return {};
@@ -109,7 +109,7 @@ Status read_common(const Table& table, ParticipantSpec& spec, WallTime now) {
   DDSSEC_RETURN_IF_ERROR(table.read("key", key));
   if (!key.empty()) {
     const auto kind = key_spec_of(key, "key");
-    if (!kind) return table.wrong("key", "p256, rsa2048 or rsa3072", table.node("key"));
+    if (!kind) return table.malformed_error("key", "p256, rsa2048 or rsa3072", table.node("key"));
     spec.key = *kind;
   }
   DDSSEC_RETURN_IF_ERROR(table.read("publish", spec.publish));
@@ -124,7 +124,7 @@ Result<ParticipantSpec> participant_of(const toml::table& node, const fs::path& 
                                            "subscribe", "partitions", "permissions"}));
   DDSSEC_RETURN_IF_ERROR(table.read("name", spec.name));
   constexpr auto kAnyOther = "subject = \"CN=...\" gives the certificate any other name";
-  if (spec.name.empty()) return table.wrong("name", "a participant's name");
+  if (spec.name.empty()) return table.malformed_error("name", "a participant's name");
   if (const auto fine = check_name(spec.name, kAnyOther); !fine) {
     auto details = fine.error().details();
     details.document = file;
@@ -194,18 +194,19 @@ Result<std::vector<ParticipantSpec>> read_fleet(const fs::path& file,
   const auto* node = root.get("participant");
   const auto* list = node != nullptr ? node->as_array() : nullptr;
   if (list == nullptr || list->empty() || list->size() > kMaxParticipants)
-    return top.wrong("participant",
-                     "1 to " + std::to_string(kMaxParticipants) + " tables [[participant]]");
+    return top.malformed_error(
+        "participant", "1 to " + std::to_string(kMaxParticipants) + " tables [[participant]]");
   std::vector<ParticipantSpec> out;
   std::unordered_set<std::string> names;
   for (const auto& element : *list) {
     const auto* table = element.as_table();
-    if (table == nullptr) return top.wrong("participant", "tables [[participant]]", &element);
+    if (table == nullptr)
+      return top.malformed_error("participant", "tables [[participant]]", &element);
     DDSSEC_ASSIGN_OR_RETURN(auto participant, participant_of(*table, file, common, now));
     out.push_back(std::move(participant));
     if (!names.insert(out.back().name).second)
-      return top.wrong("name", "every name once; \"" + out.back().name + "\" is there twice",
-                       table);
+      return top.malformed_error(
+          "name", "every name once; \"" + out.back().name + "\" is there twice", table);
   }
   return out;
 }

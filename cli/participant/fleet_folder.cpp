@@ -67,7 +67,7 @@ std::string FleetFolder::text() const {
 }
 
 bool FleetFolder::has(const ParticipantSpec& spec) const {
-  return is_there(
+  return path_exists(
       pki::participant_folder(target_ / spec.name, pki::FolderLayout::flat).certificate);
 }
 

@@ -48,9 +48,9 @@ struct IssuedFleet {
   std::vector<IssuedFacts> participants = {};
 
   static constexpr auto fields() {
-    return std::tuple(
-        field<&IssuedFleet::dir>(),
-        field<&IssuedFleet::participants>({.note = "each: the same", .same = true, .min = 1}));
+    return std::tuple(field<&IssuedFleet::dir>(),
+                      field<&IssuedFleet::participants>(
+                          {.note = "each: the same", .has_same_members = true, .min = 1}));
   }
   std::string text() const {
     std::string out;

@@ -58,7 +58,7 @@ namespace {
 std::string keystore_above(const fs::path& folder) {
   for (auto at = folder.lexically_normal(); at.has_parent_path() && at != at.parent_path();) {
     at = at.parent_path();
-    if (is_there(at / "enclaves/governance.p7s"))
+    if (path_exists(at / "enclaves/governance.p7s"))
       return fmt::format("name the keystore: {}", at.string());
   }
   return {};
@@ -67,7 +67,7 @@ std::string keystore_above(const fs::path& folder) {
 }  // namespace
 
 Status check_keystore(const fs::path& keystore) {
-  if (!is_there(keystore))
+  if (!path_exists(keystore))
     return fail(Code::file_not_found, {.document = keystore, .expected = "a keystore"});
   for (const auto* file : {"public/permissions_ca.cert.pem", "public/identity_ca.cert.pem",
                            "private/permissions_ca.key.pem", "private/identity_ca.key.pem",
@@ -82,7 +82,7 @@ Status check_keystore(const fs::path& keystore) {
 
 Status check_enclave_in(const fs::path& keystore, std::string_view name) {
   const auto folder = keystore / enclave_folder(name);
-  if (is_there(folder)) return {};
+  if (path_exists(folder)) return {};
   const auto meant = nearest(name, enclaves_of(keystore).names);
   return fail(
       Code::file_not_found,
@@ -250,11 +250,11 @@ void add_unseen(const Enclaves& enclaves, Report& report) {
 
 // An enclave may belong to another user, who can replace the key by a link or by another name of
 // any file. So the mode of exactly the checked file is changed.
-Result<bool> close_key(const fs::path& key) {
+Result<bool> restrict_key_mode(const fs::path& key) {
   if (key.filename() == "key.pem") DDSSEC_RETURN_IF_ERROR(hold_folder(key.parent_path()));
   const int file = ::openat(folder_descriptor(key.parent_path()), key.filename().c_str(),
                             O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  if (file < 0) return unwritable(key, errno);
+  if (file < 0) return unwritable_error(key, errno);
   struct stat status {};
   const bool is_key =
       ::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && status.st_nlink == 1;
@@ -264,7 +264,7 @@ Result<bool> close_key(const fs::path& key) {
   if (!is_key)
     return fail(Code::file_unwritable,
                 {.document = key, .note = "it is no plain file, or one with further names"});
-  if (error != 0) return unwritable(key, error);
+  if (error != 0) return unwritable_error(key, error);
   return is_open;
 }
 

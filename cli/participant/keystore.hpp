@@ -73,6 +73,6 @@ inline constexpr std::size_t kMaxEnclaves = 100'000;
 /// Makes a private key readable only by its owner. Returns true if others could read it. In a dry
 /// run it changes nothing. Errors: would_overwrite (the enclave's folder is a link),
 /// file_unwritable (not a regular file, or one with further names).
-Result<bool> close_key(const std::filesystem::path& key);
+Result<bool> restrict_key_mode(const std::filesystem::path& key);
 
 }  // namespace ddssec::cli

@@ -36,7 +36,7 @@ fs::path root_of(const CaPaths& ca, bool is_keystore) {
 }
 
 bool is_same_certificate(const fs::path& path, const pki::Certificate& certificate) {
-  if (!is_there(path)) return false;
+  if (!path_exists(path)) return false;
   const auto found = read_certificate(path);
   return found && std::ranges::equal(found->fingerprint(), certificate.fingerprint());
 }

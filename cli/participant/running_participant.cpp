@@ -8,7 +8,7 @@
 namespace ddssec::cli {
 namespace {
 
-Error not_taken(ErrorDetails details) {
+Error not_taken_error(ErrorDetails details) {
   return Error(tool_code::renewal_not_taken, std::move(details));
 }
 
@@ -24,15 +24,16 @@ bool is_another_key(const pki::ParticipantFolder& files, const pki::Certificate&
 
 std::optional<Error> key_not_there(const pki::ParticipantFolder& files,
                                    const pki::Certificate& certificate) {
-  if (files.key.extension() == ".p11" || !is_there(files.identity_ca)) return std::nullopt;
-  const bool is_missing = !is_there(files.key);
+  if (files.key.extension() == ".p11" || !path_exists(files.identity_ca)) return std::nullopt;
+  const bool is_missing = !path_exists(files.key);
   if (!is_missing && !is_another_key(files, certificate)) return std::nullopt;
-  return not_taken({.document = files.key,
-                    .note = is_missing ? "the private key is not in the folder"
-                                       : "the private key in the folder belongs to another "
-                                         "certificate",
-                    .hint = "put the key of the certificate back; if it is lost: ddssec identity "
-                            "issue --replace, and restart the participant"});
+  return not_taken_error({.document = files.key,
+                          .note = is_missing ? "the private key is not in the folder"
+                                             : "the private key in the folder belongs to another "
+                                               "certificate",
+                          .hint =
+                              "put the key of the certificate back; if it is lost: ddssec identity "
+                              "issue --replace, and restart the participant"});
 }
 
 std::optional<Error> certificate_not_taken(const pki::ParticipantFolder& files,
@@ -40,7 +41,7 @@ std::optional<Error> certificate_not_taken(const pki::ParticipantFolder& files,
                                            const pki::Certificate& renewed, bool has_key) {
   const bool ends_earlier = renewed.not_after() < old.not_after();
   if (ends_earlier || renewed.not_before() < old.not_before())
-    return not_taken(
+    return not_taken_error(
         {.document = files.certificate,
          .expected = ends_earlier ? "an end not before " + to_string(old.not_after())
                                   : "a begin not before " + to_string(old.not_before()),
@@ -53,11 +54,12 @@ std::optional<Error> certificate_not_taken(const pki::ParticipantFolder& files,
 }
 
 std::optional<Error> permissions_not_there(const pki::ParticipantFolder& files) {
-  if (is_there(files.permissions) || !is_there(files.permissions_ca)) return std::nullopt;
-  return not_taken({.document = files.permissions,
-                    .note = "the permissions are not in the folder",
-                    .hint = "put the permissions into their place and make this step again, or "
-                            "sign new ones: ddssec permissions new"});
+  if (path_exists(files.permissions) || !path_exists(files.permissions_ca)) return std::nullopt;
+  return not_taken_error({.document = files.permissions,
+                          .note = "the permissions are not in the folder",
+                          .hint =
+                              "put the permissions into their place and make this step again, or "
+                              "sign new ones: ddssec permissions new"});
 }
 
 }  // namespace ddssec::cli

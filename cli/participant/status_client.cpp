@@ -74,18 +74,18 @@ class Reading {
 
  private:
   template <class T>
-  void read(const Json& from, const Shown& shown, T& to) {
+  void read(const Json& from, const FieldOptions& options, T& to) {
     using fields_detail::kIsA;
     if constexpr (HasFields<T>) {
       std::apply([&](const auto&... all) { (read_member(from, all, to), ...); }, T::fields());
     } else if constexpr (kIsA<T, std::optional>) {
-      if (!from.is_null()) read(from, shown, to.emplace());
+      if (!from.is_null()) read(from, options, to.emplace());
     } else if constexpr (kIsA<T, std::vector>) {
-      for (const auto& element : from) read(element, shown, to.emplace_back());
+      for (const auto& element : from) read(element, options, to.emplace_back());
     } else if constexpr (std::same_as<T, std::string>) {
       // Texts are put on one line, so that a process that lies cannot write lines of its own.
       to = printable(from.get<std::string>());
-      has_times_ = has_times_ && (shown.def != "time" || is_time(to));
+      has_times_ = has_times_ && (options.def != "time" || is_time(to));
     } else {
       to = from.get<T>();
     }
@@ -95,7 +95,7 @@ class Reading {
   void read_member(const Json& from, const Field<Owner, T>& one, Owner& to) {
     const std::string name(one.name);
     if (!fields_detail::kIsA<T, std::optional> || from.contains(name))
-      read(from.at(name), one.shown, to.*one.member);
+      read(from.at(name), one.options, to.*one.member);
   }
 
   bool has_times_ = true;
@@ -151,8 +151,8 @@ void StatusFolder::list() {
   });
 }
 
-std::unexpected<Error> StatusFolder::cannot(const Socket& socket, Code code,
-                                            std::string note) const {
+std::unexpected<Error> StatusFolder::socket_error(const Socket& socket, Code code,
+                                                  std::string note) const {
   return fail(code, {.document = path_ / socket.name,
                      .field = fmt::format("process {}", socket.pid),
                      .note = std::move(note)});
@@ -161,9 +161,9 @@ std::unexpected<Error> StatusFolder::cannot(const Socket& socket, Code code,
 Result<FileDescriptor> StatusFolder::connect(const Socket& socket) const {
   struct stat status {};
   if (::fstatat(folder_.number(), socket.name.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0)
-    return cannot(socket, tool_code::status_process_ended, errno_text(errno));
+    return socket_error(socket, tool_code::status_process_ended, errno_text(errno));
   if (!S_ISSOCK(status.st_mode))
-    return cannot(socket, tool_code::status_unanswered, "this is no socket");
+    return socket_error(socket, tool_code::status_unanswered, "this is no socket");
   FileDescriptor out(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   // Uses the folder's descriptor, because a path may be too long for a socket address.
   const auto path = fmt::format("/proc/self/fd/{}/{}", folder_.number(), socket.name);
@@ -174,14 +174,15 @@ Result<FileDescriptor> StatusFolder::connect(const Socket& socket) const {
   if (out && ::connect(out.number(), generic, sizeof address) == 0) return out;
   const int error = errno;
   if (error == EACCES || error == EPERM)
-    return cannot(socket, tool_code::status_of_another_user,
-                  fmt::format("the socket is of user {}", status.st_uid));
+    return socket_error(socket, tool_code::status_of_another_user,
+                        fmt::format("the socket is of user {}", status.st_uid));
   const bool is_gone = error == ECONNREFUSED || error == ENOENT;
   if (is_gone && is_running(socket.pid))
-    return cannot(socket, tool_code::status_process_ended,
-                  "the socket is of a former process with this number");
-  return cannot(socket, is_gone ? tool_code::status_process_ended : tool_code::status_unanswered,
-                is_gone ? "" : errno_text(error));
+    return socket_error(socket, tool_code::status_process_ended,
+                        "the socket is of a former process with this number");
+  return socket_error(socket,
+                      is_gone ? tool_code::status_process_ended : tool_code::status_unanswered,
+                      is_gone ? "" : errno_text(error));
 }
 
 // Root asks processes of users, so an answer of a third user in the folder is not accepted.
@@ -189,10 +190,10 @@ Status StatusFolder::check_answering(const Socket& socket, int connection) const
   ucred peer{};
   socklen_t size = sizeof peer;
   if (::getsockopt(connection, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0)
-    return cannot(socket, tool_code::status_unanswered, errno_text(errno));
+    return socket_error(socket, tool_code::status_unanswered, errno_text(errno));
   if (peer.uid == owner_ || peer.uid == 0 || peer.uid == ::geteuid()) return {};
-  return cannot(socket, tool_code::status_of_another_user,
-                fmt::format("user {} answers in a folder of user {}", peer.uid, owner_));
+  return socket_error(socket, tool_code::status_of_another_user,
+                      fmt::format("user {} answers in a folder of user {}", peer.uid, owner_));
 }
 
 Result<std::string> StatusFolder::read_all(const Socket& socket, int connection) {
@@ -203,21 +204,22 @@ Result<std::string> StatusFolder::read_all(const Socket& socket, int connection)
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until_ - steady_clock::now());
     pollfd polled{connection, POLLIN, 0};
     if (left.count() <= 0 || ::poll(&polled, 1, static_cast<int>(left.count())) == 0)
-      return cannot(socket, tool_code::status_unanswered,
-                    is_running(socket.pid) ? "no answer within 10 s" : "the process has ended");
+      return socket_error(
+          socket, tool_code::status_unanswered,
+          is_running(socket.pid) ? "no answer within 10 s" : "the process has ended");
     const auto count = ::recv(connection, piece.data(), piece.size(), 0);
     if (count == 0) {
       octets_left_ -= out.size();
       return out;
     }
     if (count < 0 && errno != EAGAIN && errno != EINTR)
-      return cannot(socket, tool_code::status_unanswered, errno_text(errno));
+      return socket_error(socket, tool_code::status_unanswered, errno_text(errno));
     if (count > 0) out.append(piece.data(), static_cast<std::size_t>(count));
     if (out.size() <= most) continue;
     octets_left_ -= most;
-    return cannot(socket, tool_code::status_unanswered,
-                  most < kMaxAnswerOctets ? "the answers of this folder are too long together"
-                                          : "the answer is too long");
+    return socket_error(socket, tool_code::status_unanswered,
+                        most < kMaxAnswerOctets ? "the answers of this folder are too long together"
+                                                : "the answer is too long");
   }
 }
 
@@ -230,12 +232,12 @@ Result<StatusFolder::Answer> StatusFolder::ask(const Socket& socket) {
   } catch (const Json::parse_error& error) {
     // The process has dropped the connection: it lacks memory, or was kept from sending.
     if (error.byte > answer.size())
-      return cannot(socket, tool_code::status_unanswered, "its answer is cut off");
+      return socket_error(socket, tool_code::status_unanswered, "its answer is cut off");
   } catch (const Json::exception&) {
     // This is handled like any other answer that does not come from the plugins.
   }
-  return cannot(socket, tool_code::status_unanswered,
-                "what it answers is not what ddssec's plugins say");
+  return socket_error(socket, tool_code::status_unanswered,
+                      "what it answers is not what ddssec's plugins say");
 }
 
 }  // namespace ddssec::cli

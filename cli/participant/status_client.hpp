@@ -63,7 +63,7 @@ struct RunningDocument {
         field<&Self::file>({.def = "path"}), field<&Self::since>({.def = "time"}),
         field<&Self::in_force>(), field<&Self::more>({"how many more"}),
         field<&Self::waiting>(
-            {.note = "for peers, to come into force; null: nothing", .same = true}),
+            {.note = "for peers, to come into force; null: nothing", .has_same_members = true}),
         field<&Self::refused>({"null: nothing"}));
   }
 };
@@ -80,7 +80,7 @@ struct RunningParticipant {
     return std::tuple(
         field<&Self::identity>({"its handle in the process"}), field<&Self::guid>(),
         field<&Self::subject>(),
-        field<&Self::cut_off>({.note = "as `refused`; null: it is not", .same = true}),
+        field<&Self::cut_off>({.note = "as `refused`; null: it is not", .has_same_members = true}),
         field<&Self::documents>());
   }
 };
@@ -118,7 +118,7 @@ class StatusFolder {
  private:
   StatusFolder(std::filesystem::path path, FileDescriptor folder, uid_t owner);
   void list();
-  std::unexpected<Error> cannot(const Socket& socket, Code code, std::string note) const;
+  std::unexpected<Error> socket_error(const Socket& socket, Code code, std::string note) const;
   Result<FileDescriptor> connect(const Socket& socket) const;
   Status check_answering(const Socket& socket, int connection) const;
   Result<std::string> read_all(const Socket& socket, int connection);

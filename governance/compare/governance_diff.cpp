@@ -8,10 +8,10 @@
 #include <tuple>
 
 #include "base/stable_sort.hpp"
-#include "governance/as_read.hpp"
-#include "governance/compare/effort.hpp"
+#include "governance/compare/comparison_effort.hpp"
 #include "governance/compare/stock_changes.hpp"
 #include "governance/compare/topic_pairs.hpp"
+#include "governance/product_reading.hpp"
 
 namespace ddssec::governance {
 namespace {
@@ -75,7 +75,7 @@ class DomainEffect {
     }
   }
 
-  void tell(GovernanceChange& change) const {
+  void fill(GovernanceChange& change) const {
     change.lost = lost_;
     change.gained = gained_;
     for (const auto& [property, count] : counts_)
@@ -132,7 +132,7 @@ class RegionComparison {
                               .element = domain_changes_[i],
                               .old_domain = shared_old_,
                               .new_domain = shared_new_};
-      effects_[i].tell(change);
+      effects_[i].fill(change);
       changes_.push_back(std::move(change));
     }
     return pairs;
@@ -304,8 +304,8 @@ int line_of(const SharedRule& domain, const std::shared_ptr<const TopicRule>& to
 }
 
 // The document as the product reads it; the document itself if that changes nothing.
-SharedDocument as_read(const SharedDocument& document, StockProduct product) {
-  auto read = as_stock_reads(*document, product);
+SharedDocument document_for(const SharedDocument& document, StockProduct product) {
+  auto read = rewritten_for(*document, product);
   return read ? std::make_shared<const Governance>(std::move(*read)) : document;
 }
 
@@ -321,7 +321,7 @@ GovernanceDiff compare(const Governance& old_document, const Governance& new_doc
   auto out = GovernanceComparison(before, after, options).run();
   std::vector<StockGovernanceDiff> stock;
   for (const auto product : kStockProducts) {
-    const auto old_read = as_read(before, product), new_read = as_read(after, product);
+    const auto old_read = document_for(before, product), new_read = document_for(after, product);
     if (old_read != before || new_read != after)
       stock.push_back({product, GovernanceComparison(old_read, new_read, options).run()});
   }

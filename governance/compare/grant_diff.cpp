@@ -90,7 +90,7 @@ class GrantComparison {
       });
       for (const auto& region : regions) compare_in(region);
     } else {
-      tell({}, unknown({}));
+      add_change({}, unknown_change({}));
     }
     compare_defaults();
     for (const auto& change : diff_.changes) diff_.direction.add(change.change);
@@ -102,8 +102,8 @@ class GrantComparison {
 
  private:
   // All values of a change except its domains.
-  using Told = std::tuple<std::string_view, std::string_view, ChangeClass, std::string, int, int,
-                          std::string>;
+  using ChangeKey = std::tuple<std::string_view, std::string_view, ChangeClass, std::string, int,
+                               int, std::string>;
 
   void compare_in(const DomainRegion<RegionRules>& region) {
     const auto old_rules = pointers(old_, region.answer.first);
@@ -115,9 +115,9 @@ class GrantComparison {
       by_default_.add(found.by_default);
       diff_.is_complete = diff_.is_complete && found.is_complete;
       diff_.is_exact = diff_.is_exact && found.is_exact;
-      for (auto& change : found.changes) tell(region.scope, std::move(change));
+      for (auto& change : found.changes) add_change(region.scope, std::move(change));
       if (found.is_known) continue;
-      tell(region.scope, unknown(operation.name));
+      add_change(region.scope, unknown_change(operation.name));
       limits_.states = std::min<std::size_t>(limits_.states, 2'000);
     }
   }
@@ -129,15 +129,15 @@ class GrantComparison {
     if (before == after) return;
     const auto change = class_of(after);
     if (old_rules.empty() && new_rules.empty()) return by_default_.add(change);
-    tell(scope, {.element = "join",
-                 .change = change,
-                 .old_value = std::string(verdict_word(before)),
-                 .new_value = std::string(verdict_word(after)),
-                 .old_line = old_rule ? old_rule->line : old_.line,
-                 .new_line = new_rule ? new_rule->line : new_.line});
+    add_change(scope, {.element = "join",
+                       .change = change,
+                       .old_value = std::string(verdict_word(before)),
+                       .new_value = std::string(verdict_word(after)),
+                       .old_line = old_rule ? old_rule->line : old_.line,
+                       .new_line = new_rule ? new_rule->line : new_.line});
   }
 
-  PermissionChange unknown(std::string_view operation) const {
+  PermissionChange unknown_change(std::string_view operation) const {
     return {.element = "rule",
             .operation = operation,
             .change = ChangeClass::unknown,
@@ -146,10 +146,10 @@ class GrantComparison {
   }
 
   // Reports the same change in several domains with the same tags once.
-  void tell(const DomainScope& scope, PermissionChange change) {
-    const Told told(change.element, change.operation, change.change, change.witness,
-                    change.old_line, change.new_line, words_of(change, scope));
-    const auto [entry, is_new] = told_.try_emplace(told, diff_.changes.size());
+  void add_change(const DomainScope& scope, PermissionChange change) {
+    const ChangeKey key(change.element, change.operation, change.change, change.witness,
+                        change.old_line, change.new_line, words_of(change, scope));
+    const auto [entry, is_new] = index_of_change_.try_emplace(key, diff_.changes.size());
     if (is_new) {
       change.scope = scope;
       diff_.changes.push_back(std::move(change));
@@ -177,7 +177,7 @@ class GrantComparison {
   bool first_rule_creates_topic_;
   GrantDiff diff_;
   CombinedChange by_default_;
-  std::map<Told, std::size_t> told_;  // indices into diff_.changes
+  std::map<ChangeKey, std::size_t> index_of_change_;  // indices into diff_.changes
 };
 
 }  // namespace

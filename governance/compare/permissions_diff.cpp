@@ -6,12 +6,12 @@
 #include <set>
 
 #include "base/stable_sort.hpp"
-#include "governance/as_read.hpp"
-#include "governance/compare/effort.hpp"
+#include "governance/compare/comparison_effort.hpp"
 #include "governance/compare/stock_changes.hpp"
 #include "governance/compare/subjects.hpp"
 #include "governance/cyclonedds_subject.hpp"
 #include "governance/grant.hpp"
+#include "governance/product_reading.hpp"
 
 namespace ddssec::governance {
 namespace {
@@ -284,16 +284,17 @@ bool denies_topics(const Permissions& document) {
   });
 }
 
-// Adds the comparisons of the documents as Cyclone DDS applies them. `is_read_so` is true if
-// Cyclone DDS reads something in them differently from what is written.
+// Adds the comparisons of the documents as Cyclone DDS applies them. `differs_from_written` is true
+// if Cyclone DDS reads something in them differently from what is written.
 void add_cyclonedds(std::vector<StockPermissionsDiff>& stock, const Permissions& o,
-                    const Permissions& n, bool is_read_so, PermissionsDiffOptions options) {
+                    const Permissions& n, bool differs_from_written,
+                    PermissionsDiffOptions options) {
   constexpr auto kProduct = StockProduct::cyclonedds;
   options.first_rule_creates_topic = denies_topics(o) || denies_topics(n);
   const auto taken = taken_by_cyclonedds(o, n);
   for (const auto& pair : taken)
     stock.push_back({kProduct, PermissionsComparison(pair.before, pair.after, options).run()});
-  if (taken.empty() && (is_read_so || options.first_rule_creates_topic))
+  if (taken.empty() && (differs_from_written || options.first_rule_creates_topic))
     stock.push_back({kProduct, PermissionsComparison(o, n, options).run()});
 }
 
@@ -304,8 +305,8 @@ PermissionsDiff compare(const Permissions& old_document, const Permissions& new_
   auto out = PermissionsComparison(old_document, new_document, options).run();
   std::vector<StockPermissionsDiff> stock;
   for (const auto product : kStockProducts) {
-    const auto before = as_stock_reads(old_document, product);
-    const auto after = as_stock_reads(new_document, product);
+    const auto before = rewritten_for(old_document, product);
+    const auto after = rewritten_for(new_document, product);
     const auto& o = before ? *before : old_document;
     const auto& n = after ? *after : new_document;
     if (product == StockProduct::cyclonedds)
@@ -313,7 +314,7 @@ PermissionsDiff compare(const Permissions& old_document, const Permissions& new_
     else if (before || after)
       stock.push_back({product, PermissionsComparison(o, n, options).run()});
   }
-  if (const auto own = as_fastdds_reads_for_own_endpoints(old_document, new_document))
+  if (const auto own = rewritten_for_own_endpoints_of_fastdds(old_document, new_document))
     stock.push_back({.product = StockProduct::fastdds,
                      .diff = PermissionsComparison(own->before, own->after, options).run(),
                      .is_of_own_endpoints = true});

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "governance/as_read.hpp"
 #include "governance/compare/governance_diff.hpp"
 #include "governance/compare/permissions_diff.hpp"
+#include "governance/product_reading.hpp"
 
 namespace ddssec::governance {
 

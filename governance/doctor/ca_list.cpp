@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <system_error>
 
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {

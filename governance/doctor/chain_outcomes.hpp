@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 #include "pki/chain.hpp"
 
 namespace ddssec::governance::doctor {

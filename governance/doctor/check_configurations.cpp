@@ -8,15 +8,15 @@
 
 #include <fmt/format.h>
 
-#include "base/source.hpp"
 #include "base/text.hpp"
+#include "base/uri_source.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/configuration_checks.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/expanded_variables.hpp"
 #include "governance/doctor/named_files.hpp"
 #include "governance/doctor/shell_word.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "governance/doctor/checks.hpp"
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 #include "governance/doctor/shell_word.hpp"
 #include "governance/doctor/stock_spelling.hpp"
 #include "governance/lint.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -23,9 +23,9 @@ struct Subject {
   std::string_view about;  // "governance", "permissions"
   fs::path path;
   const pki::DocumentForm& form;
-  const Status& cyclonedds_belief;
-  const Status& fastdds_belief;
-  const Status& our_belief;
+  const Status& cyclonedds_verdict;
+  const Status& fastdds_verdict;
+  const Status& our_verdict;
   const Status& parsed;
   const Error* unread;  // the reason why there is no model; nullptr if there is one
   const std::vector<Note>* notes;
@@ -41,9 +41,9 @@ Subject subject(std::string_view about, const fs::path& path, const LoadedDocume
   return {about,
           path,
           document.form,
-          document.cyclonedds_belief,
-          document.fastdds_belief,
-          document.our_belief,
+          document.cyclonedds_verdict,
+          document.fastdds_verdict,
+          document.our_verdict,
           document.parsed,
           document.model ? nullptr : &document.unread(),
           document.model ? &document.model->notes : nullptr,
@@ -53,15 +53,15 @@ Subject subject(std::string_view about, const fs::path& path, const LoadedDocume
           lineup};
 }
 
-Outcome of(bool believed, Outcome if_believed = Outcome::ok) {
-  return believed ? if_believed : Outcome::fail;
+Outcome of(bool is_accepted, Outcome if_accepted = Outcome::ok) {
+  return is_accepted ? if_accepted : Outcome::fail;
 }
 
 // `accepted` is the outcome if a stock product accepts the document.
 Outcomes outcomes(const Subject& subject, const Outcomes& accepted = {}) {
-  return {of(subject.cyclonedds_belief.has_value(), accepted.cyclonedds),
-          of(subject.fastdds_belief.has_value(), accepted.fastdds),
-          of(subject.our_belief.has_value())};
+  return {of(subject.cyclonedds_verdict.has_value(), accepted.cyclonedds),
+          of(subject.fastdds_verdict.has_value(), accepted.fastdds),
+          of(subject.our_verdict.has_value())};
 }
 
 // The outcomes of stock products, as measured with the variant.
@@ -77,12 +77,12 @@ Outcomes refused_by_ours(Variant variant, const Subject& subject) {
 Outcomes outcomes_of_form(const Subject& subject) {
   const auto& form = subject.form;
   if (form.ambiguous)
-    return {of(subject.cyclonedds_belief.has_value(), Outcome::unsafe),
-            of(subject.fastdds_belief.has_value(), Outcome::unsafe), Outcome::fail};
+    return {of(subject.cyclonedds_verdict.has_value(), Outcome::unsafe),
+            of(subject.fastdds_verdict.has_value(), Outcome::unsafe), Outcome::fail};
   const bool lacks_signer = form.wrapping == pki::DocumentWrapping::multipart &&
                             form.has_text_header && form.embedded.empty();
-  return lacks_signer && subject.our_belief ? measured(Variant::form_nocerts, subject.lineup)
-                                            : outcomes(subject);
+  return lacks_signer && subject.our_verdict ? measured(Variant::form_nocerts, subject.lineup)
+                                             : outcomes(subject);
 }
 
 // Describes a peculiarity in the form of the document; "" if there is none.
@@ -131,16 +131,16 @@ std::string who_signed(const Subject& subject) {
 void check_signer(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
   const auto out_of_it =
       outcomes(subject, measured(Variant::permissions_by_itself, subject.lineup));
-  const bool stock_believes =
+  const bool is_accepted_by_stock =
       out_of_it.cyclonedds != Outcome::fail || out_of_it.fastdds != Outcome::fail;
   const auto ca_file = folder.paths.permissions_ca.filename().string();
   const auto message =
       fmt::format("{}; {} holds {}{}", who_signed(subject), ca_file, cas_of(folder),
-                  stock_believes ? ", below which the signer's certificate merely "
-                                   "stands, and stock products believe it"
-                                 : "");
+                  is_accepted_by_stock ? ", below which the signer's certificate merely "
+                                         "stands, and stock products believe it"
+                                       : "");
   out.report(out_of_it,
-             {.rule = stock_believes ? Rule::DOC033 : Rule::DOC032,
+             {.rule = is_accepted_by_stock ? Rule::DOC033 : Rule::DOC032,
               .message = message,
               .document = subject.path},
              subject.about);
@@ -200,16 +200,16 @@ void report_signature(const LoadedFolder& folder, const Subject& subject, const 
 
 // If ddssec cannot read the permissions CA file only because of its key (DOC014), stock products
 // still check the signature with it.
-void check_stock_belief(const Subject& subject, Diagnosis& out) {
-  const Outcomes who{of(subject.cyclonedds_belief.has_value()),
-                     of(subject.fastdds_belief.has_value()), Outcome::ok};
+void check_stock_verdict(const Subject& subject, Diagnosis& out) {
+  const Outcomes who{of(subject.cyclonedds_verdict.has_value()),
+                     of(subject.fastdds_verdict.has_value()), Outcome::ok};
   if (who.all_ok()) return;
-  const auto& belief =
-      subject.cyclonedds_belief ? subject.fastdds_belief : subject.cyclonedds_belief;
-  report(Rule::DOC031, subject, belief.error(), who, out);
+  const auto& verdict =
+      subject.cyclonedds_verdict ? subject.fastdds_verdict : subject.cyclonedds_verdict;
+  report(Rule::DOC031, subject, verdict.error(), who, out);
 }
 
-void check_belief(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
+void check_verdict(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
   if (const auto odd = odd_form(subject); !odd.empty())
     return out.report(outcomes_of_form(subject),
                       {.rule = Rule::DOC030, .message = odd, .document = subject.path},
@@ -217,11 +217,11 @@ void check_belief(const LoadedFolder& folder, const Subject& subject, Diagnosis&
   out.pass(Rule::DOC030, subject.about);
   if (!folder.permissions_cas) {
     const bool is_key = folder.permissions_cas.error().code() == Code::key_not_allowed;
-    return is_key ? check_stock_belief(subject, out) : void();
+    return is_key ? check_stock_verdict(subject, out) : void();
   }
   if (outcomes(subject).all_ok()) return out.pass(Rule::DOC031, subject.about);
-  if (subject.our_belief) return report_ca_file(folder, subject, out);
-  const auto& error = subject.our_belief.error();
+  if (subject.our_verdict) return report_ca_file(folder, subject, out);
+  const auto& error = subject.our_verdict.error();
   switch (error.code()) {
     case Code::smime_signer_not_permissions_ca:
       return check_signer(folder, subject, out);
@@ -301,7 +301,7 @@ Outcomes outcomes_of_text(const Subject& subject) {
 void report_unreadable(const Subject& subject, Diagnosis& out) {
   if (subject.form.unverified_text.empty())
     return out.report(
-        kNobody,
+        kAllFail,
         {.rule = Rule::DOC036,
          .message = fmt::format("{}: the signed document is empty, 0 octets",
                                 subject.path.filename().string()),
@@ -406,7 +406,7 @@ void check_plain_text(const Subject& subject, Diagnosis& out) {
 }
 
 void check_one(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
-  check_belief(folder, subject, out);
+  check_verdict(folder, subject, out);
   check_text(subject, out);
   check_plain_text(subject, out);
 }

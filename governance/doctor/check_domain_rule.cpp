@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include "governance/doctor/checks.hpp"
-#include "governance/doctor/domains.hpp"
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/domains_of_folder.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance::doctor {

@@ -6,13 +6,13 @@
 
 #include <fmt/format.h>
 
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 #include "governance/doctor/checks.hpp"
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 #include "governance/doctor/secrets_in_text.hpp"
 #include "governance/doctor/stock_spelling.hpp"
 #include "governance/doctor/writable_places.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -52,7 +52,7 @@ void report_key(const LoadedFolder& folder, const fs::path& path, const Error& e
 // Reports a file that could not be loaded. An encrypted key has a rule of its own.
 void report_unloaded(const fs::path& path, const Error& error, Diagnosis& out) {
   const auto say = [&](Rule rule, std::string message, std::string_view hint = {}) {
-    auto outcomes = kNobody;
+    auto outcomes = kAllFail;
     if (rule == Rule::DOC002 && has_certificate_for_openssl(path))
       outcomes.cyclonedds = outcomes.fastdds = Outcome::unsafe;
     out.report(
@@ -250,12 +250,12 @@ void check_layouts(const LoadedFolder& folder, Diagnosis& out) {
     if (fs::symlink_status(other, ignored).type() <= fs::file_type::not_found ||
         has_same_octets(other, judged))
       continue;
-    out.report(kNobody, {.rule = Rule::DOC009,
-                         .message = fmt::format("{} stands beside {}, which was judged, and holds "
-                                                "something else: which of them counts depends on "
-                                                "the application",
-                                                name_of(other), name_of(judged)),
-                         .document = other});
+    out.report(kAllFail, {.rule = Rule::DOC009,
+                          .message = fmt::format("{} stands beside {}, which was judged, and holds "
+                                                 "something else: which of them counts depends on "
+                                                 "the application",
+                                                 name_of(other), name_of(judged)),
+                          .document = other});
   }
 }
 
@@ -303,7 +303,7 @@ Outcomes outcomes_of_key(const pki::ParticipantFolder& paths, const fs::path& pa
   const bool is_explicit = is_key_of_explicit_curve(error);
   const std::string_view key = error.details().found;
   const bool is_edwards = key.contains("ED");
-  auto out = kNobody;
+  auto out = kAllFail;
   if (is_key_of_another_curve(error) || is_explicit) out.cyclonedds = Outcome::unsafe;
   if (is_of_permissions_ca) {
     if (!is_explicit) out.cyclonedds = Outcome::ok;

@@ -7,7 +7,7 @@
 #include "governance/doctor/ca_list.hpp"
 #include "governance/doctor/chain_outcomes.hpp"
 #include "governance/doctor/checks.hpp"
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 #include "pki/issue_log.hpp"
 #include "pki/key_digests.hpp"
 
@@ -155,16 +155,17 @@ Outcomes outcomes_of_dates(const pki::Certificate& ca, const std::vector<pki::Ce
     if (!is_twin(one, ca) || !is_valid(one, now)) continue;
     return is_before ? Outcomes() : Outcomes{Outcome::fail, Outcome::fail, Outcome::ok};
   }
-  return kNobody;
+  return kAllFail;
 }
 
 void check_dates(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
   if (folder.certificate && is_valid(*folder.certificate, now)) out.pass(Rule::DOC021);
   if (folder.certificate && !is_valid(*folder.certificate, now))
-    out.report(kNobody, {.rule = Rule::DOC021,
-                         .message = dates_wrong(folder.paths.certificate, *folder.certificate, now),
-                         .document = folder.paths.certificate,
-                         .hint = hint_if_early(folder.certificate->not_before(), now)});
+    out.report(kAllFail,
+               {.rule = Rule::DOC021,
+                .message = dates_wrong(folder.paths.certificate, *folder.certificate, now),
+                .document = folder.paths.certificate,
+                .hint = hint_if_early(folder.certificate->not_before(), now)});
   const auto look = [&](const auto& cas, const fs::path& path) {
     if (!cas) return;
     out.pass(Rule::DOC022);

@@ -4,12 +4,12 @@
 
 #include <fmt/format.h>
 
-#include "governance/as_read.hpp"
 #include "governance/compare/governance_elements.hpp"
 #include "governance/decision.hpp"
 #include "governance/dialect.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/vendor_decision.hpp"
+#include "governance/product_reading.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance::doctor {
@@ -226,10 +226,10 @@ void check_readings(const LoadedFolder& folder, const Settings& settings, Diagno
       folder.governance.model ? folder.governance.model->find(settings.domain) : nullptr;
   const auto* const grant = grant_of(folder, settings.now);
   for (const auto& [vendor, product] : kProducts) {
-    if (const auto theirs = rule != nullptr ? expressions_as_read(*rule, product) : std::nullopt)
+    if (const auto theirs = rule != nullptr ? rewritten_expressions(*rule, product) : std::nullopt)
       if (const auto loss = Rules(*rule, *theirs).loss())
         report(*loss, vendor, folder.paths.governance, settings, out);
-    if (auto theirs = grant != nullptr ? expressions_as_read(*grant, product) : std::nullopt)
+    if (auto theirs = grant != nullptr ? rewritten_expressions(*grant, product) : std::nullopt)
       if (const auto loss = Rights(folder, settings, *grant, vendor, *std::move(theirs)).loss())
         report(*loss, vendor, folder.paths.permissions, settings, out);
   }

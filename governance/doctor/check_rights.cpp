@@ -10,8 +10,8 @@
 #include "governance/date_time.hpp"
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
-#include "governance/doctor/domains.hpp"
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/domains_of_folder.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 #include "governance/doctor/subject_form.hpp"
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
@@ -52,7 +52,7 @@ std::vector<Candidate> candidates(const Permissions& permissions,
     auto outcomes = reads_subject(grant.subject_name, certificate, lineup);
     if (is_for(grant, subject)) outcomes.ours = Outcome::ok;
     if (grant.subject_has_line_breaks) outcomes.fastdds = Outcome::fail;
-    if (outcomes != kNobody) out.push_back({&grant, outcomes});
+    if (outcomes != kAllFail) out.push_back({&grant, outcomes});
   }
   return out;
 }
@@ -74,7 +74,7 @@ const Grant* nearest(const Permissions& permissions, const std::string& subject)
 void report_no_grant(const Scene& scene) {
   const auto& subject = scene.folder.certificate->subject();
   const auto* grant = nearest(scene.permissions(), subject);
-  scene.out.report(kNobody,
+  scene.out.report(kAllFail,
                    {.rule = Rule::DOC010,
                     .message = fmt::format(
                         "no grant in {} is for \"{}\", the subject of {}; the grant that comes "
@@ -107,7 +107,7 @@ Spelling spelling_for(const pki::Certificate& certificate, const Lineup& lineup)
 }
 
 void check_form(const Scene& scene, const std::vector<Candidate>& all) {
-  Outcomes best = kNobody;
+  Outcomes best = kAllFail;
   for (const auto& one : all)
     for (auto member : {&Outcomes::cyclonedds, &Outcomes::fastdds, &Outcomes::ours})
       best.*member = std::min(best.*member, one.subject.*member);
@@ -171,7 +171,7 @@ void check_grant_dates(const Scene& scene, const std::vector<Candidate>& all) {
   const auto* first = all.front().grant;
   if (first->validity.contains(now)) return check_cyclones_end(scene, *first);
   const bool early = now < first->validity.not_before;
-  auto outcomes = any ? measured(Variant::grant_second, scene.settings.lineup) : kNobody;
+  auto outcomes = any ? measured(Variant::grant_second, scene.settings.lineup) : kAllFail;
   if (validity_as(Vendor::fastdds, first->validity).contains(now)) outcomes.fastdds = Outcome::ok;
   scene.out.report(
       outcomes, {.rule = Rule::DOC040,

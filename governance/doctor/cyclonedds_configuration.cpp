@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "base/source.hpp"
 #include "base/text.hpp"
+#include "base/uri_source.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/bytes.hpp"
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 
 namespace ddssec::governance::doctor {
 

@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "governance/doctor/installed.hpp"
+#include "governance/doctor/installed_version.hpp"
 #include "governance/doctor/loader_subfolders.hpp"
 
 namespace ddssec::governance::doctor {

@@ -4,8 +4,8 @@
 
 #include "governance/doctor/lenient_text.hpp"
 #include "governance/read.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/participant_folder.hpp"
-#include "pki/source.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -14,23 +14,23 @@ namespace fs = std::filesystem;
 
 std::string uri(const fs::path& path) { return "file://" + path.string(); }
 
-std::unexpected<Error> about(const Error& error, const fs::path& path) {
+std::unexpected<Error> error_in_file(const Error& error, const fs::path& path) {
   return std::unexpected(pki::about_file(error, path));
 }
 
 template <class T>
 Result<T> named(Result<T> result, const fs::path& path) {
   if (result) return result;
-  return about(result.error(), path);
+  return error_in_file(result.error(), path);
 }
 
 template <class Parse>
 auto load_with(const fs::path& path, std::size_t max_octets, Parse parse)
     -> decltype(parse(BytesView())) {
   const auto uri = pki::uri_of(path);
-  if (!uri) return about(uri.error(), path);
+  if (!uri) return error_in_file(uri.error(), path);
   const auto octets = pki::load_certificates(*uri, path.string(), max_octets);
-  if (!octets) return about(octets.error(), path);
+  if (!octets) return error_in_file(octets.error(), path);
   return named(parse(*octets), path);
 }
 
@@ -39,10 +39,10 @@ Result<pki::PrivateKey> load_key(const fs::path& path) {
   return named(pki::PrivateKey::load(uri, path.string()), path);
 }
 
-using pki::is_there;
+using pki::may_exist;
 
 Result<std::vector<pki::Crl>> load_crls(const fs::path& path) {
-  if (!is_there(path)) return std::vector<pki::Crl>();
+  if (!may_exist(path)) return std::vector<pki::Crl>();
   auto lists = load_with(path, pki::kMaxDocumentOctets, &pki::Crl::all_from);
   if (lists && lists->empty()) return fail(Code::crl_file_empty, {.document = path.string()});
   return lists;
@@ -79,26 +79,26 @@ LoadedDocument<Model> load_document(const fs::path& path, const Trust& trust,
   LoadedDocument<Model> out;
   auto file = pki::load(uri(path), path.string(), pki::kMaxDocumentOctets);
   if (!file) {
-    out.readable = about(file.error(), path);
+    out.readable = error_in_file(file.error(), path);
     out.parsed = out.readable;
     return out;
   }
   out.file = *std::move(file);
   out.form = pki::examine_document(out.file);
   const auto& [cas, ca_file] = trust;
-  out.cyclonedds_belief = believes(Vendor::cyclonedds, out.file, cas, ca_file, now);
-  out.fastdds_belief = believes(Vendor::fastdds, out.file, cas, ca_file, now);
-  out.our_belief = believes(Vendor::ours, out.file, cas, ca_file, now);
+  out.cyclonedds_verdict = verify_signature_as(Vendor::cyclonedds, out.file, cas, ca_file, now);
+  out.fastdds_verdict = verify_signature_as(Vendor::fastdds, out.file, cas, ca_file, now);
+  out.our_verdict = verify_signature_as(Vendor::ours, out.file, cas, ca_file, now);
   auto model = read(out.form.unverified_text, out.form.first_line);
   if (!model) {
-    out.parsed = about(model.error(), path);
+    out.parsed = error_in_file(model.error(), path);
     auto lenient = lenient_text(out.form.unverified_text);
     out.left_out = std::move(lenient.left_out);
     out.has_joined_values = lenient.has_joined_values;
     out.is_refused_by_fastdds = lenient.is_refused_by_fastdds;
     if (!out.left_out.empty() || out.has_joined_values || out.is_refused_by_fastdds) {
       model = read(lenient.text, out.form.first_line);
-      if (!model) out.parsed_without = about(model.error(), path);
+      if (!model) out.parsed_without = error_in_file(model.error(), path);
     }
   }
   if (model) out.model = std::make_shared<const Model>(*std::move(model));
@@ -107,14 +107,14 @@ LoadedDocument<Model> load_document(const fs::path& path, const Trust& trust,
 
 }  // namespace
 
-Status believes(Vendor judge, BytesView file, const Certificates& cas, BytesView ca_file,
-                WallTime now) {
+Status verify_signature_as(Vendor judge, BytesView file, const Certificates& cas, BytesView ca_file,
+                           WallTime now) {
   if (!cas && cas.error().code() == Code::key_not_allowed && judge != Vendor::ours)
-    return pki::stock_products_believe(
+    return pki::verify_as_stock_products(
         file, ca_file, judge == Vendor::cyclonedds ? 1 : pki::kMaxCertificatesInBundle, now);
   if (!cas) return std::unexpected(cas.error());
-  if (judge == Vendor::cyclonedds) return pki::stock_products_believe(file, {cas->front()}, now);
-  if (judge == Vendor::fastdds) return pki::stock_products_believe(file, *cas, now);
+  if (judge == Vendor::cyclonedds) return pki::verify_as_stock_products(file, {cas->front()}, now);
+  if (judge == Vendor::fastdds) return pki::verify_as_stock_products(file, *cas, now);
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, pki::DocumentVerifier::make(*cas));
   const auto proof = verifier.verify(file, now);
   return proof ? Status() : std::unexpected(proof.error());
@@ -126,9 +126,9 @@ std::size_t handshake_octets(const LoadedFolder& folder) {
 }
 
 bool LoadedFolder::is_empty() const {
-  return !is_there(paths.identity_ca) && !is_there(paths.certificate) && !is_there(paths.key) &&
-         !is_there(paths.permissions_ca) && !is_there(paths.governance) &&
-         !is_there(paths.permissions);
+  return !may_exist(paths.identity_ca) && !may_exist(paths.certificate) && !may_exist(paths.key) &&
+         !may_exist(paths.permissions_ca) && !may_exist(paths.governance) &&
+         !may_exist(paths.permissions);
 }
 
 Result<pki::ChainVerifier> LoadedFolder::chain(Vendor judge) const {
@@ -159,7 +159,7 @@ LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now) {
           .permissions_ca_file = std::move(trust.file),
           .crls = std::move(crls),
           .crls_with_deltas = std::move(crls_with_deltas),
-          .has_crl_file = is_there(paths.crl),
+          .has_crl_file = may_exist(paths.crl),
           .is_crl_der = is_crl_der,
           .governance = std::move(governance),
           .permissions = std::move(permissions)};

@@ -8,7 +8,7 @@
 
 #include "base/clock.hpp"
 #include "base/result.hpp"
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 #include "governance/model.hpp"
 #include "pki/certificate.hpp"
 #include "pki/crl.hpp"
@@ -26,10 +26,10 @@ struct LoadedDocument {
   Status readable = {};
   Bytes file = {};
   pki::DocumentForm form = {};
-  /// Success for each product that accepts the signature; see believes().
-  Status cyclonedds_belief = {};
-  Status fastdds_belief = {};
-  Status our_belief = {};
+  /// Success for each product that accepts the signature; see verify_signature_as().
+  Status cyclonedds_verdict = {};
+  Status fastdds_verdict = {};
+  Status our_verdict = {};
   /// The content of the document, even if its signature is wrong; null if it cannot be parsed.
   std::shared_ptr<const Model> model = {};
   /// The reason why ddssec does not parse it.
@@ -100,9 +100,10 @@ struct LoadedFolder {
 /// Success if a product accepts the signed file with a permissions CA file, whose content is
 /// `ca_file`. Cyclone DDS reads only the first certificate of that file. Stock products take keys
 /// that ddssec refuses. Errors: the reason why `cas` cannot be read; those of
-/// pki::stock_products_believe or DocumentVerifier::verify.
-Status believes(Vendor judge, BytesView file, const Result<std::vector<pki::Certificate>>& cas,
-                BytesView ca_file, WallTime now);
+/// pki::verify_as_stock_products or DocumentVerifier::verify.
+Status verify_signature_as(Vendor judge, BytesView file,
+                           const Result<std::vector<pki::Certificate>>& cas, BytesView ca_file,
+                           WallTime now);
 
 /// The octets of the certificate and the signed permissions, which a handshake message holds.
 std::size_t handshake_octets(const LoadedFolder& folder);

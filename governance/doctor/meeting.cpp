@@ -13,8 +13,8 @@
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
 #include "governance/refusal_advice.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/smime_diagnosis.hpp"
-#include "pki/source.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -126,8 +126,9 @@ Status judge_permissions_of(const Party& judge, const Party& subject, WallTime n
                                          kMaxFastDdsHandshakeOctets),
                  .found = fmt::format("{} octets", handshake_octets(subject.folder)),
                  .note = "Fast DDS does not authenticate a Fast DDS participant with more"});
-  DDSSEC_RETURN_IF_ERROR(believes(judge.vendor, document.file, judge.folder.permissions_cas,
-                                  judge.folder.permissions_ca_file, now));
+  DDSSEC_RETURN_IF_ERROR(verify_signature_as(judge.vendor, document.file,
+                                             judge.folder.permissions_cas,
+                                             judge.folder.permissions_ca_file, now));
   DDSSEC_RETURN_IF_ERROR(document.read_by(judge.vendor));
   if (!subject.folder.certificate) return std::unexpected(subject.folder.certificate.error());
   const auto& certificate = *subject.folder.certificate;

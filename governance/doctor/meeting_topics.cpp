@@ -8,7 +8,7 @@
 
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 #include "governance/doctor/meeting_steps.hpp"
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"

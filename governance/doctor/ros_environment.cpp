@@ -10,7 +10,7 @@
 
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
-#include "governance/doctor/domains.hpp"
+#include "governance/doctor/domains_of_folder.hpp"
 #include "governance/doctor/host_plugins.hpp"
 #include "governance/doctor/library_search.hpp"
 #include "governance/doctor/loader_subfolders.hpp"

@@ -4,7 +4,7 @@
 #include <cctype>
 #include <string>
 
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {

@@ -83,8 +83,8 @@ bool starts_with(Vendor vendor, const Error& error) {
 template <class Model>
 bool is_unpredictable(const LoadedDocument<Model>& document, Vendor vendor, const Lineup& lineup) {
   const bool is_cyclonedds = vendor == Vendor::cyclonedds;
-  const auto& belief = is_cyclonedds ? document.cyclonedds_belief : document.fastdds_belief;
-  if (!document.readable || !belief) return false;
+  const auto& verdict = is_cyclonedds ? document.cyclonedds_verdict : document.fastdds_verdict;
+  if (!document.readable || !verdict) return false;
   if (document.form.ambiguous) return true;
   const bool is_refused = std::ranges::any_of(document.left_out, [&](Variant variant) {
     return measured(variant, lineup).of(vendor) == Outcome::fail;

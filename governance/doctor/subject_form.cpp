@@ -5,7 +5,7 @@
 
 #include "base/text.hpp"
 #include "governance/cyclonedds_subject.hpp"
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 #include "governance/fastdds_subject.hpp"
 #include "pki/subject_name.hpp"
 

@@ -11,7 +11,7 @@
 namespace ddssec::governance::doctor {
 
 /// A DDS product with its security plugins. Its behaviour was measured with the product itself
-/// (governance/doctor/measured.def).
+/// (governance/doctor/measured_outcomes.def).
 enum class Vendor : std::uint8_t {
   cyclonedds,  ///< Cyclone DDS with its own plugins
   fastdds,     ///< Fast DDS
@@ -109,6 +109,6 @@ struct Outcomes {
   bool operator==(const Outcomes&) const = default;
 };
 /// The participant does not start with any product.
-inline constexpr Outcomes kNobody = Outcomes::all(Outcome::fail);
+inline constexpr Outcomes kAllFail = Outcomes::all(Outcome::fail);
 
 }  // namespace ddssec::governance::doctor

@@ -4,8 +4,8 @@
 #include <array>
 #include <optional>
 
-#include "governance/as_read.hpp"
 #include "governance/dialect.hpp"
+#include "governance/product_reading.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -16,8 +16,8 @@ bool reads_as_match(Vendor vendor, std::string_view expression, std::string_view
   if (expression.find_first_of("*?[\\") == expression.npos) return expression == name;
   const bool is_plain = expression.find_first_of("[\\") == expression.npos;
   if (vendor == Vendor::ours || is_plain) return Pattern(expression).matches(name);
-  return Pattern(vendor == Vendor::cyclonedds ? as_cyclone_reads_it(expression)
-                                              : as_fastdds_reads_it(expression))
+  return Pattern(vendor == Vendor::cyclonedds ? meaning_in_cyclonedds(expression)
+                                              : meaning_in_fastdds(expression))
       .matches(name);
 }
 
@@ -121,7 +121,7 @@ Decision judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Ac
 
 Validity validity_as(Vendor vendor, const Validity& validity) {
   if (vendor == Vendor::ours) return validity;
-  return as_stock_reads(
+  return rewritten_for(
       validity, vendor == Vendor::cyclonedds ? StockProduct::cyclonedds : StockProduct::fastdds);
 }
 

@@ -5,7 +5,7 @@
 #include "base/rollback.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::access_control {

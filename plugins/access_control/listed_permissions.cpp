@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "governance/extension.hpp"
+#include "governance/grant_extension.hpp"
 
 namespace ddssec::access_control {
 namespace {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "governance/read.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 #include "plugins/access_control/allowed_algorithms.hpp"
 #include "plugins/access_control/protection.hpp"
 #include "plugins/spi/files_poll_interval.hpp"

@@ -16,8 +16,8 @@ bool is_same_revision(const governance::CompiledGovernance& former,
   return next.revision() != 0 && next.revision() == former.revision();
 }
 
-Error old_revision(const governance::CompiledGovernance& former,
-                   const governance::CompiledGovernance& next) {
+Error old_revision_error(const governance::CompiledGovernance& former,
+                         const governance::CompiledGovernance& next) {
   const auto revision = next.revision();
   return Error(Code::governance_renewal_refused,
                {.field = "revision",
@@ -42,7 +42,8 @@ Status check_has_revision(const governance::CompiledGovernance& next,
 }
 
 // The error if the topic cannot change while this participant uses it.
-Error in_use(const std::string& topic, const governance::TopicRule* rule, const Error& why) {
+Error topic_in_use_error(const std::string& topic, const governance::TopicRule* rule,
+                         const Error& why) {
   auto details = why.details();
   if (details.field.empty()) {
     details.field = "topic_rule";
@@ -54,7 +55,7 @@ Error in_use(const std::string& topic, const governance::TopicRule* rule, const 
   return Error(Code::governance_renewal_refused, std::move(details));
 }
 
-Error not_at_once() {
+Error not_at_once_error() {
   return Error(Code::governance_renewal_refused,
                {.field = "topic_rule",
                 .expected = "the protection that the topics in use have",
@@ -127,7 +128,7 @@ Status LocalParticipant::set_basis(Basis basis) {
   const std::lock_guard lock(mutex_);
   if (basis_ && next->governance != basis_->governance) {
     DDSSEC_ASSIGN_OR_RETURN(const auto change, check(*next->governance));
-    if (change == Change::phased) return std::unexpected(not_at_once());
+    if (change == Change::phased) return std::unexpected(not_at_once_error());
   }
   basis_ = std::move(next);
   return {};
@@ -170,12 +171,12 @@ bool LocalParticipant::apply_pending(const Sha256Digest& digest) {
 Result<LocalParticipant::Change> LocalParticipant::check(
     const governance::CompiledGovernance& next) const {
   const auto& former = *basis_->governance;
-  if (next.revision() < former.revision()) return std::unexpected(old_revision(former, next));
+  if (next.revision() < former.revision()) return std::unexpected(old_revision_error(former, next));
   DDSSEC_ASSIGN_OR_RETURN(const auto change,
                           governance::live_change(former.domain_rule(), next.domain_rule()));
   if (!change.raised.empty()) DDSSEC_RETURN_IF_ERROR(check_has_revision(next, *change.raised[0]));
   if (is_same_revision(former, next) && (!change.rules.empty() || !change.raised.empty()))
-    return std::unexpected(old_revision(former, next));
+    return std::unexpected(old_revision_error(former, next));
   auto out = Change::at_once;
   for (const auto& topic : topics_in_use_) {
     const auto* const before = former.topic_rule(topic);
@@ -184,7 +185,7 @@ Result<LocalParticipant::Change> LocalParticipant::check(
     const auto fits = before == nullptr || after == nullptr
                           ? Status(std::unexpected(Error(Code::governance_renewal_refused)))
                           : governance::check_topic_change(*before, next.domain_rule(), *after);
-    if (!fits) return std::unexpected(in_use(topic, after, fits.error()));
+    if (!fits) return std::unexpected(topic_in_use_error(topic, after, fits.error()));
     DDSSEC_RETURN_IF_ERROR(check_has_revision(next, *after));
     out = Change::phased;
   }

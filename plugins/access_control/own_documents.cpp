@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "governance/live_change.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/document_parts.hpp"
-#include "pki/source.hpp"
 #include "plugins/access_control/allowed_algorithms.hpp"
 #include "plugins/access_control/loading.hpp"
 
@@ -173,7 +173,7 @@ void OwnDocuments::renew_authorities(const Renewal& now, std::vector<Error>& eve
       [&](const std::vector<pki::Certificate>& next) { return take_authorities(now, next); });
   if (!taken) events.push_back(taken.error());
   if (!taken || !*taken) return;
-  renewal_list_.judge_again();
+  renewal_list_.reevaluate();
   const auto ca = now.participant.basis()->ca;
   events.emplace_back(Code::permissions_ca_renewed,
                       ErrorDetails{.document = authorities_.name(),

@@ -55,8 +55,8 @@ ProtectionKind kind_of(Protects by, const governance::DomainRule& rule) {
 // The names of one algorithm that the plugins may use, in DDS-Security 1.2 and 1.1.
 using Names = std::initializer_list<std::string_view>;
 
-std::unexpected<Error> not_enforceable(int line, std::string field, std::string expected,
-                                       std::string found) {
+std::unexpected<Error> not_enforceable_error(int line, std::string field, std::string expected,
+                                             std::string found) {
   return fail(Code::governance_not_enforceable, {.line = line,
                                                  .field = std::move(field),
                                                  .expected = std::move(expected),
@@ -70,7 +70,8 @@ Status check_listed(int line, std::string_view element, const std::vector<govern
       return std::ranges::find(names, text.text) != names.end();
     });
     if (!found) {
-      return not_enforceable(line, std::string(element), std::string(*names.begin()), "not listed");
+      return not_enforceable_error(line, std::string(element), std::string(*names.begin()),
+                                   "not listed");
     }
   }
   return {};
@@ -129,12 +130,12 @@ std::optional<spi::EndpointSecurityAttributes> builtin_attributes(
 
 Status check_enforceable(const governance::DomainRule& rule, const AccessControlOptions& options) {
   if (is_protected(rule.rtps_psk_protection_kind) && !options.host_has_pre_shared_keys) {
-    return not_enforceable(rule.line, "<rtps_psk_protection_kind>",
-                           "NONE (only embedded participants of ddssec have pre-shared keys)",
-                           std::string(to_string(rule.rtps_psk_protection_kind)));
+    return not_enforceable_error(rule.line, "<rtps_psk_protection_kind>",
+                                 "NONE (only embedded participants of ddssec have pre-shared keys)",
+                                 std::string(to_string(rule.rtps_psk_protection_kind)));
   }
   if (rule.enable_key_revision && !options.host_revises_keys) {
-    return not_enforceable(rule.line, "<enable_key_revision>", "false", "true");
+    return not_enforceable_error(rule.line, "<enable_key_revision>", "false", "true");
   }
   return rule.allowed_algorithms ? check_algorithms(*rule.allowed_algorithms) : Status();
 }

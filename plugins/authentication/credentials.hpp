@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "base/hash.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/key_agreement.hpp"
-#include "pki/source.hpp"
 #include "plugins/authentication/token_fields.hpp"
 #include "plugins/spi/token.hpp"
 

@@ -61,7 +61,7 @@ Credentials own_credentials(const Presented& own, BytesView participant_data,
       .key_agreement = {}};
 }
 
-std::unexpected<Error> unexpected_message(TokenClass token_class, std::string_view state) {
+std::unexpected<Error> unexpected_message_error(TokenClass token_class, std::string_view state) {
   return fail(Code::unexpected_message,
               {.document = std::string(document_name(token_class)), .note = std::string(state)});
 }
@@ -142,7 +142,7 @@ Result<HandshakeOutcome> on(const AwaitReply& state, const HandshakeReply& reply
 Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeRequest& request,
                             const HandshakeContext& context) {
   if (!same_request(state.transcript, request))
-    return unexpected_message(TokenClass::request, "another request than the one answered");
+    return unexpected_message_error(TokenClass::request, "another request than the one answered");
   return HandshakeOutcome{ValidationResult::pending_handshake_message,
                           with_ocsp_response(state.reply, context.local, *state.own, context.now)};
 }
@@ -176,7 +176,7 @@ Result<HandshakeOutcome> on(const Established& state, const HandshakeReply& repl
                     std::ranges::equal(state.transcript.dh2, reply.dh2) &&
                     state.transcript.challenge2 == reply.challenge2 &&
                     state.transcript.hash_c2 == reply.credentials.hash();
-  if (!same) return unexpected_message(TokenClass::reply, name_of(state));
+  if (!same) return unexpected_message_error(TokenClass::reply, name_of(state));
   return HandshakeOutcome{ValidationResult::ok_final_message, state.final};
 }
 
@@ -185,13 +185,13 @@ Result<HandshakeOutcome> on(const Established& state, const HandshakeFinal& fina
                             const HandshakeContext&) {
   const bool same = !state.is_initiator && std::ranges::equal(state.signature, final.signature) &&
                     final.verify(state.transcript);
-  if (!same) return unexpected_message(TokenClass::final, name_of(state));
+  if (!same) return unexpected_message_error(TokenClass::final, name_of(state));
   return HandshakeOutcome{ValidationResult::ok};
 }
 
 // All other edges.
 Result<HandshakeOutcome> on(const auto& state, const auto& message, const HandshakeContext&) {
-  return unexpected_message(class_of(message), name_of(state));
+  return unexpected_message_error(class_of(message), name_of(state));
 }
 
 template <class Message>

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 #include "plugins/authentication/document_errors.hpp"
 #include "plugins/authentication/identity_watch.hpp"
 #include "plugins/spi/files_poll_interval.hpp"

@@ -1,7 +1,7 @@
 #include "plugins/authentication/identity_watch.hpp"
 
 #include "base/rollback.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 #include "plugins/authentication/document_errors.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
 #include "plugins/spi/property_names.hpp"
@@ -92,8 +92,8 @@ Result<std::optional<IdentityWatch::Found>> IdentityWatch::poll(std::chrono::nan
   }
   if (!refusals_.is_due(found.error().code(), content)) return std::nullopt;
   auto refused =
-      renewal_refused(Code::identity_renewal_refused, found.error(), path_of(found.error()),
-                      "the certificate read before stays in force");
+      renewal_refused_error(Code::identity_renewal_refused, found.error(), path_of(found.error()),
+                            "the certificate read before stays in force");
   if (found.error().code() != Code::file_not_found)
     return std::unexpected(refusals_.note(std::move(refused)));
   auto details = refused.details();

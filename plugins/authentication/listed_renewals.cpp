@@ -81,9 +81,9 @@ void ListedRenewals::force_poll() {
   watch_.force_poll();
 }
 
-void ListedRenewals::judge_again() {
+void ListedRenewals::reevaluate() {
   const std::scoped_lock lock(mutex_);
-  watch_.judge_again();
+  watch_.reevaluate();
 }
 
 // Empty if the certificate may replace the latest one.

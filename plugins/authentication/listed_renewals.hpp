@@ -30,7 +30,7 @@ class ListedRenewals {
   /// Makes the next poll read the file, whatever the interval is.
   void force_poll();
   /// Also judges all entries again, because other CAs are trusted.
-  void judge_again();
+  void reevaluate();
 
   /// A session: the certificate of its handshake, and the one with which it ends.
   struct Session {

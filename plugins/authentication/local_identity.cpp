@@ -107,7 +107,7 @@ Status LocalIdentity::adopt(const std::vector<pki::Crl>& lists, TrustStores& sto
   const std::scoped_lock lock(mutex_);
   own_trust_ = peer_trust_ = std::move(renewed);
   ++renewals_;
-  listed_->judge_again();
+  listed_->reevaluate();
   return {};
 }
 
@@ -244,7 +244,7 @@ Status LocalIdentity::check_in_trusted_folder(
 void LocalIdentity::trust(std::shared_ptr<const TrustStore> store) {
   own_trust_ = std::move(store);
   if (has_trusted_folder_) return;
-  listed_->judge_again();
+  listed_->reevaluate();
   peer_trust_ = own_trust_;
   authorities_renewal_ = ++renewals_;
 }

@@ -1,6 +1,6 @@
 #include "plugins/authentication/own_ocsp_response.hpp"
 
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
 #include "plugins/spi/property_names.hpp"
 
@@ -88,8 +88,8 @@ Result<bool> OwnOcspResponse::refuse(const Error& why) {
   watch_.force_change();
   if (!refusals_.is_due(why.code(), content_)) return false;
   return std::unexpected(refusals_.note(
-      renewal_refused(Code::ocsp_response_refused, why, path_,
-                      in_force_ ? "the response read before is sent until its end" : "")));
+      renewal_refused_error(Code::ocsp_response_refused, why, path_,
+                            in_force_ ? "the response read before is sent until its end" : "")));
 }
 
 std::optional<DocumentState> OwnOcspResponse::state(const pki::Certificate& own) const {

@@ -14,7 +14,7 @@
 namespace ddssec::authentication {
 namespace {
 
-std::unexpected<Error> malformed(std::string found) {
+std::unexpected<Error> malformed_error(std::string found) {
   return fail(Code::participant_data_malformed, {.field = "c.pdata", .found = std::move(found)});
 }
 
@@ -28,10 +28,10 @@ Result<std::optional<Parameter>> next_parameter(Reader& reader) {
   if (reader.at_end()) return std::nullopt;
   const auto id = reader.read<std::uint16_t>();
   const auto length = reader.read<std::uint16_t>();
-  if (!id || !length) return malformed("half a parameter header");
+  if (!id || !length) return malformed_error("half a parameter header");
   if (*id == pid::kSentinel) return std::nullopt;
   const auto value = reader.read_bytes(*length);
-  if (!value) return malformed("a parameter longer than the list");
+  if (!value) return malformed_error("a parameter longer than the list");
   return Parameter{*id, *value};
 }
 
@@ -74,9 +74,9 @@ Result<Guid> participant_guid_in(BytesView participant_data) {
     if (!parameter) break;
 
     if (parameter->id != pid::kParticipantGuid) continue;
-    if (parameter->value.size() < Guid::size) return malformed("a short PARTICIPANT_GUID");
+    if (parameter->value.size() < Guid::size) return malformed_error("a short PARTICIPANT_GUID");
     const auto guid = Guid::from(parameter->value);
-    if (found && *found != guid) return malformed("two different PARTICIPANT_GUIDs");
+    if (found && *found != guid) return malformed_error("two different PARTICIPANT_GUIDs");
     found = guid;
   }
   if (!found) return fail(Code::participant_guid_missing, {.field = "c.pdata"});

@@ -5,7 +5,7 @@
 namespace ddssec::authentication {
 namespace {
 
-std::unexpected<Error> too_many(std::size_t limit, std::string_view of_what) {
+std::unexpected<Error> too_many_error(std::size_t limit, std::string_view of_what) {
   return fail(Code::too_many_remote_identities,
               {.expected = "at most " + std::to_string(limit) + " that " + std::string(of_what),
                .found = "one more"});
@@ -20,13 +20,14 @@ RemoteCounts::Half RemoteCounts::half_of(const Guid& guid) {
 }
 
 Status RemoteCounts::check_claim(const Guid& guid, const RemoteLimits& limits) const {
-  if (claimed_ >= limits.max_claimed) return too_many(limits.max_claimed, "have not authenticated");
+  if (claimed_ >= limits.max_claimed)
+    return too_many_error(limits.max_claimed, "have not authenticated");
   return check_authenticated(guid, limits);
 }
 
 Status RemoteCounts::check_authenticated(const Guid& guid, const RemoteLimits& limits) const {
   if (authenticated_ >= limits.max_authenticated)
-    return too_many(limits.max_authenticated, "have authenticated");
+    return too_many_error(limits.max_authenticated, "have authenticated");
   const auto known = subjects_.find(half_of(guid));
   if (known == subjects_.end()) return {};
   const auto& subject = known->second;

@@ -5,7 +5,7 @@
 
 #include "base/renewal_refusals.hpp"
 #include "base/rollback.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
 #include "plugins/spi/property_names.hpp"
 

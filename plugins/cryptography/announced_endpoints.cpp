@@ -8,9 +8,9 @@
 namespace ddssec::cryptography {
 namespace {
 
-std::unexpected<Error> too_much(const BuiltinTopic& topic) {
-  return unreadable_name(topic, "its certificate has announced more than " +
-                                    std::to_string(AnnouncedOctets::kMax >> 20) + " MiB");
+std::unexpected<Error> too_much_announced_error(const BuiltinTopic& topic) {
+  return unreadable_name_error(topic, "its certificate has announced more than " +
+                                          std::to_string(AnnouncedOctets::kMax >> 20) + " MiB");
 }
 
 constexpr EntityId kPublications{{0, 0, 3, 0xc2}}, kSecurePublications{{0xff, 0, 3, 0xc2}};
@@ -112,8 +112,8 @@ Status AnnouncedEndpoints::note(const BuiltinTopic& topic, const Announcement& a
   if (known != writer.passed.end())
     return known->second == announcement
                ? Status()
-               : unreadable_name(topic, "something else came under its number before");
-  if (!account_->replace(0, cost_of(announcement))) return too_much(topic);
+               : unreadable_name_error(topic, "something else came under its number before");
+  if (!account_->replace(0, cost_of(announcement))) return too_much_announced_error(topic);
   writer.passed.emplace(announcement.number, announcement);
   note_announced(writer, announcement);
   return {};
@@ -139,7 +139,8 @@ Status AnnouncedEndpoints::note_again(const BuiltinTopic& topic, Writer& writer,
   const auto known = writer.again.find(announcement.entity);
   const auto counted = known == writer.again.end() ? 0 : known->second;
   const auto cost = std::max(counted, cost_of(announcement));
-  if (!account_->replace(counted, cost, AnnouncedOctets::Heard::again)) return too_much(topic);
+  if (!account_->replace(counted, cost, AnnouncedOctets::Heard::again))
+    return too_much_announced_error(topic);
   writer.again.insert_or_assign(announcement.entity, cost);
   writer.hides |= hides_endpoint(announcement);
   return {};

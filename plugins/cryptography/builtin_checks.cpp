@@ -57,13 +57,13 @@ Result<Ending> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
     const auto parameter = next_parameter(in);
     if (!parameter || !*parameter) break;  // read once already
     if (is_deprecated_address((*parameter)->id))
-      return unreadable_name(topic, "it has an address in the form of RTPS 1");
+      return unreadable_name_error(topic, "it has an address in the form of RTPS 1");
     if ((*parameter)->id == pid::kKeyHash)
       DDSSEC_RETURN_IF_ERROR(check_name(topic, owner, "key hash", (*parameter)->value));
     if ((*parameter)->id == pid::kStatusInfo) {
       const bool says = says_end((*parameter)->value);
       if (form.status_infos > 0 && form.ends != says)
-        return unreadable_name(topic, "it has two values of PID_STATUS_INFO");
+        return unreadable_name_error(topic, "it has two values of PID_STATUS_INFO");
       form.ends = says;
     }
     form.note(**parameter);
@@ -95,9 +95,9 @@ Status check_other_inline_qos(BytesView submessage) {
 Status check_liveliness(const BuiltinTopic& topic, const Owner& owner, BytesView payload) {
   constexpr std::uint8_t kMaxPlain = 3;
   if (payload.size() < kEncapsulationSize + GuidPrefix::size)
-    return unreadable_name(topic, "it is too short");
+    return unreadable_name_error(topic, "it is too short");
   if (payload[0] != 0 || payload[1] > kMaxPlain)
-    return unreadable_name(topic, "its encapsulation is not CDR");
+    return unreadable_name_error(topic, "its encapsulation is not CDR");
   return check_name(topic, owner, "participantGuidPrefix", payload.subspan(kEncapsulationSize));
 }
 
@@ -133,10 +133,10 @@ Result<TypeInformationAt> check_payload(const BuiltinTopic& topic, const Owner& 
   auto* const announced = peer == nullptr ? nullptr : &peer->announced;
   if (!piece.is_fragment) return check_whole(topic, owner, piece, ending, announced);
   if (piece.payload.size() < piece.fragments_size)
-    return unreadable_name(topic, "a fragment is shorter than it says");
+    return unreadable_name_error(topic, "a fragment is shorter than it says");
   if (piece.payload.size() == piece.sample_size)
     return check_whole(topic, owner, piece, ending, announced);
-  if (topic.key == 0) return unreadable_name(topic, "it is in fragments");
+  if (topic.key == 0) return unreadable_name_error(topic, "it is in fragments");
   return peer == nullptr ? fail(Code::builtin_fragment_early)
                          : peer->walks.take(topic, owner, piece, peer->announced, now);
 }
@@ -195,7 +195,7 @@ Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner
   if (peer != nullptr && announces_securely(*topic))
     DDSSEC_RETURN_IF_ERROR(peer->work.check(peers.now()));
   const auto piece = read_data_piece(submessage);
-  if (!piece) return unreadable_name(*topic, "its lengths contradict one another");
+  if (!piece) return unreadable_name_error(*topic, "its lengths contradict one another");
   DDSSEC_ASSIGN_OR_RETURN(const auto ending, check_inline_qos(*topic, owner, *piece));
   if (!piece->has_data && !piece->has_key) {
     DDSSEC_RETURN_IF_ERROR(check_without_payload(*topic, *piece, peer));

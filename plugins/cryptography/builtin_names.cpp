@@ -91,7 +91,7 @@ bool is_deprecated_address(std::uint16_t parameter_id) {
 
 Status check_name(const BuiltinTopic& topic, const Owner& owner, std::string_view field,
                   BytesView guid) {
-  if (guid.size() < GuidPrefix::size) return unreadable_name(topic, "a GUID is too short");
+  if (guid.size() < GuidPrefix::size) return unreadable_name_error(topic, "a GUID is too short");
   const auto found = GuidPrefix::from(guid.first(GuidPrefix::size));
   if (!owner || found == *owner) return {};
   return fail(Code::builtin_source_mismatch, {.document = std::string(kDocument),
@@ -101,7 +101,7 @@ Status check_name(const BuiltinTopic& topic, const Owner& owner, std::string_vie
                                               .note = "by writer " + topic.writer.to_string()});
 }
 
-std::unexpected<Error> unreadable_name(const BuiltinTopic& topic, std::string_view why) {
+std::unexpected<Error> unreadable_name_error(const BuiltinTopic& topic, std::string_view why) {
   return fail(Code::builtin_source_unreadable,
               {.document = std::string(kDocument),
                .note = std::string(why) + ", by writer " + topic.writer.to_string()});
@@ -132,9 +132,10 @@ Status ParameterWalk::read(const BuiltinTopic& topic, const Owner& owner, BytesV
 }
 
 Status ParameterWalk::check_end(const BuiltinTopic& topic) const {
-  if (state_ == State::encapsulation) return unreadable_name(topic, "it is too short");
-  if (state_ != State::ended) return unreadable_name(topic, "its parameters have lengths that lie");
-  return has_name_ ? Status() : unreadable_name(topic, "it names nothing");
+  if (state_ == State::encapsulation) return unreadable_name_error(topic, "it is too short");
+  if (state_ != State::ended)
+    return unreadable_name_error(topic, "its parameters have lengths that lie");
+  return has_name_ ? Status() : unreadable_name_error(topic, "it names nothing");
 }
 
 std::size_t ParameterWalk::cost(std::size_t octets) const {
@@ -161,7 +162,7 @@ Status ParameterWalk::take(const BuiltinTopic& topic, const Owner& owner) {
   has_name_ = true;
   DDSSEC_RETURN_IF_ERROR(check_name(topic, owner, kNames.at(*name_of(topic, id_)).name, part_));
   if (id_ != topic.key) return {};
-  if (has_entity_) return unreadable_name(topic, "it names two endpoints");
+  if (has_entity_) return unreadable_name_error(topic, "it names two endpoints");
   has_entity_ = true;
   entity_ = EntityId::from(BytesView(part_).subspan(GuidPrefix::size));
   return {};
@@ -170,7 +171,7 @@ Status ParameterWalk::take(const BuiltinTopic& topic, const Owner& owner) {
 Status ParameterWalk::begin_list(const BuiltinTopic& topic) {
   constexpr std::uint8_t kBig = 2, kLittle = 3;
   if (part_[0] != 0 || (part_[1] != kBig && part_[1] != kLittle))
-    return unreadable_name(topic, "its encapsulation is not a parameter list");
+    return unreadable_name_error(topic, "its encapsulation is not a parameter list");
   is_little_ = part_[1] == kLittle;
   state_ = State::header;
   return {};
@@ -184,9 +185,9 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
     return {};
   }
   note_name(topic);
-  if (length_ % 4 != 0) return unreadable_name(topic, "its parameters have lengths that lie");
+  if (length_ % 4 != 0) return unreadable_name_error(topic, "its parameters have lengths that lie");
   if (is_deprecated_address(id_))
-    return unreadable_name(topic, "it has an address in the form of RTPS 1");
+    return unreadable_name_error(topic, "it has an address in the form of RTPS 1");
   if (id_ == pid::kTypeInformation)
     DDSSEC_RETURN_IF_ERROR(
         note_type_information(topic, position_ - static_cast<std::uint32_t>(kHeaderSize)));
@@ -198,7 +199,7 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
     to_skip_ = length_;
     return {};
   }
-  if (length_ < kGuidSize) return unreadable_name(topic, "a GUID is too short");
+  if (length_ < kGuidSize) return unreadable_name_error(topic, "a GUID is too short");
   state_ = State::name;
   wanted_ = kGuidSize;
   return {};
@@ -228,12 +229,13 @@ Status ParameterWalk::count_locator(const BuiltinTopic& topic) {
   const auto most = kind->is_multicast ? kMaxMulticastLocators : kMaxLocators;
   auto& count = locators_[static_cast<std::size_t>(kind - kLocators.begin())];
   if (++count <= most) return {};
-  return unreadable_name(topic, "it has more than " + std::to_string(most) + ' ' + kind->name);
+  return unreadable_name_error(topic,
+                               "it has more than " + std::to_string(most) + ' ' + kind->name);
 }
 
 Status ParameterWalk::begin_partitions(const BuiltinTopic& topic) {
-  if (has_partitions_) return unreadable_name(topic, "its partitions come twice");
-  if (length_ == 0) return unreadable_name(topic, "its partitions have lengths that lie");
+  if (has_partitions_) return unreadable_name_error(topic, "its partitions come twice");
+  if (length_ == 0) return unreadable_name_error(topic, "its partitions have lengths that lie");
   has_partitions_ = true;
   state_ = State::partitions;
   partitions_ = PartitionWalk(length_, is_little_);
@@ -252,7 +254,7 @@ Status ParameterWalk::note_type_information(const BuiltinTopic& topic, std::uint
   if (type_information_)
     return header == type_information_header_
                ? Status()
-               : unreadable_name(topic, "its type information comes twice");
+               : unreadable_name_error(topic, "its type information comes twice");
   type_information_header_ = header;
   // If the host already has the first octet of the id, the second octet is changed so that the id
   // becomes one that does not exist: 0x8075 of a vendor, or PID_PAD.

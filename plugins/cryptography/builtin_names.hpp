@@ -44,7 +44,7 @@ using Owner = std::optional<GuidPrefix>;
 /// builtin_source_unreadable.
 Status check_name(const BuiltinTopic& topic, const Owner& owner, std::string_view field,
                   BytesView guid);
-std::unexpected<Error> unreadable_name(const BuiltinTopic& topic, std::string_view why);
+std::unexpected<Error> unreadable_name_error(const BuiltinTopic& topic, std::string_view why);
 
 /// True for parameters of RTPS 1 that give an address or a port by itself (RTPS 9.6.3 lists them as
 /// deprecated). Cyclone DDS takes them for the beginning of a list of locators that was never

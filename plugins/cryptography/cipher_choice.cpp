@@ -5,8 +5,8 @@
 namespace ddssec::cryptography {
 namespace {
 
-std::unexpected<Error> invalid(std::string_view property, std::string expected,
-                               const std::string& found) {
+std::unexpected<Error> invalid_property_error(std::string_view property, std::string expected,
+                                              const std::string& found) {
   return fail(Code::invalid_property, {.field = std::string(property),
                                        .expected = std::move(expected),
                                        .found = found.substr(0, 64)});
@@ -19,7 +19,7 @@ Result<std::optional<Cipher>> aes_by_size(const spi::PropertyList& properties) {
   if (value == nullptr) return std::nullopt;
   if (*value == "128") return Cipher::aes128_gcm;
   if (*value == "256") return Cipher::aes256_gcm;
-  return invalid(spi::property::kKeySize, "128 or 256", *value);
+  return invalid_property_error(spi::property::kKeySize, "128 or 256", *value);
 }
 
 // The cipher that a property names; empty for AUTO and for a missing property.
@@ -30,7 +30,8 @@ Result<std::optional<Cipher>> cipher_by_name(const spi::PropertyList& properties
   const auto asked = spi::cipher_of(*value);
   for (const auto cipher : {Cipher::aes128_gcm, Cipher::aes256_gcm, Cipher::chacha20_poly1305})
     if (asked == bit_of(cipher)) return cipher;
-  return invalid(property, "AUTO or one of " + spi::names_of(spi::kAllCiphers), *value);
+  return invalid_property_error(property, "AUTO or one of " + spi::names_of(spi::kAllCiphers),
+                                *value);
 }
 
 }  // namespace
@@ -53,8 +54,8 @@ Result<std::optional<Cipher>> cipher_asked(const spi::PropertyList& properties) 
   if (by_size && *by_name != Cipher::chacha20_poly1305 && by_name != by_size) {
     std::string expected("what ");
     expected.append(spi::property::kKeySize).append(" says");
-    return invalid(spi::property::kSymmetricCipher, std::move(expected),
-                   spi::names_of(bit_of(*by_name)));
+    return invalid_property_error(spi::property::kSymmetricCipher, std::move(expected),
+                                  spi::names_of(bit_of(*by_name)));
   }
   return by_name;
 }

@@ -8,10 +8,10 @@
 namespace ddssec::cryptography {
 namespace {
 
-KeyServices key_services(const AeadBackend& aead, Graveyard& graveyard, Random& random,
+KeyServices key_services(const AeadBackend& aead, RetiredObjects& retired_objects, Random& random,
                          const CryptographyOptions& options) {
   constexpr auto kMax = std::uint64_t{1} << 32;
-  return {aead, graveyard, std::clamp(options.max_blocks_per_session, std::uint64_t{1}, kMax),
+  return {aead, retired_objects, std::clamp(options.max_blocks_per_session, std::uint64_t{1}, kMax),
           std::clamp(options.max_sessions_per_key, std::uint64_t{1}, kMax), random};
 }
 
@@ -23,7 +23,7 @@ CryptographyState::CryptographyState(const EngineServices& given, const AeadBack
     : services(given),
       header_prefix_is_network_order(options.header_prefix_is_network_order),
       host_checks_sources(options.host_checks_sources),
-      keys(key_services(aead, graveyard, services.random, options)),
+      keys(key_services(aead, retired_objects, services.random, options)),
       registry(first_generation) {}
 
 std::uint64_t subject_of(std::int64_t identity, const Pair& pair) {
@@ -68,7 +68,7 @@ void CryptographyState::publish_route(RemoteEndpoint& endpoint) {
   }
   const auto former = endpoint.route.exchange(route.number);
   Rollback keep_former([&] { endpoint.route = former; });
-  endpoint.participant.routes.add(route, graveyard);
+  endpoint.participant.routes.add(route, retired_objects);
   keep_former.release();
   if (former != 0) endpoint.participant.routes.note_gone();
 }

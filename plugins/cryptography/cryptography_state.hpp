@@ -50,7 +50,7 @@ struct CryptographyState {
   const EngineServices services;
   const bool header_prefix_is_network_order;
   const bool host_checks_sources;
-  Graveyard graveyard;  // declared before the members that retire objects into it
+  RetiredObjects retired_objects;  // declared before the members that retire objects into it
   const KeyServices keys;
   Registry registry;
   mutable std::mutex mutex;

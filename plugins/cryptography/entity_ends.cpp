@@ -8,7 +8,7 @@ namespace ddssec::cryptography {
 // the handle (routes.hpp).
 
 void KeyFactory::drop(const Entity& entity) {
-  state_.graveyard.retire(state_.registry.remove(entity));
+  state_.retired_objects.retire(state_.registry.remove(entity));
 }
 
 void KeyFactory::drop_remote(RemoteEndpoint& endpoint) {
@@ -79,7 +79,7 @@ void KeyFactory::drop_local(LocalParticipant& participant) {
     if (!remote) continue;
     publish_pairs(**remote, participant.handle());
     if (auto pair = (*remote)->pairs.extract(participant.handle()))
-      state_.graveyard.retire(std::move(pair.mapped()));
+      state_.retired_objects.retire(std::move(pair.mapped()));
   }
   drop(participant);
 }

@@ -6,7 +6,7 @@
 namespace ddssec::cryptography {
 namespace {
 
-std::unexpected<Error> early() { return fail(Code::builtin_fragment_early); }
+std::unexpected<Error> early_fragment_error() { return fail(Code::builtin_fragment_early); }
 
 std::size_t fragments_of(const DataPiece& piece) {
   return (std::size_t{piece.sample_size} + piece.fragment_size - 1) / piece.fragment_size;
@@ -57,13 +57,13 @@ Result<FragmentWalks::Samples::iterator> FragmentWalks::sample_of(const BuiltinT
   if (const auto found = writer.samples.find(piece.number); found != writer.samples.end()) {
     const auto& known = found->second;
     if (known.size != piece.sample_size || known.fragment_size != piece.fragment_size)
-      return unreadable_name(topic, "its fragments are of different sizes");
+      return unreadable_name_error(topic, "its fragments are of different sizes");
     return found;
   }
   const auto count = fragments_of(piece);
   if (count > kMaxOfSample || piece.sample_size > kMaxOctets)
-    return unreadable_name(topic, "it is too large");
-  if (piece.number <= writer.forgotten_until || !piece.begins_sample) return early();
+    return unreadable_name_error(topic, "it is too large");
+  if (piece.number <= writer.forgotten_until || !piece.begins_sample) return early_fragment_error();
   DDSSEC_RETURN_IF_ERROR(make_room(topic, writer, piece.number, count, announced, now));
   DDSSEC_RETURN_IF_ERROR(announced.note(
       topic,
@@ -87,7 +87,7 @@ Status FragmentWalks::make_room(const BuiltinTopic& topic, Writer& writer, std::
     const auto lowest = writer.samples.begin();
     if (number < lowest->first || now - lowest->second.last_progress < kKept ||
         !announced.is_acknowledged(topic, lowest->first))
-      return early();
+      return early_fragment_error();
     writer.forgotten_until = lowest->first;
     writer.erase(lowest);
   }
@@ -97,7 +97,7 @@ Status FragmentWalks::make_room(const BuiltinTopic& topic, Writer& writer, std::
 Status FragmentWalks::read(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
                            Sample& sample, AnnouncedEndpoints& announced, MonotonicTime now) const {
   const auto first = std::size_t{piece.first_fragment - 1};
-  if (first > sample.passed.size()) return early();
+  if (first > sample.passed.size()) return early_fragment_error();
   std::vector<Sha256Digest> added;
   auto unread = piece.payload;
   auto index = first;
@@ -110,7 +110,7 @@ Status FragmentWalks::read(const BuiltinTopic& topic, const Owner& owner, const 
     } else if (digest == sample.passed[index]) {
       unread = rest;
     } else {
-      return unreadable_name(topic, "one of its fragments came with other content before");
+      return unreadable_name_error(topic, "one of its fragments came with other content before");
     }
   }
   if (added.empty()) return {};

@@ -258,7 +258,7 @@ Status KeyExchange::take(const LocalParticipant& participant, spi::ParticipantCr
   DDSSEC_RETURN_IF_ERROR(
       inherit(*keys, pair.remote_keys.read(), state_.services.clock.monotonic()));
   state_.note_former(remote.value, *keys);
-  pair.remote_keys.replace(std::move(keys), state_.graveyard);
+  pair.remote_keys.replace(std::move(keys), state_.retired_objects);
   return {};
 }
 
@@ -339,11 +339,12 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::checked_keys(RemoteEndpoint& en
 void KeyExchange::install(RemoteEndpoint& endpoint, std::unique_ptr<RemoteKeys> keys) {
   state_.note_former(endpoint.handle(), *keys);
   auto former = endpoint.remote_keys.exchange(std::move(keys));
-  Rollback take_back([&] { endpoint.remote_keys.replace(std::move(former), state_.graveyard); });
+  Rollback take_back(
+      [&] { endpoint.remote_keys.replace(std::move(former), state_.retired_objects); });
   if (is_protected(endpoint.local.submessage) && !route_alike(*endpoint.remote_keys.read(), former))
     state_.publish_route(endpoint);
   take_back.release();
-  state_.graveyard.retire(std::move(former));
+  state_.retired_objects.retire(std::move(former));
 }
 
 template <class Local, class Remote>

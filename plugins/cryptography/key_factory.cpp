@@ -145,7 +145,7 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
     DDSSEC_ASSIGN_OR_RETURN(auto material,
                             fresh_material(is_encrypted(attributes.rtps), participant->cipher));
     DDSSEC_ASSIGN_OR_RETURN(auto fresh_key, send_key(std::move(material)));
-    participant->key.replace(std::move(fresh_key), state_.graveyard);
+    participant->key.replace(std::move(fresh_key), state_.retired_objects);
   }
   const auto& added = *participant;
   DDSSEC_RETURN_IF_ERROR(state_.registry.add(std::move(participant)));
@@ -198,7 +198,7 @@ void KeyFactory::publish_pairs(RemoteParticipant& remote, std::int64_t without) 
   auto table = std::make_unique<PairTable>();
   for (const auto& [local, pair] : remote.pairs)
     if (local != without) table->rows.push_back({local, pair.get()});
-  remote.pair_table.replace(std::move(table), state_.graveyard);
+  remote.pair_table.replace(std::move(table), state_.retired_objects);
 }
 
 Status KeyFactory::claim_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh) {
@@ -248,7 +248,7 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
   publish_pairs(*remote);
   take_back.release();
   release.release();
-  state_.graveyard.retire(std::move(fresh));
+  state_.retired_objects.retire(std::move(fresh));
   return spi::ParticipantCryptoHandle{remote->handle()};
 }
 
@@ -262,12 +262,12 @@ Status KeyFactory::make_endpoint_keys(LocalEndpoint& endpoint) {
   };
   if (protects_submessages && !endpoint.has_peer_keys()) {
     DDSSEC_ASSIGN_OR_RETURN(auto send_key, fresh(endpoint.submessage));
-    endpoint.submessage_key.replace(std::move(send_key), state_.graveyard);
+    endpoint.submessage_key.replace(std::move(send_key), state_.retired_objects);
   }
   if (!is_protected(endpoint.payload)) return {};
   if (endpoint.kind() == EntityKind::local_writer) {
     DDSSEC_ASSIGN_OR_RETURN(auto send_key, fresh(endpoint.payload));
-    endpoint.payload_key.replace(std::move(send_key), state_.graveyard);
+    endpoint.payload_key.replace(std::move(send_key), state_.retired_objects);
   } else if (!protects_submessages)
   // Fast DDS 2.9 matches its writer only after a token of the reader, even if it needs none.
   {
@@ -367,7 +367,7 @@ Status KeyFactory::claim_peer_key(RemoteEndpoint& writer) {
     DDSSEC_ASSIGN_OR_RETURN(auto material,
                             fresh_material(is_encrypted(local.submessage), local.cipher));
     DDSSEC_ASSIGN_OR_RETURN(auto fresh_key, send_key(std::move(material)));
-    fresh->key.replace(std::move(fresh_key), state_.graveyard);
+    fresh->key.replace(std::move(fresh_key), state_.retired_objects);
     key = std::move(fresh);
     forget.release();
   }

@@ -33,7 +33,8 @@ Shape shape_of(std::uint8_t id) {
   }
 }
 
-std::unexpected<Error> not_of_sender(const Shape& shape, std::string expected, EntityId named) {
+std::unexpected<Error> not_of_sender_error(const Shape& shape, std::string expected,
+                                           EntityId named) {
   return fail(Code::submessage_not_of_sender, {.document = "a protected submessage",
                                                .field = std::string(shape.field),
                                                .expected = std::move(expected),
@@ -56,14 +57,14 @@ Status check_speaker(const RemoteEndpoint& sender, BytesView plain) {
   const auto named = EntityId::from(plain.subspan(shape.sender_at, EntityId::size));
   if (sender.local.is_volatile) {
     const auto due = shape.field == "readerId" ? kVolatileReader : kVolatileWriter;
-    return named == due ? Status() : not_of_sender(shape, due.to_string(), named);
+    return named == due ? Status() : not_of_sender_error(shape, due.to_string(), named);
   }
   const auto* const keys = sender.remote_keys.read();
   const auto owner = keys == nullptr ? EntityId{} : keys->owner;
   if (!owner.is_zero())
-    return named == owner ? Status() : not_of_sender(shape, owner.to_string(), named);
+    return named == owner ? Status() : not_of_sender_error(shape, owner.to_string(), named);
   if (is_builtin(named) == sender.local.is_builtin) return {};
-  return not_of_sender(
+  return not_of_sender_error(
       shape, sender.local.is_builtin ? "a builtin endpoint" : "no builtin endpoint", named);
 }
 

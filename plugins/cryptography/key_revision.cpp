@@ -144,7 +144,7 @@ void KeyFactory::take_back_revision(LocalEndpoint& endpoint) noexcept {
 }
 
 void KeyFactory::put_to_use(Published<SendKey>& key, std::unique_ptr<SendKey>& next) {
-  if (next) key.replace(std::move(next), state_.graveyard);
+  if (next) key.replace(std::move(next), state_.retired_objects);
 }
 
 void KeyFactory::activate_revision(LocalEndpoint& endpoint) {
@@ -221,7 +221,7 @@ void KeyFactory::forget_former_keys() {
 void KeyFactory::forget_former_keys(std::int64_t handle, std::chrono::nanoseconds now) {
   const auto prune = [&](Published<RemoteKeys>& keys) {
     if (const auto* const present = keys.read())
-      keys.replace(without_ended(*present, now), state_.graveyard);
+      keys.replace(without_ended(*present, now), state_.retired_objects);
   };
   if (const auto participant = state_.remote_participant(spi::ParticipantCryptoHandle{handle}))
     for (const auto& [local, pair] : (*participant)->pairs) prune(pair->remote_keys);

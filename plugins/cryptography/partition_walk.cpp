@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::size_t kWordSize = 4;
 
-std::unexpected<Error> lies(const BuiltinTopic& topic) {
-  return unreadable_name(topic, "its partitions have lengths that lie");
+std::unexpected<Error> wrong_length_error(const BuiltinTopic& topic) {
+  return unreadable_name_error(topic, "its partitions have lengths that lie");
 }
 
 }  // namespace
@@ -21,7 +21,7 @@ Status PartitionWalk::read(const BuiltinTopic& topic, BytesView octets) {
     DDSSEC_RETURN_IF_ERROR(take(topic, octet));
   }
   const bool is_done = has_count_ && names_left_ == 0 && name_left_ == 0;
-  return rest_ == 0 && !is_done ? Status(lies(topic)) : Status();
+  return rest_ == 0 && !is_done ? Status(wrong_length_error(topic)) : Status();
 }
 
 Status PartitionWalk::take(const BuiltinTopic& topic, std::uint8_t octet) {
@@ -46,7 +46,8 @@ Status PartitionWalk::take(const BuiltinTopic& topic, std::uint8_t octet) {
 Status PartitionWalk::take_word(const BuiltinTopic& topic, std::uint32_t word) {
   if (has_count_) return begin_name(topic, word);
   if (word > kMaxNames)
-    return unreadable_name(topic, "it has more than " + std::to_string(kMaxNames) + " partitions");
+    return unreadable_name_error(topic,
+                                 "it has more than " + std::to_string(kMaxNames) + " partitions");
   has_count_ = true;
   names_ = static_cast<std::uint16_t>(word);
   names_left_ = word;
@@ -54,9 +55,9 @@ Status PartitionWalk::take_word(const BuiltinTopic& topic, std::uint32_t word) {
 }
 
 Status PartitionWalk::begin_name(const BuiltinTopic& topic, std::uint32_t size) {
-  if (size == 0 || size > rest_) return lies(topic);
+  if (size == 0 || size > rest_) return wrong_length_error(topic);
   if (size > kMaxNameOctets + 1)
-    return unreadable_name(
+    return unreadable_name_error(
         topic, "one of its partitions has more than " + std::to_string(kMaxNameOctets) + " octets");
   --names_left_;
   name_left_ = size;
@@ -79,12 +80,13 @@ Status PartitionWalk::take_character(const BuiltinTopic& topic, char character) 
 Status PartitionWalk::count_star(const BuiltinTopic& topic) {
   const auto expression = '"' + std::string(text_.data(), text_size_) + "...\"";
   if (++stars_ > kMaxStarsOfName)
-    return unreadable_name(topic, "its partition expression " + expression + " has more than " +
-                                      std::to_string(kMaxStarsOfName) + " '*' before its end");
+    return unreadable_name_error(topic, "its partition expression " + expression +
+                                            " has more than " + std::to_string(kMaxStarsOfName) +
+                                            " '*' before its end");
   if (++stars_of_all_ > kMaxStarsOfSample)
-    return unreadable_name(topic, "its partition expressions, of which " + expression +
-                                      " is one, have more than " +
-                                      std::to_string(kMaxStarsOfSample) + " '*' before their ends");
+    return unreadable_name_error(
+        topic, "its partition expressions, of which " + expression + " is one, have more than " +
+                   std::to_string(kMaxStarsOfSample) + " '*' before their ends");
   return {};
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::cryptography {

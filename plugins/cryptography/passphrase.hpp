@@ -31,7 +31,7 @@ class PassphraseFiles {
 
   /// Reads the passphrase to send with, then those that are accepted as well. Raises
   /// psk_passphrase_exposed for a file that others may read. Errors: missing_property, those of
-  /// base/source.hpp, invalid_property (not ID:PASSPHRASE, a reserved id, one id for two
+  /// base/uri_source.hpp, invalid_property (not ID:PASSPHRASE, a reserved id, one id for two
   /// passphrases, too many). The document of an error is the property; no error repeats any of a
   /// passphrase.
   Result<std::vector<Passphrase>> load(EventSink& events) const;

@@ -4,15 +4,15 @@
 
 namespace ddssec::cryptography {
 
-void NewestPosition::note(const NewestPosition& other, Graveyard& graveyard) {
+void NewestPosition::note(const NewestPosition& other, RetiredObjects& retired_objects) {
   const auto& position = other.newest_.read()->position;
   if (position.is_after(newest_.read()->position))
-    newest_.replace(std::make_unique<Place>(position), graveyard);
+    newest_.replace(std::make_unique<Place>(position), retired_objects);
 }
 
 void ReceiveKey::count_with(const std::shared_ptr<NewestPosition>& of_other) {
   if (!position_ || !of_other) return;
-  of_other->note(*position_, services_.graveyard);
+  of_other->note(*position_, services_.retired_objects);
   position_ = of_other;
 }
 
@@ -76,7 +76,7 @@ void ReceiveKey::remember(Candidate candidate) {
   auto former = place_for_next().exchange(std::move(candidate.fresh_));
   if (!former) return;
   const auto epoch = retirement_epoch();
-  if (aside_.session) services_.graveyard.retire(std::move(aside_.session));
+  if (aside_.session) services_.retired_objects.retire(std::move(aside_.session));
   aside_ = {std::move(former), epoch};
 }
 

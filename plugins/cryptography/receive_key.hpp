@@ -36,7 +36,7 @@ class NewestPosition {
   bool has_passed(const Iv& iv) const noexcept { return newest_.read()->position.has_passed(iv); }
   /// Moves on to the position in another copy of the same key, given to another endpoint, if that
   /// is newer. One caller at a time.
-  void note(const NewestPosition& other, Graveyard& graveyard);
+  void note(const NewestPosition& other, RetiredObjects& retired_objects);
 
  private:
   struct Place final : Retirable {
@@ -87,7 +87,7 @@ class ReceiveKey final : public Retirable {
 
   /// True if the message was protected before its sender gave the key to all local endpoints that
   /// have it. Under a ReadGuard.
-  bool is_from_before(const Iv& iv) const { return position_ && position_->has_passed(iv); }
+  bool precedes_key_exchange(const Iv& iv) const { return position_ && position_->has_passed(iv); }
   /// True if the message came before. Call it after the tags were right. Only senders that use
   /// ddssec with origin authentication are checked (replay_window.hpp).
   bool is_repeated(const Iv& iv) { return window_ && !window_->accept(iv); }

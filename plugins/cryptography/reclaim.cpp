@@ -89,11 +89,11 @@ bool is_safe(std::uint64_t epoch) noexcept {
   });
 }
 
-Graveyard::~Graveyard() {
+RetiredObjects::~RetiredObjects() {
   while (first_) first_ = std::move(first_->retired_after_);
 }
 
-void Graveyard::retire(std::unique_ptr<Retirable> object) noexcept {
+void RetiredObjects::retire(std::unique_ptr<Retirable> object) noexcept {
   if (!object) return;
   {
     const std::lock_guard lock(mutex_);
@@ -104,13 +104,13 @@ void Graveyard::retire(std::unique_ptr<Retirable> object) noexcept {
     ++size_;
   }
   // The object is destroyed without the lock, because destructors may retire more objects.
-  while (auto dead = take_safe()) {
+  while (auto dead = take_reclaimable()) {
   }
 }
 
 // Stamps increase along the list, so the first object that may still be read keeps all objects
 // after it.
-std::unique_ptr<Retirable> Graveyard::take_safe() noexcept {
+std::unique_ptr<Retirable> RetiredObjects::take_reclaimable() noexcept {
   const std::lock_guard lock(mutex_);
   if (!first_ || !is_safe(first_->epoch_)) return nullptr;
   auto dead = std::move(first_);
@@ -120,7 +120,7 @@ std::unique_ptr<Retirable> Graveyard::take_safe() noexcept {
   return dead;
 }
 
-std::size_t Graveyard::size() const {
+std::size_t RetiredObjects::size() const {
   const std::lock_guard lock(mutex_);
   return size_;
 }

@@ -48,7 +48,7 @@ class Retirable {
   Retirable& operator=(const Retirable&) = delete;
 
  private:
-  friend class Graveyard;
+  friend class RetiredObjects;
   std::unique_ptr<Retirable> retired_after_;
   std::uint64_t epoch_ = 0;
 };
@@ -61,12 +61,12 @@ bool is_safe(std::uint64_t epoch) noexcept;
 
 /// Retired objects that wait for their readers. Its owner must outlive all readers of the objects.
 /// Thread-safe.
-class Graveyard {
+class RetiredObjects {
  public:
-  Graveyard() = default;
-  ~Graveyard();
-  Graveyard(const Graveyard&) = delete;
-  Graveyard& operator=(const Graveyard&) = delete;
+  RetiredObjects() = default;
+  ~RetiredObjects();
+  RetiredObjects(const RetiredObjects&) = delete;
+  RetiredObjects& operator=(const RetiredObjects&) = delete;
 
   /// Takes ownership of an unlinked object (or null), and frees objects that have become safe.
   /// Allocates no memory, so an unlinked object can always be kept for its readers.
@@ -75,7 +75,7 @@ class Graveyard {
   std::size_t size() const;
 
  private:
-  std::unique_ptr<Retirable> take_safe() noexcept;
+  std::unique_ptr<Retirable> take_reclaimable() noexcept;
 
   mutable std::mutex mutex_;
   std::unique_ptr<Retirable> first_;  ///< a list in the order of retirement
@@ -97,9 +97,9 @@ class Published {
   T* read() const noexcept { return pointer_.load(); }
 
   /// Publishes `next`; the former object goes to the graveyard.
-  void replace(std::unique_ptr<T> next, Graveyard& graveyard) {
+  void replace(std::unique_ptr<T> next, RetiredObjects& retired_objects) {
     std::unique_ptr<T> former(pointer_.exchange(next.release()));
-    if (former) graveyard.retire(std::move(former));
+    if (former) retired_objects.retire(std::move(former));
   }
 
   /// Publishes `next` and returns the unlinked former object, which others may still read.

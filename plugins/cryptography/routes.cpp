@@ -125,7 +125,7 @@ void Routes::Table::append(std::shared_ptr<const Run> run) {
   owners_.push_back(std::move(run));
 }
 
-void Routes::add(const Route& route, Graveyard& graveyard) {
+void Routes::add(const Route& route, RetiredObjects& retired_objects) {
   auto next = std::make_unique<Table>();
   std::vector<std::shared_ptr<const Run>> kept;
   if (const auto* const present = table_.read()) kept = present->owners();
@@ -144,7 +144,7 @@ void Routes::add(const Route& route, Graveyard& graveyard) {
     next->append(std::move(run));
   }
   next->append(std::make_shared<const Run>(std::move(last)));
-  table_.replace(std::move(next), graveyard);
+  table_.replace(std::move(next), retired_objects);
   gone_ -= std::min(gone_, dropped);
 }
 

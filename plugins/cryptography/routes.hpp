@@ -42,7 +42,7 @@ class Routes {
   explicit Routes(const Registry& registry) : registry_(registry) {}
 
   /// Adds a route, after the endpoint got the route's number. One caller at a time.
-  void add(const Route& route, Graveyard& graveyard);
+  void add(const Route& route, RetiredObjects& retired_objects);
   /// Call it after a route has ceased to lead to its endpoint. One caller at a time.
   void note_gone() noexcept { ++gone_; }
 

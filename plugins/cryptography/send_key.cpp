@@ -141,7 +141,7 @@ Status SendKey::roll_over(const SendSession* former) {
     return fail(Code::session_ids_exhausted);
   auto next = former != nullptr ? session_after(*former) : first_session();
   DDSSEC_RETURN_IF_ERROR(next);
-  current_.replace(*std::move(next), services_.graveyard);
+  current_.replace(*std::move(next), services_.retired_objects);
   return {};
 }
 
@@ -167,7 +167,7 @@ Result<const ReceiverKey::Session*> ReceiverKey::expand(const SendKey& sender, S
     return next->key.expand(services_.aead, sender.traits().cipher, octets);
   }));
   const auto* const made = next.get();
-  current_.replace(std::move(next), services_.graveyard);
+  current_.replace(std::move(next), services_.retired_objects);
   return made;
 }
 

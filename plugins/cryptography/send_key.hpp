@@ -19,7 +19,7 @@ namespace ddssec::cryptography {
 /// The services that all keys of one engine share. It must outlive them.
 struct KeyServices {
   const AeadBackend& aead;
-  Graveyard& graveyard;
+  RetiredObjects& retired_objects;
   std::uint64_t max_blocks_per_session;  ///< at least 1
   std::uint64_t max_sessions_per_key;    ///< at least 1, at most 2^32
   Random& random;

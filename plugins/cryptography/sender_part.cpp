@@ -44,7 +44,7 @@ bool are_of_one_subject(const GuidPrefix& a, const GuidPrefix& b) {
   return std::equal(a.octets.begin(), a.octets.begin() + 6, b.octets.begin());
 }
 
-Error unreadable() {
+Error unreadable_group_error() {
   return Error(Code::secure_group_malformed, {.document = "a protected message"});
 }
 
@@ -62,10 +62,10 @@ Result<TypeInformationAt> check_next(BytesView rest, std::size_t size, const Gui
                                      GuidPrefix& source, DiscoveryOfPeers& peers) {
   const auto id = rest[0];
   if (id == submessage_id::kSecPrefix && !is_of_one_order(rest, size))
-    return std::unexpected(unreadable());
+    return std::unexpected(unreadable_group_error());
   if (id != submessage_id::kInfoSource)
     return check_builtin_source(rest.first(size), source, peers);
-  if (size < kInfoSourceSize) return std::unexpected(unreadable());
+  if (size < kInfoSourceSize) return std::unexpected(unreadable_group_error());
   const auto named = GuidPrefix::from(rest.subspan(12, GuidPrefix::size));
   source = named;
   if (named == sender || are_of_one_subject(named, sender)) return TypeInformationAt{};
@@ -99,7 +99,7 @@ bool is_plain_cdr(BytesView payload) {
   return payload[0] == 0 && (payload[1] <= 1 || payload[1] == 6 || payload[1] == 7);
 }
 
-std::unexpected<Error> unreadable_token(std::string_view why) {
+std::unexpected<Error> unreadable_token_error(std::string_view why) {
   return fail(Code::token_source_unreadable,
               {.document = "a key token message", .note = std::string(why)});
 }
@@ -127,7 +127,7 @@ SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, Discovery
     };
     const auto size = size_of_first_submessage(rest);
     if (!size) {
-      end(unreadable());
+      end(unreadable_group_error());
       break;
     }
     const bool is_closed = is_of_closed_writer(rest.first(*size), peers);
@@ -156,7 +156,7 @@ Status check_token_source(BytesView submessage, bool is_key_exchange,
   if (!writer) {
     const auto id = submessage[0];
     const bool is_data = id == submessage_id::kData || id == submessage_id::kDataFrag;
-    return is_key_exchange && is_data ? unreadable_token("it ends too early") : Status();
+    return is_key_exchange && is_data ? unreadable_token_error("it ends too early") : Status();
   }
   if ((*writer == kVolatileWriter) != is_key_exchange)
     return fail(Code::submessage_not_of_sender,
@@ -168,16 +168,16 @@ Status check_token_source(BytesView submessage, bool is_key_exchange,
   if (reader != kVolatileReader)
     return fail(Code::submessage_not_of_sender, {.field = "readerId", .found = reader.to_string()});
   const auto piece = read_data_piece(submessage);
-  if (!piece) return unreadable_token("its lengths contradict one another");
+  if (!piece) return unreadable_token_error("its lengths contradict one another");
   // If only the key or its hash came, Cyclone DDS dereferences a null pointer.
   if (!piece->has_data || piece->has_key)
-    return unreadable_token("it is not data, but a key or nothing");
+    return unreadable_token_error("it is not data, but a key or nothing");
   // Cyclone DDS would keep each fragment until all have come, up to 2 GB.
   const auto payload = piece->payload;
   if (piece->is_fragment && payload.size() < piece->sample_size)
-    return unreadable_token("it comes in several fragments");
-  if (payload.size() < kAddressesSize) return unreadable_token("it is too short");
-  if (!is_plain_cdr(payload)) return unreadable_token("its encapsulation is not plain CDR");
+    return unreadable_token_error("it comes in several fragments");
+  if (payload.size() < kAddressesSize) return unreadable_token_error("it is too short");
+  if (!is_plain_cdr(payload)) return unreadable_token_error("its encapsulation is not plain CDR");
   const auto source = GuidPrefix::from(payload.subspan(kSourceAt, GuidPrefix::size));
   DDSSEC_RETURN_IF_ERROR(check_name("message_identity.source_guid", peer.value_or(source), source));
   const auto endpoint = GuidPrefix::from(payload.subspan(kSourceEndpointAt, GuidPrefix::size));

@@ -47,7 +47,7 @@ template <class Fits = AnySurroundings>
                                                                 Fits&& fits = {}) {
   DDSSEC_RETURN_IF_ERROR(check_header(key, message.header, message.is_encrypted));
   if (out.size() < message.content.size()) return fail(Code::length_out_of_range);
-  if (key.is_from_before(message.header.iv)) return fail(Code::message_from_before);
+  if (key.precedes_key_exchange(message.header.iv)) return fail(Code::message_from_before);
   const bool origin = key.material().has_receiver_key();
   const auto ours =
       origin ? message.footer.receiver_mac(key.material().receiver_key_id) : std::nullopt;

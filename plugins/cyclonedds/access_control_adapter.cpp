@@ -123,10 +123,9 @@ Status check_create_endpoint(Adapter& adapter, const LocalEndpoint& endpoint,
   DDSSEC_RETURN_IF_ERROR((engine.*Calls::kCheck)(local, endpoint.domain_id, request));
   DDSSEC_ASSIGN_OR_RETURN(const auto attributes, (engine.*Calls::kAttributes)(local, request));
   constexpr bool kIsWriter = Calls::kDirection == EndpointDirection::writes;
-  DDSSEC_RETURN_IF_ERROR(
-      refuse_what_nothing_guards(adapter, local, request, attributes, kIsWriter));
-  return refuse_what_shared_memory_exposes(adapter, local, request.topic_name, endpoint.qos,
-                                           attributes, Calls::kDirection);
+  DDSSEC_RETURN_IF_ERROR(check_endpoint_is_guarded(adapter, local, request, attributes, kIsWriter));
+  return check_not_exposed_by_shared_memory(adapter, local, request.topic_name, endpoint.qos,
+                                            attributes, Calls::kDirection);
 }
 
 DDS_Security_boolean check_create_datawriter(Instance* instance, const CPermissions handle,
@@ -437,10 +436,10 @@ AccessControlAdapter::AccessControlAdapter(std::unique_ptr<Host> host,
       shared_memory_(std::move(find_bypass)),
       timer_(host_->clock()) {
   gv = domain;
-  enlist();
+  register_in_process();
 }
 
-AccessControlAdapter::~AccessControlAdapter() { delist(); }
+AccessControlAdapter::~AccessControlAdapter() { unregister_from_process(); }
 
 TypeLookup AccessControlAdapter::type_lookup() const {
   return trusts_type_information_ || !has_our_cryptography() ? TypeLookup::open

@@ -75,8 +75,8 @@ class AccessControlAdapter final : public dds_security_access_control {
   /// Reports endpoints that renewed permissions no longer allow.
   void judge_endpoints();
   /// Adds this adapter to, or removes it from, the list of adapters in the process.
-  void enlist();
-  void delist();
+  void register_in_process();
+  void unregister_from_process();
 
   const std::uint64_t id_;
   std::unique_ptr<Host> host_;

@@ -42,12 +42,12 @@ MatchVerdict judge_in(AccessControlAdapter& adapter, const EndpointScope& scope,
 
 }  // namespace
 
-void AccessControlAdapter::enlist() {
+void AccessControlAdapter::register_in_process() {
   const std::unique_lock lock(adapters().mutex);
   adapters().by_id.emplace(id_, this);
 }
 
-void AccessControlAdapter::delist() {
+void AccessControlAdapter::unregister_from_process() {
   const std::unique_lock lock(adapters().mutex);
   adapters().by_id.erase(id_);
 }

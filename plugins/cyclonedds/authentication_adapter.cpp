@@ -190,7 +190,7 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
       std::swap(*local_auth_request, sent);
       free_token(sent);
     }
-    adapter.watch().met({identity(local_handle), of_host}, met.guid, met.timer);
+    adapter.watch().note_met({identity(local_handle), of_host}, met.guid, met.timer);
     *remote_handle = of_host.value;
     return to_c(remote.result);
   });

@@ -7,7 +7,7 @@ namespace ddssec::cyclonedds {
 using spi::HandshakeHandle;
 using spi::IdentityHandle;
 
-void HandshakeWatch::met(Pair pair, const Guid& guid, CoreTimerState timer) {
+void HandshakeWatch::note_met(Pair pair, const Guid& guid, CoreTimerState timer) {
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
   auto& known = remotes_.try_emplace(pair.remote, Remote{guid, now}).first->second;

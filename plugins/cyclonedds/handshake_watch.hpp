@@ -49,7 +49,7 @@ class HandshakeWatch {
   /// Tells whether the core's own timer still runs for the handshake.
   enum class CoreTimerState { stopped, runs };
   /// Notes that the host has met a remote participant.
-  void met(Pair pair, const Guid& guid, CoreTimerState timer = CoreTimerState::stopped);
+  void note_met(Pair pair, const Guid& guid, CoreTimerState timer = CoreTimerState::stopped);
   /// Notes that an announcement in its name was refused. The host asks again, and the wait
   /// continues.
   void not_admitted(Pair pair, const Guid& guid, CoreTimerState timer = CoreTimerState::stopped);

@@ -65,7 +65,7 @@ DDS_Security_boolean set_remote_participant_crypto_tokens(Instance* instance, co
     DDSSEC_RETURN_IF_ERROR(require(in));
     const auto events = Host::raised_by_this_thread();
     const auto status = set_participant_tokens(adapter.key_exchange(), {local}, {remote}, *in);
-    if (status) PeersWithKeys::of_process().sent_keys({remote}, {local});
+    if (status) PeersWithKeys::of_process().note_keys_sent({remote}, {local});
     if (status || !is_about_tokens(status.error().code())) return status;
     // Refused tokens have no effect, so this reports success. If it reported an error, Cyclone DDS
     // would log each refused token of a participant and free none: a peer could fill log and

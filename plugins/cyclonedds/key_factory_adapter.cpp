@@ -66,8 +66,8 @@ CHandle register_matched_remote_participant(Instance* instance, const CHandle lo
         // Another product may match fewer endpoints, and would not notice that the session is
         // started anew.
         const bool is_ours = (secret.peer_ciphers & spi::kChaCha20Poly1305Bit) != 0;
-        PeersWithKeys::of_process().met(peer, {remote_identity}, {local},
-                                        is_ours ? secret.peer_builtin_endpoints : 0);
+        PeersWithKeys::of_process().note_met(peer, {remote_identity}, {local},
+                                             is_ours ? secret.peer_builtin_endpoints : 0);
         if (secret.peer_prefix)
           SessionResets::of_process().expect({peer, {local}}, {remote_identity},
                                              spi::derive_reset_token(secret, *secret.peer_prefix));
@@ -103,7 +103,8 @@ CHandle register_matched_remote_datareader(Instance* instance, const CHandle loc
             const auto reader,
             adapter.key_factory().register_matched_remote_datareader(
                 {local_datawriter}, {remote_participant}, secret, is_relay_only != 0));
-        PeersWithKeys::of_process().matched(reader.value, {remote_participant}, local_datawriter);
+        PeersWithKeys::of_process().note_matched(reader.value, {remote_participant},
+                                                 local_datawriter);
         return reader;
       });
 }
@@ -134,7 +135,8 @@ CHandle register_matched_remote_datawriter(Instance* instance, const CHandle loc
         DDSSEC_ASSIGN_OR_RETURN(const auto writer,
                                 adapter.key_factory().register_matched_remote_datawriter(
                                     {local_datareader}, {remote_participant}, secret));
-        PeersWithKeys::of_process().matched(writer.value, {remote_participant}, local_datareader);
+        PeersWithKeys::of_process().note_matched(writer.value, {remote_participant},
+                                                 local_datareader);
         return writer;
       });
 }
@@ -151,7 +153,7 @@ DDS_Security_boolean unregister_participant(Instance* instance, const CHandle ha
                                             Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
-    PeersWithKeys::of_process().left({handle});
+    PeersWithKeys::of_process().note_left({handle});
     SessionResets::of_process().forget({handle});
     adapter.forget_local({handle});
     return unless_gone(adapter.key_factory().unregister_participant({handle}));

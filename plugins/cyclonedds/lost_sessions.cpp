@@ -42,7 +42,7 @@ void LostSessions::established(IdentityHandle local, const Guid& remote,
   if (session.to.size() > kMaxAddresses) session.to.resize(kMaxAddresses);
   const Key key{remote, local};
   auto& known = sessions_[key];
-  no_longer_lost(key, known);
+  forget_loss(key, known);
   known = std::move(session);
 }
 
@@ -83,7 +83,7 @@ void LostSessions::note_lost(const Key& key, Session& session) {
   forget_first(std::ranges::max_element(local.lost, {}, most_then_first)->second);
 }
 
-void LostSessions::no_longer_lost(const Key& key, Session& session) {
+void LostSessions::forget_loss(const Key& key, Session& session) {
   if (session.lost == 0) return;
   auto& local = locals_.at(key.second);
   const auto of_subject = local.lost.find(subject_of(key));
@@ -95,7 +95,7 @@ void LostSessions::no_longer_lost(const Key& key, Session& session) {
 
 void LostSessions::forget_first(const InOrder& in_order) {
   const auto session = sessions_.find(in_order.begin()->second);
-  no_longer_lost(session->first, session->second);
+  forget_loss(session->first, session->second);
   sessions_.erase(session);
 }
 
@@ -103,19 +103,19 @@ void LostSessions::forget_lost_before(Duration time) {
   for (auto at = sessions_.begin(); at != sessions_.end();) {
     const auto session = at++;
     if (session->second.lost == 0 || session->second.lost_at > time) continue;
-    no_longer_lost(session->first, session->second);
+    forget_loss(session->first, session->second);
     sessions_.erase(session);
   }
 }
 
-LostSessions::Duration LostSessions::unmet_wait(const Session& session) {
+LostSessions::Duration LostSessions::wait_while_unmet(const Session& session) {
   if (session.sent_unmet > 0) return kSecondUnmet * (1 << (session.sent_unmet - 1));
   return session.first_unmet;
 }
 
 bool LostSessions::is_due(const Session& session, bool is_meeting, Duration now) {
   if (session.lost == 0) return false;
-  return is_meeting ? session.next <= now : session.lost_at + unmet_wait(session) <= now;
+  return is_meeting ? session.next <= now : session.lost_at + wait_while_unmet(session) <= now;
 }
 
 void LostSessions::note_sent(Session& session, bool is_meeting, Duration now) {

@@ -127,11 +127,11 @@ class LostSessions {
 
   static Subject subject_of(const Key& key);
   void reset_after(const Guid& remote, Duration wait);
-  static Duration unmet_wait(const Session& session);
+  static Duration wait_while_unmet(const Session& session);
   static bool is_due(const Session& session, bool is_meeting, Duration now);
   static void note_sent(Session& session, bool is_meeting, Duration now);
   void note_lost(const Key& key, Session& session);
-  void no_longer_lost(const Key& key, Session& session);
+  void forget_loss(const Key& key, Session& session);
   void forget_first(const InOrder& in_order);
   void forget_lost_before(Duration time);
 

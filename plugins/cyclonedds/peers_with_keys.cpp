@@ -21,9 +21,9 @@ void PeersWithKeys::add_local(spi::ParticipantCryptoHandle local,
   }
 }
 
-void PeersWithKeys::met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
-                        spi::ParticipantCryptoHandle local,
-                        std::uint32_t builtin_endpoints) noexcept {
+void PeersWithKeys::note_met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
+                             spi::ParticipantCryptoHandle local,
+                             std::uint32_t builtin_endpoints) noexcept {
   const std::lock_guard lock(mutex_);
   try {
     const auto [known, is_new] = peers_.try_emplace(peer.value, Peer{identity.value});
@@ -36,8 +36,8 @@ void PeersWithKeys::met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle i
   }
 }
 
-void PeersWithKeys::sent_keys(spi::ParticipantCryptoHandle peer,
-                              spi::ParticipantCryptoHandle local) noexcept {
+void PeersWithKeys::note_keys_sent(spi::ParticipantCryptoHandle peer,
+                                   spi::ParticipantCryptoHandle local) noexcept {
   const std::lock_guard lock(mutex_);
   const auto known = peers_.find(peer.value);
   if (known == peers_.end()) return;
@@ -49,7 +49,7 @@ void PeersWithKeys::sent_keys(spi::ParticipantCryptoHandle peer,
   }
 }
 
-void PeersWithKeys::left(spi::ParticipantCryptoHandle participant) {
+void PeersWithKeys::note_left(spi::ParticipantCryptoHandle participant) {
   const std::lock_guard lock(mutex_);
   std::erase_if(local_of_, [&](const auto& entry) { return entry.second == participant.value; });
   for (auto& [handle, peer] : peers_) {
@@ -77,8 +77,8 @@ void PeersWithKeys::add_builtin(std::int64_t endpoint,
   }
 }
 
-void PeersWithKeys::matched(std::int64_t endpoint, spi::ParticipantCryptoHandle peer,
-                            std::int64_t own) noexcept {
+void PeersWithKeys::note_matched(std::int64_t endpoint, spi::ParticipantCryptoHandle peer,
+                                 std::int64_t own) noexcept {
   const std::lock_guard lock(mutex_);
   try {
     endpoints_.insert_or_assign(endpoint, Endpoint{peer.value, own});
@@ -102,7 +102,7 @@ void PeersWithKeys::forget(std::int64_t endpoint) {
   for (auto& [handle, peer] : peers_) peer.matched.erase(endpoint);
 }
 
-void PeersWithKeys::heard(std::int64_t endpoint, std::chrono::nanoseconds now) {
+void PeersWithKeys::note_heard(std::int64_t endpoint, std::chrono::nanoseconds now) {
   const std::lock_guard lock(mutex_);
   const auto known = endpoints_.find(endpoint);
   if (known == endpoints_.end()) return;

@@ -27,22 +27,24 @@ class PeersWithKeys {
   void add_local(spi::ParticipantCryptoHandle local, spi::IdentityHandle identity) noexcept;
   /// Notes that the local participant `local` met the peer, which signed that it has these builtin
   /// endpoints. If memory runs out, the peer stays unknown and counts as one without keys.
-  void met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
-           spi::ParticipantCryptoHandle local, std::uint32_t builtin_endpoints) noexcept;
+  void note_met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
+                spi::ParticipantCryptoHandle local, std::uint32_t builtin_endpoints) noexcept;
   /// Notes that the peer sent keys. If memory runs out, the keys count for no local participant.
-  void sent_keys(spi::ParticipantCryptoHandle peer, spi::ParticipantCryptoHandle local) noexcept;
+  void note_keys_sent(spi::ParticipantCryptoHandle peer,
+                      spi::ParticipantCryptoHandle local) noexcept;
   /// Forgets a remote participant, or a local one.
-  void left(spi::ParticipantCryptoHandle participant);
+  void note_left(spi::ParticipantCryptoHandle participant);
   /// Adds a protected local builtin endpoint. If memory runs out, it is not waited for.
   void add_builtin(std::int64_t endpoint, spi::ParticipantCryptoHandle local) noexcept;
   /// Notes that the host matched the peer's `endpoint` with the local endpoint `own`. If memory
   /// runs out, nothing is recorded.
-  void matched(std::int64_t endpoint, spi::ParticipantCryptoHandle peer, std::int64_t own) noexcept;
+  void note_matched(std::int64_t endpoint, spi::ParticipantCryptoHandle peer,
+                    std::int64_t own) noexcept;
   /// Forgets a local or remote endpoint that was removed.
   void forget(std::int64_t endpoint);
   /// Notes that a message of the peer's endpoint was decrypted. It is recorded only while keys of
   /// some peer are awaited.
-  void heard(std::int64_t endpoint, std::chrono::nanoseconds now);
+  void note_heard(std::int64_t endpoint, std::chrono::nanoseconds now);
   bool awaits_keys() const noexcept { return awaited_.load(std::memory_order_relaxed) > 0; }
 
   bool contains(spi::IdentityHandle identity) const;

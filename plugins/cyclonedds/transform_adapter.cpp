@@ -135,7 +135,7 @@ Status decode_submessage(Octets* plain, const Octets* encoded, Decode&& decode) 
 // show that a peer is alive.
 void note_heard(Adapter& adapter, CHandle sender) {
   auto& peers = PeersWithKeys::of_process();
-  if (peers.awaits_keys()) peers.heard(sender, adapter.host().clock().monotonic());
+  if (peers.awaits_keys()) peers.note_heard(sender, adapter.host().clock().monotonic());
 }
 
 // This code makes the host ask for its next local participant. Any other code ends the message.

@@ -4,9 +4,9 @@
 
 namespace ddssec::cyclonedds {
 
-Status refuse_what_nothing_guards(AccessControlAdapter& adapter, spi::PermissionsHandle handle,
-                                  const spi::EndpointRequest& request,
-                                  const spi::EndpointSecurityAttributes& endpoint, bool is_writer) {
+Status check_endpoint_is_guarded(AccessControlAdapter& adapter, spi::PermissionsHandle handle,
+                                 const spi::EndpointRequest& request,
+                                 const spi::EndpointSecurityAttributes& endpoint, bool is_writer) {
   const bool is_controlled =
       is_writer ? endpoint.topic.is_read_protected : endpoint.topic.is_write_protected;
   if (endpoint.is_submessage_protected() || endpoint.is_payload_protected()) return {};
@@ -28,11 +28,11 @@ Status refuse_what_nothing_guards(AccessControlAdapter& adapter, spi::Permission
                .note = "topic \"" + std::string(request.topic_name) + "\""});
 }
 
-Status refuse_what_shared_memory_exposes(AccessControlAdapter& adapter,
-                                         spi::PermissionsHandle handle, std::string_view topic,
-                                         const DDS_Security_Qos* qos,
-                                         const spi::EndpointSecurityAttributes& endpoint,
-                                         EndpointDirection direction) {
+Status check_not_exposed_by_shared_memory(AccessControlAdapter& adapter,
+                                          spi::PermissionsHandle handle, std::string_view topic,
+                                          const DDS_Security_Qos* qos,
+                                          const spi::EndpointSecurityAttributes& endpoint,
+                                          EndpointDirection direction) {
   auto& guard = adapter.shared_memory();
   if (guard.is_allowed(handle)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto participant,

@@ -17,16 +17,16 @@ namespace ddssec::cyclonedds {
 /// core accepts messages of an unauthenticated participant unprotected.
 ///
 /// Errors: unauthenticated_peers_unstoppable, controlled_topic_unguarded.
-Status refuse_what_nothing_guards(AccessControlAdapter& adapter, spi::PermissionsHandle handle,
-                                  const spi::EndpointRequest& request,
-                                  const spi::EndpointSecurityAttributes& endpoint, bool is_writer);
+Status check_endpoint_is_guarded(AccessControlAdapter& adapter, spi::PermissionsHandle handle,
+                                 const spi::EndpointRequest& request,
+                                 const spi::EndpointSecurityAttributes& endpoint, bool is_writer);
 
 /// Refuses a local endpoint whose samples would go unprotected through shared memory, about which
 /// Cyclone DDS asks no plugin. Errors: invalid_property, those of SharedMemoryGuard::check.
-Status refuse_what_shared_memory_exposes(AccessControlAdapter& adapter,
-                                         spi::PermissionsHandle handle, std::string_view topic,
-                                         const DDS_Security_Qos* qos,
-                                         const spi::EndpointSecurityAttributes& endpoint,
-                                         EndpointDirection direction);
+Status check_not_exposed_by_shared_memory(AccessControlAdapter& adapter,
+                                          spi::PermissionsHandle handle, std::string_view topic,
+                                          const DDS_Security_Qos* qos,
+                                          const spi::EndpointSecurityAttributes& endpoint,
+                                          EndpointDirection direction);
 
 }  // namespace ddssec::cyclonedds

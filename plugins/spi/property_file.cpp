@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "base/rollback.hpp"
-#include "base/source.hpp"
 #include "base/text.hpp"
+#include "base/uri_source.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::spi {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::spi {

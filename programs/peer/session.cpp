@@ -108,7 +108,8 @@ int Session::finish(int code) {
 
 void Session::raise(const Event& event) {
   if (event.is_returned) return;  // refused() prints that error
-  if (options_.verbose || event.severity >= Severity::warning || is_news(event.error.code()))
+  if (options_.verbose || event.severity >= Severity::warning ||
+      is_always_shown(event.error.code()))
     std::fprintf(stderr, "%s\n", event.to_line().c_str());
 }
 

@@ -89,7 +89,7 @@ class BuiltinDataReader final
     return Guid{context_.prefix(), BuiltinTopicOf<T>::reader};
   }
   Status check_unused() const override {
-    return precondition_not_met("reader", "one that was created", "a builtin one");
+    return precondition_not_met_error("reader", "one that was created", "a builtin one");
   }
   Result<std::size_t> fill(const SampleQuery& query, std::vector<BuiltinSample<T>>& out) {
     std::vector<OctetSample> raw;

@@ -29,9 +29,9 @@ class ContainedEntities {
     const std::lock_guard held(context_.mutex());
     const auto at = std::ranges::find(children_, &child, &std::unique_ptr<Child>::get);
     if (at == children_.end())
-      return precondition_not_met("entity", "one of this participant", "another's");
+      return precondition_not_met_error("entity", "one of this participant", "another's");
     if (!unused)
-      return precondition_not_met("entity", "one that is empty and unused", "a used one");
+      return precondition_not_met_error("entity", "one that is empty and unused", "a used one");
     dying = std::move(*at);
     children_.erase(at);
     return {};  // the lock is released before the entity is destroyed

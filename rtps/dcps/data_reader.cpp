@@ -9,7 +9,7 @@
 namespace ddssec::rtps {
 namespace {
 
-std::unexpected<Error> no_such_instance() {
+std::unexpected<Error> no_such_instance_error() {
   return fail(Code::rtps_bad_parameter, {.document = "reader",
                                          .field = "handle",
                                          .expected = "an instance the reader knows",
@@ -70,8 +70,8 @@ void AnyDataReader::on_alive(const Guid& writer) {
 
 Status AnyDataReader::check_unused() const {
   if (conditions_.size() == 0) return {};
-  return precondition_not_met("reader", "no read conditions any more",
-                              std::to_string(conditions_.size()));
+  return precondition_not_met_error("reader", "no read conditions any more",
+                                    std::to_string(conditions_.size()));
 }
 
 Result<std::size_t> AnyDataReader::access(const SampleQuery& query, std::vector<OctetSample>& out) {
@@ -80,7 +80,7 @@ Result<std::size_t> AnyDataReader::access(const SampleQuery& query, std::vector<
   DDSSEC_RETURN_IF_ERROR(subscriber().check_access());
   const bool of_instance = query.scope == SampleQuery::Scope::instance;
   if (of_instance && reception_.cache().key_value(query.instance) == nullptr)
-    return no_such_instance();
+    return no_such_instance_error();
   const auto before = out.size();
   if (reception_.select(query, out)) offer_again();
   reception_.after_access(query.take);
@@ -106,7 +106,7 @@ InstanceHandle AnyDataReader::lookup_key(const KeyHash& key) const {
 Result<Payload> AnyDataReader::octets_of_key(InstanceHandle instance) const {
   const auto held = lock();
   if (const auto* key = reception_.cache().key_value(instance)) return *key;
-  return no_such_instance();
+  return no_such_instance_error();
 }
 
 ReadCondition& AnyDataReader::create_readcondition(const States& states) {

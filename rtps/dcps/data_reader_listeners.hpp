@@ -11,8 +11,8 @@ namespace ddssec::rtps {
 class DataReaderListeners {
  public:
   /// Both must outlive this object.
-  DataReaderListeners(const Listening<SubscriberListener>& of_subscriber,
-                      const Listening<DomainParticipantListener>& of_participant)
+  DataReaderListeners(const ListenerAndMask<SubscriberListener>& of_subscriber,
+                      const ListenerAndMask<DomainParticipantListener>& of_participant)
       : of_subscriber_(of_subscriber), of_participant_(of_participant) {}
 
   // The caller holds the participant's lock:
@@ -41,9 +41,9 @@ class DataReaderListeners {
  private:
   void notify_of_data(AnyDataReader& reader, const Changes& changes) const;
 
-  Listening<DataReaderListener> own_;
-  const Listening<SubscriberListener>& of_subscriber_;
-  const Listening<DomainParticipantListener>& of_participant_;
+  ListenerAndMask<DataReaderListener> own_;
+  const ListenerAndMask<SubscriberListener>& of_subscriber_;
+  const ListenerAndMask<DomainParticipantListener>& of_participant_;
 };
 
 }  // namespace ddssec::rtps

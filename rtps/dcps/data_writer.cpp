@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::chrono::nanoseconds kBrake = std::chrono::milliseconds(20);
 
-std::unexpected<Error> bad_parameter(std::string field, std::string expected, std::string found) {
+std::unexpected<Error> bad_parameter_error(std::string field, std::string expected,
+                                           std::string found) {
   return fail(Code::rtps_bad_parameter, {.document = "writer",
                                          .field = std::move(field),
                                          .expected = std::move(expected),
@@ -142,11 +143,12 @@ void AnyDataWriter::await_acknowledgment(std::chrono::steady_clock::time_point d
 
 Result<InstanceHandle> AnyDataWriter::instance_of(const OctetWrite& change) {
   if (topic_.type().with_key && !change.key)
-    return bad_parameter("key", "a key hash, as the type has keys", "none");
+    return bad_parameter_error("key", "a key hash, as the type has keys", "none");
   const auto& key = change.key.value_or(KeyHash{});
   auto handle = instances_->lookup(key);
   if (!change.handle.is_nil() && change.handle != handle)
-    return bad_parameter("handle", "the sample's instance", "another, or none that is registered");
+    return bad_parameter_error("handle", "the sample's instance",
+                               "another, or none that is registered");
   if (handle.is_nil()) handle = instances_->enter(key, change.serialized_key);
   if (!handle.is_nil()) return handle;
   return fail(Code::rtps_out_of_resources, {.document = "writer of " + topic_.name(),
@@ -217,7 +219,7 @@ void AnyDataWriter::after_write(const KeyHash& key, StatusInfo status, SequenceN
 
 // Ends the sequence numbers of the set. For a group, the marker must come from all writers (RTPS
 // 8.7.6).
-void AnyDataWriter::end_set(Coherence marker, MonotonicTime now) {
+void AnyDataWriter::end_set(CoherentSetInfo marker, MonotonicTime now) {
   const bool wrote = std::exchange(set_begin_, {}).value > 0;
   if (!enabled() || (!wrote && marker.group_set.value == 0)) return;
   Change change;
@@ -237,7 +239,8 @@ Status AnyDataWriter::unregister_octets(const OctetWrite& change) {
     const auto held = lock();
     DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
     if (instances_->lookup(change.key.value_or(KeyHash{})).is_nil())
-      return precondition_not_met("writer of " + topic_.name(), "a registered instance", "another");
+      return precondition_not_met_error("writer of " + topic_.name(), "a registered instance",
+                                        "another");
     disposes = qos_.autodispose_unregistered_instances;
   }
   return submit(change, {.disposed = disposes, .unregistered = true});
@@ -257,7 +260,7 @@ InstanceHandle AnyDataWriter::lookup_key(const KeyHash& key) const {
 Result<Bytes> AnyDataWriter::octets_of_key(InstanceHandle instance) const {
   const auto held = lock();
   if (const auto* key = instances_->key_value(instance)) return *key;
-  return bad_parameter("handle", "a registered instance", "none");
+  return bad_parameter_error("handle", "a registered instance", "none");
 }
 
 Status AnyDataWriter::wait_for_acknowledgments(std::chrono::nanoseconds timeout) {

@@ -113,7 +113,7 @@ class AnyDataWriter : public Endpoint, private Timed {
   void after_write(const KeyHash& key, StatusInfo status, SequenceNumber number, MonotonicTime now);
   /// The time at which on_time has something to do.
   MonotonicTime next_work(MonotonicTime now) const;
-  void end_set(Coherence marker, MonotonicTime now);
+  void end_set(CoherentSetInfo marker, MonotonicTime now);
   StatefulWriter& protocol() const;
   bool has_listener(StatusKind kind) const override {
     return listeners_.for_status(kind) != nullptr;

@@ -11,8 +11,8 @@ namespace ddssec::rtps {
 class DataWriterListeners {
  public:
   /// Both must outlive this object.
-  DataWriterListeners(const Listening<PublisherListener>& of_publisher,
-                      const Listening<DomainParticipantListener>& of_participant)
+  DataWriterListeners(const ListenerAndMask<PublisherListener>& of_publisher,
+                      const ListenerAndMask<DomainParticipantListener>& of_participant)
       : of_publisher_(of_publisher), of_participant_(of_participant) {}
 
   // The caller holds the participant's lock:
@@ -26,9 +26,9 @@ class DataWriterListeners {
   void notify(AnyDataWriter& writer, const StatusChanges& changes, std::mutex& mutex) const;
 
  private:
-  Listening<DataWriterListener> own_;
-  const Listening<PublisherListener>& of_publisher_;
-  const Listening<DomainParticipantListener>& of_participant_;
+  ListenerAndMask<DataWriterListener> own_;
+  const ListenerAndMask<PublisherListener>& of_publisher_;
+  const ListenerAndMask<DomainParticipantListener>& of_participant_;
 };
 
 }  // namespace ddssec::rtps

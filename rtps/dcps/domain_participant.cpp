@@ -11,7 +11,8 @@ namespace {
 
 constexpr DomainId kMaxDomain = 232;  // the largest for which the ports fit into 16 bits
 
-std::unexpected<Error> bad_option(std::string field, std::string expected, std::string found) {
+std::unexpected<Error> bad_option_error(std::string field, std::string expected,
+                                        std::string found) {
   return fail(Code::invalid_property, {.document = "participant options",
                                        .field = std::move(field),
                                        .expected = std::move(expected),
@@ -71,7 +72,7 @@ Result<ParticipantConfig> config_of(const DomainParticipantOptions& options,
   DDSSEC_RETURN_IF_ERROR(services.random.fill(config.address_secret.emplace()));
   for (const auto& peer : options.peers) {
     const auto address = Locator::parse(peer, 0);
-    if (!address) return bad_option("peers", "IPv4 or IPv6 addresses", peer);
+    if (!address) return bad_option_error("peers", "IPv4 or IPv6 addresses", peer);
     for (int i = 0; i < DomainParticipant::kAnnouncedIndexes; ++i) {
       config.announce_to.push_back(*address);
       config.announce_to.back().port = ports::metatraffic(options.domain_id, i);
@@ -112,10 +113,11 @@ DomainParticipant::DomainParticipant(DomainParticipantOptions options,
 Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
     DomainParticipantOptions wanted, const EngineServices& services) {
   if (wanted.domain_id < 0 || wanted.domain_id > kMaxDomain)
-    return bad_option("domain_id", "0 to 232", std::to_string(wanted.domain_id));
+    return bad_option_error("domain_id", "0 to 232", std::to_string(wanted.domain_id));
   if (wanted.busy_wait < std::chrono::nanoseconds::zero() ||
       wanted.busy_wait > DomainParticipantOptions::kMaxBusyWait)
-    return bad_option("busy_wait", "0 to 1000000 ns", std::to_string(wanted.busy_wait.count()));
+    return bad_option_error("busy_wait", "0 to 1000000 ns",
+                            std::to_string(wanted.busy_wait.count()));
   DDSSEC_ASSIGN_OR_RETURN(auto interfaces, choose_interfaces(wanted.interfaces));
   // RTPS 9.3.1.5: the first two octets name the vendor.
   GuidPrefix prefix;

@@ -285,7 +285,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   DomainParticipantQos qos_;
   Qos default_topic_qos_;
   Guid guid_;
-  Listening<DomainParticipantListener> listening_;
+  ListenerAndMask<DomainParticipantListener> listening_;
   const std::unique_ptr<DurableStores> stores_;
   ManualLiveliness manual_liveliness_;
   DiscoveredEntities discovered_;

@@ -24,9 +24,9 @@ Status DomainParticipantFactory::delete_participant(DomainParticipant& participa
   const auto at =
       std::ranges::find(participants_, &participant, &std::unique_ptr<DomainParticipant>::get);
   if (at == participants_.end())
-    return precondition_not_met("participant", "one of this factory", "another's");
+    return precondition_not_met_error("participant", "one of this factory", "another's");
   if (participant.contains_entities())
-    return precondition_not_met("participant", "one that contains no entities", "some");
+    return precondition_not_met_error("participant", "one that contains no entities", "some");
   dying = std::move(*at);
   participants_.erase(at);
   return {};

@@ -39,8 +39,8 @@ Qos Endpoint::qos() const {
 
 Status Endpoint::enable() {
   if (!group_.is_enabled())
-    return precondition_not_met(std::string(side_.name), "an enabled " + std::string(side_.group),
-                                "a disabled one");
+    return precondition_not_met_error(std::string(side_.name),
+                                      "an enabled " + std::string(side_.group), "a disabled one");
   DDSSEC_ASSIGN_OR_RETURN(auto announced, announced_qos(qos(), group_.qos(), topic_));
   const auto held = lock();
   if (enabled()) return {};

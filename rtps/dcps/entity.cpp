@@ -25,7 +25,7 @@ Status Entity::check_enabled(std::string_view what) const {
 
 Status check_not_in_callback(const ParticipantContext& context) {
   if (!context.in_callback()) return {};
-  return precondition_not_met("listener", "no deletion from within a callback", "one");
+  return precondition_not_met_error("listener", "no deletion from within a callback", "one");
 }
 
 }  // namespace ddssec::rtps

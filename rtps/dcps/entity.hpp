@@ -76,8 +76,8 @@ class Entity {
 Status check_not_in_callback(const ParticipantContext& context);
 
 /// The error for a call that is not allowed in the entity's current state.
-inline std::unexpected<Error> precondition_not_met(std::string document, std::string expected,
-                                                   std::string found) {
+inline std::unexpected<Error> precondition_not_met_error(std::string document, std::string expected,
+                                                         std::string found) {
   return fail(Code::rtps_precondition_not_met, {.document = std::move(document),
                                                 .expected = std::move(expected),
                                                 .found = std::move(found)});

@@ -8,7 +8,7 @@
 namespace ddssec::rtps {
 namespace {
 
-std::unexpected<Error> misplaced(std::string policy, std::string owner) {
+std::unexpected<Error> misplaced_policy_error(std::string policy, std::string owner) {
   return fail(Code::rtps_qos_inconsistent, {.document = "QoS",
                                             .field = std::move(policy),
                                             .expected = "set at the " + std::move(owner),
@@ -18,11 +18,13 @@ std::unexpected<Error> misplaced(std::string policy, std::string owner) {
 }  // namespace
 
 Result<Qos> announced_qos(Qos endpoint, const GroupQos& group, const Topic& topic) {
-  if (!endpoint.partition.empty()) return misplaced("PARTITION", "publisher or subscriber");
+  if (!endpoint.partition.empty())
+    return misplaced_policy_error("PARTITION", "publisher or subscriber");
   if (endpoint.presentation != Presentation{})
-    return misplaced("PRESENTATION", "publisher or subscriber");
-  if (!endpoint.group_data.empty()) return misplaced("GROUP_DATA", "publisher or subscriber");
-  if (!endpoint.topic_data.empty()) return misplaced("TOPIC_DATA", "topic");
+    return misplaced_policy_error("PRESENTATION", "publisher or subscriber");
+  if (!endpoint.group_data.empty())
+    return misplaced_policy_error("GROUP_DATA", "publisher or subscriber");
+  if (!endpoint.topic_data.empty()) return misplaced_policy_error("TOPIC_DATA", "topic");
   endpoint.partition = group.partition;
   endpoint.presentation = group.presentation;
   endpoint.group_data = group.group_data;
@@ -79,7 +81,8 @@ Status Group::set_qos(const GroupQos& qos) {
 
 Status Group::enable() {
   if (!participant_.is_enabled())
-    return precondition_not_met(std::string(name_), "an enabled participant", "a disabled one");
+    return precondition_not_met_error(std::string(name_), "an enabled participant",
+                                      "a disabled one");
   const std::lock_guard members(context_.members());
   bool all = false;
   {
@@ -106,8 +109,8 @@ Status Group::set_default_endpoint_qos(const Qos& qos) {
 
 Status Group::check_topic(const Topic& topic, std::string_view type) const {
   if (&topic.participant() != &participant_)
-    return precondition_not_met("topic " + topic.name(), "one of the same participant",
-                                "another's");
+    return precondition_not_met_error("topic " + topic.name(), "one of the same participant",
+                                      "another's");
   if (topic.type_name() == type) return {};
   return fail(Code::rtps_bad_parameter, {.document = "topic " + topic.name(),
                                          .field = "type",
@@ -137,8 +140,8 @@ Status Group::take_out(Endpoint& member, std::unique_ptr<Endpoint>& dying) {
   const auto held = lock();
   const auto at = std::ranges::find(members_, &member, &std::unique_ptr<Endpoint>::get);
   if (at == members_.end())
-    return precondition_not_met(std::string(member.side_.name), "one of this " + std::string(name_),
-                                "another's");
+    return precondition_not_met_error(std::string(member.side_.name),
+                                      "one of this " + std::string(name_), "another's");
   DDSSEC_RETURN_IF_ERROR(member.check_unused());
   dying = std::move(*at);
   members_.erase(at);

@@ -83,7 +83,7 @@ struct HeldInstance {
   std::size_t payers = 0;          ///< number of this identity's writers in `writers`
   std::vector<Guid> writers;       ///< those that are alive and have not unregistered the instance
   std::optional<Guid> owner;       ///< only with OWNERSHIP EXCLUSIVE
-  Original latest;                 ///< origin of the latest stored change; used as `owner` is
+  OriginalWriterInfo latest;       ///< origin of the latest stored change; used as `owner` is
   std::optional<Time> seen_until;  ///< source time of the newest sample that was read or taken
   MonotonicTime deadline = kNever;
   MonotonicTime quiet_until{};      ///< the end of the minimum separation (TIME_BASED_FILTER)

@@ -90,7 +90,7 @@ class DomainParticipantListener : public virtual TopicListener,
 /// A listener and the statuses that it handles. A status without a listener is passed to the
 /// containing entity.
 template <class L>
-struct Listening {
+struct ListenerAndMask {
   L* listener = nullptr;
   StatusMask mask;
   /// Returns true if there was a listener before.

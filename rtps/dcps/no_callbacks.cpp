@@ -9,9 +9,10 @@ namespace ddssec::rtps {
 Result<NoCallbacks> NoCallbacks::begin(ParticipantContext& context) {
   DDSSEC_RETURN_IF_ERROR(check_not_in_callback(context));
   if (context.hold_callbacks(CallbackLock::Wait::while_it_ends)) return NoCallbacks(context);
-  return precondition_not_met("listener", "deletions that do not wait for each other",
-                              "one from within a listener that a listener of this participant "
-                              "waits for");
+  return precondition_not_met_error(
+      "listener", "deletions that do not wait for each other",
+      "one from within a listener that a listener of this participant "
+      "waits for");
 }
 
 NoCallbacks NoCallbacks::begin_or_terminate(ParticipantContext& context, const Guid& whose) {

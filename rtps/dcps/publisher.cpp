@@ -73,8 +73,8 @@ void Publisher::count_writers() {
   std::copy_n(digest.begin(), group_.writers.size(), group_.writers.begin());
 }
 
-Coherence Publisher::stamp(SequenceNumber& set_begin, SequenceNumber number) {
-  Coherence out;
+CoherentSetInfo Publisher::stamp(SequenceNumber& set_begin, SequenceNumber number) {
+  CoherentSetInfo out;
   if (is_by_group_) out.group = group_.current = group_.current.next();
   if (depth_ == 0 || !presentation_of_members().coherent_access) return out;
   if (set_begin.value == 0) set_begin = number;
@@ -97,9 +97,9 @@ Status Publisher::end_coherent_changes() {
   const auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled("publisher"));
   if (depth_ == 0)
-    return precondition_not_met("publisher", "begin_coherent_changes before", "none");
+    return precondition_not_met_error("publisher", "begin_coherent_changes before", "none");
   if (--depth_ > 0) return {};
-  Coherence marker;
+  CoherentSetInfo marker;
   if (set_begin_.value > 0) {
     count_writers();
     marker.group_set = std::exchange(set_begin_, {});
@@ -132,7 +132,7 @@ Status Publisher::resume_publications() {
   const auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled("publisher"));
   if (!std::exchange(is_suspended_, false))
-    return precondition_not_met("publisher", "suspend_publications before", "none");
+    return precondition_not_met_error("publisher", "suspend_publications before", "none");
   for (const auto& member : members_)
     if (writer_of(member).enabled()) writer_of(member).protocol().hold_back(false, context_.now());
   context_.reschedule();

@@ -86,9 +86,9 @@ class Publisher final : public Group {
   void admit(StatefulWriter& writer, MonotonicTime now);
   void count_writers();
   /// Returns the coherence fields of a writer's next change, which has this sequence number.
-  Coherence stamp(SequenceNumber& set_begin, SequenceNumber number);
+  CoherentSetInfo stamp(SequenceNumber& set_begin, SequenceNumber number);
 
-  Listening<PublisherListener> listening_;
+  ListenerAndMask<PublisherListener> listening_;
   bool presents_ = false;  ///< true if changes are stamped
   bool is_by_group_ = false;
   std::optional<Guid> guid_;

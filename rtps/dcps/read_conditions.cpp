@@ -36,7 +36,7 @@ Result<std::unique_ptr<BoundFilter>> ReadConditions::compile(const FilterText& q
 Status ReadConditions::erase(const ReadCondition& condition) {
   const auto at = std::ranges::find(conditions_, &condition, &std::unique_ptr<ReadCondition>::get);
   if (at == conditions_.end())
-    return precondition_not_met("read condition", "one of this reader", "another's");
+    return precondition_not_met_error("read condition", "one of this reader", "another's");
   std::erase(queries_, condition.query());
   conditions_.erase(at);
   return {};
@@ -54,7 +54,7 @@ void ReadConditions::update(const ReaderCache& cache) {
 
 Status ReadCondition::check_reader(const AnyDataReader& reader) const {
   if (&reader_ == &reader) return {};
-  return precondition_not_met("read condition", "one of this reader", "another's");
+  return precondition_not_met_error("read condition", "one of this reader", "another's");
 }
 
 }  // namespace ddssec::rtps

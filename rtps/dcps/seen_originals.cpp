@@ -68,7 +68,7 @@ void SeenOriginals::add(const Sighting& sighting) {
     hear(sighting.origin);
 }
 
-void SeenOriginals::note_claim(const Original& original, const Claim& claim) {
+void SeenOriginals::note_claim(const OriginalWriterInfo& original, const Claim& claim) {
   const std::pair key(original.writer, original.number);
   const auto [at, is_new] = claims_.insert_or_assign(key, claim);
   if (!is_new) return;
@@ -78,7 +78,7 @@ void SeenOriginals::note_claim(const Original& original, const Claim& claim) {
   order_.pop_front();
 }
 
-bool SeenOriginals::heard(const Original& original) const {
+bool SeenOriginals::heard(const OriginalWriterInfo& original) const {
   const auto at = writers_.find(original.writer);
   if (at == writers_.end()) return false;
   const auto number = original.number.value;
@@ -87,7 +87,7 @@ bool SeenOriginals::heard(const Original& original) const {
   return range != ranges.end() && range->first <= number;
 }
 
-void SeenOriginals::hear(const Original& original) {
+void SeenOriginals::hear(const OriginalWriterInfo& original) {
   if (writers_.size() >= kMaxWriters && !writers_.contains(original.writer)) forget_oldest();
   auto& [ranges, used] = writers_[original.writer];
   used = ++uses_;

@@ -26,7 +26,7 @@ class SeenOriginals {
 
   /// The facts that must be remembered of a change after it has been passed on.
   struct Sighting {
-    Original origin;
+    OriginalWriterInfo origin;
     /// Digest of the contents, if the change does not come from its own writer.
     std::optional<Sha256Digest> claim;
     MonotonicTime expires;  ///< the time at which the LIFESPAN of the writer ends it
@@ -47,13 +47,13 @@ class SeenOriginals {
     std::deque<Range> ranges;  ///< ascending, not adjacent
     std::uint64_t used = 0;
   };
-  bool heard(const Original& original) const;
-  void hear(const Original& original);
+  bool heard(const OriginalWriterInfo& original) const;
+  void hear(const OriginalWriterInfo& original);
   struct Claim {
     Sha256Digest digest;
     MonotonicTime expires;
   };
-  void note_claim(const Original& original, const Claim& claim);
+  void note_claim(const OriginalWriterInfo& original, const Claim& claim);
   void forget_oldest();
   /// Forgets ranges of the writer with the most ranges.
   void forget_oldest_ranges();

@@ -48,7 +48,7 @@ Presenter* Subscriber::presenter(const Presentation& presentation) {
 // Checks that the application may access samples now (DDS 1.4, 2.2.2.5.2.8).
 Status Subscriber::check_access() const {
   if (!presenter_ || accesses_ > 0) return {};
-  return precondition_not_met("subscriber with GROUP access", "begin_access before", "none");
+  return precondition_not_met_error("subscriber with GROUP access", "begin_access before", "none");
 }
 
 Status Subscriber::begin_access() {
@@ -61,7 +61,8 @@ Status Subscriber::begin_access() {
 Status Subscriber::end_access() {
   const auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled("subscriber"));
-  if (accesses_ == 0) return precondition_not_met("subscriber", "begin_access before", "none");
+  if (accesses_ == 0)
+    return precondition_not_met_error("subscriber", "begin_access before", "none");
   if (--accesses_ == 0) pause(false);
   context_.reschedule();
   return {};

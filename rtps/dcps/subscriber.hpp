@@ -105,7 +105,7 @@ class Subscriber final : public Group {
   Status check_access() const;
   void pause(bool paused);
 
-  Listening<SubscriberListener> listening_;
+  ListenerAndMask<SubscriberListener> listening_;
   std::unique_ptr<Presenter> presenter_;
   std::uint64_t arrivals_ = 0;
   int accesses_ = 0;

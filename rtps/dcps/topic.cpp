@@ -35,7 +35,7 @@ Status Topic::set_qos(const Qos& qos) {
 
 Status Topic::enable() {
   if (!participant_.is_enabled())
-    return precondition_not_met("topic " + name_, "an enabled participant", "a disabled one");
+    return precondition_not_met_error("topic " + name_, "an enabled participant", "a disabled one");
   const auto held = lock();
   mark_enabled();
   return {};

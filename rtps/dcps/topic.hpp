@@ -50,7 +50,7 @@ class Topic final : public Entity {
   const std::string name_;
   const TypeSupport type_;
   Qos qos_;
-  Listening<TopicListener> listening_;
+  ListenerAndMask<TopicListener> listening_;
   InconsistentTopicStatus inconsistent_;
   int users_ = 0;       ///< number of writers and readers on the topic
   int references_ = 1;  ///< how often it was created or found

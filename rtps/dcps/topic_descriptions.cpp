@@ -50,8 +50,8 @@ Result<Topic*> TopicDescriptions::create(std::string name, TypeSupport type, con
 Result<ContentFilteredTopic*> TopicDescriptions::create_filtered(std::string name, Topic& related,
                                                                  FilterText filter) {
   if (&related.participant() != &participant_)
-    return precondition_not_met("topic " + related.name(), "one of the same participant",
-                                "another's");
+    return precondition_not_met_error("topic " + related.name(), "one of the same participant",
+                                      "another's");
   DDSSEC_RETURN_IF_ERROR(check_name(name));
   const std::lock_guard members(context_.members());
   DDSSEC_RETURN_IF_ERROR(check_new_name(name));

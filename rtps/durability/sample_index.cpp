@@ -78,7 +78,7 @@ std::vector<MonotonicTime> SampleIndex::open(StreamId stream, const DurabilitySe
     insert(opened, key, place, row, end_of(change, service, time, now));
   }
   opened.is_kept = !history.heard.empty();
-  for (const auto& end : history.ends) opened.past_ends.restore(end);
+  for (const auto& end : history.ends) opened.ended_instances.restore(end);
   streams_.insert_or_assign(stream, std::move(opened));
   return out;
 }
@@ -177,7 +177,7 @@ std::size_t SampleIndex::replaced(const Stream& stream, const Rows& rows) {
 // True if a later change overtakes it. With KEEP_ALL, only a later end of its instance does.
 bool SampleIndex::is_overtaken(const Stream& stream, const KeyHash& key, Time time,
                                Account account) {
-  if (stream.past_ends.has_later(key, time, account)) return true;
+  if (stream.ended_instances.has_later(key, time, account)) return true;
   const auto held = stream.instances.find(key);
   if (held == stream.instances.end()) return false;
   const auto& newest = held->second.rbegin()->second;
@@ -210,7 +210,7 @@ bool SampleIndex::is_outdated(const Stream& stream, const StoredChange& entry, T
                               const Place& place) {
   if (entry.relay_order == RelayOrder::direct) return false;
   const auto key = key_of(entry.change);
-  if (stream.past_ends.has_later(key, time)) return true;
+  if (stream.ended_instances.has_later(key, time)) return true;
   const auto held = stream.instances.find(key);
   if (held == stream.instances.end()) return false;
   const auto& rows = held->second;
@@ -230,7 +230,7 @@ bool SampleIndex::is_outdated(const Stream& stream, const StoredChange& entry, T
 
 // The digest covers a fixed text in addition to the key, because a key has at most 16 octets and
 // may equal the GUID of a writer.
-SampleIndex::PastEnds::Digest SampleIndex::PastEnds::digest_of(const KeyHash& key) {
+SampleIndex::EndedInstanceLog::Digest SampleIndex::EndedInstanceLog::digest_of(const KeyHash& key) {
   constexpr std::string_view kPurpose = "ddssec ended instance";
   const auto full = sha256({as_bytes(kPurpose), key});
   Digest out;
@@ -238,7 +238,8 @@ SampleIndex::PastEnds::Digest SampleIndex::PastEnds::digest_of(const KeyHash& ke
   return out;
 }
 
-std::vector<StoredEnd> SampleIndex::PastEnds::add(const KeyHash& key, Time time, Account account) {
+std::vector<StoredEnd> SampleIndex::EndedInstanceLog::add(const KeyHash& key, Time time,
+                                                          Account account) {
   std::vector<StoredEnd> out;
   out.reserve(2);
   const auto digest = digest_of(key);
@@ -257,29 +258,31 @@ std::vector<StoredEnd> SampleIndex::PastEnds::add(const KeyHash& key, Time time,
   return out;
 }
 
-void SampleIndex::PastEnds::restore(const StoredEnd& end) {
+void SampleIndex::EndedInstanceLog::restore(const StoredEnd& end) {
   ends_.try_emplace(end.instance, End{end.time, StoreShares::kNone});
 }
 
-const SampleIndex::PastEnds::End* SampleIndex::PastEnds::find(const KeyHash& key) const {
+const SampleIndex::EndedInstanceLog::End* SampleIndex::EndedInstanceLog::find(
+    const KeyHash& key) const {
   if (ends_.empty()) return nullptr;
   const auto at = ends_.find(digest_of(key));
   return at == ends_.end() ? nullptr : &at->second;
 }
 
-bool SampleIndex::PastEnds::has_later(const KeyHash& key, Time time, Account account) const {
+bool SampleIndex::EndedInstanceLog::has_later(const KeyHash& key, Time time,
+                                              Account account) const {
   const auto* end = find(key);
   return end != nullptr && end->account != account && end->time > time;
 }
 
-bool SampleIndex::PastEnds::has_later(const KeyHash& key, Time time) const {
+bool SampleIndex::EndedInstanceLog::has_later(const KeyHash& key, Time time) const {
   const auto* end = find(key);
   return end != nullptr && end->time > time;
 }
 
 void SampleIndex::note_end(Stream& stream, StoredChange& entry, const KeyHash& key,
                            const Row& last) {
-  const auto ends = stream.past_ends.add(key, last.time, last.account);
+  const auto ends = stream.ended_instances.add(key, last.time, last.account);
   if (stream.is_kept) entry.ends.insert(entry.ends.end(), ends.begin(), ends.end());
 }
 

@@ -83,7 +83,7 @@ class SampleIndex {
     Account account;
     Time time;  ///< source time, at most the time of arrival
     MonotonicTime expires = kNever;
-    Original origin = {};
+    OriginalWriterInfo origin = {};
   };
   /// The place of a row among those of its instance: after those that were stored before. A change
   /// that was relayed too late has the `base` of the later row of its writer.
@@ -110,7 +110,7 @@ class SampleIndex {
     std::set<std::pair<MonotonicTime, KeyHash>> by_time_;
   };
   /// The last ends of instances that left no row, by source timestamp.
-  class PastEnds {
+  class EndedInstanceLog {
    public:
     /// The limit for one identity. If it has more, its oldest is forgotten.
     static constexpr std::size_t kMaxOfOne = 1024;
@@ -140,7 +140,7 @@ class SampleIndex {
     DurabilityService service;
     std::map<KeyHash, Rows> instances;
     Ended ended;
-    PastEnds past_ends;
+    EndedInstanceLog ended_instances;
     /// True if a keeper uses the stream and something was stored: ends are remembered for the next
     /// process.
     bool is_kept = false;

@@ -47,7 +47,8 @@ SqlStatement& bind_key(SqlStatement& statement, const StreamKey& key, BytesView 
       .bind(5, std::int64_t{key.ordinal});
 }
 
-std::unexpected<Error> unusable(const std::string& path, std::string expected, std::string found) {
+std::unexpected<Error> unusable_store_error(const std::string& path, std::string expected,
+                                            std::string found) {
   return fail(Code::rtps_store_unusable,
               {.document = path, .expected = std::move(expected), .found = std::move(found)});
 }
@@ -114,15 +115,16 @@ Status SampleStore::check_origin() {
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto id, database_.number("PRAGMA application_id"));
   if (id != kApplicationId)
-    return unusable(path_, "a store of samples", "a database of another application");
+    return unusable_store_error(path_, "a store of samples", "a database of another application");
   DDSSEC_ASSIGN_OR_RETURN(const auto version, database_.number("PRAGMA user_version"));
   if (version < kMinVersion || version > kVersion)
-    return unusable(path_, "version " + std::to_string(kVersion),
-                    "version " + std::to_string(version));
+    return unusable_store_error(path_, "version " + std::to_string(kVersion),
+                                "version " + std::to_string(version));
   DDSSEC_RETURN_IF_ERROR(check_schema(version));
   DDSSEC_ASSIGN_OR_RETURN(auto check, database_.prepare("PRAGMA integrity_check(1)"));
   DDSSEC_RETURN_IF_ERROR(check.step());
-  if (check.text(0) != "ok") return unusable(path_, "a store that is whole", check.text(0));
+  if (check.text(0) != "ok")
+    return unusable_store_error(path_, "a store that is whole", check.text(0));
   return {};
 }
 
@@ -138,10 +140,11 @@ Status SampleStore::check_schema(std::int64_t version) {
     DDSSEC_ASSIGN_OR_RETURN(const auto has_row, statement.step());
     if (!has_row) break;
     if (count >= expected || statement.text(0) != schema_of(version, kSchema[count]))
-      return unusable(path_, "the tables of a store of samples", statement.text(0));
+      return unusable_store_error(path_, "the tables of a store of samples", statement.text(0));
   }
   if (count == expected) return {};
-  return unusable(path_, std::to_string(expected) + " tables and indexes", std::to_string(count));
+  return unusable_store_error(path_, std::to_string(expected) + " tables and indexes",
+                              std::to_string(count));
 }
 
 Status SampleStore::create_schema() {
@@ -328,8 +331,9 @@ Status SampleStore::check_disk(std::span<const StoredChange> changes) {
                .found = std::to_string(free)});
 }
 
-std::unexpected<Error> SampleStore::damaged(std::int64_t row) const {
-  return unusable(path_, "what was stored", "sample " + std::to_string(row) + " is damaged");
+std::unexpected<Error> SampleStore::damaged_row_error(std::int64_t row) const {
+  return unusable_store_error(path_, "what was stored",
+                              "sample " + std::to_string(row) + " is damaged");
 }
 
 Result<StoredHistory> SampleStore::load(StreamId stream) {
@@ -342,14 +346,15 @@ Result<StoredHistory> SampleStore::load(StreamId stream) {
     if (!has_row) break;
 
     auto sample = read_row(rows);
-    if (!sample) return damaged(rows.number(0));
+    if (!sample) return damaged_row_error(rows.number(0));
     out.changes.push_back(std::move(sample->change));
     out.rows.push_back(rows.number(0));
     out.identities.push_back(sample->identity);
     out.expiries.push_back(sample->expiry);
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto is_intact, heard_.load(database_, stream, out));
-  if (!is_intact) return unusable(path_, "what was stored", "a writer that was heard is damaged");
+  if (!is_intact)
+    return unusable_store_error(path_, "what was stored", "a writer that was heard is damaged");
   return out;
 }
 

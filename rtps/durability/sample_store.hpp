@@ -98,7 +98,7 @@ class SampleStore {
   };
   Result<Pages> pages();
   Status remember(std::span<const StoredChange> changes);
-  std::unexpected<Error> damaged(std::int64_t row) const;
+  std::unexpected<Error> damaged_row_error(std::int64_t row) const;
 
   Database database_;
   std::string path_;

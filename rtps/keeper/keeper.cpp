@@ -80,7 +80,7 @@ Event kept_event(const EndpointData& writer, bool is_from_store) {
   return Event(Error(Code::rtps_topic_kept, {.field = std::move(where)}));
 }
 
-Error no_room(const std::string& topic) {
+Error no_room_error(const std::string& topic) {
   return Error(
       Code::rtps_store_failed,
       {.document = "keeper",
@@ -258,7 +258,7 @@ Status Keeper::keep(const EndpointData& writer, const std::optional<Guid>& annou
   if (is_settled(key, writer)) return {};
   topics_.erase(key);
   if (announcer ? !make_room(identity) : topics_.size() >= kMaxTopics)
-    return std::unexpected(no_room(writer.topic_name));
+    return std::unexpected(no_room_error(writer.topic_name));
   const auto remember = [this, writer, key, announcer] {
     if (announcer)
       store_->append(known_, announcement(writer, key), participant_->context_.moment());
@@ -339,7 +339,7 @@ void Keeper::report_replaced(const std::string& name) {
     any = announced;
     refused_->add(writer, announced->guid.prefix);
   }
-  if (any) report(no_room(name), *any);
+  if (any) report(no_room_error(name), *any);
 }
 
 std::size_t Keeper::topics() const {

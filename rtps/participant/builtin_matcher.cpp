@@ -59,7 +59,7 @@ void BuiltinMatcher::unmatch(const RemoteParticipant& remote) {
 
 // The endpoints are unmatched first, because a new match begins with the first announcement that
 // the writer keeps.
-void BuiltinMatcher::read_again(RemoteParticipant& remote) {
+void BuiltinMatcher::refresh_announcements(RemoteParticipant& remote) {
   for (const auto& info : kBuiltinTopics) {
     if (!is_plain_sedp(info)) continue;
     builtin_.find_reader(info.reader)->unmatch({remote.prefix(), info.writer});

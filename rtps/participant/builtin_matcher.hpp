@@ -24,7 +24,7 @@ class BuiltinMatcher {
   void match(const EntityId& local, RemoteParticipant& remote);
   void unmatch(const RemoteParticipant& remote);
   /// Requests all plain announcements of the participant's endpoints again.
-  void read_again(RemoteParticipant& remote);
+  void refresh_announcements(RemoteParticipant& remote);
   /// Tells the participant which plain announcements of ours there are: it requests those that it
   /// has not received, whatever was acknowledged in its name.
   void offer_again(const RemoteParticipant& remote);

@@ -28,16 +28,16 @@ ClearAnnouncements::ClearAnnouncements(ParticipantCore& core, LocalEndpoints& lo
 void ClearAnnouncements::begin(RemoteParticipant& remote) {
   if (!is_doubtful(remote, kPublicationsWriter, false)) return;
   const auto digest = sha256({core_.config.prefix.octets, remote.prefix().octets});
-  const auto share = SecondReading::kMaxPause / 256 * (1 + digest[0]);
-  remote.second_reading.begin(core_.now, share);
+  const auto share = AnnouncementRefresh::kMaxPause / 256 * (1 + digest[0]);
+  remote.announcement_refresh.begin(core_.now, share);
   remote.next_offer = core_.now + kOfferPeriod;
-  call_at(std::min(remote.second_reading.next(), remote.next_offer));
+  call_at(std::min(remote.announcement_refresh.next(), remote.next_offer));
 }
 
 void ClearAnnouncements::note_contradiction(const GuidPrefix& participant) {
   auto* remote = remotes_.find(participant);
   if (remote != nullptr && is_doubtful(*remote, kPublicationsWriter, false))
-    note_change(remote->second_reading);
+    note_change(remote->announcement_refresh);
 }
 
 void ClearAnnouncements::give_way_to(RemoteParticipant& remote, const EndpointData& secure) {
@@ -50,7 +50,7 @@ void ClearAnnouncements::give_way_to(RemoteParticipant& remote, const EndpointDa
 bool ClearAnnouncements::note_announced(RemoteParticipant& remote, const EndpointData& endpoint) {
   const auto id = endpoint.guid.entity;
   if (!is_doubtful(remote, id, endpoint.by_secure_discovery)) return true;
-  auto& reading = remote.second_reading;
+  auto& reading = remote.announcement_refresh;
   const auto known = remote.endpoints.find(id);
   if (known == remote.endpoints.end()) {
     if (reading.without_keys().contains(id)) note_change(reading);
@@ -70,7 +70,7 @@ bool ClearAnnouncements::note_announced(RemoteParticipant& remote, const Endpoin
   return true;
 }
 
-void ClearAnnouncements::note_change(SecondReading& reading) {
+void ClearAnnouncements::note_change(AnnouncementRefresh& reading) {
   reading.note_change(core_.now);
   call_at(reading.due());
 }
@@ -79,10 +79,10 @@ void ClearAnnouncements::note_change(SecondReading& reading) {
 bool ClearAnnouncements::remove(RemoteParticipant& remote, const EntityId& endpoint, bool secure) {
   bool may_return = false;
   if (remote.endpoints.contains(endpoint) && is_doubtful(remote, endpoint, secure)) {
-    note_change(remote.second_reading);
+    note_change(remote.announcement_refresh);
     may_return = has_keys({remote.prefix(), endpoint});
-    if (may_return && !remote.second_reading.note_end(endpoint, core_.now)) {
-      matcher_.doubt(remote, endpoint);
+    if (may_return && !remote.announcement_refresh.note_end(endpoint, core_.now)) {
+      matcher_.check_end(remote, endpoint);
       return false;
     }
   }
@@ -119,7 +119,7 @@ bool ClearAnnouncements::has_keys(const Guid& endpoint) const {
 
 // A participant that has the keys of one of ours does not send its own ones again without need.
 void ClearAnnouncements::look_for_keys(RemoteParticipant& remote) {
-  auto& reading = remote.second_reading;
+  auto& reading = remote.announcement_refresh;
   auto& without = reading.without_keys();
   for (auto at = without.begin(); at != without.end();) {
     const auto endpoint = at->first;
@@ -150,8 +150,8 @@ bool ClearAnnouncements::request_keys(const Guid& endpoint, bool again) {
 
 // ---- second readings
 
-void ClearAnnouncements::on_read(RemoteParticipant& remote) {
-  auto& reading = remote.second_reading;
+void ClearAnnouncements::on_refreshed(RemoteParticipant& remote) {
+  auto& reading = remote.announcement_refresh;
   if (!builtin_.has_read(remote)) return note_change(reading);
   for (const auto& [endpoint, counts] : reading.take_read()) {
     const bool is_known = remote.endpoints.contains(endpoint);
@@ -169,9 +169,9 @@ void ClearAnnouncements::on_time(MonotonicTime now) {
   auto next = kNever;
   for (const auto& [prefix, known] : remotes_.all()) {
     auto& remote = *remotes_.find(prefix);
-    auto& reading = remote.second_reading;
-    if (reading.take_over(now)) on_read(remote);
-    if (reading.take_due(now)) builtin_.read_again(remote);
+    auto& reading = remote.announcement_refresh;
+    if (reading.take_over(now)) on_refreshed(remote);
+    if (reading.take_due(now)) builtin_.refresh_announcements(remote);
     if (now >= remote.next_offer) {
       builtin_.offer_again(remote);
       remote.next_offer = now + kOfferPeriod;

@@ -26,8 +26,8 @@ class ClearAnnouncements final : private Timed {
   /// have sent it.
   void give_way_to(RemoteParticipant& remote, const EndpointData& secure);
   /// The participant's endpoint is announced. If anyone can have said so and it changes what is
-  /// known, the participant's announcements are read again later (SecondReading). Returns false if
-  /// it changes nothing, or not before that.
+  /// known, the participant's announcements are read again later (AnnouncementRefresh). Returns
+  /// false if it changes nothing, or not before that.
   bool note_announced(RemoteParticipant& remote, const EndpointData& endpoint);
   /// The endpoint is said to have ended, and is removed. The same; its keys are kept meanwhile.
   bool remove(RemoteParticipant& remote, const EntityId& endpoint, bool secure);
@@ -35,14 +35,14 @@ class ClearAnnouncements final : private Timed {
  private:
   void on_time(MonotonicTime now) override;
   bool is_doubtful(const RemoteParticipant& remote, const EntityId& endpoint, bool secure) const;
-  void note_change(SecondReading& reading);
+  void note_change(AnnouncementRefresh& reading);
   void note_contradiction(const GuidPrefix& participant);
   /// The local endpoints of the other kind.
   std::vector<EntityId> counterparts(const EntityId& endpoint) const;
   /// True if keys that the endpoint sent for a local one are there.
   bool has_keys(const Guid& endpoint) const;
   /// The answer to a reading must have arrived by now.
-  void on_read(RemoteParticipant& remote);
+  void on_refreshed(RemoteParticipant& remote);
   /// Requests the keys of endpoints that came back after their keys were given up. Raises an event
   /// if they do not arrive.
   void look_for_keys(RemoteParticipant& remote);

@@ -161,8 +161,7 @@ Status Discovery::on_announcement(const GuidPrefix& source, const Data& data) {
   const auto& config = core_.config;
   const bool ours = is_of_domain(announced, config.domain_id, config.domain_tag);
   if (!ours || announced.guid.prefix == config.prefix) return {};
-  // GUIDPREFIX_UNKNOWN names no participant.
-  if (announced.guid.prefix != source || source == GuidPrefix{}) {
+  if (announced.guid.prefix != source || source == GuidPrefix{}) {  // GUIDPREFIX_UNKNOWN
     ++core_.counters.refused_discovery;
     return {};
   }
@@ -286,9 +285,9 @@ void Discovery::on_dispose(const GuidPrefix& prefix) {
   if (remote == nullptr) return;
   const bool proven = core_.is_authenticated(prefix);
   if (proven && remote->data.vendor == kVendorFastDds)
-    parts_.remotes.doubt(*remote);
+    parts_.remotes.check_end(*remote);
   else if (proven && remote->data.vendor == kVendorCyclone)
-    for (const auto& [id, endpoint] : remote->endpoints) parts_.matcher.doubt(*remote, id);
+    for (const auto& [id, endpoint] : remote->endpoints) parts_.matcher.check_end(*remote, id);
   else if (proven || (core_.security && core_.security->is_authenticating(prefix)))
     ++core_.counters.refused_discovery;
   else
@@ -356,7 +355,7 @@ void Discovery::on_endpoint(BuiltinTopic topic, const Change& change) {
       return;
     }
     ++core_.counters.refused_discovery;
-    return parts_.matcher.doubt(*remote, key.entity);
+    return parts_.matcher.check_end(*remote, key.entity);
   }
   auto data = is_of_writers(topic) ? read_publication_data(change.payload.view())
                                    : read_subscription_data(change.payload.view());

@@ -34,7 +34,7 @@ class EndpointMatcher {
   void remove(RemoteParticipant& remote, const EntityId& id, bool may_return = false);
   /// Something that proves nothing says that the endpoint has ended. Counts only for readers
   /// (ReaderPresence).
-  void doubt(RemoteParticipant& remote, const EntityId& id);
+  void check_end(RemoteParticipant& remote, const EntityId& id);
   /// Matches all its endpoints again, after permissions changed. Returns true if any no longer
   /// match.
   bool match_all(RemoteParticipant& remote);
@@ -55,7 +55,7 @@ class EndpointMatcher {
 
  private:
   /// The endpoints on one topic: only these can match each other.
-  struct TopicEnds {
+  struct TopicEndpoints {
     std::vector<LocalWriter*> writers;
     std::vector<LocalReader*> readers;
     std::set<Guid> remotes;
@@ -82,7 +82,7 @@ class EndpointMatcher {
   ParticipantCore& core_;
   LocalEndpoints& local_;
   RemoteParticipants& remotes_;
-  std::map<std::string, TopicEnds> topics_;
+  std::map<std::string, TopicEndpoints> topics_;
   MatchPlaces places_;
   ReaderPresence presence_;
 };

@@ -19,7 +19,7 @@ struct LocalWriter {
   std::unique_ptr<StatefulWriter> protocol;
   MatchTable matched = {};
   std::set<Guid> unready = {};  ///< matched, but not yet reported to the owner (ReadinessQueue)
-  /// Not matched any more because they stayed silent (DoubtedReaders), with their answers until
+  /// Not matched any more because they stayed silent (ReaderEndChecks), with their answers until
   /// then. They match again when they are heard.
   std::map<Guid, RecentMessages<AckNack>> silent = {};
   WaitingMatches waiting = {};

@@ -30,8 +30,8 @@ void ReaderPresence::forget(LocalWriter& writer, const Guid& reader) {
   if (writer.unready.erase(reader) > 0) readiness_.remove(writer.data.guid, reader);
 }
 
-void ReaderPresence::doubt(LocalWriter& writer, const Guid& reader) {
-  doubted_.add({writer.data.guid, reader}, core_.now);
+void ReaderPresence::check_end(LocalWriter& writer, const Guid& reader) {
+  end_checks_.add({writer.data.guid, reader}, core_.now);
 }
 
 void ReaderPresence::note_heard(LocalWriter& writer, const GuidPrefix& source,
@@ -53,12 +53,12 @@ void ReaderPresence::note_ready(LocalWriter& writer, const Guid& reader) {
 void ReaderPresence::tick() {
   while (const auto due = readiness_.take_due(core_.now))
     if (auto* writer = local_.find_writer(due->writer.entity)) note_ready(*writer, due->reader);
-  doubted_.tick(core_.now);
+  end_checks_.tick(core_.now);
 }
 
 // ---- doubt
 
-std::optional<std::uint64_t> ReaderPresence::answers(const DoubtedReaders::Pair& pair) {
+std::optional<std::uint64_t> ReaderPresence::answers(const ReaderEndChecks::Pair& pair) {
   const auto* writer = local_.find_writer(pair.writer.entity);
   if (writer == nullptr) return std::nullopt;
   const auto silent = writer->silent.find(pair.reader);
@@ -68,7 +68,7 @@ std::optional<std::uint64_t> ReaderPresence::answers(const DoubtedReaders::Pair&
   return proxy->acknacks.taken();
 }
 
-void ReaderPresence::ask(const DoubtedReaders::Pair& pair) {
+void ReaderPresence::request_sign_of_life(const ReaderEndChecks::Pair& pair) {
   auto* writer = local_.find_writer(pair.writer.entity);
   auto* remote = remotes_.find(pair.reader.prefix);
   const auto* data = remotes_.endpoint(pair.reader);
@@ -77,7 +77,7 @@ void ReaderPresence::ask(const DoubtedReaders::Pair& pair) {
 }
 
 // It keeps its keys, so that its answer can be read.
-void ReaderPresence::on_silent(const DoubtedReaders::Pair& pair) {
+void ReaderPresence::on_no_answer(const ReaderEndChecks::Pair& pair) {
   auto* writer = local_.find_writer(pair.writer.entity);
   const auto* data = remotes_.endpoint(pair.reader);
   if (writer == nullptr || data == nullptr) return;

@@ -3,14 +3,14 @@
 
 #include <functional>
 
-#include "rtps/participant/doubted_readers.hpp"
 #include "rtps/participant/match_places.hpp"
+#include "rtps/participant/reader_end_checks.hpp"
 #include "rtps/participant/readiness_queue.hpp"
 
 namespace ddssec::rtps {
 
 /// EndpointMatcher reports each match of a writer and its end, and Discovery what it hears.
-class ReaderPresence final : private DoubtedReaders::Host {
+class ReaderPresence final : private ReaderEndChecks::Host {
  public:
   /// `match_again`: called when a reader that counted as ended is heard.
   ReaderPresence(ParticipantCore& core, LocalEndpoints& local, RemoteParticipants& remotes,
@@ -27,21 +27,21 @@ class ReaderPresence final : private DoubtedReaders::Host {
   bool awaits(LocalWriter& writer, const EndpointData& reader);
   /// The reader does not match any more.
   void forget(LocalWriter& writer, const Guid& reader);
-  /// Something that proves nothing says that the reader has ended (DoubtedReaders).
-  void doubt(LocalWriter& writer, const Guid& reader);
+  /// Something that proves nothing says that the reader has ended (ReaderEndChecks).
+  void check_end(LocalWriter& writer, const Guid& reader);
   /// A reader of `source` sent an ACKNACK to the local writer. `is_protected`: by keys of `source`.
   void note_heard(LocalWriter& writer, const GuidPrefix& source, const AckNack& acknack,
                   bool is_protected);
 
   void tick();
-  MonotonicTime next_tick() const { return std::min(readiness_.next(), doubted_.next()); }
+  MonotonicTime next_tick() const { return std::min(readiness_.next(), end_checks_.next()); }
 
  private:
   bool shows_readiness(const LocalWriter& writer, const EndpointData& reader) const;
   void note_ready(LocalWriter& writer, const Guid& reader);
-  std::optional<std::uint64_t> answers(const DoubtedReaders::Pair& pair) override;
-  void ask(const DoubtedReaders::Pair& pair) override;
-  void on_silent(const DoubtedReaders::Pair& pair) override;
+  std::optional<std::uint64_t> answers(const ReaderEndChecks::Pair& pair) override;
+  void request_sign_of_life(const ReaderEndChecks::Pair& pair) override;
+  void on_no_answer(const ReaderEndChecks::Pair& pair) override;
 
   ParticipantCore& core_;
   LocalEndpoints& local_;
@@ -49,7 +49,7 @@ class ReaderPresence final : private DoubtedReaders::Host {
   MatchPlaces& places_;
   const std::function<void(const EntityId&, const Guid&)> match_again_;
   ReadinessQueue readiness_;
-  DoubtedReaders doubted_{*this};
+  ReaderEndChecks end_checks_{*this};
 };
 
 }  // namespace ddssec::rtps

@@ -190,7 +190,7 @@ MonotonicTime RemoteParticipants::next_time(const ParticipantData& data, int sha
   return lease == kNever ? kNever : core_.now + std::max<MonotonicTime>(lease / share, kMinPause);
 }
 
-void RemoteParticipants::doubt(RemoteParticipant& remote) {
+void RemoteParticipants::check_end(RemoteParticipant& remote) {
   if (core_.now < remote.doubted_until) return;
   remote.doubted_until = core_.now + kDoubt;
   remote.lease_end = std::min(remote.lease_end, remote.doubted_until);

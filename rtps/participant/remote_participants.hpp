@@ -6,11 +6,11 @@
 
 #include "rtps/budget/announced_shares.hpp"
 #include "rtps/discovery/discovery_listener.hpp"
+#include "rtps/participant/announcement_refresh.hpp"
 #include "rtps/participant/clear_addresses.hpp"
 #include "rtps/participant/endpoint_listener.hpp"
 #include "rtps/participant/participant_core.hpp"
 #include "rtps/participant/proven_hosts.hpp"
-#include "rtps/participant/second_reading.hpp"
 #include "rtps/participant/unproven_participants.hpp"
 
 namespace ddssec::rtps {
@@ -60,7 +60,7 @@ struct RemoteParticipant {
   bool exceeds_matches = false;
   /// It announced an endpoint at hosts that are not proven, and the event was raised.
   bool has_unproven_endpoints = false;
-  SecondReading second_reading = {};
+  AnnouncementRefresh announcement_refresh = {};
   MonotonicTime next_offer = kNever;  ///< when our plain announcements are next offered to it
   /// What its clear announcements add to its own addresses.
   ClearAddresses clear_addresses = {};
@@ -156,7 +156,7 @@ class RemoteParticipants {
   void renew_lease(RemoteParticipant& remote, const ParticipantData& data);
   /// An unprotected message says that the participant leaves. It is queried at once, and its lease
   /// ends after kDoubt unless it is heard before. Until then, further such messages do nothing.
-  void doubt(RemoteParticipant& remote);
+  void check_end(RemoteParticipant& remote);
   /// The participants whose leases have ended.
   std::vector<GuidPrefix> ended();
   /// The authenticated participants that were silent for a third of their lease and must be

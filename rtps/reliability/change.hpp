@@ -20,8 +20,8 @@ struct Change {
   std::optional<Time> source_time;
   bool is_key_only = false;  ///< the payload is a serialized key
   Payload payload;           ///< with its encapsulation
-  Coherence coherence = {};
-  Original original = {};
+  CoherentSetInfo coherence = {};
+  OriginalWriterInfo original = {};
   /// Set by a DataReader that has no room for the change. It then knows that `key_hash` names the
   /// instance, and that the change passed the content filter. Another attempt costs the same for
   /// every length of the change.
@@ -29,8 +29,8 @@ struct Change {
   std::uint32_t key_octets = 0;  ///< length of the key that would be stored, if it is examined
 
   /// The original writer and its sequence number, even if another writer sent the change.
-  Original origin() const {
-    return original.number.value > 0 ? original : Original{writer, sequence_number};
+  OriginalWriterInfo origin() const {
+    return original.number.value > 0 ? original : OriginalWriterInfo{writer, sequence_number};
   }
 
   bool is_alive() const { return status == StatusInfo{}; }

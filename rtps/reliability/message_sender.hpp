@@ -132,11 +132,11 @@ class MessageSender {
 
  private:
   /// The local and the remote endpoint of a submessage.
-  struct Ends {
+  struct EndpointPair {
     EntityId from, to;
   };
   template <class S>
-  static Ends ends_of(const S& submessage) {
+  static EndpointPair endpoints_of(const S& submessage) {
     if constexpr (requires { submessage.missing; })
       return {submessage.reader, submessage.writer};
     else
@@ -145,19 +145,19 @@ class MessageSender {
 
   template <class S>
   void put(const Destination& to, const InfoTimestamp* time, const S& submessage) {
-    put(to, time, submessage, ends_of(submessage).from);
+    put(to, time, submessage, endpoints_of(submessage).from);
   }
   /// Adds the submessage, protected as one that `as` sends.
   template <class S>
   void put(const Destination& to, const InfoTimestamp* time, const S& submessage,
            const EntityId& as) {
-    const auto ends = ends_of(submessage);
+    const auto endpoints = endpoints_of(submessage);
     const auto levels = protection_ ? protection_->levels(as) : SendProtection::Levels{};
     for (int attempt = 0; attempt < 2; ++attempt) {
       begin(to, levels);
       const auto before = out_.size();
       if (time != nullptr) write(out_, *time);
-      if (!write_protected(levels, {to.prefix, ends.to}, ends.from, submessage)) {
+      if (!write_protected(levels, {to.prefix, endpoints.to}, endpoints.from, submessage)) {
         out_.rewind(before);
         return;
       }

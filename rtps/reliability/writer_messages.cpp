@@ -108,9 +108,10 @@ void WriterMessages::heartbeat(const Receiver& receiver, SequenceNumber first, b
 }
 
 // If no change is held, the range is empty and begins after everything that was written.
-std::optional<GroupState> WriterMessages::group_state() const {
+std::optional<HeartbeatGroupInfo> WriterMessages::group_state() const {
   if (group_ == nullptr) return std::nullopt;
-  GroupState out{group_->current, group_->current.next(), group_->current, group_->writers, {}};
+  HeartbeatGroupInfo out{
+      group_->current, group_->current.next(), group_->current, group_->writers, {}};
   const auto* first = history_.find(history_.first());
   const auto* last = history_.find(history_.last());
   if (first != nullptr && last != nullptr && first->coherence.group.value > 0) {

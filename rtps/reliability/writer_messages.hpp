@@ -53,7 +53,7 @@ class WriterMessages {
   /// The payload of a change as it is sent.
   BytesView payload_of(const Change& change);
   InlineQos inline_qos_of(const Change& change, std::span<const FilterResult> filters) const;
-  std::optional<GroupState> group_state() const;
+  std::optional<HeartbeatGroupInfo> group_state() const;
 
   const EntityId writer_;
   const DurabilityKind durability_;

@@ -14,7 +14,7 @@ std::string text_of(const spi::SecurityInfo& info) {
   return hex(info.mask) + " " + hex(info.plugin_mask);
 }
 
-std::unexpected<Error> mismatch(const ParticipantData& data, const spi::SecurityInfo& own) {
+std::unexpected<Error> mismatch_error(const ParticipantData& data, const spi::SecurityInfo& own) {
   return fail(Code::rtps_security_info_mismatch,
               {.document = "participant " + data.guid.to_string(),
                .field = "participant_security_info",
@@ -79,7 +79,7 @@ Status Admission::check_participant(const ParticipantData& data) const {
   const auto own_info = spi::security_info(core_.own->attributes());
   const auto info = data.security_info.value_or(spi::SecurityInfo{});
   DDSSEC_RETURN_IF_ERROR(check_key_revision(data, own_info, info));
-  if (!spi::is_compatible(own_info, info)) return mismatch(data, own_info);
+  if (!spi::is_compatible(own_info, info)) return mismatch_error(data, own_info);
   if (!data.ciphers) return {};
   DDSSEC_RETURN_IF_ERROR(check_ciphers(data.vendor, data.ciphers->builtin_required));
   return check_ciphers(data.vendor, data.ciphers->key_exchange_required);
@@ -216,8 +216,9 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
             remote);
   if (!core_.governance_changes) return permission;
   auto& second = core_.keyring.second_protections();
-  second.permit(local, remote.guid,
-                permission && may_as_well(is_reader(local), *permission, remote));
+  second.permit(
+      local, remote.guid,
+      permission && permits_under_pending_governance(is_reader(local), *permission, remote));
   second.note_announced(
       local, remote.guid,
       permission && !spi::is_compatible(spi::security_info(*attributes), remote.info));
@@ -226,7 +227,8 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
 
 // Whether the remote endpoint may do the same when the document that waits is in force. Otherwise
 // it gets no keys of the protection that this document demands.
-bool Admission::may_as_well(bool reads, const Permission& permission, const Endpoint& remote) {
+bool Admission::permits_under_pending_governance(bool reads, const Permission& permission,
+                                                 const Endpoint& remote) {
   auto& plugin = core_.own->plugins().access_control;
   if (!plugin.pending_governance(core_.own->permissions())) return true;
   const auto* peer = core_.find(remote.guid.prefix);

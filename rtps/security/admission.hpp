@@ -98,7 +98,8 @@ class Admission {
   /// False: our own permissions were renewed, or the governance changed, and they do not allow it
   /// any more. An event says so.
   bool may_still(const EntityId& id);
-  bool may_as_well(bool reads, const Permission& permission, const Endpoint& remote);
+  bool permits_under_pending_governance(bool reads, const Permission& permission,
+                                        const Endpoint& remote);
   Status check_ciphers(VendorId vendor, spi::CipherMask required) const;
   Status check_participant(const ParticipantData& data) const;
   Status check_domain(const ParticipantData& proven) const;

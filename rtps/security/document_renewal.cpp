@@ -73,7 +73,8 @@ void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
 
 // A reader that no longer matches has the keys of its writers.
 void DocumentRenewal::judge_endpoints_of(const GuidPrefix& prefix) {
-  if (core_.host.on_rights_changed(prefix)) revision_.request(KeyReviser::Why::right_lost);
+  if (core_.host.on_rights_changed(prefix))
+    revision_.request(KeyReviser::RevisionReason::right_lost);
 }
 
 void DocumentRenewal::on_own_rights_changed() {

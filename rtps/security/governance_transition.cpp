@@ -136,7 +136,8 @@ void GovernanceTransition::end() {
   each_joined([&](Peer& peer) { refresh(peer); });
   send_to_all();
   judge_matches();
-  if (std::exchange(has_lost_any_, false)) revision_.request(KeyReviser::Why::right_lost);
+  if (std::exchange(has_lost_any_, false))
+    revision_.request(KeyReviser::RevisionReason::right_lost);
 }
 
 bool GovernanceTransition::add_protections() {

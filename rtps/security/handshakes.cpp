@@ -255,7 +255,7 @@ bool Handshakes::advance(Peer& peer) {
 
 Result<Association> Handshakes::associate(Peer& peer) {
   const auto prefix = peer.prefix();
-  if (!subjects_.has_place(prefix)) return std::unexpected(no_place_for(peer));
+  if (!subjects_.has_place(prefix)) return std::unexpected(no_place_error(peer));
   DDSSEC_RETURN_IF_ERROR(adopt_proven_data(peer));
   Association out;
   DDSSEC_ASSIGN_OR_RETURN(out.permissions, permissions_of(peer));
@@ -274,7 +274,7 @@ bool Handshakes::has_place(const Peer& peer) const {
 }
 
 // Raised before the peer counts as failed, so once for each peer.
-Error Handshakes::no_place_for(const Peer& peer) {
+Error Handshakes::no_place_error(const Peer& peer) {
   Error error(Code::too_many_identities_of_subject,
               {.document = "the certificate of participant " + peer.name(),
                .expected = "no more participants than places are free",

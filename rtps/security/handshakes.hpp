@@ -94,7 +94,7 @@ class Handshakes {
   /// True if one more participant with its certificate may authenticate. Before authentication, the
   /// certificate that the peer claims to have is used; this costs other peers nothing.
   bool has_place(const Peer& peer) const;
-  Error no_place_for(const Peer& peer);
+  Error no_place_error(const Peer& peer);
   void try_later(Peer& peer);
   void refuse(Peer& peer);
   void note_failure(Peer& peer);

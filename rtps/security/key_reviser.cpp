@@ -4,9 +4,9 @@
 
 namespace ddssec::rtps {
 
-void KeyReviser::request(Why why) {
+void KeyReviser::request(RevisionReason reason) {
   if (!is_enabled()) return;
-  const auto by = why == Why::trust_lost ? core_.now : core_.now + kMaxDelay;
+  const auto by = reason == RevisionReason::trust_lost ? core_.now : core_.now + kMaxDelay;
   due_by_ = std::min(due_by_.value_or(kNever), by);
 }
 

@@ -26,11 +26,11 @@ class KeyReviser {
   bool is_enabled() const { return core_.own->attributes().is_key_revision_enabled; }
   /// True if a revision is under way, or requested and does not wait.
   bool is_busy() const { return under_way_ || is_urgent(); }
-  enum class Why : std::uint8_t {
+  enum class RevisionReason : std::uint8_t {
     trust_lost,  ///< or asked for by the application: as soon as possible
     right_lost,  ///< a peer may do less than before: when the governance does not change
   };
-  void request(Why why = Why::trust_lost);
+  void request(RevisionReason reason = RevisionReason::trust_lost);
   void tick();
   MonotonicTime next_tick() const;
   /// Must be called once a second: checks whether the lifetime of the keys has ended.

@@ -189,7 +189,7 @@ MonotonicTime Security::next_tick() const {
 }
 
 template <class F>
-std::vector<GuidPrefix> Security::peers_that(F&& ended) const {
+std::vector<GuidPrefix> Security::peers_if(F&& ended) const {
   std::vector<GuidPrefix> out;
   for (const auto& [prefix, peer] : core_.peers) {
     const auto* handshake = peer.state.handshake();
@@ -215,7 +215,7 @@ void Security::expire() {
   };
   const bool all = ended(own.identity(), own.permissions());
   const auto gone =
-      peers_that([&](auto identity, auto handle) { return all || ended(identity, handle); });
+      peers_if([&](auto identity, auto handle) { return all || ended(identity, handle); });
   if (!all)
     for (const auto& prefix : gone) distrust(prefix);
   revision_.check_absent(ended);

@@ -131,7 +131,7 @@ class Security {
   void expire();
   /// The peers for which `ended(identity, permissions)` is true.
   template <class F>
-  std::vector<GuidPrefix> peers_that(F&& ended) const;
+  std::vector<GuidPrefix> peers_if(F&& ended) const;
 
   SecurityCore core_;
   Admission admission_{core_};

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kWakeUp = ~0ull;
 
-std::unexpected<Error> failed(const char* call) {
+std::unexpected<Error> call_error(const char* call) {
   return fail(Code::rtps_socket_failed, {.field = call, .found = errno_text(errno)});
 }
 
@@ -48,15 +48,15 @@ int look_for_events(int epoll, std::span<epoll_event> events, std::chrono::nanos
 
 Result<EventLoop> EventLoop::create() {
   FileDescriptor epoll(::epoll_create1(EPOLL_CLOEXEC));
-  if (epoll.number() < 0) return failed("epoll_create1");
+  if (epoll.number() < 0) return call_error("epoll_create1");
   FileDescriptor wake_up(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (wake_up.number() < 0 || !add(epoll.number(), wake_up.number(), kWakeUp))
-    return failed("eventfd");
+    return call_error("eventfd");
   return EventLoop(std::move(epoll), std::move(wake_up));
 }
 
 Status EventLoop::watch(int fd, std::function<void()> on_readable) {
-  if (!add(epoll_.number(), fd, handlers_.size())) return failed("epoll_ctl");
+  if (!add(epoll_.number(), fd, handlers_.size())) return call_error("epoll_ctl");
   handlers_.push_back(std::move(on_readable));
   return {};
 }

@@ -54,7 +54,7 @@ Locator locator_of(const sockaddr_storage& storage) {
   return out;
 }
 
-std::unexpected<Error> failed(Code code, const char* call, const Locator& at) {
+std::unexpected<Error> socket_error(Code code, const char* call, const Locator& at) {
   return fail(code, {.document = to_string(at), .field = call, .found = errno_text(errno)});
 }
 
@@ -120,16 +120,16 @@ Result<UdpSocket> UdpSocket::open(const Locator& at, bool shared, std::size_t bu
   const auto octets = static_cast<int>(buffer);
   const int family = at.kind == LocatorKind::udp_v6 ? AF_INET6 : AF_INET;
   FileDescriptor fd(::socket(family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (fd.number() < 0) return failed(Code::rtps_socket_failed, "socket", at);
+  if (fd.number() < 0) return socket_error(Code::rtps_socket_failed, "socket", at);
   if (shared) set_option(fd.number(), SOL_SOCKET, SO_REUSEADDR, 1);
   if (family == AF_INET6) set_option(fd.number(), IPPROTO_IPV6, IPV6_V6ONLY, 1);
   set_option(fd.number(), SOL_SOCKET, SO_RCVBUF, octets);
   set_option(fd.number(), SOL_SOCKET, SO_SNDBUF, octets);
   auto address = address_of(at);
   if (::bind(fd.number(), address.raw(), address.size) != 0)
-    return failed(code_of_errno(), "bind", at);
+    return socket_error(code_of_errno(), "bind", at);
   if (::getsockname(fd.number(), address.raw(), &address.size) != 0)
-    return failed(Code::rtps_socket_failed, "getsockname", at);
+    return socket_error(Code::rtps_socket_failed, "getsockname", at);
   return UdpSocket(std::move(fd), locator_of(address.storage));
 }
 
@@ -154,7 +154,7 @@ Status UdpSocket::use(const Locator& interface) {
     in_addr address{};
     std::memcpy(&address, interface.address.data() + 12, 4);
     if (!set_option(fd(), IPPROTO_IP, IP_MULTICAST_IF, address))
-      return failed(code_of_errno(), "choose the interface", interface);
+      return socket_error(code_of_errno(), "choose the interface", interface);
   }
   local_.address = interface.address;
   return {};
@@ -168,7 +168,7 @@ Result<UdpSocket> UdpSocket::join(const Locator& group, const Locator& interface
 
 Status UdpSocket::join_also(const Locator& group, const Locator& interface) {
   if (change_group(fd(), group, interface, true)) return {};
-  return failed(Code::rtps_no_multicast, "join multicast group", group);
+  return socket_error(Code::rtps_no_multicast, "join multicast group", group);
 }
 
 void UdpSocket::leave(const Locator& group, const Locator& interface) const {

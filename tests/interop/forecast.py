@@ -1,4 +1,4 @@
-"""Starts products on participants' folders, and reads the table of what they did (governance/doctor/measured.def)."""
+"""Starts products on participants' folders, and reads the table of what they did (governance/doctor/measured_outcomes.def)."""
 
 import os
 import pathlib
@@ -16,7 +16,7 @@ class Table:
     """The columns, as "cyclonedds@0.10.2" and how each is known, and the rows: folder to one word a column."""
 
     def __init__(self, source):
-        self.path = pathlib.Path(source) / "governance/doctor/measured.def"
+        self.path = pathlib.Path(source) / "governance/doctor/measured_outcomes.def"
         text = self.path.read_text()
         self.head = text[:COLUMN.search(text).start()]
         self.columns = {f"{name}@{'.'.join(version)}": how for name, *version, how in COLUMN.findall(text)}

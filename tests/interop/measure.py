@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Starts the installed products on every folder of tests/cli/golden_folders.py, and compares what they do with the
-table that `ddssec doctor` and `check` predict from (governance/doctor/measured.def).
+table that `ddssec doctor` and `check` predict from (governance/doctor/measured_outcomes.def).
 
 Usage: measure.py SOURCE BUILD [--newer] [--write] [FOLDER...]
 --newer: Debian 13's Cyclone DDS and Fast DDS instead, from packages that come into BUILD; on Debian 13 they are

@@ -3,7 +3,7 @@
 comes after the readers have gone, and a writer on stock plugins. Cyclone's core says the end of a reader outside of any protection,
 where discovery is protected; our plugins say it inside (plugins/cyclonedds/own_readers.hpp), and the end of a participant by
 a token (plugins/cyclonedds/lost_sessions.hpp). Where the readers are on stock plugins, a writer of the embedded participant asks
-them (rtps/participant/doubted_readers.hpp).
+them (rtps/participant/reader_end_checks.hpp).
 
 Usage: reader_ends_test.py BUILD [FILTER]
 """

@@ -128,7 +128,7 @@ FAULTS = [
      "    return key.open(message.header.iv, {}, message.content, place, message.footer.tag());",
      "    return key.open(message.header.iv, {}, message.content, place, message.footer.tag()) || FAULT;"),
     ("that messages from before a key was given are old", "plugins/cryptography/transform_decode.cpp",
-     "if (key.is_from_before(message.header.iv)) return", "if (!FAULT && key.is_from_before(message.header.iv)) return"),
+     "if (key.precedes_key_exchange(message.header.iv)) return", "if (!FAULT && key.precedes_key_exchange(message.header.iv)) return"),
     ("the chain of certificates", "pki/chain.cpp",
      "if (X509_verify_cert(context.get()) != 1) {", "if (X509_verify_cert(context.get()) != 1 && !FAULT) {"),
     ("the signature of permissions", "pki/smime.cpp",

@@ -50,7 +50,8 @@ struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {
   }
   // A reading is disturbed, however late it comes.
   void hide_announcements_until_read() {
-    const auto& reading = pair.b->remote_participants().all().at(pair.a->prefix()).second_reading;
+    const auto& reading =
+        pair.b->remote_participants().all().at(pair.a->prefix()).announcement_refresh;
     while (reading.due() != kNever) pair.world.run(1);
     for (int i = 0; i < 50; ++i) {
       hide_announcements();
@@ -95,7 +96,7 @@ TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatIsSaidToHaveEnded_MatchAgain) {
 
 // Before the fix, each took the room of one whose keys are kept.
 TEST_P(ClearEndpointsWithKeys, OfInventedWriters_TakeNoRoom) {
-  for (std::uint32_t i = 0; i < SecondReading::kMaxEnded; ++i) {
+  for (std::uint32_t i = 0; i < AnnouncementRefresh::kMaxEnded; ++i) {
     announce(other_writer(i));
     dispose(other_writer(i).guid);
   }
@@ -106,7 +107,7 @@ TEST_P(ClearEndpointsWithKeys, OfInventedWriters_TakeNoRoom) {
 }
 
 TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatIsSaidToHaveEndedAgainAndAgain_MatchAgain) {
-  for (std::size_t i = 0; i <= SecondReading::kMaxEnded; ++i) {
+  for (std::size_t i = 0; i <= AnnouncementRefresh::kMaxEnded; ++i) {
     announce(data);
     dispose(pair.writer);
   }
@@ -138,7 +139,7 @@ TEST_P(ClearEndpointsWithKeys, WhereAForgedHeartbeatDisturbsTheReading_MatchAfte
 // They are not parted for good, and it does not take long.
 TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_MatchAgain) {
   std::vector<Guid> writers{pair.writer};
-  while (writers.size() < SecondReading::kMaxEnded + 20)
+  while (writers.size() < AnnouncementRefresh::kMaxEnded + 20)
     writers.push_back(
         pair.a->create_writer(square(default_writer_qos()), pair.a.listener, pair.world.now)
             .value());
@@ -146,14 +147,14 @@ TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_MatchAgain) {
   ASSERT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == all; }, 1000));
   next = all + 1;
   for (const auto& writer : writers) dispose(writer);
-  EXPECT_EQ(pair.b.listener.matched, all - static_cast<int>(SecondReading::kMaxEnded));
+  EXPECT_EQ(pair.b.listener.matched, all - static_cast<int>(AnnouncementRefresh::kMaxEnded));
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == all; }, 1000));
 }
 
 // Ends that are true count at the latest when they are read.
 TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_EndWhenTheyAreRead) {
   std::vector<Guid> writers;
-  while (writers.size() < SecondReading::kMaxEnded + 20)
+  while (writers.size() < AnnouncementRefresh::kMaxEnded + 20)
     writers.push_back(
         pair.a->create_writer(square(default_writer_qos()), pair.a.listener, pair.world.now)
             .value());
@@ -169,7 +170,7 @@ TEST_P(ClearEndpointsWithKeys, OfWritersThatHaveEnded_AreForgottenWhenOthersEnd)
   pair.a->remove(pair.writer, pair.world.now);
   pair.world.run(1000);
   EXPECT_TRUE(knows_keys(pair.writer));
-  for (std::size_t i = 0; i < SecondReading::kMaxGone; ++i) {
+  for (std::size_t i = 0; i < AnnouncementRefresh::kMaxGone; ++i) {
     const auto writer =
         pair.a->create_writer(square(default_writer_qos()), pair.a.listener, pair.world.now)
             .value();
@@ -186,7 +187,7 @@ struct ClearEndpointsWithoutKeys : ClearEndpointsWithKeys {
     dispose(pair.writer);
     hide_announcements_until_read();
     next = 100001;
-    for (std::size_t i = 0; i < SecondReading::kMaxGone; ++i) {
+    for (std::size_t i = 0; i < AnnouncementRefresh::kMaxGone; ++i) {
       const auto writer =
           pair.a->create_writer(square(default_writer_qos()), pair.a.listener, pair.world.now)
               .value();

@@ -239,7 +239,8 @@ TEST_F(ClearEndpoints, ThatWereAnnouncedAsBestEffortBefore_AreReliableAfterTheNe
     return known != nullptr && known->qos.is_reliable();
   };
   EXPECT_FALSE(is_reliable());
-  const auto& reading = pair.a->remote_participants().all().at(pair.b->prefix()).second_reading;
+  const auto& reading =
+      pair.a->remote_participants().all().at(pair.b->prefix()).announcement_refresh;
   ASSERT_TRUE(pair.world.run_until([&] { return reading.is_under_way(); }, 1000));
   pair.world.run(10);
   next = 2;

@@ -47,18 +47,18 @@ struct HiddenEndpoints : ::testing::Test {
   bool is_found(const Guid& reader, std::chrono::seconds within) {
     return pair.world.run_until([&] { return matches(reader); }, static_cast<int>(within / 10ms));
   }
-  const SecondReading& reading() const {
+  const AnnouncementRefresh& reading() const {
     return pair.a.participant->remote_participants()
         .all()
         .at(pair.b.participant->prefix())
-        .second_reading;
+        .announcement_refresh;
   }
   const Locator attacker = *Locator::parse("127.0.0.1", 7999);
   const SequenceNumber next{2};  // b has announced one reader
   Pair pair;
 };
 
-constexpr auto kShort = 5s;  // SecondReading::kMinPause, and some time for the answer
+constexpr auto kShort = 5s;  // AnnouncementRefresh::kMinPause, and some time for the answer
 constexpr auto kOffer = 40s;
 
 TEST_F(HiddenEndpoints, ByAnAnnouncementWithTheirNumber_AreFound) {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace ddssec {

@@ -48,7 +48,7 @@ TEST(RateLimitedSink, AReturnedEvent_DoesNotSuppressTheSameOneThatIsNot) {
 }
 
 // One peer, one reason, one line: however its messages and names differ.
-TEST(RateLimitedSink, WhatAnUnprovenPeerChooses_MakesNoEventNew) {
+TEST(RateLimitedSink, TextChosenByUnprovenPeer_DoesNotPassTheLimitAgain) {
   test::RecordedEvents recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
@@ -62,7 +62,7 @@ TEST(RateLimitedSink, WhatAnUnprovenPeerChooses_MakesNoEventNew) {
   EXPECT_EQ(recorder.all.size(), 1u);
 }
 
-TEST(RateLimitedSink, WhatAPeerSent_MakesNoEventNewAndOurDocumentDoes) {
+TEST(RateLimitedSink, ValueFoundInAMessage_DoesNotPassTheLimitAgainAndAnotherDocumentDoes) {
   test::RecordedEvents recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
@@ -77,7 +77,7 @@ TEST(RateLimitedSink, WhatAPeerSent_MakesNoEventNewAndOurDocumentDoes) {
   EXPECT_EQ(recorder.all.size(), 4u);
 }
 
-TEST(RateLimitedSink, ANoticeAboutOurselves_IsNewWithEachValue) {
+TEST(RateLimitedSink, NoticeAboutThisParticipant_PassesOnceForEachValue) {
   test::RecordedEvents recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);

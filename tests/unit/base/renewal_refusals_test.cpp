@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "base/document_watch.hpp"
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace ddssec {
@@ -55,8 +55,8 @@ TEST(RenewalRefused, Event_SaysTheReasonTheNoteAndWhatStays) {
                                     .found = "1",
                                     .note = "noted",
                                     .hint = "of the reason"});
-  const auto told =
-      renewal_refused(Code::identity_renewal_refused, why, "/etc/cert.pem", "the former stays");
+  const auto told = renewal_refused_error(Code::identity_renewal_refused, why, "/etc/cert.pem",
+                                          "the former stays");
   EXPECT_EQ(told.code(), Code::identity_renewal_refused);
   EXPECT_EQ(told.details().document, "/etc/cert.pem");
   EXPECT_EQ(told.details().field, "notAfter");
@@ -69,7 +69,7 @@ TEST(RenewalRefused, Event_SaysTheReasonTheNoteAndWhatStays) {
 TEST(RenewalRefused, ReasonOfTheSameCode_KeepsItsHintAndIsNotRepeated) {
   const Error why(Code::identity_renewal_refused, {.hint = "do this"});
   const auto told =
-      renewal_refused(Code::identity_renewal_refused, why, "/etc/cert.pem", "it stays");
+      renewal_refused_error(Code::identity_renewal_refused, why, "/etc/cert.pem", "it stays");
   EXPECT_EQ(told.details().note, "it stays");
   EXPECT_EQ(told.hint(), "do this");
 }
@@ -109,7 +109,8 @@ TEST_F(ClosedFolder, OfAnUnreadableFile_IsReportedInItsPlace) {
     const auto path = closed + "/a.pem";
     const auto file = load("file:" + path, "a property", 100);
     if (file || file.error().code() != Code::file_unreadable) return false;
-    const auto told = renewal_refused(Code::identity_renewal_refused, file.error(), path, "stays");
+    const auto told =
+        renewal_refused_error(Code::identity_renewal_refused, file.error(), path, "stays");
     return told.code() == Code::folder_unreadable && told.details().document == closed;
   }));
 }

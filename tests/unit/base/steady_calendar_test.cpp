@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 constexpr WallTime kStart{std::chrono::sys_days{std::chrono::January / 1 / 2026}};
 
-struct Calendar : testing::Test {
+struct SteadyCalendarTest : testing::Test {
   ManualClock clock{kStart};
   SteadyCalendar calendar{clock};
 
@@ -26,7 +26,7 @@ struct Calendar : testing::Test {
   }
 };
 
-TEST_F(Calendar, NobodySetsIt_IsTheClocks) {
+TEST_F(SteadyCalendarTest, ClockThatIsNotStepped_IsFollowed) {
   clock.advance(400 * 24h + 3ns);
   EXPECT_EQ(calendar.now(), kStart + 400 * 24h);
   EXPECT_EQ(calendar.wall(), clock.wall());
@@ -34,7 +34,7 @@ TEST_F(Calendar, NobodySetsIt_IsTheClocks) {
   EXPECT_FALSE(news());
 }
 
-TEST_F(Calendar, SmallAdjustments_AreFollowedAtOnce) {
+TEST_F(SteadyCalendarTest, SmallAdjustments_AreFollowedAtOnce) {
   for (int i = 1; i <= 20; ++i) {
     clock.set(clock.now() + 10s);
     EXPECT_EQ(calendar.now(), kStart + i * 10s);
@@ -42,7 +42,7 @@ TEST_F(Calendar, SmallAdjustments_AreFollowedAtOnce) {
   EXPECT_FALSE(news());
 }
 
-TEST_F(Calendar, SetForSomeSeconds_NothingIsJudgedByIt) {
+TEST_F(SteadyCalendarTest, SetForSomeSeconds_NothingIsJudgedByIt) {
   for (const auto by : {365 * 24h, -72h}) {
     const auto before = clock.now();
     clock.set(before + by);
@@ -58,7 +58,7 @@ TEST_F(Calendar, SetForSomeSeconds_NothingIsJudgedByIt) {
   }
 }
 
-TEST_F(Calendar, SetToStay_CountsAfterTheGrace) {
+TEST_F(SteadyCalendarTest, SetToStay_CountsAfterTheGrace) {
   clock.set(kStart + 1000h);
   EXPECT_EQ(news(), Code::clock_stepped);
   pass(59s);
@@ -73,7 +73,7 @@ TEST_F(Calendar, SetToStay_CountsAfterTheGrace) {
 }
 
 // Else the grace would never end.
-TEST_F(Calendar, SetAgainAndAgain_TheGraceIsOne) {
+TEST_F(SteadyCalendarTest, SetAgainAndAgain_TheGraceIsOne) {
   for (int i = 1; i <= 60; ++i) {
     clock.set(kStart + i * 1000h);
     EXPECT_LT(calendar.now(), kStart + 1h);
@@ -82,14 +82,14 @@ TEST_F(Calendar, SetAgainAndAgain_TheGraceIsOne) {
   EXPECT_GT(calendar.now(), kStart + 59000h);
 }
 
-TEST_F(Calendar, GraceOfZero_FollowsAtOnceWithoutAWord) {
+TEST_F(SteadyCalendarTest, ZeroGrace_FollowsAtOnceWithoutReport) {
   calendar.set_grace(0s);
   clock.set(kStart + 1000h);
   EXPECT_EQ(calendar.now(), kStart + 1000h);
   EXPECT_FALSE(news());
 }
 
-TEST_F(Calendar, Step_SaysBothTimes) {
+TEST_F(SteadyCalendarTest, Step_SaysBothTimes) {
   clock.set(kStart + 24h);
   const auto error = calendar.take_report();
   ASSERT_TRUE(error);

@@ -16,7 +16,7 @@ struct Key {
   static constexpr auto fields() {
     return std::tuple(field("encrypted", &Key::encrypted),
                       field("mode", &Key::mode, {.pattern = "^[0-7]{4}$"}),
-                      field("token", &Key::token, {.note = "its URI", .absent = true}));
+                      field("token", &Key::token, {.note = "its URI", .omits_empty = true}));
   }
 };
 
@@ -69,7 +69,7 @@ struct Scope {
   double seconds = 0;
 
   static constexpr auto fields() {
-    return std::tuple(made<Scope>("count", [](const Scope& one) { return one.ranges.size(); }),
+    return std::tuple(computed<Scope>("count", [](const Scope& one) { return one.ranges.size(); }),
                       field("ranges", &Scope::ranges), field("seconds", &Scope::seconds));
   }
 };

@@ -203,8 +203,9 @@ struct BreakableRandom final : Random {
 
 TEST(Fork, AChildWithoutRandomOctets_SendsNothing) {
   BreakableRandom random;
-  Graveyard graveyard;
-  const KeyServices services{*aead_backend(AeadChoice::automatic), graveyard, 1000, 1000, random};
+  RetiredObjects retired_objects;
+  const KeyServices services{*aead_backend(AeadChoice::automatic), retired_objects, 1000, 1000,
+                             random};
   KeyMaterial material{.kind = kAes256Gcm};
   material.salt = MasterSalt::copy_of(Bytes(32, 1)).value();
   material.sender_key = MasterKey::copy_of(Bytes(32, 2)).value();

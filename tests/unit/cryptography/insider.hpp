@@ -9,9 +9,10 @@
 namespace ddssec::cryptography::testing {
 
 struct Insider {
-  Graveyard graveyard;
+  RetiredObjects retired_objects;
   SystemRandom random;
-  KeyServices services{*aead_backend(AeadChoice::automatic), graveyard, 1u << 20, 1u << 20, random};
+  KeyServices services{*aead_backend(AeadChoice::automatic), retired_objects, 1u << 20, 1u << 20,
+                       random};
   std::unique_ptr<SendKey> key;
 
   /// With somebody's key, as one of its receivers has it.

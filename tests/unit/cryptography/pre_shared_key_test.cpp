@@ -196,9 +196,10 @@ TEST(PreSharedKey, DifferentSourcesInsideAndOutside_AreRefused) {
   };
   const Passphrase phrase{1, Passphrase::Text::copy_of(as_bytes("Open Sesame")).value()};
   const auto kind = pre_shared_kind(kAes256Gcm, 1);
-  Graveyard graveyard;
+  RetiredObjects retired_objects;
   SystemRandom random;
-  const KeyServices services{*aead_backend(AeadChoice::openssl), graveyard, 1000, 1000, random};
+  const KeyServices services{*aead_backend(AeadChoice::openssl), retired_objects, 1000, 1000,
+                             random};
   auto key = SendKey::create(derive_pre_shared_material(phrase, kind, pre_shared_key_id(1, 7, ""),
                                                         source(hello_from(5))),
                              {1, 1}, services)

@@ -50,16 +50,16 @@ TEST(Registry, Handles_ArePositiveAndDiffer) {
   }
 }
 
-TEST(Graveyard, WithoutReaders_FreesAtOnce) {
-  Graveyard graveyard;
+TEST(RetiredObjects, WithoutReaders_FreesAtOnce) {
+  RetiredObjects retired_objects;
   {
     const ReadGuard guard;
-    graveyard.retire(std::make_unique<Thing>());
-    graveyard.retire(std::make_unique<Thing>());
-    EXPECT_EQ(graveyard.size(), 2u);
+    retired_objects.retire(std::make_unique<Thing>());
+    retired_objects.retire(std::make_unique<Thing>());
+    EXPECT_EQ(retired_objects.size(), 2u);
   }
-  graveyard.retire(std::make_unique<Thing>());
-  EXPECT_EQ(graveyard.size(), 0u);
+  retired_objects.retire(std::make_unique<Thing>());
+  EXPECT_EQ(retired_objects.size(), 0u);
 }
 
 TEST(Matching, SameRemoteIdentity_HasTheSameHandle) {

@@ -18,8 +18,8 @@ struct SendKeyTest : ::testing::Test {
   }
 
   SystemRandom random;
-  Graveyard graveyard;
-  const KeyServices services{*aead_backend(AeadChoice::automatic), graveyard, 10, 3, random};
+  RetiredObjects retired_objects;
+  const KeyServices services{*aead_backend(AeadChoice::automatic), retired_objects, 10, 3, random};
 };
 
 TEST_F(SendKeyTest, TwoMessages_HaveDifferentIvsOfOneSession) {

@@ -34,7 +34,7 @@ struct HandshakeWatchTest : testing::Test {
 };
 
 TEST_F(HandshakeWatchTest, AfterARefusal_GivesUpSoon) {
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   watch.refused(remote);
   EXPECT_TRUE(after(2400ms).empty());
   const auto stuck = after(200ms);
@@ -60,7 +60,7 @@ TEST_F(HandshakeWatchTest, AskingAgainAboutARefusedAnnouncement_DoesNotProlongTh
 }
 
 TEST_F(HandshakeWatchTest, WithoutARefusal_IsPatient) {
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   EXPECT_TRUE(after(19s).empty());
   watch.progressed({local, remote}, handshake);  // counted from here
   EXPECT_TRUE(after(19900ms).empty());
@@ -70,7 +70,7 @@ TEST_F(HandshakeWatchTest, WithoutARefusal_IsPatient) {
 }
 
 TEST_F(HandshakeWatchTest, Progress_StartsTheWaitAnew) {
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   watch.refused(remote);
   EXPECT_TRUE(after(2s).empty());
   watch.progressed({local, remote}, handshake);
@@ -85,7 +85,7 @@ TEST_F(HandshakeWatchTest, APeerThatHasTheSecret_IsWaitedForWhileItIsHeard) {
   ask.has_keys = [](auto) { return false; };
   HandshakeWatch::Duration heard{};
   ask.last_heard = [&](auto) { return heard; };
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.finished(handshake);
   for (int i = 0; i < 5; ++i) {
@@ -100,7 +100,7 @@ TEST_F(HandshakeWatchTest, APeerThatHasTheSecret_IsWaitedForWhileItIsHeard) {
 TEST_F(HandshakeWatchTest, NoHandshake_LivesAsLongAsTheTimerOfTheCore) {
   ask.has_keys = [](auto) { return false; };
   ask.last_heard = [&](auto) { return clock.monotonic(); };
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   for (int i = 0; i < 7; ++i) {
     watch.progressed({local, remote}, handshake);
     EXPECT_TRUE(after(10s).empty());
@@ -115,7 +115,7 @@ TEST_F(HandshakeWatchTest, APeerThatKeepsItsSession_IsWaitedForUnlessAMessageWas
   bool sent = false;
   ask.has_keys = [&](auto) { return sent; };
   const auto meet = [&] {
-    watch.met({local, remote}, guid_of(1));
+    watch.note_met({local, remote}, guid_of(1));
     watch.progressed({local, remote}, handshake);
     watch.finished(handshake);
     watch.keeps_its_session(handshake);
@@ -133,7 +133,7 @@ TEST_F(HandshakeWatchTest, APeerThatKeepsItsSession_IsWaitedForUnlessAMessageWas
 }
 
 TEST_F(HandshakeWatchTest, AnAuthenticatedPeer_IsNeverGivenUp) {
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.refused(handshake);
   watch.finished(handshake);
@@ -145,13 +145,13 @@ TEST_F(HandshakeWatchTest, AnAuthenticatedPeer_IsNeverGivenUp) {
 TEST_F(HandshakeWatchTest, APeerWithoutKeys_DidNotFinishItsHalf) {
   bool sent = false;
   ask.has_keys = [&](spi::IdentityHandle asked) { return asked == remote && sent; };
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.refused(handshake);
   watch.finished(handshake);
   EXPECT_TRUE(after(19900ms).empty());  // patiently
   EXPECT_EQ(after(200ms).size(), 1u);
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, second);
   watch.finished(second);
   EXPECT_TRUE(after(30s).empty());
@@ -167,7 +167,7 @@ TEST_F(HandshakeWatchTest, APeerThatLacksEndpoints_IsGivenUpAgainAndAgain) {
   ask.has_keys = [](auto) { return true; };
   ask.is_matched = [&](spi::IdentityHandle asked) { return asked == remote && matched; };
   const auto meet = [&] {
-    watch.met({local, remote}, guid_of(1));
+    watch.note_met({local, remote}, guid_of(1));
     watch.progressed({local, remote}, handshake);
     watch.finished(handshake);
   };
@@ -189,7 +189,7 @@ TEST_F(HandshakeWatchTest, APeerThatLacksEndpoints_IsGivenUpAgainAndAgain) {
 TEST_F(HandshakeWatchTest, APeerWhoseEndpointsAreMatched_IsSettled) {
   bool matched = false;
   ask.is_matched = [&](auto) { return matched; };
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.finished(handshake);
   EXPECT_TRUE(after(10s).empty());
@@ -207,7 +207,7 @@ TEST_F(HandshakeWatchTest, APeerThatLosesAnEndpointAfterwards_IsGivenUp) {
   bool matched = true, sent_keys = true;
   ask.has_keys = [&](auto) { return sent_keys; };
   ask.is_matched = [&](auto) { return matched; };
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.finished(handshake);
   EXPECT_TRUE(after(300s).empty());
@@ -231,7 +231,7 @@ TEST_F(HandshakeWatchTest, APeerThatLosesAnEndpointAfterwards_IsGivenUp) {
 TEST_F(HandshakeWatchTest, APeerThatWasWaitedForAsLongAsPossible_IsUnanswered) {
   for (const auto wait : {20s, 40s, 80s}) {
     EXPECT_FALSE(watch.was_unanswered(guid_of(1)));
-    watch.met({local, remote}, guid_of(1));
+    watch.note_met({local, remote}, guid_of(1));
     EXPECT_EQ(after(wait + 1s).size(), 1u);
   }
   EXPECT_TRUE(watch.was_unanswered(guid_of(1)));
@@ -244,7 +244,7 @@ TEST_F(HandshakeWatchTest, APeerThatWasWaitedForAsLongAsPossible_IsUnanswered) {
 TEST_F(HandshakeWatchTest, APeerThatOnlyLacksEndpoints_IsNotUnanswered) {
   ask.is_matched = [](auto) { return false; };
   for (int i = 0; i < 5; ++i) {
-    watch.met({local, remote}, guid_of(1));
+    watch.note_met({local, remote}, guid_of(1));
     watch.progressed({local, remote}, handshake);
     watch.finished(handshake);
     EXPECT_EQ(after(81s).size(), 1u);
@@ -256,10 +256,10 @@ TEST_F(HandshakeWatchTest, APeerThatOnlyLacksEndpoints_IsNotUnanswered) {
 struct SharedPeerTest : HandshakeWatchTest {
   // It authenticates the first local participant, and is met by the second one.
   void meet() {
-    watch.met({local, remote}, guid_of(1));
+    watch.note_met({local, remote}, guid_of(1));
     watch.progressed({local, remote}, handshake);
     watch.finished(handshake);
-    watch.met({second_local, remote}, guid_of(1));
+    watch.note_met({second_local, remote}, guid_of(1));
   }
 };
 
@@ -267,7 +267,7 @@ TEST_F(SharedPeerTest, WaitForIt_IsLongerThanForAnother) {
   meet();
   watch.progressed({second_local, remote}, second);
   watch.refused(second);
-  watch.met({{3}, remote}, guid_of(1));  // by a third
+  watch.note_met({{3}, remote}, guid_of(1));  // by a third
   EXPECT_TRUE(after(79s).empty());
   watch.finished(second);
   const auto stuck = after(2s);
@@ -328,13 +328,13 @@ TEST_F(SharedPeerTest, ThatKeepsItsSession_IsNotGivenUpForAnother) {
 // The timer of the core would end the handshake after 100 s, and damage memory.
 TEST_F(SharedPeerTest, WhereTheCoresTimerRuns_IsGivenUpEachTime) {
   for (int i = 0; i < 3; ++i) {
-    watch.met({local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
+    watch.note_met({local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
     watch.progressed({local, remote}, handshake);
     watch.finished(handshake);
     watch.keeps_its_session(handshake);
     watch.not_admitted({second_local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
     EXPECT_TRUE(after(40s).empty());
-    watch.met({second_local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
+    watch.note_met({second_local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
     EXPECT_TRUE(after(39900ms).empty()) << "the timer began when it was first asked";
     const auto stuck = after(200ms);
     ASSERT_EQ(stuck.size(), 1u);
@@ -368,8 +368,8 @@ TEST_F(SharedPeerTest, KeysToOneOnly_AreNotEnough) {
 // A peer that finishes one handshake at the last moment, and lacks endpoints then.
 TEST_F(SharedPeerTest, MissingEndpoints_GiveItUpInTimeAllTheSame) {
   ask.is_matched = [](auto) { return false; };
-  watch.met({local, remote}, guid_of(1));
-  watch.met({second_local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
+  watch.note_met({second_local, remote}, guid_of(1));
   for (int i = 0; i < 5; ++i) {
     watch.progressed({local, remote}, handshake);
     EXPECT_TRUE(after(15s).empty());
@@ -380,21 +380,21 @@ TEST_F(SharedPeerTest, MissingEndpoints_GiveItUpInTimeAllTheSame) {
 
 // The revocation list of the second one is out of date, say. The host asks once a second.
 TEST_F(SharedPeerTest, ThatASecondParticipantDoesNotAdmit_IsAskedAboutUntilItDoes) {
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.finished(handshake);
   for (int i = 0; i < 1000; ++i) {
     watch.not_admitted({second_local, remote}, guid_of(1));
     ASSERT_TRUE(after(1s).empty()) << "the session of the first one stays";
   }
-  watch.met({second_local, remote}, guid_of(1));
+  watch.note_met({second_local, remote}, guid_of(1));
   EXPECT_TRUE(after(79s).empty()) << "counted from here";
   EXPECT_EQ(after(2s).size(), 1u);
 }
 
 // A request that came at once made the host wait for another one.
 TEST_F(SharedPeerTest, ThatTheHostDoesNotAskAboutAgain_IsGivenUpOnce) {
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.finished(handshake);
   watch.not_admitted({second_local, remote}, guid_of(1));
@@ -411,7 +411,7 @@ TEST_F(SharedPeerTest, EndedParticipant_DoesNotGiveItUp) {
 TEST_F(HandshakeWatchTest, TheWait_DoublesUpToEightySeconds) {
   std::vector<std::chrono::nanoseconds> waits;
   for (int i = 0; i < 8; ++i) {
-    watch.met({local, remote}, guid_of(1));
+    watch.note_met({local, remote}, guid_of(1));
     watch.refused(remote);
     const auto stuck = after(81s);
     ASSERT_EQ(stuck.size(), 1u);
@@ -421,11 +421,11 @@ TEST_F(HandshakeWatchTest, TheWait_DoublesUpToEightySeconds) {
   EXPECT_EQ(waits,
             (std::vector<std::chrono::nanoseconds>{2500ms, 5s, 10s, 20s, 40s, 80s, 80s, 80s}));
   // Another peer has its own count, and this one's is forgotten after a while.
-  watch.met({local, other}, guid_of(2));
+  watch.note_met({local, other}, guid_of(2));
   watch.refused(other);
   EXPECT_EQ(after(3s).size(), 1u);
   EXPECT_TRUE(after(HandshakeWatch::kForgetAfter).empty());
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   watch.refused(remote);
   const auto again = after(3s);
   ASSERT_EQ(again.size(), 1u);
@@ -433,13 +433,13 @@ TEST_F(HandshakeWatchTest, TheWait_DoublesUpToEightySeconds) {
 }
 
 TEST_F(HandshakeWatchTest, WhatTheHostReturns_IsForgotten) {
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.forget(remote);
   watch.refused(handshake);
   watch.finished(handshake);
   EXPECT_TRUE(after(300s).empty());
-  watch.met({local, remote}, guid_of(1));
+  watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, second);
   watch.forget(second);
   watch.finished(second);  // no longer its handshake
@@ -448,18 +448,18 @@ TEST_F(HandshakeWatchTest, WhatTheHostReturns_IsForgotten) {
 
 TEST_F(HandshakeWatchTest, ManyInventedPeers_OnlyTheLatestAreRemembered) {
   const auto give_up = [&](std::uint32_t number) {
-    watch.met({local, {number}}, guid_of(number));
+    watch.note_met({local, {number}}, guid_of(number));
     watch.refused(spi::IdentityHandle{number});
     clock.advance(2500ms);
     return watch.give_up();
   };
   EXPECT_TRUE(give_up(1).at(0).is_first);
-  watch.met({local, {1}}, guid_of(1));
+  watch.note_met({local, {1}}, guid_of(1));
   watch.refused(spi::IdentityHandle{1});
   EXPECT_TRUE(give_up(2).at(0).is_first);
   EXPECT_FALSE(after(5s).at(0).is_first);
   for (std::uint32_t number = 10; number < 10 + HandshakeWatch::kMaxPeers; ++number) {
-    watch.met({local, {number}}, guid_of(number));
+    watch.note_met({local, {number}}, guid_of(number));
     watch.refused(spi::IdentityHandle{number});
   }
   clock.advance(2500ms);

@@ -11,19 +11,19 @@ constexpr auto kAll = PeersWithKeys::kSecureEndpoints;
 TEST(PeersWithKeys, PeersWhoseKeysCame_AreContained) {
   PeersWithKeys peers;
   EXPECT_FALSE(peers.contains({7}));
-  peers.met({70}, {7}, kLocal, kAll);
+  peers.note_met({70}, {7}, kLocal, kAll);
   EXPECT_FALSE(peers.contains({7}));
-  peers.sent_keys({71}, kLocal);  // another, which nobody met
+  peers.note_keys_sent({71}, kLocal);  // another, which nobody met
   EXPECT_FALSE(peers.contains({7}));
-  peers.sent_keys({70}, kLocal);
-  peers.met({70}, {7}, kLocal, kAll);  // by a second local participant
+  peers.note_keys_sent({70}, kLocal);
+  peers.note_met({70}, {7}, kLocal, kAll);  // by a second local participant
   EXPECT_TRUE(peers.contains({7}));
   EXPECT_FALSE(peers.contains({70}));
-  peers.left({71});
+  peers.note_left({71});
   EXPECT_TRUE(peers.contains({7}));
-  peers.left({70});
+  peers.note_left({70});
   EXPECT_FALSE(peers.contains({7}));
-  peers.left({70});
+  peers.note_left({70});
 }
 
 TEST(PeersWithKeys, EachLocalParticipant_IsSentThemApart) {
@@ -31,15 +31,15 @@ TEST(PeersWithKeys, EachLocalParticipant_IsSentThemApart) {
   peers.add_local(kLocal, {21});
   peers.add_local(kSecond, {22});
   EXPECT_FALSE(peers.has_sent_keys({7}, {21}));
-  peers.met({70}, {7}, kLocal, kAll);
-  peers.met({70}, {7}, kSecond, kAll);
-  peers.sent_keys({70}, kLocal);
+  peers.note_met({70}, {7}, kLocal, kAll);
+  peers.note_met({70}, {7}, kSecond, kAll);
+  peers.note_keys_sent({70}, kLocal);
   EXPECT_TRUE(peers.has_sent_keys({7}, {21}));
   EXPECT_FALSE(peers.has_sent_keys({7}, {22}));
   EXPECT_FALSE(peers.has_sent_keys({7}, {23}));
-  peers.sent_keys({70}, kSecond);
+  peers.note_keys_sent({70}, kSecond);
   EXPECT_TRUE(peers.has_sent_keys({7}, {22}));
-  peers.left(kSecond);
+  peers.note_left(kSecond);
   EXPECT_FALSE(peers.has_sent_keys({7}, {22}));
   EXPECT_TRUE(peers.has_sent_keys({7}, {21}));
   EXPECT_TRUE(peers.contains({7}));
@@ -47,12 +47,12 @@ TEST(PeersWithKeys, EachLocalParticipant_IsSentThemApart) {
 
 TEST(PeersWithKeys, ALaterPeerOfTheSameIdentity_StartsWithout) {
   PeersWithKeys peers;
-  peers.met({70}, {7}, kLocal, kAll);
-  peers.sent_keys({70}, kLocal);
-  peers.met({71}, {7}, kLocal, kAll);
+  peers.note_met({70}, {7}, kLocal, kAll);
+  peers.note_keys_sent({70}, kLocal);
+  peers.note_met({71}, {7}, kLocal, kAll);
   EXPECT_FALSE(peers.contains({7}));
-  peers.left({70});
-  peers.sent_keys({71}, kLocal);
+  peers.note_left({70});
+  peers.note_keys_sent({71}, kLocal);
   EXPECT_TRUE(peers.contains({7}));
 }
 
@@ -60,24 +60,24 @@ TEST(PeersWithKeys, PeersWithoutKeys_AreHeardByTheirEndpoints) {
   using namespace std::chrono_literals;
   PeersWithKeys peers;
   EXPECT_FALSE(peers.awaits_keys());
-  peers.met({70}, {7}, kLocal, kAll);
-  peers.matched(700, {70}, 1);
+  peers.note_met({70}, {7}, kLocal, kAll);
+  peers.note_matched(700, {70}, 1);
   EXPECT_TRUE(peers.awaits_keys());
   EXPECT_EQ(peers.last_heard({7}), 0s);
-  peers.heard(701, 5s);
+  peers.note_heard(701, 5s);
   EXPECT_EQ(peers.last_heard({7}), 0s);
-  peers.heard(700, 6s);
+  peers.note_heard(700, 6s);
   EXPECT_EQ(peers.last_heard({7}), 6s);
   peers.forget(700);
-  peers.heard(700, 7s);
+  peers.note_heard(700, 7s);
   EXPECT_EQ(peers.last_heard({7}), 6s);
-  peers.sent_keys({70}, kLocal);
-  peers.sent_keys({70}, kLocal);
+  peers.note_keys_sent({70}, kLocal);
+  peers.note_keys_sent({70}, kLocal);
   EXPECT_FALSE(peers.awaits_keys());
-  peers.met({71}, {8}, kLocal, kAll);
-  peers.left({71});
+  peers.note_met({71}, {8}, kLocal, kAll);
+  peers.note_left({71});
   EXPECT_FALSE(peers.awaits_keys());
-  peers.left({70});
+  peers.note_left({70});
   EXPECT_EQ(peers.last_heard({7}), 0s);
 }
 
@@ -87,15 +87,15 @@ TEST(PeersWithKeys, AllBuiltinEndpointsMatched_CountsAsMatched) {
   peers.add_builtin(12, kLocal);
   peers.add_builtin(21, kSecond);
   EXPECT_TRUE(peers.is_matched({7}));  // nobody met it
-  peers.met({70}, {7}, kLocal, kAll | 0x3f);
+  peers.note_met({70}, {7}, kLocal, kAll | 0x3f);
   EXPECT_FALSE(peers.is_matched({7}));
-  peers.matched(700, {70}, 11);
-  peers.matched(701, {70}, 99);  // an application's
-  peers.matched(702, {71}, 12);  // of another peer
+  peers.note_matched(700, {70}, 11);
+  peers.note_matched(701, {70}, 99);  // an application's
+  peers.note_matched(702, {71}, 12);  // of another peer
   EXPECT_FALSE(peers.is_matched({7}));
-  peers.matched(703, {70}, 12);
+  peers.note_matched(703, {70}, 12);
   EXPECT_TRUE(peers.is_matched({7}));
-  peers.met({70}, {7}, kSecond, kAll);
+  peers.note_met({70}, {7}, kSecond, kAll);
   EXPECT_FALSE(peers.is_matched({7}));
   peers.forget(21);  // the second is gone
   EXPECT_TRUE(peers.is_matched({7}));
@@ -106,19 +106,19 @@ TEST(PeersWithKeys, OneBuiltinEndpointGone_CountsAsUnmatched) {
   peers.add_builtin(11, kLocal);
   peers.add_builtin(12, kLocal);
   for (const std::int64_t peer : {70, 80}) {
-    peers.met({peer}, {peer / 10}, kLocal, kAll);
-    peers.matched(10 * peer, {peer}, 11);
-    peers.matched(10 * peer + 1, {peer}, 12);
+    peers.note_met({peer}, {peer / 10}, kLocal, kAll);
+    peers.note_matched(10 * peer, {peer}, 11);
+    peers.note_matched(10 * peer + 1, {peer}, 12);
   }
-  peers.matched(702, {70}, 99);  // an application's
+  peers.note_matched(702, {70}, 99);  // an application's
   peers.forget(702);
   EXPECT_TRUE(peers.is_matched({7}));
   peers.forget(700);
   EXPECT_FALSE(peers.is_matched({7}));
   EXPECT_TRUE(peers.is_matched({8}));
-  peers.matched(703, {70}, 11);
+  peers.note_matched(703, {70}, 11);
   EXPECT_TRUE(peers.is_matched({7}));
-  peers.matched(704, {70}, 11);  // anew, before the former one is gone
+  peers.note_matched(704, {70}, 11);  // anew, before the former one is gone
   peers.forget(703);
   EXPECT_TRUE(peers.is_matched({7}));
   peers.forget(704);
@@ -128,9 +128,9 @@ TEST(PeersWithKeys, OneBuiltinEndpointGone_CountsAsUnmatched) {
 TEST(PeersWithKeys, FewerBuiltinEndpointsThanOurs_AreEnough) {
   PeersWithKeys peers;
   peers.add_builtin(11, kLocal);
-  peers.met({70}, {7}, kLocal, kAll & ~0x00010000u);
+  peers.note_met({70}, {7}, kLocal, kAll & ~0x00010000u);
   EXPECT_TRUE(peers.is_matched({7}));
-  peers.met({71}, {8}, kLocal, 0);  // unknown
+  peers.note_met({71}, {8}, kLocal, 0);  // unknown
   EXPECT_TRUE(peers.is_matched({8}));
 }
 

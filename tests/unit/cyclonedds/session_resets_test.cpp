@@ -65,19 +65,19 @@ TEST(SessionResets, OfASessionWithoutKeysBesideOneWithKeys_AreToldApart) {
   PeersWithKeys peers;
   for (const std::uint8_t local : {1, 2}) {
     resets.expect({{70}, {local}}, {7}, token_of(local));
-    peers.met({70}, {7}, {local}, 0);
+    peers.note_met({70}, {7}, {local}, 0);
   }
   const auto reset = [&](std::uint8_t local) {
     EXPECT_TRUE(receive(resets, message_of(local)));
     return resets.take({7}, peers);
   };
   EXPECT_EQ(reset(2), SessionReset::of_session) << "no keys came at all";
-  peers.sent_keys({70}, {1});
+  peers.note_keys_sent({70}, {1});
   EXPECT_EQ(reset(2), SessionReset::of_unused_session);
   EXPECT_EQ(reset(1), SessionReset::of_session);
   EXPECT_TRUE(receive(resets, message_of(2)));
   EXPECT_EQ(reset(1), SessionReset::of_session) << "both";
-  peers.sent_keys({70}, {2});
+  peers.note_keys_sent({70}, {2});
   EXPECT_EQ(reset(2), SessionReset::of_session);
 }
 

@@ -72,7 +72,7 @@ TEST(Dialect, FastDds_IsFnmatchWithoutEscapes) {
   for (int i = 0; i < 50'000; ++i) {
     const auto expression = text("ab*?[]-!\\", 7), name = text("ab*[\\-", 5);
     const bool expected = fnmatch(expression.c_str(), name.c_str(), FNM_NOESCAPE) == 0;
-    ASSERT_EQ(Pattern(as_fastdds_reads_it(expression)).matches(name), expected)
+    ASSERT_EQ(Pattern(meaning_in_fastdds(expression)).matches(name), expected)
         << expression << " on " << name;
     matched += expected;
   }
@@ -95,7 +95,7 @@ TEST(Dialect, Cyclone_IsAsMeasured) {
         {"[[a]", "[", true},          {"[a]-b]", "b]", true},  {"x[!a-b]c*", "x-cde", true},
         {"x[!a-b]c*", "xac", false},  {"[b-a]", "a", false},   {"a\\*", "a\\b", true},
         {"a\\*", "a*", false},        {"a\\", "a\\", true}})
-    EXPECT_EQ(Pattern(as_cyclone_reads_it(expression)).matches(name), matches)
+    EXPECT_EQ(Pattern(meaning_in_cyclonedds(expression)).matches(name), matches)
         << expression << ' ' << name;
 }
 

@@ -7,7 +7,7 @@
 namespace ddssec::governance {
 namespace {
 
-TEST(LintPermissions, ADenyRuleBehindWhatItDenies_IsAnError) {
+TEST(LintDeadRules, ADenyRuleBehindWhatItDenies_IsAnError) {
   const auto found = only(with_rules({rule(true, {"rt*"}), rule(false, {"rtb", "rta*"})}));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM012);
   EXPECT_EQ(found.severity, Severity::error);
@@ -17,7 +17,7 @@ TEST(LintPermissions, ADenyRuleBehindWhatItDenies_IsAnError) {
   EXPECT_EQ(found.path, "/dds/permissions/grant[1]/deny_rule[1]");
 }
 
-TEST(LintPermissions, DeadPartsOfARule_AreNamedOneByOne) {
+TEST(LintDeadRules, DeadPartsOfARule_AreNamedOneByOne) {
   const auto found = only(with_rules({rule(false, {"a*"}), rule(true, {"b", "ab"})}));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM012);
   EXPECT_EQ(found.severity, Severity::warning);
@@ -26,7 +26,7 @@ TEST(LintPermissions, DeadPartsOfARule_AreNamedOneByOne) {
 }
 
 // Before: "move it" left a finding about the other rule.
-TEST(LintPermissions, ADeadRuleThatCannotBeMoved_IsToBeDeleted) {
+TEST(LintDeadRules, ADeadRuleThatCannotBeMoved_IsToBeDeleted) {
   const auto denial = only(with_rules({rule(true, {"a*"}), rule(false, {"a*"})}));
   EXPECT_EQ(denial.hint,
             "delete it, or \"a*\" in line 16 if this one is meant to count: moved before that, it "
@@ -37,7 +37,7 @@ TEST(LintPermissions, ADeadRuleThatCannotBeMoved_IsToBeDeleted) {
 }
 
 // What another domain, partition or data tag needs is not dead.
-TEST(LintPermissions, SamePartsInOtherCircumstances_AreNotDead) {
+TEST(LintDeadRules, SamePartsInOtherCircumstances_AreNotDead) {
   auto first = rule(true, {"*"}), second = rule(true, {"a"});
   second.domains.ranges = {{0, 1}};
   EXPECT_TRUE(lint_but_joining(with_rules({first, second})).empty());
@@ -48,7 +48,7 @@ TEST(LintPermissions, SamePartsInOtherCircumstances_AreNotDead) {
     EXPECT_EQ(finding.rule, ddssec::Rule::PERM014);
 }
 
-TEST(LintPermissions, PartitionsOfDeadRules_MustBeCoveredToo) {
+TEST(LintDeadRules, PartitionsOfDeadRules_MustBeCoveredToo) {
   const auto dead = [](std::vector<std::string> earlier, bool earlier_allows,
                        std::vector<std::string> later, bool later_allows) {
     auto a = rule(earlier_allows, {"*"}), b = rule(later_allows, {"a"});
@@ -103,7 +103,7 @@ std::optional<Severity> of_denial(Partitions allowed, Partitions denied,
   return std::nullopt;
 }
 
-TEST(LintPermissions, DenialOfWhatIsAllowedInPartitions_IsReportedIfNothingElseIsAllowed) {
+TEST(LintDeadRules, DenialOfWhatIsAllowedInPartitions_IsReportedIfNothingElseIsAllowed) {
   auto in_partition = rule(true, {"X"});
   in_partition.publish[0].partitions = in({"A"});
   EXPECT_EQ(of_denial(in({"*"}), kUnlisted), Severity::error);
@@ -116,7 +116,7 @@ TEST(LintPermissions, DenialOfWhatIsAllowedInPartitions_IsReportedIfNothingElseI
   EXPECT_EQ(of_denial(in({"*"}), kUnlisted, {}, true), std::nullopt) << "endpoints with data tags";
 }
 
-TEST(LintPermissions, DenialInMoreDomainsThanItsTopicIsAllowedIn_IsReported) {
+TEST(LintDeadRules, DenialInMoreDomainsThanItsTopicIsAllowedIn_IsReported) {
   auto allowed = rule(true, {"*"}), denied = rule(false, {"Secret"});
   allowed.domains.ranges = {{0, 0}};
   denied.domains.ranges = {{0, 230}};
@@ -127,7 +127,7 @@ TEST(LintPermissions, DenialInMoreDomainsThanItsTopicIsAllowedIn_IsReported) {
   EXPECT_TRUE(lint_but_joining(with_rules({allowed, denied})).empty());
 }
 
-TEST(LintPermissions, ExpressionsThatMatchNoName_AreDead) {
+TEST(LintDeadRules, ExpressionsThatMatchNoName_AreDead) {
   const auto dead = [](const Permissions& document) {
     auto found = lint(document);
     std::erase_if(found, [](const Finding& f) { return f.rule != ddssec::Rule::PERM012; });
@@ -162,7 +162,7 @@ TEST(LintPermissions, ExpressionsThatMatchNoName_AreDead) {
 }
 
 // A newcomer's list of denials must not take minutes, and what was not looked at is said.
-TEST(LintPermissions, RulesThatTakeTooLongToCompare_AreTold) {
+TEST(LintDeadRules, RulesThatTakeTooLongToCompare_AreReported) {
   std::vector<GrantRule> rules;
   for (int i = 0; i < 400; ++i)
     rules.push_back(rule(false, {(i % 2 ? "*a" : "*b") + std::string(i % 40, '?')}));

@@ -8,7 +8,7 @@ namespace ddssec::governance {
 namespace {
 
 // DDS-Security 1.2 table 70.
-TEST(LintPermissions, DenialBeforeTheRuleThatLetsJoin_IsFound) {
+TEST(LintRights, DenialBeforeTheRuleThatLetsJoin_IsFound) {
   const auto allow = rule(true, {"b"}), deny = rule(false, {"a"});
   const auto found = lint(with_rules({deny, allow}));
   ASSERT_EQ(found.size(), 1u);
@@ -19,7 +19,7 @@ TEST(LintPermissions, DenialBeforeTheRuleThatLetsJoin_IsFound) {
   EXPECT_TRUE(lint(with_rules({allow, deny})).size() <= 1u);
 }
 
-TEST(LintPermissions, PartitionsThatProductsReadDifferently_AreFound) {
+TEST(LintRights, PartitionsThatProductsReadDifferently_AreFound) {
   const auto in = [](const char* partition) {
     auto allowed = rule(true, {"a"});
     allowed.publish[0].partitions = {{partition, 0}};
@@ -31,13 +31,13 @@ TEST(LintPermissions, PartitionsThatProductsReadDifferently_AreFound) {
   EXPECT_TRUE(lint_but_joining(in("[a]")).empty());
 }
 
-TEST(LintPermissions, ExpressionsThatProductsReadDifferently_AreFound) {
+TEST(LintRights, ExpressionsThatProductsReadDifferently_AreFound) {
   const auto found = only(with(rights({"rt[^a]"})));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM013);
   EXPECT_EQ(found.path, "/dds/permissions/grant[1]/allow_rule[1]");
 }
 
-TEST(LintPermissions, ElementsThatStockProductsPassOver_AreFound) {
+TEST(LintRights, ElementsThatStockProductsPassOver_AreFound) {
   auto tagged = rule(true, {"a"});
   tagged.publish[0].data_tags = std::vector<DataTag>{{"x", "y"}};
   EXPECT_EQ(only(with_rules({tagged})).rule, ddssec::Rule::PERM014);
@@ -46,7 +46,7 @@ TEST(LintPermissions, ElementsThatStockProductsPassOver_AreFound) {
   EXPECT_EQ(only(with_rules({relay})).severity, Severity::informational);
 }
 
-TEST(LintPermissions, RulesThatDifferInPartitionsOnly_AreFound) {
+TEST(LintRights, RulesThatDifferInPartitionsOnly_AreFound) {
   auto first = rule(true, {"a*"}), second = rule(true, {"ab"});
   second.publish[0].partitions = std::vector<Text>{{"x", 0}};
   const auto found = only(with_rules({first, second}));
@@ -54,7 +54,7 @@ TEST(LintPermissions, RulesThatDifferInPartitionsOnly_AreFound) {
   EXPECT_EQ(found.vendors, std::vector<std::string>{"fastdds"});
 }
 
-TEST(LintPermissions, PartitionsThatDifferWithinOneRule_AreFound) {
+TEST(LintRights, PartitionsThatDifferWithinOneRule_AreFound) {
   auto joined = rule(true, {"a"});
   joined.publish.push_back(joined.publish[0]);
   joined.publish[1].topics = {{"b", 0}};
@@ -68,7 +68,7 @@ TEST(LintPermissions, PartitionsThatDifferWithinOneRule_AreFound) {
             "topic of a rule in the partitions of all its elements");
 }
 
-TEST(LintPermissions, DeniedInOneDirectionAndAllowedInTheOther_IsFound) {
+TEST(LintRights, DeniedInOneDirectionAndAllowedInTheOther_IsFound) {
   const auto found = only(with_rules({rule(false, {"rtc*"}), rule(true, {}, {"rt*"})}));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM020);
   EXPECT_EQ(found.vendors, std::vector<std::string>{"cyclonedds"});
@@ -83,7 +83,7 @@ TEST(LintPermissions, DeniedInOneDirectionAndAllowedInTheOther_IsFound) {
   EXPECT_TRUE(lint_but_joining(with_rules({rule(true, {}, {"a"}), rule(false, {"a"})})).empty());
 }
 
-TEST(LintPermissions, DenialsAndPartitions_AreFoundForEachProduct) {
+TEST(LintRights, DenialsAndPartitions_AreFoundForEachProduct) {
   auto deny = rule(false, {"a"});
   deny.publish[0].partitions = std::vector<Text>{{"x", 0}};
   const auto listed = only(with_rules({deny, rule(true, {"b"})}));
@@ -97,7 +97,7 @@ TEST(LintPermissions, DenialsAndPartitions_AreFoundForEachProduct) {
 }
 
 // Measured with Cyclone DDS 0.10.2: the first rule that names the topic decides about all of it.
-TEST(LintPermissions, DenialInOnePartition_RefusesTheTopicInCyclone) {
+TEST(LintRights, DenialInOnePartition_RefusesTheTopicInCyclone) {
   auto deny = rule(false, {"a"}, {"a"});
   for (auto* list : {&deny.publish, &deny.subscribe})
     list->front().partitions = std::vector<Text>{{"x", 0}};
@@ -116,7 +116,7 @@ TEST(LintPermissions, DenialInOnePartition_RefusesTheTopicInCyclone) {
   EXPECT_TRUE(std::ranges::none_of(named_before, is_cyclones));
 }
 
-TEST(LintPermissions, NamesThatTheGovernanceDoesNotHave_AreFound) {
+TEST(LintRights, NamesThatTheGovernanceDoesNotHave_AreFound) {
   auto governance = governance_of(Profile::strict, {{0, 3}, {5, 5}});
   auto wide = rule(true, {"a"});
   wide.domains.ranges = {{2, 6}};

@@ -18,7 +18,7 @@ Finding only_of_topics(const Rights& rights) {
   return found.empty() ? Finding{ddssec::Rule::end_, ""} : found.front();
 }
 
-TEST(LintPermissions, HalvesOfServices_AreFound) {
+TEST(LintRos, HalvesOfServices_AreFound) {
   const auto server = rights({"rr/addReply", kDiscovery}, {"rq/addRequest", kDiscovery});
   EXPECT_TRUE(lint_of_topics(server).empty());
   const auto half =
@@ -30,7 +30,7 @@ TEST(LintPermissions, HalvesOfServices_AreFound) {
   only_of_topics(rights({"rq/*Request", "rq/aRequest", kDiscovery}, {"rr/*", kDiscovery}));
 }
 
-TEST(LintPermissions, MissingDiscoveryAndLogTopicsOfRos_AreFound) {
+TEST(LintRos, MissingDiscoveryAndLogTopicsOfRos_AreFound) {
   const auto found = lint_of_topics(rights({"rt/chatter"}));
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].rule, ddssec::Rule::PERM032);
@@ -41,7 +41,7 @@ TEST(LintPermissions, MissingDiscoveryAndLogTopicsOfRos_AreFound) {
       lint_of_topics(rights({"rt/robot1/rosout", "rt/*", kDiscovery}, {kDiscovery})).empty());
 }
 
-TEST(LintPermissions, NamesOfRos_AreFound) {
+TEST(LintRos, NamesOfRos_AreFound) {
   EXPECT_EQ(only(with(rights({"/chatter"}))).rule, ddssec::Rule::PERM034);
 }
 

@@ -20,7 +20,7 @@ TEST(ReadDocuments, EveryPartOfOne_IsRefused) {
   }
 }
 
-TEST(ReadDocuments, FlippedBits_UpsetNothing) {
+TEST(ReadDocuments, FlippedBits_DoNotCrashTheReader) {
   for (std::size_t bit = 0; bit < kPermissionsXml.size() * 8; ++bit) {
     std::string xml = kPermissionsXml;
     xml[bit / 8] = static_cast<char>(xml[bit / 8] ^ (1 << bit % 8));

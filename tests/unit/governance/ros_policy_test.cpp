@@ -1,7 +1,7 @@
 #include "governance/ros_policy.hpp"
 
 #include "governance/write.hpp"
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/unit/governance/ros_policies.hpp"
 #include "tests/unit/governance/schema.hpp"

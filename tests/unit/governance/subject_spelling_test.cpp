@@ -35,14 +35,14 @@ INSTANTIATE_TEST_SUITE_P(
                       Subject{"CN=\"pub\"", "CN=pub", kBoth},
                       Subject{"CN=\\70ub", "CN=pub", kBoth}));
 
-TEST(LintPermissions, CorrectSubjects_HaveNoFinding) {
+TEST(SubjectFindings, CorrectSubjects_HaveNoFinding) {
   for (const char* text : {"CN=pub", "CN=pub,O=Acme,C=DE", "CN=/a/b", "CN=pub,O=A\\, B", "CN=a b"})
     EXPECT_TRUE(lint_but_joining(changed([&](Grant& g) { g.subject_name = text; })).empty())
         << text;
   EXPECT_EQ(only(changed([](Grant& g) { g.subject_name = "talker"; })).severity, Severity::error);
 }
 
-TEST(LintPermissions, SubjectBeyondAscii_NamesTheProductThatDoesNotRecogniseIt) {
+TEST(SubjectFindings, SubjectBeyondAscii_NamesTheProductThatDoesNotRecogniseIt) {
   for (const auto& [subject, vendor] :
        {std::pair{"CN=caf\xc3\xa9", "cyclonedds"}, std::pair{"CN=caf\\C3\\A9", "fastdds"}}) {
     const auto found = only(changed([&](Grant& grant) { grant.subject_name = subject; }));
@@ -53,7 +53,7 @@ TEST(LintPermissions, SubjectBeyondAscii_NamesTheProductThatDoesNotRecogniseIt) 
       lint_but_joining(changed([](Grant& grant) { grant.subject_name = "CN=cafe"; })).empty());
 }
 
-TEST(LintPermissions, AnotherSubjectThanTheCertificates_IsAnError) {
+TEST(SubjectFindings, AnotherSubjectThanTheCertificates_IsAnError) {
   const auto document = changed([](Grant& g) { g.subject_name = "CN=talker2,O=A\\, B,C=DE"; });
   const auto found = only(document, {.certificate = &certificate()});
   EXPECT_EQ(found.rule, ddssec::Rule::PERM011);
@@ -61,7 +61,7 @@ TEST(LintPermissions, AnotherSubjectThanTheCertificates_IsAnError) {
   EXPECT_EQ(found.hint, "write <subject_name>CN=talker,O=A\\, B,C=DE</subject_name>");
 }
 
-TEST(LintPermissions, CertificatesSubjectInOtherWords_IsAWarning) {
+TEST(SubjectFindings, CertificatesSubjectInOtherWords_IsAWarning) {
   const auto document = changed([](Grant& g) { g.subject_name = "C=DE,O=A\\, B,CN=talker"; });
   const auto found = only(document, {.certificate = &certificate()});
   EXPECT_EQ(found.rule, ddssec::Rule::PERM011);

@@ -197,7 +197,7 @@ TEST(StockChanges, ManyElementsWithPartitionsOfTheirOwn_TakeNoLongerThanTheirNum
     elements.push_back(publish("T" + std::to_string(i), "p" + std::to_string(i)));
   auto document = with({about(true, elements)});
   for (const auto& one : elements) document.grants[0].rules.push_back(about(true, {one}));
-  const auto read = as_stock_reads(document, StockProduct::fastdds);
+  const auto read = rewritten_for(document, StockProduct::fastdds);
   ASSERT_TRUE(read);
   const auto& first = read->grants[0].rules[0].publish;
   ASSERT_EQ(first.size(), 1U);

@@ -182,7 +182,7 @@ TEST(TopicSetLimits, ExponentialQuestion_IsGivenUp) {
   EXPECT_FALSE(name_atoms(both));
 }
 
-TEST(TopicSetLimits, EachOfThem_Holds) {
+TEST(TopicSetLimits, EachLimit_EndsTheSearch) {
   const std::vector<RankedExpression> few = {{"ab*", 0, 0}, {"*c", 1, 0}};
   EXPECT_TRUE(name_atoms(few));
   EXPECT_FALSE(name_atoms(few, {.states = 3}));

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {

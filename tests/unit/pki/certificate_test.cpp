@@ -1,7 +1,7 @@
 #include "pki/certificate.hpp"
 
+#include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
-#include "pki/source.hpp"
 #include "pki_fixture.hpp"
 
 namespace ddssec::pki {

@@ -161,7 +161,7 @@ TEST(Chain, ASelfSignedVersion1Certificate_MayBeAnAnchorAndNothingElse) {
   EXPECT_CODE(ChainVerifier::make({participant}), not_a_ca);
 }
 
-TEST(Chain, PathLength_Counts) {
+TEST(Chain, ChainLongerThanPathLength_IsRefused) {
   const auto root = make_ca("CN=Root");
   const auto sub = *root.subordinate("CN=Sub", {}, kYear, test_random());  // pathlen 0
   const auto deep = *sub.subordinate("CN=Deep", {}, kYear, test_random());

@@ -33,7 +33,7 @@ struct Ocsp : testing::Test {
   }
 };
 
-TEST_F(Ocsp, OfTheCaItself_IsGood) {
+TEST_F(Ocsp, ResponseSignedByTheCa_IsAccepted) {
   const auto good = judge();
   ASSERT_OK(good);
   EXPECT_EQ(good->this_update(), kNow);
@@ -42,7 +42,7 @@ TEST_F(Ocsp, OfTheCaItself_IsGood) {
   EXPECT_TRUE(judge());
 }
 
-TEST_F(Ocsp, WithSha256CertificateIds_IsGood) {
+TEST_F(Ocsp, ResponseWithSha256CertificateIds_IsAccepted) {
   content.answers.front().id_digest = EVP_sha256();
   EXPECT_TRUE(judge());
   content.answers.front().id_digest = EVP_sha384();
@@ -51,7 +51,7 @@ TEST_F(Ocsp, WithSha256CertificateIds_IsGood) {
   EXPECT_CODE(judge(), ocsp_other_certificate);
 }
 
-TEST_F(Ocsp, OfADelegate_IsGoodAndEndsWithIt) {
+TEST_F(Ocsp, ResponseSignedByADelegate_IsAcceptedUntilTheDelegateExpires) {
   sign_with(test::ocsp_delegate(ca, {kNow - 1h, kNow + 2h}, test_random()));
   auto good = judge();
   ASSERT_OK(good);

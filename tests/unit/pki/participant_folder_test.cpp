@@ -72,15 +72,15 @@ TEST_F(Folder, ACertificateOrAKeyOfACa_TellsACasFolder) {
 // A document that cannot be reached must not count as one that was never put there.
 TEST_F(Folder, FileThatCannotBeReached_IsNotAbsent) {
   touch("crl.pem");
-  EXPECT_TRUE(is_there(at_ / "crl.pem"));
-  EXPECT_FALSE(is_there(at_ / "renewed.pem"));
-  EXPECT_FALSE(is_there(at_ / "nowhere" / "crl.pem"));
-  EXPECT_FALSE(is_there(at_ / "crl.pem" / "crl.pem")) << "below a file";
-  EXPECT_FALSE(is_there(at_ / std::string(300, 'x'))) << "a name longer than the system allows";
+  EXPECT_TRUE(may_exist(at_ / "crl.pem"));
+  EXPECT_FALSE(may_exist(at_ / "renewed.pem"));
+  EXPECT_FALSE(may_exist(at_ / "nowhere" / "crl.pem"));
+  EXPECT_FALSE(may_exist(at_ / "crl.pem" / "crl.pem")) << "below a file";
+  EXPECT_FALSE(may_exist(at_ / std::string(300, 'x'))) << "a name longer than the system allows";
   fs::create_symlink("nowhere", at_ / "dangling.pem");
-  EXPECT_TRUE(is_there(at_ / "dangling.pem"));
+  EXPECT_TRUE(may_exist(at_ / "dangling.pem"));
   fs::create_directory_symlink("loop", at_ / "loop");
-  EXPECT_TRUE(is_there(at_ / "loop" / "crl.pem")) << "a folder that cannot be searched";
+  EXPECT_TRUE(may_exist(at_ / "loop" / "crl.pem")) << "a folder that cannot be searched";
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 #include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::pki {

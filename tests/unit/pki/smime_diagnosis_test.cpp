@@ -47,8 +47,8 @@ class OddDocument {
 class SmimeDiagnosis : public testing::Test {
  protected:
   DocumentForm examine(std::string_view file) const { return examine_document(as_bytes(file)); }
-  Status believed(std::string_view file, WallTime now = kNow) const {
-    return stock_products_believe(as_bytes(file), {ca_.certificate()}, now);
+  Status verified(std::string_view file, WallTime now = kNow) const {
+    return verify_as_stock_products(as_bytes(file), {ca_.certificate()}, now);
   }
   std::string signed_by(const Credential& who) const {
     return std::string(as_text(*sign_document(who, as_bytes(kDocument), kNow, test_random())));
@@ -70,7 +70,7 @@ TEST_F(SmimeDiagnosis, FormThatWeWrite_IsKnownAndBelieved) {
   ASSERT_EQ(form.signer_certificates.size(), 1U);
   EXPECT_TRUE(std::ranges::equal(form.signer_certificates[0], ca_.certificate().der()));
   EXPECT_EQ(as_text(form.unverified_text), kDocument);
-  EXPECT_TRUE(believed(file));
+  EXPECT_TRUE(verified(file));
 }
 
 TEST_F(SmimeDiagnosis, TheLineOfTheText_IsTheFiles) {
@@ -93,23 +93,23 @@ TEST_F(SmimeDiagnosis, EveryOtherForm_IsToldApart) {
   EXPECT_EQ(examine(plain.smime()).wrapping, DocumentWrapping::multipart);
   EXPECT_FALSE(examine(plain.smime()).has_text_header);
   EXPECT_EQ(as_text(examine(plain.smime()).unverified_text), kDocument);
-  EXPECT_CODE(believed(plain.smime()), smime_signature_invalid);
+  EXPECT_CODE(verified(plain.smime()), smime_signature_invalid);
 
   const OddDocument opaque(self_, PKCS7_TEXT);
   const auto form = examine(opaque.smime());
   EXPECT_EQ(form.wrapping, DocumentWrapping::opaque);
   EXPECT_TRUE(form.has_text_header);
   EXPECT_EQ(as_text(form.unverified_text), kDocument);
-  EXPECT_TRUE(believed(opaque.smime()));
+  EXPECT_TRUE(verified(opaque.smime()));
 
   EXPECT_EQ(examine(opaque.pem()).wrapping, DocumentWrapping::pem);
   EXPECT_EQ(as_text(examine(opaque.pem()).unverified_text), kDocument);
   EXPECT_EQ(examine(opaque.der()).wrapping, DocumentWrapping::der);
-  EXPECT_CODE(believed(opaque.der()), smime_malformed);
+  EXPECT_CODE(verified(opaque.der()), smime_malformed);
 
   EXPECT_EQ(examine(kDocument).wrapping, DocumentWrapping::none);
   EXPECT_EQ(as_text(examine(kDocument).unverified_text), kDocument);
-  EXPECT_CODE(believed(kDocument), smime_malformed);
+  EXPECT_CODE(verified(kDocument), smime_malformed);
   EXPECT_EQ(examine("nothing at all").wrapping, DocumentWrapping::unknown);
   EXPECT_EQ(examine("").wrapping, DocumentWrapping::unknown);
 }
@@ -148,16 +148,16 @@ TEST_F(SmimeDiagnosis, WithoutCertificates_NoneIsEmbedded) {
   EXPECT_TRUE(examine(bare.smime()).embedded.empty());
   EXPECT_TRUE(examine(bare.smime()).signer_certificates.empty());
   EXPECT_EQ(examine(bare.smime()).signer_issuer, "CN=Permissions CA");
-  EXPECT_CODE(believed(bare.smime()), smime_signature_invalid);
+  EXPECT_CODE(verified(bare.smime()), smime_signature_invalid);
 }
 
 TEST_F(SmimeDiagnosis, StockProducts_BelieveALeafAndRefuseStrangersChangesAndOldCas) {
-  EXPECT_TRUE(believed(signed_by(leaf_)));  // CVE-2023-24010, CVE-2023-24011
+  EXPECT_TRUE(verified(signed_by(leaf_)));  // CVE-2023-24010, CVE-2023-24011
   const auto stranger = make_ca("CN=Stranger");
-  EXPECT_CODE(believed(signed_by({stranger.certificate(), stranger.key()})),
+  EXPECT_CODE(verified(signed_by({stranger.certificate(), stranger.key()})),
               smime_signature_invalid);
-  EXPECT_CODE(believed(replaced(signed_by(self_), "</dds>", "<dds/>")), smime_signature_invalid);
-  EXPECT_CODE(believed(signed_by(self_), kNow + 400 * 24h), smime_signature_invalid);
+  EXPECT_CODE(verified(replaced(signed_by(self_), "</dds>", "<dds/>")), smime_signature_invalid);
+  EXPECT_CODE(verified(signed_by(self_), kNow + 400 * 24h), smime_signature_invalid);
 }
 
 TEST_F(SmimeDiagnosis, CutOffAndFlippedFiles_DoNoHarm) {
@@ -171,7 +171,7 @@ TEST_F(SmimeDiagnosis, CutOffAndFlippedFiles_DoNoHarm) {
     examine(changed.substr(0, at));
   }
   EXPECT_EQ(examine(std::string(17 * 1024 * 1024, '<')).wrapping, DocumentWrapping::unknown);
-  EXPECT_CODE(believed(std::string(17 * 1024 * 1024, '<')), smime_too_large);
+  EXPECT_CODE(verified(std::string(17 * 1024 * 1024, '<')), smime_too_large);
 }
 
 TEST(DocumentWrapping, EachWrapping_HasWords) {

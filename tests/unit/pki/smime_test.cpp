@@ -3,9 +3,9 @@
 #include <filesystem>
 
 #include "base/seeded_random.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
 #include "pki/self_signed.hpp"
-#include "pki/source.hpp"
 #include "pki_fixture.hpp"
 #include "untimed_signature.hpp"
 

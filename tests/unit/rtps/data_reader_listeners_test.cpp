@@ -16,8 +16,8 @@ TEST(DataReaderListenersTest, DataOnReaders_ComesInsteadOfDataAvailable) {
   } of_subscriber;
   struct OfParticipant final : DomainParticipantListener {
   } of_participant;
-  Listening<SubscriberListener> subscriber;
-  Listening<DomainParticipantListener> participant;
+  ListenerAndMask<SubscriberListener> subscriber;
+  ListenerAndMask<DomainParticipantListener> participant;
   const DataReaderListeners listeners(subscriber, participant);
   EXPECT_FALSE(listeners.has(StatusKind::data_available));
   participant = {&of_participant, StatusKind::data_on_readers};

@@ -13,8 +13,8 @@ TEST(DataWriterListenersTest, NearestListenerForTheStatus_IsChosen) {
   } of_participant;
   struct Own final : DataWriterListener {
   } own;
-  Listening<PublisherListener> publisher;
-  Listening<DomainParticipantListener> participant;
+  ListenerAndMask<PublisherListener> publisher;
+  ListenerAndMask<DomainParticipantListener> participant;
   DataWriterListeners listeners(publisher, participant);
   const auto matched = StatusKind::publication_matched;
   EXPECT_EQ(listeners.for_status(matched), nullptr);

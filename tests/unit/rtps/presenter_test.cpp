@@ -53,7 +53,7 @@ struct Presenting : ::testing::Test {
   MonotonicTime now = std::chrono::seconds(1);
 
   static Change change(std::uint8_t from, std::int64_t number, std::uint8_t value,
-                       Coherence coherence) {
+                       CoherentSetInfo coherence) {
     Change out;
     out.writer = writer(from);
     out.sequence_number = {number};

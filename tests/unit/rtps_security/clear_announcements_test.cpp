@@ -14,7 +14,7 @@ struct ClearAnnouncementsTest : ::testing::Test {
   static bool will_read_again(const Pair& pair) {
     const auto& b =
         pair.a.participant->remote_participants().all().at(pair.b.participant->prefix());
-    return b.second_reading.due() != kNever;
+    return b.announcement_refresh.due() != kNever;
   }
   // b's reader changes its partition, and then ends. Returns true if either is read again.
   static bool reads_changes_again(const Rules& rules) {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "rtps/participant/doubted_readers.hpp"
+#include "rtps/participant/reader_end_checks.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -13,7 +13,7 @@ namespace {
 using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
-constexpr int kAnswerTimeout = DoubtedReaders::kAnswerTimeout / 10ms;  // steps
+constexpr int kAnswerTimeout = ReaderEndChecks::kAnswerTimeout / 10ms;  // steps
 
 bool is_about(BytesView datagram, const EntityId& id) {
   return !std::ranges::search(datagram, id.octets).empty();

@@ -99,10 +99,10 @@ class Recorder {
   }
 
   std::vector<cryptography::KeyMaterial> materials_;
-  cryptography::Graveyard graveyard_;
+  cryptography::RetiredObjects retired_objects_;
   SystemRandom random_;
   cryptography::KeyServices services_{
-      *cryptography::aead_backend(cryptography::AeadChoice::automatic), graveyard_, 1u << 20,
+      *cryptography::aead_backend(cryptography::AeadChoice::automatic), retired_objects_, 1u << 20,
       1u << 20, random_};
 };
 

@@ -17,8 +17,8 @@ spi::SharedSecret secret(std::uint8_t first) {
   return out;
 }
 
-struct Ends : ::testing::Test {
-  Ends() { ends.expect(kPeer, secret(1)); }
+struct SessionEndsTest : ::testing::Test {
+  SessionEndsTest() { ends.expect(kPeer, secret(1)); }
   void receive(const GuidPrefix& from, const spi::SharedSecret& of, const GuidPrefix& sender) {
     const auto message = spi::write_reset(sender, spi::derive_reset_token(of, sender));
     ends.received(from, *spi::read_reset(message), kNow);
@@ -26,7 +26,7 @@ struct Ends : ::testing::Test {
   SessionEnds ends;
 };
 
-TEST_F(Ends, AProvenEnd_IsTakenOnceAndInTime) {
+TEST_F(SessionEndsTest, AProvenEnd_IsTakenOnceAndInTime) {
   receive(kPeer, secret(1), kPeer);
   EXPECT_FALSE(ends.take_before(kPeer, kNow));
   EXPECT_TRUE(ends.take_before(kPeer, kNow + 1ns));
@@ -35,7 +35,7 @@ TEST_F(Ends, AProvenEnd_IsTakenOnceAndInTime) {
   EXPECT_FALSE(ends.take_before(kPeer, kNow + 1s)) << "a repetition";
 }
 
-TEST_F(Ends, WithoutAProof_NothingIsTaken) {
+TEST_F(SessionEndsTest, WithoutAProof_NothingIsTaken) {
   receive(kPeer, secret(2), kPeer);   // of another session
   receive(kPeer, secret(1), kOther);  // of the other side
   receive(kOther, secret(1), kPeer);  // in the name of another peer
@@ -45,7 +45,7 @@ TEST_F(Ends, WithoutAProof_NothingIsTaken) {
   EXPECT_FALSE(ends.take_before(kOther, kNow + 1s));
 }
 
-TEST_F(Ends, ANewSession_IsNotEnded) {
+TEST_F(SessionEndsTest, ANewSession_IsNotEnded) {
   receive(kPeer, secret(1), kPeer);
   ends.expect(kPeer, secret(2));
   EXPECT_FALSE(ends.take_before(kPeer, kNow + 1s));
@@ -55,7 +55,7 @@ TEST_F(Ends, ANewSession_IsNotEnded) {
   EXPECT_TRUE(ends.take_before(kPeer, kNow + 1s));
 }
 
-TEST_F(Ends, AForgottenPeer_HasNone) {
+TEST_F(SessionEndsTest, AForgottenPeer_HasNone) {
   ends.forget(kPeer);
   receive(kPeer, secret(1), kPeer);
   EXPECT_FALSE(ends.take_before(kPeer, kNow + 1s));

@@ -15,7 +15,7 @@ using testing::kWriter;
 using testing::view_of;
 using testing::written;
 
-TEST(Submessage, AckNack_RoundTrips) {
+TEST(AckNack, AckNack_RoundTrips) {
   expect_round_trip(AckNack{kReader, kWriter, set_of({5, 6, 260}), 7, false}, read_acknack);
   expect_round_trip(AckNack{kReader, kWriter, SequenceNumberSet({(1ll << 40) + 3}), -1, true},
                     read_acknack);
@@ -24,7 +24,7 @@ TEST(Submessage, AckNack_RoundTrips) {
 }
 
 // CVE-2020-18734: bit counts beyond the bitmap.
-TEST(Submessage, SetsOfMoreThan256Bits_AreRefused) {
+TEST(AckNack, SetsOfMoreThan256Bits_AreRefused) {
   const auto honest = written(AckNack{kReader, kWriter, set_of({5, 6})});
   for (std::uint32_t bits : {257u, 288u, 0x7fffffffu, 0xffffffffu}) {
     auto octets = honest;

@@ -21,7 +21,7 @@ DataFrag sample_frag(BytesView payload) {
   return frag;
 }
 
-TEST(Submessage, DataFrag_RoundTripsAndTruncationsAreRefused) {
+TEST(DataFrag, DataFrag_RoundTripsAndTruncationsAreRefused) {
   const Bytes payload(12, 0xaa);  // fragment 2 whole, fragment 3 with the last 4 octets
   for (auto endian : {Endian::big, Endian::little}) {
     const auto octets = written(sample_frag(payload), endian);
@@ -40,7 +40,7 @@ TEST(Submessage, DataFrag_RoundTripsAndTruncationsAreRefused) {
 }
 
 // CVE-2023-50716, CVE-2025-62799, CVE-2026-22590, CVE-2025-65865.
-TEST(Submessage, Fragments_MustLieInsideTheirSample) {
+TEST(DataFrag, Fragments_MustLieInsideTheirSample) {
   const Bytes payload(64, 0);
   auto lying = [&](auto&& change) {
     auto frag = sample_frag(payload);

@@ -22,7 +22,7 @@ Data sample_data(BytesView payload) {
   return data;
 }
 
-TEST(Submessage, Data_RoundTripsAndTruncationsAreRefused) {
+TEST(Data, Data_RoundTripsAndTruncationsAreRefused) {
   const Bytes payload = {0, 1, 0, 0, 9, 8, 7, 6};
   for (auto endian : {Endian::big, Endian::little}) {
     const auto octets = written(sample_data(payload), endian);
@@ -41,13 +41,13 @@ TEST(Submessage, Data_RoundTripsAndTruncationsAreRefused) {
   }
 }
 
-TEST(Submessage, DataWithDataAndKeyAtOnce_IsRefused) {
+TEST(Data, DataWithDataAndKeyAtOnce_IsRefused) {
   auto octets = written(sample_data(Bytes{0, 1, 0, 0}));
   octets[1] |= 0x08;
   EXPECT_EQ(code_of(read_data(view_of(octets))), Code::malformed);
 }
 
-TEST(Submessage, TheOffsetToTheInlineQos_StaysInside) {
+TEST(Data, TheOffsetToTheInlineQos_StaysInside) {
   for (std::uint8_t offset : {0, 4, 15, 200, 255}) {
     auto octets = written(sample_data(Bytes{0, 1, 0, 0}));
     octets[6] = offset;

@@ -15,11 +15,11 @@ using testing::kWriter;
 using testing::view_of;
 using testing::written;
 
-TEST(Submessage, Gap_RoundTrips) {
+TEST(Gap, Gap_RoundTrips) {
   expect_round_trip(Gap{kReader, kWriter, {4}, set_of({8, 10})}, read_gap);
 }
 
-TEST(Submessage, GapOfAGroup_RoundTripsAndInvalidNumbersAreRefused) {
+TEST(Gap, GapOfAGroup_RoundTripsAndInvalidNumbersAreRefused) {
   Gap gap{kReader, kWriter, {4}, set_of({8, 10}), {}};
   gap.group = {{7}, {9}};
   expect_round_trip(gap, read_gap);
@@ -34,7 +34,7 @@ TEST(Submessage, GapOfAGroup_RoundTripsAndInvalidNumbersAreRefused) {
 }
 
 // CVE-2023-39534 and CVE-2025-64438: a GAP is a range, and it is read in constant time and memory.
-TEST(Submessage, GapRanges_AreCheckedAndNeverWalked) {
+TEST(Gap, GapRanges_AreCheckedAndNeverWalked) {
   Gap backwards{kReader, kWriter, {10}, SequenceNumberSet({9})};
   EXPECT_EQ(code_of(read_gap(view_of(written(backwards)))), Code::rtps_number_invalid);
   Gap zero{kReader, kWriter, {0}, SequenceNumberSet({1})};

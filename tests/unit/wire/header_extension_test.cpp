@@ -13,17 +13,17 @@ using testing::code_of;
 using testing::view_of;
 using testing::written;
 
-TEST(Submessage, HeaderExtension_RoundTrips) {
+TEST(HeaderExtension, HeaderExtension_RoundTrips) {
   expect_round_trip(HeaderExtension{100, Time{{5, 6}}},
                     [](const auto& view) { return read_header_extension(view, 100); });
 }
 
-TEST(Submessage, AHeaderExtensionWithAnotherLength_IsRefused) {
+TEST(HeaderExtension, AHeaderExtensionWithAnotherLength_IsRefused) {
   const auto octets = written(HeaderExtension{.message_length = 100});
   EXPECT_EQ(code_of(read_header_extension(view_of(octets), 99)), Code::rtps_submessage_overrun);
 }
 
-TEST(Submessage, AllPartsOfAHeaderExtension_AreSteppedOver) {
+TEST(HeaderExtension, AllPartsOfAHeaderExtension_AreSteppedOver) {
   const Bytes body = {100, 0, 0, 0,                           // length
                       1,   0, 0, 0, 2, 0, 0, 0,               // time
                       0,   0, 0, 0,                           // U

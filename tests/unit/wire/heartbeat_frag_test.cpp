@@ -12,7 +12,7 @@ namespace {
 using testing::kReader;
 using testing::kWriter;
 
-TEST(Submessage, HeartbeatFrag_RoundTrips) {
+TEST(HeartbeatFrag, HeartbeatFrag_RoundTrips) {
   expect_round_trip(HeartbeatFrag{kReader, kWriter, {3}, {4}, 5}, read_heartbeat_frag);
 }
 

@@ -15,14 +15,14 @@ using testing::kWriter;
 using testing::view_of;
 using testing::written;
 
-TEST(Submessage, Heartbeat_RoundTrips) {
+TEST(Heartbeat, Heartbeat_RoundTrips) {
   expect_round_trip(Heartbeat{kReader, kWriter, {1}, {9}, 3, true, true}, read_heartbeat);
   expect_round_trip(Heartbeat{{}, kWriter, {10}, {9}, 3, false, false}, read_heartbeat);
 }
 
-TEST(Submessage, HeartbeatOfAGroup_RoundTripsAndInvalidNumbersAreRefused) {
+TEST(Heartbeat, HeartbeatOfAGroup_RoundTripsAndInvalidNumbersAreRefused) {
   Heartbeat heartbeat{kReader, kWriter, {1}, {9}, 3, true, false, {}};
-  heartbeat.group = GroupState{{40}, {12}, {30}, {1, 2, 3, 4}, {5, 6, 7, 8}};
+  heartbeat.group = HeartbeatGroupInfo{{40}, {12}, {30}, {1, 2, 3, 4}, {5, 6, 7, 8}};
   for (auto endian : {Endian::big, Endian::little}) {
     const auto octets = written(heartbeat, endian);
     const auto view = view_of(octets);
@@ -35,7 +35,7 @@ TEST(Submessage, HeartbeatOfAGroup_RoundTripsAndInvalidNumbersAreRefused) {
       EXPECT_EQ(read_heartbeat(cut).has_value(), without_writers) << size;
     }
   }
-  const auto refused = [&](const GroupState& group) {
+  const auto refused = [&](const HeartbeatGroupInfo& group) {
     heartbeat.group = group;
     return code_of(read_heartbeat(view_of(written(heartbeat))));
   };

@@ -8,7 +8,7 @@
 namespace ddssec::rtps::submessages {
 namespace {
 
-TEST(Submessage, InfoDestination_RoundTrips) {
+TEST(InfoDestination, InfoDestination_RoundTrips) {
   const auto prefix = GuidPrefix::from(Bytes{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
   expect_round_trip(InfoDestination{prefix}, read_info_destination);
 }

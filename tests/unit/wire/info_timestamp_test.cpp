@@ -12,11 +12,11 @@ namespace {
 using testing::view_of;
 using testing::written;
 
-TEST(Submessage, InfoTimestamp_RoundTrips) {
+TEST(InfoTimestamp, InfoTimestamp_RoundTrips) {
   expect_round_trip(InfoTimestamp{Time{{100, 1u << 31}}}, read_info_timestamp);
 }
 
-TEST(Submessage, AnInvalidatedTimestamp_HasNoBody) {
+TEST(InfoTimestamp, AnInvalidatedTimestamp_HasNoBody) {
   const auto octets = written(InfoTimestamp{});
   EXPECT_EQ(octets.size(), kSubmessageHeaderSize);
   EXPECT_EQ(read_info_timestamp(view_of(octets))->time, std::nullopt);

@@ -17,7 +17,7 @@ Data referring() {
   return out;
 }
 
-TEST(MemoryReference, InEitherByteOrder_ComesAsItWasSent) {
+TEST(MemoryReference, BothByteOrders_RoundTrip) {
   for (const auto endian : {Endian::little, Endian::big}) {
     const auto octets = written(referring(), endian);
     const auto read = read_data(view_of(octets)).value();
@@ -61,7 +61,7 @@ TEST(MemoryReference, OfAnotherLength_DataIsReadWithoutIt) {
   }
 }
 
-TEST(MemoryReference, Cut_Refused) {
+TEST(MemoryReference, TruncatedReference_IsRefused) {
   const Bytes whole(28, 1);
   for (std::size_t size = 0; size < whole.size(); ++size)
     EXPECT_EQ(code_of(read_memory_reference(BytesView(whole).first(size), Endian::little)),

@@ -12,7 +12,7 @@ namespace {
 using testing::kReader;
 using testing::kWriter;
 
-TEST(Submessage, NackFrag_RoundTrips) {
+TEST(NackFrag, NackFrag_RoundTrips) {
   FragmentNumberSet missing(FragmentNumber{2});
   missing.insert({40});
   expect_round_trip(NackFrag{kReader, kWriter, {3}, missing, 5}, read_nack_frag);

@@ -8,7 +8,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Time, Nanoseconds_SurviveTheirFractions) {
+TEST(Time, Nanoseconds_RoundTripThroughFractions) {
   for (auto time :
        {0ns, 1ns, 999'999'999ns, 1'000'000'000ns, 1'500'000'001ns, -1ns, -2'500'000'000ns})
     EXPECT_EQ(Time::from(time).to_nanoseconds(), time) << time.count();

@@ -1,4 +1,4 @@
-// The measured behaviour of each version of a product (measured.def).
+// The measured behaviour of each version of a product (measured_outcomes.def).
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace ddssec::governance::doctor {
 enum class Variant : std::uint8_t {
 #define COLUMN(vendor, major, minor, patch, source)
 #define ROW(name, ...) name,
-#include "governance/doctor/measured.def"
+#include "governance/doctor/measured_outcomes.def"
 #undef ROW
 #undef COLUMN
 };

@@ -1,4 +1,4 @@
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 
 #include <algorithm>
 
@@ -16,7 +16,7 @@ constexpr Column kColumns[] = {
 #define COLUMN(vendor, major, minor, patch, source) \
   {Vendor::vendor, {{major, minor, patch}, Source::source}},
 #define ROW(...)
-#include "governance/doctor/measured.def"
+#include "governance/doctor/measured_outcomes.def"
 #undef ROW
 #undef COLUMN
 };
@@ -24,7 +24,7 @@ constexpr Column kColumns[] = {
 constexpr Outcome kRows[][std::size(kColumns)] = {
 #define COLUMN(...)
 #define ROW(name, ...) {__VA_ARGS__},
-#include "governance/doctor/measured.def"
+#include "governance/doctor/measured_outcomes.def"
 #undef ROW
 #undef COLUMN
 };

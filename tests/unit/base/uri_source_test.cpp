@@ -1,5 +1,5 @@
 // What a URI of a property names, and what errors say of it.
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -18,14 +18,14 @@ using KeyPem = Secret<struct KeyPemTag, 16 * 1024>;
 
 Bytes bytes(std::string_view text) { return to_bytes(as_bytes(text)); }
 
-class Source : public testing::Test {
+class UriSource : public testing::Test {
  protected:
-  Source() {
+  UriSource() {
     folder_ =
         std::filesystem::temp_directory_path() / ("ddssec-source-" + std::to_string(::getpid()));
     std::filesystem::create_directory(folder_);
   }
-  ~Source() override { std::filesystem::remove_all(folder_); }
+  ~UriSource() override { std::filesystem::remove_all(folder_); }
 
   std::string write(const std::string& name, std::string_view text) const {
     const auto path = (folder_ / name).string();
@@ -36,7 +36,7 @@ class Source : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(Source, FilesAndTexts_AreRead) {
+TEST_F(UriSource, FilesAndTexts_AreRead) {
   const auto path = write("a", "hello");
   for (const auto& uri : {"file:" + path, "file://" + path, "  \t file:" + path})
     EXPECT_EQ(load(uri, kProperty, 10), bytes("hello")) << uri;
@@ -48,7 +48,7 @@ TEST_F(Source, FilesAndTexts_AreRead) {
   EXPECT_EQ(load_secret<KeyPem>("data:,abc", kProperty)->size(), 3u);
 }
 
-TEST_F(Source, EachRefusal_HasItsCodeAndNamesTheProperty) {
+TEST_F(UriSource, EachRefusal_HasItsCodeAndNamesTheProperty) {
   const auto path = write("a", "hello");
   const auto empty = write("empty", "");
   const auto large = write("large", std::string(20000, 'x'));
@@ -77,19 +77,19 @@ TEST_F(Source, EachRefusal_HasItsCodeAndNamesTheProperty) {
   check("data:text/plain;base64,aGVsbG8=", Code::unsupported_uri);
 }
 
-TEST_F(Source, Fifo_DoesNotHang) {
+TEST_F(UriSource, Fifo_DoesNotHang) {
   const auto path = (folder_ / "fifo").string();
   ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
   EXPECT_CODE(load("file:" + path, kProperty, 10), file_unreadable);
 }
 
-TEST_F(Source, APastedKey_DoesNotReachTheError) {
+TEST_F(UriSource, APastedKey_DoesNotReachTheError) {
   const auto item = load_secret<KeyPem>("-----BEGIN PRIVATE KEY-----\nMIGHAgEAMBMG", kProperty);
   EXPECT_CODE(item, unsupported_uri);
   EXPECT_EQ(item.error().to_sentence().find("MIGH"), std::string::npos);
 }
 
-TEST_F(Source, FileReadableByOthers_IsKnown) {
+TEST_F(UriSource, FileReadableByOthers_IsKnown) {
   const auto path = write("key", "hello");
   const auto after = [&](::mode_t mode) {
     EXPECT_EQ(::chmod(path.c_str(), mode), 0);

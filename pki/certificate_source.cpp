@@ -1,4 +1,4 @@
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 #include "pki/openssl.hpp"
 #include "pki/pkcs11.hpp"

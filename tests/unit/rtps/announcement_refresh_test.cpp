@@ -1,4 +1,4 @@
-#include "rtps/participant/second_reading.hpp"
+#include "rtps/participant/announcement_refresh.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,18 +8,18 @@ namespace {
 constexpr MonotonicTime kStart = std::chrono::hours(1);
 
 TEST(SecondReadingTest, ManyChanges_LeadToOneReading) {
-  SecondReading reading;
+  AnnouncementRefresh reading;
   EXPECT_EQ(reading.due(), kNever);
   EXPECT_FALSE(reading.take_due(kStart));
   for (int i = 0; i < 100; ++i) reading.note_change(kStart + std::chrono::milliseconds(i));
-  EXPECT_EQ(reading.due(), kStart + SecondReading::kMinPause);
+  EXPECT_EQ(reading.due(), kStart + AnnouncementRefresh::kMinPause);
   EXPECT_FALSE(reading.take_due(reading.due() - MonotonicTime(1)));
-  EXPECT_TRUE(reading.take_due(kStart + SecondReading::kMinPause));
-  EXPECT_FALSE(reading.take_due(kStart + SecondReading::kMaxPause));
+  EXPECT_TRUE(reading.take_due(kStart + AnnouncementRefresh::kMinPause));
+  EXPECT_FALSE(reading.take_due(kStart + AnnouncementRefresh::kMaxPause));
 }
 
 TEST(SecondReadingTest, ChangesThatGoOn_LeadToReadingsLessAndLessOften) {
-  SecondReading reading;
+  AnnouncementRefresh reading;
   auto now = kStart;
   int readings = 0;
   for (; now < kStart + std::chrono::hours(1); now += std::chrono::seconds(1)) {
@@ -31,7 +31,7 @@ TEST(SecondReadingTest, ChangesThatGoOn_LeadToReadingsLessAndLessOften) {
 }
 
 TEST(SecondReadingTest, AfterALongRest_PauseIsShortAgain) {
-  SecondReading reading;
+  AnnouncementRefresh reading;
   for (auto now = kStart; now < kStart + std::chrono::minutes(10); now += std::chrono::seconds(1)) {
     reading.note_change(now);
     reading.take_due(now);
@@ -40,7 +40,7 @@ TEST(SecondReadingTest, AfterALongRest_PauseIsShortAgain) {
   EXPECT_TRUE(reading.take_due(reading.due()));
   const auto later = kStart + std::chrono::hours(1);
   reading.note_change(later);
-  EXPECT_EQ(reading.due(), later + SecondReading::kMinPause);
+  EXPECT_EQ(reading.due(), later + AnnouncementRefresh::kMinPause);
 }
 
 EntityId endpoint(std::size_t number) {
@@ -49,11 +49,11 @@ EntityId endpoint(std::size_t number) {
 }
 
 TEST(SecondReadingTest, EndpointsThatEnded_AreReturnedWhenTheReadingIsOver) {
-  SecondReading reading;
+  AnnouncementRefresh reading;
   EXPECT_TRUE(reading.note_end(endpoint(1), kStart));
-  EXPECT_FALSE(reading.take_over(kStart + SecondReading::kMinPause));
-  ASSERT_TRUE(reading.take_due(kStart + SecondReading::kMinPause));
-  const auto over = kStart + SecondReading::kMinPause + SecondReading::kAnswerTimeout;
+  EXPECT_FALSE(reading.take_over(kStart + AnnouncementRefresh::kMinPause));
+  ASSERT_TRUE(reading.take_due(kStart + AnnouncementRefresh::kMinPause));
+  const auto over = kStart + AnnouncementRefresh::kMinPause + AnnouncementRefresh::kAnswerTimeout;
   EXPECT_EQ(reading.next(), over);
   EXPECT_TRUE(reading.note_end(endpoint(2), over));
   ASSERT_TRUE(reading.take_over(over));
@@ -65,8 +65,8 @@ TEST(SecondReadingTest, EndpointsThatEnded_AreReturnedWhenTheReadingIsOver) {
 }
 
 TEST(SecondReadingTest, AboveTheLimit_AnEndCountsOnlyWhenItIsRead) {
-  SecondReading reading;
-  for (std::size_t i = 0; i < SecondReading::kMaxEnded; ++i)
+  AnnouncementRefresh reading;
+  for (std::size_t i = 0; i < AnnouncementRefresh::kMaxEnded; ++i)
     EXPECT_TRUE(reading.note_end(endpoint(i), kStart));
   EXPECT_TRUE(reading.note_end(endpoint(0), kStart)) << "each takes room once";
   for (const auto more : {1000u, 1001u}) EXPECT_FALSE(reading.note_end(endpoint(more), kStart));
@@ -83,16 +83,16 @@ TEST(SecondReadingTest, AboveTheLimit_AnEndCountsOnlyWhenItIsRead) {
 }
 
 TEST(SecondReadingTest, OfThoseThatAreGone_TheFirstLosesItsKeys) {
-  SecondReading reading;
-  for (std::size_t i = 0; i < SecondReading::kMaxGone; ++i)
+  AnnouncementRefresh reading;
+  for (std::size_t i = 0; i < AnnouncementRefresh::kMaxGone; ++i)
     EXPECT_FALSE(reading.note_gone(endpoint(i)));
   EXPECT_TRUE(reading.note_end(endpoint(0), kStart)) << "it had come back";
   EXPECT_FALSE(reading.note_gone(endpoint(1000)));
   EXPECT_EQ(reading.note_gone(endpoint(1001)), endpoint(1));
   EXPECT_TRUE(reading.without_keys().contains(endpoint(1)));
-  for (std::size_t i = 0; i < 2 * SecondReading::kMaxWithoutKeys; ++i)
+  for (std::size_t i = 0; i < 2 * AnnouncementRefresh::kMaxWithoutKeys; ++i)
     reading.note_gone(endpoint(2000 + i));
-  EXPECT_EQ(reading.without_keys().size(), SecondReading::kMaxWithoutKeys);
+  EXPECT_EQ(reading.without_keys().size(), AnnouncementRefresh::kMaxWithoutKeys);
 }
 
 }  // namespace

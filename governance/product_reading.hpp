@@ -18,11 +18,11 @@ std::string_view to_string(StockProduct product);
 /// A governance document as the product reads it; empty if nothing changes. A range of domains
 /// without <max> is one domain. An expression that the product reads in its own way is one that
 /// matches the same names (dialect.hpp), and one between blanks matches none with Fast DDS.
-std::optional<Governance> as_stock_reads(const Governance& document, StockProduct product);
+std::optional<Governance> rewritten_for(const Governance& document, StockProduct product);
 
 /// The validity as the product reads it. Cyclone DDS reads some ends as times long past. Fast DDS
 /// ignores zones; its local time is taken to be UTC here.
-Validity as_stock_reads(const Validity& validity, StockProduct product);
+Validity rewritten_for(const Validity& validity, StockProduct product);
 
 /// A permissions document as the product reads it; empty if nothing changes. Ranges, expressions
 /// and validities are read as above.
@@ -31,7 +31,7 @@ Validity as_stock_reads(const Validity& validity, StockProduct product);
 /// - Fast DDS denies in all partitions, and reads every <default> as DENY. A topic and its
 ///   partitions may be in different elements of one rule. The first rule with the topic decides: so
 ///   a deny_rule for its topics follows each allow_rule.
-std::optional<Permissions> as_stock_reads(const Permissions& document, StockProduct product);
+std::optional<Permissions> rewritten_for(const Permissions& document, StockProduct product);
 
 /// Both documents as Fast DDS applies them to the endpoints of its own process, beside what it
 /// applies to those of peers: there rules for other domains count, too (measured with 2.9.1). Each
@@ -40,12 +40,12 @@ std::optional<Permissions> as_stock_reads(const Permissions& document, StockProd
 struct PermissionsOfOwnEndpoints {
   Permissions before, after;
 };
-std::optional<PermissionsOfOwnEndpoints> as_fastdds_reads_for_own_endpoints(
+std::optional<PermissionsOfOwnEndpoints> rewritten_for_own_endpoints_of_fastdds(
     const Permissions& before, const Permissions& after);
 
 /// A part of a document with the expressions of its topics and partitions as the product reads
 /// them; all else stays. Empty if nothing changes.
-std::optional<DomainRule> expressions_as_read(const DomainRule& rule, StockProduct product);
-std::optional<Grant> expressions_as_read(const Grant& grant, StockProduct product);
+std::optional<DomainRule> rewritten_expressions(const DomainRule& rule, StockProduct product);
+std::optional<Grant> rewritten_expressions(const Grant& grant, StockProduct product);
 
 }  // namespace ddssec::governance

@@ -1,5 +1,5 @@
 // Which version of a product is installed.
-#include "governance/doctor/installed.hpp"
+#include "governance/doctor/installed_version.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -13,15 +13,15 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-class Installed : public testing::Test {
+class InstalledVersion : public testing::Test {
  protected:
-  Installed()
+  InstalledVersion()
       : root_(std::filesystem::path(testing::TempDir()) /
               ("ddssec-installed-" + std::to_string(::getpid()))) {
     std::filesystem::create_directories(root_ / "a");
     std::filesystem::create_directories(root_ / "b");
   }
-  ~Installed() override { std::filesystem::remove_all(root_); }
+  ~InstalledVersion() override { std::filesystem::remove_all(root_); }
   void touch(const char* name) const { std::ofstream(root_ / name) << ""; }
   std::optional<Version> found(Vendor vendor) const {
     return installed_version(vendor, {root_ / "missing", root_ / "a", root_ / "b"});
@@ -30,7 +30,7 @@ class Installed : public testing::Test {
   std::filesystem::path root_;
 };
 
-TEST_F(Installed, TheLibrarysName_SaysIt) {
+TEST_F(InstalledVersion, TheLibrarysName_SaysIt) {
   EXPECT_EQ(found(Vendor::cyclonedds), std::nullopt);
   for (const auto* name : {"a/libddsc.so", "a/libddsc.so.0debian", "a/libfastrtps.so.2.9",
                            "a/libddscxx.so.0.10.9", "a/libddsc.so.0.10.x"})
@@ -48,7 +48,7 @@ TEST_F(Installed, TheLibrarysName_SaysIt) {
   EXPECT_EQ(found(Vendor::ours), std::nullopt);
 }
 
-TEST_F(Installed, Folders_AreThoseOfTheVariableAndThenTheSystems) {
+TEST_F(InstalledVersion, Folders_AreThoseOfTheVariableAndThenTheSystems) {
   const auto a = (root_ / "a").string();
   const auto folders = library_folders(":/nowhere:" + a + "::");
   ASSERT_FALSE(folders.empty());

@@ -1,5 +1,5 @@
 // What was measured of each version.
-#include "governance/doctor/measured.hpp"
+#include "governance/doctor/measured_outcomes.hpp"
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-TEST(Measured, TheNearestOlderVersion_StandsForOneThatWasNotMeasured) {
+TEST(MeasuredOutcomes, TheNearestOlderVersion_StandsForOneThatWasNotMeasured) {
   const auto cyclone = [](Version version) {
     return stand_in(Vendor::cyclonedds, version).version;
   };
@@ -23,7 +23,7 @@ TEST(Measured, TheNearestOlderVersion_StandsForOneThatWasNotMeasured) {
   EXPECT_EQ(stand_in(Vendor::fastdds, {4, 0, 0}), (KnownVersion{{3, 1, 2}, Source::measured}));
 }
 
-TEST(Measured, EachVendorsVersions_Rise) {
+TEST(MeasuredOutcomes, EachVendorsVersions_Rise) {
   EXPECT_TRUE(known_versions(Vendor::ours).empty());
   for (const auto vendor : {Vendor::cyclonedds, Vendor::fastdds}) {
     const auto known = known_versions(vendor);
@@ -33,7 +33,7 @@ TEST(Measured, EachVendorsVersions_Rise) {
   }
 }
 
-TEST(Measured, AnOutcome_IsThatOfTheVersion) {
+TEST(MeasuredOutcomes, AnOutcome_IsThatOfTheVersion) {
   const auto itself = [](Lineup lineup) {
     return measured(Variant::permissions_by_itself, lineup);
   };

@@ -16,7 +16,7 @@ namespace ddssec::rtps {
 ///
 /// However many reports arrive, a pair is doubted at most once within kAnswerTimeout. No I/O, clock
 /// or lock.
-class DoubtedReaders {
+class ReaderEndChecks {
  public:
   static constexpr MonotonicTime kAnswerTimeout = std::chrono::seconds(4);
   /// How often it is asked: until it counts as ended, and at least afterwards.
@@ -32,12 +32,12 @@ class DoubtedReaders {
     virtual ~Host() = default;
     /// How often the reader has answered. Empty: it neither matches nor counts as ended.
     virtual std::optional<std::uint64_t> answers(const Pair& pair) = 0;
-    virtual void ask(const Pair& pair) = 0;
+    virtual void request_sign_of_life(const Pair& pair) = 0;
     /// From now on the reader counts as ended.
-    virtual void on_silent(const Pair& pair) = 0;
+    virtual void on_no_answer(const Pair& pair) = 0;
   };
   /// `host` must outlive this object.
-  explicit DoubtedReaders(Host& host) : host_(host) {}
+  explicit ReaderEndChecks(Host& host) : host_(host) {}
 
   /// From now on the reader is doubted. It is asked in the next `tick`.
   void add(const Pair& pair, MonotonicTime now);
@@ -46,7 +46,7 @@ class DoubtedReaders {
   MonotonicTime next() const { return next_; }
 
  private:
-  struct Doubt {
+  struct PendingCheck {
     std::uint64_t answers;  ///< before
     MonotonicTime due;      ///< when it is asked next
     MonotonicTime end;      ///< of kAnswerTimeout
@@ -55,10 +55,10 @@ class DoubtedReaders {
   };
 
   /// Returns false if the pair is no longer doubted.
-  bool look_at(const Pair& pair, Doubt& doubt, MonotonicTime now);
+  bool check_answer(const Pair& pair, PendingCheck& check, MonotonicTime now);
 
   Host& host_;
-  std::map<Pair, Doubt> doubts_;
+  std::map<Pair, PendingCheck> pending_;
   MonotonicTime next_ = kNever;  ///< not later than the first that is due
 };
 

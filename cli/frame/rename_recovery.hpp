@@ -25,24 +25,25 @@ enum class Reach : std::uint8_t {
 /// A list of drafts in a folder. It is on the disk before the first draft is put in place, and
 /// removed after the last one. It remains if the process is killed in between, or cannot put a
 /// draft in place.
-class Intent {
+class PendingRenames {
  public:
   /// Writes a list. First finishes the work that an earlier process left there. Drafts that cannot
   /// be finished yet stay on the list, unless `drafts` has a new version of the file. Errors: those
   /// of finish_interrupted.
-  static Result<Intent> write(const std::filesystem::path& folder, std::span<const Draft> drafts);
+  static Result<PendingRenames> write(const std::filesystem::path& folder,
+                                      std::span<const Draft> drafts);
 
   /// True if finish_interrupted() will accept the list.
-  bool is_believed() const;
+  bool is_trusted() const;
   /// Leaves the list for the next command.
-  void keep() { is_kept_ = true; }
+  void leave_for_next_command() { is_kept_ = true; }
 
-  ~Intent();
-  Intent(Intent&& other) noexcept;
-  Intent& operator=(Intent&&) = delete;
+  ~PendingRenames();
+  PendingRenames(PendingRenames&& other) noexcept;
+  PendingRenames& operator=(PendingRenames&&) = delete;
 
  private:
-  Intent(int folder, int file) : folder_(folder), file_(file) {}
+  PendingRenames(int folder, int file) : folder_(folder), file_(file) {}
   int folder_;
   int file_;  ///< locked, which shows that this process is alive
   bool is_kept_ = false;

@@ -1,5 +1,5 @@
 // Grants that give at least what former ones gave.
-#include "governance/extension.hpp"
+#include "governance/grant_extension.hpp"
 
 #include <memory>
 #include <random>
@@ -46,7 +46,7 @@ bool at_least(const std::vector<GrantRule>& next, const std::vector<GrantRule>& 
   return gives_at_least({rules, next_default}, {former_rules, former_default});
 }
 
-TEST(Extension, TheSameOrMoreTopics_AreAnExtension) {
+TEST(GrantExtension, TheSameOrMoreTopics_AreAnExtension) {
   const auto a = rule(true, {on({"A"})}), ab = rule(true, {on({"B", "A"})});
   EXPECT_TRUE(at_least({a}, {a}));
   EXPECT_TRUE(at_least({ab}, {a}));
@@ -57,7 +57,7 @@ TEST(Extension, TheSameOrMoreTopics_AreAnExtension) {
   EXPECT_TRUE(at_least({rule(true, {on({"B"}), on({"A"})})}, {a}));
 }
 
-TEST(Extension, FurtherAllowRules_AnywhereAreMore) {
+TEST(GrantExtension, FurtherAllowRules_AnywhereAreMore) {
   const auto a = rule(true, {on({"A"})}), b = rule(true, {on({"B"})}),
              no = rule(false, {on({"N"})});
   EXPECT_TRUE(at_least({b, a}, {a}));
@@ -66,7 +66,7 @@ TEST(Extension, FurtherAllowRules_AnywhereAreMore) {
   EXPECT_TRUE(at_least({a, no}, {a, no}));
 }
 
-TEST(Extension, DenyRules_MayLeaveAndShrinkButNotComeOrGrow) {
+TEST(GrantExtension, DenyRules_MayLeaveAndShrinkButNotComeOrGrow) {
   const auto a = rule(true, {on({"A*"})});
   const auto n = rule(false, {on({"AN"})}), nm = rule(false, {on({"AN", "AM"})});
   EXPECT_TRUE(at_least({a}, {n, a}));
@@ -76,7 +76,7 @@ TEST(Extension, DenyRules_MayLeaveAndShrinkButNotComeOrGrow) {
   EXPECT_FALSE(at_least({n, a}, {a, n}));  // the other order
 }
 
-TEST(Extension, TheDefault_CountsAfterAllRules) {
+TEST(GrantExtension, TheDefault_CountsAfterAllRules) {
   const auto n = rule(false, {on({"N"})});
   EXPECT_TRUE(at_least({n}, {n}, true, true));
   EXPECT_TRUE(at_least({n}, {n}, true, false));
@@ -84,7 +84,7 @@ TEST(Extension, TheDefault_CountsAfterAllRules) {
   EXPECT_TRUE(at_least({}, {n}, true, true));
 }
 
-TEST(Extension, Partitions_OfAllowRulesMayGrow) {
+TEST(GrantExtension, Partitions_OfAllowRulesMayGrow) {
   const auto none = rule(true, {on({"A"})}), p = rule(true, {in({"A"}, {"p"})}),
              pq = rule(true, {in({"A"}, {"q", "p"})});
   EXPECT_TRUE(at_least({pq}, {p}));
@@ -94,7 +94,7 @@ TEST(Extension, Partitions_OfAllowRulesMayGrow) {
   EXPECT_FALSE(at_least({p}, {none}));
 }
 
-TEST(Extension, Partitions_OfDenyRulesMayOnlyShrink) {
+TEST(GrantExtension, Partitions_OfDenyRulesMayOnlyShrink) {
   const auto a = rule(true, {on({"A"})});
   // Without partitions a deny rule is for all.
   const auto all = rule(false, {on({"A"})}), p = rule(false, {in({"A"}, {"p"})}),
@@ -105,7 +105,7 @@ TEST(Extension, Partitions_OfDenyRulesMayOnlyShrink) {
   EXPECT_FALSE(at_least({pq, a}, {p, a}));
 }
 
-TEST(Extension, DataTags_AreComparedLikePartitions) {
+TEST(GrantExtension, DataTags_AreComparedLikePartitions) {
   const DataTag red{"colour", "red"}, blue{"colour", "blue"};
   EXPECT_TRUE(
       at_least({rule(true, {tagged({"A"}, {red, blue})})}, {rule(true, {tagged({"A"}, {red})})}));
@@ -115,7 +115,7 @@ TEST(Extension, DataTags_AreComparedLikePartitions) {
 }
 
 // A deny rule without publish and subscribe forbids joining.
-TEST(Extension, ADenyRuleThatBeginsToForbidJoining_IsLess) {
+TEST(GrantExtension, ADenyRuleThatBeginsToForbidJoining_IsLess) {
   const auto a = rule(true, {on({"A"})});
   auto relays = rule(false, {on({"N"})});
   const auto nothing = rule(false, {});
@@ -125,14 +125,14 @@ TEST(Extension, ADenyRuleThatBeginsToForbidJoining_IsLess) {
   EXPECT_TRUE(at_least({a}, {nothing, a}));
 }
 
-TEST(Extension, RulesForOtherDomains_DoNotCount) {
+TEST(GrantExtension, RulesForOtherDomains_DoNotCount) {
   auto other = rule(false, {on({"A"})});
   other.domains.ranges = {{.first = 7, .last = 7}};
   const auto a = rule(true, {on({"A"})});
   EXPECT_TRUE(at_least({other, a}, {a}));
 }
 
-TEST(Extension, LongLists_MustBeTheSame) {
+TEST(GrantExtension, LongLists_MustBeTheSame) {
   std::vector<std::string> many;
   for (int i = 0; i < 2000; ++i) many.push_back("T" + std::to_string(i));
   const auto long_one = rule(true, {on(many)});
@@ -215,7 +215,7 @@ bool nothing_is_lost(const Grant& next, const Grant& former) {
   return true;
 }
 
-TEST(Extension, OfRandomGrants_NoneThatGivesLessIsTakenForOne) {
+TEST(GrantExtension, OfRandomGrants_NoneThatGivesLessIsTakenForOne) {
   RandomGrants random;
   int taken = 0, refused = 0;
   for (int i = 0; i < 20'000; ++i) {

@@ -1,4 +1,4 @@
-#include "governance/extension.hpp"
+#include "governance/grant_extension.hpp"
 
 #include <algorithm>
 #include <functional>

@@ -1,4 +1,4 @@
-#include "governance/doctor/installed.hpp"
+#include "governance/doctor/installed_version.hpp"
 
 #include <algorithm>
 #include <array>

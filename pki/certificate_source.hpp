@@ -1,5 +1,5 @@
 // Limits for keys, certificates and documents that a URI names, and functions that read them
-// (base/source.hpp).
+// (base/uri_source.hpp).
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "base/secret.hpp"
-#include "base/source.hpp"
+#include "base/uri_source.hpp"
 
 namespace ddssec::pki {
 

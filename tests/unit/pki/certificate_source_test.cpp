@@ -1,5 +1,5 @@
 // Certificates and keys that a path or a URI names.
-#include "pki/source.hpp"
+#include "pki/certificate_source.hpp"
 
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/pki/pki_fixture.hpp"

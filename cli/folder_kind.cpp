@@ -1,4 +1,4 @@
-#include "cli/folder_checks.hpp"
+#include "cli/folder_kind.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -10,8 +10,8 @@
 #include "cli/frame/missing_path.hpp"
 #include "cli/inputs.hpp"
 #include "cli/participant/keystore.hpp"
+#include "pki/certificate_source.hpp"
 #include "pki/participant_folder.hpp"
-#include "pki/source.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -88,11 +88,11 @@ std::string participants_inside(const fs::path& folder, std::string_view words) 
 // Returns "a" for "a/b" and "a/b/", and "" for "b". Also returns "a" for "a/ca/identity".
 fs::path parent_of(const fs::path& folder) {
   const auto plain = without_slash(folder.lexically_normal());
-  return (is_there(plain / "ca.pem") ? plain.parent_path() : plain).parent_path();
+  return (path_exists(plain / "ca.pem") ? plain.parent_path() : plain).parent_path();
 }
 
 bool holds_ca(const fs::path& folder, std::string_view role) {
-  return is_there(ca_paths(folder, role).certificate);
+  return path_exists(ca_paths(folder, role).certificate);
 }
 
 std::string cas_near(const fs::path& missing, std::string_view role) {
@@ -106,7 +106,7 @@ std::string cas_near(const fs::path& missing, std::string_view role) {
 
 // Empty for a folder that is not a keystore of ROS 2. The enclaves decide, because the keystore of
 // a robot has no private/.
-std::string about_keystore(const fs::path& folder) {
+std::string keystore_hint(const fs::path& folder) {
   std::vector<fs::path> enclaves;
   for (const auto& name : enclaves_of(folder).names)
     enclaves.push_back(folder / enclave_folder(name));
@@ -122,7 +122,7 @@ std::string_view other_role(std::string_view role) {
 Status check_role(const fs::path& given, std::string_view role) {
   const auto folder = without_slash(given.lexically_normal());
   const auto both = folder.parent_path();
-  if (folder.filename() != other_role(role) || !is_there(both / role / "ca.pem")) return {};
+  if (folder.filename() != other_role(role) || !path_exists(both / role / "ca.pem")) return {};
   return fail(Code::usage,
               {.field = "--ca",
                .expected = fmt::format("the folder of the {} CA, {}, or of both, {}", role,
@@ -150,8 +150,8 @@ Status check_participant_folder(const fs::path& given) {
     return fail(status.error().code(), std::move(details));
   }
   const auto files = pki::participant_folder(given);
-  if (is_there(files.certificate) || is_there(files.identity_ca)) return {};
-  if (auto words = about_keystore(given); !words.empty())
+  if (path_exists(files.certificate) || path_exists(files.identity_ca)) return {};
+  if (auto words = keystore_hint(given); !words.empty())
     return fail(Code::file_not_found, {.document = files.certificate,
                                        .note = fmt::format("{} is a keystore", given.string()),
                                        .hint = std::move(words)});

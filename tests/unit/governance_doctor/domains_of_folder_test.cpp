@@ -1,4 +1,4 @@
-#include "governance/doctor/domains.hpp"
+#include "governance/doctor/domains_of_folder.hpp"
 
 #include "tests/unit/governance_doctor/doctor_fixture.hpp"
 

@@ -1,4 +1,4 @@
-#include "cli/frame/leftovers.hpp"
+#include "cli/frame/stale_drafts.hpp"
 
 #include <algorithm>
 #include <cerrno>

@@ -1,4 +1,4 @@
-#include "governance/as_read.hpp"
+#include "governance/product_reading.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -32,7 +32,7 @@ bool change_expression(std::string& expression, bool& is_padded, StockProduct pr
   if (!is_cyclone && std::exchange(is_padded, false))
     read = std::string(kMatchesNothing);
   else if (!is_portable(expression))
-    read = is_cyclone ? as_cyclone_reads_it(expression) : as_fastdds_reads_it(expression);
+    read = is_cyclone ? meaning_in_cyclonedds(expression) : meaning_in_fastdds(expression);
   return std::exchange(expression, read) != read;
 }
 
@@ -195,7 +195,7 @@ std::string_view to_string(StockProduct product) {
   return product == StockProduct::cyclonedds ? "Cyclone DDS" : "Fast DDS";
 }
 
-Validity as_stock_reads(const Validity& validity, StockProduct product) {
+Validity rewritten_for(const Validity& validity, StockProduct product) {
   auto out = validity;
   if (product == StockProduct::cyclonedds) {
     if (!std::exchange(out.is_for_cyclone, true)) out.not_after = out.not_before;
@@ -206,7 +206,7 @@ Validity as_stock_reads(const Validity& validity, StockProduct product) {
   return out;
 }
 
-std::optional<Governance> as_stock_reads(const Governance& document, StockProduct product) {
+std::optional<Governance> rewritten_for(const Governance& document, StockProduct product) {
   auto out = document;
   bool any = false;
   for (auto& rule : out.domain_rules) {
@@ -216,11 +216,11 @@ std::optional<Governance> as_stock_reads(const Governance& document, StockProduc
   return any ? std::optional(std::move(out)) : std::nullopt;
 }
 
-std::optional<Permissions> as_stock_reads(const Permissions& document, StockProduct product) {
+std::optional<Permissions> rewritten_for(const Permissions& document, StockProduct product) {
   auto out = document;
   bool any = false;
   for (auto& grant : out.grants) {
-    const auto written = std::exchange(grant.validity, as_stock_reads(grant.validity, product));
+    const auto written = std::exchange(grant.validity, rewritten_for(grant.validity, product));
     if (grant.validity != written) any = true;
     for (auto& rule : grant.rules)
       if (change_rule(rule, product)) any = true;
@@ -231,10 +231,10 @@ std::optional<Permissions> as_stock_reads(const Permissions& document, StockProd
   return any ? std::optional(std::move(out)) : std::nullopt;
 }
 
-std::optional<PermissionsOfOwnEndpoints> as_fastdds_reads_for_own_endpoints(
+std::optional<PermissionsOfOwnEndpoints> rewritten_for_own_endpoints_of_fastdds(
     const Permissions& before, const Permissions& after) {
-  PermissionsOfOwnEndpoints out{as_stock_reads(before, StockProduct::fastdds).value_or(before),
-                                as_stock_reads(after, StockProduct::fastdds).value_or(after)};
+  PermissionsOfOwnEndpoints out{rewritten_for(before, StockProduct::fastdds).value_or(before),
+                                rewritten_for(after, StockProduct::fastdds).value_or(after)};
   if (std::ranges::all_of(out.before.grants, have_same_domains) &&
       std::ranges::all_of(out.after.grants, have_same_domains))
     return std::nullopt;
@@ -247,12 +247,12 @@ std::optional<PermissionsOfOwnEndpoints> as_fastdds_reads_for_own_endpoints(
   return out;
 }
 
-std::optional<DomainRule> expressions_as_read(const DomainRule& rule, StockProduct product) {
+std::optional<DomainRule> rewritten_expressions(const DomainRule& rule, StockProduct product) {
   auto out = rule;
   return change_expressions(out, product) ? std::optional(std::move(out)) : std::nullopt;
 }
 
-std::optional<Grant> expressions_as_read(const Grant& grant, StockProduct product) {
+std::optional<Grant> rewritten_expressions(const Grant& grant, StockProduct product) {
   auto out = grant;
   bool any = false;
   for (auto& rule : out.rules)

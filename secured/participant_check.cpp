@@ -1,4 +1,4 @@
-#include "secured/folder_check.hpp"
+#include "secured/participant_check.hpp"
 
 #include <algorithm>
 #include <string>

@@ -1,11 +1,11 @@
-#include "rtps/participant/second_reading.hpp"
+#include "rtps/participant/announcement_refresh.hpp"
 
 #include <algorithm>
 #include <utility>
 
 namespace ddssec::rtps {
 
-void SecondReading::note_change(MonotonicTime now) {
+void AnnouncementRefresh::note_change(MonotonicTime now) {
   if (due_ != kNever) return;
   if (now >= last_ + kMaxPause) pause_ = kMinPause;
   due_ = now + pause_;
@@ -13,7 +13,7 @@ void SecondReading::note_change(MonotonicTime now) {
 
 // A participant may also send again that an endpoint has ended. That confirms an end which does not
 // count yet.
-bool SecondReading::note_end(const EntityId& endpoint, MonotonicTime now) {
+bool AnnouncementRefresh::note_end(const EntityId& endpoint, MonotonicTime now) {
   note_change(now);
   if (const auto at = ended_.find(endpoint); at != ended_.end()) {
     at->second.is_read &= !at->second.counts;
@@ -26,14 +26,14 @@ bool SecondReading::note_end(const EntityId& endpoint, MonotonicTime now) {
   return counts;
 }
 
-void SecondReading::note_alive(const EntityId& endpoint) {
+void AnnouncementRefresh::note_alive(const EntityId& endpoint) {
   const auto at = ended_.find(endpoint);
   if (at == ended_.end()) return;
   counting_ -= at->second.counts ? 1 : 0;
   ended_.erase(at);
 }
 
-bool SecondReading::take_due(MonotonicTime now) {
+bool AnnouncementRefresh::take_due(MonotonicTime now) {
   if (now < std::min(due_, routine_)) return false;
   pause_ = now < due_ ? kMinPause : std::min(pause_ * 2, kMaxPause);
   due_ = kNever;
@@ -44,13 +44,13 @@ bool SecondReading::take_due(MonotonicTime now) {
   return true;
 }
 
-bool SecondReading::take_over(MonotonicTime now) {
+bool AnnouncementRefresh::take_over(MonotonicTime now) {
   if (now < over_) return false;
   over_ = kNever;
   return true;
 }
 
-std::vector<SecondReading::Ended> SecondReading::take_read() {
+std::vector<AnnouncementRefresh::Ended> AnnouncementRefresh::take_read() {
   std::vector<Ended> out;
   std::erase_if(ended_, [&](const auto& ended) {
     const auto& [endpoint, state] = ended;
@@ -62,7 +62,7 @@ std::vector<SecondReading::Ended> SecondReading::take_read() {
   return out;
 }
 
-std::optional<EntityId> SecondReading::note_gone(const EntityId& endpoint) {
+std::optional<EntityId> AnnouncementRefresh::note_gone(const EntityId& endpoint) {
   gone_.push_back(endpoint);
   if (gone_.size() <= kMaxGone) return std::nullopt;
   const auto first = gone_.front();
@@ -72,6 +72,6 @@ std::optional<EntityId> SecondReading::note_gone(const EntityId& endpoint) {
   return first;
 }
 
-MonotonicTime SecondReading::next() const { return std::min({due_, over_, routine_}); }
+MonotonicTime AnnouncementRefresh::next() const { return std::min({due_, over_, routine_}); }
 
 }  // namespace ddssec::rtps

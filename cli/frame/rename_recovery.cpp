@@ -1,4 +1,4 @@
-#include "cli/frame/unfinished.hpp"
+#include "cli/frame/rename_recovery.hpp"
 
 #include <algorithm>
 #include <array>
@@ -30,11 +30,11 @@ constexpr auto kListName = ".ddssec-unfinished";
 constexpr std::chrono::seconds kListTimeout{10};  // a list exists only during the renames
 constexpr std::string_view kEnd("end\0", 4);      // the end of a complete list
 
-std::unexpected<Error> cannot_write(const fs::path& path) {
+std::unexpected<Error> unwritable_error(const fs::path& path) {
   return fail(Code::file_unwritable, {.document = path, .note = errno_text(errno)});
 }
 
-std::unexpected<Error> untrusted(const fs::path& list, std::string why) {
+std::unexpected<Error> untrusted_list_error(const fs::path& list, std::string why) {
   return fail(Code::unfinished_untrusted, {.document = list, .found = std::move(why)});
 }
 
@@ -147,8 +147,9 @@ struct List {
     struct stat status {};
     // The file was put in place before.
     if (::fstatat(in, draft.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) return {};
-    if (!is_plain(status) || !is_own(status)) return untrusted(path, "a draft of another user");
-    if (::renameat(in, draft.c_str(), in, name.c_str()) != 0) return cannot_write(name);
+    if (!is_plain(status) || !is_own(status))
+      return untrusted_list_error(path, "a draft of another user");
+    if (::renameat(in, draft.c_str(), in, name.c_str()) != 0) return unwritable_error(name);
     return {};
   }
 
@@ -175,7 +176,7 @@ struct List {
       if (!entry.target.has_parent_path())
         DDSSEC_RETURN_IF_ERROR(put_in_place(entry));
       else if (reach == Reach::folder)
-        return untrusted(path, "a file of another folder in it");
+        return untrusted_list_error(path, "a file of another folder in it");
       else if (!put_elsewhere(entry))
         left.push_back(std::move(entry));
     }
@@ -192,7 +193,7 @@ bool is_still_there(int file) {
 Status check_trusted(const List& list, int file) {
   auto doubt = doubt_about(list.folder, file);
   if (doubt.empty() || !is_still_there(file)) return {};
-  return untrusted(list.path, std::move(doubt));
+  return untrusted_list_error(list.path, std::move(doubt));
 }
 
 Reach reach_of(const fs::path& folder, std::span<const Draft> drafts) {
@@ -202,7 +203,7 @@ Reach reach_of(const fs::path& folder, std::span<const Draft> drafts) {
 }
 
 // The remaining entries of a list. If there is a newer draft for a file, the older one is removed.
-std::vector<Draft> left_besides(std::vector<Entry> left, std::span<const Draft> drafts) {
+std::vector<Draft> remaining_drafts(std::vector<Entry> left, std::span<const Draft> drafts) {
   std::vector<Draft> out;
   std::error_code ignored;
   for (auto& [target, ending] : left) {
@@ -239,30 +240,32 @@ Result<std::vector<Entry>> finish_list(const fs::path& given, Reach reach) {
 
 }  // namespace
 
-Result<Intent> Intent::write(const fs::path& folder, std::span<const Draft> drafts) {
+Result<PendingRenames> PendingRenames::write(const fs::path& folder,
+                                             std::span<const Draft> drafts) {
   DDSSEC_ASSIGN_OR_RETURN(auto left, finish_list(folder, reach_of(folder, drafts)));
   const bool has_left = !left.empty();
-  auto all = left_besides(std::move(left), drafts);
+  auto all = remaining_drafts(std::move(left), drafts);
   all.insert(all.end(), drafts.begin(), drafts.end());
   const int at = folder_descriptor(folder);
   if (has_left) ::unlinkat(at, kListName, 0);
-  Intent out(at, ::openat(at, kListName, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  PendingRenames out(
+      at, ::openat(at, kListName, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
   const bool is_written = out.file_ >= 0 && ::flock(out.file_, LOCK_EX) == 0 &&
                           write_whole(out.file_, text_of(folder, all));
-  if (!is_written) return cannot_write(folder / kListName);
+  if (!is_written) return unwritable_error(folder / kListName);
   out.is_kept_ = all.size() > drafts.size();
   return out;
 }
 
-bool Intent::is_believed() const { return doubt_about(folder_, file_).empty(); }
+bool PendingRenames::is_trusted() const { return doubt_about(folder_, file_).empty(); }
 
-Intent::~Intent() {
+PendingRenames::~PendingRenames() {
   if (file_ < 0) return;
   if (!is_kept_) ::unlinkat(folder_, kListName, 0);
   ::close(file_);
 }
 
-Intent::Intent(Intent&& other) noexcept
+PendingRenames::PendingRenames(PendingRenames&& other) noexcept
     : folder_(other.folder_), file_(std::exchange(other.file_, -1)), is_kept_(other.is_kept_) {}
 
 Status finish_interrupted(const fs::path& folder, Reach reach) {

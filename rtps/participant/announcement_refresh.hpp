@@ -23,7 +23,7 @@ namespace ddssec::rtps {
 ///
 /// The pause grows, so that a participant with many short-lived endpoints does not send all of them
 /// again each time.
-class SecondReading {
+class AnnouncementRefresh {
  public:
   static constexpr MonotonicTime kMinPause = std::chrono::seconds(4);
   static constexpr MonotonicTime kMaxPause = std::chrono::seconds(256);

@@ -1,5 +1,5 @@
 // How often a reader that is said to have ended is asked.
-#include "rtps/participant/doubted_readers.hpp"
+#include "rtps/participant/reader_end_checks.hpp"
 
 #include "tests/unit/rtps_security/security_fixture.hpp"
 
@@ -9,16 +9,16 @@ namespace {
 using namespace testing;
 
 TEST(DoubtedReader, SilentReader_IsAskedLessAndLess) {
-  struct Count final : DoubtedReaders::Host {
-    std::optional<std::uint64_t> answers(const DoubtedReaders::Pair&) override { return 7; }
-    void ask(const DoubtedReaders::Pair&) override { ++asked; }
-    void on_silent(const DoubtedReaders::Pair&) override { ++silent; }
+  struct Count final : ReaderEndChecks::Host {
+    std::optional<std::uint64_t> answers(const ReaderEndChecks::Pair&) override { return 7; }
+    void request_sign_of_life(const ReaderEndChecks::Pair&) override { ++asked; }
+    void on_no_answer(const ReaderEndChecks::Pair&) override { ++silent; }
     int asked = 0, silent = 0;
   } host;
-  DoubtedReaders doubted(host);
+  ReaderEndChecks checks(host);
   for (int i = 0; i < 3600; ++i) {
-    doubted.add({}, seconds(i));
-    doubted.tick(seconds(i));
+    checks.add({}, seconds(i));
+    checks.tick(seconds(i));
   }
   EXPECT_EQ(host.silent, 1);
   EXPECT_LE(host.asked, 4 + 5 + 3600 / 32);
