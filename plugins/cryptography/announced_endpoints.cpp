@@ -183,6 +183,14 @@ bool AnnouncedEndpoints::has_secured(const EntityId& endpoint, bool is_writer) c
          });
 }
 
+bool AnnouncedEndpoints::has_ended(const EntityId& endpoint, bool is_writer) const {
+  const std::lock_guard lock(mutex_);
+  const auto known = writers_.find(is_writer ? kSecurePublications : kSecureSubscriptions);
+  if (known == writers_.end()) return false;
+  const auto& ended = known->second.ended;
+  return std::ranges::find(ended, endpoint) != ended.end();
+}
+
 void AnnouncedEndpoints::take_back(const BuiltinTopic& topic, std::uint64_t number) {
   const std::lock_guard lock(mutex_);
   auto& passed = writers_[topic.writer].passed;
@@ -232,7 +240,10 @@ void AnnouncedEndpoints::settle(Writer& writer, const Announcement& announcement
 
 void AnnouncedEndpoints::forget(Writer& writer, const EntityId& entity) {
   set(writer, entity, 0);
-  writer.announced.erase(entity);
+  if (writer.announced.erase(entity) != 0) {
+    if (writer.ended.size() >= kMaxEnded) writer.ended.pop_front();
+    writer.ended.push_back(entity);
+  }
   const auto known = writer.again.find(entity);
   if (known == writer.again.end()) return;
   account_->replace(known->second, 0, AnnouncedOctets::Heard::again);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -90,6 +91,8 @@ struct Announcement {
 /// number as skipped, and everything that passed under this number was the same.
 class AnnouncedEndpoints {
  public:
+  static constexpr std::size_t kMaxEnded = 1024;
+
   AnnouncedEndpoints() = default;
   ~AnnouncedEndpoints();
   AnnouncedEndpoints(const AnnouncedEndpoints&) = delete;
@@ -124,6 +127,9 @@ class AnnouncedEndpoints {
   bool hides_readers() const;
   /// True if the participant has announced that endpoint in the secure discovery, and not its end.
   bool has_secured(const EntityId& endpoint, bool is_writer) const;
+  /// True if it has announced that endpoint in the secure discovery, and then its end, which the
+  /// host has acknowledged. Of each kind the last kMaxEnded are known.
+  bool has_ended(const EntityId& endpoint, bool is_writer) const;
 
  private:
   struct Writer {
@@ -132,6 +138,7 @@ class AnnouncedEndpoints {
     std::map<std::uint64_t, Announcement> passed = {};
     SkippedNumbers skipped = {};
     std::map<EntityId, std::size_t> endpoints = {};  ///< octets that the host stores for each
+    std::deque<EntityId> ended = {};                 ///< the last ones, at most kMaxEnded
     std::set<EntityId> announced = {};               ///< endpoints whose end is not acknowledged
     /// Octets that came for each endpoint under numbers that were already acknowledged.
     std::map<EntityId, std::size_t> again = {};

@@ -82,7 +82,7 @@ class DiscoveryWork {
   void count_for(std::shared_ptr<WorkAccount> account);
 
   /// Charges an attempt to match one of its endpoints with a local one, to which access control
-  /// has agreed. An attempt that it refuses may come from a forged announcement.
+  /// has agreed. One that it refuses may come from an announcement that an attacker forged.
   void tried(Cause cause, MonotonicTime now);
   /// One of its readers matches a local writer, which matches `standing` others already. Charges
   /// this and, in advance, the end of the match.

@@ -362,7 +362,11 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   DDSSEC_RETURN_IF_ERROR(held.check_source(*pair));
   if (const auto status = check_announced(endpoint, *pair, held.owner()); !status) {
-    state_.report(status.error(), pair->peer_prefix);
+    const auto& announced = endpoint.participant.discovery.announced;
+    const bool is_writer = endpoint.kind() == EntityKind::remote_writer;
+    // An application may delete an endpoint before its keys have come. That is no attack.
+    if (!announced.has_ended(held.owner(), is_writer))
+      state_.report(status.error(), pair->peer_prefix);
     return status;
   }
   // A place is taken now and not at the announcement. A host that trusts unprotected discovery also

@@ -45,6 +45,24 @@ TEST_F(AnnouncedEndpointsTest, GoneOnes_MakeRoomOnceTheHostHasAcknowledgedIt) {
   }
 }
 
+TEST_F(AnnouncedEndpointsTest, EndedOnes_AreKnownUpToALimit) {
+  const auto& announced = peers.peer.announced;
+  ASSERT_EQ(announce(1, 0), Code{});
+  EXPECT_FALSE(announced.has_ended(endpoint(1), true));
+  ASSERT_EQ(dispose(1, kDisposed), Code{});
+  ASSERT_EQ(dispose(2, kDisposed), Code{});
+  acknowledge();
+  EXPECT_TRUE(announced.has_ended(endpoint(1), true));
+  EXPECT_FALSE(announced.has_ended(endpoint(1), false));
+  EXPECT_FALSE(announced.has_ended(endpoint(2), true)) << "it was never announced";
+  for (std::uint32_t more = 0; more < AnnouncedEndpoints::kMaxEnded; ++more) {
+    ASSERT_EQ(announce(3 + more, 0), Code{});
+    ASSERT_EQ(dispose(3 + more, kDisposed), Code{});
+    acknowledge();
+  }
+  EXPECT_FALSE(announced.has_ended(endpoint(1), true));
+}
+
 TEST_F(AnnouncedEndpointsTest, FilteredOnes_Stay) {
   ASSERT_EQ(announce(1), Code{});
   ASSERT_EQ(dispose(1, kFiltered), Code{});

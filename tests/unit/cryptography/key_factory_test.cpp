@@ -49,6 +49,31 @@ struct Gated {
     return code_of(
         decode_submessage(two, discovery, encode_submessage(two, discovery, octets).value()));
   }
+  Code end(const EntityId& writer) {
+    Bytes list = {0, 3, 0, 0, 0x5a, 0, 16, 0};
+    append(list, kPeer.view());
+    append(list, writer.view());
+    append(list, Bytes{1, 0, 0, 0});
+    const Bytes disposed = {0x71, 0, 4, 0, 0, 0, 0, 1, 1, 0, 0, 0};
+    const DataMessage message{.writer = kSecurePublications,
+                              .flags = 0x06,
+                              .number = ++number,
+                              .inline_qos = disposed,
+                              .payload = list};
+    return code_of(decode_submessage(two, discovery,
+                                     encode_submessage(two, discovery, message.octets()).value()));
+  }
+  // The host has taken everything that the secure discovery announced.
+  void acknowledge() {
+    Bytes acknack = {submessage_id::kAckNack, 1, 24, 0};
+    append(acknack, EntityId{{0xff, 0, 3, 0xc7}}.view());
+    append(acknack, kSecurePublications.view());
+    append(acknack, 0, 4, true);
+    append(acknack, number + 1, 4, true);
+    append(acknack, 0, 4, true);
+    append(acknack, 1, 4, true);
+    ASSERT_TRUE(encode_reply(two, discovery, acknack));
+  }
   WriterToReader match() {
     auto attributes = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none);
     attributes.topic.is_discovery_protected = true;
@@ -85,6 +110,17 @@ TEST(MatchGate, WriterNotAnnouncedInTheSecureDiscovery_GetsNoMatch) {
   const auto user = gated.match();
   EXPECT_EQ(gated.take(user), Code::keys_not_permitted);
   EXPECT_EQ(gated.two.b.events.codes(), std::vector{Code::keys_not_permitted});
+}
+
+// Before: an event accused a peer whose application had deleted the writer.
+TEST(MatchGate, KeysOfAWriterThatHasEnded_AreRefusedWithoutAnEvent) {
+  Gated gated;
+  EXPECT_EQ(gated.announce(kWriter, false), Code{});
+  const auto user = gated.match();
+  EXPECT_EQ(gated.end(kWriter), Code{});
+  gated.acknowledge();
+  EXPECT_EQ(gated.take(user), Code::keys_not_permitted);
+  EXPECT_TRUE(gated.two.b.events.codes().empty());
 }
 
 TEST(MatchGate, WriterAnnouncedInTheSecureDiscovery_Matches) {
