@@ -166,7 +166,8 @@ bool is_readable_by_others(const fs::path& path, unsigned& mode) {
   return (mode & 077) != 0;
 }
 
-void report_readable_secret(const fs::path& path, std::string_view what, Diagnosis& out) {
+void report_readable_secret(const fs::path& path, std::string_view what, Diagnosis& out,
+                            std::string hint = {}) {
   unsigned mode = 0;
   if (!is_readable_by_others(path, mode)) return;
   out.report({},
@@ -174,10 +175,20 @@ void report_readable_secret(const fs::path& path, std::string_view what, Diagnos
               .message = fmt::format("{} {} and has mode {:04o}: others than its owner can read "
                                      "it; it should have 0600",
                                      name_of(path), what, mode),
-              .document = path});
+              .document = path,
+              .hint = std::move(hint)});
 }
 
-void check_configuration_modes(const pki::ParticipantFolder& paths, Diagnosis& out) {
+// Where the governance demands pre-shared keys, DOC091 judges their passphrases.
+bool uses_pre_shared_keys(const LoadedFolder& folder, const Settings& settings) {
+  const auto* const rule =
+      folder.governance.model ? folder.governance.model->find(settings.domain) : nullptr;
+  return rule != nullptr && is_protected(rule->rtps_psk_protection_kind);
+}
+
+void check_configuration_modes(const LoadedFolder& folder, const Settings& settings,
+                               Diagnosis& out) {
+  const auto& paths = folder.paths;
   for (const auto& path :
        {paths.folder / "cyclonedds.xml", paths.folder / "fastdds.xml", paths.properties}) {
     const auto text = ddssec::load("file:" + path.string(), "", pki::kMaxDocumentOctets);
@@ -187,6 +198,12 @@ void check_configuration_modes(const pki::ParticipantFolder& paths, Diagnosis& o
       report_readable_secret(path, "holds a password, a PIN or a private key", out);
     for (const auto& file : secrets.files)
       report_readable_secret(file, fmt::format("is named as a secret by {}", name_of(path)), out);
+    if (uses_pre_shared_keys(folder, settings)) continue;
+    for (const auto& file : secrets.passphrase_files)
+      report_readable_secret(
+          file, fmt::format("is named for a passphrase by {}", name_of(path)), out,
+          "chmod 600 the file; if others may have read it, change the passphrase at all "
+          "participants (docs/pre-shared-keys.md)");
   }
 }
 
@@ -337,7 +354,7 @@ void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis
   check_loaded(folder, settings, out);
   check_tokens(folder, out);
   check_mode(folder.paths.key, out);
-  check_configuration_modes(folder.paths, out);
+  check_configuration_modes(folder, settings, out);
   check_owner(folder.paths.key, out);
   check_writable_places(folder, settings, out);
   check_strangers(folder, out);

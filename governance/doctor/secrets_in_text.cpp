@@ -53,8 +53,8 @@ void look_for(std::string_view name, std::string_view text, std::string_view sma
     auto uri = text.substr(begin, value.size());
     uri = uri.substr(0, uri.find_first_of("<\r\n"));
     uri = uri.substr(0, uri.find_last_not_of(kBlanks) + 1);
-    if (name != kPassword) continue;
-    if (auto path = file_named_by(uri)) out.files.emplace_back(*std::move(path));
+    auto& files = name == kPassword ? out.files : out.passphrase_files;
+    if (auto path = file_named_by(uri)) files.emplace_back(*std::move(path));
   }
 }
 

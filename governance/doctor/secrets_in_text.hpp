@@ -12,8 +12,10 @@ namespace ddssec::governance::doctor {
 struct SecretsInText {
   /// True if the text has a private key, a PIN, or a password or passphrase itself.
   bool are_there = false;
-  /// The files that are named for a password. DOC091 reports those for passphrases.
+  /// The files that are named for a password.
   std::vector<std::filesystem::path> files = {};
+  /// The files that are named for passphrases of pre-shared keys.
+  std::vector<std::filesystem::path> passphrase_files = {};
 };
 SecretsInText secrets_in(std::string_view text);
 

@@ -1,4 +1,4 @@
-// Files that are missing or cut off.
+// Files that are missing, cut off, or readable by others.
 #include <gmock/gmock.h>
 
 #include "doctor_fixture.hpp"
@@ -35,6 +35,30 @@ TEST_F(DiagnosisTest, TruncatedFiles_AreFaultsAndNoCrash) {
     write(path, whole);
   }
   EXPECT_TRUE(diagnosis(folder).outcomes().all_ok());
+}
+
+// Before: only where the governance demands pre-shared keys.
+TEST_F(DiagnosisTest, PassphraseFileThatOthersCanRead_IsReportedWhateverTheGovernanceDemands) {
+  const auto folder = participant("talker");
+  const auto passphrase = folder.folder / "domain.psk";
+  write(passphrase, "7:secret");
+  write(folder.properties,
+        "dds.sec.crypto.rtps_psk_secret_passphrase = file:" + passphrase.string() + "\n");
+  const auto reports = [&] {
+    std::vector<std::string> out;
+    const auto told = diagnosis(folder);
+    for (const auto& check : told.checks())
+      for (const auto& finding : check.findings)
+        if (finding.rule == ddssec::Rule::DOC003) out.push_back(finding.message);
+    return out;
+  };
+  fs::permissions(passphrase, fs::perms(0644));
+  const auto readable = reports();
+  ASSERT_EQ(readable.size(), 1u);
+  EXPECT_NE(readable[0].find("domain.psk is named for a passphrase by "), std::string::npos)
+      << readable[0];
+  fs::permissions(passphrase, fs::perms(0600));
+  EXPECT_TRUE(reports().empty());
 }
 
 }  // namespace

@@ -39,6 +39,13 @@ TEST(SecretInText, FilesThatAreNamedAsSecrets_AreTold) {
   EXPECT_FALSE(secrets.are_there);
   EXPECT_EQ(secrets.files,
             (std::vector<std::filesystem::path>{"/Run/password", "/run/other", "secrets/third"}));
+  EXPECT_EQ(secrets.passphrase_files, (std::vector<std::filesystem::path>{"/run/7.psk"}));
+}
+
+TEST(SecretInText, FilesOfFurtherPassphrases_AreToldOnce) {
+  const auto secrets =
+      secrets_in("dds.sec.crypto.rtps_psk_secret_passphrase_extra = file:/run/old.psk\n");
+  EXPECT_EQ(secrets.passphrase_files, (std::vector<std::filesystem::path>{"/run/old.psk"}));
 }
 
 }  // namespace
