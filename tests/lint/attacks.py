@@ -31,10 +31,10 @@ def tests_by_folder(root):
 
 
 def ctest_entries(root):
-    """Names given to add_test, also by functions of CMakeLists.txt that take the name after the folder's prefix."""
+    """Names given to add_test, also by functions that take it first or after the folder's prefix."""
     transcripts = {"cli." + file.stem.removesuffix("_test") for file in (root / "tests/cli").glob("*_test.py")}
     text = "\n".join(file.read_text(encoding="utf-8") for file in (root / "tests").rglob("CMakeLists.txt"))
-    return transcripts | set(re.findall(r"NAME\s+([\w.]+)", text)) | {
+    return transcripts | set(re.findall(r"(?:NAME\s+|ddssec_interop_test\()([\w.]+)", text)) | {
         name.replace("${which}", which) for name in re.findall(r"NAME\s+([\w.${}]+)", text) for which in ("chosen", "all")}
 
 
