@@ -298,7 +298,7 @@ std::vector<Command> init_commands() {
                        {"--layout", "NAME", "flat, or sros2: a keystore of ROS 2", "flat"},
                        {.name = "--allow-topics",
                         .value = "TOPIC",
-                        .summary = "what everybody may publish and subscribe to",
+                        .summary = "what each participant may publish and subscribe to",
                         .fallback = "*",
                         .repeated = true},
                        days("365"),

@@ -156,7 +156,7 @@ void check_no_key_in_public(const fs::path& keystore, Report& report) {
     const auto octets = read_file(entry.path(), pki::kMaxCertificateOctets);
     if (octets && as_text(*octets).contains("PRIVATE KEY-----"))
       refuse(Rule::DOC004, entry.path(),
-             fmt::format("{} holds a private key, and public/ is for everybody",
+             fmt::format("{} holds a private key, and public/ is for all participants",
                          entry.path().string()),
              report);
   }

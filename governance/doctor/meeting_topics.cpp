@@ -414,7 +414,7 @@ std::string narrowest(const std::vector<RankedExpression>& expressions, const Na
   return std::string(out);
 }
 
-bool anybody_may(const MeetingScene& scene, const std::string& topic) {
+bool is_allowed_for_either(const MeetingScene& scene, const std::string& topic) {
   for (const int i : kBoth)
     for (const auto action : {Action::publish, Action::subscribe})
       if (judge(scene, {i, i, action, topic}).ok) return true;
@@ -462,7 +462,7 @@ std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene) {
   constexpr std::size_t kMaxOfMany = 2'000;
   const auto most = found.is_complete ? found.atoms.size() : kMaxOfMany;
   for (const auto& atom : found.atoms | std::views::take(most)) {
-    if (!anybody_may(scene, atom.witness)) continue;
+    if (!is_allowed_for_either(scene, atom.witness)) continue;
     if (out.size() == kMaxTopics) {
       scene.out.topics_complete = false;
       break;

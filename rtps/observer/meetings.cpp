@@ -240,11 +240,11 @@ std::vector<Finding> leaks_of(const Observer& observer) {
     const auto name = name_of(prefix, participant);
     if (const auto& topics = participant.clear_topics; !topics.empty())
       out.push_back(
-          {Rule::CAP020, fmt::format("{} announces {} of its topics to everybody, such as "
+          {Rule::CAP020, fmt::format("{} announces {} of its topics in the clear, such as "
                                      "\"{}\"",
                                      name, topics.size(), topics.begin()->first)});
     if (participant.clear_samples > 0)
-      out.push_back({Rule::CAP021, fmt::format("{} sent {} samples that everybody can read", name,
+      out.push_back({Rule::CAP021, fmt::format("{} sent {} samples in the clear", name,
                                                participant.clear_samples)});
   }
   return out;
