@@ -9,7 +9,6 @@ Usage: beside_stock_test.py BUILD [FILTER]
 import os
 import shutil
 import sys
-import tempfile
 from dataclasses import replace
 
 sys.dont_write_bytecode = True
@@ -153,15 +152,5 @@ def cases():
     yield "no further topic rule/ours-ac", "ours-ac", lambda world: governance(world, False)
 
 
-def attempt(case):
-    _, kind, story = case
-    with tempfile.TemporaryDirectory(prefix="ddssec-beside-") as folder, Beside(folder, kind) as world:
-        try:
-            story(world)
-            return None, ""
-        except AssertionError as one:
-            return f"{one}{world.logs()}", ""
-
-
 if __name__ == "__main__":
-    sys.exit(stories.run(cases(), attempt, at_once=8))
+    sys.exit(stories.run(cases(), stories.attempt_in(Beside, "beside"), at_once=8))

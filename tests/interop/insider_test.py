@@ -19,7 +19,6 @@ import re
 import selectors
 import shutil
 import sys
-import tempfile
 import time
 from dataclasses import replace
 
@@ -393,15 +392,5 @@ def cases():
         yield f"source/{kind}", kind, MESSAGES_ONLY, source
 
 
-def attempt(case):
-    _, kind, governance, story = case
-    with tempfile.TemporaryDirectory(prefix="ddssec-insider-") as folder, World(folder, kind, governance) as world:
-        try:
-            story(world)
-        except AssertionError as one:
-            return f"{one}{world.logs()}", ""
-    return None, ""
-
-
 if __name__ == "__main__":
-    sys.exit(stories.run(cases(), attempt))
+    sys.exit(stories.run(cases(), stories.attempt_in(World, "insider")))

@@ -21,7 +21,6 @@ import re
 import struct
 import subprocess
 import sys
-import tempfile
 import time
 
 sys.dont_write_bytecode = True
@@ -188,15 +187,5 @@ def cases():
             yield f"{name}/{kind}", kind, SHARED_KEYS, lambda world, n=name: forge(world, many[n])
 
 
-def attempt(case):
-    _, kind, governance, story = case
-    with tempfile.TemporaryDirectory(prefix="ddssec-keys-") as folder, World(folder, kind, governance) as world:
-        try:
-            story(world)
-        except AssertionError as one:
-            return f"{one}{world.logs()}", ""
-    return None, ""
-
-
 if __name__ == "__main__":
-    sys.exit(stories.run(cases(), attempt))
+    sys.exit(stories.run(cases(), stories.attempt_in(World, "keys")))

@@ -6,7 +6,21 @@ and what else the line shall say.
 
 import concurrent.futures
 import sys
+import tempfile
 import time
+
+
+def attempt_in(world_class, name):
+    """The attempt() of cases that end with a story, for which the words between make the world: `story(world)`."""
+    def attempt(case):
+        _, *setting, story = case
+        with tempfile.TemporaryDirectory(prefix=f"ddssec-{name}-") as folder, world_class(folder, *setting) as world:
+            try:
+                story(world)
+            except AssertionError as one:
+                return f"{one}{world.logs()}", ""
+        return None, ""
+    return attempt
 
 
 def tell(case, attempt):

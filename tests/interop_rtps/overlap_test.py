@@ -3,16 +3,16 @@
 Cyclone DDS on our plugins, and embedded ones. Prints how long nothing came, and how many samples were lost, at each step.
 Usage: overlap_test.py BUILD [FILTER]"""
 
-import concurrent.futures
+import itertools
 import pathlib
 import subprocess
 import sys
-import tempfile
 import time
 
 sys.dont_write_bytecode = True
 from shapes_process import Namespace, check  # puts the folders of what follows in place
-from renewal_test import DOMAIN, GAP, LOOKS, SAMPLE, Documents, Process, command, gaps, said
+import story_cases
+from renewal_test import DOMAIN, GAP, LOOKS, Documents, Process, command, gaps, said
 
 START = 30      # seconds until the two must talk
 STEP = 6        # seconds for each step of a rotation: more than a look at the files takes
@@ -98,31 +98,18 @@ def rotated(story):
     return note
 
 
-def attempt(build, kinds):
-    name = "/".join(kinds)
-    with tempfile.TemporaryDirectory(prefix="ddssec-overlap-") as folder:
-        story = None
-        try:
-            story = Story(build, folder, kinds)
-            return name, None, rotated(story)
-        except AssertionError as fault:
-            lines = [line for p in story.processes for line in p.lines[-400:] if not SAMPLE.match(line[1])] if story else []
-            return name, f"{fault}\n" + "\n".join(f"{at:.1f} {line}" for at, line in lines[-60:]), ""
-        finally:
-            if story:
-                story.close()
+def cases():
+    for kinds in itertools.product(("ours", "embedded"), repeat=2):
+        yield "/".join(kinds), kinds
 
 
-def main():
-    build, wanted = pathlib.Path(sys.argv[1]).resolve(), (sys.argv[2:] or [""])[0]
-    cases = [(a, b) for a in ("ours", "embedded") for b in ("ours", "embedded") if wanted in f"{a}/{b}"]
-    failed = 0
-    with concurrent.futures.ThreadPoolExecutor(max_workers=4) as pool:
-        for name, fault, note in pool.map(lambda kinds: attempt(build, kinds), cases):
-            print(f"{'FAILED' if fault else 'ok':8}{name}: {fault or note}", flush=True)
-            failed += fault is not None
-    return 1 if failed or not cases else 0
+def begin(build, folder, case):
+    return Story(build, folder, case[1])
+
+
+def play(story, _):
+    return rotated(story)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(story_cases.run(cases(), begin, play, at_once=4))

@@ -4,7 +4,6 @@ participant and in Cyclone DDS with our plugins, also beside stock plugins. Prin
 end. The cases "measure" run only on request.
 Usage: renewal_test.py BUILD [FILTER]"""
 
-import concurrent.futures
 import datetime
 import os
 import pathlib
@@ -12,12 +11,12 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 
 sys.dont_write_bytecode = True
 from shapes_process import SAMPLE, Namespace, check  # puts the folders of what follows in place
+import story_cases
 from documents import Governance, Permissions
 from pki import Pki
 
@@ -208,48 +207,44 @@ def cases():
     yield "measure/stock/ours", "stock", "ours", True, "measure"
 
 
-def attempt(build, case):
-    name, publisher, subscriber, reliable, what = case
-    with tempfile.TemporaryDirectory(prefix="ddssec-renewal-") as folder:
-        story = None
-        try:
-            kinds = publisher, subscriber
-            lasting = (1,) if what == "none" else tuple(i for i in (0, 1) if kinds[i] == "stock")
-            story = Story(build, folder, publisher, subscriber, reliable, lasting)
-            if what == "none":
-                return name, None, not_renewed(story, story.documents[0], story.publisher)
-            whose = [documents for i, documents in enumerate(story.documents) if i not in lasting]
-            strict = "gapless" if kinds == ("embedded", "embedded") and reliable else what == "both"
-            note = renewed_twice(story, whose, strict)
-            if what == "both":
-                for documents, process in ((story.documents[i], story.processes[i]) for i in (0, 1) if i not in lasting):
-                    for code in ("identity_renewed|presents a renewed certificate",
-                                 "permissions_renewed|renewed permissions of this participant"):
-                        check(f"{documents.name} never said {code}", said(documents, process, code))
-                if strict == "gapless":
-                    for documents, process in zip(story.documents, story.processes):
-                        for code in ("peer_identity_renewed", "peer_permissions_renewed"):
-                            check(f"{documents.name} never said {code}", said(documents, process, code))
-                        check(f"{documents.name} ended a session", not said(documents, process, "session_outlived|identity_ended"))
-            return name, None, note
-        except AssertionError as fault:
-            lines = [line for p in story.processes for line in p.lines[-400:] if not SAMPLE.match(line[1])] if story else []
-            return name, f"{fault}\n" + "\n".join(f"{at:.1f} {line}" for at, line in lines[-60:]), ""
-        finally:
-            if story:
-                story.close()
+def lasting(case):
+    """Those whose documents do not end: in the cases "none" the subscriber's, else those of stock plugins."""
+    _, publisher, subscriber, _, what = case
+    return (1,) if what == "none" else tuple(i for i, kind in enumerate((publisher, subscriber)) if kind == "stock")
 
 
-def main():
-    build, wanted = pathlib.Path(sys.argv[1]).resolve(), (sys.argv[2:] or [""])[0]
-    chosen = [case for case in cases() if wanted in case[0] and (wanted or not case[0].startswith("measure"))]
-    failed = 0
-    with concurrent.futures.ThreadPoolExecutor(max_workers=9) as pool:
-        for name, fault, note in pool.map(lambda case: attempt(build, case), chosen):
-            print(f"{'FAILED' if fault else 'ok':8}{name}: {fault or note}", flush=True)
-            failed += fault is not None
-    return 1 if failed or not chosen else 0
+def begin(build, folder, case):
+    _, publisher, subscriber, reliable, _ = case
+    return Story(build, folder, publisher, subscriber, reliable, lasting(case))
+
+
+def check_events(story, whose, strict):
+    for i in whose:
+        documents, process = story.documents[i], story.processes[i]
+        codes = ["identity_renewed|presents a renewed certificate", "permissions_renewed|renewed permissions of this participant"]
+        codes += ["peer_identity_renewed", "peer_permissions_renewed"] if strict == "gapless" else []
+        for code in codes:
+            check(f"{documents.name} never said {code}", said(documents, process, code))
+        if strict == "gapless":
+            check(f"{documents.name} ended a session", not said(documents, process, "session_outlived|identity_ended"))
+
+
+def play(story, case):
+    _, publisher, subscriber, reliable, what = case
+    if what == "none":
+        return not_renewed(story, story.documents[0], story.publisher)
+    whose = [i for i in (0, 1) if i not in lasting(case)]
+    strict = "gapless" if (publisher, subscriber) == ("embedded", "embedded") and reliable else what == "both"
+    note = renewed_twice(story, [story.documents[i] for i in whose], strict)
+    if what == "both":
+        check_events(story, whose, strict)
+    return note
+
+
+def chosen():
+    """Without a filter all but the cases that only measure."""
+    return [case for case in cases() if any(sys.argv[2:]) or not case[0].startswith("measure")]
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(story_cases.run(chosen(), begin, play, at_once=9))

@@ -3,18 +3,16 @@
 rights end nothing. In Cyclone DDS with our plugins, with peers of the same kind and embedded ones.
 Usage: rights_test.py BUILD [FILTER]"""
 
-import concurrent.futures
 import json
 import os
-import pathlib
 import shutil
 import sys
-import tempfile
 import time
 
 sys.dont_write_bytecode = True
-from shapes_process import SAMPLE, check  # puts the folders of what follows in place
+from shapes_process import check  # puts the folders of what follows in place
 from documents import Permissions
+import story_cases
 from renewal_test import DOMAIN, TOPIC, Story
 
 BEFORE = 25     # seconds until samples flow, at most
@@ -76,31 +74,15 @@ def cases():
             yield f"{who}/{publisher}/{subscriber}", publisher, subscriber, narrowed
 
 
-def attempt(build, case):
-    name, publisher, subscriber, narrowed = case
-    with tempfile.TemporaryDirectory(prefix="ddssec-rights-") as folder:
-        story = None
-        try:
-            story = Story(build, folder, publisher, subscriber, True, (0, 1))
-            return name, None, taken_away(story, narrowed, (publisher, subscriber)[narrowed] == "embedded")
-        except AssertionError as fault:
-            lines = [line for p in story.processes for _, line in p.lines[-200:] if not SAMPLE.match(line)] if story else []
-            return name, f"{fault}\n" + "\n".join(lines[-40:]), ""
-        finally:
-            if story:
-                story.close()
+def begin(build, folder, case):
+    _, publisher, subscriber, _ = case
+    return Story(build, folder, publisher, subscriber, True, (0, 1))
 
 
-def main():
-    build, wanted = pathlib.Path(sys.argv[1]).resolve(), (sys.argv[2:] or [""])[0]
-    chosen = [case for case in cases() if wanted in case[0]]
-    failed = 0
-    with concurrent.futures.ThreadPoolExecutor(max_workers=4) as pool:
-        for name, fault, note in pool.map(lambda case: attempt(build, case), chosen):
-            print(f"{'FAILED' if fault else 'ok':8}{name}: {fault or note}", flush=True)
-            failed += fault is not None
-    return 1 if failed or not chosen else 0
+def play(story, case):
+    _, publisher, subscriber, narrowed = case
+    return taken_away(story, narrowed, (publisher, subscriber)[narrowed] == "embedded")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(story_cases.run(cases(), begin, play, at_once=4))
