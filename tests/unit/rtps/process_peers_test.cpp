@@ -24,7 +24,7 @@ struct Member final : ProcessPeer {
   bool secured_;
 };
 
-TEST(Neighbourhood, OfOneDomainAndTag_IsTheSameWhileItIsUsed) {
+TEST(ProcessPeers, OfOneDomainAndTag_IsTheSameWhileItIsUsed) {
   const auto first = ProcessPeers::of(3, "tag");
   EXPECT_EQ(ProcessPeers::of(3, "tag"), first);
   EXPECT_NE(ProcessPeers::of(3, "other"), first);
@@ -32,7 +32,7 @@ TEST(Neighbourhood, OfOneDomainAndTag_IsTheSameWhileItIsUsed) {
   EXPECT_EQ(first.use_count(), 1) << "the table keeps none alive";
 }
 
-TEST(Neighbourhood, Member_IsFoundUntilItLeaves) {
+TEST(ProcessPeers, Member_IsFoundUntilItLeaves) {
   ProcessPeers all;
   const Member member(1);
   all.enter(member);
@@ -42,7 +42,7 @@ TEST(Neighbourhood, Member_IsFoundUntilItLeaves) {
   EXPECT_EQ(all.find(member.prefix()), nullptr);
 }
 
-TEST(Neighbourhood, PairOfOpenEndpoints_NeedsNoNetwork) {
+TEST(ProcessPeers, PairOfOpenEndpoints_NeedsNoNetwork) {
   ProcessPeers all;
   const Member own(1), other(2);
   all.enter(own), all.enter(other);
@@ -51,7 +51,7 @@ TEST(Neighbourhood, PairOfOpenEndpoints_NeedsNoNetwork) {
       << "nothing leaves the participant";
 }
 
-TEST(Neighbourhood, ProtectedEndpoint_UsesTheNetwork) {
+TEST(ProcessPeers, ProtectedEndpoint_UsesTheNetwork) {
   ProcessPeers all;
   const Member own(1), other(2);
   all.enter(own), all.enter(other);
@@ -59,7 +59,7 @@ TEST(Neighbourhood, ProtectedEndpoint_UsesTheNetwork) {
   EXPECT_EQ(process_peer_of(own, &all, kProtectedWriter, {other.prefix(), kReader}), nullptr);
 }
 
-TEST(Neighbourhood, OneSideIsNotSecured_UsesTheNetwork) {
+TEST(ProcessPeers, OneSideIsNotSecured_UsesTheNetwork) {
   ProcessPeers all;
   const Member own(1), plain(2, false);
   all.enter(own), all.enter(plain);
