@@ -58,7 +58,7 @@ struct RewrittenRules {
 };
 
 struct GovernanceDiff {
-  /// The overall result; see governance/README.md. One of neutral, stronger, weaker, mixed,
+  /// The overall result; see docs/comparison.md. One of neutral, stronger, weaker, mixed,
   /// unknown.
   ChangeClass verdict = ChangeClass::neutral;
   /// The most serious first.

@@ -1,4 +1,4 @@
-"""What a change of a governance document comes to: the lines of governance/README.md, its verdict,
+"""What a change of a governance document comes to: the lines of docs/comparison.md, its verdict,
 and what attackers can do afterwards that they could not do before."""
 
 from documents import (DOMAIN_KINDS, FLAGS, TOPIC_FLAGS, TOPIC_KINDS, domains_and_tags, read_governance)

@@ -1,5 +1,5 @@
 """What a change of a permissions document comes to, by trying decisions: (subject, time, domain, tag,
-action, endpoint), as "What a comparison means" in governance/README.md has it."""
+action, endpoint), as "What a comparison means" in docs/comparison.md has it."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""What documents protect against outsiders, insiders and relays (the table in governance/README.md),
+"""What documents protect against outsiders, insiders and relays (the table in docs/comparison.md),
 and which element has a part in a difference."""
 
 from documents import TOPIC_FLAGS, TOPIC_KINDS

@@ -1,5 +1,5 @@
 """Expressions that only one of two documents has, and that a product matches with other names than the
-standard does ("What other products read differently" in governance/README.md)."""
+standard does ("What other products read differently" in docs/comparison.md)."""
 
 import functools
 import xml.etree.ElementTree as ET
