@@ -34,15 +34,19 @@ InlineQos WriterMessages::inline_qos_of(const Change& change,
 }
 
 BytesView WriterMessages::payload_of(const Change& change) {
-  auto octets = change.payload.view();
-  if (is_builtin(writer_)) return octets;
-  if (change.is_key_only)
-    octets = key_payload_for(key_reading_, octets, to_bare_key_, key_scratch_);
+  const auto octets = change.payload.view();
+  if (is_builtin(writer_) || !change.is_key_only) return octets;
+  return key_payload_for(key_reading_, octets, to_bare_key_, key_scratch_);
+}
+
+BytesView WriterMessages::marked(const Change& change, BytesView beginning) {
   const auto mark = end_mark(change.status, change.is_key_only);
-  if (mark == 0 || octets.empty() || !sender_.protects_payload(writer_)) return octets;
-  if (octets.data() != key_scratch_.data()) key_scratch_.assign(octets.begin(), octets.end());
-  set_end_mark(key_scratch_, mark);
-  return key_scratch_;
+  if (mark == 0 || beginning.empty() || !sender_.protects_payload(writer_)) return beginning;
+  if (beginning.data() != key_scratch_.data())
+    key_scratch_.assign(beginning.begin(), beginning.end());
+  const auto out = MutableBytes(key_scratch_).first(beginning.size());
+  set_end_mark(out, mark);
+  return out;
 }
 
 void WriterMessages::change(const Receiver& receiver, const Change& change,
@@ -55,8 +59,9 @@ void WriterMessages::change(const Receiver& receiver, const Change& change,
       fragment(receiver, change, {number}, filters);
     return;
   }
-  const Data data{receiver.reader, writer_, change.sequence_number, inline_qos_of(change, filters),
-                  kind_of(change), payload};
+  const Data data{receiver.reader,        writer_,
+                  change.sequence_number, inline_qos_of(change, filters),
+                  kind_of(change),        marked(change, payload)};
   sender_.add(receiver.to, InfoTimestamp{change.source_time}, data);
 }
 
@@ -75,6 +80,7 @@ void WriterMessages::fragment(const Receiver& receiver, const Change& change, Fr
   const auto begin = std::size_t{number.value - 1} * sender_.fragment_size();
   if (begin >= octets.size()) return;
   const auto size = std::min<std::size_t>(sender_.fragment_size(), octets.size() - begin);
+  const auto part = octets.subspan(begin, size);
   const DataFrag frag{receiver.reader,
                       writer_,
                       change.sequence_number,
@@ -84,7 +90,7 @@ void WriterMessages::fragment(const Receiver& receiver, const Change& change, Fr
                       static_cast<std::uint32_t>(octets.size()),
                       inline_qos_of(change, filters),
                       change.is_key_only,
-                      octets.subspan(begin, size)};
+                      begin == 0 ? marked(change, part) : part};
   sender_.add(receiver.to, InfoTimestamp{change.source_time}, frag);
 }
 

@@ -50,8 +50,10 @@ class WriterMessages {
                  bool asserts_liveliness = false);
 
  private:
-  /// The payload of a change as it is sent.
+  /// The payload of a change as it is sent, without the mark of its end.
   BytesView payload_of(const Change& change);
+  /// The beginning of such a payload, with the mark if it needs one (end_mark).
+  BytesView marked(const Change& change, BytesView beginning);
   InlineQos inline_qos_of(const Change& change, std::span<const FilterResult> filters) const;
   std::optional<HeartbeatGroupInfo> group_state() const;
 
