@@ -185,6 +185,7 @@ struct LocalEndpoint final : Entity {
   bool is_discovery_protected = false;  ///< true if its announcements come under a key
   /// The thread that made it. The host matches a new endpoint with all known ones in that thread.
   const pthread_t maker = pthread_self();
+  MonotonicTime made{};  ///< when it was made
   /// Decides which peers get keys; nullptr if there is no check here.
   std::shared_ptr<const spi::MatchGate> gate = {};
   Cipher cipher = Cipher::aes256_gcm;

@@ -26,10 +26,12 @@ bool same_key_exchange(const Pair& a, const Pair& b) {
   return a.key_exchange_send->material().sender_key == b.key_exchange_send->material().sender_key;
 }
 
-// The host matches a new local endpoint with all known ones in the thread that made it.
-DiscoveryWork::Cause cause_at(const LocalEndpoint& local) {
-  return pthread_equal(local.maker, pthread_self()) != 0 ? DiscoveryWork::Cause::host
-                                                         : DiscoveryWork::Cause::peer;
+// The host matches a new local endpoint with all known ones in the thread that made it, and at
+// once. A listener makes endpoints in the thread that later also matches what peers announce.
+DiscoveryWork::Cause cause_at(const LocalEndpoint& local, MonotonicTime now) {
+  constexpr MonotonicTime kNew = std::chrono::seconds(10);
+  const bool is_new = pthread_equal(local.maker, pthread_self()) != 0 && now - local.made < kNew;
+  return is_new ? DiscoveryWork::Cause::host : DiscoveryWork::Cause::peer;
 }
 
 }  // namespace
@@ -282,6 +284,7 @@ Result<std::int64_t> KeyFactory::register_local_endpoint(
   const std::lock_guard lock(state_.mutex);
   DDSSEC_ASSIGN_OR_RETURN(auto* const parent, state_.local_participant(participant));
   auto endpoint = std::make_unique<LocalEndpoint>(kind, *parent);
+  endpoint->made = state_.services.clock.monotonic();
   endpoint->is_volatile = is_volatile(kind, properties);
   endpoint->is_builtin = attributes.is_builtin;
   endpoint->submessage =
@@ -386,7 +389,7 @@ Status KeyFactory::claim_share(RemoteEndpoint& remote, const Pair& pair) {
   if (!is_counted(local)) return {};
   auto& work = remote.participant.discovery.work;
   const auto now = state_.services.clock.monotonic();
-  work.tried(cause_at(local), now);
+  work.tried(cause_at(local, now), now);
   const auto subject = subject_of(remote.participant.identity, pair);
   if (auto status = local.matches.claim(subject); !status) {
     state_.report(status.error(), pair.peer_prefix);
@@ -394,7 +397,7 @@ Status KeyFactory::claim_share(RemoteEndpoint& remote, const Pair& pair) {
   }
   remote.share = subject;
   if (remote.kind() == EntityKind::remote_reader) {
-    work.matched(local.handle(), local.matched.size(), cause_at(local), now);
+    work.matched(local.handle(), local.matched.size(), cause_at(local, now), now);
     remote.is_in_crowd = true;
   }
   return {};

@@ -35,7 +35,8 @@ void AnnouncementRefresh::note_alive(const EntityId& endpoint) {
 
 bool AnnouncementRefresh::take_due(MonotonicTime now) {
   if (now < std::min(due_, routine_)) return false;
-  pause_ = now < due_ ? kMinPause : std::min(pause_ * 2, kMaxPause);
+  // The routine refresh may come first while a change waits: changes go on then.
+  pause_ = due_ == kNever ? kMinPause : std::min(pause_ * 2, kMaxPause);
   due_ = kNever;
   last_ = now;
   if (routine_ != kNever) routine_ = now + kMaxPause;

@@ -84,7 +84,8 @@ class MessageReceiver {
   /// submessage is not protected as the writer requires.
   StatefulWriter* addressed(const EntityId& writer, const EntityId& reader, const Context& context);
   bool accepts(const EntityId& local, const Guid& remote, const Context& context);
-  /// True for a dispose or unregister without a payload, if its writer would have sent one.
+  /// True for a dispose or unregister without a payload, if its writer would have sent one, and for
+  /// a payload that lacks the mark of its change (end_mark).
   bool is_refused(const EntityId& reader, const Guid& writer, const Data& plain,
                   const Context& context);
   /// True if only the payload is proven, and says by its mark whether it ends an instance.

@@ -87,8 +87,10 @@ void ReaderPresence::on_no_answer(const ReaderEndChecks::Pair& pair) {
   writer->silent.emplace(pair.reader, proxy->acknacks);
   if (core_.security)
     if (const auto displaced = core_.security->keyring().unregister_pair(
-            pair.writer.entity, pair.reader, AfterMatch::silent))
-      writer->silent.erase(*displaced);
+            pair.writer.entity, pair.reader, AfterMatch::silent);
+        displaced &&
+        core_.security->keyring().attributes(pair.writer.entity)->is_submessage_protected())
+      writer->silent.erase(*displaced);  // without keys, its answer cannot be read
   writer->protocol->unmatch(pair.reader);
   writer->listener->on_unmatched(pair.reader);
   places_.note_room(MatchPlaces::Local(*writer));

@@ -87,7 +87,8 @@ bool Retransmissions::send_portion(ReaderProxy& proxy, const Receiver& receiver,
                                    MonotonicTime now) {
   auto& repair = proxy.repair;
   const auto sample = repair.sample();
-  const auto* change = proxy.acknowledged() < sample ? history_.find(sample) : nullptr;
+  // What was acknowledged may be requested again: an attacker can forge an ACKNACK.
+  const auto* change = lowest_for(proxy) <= sample ? history_.find(sample) : nullptr;
   if (change != nullptr && proxy.accepts(*change)) {
     repair.send_portion(now, [&](FragmentNumber number) {
       messages_.fragment(receiver, *change, number);

@@ -41,7 +41,8 @@ BytesView WriterMessages::payload_of(const Change& change) {
 
 BytesView WriterMessages::marked(const Change& change, BytesView beginning) {
   const auto mark = end_mark(change.status, change.is_key_only);
-  if (mark == 0 || beginning.empty() || !sender_.protects_payload(writer_)) return beginning;
+  if (beginning.empty() || has_end_mark(beginning, mark) || !sender_.protects_payload(writer_))
+    return beginning;
   if (beginning.data() != key_scratch_.data())
     key_scratch_.assign(beginning.begin(), beginning.end());
   const auto out = MutableBytes(key_scratch_).first(beginning.size());

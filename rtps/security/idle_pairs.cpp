@@ -26,7 +26,9 @@ void IdlePairs::remove(const Guid& remote) {
   auto& queues = share->second.queues;
   queues[static_cast<std::size_t>(known->second.why)].erase(known->second.at);
   places_.erase(known);
-  if (std::ranges::all_of(queues, &Queue::empty)) shares_.erase(share);
+  // A pair that gave up its keys may match later, also when no other pair of its subject is idle.
+  if (!share->second.has_displaced && std::ranges::all_of(queues, &Queue::empty))
+    shares_.erase(share);
 }
 
 bool IdlePairs::has_displaced(const GuidPrefix& subject) const {

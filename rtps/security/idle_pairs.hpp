@@ -31,7 +31,7 @@ class IdlePairs {
   std::optional<Guid> add(const Guid& remote, Why why);
   /// The pair is matched, or is gone. No effect if it is not idle.
   void remove(const Guid& remote);
-  /// True if pairs of that subject had to give up their keys, and some are still idle.
+  /// True if pairs of that subject had to give up their keys.
   bool has_displaced(const GuidPrefix& subject) const;
   /// Number of idle pairs.
   std::size_t size() const { return places_.size(); }

@@ -34,9 +34,9 @@ struct ForgedEnds : ::testing::TestWithParam<ProtectionKind> {
   void forge(const StatusInfo& status, PayloadKind kind) {
     auto changed = qos;
     changed.status = status;
-    number = number.next();
-    pair.b->receive(forged(pair.a->prefix(), Data{pair.reader.entity, pair.writer.entity, number,
-                                                  changed, kind, payload}),
+    // A refused number is free, so that each forgery would be the next change.
+    pair.b->receive(forged(pair.a->prefix(), Data{pair.reader.entity, pair.writer.entity,
+                                                  number.next(), changed, kind, payload}),
                     pair.world.now, *Locator::parse("127.0.0.1", 7999));
   }
   // By a's writer.

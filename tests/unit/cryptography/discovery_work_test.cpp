@@ -288,6 +288,15 @@ TEST(DiscoveryWork, OfAnApplicationThatMakesWritersAgainAndAgain_DelaysNoPeer) {
   EXPECT_EQ(host.announce(), Code{});
 }
 
+// A listener makes writers in the thread that later matches what peers announce.
+TEST(DiscoveryWork, AtAnOldWriterOfTheMatchingThread_IsCharged) {
+  Host host;
+  const auto writer = host.own_writer();
+  host.two.b.clock.advance(10s);
+  host.churn(writer, 1000, 9000);
+  EXPECT_EQ(host.announce(), Code::announcements_delayed);
+}
+
 TEST(DiscoveryWork, OfTopicsWithOpenDiscovery_IsNotCharged) {
   Host host;
   host.attributes.topic.is_discovery_protected = false;

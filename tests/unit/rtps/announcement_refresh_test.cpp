@@ -7,7 +7,7 @@ namespace {
 
 constexpr MonotonicTime kStart = std::chrono::hours(1);
 
-TEST(SecondReadingTest, ManyChanges_LeadToOneReading) {
+TEST(AnnouncementRefreshTest, ManyChanges_LeadToOneReading) {
   AnnouncementRefresh reading;
   EXPECT_EQ(reading.due(), kNever);
   EXPECT_FALSE(reading.take_due(kStart));
@@ -18,7 +18,7 @@ TEST(SecondReadingTest, ManyChanges_LeadToOneReading) {
   EXPECT_FALSE(reading.take_due(kStart + AnnouncementRefresh::kMaxPause));
 }
 
-TEST(SecondReadingTest, ChangesThatGoOn_LeadToReadingsLessAndLessOften) {
+TEST(AnnouncementRefreshTest, ChangesThatGoOn_LeadToReadingsLessAndLessOften) {
   AnnouncementRefresh reading;
   auto now = kStart;
   int readings = 0;
@@ -30,7 +30,19 @@ TEST(SecondReadingTest, ChangesThatGoOn_LeadToReadingsLessAndLessOften) {
   EXPECT_LE(readings, 22);
 }
 
-TEST(SecondReadingTest, AfterALongRest_PauseIsShortAgain) {
+TEST(AnnouncementRefreshTest, RoutineRefresh_DoesNotEndThePauseOfChangesThatGoOn) {
+  AnnouncementRefresh reading;
+  reading.begin(kStart, std::chrono::seconds(100));
+  auto now = kStart;
+  int readings = 0;
+  for (; now < kStart + std::chrono::hours(1); now += std::chrono::milliseconds(700)) {
+    reading.note_change(now);
+    readings += reading.take_due(now) ? 1 : 0;
+  }
+  EXPECT_LE(readings, 24);
+}
+
+TEST(AnnouncementRefreshTest, AfterALongRest_PauseIsShortAgain) {
   AnnouncementRefresh reading;
   for (auto now = kStart; now < kStart + std::chrono::minutes(10); now += std::chrono::seconds(1)) {
     reading.note_change(now);
@@ -48,7 +60,7 @@ EntityId endpoint(std::size_t number) {
       {0, static_cast<std::uint8_t>(number >> 8), static_cast<std::uint8_t>(number), 7}};
 }
 
-TEST(SecondReadingTest, EndpointsThatEnded_AreReturnedWhenTheReadingIsOver) {
+TEST(AnnouncementRefreshTest, EndpointsThatEnded_AreReturnedWhenTheReadingIsOver) {
   AnnouncementRefresh reading;
   EXPECT_TRUE(reading.note_end(endpoint(1), kStart));
   EXPECT_FALSE(reading.take_over(kStart + AnnouncementRefresh::kMinPause));
@@ -64,7 +76,7 @@ TEST(SecondReadingTest, EndpointsThatEnded_AreReturnedWhenTheReadingIsOver) {
   EXPECT_EQ(reading.next(), reading.due());
 }
 
-TEST(SecondReadingTest, AboveTheLimit_AnEndCountsOnlyWhenItIsRead) {
+TEST(AnnouncementRefreshTest, AboveTheLimit_AnEndCountsOnlyWhenItIsRead) {
   AnnouncementRefresh reading;
   for (std::size_t i = 0; i < AnnouncementRefresh::kMaxEnded; ++i)
     EXPECT_TRUE(reading.note_end(endpoint(i), kStart));
@@ -82,7 +94,7 @@ TEST(SecondReadingTest, AboveTheLimit_AnEndCountsOnlyWhenItIsRead) {
   EXPECT_TRUE(reading.note_end(endpoint(1001), kStart)) << "there is room again";
 }
 
-TEST(SecondReadingTest, OfThoseThatAreGone_TheFirstLosesItsKeys) {
+TEST(AnnouncementRefreshTest, OfThoseThatAreGone_TheFirstLosesItsKeys) {
   AnnouncementRefresh reading;
   for (std::size_t i = 0; i < AnnouncementRefresh::kMaxGone; ++i)
     EXPECT_FALSE(reading.note_gone(endpoint(i)));

@@ -65,7 +65,7 @@ TEST(IdlePairs, APairThatGoes_LeavesItsRoom) {
     EXPECT_TRUE(pairs.has_displaced(endpoint(1, 0).prefix));
     pairs.remove(endpoint(1, last));
   }
-  EXPECT_FALSE(pairs.has_displaced(endpoint(1, 0).prefix)) << "nothing is remembered";
+  EXPECT_TRUE(pairs.has_displaced(endpoint(1, 0).prefix)) << "its keys may still come";
   EXPECT_EQ(pairs.size(), 0u);
 }
 
