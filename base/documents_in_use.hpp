@@ -65,12 +65,14 @@ class DocumentsInUse {
   /// Notes the participant with this identity handle. An empty text leaves what is known.
   void note_participant(std::int64_t identity, std::string guid, std::string subject);
   /// Notes the state of documents. If a state differs from the last one, it counts as in force or
-  /// refused since `now`. A refusal that no longer holds is kept as the last one.
+  /// refused since `now`. A refusal that no longer holds is kept as the last one. Does nothing for
+  /// an identity that is not in the record.
   void note(std::int64_t identity, const std::vector<DocumentState>& states, WallTime now);
   /// Notes that the participant is permanently cut off. Only the first reason is kept. Does nothing
   /// for an identity that is not in the record.
   void note_end(std::int64_t identity, const Error& why, WallTime now);
-  /// Notes that the participant no longer uses documents of these kinds.
+  /// Notes that the participant no longer uses documents of these kinds. With its last document the
+  /// participant leaves the record.
   void forget(std::int64_t identity, std::span<const DocumentKind> kinds);
 
   /// Returns one JSON object in ASCII, at most a little longer than kMaxOctets.

@@ -23,7 +23,8 @@ void sha256(std::initializer_list<BytesView> parts, std::span<std::uint8_t, 32> 
 Sha256Digest hmac_sha256(BytesView key, std::initializer_list<BytesView> parts);
 
 /// Returns MD5. Use it only where RTPS demands it: KEY_HASH (9.6.4.8), signatures of content
-/// filters, and digests of a publisher's writers.
+/// filters, and digests of a publisher's writers. Ends the process if OpenSSL refuses MD5, as a
+/// FIPS provider does.
 Md5Digest md5(BytesView octets);
 
 /// Overwrites with zeros. The compiler cannot optimize the call away.

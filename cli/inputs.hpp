@@ -24,10 +24,11 @@ bool path_exists(const std::filesystem::path& path);
 /// accessible); both name what was `expected`.
 Status check_directory(const std::filesystem::path& folder, std::string_view expected);
 
-/// The passphrase of `--passphrase-file` or `--passphrase-env`, without its line break. If neither
-/// is given, the user is asked on a terminal (twice for a new passphrase). Errors:
-/// passphrase_needed, passphrase_unusable, and those of read_file.
+/// How often a user types a passphrase: twice for a new one.
 enum class Typed : std::uint8_t { once, twice };
+/// Returns the passphrase of `--passphrase-file` or `--passphrase-env`, without its line break. If
+/// neither is given, the user is asked on a terminal. Errors: passphrase_needed,
+/// passphrase_unusable, and those of read_file.
 Result<pki::Passphrase> passphrase(const Arguments& arguments, Typed typed,
                                    const char* prompt = "passphrase of the CA key: ");
 /// A warning (passphrase_readable_by_others) if other users can read the file of
@@ -38,11 +39,11 @@ std::optional<Error> passphrase_warning(const Arguments& arguments);
 /// if it contains ca.pem.
 std::filesystem::path ca_folder(const std::filesystem::path& folder, std::string_view role);
 
-/// True if the PEM text of the key is encrypted. Errors: those of pki::load_key.
+/// True if the PEM text of the key is encrypted. Errors: those of load_secret.
 Result<bool> is_encrypted(const std::filesystem::path& key);
 
-/// A private key. `passphrase` may be nullptr. Errors: those of pki::load_key and
-/// PrivateKey::from_pem.
+/// Reads a private key. `passphrase` may be nullptr. Errors: those of pki::uri_of and
+/// PrivateKey::load.
 Result<pki::PrivateKey> read_key(const std::filesystem::path& path,
                                  const pki::Passphrase* passphrase);
 

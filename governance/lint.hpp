@@ -20,7 +20,8 @@ struct GovernanceUse {
   bool choices = false;  ///< also GOV042 and GOV044, which most documents have for good reasons
 };
 
-/// Findings GOV001 to GOV046, by line. Errors stop `governance sign`.
+/// Returns the findings about a governance document (GOV...), by line. Errors stop `governance
+/// sign`.
 std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use = {});
 
 /// The intended use of a permissions document. Checks for values that are not given are skipped.

@@ -72,7 +72,7 @@ void lint_overlaps(LintFindings& out, const GrantPlace& place,
                    const std::set<const Text*>& reported);
 /// Checks PERM012: partitions, tags, relayed topics and subjects that no name matches.
 void lint_unmatchable(LintFindings& out, const GrantPlace& place);
-/// Checks PERM013 to PERM015, PERM020, PERM021, PERM023 to PERM027, PERM034.
+/// Checks PERM013 to PERM015, PERM020 to PERM027, PERM034.
 void lint_rights(LintFindings& out, const GrantPlace& place, const Governance* governance);
 /// Checks PERM030, PERM032, PERM033, if the grant concerns ROS 2.
 void lint_ros(LintFindings& out, const GrantPlace& place);

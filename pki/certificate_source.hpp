@@ -27,7 +27,7 @@ using KeyPem = Secret<struct KeyPemTag, 16 * 1024>;
 using ddssec::load;
 
 /// Loads certificates in PEM by their URI: like load(), and for `pkcs11:` (RFC 7512) the
-/// certificate in a token. Errors: those of load(); pkcs11_unavailable, pkcs11_not_found.
+/// certificate in a token. Errors: those of load(); pkcs11_unavailable, pkcs11_not_found, internal.
 Result<Bytes> load_certificates(std::string_view uri, std::string_view property,
                                 std::size_t max_octets);
 

@@ -27,7 +27,7 @@ class PeerPublicKey {
  public:
   /// Parses a peer's octets. Accepts either encoding of a MODP key. Errors: public_key_malformed
   /// (wrong length or form, or a compressed point), public_key_not_in_group (off the curve,
-  /// infinity, or 0, 1, p-1, p and above, outside the subgroup).
+  /// infinity, or 0, 1, p-1, p and above, outside the subgroup), internal.
   static Result<PeerPublicKey> parse(KeyAgreementKind kind, BytesView octets);
 
   KeyAgreementKind kind() const { return kind_; }

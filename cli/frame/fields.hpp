@@ -409,7 +409,7 @@ std::string members_of() {
   }
 }
 
-/// Adds the rows of the README for the members of fields with `apart`, by their names.
+/// Adds a row of the README for each field with `has_own_row`, under the name of the field.
 template <class T>
 void add_rows(Json& out) {
   using namespace fields_detail;

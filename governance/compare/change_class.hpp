@@ -19,7 +19,8 @@ enum class ChangeClass : std::uint8_t {
 };
 std::string_view to_string(ChangeClass change);
 
-/// Combines classes; wider counts as down, narrower as up.
+/// Combines the classes of several changes into one. down() says that something is less protected,
+/// or allowed to more participants (weaker, wider), and up() the reverse.
 class CombinedChange {
  public:
   void add(ChangeClass change);
@@ -29,7 +30,8 @@ class CombinedChange {
   bool down() const { return loses_; }
   bool up() const { return gains_; }
   bool unknown() const { return is_unknown_; }
-  /// neutral, `if_up`, `if_down`, mixed (also if more is unknown), or unknown.
+  /// Returns `if_up` or `if_down` if all changes go one way, mixed if they go both ways, neutral if
+  /// there are none, and unknown if a class is unknown and the others are not mixed.
   ChangeClass change_class(ChangeClass if_up, ChangeClass if_down) const;
 
  private:

@@ -67,8 +67,8 @@ struct GovernanceDiff {
   /// Domains in which participants with the old document and those with the new one cannot (all)
   /// communicate, so that all must change at the same time.
   std::vector<DomainRange> flag_day_domains = {};
-  /// True if no participants communicate in one of these domains, whatever the topic. False if only
-  /// the endpoints cannot whose topics' changes are Interop::endpoint.
+  /// True if no participants communicate in one of these domains, whatever the topic. False if
+  /// participants communicate and only endpoints of some topics do not match.
   bool parts_participants = false;
   /// Domains in which the topics could not be compared within the limits.
   std::vector<DomainRange> unknown_domains = {};

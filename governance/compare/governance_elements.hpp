@@ -41,14 +41,15 @@ ChangeClass compare(ProtectionKind old_kind, ProtectionKind new_kind);
 std::vector<ElementChange> compare_domain_rules(const DomainRule* old_rule,
                                                 const DomainRule* new_rule);
 
-/// The differences between two rules for one topic; nullptr means no rule, so that no endpoint can
-/// be created. The domain rules decide whether a flag has any effect.
+/// Two rules for one topic, and the domain rules around them, which decide whether a flag has any
+/// effect. A null rule means that there is none, so that no endpoint can be created.
 struct TopicRules {
   const DomainRule& old_domain;
   const DomainRule& new_domain;
   const TopicRule* old_rule;
   const TopicRule* new_rule;
 };
+/// Returns the differences between the two rules.
 std::vector<ElementChange> compare_topic_rules(const TopicRules& rules);
 
 }  // namespace ddssec::governance

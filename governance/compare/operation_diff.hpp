@@ -11,7 +11,7 @@ namespace ddssec::governance {
 
 using RulePointers = std::vector<const GrantRule*>;
 
-/// "publish", "subscribe" or "relay", and the member of Rule with its elements.
+/// "publish", "subscribe" or "relay", and the member of GrantRule with its elements.
 struct Operation {
   std::string_view name;
   std::vector<Criteria> GrantRule::*list;

@@ -56,7 +56,8 @@ struct TopicPairs {
 /// All pairs of rules that decide for some name, as far as they are found within the limits.
 TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list, const SetLimits& limits);
 
-/// Names for which these two rules of the lists decide, and these two of the gates.
+/// Names for which `pair` decides in the two lists, and `old_gate` and `new_gate` in the lists that
+/// come before them.
 struct GatedPair {
   TopicPair pair;
   std::optional<std::uint32_t> old_gate, new_gate;

@@ -48,8 +48,8 @@ std::string ca_subjects(const Result<std::vector<pki::Certificate>>& cas) {
   return out;
 }
 
-// Empty for `about_the_cas`, because the rule's own hint fits that cause. Otherwise the error's
-// hint.
+// Returns the error's hint, or nothing for the code `about_the_cas`: the rule's own hint fits that
+// cause.
 std::string hint_unless(Code about_the_cas, const Error& error) {
   return error.code() == about_the_cas ? std::string() : error.hint();
 }

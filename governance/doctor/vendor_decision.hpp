@@ -40,7 +40,7 @@ Decision judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Ac
 Decision judge_local_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
                         const Request& request);
 
-/// The validity as the product reads it (as_read.hpp).
+/// Returns the validity as the product reads it (product_reading.hpp).
 Validity validity_as(Vendor vendor, const Validity& validity);
 
 /// Judges like CompiledGrant::judge_participant. Cyclone DDS and Fast DDS admit a participant by

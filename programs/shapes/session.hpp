@@ -50,7 +50,7 @@ class StatusLines final : public rtps::DomainParticipantListener {
   void on_inconsistent_topic(rtps::Topic&, const rtps::InconsistentTopicStatus&) override;
 };
 
-/// The shapes of one run of the program.
+/// The participant of one run of the program.
 class Session final : private EventSink {
  public:
   explicit Session(const Options& options) : options_(options) {}
@@ -100,7 +100,7 @@ class Session final : private EventSink {
   std::unique_ptr<rtps::DomainParticipant> participant_;
 };
 
-/// Return the exit code. "failed to create ..." has been printed if that is the reason.
+/// Both return the exit code. "failed to create ..." has been printed if that is the reason.
 template <class T>
 int run_publisher(Session& session);
 template <class T>

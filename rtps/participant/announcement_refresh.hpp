@@ -31,8 +31,8 @@ class AnnouncementRefresh {
   static constexpr MonotonicTime kAnswerTimeout = std::chrono::seconds(4);
   /// Limit for the endpoints whose end counts before it was read. Their keys are kept.
   static constexpr std::size_t kMaxEnded = 64;
-  /// Limit for the endpoints that a reading did not bring back and whose keys are kept all the
-  /// same: a forged HEARTBEAT can hide an endpoint from a reading.
+  /// Limit for the endpoints that a reading did not bring back and whose keys are still
+  /// kept: a forged HEARTBEAT can hide an endpoint from a reading.
   static constexpr std::size_t kMaxGone = 64;
   /// Limit for the endpoints that are known by name to have lost their keys.
   static constexpr std::size_t kMaxWithoutKeys = 1024;
