@@ -20,7 +20,7 @@ namespace ddssec::governance {
 class ExpressionTable {
  public:
   using Position = std::uint32_t;
-  /// Stands for a list and a rank; labels ascend by both.
+  /// A label stands for a list and a rank. Labels ascend by list, then by rank.
   using Label = std::uint32_t;
   enum class Kind : std::uint8_t { octet, any, star, set, end };
   static constexpr Position kNone = std::numeric_limits<Position>::max();

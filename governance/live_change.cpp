@@ -77,7 +77,7 @@ Status check_discovery(const DomainRule& former, const TopicRule& added) {
                .note = "participants that run hear no unprotected discovery"});
 }
 
-// 0 for NONE, 1 for SIGN, 2 for ENCRYPT.
+// Returns the rank of the kind: 0 for NONE, 1 for SIGN, 2 for ENCRYPT.
 int strength(ProtectionKind kind) { return is_encrypted(kind) ? 2 : is_protected(kind) ? 1 : 0; }
 
 Status check_kind(std::string_view element, const TopicRule& former, const TopicRule& next,

@@ -95,7 +95,7 @@ struct DomainSet {
   }
 };
 
-/// topic_rule of a governance document.
+/// One topic_rule of a governance document.
 struct TopicRule {
   std::string topic_expression;
   bool is_padded = false;  ///< see Text
@@ -104,7 +104,7 @@ struct TopicRule {
   bool enable_read_access_control = true;
   bool enable_write_access_control = true;
   ProtectionKind metadata_protection_kind = ProtectionKind::encrypt;
-  /// none, sign or encrypt.
+  /// Only none, sign or encrypt: payloads have no origin authentication.
   ProtectionKind data_protection_kind = ProtectionKind::encrypt;
   int line = 0;
 };
@@ -129,7 +129,7 @@ struct DomainRule {
   ProtectionKind discovery_protection_kind = ProtectionKind::encrypt;
   ProtectionKind liveliness_protection_kind = ProtectionKind::encrypt;
   ProtectionKind rtps_protection_kind = ProtectionKind::encrypt;
-  /// none, sign or encrypt.
+  /// Only none, sign or encrypt: pre-shared keys have no origin authentication.
   ProtectionKind rtps_psk_protection_kind = ProtectionKind::none;
   std::vector<TopicRule> topic_rules = {};
   std::optional<AllowedAlgorithms> allowed_algorithms = std::nullopt;

@@ -14,7 +14,7 @@
 
 namespace ddssec::cli {
 
-/// ocsp.der beside the certificate, where a participant looks for it.
+/// Returns the path of ocsp.der beside the certificate, where a participant looks for it.
 std::filesystem::path ocsp_file(const pki::ParticipantFolder& files);
 
 /// Which response to fetch.

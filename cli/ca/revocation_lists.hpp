@@ -65,8 +65,8 @@ struct ListNumber {
   Json json() const { return small ? Json(*small) : Json(text); }
 };
 
-/// next_crl() for kListDays. A list without entries is valid as long as the CA, so it need not be
-/// renewed before a certificate is revoked.
+/// Makes the next list with a validity of kListDays. A list without entries is valid as long as the
+/// CA, so it need not be renewed before a certificate is revoked.
 Result<pki::Crl> routine_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now);
 
 /// A new CA's list, without entries and valid as long as the CA. Errors: those of make_crl.

@@ -10,7 +10,8 @@
 
 namespace ddssec::cli {
 
-/// doctor::diagnose, with pre-shared keys, limits of keys, CYCLONEDDS_URI, and DOC103.
+/// Returns the result of doctor::diagnose, with pre-shared keys, limits of keys, CYCLONEDDS_URI,
+/// and DOC103.
 governance::doctor::Diagnosis diagnosis_of(const governance::doctor::LoadedFolder& folder,
                                            const governance::doctor::Settings& settings);
 

@@ -12,8 +12,8 @@ void check_pre_shared_keys(const governance::doctor::LoadedFolder& folder,
                            const governance::doctor::Settings& settings,
                            governance::doctor::Diagnosis& out);
 
-/// doctor::meet, with the effects of pre-shared keys, of OCSP responses (ocsp_checks.hpp) and
-/// of the properties (own_start.hpp).
+/// Returns the result of doctor::meet, with the effects of pre-shared keys, of OCSP responses
+/// (ocsp_checks.hpp) and of the properties (own_start.hpp).
 governance::doctor::Meeting meet_with_keys(const governance::doctor::Party& a,
                                            const governance::doctor::Party& b,
                                            const governance::doctor::Settings& settings,

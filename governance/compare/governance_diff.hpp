@@ -53,7 +53,7 @@ struct GovernanceChange {
 /// Rules that are written differently without any effect.
 struct RewrittenRules {
   DomainScope scope;
-  /// expressions; both are empty if only the order changed
+  /// The expressions that only one document has. Both lists are empty if only the order changed.
   std::vector<std::string> only_old, only_new;
 };
 

@@ -56,7 +56,7 @@ constexpr std::array<Element, 13> kElements = {{
     {"data_protection_kind", &Protection::data_protection_kind},
 }};
 
-// Returns `to` with one element of `from`.
+// Returns `to`, in which one element has the value of `from`.
 Protection with(const Member& member, const Protection& from, Protection to) {
   std::visit([&](auto value) { to.*value = from.*value; }, member);
   return to;

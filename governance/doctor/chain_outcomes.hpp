@@ -15,7 +15,7 @@ Outcomes chain_outcomes(const pki::Certificate& certificate,
                         const Result<pki::ChainValid>& proof, bool dates_elsewhere,
                         const Lineup& lineup);
 
-/// certificate_expired or certificate_not_yet_valid.
+/// True for the codes certificate_expired and certificate_not_yet_valid.
 bool is_about_dates(Code code);
 
 }  // namespace ddssec::governance::doctor

@@ -69,7 +69,8 @@ class DiscoveryWork {
  public:
   /// Half of what its certificate has: one participant leaves the other half to others.
   static constexpr MonotonicTime kPrice = 2 * WorkAccount::kPrice;
-  /// What an attempt to match costs, in units, even if the certificate has its share of matches.
+  /// The price of an attempt to match, in units. It is charged even if the certificate has used up
+  /// its matches.
   static constexpr std::size_t kOfAttempt = 16;
   /// The least time between two reports of one participant.
   static constexpr MonotonicTime kReportInterval = std::chrono::minutes(1);

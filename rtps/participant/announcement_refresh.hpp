@@ -34,7 +34,7 @@ class AnnouncementRefresh {
   /// Limit for the endpoints that a reading did not bring back and whose keys are still
   /// kept: a forged HEARTBEAT can hide an endpoint from a reading.
   static constexpr std::size_t kMaxGone = 64;
-  /// Limit for the endpoints that are known by name to have lost their keys.
+  /// Limit for the endpoints that are remembered as having lost their keys.
   static constexpr std::size_t kMaxWithoutKeys = 1024;
 
   /// From now on everything is read at least once in kMaxPause, first within `first`.
@@ -49,7 +49,7 @@ class AnnouncementRefresh {
   void note_alive(const EntityId& endpoint);
   /// Returns true if all announcements are to be read again now.
   bool take_due(MonotonicTime now);
-  /// Returns true if their answer must have arrived by now, once.
+  /// Returns true once, after the time by which the answer must have arrived.
   bool take_over(MonotonicTime now);
   struct Ended {
     EntityId endpoint;
