@@ -147,7 +147,7 @@ std::vector<OpensslFlaw> openssl_flaws(std::string_view version) {
   return out;
 }
 
-Status openssl_advice(const std::string& version) {
+Status check_openssl_flaws(const std::string& version) {
   auto flaws = openssl_flaws(version);
   std::erase_if(flaws, [](const OpensslFlaw& flaw) { return !flaw.is_certain; });
   if (flaws.empty()) return {};

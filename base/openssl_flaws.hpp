@@ -27,6 +27,6 @@ std::vector<OpensslFlaw> openssl_flaws(std::string_view version);
 
 /// Warns at the start of a process: returns openssl_known_unsafe if at least one flaw is certain.
 /// Flaws that are not certain are ignored, because there may be no update that changes the number.
-Status openssl_advice(const std::string& version);
+Status check_openssl_flaws(const std::string& version);
 
 }  // namespace ddssec

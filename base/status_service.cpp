@@ -41,7 +41,7 @@ Service::~Service() {
 
 }  // namespace
 
-std::shared_ptr<DocumentsInUse> documents_shown(EventSink* events) {
+std::shared_ptr<DocumentsInUse> shared_status_record(EventSink* events) {
   const char* const folder = ::secure_getenv("DDSSEC_STATUS_DIR");
   if (folder == nullptr || *folder == '\0') return nullptr;
   auto& own = process();

@@ -14,6 +14,6 @@ namespace ddssec {
 /// (secure_getenv), if the socket cannot be made, or in the child of a fork() of a process that
 /// shows its own record. If the socket cannot be made, status_not_served is raised once in a
 /// process, unless `events` is null.
-std::shared_ptr<DocumentsInUse> documents_shown(EventSink* events);
+std::shared_ptr<DocumentsInUse> shared_status_record(EventSink* events);
 
 }  // namespace ddssec

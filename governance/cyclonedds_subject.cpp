@@ -44,7 +44,7 @@ std::vector<std::string_view> pieces_for_cyclonedds(std::string_view text) {
 }
 
 // If several pieces of the grant have the same type, the first one counts.
-bool cyclonedds_takes(std::string_view grant, std::string_view certificate) {
+bool cyclonedds_applies_grant(std::string_view grant, std::string_view certificate) {
   const auto said = pieces_for_cyclonedds(grant);
   return std::ranges::all_of(pieces_for_cyclonedds(certificate), [&](std::string_view piece) {
     const auto found = std::ranges::find(said, type_of(piece), type_of);
@@ -60,7 +60,7 @@ GrantsForCyclone::GrantsForCyclone(const Permissions& document) {
     }
 }
 
-const Grant* GrantsForCyclone::taken_for(std::string_view certificate) const {
+const Grant* GrantsForCyclone::applied_grant_for(std::string_view certificate) const {
   // A grant that applies has every piece, so the shortest list of grants with one piece is
   // searched.
   const std::vector<const Grant*>* fewest = nullptr;
@@ -71,7 +71,7 @@ const Grant* GrantsForCyclone::taken_for(std::string_view certificate) const {
   }
   if (fewest == nullptr) return nullptr;
   const auto taken = std::ranges::find_if(*fewest, [&](const Grant* grant) {
-    return cyclonedds_takes(grant->subject_name, certificate);
+    return cyclonedds_applies_grant(grant->subject_name, certificate);
   });
   return taken == fewest->end() ? nullptr : *taken;
 }
@@ -123,17 +123,17 @@ void add_as(const std::string& subject, const Grant* taken, Permissions& out) {
 
 }  // namespace
 
-std::vector<TakenByCyclone> taken_by_cyclonedds(const Permissions& old_document,
-                                                const Permissions& new_document) {
+std::vector<AppliedByCycloneDds> applied_by_cyclonedds(const Permissions& old_document,
+                                                       const Permissions& new_document) {
   const GrantsForCyclone before(old_document), after(new_document);
-  std::vector<TakenByCyclone> out;
+  std::vector<AppliedByCycloneDds> out;
   bool is_other = false;
   const SubjectsOfBoth subjects(old_document, new_document);
   for (const auto& [key, texts] : subjects.texts) {
     if (out.size() < texts.size()) out.resize(texts.size());
     for (std::size_t i = 0; i < texts.size(); ++i) {
-      const auto* const o = before.taken_for(texts[i]);
-      const auto* const n = after.taken_for(texts[i]);
+      const auto* const o = before.applied_grant_for(texts[i]);
+      const auto* const n = after.applied_grant_for(texts[i]);
       is_other |=
           !is_the_only_one(subjects.before, key, o) || !is_the_only_one(subjects.after, key, n);
       add_as(texts[i], o, out[i].before);
@@ -144,19 +144,19 @@ std::vector<TakenByCyclone> taken_by_cyclonedds(const Permissions& old_document,
   return out;
 }
 
-std::vector<StrayGrant> stray_grants(const Permissions& document,
-                                     std::span<const Permissions* const> subjects) {
+std::vector<MisappliedGrant> misapplied_grants(const Permissions& document,
+                                               std::span<const Permissions* const> subjects) {
   std::set<std::string> own;
   for (const auto& grant : document.grants)
     if (auto subject = subject_of(grant)) own.insert(std::move(subject->key));
   const GrantsForCyclone grants(document);
   std::set<NamedSubject> seen;
-  std::vector<StrayGrant> out;
+  std::vector<MisappliedGrant> out;
   for (const auto* each : subjects)
     for (const auto& grant : each->grants) {
       const auto subject = subject_of(grant);
       if (!subject || !seen.insert(*subject).second) continue;
-      const auto* const taken = grants.taken_for(subject->text);
+      const auto* const taken = grants.applied_grant_for(subject->text);
       if (taken == nullptr) continue;
       const auto its = subject_of(*taken);
       if (!its || its->key != subject->key)
@@ -165,7 +165,7 @@ std::vector<StrayGrant> stray_grants(const Permissions& document,
   return out;
 }
 
-std::string to_sentence(const StrayGrant& stray) {
+std::string to_sentence(const MisappliedGrant& stray) {
   return fmt::format(
       "Cyclone DDS gives a certificate of {} the rights of {}: the grant {}, and all attributes of "
       "the certificate are among its own",

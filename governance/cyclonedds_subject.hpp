@@ -18,7 +18,7 @@ std::vector<std::string_view> pieces_for_cyclonedds(std::string_view subject);
 /// True if Cyclone DDS's own plugins apply a grant for the RFC 2253 subject `grant` to a
 /// certificate with the subject `certificate`. They search for each piece of the certificate's
 /// subject among those of the grant: a grant for CN=/a/b also applies to CN=/a and CN=/b/a.
-bool cyclonedds_takes(std::string_view grant, std::string_view certificate);
+bool cyclonedds_applies_grant(std::string_view grant, std::string_view certificate);
 
 /// Index of a document's grants by their pieces. The document must outlive it.
 class GrantsForCyclone {
@@ -27,7 +27,7 @@ class GrantsForCyclone {
 
   /// The first grant that applies to a certificate with this RFC 2253 subject, which is the only
   /// one that Cyclone DDS uses; null if there is none.
-  const Grant* taken_for(std::string_view certificate) const;
+  const Grant* applied_grant_for(std::string_view certificate) const;
 
  private:
   std::unordered_map<std::string_view, std::vector<const Grant*>> by_piece_;
@@ -35,7 +35,7 @@ class GrantsForCyclone {
 
 /// Two documents as Cyclone DDS's own plugins read them for the same certificates: each document
 /// has one grant for a certificate, under the certificate's own subject.
-struct TakenByCyclone {
+struct AppliedByCycloneDds {
   Permissions before, after;
 };
 
@@ -43,11 +43,11 @@ struct TakenByCyclone {
 /// several ways in certificates, so there can be several pairs. Empty if Cyclone DDS applies the
 /// same grants as ddssec. Subject expressions are left out, because Cyclone DDS refuses such
 /// documents.
-std::vector<TakenByCyclone> taken_by_cyclonedds(const Permissions& old_document,
-                                                const Permissions& new_document);
+std::vector<AppliedByCycloneDds> applied_by_cyclonedds(const Permissions& old_document,
+                                                       const Permissions& new_document);
 
 /// A grant that Cyclone DDS applies to a certificate of another subject.
-struct StrayGrant {
+struct MisappliedGrant {
   const Grant* grant;
   std::string certificate;  ///< the subject, RFC 2253
   bool has_own = false;     ///< the document has a grant for that subject, which is ignored
@@ -55,11 +55,11 @@ struct StrayGrant {
 
 /// The stray grants of the document for certificates of the subjects in `subjects`, in their order.
 /// Subject expressions are left out, because Cyclone DDS refuses such documents.
-std::vector<StrayGrant> stray_grants(const Permissions& document,
-                                     std::span<const Permissions* const> subjects);
+std::vector<MisappliedGrant> misapplied_grants(const Permissions& document,
+                                               std::span<const Permissions* const> subjects);
 
 /// A sentence that explains a stray grant.
-std::string to_sentence(const StrayGrant& stray);
+std::string to_sentence(const MisappliedGrant& stray);
 inline constexpr std::string_view kStrayGrantHint =
     "put the grants into documents of their own, or let no subject's attributes be a part of "
     "another's";

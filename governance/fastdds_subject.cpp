@@ -34,7 +34,7 @@ bool fastdds_takes(std::string_view grant, std::string_view certificate) {
                             without_spaces);
 }
 
-bool newer_fastdds_takes(std::string_view grant, std::string_view certificate) {
+bool fastdds3_applies_grant(std::string_view grant, std::string_view certificate) {
   const auto parts_of = [](std::string_view name) {
     std::vector<std::string> out;
     for (const auto part : split(name)) {

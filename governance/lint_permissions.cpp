@@ -153,7 +153,7 @@ void check_matched_subjects(LintFindings& out, const std::vector<GrantPlace>& pl
 void check_stray_grants(LintFindings& out, const Permissions& document,
                         const std::vector<GrantPlace>& places) {
   const Permissions* const subjects[] = {&document};
-  for (const auto& stray : stray_grants(document, subjects)) {
+  for (const auto& stray : misapplied_grants(document, subjects)) {
     const auto place = std::ranges::find_if(
         places, [&](const GrantPlace& one) { return &one.grant() == stray.grant; });
     auto finding = place->about(PERM010, to_sentence(stray));

@@ -366,9 +366,9 @@ const DomainRule* domain_rule_for(const GrantRule& rule, const Governance& gover
 }
 
 // The expressions of a domain rule.
-class TopicRules {
+class TopicExpressionsOfDomain {
  public:
-  explicit TopicRules(const DomainRule& rule) {
+  explicit TopicExpressionsOfDomain(const DomainRule& rule) {
     for (const auto& topic : rule.topic_rules) {
       texts_.emplace_back(topic.topic_expression);
       patterns_.add(topic.topic_expression);
@@ -390,7 +390,7 @@ class TopicRules {
 };
 
 void check_topic_rules(LintFindings& out, const GrantPlace& place, const Governance& governance) {
-  std::map<const DomainRule*, TopicRules> known;
+  std::map<const DomainRule*, TopicExpressionsOfDomain> known;
   for (const auto& entries : place.actions())
     for (const auto& entry : entries) {
       const auto* domain = entry.rule->allow ? domain_rule_for(*entry.rule, governance) : nullptr;

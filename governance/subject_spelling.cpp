@@ -73,7 +73,7 @@ std::string why_not_recognised(const Grant& grant, const pki::SubjectName& name)
 std::vector<std::string> not_recognising(const Grant& grant, std::string_view subject,
                                          std::string_view in_utf8) {
   std::vector<std::string> out;
-  if (!cyclonedds_takes(grant.subject_name, subject)) out.emplace_back(kCyclone);
+  if (!cyclonedds_applies_grant(grant.subject_name, subject)) out.emplace_back(kCyclone);
   if (grant.subject_has_line_breaks || !fastdds_takes(grant.subject_name, in_utf8))
     out.emplace_back(kFastDds);
   return out;

@@ -19,7 +19,7 @@ namespace ddssec::secured {
 
 struct Engines::Parts {
   explicit Parts(const EngineServices& services)
-      : documents(documents_shown(&services.events)),
+      : documents(shared_status_record(&services.events)),
         calendar(services.clock, services.events),
         authentication(authentication::make_authentication(judging(services))),
         access_control(access_control::make_access_control(judging(services),

@@ -13,7 +13,7 @@ namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using governance::cyclonedds_takes;
+using governance::cyclonedds_applies_grant;
 using governance::pieces_for_cyclonedds;
 
 bool is_same_name(const std::string& a, const std::string& b) {
@@ -22,8 +22,8 @@ bool is_same_name(const std::string& a, const std::string& b) {
 }
 
 Status check_apart(const std::string& subject, const std::string& other, const std::string& where) {
-  const bool gets_others_rights = cyclonedds_takes(other, subject);
-  if (!gets_others_rights && !cyclonedds_takes(subject, other)) return {};
+  const bool gets_others_rights = cyclonedds_applies_grant(other, subject);
+  if (!gets_others_rights && !cyclonedds_applies_grant(subject, other)) return {};
   if (is_same_name(subject, other)) return {};  // equal names are checked elsewhere
   const auto& gains = gets_others_rights ? subject : other;
   const auto& owner = gets_others_rights ? other : subject;

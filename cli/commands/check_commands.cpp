@@ -193,15 +193,15 @@ Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& con
   std::string names[2];
   name_parties(folders[0], folders[1], names);
   MeetingView view{
-      .meeting = meet_with_keys(party(a, products[0], names[0], report),
-                                party(b, products[1], names[1], report),
-                                {.now = now,
-                                 .domain = domain,
-                                 .partitions = arguments.all("--partition"),
-                                 .writes = {wanted == Wanted::both || wanted == Wanted::writer_a,
-                                            wanted == Wanted::both || wanted == Wanted::writer_b},
-                                 .may_run_elsewhere = true},
-                                topics),
+      .meeting = meet_with_properties(
+          party(a, products[0], names[0], report), party(b, products[1], names[1], report),
+          {.now = now,
+           .domain = domain,
+           .partitions = arguments.all("--partition"),
+           .writes = {wanted == Wanted::both || wanted == Wanted::writer_a,
+                      wanted == Wanted::both || wanted == Wanted::writer_b},
+           .may_run_elsewhere = true},
+          topics),
       .names = {names[0], names[1]},
       .domain = domain,
       .topics_named = !topics.empty(),

@@ -160,9 +160,9 @@ void check_pre_shared_keys(const LoadedFolder& folder, const doctor::Settings& s
                     .severity = Severity::warning});
 }
 
-doctor::Meeting meet_with_keys(const doctor::Party& a, const doctor::Party& b,
-                               const doctor::Settings& settings,
-                               const std::vector<std::string>& topics) {
+doctor::Meeting meet_with_properties(const doctor::Party& a, const doctor::Party& b,
+                                     const doctor::Settings& settings,
+                                     const std::vector<std::string>& topics) {
   auto out = doctor::meet(a, b, settings, topics);
   for (const auto* party : {&a, &b}) refuse_beyond_folder(*party, settings, out);
   refuse_topics(a, b, out);

@@ -14,9 +14,9 @@ void check_pre_shared_keys(const governance::doctor::LoadedFolder& folder,
 
 /// Returns the result of doctor::meet, with the effects of pre-shared keys, of OCSP responses
 /// (ocsp_checks.hpp) and of the properties (own_start.hpp).
-governance::doctor::Meeting meet_with_keys(const governance::doctor::Party& a,
-                                           const governance::doctor::Party& b,
-                                           const governance::doctor::Settings& settings,
-                                           const std::vector<std::string>& topics = {});
+governance::doctor::Meeting meet_with_properties(const governance::doctor::Party& a,
+                                                 const governance::doctor::Party& b,
+                                                 const governance::doctor::Settings& settings,
+                                                 const std::vector<std::string>& topics = {});
 
 }  // namespace ddssec::cli

@@ -291,7 +291,7 @@ void add_cyclonedds(std::vector<StockPermissionsDiff>& stock, const Permissions&
                     PermissionsDiffOptions options) {
   constexpr auto kProduct = StockProduct::cyclonedds;
   options.first_rule_creates_topic = denies_topics(o) || denies_topics(n);
-  const auto taken = taken_by_cyclonedds(o, n);
+  const auto taken = applied_by_cyclonedds(o, n);
   for (const auto& pair : taken)
     stock.push_back({kProduct, PermissionsComparison(pair.before, pair.after, options).run()});
   if (taken.empty() && (differs_from_written || options.first_rule_creates_topic))

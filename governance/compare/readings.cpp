@@ -29,7 +29,7 @@ struct Constructs {
   std::map<Place, int> notes = {};
   bool has_all_notes = true;
   // Certificates that Cyclone DDS gives another subject's grant: both subjects.
-  std::map<std::pair<std::string, std::string>, StrayGrant> strays = {};
+  std::map<std::pair<std::string, std::string>, MisappliedGrant> strays = {};
   // Subject names by which some stock product recognises no certificate.
   struct Subject {
     int line;
@@ -165,7 +165,7 @@ class Collector {
 
 void add_strays(Constructs& out, const Permissions& document,
                 std::span<const Permissions* const> both) {
-  for (auto& stray : stray_grants(document, both))
+  for (auto& stray : misapplied_grants(document, both))
     out.strays.try_emplace({stray.certificate, stray.grant->subject_name}, stray);
 }
 

@@ -16,7 +16,7 @@ void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diag
   const auto& rules = folder.governance.model->domain_rules;
   auto outcomes = measured(Variant::governance_other_domain, settings.lineup);
   outcomes.ours = Outcome::fail;
-  const auto culprit = culprit_of(folder, settings.now);
+  const auto culprit = mismatch_texts(folder, settings.now);
   out.report(outcomes,
              {.rule = Rule::DOC050,
               .message = fmt::format("no <domain_rule> of {} covers domain {}; they cover {}{}",

@@ -209,7 +209,8 @@ void check_local_time(const Scene& scene, const Grant& grant) {
 // Cyclone DDS applies the first grant that has all attributes of the certificate.
 void check_cyclones_grant(const Scene& scene, const std::vector<Candidate>& all) {
   const auto taken = std::ranges::find(
-      all, GrantsForCyclone(scene.permissions()).taken_for(scene.folder.certificate->subject()),
+      all,
+      GrantsForCyclone(scene.permissions()).applied_grant_for(scene.folder.certificate->subject()),
       &Candidate::grant);
   const bool has_own = std::ranges::any_of(
       all, [](const Candidate& one) { return one.subject.ours == Outcome::ok; });
@@ -294,7 +295,7 @@ void check_join(const Scene& scene, const Grant& grant, const DomainRule* govern
   // DOC052 reports that Fast DDS takes every default as DENY.
   if (compiled.judge_participant().allowed && grant.default_allow) outcomes.fastdds = Outcome::ok;
   if (!asks || outcomes.all_ok()) return scene.out.pass(Rule::DOC051);
-  const auto culprit = culprit_of(scene.folder, scene.settings.now);
+  const auto culprit = mismatch_texts(scene.folder, scene.settings.now);
   scene.out.report(
       outcomes, {.rule = Rule::DOC051,
                  .message = why_not_joining(grant, outcomes, scene.settings.domain) + culprit.words,

@@ -91,10 +91,10 @@ std::optional<Contradiction> contradiction_of(const LoadedFolder& folder, WallTi
 
 // The governance document is the same for all participants, so the participant's own permissions
 // are more likely to be wrong.
-Culprit culprit_of(const LoadedFolder& folder, WallTime now) {
+MismatchTexts mismatch_texts(const LoadedFolder& folder, WallTime now) {
   const auto found = contradiction_of(folder, now);
   if (!found) return {};
-  Culprit out{
+  MismatchTexts out{
       fmt::format("; {}:{} allows only domain {}, and {}:{} covers only {}: the participant can "
                   "start in neither, and the permissions are probably wrong",
                   folder.paths.permissions.string(), found->line_of_permissions,

@@ -31,11 +31,11 @@ std::optional<Contradiction> contradiction_of(const LoadedFolder& folder, WallTi
 
 /// Additional texts about documents that have no domain in common. They are empty if the documents
 /// have one.
-struct Culprit {
+struct MismatchTexts {
   std::string words;
   std::string hint;
 };
-Culprit culprit_of(const LoadedFolder& folder, WallTime now);
+MismatchTexts mismatch_texts(const LoadedFolder& folder, WallTime now);
 
 /// A chosen domain, and the alternatives.
 struct DomainChoice {

@@ -170,7 +170,7 @@ void note_taken_by_cyclonedds(const MeetingScene& scene, int judge, const Error&
   const auto& subject = scene.party(1 - judge).folder;
   if (error.code() != Code::no_grant_for_subject || !subject.permissions.model) return;
   for (const auto& grant : subject.permissions.model->grants) {
-    if (!cyclonedds_takes(grant.subject_name, subject.certificate->subject())) continue;
+    if (!cyclonedds_applies_grant(grant.subject_name, subject.certificate->subject())) continue;
     scene.out.notes.push_back(
         {.rule = Rule::DOC011,
          .message = fmt::format("{} on Cyclone DDS's own plugins would accept the grant for \"{}\" "

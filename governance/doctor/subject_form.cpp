@@ -26,14 +26,14 @@ bool has_same_attributes(std::string_view text, const pki::Certificate& certific
 
 // Unsafe if a grant for another subject than the certificate's is applied.
 Outcome cyclonedds_outcome(std::string_view text, const pki::Certificate& certificate) {
-  if (!cyclonedds_takes(text, certificate.subject())) return Outcome::fail;
+  if (!cyclonedds_applies_grant(text, certificate.subject())) return Outcome::fail;
   return has_same_attributes(text, certificate) ? Outcome::ok : Outcome::unsafe;
 }
 
 // Commas and blanks at the end have no meaning, so they are removed before the comparison.
 Outcome fastdds_outcome(std::string_view text, const pki::Certificate& certificate,
                         bool any_order) {
-  const auto reads = any_order ? newer_fastdds_takes : fastdds_takes;
+  const auto reads = any_order ? fastdds3_applies_grant : fastdds_takes;
   if (!reads(text, pki::subject_in_utf8(certificate))) return Outcome::fail;
   const auto end = text.find_last_not_of(", \t\r\n");
   return has_same_attributes(text.substr(0, end == text.npos ? 0 : end + 1), certificate)

@@ -19,7 +19,7 @@ void Host::CountingSink::raise(const Event& event) {
 }
 
 const EngineServices& Host::services_with_record(bool reports) {
-  documents_ = documents_shown(reports ? &limited_ : nullptr);
+  documents_ = shared_status_record(reports ? &limited_ : nullptr);
   services_.documents = documents_.get();
   return services_;
 }

@@ -81,7 +81,7 @@ std::optional<Event> mixture_warning(const PluginVersions& found) {
 }
 
 std::optional<Event> openssl_warning(const std::string& openssl) {
-  const auto advice = openssl_advice(openssl);
+  const auto advice = check_openssl_flaws(openssl);
   return advice ? std::nullopt : std::optional(Event(advice.error()));
 }
 

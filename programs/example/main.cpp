@@ -128,9 +128,9 @@ class ExampleSet {
 
   Status sign(const pki::Credential& signer, const fs::path& document, const fs::path& to) {
     DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(document));
-    DDSSEC_ASSIGN_OR_RETURN(const auto sign_document,
+    DDSSEC_ASSIGN_OR_RETURN(const auto signed_document,
                             pki::sign_document(signer, octets, clock_.now(), random_));
-    return write_file(to, sign_document);
+    return write_file(to, signed_document);
   }
 
   const Options& options_;

@@ -82,16 +82,16 @@ class PublisherRun {
   }
 
   bool write_instances(rtps::DataWriter<T>& writer) {
-    Status failed;
+    Status outcome;
     each_instance([&] {
       const auto written = writer.write(shape_);
       if (written && options_.print_written) say_sample(writer.topic().name(), shape_);
       // With KEEP_ALL a slow reader may block the writer. Then this shape is skipped.
-      if (!written && written.error().code() != Code::rtps_history_full) failed = written;
+      if (!written && written.error().code() != Code::rtps_history_full) outcome = written;
     });
-    if (failed) return true;
+    if (outcome) return true;
     say("failed to write");
-    std::fprintf(stderr, "ddssec-shapes: %s\n", failed.error().to_sentence().c_str());
+    std::fprintf(stderr, "ddssec-shapes: %s\n", outcome.error().to_sentence().c_str());
     return false;
   }
 

@@ -57,7 +57,7 @@ TEST(OpensslAdvice, VersionsThatUbuntuKeeps_ProveNothing) {
   for (const auto* version : {"3.0.2", "3.0.13"}) {
     EXPECT_THAT(of(version), Not(IsEmpty()));
     for (const auto& flaw : openssl_flaws(version)) EXPECT_FALSE(flaw.is_certain) << version;
-    EXPECT_TRUE(openssl_advice(version)) << version;
+    EXPECT_TRUE(check_openssl_flaws(version)) << version;
   }
 }
 
@@ -79,21 +79,22 @@ TEST(OpensslAdvice, EveryFlaw_SaysWhatItIsAndWhatToDo) {
 }
 
 TEST(OpensslAdvice, Warning_TellsWhatIsGuardedFromWhatIsNot) {
-  const auto guarded = openssl_advice("OpenSSL 3.0.19 27 Jan 2026");
+  const auto guarded = check_openssl_flaws("OpenSSL 3.0.19 27 Jan 2026");
   ASSERT_FALSE(guarded);
   EXPECT_CODE(guarded, openssl_known_unsafe);
   EXPECT_THAT(guarded.error().to_sentence(), HasSubstr("(found OpenSSL 3.0.19); ddssec refuses"));
   EXPECT_LE(guarded.error().to_sentence().size(), 200u);  // every process with security says it
-  const auto open = openssl_advice("3.0.7");
+  const auto open = check_openssl_flaws("3.0.7");
   ASSERT_FALSE(open);
   EXPECT_CODE(open, openssl_known_unsafe);
   EXPECT_THAT(open.error().to_sentence(), HasSubstr("ddssec cannot refuse all such input"));
 }
 
 TEST(OpensslAdvice, VersionThatProvesNothing_GetsNoWarning) {
-  EXPECT_TRUE(openssl_advice("OpenSSL 3.0.22 25 Aug 2026"));  // Debian 12's last one has every fix
-  EXPECT_TRUE(openssl_advice("3.0.23"));
-  EXPECT_TRUE(openssl_advice("no version at all"));
+  EXPECT_TRUE(
+      check_openssl_flaws("OpenSSL 3.0.22 25 Aug 2026"));  // Debian 12's last one has every fix
+  EXPECT_TRUE(check_openssl_flaws("3.0.23"));
+  EXPECT_TRUE(check_openssl_flaws("no version at all"));
 }
 
 }  // namespace

@@ -21,16 +21,16 @@ class Service : public Server {
 
 TEST_F(Service, WithoutTheVariable_NoSocketIsOpened) {
   ::unsetenv("DDSSEC_STATUS_DIR");
-  EXPECT_EQ(documents_shown(&log_), nullptr);
+  EXPECT_EQ(shared_status_record(&log_), nullptr);
   ::setenv("DDSSEC_STATUS_DIR", "", 1);
-  EXPECT_EQ(documents_shown(&log_), nullptr);
+  EXPECT_EQ(shared_status_record(&log_), nullptr);
   EXPECT_TRUE(log_.all.empty());
 }
 
 TEST_F(Service, AllUsersOfAProcess_ShareOneRecordUntilTheLastLeaves) {
   ::setenv("DDSSEC_STATUS_DIR", folder_.path().c_str(), 1);
-  auto first = documents_shown(&log_);
-  auto second = documents_shown(&log_);
+  auto first = shared_status_record(&log_);
+  auto second = shared_status_record(&log_);
   ASSERT_NE(first, nullptr);
   EXPECT_EQ(first, second);
   EXPECT_THAT(answer_at(path()), HasSubstr("ddssec-status/1"));
@@ -42,14 +42,14 @@ TEST_F(Service, AllUsersOfAProcess_ShareOneRecordUntilTheLastLeaves) {
 
 TEST_F(Service, ChildOfAProcessThatShows_ShowsNothing) {
   ::setenv("DDSSEC_STATUS_DIR", folder_.path().c_str(), 1);
-  const auto record = documents_shown(&log_);
-  EXPECT_EQ(in_child([&] { return documents_shown(&log_) == nullptr; }), 0);
+  const auto record = shared_status_record(&log_);
+  EXPECT_EQ(in_child([&] { return shared_status_record(&log_) == nullptr; }), 0);
 }
 
 TEST_F(Service, FolderThatCannotServe_IsReportedOnce) {
   ::setenv("DDSSEC_STATUS_DIR", "/nowhere/at/all", 1);
-  EXPECT_EQ(documents_shown(&log_), nullptr);
-  EXPECT_EQ(documents_shown(&log_), nullptr);
+  EXPECT_EQ(shared_status_record(&log_), nullptr);
+  EXPECT_EQ(shared_status_record(&log_), nullptr);
   ASSERT_EQ(log_.all.size(), 1u);
   EXPECT_EQ(log_.all[0].error.code(), Code::status_not_served);
   EXPECT_EQ(log_.all[0].proof, PeerProof::not_a_peer);

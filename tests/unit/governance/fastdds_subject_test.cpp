@@ -32,15 +32,15 @@ TEST(FastddsSubject, EmptyPart_EndsTheName) {
 TEST(NewerFastddsSubject, OrderAndSpaces_DoNotCount) {
   for (const char* const grant :
        {"CN=talker,O=Acme,C=DE", "C=DE,O=Acme,CN=talker", "C = DE , O= Acme,CN =talker"})
-    EXPECT_TRUE(newer_fastdds_takes(grant, kCertificate)) << grant;
+    EXPECT_TRUE(fastdds3_applies_grant(grant, kCertificate)) << grant;
   for (const char* const grant : {"CN=talker,O=Acme", "CN=talker,O=Acme,C=DE,L=x",
                                   "CN=Talker,O=Acme,C=DE", "CN=talker,O=Acme,C=D E"})
-    EXPECT_FALSE(newer_fastdds_takes(grant, kCertificate)) << grant;
+    EXPECT_FALSE(fastdds3_applies_grant(grant, kCertificate)) << grant;
 }
 
 TEST(NewerFastddsSubject, PartWithoutAnEqualsSign_EndsTheName) {
-  EXPECT_TRUE(newer_fastdds_takes("CN=talker,O=Acme,C=DE,x,L=y", kCertificate));
-  EXPECT_FALSE(newer_fastdds_takes("CN=talker,x,O=Acme,C=DE", kCertificate));
+  EXPECT_TRUE(fastdds3_applies_grant("CN=talker,O=Acme,C=DE,x,L=y", kCertificate));
+  EXPECT_FALSE(fastdds3_applies_grant("CN=talker,x,O=Acme,C=DE", kCertificate));
 }
 
 }  // namespace
