@@ -16,8 +16,13 @@ namespace {
 
 using enum Rule;
 
-// Pairs of expressions that are compared.
-constexpr int kMaxOverlapPairs = 2'000;
+// The work for one grant or domain rule, so that a long document is not compared for minutes.
+struct Budget {
+  int comparisons = 2'000;  // pairs of expressions that are compared
+  int steps = 2'000'000;    // pairs of rules that are looked at
+
+  bool is_spent() const { return comparisons <= 0 || steps <= 0; }
+};
 
 bool is_one_name(std::string_view expression) { return Pattern(expression).is_literal(); }
 
@@ -58,19 +63,28 @@ bool is_denied_before(std::span<const GrantEntry> earlier, const std::string& to
   });
 }
 
-std::optional<TakenName> name_taken_from(std::span<const GrantEntry> earlier,
-                                         const GrantEntry& denial, int& comparisons,
+// True if the entry can allow something besides one topic in the default partition.
+bool allows_several(const GrantEntry& entry) {
+  return entry.rule->allow && (!is_one_name(entry.topic->text) || entry.criteria->partitions);
+}
+
+// `wide`: the indexes of the entries before the denial for which allows_several() is true.
+std::optional<TakenName> name_taken_from(std::span<const GrantEntry> entries,
+                                         const GrantEntry& denial,
+                                         std::span<const std::size_t> wide, Budget& budget,
                                          SetEffort& effort) {
   const bool is_one = is_one_name(denial.topic->text) && !denial.criteria->partitions;
-  for (std::size_t i = 0; i < earlier.size(); ++i) {
-    const auto& allowed = earlier[i];
-    if (!allowed.rule->allow || allowed.rule == denial.rule) continue;
-    if (is_one_name(allowed.topic->text) && (is_one || !allowed.criteria->partitions)) continue;
-    if (++comparisons > kMaxOverlapPairs) return std::nullopt;
+  for (const auto i : wide) {
+    --budget.steps;
+    if (budget.is_spent()) return std::nullopt;
+    const auto& allowed = entries[i];
+    if (allowed.rule == denial.rule || (is_one && is_one_name(allowed.topic->text))) continue;
+    --budget.comparisons;
     auto topic = common_name(allowed.topic->text, denial.topic->text, effort);
-    if (!topic || !allows_before(allowed, denial, effort) ||
-        is_exception(allowed, denial, effort) || is_denied_before(earlier.first(i), *topic))
+    if (!topic || !allows_before(allowed, denial, effort) || is_exception(allowed, denial, effort))
       continue;
+    budget.steps -= static_cast<int>(i);
+    if (is_denied_before(entries.first(i), *topic)) continue;
     TakenName out{allowed, *std::move(topic), {}};
     if (allowed.criteria->partitions && denial.criteria->partitions)
       out.partition = overlap(denied_partitions(denial), allowed_partitions(*allowed.criteria),
@@ -113,12 +127,14 @@ struct TakenTopic {
 };
 
 std::optional<TakenTopic> topic_taken_from(const std::vector<TopicRule>& rules, std::size_t at,
-                                           int& comparisons, SetEffort& effort) {
+                                           Budget& budget, SetEffort& effort) {
   const auto& later = rules[at].topic_expression;
   for (std::size_t i = 0; i < at; ++i) {
     const auto& earlier = rules[i].topic_expression;
+    --budget.steps;
+    if (budget.is_spent()) return std::nullopt;
     if (!protects_more(rules[at], rules[i]) || is_one_name(earlier)) continue;
-    if (++comparisons > kMaxOverlapPairs) return std::nullopt;
+    --budget.comparisons;
     auto name = common_name(earlier, later, effort);
     if (!name || is_within(earlier, later, effort) || is_within(later, earlier, effort) ||
         !decides(rules, i, *name))
@@ -132,13 +148,15 @@ std::optional<TakenTopic> topic_taken_from(const std::vector<TopicRule>& rules, 
 
 void lint_overlaps(LintFindings& out, const GrantPlace& place,
                    const std::set<const Text*>& reported) {
-  int comparisons = 0;
+  Budget budget;
   for (std::size_t action = 0; action < kActionNames.size(); ++action) {
     const std::span entries(place.actions()[action]);
+    std::vector<std::size_t> wide;
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const auto& denial = entries[i];
-      if (denial.rule->allow || reported.contains(denial.topic)) continue;
-      const auto taken = name_taken_from(entries.first(i), denial, comparisons, out.effort());
+      if (allows_several(denial)) wide.push_back(i);
+      if (denial.rule->allow || wide.empty() || reported.contains(denial.topic)) continue;
+      const auto taken = name_taken_from(entries, denial, wide, budget, out.effort());
       if (!taken) continue;
       const auto where =
           taken->partition.empty() ? std::string() : " in partition " + in_quotes(taken->partition);
@@ -155,10 +173,10 @@ void lint_overlaps(LintFindings& out, const GrantPlace& place,
 
 void check_overlaps(LintFindings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
-  int comparisons = 0;
+  Budget budget;
   for (std::size_t i = 1; i < rules.size(); ++i) {
     if (is_one_name(rules[i].topic_expression)) continue;
-    const auto taken = topic_taken_from(rules, i, comparisons, out.effort());
+    const auto taken = topic_taken_from(rules, i, budget, out.effort());
     if (!taken) continue;
     out.add(place.about(
         GOV014, i,
