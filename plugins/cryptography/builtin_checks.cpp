@@ -153,8 +153,8 @@ PeerDiscovery* announcer(const BuiltinTopic& topic, const Owner& owner, Discover
   return topic.key == 0 ? nullptr : peers.of(owner.value_or(GuidPrefix{}));
 }
 
-// True for a writer that announces endpoints under a key of its own. What is announced in the clear
-// is not delayed: anyone may announce it in the peer's name.
+// True for a writer that announces endpoints under a key of its own. Announcements in the clear are
+// not delayed, because an attacker may have sent them in the peer's name.
 bool announces_securely(const BuiltinTopic& topic) {
   constexpr EntityId kWriters{{0xff, 0, 3, 0xc2}}, kReaders{{0xff, 0, 4, 0xc2}};
   return topic.writer == kWriters || topic.writer == kReaders;

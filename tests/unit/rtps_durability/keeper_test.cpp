@@ -136,9 +136,10 @@ class NoRoom {
   rlimit before_{};
 };
 
-TEST_P(KeeperTest, WhatIsNotStored_IsNotAcknowledged) {
-  if (GetParam() == testing::Way::in_process)
-    GTEST_SKIP() << "samples in the same process are not acknowledged";
+// Samples in the same process are not acknowledged.
+struct NetworkKeeperTest : KeeperTest {};
+
+TEST_P(NetworkKeeperTest, WhatIsNotStored_IsNotAcknowledged) {
   const auto service = keeper();
   auto& writer = a.writer(durable(DurabilityKind::transient, 100));
   ASSERT_TRUE(keeps(*service, 1));
@@ -246,10 +247,11 @@ TEST_P(KeeperTest, DurabilityService_SaysHowMuchIsKept) {
   EXPECT_EQ(late_joiner(*service, b, 2), (Values{7, 8}));
 }
 
+// It takes long, and the keeper over the network is the same.
+struct InProcessKeeperTest : KeeperTest {};
+
 // Beyond 65,536 samples, the next ones were stored and acknowledged, and given to no late joiner.
-TEST_P(KeeperTest, AllThatIsStored_IsServed) {
-  if (GetParam() == testing::Way::network)
-    GTEST_SKIP() << "this takes long, and the keeper is the same as in process";
+TEST_P(InProcessKeeperTest, AllThatIsStored_IsServed) {
   constexpr std::uint64_t kCount = WriterHistory::kMaxChanges + 500;
   auto service = Keeper::create(options(), {}, services).value();
   auto qos = durable(DurabilityKind::transient, 100);
@@ -424,6 +426,8 @@ TEST_P(KeeperTest, ADomainTag_IsNotServedWhatAnotherWrote) {
 
 INSTANTIATE_TEST_SUITE_P(Over, KeeperTest, ::testing::Values(Way::network, Way::in_process),
                          name_of);
+INSTANTIATE_TEST_SUITE_P(Over, NetworkKeeperTest, ::testing::Values(Way::network), name_of);
+INSTANTIATE_TEST_SUITE_P(Over, InProcessKeeperTest, ::testing::Values(Way::in_process), name_of);
 
 }  // namespace
 }  // namespace ddssec::rtps
