@@ -4,9 +4,8 @@
 import json
 import shutil
 
-from transcript import Transcript, main
+from transcript import AT_THAT_TIME, NOW, Transcript, main
 
-NOW = ("--now", "2026-11-21T00:00:00Z")
 ROLES = ("identity", "permissions")
 
 
@@ -49,7 +48,7 @@ class Overlap(Transcript):
         successor, former = self.certificates("demo/ca/identity/ca.pem")
         self.assertEqual(former, self.root["identity"])
         self.assertEqual(self.certificates("demo/talker/identity_ca.pem"), [former, successor])
-        self.openssl("verify", "-CAfile", "demo/ca/identity/ca.pem", "demo/talker/cert.pem")
+        self.openssl("verify", *AT_THAT_TIME, "-CAfile", "demo/ca/identity/ca.pem", "demo/talker/cert.pem")
         self.assertTrue(self.talks("demo/talker", "demo/listener"))
         self.assertEqual(self.files()["demo/ca/identity/ca.key.pem"], 0o600)
         lists = self.json("crl", "show", "demo/talker", *NOW)["result"]

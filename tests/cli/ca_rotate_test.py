@@ -4,9 +4,8 @@
 import json
 import shutil
 
-from transcript import Transcript, main
+from transcript import AT_THAT_TIME, NOW, Transcript, main
 
-NOW = ("--now", "2026-11-21T00:00:00Z")
 SECRET = {"SECRET": "correct horse"}
 
 
@@ -42,7 +41,7 @@ class Rotate(Transcript):
         shown = self.json("identity", "show", "demo/talker", *NOW)["result"]
         for same in ("subject", "not_after", "guid_start"):
             self.assertEqual(shown[same], end["result"][same])
-        self.openssl("verify", "-CAfile", "demo/ca/identity/ca.pem", "demo/talker/cert.pem")
+        self.openssl("verify", *AT_THAT_TIME, "-CAfile", "demo/ca/identity/ca.pem", "demo/talker/cert.pem")
         self.meet("demo/talker", "demo/listener")
         self.meet("old", "demo/listener", exit=1)
         self.assertEqual(self.files()["demo/ca/identity/ca.key.pem"], 0o600)
@@ -170,7 +169,7 @@ class Rotate(Transcript):
         self.run_program("identity", "issue", "a", "--ca", "plant", "-o", "a", "--days", "9", *NOW)
         self.refused("usage", 2, "ca", "rotate", "plant", "--role", "identity", *NOW)
         self.rotate("identity", "--issuer", "demo", at="plant")
-        self.openssl("verify", "-CAfile", "demo/ca/identity/ca.pem", "-untrusted", "a/identity_ca.pem",
+        self.openssl("verify", *AT_THAT_TIME, "-CAfile", "demo/ca/identity/ca.pem", "-untrusted", "a/identity_ca.pem",
                      "a/cert.pem")
 
     def test_folders_with_the_names_of_ros_are_followed_too(self):

@@ -6,10 +6,9 @@ import signal
 import subprocess
 import time
 
-from transcript import PROGRAM, Transcript, main
+from transcript import AT_THAT_TIME, NOW, PROGRAM, Transcript, main
 
 SECRET = {"SECRET": "correct horse"}
-NOW = ("--now", "2026-11-21T00:00:00Z")
 
 
 class Ca(Transcript):
@@ -141,7 +140,7 @@ class Ca(Transcript):
         self.run_program("identity", "issue", "a", "--ca", "plant", "-o", "a", "--days", "9", *NOW)
         self.assertEqual((self.at / "a/identity_ca.pem").read_text(),
                          (self.at / "plant/ca.pem").read_text())
-        self.openssl("verify", "-attime", "1795305600", "-CAfile", "root/ca.pem", "-untrusted",
+        self.openssl("verify", *AT_THAT_TIME, "-CAfile", "root/ca.pem", "-untrusted",
                      "plant/ca.pem", "a/cert.pem")
         self.assertIn("pathlen:0", self.openssl("x509", "-in", "plant/ca.pem", "-noout", "-text"))
         self.assertEqual(self.json("ca", "show", "root", *NOW)["result"]["issued"], 1)
@@ -157,7 +156,7 @@ class Ca(Transcript):
         self.refused("usage", 2, "ca", "renew", "plant", "--days", "60", *NOW)
         out = self.json("ca", "renew", "plant", "--issuer", "root", "--days", "60", *NOW)["result"]
         self.assertEqual(out["not_after"], "2027-01-20T00:00:00Z")
-        self.openssl("verify", "-attime", "1795305600", "-CAfile", "root/ca.pem", "plant/ca.pem")
+        self.openssl("verify", *AT_THAT_TIME, "-CAfile", "root/ca.pem", "plant/ca.pem")
         self.assertEqual(self.json("ca", "show", "root", *NOW)["result"]["issued"], 2)
 
     def test_a_renewed_ca_still_vouches_for_what_it_issued_and_signed(self):
@@ -171,11 +170,11 @@ class Ca(Transcript):
         after = self.json("ca", "show", "ca", *NOW)["result"]
         self.assertEqual((after["subject"], after["not_after"]),
                          (before["subject"], "2046-01-20T00:00:00Z"))
-        self.openssl("verify", "-attime", "1795305600", "-CAfile", "ca/identity/ca.pem", "a/cert.pem")
+        self.openssl("verify", *AT_THAT_TIME, "-CAfile", "ca/identity/ca.pem", "a/cert.pem")
         self.json("permissions", "verify", "a/permissions.p7s", "--ca", "ca/permissions/ca.pem", *NOW)
         self.run_program("identity", "issue", "b", "--ca", "ca", "-o", "b", "--publish", "x", *NOW)
         for name in ("a", "b"):  # both have participants that know the old and the new certificate
-            self.openssl("verify", "-attime", "1795305600", "-CAfile", f"{name}/identity_ca.pem",
+            self.openssl("verify", *AT_THAT_TIME, "-CAfile", f"{name}/identity_ca.pem",
                          "a/cert.pem", "b/cert.pem")
 
     def test_renewing_says_what_to_do_next_and_in_which_order(self):

@@ -5,10 +5,9 @@ import json
 import pathlib
 import subprocess
 
-from transcript import PROGRAM, Transcript, main
+from transcript import NOW, PROGRAM, Transcript, main
 
 DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
-NOW = ("--now", "2026-11-21T00:00:00Z")
 LATER = ("--now", "2026-11-22T00:00:00Z")
 
 

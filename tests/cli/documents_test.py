@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
 """governance and permissions sign and verify; can: who may do what, and the line that says so."""
 
-from transcript import Transcript, main
+from transcript import AT_THAT_TIME, NOW, Transcript, main
 
-NOW = ("--now", "2026-11-21T00:00:00Z")
 VENDORS = ("cyclonedds@0.10.2", "fastdds@2.9.1", "ours")
 GOVERNANCE = """<?xml version="1.0" encoding="UTF-8"?>
 <dds><domain_access_rules><domain_rule>
@@ -49,7 +48,7 @@ class Documents(Transcript):
                          *NOW)["result"]
         self.assertEqual(seen["signer_not_after"], "2036-11-18T00:00:00Z")
         self.assertEqual(seen["verdicts"], dict.fromkeys(VENDORS, "accepts"))
-        text = self.openssl("smime", "-verify", "-text", "-attime", "1795305600", "-in",
+        text = self.openssl("smime", "-verify", "-text", *AT_THAT_TIME, "-in",
                             "governance.p7s", "-CAfile", "ca/permissions/ca.pem", "-purpose", "any")
         declaration, rest = GOVERNANCE.split("\n", 1)
         self.assertEqual(text.replace("\r", ""), f'{declaration}\n<?ddssec revision="1"?>\n{rest}')

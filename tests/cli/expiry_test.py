@@ -5,9 +5,7 @@ import os
 import re
 import subprocess
 
-from transcript import Transcript, main
-
-NOW = ("--now", "2026-11-21T00:00:00Z")
+from transcript import NOW, Transcript, main
 
 
 class Expiry(Transcript):

@@ -5,9 +5,8 @@ import signal
 import subprocess
 import time
 
-from transcript import PROGRAM, Transcript, main
+from transcript import NOW, PROGRAM, Transcript, main
 
-NOW = ("--now", "2026-11-21T00:00:00Z")
 FLEET = """
 domain = 3
 days = 30

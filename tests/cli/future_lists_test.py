@@ -5,9 +5,8 @@ import json
 import os
 import shutil
 
-from transcript import Transcript, main
+from transcript import NOW, Transcript, main
 
-NOW = ("--now", "2026-11-21T00:00:00Z")
 LATER = ("--now", "2026-11-22T00:00:00Z")
 YEAR_LATER = ("--now", "2027-11-22T00:00:00Z")
 FUTURE = ("--now", "2030-01-01T00:00:00Z")

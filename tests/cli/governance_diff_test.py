@@ -120,14 +120,13 @@ class GovernanceDifferences(Differences):
                          ("two phases", "live unless in use"))
 
     def test_a_signed_document_without_a_revision_is_refused(self):
-        now = ("--now", "2026-11-21T00:00:00Z")
-        self.run_program("ca", "create", "ca", "--role", "permissions", "--no-passphrase", *now)
+        self.run_program("ca", "create", "ca", "--role", "permissions", "--no-passphrase", *NOW)
         less = governance(topic("rt/x", "NONE"), topic("*"))
         more = governance(re.sub(r"metadata_protection_kind>\w+<", "metadata_protection_kind>ENCRYPT<", topic("rt/x", "NONE")), topic("*"))
         further = governance(topic("rt/x", "NONE"), topic("*"), topic("rt/z"))
         def signed(name, text, *options):
             (self.at / f"{name}.xml").write_text(text)
-            self.run_program("governance", "sign", f"{name}.xml", "--ca", "ca", "--no-lint", "--replace", *options, *now)
+            self.run_program("governance", "sign", f"{name}.xml", "--ca", "ca", "--no-lint", "--replace", *options, *NOW)
             return f"{name}.p7s"
         def live(old, new):
             out = self.json("governance", "diff", old, new, exit=None)["result"]["live"]
@@ -162,13 +161,12 @@ class GovernanceDifferences(Differences):
         self.assertEqual(self.diff()["live"]["ddssec"], "live")
 
     def test_a_document_that_another_ca_signed_is_refused_while_they_run(self):
-        now = ("--now", "2026-11-21T00:00:00Z")
         for name in ("one", "other"):
-            self.run_program("ca", "create", name, "--role", "permissions", "--subject", f"CN={name}", "--no-passphrase", *now)
+            self.run_program("ca", "create", name, "--role", "permissions", "--subject", f"CN={name}", "--no-passphrase", *NOW)
         self.write(governance(topic("rt/x")), governance(topic("rt/x"), topic("rt/y")))
         for document, ca in (("old.xml", "one"), ("new.xml", "other"), ("new.xml", "other"), ("new.xml", "one")):
             self.run_program("governance", "sign", document, "--ca", ca, "-o", f"{ca}-{document}.p7s", "--no-lint",
-                             "--replace", *now)
+                             "--replace", *NOW)
         for new, expected in (("one", "live"), ("other", "live if the signer is believed")):
             out = self.json("governance", "diff", "one-old.xml.p7s", f"{new}-new.xml.p7s", exit=None)["result"]
             self.assertEqual(out["live"]["ddssec"], expected)

@@ -7,9 +7,7 @@ import re
 import shutil
 import xml.etree.ElementTree as xml
 
-from transcript import Transcript, main
-
-NOW = ("--now", "2026-11-21T00:00:00Z")
+from transcript import AT_THAT_TIME, NOW, Transcript, main
 
 
 class Identity(Transcript):
@@ -37,9 +35,9 @@ class Identity(Transcript):
                                 "talker/crl.pem": "0644", "talker/cyclonedds.xml": "0644", "talker/fastdds.xml": "0644"})
         self.assertEqual((out["result"]["subject"], out["result"]["not_after"]),
                          ("CN=talker", "2027-11-21T00:00:00Z"))
-        self.openssl("verify", "-attime", "1795305600", "-CAfile", "talker/identity_ca.pem",
+        self.openssl("verify", *AT_THAT_TIME, "-CAfile", "talker/identity_ca.pem",
                      "talker/cert.pem")
-        permissions = self.openssl("smime", "-verify", "-text", "-attime", "1795305600", "-in",
+        permissions = self.openssl("smime", "-verify", "-text", *AT_THAT_TIME, "-in",
                                    "talker/permissions.p7s", "-CAfile", "talker/permissions_ca.pem",
                                    "-purpose", "any")
         for text in ("<subject_name>CN=talker<", "<id>7<", "rt/&lt;a&gt;&amp;",
@@ -97,7 +95,7 @@ class Identity(Transcript):
         self.assertIn('issue a certificate for "CN=device", key EC-prime256v1?', asked["message"])
         out = self.run_with_secret(self.json, *sign, "--yes")["result"]
         self.assertEqual((out["file"], out["subject"]), ("device/cert.pem", "CN=device"))
-        self.openssl("verify", "-attime", "1795305600", "-CAfile", "ca/identity/ca.pem",
+        self.openssl("verify", *AT_THAT_TIME, "-CAfile", "ca/identity/ca.pem",
                      "device/cert.pem")
         public = self.openssl("pkey", "-in", "device/key.pem", "-pubout")
         self.assertEqual(public, self.openssl("x509", "-in", "device/cert.pem", "-noout", "-pubkey"))
@@ -177,13 +175,13 @@ class Identity(Transcript):
         self.assertEqual((out["result"]["subject"], out["result"]["not_after"], out["result"]["permissions_until"]),
                          ("CN=talker", "2027-12-26T00:00:00Z", "2027-11-21T00:00:00Z"))
         self.assertEqual(key, (self.at / "talker/key.pem").read_bytes())
-        self.openssl("verify", "-attime", "1795305600", "-CAfile", "talker/identity_ca.pem",
+        self.openssl("verify", *AT_THAT_TIME, "-CAfile", "talker/identity_ca.pem",
                      "talker/cert.pem")
         self.assertIn("a participant on ddssec's plugins takes it while it runs; with stock plugins, restart it\n",
                       self.run_with_secret(self.run_program, *renew).stdout)
         out = self.run_with_secret(self.json, *renew, "--permissions")
         self.assertEqual(out["result"]["permissions_until"], "2027-12-26T00:00:00Z")
-        seen = self.openssl("smime", "-verify", "-text", "-attime", "1795305600", "-in",
+        seen = self.openssl("smime", "-verify", "-text", *AT_THAT_TIME, "-in",
                             "talker/permissions.p7s", "-CAfile", "talker/permissions_ca.pem",
                             "-purpose", "any")
         self.assertIn("<not_after>2027-12-26T00:00:00Z<", seen)

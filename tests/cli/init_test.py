@@ -6,9 +6,8 @@ import re
 import subprocess
 import xml.etree.ElementTree as xml
 
-from transcript import Transcript, main
+from transcript import AT_THAT_TIME, NOW, Transcript, main
 
-NOW = ("--now", "2026-11-21T00:00:00Z")
 FLAT = {"identity_ca.pem": 0o644, "cert.pem": 0o644, "key.pem": 0o600, "permissions_ca.pem": 0o644,
         "governance.p7s": 0o644, "permissions.p7s": 0o644, "crl.pem": 0o644,
         "cyclonedds.xml": 0o644, "fastdds.xml": 0o644}
@@ -36,7 +35,7 @@ class Init(Transcript):
             self.assertEqual(self.faults(self.json("doctor", f"demo/{name}", *NOW)), [])
             self.json("can", f"demo/{name}", "publish", "anything", *NOW)
             self.json("can", f"demo/{name}", "subscribe", "a", "--partition", "p", *NOW)
-            self.openssl("verify", "-attime", "1795305600", "-CAfile", "demo/ca/identity/ca.pem",
+            self.openssl("verify", *AT_THAT_TIME, "-CAfile", "demo/ca/identity/ca.pem",
                          f"demo/{name}/cert.pem")
 
     def test_what_it_made_serves_the_commands_that_follow(self):

@@ -10,9 +10,8 @@ import subprocess
 import xml.etree.ElementTree
 
 from sros2_keystore import make_keystore
-from transcript import PROGRAM, Transcript, library_path, main
+from transcript import NOW, PROGRAM, Transcript, library_path, main
 
-NOW = ("--now", "2026-11-21T00:00:00Z")
 POLICY = """<policy version="0.2.0"><enclaves><enclave path="/e"><profiles><profile ns="/" node="a">
 <topics publish="ALLOW"><topic>x</topic></topics></profile></profiles></enclave></enclaves></policy>
 """

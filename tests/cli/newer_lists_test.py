@@ -8,10 +8,9 @@ import shutil
 import subprocess
 import time
 
-from transcript import PROGRAM, Transcript, main
+from transcript import NOW, PROGRAM, Transcript, main
 
 LIBRARY = PROGRAM.parent.parent / "lib/kill_at.so"
-NOW = ("--now", "2026-11-21T00:00:00Z")
 LATER = ("--now", "2026-11-22T00:00:00Z")
 EARLIER = ("--now", "2026-11-20T23:00:00Z")
 

@@ -6,9 +6,7 @@ import os
 import pty
 import subprocess
 
-from transcript import PROGRAM, Transcript, main
-
-NOW = ("--now", "2026-11-21T00:00:00Z")
+from transcript import NOW, PROGRAM, Transcript, main
 
 
 class Output(Transcript):

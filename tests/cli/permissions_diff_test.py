@@ -80,7 +80,7 @@ class PermissionsDifferences(Differences):
         # The first rule lets the participant join, whatever comes after it.
         join, deny, allow = JOIN, rule("deny", "rt/cmd*"), rule("allow", "rt/*")
         self.write(permissions(grant(join, allow)), permissions(grant(join, deny, allow)))
-        out = self.diff("--fail-on", "wider")
+        out = self.diff("--fail-on", "wider", *NOW)
         self.assertEqual((out["verdict"], out["breaks_interop"]), ("narrower", False))
         self.assertEqual(out["takes_effect"], {"embedded": "live", "cyclonedds_ddssec": "live, sessions begin again",
                                                "cyclonedds": "restart", "fastdds": "restart", "reason": "", "at": None})
@@ -93,7 +93,7 @@ class PermissionsDifferences(Differences):
         self.assertEqual((change["domains"], change["partitions"], change["old_at"], change["new_at"]),
                          ([[0, 0]], [""], "old.xml:14", "new.xml:14"))
         self.diff("--fail-on", "narrower", exit=1)
-        text = self.text()
+        text = self.text(*NOW)
         self.assertRegex(text, r"^subject CN=talker\n  NARROWER  publish topics rt/cmd\* "
                                r"\(e\.g\. rt/cmd\)  allowed -> denied  by rt/\* -> by rt/cmd\*")
         self.assertIn("verdict: NARROWER; old and new files work together\n", text)

@@ -3,9 +3,7 @@
 
 import xml.etree.ElementTree as ElementTree
 
-from transcript import Transcript, main
-
-NOW = ("--now", "2026-11-21T00:00:00Z")
+from transcript import NOW, Transcript, main
 
 
 class NewPermissions(Transcript):

@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
 """permissions from-ros-policy: the same octets as sros2, or one merged grant; bad policies."""
 
-from transcript import DATA, Transcript, main
+from transcript import DATA, NOW, Transcript, main
 
-NOW = ("--now", "2026-11-21T00:00:00Z")
 SROS2 = DATA / "sros2"
 POLICIES = SROS2 / "upstream/policies"
 TWO = """<policy version="0.2.0"><enclaves><enclave path="/e">

@@ -3,9 +3,8 @@
 
 import itertools
 
-from transcript import Transcript, main
+from transcript import NOW, Transcript, main
 
-NOW = ("--now", "2026-11-21T00:00:00Z")
 ROLES = ("identity", "permissions")
 NAMES = ("talker", "listener", "radar")
 

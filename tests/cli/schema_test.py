@@ -6,9 +6,8 @@ import unittest
 
 from ocsp_responder import index_line, responder
 from running import running_participant
-from transcript import ANSWERS, DATA, SCHEMA, Transcript, main
+from transcript import ANSWERS, DATA, NOW, SCHEMA, Transcript, main
 
-NOW = ("--now", "2026-11-21T00:00:00Z")
 FREE = ("--no-passphrase",)
 POLICY = DATA / "sros2/upstream/policies/talker_listener.policy.xml"
 

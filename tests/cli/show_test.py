@@ -1,9 +1,7 @@
 #!/usr/bin/env python3
 """governance show and permissions show: effective values, and the rule and line that decide."""
 
-from transcript import DATA, Transcript, main
-
-NOW = ("--now", "2026-11-21T00:00:00Z")
+from transcript import DATA, NOW, Transcript, main
 
 
 class Show(Transcript):

@@ -8,9 +8,8 @@ import re
 import subprocess
 import unittest
 
-from transcript import PROGRAM, Transcript, main
+from transcript import AT_THAT_TIME, NOW, PROGRAM, Transcript, main
 
-NOW = ("--now", "2026-11-21T00:00:00Z")
 PIN = "1234"
 
 
@@ -76,8 +75,8 @@ class Token(Transcript):
         told = self.json("doctor", "talker", *NOW, exit=1)
         self.assertEqual([one["id"] for one in told["diagnostics"]], ["DOC005", "DOC023"])  # no list yet
         self.assertEqual(told["result"]["verdicts"], {"cyclonedds@0.10.2": "fail", "fastdds@2.9.1": "ok", "ours": "ok"})
-        self.openssl("verify", "-attime", "1795305600", "-CAfile", "ca/identity/ca.pem", "talker/cert.pem")
-        self.openssl("smime", "-verify", "-text", "-attime", "1795305600", "-in", "talker/governance.p7s", "-CAfile",
+        self.openssl("verify", *AT_THAT_TIME, "-CAfile", "ca/identity/ca.pem", "talker/cert.pem")
+        self.openssl("smime", "-verify", "-text", *AT_THAT_TIME, "-in", "talker/governance.p7s", "-CAfile",
                      "ca/permissions/ca.pem", "-purpose", "any")
         self.json("identity", "revoke", "talker", "--ca", "ca", *NOW)
         self.openssl("crl", "-in", "ca/identity/crl.pem", "-CAfile", "ca/identity/ca.pem", "-verify", "-noout")

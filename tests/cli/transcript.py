@@ -18,6 +18,7 @@ DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
 SCHEMA = json.loads((DATA.parent.parent / "cli/schema/ddssec-1.schema.json").read_text())
 ANSWERS = jsonschema.Draft202012Validator(SCHEMA)
 NOW = ("--now", "2026-11-21T00:00:00Z")
+AT_THAT_TIME = ("-attime", "1795305600")  # a day after NOW, for openssl verify and smime
 ENVELOPE = ["schema", "command", "ok", "exit", "result", "diagnostics", "files_written"]
 
 

@@ -7,9 +7,8 @@ import os
 import shutil
 import unittest
 
-from transcript import Transcript, main
+from transcript import NOW, Transcript, main
 
-NOW = ("--now", "2026-11-21T00:00:00Z")
 LATER = ("--now", "2027-11-01T00:00:00Z")
 AFTER = ("--now", "2028-01-01T00:00:00Z")
 GRANT = """<?xml version="1.0" encoding="UTF-8"?>

@@ -1,6 +1,7 @@
 """Keys, certificates, documents and participants' folders for tests of the program, made with the openssl
 program. Nothing of ddssec takes part in making them. Test keys, worthless outside a test."""
 
+import datetime
 import functools
 import os
 import pathlib
@@ -15,6 +16,8 @@ from pki import KEY_KINDS as USUAL_KINDS  # noqa: E402
 KEY_KINDS = {**USUAL_KINDS, "rsa1024": ("RSA", "rsa_keygen_bits:1024"),
              "rsa3072": ("RSA", "rsa_keygen_bits:3072"), "ed25519": ("ED25519", None)}
 LONG = ("20200101000000Z", "20361231000000Z")
+# Tests name days about this one, on which the usual CAs end.
+DAYS_OF_A_CA = str((datetime.date(2036, 11, 25) - datetime.date.today()).days)
 PAST, FUTURE, END = ("2020-01-01T00:00:00Z", "2036-01-01T00:00:00Z", "2037-01-01T00:00:00Z")
 GOVERNANCE = """<?xml version="1.0" encoding="UTF-8"?>
 <dds>
@@ -117,9 +120,9 @@ class Workshop:
         request = ("-key", folder / "key.pem", "-subj", subject or f"/CN={label} CA")
         is_usual = "basicConstraints=" in "".join(extensions) and digest == "sha256"
         if not extensions:
-            self.version_1(*request, "-days", "3650", "-out", folder / "cert.pem")
+            self.version_1(*request, "-days", DAYS_OF_A_CA, "-out", folder / "cert.pem")
         elif dates is None and root is None and is_usual:
-            openssl("req", "-x509", "-new", "-sha256", "-days", "3650", *request,
+            openssl("req", "-x509", "-new", "-sha256", "-days", DAYS_OF_A_CA, *request,
                     *[part for text in extensions for part in ("-addext", text)],
                     "-out", folder / "cert.pem")
         else:
