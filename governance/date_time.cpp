@@ -117,14 +117,14 @@ std::optional<DateTime> parse_date_time(std::string_view text, Round round) {
   if (!zone || !in.good_at_end()) return std::nullopt;
   WallTime time = *day + *time_of_day - zone->east;
   if (*fraction && round == Round::up) time += seconds(1);
-  const bool is_for_cyclone = *time_of_day != hours(24) &&
-                              std::chrono::abs(zone->east) <= hours(12) &&
-                              time + zone->east < kEndOfNanoseconds && time < kEndOfNanoseconds;
+  const bool is_read_alike_by_cyclonedds =
+      *time_of_day != hours(24) && std::chrono::abs(zone->east) <= hours(12) &&
+      time + zone->east < kEndOfNanoseconds && time < kEndOfNanoseconds;
   return DateTime{.time = time,
                   .has_zone = zone->given,
                   .east = zone->east,
                   .has_fraction = *fraction,
-                  .is_for_cyclone = is_for_cyclone};
+                  .is_read_alike_by_cyclonedds = is_read_alike_by_cyclonedds};
 }
 
 }  // namespace ddssec::governance

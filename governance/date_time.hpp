@@ -10,10 +10,10 @@
 
 namespace ddssec::governance {
 
-/// The sentence about a <not_after> that Cyclone DDS misreads (DateTime::is_for_cyclone).
-inline constexpr std::string_view kCyclonesEndHasPassed =
-    "reads <not_after> as a time that has passed";
-inline constexpr std::string_view kHintOfCyclonesEnd =
+/// The sentence about a <not_after> that Cyclone DDS misreads
+/// (DateTime::is_read_alike_by_cyclonedds).
+inline constexpr std::string_view kEndReadAsPast = "reads <not_after> as a time that has passed";
+inline constexpr std::string_view kEndReadAsPastHint =
     "write a time before 2262, in UTC, with an hour from 00 to 23";
 
 enum class Round : std::uint8_t { down, up };
@@ -27,7 +27,7 @@ struct DateTime {
   /// True if Cyclone DDS 0.10 reads the text like other products. It does not know 24:00:00, zones
   /// beyond 12 hours, or times after 2262-04-11, where its nanoseconds end. As the end of a
   /// validity it treats these as past.
-  bool is_for_cyclone = true;
+  bool is_read_alike_by_cyclonedds = true;
 };
 
 /// Parses `2026-11-21T03:13:43` with an optional fraction and an optional zone `Z`, `+hh:mm` or

@@ -86,9 +86,9 @@ void check_dates(LintFindings& out, const GrantPlace& place, const PermissionsUs
   if (use.certificate && to > use.certificate->not_after())
     add(Severity::warning, fmt::format("the grant ends at {}, after the certificate ({})",
                                        to_string(to), to_string(use.certificate->not_after())));
-  if (place.grant().validity.is_for_cyclone) return;
-  auto finding = place.about(PERM002, fmt::format("Cyclone DDS {}", kCyclonesEndHasPassed));
-  finding.hint = std::string(kHintOfCyclonesEnd);
+  if (place.grant().validity.is_read_alike_by_cyclonedds) return;
+  auto finding = place.about(PERM002, fmt::format("Cyclone DDS {}", kEndReadAsPast));
+  finding.hint = std::string(kEndReadAsPastHint);
   finding.vendors = {kCyclone};
   out.add(std::move(finding));
 }

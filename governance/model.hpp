@@ -181,8 +181,9 @@ struct GrantRule {
 struct Validity {
   WallTime not_before = {};
   WallTime not_after = {};
-  /// False if Cyclone DDS reads not_after as the distant past (DateTime::is_for_cyclone).
-  bool is_for_cyclone = true;
+  /// False if Cyclone DDS reads not_after as the distant past
+  /// (DateTime::is_read_alike_by_cyclonedds).
+  bool is_read_alike_by_cyclonedds = true;
   /// The offsets from UTC that the text has. Fast DDS ignores them (measured with 2.9.1).
   std::chrono::minutes offset_of_not_before = {}, offset_of_not_after = {};
   bool contains(WallTime time) const { return not_before <= time && time < not_after; }

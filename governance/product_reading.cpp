@@ -198,7 +198,7 @@ std::string_view to_string(StockProduct product) {
 Validity rewritten_for(const Validity& validity, StockProduct product) {
   auto out = validity;
   if (product == StockProduct::cyclonedds) {
-    if (!std::exchange(out.is_for_cyclone, true)) out.not_after = out.not_before;
+    if (!std::exchange(out.is_read_alike_by_cyclonedds, true)) out.not_after = out.not_before;
   } else {
     out.not_before += std::exchange(out.offset_of_not_before, {});
     out.not_after += std::exchange(out.offset_of_not_after, {});

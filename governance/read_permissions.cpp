@@ -49,7 +49,7 @@ Result<Validity> read_validity(ReadContext& context, XmlElement element) {
   DDSSEC_ASSIGN_OR_RETURN(const auto end, read_time(context, child.one(1), Round::down));
   const Validity validity{.not_before = begin.time,
                           .not_after = end.time,
-                          .is_for_cyclone = end.is_for_cyclone,
+                          .is_read_alike_by_cyclonedds = end.is_read_alike_by_cyclonedds,
                           .offset_of_not_before = begin.east,
                           .offset_of_not_after = end.east};
   if (validity.not_before > validity.not_after) {

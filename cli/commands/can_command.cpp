@@ -302,7 +302,7 @@ Result<DomainId> domain_to_ask(const Arguments& arguments, const doctor::LoadedF
   const auto choice = doctor::choose_domain(named);
   if (!choice.has_others()) return choice.domain;
   return fail(Code::usage, {.field = "--domain",
-                            .expected = "one of " + doctor::in_words(choice.named),
+                            .expected = "one of " + doctor::to_text(choice.named),
                             .found = "none",
                             .note = "the documents are for more than one domain"});
 }

@@ -449,7 +449,7 @@ Result<DomainId> domain_for(const Arguments& arguments,
     report.findings.push_back(
         {.rule = Rule::DOC095,
          .message = fmt::format("the documents are for domains {}; domain {} was checked",
-                                doctor::in_words(choice.named), choice.domain)});
+                                doctor::to_text(choice.named), choice.domain)});
   return choice.domain;
 }
 

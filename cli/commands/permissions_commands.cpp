@@ -49,7 +49,7 @@ Result<std::vector<governance::DomainRange>> domains_for(const Arguments& argume
   if (arguments.has("--domain") || is_one) return out;
   return fail(Code::usage, {.field = "--domain",
                             .expected = "one of the domains of " + governance.string() + ": " +
-                                        governance::doctor::in_words(out),
+                                        governance::doctor::to_text(out),
                             .found = "none"});
 }
 

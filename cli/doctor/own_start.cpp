@@ -202,7 +202,7 @@ void check_start_in_cyclonedds(const doctor::LoadedFolder& folder, const doctor:
                                doctor::Diagnosis& out) {
   const auto file = variable(spi::kPropertiesVariable);
   const auto configuration = configuration_for(folder, settings);
-  const bool is_configured = configuration && configuration->security.is_there;
+  const bool is_configured = configuration && configuration->security.applies;
   if (!is_configured && file.empty() && variable(spi::kCipherVariable).empty()) return;
   if (!starts(before) || !starts(doctor::diagnose(folder, settings))) return;
   auto of_folder = properties_of_folder(folder.paths);

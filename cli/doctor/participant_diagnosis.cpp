@@ -79,7 +79,7 @@ void check_environment(const LoadedFolder& folder, const doctor::Settings& setti
   if (text && !named.empty()) {
     const auto security = doctor::effective_security(
         *text, settings.domain, doctor::ConfigurationPlace::variable, inline_from);
-    if (security.problems.empty() && !security.is_there)
+    if (security.problems.empty() && !security.applies)
       return report_named_folder(folder, named, out);
   }
   if (text)

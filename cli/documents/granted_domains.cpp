@@ -24,7 +24,7 @@ doctor::Domains covered_by(const std::filesystem::path& governance) {
   if (const auto document = unverified_document<GovernanceKind>(governance); document)
     for (const auto& rule : document->domain_rules)
       out.insert(out.end(), rule.domains.ranges.begin(), rule.domains.ranges.end());
-  return doctor::normal(std::move(out));
+  return doctor::merged(std::move(out));
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ std::vector<Finding> uncovered_grants(const governance::Permissions& permissions
       if (allowed.empty()) line = rule.domains.line;
       allowed.insert(allowed.end(), rule.domains.ranges.begin(), rule.domains.ranges.end());
     }
-    allowed = doctor::normal(std::move(allowed));
+    allowed = doctor::merged(std::move(allowed));
     if (covered.empty() || allowed.empty() || grant.default_allow ||
         have_any_in_common(allowed, covered))
       continue;
@@ -51,11 +51,11 @@ std::vector<Finding> uncovered_grants(const governance::Permissions& permissions
          .message = fmt::format(
              "grant \"{}\" allows only domain {}, and {} covers only {}: the participant "
              "cannot start with it, and takes it if it runs",
-             grant.name, doctor::in_words(allowed), governance.string(), doctor::in_words(covered)),
+             grant.name, doctor::to_text(allowed), governance.string(), doctor::to_text(covered)),
          .document = file.string(),
          .line = line,
          .hint = fmt::format("write permissions for domain {} and sign them",
-                             doctor::in_words(covered)),
+                             doctor::to_text(covered)),
          .severity = Severity::warning});
   }
   return out;
@@ -73,7 +73,7 @@ Result<std::vector<governance::DomainRange>> granted_domains(
         {.rule = Rule::DOC050,
          .message = fmt::format("the permissions are for domain {}, and the governance document "
                                 "is for {}: the participant cannot start",
-                                doctor::in_words(given), doctor::in_words(covered)),
+                                doctor::to_text(given), doctor::to_text(covered)),
          .document = governance.string(),
          .severity = Severity::warning});
   return given;

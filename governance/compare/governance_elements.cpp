@@ -56,7 +56,7 @@ Names all_key_establishments() {
 }
 Names all_ciphers() { return {kStandardCiphers.begin(), kStandardCiphers.end()}; }
 
-Names named(const std::vector<Text>& texts) {
+Names names_in(const std::vector<Text>& texts) {
   Names names;
   for (const auto& text : texts) names.insert(text.text);
   return names;
@@ -65,7 +65,7 @@ Names named(const std::vector<Text>& texts) {
 Names listed_or(const DomainRule& rule, std::vector<Text> AllowedAlgorithms::*list,
                 const Names& if_absent) {
   if (!rule.allowed_algorithms || ((*rule.allowed_algorithms).*list).empty()) return if_absent;
-  return named((*rule.allowed_algorithms).*list);
+  return names_in((*rule.allowed_algorithms).*list);
 }
 
 Names signatures(const DomainRule& rule) {

@@ -50,9 +50,9 @@ struct ItemList {
 };
 
 // The elements of both directions up to the last deny_rule that has any. Later elements let a topic
-// be created, as the default of the gate does. If the grant's default denies, a topic that no rule
-// names cannot be used anyway.
-std::vector<RuleElement> gate_elements(const RulePointers& rules) {
+// be created, as the default of the preceding list does. If the grant's default denies, a topic
+// that no rule names cannot be used anyway.
+std::vector<RuleElement> preceding_elements(const RulePointers& rules) {
   std::vector<RuleElement> elements;
   std::size_t size = 0;
   for (const GrantRule* rule : rules) {
@@ -64,7 +64,7 @@ std::vector<RuleElement> gate_elements(const RulePointers& rules) {
   return elements;
 }
 
-ItemList gate_of(const std::vector<RuleElement>& elements) {
+ItemList preceding_list(const std::vector<RuleElement>& elements) {
   std::vector<std::uint32_t> all(elements.size());
   std::iota(all.begin(), all.end(), 0U);
   return ItemList(elements, all, true);
@@ -110,10 +110,10 @@ class OperationComparison {
         old_elements_(elements_of(sides.old_rules, operation.list)),
         new_elements_(elements_of(sides.new_rules, operation.list)) {
     if (!sides.first_rule_creates_topic || !operation.has_default) return;
-    old_gate_elements_ = gate_elements(sides.old_rules);
-    new_gate_elements_ = gate_elements(sides.new_rules);
-    old_gate_ = gate_of(old_gate_elements_);
-    new_gate_ = gate_of(new_gate_elements_);
+    old_preceding_elements_ = preceding_elements(sides.old_rules);
+    new_preceding_elements_ = preceding_elements(sides.new_rules);
+    old_preceding_ = preceding_list(old_preceding_elements_);
+    new_preceding_ = preceding_list(new_preceding_elements_);
   }
 
   OperationDiff run() {
@@ -143,10 +143,10 @@ class OperationComparison {
   void compare_context(const EntityContext& context, std::size_t number) {
     const ItemList before(old_elements_, context.old_elements, old_default_);
     const ItemList after(new_elements_, context.new_elements, new_default_);
-    if (same(before.rules, after.rules) && same(old_gate_.rules, new_gate_.rules)) return;
+    if (same(before.rules, after.rules) && same(old_preceding_.rules, new_preceding_.rules)) return;
     FoundByElements found;
     bool names_all_effects = true;
-    if (old_gate_.items.empty() && new_gate_.items.empty()) {
+    if (old_preceding_.items.empty() && new_preceding_.items.empty()) {
       const auto pairs = topic_pairs(before.rules, after.rules, limits_);
       out_.is_complete = out_.is_complete && pairs.names_all_rules;
       names_all_effects = pairs.names_all_effects;
@@ -154,23 +154,24 @@ class OperationComparison {
         compare_pair(pair, decided(before, pair.old_rule, old_default_),
                      decided(after, pair.new_rule, new_default_), found);
     } else {
-      names_all_effects = compare_gated(before, after, found);
+      names_all_effects = compare_preceded(before, after, found);
     }
     for (auto& [key, entry] : found) add(key, std::move(entry), before, after, number);
     if (!names_all_effects) give_up();
   }
 
   // False if a limit was reached.
-  bool compare_gated(const ItemList& before, const ItemList& after, FoundByElements& found) {
-    const auto pairs =
-        gated_pairs({before.rules, old_gate_.rules}, {after.rules, new_gate_.rules}, limits_);
+  bool compare_preceded(const ItemList& before, const ItemList& after, FoundByElements& found) {
+    const auto pairs = preceded_pairs({before.rules, old_preceding_.rules},
+                                      {after.rules, new_preceding_.rules}, limits_);
     if (!pairs) return false;
-    for (const auto& [pair, old_gate, new_gate] : *pairs)
-      compare_pair(
-          pair,
-          behind(decided(old_gate_, old_gate, true), decided(before, pair.old_rule, old_default_)),
-          behind(decided(new_gate_, new_gate, true), decided(after, pair.new_rule, new_default_)),
-          found);
+    for (const auto& [pair, old_preceding, new_preceding] : *pairs)
+      compare_pair(pair,
+                   effective_decision(decided(old_preceding_, old_preceding, true),
+                                      decided(before, pair.old_rule, old_default_)),
+                   effective_decision(decided(new_preceding_, new_preceding, true),
+                                      decided(after, pair.new_rule, new_default_)),
+                   found);
     return true;
   }
 
@@ -179,9 +180,9 @@ class OperationComparison {
     const auto* const item = list.find(rule);
     return {item, item != nullptr ? item->element->rule->allow : default_allow};
   }
-  // The gate decides only if it alone denies. If both deny, the list's rule is named.
-  static Decided behind(const Decided& gate, const Decided& list) {
-    return gate.allowed || !list.allowed ? list : gate;
+  // The preceding list decides only if it alone denies. If both deny, the list's rule is named.
+  static Decided effective_decision(const Decided& preceding, const Decided& list) {
+    return preceding.allowed || !list.allowed ? list : preceding;
   }
 
   void compare_pair(const TopicPair& pair, const Decided& o, const Decided& n,
@@ -256,8 +257,9 @@ class OperationComparison {
   const Grant& new_grant_;
   bool old_default_, new_default_;
   SetLimits limits_;
-  std::vector<RuleElement> old_elements_, new_elements_, old_gate_elements_, new_gate_elements_;
-  ItemList old_gate_{{}, {}, true}, new_gate_{{}, {}, true};
+  std::vector<RuleElement> old_elements_, new_elements_, old_preceding_elements_,
+      new_preceding_elements_;
+  ItemList old_preceding_{{}, {}, true}, new_preceding_{{}, {}, true};
   OperationDiff out_;
   std::map<FoundKey, std::size_t> known_;              // indices into out_.changes
   std::vector<std::vector<std::size_t>> contexts_of_;  // the contexts of each change

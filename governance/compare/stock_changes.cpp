@@ -51,7 +51,7 @@ bool is_same(const GovernanceChange& ours, const GovernanceChange& theirs) {
          covers(ours.scope, theirs.scope);
 }
 
-std::string in_words(const GovernanceChange& change) {
+std::string to_sentence(const GovernanceChange& change) {
   const auto& [element, old_value, new_value, kind, interop] = change.element;
   return fmt::format(
       "{} {} -> {}{}{}: {}", element, old_value, new_value, domains_of(change.scope),
@@ -69,7 +69,7 @@ bool is_same(const PermissionChange& ours, const PermissionChange& theirs) {
          covers(ours.scope, theirs.scope);
 }
 
-std::string in_words(const PermissionChange& change) {
+std::string to_sentence(const PermissionChange& change) {
   auto out =
       fmt::format("{}{}{}", change.element, change.operation.empty() ? "" : " ", change.operation);
   if (change.is_about_topics) out += " of topics such as " + in_quotes(change.witness);
@@ -135,7 +135,7 @@ void add_stock_changes(const std::vector<StockGovernanceDiff>& stock, Governance
       if (!is_among(ours.changes, change))
         found.add(to_string(product), {.is_new = true,
                                        .expression = {},
-                                       .sentence = in_words(change),
+                                       .sentence = to_sentence(change),
                                        .line = change.new_line(),
                                        .widens = is_worse(change.element.change)});
     if (diff.verdict == ChangeClass::unknown && is_known)
@@ -167,7 +167,7 @@ void add_stock_changes(const std::vector<StockPermissionsDiff>& stock, Permissio
       found.add(is_of_own_endpoints ? kFastDdsOwnEndpoints : to_string(product),
                 {.is_new = true,
                  .expression = {},
-                 .sentence = in_words(change),
+                 .sentence = to_sentence(change),
                  .line = change.new_line,
                  .widens = is_worse(change.change),
                  .narrows = loses(change.change)});

@@ -183,17 +183,17 @@ TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list,
   return {pairs.take(), false, names_all_effects};
 }
 
-std::optional<std::vector<GatedPair>> gated_pairs(const GatedList& old_list,
-                                                  const GatedList& new_list,
-                                                  const SetLimits& limits) {
+std::optional<std::vector<PrecededPair>> preceded_pairs(const PrecededList& old_list,
+                                                        const PrecededList& new_list,
+                                                        const SetLimits& limits) {
   std::vector<RankedExpression> expressions;
   add_each_rule(expressions, old_list.rules, 0);
   add_each_rule(expressions, new_list.rules, 1);
-  add_each_rule(expressions, old_list.gate, 2);
-  add_each_rule(expressions, new_list.gate, 3);
+  add_each_rule(expressions, old_list.preceding, 2);
+  add_each_rule(expressions, new_list.preceding, 3);
   auto atoms = name_atoms(expressions, limits);
   if (!atoms) return std::nullopt;
-  std::vector<GatedPair> pairs;
+  std::vector<PrecededPair> pairs;
   for (auto& atom : *atoms)
     pairs.push_back({{atom.rank_in(0), atom.rank_in(1), std::move(atom.witness)},
                      atom.rank_in(2),

@@ -56,23 +56,23 @@ struct TopicPairs {
 /// All pairs of rules that decide for some name, as far as they are found within the limits.
 TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list, const SetLimits& limits);
 
-/// Names for which `pair` decides in the two lists, and `old_gate` and `new_gate` in the lists that
-/// come before them.
-struct GatedPair {
+/// Names for which `pair` decides in the two lists, and `old_preceding` and `new_preceding` in the
+/// lists that come before them.
+struct PrecededPair {
   TopicPair pair;
-  std::optional<std::uint32_t> old_gate, new_gate;
+  std::optional<std::uint32_t> old_preceding, new_preceding;
 };
 
 /// A list of rules and the list that comes before it.
-struct GatedList {
+struct PrecededList {
   const RuleList& rules;
-  const RuleList& gate;
+  const RuleList& preceding;
 };
 
 /// All combinations of the rules that decide for some name. Empty if a limit was reached.
-std::optional<std::vector<GatedPair>> gated_pairs(const GatedList& old_list,
-                                                  const GatedList& new_list,
-                                                  const SetLimits& limits);
+std::optional<std::vector<PrecededPair>> preceded_pairs(const PrecededList& old_list,
+                                                        const PrecededList& new_list,
+                                                        const SetLimits& limits);
 
 /// The pairs for these names, with the first name of each as witness. `names_all_effects` is false
 /// if not every name was looked up.

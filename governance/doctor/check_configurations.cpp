@@ -241,7 +241,7 @@ bool is_of(const std::vector<Named>& files, const pki::ParticipantFolder& paths)
   });
 }
 
-bool is_of(const ProfileInQuestion& question, const pki::ParticipantFolder& paths) {
+bool is_of(const CheckedProfile& question, const pki::ParticipantFolder& paths) {
   return is_of(named_by_fastdds(question.text), paths) ||
          is_of(named_anywhere_by_fastdds(without_comments(question.text)), paths);
 }
@@ -272,7 +272,7 @@ void check_other_folder(const LoadedFolder& folder, const char* name, std::strin
 
 // An application may secure itself by its QoS, as ROS 2 does. One that is to start with the
 // folder's own configuration does not.
-void warn_of_unsecured_environment(const ConfigurationInQuestion& question, Diagnosis& out) {
+void warn_of_unsecured_environment(const CheckedConfiguration& question, Diagnosis& out) {
   const auto& paths = question.folder.paths;
   std::error_code ignored;
   const auto own = paths.folder / "cyclonedds.xml";
@@ -313,7 +313,7 @@ void check_cyclonedds(const LoadedFolder& folder, const Settings& settings, cons
       {name, file, folder, settings.domain, security, settings.may_run_elsewhere}, out);
 }
 
-void check_fastdds(const LoadedFolder& folder, const ProfileInQuestion& question, Diagnosis& out,
+void check_fastdds(const LoadedFolder& folder, const CheckedProfile& question, Diagnosis& out,
                    bool may_run_elsewhere = false) {
   check_judged(folder,
                {question.name, question.document, kFastFails, named_by_fastdds(question.text), true,
@@ -334,8 +334,8 @@ void check_profile_in_force(const LoadedFolder& folder, const fs::path& file,
   const auto own = folder.paths.folder / "fastdds.xml";
   if (octets && fs::equivalent(file, own, ignored)) return;  // check_configurations has checked it
   if (octets) {
-    const ProfileInQuestion question{fmt::format("the file that {} names", variable), file,
-                                     as_text(*octets), version};
+    const CheckedProfile question{fmt::format("the file that {} names", variable), file,
+                                  as_text(*octets), version};
     if (is_of(question, folder.paths)) return check_fastdds(folder, question, out);
   }
   if (folder.paths.layout == pki::FolderLayout::sros2 || !fs::exists(own, ignored)) return;
@@ -364,8 +364,8 @@ void check_profile_of_working_directory(const LoadedFolder& folder, const Settin
   const auto octets =
       ddssec::load("file://" + fs::absolute(file, ignored).string(), "", kMaxOctets);
   if (octets && !may_set_default_participant(as_text(*octets))) return;
-  const ProfileInQuestion question{fmt::format("{} in the working directory", file.string()), file,
-                                   octets ? as_text(*octets) : std::string_view(), version};
+  const CheckedProfile question{fmt::format("{} in the working directory", file.string()), file,
+                                octets ? as_text(*octets) : std::string_view(), version};
   if (is_of(question, folder.paths)) return check_fastdds(folder, question, out);
   if (folder.paths.layout == pki::FolderLayout::sros2 || !fs::exists(own, ignored)) return;
   out.report(
@@ -389,16 +389,16 @@ void check_configuration_in_force(const LoadedFolder& folder, const Configuratio
   const Configuration configuration{
       "the configuration that CYCLONEDDS_URI names", "CYCLONEDDS_URI", kCycloneFails,
       named_by_cyclonedds(without_comments(text), security, settings.domain)};
-  const ConfigurationInQuestion question{configuration.name, configuration.document, folder,
-                                         settings.domain, security};
+  const CheckedConfiguration question{configuration.name, configuration.document, folder,
+                                      settings.domain, security};
   if (is_of(configuration.files, folder.paths)) {
     check_judged(folder, configuration, out);
     return check_effective_security(question, out);
   }
   // With a configuration that is broken or incomplete no participant starts.
-  if (!security.problems.empty() || (security.is_there && !is_complete(security)))
+  if (!security.problems.empty() || (security.applies && !is_complete(security)))
     return check_effective_security(question, out);
-  if (!security.is_there) warn_of_unsecured_environment(question, out);
+  if (!security.applies) warn_of_unsecured_environment(question, out);
 }
 
 void check_configurations(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {

@@ -16,12 +16,12 @@ void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diag
   const auto& rules = folder.governance.model->domain_rules;
   auto outcomes = measured(Variant::governance_other_domain, settings.lineup);
   outcomes.ours = Outcome::fail;
-  const auto culprit = mismatch_texts(folder, settings.now);
+  const auto mismatch = mismatch_texts(folder, settings.now);
   out.report(outcomes,
              {.rule = Rule::DOC050,
               .message = fmt::format("no <domain_rule> of {} covers domain {}; they cover {}{}",
                                      folder.paths.governance.filename().string(), settings.domain,
-                                     in_words(normal(std::move(all))), culprit.words),
+                                     to_text(merged(std::move(all))), mismatch.words),
               .document = folder.paths.governance,
               .line = rules.empty() ? 0 : rules.front().domains.line,
               .hint = folder.paths.layout == pki::FolderLayout::sros2
@@ -29,7 +29,7 @@ void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diag
                                         "(ROS_DOMAIN_ID), or make a keystore for this one: ddssec "
                                         "keystore create KEYSTORE --domain {}",
                                         settings.domain)
-                          : culprit.hint});
+                          : mismatch.hint});
 }
 
 // Cyclone DDS and Fast DDS read a range without <max> as one domain. Another rule, or none, may

@@ -50,7 +50,7 @@ constexpr Expected kExpected[] = {
 
 class Checks {
  public:
-  Checks(const ConfigurationInQuestion& question, Diagnosis& out)
+  Checks(const CheckedConfiguration& question, Diagnosis& out)
       : question_(question), security_(question.security), out_(out) {}
 
   void run() {
@@ -60,7 +60,7 @@ class Checks {
       refuse(problem.line, fmt::format("{}, so that Cyclone DDS does not start", problem.text));
     for (const auto& doubt : security_.doubts) warn(doubt);
     if (!security_.problems.empty()) return;
-    if (!security_.is_there) return check_absence();
+    if (!security_.applies) return check_absence();
     if (!security_.authentication)
       return refuse(0, "has no <Authentication>, so that Cyclone DDS does not start");
     check_trusted_folder();
@@ -262,7 +262,7 @@ class Checks {
     }
   }
 
-  const ConfigurationInQuestion& question_;
+  const CheckedConfiguration& question_;
   const EffectiveSecurity& security_;
   Diagnosis& out_;
   bool has_missing_path_ = false;
@@ -270,7 +270,7 @@ class Checks {
 
 }  // namespace
 
-void check_effective_security(const ConfigurationInQuestion& question, Diagnosis& out) {
+void check_effective_security(const CheckedConfiguration& question, Diagnosis& out) {
   Checks(question, out).run();
 }
 

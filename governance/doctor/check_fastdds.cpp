@@ -99,7 +99,7 @@ const std::string* value_of(const ProfileProperties& all, std::string_view name)
 
 class Checks {
  public:
-  Checks(const ProfileInQuestion& question, Diagnosis& out) : question_(question), out_(out) {}
+  Checks(const CheckedProfile& question, Diagnosis& out) : question_(question), out_(out) {}
 
   void run() {
     out_.pass(Rule::DOC101);
@@ -185,7 +185,7 @@ class Checks {
                    .line = doubt.line});
   }
 
-  const ProfileInQuestion& question_;
+  const CheckedProfile& question_;
   Diagnosis& out_;
 };
 
@@ -202,8 +202,6 @@ bool may_set_default_participant(std::string_view text) {
   return !document || has_default_participant(document->root());
 }
 
-void check_profile(const ProfileInQuestion& question, Diagnosis& out) {
-  Checks(question, out).run();
-}
+void check_profile(const CheckedProfile& question, Diagnosis& out) { Checks(question, out).run(); }
 
 }  // namespace ddssec::governance::doctor

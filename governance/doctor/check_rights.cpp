@@ -152,15 +152,15 @@ void check_fastdds_zones(const Scene& scene, const std::vector<Candidate>& all) 
 }
 
 void check_cyclones_end(const Scene& scene, const Grant& grant) {
-  if (grant.validity.is_for_cyclone) return scene.out.pass(Rule::DOC040);
-  scene.out.report({.cyclonedds = Outcome::fail},
-                   {.rule = Rule::DOC040,
-                    .message = fmt::format("grant \"{}\": {} {}", grant.name,
-                                           name(Vendor::cyclonedds, scene.settings.lineup),
-                                           kCyclonesEndHasPassed),
-                    .document = scene.file(),
-                    .line = grant.line,
-                    .hint = std::string(kHintOfCyclonesEnd)});
+  if (grant.validity.is_read_alike_by_cyclonedds) return scene.out.pass(Rule::DOC040);
+  scene.out.report(
+      {.cyclonedds = Outcome::fail},
+      {.rule = Rule::DOC040,
+       .message = fmt::format("grant \"{}\": {} {}", grant.name,
+                              name(Vendor::cyclonedds, scene.settings.lineup), kEndReadAsPast),
+       .document = scene.file(),
+       .line = grant.line,
+       .hint = std::string(kEndReadAsPastHint)});
 }
 
 // Cyclone DDS uses only the first grant of the subject, the other products the first valid one.
@@ -256,7 +256,7 @@ std::string why_not_joining(const Grant& grant, const Outcomes& outcomes, Domain
     if (rule.allow)
       allowed.insert(allowed.end(), rule.domains.ranges.begin(), rule.domains.ranges.end());
   return fmt::format("no allow_rule of grant \"{}\" is for domain {}; they are for {}", grant.name,
-                     domain, allowed.empty() ? "none" : in_words(normal(std::move(allowed))));
+                     domain, allowed.empty() ? "none" : to_text(merged(std::move(allowed))));
 }
 
 // Fast DDS makes no participant by a grant without an allow_rule, for whatever domain, even if the
@@ -295,13 +295,13 @@ void check_join(const Scene& scene, const Grant& grant, const DomainRule* govern
   // DOC052 reports that Fast DDS takes every default as DENY.
   if (compiled.judge_participant().allowed && grant.default_allow) outcomes.fastdds = Outcome::ok;
   if (!asks || outcomes.all_ok()) return scene.out.pass(Rule::DOC051);
-  const auto culprit = mismatch_texts(scene.folder, scene.settings.now);
-  scene.out.report(
-      outcomes, {.rule = Rule::DOC051,
-                 .message = why_not_joining(grant, outcomes, scene.settings.domain) + culprit.words,
-                 .document = scene.file(),
-                 .line = grant.line,
-                 .hint = culprit.hint});
+  const auto mismatch = mismatch_texts(scene.folder, scene.settings.now);
+  scene.out.report(outcomes, {.rule = Rule::DOC051,
+                              .message = why_not_joining(grant, outcomes, scene.settings.domain) +
+                                         mismatch.words,
+                              .document = scene.file(),
+                              .line = grant.line,
+                              .hint = mismatch.hint});
 }
 
 void check_default(const Scene& scene, const Grant& grant) {

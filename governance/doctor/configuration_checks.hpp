@@ -15,7 +15,7 @@
 namespace ddssec::governance::doctor {
 
 /// A configuration, and the participant that it may belong to.
-struct ConfigurationInQuestion {
+struct CheckedConfiguration {
   std::string name;  ///< its name in messages
   std::filesystem::path document;
   const LoadedFolder& folder;
@@ -31,10 +31,10 @@ inline constexpr std::string_view kIfElsewhere =
 
 /// DOC101, DOC102: checks that a process with this configuration starts, with the documents of the
 /// folder in force. Which files it names is checked elsewhere (DOC008).
-void check_effective_security(const ConfigurationInQuestion& question, Diagnosis& out);
+void check_effective_security(const CheckedConfiguration& question, Diagnosis& out);
 
 /// A file of profiles of Fast DDS.
-struct ProfileInQuestion {
+struct CheckedProfile {
   std::string name;  ///< its name in messages
   std::filesystem::path document;
   std::string_view text;
@@ -56,6 +56,6 @@ bool may_set_default_participant(std::string_view text);
 /// starts, with security. Measured with Fast DDS 2.9.1: without a default participant profile, and
 /// without or with a misspelt plugin, it starts without security and says so only in its log. The
 /// same if the file has a part that is not known to be accepted (fastdds_elements.hpp).
-void check_profile(const ProfileInQuestion& question, Diagnosis& out);
+void check_profile(const CheckedProfile& question, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

@@ -28,7 +28,7 @@ DomainId domain_of(const Domains& named) {
   return named.empty() || contains(named, 0) ? 0 : named.front().first;
 }
 
-// Both lists are in the form of normal(), and so is the result.
+// Both lists are in the form of merged(), and so is the result.
 Domains common(const Domains& governed, const Domains& granted) {
   if (governed.empty() || granted.empty()) return governed.empty() ? granted : governed;
   auto both = intersection(governed, granted);
@@ -49,19 +49,19 @@ Domains granted(const LoadedFolder& folder, WallTime now) {
   Domains out;
   for (const auto& rule : grant->rules)
     if (rule.allow) append(out, rule.domains);
-  return normal(std::move(out));
+  return merged(std::move(out));
 }
 
 Domains governed(const LoadedFolder& folder) {
   Domains out;
   if (folder.governance.model)
     for (const auto& rule : folder.governance.model->domain_rules) append(out, rule.domains);
-  return normal(std::move(out));
+  return merged(std::move(out));
 }
 
 }  // namespace
 
-Domains normal(Domains ranges) {
+Domains merged(Domains ranges) {
   std::ranges::sort(ranges, {}, &DomainRange::first);
   Domains out;
   for (const auto& range : ranges) {
@@ -98,8 +98,8 @@ MismatchTexts mismatch_texts(const LoadedFolder& folder, WallTime now) {
       fmt::format("; {}:{} allows only domain {}, and {}:{} covers only {}: the participant can "
                   "start in neither, and the permissions are probably wrong",
                   folder.paths.permissions.string(), found->line_of_permissions,
-                  in_words(found->granted), folder.paths.governance.string(),
-                  found->line_of_governance, in_words(found->governed)),
+                  to_text(found->granted), folder.paths.governance.string(),
+                  found->line_of_governance, to_text(found->governed)),
       {}};
   if (folder.paths.layout != pki::FolderLayout::sros2)
     out.hint = fmt::format(
@@ -108,7 +108,7 @@ MismatchTexts mismatch_texts(const LoadedFolder& folder, WallTime now) {
         "governance document is wrong, add domain {3} to it and sign it again for all participants",
         found->governed.front().first, folder.paths.certificate.string(),
         std::filesystem::path(folder.paths.permissions).replace_extension("xml").string(),
-        in_words(found->granted));
+        to_text(found->granted));
   return out;
 }
 
@@ -124,7 +124,7 @@ bool contains(const Domains& domains, DomainId id) {
       domains, [&](const DomainRange& range) { return range.first <= id && id <= range.last; });
 }
 
-std::string in_words(const Domains& domains) {
+std::string to_text(const Domains& domains) {
   std::string out;
   for (const auto& range : domains) {
     if (out.size() > kMaxCharacters) return out + ", ...";

@@ -52,11 +52,11 @@ struct DomainChoice {
 DomainChoice choose_domain(std::span<const Domains> participants);
 
 /// The same domains in ascending order, with no two ranges that touch.
-Domains normal(Domains ranges);
+Domains merged(Domains ranges);
 
 bool contains(const Domains& domains, DomainId id);
 
 /// "0-5, 7": at most 128 characters or a little more, then "...".
-std::string in_words(const Domains& domains);
+std::string to_text(const Domains& domains);
 
 }  // namespace ddssec::governance::doctor

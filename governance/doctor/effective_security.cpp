@@ -61,22 +61,22 @@ bool is_one_of(std::span<const std::string_view> names, std::string_view name) {
 bool is_security(std::string_view name) { return name == "security" || name == "ddssecurity"; }
 
 // Reads the elements and stores those that apply.
-class Walk {
+class SecurityElementReader {
  public:
-  Walk(DomainId domain, ConfigurationPlace place, std::size_t inline_from)
+  SecurityElementReader(DomainId domain, ConfigurationPlace place, std::size_t inline_from)
       : domain_(domain), place_(place), inline_from_(inline_from) {}
 
-  EffectiveSecurity of(std::string_view text) {
+  EffectiveSecurity read(std::string_view text) {
     Markup markup(text, inline_from_);
     for (;;) {
       const auto token = markup.next();
       if (token.is_inline && !std::exchange(is_inline_, true)) refuse_open_elements();
       if (token.kind == Markup::Kind::end) break;
       if (token.kind == Markup::Kind::broken) {
-        problem(token.line, "is not well-formed XML");
+        add_problem(token.line, "is not well-formed XML");
         return std::move(out_);
       }
-      if (!take(token)) return std::move(out_);
+      if (!read_token(token)) return std::move(out_);
     }
     if (!is_inline_) refuse_open_elements();
     return std::move(out_);
@@ -98,16 +98,16 @@ class Walk {
   };
 
   bool is_file() const { return place_ == ConfigurationPlace::file; }
-  void problem(int line, std::string what) { out_.problems.push_back({std::move(what), line}); }
+  void add_problem(int line, std::string what) { out_.problems.push_back({std::move(what), line}); }
 
-  bool take(const Markup::Token& token) {
-    if (token.kind == Markup::Kind::close) return close(token);
+  bool read_token(const Markup::Token& token) {
+    if (token.kind == Markup::Kind::close) return on_end_tag(token);
     if (token.kind == Markup::Kind::text) {
-      text(token);
+      on_text(token);
       return true;
     }
-    open(token);
-    if (token.is_closed) leave();
+    on_start_tag(token);
+    if (token.is_closed) on_end();
     return true;
   }
 
@@ -115,21 +115,21 @@ class Walk {
   // or in the environment variable itself.
   void refuse_open_elements() {
     if (path_.empty() || !out_.problems.empty()) return;
-    problem(path_.back().line, fmt::format("has no end tag for <{}>", path_.back().name));
+    add_problem(path_.back().line, fmt::format("has no end tag for <{}>", path_.back().name));
   }
 
-  bool close(const Markup::Token& token) {
+  bool on_end_tag(const Markup::Token& token) {
     const bool is_anonymous = token.name.empty() && token.is_inline;
     if (!path_.empty() && (is_anonymous || token.spelled == path_.back().spelled)) {
-      leave();
+      on_end();
       return true;
     }
     if (!path_.empty() && token.name == path_.back().name)
-      problem(token.line, fmt::format("ends <{}> with </{}>, in another letter case",
-                                      path_.back().spelled, token.spelled));
+      add_problem(token.line, fmt::format("ends <{}> with </{}>, in another letter case",
+                                          path_.back().spelled, token.spelled));
     else
-      problem(token.line, fmt::format("has an end tag </{}> that no start tag belongs to",
-                                      token.name.substr(0, 64)));
+      add_problem(token.line, fmt::format("has an end tag </{}> that no start tag belongs to",
+                                          token.name.substr(0, 64)));
     return false;
   }
 
@@ -137,29 +137,29 @@ class Walk {
   void check_switch(const ConfiguredText& value) {
     const auto read = ascii_lower(expanded_variables(value.text, domain_).value_or(""));
     if (!read.empty() && read != "true" && read != "false")
-      problem(value.line, fmt::format("has the value \"{}\" for <{}>, which is true or false",
-                                      value.text.substr(0, 64), path_.back().spelled));
+      add_problem(value.line, fmt::format("has the value \"{}\" for <{}>, which is true or false",
+                                          value.text.substr(0, 64), path_.back().spelled));
   }
 
-  void leave() {
+  void on_end() {
     if (path_.size() == security_depth_) {
       security_depth_ = 0;
       if (is_second_ && !out_.authentication)
-        problem(path_.back().line, "has a second <Security> without <Authentication>");
+        add_problem(path_.back().line, "has a second <Security> without <Authentication>");
     }
     if (value_ != nullptr) {
       value_->text = std::string(trimmed(value_->text, kBlanks));
       if (path_.back().name == "includeoptionalfields") check_switch(*value_);
     }
     value_ = nullptr;
-    if (is_old_id()) take_old_id();
+    if (is_old_id()) read_old_id();
     if (path_.back().has_text && !values_.insert(path_.back().place).second)
-      problem(path_.back().line, fmt::format("has <{}> twice", path_.back().name));
+      add_problem(path_.back().line, fmt::format("has <{}> twice", path_.back().name));
     path_.pop_back();
     if (path_.empty()) had_root_ = true;
   }
 
-  void open(const Markup::Token& token) {
+  void on_start_tag(const Markup::Token& token) {
     const bool is_other = !path_.empty() && path_.back().is_for_other_domain;
     if (!path_.empty()) path_.back().has_elements = true;
     path_.push_back({token.name, token.line, is_other});
@@ -182,14 +182,14 @@ class Walk {
   }
 
   void open_root(const Markup::Token& token) {
-    if (had_root_) return problem(token.line, "goes on after </CycloneDDS>");
+    if (had_root_) return add_problem(token.line, "goes on after </CycloneDDS>");
     if (token.name != "cyclonedds")
-      return problem(token.line,
-                     fmt::format("begins with <{}>, and Cyclone DDS reads <CycloneDDS> only",
-                                 token.name.substr(0, 64)));
+      return add_problem(token.line,
+                         fmt::format("begins with <{}>, and Cyclone DDS reads <CycloneDDS> only",
+                                     token.name.substr(0, 64)));
     for (const auto& [name, value] : token.attributes)
       if (std::ranges::find(kRootAttributes, name) == std::end(kRootAttributes))
-        unknown_attribute(token, name);
+        add_unknown_attribute(token, name);
   }
 
   // Checks the first element in the variable: it may be <CycloneDDS>, <Domain> or an element from
@@ -197,8 +197,8 @@ class Walk {
   void open_part(const Markup::Token& token) {
     if (token.name == "cyclonedds" || token.name == "domain") return;
     if (!is_one_of(kSections, token.name) && !is_one_of(kOfDomain, token.name))
-      problem(token.line, fmt::format("begins with <{}>, which Cyclone DDS does not know",
-                                      token.name.substr(0, 64)));
+      add_problem(token.line, fmt::format("begins with <{}>, which Cyclone DDS does not know",
+                                          token.name.substr(0, 64)));
   }
 
   // True if the innermost element is directly below <CycloneDDS>.
@@ -213,9 +213,9 @@ class Walk {
     if (!is_below_root() && !is_below_domain()) return;
     const auto own = is_below_root() ? std::span<const std::string_view>(kOfRoot) : kOfDomain;
     if (!is_one_of(kSections, token.name) && !is_one_of(own, token.name))
-      problem(token.line,
-              fmt::format("has <{}> inside <{}>, which Cyclone DDS does not know",
-                          token.name.substr(0, 64), is_below_root() ? "CycloneDDS" : "Domain"));
+      add_problem(token.line,
+                  fmt::format("has <{}> inside <{}>, which Cyclone DDS does not know",
+                              token.name.substr(0, 64), is_below_root() ? "CycloneDDS" : "Domain"));
   }
 
   // Records an unknown element as a doubt, because other versions may know it (docs/decisions).
@@ -253,7 +253,8 @@ class Walk {
             {fmt::format("has the attribute {} in <{}>", name.substr(0, 64), token.name),
              token.line});
       else if (!values_.insert(own.place + "@" + name).second)
-        problem(token.line, fmt::format("has the attribute {} of <{}> twice", name, token.name));
+        add_problem(token.line,
+                    fmt::format("has the attribute {} of <{}> twice", name, token.name));
     }
   }
 
@@ -262,19 +263,19 @@ class Walk {
     return is_below_domain() && path_.back().name == "id" && !path_.back().is_for_other_domain;
   }
 
-  void take_old_id() {
+  void read_old_id() {
     auto& domain = path_[path_.size() - 2];
     const auto line = path_.back().line;
     const auto id = std::string(trimmed(old_id_, kBlanks));
     const auto number = number_of(id);
     if (!id.empty() && ascii_lower(id) != "any") {
       if (!number) {
-        problem(line, fmt::format("has <Id>{}</Id>, which is neither a number nor any",
-                                  id.substr(0, 64)));
+        add_problem(line, fmt::format("has <Id>{}</Id>, which is neither a number nor any",
+                                      id.substr(0, 64)));
       } else if (*number != domain_) {
         if (domain.has_values)
-          problem(line, fmt::format("has <Id>{}</Id> after other values of the same <Domain>",
-                                    id.substr(0, 64)));
+          add_problem(line, fmt::format("has <Id>{}</Id> after other values of the same <Domain>",
+                                        id.substr(0, 64)));
         domain.is_for_other_domain = true;
         domain.id = id;
       }
@@ -307,7 +308,7 @@ class Walk {
     for (const auto& [name, value] : token.attributes) {
       if (path_.back().is_for_other_domain) return;  // Cyclone DDS reads no further
       if (name != "id") {
-        unknown_attribute(token, name);
+        add_unknown_attribute(token, name);
         continue;
       }
       path_.back().id = value;
@@ -316,8 +317,9 @@ class Walk {
       const auto first = std::min(value.find_first_not_of(kBlanks), value.size());
       const auto id = number_of(std::string_view(value).substr(first));
       if (!id)
-        problem(token.line, fmt::format("has <Domain Id=\"{}\">, which is neither a number nor any",
-                                        value.substr(0, 64)));
+        add_problem(token.line,
+                    fmt::format("has <Domain Id=\"{}\">, which is neither a number nor any",
+                                value.substr(0, 64)));
       else if (*id != domain_)
         path_.back().is_for_other_domain = true;
     }
@@ -333,13 +335,13 @@ class Walk {
     if (path_.size() > 1) {
       auto& domain = path_[path_.size() - 2];
       if (domain.has_security)
-        problem(token.line, fmt::format("has a second <{}> in one <Domain>", token.name));
+        add_problem(token.line, fmt::format("has a second <{}> in one <Domain>", token.name));
       domain.has_security = true;
     }
     // Each <Security> must be complete (measured).
-    is_second_ = out_.is_there;
+    is_second_ = out_.applies;
     out_.authentication = out_.cryptographic = out_.access_control = std::nullopt;
-    out_.is_there = true;
+    out_.applies = true;
     refuse_attributes(token);
   }
 
@@ -347,48 +349,50 @@ class Walk {
     const auto level = path_.size() - security_depth_;
     if (level == 1) {
       kind_ = std::ranges::find(kKinds, token.name, &Kind::name);
-      if (kind_ == std::end(kKinds)) return unknown(token);
+      if (kind_ == std::end(kKinds)) return add_unknown_element(token);
       if (out_.*kind_->plugin)
-        problem(token.line, fmt::format("has a second <{}> in one <Security>", token.name));
+        add_problem(token.line, fmt::format("has a second <{}> in one <Security>", token.name));
       out_.*kind_->plugin = ConfiguredPlugin{};
       return refuse_attributes(token);
     }
     if (kind_ == std::end(kKinds)) return;
     if (level != 2 || std::ranges::find(kind_->children, token.name) == kind_->children.end())
-      return unknown(token);
+      return add_unknown_element(token);
     auto& plugin = *(out_.*kind_->plugin);
     if (token.name == "library") return open_library(token, plugin);
     refuse_attributes(token);
     if (plugin.value(token.name) != nullptr)
-      problem(token.line, fmt::format("has <{}> twice", token.name));
+      add_problem(token.line, fmt::format("has <{}> twice", token.name));
     plugin.values.push_back({token.name, {{}, token.line}});
     value_ = &plugin.values.back().second;
   }
 
   void open_library(const Markup::Token& token, ConfiguredPlugin& plugin) {
-    if (!plugin.library.empty()) problem(token.line, "has <library> twice");
+    if (!plugin.library.empty()) add_problem(token.line, "has <library> twice");
     for (const auto& [name, value] : token.attributes)
       if (std::ranges::find(kLibrary, name) == std::end(kLibrary))
-        unknown_attribute(token, name);
+        add_unknown_attribute(token, name);
       else if (plugin.attribute(name) != nullptr)
-        problem(token.line, fmt::format("has the attribute {} of <library> twice", name));
+        add_problem(token.line, fmt::format("has the attribute {} of <library> twice", name));
       else
         plugin.library.push_back({name, {value, token.line}});
   }
 
-  void unknown(const Markup::Token& token) {
-    problem(token.line, fmt::format("has <{}> inside <Security>, which Cyclone DDS does not know",
-                                    token.name.substr(0, 64)));
+  void add_unknown_element(const Markup::Token& token) {
+    add_problem(token.line,
+                fmt::format("has <{}> inside <Security>, which Cyclone DDS does not know",
+                            token.name.substr(0, 64)));
   }
-  void unknown_attribute(const Markup::Token& token, std::string_view name) {
-    problem(token.line, fmt::format("has the attribute {} in <{}>, which Cyclone DDS does not know",
-                                    name.substr(0, 64), token.name));
+  void add_unknown_attribute(const Markup::Token& token, std::string_view name) {
+    add_problem(token.line,
+                fmt::format("has the attribute {} in <{}>, which Cyclone DDS does not know",
+                            name.substr(0, 64), token.name));
   }
   void refuse_attributes(const Markup::Token& token) {
-    for (const auto& [name, value] : token.attributes) unknown_attribute(token, name);
+    for (const auto& [name, value] : token.attributes) add_unknown_attribute(token, name);
   }
 
-  void text(const Markup::Token& token) {
+  void on_text(const Markup::Token& token) {
     if (value_ != nullptr) {
       value_->text += token.name;
       return;
@@ -402,10 +406,10 @@ class Walk {
     if (path_.empty()) {
       // In the variable the name of a file may follow after a comma.
       if (is_file() || !trimmed(token.name, kBlanks).starts_with(','))
-        problem(token.line, "has text outside of <CycloneDDS>");
+        add_problem(token.line, "has text outside of <CycloneDDS>");
     } else if (path_.back().has_elements || is_section_list()) {
-      problem(token.line,
-              fmt::format("has text in <{}>, where only elements may be", path_.back().name));
+      add_problem(token.line,
+                  fmt::format("has text in <{}>, where only elements may be", path_.back().name));
     }
     mark_values();
   }
@@ -455,7 +459,9 @@ const ConfiguredText* ConfiguredPlugin::value(std::string_view name) const {
 
 EffectiveSecurity effective_security(std::string_view text, DomainId domain,
                                      ConfigurationPlace place, std::size_t inline_from) {
-  return Walk(domain, place, place == ConfigurationPlace::file ? text.npos : inline_from).of(text);
+  return SecurityElementReader(domain, place,
+                               place == ConfigurationPlace::file ? text.npos : inline_from)
+      .read(text);
 }
 
 }  // namespace ddssec::governance::doctor

@@ -41,7 +41,7 @@ struct EffectiveSecurity {
   /// Reasons why a process with 0.10.2 or 0.10.5 does not start; another version may start.
   std::vector<ConfiguredText> doubts = {};
   /// True if a <Security> applies to the domain.
-  bool is_there = false;
+  bool applies = false;
   /// The Id of a <Domain> with a <Security> that applies to another domain; empty if there is none.
   std::string other_domain = {};
   std::optional<ConfiguredPlugin> authentication = {};

@@ -19,7 +19,7 @@ std::unexpected<Error> error_in_file(const Error& error, const fs::path& path) {
 }
 
 template <class T>
-Result<T> named(Result<T> result, const fs::path& path) {
+Result<T> with_file(Result<T> result, const fs::path& path) {
   if (result) return result;
   return error_in_file(result.error(), path);
 }
@@ -31,12 +31,12 @@ auto load_with(const fs::path& path, std::size_t max_octets, Parse parse)
   if (!uri) return error_in_file(uri.error(), path);
   const auto octets = pki::load_certificates(*uri, path.string(), max_octets);
   if (!octets) return error_in_file(octets.error(), path);
-  return named(parse(*octets), path);
+  return with_file(parse(*octets), path);
 }
 
 Result<pki::PrivateKey> load_key(const fs::path& path) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto uri, named(pki::uri_of(path), path));
-  return named(pki::PrivateKey::load(uri, path.string()), path);
+  DDSSEC_ASSIGN_OR_RETURN(const auto uri, with_file(pki::uri_of(path), path));
+  return with_file(pki::PrivateKey::load(uri, path.string()), path);
 }
 
 using pki::may_exist;
@@ -136,7 +136,7 @@ Result<pki::ChainVerifier> LoadedFolder::chain(Vendor judge) const {
   if (!has_usable_lists(judge)) return std::unexpected(crls.error());
   auto lists = crls ? *crls : crls_with_deltas;
   if (judge != Vendor::ours && lists.size() > 1) lists.erase(lists.begin() + 1, lists.end());
-  return named(pki::ChainVerifier::make(*identity_cas, std::move(lists)), paths.identity_ca);
+  return with_file(pki::ChainVerifier::make(*identity_cas, std::move(lists)), paths.identity_ca);
 }
 
 LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now) {

@@ -48,15 +48,16 @@ std::string ca_subjects(const Result<std::vector<pki::Certificate>>& cas) {
   return out;
 }
 
-// Returns the error's hint, or nothing for the code `about_the_cas`: the rule's own hint fits that
+// Returns the error's hint, or nothing for the code `cause_in_cas`: the rule's own hint fits that
 // cause.
-std::string hint_unless(Code about_the_cas, const Error& error) {
-  return error.code() == about_the_cas ? std::string() : error.hint();
+std::string hint_for(Code cause_in_cas, const Error& error) {
+  return error.code() == cause_in_cas ? std::string() : error.hint();
 }
 
-std::string held_if(Code about_the_cas, const Error& error, std::string_view party,
-                    const fs::path& file, const Result<std::vector<pki::Certificate>>& cas) {
-  if (error.code() != about_the_cas) return {};
+std::string ca_subjects_clause(Code cause_in_cas, const Error& error, std::string_view party,
+                               const fs::path& file,
+                               const Result<std::vector<pki::Certificate>>& cas) {
+  if (error.code() != cause_in_cas) return {};
   return fmt::format("; {} of {} holds {}", file.filename().string(), party, ca_subjects(cas));
 }
 
@@ -90,14 +91,15 @@ void judge_authentication(const MeetingScene& scene, int judge) {
     // DOC090 reports unreadable files to their owner.
     const auto& certificate = other.folder.certificate;
     if (certificate && self.folder.identity_cas && self.folder.has_usable_lists(self.vendor))
-      add_finding(scene, Rule::DOC080, out,
-                  fmt::format("{} does not accept {}'s certificate ({} serial {}, issued by "
-                              "\"{}\"): {}{}",
-                              self.name, other.name, certificate->subject(), certificate->serial(),
-                              certificate->issuer(), out.reason,
-                              held_if(Code::issuer_unknown, status.error(), self.name,
-                                      self.folder.paths.identity_ca, self.folder.identity_cas)),
-                  hint_unless(Code::issuer_unknown, status.error()));
+      add_finding(
+          scene, Rule::DOC080, out,
+          fmt::format("{} does not accept {}'s certificate ({} serial {}, issued by "
+                      "\"{}\"): {}{}",
+                      self.name, other.name, certificate->subject(), certificate->serial(),
+                      certificate->issuer(), out.reason,
+                      ca_subjects_clause(Code::issuer_unknown, status.error(), self.name,
+                                         self.folder.paths.identity_ca, self.folder.identity_cas)),
+          hint_for(Code::issuer_unknown, status.error()));
   }
   scene.out.authentication.push_back(std::move(out));
 }
@@ -226,11 +228,11 @@ void judge_permissions(const MeetingScene& scene, int judge) {
         self.folder.permissions_cas)
       add_finding(
           scene, Rule::DOC081, out,
-          fmt::format("{} does not accept {}'s permissions: {}{}", self.name, other.name,
-                      out.reason,
-                      held_if(kForeign, status.error(), self.name, self.folder.paths.permissions_ca,
-                              self.folder.permissions_cas)),
-          hint_unless(kForeign, status.error()));
+          fmt::format(
+              "{} does not accept {}'s permissions: {}{}", self.name, other.name, out.reason,
+              ca_subjects_clause(kForeign, status.error(), self.name,
+                                 self.folder.paths.permissions_ca, self.folder.permissions_cas)),
+          hint_for(kForeign, status.error()));
   } else {
     judge_announced_ca(scene, judge, out);
   }

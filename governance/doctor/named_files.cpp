@@ -41,7 +41,7 @@ std::string without_escapes(std::string_view text) {
 std::vector<Named> named_by_cyclonedds(std::string_view text, const EffectiveSecurity& security,
                                        DomainId domain) {
   std::vector<Named> out;
-  if (security.problems.empty() && security.is_there) {
+  if (security.problems.empty() && security.applies) {
     for (const auto* plugin : {&security.authentication, &security.access_control})
       for (const auto& role : kRoles)
         if (const auto* value = *plugin ? (*plugin)->value(role.element) : nullptr)

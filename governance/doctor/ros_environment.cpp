@@ -87,7 +87,7 @@ void check_domain(const LoadedFolder& folder, const RosEnvironment& environment,
               .message = fmt::format("{}, so a node runs in domain {}; the documents are for {}",
                                      found.empty() ? "ROS_DOMAIN_ID is not set"
                                                    : fmt::format("ROS_DOMAIN_ID is \"{}\"", found),
-                                     domain, in_words(named)),
+                                     domain, to_text(named)),
               .hint = fmt::format("export ROS_DOMAIN_ID={} wherever the node starts",
                                   named.front().first)});
 }

@@ -56,17 +56,17 @@ TEST(DateTime, EveryPartOfOne_IsRefused) {
 }
 
 TEST(DateTime, CycloneDds_HasNoMidnightOf24NoFarZonesAndNoLateYears) {
-  const auto is_for_cyclone = [](std::string_view text) {
-    return parse_date_time(text, Round::down)->is_for_cyclone;
+  const auto is_read_alike_by_cyclonedds = [](std::string_view text) {
+    return parse_date_time(text, Round::down)->is_read_alike_by_cyclonedds;
   };
   for (const auto* text : {"2026-11-21T23:59:59Z", "2026-11-21T00:00:00", "2026-11-21T00:00:00.5Z",
                            "2026-11-21T00:00:00+12:00", "2026-11-21T00:00:00-12:00",
                            "2262-04-11T23:47:15Z", "1970-01-01T00:00:00Z"})
-    EXPECT_TRUE(is_for_cyclone(text)) << text;
+    EXPECT_TRUE(is_read_alike_by_cyclonedds(text)) << text;
   for (const auto* text :
        {"2026-11-21T24:00:00Z", "2026-11-21T00:00:00+14:00", "2026-11-21T00:00:00-12:01",
         "2262-04-11T23:47:17Z", "9999-12-31T23:59:59Z"})
-    EXPECT_FALSE(is_for_cyclone(text)) << text;
+    EXPECT_FALSE(is_read_alike_by_cyclonedds(text)) << text;
 }
 
 }  // namespace

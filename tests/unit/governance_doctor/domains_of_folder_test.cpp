@@ -70,11 +70,11 @@ TEST(ChooseDomain, WithoutDocuments_IsDomain0) {
 }
 
 TEST(DomainWords, ManyRanges_AreNamedUpToABound) {
-  EXPECT_EQ(in_words({{0, 5}, {7, 7}}), "0-5, 7");
+  EXPECT_EQ(to_text({{0, 5}, {7, 7}}), "0-5, 7");
   Domains many;
   for (DomainId id = 0; id <= 230; id += 2) many.push_back({id, id});
-  EXPECT_TRUE(in_words(many).ends_with(", ..."));
-  EXPECT_LT(in_words(many).size(), 160u);
+  EXPECT_TRUE(to_text(many).ends_with(", ..."));
+  EXPECT_LT(to_text(many).size(), 160u);
 }
 
 }  // namespace

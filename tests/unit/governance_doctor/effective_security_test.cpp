@@ -35,7 +35,7 @@ std::string with(const std::string& sections) { return document(domain(sections 
 TEST(EffectiveSecurity, Complete_IsReadWithAllValues) {
   const auto read = effective_security(document(domain(security())), 0, Place::file);
   EXPECT_TRUE(read.problems.empty());
-  ASSERT_TRUE(read.is_there && read.authentication && read.cryptographic && read.access_control);
+  ASSERT_TRUE(read.applies && read.authentication && read.cryptographic && read.access_control);
   EXPECT_EQ(read.authentication->attribute("initfunction")->text, "init_authentication");
   EXPECT_EQ(read.authentication->value("privatekey")->text, "file:/a/key");
   EXPECT_EQ(read.access_control->value("governance")->text, "file:/a/g");
@@ -57,7 +57,7 @@ TEST(EffectiveSecurity, FileThenVariable_EachIsReadByItsOwnRules) {
 
 struct Row {
   std::string name, text;
-  bool is_there;
+  bool applies;
   Place place = Place::file;
 };
 
@@ -66,7 +66,7 @@ class StartedConfiguration : public testing::TestWithParam<Row> {};
 TEST_P(StartedConfiguration, EachConfiguration_IsSecuredAsMeasured) {
   const auto read = effective_security(GetParam().text, 0, GetParam().place);
   for (const auto& problem : read.problems) ADD_FAILURE() << problem.line << ' ' << problem.text;
-  EXPECT_EQ(read.is_there, GetParam().is_there);
+  EXPECT_EQ(read.applies, GetParam().applies);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -287,13 +287,13 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(EffectiveSecurity, OldIdOfOtherDomain_IsNamed) {
   const auto text = document(domain("<Id>7</Id>" + security()));
   EXPECT_EQ(effective_security(text, 0, Place::file).other_domain, "7");
-  EXPECT_TRUE(effective_security(text, 7, Place::file).is_there);
+  EXPECT_TRUE(effective_security(text, 7, Place::file).applies);
 }
 
 TEST(EffectiveSecurity, OtherDomain_IsNamed) {
   const auto text = document(domain(security(), " Id=\"7\""));
   EXPECT_EQ(effective_security(text, 0, Place::file).other_domain, "7");
-  EXPECT_TRUE(effective_security(text, 7, Place::file).is_there);
+  EXPECT_TRUE(effective_security(text, 7, Place::file).applies);
 }
 
 }  // namespace
