@@ -13,8 +13,8 @@ FileWatch::FileWatch(std::string_view uri, std::chrono::nanoseconds interval)
       last_(stamp()) {}
 
 bool FileWatch::may_have_changed(std::chrono::nanoseconds now) {
-  if (path_.empty() || (looked_ && now - *looked_ < interval_)) return false;
-  looked_ = now;
+  if (path_.empty() || (last_query_ && now - *last_query_ < interval_)) return false;
+  last_query_ = now;
   const auto current = stamp();
   const bool same = current == last_;
   if (same && is_settled_) return false;

@@ -33,7 +33,7 @@ class FileWatch {
 
   /// Makes the next query report a change without waiting for the interval.
   void force_poll() {
-    looked_.reset();
+    last_query_.reset();
     is_settled_ = false;
   }
 
@@ -50,7 +50,7 @@ class FileWatch {
   /// If false, the next query reports a change. File times are coarse, so a change just after the
   /// last query may not be visible.
   bool is_settled_ = false;
-  std::optional<std::chrono::nanoseconds> looked_;
+  std::optional<std::chrono::nanoseconds> last_query_;
 };
 
 }  // namespace ddssec

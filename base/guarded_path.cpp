@@ -51,9 +51,9 @@ std::optional<std::string> target_of(int link) {
 }
 
 // Enters the folders of a path one after the other.
-class Walk {
+class GuardedWalk {
  public:
-  explicit Walk(fs::path given) : given_(std::move(given)), rest_(names_of(given_)) {}
+  explicit GuardedWalk(fs::path given) : given_(std::move(given)), rest_(names_of(given_)) {}
 
   Result<FileDescriptor> open(int flags) {
     start();
@@ -86,7 +86,7 @@ class Walk {
     std::error_code error;
     const auto path = fs::current_path(error);
     if (error || !path.is_absolute()) return false;
-    Walk above(path);
+    GuardedWalk above(path);
     const auto found = above.open(O_PATH);
     struct stat by_path {
     }, open{};
@@ -162,7 +162,7 @@ class Walk {
 }  // namespace
 
 Result<FileDescriptor> open_guarded(const fs::path& folder, int flags) {
-  return Walk(folder).open(flags);
+  return GuardedWalk(folder).open(flags);
 }
 
 }  // namespace ddssec

@@ -20,8 +20,8 @@ class RenewalRefusals {
   /// is the digest of the octets that could be read.
   bool is_due(Code why, const Sha256Digest& content) {
     const bool is_lasting = std::exchange(was_refused_, true);
-    if (!is_lasting || told_ == std::pair{why, content}) return false;
-    told_ = {why, content};
+    if (!is_lasting || last_reported_ == std::pair{why, content}) return false;
+    last_reported_ = {why, content};
     return true;
   }
   /// Keeps the report of the refusal that is due, for refused(), and returns it.
@@ -32,7 +32,7 @@ class RenewalRefusals {
   /// Notes that the file was good.
   void clear() {
     was_refused_ = false;
-    told_.reset();
+    last_reported_.reset();
     refused_.reset();
   }
   /// Returns the last report, or nothing if the file has been good since.
@@ -40,14 +40,15 @@ class RenewalRefusals {
   /// True if the document was refused only because it begins in the future. It is adopted when it
   /// begins.
   bool begins_later() const {
-    return refused_ && told_ &&
-           (told_->first == Code::certificate_not_yet_valid ||
-            told_->first == Code::grant_not_yet_valid || told_->first == Code::ocsp_not_yet_valid);
+    return refused_ && last_reported_ &&
+           (last_reported_->first == Code::certificate_not_yet_valid ||
+            last_reported_->first == Code::grant_not_yet_valid ||
+            last_reported_->first == Code::ocsp_not_yet_valid);
   }
 
  private:
   bool was_refused_ = false;  ///< the file was wrong at the last poll
-  std::optional<std::pair<Code, Sha256Digest>> told_;
+  std::optional<std::pair<Code, Sha256Digest>> last_reported_;
   std::optional<Error> refused_;
 };
 

@@ -25,7 +25,7 @@ struct Process {
   std::mutex mutex = {};
   std::weak_ptr<Service> service = {};
   std::atomic<pid_t> shown_by = 0;  // the process whose service lives, or 0
-  bool has_complained = false;
+  bool has_reported_failure = false;
 };
 
 // Never destroyed, because it is used while the process exits.
@@ -54,7 +54,7 @@ std::shared_ptr<DocumentsInUse> shared_status_record(EventSink* events) {
     const auto& documents = service->documents;
     auto server = StatusServer::start(folder, [&documents] { return documents.to_json(); });
     if (!server) {
-      if (events != nullptr && !std::exchange(own.has_complained, true))
+      if (events != nullptr && !std::exchange(own.has_reported_failure, true))
         events->raise(Event(server.error(), {}, {}, PeerProof::not_a_peer));
       return nullptr;
     }

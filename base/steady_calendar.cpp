@@ -35,11 +35,11 @@ void SteadyCalendar::note(Code code, Nanoseconds before, Nanoseconds set_to) con
     return to_string(std::chrono::floor<std::chrono::seconds>(at(wall)));
   };
   try {
-    news_ = Error(code, {.expected = shown(before),
-                         .found = shown(set_to),
-                         .note = "grace " + std::to_string(grace_.count()) + " s"});
+    unreported_change_ = Error(code, {.expected = shown(before),
+                                      .found = shown(set_to),
+                                      .note = "grace " + std::to_string(grace_.count()) + " s"});
   } catch (const std::bad_alloc&) {
-    news_ = Error(code);
+    unreported_change_ = Error(code);
   }
 }
 
@@ -51,7 +51,7 @@ void SteadyCalendar::set_grace(std::chrono::seconds grace) {
 std::optional<Error> SteadyCalendar::take_report() {
   static_cast<void>(wall());
   const std::lock_guard lock(mutex_);
-  return std::exchange(news_, std::nullopt);
+  return std::exchange(unreported_change_, std::nullopt);
 }
 
 }  // namespace ddssec

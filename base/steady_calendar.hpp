@@ -50,7 +50,7 @@ class SteadyCalendar final : public Clock {
   mutable Nanoseconds wall_;                    ///< the calendar when it was last followed
   mutable Nanoseconds elapsed_;                 ///< since_boot at that time
   mutable std::optional<Nanoseconds> stepped_;  ///< since_boot when the step was detected
-  mutable std::optional<Error> news_;
+  mutable std::optional<Error> unreported_change_;
   std::chrono::seconds grace_ = kDefaultGrace;
 };
 

@@ -9,7 +9,7 @@
 namespace ddssec {
 namespace {
 
-std::string each(std::string_view text, char (*change)(char)) {
+std::string transformed(std::string_view text, char (*change)(char)) {
   std::string out(text);
   std::ranges::transform(out, out.begin(), change);
   return out;
@@ -57,8 +57,8 @@ bool is_wanted(char32_t c, PrintableOptions as_is) {
 
 }  // namespace
 
-std::string ascii_upper(std::string_view text) { return each(text, ascii_upper); }
-std::string ascii_lower(std::string_view text) { return each(text, ascii_lower); }
+std::string ascii_upper(std::string_view text) { return transformed(text, ascii_upper); }
+std::string ascii_lower(std::string_view text) { return transformed(text, ascii_lower); }
 
 std::string_view trimmed(std::string_view text, std::string_view blanks) {
   const auto first = text.find_first_not_of(blanks);

@@ -140,7 +140,7 @@ Result<Certificate> build(const CertificateTemplate& content, Subject subject,
   const bool signed_ok =
       X509_sign(x509.get(), impl_of(signing_key).pkey.get(), digest_of(signing_key)) > 0;
   const int size = signed_ok ? i2d_X509(x509.get(), &der) : -1;
-  const OpensslMemory owner(der);
+  const OpensslMemoryPtr owner(der);
   if (size <= 0) return openssl_failure(Code::internal);
   return Certificate::from_der(BytesView(der, static_cast<std::size_t>(size)));
 }
@@ -240,7 +240,7 @@ Result<Bytes> detached_signature(const Credential& signer, BytesView content, Wa
     return openssl_failure(Code::internal);
   unsigned char* der = nullptr;
   const int size = i2d_CMS_ContentInfo(cms.get(), &der);
-  const OpensslMemory owner(der);
+  const OpensslMemoryPtr owner(der);
   if (size <= 0) return openssl_failure(Code::internal);
   return Bytes(der, der + size);
 }

@@ -18,7 +18,7 @@ Error malformed_error(std::string note) {
 }
 
 std::string one_line(const X509_NAME* name) {
-  const OpensslText text(X509_NAME_oneline(name, nullptr, 0));
+  const OpensslTextPtr text(X509_NAME_oneline(name, nullptr, 0));
   return text ? text.get() : "";
 }
 
@@ -35,7 +35,7 @@ std::string pem_text(BytesView der) {
 bool is_distinguished(const X509* x509, BytesView der) {
   unsigned char* again = nullptr;
   const int size = i2d_X509(x509, &again);
-  const OpensslMemory owner(again);
+  const OpensslMemoryPtr owner(again);
   return size > 0 && std::ranges::equal(BytesView(again, static_cast<std::size_t>(size)), der);
 }
 

@@ -19,13 +19,14 @@ using LibraryContextPtr = std::unique_ptr<OSSL_LIB_CTX, Deleter<OSSL_LIB_CTX_fre
 using Algorithms = std::vector<OSSL_ALGORITHM>;
 
 // A provider that offers only the wanted algorithms of the default provider.
-struct Narrow {
+struct RestrictedProvider {
   OSSL_PROVIDER* whole = nullptr;  // the default provider, in a context of its own
   Algorithms decoders, key_managers;
 };
 
-Narrow& narrow() {
-  static auto* const provider = new Narrow;  // lives as long as the context, which is never freed
+RestrictedProvider& restricted_provider() {
+  static auto* const provider =
+      new RestrictedProvider;  // lives as long as the context, which is never freed
   return *provider;
 }
 
@@ -41,10 +42,11 @@ bool reads_public_keys(std::string_view properties) {
 
 // The default provider's algorithms that `wanted` accepts, followed by the empty entry that ends
 // OpenSSL's lists.
-Algorithms chosen(int operation, bool (*wanted)(const OSSL_ALGORITHM&)) {
+Algorithms algorithms_of_allowed_keys(int operation, bool (*wanted)(const OSSL_ALGORITHM&)) {
   Algorithms out;
   int no_cache = 0;
-  const auto* all = OSSL_PROVIDER_query_operation(narrow().whole, operation, &no_cache);
+  const auto* all =
+      OSSL_PROVIDER_query_operation(restricted_provider().whole, operation, &no_cache);
   for (; all != nullptr && all->algorithm_names != nullptr; ++all)
     if (is_allowed_key(all->algorithm_names) && wanted(*all)) out.push_back(*all);
   out.push_back({});
@@ -55,9 +57,9 @@ Algorithms chosen(int operation, bool (*wanted)(const OSSL_ALGORITHM&)) {
 
 const OSSL_ALGORITHM* query(void*, int operation, int* no_cache) {
   *no_cache = 0;
-  if (operation == OSSL_OP_DECODER) return narrow().decoders.data();
-  if (operation == OSSL_OP_KEYMGMT) return narrow().key_managers.data();
-  return OSSL_PROVIDER_query_operation(narrow().whole, operation, no_cache);
+  if (operation == OSSL_OP_DECODER) return restricted_provider().decoders.data();
+  if (operation == OSSL_OP_KEYMGMT) return restricted_provider().key_managers.data();
+  return OSSL_PROVIDER_query_operation(restricted_provider().whole, operation, no_cache);
 }
 
 void tear_down(void*) {}
@@ -70,21 +72,22 @@ const OSSL_DISPATCH kFunctions[] = {
 int start(const OSSL_CORE_HANDLE*, const OSSL_DISPATCH*, const OSSL_DISPATCH** functions,
           void** context) {
   *functions = kFunctions;
-  *context = OSSL_PROVIDER_get0_provider_ctx(narrow().whole);
+  *context = OSSL_PROVIDER_get0_provider_ctx(restricted_provider().whole);
   return 1;
 }
 
-OSSL_LIB_CTX* make() {
+OSSL_LIB_CTX* make_context() {
   const bool is_usual = EVP_default_properties_is_fips_enabled(nullptr) == 0 &&
                         OSSL_PROVIDER_available(nullptr, "default") == 1;
   LibraryContextPtr inner(is_usual ? OSSL_LIB_CTX_new() : nullptr);
   LibraryContextPtr outer(inner ? OSSL_LIB_CTX_new() : nullptr);
   if (!outer) return nullptr;
-  narrow().whole = OSSL_PROVIDER_load(inner.get(), "default");
-  if (narrow().whole == nullptr) return nullptr;
-  narrow().decoders = chosen(
+  restricted_provider().whole = OSSL_PROVIDER_load(inner.get(), "default");
+  if (restricted_provider().whole == nullptr) return nullptr;
+  restricted_provider().decoders = algorithms_of_allowed_keys(
       OSSL_OP_DECODER, [](const auto& one) { return reads_public_keys(one.property_definition); });
-  narrow().key_managers = chosen(OSSL_OP_KEYMGMT, [](const auto&) { return true; });
+  restricted_provider().key_managers =
+      algorithms_of_allowed_keys(OSSL_OP_KEYMGMT, [](const auto&) { return true; });
   constexpr const char* kName = "ddssec";
   if (OSSL_PROVIDER_add_builtin(outer.get(), kName, start) != 1 ||
       OSSL_PROVIDER_load(outer.get(), kName) == nullptr)
@@ -96,7 +99,7 @@ OSSL_LIB_CTX* make() {
 }  // namespace
 
 OSSL_LIB_CTX* certificate_context() {
-  static OSSL_LIB_CTX* const context = make();
+  static OSSL_LIB_CTX* const context = make_context();
   return context;
 }
 

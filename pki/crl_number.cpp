@@ -47,7 +47,7 @@ std::string to_string(const CrlNumber& number) {
   if (octets.size() > kMaxOctets)
     return "of " + std::to_string(octets.size()) + " octets, more than RFC 5280 allows";
   const BignumPtr value(BN_bin2bn(octets.data(), static_cast<int>(octets.size()), nullptr));
-  const OpensslText text(value ? BN_bn2dec(value.get()) : nullptr);
+  const OpensslTextPtr text(value ? BN_bn2dec(value.get()) : nullptr);
   return text ? text.get() : "";
 }
 

@@ -136,7 +136,7 @@ Bytes der_integer(BytesView value) {
   const Asn1IntegerPtr integer(number ? BN_to_ASN1_INTEGER(number.get(), nullptr) : nullptr);
   unsigned char* raw = nullptr;
   const int size = integer ? i2d_ASN1_INTEGER(integer.get(), &raw) : -1;
-  const OpensslMemory owner(raw);
+  const OpensslMemoryPtr owner(raw);
   return size > 0 ? Bytes(raw, raw + size) : Bytes();
 }
 
@@ -251,7 +251,7 @@ Result<EphemeralKey> KnownKey::from_private(KeyAgreementKind kind, BytesView num
 Result<Bytes> EphemeralKey::public_octets(PublicKeyEncoding encoding) const {
   unsigned char* raw = nullptr;
   const std::size_t size = EVP_PKEY_get1_encoded_public_key(impl_->pkey.get(), &raw);
-  const OpensslMemory owner(raw);
+  const OpensslMemoryPtr owner(raw);
   if (size == 0) return fail(Code::internal, {.note = "the public key cannot be written"});
   const BytesView encoded(raw, size);
   if (!is_modp(kind_)) return to_bytes(encoded);

@@ -19,7 +19,7 @@ std::string digest_of(const unsigned char* der, int size) {
 std::string digest_of(const X509_PUBKEY* key) {
   unsigned char* der = nullptr;
   const int size = i2d_X509_PUBKEY(key, &der);
-  const OpensslMemory owner(der);
+  const OpensslMemoryPtr owner(der);
   return digest_of(der, size);
 }
 
@@ -28,13 +28,13 @@ std::string digest_of(const X509_PUBKEY* key) {
 std::string encoded_digest(const EVP_PKEY* key) {
   unsigned char* der = nullptr;
   const int size = i2d_PUBKEY(key, &der);
-  const OpensslMemory owner(der);
+  const OpensslMemoryPtr owner(der);
   return digest_of(der, size);
 }
 
 std::string point_digest(int curve, BytesView point) {
   const PublicKeyPtr key(X509_PUBKEY_new());
-  OpensslMemory octets(static_cast<unsigned char*>(OPENSSL_memdup(point.data(), point.size())));
+  OpensslMemoryPtr octets(static_cast<unsigned char*>(OPENSSL_memdup(point.data(), point.size())));
   if (!key || !octets ||
       X509_PUBKEY_set0_param(key.get(), OBJ_nid2obj(NID_X9_62_id_ecPublicKey), V_ASN1_OBJECT,
                              OBJ_nid2obj(curve), octets.get(), static_cast<int>(point.size())) != 1)

@@ -212,7 +212,7 @@ Result<Signer> OcspJudge::signer(const Certificate& ca) const {
   for (int i = 0; i < sk_X509_num(sent); ++i) {
     unsigned char* octets = nullptr;
     const int size = i2d_X509(sk_X509_value(sent, i), &octets);
-    const OpensslMemory owner(octets);
+    const OpensslMemoryPtr owner(octets);
     if (size <= 0) return openssl_failure(Code::ocsp_malformed);
     // Certificate::from_der limits the extensions, names and keys that OpenSSL then processes.
     const auto candidate = Certificate::from_der({octets, static_cast<std::size_t>(size)});
@@ -227,7 +227,7 @@ Result<Signer> OcspJudge::signer(const Certificate& ca) const {
 }
 
 Status OcspJudge::check_signature(const Signer& signer) const {
-  const CertificateStack signers(sk_X509_new_null());
+  const CertificateStackPtr signers(sk_X509_new_null());
   auto* const x509 = impl_of(signer.certificate).x509.get();
   if (!signers || sk_X509_push(signers.get(), x509) == 0) return fail(Code::out_of_memory);
   // The signer was judged above, so OpenSSL is to look at no other certificate.

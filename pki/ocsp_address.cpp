@@ -43,7 +43,8 @@ Result<OcspAddress> parse_ocsp_address(const std::string& url) {
   int has_tls = 0;
   const int is_url = OSSL_HTTP_parse_url(url.c_str(), &has_tls, nullptr, &host, &port, nullptr,
                                          &path, nullptr, nullptr);
-  const OpensslText owners[] = {OpensslText(host), OpensslText(port), OpensslText(path)};
+  const OpensslTextPtr owners[] = {OpensslTextPtr(host), OpensslTextPtr(port),
+                                   OpensslTextPtr(path)};
   take_openssl_reason();
   if (is_url != 1 || host == nullptr || *host == 0 || port == nullptr || path == nullptr)
     return url_error(url, "it is not the address of a responder");

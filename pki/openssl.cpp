@@ -59,7 +59,7 @@ std::string name_rfc2253(const X509_NAME* name) {
 std::optional<std::string> to_utf8(const ASN1_STRING* value) {
   unsigned char* raw = nullptr;
   const int size = ASN1_STRING_to_UTF8(&raw, value);
-  const OpensslMemory owner(raw);
+  const OpensslMemoryPtr owner(raw);
   if (size < 0) {
     take_openssl_reason();
     return std::nullopt;
@@ -110,7 +110,7 @@ Status check_name(const X509_NAME* name, const char* which) {
 
 std::string serial_text(const ASN1_INTEGER* serial) {
   const BignumPtr number(ASN1_INTEGER_to_BN(serial, nullptr));
-  const OpensslText hex(number ? BN_bn2hex(number.get()) : nullptr);
+  const OpensslTextPtr hex(number ? BN_bn2hex(number.get()) : nullptr);
   return hex ? hex.get() : "";
 }
 
@@ -153,8 +153,8 @@ Result<std::optional<PemBlock>> next_pem_block(BIO* bio) {
   unsigned char* data = nullptr;
   long size = 0;
   const bool read = PEM_read_bio(bio, &label, &header, &data, &size) == 1;
-  const OpensslText label_owner(label), header_owner(header);
-  const OpensslMemory data_owner(data);
+  const OpensslTextPtr label_owner(label), header_owner(header);
+  const OpensslMemoryPtr data_owner(data);
   if (!read) {
     const bool at_end = ERR_GET_REASON(ERR_peek_last_error()) == PEM_R_NO_START_LINE;
     if (!at_end) return openssl_failure(Code::malformed);

@@ -37,7 +37,7 @@ inline void free_openssl_memory(void* p) noexcept { OPENSSL_free(p); }
 inline void free_name(X509_NAME* p) noexcept { X509_NAME_free(p); }
 inline void free_certificate_stack(STACK_OF(X509) * p) noexcept { sk_X509_free(p); }
 
-using Asn1String = std::unique_ptr<ASN1_STRING, Deleter<ASN1_STRING_free>>;
+using Asn1StringPtr = std::unique_ptr<ASN1_STRING, Deleter<ASN1_STRING_free>>;
 using Asn1IntegerPtr = std::unique_ptr<ASN1_INTEGER, Deleter<ASN1_INTEGER_free>>;
 using Asn1EnumeratedPtr = std::unique_ptr<ASN1_ENUMERATED, Deleter<ASN1_ENUMERATED_free>>;
 using Asn1TimePtr = std::unique_ptr<ASN1_TIME, Deleter<ASN1_TIME_free>>;
@@ -58,15 +58,15 @@ using DigestPtr = std::unique_ptr<EVP_MD, Deleter<EVP_MD_free>>;
 using AccessPtr = std::unique_ptr<AUTHORITY_INFO_ACCESS, Deleter<AUTHORITY_INFO_ACCESS_free>>;
 using ExtensionPtr = std::unique_ptr<X509_EXTENSION, Deleter<X509_EXTENSION_free>>;
 using NamePtr = std::unique_ptr<X509_NAME, Deleter<free_name>>;
-using OpensslMemory = std::unique_ptr<unsigned char, Deleter<free_openssl_memory>>;
-using OpensslText = std::unique_ptr<char, Deleter<free_openssl_memory>>;
+using OpensslMemoryPtr = std::unique_ptr<unsigned char, Deleter<free_openssl_memory>>;
+using OpensslTextPtr = std::unique_ptr<char, Deleter<free_openssl_memory>>;
 using PkeyPtr = std::unique_ptr<EVP_PKEY, Deleter<EVP_PKEY_free>>;
 using PkeyContextPtr = std::unique_ptr<EVP_PKEY_CTX, Deleter<EVP_PKEY_CTX_free>>;
 using RequestPtr = std::unique_ptr<X509_REQ, Deleter<X509_REQ_free>>;
 using RevokedPtr = std::unique_ptr<X509_REVOKED, Deleter<X509_REVOKED_free>>;
 using StorePtr = std::unique_ptr<X509_STORE, Deleter<X509_STORE_free>>;
 using StoreContextPtr = std::unique_ptr<X509_STORE_CTX, Deleter<X509_STORE_CTX_free>>;
-using CertificateStack = std::unique_ptr<STACK_OF(X509), Deleter<free_certificate_stack>>;
+using CertificateStackPtr = std::unique_ptr<STACK_OF(X509), Deleter<free_certificate_stack>>;
 using X509Ptr = std::unique_ptr<X509, Deleter<X509_free>>;
 
 struct Certificate::Impl {

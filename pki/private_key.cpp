@@ -44,7 +44,7 @@ Result<PrivateKey> finish(PkeyPtr pkey) {
 Result<KeyAlgorithm> judge_token_key(EVP_PKEY* key) {
   unsigned char* der = nullptr;
   const int size = i2d_PUBKEY(key, &der);
-  const OpensslMemory owner(der);
+  const OpensslMemoryPtr owner(der);
   const unsigned char* at = der;
   const PkeyPtr half(size > 0 ? d2i_PUBKEY(nullptr, &at, size) : nullptr);
   return judge_key(half.get(), "a token");

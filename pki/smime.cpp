@@ -87,7 +87,7 @@ std::string describe(CMS_SignerInfo* signer) {
   if (CMS_SignerInfo_get0_signer_id(signer, nullptr, &issuer, &serial) != 1 || issuer == nullptr)
     return "a signer named by key identifier";
   const BignumPtr number(ASN1_INTEGER_to_BN(serial, nullptr));
-  const OpensslText hex(number ? BN_bn2hex(number.get()) : nullptr);
+  const OpensslTextPtr hex(number ? BN_bn2hex(number.get()) : nullptr);
   return "certificate " + std::string(hex ? hex.get() : "?") + " issued by " + name_rfc2253(issuer);
 }
 
@@ -129,7 +129,7 @@ Result<std::vector<Certificate>> candidates(CMS_SignerInfo* signer,
 // Verifies content digest, signed attributes and signature with the key of `ca`. OpenSSL looks at
 // no other certificate. The caller judges whether `ca` is valid.
 Status verify_with(const Certificate& ca, CMS_ContentInfo* cms, BytesView content) {
-  const CertificateStack trusted(sk_X509_new_null());
+  const CertificateStackPtr trusted(sk_X509_new_null());
   const BioPtr bio = bio_over(content);
   constexpr unsigned kFlags = CMS_NOINTERN | CMS_NO_SIGNER_CERT_VERIFY | CMS_BINARY;
   if (!trusted || !bio || sk_X509_push(trusted.get(), impl_of(ca).x509.get()) <= 0)

@@ -78,7 +78,7 @@ void describe_signer(PKCS7* pkcs7, DocumentForm& form) {
   if (issuer_and_serial == nullptr) return;
   form.signer_issuer = name_rfc2253(issuer_and_serial->issuer);
   const BignumPtr number(ASN1_INTEGER_to_BN(issuer_and_serial->serial, nullptr));
-  const OpensslText hex(number ? BN_bn2hex(number.get()) : nullptr);
+  const OpensslTextPtr hex(number ? BN_bn2hex(number.get()) : nullptr);
   form.signer_serial = hex ? hex.get() : "";
 }
 
@@ -332,7 +332,7 @@ std::optional<AnnouncedCa> ca_announced_by_fastdds(BytesView ca_file) {
   while (in && (!out || out->algorithm.empty())) {
     const X509Ptr ca(PEM_read_bio_X509_AUX(in.get(), nullptr, nullptr, nullptr));
     if (!ca) break;
-    const OpensslText name(X509_NAME_oneline(X509_get_subject_name(ca.get()), nullptr, 0));
+    const OpensslTextPtr name(X509_NAME_oneline(X509_get_subject_name(ca.get()), nullptr, 0));
     if (!out) out = AnnouncedCa{.name = name ? name.get() : "", .algorithm = {}};
     out->algorithm = algorithm_for_fastdds(ca.get());
   }

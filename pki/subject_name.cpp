@@ -68,7 +68,7 @@ std::optional<std::string> hex_value(std::string_view digits) {
 }
 
 bool valid_utf8_without_nul(const std::string& text) {
-  const Asn1String string(ASN1_STRING_type_new(V_ASN1_UTF8STRING));
+  const Asn1StringPtr string(ASN1_STRING_type_new(V_ASN1_UTF8STRING));
   if (!string || ASN1_STRING_set(string.get(), text.data(), static_cast<int>(text.size())) != 1)
     return false;
   if (text.find('\0') != text.npos) return false;

@@ -96,7 +96,7 @@ std::size_t AnnouncedEndpoints::cost_of(const Announcement& announcement) {
   return announcement.octets + AnnouncedOctets::kOfEach;
 }
 
-void AnnouncedEndpoints::count_for(std::shared_ptr<AnnouncedOctets> account) {
+void AnnouncedEndpoints::set_account(std::shared_ptr<AnnouncedOctets> account) {
   const std::lock_guard lock(mutex_);
   if (account == account_) return;
   leave_account();

@@ -99,7 +99,7 @@ class AnnouncedEndpoints {
   AnnouncedEndpoints& operator=(const AnnouncedEndpoints&) = delete;
 
   /// Counts later announcements for that account. Before, they count for a private one.
-  void count_for(std::shared_ptr<AnnouncedOctets> account);
+  void set_account(std::shared_ptr<AnnouncedOctets> account);
   /// Counts an announcement; success if it may pass to the host. Error: builtin_source_unreadable
   /// if the certificate's account is full, or if something else passed under this number before.
   /// Then nothing changes.

@@ -164,7 +164,7 @@ bool announces_securely(const BuiltinTopic& topic) {
 void charge_changes(PeerDiscovery* peer, MonotonicTime now) {
   if (peer == nullptr) return;
   for (auto repeats = peer->announced.take_repeats(); repeats > 0; --repeats)
-    peer->work.announced_again(now);
+    peer->work.note_change(now);
 }
 
 // Records the numbers that the host skips from now on.

@@ -41,7 +41,7 @@ std::size_t WorkAccounts::size() const {
   return accounts_.size();
 }
 
-void DiscoveryWork::count_for(std::shared_ptr<WorkAccount> account) {
+void DiscoveryWork::set_account(std::shared_ptr<WorkAccount> account) {
   const std::lock_guard lock(mutex_);
   account_ = std::move(account);
 }
@@ -58,19 +58,19 @@ void DiscoveryWork::set_crowd(std::int64_t local, std::size_t own, std::size_t s
   if (own == 0) crowds_.erase(local);
 }
 
-void DiscoveryWork::tried(Cause cause, MonotonicTime now) {
+void DiscoveryWork::note_attempt(Cause cause, MonotonicTime now) {
   const std::lock_guard lock(mutex_);
-  if (cause == Cause::peer) charge(kOfAttempt, now);
+  if (cause == Cause::peer) charge(kAttemptUnits, now);
 }
 
-void DiscoveryWork::matched(std::int64_t local, std::size_t standing, Cause cause,
-                            MonotonicTime now) {
+void DiscoveryWork::note_match(std::int64_t local, std::size_t standing, Cause cause,
+                               MonotonicTime now) {
   const std::lock_guard lock(mutex_);
   set_crowd(local, crowds_[local].own + 1, standing + 1);
   if (cause == Cause::peer) charge(2 * standing, now);
 }
 
-void DiscoveryWork::unmatched(std::int64_t local, std::size_t standing) {
+void DiscoveryWork::note_end_of_match(std::int64_t local, std::size_t standing) {
   const std::lock_guard lock(mutex_);
   const auto known = crowds_.find(local);
   if (known == crowds_.end()) return;
@@ -78,7 +78,7 @@ void DiscoveryWork::unmatched(std::int64_t local, std::size_t standing) {
   set_crowd(local, own, own == 0 ? 0 : standing);
 }
 
-void DiscoveryWork::announced_again(MonotonicTime now) {
+void DiscoveryWork::note_change(MonotonicTime now) {
   const std::lock_guard lock(mutex_);
   charge(crowd_, now);
 }

@@ -71,7 +71,7 @@ class DiscoveryWork {
   static constexpr MonotonicTime kPrice = 2 * WorkAccount::kPrice;
   /// The price of an attempt to match, in units. It is charged even if the certificate has used up
   /// its matches.
-  static constexpr std::size_t kOfAttempt = 16;
+  static constexpr std::size_t kAttemptUnits = 16;
   /// The least time between two reports of one participant.
   static constexpr MonotonicTime kReportInterval = std::chrono::minutes(1);
 
@@ -80,20 +80,20 @@ class DiscoveryWork {
   enum class Cause : std::uint8_t { peer, host };
 
   /// From now on, work counts for that account, too.
-  void count_for(std::shared_ptr<WorkAccount> account);
+  void set_account(std::shared_ptr<WorkAccount> account);
 
   /// Charges an attempt to match one of its endpoints with a local one, to which access control
   /// has agreed. One that it refuses may come from an announcement that an attacker forged.
-  void tried(Cause cause, MonotonicTime now);
+  void note_attempt(Cause cause, MonotonicTime now);
   /// One of its readers matches a local writer, which matches `standing` others already. Charges
   /// this and, in advance, the end of the match.
-  void matched(std::int64_t local, std::size_t standing, Cause cause, MonotonicTime now);
+  void note_match(std::int64_t local, std::size_t standing, Cause cause, MonotonicTime now);
   /// The match has ended.
-  void unmatched(std::int64_t local, std::size_t standing);
+  void note_end_of_match(std::int64_t local, std::size_t standing);
   /// Charges a change of an announced endpoint. If its addresses have changed, the host walks the
   /// readers of all local writers that it matches. Which these are is not known here, so all that
   /// any reader of the participant matches count.
-  void announced_again(MonotonicTime now);
+  void note_change(MonotonicTime now);
 
   /// Success if an announcement may pass. Error: announcements_delayed.
   Status check(MonotonicTime now) const;

@@ -17,8 +17,8 @@ void KeyFactory::drop_remote(RemoteEndpoint& endpoint) {
   state_.release_place(endpoint);
   endpoint.local.matches.release(endpoint.share);
   if (endpoint.is_in_crowd)
-    endpoint.participant.discovery.work.unmatched(endpoint.local.handle(),
-                                                  endpoint.local.matched.size());
+    endpoint.participant.discovery.work.note_end_of_match(endpoint.local.handle(),
+                                                          endpoint.local.matched.size());
   release_peer_key(endpoint);
   if (endpoint.route != 0) endpoint.participant.routes.note_gone();
   drop(endpoint);

@@ -239,8 +239,8 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
   Rollback release([&] { participant->receivers.release(fresh->place); });
   DDSSEC_ASSIGN_OR_RETURN(auto* const remote, remote_with_identity(remote_identity));
   const auto subject = subject_of(remote_identity.value, *fresh);
-  remote->discovery.announced.count_for(state_.announcements.of(subject));
-  remote->discovery.work.count_for(state_.work.of(subject, state_.services.clock.monotonic()));
+  remote->discovery.announced.set_account(state_.announcements.of(subject));
+  remote->discovery.work.set_account(state_.work.of(subject, state_.services.clock.monotonic()));
   auto& pair = remote->pairs[local.value];
   participant->matched.insert(remote->handle());
   if (pair && !state_.host_checks_sources)
@@ -389,7 +389,7 @@ Status KeyFactory::claim_share(RemoteEndpoint& remote, const Pair& pair) {
   if (!is_counted(local)) return {};
   auto& work = remote.participant.discovery.work;
   const auto now = state_.services.clock.monotonic();
-  work.tried(cause_at(local, now), now);
+  work.note_attempt(cause_at(local, now), now);
   const auto subject = subject_of(remote.participant.identity, pair);
   if (auto status = local.matches.claim(subject); !status) {
     state_.report(status.error(), pair.peer_prefix);
@@ -397,7 +397,7 @@ Status KeyFactory::claim_share(RemoteEndpoint& remote, const Pair& pair) {
   }
   remote.share = subject;
   if (remote.kind() == EntityKind::remote_reader) {
-    work.matched(local.handle(), local.matched.size(), cause_at(local, now), now);
+    work.note_match(local.handle(), local.matched.size(), cause_at(local, now), now);
     remote.is_in_crowd = true;
   }
   return {};

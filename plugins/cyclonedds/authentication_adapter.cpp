@@ -59,7 +59,7 @@ Status hand_out(const std::optional<spi::Token>& token, CToken& out) {
 }
 
 // Warns once per process. The host has created its sockets before it creates a participant.
-void say_transport(Host& host) {
+void warn_of_transport_once(Host& host) {
   static std::atomic_flag asked;
   if (asked.test_and_set()) return;
   if (const auto warning = transport_warning(has_bound_udp())) host.notice(*warning);
@@ -73,7 +73,7 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
     DDSSEC_RETURN_IF_ERROR(require(handle, adjusted_guid, qos, candidate_guid));
     *handle = DDS_SECURITY_HANDLE_NIL;
     report_plugins_in_use(adapter.host(), PluginKind::authentication);
-    say_transport(adapter.host());
+    warn_of_transport_once(adapter.host());
     DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
     DDSSEC_ASSIGN_OR_RETURN(const auto properties,
                             spi::with_process_properties(std::move(property_list)));
@@ -118,11 +118,11 @@ DDS_Security_boolean set_permissions_credential_and_token(Instance* instance,
 }
 
 // True if the refusal is final for this GUID, whatever is announced under it.
-bool is_for_good(const Error& refusal) {
+bool is_final(const Error& refusal) {
   return refusal.code() == Code::remote_guid_is_local || refusal.code() == Code::guid_not_adjusted;
 }
 
-struct Met {
+struct DiscoveredPeer {
   Guid guid;
   HandshakeWatch::CoreTimerState timer;
 };
@@ -132,9 +132,9 @@ struct Met {
 // temporary. An error would end the core's handshake for as long as the peer is present. So the
 // core asks again until the watch makes it discover the peer anew. If governance admits
 // unauthenticated participants, the core treats the peer as one.
-Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Met& met, Error refusal,
-                             CIdentity& remote_handle) {
-  if (is_for_good(refusal) || admits_unauthenticated(identity(local)) ||
+Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const DiscoveredPeer& met,
+                             Error refusal, CIdentity& remote_handle) {
+  if (is_final(refusal) || admits_unauthenticated(identity(local)) ||
       adapter.remotes().has_ended(identity(local)))
     return std::unexpected(std::move(refusal));
   const auto of_host = adapter.remotes().note_refused(met.guid);
@@ -166,8 +166,8 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
       DDSSEC_RETURN_IF_ERROR(copy_token(spi::Token{}, *local_auth_request));
     DDSSEC_RETURN_IF_ERROR(require(remote_handle, remote_token, remote_guid));
     *remote_handle = DDS_SECURITY_HANDLE_NIL;
-    const Met met{guid_from(*remote_guid),
-                  adapter.stop_core_timer({instance, local_auth_request, remote_guid})};
+    const DiscoveredPeer met{guid_from(*remote_guid),
+                             adapter.stop_core_timer({instance, local_auth_request, remote_guid})};
     DDSSEC_RETURN_IF_ERROR(may_begin(adapter, identity(local_handle), met.guid));
     // The peer's own auth_request is not used, because it can be forged. The engine would compare a
     // forged challenge with the honest peer's messages until the peer's lease ends. The signatures

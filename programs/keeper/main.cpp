@@ -19,7 +19,7 @@ constexpr auto kMaxFlush = std::chrono::seconds(5);
 
 struct Options {
   std::int32_t domain = 0;
-  rtps::KeeperOptions keeps;
+  rtps::KeeperOptions keeper;
   std::string security = "off";
   std::vector<std::string> interfaces = {};
 };
@@ -27,7 +27,7 @@ struct Options {
 class Log final : public EventSink {
  public:
   void raise(const Event& event) override {
-    // refused() prints that error.
+    // print_refusal() prints that error.
     if (!event.is_returned) std::fprintf(stderr, "%s\n", event.to_line().c_str());
   }
 };
@@ -55,7 +55,7 @@ Result<rtps::DomainParticipantOptions> participant_options(const Options& option
   return out;
 }
 
-int refused(const Error& error) {
+int print_refusal(const Error& error) {
   std::fprintf(stderr, "ddssec-keeper: %s\n", error.to_sentence().c_str());
   return kNotInitialised;
 }
@@ -103,9 +103,9 @@ int run(const Options& options) {
   const EngineServices services{clock, random, events};
   secured::Engines engines(services);
   auto wanted = participant_options(options, engines);
-  if (!wanted) return refused(wanted.error());
-  auto keeper = rtps::Keeper::create(*std::move(wanted), options.keeps, services);
-  if (!keeper) return refused(keeper.error());
+  if (!wanted) return print_refusal(wanted.error());
+  auto keeper = rtps::Keeper::create(*std::move(wanted), options.keeper, services);
+  if (!keeper) return print_refusal(keeper.error());
   std::printf("Keeping domain %d: %zu topics known\n", options.domain, (*keeper)->topics());
   std::fflush(stdout);
   int signal = 0;
@@ -123,9 +123,9 @@ int main(int argc, char** argv) {
       "ddssec-keeper");
   app.add_option("-d,--domain", options.domain, "DDS domain (default 0)")
       ->check(CLI::Range(0, 232));
-  app.add_option("--store", options.keeps.store, "file to keep samples in; none: memory");
-  app.add_option("--store-octets", options.keeps.store_octets, "most octets of the store");
-  app.add_option("-t,--topic", options.keeps.topics,
+  app.add_option("--store", options.keeper.store, "file to keep samples in; none: memory");
+  app.add_option("--store-octets", options.keeper.store_octets, "most octets of the store");
+  app.add_option("-t,--topic", options.keeper.topics,
                  "topic to keep, may have * and ?; default all");
   app.add_option("--security", options.security, "folder with keys and documents, or off");
   app.add_option("--interface", options.interfaces,

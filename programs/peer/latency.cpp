@@ -16,12 +16,12 @@ double percentile(const std::vector<double>& sorted, double share) {
 
 void say_round_trips(std::uint32_t size, std::vector<double>& microseconds) {
   std::ranges::sort(microseconds);
-  say("rtt", {{"size", size},
-              {"n", microseconds.size()},
-              {"min_us", microseconds.front()},
-              {"median_us", percentile(microseconds, 0.5)},
-              {"p90_us", percentile(microseconds, 0.9)},
-              {"p99_us", percentile(microseconds, 0.99)}});
+  print_line("rtt", {{"size", size},
+                     {"n", microseconds.size()},
+                     {"min_us", microseconds.front()},
+                     {"median_us", percentile(microseconds, 0.5)},
+                     {"p90_us", percentile(microseconds, 0.9)},
+                     {"p99_us", percentile(microseconds, 0.99)}});
 }
 
 // Answers in the receiving thread, which saves one wake-up for each round trip. Pings that arrive
@@ -30,7 +30,7 @@ class Echo final : public rtps::DataReaderListener, public rtps::DataWriterListe
  public:
   explicit Echo(rtps::DataWriter<Blob>& writer) : writer_(writer) {
     writer.set_listener(this);
-    is_heard_ = matched(writer) > 0;
+    is_heard_ = matched_count(writer) > 0;
   }
   void on_data_available(rtps::AnyDataReader& reader) override {
     reader_ = static_cast<rtps::DataReader<Blob>*>(&reader);
@@ -71,7 +71,7 @@ class Ping {
   std::optional<std::int64_t> round_trip() {
     const auto begin = session_.nanoseconds();
     sent_.t_ns = static_cast<std::uint64_t>(begin);
-    while (!session_.over()) {
+    while (!session_.is_over()) {
       if (!writer_.write(sent_)) return std::nullopt;
       if (await_pong()) {
         ++session_.counts.written;
@@ -87,7 +87,7 @@ class Ping {
   bool await_pong() {
     constexpr std::int64_t kAgain = 200'000'000;
     for (const auto end = session_.nanoseconds() + kAgain;
-         session_.nanoseconds() < end && !session_.over();) {
+         session_.nanoseconds() < end && !session_.is_over();) {
       if (reader_.take(pongs_, 1) == 0u) {
         reader_.wait_for_unread(std::chrono::milliseconds(100));
         continue;
@@ -113,13 +113,13 @@ class Ping {
 int run_ping(Session& session) {
   const auto& options = session.options();
   const auto created = session.writer<Blob>("PerfPing", true);
-  if (!created) return refused(created.error());
+  if (!created) return print_refusal(created.error());
   const auto listening = session.reader<Blob>("PerfPong");
-  if (!listening) return refused(listening.error());
+  if (!listening) return print_refusal(listening.error());
   auto& writer = **created;
   auto& reader = **listening;
   const auto both = [&] {
-    const auto current = std::min(matched(writer), matched(reader));
+    const auto current = std::min(matched_count(writer), matched_count(reader));
     session.note_matched("pong", current);
     return current > 0;
   };
@@ -138,15 +138,15 @@ int run_ping(Session& session) {
 
 int run_pong(Session& session) {
   const auto created = session.writer<Blob>("PerfPong", true);
-  if (!created) return refused(created.error());
+  if (!created) return print_refusal(created.error());
   Echo echo(**created);
   const auto listening = session.reader<Blob>("PerfPing", &echo);
   if (!listening) {
     (*created)->set_listener(nullptr);
-    return refused(listening.error());
+    return print_refusal(listening.error());
   }
   auto& reader = **listening;
-  while (!session.over()) {
+  while (!session.is_over()) {
     const auto status = reader.subscription_matched_status();
     session.note_matched("ping", status.current_count);
     // A ping may have arrived, received its answers and left since the last check.

@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
   if (!parsed.options) return parsed.exit_code;
   watch_signals();
   Session session(*parsed.options);
-  if (const auto opened = session.open(); !opened) return refused(opened.error());
+  if (const auto opened = session.open(); !opened) return print_refusal(opened.error());
   for (const auto& role : kRoles)
     if (parsed.options->role == role.name) return role.run(session);
   return kUsage;

@@ -11,14 +11,14 @@ volatile std::sig_atomic_t signalled = 0;
 
 }  // namespace
 
-void say(const char* event, Json fields) {
+void print_line(const char* event, Json fields) {
   Json line = {{"event", event}};
   line.update(fields);
   std::puts(line.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
   std::fflush(stdout);
 }
 
-bool interrupted() { return signalled != 0; }
+bool is_interrupted() { return signalled != 0; }
 
 void watch_signals() {
   for (int signal : {SIGTERM, SIGINT}) std::signal(signal, [](int) { signalled = 1; });
@@ -41,7 +41,7 @@ Status Session::open() {
   auto created = rtps::DomainParticipant::create(std::move(wanted), services);
   if (!created) return std::unexpected(created.error());
   participant_ = std::move(*created);
-  say("participant_created");
+  print_line("participant_created");
   return {};
 }
 
@@ -70,11 +70,11 @@ rtps::GroupQos Session::group_qos() const {
   return qos;
 }
 
-bool Session::over() const { return interrupted() || nanoseconds() >= end_; }
+bool Session::is_over() const { return is_interrupted() || nanoseconds() >= end_; }
 
 bool Session::wait_until(const std::function<bool()>& ready) const {
   while (!ready()) {
-    if (over()) return false;
+    if (is_over()) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   return true;
@@ -82,40 +82,40 @@ bool Session::wait_until(const std::function<bool()>& ready) const {
 
 void Session::note_authenticated() {
   const auto now = participant_->counters().authentication;
-  for (; said_.authenticated < now.authenticated; ++said_.authenticated)
-    say("auth", {{"ok", true}});
-  for (; said_.failed < now.failed; ++said_.failed) say("auth", {{"ok", false}});
+  for (; printed_.authenticated < now.authenticated; ++printed_.authenticated)
+    print_line("auth", {{"ok", true}});
+  for (; printed_.failed < now.failed; ++printed_.failed) print_line("auth", {{"ok", false}});
 }
 
 void Session::note_matched(const char* what, std::int32_t current) {
   note_authenticated();
   counts.ever_matched = counts.ever_matched || current > 0;
-  if (current == last_said_) return;
-  last_said_ = current;
-  say("matched", {{"what", what}, {"current", current}});
+  if (current == last_printed_) return;
+  last_printed_ = current;
+  print_line("matched", {{"what", what}, {"current", current}});
 }
 
 int Session::finish(int code) {
   note_authenticated();
-  say("done", {{"matched", counts.ever_matched},
-               {"written", counts.written},
-               {"received", counts.received},
-               {"corrupt", counts.corrupt},
-               {"auth_failed", said_.failed}});
-  say("exit", {{"code", code}});
+  print_line("done", {{"matched", counts.ever_matched},
+                      {"written", counts.written},
+                      {"received", counts.received},
+                      {"corrupt", counts.corrupt},
+                      {"auth_failed", printed_.failed}});
+  print_line("exit", {{"code", code}});
   return code;
 }
 
 void Session::raise(const Event& event) {
-  if (event.is_returned) return;  // refused() prints that error
+  if (event.is_returned) return;  // print_refusal() prints that error
   if (options_.verbose || event.severity >= Severity::warning ||
       is_always_shown(event.error.code()))
     std::fprintf(stderr, "%s\n", event.to_line().c_str());
 }
 
-int refused(const Error& error) {
-  say("error", {{"what", error.to_sentence()}});
-  say("exit", {{"code", int{kNotCreated}}});
+int print_refusal(const Error& error) {
+  print_line("error", {{"what", error.to_sentence()}});
+  print_line("exit", {{"code", int{kNotCreated}}});
   return kNotCreated;
 }
 

@@ -18,10 +18,10 @@ namespace ddssec::peer {
 using Json = nlohmann::ordered_json;
 
 /// Prints one line on standard output and flushes it: {"event": name, fields...}.
-void say(const char* event, Json fields = Json::object());
+void print_line(const char* event, Json fields = Json::object());
 
 /// True if SIGTERM or SIGINT arrived.
-bool interrupted();
+bool is_interrupted();
 void watch_signals();
 
 /// The counts in the `done` line.
@@ -64,7 +64,7 @@ class Session final : private EventSink {
 
   std::int64_t nanoseconds() const { return clock_.monotonic().count(); }
   /// True if the timeout has passed or a signal arrived.
-  bool over() const;
+  bool is_over() const;
   /// Waits in steps of one millisecond until `ready` returns true. Returns false if the session was
   /// over before.
   bool wait_until(const std::function<bool()>& ready) const;
@@ -95,9 +95,9 @@ class Session final : private EventSink {
   RateLimitedSink limited_{logged_, clock_};
   std::unique_ptr<secured::Engines> engines_;
   std::unique_ptr<rtps::DomainParticipant> participant_;
-  rtps::AuthenticationCounters said_;
+  rtps::AuthenticationCounters printed_;
   std::int64_t end_ = 0;
-  std::int32_t last_said_ = 0;
+  std::int32_t last_printed_ = 0;
 };
 
 int run_pub(Session& session);
@@ -109,15 +109,15 @@ int run_tput_sub(Session& session);
 
 /// The number of remote endpoints that are matched now.
 template <class T>
-std::int32_t matched(rtps::DataWriter<T>& writer) {
+std::int32_t matched_count(rtps::DataWriter<T>& writer) {
   return writer.publication_matched_status().current_count;
 }
 template <class T>
-std::int32_t matched(rtps::DataReader<T>& reader) {
+std::int32_t matched_count(rtps::DataReader<T>& reader) {
   return reader.subscription_matched_status().current_count;
 }
 
 /// Prints `error` for a failed creation. Returns the exit code for it.
-int refused(const Error& error);
+int print_refusal(const Error& error);
 
 }  // namespace ddssec::peer

@@ -25,16 +25,16 @@ Json fields_of(const ShapeType& shape) {
 int run_pub(Session& session) {
   const auto& options = session.options();
   const auto created = session.writer<ShapeType>(session.topic_or("Square"), false);
-  if (!created) return refused(created.error());
+  if (!created) return print_refusal(created.error());
   auto& writer = **created;
   auto& counts = session.counts;
   const auto has_reader = [&] {
-    const auto current = matched(writer);
+    const auto current = matched_count(writer);
     session.note_matched("reader", current);
     return current > 0;
   };
   // Ends when all shapes are written and the reader has left.
-  while (!session.over()) {
+  while (!session.is_over()) {
     const bool reader = has_reader();
     if (counts.written >= options.count && !reader) break;
     if (reader && counts.written < options.count) {
@@ -50,20 +50,20 @@ int run_pub(Session& session) {
 int run_sub(Session& session) {
   const auto& options = session.options();
   const auto created = session.reader<ShapeType>(session.topic_or("Square"));
-  if (!created) return refused(created.error());
+  if (!created) return print_refusal(created.error());
   auto& reader = **created;
   rtps::Samples<ShapeType> samples;
   auto& counts = session.counts;
-  while (!session.over() && counts.received < options.count) {
+  while (!session.is_over() && counts.received < options.count) {
     reader.wait_for_unread(std::chrono::milliseconds(20));
-    session.note_matched("writer", matched(reader));
+    session.note_matched("writer", matched_count(reader));
     reader.take(samples);
     for (const auto& sample : samples) {
       if (!sample.info.valid_data) continue;
       ++counts.received;
       counts.corrupt += is_right(sample.data) ? 0 : 1;
       if (counts.received == 1 || counts.received == options.count)
-        say("sample", fields_of(sample.data));
+        print_line("sample", fields_of(sample.data));
     }
   }
   counts.corrupt += reader.malformed();

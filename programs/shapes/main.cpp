@@ -25,6 +25,6 @@ int main(int argc, char** argv) {
   if (const auto opened = session.open(); !opened)
     return not_created("participant", opened.error());
   const int code = run(session);
-  if (code == kDone) say("Done.");
+  if (code == kDone) print_line("Done.");
   return code;
 }

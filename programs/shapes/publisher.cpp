@@ -55,7 +55,8 @@ class PublisherRun {
     const auto publisher = session_.participant().create_publisher(session_.group_qos());
     if (!publisher) return not_created("publisher", publisher.error());
     for (auto* topic : *topics) {
-      say("Create writer for topic: %s color: %s", topic->name().c_str(), options_.color.c_str());
+      print_line("Create writer for topic: %s color: %s", topic->name().c_str(),
+                 options_.color.c_str());
       auto writer = (*publisher)->template create_datawriter<T>(*topic, session_.writer_qos());
       if (!writer) return not_created("datawriter", writer.error());
       writers_.push_back(*writer);
@@ -85,12 +86,12 @@ class PublisherRun {
     Status outcome;
     each_instance([&] {
       const auto written = writer.write(shape_);
-      if (written && options_.print_written) say_sample(writer.topic().name(), shape_);
+      if (written && options_.print_written) print_sample(writer.topic().name(), shape_);
       // With KEEP_ALL a slow reader may block the writer. Then this shape is skipped.
       if (!written && written.error().code() != Code::rtps_history_full) outcome = written;
     });
     if (outcome) return true;
-    say("failed to write");
+    print_line("failed to write");
     std::fprintf(stderr, "ddssec-shapes: %s\n", outcome.error().to_sentence().c_str());
     return false;
   }

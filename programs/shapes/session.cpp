@@ -22,34 +22,35 @@ rtps::Duration duration_of(std::int64_t milliseconds) {
 }
 
 // Digits in brackets are the size of a sample; no other output may look like that.
-void say_status(const char* what, const rtps::Topic& topic, const std::string& rest) {
-  say("%s() topic: '%s'  type: '%s' : %s", what, topic.name().c_str(), topic.type_name().c_str(),
-      rest.c_str());
+void print_status(const char* what, const rtps::Topic& topic, const std::string& rest) {
+  print_line("%s() topic: '%s'  type: '%s' : %s", what, topic.name().c_str(),
+             topic.type_name().c_str(), rest.c_str());
 }
 
-void say_matched(const char* what, const char* peers, const rtps::Topic& topic,
-                 const rtps::MatchedStatus& status) {
-  say_status(what, topic,
-             std::string("matched ") + peers + " " + std::to_string(status.current_count) +
-                 " (change = " + std::to_string(status.current_count_change) + ")");
+void print_matched(const char* what, const char* peers, const rtps::Topic& topic,
+                   const rtps::MatchedStatus& status) {
+  print_status(what, topic,
+               std::string("matched ") + peers + " " + std::to_string(status.current_count) +
+                   " (change = " + std::to_string(status.current_count_change) + ")");
 }
 
-void say_incompatible(const char* what, const rtps::Topic& topic,
-                      const rtps::IncompatibleQosStatus& status) {
-  say_status(what, topic,
-             std::to_string(static_cast<int>(status.last_policy_id)) + " (" + status.last.policy +
-                 ": offered " + status.last.offered + ", requested " + status.last.requested + ")");
+void print_incompatible(const char* what, const rtps::Topic& topic,
+                        const rtps::IncompatibleQosStatus& status) {
+  print_status(what, topic,
+               std::to_string(static_cast<int>(status.last_policy_id)) + " (" + status.last.policy +
+                   ": offered " + status.last.offered + ", requested " + status.last.requested +
+                   ")");
 }
 
-void say_count(const char* what, const rtps::Topic& topic, const rtps::CountStatus& status) {
-  say_status(what, topic,
-             "(total = " + std::to_string(status.total_count) +
-                 ", change = " + std::to_string(status.total_count_change) + ")");
+void print_count(const char* what, const rtps::Topic& topic, const rtps::CountStatus& status) {
+  print_status(what, topic,
+               "(total = " + std::to_string(status.total_count) +
+                   ", change = " + std::to_string(status.total_count_change) + ")");
 }
 
 }  // namespace
 
-void say(const char* format, ...) {
+void print_line(const char* format, ...) {
   std::array<char, 2048> line;
   std::va_list values;
   va_start(values, format);
@@ -67,41 +68,41 @@ void hold_signals() {
 
 void StatusLines::on_publication_matched(rtps::AnyDataWriter& writer,
                                          const rtps::MatchedStatus& status) {
-  say_matched("on_publication_matched", "readers", writer.topic(), status);
+  print_matched("on_publication_matched", "readers", writer.topic(), status);
 }
 void StatusLines::on_offered_incompatible_qos(rtps::AnyDataWriter& writer,
                                               const rtps::IncompatibleQosStatus& status) {
-  say_incompatible("on_offered_incompatible_qos", writer.topic(), status);
+  print_incompatible("on_offered_incompatible_qos", writer.topic(), status);
 }
 void StatusLines::on_offered_deadline_missed(rtps::AnyDataWriter& writer,
                                              const rtps::DeadlineMissedStatus& status) {
-  say_count("on_offered_deadline_missed", writer.topic(), status);
+  print_count("on_offered_deadline_missed", writer.topic(), status);
 }
 void StatusLines::on_liveliness_lost(rtps::AnyDataWriter& writer,
                                      const rtps::LivelinessLostStatus& status) {
-  say_count("on_liveliness_lost", writer.topic(), status);
+  print_count("on_liveliness_lost", writer.topic(), status);
 }
 void StatusLines::on_subscription_matched(rtps::AnyDataReader& reader,
                                           const rtps::MatchedStatus& status) {
-  say_matched("on_subscription_matched", "writers", reader.topic(), status);
+  print_matched("on_subscription_matched", "writers", reader.topic(), status);
 }
 void StatusLines::on_requested_incompatible_qos(rtps::AnyDataReader& reader,
                                                 const rtps::IncompatibleQosStatus& status) {
-  say_incompatible("on_requested_incompatible_qos", reader.topic(), status);
+  print_incompatible("on_requested_incompatible_qos", reader.topic(), status);
 }
 void StatusLines::on_requested_deadline_missed(rtps::AnyDataReader& reader,
                                                const rtps::DeadlineMissedStatus& status) {
-  say_count("on_requested_deadline_missed", reader.topic(), status);
+  print_count("on_requested_deadline_missed", reader.topic(), status);
 }
 void StatusLines::on_liveliness_changed(rtps::AnyDataReader& reader,
                                         const rtps::LivelinessChangedStatus& status) {
-  say_status("on_liveliness_changed", reader.topic(),
-             "(alive = " + std::to_string(status.alive_count) +
-                 ", not_alive = " + std::to_string(status.not_alive_count) + ")");
+  print_status("on_liveliness_changed", reader.topic(),
+               "(alive = " + std::to_string(status.alive_count) +
+                   ", not_alive = " + std::to_string(status.not_alive_count) + ")");
 }
 void StatusLines::on_inconsistent_topic(rtps::Topic& topic,
                                         const rtps::InconsistentTopicStatus& status) {
-  say_count("on_inconsistent_topic", topic, status);
+  print_count("on_inconsistent_topic", topic, status);
 }
 
 Status Session::open() {
@@ -201,7 +202,7 @@ void Session::raise(const Event& event) {
 }
 
 int not_created(const char* what, const Error& error) {
-  say("failed to create %s", what);
+  print_line("failed to create %s", what);
   std::fprintf(stderr, "ddssec-shapes: %s\n", error.to_sentence().c_str());
   return kNotInitialised;
 }

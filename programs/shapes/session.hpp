@@ -15,19 +15,19 @@ namespace ddssec::shapes {
 
 /// Prints one line on standard output and flushes it. The format is that of printf, without the end
 /// of line.
-[[gnu::format(printf, 1, 2)]] void say(const char* format, ...);
+[[gnu::format(printf, 1, 2)]] void print_line(const char* format, ...);
 
 /// Prints a line such as "Square     BLUE       007 012 [20]", followed by " {255}" for the last
 /// octet of a payload.
 template <class T>
-void say_sample(const std::string& topic, const T& shape) {
+void print_sample(const std::string& topic, const T& shape) {
   if constexpr (requires { shape.additional_payload_size; }) {
     if (const auto& payload = shape.additional_payload_size; !payload.empty())
-      return say("%-10s %-10s %03d %03d [%d] {%d}", topic.c_str(), shape.color.c_str(), shape.x,
-                 shape.y, shape.shapesize, int{payload.back()});
+      return print_line("%-10s %-10s %03d %03d [%d] {%d}", topic.c_str(), shape.color.c_str(),
+                        shape.x, shape.y, shape.shapesize, int{payload.back()});
   }
-  say("%-10s %-10s %03d %03d [%d]", topic.c_str(), shape.color.c_str(), shape.x, shape.y,
-      shape.shapesize);
+  print_line("%-10s %-10s %03d %03d [%d]", topic.c_str(), shape.color.c_str(), shape.x, shape.y,
+             shape.shapesize);
 }
 
 /// Blocks SIGINT and SIGTERM in this thread and in those that it starts. `Session::pause` waits for
@@ -68,7 +68,7 @@ class Session final : private EventSink {
     std::vector<rtps::Topic*> out;
     for (std::uint32_t i = 0; i < options_.topics; ++i) {
       const auto name = Options::numbered(options_.topic, i);
-      say("Create topic: %s", name.c_str());
+      print_line("Create topic: %s", name.c_str());
       DDSSEC_ASSIGN_OR_RETURN(const auto topic, participant_->create_topic<T>(name));
       out.push_back(topic);
     }

@@ -26,16 +26,16 @@ class SubscriberRun {
   Result<rtps::DataReader<T>*> create_reader(rtps::Subscriber& subscriber, rtps::Topic& topic) {
     const auto filter = session_.filter();
     if (!filter) {
-      say("Create reader for topic: %s", topic.name().c_str());
+      print_line("Create reader for topic: %s", topic.name().c_str());
       return subscriber.create_datareader<T>(topic, session_.reader_qos());
     }
     const auto filtered = session_.participant().create_contentfilteredtopic(
         topic.name() + "_filtered", topic, *filter);
     if (!filtered) {
-      say("failed to create content filtered topic");
+      print_line("failed to create content filtered topic");
       return std::unexpected(filtered.error());
     }
-    say("Create reader for topic: %s", topic.name().c_str());
+    print_line("Create reader for topic: %s", topic.name().c_str());
     return subscriber.create_datareader<T>(**filtered, session_.reader_qos());
   }
 
@@ -44,9 +44,10 @@ class SubscriberRun {
     const bool accesses = presentation.coherent_access || presentation.ordered_access;
     for (std::uint64_t n = 0; options_.iterations == 0 || n < options_.iterations; ++n) {
       const auto iteration = static_cast<unsigned long long>(n);
-      if (presentation.coherent_access) say("Reading coherent sets, iteration %llu", iteration);
+      if (presentation.coherent_access)
+        print_line("Reading coherent sets, iteration %llu", iteration);
       if (presentation.ordered_access)
-        say("Reading with ordered access, iteration %llu", iteration);
+        print_line("Reading with ordered access, iteration %llu", iteration);
       if (accesses && !subscriber.begin_access()) return kRunFailed;
       for (auto* reader : readers_)
         if (!read_all(*reader)) return kRunFailed;
@@ -60,7 +61,7 @@ class SubscriberRun {
     rtps::InstanceHandle previous;
     for (;;) {
       const auto found = next(reader, previous);
-      if (!found) return say("failed to read"), false;
+      if (!found) return print_line("failed to read"), false;
       if (*found == 0) return true;
       for (const auto& sample : samples_) say_one(reader, sample);
       previous = samples_[0].info.instance_handle;
@@ -76,13 +77,13 @@ class SubscriberRun {
 
   void say_one(rtps::DataReader<T>& reader, const rtps::Sample<T>& sample) {
     const auto& topic = reader.topic().name();
-    if (sample.info.valid_data) return say_sample(topic, sample.data);
+    if (sample.info.valid_data) return print_sample(topic, sample.data);
     const auto key = reader.key_value(sample.info.instance_handle);
     const auto& color = key ? key->color : sample.data.color;
     if (sample.info.instance_state == rtps::InstanceState::not_alive_no_writers)
-      say("%-10s %-10s NOT_ALIVE_NO_WRITERS_INSTANCE_STATE", topic.c_str(), color.c_str());
+      print_line("%-10s %-10s NOT_ALIVE_NO_WRITERS_INSTANCE_STATE", topic.c_str(), color.c_str());
     if (sample.info.instance_state == rtps::InstanceState::not_alive_disposed)
-      say("%-10s %-10s NOT_ALIVE_DISPOSED_INSTANCE_STATE", topic.c_str(), color.c_str());
+      print_line("%-10s %-10s NOT_ALIVE_DISPOSED_INSTANCE_STATE", topic.c_str(), color.c_str());
   }
 
   Session& session_;

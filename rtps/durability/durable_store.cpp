@@ -172,14 +172,14 @@ DurableStore::Appended DurableStore::append(StoredChange change, const Moment& n
     look_at_room_at_ = now.now + kRoomPollInterval;
     looks_at_room_ = true;
   }
-  if (looks_at_room_ || index_.shares().has_news()) work_.notify_one();
+  if (looks_at_room_ || index_.shares().has_unreported()) work_.notify_one();
   return {.outcome = {}, .has_no_share = identity && octets_of_.find(*identity)->second == 0};
 }
 
 void DurableStore::refuse(const GuidPrefix& identity) {
   const std::lock_guard held(mutex_);
   index_.shares().refuse(identity);
-  if (index_.shares().has_news()) work_.notify_one();
+  if (index_.shares().has_unreported()) work_.notify_one();
 }
 
 std::vector<std::int64_t> DurableStore::clean_up(StreamId stream, const Moment& now) {
@@ -267,7 +267,8 @@ Status DurableStore::wait_for_room(std::chrono::nanoseconds timeout) {
 void DurableStore::run() {
   std::unique_lock held(mutex_);
   const auto has_work = [&] {
-    return !pending_.empty() || !failed_.empty() || looks_at_room_ || index_.shares().has_news();
+    return !pending_.empty() || !failed_.empty() || looks_at_room_ ||
+           index_.shares().has_unreported();
   };
   for (;;) {
     work_.wait(held, [&] { return is_stopping_ || has_work(); });
@@ -353,7 +354,7 @@ void DurableStore::commit(std::unique_lock<std::mutex>& held) {
   const auto removals = is_again ? removals_before(group) : std::vector<StoredChange>{};
   const auto now = now_;
   const auto left_out = index_.left_out();
-  const auto refusals = index_.shares().take_news();
+  const auto refusals = index_.shares().take_unreported();
   looks_at_room_ = false;
   held.unlock();
   std::unique_lock store(store_mutex_);

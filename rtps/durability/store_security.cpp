@@ -7,7 +7,7 @@
 namespace ddssec::rtps {
 namespace {
 
-std::string_view in_words(bool is_secured) {
+std::string_view security_word(bool is_secured) {
   return is_secured ? "with security" : "without security";
 }
 
@@ -18,9 +18,9 @@ Status check_store_security(DurableStore& store, bool is_secured, Time now) {
   DDSSEC_ASSIGN_OR_RETURN(const bool is_empty, store.is_empty());
   DDSSEC_ASSIGN_OR_RETURN(const auto opened,
                           store.open_stream({.topic = "", .type = "security"}, {}, moment));
-  std::string_view found = in_words(is_empty ? is_secured : true);
+  std::string_view found = security_word(is_empty ? is_secured : true);
   if (!opened.history.empty()) found = as_text(opened.history.back().payload.view());
-  const auto wanted = in_words(is_secured);
+  const auto wanted = security_word(is_secured);
   if (found != wanted)
     return fail(Code::rtps_store_unusable,
                 {.document = store.path(),

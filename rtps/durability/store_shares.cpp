@@ -15,7 +15,7 @@ StoreShares::Account StoreShares::account(const GuidPrefix& identity) {
 
 void StoreShares::refuse(const GuidPrefix& identity) {
   auto& share = shares_[account(identity)];
-  if (std::has_single_bit(share.refused + 1)) news_.push_back({identity, share.refused + 1});
+  if (std::has_single_bit(share.refused + 1)) unreported_.push_back({identity, share.refused + 1});
   ++share.refused;
 }
 

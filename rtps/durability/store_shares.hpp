@@ -43,8 +43,8 @@ class StoreShares {
   /// Counts a sample that had no room.
   void refuse(const GuidPrefix& identity);
   /// The identities whose refusals have doubled since the last report.
-  std::vector<Refusals> take_news() { return std::exchange(news_, {}); }
-  bool has_news() const { return !news_.empty(); }
+  std::vector<Refusals> take_unreported() { return std::exchange(unreported_, {}); }
+  bool has_unreported() const { return !unreported_.empty(); }
 
  private:
   struct Share {
@@ -54,7 +54,7 @@ class StoreShares {
   };
   std::vector<Share> shares_{1};
   std::map<GuidPrefix, Account> accounts_;
-  std::vector<Refusals> news_;
+  std::vector<Refusals> unreported_;
 };
 
 }  // namespace ddssec::rtps

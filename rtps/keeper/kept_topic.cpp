@@ -94,8 +94,8 @@ KeptTopic::KeptTopic(ParticipantContext& context, DurableStore& store,
       context_(context),
       store_(store),
       held_(std::move(held)),
-      like_(std::move(writer)),
-      with_key_(has_key(like_.guid.entity)),
+      first_writer_(std::move(writer)),
+      with_key_(has_key(first_writer_.guid.entity)),
       on_first_sample_(std::move(on_first_sample)) {}
 
 KeptTopic::~KeptTopic() {
@@ -109,52 +109,53 @@ KeptTopic::~KeptTopic() {
 
 Status KeptTopic::open(DomainId domain, const std::string& domain_tag) {
   StreamKey key{.domain = static_cast<std::uint32_t>(domain),
-                .topic = like_.topic_name,
-                .type = like_.type_name,
-                .partition = like_.qos.partition,
-                .scope = scope_of(domain_tag, like_.qos.data_tags)};
+                .topic = first_writer_.topic_name,
+                .type = first_writer_.type_name,
+                .partition = first_writer_.qos.partition,
+                .scope = scope_of(domain_tag, first_writer_.qos.data_tags)};
   const auto moment = context_.moment();
-  DDSSEC_ASSIGN_OR_RETURN(auto opened,
-                          store_.open_stream(std::move(key), like_.qos.durability_service, moment));
-  longest_lifespan_ = std::max(like_.qos.lifespan, lifespan_of(opened, moment));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto opened,
+      store_.open_stream(std::move(key), first_writer_.qos.durability_service, moment));
+  longest_lifespan_ = std::max(first_writer_.qos.lifespan, lifespan_of(opened, moment));
   announced_lifespan_ = longest_lifespan_;
   stream_ = opened.id;
   const std::lock_guard held(context_.mutex());
   has_samples_ = !opened.history.empty();
-  if (like_.qos.ownership == OwnershipKind::exclusive) expect_owners(opened.history);
+  if (first_writer_.qos.ownership == OwnershipKind::exclusive) expect_owners(opened.history);
   for (const auto& change : opened.history) seen_.add(SeenOriginals::of(change));
   for (const auto& heard : opened.heard) heard_.emplace(heard.writer, heard);
   for (std::size_t i = 0; i < opened.rows.size(); ++i)
     rows_[opened.rows[i]] = {static_cast<std::int64_t>(i) + 1};
-  auto serving = request(serving_qos(like_.qos, longest_lifespan_));
+  auto serving = request(serving_qos(first_writer_.qos, longest_lifespan_));
   serving.history = std::move(opened.history);
   serving.is_history_only = true;
   const auto now = context_.now();
   DDSSEC_ASSIGN_OR_RETURN(writer_,
                           context_.protocol().create_writer(std::move(serving), *this, now));
-  auto reading = request(reading_qos(like_.qos));
+  auto reading = request(reading_qos(first_writer_.qos));
   reading.held = held_;
   DDSSEC_ASSIGN_OR_RETURN(reader_,
                           context_.protocol().create_reader(std::move(reading), *this, now));
   context_.protocol().local_endpoints().reader(reader_)->acknowledge_before(
       [this](const Guid& from, SequenceNumber next) { return first_unstored(from, next); });
-  look_again(now);
+  schedule_next_call(now);
   context_.reschedule();
   return {};
 }
 
 EndpointDescription KeptTopic::request(Qos qos) const {
-  return {.topic_name = like_.topic_name,
-          .type_name = like_.type_name,
+  return {.topic_name = first_writer_.topic_name,
+          .type_name = first_writer_.type_name,
           .qos = std::move(qos),
           .with_key = with_key_,
-          .type = like_.type};
+          .type = first_writer_.type};
 }
 
 bool KeptTopic::is_made_for(const EndpointData& writer) const {
-  return has_key(writer.guid.entity) == with_key_ && writer.type == like_.type &&
-         serving_qos(writer.qos) == serving_qos(like_.qos) &&
-         reading_qos(writer.qos) == reading_qos(like_.qos);
+  return has_key(writer.guid.entity) == with_key_ && writer.type == first_writer_.type &&
+         serving_qos(writer.qos) == serving_qos(first_writer_.qos) &&
+         reading_qos(writer.qos) == reading_qos(first_writer_.qos);
 }
 
 void KeptTopic::expect_owners(const std::vector<Change>& history) {
@@ -169,7 +170,8 @@ InstanceOwners::Claim KeptTopic::claim(const Change& change) {
 }
 
 bool KeptTopic::has_scope_of(const EndpointData& writer) const {
-  return writer.qos.partition == like_.qos.partition && writer.qos.data_tags == like_.qos.data_tags;
+  return writer.qos.partition == first_writer_.qos.partition &&
+         writer.qos.data_tags == first_writer_.qos.data_tags;
 }
 
 // The reader matches every writer with a partition in common. A sample of a writer that is not kept
@@ -208,7 +210,7 @@ bool KeptTopic::wait_for_room(const Guid& writer, bool has_no_share) {
 
 bool KeptTopic::defer(MonotonicTime now) {
   has_deferred_ = true;
-  look_again(now);
+  schedule_next_call(now);
   return false;
 }
 
@@ -230,14 +232,14 @@ bool KeptTopic::keep(Change& change) {
   const auto writer = change.writer;
   const auto original = change.sequence_number;
   const auto lifespan = lifespan_of(context_, writer);
-  serve_as_long_as(lifespan);
+  extend_lifespan(lifespan);
   discard(store_.clean_up(*stream_, moment));
   const auto kept = store_.append({.stream = *stream_,
                                    .change = change,
                                    .identity = identity_of(writer.prefix),
                                    .is_late = have_waited_.contains(writer),
                                    .is_remembered = change.original.writer == writer,
-                                   .relay_order = relay_order(change, like_.qos),
+                                   .relay_order = relay_order(change, first_writer_.qos),
                                    .lifespan = lifespan},
                                   moment);
   if (kept.outcome.decision == SampleIndex::Decision::waits)
@@ -249,7 +251,7 @@ bool KeptTopic::keep(Change& change) {
   unstored_[writer].push_back({kept.number, original});
   discard(kept.outcome.removed);
   if (kept.outcome.row != 0) rows_[kept.outcome.row] = server().write(change, now);
-  look_again(now);
+  schedule_next_call(now);
   return true;
 }
 
@@ -265,18 +267,18 @@ void KeptTopic::on_matched(const EndpointData& remote) {
   if (!is_writer(remote.guid.entity)) return;
   if (!has_scope_of(remote)) return on_unmatched(remote.guid);
   writers_.insert(remote.guid);
-  serve_as_long_as(remote.qos.lifespan);
+  extend_lifespan(remote.qos.lifespan);
   if (!owners_) return;
   owners_->set_writer(remote.guid, remote.qos.ownership_strength, identity_of(remote.guid.prefix));
   const auto now = context_.now();
   liveliness_.add(remote.guid, remote.qos.liveliness.lease_duration, now);
-  look_again(now);
+  schedule_next_call(now);
 }
 
-void KeptTopic::serve_as_long_as(Duration lifespan) {
+void KeptTopic::extend_lifespan(Duration lifespan) {
   if (lifespan <= longest_lifespan_) return;
   longest_lifespan_ = lifespan;
-  look_again(context_.now());
+  schedule_next_call(context_.now());
 }
 
 void KeptTopic::on_unmatched(const Guid& remote) {
@@ -292,14 +294,14 @@ void KeptTopic::on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> 
   if (!owners_ || !writers_.contains(writer)) return;
   if (signal && !liveliness_.is_alive(writer)) signal->notify(*this, writer);
   liveliness_.follow(writer, std::move(signal));
-  look_again(context_.now());
+  schedule_next_call(context_.now());
 }
 
 void KeptTopic::on_alive(const Guid& writer) {
   if (!owners_ || !writers_.contains(writer)) return;
   const auto now = context_.now();
   liveliness_.alive(writer, now);
-  look_again(now);
+  schedule_next_call(now);
 }
 
 SequenceNumber KeptTopic::first_unstored(const Guid& writer, SequenceNumber next) const {
@@ -329,7 +331,7 @@ void KeptTopic::discard(const std::vector<std::int64_t>& rows) {
     if (const auto gone = rows_.extract(row)) server().discard(gone.mapped());
 }
 
-void KeptTopic::look_again(MonotonicTime now) {
+void KeptTopic::schedule_next_call(MonotonicTime now) {
   auto next = liveliness_.next_tick();
   if (has_deferred_) next = std::min(next, now + kDeferredPollInterval);
   const auto due = unstored_.empty() ? store_.next_due(*stream_) : now;
@@ -341,8 +343,8 @@ void KeptTopic::on_time(MonotonicTime now) {
   // The announcement is changed here, because it cannot be while endpoints are being matched. It
   // cannot be refused: LIFESPAN is neither matched nor immutable.
   if (std::exchange(announced_lifespan_, longest_lifespan_) != longest_lifespan_) {
-    [[maybe_unused]] const auto changed =
-        context_.protocol().change_qos(writer_, serving_qos(like_.qos, longest_lifespan_), now);
+    [[maybe_unused]] const auto changed = context_.protocol().change_qos(
+        writer_, serving_qos(first_writer_.qos, longest_lifespan_), now);
   }
   liveliness_.check(now, [&](const Guid& writer, LivelinessSignal* signal) {
     if (signal != nullptr) signal->notify(*this, writer);
@@ -351,12 +353,12 @@ void KeptTopic::on_time(MonotonicTime now) {
   discard(store_.clean_up(*stream_, context_.moment()));
   const bool has_news = acknowledge_stored();
   auto* reader = context_.protocol().local_endpoints().reader(reader_);
-  look_at_waiting(now);
+  request_waiting_samples(now);
   if ((std::exchange(has_deferred_, false) || has_news) && reader != nullptr) reader->offer_again();
-  look_again(now);
+  schedule_next_call(now);
 }
 
-void KeptTopic::look_at_waiting(MonotonicTime now) {
+void KeptTopic::request_waiting_samples(MonotonicTime now) {
   auto* reader = context_.protocol().local_endpoints().reader(reader_);
   if (reader == nullptr) return;
   if (!without_share_.empty() && pace_.is_due(now)) {
@@ -365,8 +367,8 @@ void KeptTopic::look_at_waiting(MonotonicTime now) {
       octets += reader->request_refused(writer);
     pace_.note_requested(octets, now);
   }
-  if (now < look_at_late_at_) return;
-  look_at_late_at_ = now + kLateWriterPollInterval;
+  if (now < next_late_check_) return;
+  next_late_check_ = now + kLateWriterPollInterval;
   std::erase_if(have_waited_, [&](const Guid& writer) {
     const auto* const proxy = reader->writer(writer);
     return proxy == nullptr || proxy->has_caught_up();
@@ -394,7 +396,7 @@ void KeptTopic::on_sample_dropped(const Guid& writer, std::uint32_t octets) {
   ++dropped_;
   context_.protocol().remote_participants().raise_about(
       Error(Code::rtps_sample_dropped,
-            {.document = "topic " + like_.topic_name,
+            {.document = "topic " + first_writer_.topic_name,
              .field = "serialized size",
              .expected = fmt::format("at most {}", StatefulReader::kMaxSample),
              .found = std::to_string(octets)}),

@@ -50,7 +50,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   std::uint64_t served() const;
   std::uint64_t served_octets() const;
   bool has_samples() const { return has_samples_; }
-  const std::string& name() const { return like_.topic_name; }
+  const std::string& name() const { return first_writer_.topic_name; }
   /// True if it has samples, or if a writer whose samples are kept has matched.
   bool is_in_use() const { return has_samples_ || !writers_.empty(); }
   /// True if a topic that was created for that writer would be kept in the same way.
@@ -68,11 +68,11 @@ class KeptTopic final : private EndpointListener, private Timed {
   StatefulWriter& server() const;
   /// Stops serving the samples that the store removed.
   void discard(const std::vector<std::int64_t>& rows);
-  void look_again(MonotonicTime now);
+  void schedule_next_call(MonotonicTime now);
   SequenceNumber first_unstored(const Guid& writer, SequenceNumber next) const;
   /// Acknowledges samples that were stored. Returns false if none was.
   bool acknowledge_stored();
-  void look_at_waiting(MonotonicTime now);
+  void request_waiting_samples(MonotonicTime now);
   /// Lets the writer offer the change again later.
   bool defer(MonotonicTime now);
   void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override;
@@ -87,7 +87,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   bool wait_for_room(const Guid& writer, bool has_no_share);
   /// Makes the announced LIFESPAN at least as long as this one. Readers end samples when the
   /// announced LIFESPAN ends, so it is the longest one of the samples that they get.
-  void serve_as_long_as(Duration lifespan);
+  void extend_lifespan(Duration lifespan);
   bool was_heard(const Change& change) const;
   /// False if the writer reaches other readers, or needs other permissions.
   bool has_scope_of(const EndpointData& writer) const;
@@ -97,7 +97,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   ParticipantContext& context_;
   DurableStore& store_;
   const std::shared_ptr<HeldOctets> held_;
-  const EndpointData like_;
+  const EndpointData first_writer_;
   const bool with_key_;
   std::optional<StreamId> stream_;
   Guid reader_, writer_;
@@ -118,7 +118,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   /// that its writer has replaced need not wait.
   std::set<Guid> without_share_;
   RequestPace pace_;
-  MonotonicTime look_at_late_at_{};
+  MonotonicTime next_late_check_{};
   /// A change that is being stored.
   struct Unstored {
     std::uint64_t number;  ///< see DurableStore::append

@@ -8,14 +8,14 @@
 namespace ddssec::rtps {
 
 /// Each wait is twice as long as the previous one.
-class QuestionTimer {
+class QueryTimer {
  public:
   static constexpr MonotonicTime kFirstWait = std::chrono::milliseconds(50);
   static constexpr MonotonicTime kMaxWait = std::chrono::seconds(5);
 
   /// The time of the next query; kNever if none is due.
   MonotonicTime due() const { return due_; }
-  void note_asked(MonotonicTime now) {
+  void note_query(MonotonicTime now) {
     due_ = now + wait_;
     wait_ = std::min(wait_ * 2, kMaxWait);
   }

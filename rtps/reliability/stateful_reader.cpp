@@ -56,7 +56,7 @@ void StatefulReader::match(MatchedWriter writer, MonotonicTime now, bool wants_h
   auto& proxy = at->second;
   if (const auto past = past_.take(guid); past && past->keys == proxy.writer().keys)
     proxy.resume(*past, wants_history);
-  if (proxy.is_reliable() && !proxy.writer().is_in_process) ask(proxy, now);
+  if (proxy.is_reliable() && !proxy.writer().is_in_process) send_query(proxy, now);
 }
 
 void StatefulReader::readdress(const Guid& writer, const LocatorList& locators) {
@@ -236,24 +236,24 @@ StatefulReader::Refused StatefulReader::refused() const {
 // The query is not final and has nothing missing: all known vendors answer it with a HEARTBEAT.
 // (Fast DDS itself queries with base 0, which Cyclone DDS considers malformed. If Fast DDS is
 // queried in that way, it forgets what the reader has acknowledged.)
-void StatefulReader::ask(WriterProxy& proxy, MonotonicTime now) {
+void StatefulReader::send_query(WriterProxy& proxy, MonotonicTime now) {
   const auto base = proxy.writer().begins_at_zero ? SequenceNumber{0} : proxy.next();
   messages_.acknack(destination_of(proxy), proxy.writer().guid.entity, SequenceNumberSet(base),
                     false);
   sender_.flush();
-  proxy.question.note_asked(now);
-  call_at(proxy.question.due());
+  proxy.query.note_query(now);
+  call_at(proxy.query.due());
 }
 
 void StatefulReader::tick(MonotonicTime now) {
   for (auto& [guid, proxy] : writers_)
-    if (now >= proxy.question.due()) ask(proxy, now);
+    if (now >= proxy.query.due()) send_query(proxy, now);
   call_at(next_tick());
 }
 
 MonotonicTime StatefulReader::next_tick() const {
   auto next = kNever;
-  for (const auto& [guid, proxy] : writers_) next = std::min(next, proxy.question.due());
+  for (const auto& [guid, proxy] : writers_) next = std::min(next, proxy.query.due());
   return next;
 }
 

@@ -140,7 +140,7 @@ class StatefulReader final : private Timed {
   void trim(const WriterProxy& proxy);
   void give_up_largest(const GuidPrefix& identity);
   /// Asks the writer what it holds, and schedules the next query.
-  void ask(WriterProxy& proxy, MonotonicTime now);
+  void send_query(WriterProxy& proxy, MonotonicTime now);
   /// Acknowledges the changes that have arrived, and requests those that are missing up to `last`.
   void acknowledge(WriterProxy& proxy, SequenceNumber last);
 

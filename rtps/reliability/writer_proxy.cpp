@@ -82,7 +82,7 @@ bool WriterProxy::on_heartbeat(const Heartbeat& heartbeat, bool is_protected) {
   if (!heartbeats_.accept(heartbeat, is_protected)) return false;
   if (!std::exchange(was_heard_, true)) history_end_ = heartbeat.last;
   if (!is_reliable_) return true;
-  question.stop();
+  query.stop();
   announced_ = heartbeat.last;
   if (std::exchange(waits_for_heartbeat_, false))
     start_at(is_later_one ? heartbeat.first : former_);

@@ -9,7 +9,7 @@
 #include "rtps/reliability/early_changes.hpp"
 #include "rtps/reliability/partial_samples.hpp"
 #include "rtps/reliability/past_writers.hpp"
-#include "rtps/reliability/question_timer.hpp"
+#include "rtps/reliability/query_timer.hpp"
 #include "rtps/reliability/recent_messages.hpp"
 #include "wire/heartbeat.hpp"
 #include "wire/locator.hpp"
@@ -132,7 +132,7 @@ class WriterProxy {
   /// Sets the next number: every change below was delivered, or will never be.
   void set_next(SequenceNumber next) { next_ = next; }
 
-  QuestionTimer question;
+  QueryTimer query;
   std::unique_ptr<Contradictions> contradictions;  ///< nullptr: they are not looked for
 
  private:

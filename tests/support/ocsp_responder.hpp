@@ -68,7 +68,7 @@ inline Bytes ocsp_response(const OcspContent& content) {
   OCSP_RESPONSE* const response = OCSP_response_create(OCSP_RESPONSE_STATUS_SUCCESSFUL, basic);
   unsigned char* octets = nullptr;
   const int size = i2d_OCSP_RESPONSE(response, &octets);
-  const pki::OpensslMemory owner(octets);
+  const pki::OpensslMemoryPtr owner(octets);
   OCSP_RESPONSE_free(response);
   OCSP_BASICRESP_free(basic);
   return size <= 0 ? Bytes() : Bytes(octets, octets + size);
@@ -79,7 +79,7 @@ inline Bytes ocsp_refusal(int status) {
   OCSP_RESPONSE* const response = OCSP_response_create(status, nullptr);
   unsigned char* octets = nullptr;
   const int size = i2d_OCSP_RESPONSE(response, &octets);
-  const pki::OpensslMemory owner(octets);
+  const pki::OpensslMemoryPtr owner(octets);
   OCSP_RESPONSE_free(response);
   return size <= 0 ? Bytes() : Bytes(octets, octets + size);
 }
@@ -99,7 +99,7 @@ inline pki::Credential ocsp_delegate(const pki::Authority& ca, pki::Validity val
   X509_sign(x509.get(), impl_of(ca.key()).pkey.get(), EVP_sha256());
   unsigned char* octets = nullptr;
   const int size = i2d_X509(x509.get(), &octets);
-  const pki::OpensslMemory owner(octets);
+  const pki::OpensslMemoryPtr owner(octets);
   return {pki::Certificate::from_der({octets, static_cast<std::size_t>(size)}).value(),
           std::move(key)};
 }

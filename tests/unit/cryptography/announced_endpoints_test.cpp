@@ -147,7 +147,7 @@ TEST_F(AnnouncedEndpointsTest, NumberThatTheHostMayHaveSkipped_EndsNothing) {
       next_number = 1;
       peers.peer.announced.~AnnouncedEndpoints();
       new (&peers.peer.announced) AnnouncedEndpoints();
-      peers.peer.announced.count_for(account);
+      peers.peer.announced.set_account(account);
       ASSERT_EQ(announce(1), Code{});
       if (before) tell(way);
       ASSERT_EQ(dispose_under(2, 1, kDisposed), Code{});
@@ -209,7 +209,7 @@ TEST_F(AnnouncedEndpointsTest, RepeatedForALaterParticipant_CountOnceThere) {
   acknowledge(3);
   EXPECT_EQ(held(), 0u);
   EXPECT_EQ(held_again(), cost(kUserData));
-  peers.peer.announced.count_for(std::make_shared<AnnouncedOctets>());
+  peers.peer.announced.set_account(std::make_shared<AnnouncedOctets>());
   EXPECT_EQ(held_again(), 0u) << "it left the account";
 }
 
@@ -299,11 +299,11 @@ TEST(AnnouncementAccounts, ParticipantsOfACertificate_ShareOneAccount) {
         .has_value();
   };
   AnnouncedEndpoints first, other;
-  first.count_for(accounts.of(1));
-  other.count_for(accounts.of(2));
+  first.set_account(accounts.of(1));
+  other.set_account(accounts.of(2));
   {
     AnnouncedEndpoints second;
-    second.count_for(accounts.of(1));
+    second.set_account(accounts.of(1));
     EXPECT_TRUE(announces(first, 1, kHalf));
     EXPECT_FALSE(announces(second, 1, kHalf + 1));
     EXPECT_TRUE(announces(other, 1, kHalf));

@@ -57,7 +57,7 @@ inline Bytes of_writer(std::uint8_t id, const EntityId& writer,
 }
 
 struct AnnouncedEndpointsTest : ::testing::Test {
-  AnnouncedEndpointsTest() { peers.peer.announced.count_for(account); }
+  AnnouncedEndpointsTest() { peers.peer.announced.set_account(account); }
   Code announce(std::uint32_t endpoint, std::size_t user_data = kUserData,
                 const EntityId& writer = kPublications) {
     return announce_under(next_number++, endpoint, user_data, writer);

@@ -16,17 +16,18 @@ constexpr std::size_t kMaxReaders = 1024;  // MatchShares::kMaxOfSubject
 // The readers of one participant, as the local writers 1 to `writers` match them.
 struct Peer {
   explicit Peer(std::shared_ptr<WorkAccount> account = std::make_shared<WorkAccount>()) {
-    work.count_for(std::move(account));
+    work.set_account(std::move(account));
   }
   void come(std::size_t standing, std::int64_t writers, MonotonicTime now,
             Cause cause = Cause::peer) {
     for (std::int64_t writer = 1; writer <= writers; ++writer) {
-      work.tried(cause, now);
-      work.matched(writer, standing, cause, now);
+      work.note_attempt(cause, now);
+      work.note_match(writer, standing, cause, now);
     }
   }
   void leave(std::size_t standing, std::int64_t writers) {
-    for (std::int64_t writer = 1; writer <= writers; ++writer) work.unmatched(writer, standing);
+    for (std::int64_t writer = 1; writer <= writers; ++writer)
+      work.note_end_of_match(writer, standing);
   }
   // `count` readers, one after the other, each once the former has passed.
   Code start(std::size_t count, std::int64_t writers, MonotonicTime now) {
@@ -110,11 +111,11 @@ TEST(DiscoveryWork, AnnouncedAgain_CostsTheReadersOfAllItsWriters) {
   Peer peer;
   peer.come(kMaxReaders, 30, 1s, Cause::host);
   int count = 0;
-  for (; peer.passes(1s); ++count) peer.work.announced_again(1s);
+  for (; peer.passes(1s); ++count) peer.work.note_change(1s);
   EXPECT_NEAR(count, 521, 5);
   peer.leave(kMaxReaders, 30);
   Peer alone;
-  for (int i = 0; i < 100'000; ++i) alone.work.announced_again(1s);
+  for (int i = 0; i < 100'000; ++i) alone.work.note_change(1s);
   EXPECT_TRUE(alone.passes(1s)) << "it matches nothing";
 }
 
@@ -124,14 +125,14 @@ TEST(DiscoveryWork, Crowd_IsForgottenWithItsLastMatch) {
   peer.come(kMaxReaders, 30, 1s, Cause::host);
   peer.leave(kMaxReaders, 30);
   peer.leave(kMaxReaders, 30);
-  peer.work.unmatched(1, 0);
-  for (int i = 0; i < 100'000; ++i) peer.work.announced_again(1s);
+  peer.work.note_end_of_match(1, 0);
+  for (int i = 0; i < 100'000; ++i) peer.work.note_change(1s);
   EXPECT_TRUE(peer.passes(1s));
 }
 
 TEST(DiscoveryWork, HugeCharge_DoesNotOverflow) {
   Peer peer;
-  peer.work.matched(1, ~std::size_t{0} / 4, Cause::peer, 1s);
+  peer.work.note_match(1, ~std::size_t{0} / 4, Cause::peer, 1s);
   EXPECT_FALSE(peer.passes(1h));
   EXPECT_TRUE(peer.passes(2h));
 }
@@ -164,7 +165,7 @@ TEST(WorkAccounts, PaidOnesWithoutParticipants_AreForgotten) {
 // ---- announcements
 
 struct DelayedAnnouncements : AnnouncedEndpointsTest {
-  void overdraw() { peers.peer.work.matched(1, 20'000'000, Cause::peer, peers.time); }
+  void overdraw() { peers.peer.work.note_match(1, 20'000'000, Cause::peer, peers.time); }
 };
 
 TEST_F(DelayedAnnouncements, AnnouncementAndEnd_PassOnceTheWorkIsPaidOff) {
@@ -199,7 +200,7 @@ TEST_F(DelayedAnnouncements, OfClearWriters_AreNotDelayed) {
 TEST_F(DelayedAnnouncements, OfOnesAnnouncedBefore_AreCharged) {
   ASSERT_EQ(announce(1), Code{});
   for (int reader = 0; reader < 30; ++reader)
-    peers.peer.work.matched(reader, kMaxReaders, Cause::host, peers.time);
+    peers.peer.work.note_match(reader, kMaxReaders, Cause::host, peers.time);
   int count = 0;
   for (; count < 1000 && announce(1, 0) == Code{}; ++count) acknowledge();
   EXPECT_NEAR(count, 521, 5);
@@ -207,7 +208,7 @@ TEST_F(DelayedAnnouncements, OfOnesAnnouncedBefore_AreCharged) {
 
 TEST_F(DelayedAnnouncements, OfNewOnes_AreNotChargedAsChanges) {
   for (int reader = 0; reader < 30; ++reader)
-    peers.peer.work.matched(reader, kMaxReaders, Cause::host, peers.time);
+    peers.peer.work.note_match(reader, kMaxReaders, Cause::host, peers.time);
   for (std::uint32_t number = 1; number < 2000; ++number) {
     ASSERT_EQ(announce(number, 0), Code{}) << number;
     acknowledge();
@@ -219,7 +220,7 @@ TEST_F(DelayedAnnouncements, OfNewOnes_AreNotChargedAsChanges) {
 TEST_F(DelayedAnnouncements, RepeatedUnderTheirNumber_AreNotCharged) {
   ASSERT_EQ(announce_under(1, 1), Code{});
   for (int reader = 0; reader < 30; ++reader)
-    peers.peer.work.matched(reader, kMaxReaders, Cause::host, peers.time);
+    peers.peer.work.note_match(reader, kMaxReaders, Cause::host, peers.time);
   for (int again = 0; again < 2000; ++again) ASSERT_EQ(announce_under(1, 1), Code{}) << again;
   acknowledge(2);
   for (int again = 0; again < 2000; ++again) ASSERT_EQ(announce_under(1, 1), Code{}) << again;

@@ -96,7 +96,7 @@ TEST(RoundTrip, PingBeforeThePongsAreRead_IsAnsweredThen) {
   Other other(71);
   auto& pings = other.writer("PerfPing");
   Running pong(run_pong, 71);
-  ASSERT_TRUE(eventually([&] { return matched(pings) > 0; }));
+  ASSERT_TRUE(eventually([&] { return matched_count(pings) > 0; }));
   std::this_thread::sleep_for(100ms);
   ASSERT_TRUE(pings.write({7, 0, 0, Bytes(10, 1)}));
   ASSERT_TRUE(pings.wait_for_acknowledgments(10s));

@@ -144,7 +144,7 @@ Result<Certificate> with_name(const std::vector<std::pair<std::string, std::stri
   X509_sign(x509.get(), impl_of(ca.key()).pkey.get(), EVP_sha256());
   unsigned char* raw = nullptr;
   const int size = i2d_X509(x509.get(), &raw);
-  const OpensslMemory owner(raw);
+  const OpensslMemoryPtr owner(raw);
   return Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
 }
 
@@ -169,7 +169,7 @@ TEST(Certificate, AKeyOfAnotherType_IsNamed) {
   ASSERT_GT(X509_sign(x509.get(), impl_of(ca.key()).pkey.get(), EVP_sha256()), 0);
   unsigned char* raw = nullptr;
   const int size = i2d_X509(x509.get(), &raw);
-  const OpensslMemory owner(raw);
+  const OpensslMemoryPtr owner(raw);
   const auto refused = Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
   EXPECT_CODE(refused, key_not_allowed);
   ASSERT_FALSE(refused);

@@ -20,7 +20,7 @@ Certificate with_sha1(const Certificate& certificate, const PrivateKey& key) {
   X509_sign(x509.get(), impl_of(key).pkey.get(), EVP_sha1());
   unsigned char* raw = nullptr;
   const int size = i2d_X509(x509.get(), &raw);
-  const OpensslMemory owner(raw);
+  const OpensslMemoryPtr owner(raw);
   return *Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
 }
 
@@ -32,7 +32,7 @@ Certificate as_version_1(const Certificate& certificate, const PrivateKey& key) 
   X509_sign(x509.get(), impl_of(key).pkey.get(), EVP_sha256());
   unsigned char* raw = nullptr;
   const int size = i2d_X509(x509.get(), &raw);
-  const OpensslMemory owner(raw);
+  const OpensslMemoryPtr owner(raw);
   return *Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
 }
 
@@ -202,13 +202,13 @@ TEST(Chain, UnknownCriticalExtensions_AreRefused) {
   const auto ca = make_ca();
   const X509Ptr x509(X509_dup(impl_of(make_leaf(ca).certificate).x509.get()));
   const Asn1ObjectPtr type(OBJ_txt2obj("1.2.3.4.5", 1));
-  const Asn1String value(ASN1_OCTET_STRING_new());
+  const Asn1StringPtr value(ASN1_OCTET_STRING_new());
   const ExtensionPtr extension(X509_EXTENSION_create_by_OBJ(nullptr, type.get(), 1, value.get()));
   X509_add_ext(x509.get(), extension.get(), -1);
   X509_sign(x509.get(), impl_of(ca.key()).pkey.get(), EVP_sha256());
   unsigned char* raw = nullptr;
   const int size = i2d_X509(x509.get(), &raw);
-  const OpensslMemory owner(raw);
+  const OpensslMemoryPtr owner(raw);
   const auto odd = *Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
   EXPECT_CODE(make_verifier({ca.certificate()}).verify(odd, kNow), chain_refused);
 }

@@ -75,7 +75,7 @@ Bytes der_of(BytesView value) {
   const Asn1IntegerPtr integer(BN_to_ASN1_INTEGER(number.get(), nullptr));
   unsigned char* raw = nullptr;
   const int size = i2d_ASN1_INTEGER(integer.get(), &raw);
-  const OpensslMemory owner(raw);
+  const OpensslMemoryPtr owner(raw);
   return Bytes(raw, raw + size);
 }
 

@@ -9,7 +9,7 @@ namespace {
 Bytes encoded_key(const Certificate& certificate) {
   unsigned char* der = nullptr;
   const int size = i2d_X509_PUBKEY(X509_get_X509_PUBKEY(impl_of(certificate).x509.get()), &der);
-  const OpensslMemory owner(der);
+  const OpensslMemoryPtr owner(der);
   return Bytes(der, der + size);
 }
 
@@ -38,7 +38,7 @@ Certificate compressed(const Certificate& certificate, std::size_t width) {
   EXPECT_GT(i2d_re_X509_tbs(x509.get(), nullptr), 0);  // not as it was read
   unsigned char* octets = nullptr;
   const int size = i2d_X509(x509.get(), &octets);
-  const OpensslMemory owner(octets);
+  const OpensslMemoryPtr owner(octets);
   auto out = Certificate::from_der(BytesView(octets, static_cast<std::size_t>(size)));
   EXPECT_TRUE(out) << out.error().to_sentence();
   return *std::move(out);

@@ -215,17 +215,17 @@ TEST_F(WriterProxyTest, ResumedWithHistory_AnUnprotectedOldHeartbeatContinuesWhe
   EXPECT_THAT(delivered, ElementsAre(5)) << "the first was delivered before";
 }
 
-TEST(QuestionTimer, EachQuestion_WaitsTwiceAsLong) {
-  QuestionTimer timer;
+TEST(QueryTimer, EachQuestion_WaitsTwiceAsLong) {
+  QueryTimer timer;
   EXPECT_EQ(timer.due(), kNever);
   MonotonicTime now{};
-  auto wait = QuestionTimer::kFirstWait;
-  for (int i = 0; i < 20; ++i, wait = std::min(2 * wait, QuestionTimer::kMaxWait)) {
-    timer.note_asked(now);
+  auto wait = QueryTimer::kFirstWait;
+  for (int i = 0; i < 20; ++i, wait = std::min(2 * wait, QueryTimer::kMaxWait)) {
+    timer.note_query(now);
     EXPECT_EQ(timer.due(), now + wait);
     now = timer.due();
   }
-  EXPECT_EQ(wait, QuestionTimer::kMaxWait);
+  EXPECT_EQ(wait, QueryTimer::kMaxWait);
   timer.stop();
   EXPECT_EQ(timer.due(), kNever);
 }

@@ -47,7 +47,7 @@ Message read(const std::string& name) {
     X509* x509 = sk_X509_value(list, i);
     unsigned char* raw = nullptr;
     const int size = i2d_X509(x509, &raw);
-    const OpensslMemory owner(raw);
+    const OpensslMemoryPtr owner(raw);
     auto certificate = Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
     if (!certificate)
       message.refused = certificate.error();

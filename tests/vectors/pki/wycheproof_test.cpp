@@ -28,7 +28,7 @@ Result<Certificate> certificate_for(const PkeyPtr& key) {
   X509_sign(x509.get(), impl_of(ca.key()).pkey.get(), EVP_sha256());
   unsigned char* raw = nullptr;
   const int size = i2d_X509(x509.get(), &raw);
-  const OpensslMemory owner(raw);
+  const OpensslMemoryPtr owner(raw);
   return Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
 }
 
