@@ -23,7 +23,7 @@ constexpr int kMaxInFolder = 1'000;
 constexpr int kMaxLooks = 5'000;
 constexpr std::size_t kMaxShown = 4;
 
-using Wanted = std::function<bool(const fs::path&)>;
+using FilePredicate = std::function<bool(const fs::path&)>;
 
 // The folder in which the path would be, or the nearest existing folder above it. "" is the current
 // folder.
@@ -40,10 +40,10 @@ fs::path nearest_folder(const fs::path& missing) {
 // Finds wanted folders in this folder. Folders that are not wanted are searched one level deeper.
 class Search {
  public:
-  explicit Search(Wanted is_wanted) : is_wanted_(std::move(is_wanted)) {}
+  explicit Search(FilePredicate is_wanted) : is_wanted_(std::move(is_wanted)) {}
 
   std::vector<fs::path> around(const fs::path& folder, const fs::path& name) {
-    look_into(folder, 2);
+    search_folder(folder, 2);
     std::ranges::sort(found_);
     std::ranges::stable_partition(found_,
                                   [&](const fs::path& path) { return path.filename() == name; });
@@ -51,7 +51,7 @@ class Search {
   }
 
  private:
-  void look_into(const fs::path& folder, int levels) {
+  void search_folder(const fs::path& folder, int levels) {
     std::error_code error;
     int entries = 0;
     const auto start = folder.empty() ? fs::path(".") : folder;
@@ -63,11 +63,11 @@ class Search {
       if (is_wanted_(path))
         found_.push_back(path);
       else if (levels > 1)
-        look_into(path, levels - 1);
+        search_folder(path, levels - 1);
     }
   }
 
-  Wanted is_wanted_;
+  FilePredicate is_wanted_;
   std::vector<fs::path> found_ = {};
   int looks_ = 0;
 };

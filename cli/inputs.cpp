@@ -34,7 +34,7 @@ std::string uri(const fs::path& path) { return "file://" + path.string(); }
 
 // A file may have been read by the path of its folder's descriptor, which users cannot understand.
 std::unexpected<Error> error_in_file(const Error& error, const fs::path& path) {
-  return std::unexpected(pki::about_file(pki::about_file(error, as_held(path)), path));
+  return std::unexpected(pki::about_file(pki::about_file(error, path_in_held_folder(path)), path));
 }
 
 std::string_view without_line_end(std::string_view text) {
@@ -121,14 +121,14 @@ Result<pki::Passphrase> typed_passphrase(const char* prompt) {
 }  // namespace
 
 Result<Bytes> read_file(const fs::path& path, std::size_t max_octets) {
-  auto octets = pki::load(uri(as_held(path)), "", max_octets);
+  auto octets = pki::load(uri(path_in_held_folder(path)), "", max_octets);
   if (!octets) return error_in_file(octets.error(), path);
   return octets;
 }
 
 bool path_exists(const fs::path& path) {
   std::error_code ignored;
-  return fs::exists(as_held(path), ignored);
+  return fs::exists(path_in_held_folder(path), ignored);
 }
 
 Status check_directory(const fs::path& folder, std::string_view expected) {
@@ -189,7 +189,7 @@ fs::path ca_folder(const fs::path& folder, std::string_view role) {
 }
 
 Result<pki::PrivateKey> read_key(const fs::path& path, const pki::Passphrase* passphrase) {
-  const auto uri = pki::uri_of(as_held(path));
+  const auto uri = pki::uri_of(path_in_held_folder(path));
   if (!uri) return error_in_file(uri.error(), path);
   auto key = pki::PrivateKey::load(*uri, "", passphrase);
   if (!key) return error_in_file(key.error(), path);
@@ -197,7 +197,7 @@ Result<pki::PrivateKey> read_key(const fs::path& path, const pki::Passphrase* pa
 }
 
 Result<bool> is_encrypted(const fs::path& key) {
-  const auto pem = load_secret<pki::KeyPem>(uri(as_held(key)), "");
+  const auto pem = load_secret<pki::KeyPem>(uri(path_in_held_folder(key)), "");
   if (!pem) return error_in_file(pem.error(), key);
   return pem->expose([](BytesView octets) {
     const auto text = as_text(octets);

@@ -82,7 +82,7 @@ Result<cli::Report> run(const cli::ParsedCommand& request) {
   const ManualClock clock(time);
   SystemRandom random;
   if (request.arguments.has("--dry-run")) cli::write_nothing();
-  if (request.arguments.has("--quiet")) cli::say_no_progress();
+  if (request.arguments.has("--quiet")) cli::hide_progress();
   DDSSEC_ASSIGN_OR_RETURN(auto report, request.command->run(request.arguments, {clock, random}));
   if (auto warning = cli::passphrase_warning(request.arguments))
     report.errors.push_back(std::move(*warning));

@@ -49,6 +49,9 @@ std::unexpected<Error> no_answer_error(End end) {
                                .note = end == End::too_slow ? "it took too long" : "it has ended"});
 }
 
+// A process that does not keep to the protocol is treated like one that has ended.
+std::unexpected<Error> protocol_error() { return no_answer_error(End::closed); }
+
 // True for errors after which another attempt with the same PIN or passphrase may lock the token.
 bool must_not_be_tried_again(Code code) {
   return code == Code::pkcs11_pin_wrong || code == Code::passphrase_wrong;
@@ -76,7 +79,7 @@ Agent::Agent(const Arguments& arguments, AgentHooks hooks, const Context& contex
                                  .is_dry_run = writes_nothing()}});
 }
 
-Json Agent::mode() const {
+Json Agent::start_members() const {
   return {{"folders", folders_.size()},
           {"by", hooks_.certificates ? "hook" : "ca"},
           {"pid", ::getpid()}};
@@ -86,13 +89,7 @@ Json Agent::mode() const {
 // passphrase would be noticed only when the first certificate is due.
 Status Agent::check_ca_opens() {
   if (hooks_.certificates) return {};
-  const auto json = run_in_child_process([&]() -> Result<Json> {
-    const auto status = check_passphrase(arguments_);
-    if (!status) return std::unexpected(status.error());
-    return Json::object();
-  });
-  if (!json) return std::unexpected(json.error());
-  return {};
+  return check_in_child_process([&] { return check_passphrase(arguments_); });
 }
 
 Answer<AgentRun> Agent::run_once() {
@@ -112,7 +109,7 @@ Answer<AgentRun> Agent::run() {
   constexpr bool kHasResult = false;
   if (const auto proven = check_ca_opens(); !proven)
     return {{}, report_of(proven.error()), kHasResult};
-  events_.report("started", mode());
+  events_.report("started", start_members());
   while (!signals_.is_stopped()) {
     if (signals_.take_reload()) schedule_all_now();
     if (next_end_ <= context_.clock.since_boot()) end_overlaps();
@@ -154,7 +151,7 @@ void Agent::end_overlaps() {
       rest = std::clamp(std::chrono::ceil<seconds>(overlap.until - now), seconds(1), rest);
       continue;
     }
-    end(overlap);
+    end_overlap_and_report(overlap);
     if (failed_ends_ > 0) break;
   }
   const bool is_paused = failed_ends_ > 0 && ca_refusal_;
@@ -163,7 +160,7 @@ void Agent::end_overlaps() {
 }
 
 // Runs in a process of its own, like each use of the CA's key.
-void Agent::end(const OverlapToEnd& overlap) {
+void Agent::end_overlap_and_report(const OverlapToEnd& overlap) {
   auto json = ca_refusal_ ? Result<Json>(std::unexpected(*ca_refusal_)) : run_in_child_process([&] {
     return end_overlap(overlap, arguments_, context_);
   });
@@ -180,11 +177,7 @@ void Agent::end(const OverlapToEnd& overlap) {
   failed_ends_ = 0;
   if (!writes_nothing())
     for (auto& file : files_from(*json)) written_.push_back(std::move(file));
-  if (json->contains("problem")) {
-    const auto problem = error_from((*json)["problem"]);
-    errors_.push_back(problem);
-    (*json)["problem"] = event_members(problem);
-  }
+  note_problem(*json);
   events_.report(writes_nothing() ? "overlap_due" : "overlap_ended", arguments_.text("--ca"),
                  *std::move(json));
   for (auto& folder : folders_) folder.next = {};  // each has new files
@@ -193,7 +186,7 @@ void Agent::end(const OverlapToEnd& overlap) {
 // Gives each folder the entries for participants that were renewed after it. The error of a folder
 // that failed is reported already.
 void Agent::complete_lists() {
-  const auto list = renewals();
+  const auto list = renewal_list_text();
   if (list.empty()) return;
   for (auto& folder : folders_) {
     if (signals_.is_stopped()) return;
@@ -223,7 +216,7 @@ Result<Json> Agent::try_to_renew(Folder& folder) {
   if (folder.lock)
     folder.task.uses_no_token = owners_with_wrong_pin_.contains(folder.lock->owner().user);
   folder.task.responders = responders_for(folder);
-  folder.task.renewals = renewals();
+  folder.task.renewals = renewal_list_text();
   folder.task.fetches_documents =
       hooks_.documents && folder.lock && folder.next_documents <= context_.clock.since_boot();
   const int lock = folder.lock ? folder.lock->descriptor() : -1;
@@ -239,12 +232,12 @@ Result<Json> Agent::try_to_renew(Folder& folder) {
   const auto order =
       order_line(folder.task, folder.lock ? &folder.lock->folder() : nullptr,
                  arguments_.has("--now") ? std::optional(context_.clock.now()) : std::nullopt);
-  const auto sent = worker.write(order, time_for(folder));
+  const auto sent = worker.write(order, deadline_for(folder));
   if (sent != End::done) return worker_ended_error(folder, sent);
   return serve_worker(folder, worker);
 }
 
-steady_clock::time_point Agent::time_for(const Folder& folder) const {
+steady_clock::time_point Agent::deadline_for(const Folder& folder) const {
   const auto slow = folder.lock ? slow_owners_.find(folder.lock->owner().user) : slow_owners_.end();
   const bool is_slow = slow != slow_owners_.end() && context_.clock.since_boot() < slow->second;
   return steady_clock::now() + (is_slow ? kTimeForSlowOwner : kTimeForFiles);
@@ -260,26 +253,26 @@ std::unexpected<Error> Agent::worker_ended_error(const Folder& folder, End end) 
 
 // The folders of the agent's own user are not restricted without --trust: that user could ask any
 // responder anyway.
-RespondersAsked Agent::responders_for(const Folder& folder) const {
-  RespondersAsked out{.of_cas_from = hooks_.certificates ? "--trust" : "--ca"};
+AskedResponders Agent::responders_for(const Folder& folder) const {
+  AskedResponders out{.cas_source = hooks_.certificates ? "--trust" : "--ca"};
   if (!folder.lock) return out;  // with --dry-run no responder is asked
   const auto owner = folder.lock->owner().user;
-  out.not_now = silent_responders_.of(owner, context_.clock.since_boot());
+  out.silent_urls = silent_responders_.of(owner, context_.clock.since_boot());
   if (hooks_.certificates && !arguments_.has("--trust")) {
-    out.none = owner != ::geteuid();
+    out.asks_none = owner != ::geteuid();
     return out;
   }
   const auto cas = read_certificates(
       hooks_.certificates ? std::filesystem::path(arguments_.text("--trust"))
                           : ca_paths(arguments_.text("--ca"), "identity").certificate);
-  if (cas) out.of_cas = to_pem(*cas);
-  out.none = !cas;
+  if (cas) out.cas_pem = to_pem(*cas);
+  out.asks_none = !cas;
   return out;
 }
 
 // The CA's renewal list as text. Empty if the CA is behind a hook, or if the list does not fit into
 // a line to a worker; `crl distribute` then writes it.
-std::string Agent::renewals() const {
+std::string Agent::renewal_list_text() const {
   if (hooks_.certificates) return {};
   const std::filesystem::path given = arguments_.text("--ca");
   const auto crl = present_crl(ca_paths(given, "identity"));
@@ -312,20 +305,21 @@ Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
   constexpr int kMaxLines = 4;
   for (int lines = 0;; ++lines) {
     std::string line;
-    if (const auto end = worker.read_line(line, kMaxAgentLine, time_for(folder)); end != End::done)
+    if (const auto end = worker.read_line(line, kMaxAgentLine, deadline_for(folder));
+        end != End::done)
       return worker_ended_error(folder, end);
     DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
-    const bool is_told = json.contains("documents");
-    if (!is_told && !json.contains("wanted")) return json;
-    if (lines == kMaxLines || !folder.task.fetches_documents) return no_answer_error(End::closed);
-    if (is_told) {
+    const bool is_outcome = json.contains("documents");
+    if (!is_outcome && !json.contains("wanted")) return json;
+    if (lines == kMaxLines || !folder.task.fetches_documents) return protocol_error();
+    if (is_outcome) {
       note_documents(folder, json["documents"]);
       continue;
     }
     const auto document = ask_document(folder, document_request_from(json));
     if (!document && signals_.is_stopped()) return std::unexpected(document.error());
     const auto answer = document ? document_line(*document) : error_line(document.error());
-    const auto sent = worker.write(to_line(answer) + '\n', time_for(folder));
+    const auto sent = worker.write(to_line(answer) + '\n', deadline_for(folder));
     if (sent != End::done) return worker_ended_error(folder, sent);
   }
 }
@@ -333,8 +327,7 @@ Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
 // Revocation and renewal lists are public. Permissions are given only to the holder of their key.
 Result<Bytes> Agent::ask_document(const Folder& folder, const DocumentRequest& request) {
   constexpr std::array<std::string_view, 3> kKinds = {"permissions", "crl", "renewals"};
-  if (std::ranges::find(kKinds, request.wanted) == kKinds.end())
-    return no_answer_error(End::closed);
+  if (std::ranges::find(kKinds, request.wanted) == kKinds.end()) return protocol_error();
   DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
   if (request.wanted == kKinds.front())
     DDSSEC_RETURN_IF_ERROR(check_request({request.request, request.certificate}));
@@ -351,20 +344,16 @@ Result<Bytes> Agent::ask_document(const Folder& folder, const DocumentRequest& r
 
 // The folder's worker says when to ask again. For a folder of another user the agent waits at least
 // kMinRestOfOthers.
-void Agent::note_documents(Folder& folder, const Json& told) {
+void Agent::note_documents(Folder& folder, const Json& outcome) {
   const bool is_own = folder.lock->owner().user == ::geteuid();
   const auto now = context_.clock.now();
-  const auto next = time_from(text_in(told, "documents_next"));
+  const auto next = time_from(text_in(outcome, "documents_next"));
   const auto rest = std::clamp(next.value_or(now + kMaxRest) - now,
                                is_own ? seconds(1) : kMinRestOfOthers, kMaxRest);
   folder.next_documents = context_.clock.since_boot() + rest;
-  auto members = known_members(told);
+  auto members = known_members(outcome);
   for (auto& file : files_from(members)) written_.push_back(std::move(file));
-  if (members.contains("problem")) {
-    const auto problem = error_from(members["problem"]);
-    errors_.push_back(problem);
-    members["problem"] = event_members(problem);
-  }
+  note_problem(members);
   if (members.empty()) return;
   if (!members.contains("files")) members["files"] = Json::array();
   events_.report("documents_fetched", folder.task.folder, std::move(members));
@@ -374,7 +363,7 @@ void Agent::note_documents(Folder& folder, const Json& told) {
 // because it has written nothing yet.
 Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
   std::string line;
-  const auto read = [&] { return worker.read_line(line, kMaxAgentLine, time_for(folder)); };
+  const auto read = [&] { return worker.read_line(line, kMaxAgentLine, deadline_for(folder)); };
   DDSSEC_ASSIGN_OR_RETURN(const auto json, answer_documents(folder, worker));
   if (!json.contains("request")) return event_from(json);
   DDSSEC_ASSIGN_OR_RETURN(const auto request, request_from(json));
@@ -382,9 +371,9 @@ Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
   const auto asked_lifetime = std::max(seconds(1), request.lifetime);
   if (is_own) folder.lifetime = asked_lifetime;
   DDSSEC_ASSIGN_OR_RETURN(auto answer, ask_ca(folder, request));
-  folder.lifetime = asked_lifetime;  // the CA has accepted the certificate
-  answer.renewals = renewals();      // includes the new certificate
-  const auto sent = worker.write(answer_line(answer), time_for(folder));
+  folder.lifetime = asked_lifetime;       // the CA has accepted the certificate
+  answer.renewals = renewal_list_text();  // includes the new certificate
+  const auto sent = worker.write(answer_line(answer), deadline_for(folder));
   if (sent != End::done) return worker_ended_error(folder, sent);
   if (const auto end = read(); end != End::done) return worker_ended_error(folder, end);
   DDSSEC_ASSIGN_OR_RETURN(const auto json_value, json_from(line));
@@ -394,7 +383,7 @@ Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
 }
 
 Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
-  if (!folder.lock) return no_answer_error(End::closed);  // with --dry-run the CA is not asked
+  if (!folder.lock) return protocol_error();  // with --dry-run the CA is not asked
   DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
   if (!hooks_.certificates) return ask_own_ca(folder, request);
   DDSSEC_RETURN_IF_ERROR(check_request(request));
@@ -421,6 +410,14 @@ Result<Json> Agent::run_in_child_process(const std::function<Result<Json>()>& wo
   return json;
 }
 
+Status Agent::check_in_child_process(const std::function<Status()>& check) {
+  const auto json = run_in_child_process([&]() -> Result<Json> {
+    DDSSEC_RETURN_IF_ERROR(check());
+    return Json::object();
+  });
+  return json ? Status{} : std::unexpected(json.error());
+}
+
 // Only the child process has the CA's key. It judges the locked folder, because the path may lead
 // to another one by now.
 Result<RenewalAnswer> Agent::ask_own_ca(const Folder& folder, const RenewalRequest& request) {
@@ -439,14 +436,18 @@ Result<RenewalAnswer> Agent::ask_own_ca(const Folder& folder, const RenewalReque
 }
 
 Status Agent::check_request(const RenewalRequest& request) {
-  const auto json = run_in_child_process([&]() -> Result<Json> {
-    const auto status = check_asker(request, {arguments_.text("--trust"), arguments_.text("--crl")},
-                                    arguments_.has("--rekey"));
-    if (!status) return std::unexpected(status.error());
-    return Json::object();
+  return check_in_child_process([&] {
+    return check_requester(request, {arguments_.text("--trust"), arguments_.text("--crl")},
+                           arguments_.has("--rekey"));
   });
-  if (!json) return std::unexpected(json.error());
-  return {};
+}
+
+bool Agent::note_problem(Json& event) {
+  if (!event.contains("problem")) return false;
+  const auto problem = error_from(event["problem"]);
+  errors_.push_back(problem);
+  event["problem"] = event_members(problem);
+  return true;
 }
 
 void Agent::note_success(Folder& folder, Json event) {
@@ -464,15 +465,10 @@ void Agent::note_success(Folder& folder, Json event) {
     schedule_others(folder);
   }
   for (auto& file : files_from(event)) written_.push_back(std::move(file));
-  const bool is_news =
-      name != "current" || event.contains("problem") || folder.told != text_in(event, "serial");
-  folder.told = text_in(event, "serial");
-  folder.has_problem = event.contains("problem");
-  if (folder.has_problem) {
-    const auto problem = error_from(event["problem"]);
-    errors_.push_back(problem);
-    event["problem"] = event_members(problem);
-  }
+  const bool is_news = name != "current" || event.contains("problem") ||
+                       folder.last_reported_serial != text_in(event, "serial");
+  folder.last_reported_serial = text_in(event, "serial");
+  folder.has_problem = note_problem(event);
   if (folder.lock)
     silent_responders_.note(folder.lock->owner().user, text_in(event, "ocsp_silent"),
                             context_.clock.since_boot());

@@ -49,7 +49,7 @@ class Agent {
     /// The lifetime of its certificate, which decides how often the CA is asked. For a folder of
     /// another user it is therefore known only after the CA has accepted the certificate.
     std::chrono::seconds lifetime{std::chrono::days(1)};
-    std::string told = {};  ///< the serial number in the last event
+    std::string last_reported_serial = {};
     bool is_paused = false;
     bool has_problem = false;  ///< true if the last event had a "problem"
   };
@@ -58,14 +58,14 @@ class Agent {
   void note(Folder& folder, Result<Json> event);
   void complete_lists();
   void end_overlaps();
-  void end(const OverlapToEnd& overlap);
+  void end_overlap_and_report(const OverlapToEnd& overlap);
   Result<Json> try_to_renew(Folder& folder);
-  RespondersAsked responders_for(const Folder& folder) const;
+  AskedResponders responders_for(const Folder& folder) const;
   /// The time by which the process for a folder must have answered.
-  std::chrono::steady_clock::time_point time_for(const Folder& folder) const;
+  std::chrono::steady_clock::time_point deadline_for(const Folder& folder) const;
   std::unexpected<Error> worker_ended_error(const Folder& folder, ChildProcess::End end);
-  std::string renewals() const;
-  void note_documents(Folder& folder, const Json& told);
+  std::string renewal_list_text() const;
+  void note_documents(Folder& folder, const Json& outcome);
   Result<Bytes> ask_document(const Folder& folder, const DocumentRequest& request);
   Result<Json> serve_worker(Folder& folder, ChildProcess& worker);
   Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
@@ -74,11 +74,16 @@ class Agent {
   Status check_request(const RenewalRequest& request);
   Status check_ca_opens();
   Result<Json> run_in_child_process(const std::function<Result<Json>()>& work);
+  /// Runs a check that uses the CA or reads files of its own in such a process.
+  Status check_in_child_process(const std::function<Status()>& check);
+  /// Keeps the error of the member "problem" for the report, and makes the member one of an event.
+  /// Returns false if there is no such member.
+  bool note_problem(Json& event);
   void note_success(Folder& folder, Json event);
   void note_failure(Folder& folder, const Error& error);
   void schedule_all_now();
   void schedule_others(const Folder& renewed);
-  Json mode() const;
+  Json start_members() const;
   std::vector<std::string> secret_variables() const;
 
   const Arguments& arguments_;

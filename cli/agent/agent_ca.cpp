@@ -134,7 +134,7 @@ Result<ExtendedByCa> extended_by_ca(const Bytes& old_octets, const pki::Certific
   const auto xml = to_xml(extended(old, renewed, renewed.not_after()));
   DDSSEC_ASSIGN_OR_RETURN(auto out, sign_permissions(ca.authority, xml, now, context.random));
   DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), file, now, old.text));
-  NewlyListed listed;
+  RenewalListAdditions listed;
   listed.add(ca.paths, out, file);
   const auto written = listed.write(now);
   return ExtendedByCa{std::move(out), written ? std::nullopt : std::optional(written.error())};
@@ -153,7 +153,7 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path&
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   DDSSEC_RETURN_IF_ERROR(log_issued(
       ca.paths, pki::IssueLog::issued_line(renewed, home.string(), context.clock.now())));
-  NewlyListed listed;
+  RenewalListAdditions listed;
   listed.add(ca.paths, renewed);
   RenewalAnswer out{renewed.pem()};
   // The certificate is logged already, and a list that cannot be written does not undo that.
@@ -217,7 +217,7 @@ Status check_not_on(const pki::ChainVerifier& verifier, const pki::Certificate& 
 namespace {
 
 // Runs in the agent's own process, with a list that the owner of the folder cannot remove.
-Status check_not_on_lists(const TrustedAskers& trusted, const pki::Certificate& certificate,
+Status check_not_on_lists(const TrustedRequesters& trusted, const pki::Certificate& certificate,
                           std::vector<pki::Certificate> cas) {
   auto file = trusted.lists;
   if (file.empty()) {
@@ -251,7 +251,8 @@ Status check_owner(const FolderOwner& owner, const Arguments& arguments,
   return fail(tool_code::folder_untrusted, std::move(details));
 }
 
-Status check_asker(const RenewalRequest& request, const TrustedAskers& trusted, bool is_rekeying) {
+Status check_requester(const RenewalRequest& request, const TrustedRequesters& trusted,
+                       bool is_rekeying) {
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           pki::Certificate::from_pem(as_bytes(request.certificate)));
   const auto key = is_rekeying ? pki::RequestedKey::any : pki::RequestedKey::same;

@@ -40,7 +40,7 @@ Status check_owner(const FolderOwner& owner, const Arguments& arguments,
                    const std::filesystem::path& folder);
 
 /// Which certificates an agent with a hook renews.
-struct TrustedAskers {
+struct TrustedRequesters {
   std::filesystem::path trust;  ///< a file with CAs; empty: all CAs are trusted
   /// Revocation lists of these CAs; empty: crl.pem beside `trust`, if there is one.
   std::filesystem::path lists;
@@ -50,6 +50,7 @@ struct TrustedAskers {
 /// none of the lists names it. Otherwise the owner of a folder could ask for any name, or continue
 /// after a revocation. Errors: those of check_renewal_request, check_trust_file, read_certificates
 /// and read_lists; issuer_unknown, certificate_revoked.
-Status check_asker(const RenewalRequest& request, const TrustedAskers& trusted, bool is_rekeying);
+Status check_requester(const RenewalRequest& request, const TrustedRequesters& trusted,
+                       bool is_rekeying);
 
 }  // namespace ddssec::cli

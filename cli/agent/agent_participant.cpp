@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 
 // The paths of the files in the open folder, written with the folder's name.
 pki::ParticipantFolder files_in(const fs::path& folder) {
-  auto out = pki::participant_folder(as_held(folder));
+  auto out = pki::participant_folder(path_in_held_folder(folder));
   for (auto* path : {&out.identity_ca, &out.certificate, &out.key, &out.permissions_ca,
                      &out.governance, &out.permissions, &out.crl, &out.renewals, &out.properties})
     *path = folder / path->filename();
@@ -113,7 +113,7 @@ Result<Participant> read_participant(const AgentTask& task, const LockedFolder* 
   DDSSEC_ASSIGN_OR_RETURN(const auto owner,
                           check_folder(folder_descriptor(task.folder), task.folder));
   DDSSEC_RETURN_IF_ERROR(switch_to_owner(owner));
-  DDSSEC_RETURN_IF_ERROR(finish_interrupted(as_held(task.folder)));
+  DDSSEC_RETURN_IF_ERROR(finish_interrupted(path_in_held_folder(task.folder)));
   auto files = files_in(task.folder);
   if (files.certificate.extension() == ".p11")
     return fail(Code::key_in_token, {.document = files.certificate,

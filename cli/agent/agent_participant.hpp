@@ -28,7 +28,7 @@ struct AgentTask {
   /// at once.
   std::string known = {};
   WallTime known_renewal = {};
-  RespondersAsked responders = {};
+  AskedResponders responders = {};
   std::string renewals = {};  ///< the CA's renewal list, to be put into the folder; empty: none
   bool fetches_documents = false;  ///< it is time to ask the second hook
   bool is_only_for_list = false;   ///< put only the renewal list into the folder

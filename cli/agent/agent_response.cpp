@@ -35,14 +35,14 @@ Status check_issued_by_own(const ResponseTask& task) {
   const auto refused = [&] {
     return fail(Code::issuer_unknown,
                 {.document = task.files.certificate,
-                 .expected = "a certificate that a CA of " + asked.of_cas_from + " has issued",
+                 .expected = "a certificate that a CA of " + asked.cas_source + " has issued",
                  .found = "one of " + task.certificate.issuer(),
                  .note = "so the OCSP responder that it names is not asked"});
   };
-  if (asked.none) return refused();
-  if (asked.of_cas.empty()) return {};
+  if (asked.asks_none) return refused();
+  if (asked.cas_pem.empty()) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto cas,
-                          pki::Certificate::bundle_from_pem(as_bytes(asked.of_cas)));
+                          pki::Certificate::bundle_from_pem(as_bytes(asked.cas_pem)));
   const auto is_issuer = [&](const auto& ca) { return task.certificate.is_issued_by(ca); };
   if (std::ranges::none_of(cas, is_issuer)) return refused();
   return {};
@@ -51,8 +51,8 @@ Status check_issued_by_own(const ResponseTask& task) {
 Status check_may_ask(const ResponseTask& task) {
   DDSSEC_RETURN_IF_ERROR(check_issued_by_own(task));
   const auto url = pki::ocsp_responder_of(task.certificate);
-  const auto& not_now = task.asked.not_now;
-  if (std::ranges::find(not_now, url) == not_now.end()) return {};
+  const auto& silent_urls = task.asked.silent_urls;
+  if (std::ranges::find(silent_urls, url) == silent_urls.end()) return {};
   return fail(tool_code::ocsp_fetch_failed,
               {.found = url,
                .note = "it did not answer another folder's request; it is asked again within five "

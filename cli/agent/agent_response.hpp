@@ -13,20 +13,20 @@ namespace ddssec::cli {
 
 /// Which OCSP responders the agent asks. The owner of a folder chooses the certificate in it, and
 /// so the address that the certificate names.
-struct RespondersAsked {
+struct AskedResponders {
   /// Certificates of CAs (PEM). A responder is asked only if one of these CAs issued the
   /// certificate. Empty: every responder is asked.
-  std::string of_cas = {};
-  std::string of_cas_from = {};           ///< the file or option, for messages
-  bool none = false;                      ///< ask none
-  std::vector<std::string> not_now = {};  ///< URLs that did not answer another folder's request
+  std::string cas_pem = {};
+  std::string cas_source = {};  ///< the file or option, for messages
+  bool asks_none = false;
+  std::vector<std::string> silent_urls = {};  ///< URLs that did not answer another folder's request
 };
 
 struct ResponseTask {
   const pki::ParticipantFolder& files;
   const pki::Certificate& certificate;  ///< the one in the folder now
   WallTime now;
-  const RespondersAsked& asked;
+  const AskedResponders& asked;
 };
 
 /// Fetches the response if half of the life of the one in the folder is over, or if the folder has

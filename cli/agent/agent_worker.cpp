@@ -81,12 +81,12 @@ LockedFolder locked_from(const Json& json) {
           .inode = static_cast<ino_t>(number_in(json, "inode"))};
 }
 
-RespondersAsked responders_from(const Json& json) {
-  RespondersAsked out{.of_cas = text_in(json, "cas"),
-                      .of_cas_from = text_in(json, "cas_from"),
-                      .none = is_set(json, "ask_none")};
+AskedResponders responders_from(const Json& json) {
+  AskedResponders out{.cas_pem = text_in(json, "cas"),
+                      .cas_source = text_in(json, "cas_from"),
+                      .asks_none = is_set(json, "ask_none")};
   for (const auto& url : json["not_now"])
-    if (url.is_string()) out.not_now.push_back(url.get<std::string>());
+    if (url.is_string()) out.silent_urls.push_back(url.get<std::string>());
   return out;
 }
 
@@ -187,10 +187,10 @@ std::string order_line(const AgentTask& task, const LockedFolder* locked,
               {"no_token", int(task.uses_no_token)},
               {"known", task.known},
               {"known_renewal", task.known_renewal.time_since_epoch().count()},
-              {"cas", task.responders.of_cas},
-              {"cas_from", task.responders.of_cas_from},
-              {"ask_none", int(task.responders.none)},
-              {"not_now", task.responders.not_now},
+              {"cas", task.responders.cas_pem},
+              {"cas_from", task.responders.cas_source},
+              {"ask_none", int(task.responders.asks_none)},
+              {"not_now", task.responders.silent_urls},
               {"renewals", task.renewals},
               {"documents", int(task.fetches_documents)},
               {"only_list", int(task.is_only_for_list)}};

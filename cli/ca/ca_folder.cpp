@@ -56,7 +56,7 @@ fs::path ca_certificate_path(const fs::path& given, std::string_view role) {
   return fs::is_directory(given, ignored) ? ca_paths(given, role).certificate : given;
 }
 
-Result<std::string> one_role(const Arguments& arguments) {
+Result<std::string> role_option(const Arguments& arguments) {
   auto role = arguments.text("--role");
   if (role == "identity" || role == "permissions") return role;
   return fail(Code::usage,

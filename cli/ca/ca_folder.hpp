@@ -40,7 +40,7 @@ std::filesystem::path ca_certificate_path(const std::filesystem::path& given,
                                           std::string_view role);
 
 /// The value of --role, which must be one of the two roles. Error: usage.
-Result<std::string> one_role(const Arguments& arguments);
+Result<std::string> role_option(const Arguments& arguments);
 
 /// A CA that can sign.
 struct OpenCa {

@@ -127,7 +127,7 @@ std::vector<std::string> not_reached(const CaPaths& ca, const AffectedParticipan
 }
 
 std::string moved_words(std::size_t moved, std::size_t all) {
-  return fmt::format("{} of {} {} moved", moved, counted(all, "folder"),
+  return fmt::format("{} of {} {} moved", moved, count_text(all, "folder"),
                      moved == 1 ? "has" : "have");
 }
 
@@ -180,7 +180,7 @@ std::string RotationFacts::text() const {
                    : fmt::format(
                          "rotation not finished: {} still {} what an earlier key of this CA "
                          "issued or signed, or trusts that key\n",
-                         counted(unfinished, "folder"), unfinished == 1 ? "has" : "have");
+                         count_text(unfinished, "folder"), unfinished == 1 ? "has" : "have");
   for (const auto& one : left) out += fmt::format("  left   {}\n", one);
   for (const auto& one : elsewhere) out += fmt::format("  not here  {}\n", one);
   return out + next;

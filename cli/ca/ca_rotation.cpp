@@ -38,12 +38,12 @@ bool is_moving(const CaRotation& change) {
 Status put_key_of_ca(FileTransaction& out, const CaRotation& change) {
   DDSSEC_ASSIGN_OR_RETURN(const auto pem, change.ca.key().to_pem(change.passphrase));
   return pem.expose([&](BytesView octets) {
-    return out.put(change.old.paths.key, octets, 0600, Links::replaced);
+    return out.put(change.ca_in_place.paths.key, octets, 0600, Links::replaced);
   });
 }
 
 Status put_ca(FileTransaction& out, const CaRotation& change) {
-  const auto& paths = change.old.paths;
+  const auto& paths = change.ca_in_place.paths;
   const bool is_begin = change.step == RotationStep::begin;
   if (change.step == RotationStep::move || change.is_repeated) return {};
   if (is_begin || change.step == RotationStep::replace)
@@ -63,15 +63,16 @@ class DocumentResigner {
 
   // Reads the document of a file, for sign(). Errors: those of document_of().
   Result<DocumentOfCa> read(const fs::path& file) const {
-    return document_of(file, change_.old, log_, change_.takes_unlogged, context_.clock.now());
+    return document_of(file, change_.ca_in_place, log_, change_.takes_unlogged,
+                       context_.clock.now());
   }
   // Reads the document of a participant. It may be of a former key, because an earlier rotation may
   // not have reached the participant.
   Result<DocumentOfCa> read(const fs::path& file, const AffectedParticipant& participant) const {
     auto document = read(file);
     if (document) return document;
-    auto former =
-        document_of_former_key(file, participant.files.permissions_ca, change_.old, log_, now());
+    auto former = document_of_former_key(file, participant.files.permissions_ca,
+                                         change_.ca_in_place, log_, now());
     return former ? std::move(former) : std::move(document);
   }
 
@@ -83,14 +84,14 @@ class DocumentResigner {
     lines_ += signed_line(change_.ca.certificate(), text, file, now);
     if (!document.is_logged) unlogged_.push_back(file.string());
     if (is_moving(change_) && file.stem() == "permissions")
-      renewals_.add(change_.old.paths, octets, file);
+      renewals_.add(change_.ca_in_place.paths, octets, file);
     return out_.put(file, octets, 0644);
   }
 
   WallTime now() const { return context_.clock.now(); }
   const std::string& lines() const { return lines_; }
   const std::vector<std::string>& unlogged() const { return unlogged_; }
-  const NewlyListed& renewals() const { return renewals_; }
+  const RenewalListAdditions& renewals() const { return renewals_; }
 
  private:
   FileTransaction& out_;
@@ -99,7 +100,7 @@ class DocumentResigner {
   const Context& context_;
   std::string lines_;
   std::vector<std::string> unlogged_;
-  NewlyListed renewals_;
+  RenewalListAdditions renewals_;
 };
 
 // Symbolic links stay unchanged, and missing files are not created. True for a folder, so that
@@ -118,7 +119,7 @@ Status put_if_there(FileTransaction& out, const fs::path& file, const std::strin
 // earlier rotation could not write the folder.
 Status check_of_old_ca(const AffectedParticipant& participant, const pki::Certificate& certificate,
                        const CaRotation& change, const pki::IssueLog& log) {
-  const auto& before = change.old.certificate();
+  const auto& before = change.ca_in_place.certificate();
   const auto is_issuer = [&](const auto& ca) { return certificate.is_issued_by(ca); };
   if (is_issuer(before) || is_logged(certificate, log)) return {};
   if (change.overlap && std::ranges::any_of(change.overlap->former, is_issuer)) return {};
@@ -133,7 +134,7 @@ Status check_of_old_ca(const AffectedParticipant& participant, const pki::Certif
 // names, and with --unlogged for a certificate that is not in the log.
 Status check_follows(const AffectedParticipant& participant, const pki::Certificate& certificate,
                      const CaRotation& change, const pki::IssueLog& log) {
-  const auto& paths = change.old.paths;
+  const auto& paths = change.ca_in_place.paths;
   const auto log_status = log_status_of(certificate, participant.files.folder, paths, log);
   if (log_status == LogStatus::moved && participant.is_named) return {};
   const bool is_unlogged = log.find(certificate.serial()) == nullptr;
@@ -167,8 +168,8 @@ namespace {
 
 // The documents in a participant's folder that are its own, and the errors of the others.
 struct OwnDocuments {
-  std::map<fs::path, DocumentOfCa> sound;
-  std::vector<Error> doubtful;  // if there is any, no document is signed
+  std::map<fs::path, DocumentOfCa> verified;
+  std::vector<Error> errors;  // if there is any, no document is signed
 };
 
 OwnDocuments documents_of(const AffectedParticipant& participant,
@@ -178,9 +179,9 @@ OwnDocuments documents_of(const AffectedParticipant& participant,
   const auto add = [&](const fs::path& file) {
     auto document = signer.read(file, participant);
     if (document)
-      out.sound.emplace(file, *std::move(document));
+      out.verified.emplace(file, *std::move(document));
     else
-      out.doubtful.push_back(std::move(document).error());
+      out.errors.push_back(std::move(document).error());
   };
   if (is_file_or_link(files.permissions)) add(files.permissions);
   const bool is_shared = std::ranges::find(shared, files.governance) != shared.end();
@@ -272,13 +273,13 @@ Status sign_documents_of(const AffectedParticipant& participant,
                          const std::vector<fs::path>& shared, DocumentResigner& signer,
                          RotationResult& rotation) {
   auto documents = documents_of(participant, shared, signer);
-  if (!documents.doubtful.empty()) {
-    auto last = std::move(documents.doubtful.back());
-    documents.doubtful.pop_back();
-    std::ranges::move(documents.doubtful, std::back_inserter(rotation.doubtful));
+  if (!documents.errors.empty()) {
+    auto last = std::move(documents.errors.back());
+    documents.errors.pop_back();
+    std::ranges::move(documents.errors, std::back_inserter(rotation.doubtful));
     return std::unexpected(std::move(last));
   }
-  for (const auto& [file, document] : documents.sound)
+  for (const auto& [file, document] : documents.verified)
     DDSSEC_RETURN_IF_ERROR(signer.sign(file, document));
   return {};
 }
@@ -309,7 +310,7 @@ Result<RotationResult> rotate_documents(FileTransaction& out, DocumentResigner& 
     }));
   DDSSEC_RETURN_IF_ERROR(drafts.check());
   rotation.unlogged = signer.unlogged();
-  DDSSEC_RETURN_IF_ERROR(log_signed(change.old.paths, signer.lines()));
+  DDSSEC_RETURN_IF_ERROR(log_signed(change.ca_in_place.paths, signer.lines()));
   if (auto written = signer.renewals().write(signer.now()); !written)
     add_notice(std::move(written).error());
   return rotation;
@@ -321,7 +322,7 @@ Result<RotationResult> rotate_permissions_ca(FileTransaction& out, const CaRotat
                                              const std::vector<AffectedParticipant>& participants,
                                              const std::vector<fs::path>& shared,
                                              const Context& context) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(change.old.paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(change.ca_in_place.paths));
   DocumentResigner signer(out, change, log, context);
   DDSSEC_RETURN_IF_ERROR(put_ca(out, change));
   const bool is_first_step = !change.is_repeated && (change.step == RotationStep::replace ||
@@ -361,7 +362,7 @@ Result<RotationResult> finish_permissions_rotation(
     FileTransaction& out, const CaRotation& change,
     const std::vector<AffectedParticipant>& participants, const std::vector<fs::path>& shared,
     const Context& context) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(change.old.paths));
+  DDSSEC_ASSIGN_OR_RETURN(const auto log, read_signing_log(change.ca_in_place.paths));
   DocumentResigner signer(out, change, log, context);
   return rotate_documents(out, signer, change, participants, shared);
 }
@@ -376,7 +377,7 @@ struct Reissue {
   const std::vector<pki::Certificate>& trusted;  // the certificates of change.trust_pem
   const std::vector<pki::Crl>& lists_of_former;  // empty without an overlap
   const Context& context;
-  NewlyListed& renewals;
+  RenewalListAdditions& renewals;
 
   // Puts only the CA file and the revocation lists.
   Status put_trust(FileTransaction& out, const AffectedParticipant& participant,
@@ -407,8 +408,8 @@ struct Reissue {
     DDSSEC_ASSIGN_OR_RETURN(const auto again, change.ca.reissue(certificate, life, context.random));
     DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, again.pem()));
     DDSSEC_RETURN_IF_ERROR(put_trust(out, participant, again));
-    if (is_moving(change)) renewals.add(change.old.paths, again);
-    const auto folder = recorded_folder(certificate, files.folder, change.old.paths, log);
+    if (is_moving(change)) renewals.add(change.ca_in_place.paths, again);
+    const auto folder = recorded_folder(certificate, files.folder, change.ca_in_place.paths, log);
     return pki::IssueLog::issued_line(again, folder.string(), now);
   }
 };
@@ -425,13 +426,13 @@ Result<std::vector<pki::Crl>> lists_beside(const CaRotation& change, const pki::
                                            const Context& context) {
   const bool is_begin = change.step == RotationStep::begin;
   if (change.step == RotationStep::move || (is_begin && change.is_repeated))
-    return lists_of_former(change.old.paths, *change.overlap);
+    return lists_of_former(change.ca_in_place.paths, *change.overlap);
   if (!is_begin) return std::vector<pki::Crl>();
   const auto now = context.clock.now();
   const auto days = std::chrono::ceil<std::chrono::days>(change.overlap->until - now);
-  DDSSEC_ASSIGN_OR_RETURN(
-      const auto last,
-      next_crl(change.old, log, now, static_cast<int>(days.count()) + kListDaysAfterOverlap));
+  DDSSEC_ASSIGN_OR_RETURN(const auto last,
+                          next_crl(change.ca_in_place, log, now,
+                                   static_cast<int>(days.count()) + kListDaysAfterOverlap));
   return std::vector{last};
 }
 
@@ -440,7 +441,7 @@ Result<std::vector<pki::Crl>> lists_beside(const CaRotation& change, const pki::
 Result<RotationResult> rotate_identity_ca(FileTransaction& out, const CaRotation& change,
                                           const std::vector<AffectedParticipant>& participants,
                                           const Context& context) {
-  const auto& paths = change.old.paths;
+  const auto& paths = change.ca_in_place.paths;
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto crl, routine_crl({paths, change.ca, change.trust_pem}, log, context.clock.now()));
@@ -452,7 +453,7 @@ Result<RotationResult> rotate_identity_ca(FileTransaction& out, const CaRotation
   DDSSEC_ASSIGN_OR_RETURN(const auto trusted,
                           pki::Certificate::bundle_from_pem(as_bytes(change.trust_pem)));
   DDSSEC_ASSIGN_OR_RETURN(const auto listed, crl.revoked());
-  NewlyListed renewals;
+  RenewalListAdditions renewals;
   const Reissue reissue{change, log, crl, trusted, of_former, context, renewals};
   ParticipantDrafts drafts(out, rotation);
   for (const auto& participant : participants) {

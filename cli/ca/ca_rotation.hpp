@@ -31,9 +31,9 @@ enum class RotationStep : std::uint8_t {
   end,      ///< as `move` for those that have not moved; then all accept only the successor
 };
 
-/// The replaced CA and its successor.
+/// The CA whose files are in place, and its successor.
 struct CaRotation {
-  const OpenCa& old;  ///< from RotationStep::move on this is the successor, whose file has both CAs
+  const OpenCa& ca_in_place;  ///< the old CA; from RotationStep::move on the successor
   const pki::Authority& ca;
   std::string trust_pem;              ///< the CA file of the participants
   const pki::Passphrase* passphrase;  ///< for the new key; nullptr: the key is not encrypted

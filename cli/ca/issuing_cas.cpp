@@ -24,26 +24,28 @@ Result<IssuingCas> open_issuing_cas(const Arguments& arguments, bool with_permis
   return out;
 }
 
-Result<NewParticipant> make(ParticipantSpec& spec, const IssuingCas& cas,
-                            const Arguments& arguments, const Context& context,
-                            const std::filesystem::path& from) {
+Result<NewParticipant> make_participant_within_ca(ParticipantSpec& spec, const IssuingCas& cas,
+                                                  const Arguments& arguments,
+                                                  const Context& context,
+                                                  const std::filesystem::path& from) {
   DDSSEC_ASSIGN_OR_RETURN(
       spec.life, within_ca(spec.life, cas.identity.certificate(), arguments.has("--clamp")));
   return named(make_participant(spec, cas.issuers(spec.has_permissions()), context), from);
 }
 
-Status log_all(const IssuingCas& cas, std::string_view issued, std::string_view signed_lines) {
+Status log_participants(const IssuingCas& cas, std::string_view issued,
+                        std::string_view signed_lines) {
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   if (cas.permissions) DDSSEC_RETURN_IF_ERROR(log_signed(cas.permissions->paths, signed_lines));
   return log_issued(cas.identity.paths, issued);
 }
 
-Status log_one(const IssuingCas& cas, const NewParticipant& made,
-               const std::filesystem::path& folder, WallTime now) {
+Status log_participant(const IssuingCas& cas, const NewParticipant& made,
+                       const std::filesystem::path& folder, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(cas.identity.paths));
   DDSSEC_RETURN_IF_ERROR(SubjectsInUse(log, folder, now).check(made.self.certificate.subject()));
-  return log_all(cas, log_line(made, folder, now),
-                 cas.permissions ? signed_line(made, *cas.permissions, folder, now) : "");
+  return log_participants(cas, log_line(made, folder, now),
+                          cas.permissions ? signed_line(made, *cas.permissions, folder, now) : "");
 }
 
 }  // namespace ddssec::cli

@@ -33,15 +33,17 @@ Result<IssuingCas> open_issuing_cas(const Arguments& arguments, bool with_permis
 
 /// Makes the participant's certificate and documents, all within the life of its CA. `from` is the
 /// file that an error in the permissions names. Errors: those of within_ca and make_participant.
-Result<NewParticipant> make(ParticipantSpec& spec, const IssuingCas& cas,
-                            const Arguments& arguments, const Context& context,
-                            const std::filesystem::path& from);
+Result<NewParticipant> make_participant_within_ca(ParticipantSpec& spec, const IssuingCas& cas,
+                                                  const Arguments& arguments,
+                                                  const Context& context,
+                                                  const std::filesystem::path& from);
 
 /// Writes the logs. Call it as the last step before files get their places, because a certificate
 /// that the log lacks cannot be revoked.
-Status log_all(const IssuingCas& cas, std::string_view issued, std::string_view signed_lines);
+Status log_participants(const IssuingCas& cas, std::string_view issued,
+                        std::string_view signed_lines);
 /// The same for one participant. Also returns the errors of SubjectsInUse::check.
-Status log_one(const IssuingCas& cas, const NewParticipant& made,
-               const std::filesystem::path& folder, WallTime now);
+Status log_participant(const IssuingCas& cas, const NewParticipant& made,
+                       const std::filesystem::path& folder, WallTime now);
 
 }  // namespace ddssec::cli

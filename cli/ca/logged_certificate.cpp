@@ -28,7 +28,7 @@ fs::path normal_folder(const fs::path& folder) {
 // elsewhere by now.
 bool is_same_folder(const fs::path& a, const fs::path& b, const fs::path& given) {
   std::error_code ignored;
-  return a == b || fs::equivalent(a, as_held(given), ignored);
+  return a == b || fs::equivalent(a, path_in_held_folder(given), ignored);
 }
 
 // The serial number alone is not enough, because a stolen key can sign any certificate.
@@ -49,7 +49,7 @@ bool has_enclaves_name(const pki::Certificate& certificate, const fs::path& fold
          certificate.subject() == "CN=/" + name.generic_string();
 }
 
-std::string in_words(const IssuedCertificate& issued) {
+std::string to_text(const IssuedCertificate& issued) {
   return fmt::format("{}, serial {}", issued.subject, issued.serial);
 }
 
@@ -155,7 +155,7 @@ Status check_own(const pki::Certificate& certificate, const fs::path& folder, co
       .document = folder / "cert.pem",
       .expected = !subject.empty()    ? subject
                   : wanted == nullptr ? "one that " + ca.log.string() + " has for this folder"
-                                      : in_words(*wanted) + ", issued for this folder",
+                                      : to_text(*wanted) + ", issued for this folder",
       .found = fmt::format("{}, serial {}", certificate.subject(), certificate.serial())};
   if (!subject.empty() && !is_another) {
     DDSSEC_ASSIGN_OR_RETURN(const auto named, pki::SubjectName::parse(subject));

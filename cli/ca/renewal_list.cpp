@@ -35,7 +35,7 @@ struct ListedDocument {
 };
 
 // Participants check the signature, so it is not checked here. Empty if no grant names a subject.
-std::optional<ListedDocument> look_into(BytesView file) {
+std::optional<ListedDocument> read_unverified_entry(BytesView file) {
   const auto form = pki::examine_document(file);
   if (form.ambiguous) return std::nullopt;
   auto document = governance::read_permissions(form.unverified_text, form.first_line);
@@ -106,7 +106,7 @@ class Entries {
     for (const auto& one : list.certificates)
       if (one.not_after() > now) add(one);
     for (const auto& file : list.permissions) {
-      auto next = look_into(file);
+      auto next = read_unverified_entry(file);
       if (!next || next->end <= now) continue;
       std::erase_if(documents_, [&](const auto& old) { return replaces(*next, old, now); });
       documents_.push_back(*std::move(next));
@@ -272,18 +272,19 @@ pki::RenewalList of_trusted(pki::RenewalList list, const pki::ParticipantFolder&
 
 }  // namespace
 
-void NewlyListed::add(const CaPaths& ca, const pki::Certificate& renewed) {
+void RenewalListAdditions::add(const CaPaths& ca, const pki::Certificate& renewed) {
   files_[ca.renewals].certificates.push_back(renewed);
 }
 
-void NewlyListed::add(const CaPaths& ca, BytesView signed_permissions, const fs::path& file) {
-  if (look_into(signed_permissions))
+void RenewalListAdditions::add(const CaPaths& ca, BytesView signed_permissions,
+                               const fs::path& file) {
+  if (read_unverified_entry(signed_permissions))
     files_[ca.renewals].permissions.push_back(to_bytes(signed_permissions));
   else
     add_notice(Error(tool_code::permissions_unlisted, {.document = file}));
 }
 
-Status NewlyListed::write(WallTime now) const {
+Status RenewalListAdditions::write(WallTime now) const {
   Status out;
   for (const auto& [file, entries] : files_)
     if (auto status = add_to(file, entries, now); out && !status) out = std::move(status);
@@ -293,13 +294,13 @@ Status NewlyListed::write(WallTime now) const {
 std::vector<Grant> listed_grants(const CaPaths& ca, WallTime now) {
   std::vector<Grant> out;
   for (const auto& file : read_renewals(ca.renewals).value_or(pki::RenewalList{}).permissions)
-    if (auto document = look_into(file))
+    if (auto document = read_unverified_entry(file))
       std::ranges::copy_if(document->grants, std::back_inserter(out),
                            [&](const auto& grant) { return grant.validity.not_after > now; });
   return out;
 }
 
-bool extends(const governance::Permissions& next, const std::vector<Grant>& former) {
+bool extends_any_grant(const governance::Permissions& next, const std::vector<Grant>& former) {
   return std::ranges::none_of(next.grants, &Grant::subject_is_expression) &&
          std::ranges::any_of(next.grants, [&](const auto& grant) {
            return std::ranges::any_of(former, [&](const auto& old) {

@@ -19,7 +19,7 @@ namespace ddssec::cli {
 /// The entries that a command adds to the lists of CAs. Each CA has a list of its own, renewed.pem
 /// beside its certificate: that of an identity CA has certificates, that of a permissions CA
 /// permissions. The caller holds the lock of each (OpenCa).
-class NewlyListed {
+class RenewalListAdditions {
  public:
   void add(const CaPaths& ca, const pki::Certificate& renewed);
   /// Adds permissions that were signed for `file`. Permissions that name no subject are left out,
@@ -42,7 +42,8 @@ std::vector<governance::Grant> listed_grants(const CaPaths& ca, WallTime now);
 
 /// True if all grants of `next` name their subjects, and one of them gives at least the rights of a
 /// former grant of its subject and ends later.
-bool extends(const governance::Permissions& next, const std::vector<governance::Grant>& former);
+bool extends_any_grant(const governance::Permissions& next,
+                       const std::vector<governance::Grant>& former);
 
 /// The lists of the CAs in a folder.
 struct RenewalsOfCas {
@@ -67,10 +68,10 @@ struct RenewalsForFolder {
 };
 
 /// Drafts the renewal list of a participant's folder: `entries` together with the present entries,
-/// as NewlyListed::write combines them. Only entries of CAs in the folder are kept. A list that
-/// cannot be read is made anew, and one without remaining entries is emptied. Writes nothing if the
-/// file would not change. Adds a notice (file_too_large) if something was left out. Errors: those
-/// of FileTransaction::put.
+/// as RenewalListAdditions::write combines them. Only entries of CAs in the folder are kept. A list
+/// that cannot be read is made anew, and one without remaining entries is emptied. Writes nothing
+/// if the file would not change. Adds a notice (file_too_large) if something was left out. Errors:
+/// those of FileTransaction::put.
 Status put_renewals(FileTransaction& out, const pki::ParticipantFolder& files,
                     const RenewalsForFolder& what);
 

@@ -97,7 +97,8 @@ class ForecastReader {
     TrustState before{*own, ids_of(*trusted)};
     auto after = before;
     std::error_code ignored;
-    if (std::ranges::find(step_.again, participant.name) != step_.again.end()) {
+    if (std::ranges::find(step_.updated_participants, participant.name) !=
+        step_.updated_participants.end()) {
       if (!fs::is_symlink(file, ignored)) after.trusted = ids_of(next_);
       if (step_.change.step != RotationStep::begin)
         after.own = id_of(step_.change.ca.certificate());
@@ -135,10 +136,10 @@ std::string line_of(const PartedPair& pair) {
 }  // namespace
 
 std::string RotationForecast::text() const {
-  auto out = parted == 0
-                 ? fmt::format("no two of {} would part by their CAs\n", counted(judged, "folder"))
-                 : fmt::format("{} of {} would part:\n", counted(parted, "pair"),
-                               counted(judged, "folder"));
+  auto out = parted == 0 ? fmt::format("no two of {} would part by their CAs\n",
+                                       count_text(judged, "folder"))
+                         : fmt::format("{} of {} would part:\n", count_text(parted, "pair"),
+                                       count_text(judged, "folder"));
   for (const auto& pair : pairs) out += line_of(pair);
   if (parted > pairs.size()) out += fmt::format("  and {} more\n", parted - pairs.size());
   for (const auto& folder : unread)

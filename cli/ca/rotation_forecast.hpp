@@ -51,7 +51,8 @@ struct RotationForecast {
 struct ForecastStep {
   const std::string& role;
   const CaRotation& change;
-  const std::vector<std::string>& again;  ///< the names of the participants that get new files
+  const std::vector<std::string>&
+      updated_participants;  ///< the names of the participants that get new files
   WallTime now;
 };
 

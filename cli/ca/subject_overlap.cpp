@@ -53,8 +53,9 @@ SubjectsInUse::SubjectsInUse(const pki::IssueLog& log, const fs::path& folder, W
 void SubjectsInUse::add(const std::string& subject, std::string where) {
   const auto pieces = pieces_for_cyclonedds(subject);
   if (pieces.empty()) return;
-  for (const auto piece : pieces) having_[std::string(piece)].push_back(entries_.size());
-  beginning_[std::string(pieces.front())].push_back(entries_.size());
+  for (const auto piece : pieces)
+    entries_with_piece_[std::string(piece)].push_back(entries_.size());
+  entries_by_first_piece_[std::string(pieces.front())].push_back(entries_.size());
   entries_.push_back({subject, std::move(where)});
 }
 
@@ -69,8 +70,8 @@ Status SubjectsInUse::check(const std::string& subject) const {
   // A subject with all pieces is in the list of each piece, so the shortest list is enough.
   const std::vector<std::size_t>* rarest = nullptr;
   for (const auto piece : pieces_for_cyclonedds(subject)) {
-    const auto having = having_.find(std::string(piece));
-    if (having == having_.end()) {
+    const auto having = entries_with_piece_.find(std::string(piece));
+    if (having == entries_with_piece_.end()) {
       static const std::vector<std::size_t> kNone;
       rarest = &kNone;
       continue;
@@ -78,7 +79,8 @@ Status SubjectsInUse::check(const std::string& subject) const {
     if (rarest == nullptr || having->second.size() < rarest->size()) rarest = &having->second;
     // If all pieces of a registered subject are in this one, then its first piece is too. So the
     // subjects that begin with one of these pieces are compared.
-    if (const auto beginning = beginning_.find(std::string(piece)); beginning != beginning_.end())
+    if (const auto beginning = entries_by_first_piece_.find(std::string(piece));
+        beginning != entries_by_first_piece_.end())
       DDSSEC_RETURN_IF_ERROR(check(subject, beginning->second));
   }
   return rarest == nullptr ? Status() : check(subject, *rarest);

@@ -36,7 +36,8 @@ class SubjectsInUse {
 
   std::vector<Entry> entries_;
   /// The indices of entries that contain a piece, and of those that begin with it.
-  std::unordered_map<std::string, std::vector<std::size_t>> having_, beginning_;
+  std::unordered_map<std::string, std::vector<std::size_t>> entries_with_piece_,
+      entries_by_first_piece_;
 };
 
 /// Finds participants of a fleet that neither permissions nor a revocation can distinguish.

@@ -136,7 +136,7 @@ Result<ImportedKey> imported_key(const Arguments& arguments) {
 // Adds the CA to a folder that exists, or creates the folder. Both roles can thus be imported one
 // after the other.
 Result<Answer<ImportedCa>> ca_import(const Arguments& arguments, const Context&) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto role, role_option(arguments));
   const fs::path given = arguments.text("DIR");
   std::error_code ignored;
   const bool exists = fs::is_directory(given, ignored);
@@ -196,7 +196,7 @@ Result<ShownCa> show_one(const CaPaths& paths, std::optional<std::string> role, 
               .issued = log.issued().size(),
               .revoked = log.revocations().size(),
               .crl = {},
-              .days_left = counted(static_cast<std::size_t>(left.count()), "day")};
+              .days_left = count_text(static_cast<std::size_t>(left.count()), "day")};
   if (crl) out.crl = ListFacts{ListNumber::of(*crl), crl->next_update()};
   return out;
 }
@@ -212,7 +212,7 @@ bool is_one_ca(const fs::path& given) {
 Result<std::vector<std::string>> shown_roles(const Arguments& arguments) {
   std::vector<std::string> out;
   if (arguments.has("--role")) {
-    DDSSEC_ASSIGN_OR_RETURN(auto wanted_role, one_role(arguments));
+    DDSSEC_ASSIGN_OR_RETURN(auto wanted_role, role_option(arguments));
     out.push_back(std::move(wanted_role));
     return out;
   }
@@ -312,7 +312,7 @@ Result<std::string> steps_after_renewal(const OpenCa& ca, const std::string& rol
 }
 
 Result<Answer<RenewedCa>> ca_renew(const Arguments& arguments, const Context& context) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto role, role_option(arguments));
   CaOpener opener(arguments);
   DDSSEC_RETURN_IF_ERROR(check_ca_folder(arguments.text("DIR"), role));
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open(ca_paths(arguments.text("DIR"), role)));

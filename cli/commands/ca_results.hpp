@@ -123,7 +123,7 @@ struct ShownCa {
                "subject  {}\nkey      {}, {}\nvalid    {} .. {}  ({} left)\nissued   {}, "
                "{} revoked, {}\nsha256   {}\n",
                ca.subject, ca.algorithm, key ? key->words() : "not here", date(ca.not_before),
-               date(ca.not_after), days_left, counted(issued, "certificate"), revoked,
+               date(ca.not_after), days_left, count_text(issued, "certificate"), revoked,
                crl ? crl->words() : "no revocation list", ca.sha256) +
            (rotation ? rotation->text() : "");
   }
@@ -209,7 +209,7 @@ struct RotatedCa {
 
  private:
   std::string summary() const {
-    const auto count = counted(folders.size(), "folder");
+    const auto count = count_text(folders.size(), "folder");
     if (step == "begun")
       return fmt::format("{} CA {} has a successor of that name; until {} both count in {}\n", role,
                          subject, until ? date(*until) : "", count);

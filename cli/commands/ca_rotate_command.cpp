@@ -193,7 +193,7 @@ Result<RotationStep> step_of(const Arguments& arguments) {
 // both CAs.
 CaRotation rotation_in_overlap(const OpenCa& ca, RotationStep step, const CaOverlap& overlap,
                                const pki::Passphrase* passphrase) {
-  return {.old = ca,
+  return {.ca_in_place = ca,
           .ca = ca.authority,
           .trust_pem = step == RotationStep::end ? overlap.next_only() : overlap.next_first(),
           .passphrase = passphrase,
@@ -204,7 +204,7 @@ CaRotation rotation_in_overlap(const OpenCa& ca, RotationStep step, const CaOver
 // Describes a step that begins with a new CA and key.
 Result<CaRotation> with_successor(const OpenCa& old, const Successor& successor, RotationStep step,
                                   const Arguments& arguments, const Context& context) {
-  CaRotation change{.old = old,
+  CaRotation change{.ca_in_place = old,
                     .ca = successor.ca,
                     .trust_pem = successor.trust_pem,
                     .passphrase = nullptr,
@@ -327,7 +327,7 @@ Result<Answer<RotatedCa>> follow(const std::string& role, const RotationWork& wo
   const bool is_over = change.step == RotationStep::end || change.step == RotationStep::replace;
   DDSSEC_ASSIGN_OR_RETURN(const auto away,
                           folders_not_reached(work, role, arguments, context.clock.now()));
-  const auto& paths = change.old.paths;
+  const auto& paths = change.ca_in_place.paths;
   if (is_over && !away.empty())
     DDSSEC_RETURN_IF_ERROR(out.put_public(unreached_file(paths), unreached_text(away)));
   DDSSEC_ASSIGN_OR_RETURN(
@@ -380,7 +380,7 @@ Result<RotationWork> repeated_step(const OpenCa& ca, RotationStep step,
     return nothing_left_error(step, ca, progress.not_moved(known.here).size(), known.here.size());
   auto overlap =
       is_begin ? *progress.overlap() : CaOverlap{progress.next(), {}, ca.certificate().not_after()};
-  CaRotation change{.old = ca,
+  CaRotation change{.ca_in_place = ca,
                     .ca = ca.authority,
                     .trust_pem = is_begin ? overlap.former_first() : overlap.next_only(),
                     .passphrase = nullptr,
@@ -414,7 +414,7 @@ Result<std::optional<FileLock>> lock_places(const fs::path& given, const std::st
 
 Result<Answer<RotatedCa>> ca_rotate(const Arguments& arguments, const Context& context) {
   const fs::path given = arguments.text("DIR");
-  DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto role, role_option(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const auto step, step_of(arguments));
   DDSSEC_RETURN_IF_ERROR(check_no_other_kind(given));
   const auto now = context.clock.now();

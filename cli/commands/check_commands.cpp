@@ -48,12 +48,12 @@ doctor::Party party(const doctor::LoadedFolder& folder, const doctor::NamedProdu
   return out;
 }
 
-Result<Wanted> wanted_of(const Arguments& arguments) {
+Result<WantedDirections> wanted_directions(const Arguments& arguments) {
   const auto word = arguments.text("--require");
-  if (word == "any") return Wanted::any;
-  if (word == "both") return Wanted::both;
-  if (word == "writer=A") return Wanted::writer_a;
-  if (word == "writer=B") return Wanted::writer_b;
+  if (word == "any") return WantedDirections::any;
+  if (word == "both") return WantedDirections::both;
+  if (word == "writer=A") return WantedDirections::writer_a;
+  if (word == "writer=B") return WantedDirections::writer_b;
   return fail(Code::usage, {.field = "--require",
                             .expected = "any, both, writer=A or writer=B",
                             .found = '"' + word + '"'});
@@ -171,7 +171,7 @@ Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& con
   doctor::NamedProduct products[] = {{doctor::Vendor::ours}, {doctor::Vendor::ours}};
   for (const auto& word : arguments.all("--vendor"))
     DDSSEC_RETURN_IF_ERROR(set_vendor(word, products));
-  DDSSEC_ASSIGN_OR_RETURN(const auto wanted, wanted_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto wanted, wanted_directions(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const auto topics, topics_of(arguments));
   for (const auto& folder : folders) DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
 
@@ -198,8 +198,8 @@ Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& con
           {.now = now,
            .domain = domain,
            .partitions = arguments.all("--partition"),
-           .writes = {wanted == Wanted::both || wanted == Wanted::writer_a,
-                      wanted == Wanted::both || wanted == Wanted::writer_b},
+           .writes = {wanted == WantedDirections::both || wanted == WantedDirections::writer_a,
+                      wanted == WantedDirections::both || wanted == WantedDirections::writer_b},
            .may_run_elsewhere = true},
           topics),
       .names = {names[0], names[1]},

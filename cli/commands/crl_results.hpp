@@ -153,11 +153,11 @@ struct DistributedLists {
     std::string out;
     for (const auto& folder : folders) out += folder + "\n";
     out += fmt::format("list {} of {} is in {}, holds {}\n", list.number.text, list.issuer,
-                       counted(folders.size(), "folder"), list.until());
+                       count_text(folders.size(), "folder"), list.until());
     if (renewals.certificates + renewals.permissions > 0)
       out += fmt::format("renewal list with {} and {}\n",
-                         counted(renewals.certificates, "certificate"),
-                         counted(renewals.permissions, "permissions document"));
+                         count_text(renewals.certificates, "certificate"),
+                         count_text(renewals.permissions, "permissions document"));
     for (const auto& folder : without_permissions)
       out += fmt::format(
           "without the permissions, since no permissions CA is in the folder; copy it there: {}\n",

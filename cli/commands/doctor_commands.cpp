@@ -86,7 +86,7 @@ std::string table(const doctor::Diagnosis& diagnosis, std::string_view title,
       ++good;
     else
       out += row(check.title, check.outcomes, products);
-  if (good > 0) out += row(counted(good, "check"), {}, products);
+  if (good > 0) out += row(count_text(good, "check"), {}, products);
   return out + row("in all", diagnosis.outcomes(), products);
 }
 
@@ -153,13 +153,14 @@ struct ShownDiagnosis {
             {.note = "of all checks", .def = "outcomes"}));
   }
   std::string text() const {
-    return table(diagnosis, title, products) + counted(findings_for(products, diagnosis)) + '\n';
+    return table(diagnosis, title, products) + counts_text(findings_for(products, diagnosis)) +
+           '\n';
   }
 };
 
 // Adds the findings to the report and returns the diagnosis to show.
-ShownDiagnosis shown(Report& report, const fs::path& folder, doctor::Diagnosis diagnosis,
-                     const doctor::Settings& settings, const Products& products) {
+ShownDiagnosis shown_diagnosis(Report& report, const fs::path& folder, doctor::Diagnosis diagnosis,
+                               const doctor::Settings& settings, const Products& products) {
   add_findings(report, findings_for(products, diagnosis), folder);
   if (!is_good(diagnosis.outcomes(), products)) report.exit = Exit::no;
   return {fmt::format("{}, domain {}", folder.string(), settings.domain), std::move(diagnosis),
@@ -304,7 +305,7 @@ DiagnosedPeer peer_of(
   const auto& [self, peer] = both;
   auto diagnosis = diagnosis_of(peer, settings);
   doctor::check_lint(peer, settings, diagnosis);
-  DiagnosedPeer out{shown(report, folders[1], std::move(diagnosis), settings, products)};
+  DiagnosedPeer out{shown_diagnosis(report, folders[1], std::move(diagnosis), settings, products)};
   std::string names[2];
   name_parties(folders[0], folders[1], names);
   out.meetings =
@@ -422,9 +423,10 @@ Result<Answer<DoctorResult>> doctor_of(const Arguments& arguments, const Context
     doctor::check_host_plugins(plugins, places, path_exists(folder / "cyclonedds.xml"), diagnosis);
   doctor::check_files_of_process(loaded, files_of_process(folder, domain, plugins), diagnosis);
   doctor::check_lint(loaded, settings, diagnosis);
-  DoctorResult result{.domain = domain,
-                      .diagnosis = shown(report, folder, std::move(diagnosis), settings, products),
-                      .is_configured = in_force || arguments.has("--ros")};
+  DoctorResult result{
+      .domain = domain,
+      .diagnosis = shown_diagnosis(report, folder, std::move(diagnosis), settings, products),
+      .is_configured = in_force || arguments.has("--ros")};
   if (is_any_found(plugins)) result.plugins = plugins;
   if (peer) result.peer = peer_of(report, arguments, {loaded, *peer}, settings, products);
   return Answer<DoctorResult>{std::move(result), std::move(report)};

@@ -60,7 +60,7 @@ struct Signing {
 Answer<Signing> not_signed(const fs::path& file, std::vector<Finding> findings) {
   Answer<Signing> out{.result = {}, .has_result = false};
   out.report.text = fmt::format("{}: not signed: {} (--no-lint signs it anyway)\n", file.string(),
-                                counted(findings));
+                                counts_text(findings));
   add_findings(out.report, std::move(findings), file);
   return out;
 }
@@ -100,11 +100,11 @@ bool extends_former(const governance::Permissions& document, const fs::path& to,
       log->standing(proof->content(), proof->signer()) == pki::SigningLog::Standing::current)
     if (auto old = governance::read_permissions(proof->content(), proof->first_line()))
       std::ranges::move(old->grants, std::back_inserter(former));
-  return extends(document, former);
+  return extends_any_grant(document, former);
 }
 
 Status list_signed(const OpenCa& ca, BytesView signed_octets, const fs::path& to, WallTime now) {
-  NewlyListed listed;
+  RenewalListAdditions listed;
   listed.add(ca.paths, signed_octets, to);
   return listed.write(now);
 }

@@ -130,7 +130,8 @@ Result<IssueAnswer> issue_fleet(const Arguments& arguments, const Context& conte
   Progress progress("participants", specs.size());
   for (std::size_t i = 0; i < specs.size(); ++i) {
     auto& spec = specs[i];
-    DDSSEC_ASSIGN_OR_RETURN(const auto made, make(spec, cas, arguments, context, from));
+    DDSSEC_ASSIGN_OR_RETURN(const auto made,
+                            make_participant_within_ca(spec, cas, arguments, context, from));
     warn_of_rights(spec, from.string(), report);
     DDSSEC_RETURN_IF_ERROR(
         folder.add(i, spec.name, made, cas.issuers(spec.has_permissions()), governance));
@@ -143,7 +144,7 @@ Result<IssueAnswer> issue_fleet(const Arguments& arguments, const Context& conte
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto drop_in, drop_in_of(arguments));
   report.text += folder.text() + drop_in_line(drop_in);
-  DDSSEC_RETURN_IF_ERROR(log_all(cas, members.issued(), members.signed_lines()));
+  DDSSEC_RETURN_IF_ERROR(log_participants(cas, members.issued(), members.signed_lines()));
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, folder.commit());
   return IssueAnswer{std::move(fleet), std::move(report)};
 }
@@ -177,8 +178,9 @@ Result<Issued> issue(IssueRequest& request) {
                           open_issuing_cas(request.arguments, request.spec.has_permissions(), now));
   // Reads the document again: a rotation that this command waited for may have signed it anew.
   DDSSEC_ASSIGN_OR_RETURN(request.governance, governance_of(request.arguments, now));
-  DDSSEC_ASSIGN_OR_RETURN(auto made, make(request.spec, cas, request.arguments, request.context,
-                                          request.arguments.text("--permissions")));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto made, make_participant_within_ca(request.spec, cas, request.arguments, request.context,
+                                            request.arguments.text("--permissions")));
   return Issued{std::move(cas), std::move(made)};
 }
 
@@ -203,7 +205,7 @@ Result<IssueAnswer> create_folder(IssueRequest& request) {
   const auto& [cas, made] = issued;
   DDSSEC_RETURN_IF_ERROR(
       add_flat(folder, "", made, cas.issuers(request.spec.has_permissions()), request.governance));
-  DDSSEC_RETURN_IF_ERROR(log_one(cas, made, request.target, request.context.clock.now()));
+  DDSSEC_RETURN_IF_ERROR(log_participant(cas, made, request.target, request.context.clock.now()));
   return issue_answer(issued_of(request, made.self.certificate), {}, request, folder.commit());
 }
 
@@ -376,7 +378,7 @@ Result<IssueAnswer> write_folder(IssueRequest& request) {
   DDSSEC_RETURN_IF_ERROR(
       pem.expose([&](BytesView octets) { return out.put(files.key, octets, 0600); }));
   DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, made.self.certificate.pem()));
-  DDSSEC_RETURN_IF_ERROR(log_one(cas, made, request.target, request.context.clock.now()));
+  DDSSEC_RETURN_IF_ERROR(log_participant(cas, made, request.target, request.context.clock.now()));
   Report report;
   report.text = former_certificate_text(request.files.certificate, request.arguments.text("--ca"),
                                         request.context.clock.now());

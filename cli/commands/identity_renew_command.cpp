@@ -197,7 +197,7 @@ Result<governance::Permissions> put_extended(FileTransaction& out, const Renewal
   DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, octets, 0644));
   DDSSEC_RETURN_IF_ERROR(
       log_signed(ca, as_bytes(xml), job.recorded / files.permissions.filename(), now, old.text));
-  NewlyListed listed;
+  RenewalListAdditions listed;
   listed.add(ca.paths, octets, files.permissions);
   if (const auto written = listed.write(now); !written) report.errors.push_back(written.error());
   return document;
@@ -291,7 +291,7 @@ Result<fs::path> check_renewable(const Renewal& job, const OpenCa& ca) {
 // A link that leads nowhere cannot be extended, and must not be ignored.
 Status check_no_broken_link(const fs::path& permissions) {
   std::error_code ignored;
-  if (path_exists(permissions) || !fs::is_symlink(as_held(permissions))) return {};
+  if (path_exists(permissions) || !fs::is_symlink(path_in_held_folder(permissions))) return {};
   return fail(Code::file_not_found,
               {.document = permissions,
                .note = "it is a link that leads nowhere",
@@ -385,7 +385,7 @@ Result<IdentityRenewal> renew(Renewal job) {
       pki::IssueLog::issued_line(renewed, recorded.string(), now, path.filename().string())));
   add_consequence(job, renewed, answer);
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, out.commit());
-  NewlyListed listed;
+  RenewalListAdditions listed;
   listed.add(ca.paths, renewed);
   if (const auto written = listed.write(now); !written) report.errors.push_back(written.error());
   return IdentityRenewal{std::move(answer.result), std::move(report)};

@@ -190,7 +190,7 @@ std::string next_steps(const std::string& ca, const ParticipantPlaces& places,
       knows_none ? "DIR... " : "", governance::doctor::shell_word(ca),
       knows_none ? "name the folders of all participants below this CA, also those of other CAs "
                    "below it: the log of this CA knows none"
-                 : fmt::format("puts the list into {}", counted(places.here.size(), "folder")));
+                 : fmt::format("puts the list into {}", count_text(places.here.size(), "folder")));
   if (!without_list.empty()) out += "  no list so far, so that nothing is revoked there:\n";
   for (std::size_t i = 0; i < without_list.size() && i < 10; ++i)
     out += fmt::format("    {}\n", without_list[i]);
@@ -311,7 +311,7 @@ Result<Answer<Revoked>> identity_revoke(const Arguments& arguments, const Contex
   result.crl = ListThatRevokes{ca.paths.crl, ListNumber::of(crl), *crl.next_update()};
   result.revoked = what.serials.empty()
                        ? std::string(how_revoked_before(what))
-                       : fmt::format("({})", counted(what.serials.size(), "certificate"));
+                       : fmt::format("({})", count_text(what.serials.size(), "certificate"));
   result.certificates = what.in_words();
   DDSSEC_ASSIGN_OR_RETURN(const auto places, participant_places(ca.paths, log));
   const auto bare = without_list(places);

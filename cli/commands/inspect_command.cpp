@@ -89,8 +89,8 @@ std::string text_of(const GuidPrefix& prefix, const rtps::ObservedParticipant& p
       participant.messages.count, participant.protected_messages, participant.protected_submessages,
       participant.kinds.empty() ? "" : ", ", fmt::join(kinds_of(participant), ", "));
   if (participant.clear_samples + participant.clear_topics.size() > 0)
-    out += fmt::format("  in the clear {}, {}\n", counted(participant.clear_samples, "sample"),
-                       counted(participant.clear_topics.size(), "topic"));
+    out += fmt::format("  in the clear {}, {}\n", count_text(participant.clear_samples, "sample"),
+                       count_text(participant.clear_topics.size(), "topic"));
   return out;
 }
 
@@ -295,12 +295,12 @@ struct Inspection {
     const auto& observer = watched.observer;
     auto out =
         fmt::format("{}: {} RTPS messages of {} in {:.1f} s\n", source, observer.rtps_messages(),
-                    counted(observer.participants().size(), "participant"), seconds());
+                    count_text(observer.participants().size(), "participant"), seconds());
     for (const auto& [prefix, participant] : observer.participants())
       out += '\n' + text_of(prefix, participant);
     if (observer.left_out() > 0)
       out += fmt::format("\n{} of further participants and topics are left out\n",
-                         counted(observer.left_out(), "message"));
+                         count_text(observer.left_out(), "message"));
     const auto meetings = pairs();
     if (!meetings.empty()) out += '\n';
     for (const auto& one : meetings) out += text_of(one.meeting, observer);
@@ -319,7 +319,7 @@ void add_findings(const Inspection& result, Report& out) {
   std::ranges::move(leaks_of(observer), std::back_inserter(out.findings));
   if (result.watched.cut > 0)
     out.findings.push_back(
-        {Rule::CAP030, fmt::format("{} are cut", counted(result.watched.cut, "packet"))});
+        {Rule::CAP030, fmt::format("{} are cut", count_text(result.watched.cut, "packet"))});
   for (auto& finding : out.findings) finding.document = result.source;
 }
 

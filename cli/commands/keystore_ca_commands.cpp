@@ -60,7 +60,7 @@ struct KeystoreCa {
         "{}  {} CA is {} now, with a new key; {} signed anew\nCopies of enclaves on other machines "
         "need the new files, too. Every participant must start again with them, unless it runs on "
         "ddssec's plugins: old ones and new ones do not meet.\n",
-        keystore.string(), ca.role, ca.subject, counted(enclaves.size(), "enclave"));
+        keystore.string(), ca.role, ca.subject, count_text(enclaves.size(), "enclave"));
     for (const auto& file : unlogged.value_or(std::vector<std::string>()))
       out += fmt::format("signed although the log does not have it: {}\n", file);
     return out;
@@ -178,7 +178,7 @@ Result<Answer<KeystoreCa>> keystore_split_ca(const Arguments& arguments, const C
 
 Result<Answer<KeystoreCa>> keystore_rotate(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
-  DDSSEC_ASSIGN_OR_RETURN(const auto role, one_role(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto role, role_option(arguments));
   std::error_code ignored;
   if (fs::is_directory(keystore, ignored) && !fs::exists(keystore / "public", ignored))
     return fail(Code::usage, {.field = "KEYSTORE",

@@ -45,7 +45,7 @@ struct PolicyPermissions {
                       field<&PolicyPermissions::grants>({.min = 1}));
   }
   std::string text() const {
-    return fmt::format("{}: {}\n", file.string(), counted(grants.size(), "grant"));
+    return fmt::format("{}: {}\n", file.string(), count_text(grants.size(), "grant"));
   }
 };
 

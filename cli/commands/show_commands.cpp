@@ -86,7 +86,7 @@ std::string topic_row(const TopicRule& rule, std::size_t number) {
   return fmt::format(
       "  {:>4}  {:<40} data {:<8} metadata {:<8} read {} write {} discovery {} "
       "(line {})\n",
-      number, shown(rule.topic_expression), to_string(rule.data_protection_kind),
+      number, name_text(rule.topic_expression), to_string(rule.data_protection_kind),
       to_string(rule.metadata_protection_kind),
       rule.enable_read_access_control ? "by permission" : "free",
       rule.enable_write_access_control ? "by permission" : "free",
@@ -106,7 +106,7 @@ struct ShownDomainRule {
         "domain rule {}: {} ({}:{})\n"
         "  discovery {}  liveliness {}  rtps {}{}\n"
         "  strangers {}, permissions needed to join: {}\n",
-        number, shown(rule.domains.ranges), file.string(), rule.line,
+        number, domains_text(rule.domains.ranges), file.string(), rule.line,
         to_string(rule.discovery_protection_kind), to_string(rule.liveliness_protection_kind),
         to_string(rule.rtps_protection_kind), newer_elements(rule),
         rule.allow_unauthenticated_participants ? "allowed" : "refused",
@@ -209,7 +209,7 @@ struct ShownTopic {
                "  payload    {:<12} metadata   {:<12} rtps  {} (domain rule {}, line {})\n"
                "  discovery  {:<12} liveliness {}\n"
                "  access     read {}, write {}\n",
-               shown(topic), domain, row_number, '"' + shown(row.topic_expression) + '"',
+               name_text(topic), domain, row_number, '"' + name_text(row.topic_expression) + '"',
                file.string(), row.line, to_string(row.data_protection_kind),
                to_string(row.metadata_protection_kind), to_string(rule.rtps_protection_kind),
                rule_number, rule.line,
@@ -292,8 +292,8 @@ std::string data_tags_text(const governance::Criteria& criteria) {
   if (!criteria.data_tags) return {};
   std::string out;
   for (const auto& tag : *criteria.data_tags)
-    out += fmt::format("{}{}={}", out.empty() ? "  with data tags " : ", ", shown(tag.name),
-                       shown(tag.value));
+    out += fmt::format("{}{}={}", out.empty() ? "  with data tags " : ", ", name_text(tag.name),
+                       name_text(tag.value));
   return out.empty() ? "  with no data tags" : out;
 }
 
@@ -348,7 +348,7 @@ namespace {
 
 std::string text_of(const governance::GrantRule& rule, std::size_t number) {
   auto out = fmt::format("  {:>2}  {:<5} {}  (line {})\n", number, rule.allow ? "allow" : "deny",
-                         shown(rule.domains.ranges), rule.line);
+                         domains_text(rule.domains.ranges), rule.line);
   for (const auto& [action, list] :
        {std::pair("publish", &rule.publish), std::pair("subscribe", &rule.subscribe),
         std::pair("relay", &rule.relay)})
@@ -375,7 +375,7 @@ struct ShownGrant {
   }
   std::string text() const {
     auto out =
-        fmt::format("{}  {} .. {}{}  (line {})\n", shown(grant.subject_name),
+        fmt::format("{}  {} .. {}{}  (line {})\n", name_text(grant.subject_name),
                     to_string(grant.validity.not_before), to_string(grant.validity.not_after),
                     valid_now ? "" : "  NOT VALID NOW", grant.line);
     for (std::size_t i = 0; i < grant.rules.size(); ++i) out += text_of(grant.rules[i], i + 1);

@@ -78,10 +78,10 @@ std::string signer_text(const DiffSides& sides) {
   if (!sides.before.is_signed && !sides.after.is_signed) return {};
   std::string text;
   if (sides.before.signer == sides.after.signer) {
-    text = fmt::format("signer unchanged ({})\n", shown(sides.after.signer));
+    text = fmt::format("signer unchanged ({})\n", name_text(sides.after.signer));
   } else {
     const auto name = [](const DiffSide& side) {
-      return side.signer.empty() ? std::string("no signer") : shown(side.signer);
+      return side.signer.empty() ? std::string("no signer") : name_text(side.signer);
     };
     text = fmt::format("signer CHANGED\n  old: {}\n  new: {}\n", name(sides.before),
                        name(sides.after));
@@ -113,7 +113,7 @@ std::string escaped(std::string_view name) {
   return text;
 }
 
-std::string shown(std::string_view name) {
+std::string name_text(std::string_view name) {
   if (name.empty()) return "(empty name)";
   auto text = escaped(name);
   if (text.size() <= kMaxShownLength) return text;
@@ -123,16 +123,16 @@ std::string shown(std::string_view name) {
   return text.substr(0, end) + "...";
 }
 
-std::string shown(const std::vector<std::string>& names) {
+std::string names_text(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < std::min(kMaxShown, names.size()); ++i) {
-    text += (i == 0 ? "" : ", ") + shown(names[i]);
+    text += (i == 0 ? "" : ", ") + name_text(names[i]);
   }
   if (names.size() > kMaxShown) text += fmt::format(" and {} more", names.size() - kMaxShown);
   return text;
 }
 
-std::string shown(const std::vector<governance::DomainRange>& domains) {
+std::string domains_text(const std::vector<governance::DomainRange>& domains) {
   std::string text;
   for (std::size_t i = 0; i < std::min(kMaxDomainsShown, domains.size()); ++i) {
     const auto first = domains[i].first, last = domains[i].last;
@@ -146,7 +146,7 @@ std::string shown(const std::vector<governance::DomainRange>& domains) {
   return (one ? "domain " : "domains ") + text;
 }
 
-std::string shown_lines(int old_line, int new_line) {
+std::string lines_text(int old_line, int new_line) {
   std::string text;
   if (old_line > 0) text += fmt::format("old:{}", old_line);
   if (new_line > 0) text += fmt::format("{}new:{}", text.empty() ? "" : " ", new_line);
@@ -165,7 +165,7 @@ std::string readings_text(const governance::Readings& readings) {
   for (const auto& reading : readings.all)
     text += wrapped("  interop   ",
                     {escaped(reading.sentence),
-                     reading.is_new ? shown_lines(0, reading.line) : shown_lines(reading.line, 0)});
+                     reading.is_new ? lines_text(0, reading.line) : lines_text(reading.line, 0)});
   return readings.is_complete ? text : text + "  there may be more\n";
 }
 

@@ -102,13 +102,13 @@ struct ShownReadings {
 /// The same text without control characters.
 std::string escaped(std::string_view name);
 /// A name from a document, short and without control characters; "(empty name)" for "".
-std::string shown(std::string_view name);
-/// For example "a, b, c and 4 more", where each name is shown().
-std::string shown(const std::vector<std::string>& names);
+std::string name_text(std::string_view name);
+/// For example "a, b, c and 4 more", where each name is shortened.
+std::string names_text(const std::vector<std::string>& names);
 /// For example "domain 0" or "domains 0-4, 7".
-std::string shown(const std::vector<governance::DomainRange>& domains);
+std::string domains_text(const std::vector<governance::DomainRange>& domains);
 /// For example "  old:22 new:23". A line number of 0 is left out.
-std::string shown_lines(int old_line, int new_line);
+std::string lines_text(int old_line, int new_line);
 /// The text, or nothing if it is empty.
 std::optional<std::string> if_any(std::string_view text);
 /// For example [[0,4],[7,7]].

@@ -17,7 +17,7 @@ constexpr std::size_t kMaxWordsShown = 3;
 std::string listed(const std::vector<std::string>& names, std::string_view empty_name) {
   std::vector<std::string> words;
   for (const auto& name : names)
-    words.push_back(name.empty() ? std::string(empty_name) : shown(name));
+    words.push_back(name.empty() ? std::string(empty_name) : name_text(name));
   const auto count = std::min(kMaxWordsShown, words.size());
   auto text =
       fmt::format("{}", fmt::join(words.begin(), words.begin() + static_cast<long>(count), ", "));
@@ -30,7 +30,7 @@ std::string example(const NameSet& set) {
   const auto found =
       std::ranges::find_if(set.examples, [](const std::string& name) { return !name.empty(); });
   if (found == set.examples.end()) return {};
-  return fmt::format(" (e.g. {})", shown(*found));
+  return fmt::format(" (e.g. {})", name_text(*found));
 }
 
 bool all_literal(const NameSet& set) {
@@ -44,7 +44,7 @@ struct Nouns {
   std::string_view one, many, empty_name;
 };
 
-std::string in_words(const NameSet& set, const Nouns& nouns) {
+std::string outcome_text(const NameSet& set, const Nouns& nouns) {
   switch (set.form) {
     case NameSet::Form::every:
       return fmt::format("every {}", nouns.one);
@@ -64,9 +64,9 @@ std::string in_words(const NameSet& set, const Nouns& nouns) {
   return fmt::format("some {}, such as {}", nouns.many, listed(set.examples, nouns.empty_name));
 }
 
-std::string in_words(const governance::TopicWords& words) {
-  auto text = shown(words.expression);
-  if (!words.also.empty()) text += fmt::format(" that match {} too", shown(words.also));
+std::string outcome_text(const governance::TopicWords& words) {
+  auto text = name_text(words.expression);
+  if (!words.also.empty()) text += fmt::format(" that match {} too", name_text(words.also));
   if (words.except.empty()) return text;
   text += fmt::format(" but not {}", listed(words.except, "(empty name)"));
   return words.more_exceptions ? text + " and others" : text;
@@ -74,32 +74,33 @@ std::string in_words(const governance::TopicWords& words) {
 
 }  // namespace
 
-std::string shown(const governance::DomainScope& scope) {
-  auto text = shown(scope.domains);
+std::string scope_text(const governance::DomainScope& scope) {
+  auto text = domains_text(scope.domains);
   if (!scope.has_tags) return text;
   if (scope.tags.is_only_empty_name()) return text + " without a tag";
-  return text + ", " + in_words(scope.tags, {"tag", "tags", "the empty one"});
+  return text + ", " + outcome_text(scope.tags, {"tag", "tags", "the empty one"});
 }
 
-std::string shown(const governance::TopicSet& topics, const std::string& witness) {
-  if (topics.words.empty()) return "topics such as " + shown(witness);
+std::string topics_text(const governance::TopicSet& topics, const std::string& witness) {
+  if (topics.words.empty()) return "topics such as " + name_text(witness);
   const auto& first = topics.words.front();
   const bool one = topics.words.size() == 1 && topics.others == 0 &&
                    governance::Pattern(first.expression).is_literal();
   std::vector<std::string> words;
-  for (const auto& each : topics.words) words.push_back(in_words(each));
+  for (const auto& each : topics.words) words.push_back(outcome_text(each));
   auto text = fmt::format("{}", fmt::join(words, "; "));
   if (one) return "topic " + text;
   if (topics.others > 0) text += fmt::format(" and {} more", topics.others);
-  return fmt::format("topics {} (e.g. {})", text, shown(witness));
+  return fmt::format("topics {} (e.g. {})", text, name_text(witness));
 }
 
-std::string shown(const governance::EntityWords& entities) {
+std::string entities_text(const governance::EntityWords& entities) {
   std::string text;
   if (entities.every) return "in every partition";
   if (entities.partitions) {
     if (entities.partitions->is_only_empty_name()) return {};
-    text = "in " + in_words(*entities.partitions, {"partition", "partitions", "the default one"});
+    text =
+        "in " + outcome_text(*entities.partitions, {"partition", "partitions", "the default one"});
   } else {
     text = "in partitions " + listed(entities.example_partitions, "the default one") +
            (entities.example_partitions.size() > 1 ? " together" : "");
@@ -108,7 +109,7 @@ std::string shown(const governance::EntityWords& entities) {
   if (entities.partitions || entities.example_data_tags.empty()) return text;
   std::vector<std::string> tags;
   for (const auto& tag : entities.example_data_tags)
-    tags.push_back(shown(tag.name + "=" + tag.value));
+    tags.push_back(name_text(tag.name + "=" + tag.value));
   return text + (text.empty() ? "" : ", ") +
          fmt::format("of endpoints with data tags such as {}", fmt::join(tags, ", "));
 }

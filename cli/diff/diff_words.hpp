@@ -9,12 +9,12 @@
 namespace ddssec::cli {
 
 /// For example "domain 0" or "domains 2-5, every tag but the empty one".
-std::string shown(const governance::DomainScope& scope);
+std::string scope_text(const governance::DomainScope& scope);
 /// For example "topic rt/a" or "topics rt/a*, rt/b* but not rt/bx* (e.g. rt/a)".
-std::string shown(const governance::TopicSet& topics, const std::string& witness);
+std::string topics_text(const governance::TopicSet& topics, const std::string& witness);
 /// For example "in every partition but the default one (e.g. a)". Empty for the default partition
 /// alone.
-std::string shown(const governance::EntityWords& entities);
+std::string entities_text(const governance::EntityWords& entities);
 
 template <>
 struct Listed<governance::NameSet> {

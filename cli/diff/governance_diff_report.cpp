@@ -24,7 +24,7 @@ std::string class_word(ChangeClass change) {
 std::string where(const GovernanceChange& change) {
   if (!change.is_about_topics)
     return change.element.element == "domain_rule" ? "everything" : "all topics";
-  return shown(change.topics, change.witness);
+  return topics_text(change.topics, change.witness);
 }
 
 // For a change of a whole domain: an example of the topics that it affects, if these are only some.
@@ -33,7 +33,7 @@ std::string of_which(const GovernanceChange& change, governance::Property proper
       std::ranges::find(change.of_some, property, &governance::PropertyOfSome::property);
   return found == change.of_some.end()
              ? std::string()
-             : fmt::format(" (of some topics, such as {})", shown(found->witness));
+             : fmt::format(" (of some topics, such as {})", name_text(found->witness));
 }
 
 // The consequence of a change, if the properties do not show it. `others_lose` is true if other
@@ -58,11 +58,11 @@ std::string_view consequence(const GovernanceChange& change, bool others_lose) {
 std::string to_text(const GovernanceChange& change, bool others_lose) {
   const auto heading = fmt::format("  {:<8} {:<7}", class_word(change.element.change),
                                    change.element.interop == Interop::none ? "" : "breaks");
-  auto text = wrapped(
-      heading, {where(change),
-                fmt::format("{} {} -> {}", change.element.element, shown(change.element.old_value),
-                            shown(change.element.new_value)),
-                shown_lines(change.old_line(), change.new_line())});
+  auto text = wrapped(heading, {where(change),
+                                fmt::format("{} {} -> {}", change.element.element,
+                                            name_text(change.element.old_value),
+                                            name_text(change.element.new_value)),
+                                lines_text(change.old_line(), change.new_line())});
   const std::string indentation(heading.size(), ' ');
   const auto below = [&](const std::string& line) { text += wrapped(indentation, {line}); };
   for (const auto property : governance::listed(change.lost))
@@ -78,8 +78,8 @@ std::string to_text(const GovernanceChange& change, bool others_lose) {
 std::string to_text(const governance::RewrittenRules& rules, bool only_listed) {
   const auto only_order = rules.only_old.empty() && rules.only_new.empty();
   std::vector<std::string> parts = {only_order ? "rules stand in another order:" : ""};
-  if (!rules.only_old.empty()) parts.push_back(shown(rules.only_old) + " left,");
-  if (!rules.only_new.empty()) parts.push_back(shown(rules.only_new) + " came:");
+  if (!rules.only_old.empty()) parts.push_back(names_text(rules.only_old) + " left,");
+  if (!rules.only_new.empty()) parts.push_back(names_text(rules.only_new) + " came:");
   parts.push_back(only_listed ? "none of the listed topics is treated differently"
                               : "no name is treated differently");
   return wrapped(fmt::format("  {:<8} {:<7}", "neutral", ""), parts);
@@ -93,7 +93,7 @@ std::string verdict_text(const governance::GovernanceDiff& diff, bool is_phased)
                                    ? " both files work together"
                                    : " whether both files work together is not known")});
   }
-  const auto domains = shown(diff.flag_day_domains);
+  const auto domains = domains_text(diff.flag_day_domains);
   if (is_phased)
     return wrapped("verdict: ",
                    {verdict + fmt::format(" on topics with a line \"breaks\" ({}),", domains),
@@ -127,7 +127,7 @@ std::string to_text(const governance::GovernanceDiff& diff, bool only_listed) {
     heading = std::move(next);
   };
   if (!diff.unknown_domains.empty()) {
-    under(shown(diff.unknown_domains));
+    under(domains_text(diff.unknown_domains));
     text +=
         "  UNKNOWN  too many combinations of expressions to compare; --topics FILE compares\n"
         "           the topics in use\n";
@@ -135,11 +135,11 @@ std::string to_text(const governance::GovernanceDiff& diff, bool only_listed) {
   const bool some_lose = std::ranges::any_of(
       diff.changes, [](const GovernanceChange& change) { return !change.lost.none(); });
   for (const auto& change : diff.changes) {
-    under(shown(change.scope));
+    under(scope_text(change.scope));
     text += to_text(change, some_lose);
   }
   for (const auto& rules : diff.rewritten) {
-    under(shown(rules.scope));
+    under(scope_text(rules.scope));
     text += to_text(rules, only_listed);
   }
   if (!diff.complete) text += "more rules than are named here changed in the same ways\n";

@@ -139,7 +139,7 @@ Forecasts forecast(const governance::Governance& before, const governance::Gover
   return out;
 }
 
-std::string_view in_words(Live live, bool is_ready) {
+std::string_view outcome_text(Live live, bool is_ready) {
   switch (live) {
     case Live::same:
       return "nothing changes";
@@ -185,9 +185,9 @@ GovernanceForecast forecast_of(const governance::Governance& before,
   std::string heading = "running participants: ";
   const auto add = [&](std::string host, const Prediction& what) {
     const auto reason =
-        what.reason.empty() ? std::string() : fmt::format("({})", shown(what.reason));
-    out.text +=
-        wrapped(heading, {std::move(host), std::string(in_words(what.outcome, is_ready)), reason});
+        what.reason.empty() ? std::string() : fmt::format("({})", name_text(what.reason));
+    out.text += wrapped(
+        heading, {std::move(host), std::string(outcome_text(what.outcome, is_ready)), reason});
     heading = std::string(heading.size(), ' ');
   };
   if (ours.embedded.outcome == ours.cyclonedds.outcome) {

@@ -15,7 +15,7 @@ using governance::ChangeClass;
 using governance::PermissionChange;
 
 std::string decided_by(const std::vector<std::string>& expressions) {
-  return expressions.empty() ? "the default" : shown(expressions);
+  return expressions.empty() ? "the default" : names_text(expressions);
 }
 
 // The description of a change, as the parts of a line.
@@ -28,15 +28,15 @@ std::vector<std::string> parts_of(const PermissionChange& change) {
   if (change.element == "rule") {
     const auto by = fmt::format("by {} -> by {}", decided_by(change.expressions_old),
                                 decided_by(change.expressions_new));
-    return {fmt::format("{} {}", change.operation, shown(change.topics, change.witness)),
-            shown(change.entities), values, by};
+    return {fmt::format("{} {}", change.operation, topics_text(change.topics, change.witness)),
+            entities_text(change.entities), values, by};
   }
   if (change.element == "default")
     return {"default " + values, "for all that no rule mentions, in every domain"};
   if (change.element == "join") return {"joining the domain " + values};
   if (change.element == "rewritten") {
     const auto side = [](const std::vector<std::string>& expressions) {
-      return expressions.empty() ? std::string("nothing") : shown(expressions);
+      return expressions.empty() ? std::string("nothing") : names_text(expressions);
     };
     return {"written differently", side(change.expressions_old),
             "-> " + side(change.expressions_new), "no name is treated differently"};
@@ -47,7 +47,7 @@ std::vector<std::string> parts_of(const PermissionChange& change) {
   if (change.element == "grant") return {"grant " + values};
   if (change.element == "subject_name") {
     const bool is_same = change.change == ChangeClass::interop;
-    return {"subject", shown(change.old_value), "-> " + shown(change.new_value),
+    return {"subject", name_text(change.old_value), "-> " + name_text(change.new_value),
             is_same ? "(the same to ddssec; other products compare the text)" : ""};
   }
   return {fmt::format("{} {}", change.element, values), "not compared any further"};
@@ -59,8 +59,8 @@ std::string to_text(const PermissionChange& change) {
       change.change == ChangeClass::neutral || change.change == ChangeClass::interop;
   auto parts = parts_of(change);
   if (change.element != "default" && !change.scope.domains.empty())
-    parts.push_back(shown(change.scope));
-  parts.push_back(shown_lines(change.old_line, change.new_line));
+    parts.push_back(scope_text(change.scope));
+  parts.push_back(lines_text(change.old_line, change.new_line));
   if (!change.hint.empty()) parts.push_back("(" + change.hint + ")");
   return wrapped(fmt::format("  {:<9} ", harmless ? std::string(word) : ascii_upper(word)), parts);
 }
@@ -107,7 +107,7 @@ std::string PermissionsComparison::text() const {
   }
   std::string out;
   for (const auto& subject : subjects)
-    out += fmt::format("subject {}\n{}", shown(subject), texts[subject]);
+    out += fmt::format("subject {}\n{}", name_text(subject), texts[subject]);
   return out + readings_text(diff.readings) + signer_text(sides) + verdict_text(diff) +
          takes_effect.text;
 }

@@ -147,7 +147,7 @@ std::string_view word_in_cyclonedds(Live live, const governance::PermissionsDiff
   return has(wider) ? "live when sessions begin again" : live_word(live);
 }
 
-std::string_view in_words(Live live) {
+std::string_view outcome_text(Live live) {
   switch (live) {
     case Live::same:
       return "nothing changes";
@@ -182,7 +182,7 @@ PermissionsForecast forecast_of(const PermissionsChangeOver& change, const DiffS
   constexpr std::string_view kHeading = "running participants: ";
   const std::string indentation(kHeading.size(), ' ');
   out.text += wrapped(
-      kHeading, {"on ddssec's plugins:", std::string(in_words(ours.outcome)),
+      kHeading, {"on ddssec's plugins:", std::string(outcome_text(ours.outcome)),
                  ours.reason.empty() ? std::string() : fmt::format("({})", escaped(ours.reason))});
   const bool is_taken = ours.outcome >= Live::live && ours.outcome <= Live::live_if_signer_accepted;
   if (is_taken && narrows)
@@ -191,7 +191,7 @@ PermissionsForecast forecast_of(const PermissionsChangeOver& change, const DiffS
                          "in Cyclone DDS within two seconds: if an endpoint loses a right, the",
                          "sessions with peers on ddssec's plugins end and begin again"});
   out.text += wrapped(indentation,
-                      {"on those of Cyclone DDS and Fast DDS:", std::string(in_words(stock)),
+                      {"on those of Cyclone DDS and Fast DDS:", std::string(outcome_text(stock)),
                        !is_same && narrows ? "until then what was taken away stays allowed" : ""});
   return out;
 }

@@ -16,17 +16,17 @@ using doctor::PartyDecision;
 using doctor::TopicDirection;
 using doctor::TopicMeeting;
 
-bool works(const TopicMeeting& topic, Wanted wanted) {
+bool works(const TopicMeeting& topic, WantedDirections wanted) {
   const bool a = topic.directions[0].ok;
   const bool b = topic.directions[1].ok;
   switch (wanted) {
-    case Wanted::any:
+    case WantedDirections::any:
       return a || b;
-    case Wanted::both:
+    case WantedDirections::both:
       return a && b;
-    case Wanted::writer_a:
+    case WantedDirections::writer_a:
       return a;
-    case Wanted::writer_b:
+    case WantedDirections::writer_b:
       return b;
   }
   return false;
@@ -211,7 +211,8 @@ std::string working_topics(const MeetingView& view, int writer) {
   }
   if (count > kMax) names += fmt::format(" and {} more", count - kMax);
   if (names.empty()) names = "nothing";
-  if (of_ros > 0) names += fmt::format(" (and {} of every ROS 2 node)", counted(of_ros, "topic"));
+  if (of_ros > 0)
+    names += fmt::format(" (and {} of every ROS 2 node)", count_text(of_ros, "topic"));
   return fmt::format("{} publishes to {}: {}", view.names[writer], view.names[1 - writer], names);
 }
 
@@ -227,7 +228,7 @@ std::string topics_apart(const MeetingView& view) {
       if (++count <= kMax)
         out += fmt::format("  not on {}: {}\n", words_of(topic), reason_apart(topic, view));
     }
-  if (count > kMax) out += fmt::format("  nor on {} more\n", counted(count - kMax, "topic"));
+  if (count > kMax) out += fmt::format("  nor on {} more\n", count_text(count - kMax, "topic"));
   return out;
 }
 
@@ -282,8 +283,9 @@ std::optional<std::string> ShownDirection::reason() const {
 bool MeetingView::talk() const {
   if (!meeting.joined() || meeting.topics.empty()) return false;
   const auto good = [&](const TopicMeeting& topic) { return works(topic, wanted); };
-  return topics_named || wanted != Wanted::any ? std::ranges::all_of(meeting.topics, good)
-                                               : std::ranges::any_of(meeting.topics, good);
+  return topics_named || wanted != WantedDirections::any
+             ? std::ranges::all_of(meeting.topics, good)
+             : std::ranges::any_of(meeting.topics, good);
 }
 
 ShownJoin MeetingView::join() const {
@@ -332,7 +334,7 @@ std::string MeetingView::text() const {
   }
   if (hidden > 0)
     out += fmt::format("and {} that only one of them may use (--explain shows them)\n",
-                       counted(hidden, "topic"));
+                       count_text(hidden, "topic"));
   return out + result_line(*this);
 }
 

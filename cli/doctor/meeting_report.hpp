@@ -12,7 +12,7 @@
 namespace ddssec::cli {
 
 /// The directions that must work for topics.
-enum class Wanted : std::uint8_t {
+enum class WantedDirections : std::uint8_t {
   any,       ///< one direction is enough, on every topic
   both,      ///< both directions must work
   writer_a,  ///< the first participant writes and the second reads
@@ -186,7 +186,7 @@ struct MeetingView {
   std::string names[2];
   DomainId domain = 0;
   bool topics_named = false;  ///< topics were named; otherwise one topic that works is enough
-  Wanted wanted = Wanted::any;
+  WantedDirections wanted = WantedDirections::any;
   bool explain = false;  ///< show every judgement, not only those that decide
   Kept kept[2] = {};     ///< the folders with the documents that the meeting refers to
 

@@ -70,7 +70,7 @@ void look_at_permissions(const LoadedFolder& folder, const pki::RenewalList& lis
       out.push_back(std::move(reason));
 }
 
-std::string in_words(const Reasons& reasons, std::size_t entries) {
+std::string to_text(const Reasons& reasons, std::size_t entries) {
   constexpr std::size_t kMax = 3;
   auto out = fmt::format("{} of {} entries {} no effect", reasons.size(), entries,
                          reasons.size() == 1 ? "has" : "have");
@@ -104,7 +104,7 @@ void check_renewal_list(const LoadedFolder& folder, const doctor::Settings& sett
   look_at_permissions(folder, *list, settings.now, reasons);
   if (reasons.empty()) return;
   const auto entries = list->certificates.size() + list->permissions.size();
-  finding.message = fmt::format("{}: {}", file.filename().string(), in_words(reasons, entries));
+  finding.message = fmt::format("{}: {}", file.filename().string(), to_text(reasons, entries));
   // It is normal that some entries expire.
   finding.severity = reasons.size() == entries ? Severity::warning : Severity::informational;
   out.report({}, std::move(finding));

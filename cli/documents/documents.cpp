@@ -98,11 +98,11 @@ std::string FindingCounts::words() const {
   std::string out;
   for (const auto& [count, word] :
        {std::pair(errors, "error"), std::pair(warnings, "warning"), std::pair(notes, "note")})
-    if (count > 0) out += (out.empty() ? "" : ", ") + counted(count, word);
+    if (count > 0) out += (out.empty() ? "" : ", ") + count_text(count, word);
   return out.empty() ? "nothing found" : out;
 }
 
-std::string counted(const std::vector<Finding>& findings) {
+std::string counts_text(const std::vector<Finding>& findings) {
   return FindingCounts::of(findings).words();
 }
 

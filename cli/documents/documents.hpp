@@ -91,7 +91,7 @@ struct FindingCounts {
 };
 
 /// FindingCounts::words() of these findings.
-std::string counted(const std::vector<Finding>& findings);
+std::string counts_text(const std::vector<Finding>& findings);
 
 /// The value of --profile. Error: usage.
 Result<governance::Profile> profile_option(const Arguments& arguments);

@@ -190,7 +190,7 @@ Status FileTransaction::put(const fs::path& target, BytesView octets, unsigned m
     DDSSEC_ASSIGN_OR_RETURN(auto draft, write_draft(target, octets, mode));
     folder.drafts.push_back({std::move(draft), target});
   }
-  folder.files.push_back(written(target, octets, mode));
+  folder.files.push_back(written_file(target, octets, mode));
   return check_not_interrupted();
 }
 
@@ -288,7 +288,7 @@ Status append_lines(const fs::path& target, std::string_view lines, const fs::pa
 
 Result<WrittenFile> write_new_file(const fs::path& target, BytesView octets, unsigned mode) {
   DDSSEC_RETURN_IF_ERROR(check_nothing_at(target));
-  if (writes_nothing()) return written(target, octets, mode);
+  if (writes_nothing()) return written_file(target, octets, mode);
   DDSSEC_ASSIGN_OR_RETURN(auto draft_file, write_draft(target, octets, mode));
   const Draft draft{std::move(draft_file), target};
   if (const int error = rename_draft(draft, RENAME_NOREPLACE); error != 0) {
@@ -297,7 +297,7 @@ Result<WrittenFile> write_new_file(const fs::path& target, BytesView octets, uns
   }
   const auto in_folder = target_in_open_folder(target);
   remove_drafts_of({&in_folder, 1});
-  return written(target, octets, mode);
+  return written_file(target, octets, mode);
 }
 
 }  // namespace ddssec::cli

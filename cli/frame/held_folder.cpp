@@ -121,7 +121,7 @@ FileDescriptor open_folder_in(int parent, const fs::path& name) {
   return FileDescriptor(open_folder(parent, name, O_RDONLY | O_NOFOLLOW));
 }
 
-fs::path as_held(const fs::path& path) {
+fs::path path_in_held_folder(const fs::path& path) {
   if (const auto* folder = find_held(path)) return path_of(folder->descriptor);
   const auto* parent = path.has_filename() ? find_held(path.parent_path()) : nullptr;
   return parent != nullptr ? path_of(parent->descriptor) / path.filename() : path;

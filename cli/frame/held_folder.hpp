@@ -26,7 +26,7 @@ FileDescriptor open_folder_in(int parent, const std::filesystem::path& name);
 
 /// The path for reading a file directly in a held folder, or for the folder itself. Any other path
 /// is returned unchanged. For system calls, not for messages.
-std::filesystem::path as_held(const std::filesystem::path& path);
+std::filesystem::path path_in_held_folder(const std::filesystem::path& path);
 
 /// Keeps the owner of a replaced file, because the participant could not start with a key that only
 /// root can read. If root runs the command, the open `file` gets the owner and group of the target

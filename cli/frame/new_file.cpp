@@ -81,7 +81,7 @@ Status write_and_close(FileDescriptor file, const FilePlace& at, const fs::path&
   return unwritable_error(meant, error != 0 ? error : EIO);
 }
 
-WrittenFile written(const fs::path& path, BytesView octets, unsigned mode) {
+WrittenFile written_file(const fs::path& path, BytesView octets, unsigned mode) {
   return {.path = path,
           .mode = fmt::format("{:04o}", mode),
           .sha256 = to_hex(sha256(octets)),

@@ -48,6 +48,6 @@ Status write_and_close(FileDescriptor file, const FilePlace& at, const std::file
                        BytesView octets, Flush flush);
 
 /// The line of the report about a file.
-WrittenFile written(const std::filesystem::path& path, BytesView octets, unsigned mode);
+WrittenFile written_file(const std::filesystem::path& path, BytesView octets, unsigned mode);
 
 }  // namespace ddssec::cli

@@ -135,7 +135,7 @@ Status NewFolder::add(const fs::path& name, BytesView octets, unsigned mode) {
     DDSSEC_RETURN_IF_ERROR(create(name, octets, mode));
     names_.push_back(name);
   }
-  files_.push_back(written(target_ / name, octets, mode));
+  files_.push_back(written_file(target_ / name, octets, mode));
   return check_not_interrupted();
 }
 

@@ -156,15 +156,15 @@ class CommandLine {
     std::vector<std::string> out;
     for (const auto& slot : slots_) {
       if (slot.option->count() > 0) continue;
-      if (slot.required) out.push_back(shown(slot.name));
+      if (slot.required) out.push_back(option_with_value(slot.name));
       if (!slot.unless.empty() && !is_given(slot.unless))
-        out.push_back(fmt::format("{} (or {})", slot.name, shown(slot.unless)));
+        out.push_back(fmt::format("{} (or {})", slot.name, option_with_value(slot.unless)));
     }
     if (out.size() == 1) out[0] = left_out(out[0]);
     return out;
   }
   // An option together with its value.
-  std::string shown(std::string_view name) const {
+  std::string option_with_value(std::string_view name) const {
     const auto* option = option_named(name);
     return option == nullptr ? std::string(name)
                              : fmt::format("{} {}", option->name, option->value);

@@ -15,7 +15,7 @@ bool is_silent = false;
 
 }  // namespace
 
-void say_no_progress() { is_silent = true; }
+void hide_progress() { is_silent = true; }
 
 Progress::Progress(std::string what, std::size_t total)
     : what_(std::move(what)),

@@ -8,7 +8,7 @@
 namespace ddssec::cli {
 
 /// From now on commands show no progress (-q).
-void say_no_progress();
+void hide_progress();
 
 /// Counts steps and shows them on standard error, beginning after one second. On a terminal one
 /// line is updated in place; elsewhere a new line is written from time to time.

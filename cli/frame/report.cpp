@@ -248,7 +248,7 @@ std::string diagnostics_text(const Report& report, Style style) {
   return out;
 }
 
-std::string counted(std::size_t count, std::string_view thing) {
+std::string count_text(std::size_t count, std::string_view thing) {
   return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
 }
 

@@ -70,7 +70,7 @@ std::string diagnostics_text(const Report& report, Style style = {});
 std::string hint_of(const Error& error, const std::string& help_on = {});
 
 /// For example "1 folder" or "3 folders".
-std::string counted(std::size_t count, std::string_view thing);
+std::string count_text(std::size_t count, std::string_view thing);
 
 /// For example "would write 0600 path" for every file: the output of --dry-run.
 std::string dry_run_text(const Report& report);

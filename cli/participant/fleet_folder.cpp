@@ -62,7 +62,7 @@ std::string FleetFolder::text() const {
       "each folder has cyclonedds.xml and fastdds.xml, which name its files by their whole paths\n";
   if (kept_ > 0)
     out += fmt::format("{} of the file: left as before, with the rights of before\n",
-                       counted(kept_, "earlier participant"));
+                       count_text(kept_, "earlier participant"));
   return out;
 }
 

@@ -164,7 +164,7 @@ class EnclaveSearch {
   explicit EnclaveSearch(fs::path root) : root_(std::move(root)) {}
 
   Enclaves run() {
-    look_into(root_, 0);
+    search_folder(root_, 0);
     std::ranges::sort(out_.names);
     std::ranges::sort(out_.without_key);
     std::ranges::sort(out_.empty);
@@ -178,7 +178,7 @@ class EnclaveSearch {
     std::vector<fs::path> folders = {}, links = {};
   };
 
-  void look_into(const fs::path& folder, int depth) {
+  void search_folder(const fs::path& folder, int depth) {
     if (out_.names.size() >= kMaxEnclaves) return;
     std::error_code error;
     auto content = content_of(folder, error);
@@ -190,7 +190,7 @@ class EnclaveSearch {
     if (depth == kMaxEnclaveDepth && !content.folders.empty())
       return leave_out(folder, fmt::format("there are folders deeper than {}", kMaxEnclaveDepth));
     std::ranges::sort(content.folders);
-    for (const auto& inner : content.folders) look_into(inner, depth + 1);
+    for (const auto& inner : content.folders) search_folder(inner, depth + 1);
   }
 
   // The entries that were read before an error are kept.
