@@ -18,7 +18,8 @@
 #include "cli/frame/notices.hpp"
 #include "cli/frame/parsed_command.hpp"
 #include "cli/frame/progress.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/passphrase.hpp"
+#include "cli/inputs/times.hpp"
 #include "pki/token_logins.hpp"
 
 namespace {

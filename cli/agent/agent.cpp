@@ -17,7 +17,7 @@
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
 #include "cli/frame/new_file.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/times.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -11,10 +11,14 @@
 #include "cli/ca/ca_overlap.hpp"
 #include "cli/ca/logged_certificate.hpp"
 #include "cli/ca/renewal_list.hpp"
+#include "cli/ca/signed_documents.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/documents/signed_documents.hpp"
 #include "cli/documents/signed_permissions.hpp"
 #include "cli/frame/new_file.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/keys.hpp"
+#include "cli/inputs/passphrase.hpp"
+#include "cli/inputs/times.hpp"
 #include "cli/participant/participant.hpp"
 #include "governance/write.hpp"
 #include "pki/ocsp_address.hpp"
@@ -186,7 +190,7 @@ Status check_passphrase(const fs::path& key, const Arguments& arguments) {
   if (key.extension() == ".p11" || !path_exists(key)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const bool encrypted, is_encrypted(key));
   if (!encrypted) return {};
-  DDSSEC_ASSIGN_OR_RETURN(const auto secret, passphrase(arguments, Typed::once));
+  DDSSEC_ASSIGN_OR_RETURN(const auto secret, passphrase(arguments));
   DDSSEC_RETURN_IF_ERROR(read_key(key, &secret));
   return {};
 }

@@ -15,7 +15,7 @@
 #include "cli/documents/signed_permissions.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 #include "pki/smime.hpp"
 
 namespace ddssec::cli {

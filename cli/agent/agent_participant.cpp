@@ -17,6 +17,8 @@
 #include "cli/documents/signed_permissions.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/keys.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
 #include "pki/chain.hpp"

@@ -9,7 +9,8 @@
 #include "cli/ca/ocsp_response.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/frame/file_transaction.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/times.hpp"
 #include "pki/chain.hpp"
 #include "pki/ocsp_fetch.hpp"
 

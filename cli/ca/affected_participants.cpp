@@ -5,9 +5,9 @@
 #include <set>
 
 #include "cli/ca/logged_certificate.hpp"
+#include "cli/ca/participant_places.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/inputs.hpp"
-#include "cli/participant/participant_places.hpp"
+#include "cli/inputs/files.hpp"
 
 namespace ddssec::cli {
 namespace {

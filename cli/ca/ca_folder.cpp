@@ -9,8 +9,9 @@
 #include <fmt/format.h>
 
 #include "cli/documents/documents.hpp"
-#include "cli/folder_kind.hpp"
+#include "cli/folders/folder_kind.hpp"
 #include "cli/frame/notices.hpp"
+#include "cli/inputs/passphrase.hpp"
 #include "pki/certificate_source.hpp"
 #include "pki/participant_folder.hpp"
 
@@ -31,31 +32,6 @@ Status check_key_mode(const fs::path& key, const Arguments& arguments) {
 
 }  // namespace
 
-CaPaths ca_paths_in(const fs::path& folder) {
-  return {folder / "ca.pem",       pki::path_or_token_file(folder / "ca.key.pem"),
-          folder / "issued.jsonl", folder / "crl.pem",
-          folder / "signed.jsonl", folder / "renewed.pem"};
-}
-
-CaPaths ca_paths(const fs::path& given, std::string_view role) {
-  const std::string name = std::string(role) + "_ca";
-  if (path_exists(given / "public" / (name + ".cert.pem")))  // the layout of a ROS 2 keystore
-    return {
-        given / "public" / (name + ".cert.pem"),      given / "private" / (name + ".key.pem"),
-        given / "private" / (name + ".issued.jsonl"), given / "public" / (name + ".crl.pem"),
-        given / "private" / (name + ".signed.jsonl"), given / "public" / (name + ".renewed.pem")};
-  // `init` puts the CAs into a folder below its result.
-  const auto inner = given / "ca";
-  const bool from_init =
-      !path_exists(given / role / "ca.pem") && path_exists(inner / role / "ca.pem");
-  return ca_paths_in(ca_folder(from_init ? inner : given, role));
-}
-
-fs::path ca_certificate_path(const fs::path& given, std::string_view role) {
-  std::error_code ignored;
-  return fs::is_directory(given, ignored) ? ca_paths(given, role).certificate : given;
-}
-
 Result<std::string> role_option(const Arguments& arguments) {
   auto role = arguments.text("--role");
   if (role == "identity" || role == "permissions") return role;
@@ -69,7 +45,7 @@ Status CaOpener::prepare(const fs::path& path) {
   if (path.extension() != ".p11" && !passphrase_) {
     DDSSEC_ASSIGN_OR_RETURN(const auto encrypted, is_encrypted(path));
     if (encrypted) {
-      DDSSEC_ASSIGN_OR_RETURN(passphrase_, passphrase(arguments_, Typed::once));
+      DDSSEC_ASSIGN_OR_RETURN(passphrase_, passphrase(arguments_));
     }
   }
   return {};

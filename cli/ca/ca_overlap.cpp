@@ -4,9 +4,10 @@
 
 #include "base/tool_code.hpp"
 #include "cli/ca/revocation_lists.hpp"
+#include "cli/ca/signed_documents.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/documents/signed_documents.hpp"
 #include "cli/frame/report.hpp"
+#include "cli/inputs/files.hpp"
 #include "governance/date_time.hpp"
 #include "pki/certificate_source.hpp"
 

@@ -6,9 +6,10 @@
 #include <fmt/format.h>
 
 #include "cli/ca/logged_certificate.hpp"
+#include "cli/ca/signed_documents.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/documents/signed_documents.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/times.hpp"
 #include "pki/key_digests.hpp"
 
 namespace ddssec::cli {

@@ -8,11 +8,12 @@
 #include "cli/ca/logged_certificate.hpp"
 #include "cli/ca/renewal_list.hpp"
 #include "cli/ca/revocation_lists.hpp"
+#include "cli/ca/signed_documents.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/documents/signed_documents.hpp"
 #include "cli/frame/held_folder.hpp"
 #include "cli/frame/notices.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/times.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "base/bytes.hpp"
 #include "cli/frame/fields.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/times.hpp"
 #include "pki/certificate.hpp"
 
 namespace ddssec::cli {

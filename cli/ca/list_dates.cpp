@@ -5,9 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca/participant_places.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/participant/participant_places.hpp"
+#include "cli/inputs/files.hpp"
 #include "pki/participant_folder.hpp"
 
 namespace ddssec::cli {

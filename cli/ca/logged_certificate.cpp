@@ -6,10 +6,12 @@
 
 #include "base/tool_code.hpp"
 #include "cli/ca/ca_overlap.hpp"
+#include "cli/ca/participant_places.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/frame/held_folder.hpp"
-#include "cli/participant/participant_places.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/times.hpp"
 #include "pki/subject_name.hpp"
 
 namespace ddssec::cli {

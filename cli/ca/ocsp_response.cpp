@@ -5,7 +5,7 @@
 #include "base/tool_code.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 #include "pki/chain.hpp"
 #include "pki/ocsp_fetch.hpp"
 

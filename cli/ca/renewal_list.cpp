@@ -13,7 +13,7 @@
 #include "base/tool_code.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/frame/notices.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 #include "governance/grant_extension.hpp"
 #include "governance/read.hpp"
 #include "governance/write.hpp"

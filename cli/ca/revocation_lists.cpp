@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca/participant_places.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/inputs.hpp"
-#include "cli/participant/participant_places.hpp"
+#include "cli/inputs/files.hpp"
 #include "pki/participant_folder.hpp"
 
 namespace ddssec::cli {

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "cli/inputs.hpp"
+#include "cli/inputs/times.hpp"
 #include "governance/cyclonedds_subject.hpp"
 #include "pki/subject_name.hpp"
 

@@ -7,17 +7,21 @@
 
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/ca_progress.hpp"
+#include "cli/ca/participant_places.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/commands/ca_results.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/folder_kind.hpp"
+#include "cli/folders/enclaves.hpp"
+#include "cli/folders/folder_kind.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/new_folder.hpp"
 #include "cli/frame/options.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/keys.hpp"
+#include "cli/inputs/passphrase.hpp"
+#include "cli/inputs/times.hpp"
 #include "cli/participant/participant.hpp"
-#include "cli/participant/participant_places.hpp"
 #include "governance/doctor/shell_word.hpp"
 #include "pki/certificate_source.hpp"
 
@@ -87,7 +91,7 @@ Result<Answer<CreatedCas>> ca_create(const Arguments& arguments, const Context& 
   }
   std::optional<pki::Passphrase> secret;
   if (!in_token && !arguments.has("--no-passphrase")) {
-    DDSSEC_ASSIGN_OR_RETURN(secret, passphrase(arguments, Typed::twice));
+    DDSSEC_ASSIGN_OR_RETURN(secret, new_passphrase(arguments));
   }
 
   Answer<CreatedCas> out{{target, secret.has_value(), {}, in_token}};
@@ -127,7 +131,7 @@ Result<ImportedKey> imported_key(const Arguments& arguments) {
   DDSSEC_ASSIGN_OR_RETURN(const auto encrypted, is_encrypted(given));
   const bool is_plain = !encrypted;
   if (!is_plain || !arguments.has("--no-passphrase")) {
-    DDSSEC_ASSIGN_OR_RETURN(secret, passphrase(arguments, is_plain ? Typed::twice : Typed::once));
+    DDSSEC_ASSIGN_OR_RETURN(secret, is_plain ? new_passphrase(arguments) : passphrase(arguments));
   }
   DDSSEC_ASSIGN_OR_RETURN(auto key, read_key(given, secret ? &*secret : nullptr));
   return ImportedKey{{std::move(key)}, std::move(secret)};

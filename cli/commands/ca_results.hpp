@@ -14,7 +14,7 @@
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/ca/rotation_forecast.hpp"
 #include "cli/frame/report.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/times.hpp"
 
 namespace ddssec::cli {
 

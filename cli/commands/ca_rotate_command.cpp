@@ -14,9 +14,10 @@
 #include "cli/commands/ca_results.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/folder_kind.hpp"
+#include "cli/folders/folder_kind.hpp"
 #include "cli/frame/options.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/times.hpp"
 #include "cli/participant/participant.hpp"
 #include "cli/participant/running_participant.hpp"
 

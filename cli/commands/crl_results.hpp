@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca/participant_places.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/frame/answer.hpp"
-#include "cli/inputs.hpp"
-#include "cli/participant/participant_places.hpp"
+#include "cli/inputs/times.hpp"
 
 namespace ddssec::cli {
 

@@ -6,7 +6,7 @@
 #include "cli/diff/governance_diff_report.hpp"
 #include "cli/diff/permissions_diff_report.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 #include "governance/read.hpp"
 
 namespace ddssec::cli {

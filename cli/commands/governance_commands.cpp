@@ -6,9 +6,10 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "cli/ca/governance_revision.hpp"
+#include "cli/ca/new_document.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/documents/governance_revision.hpp"
 #include "cli/frame/options.hpp"
 #include "governance/lint.hpp"
 #include "governance/profile.hpp"

@@ -10,14 +10,15 @@
 #include "cli/ca/ca_overlap.hpp"
 #include "cli/ca/list_dates.hpp"
 #include "cli/ca/logged_certificate.hpp"
+#include "cli/ca/participant_places.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/folder_kind.hpp"
+#include "cli/folders/folder_kind.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/options.hpp"
-#include "cli/inputs.hpp"
-#include "cli/participant/participant_places.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/times.hpp"
 #include "governance/doctor/shell_word.hpp"
 
 namespace ddssec::cli {

@@ -5,15 +5,18 @@
 
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/certificate_facts.hpp"
+#include "cli/ca/governance_revision.hpp"
 #include "cli/ca/revocation_lists.hpp"
+#include "cli/ca/signed_documents.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/documents/governance_revision.hpp"
-#include "cli/documents/signed_documents.hpp"
+#include "cli/folders/enclaves.hpp"
 #include "cli/frame/new_folder.hpp"
 #include "cli/frame/options.hpp"
 #include "cli/frame/progress.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/participant_options.hpp"
+#include "cli/inputs/times.hpp"
 #include "cli/participant/configuration_files.hpp"
 #include "cli/participant/drop_in.hpp"
 #include "cli/participant/keystore.hpp"
@@ -199,7 +202,7 @@ Status add_cas(NewFolder& folder, const Plan& plan, const OpenCa& identity,
                const OpenCa& permissions, const pki::Crl& crl) {
   if (plan.layout == pki::FolderLayout::sros2) {
     DDSSEC_RETURN_IF_ERROR(
-        add_keystore_cas(folder, {identity.authority, permissions.authority, false}, nullptr));
+        add_keystore_cas(folder, identity.authority, &permissions.authority, nullptr));
     return folder.add_public("public/identity_ca.crl.pem", crl.pem());
   }
   DDSSEC_RETURN_IF_ERROR(add_ca(folder, ca_paths_in("ca/identity"), identity.trust_pem,

@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "cli/capture.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/progress.hpp"
+#include "cli/inputs/capture.hpp"
 #include "pki/certificate.hpp"
 #include "rtps/observer/frames.hpp"
 #include "rtps/observer/meetings.hpp"

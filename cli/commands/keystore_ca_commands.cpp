@@ -10,9 +10,10 @@
 #include "cli/ca/list_dates.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
+#include "cli/folders/enclaves.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/options.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 #include "cli/participant/keystore.hpp"
 
 namespace ddssec::cli {

@@ -7,8 +7,10 @@
 #include <fmt/format.h>
 
 #include "cli/ca/ca_folder.hpp"
+#include "cli/ca/governance_revision.hpp"
 #include "cli/ca/logged_certificate.hpp"
 #include "cli/ca/revocation_lists.hpp"
+#include "cli/ca/signed_documents.hpp"
 #include "cli/ca/subject_overlap.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/commands/keystore_results.hpp"
@@ -16,17 +18,19 @@
 #include "cli/doctor/doctor_options.hpp"
 #include "cli/doctor/products.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/documents/governance_revision.hpp"
 #include "cli/documents/granted_domains.hpp"
 #include "cli/documents/ros_policy.hpp"
-#include "cli/documents/signed_documents.hpp"
 #include "cli/documents/signed_permissions.hpp"
+#include "cli/folders/enclaves.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
 #include "cli/frame/new_folder.hpp"
 #include "cli/frame/options.hpp"
 #include "cli/frame/rename_recovery.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/keys.hpp"
+#include "cli/inputs/passphrase.hpp"
+#include "cli/inputs/times.hpp"
 #include "cli/participant/configuration_files.hpp"
 #include "cli/participant/keystore.hpp"
 #include "governance/doctor/domains_of_folder.hpp"
@@ -58,7 +62,7 @@ Result<Answer<CreatedKeystore>> keystore_create(const Arguments& arguments,
   DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(target));
   std::optional<pki::Passphrase> secret;
   if (!arguments.has("--no-passphrase")) {
-    DDSSEC_ASSIGN_OR_RETURN(secret, passphrase(arguments, Typed::twice));
+    DDSSEC_ASSIGN_OR_RETURN(secret, new_passphrase(arguments));
   }
   const bool single = arguments.has("--single-ca");
   DDSSEC_ASSIGN_OR_RETURN(const auto identity,
@@ -67,8 +71,8 @@ Result<Answer<CreatedKeystore>> keystore_create(const Arguments& arguments,
   if (!single) {
     DDSSEC_ASSIGN_OR_RETURN(permissions, make_ca(target, "Permissions", arguments, context));
   }
-  DDSSEC_RETURN_IF_ERROR(
-      add_keystore_cas(folder, {identity, permissions, single}, secret ? &*secret : nullptr));
+  DDSSEC_RETURN_IF_ERROR(add_keystore_cas(folder, identity, single ? nullptr : &permissions,
+                                          secret ? &*secret : nullptr));
   const auto xml = to_xml(governance::governance_of(profile, domains));
   const auto text = with_first_revision(xml);
   DDSSEC_ASSIGN_OR_RETURN(

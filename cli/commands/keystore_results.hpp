@@ -11,7 +11,7 @@
 #include "base/ids.hpp"
 #include "cli/ca/certificate_facts.hpp"
 #include "cli/frame/fields.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/times.hpp"
 
 namespace ddssec::cli {
 

@@ -5,8 +5,8 @@
 
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/folder_kind.hpp"
-#include "cli/inputs.hpp"
+#include "cli/folders/folder_kind.hpp"
+#include "cli/inputs/files.hpp"
 #include "governance/lint.hpp"
 #include "pki/certificate_source.hpp"
 

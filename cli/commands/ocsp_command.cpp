@@ -7,9 +7,8 @@
 #include "cli/ca/ocsp_response.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/folder_kind.hpp"
+#include "cli/folders/folder_kind.hpp"
 #include "cli/frame/file_transaction.hpp"
-#include "cli/inputs.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -5,13 +5,15 @@
 #include <fmt/format.h>
 
 #include "cli/ca/ca_folder.hpp"
+#include "cli/ca/new_document.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/documents/granted_domains.hpp"
-#include "cli/folder_kind.hpp"
+#include "cli/folders/folder_kind.hpp"
 #include "cli/frame/new_file.hpp"
 #include "cli/frame/options.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/times.hpp"
 #include "governance/doctor/domains_of_folder.hpp"
 #include "governance/lint.hpp"
 #include "governance/read.hpp"

@@ -4,11 +4,13 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca/new_document.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/documents/ros_policy.hpp"
 #include "cli/frame/options.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/times.hpp"
 #include "governance/lint.hpp"
 #include "governance/write.hpp"
 

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "cli/ca/ca_folder.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/inputs.hpp"
+#include "cli/folders/ca_paths.hpp"
+#include "cli/inputs/files.hpp"
 #include "pki/certificate_source.hpp"
 #include "pki/smime_diagnosis.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "base/text.hpp"
 #include "base/uri_source.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 #include "governance/doctor/configuration_checks.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "pki/certificate_source.hpp"

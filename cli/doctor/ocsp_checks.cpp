@@ -7,7 +7,7 @@
 #include "base/uri_source.hpp"
 #include "cli/ca/ocsp_response.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 #include "plugins/spi/ocsp_policy.hpp"
 #include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"

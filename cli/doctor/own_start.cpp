@@ -10,7 +10,7 @@
 #include "base/clock.hpp"
 #include "base/engine_services.hpp"
 #include "base/event.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/effective_security.hpp"
 #include "governance/doctor/expanded_variables.hpp"

@@ -10,7 +10,7 @@
 #include "cli/doctor/pre_shared_keys.hpp"
 #include "cli/doctor/renewal_list_check.hpp"
 #include "cli/doctor/weakened_protection.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/domain_tag.hpp"
 #include "governance/doctor/effective_security.hpp"

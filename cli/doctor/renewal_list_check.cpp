@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/uri_source.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 #include "governance/read.hpp"
 #include "pki/renewal_list.hpp"
 #include "pki/smime_diagnosis.hpp"

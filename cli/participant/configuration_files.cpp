@@ -7,7 +7,7 @@
 
 #include "base/bytes.hpp"
 #include "base/text.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 #include "governance/doctor/shell_word.hpp"
 #include "pki/certificate_source.hpp"
 

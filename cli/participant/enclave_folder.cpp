@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 #include "pki/certificate_source.hpp"
 
 namespace ddssec::cli {

@@ -12,6 +12,10 @@
 #include <toml++/toml.h>
 
 #include "cli/frame/suggestions.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/keys.hpp"
+#include "cli/inputs/participant_options.hpp"
+#include "cli/inputs/times.hpp"
 #include "pki/certificate_source.hpp"
 
 namespace ddssec::cli {

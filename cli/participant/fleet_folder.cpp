@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca/signed_documents.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/documents/signed_documents.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 #include "cli/participant/configuration_files.hpp"
 #include "pki/participant_folder.hpp"
 

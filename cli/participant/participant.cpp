@@ -6,7 +6,7 @@
 
 #include "base/text.hpp"
 #include "base/tool_code.hpp"
-#include "cli/documents/signed_documents.hpp"
+#include "cli/ca/signed_documents.hpp"
 #include "cli/participant/configuration_files.hpp"
 #include "governance/grant.hpp"
 #include "governance/lint.hpp"

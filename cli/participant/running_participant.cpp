@@ -3,7 +3,8 @@
 #include "base/text.hpp"
 #include "base/tool_code.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
+#include "cli/inputs/keys.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -1,4 +1,4 @@
-#include "cli/capture.hpp"
+#include "cli/inputs/capture.hpp"
 
 #include <cerrno>
 #include <cstdio>
@@ -13,7 +13,7 @@
 
 #include "base/hash.hpp"
 #include "cli/frame/file_transaction.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 
 namespace ddssec::cli {
 namespace {

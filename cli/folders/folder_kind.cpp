@@ -1,4 +1,4 @@
-#include "cli/folder_kind.hpp"
+#include "cli/folders/folder_kind.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "cli/ca/ca_folder.hpp"
+#include "cli/folders/ca_paths.hpp"
+#include "cli/folders/enclaves.hpp"
 #include "cli/frame/missing_path.hpp"
-#include "cli/inputs.hpp"
-#include "cli/participant/keystore.hpp"
+#include "cli/inputs/files.hpp"
 #include "pki/certificate_source.hpp"
 #include "pki/participant_folder.hpp"
 

@@ -1,4 +1,4 @@
-#include "cli/documents/signed_documents.hpp"
+#include "cli/ca/signed_documents.hpp"
 
 #include <algorithm>
 
@@ -8,7 +8,7 @@
 #include "cli/documents/documents.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/notices.hpp"
-#include "cli/inputs.hpp"
+#include "cli/inputs/files.hpp"
 #include "pki/certificate_source.hpp"
 #include "pki/smime.hpp"
 

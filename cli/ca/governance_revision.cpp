@@ -1,4 +1,4 @@
-#include "cli/documents/governance_revision.hpp"
+#include "cli/ca/governance_revision.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -6,9 +6,8 @@
 #include <fmt/format.h>
 
 #include "base/tool_code.hpp"
+#include "cli/ca/signed_documents.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/documents/signed_documents.hpp"
-#include "cli/inputs.hpp"
 #include "governance/write.hpp"
 
 namespace ddssec::cli {

@@ -1,10 +1,10 @@
-#include "cli/ca/issuing_cas.hpp"
+#include "cli/participant/issuing_cas.hpp"
 
 #include "cli/ca/ca_overlap.hpp"
 #include "cli/ca/revocation_lists.hpp"
+#include "cli/ca/signed_documents.hpp"
 #include "cli/ca/subject_overlap.hpp"
 #include "cli/documents/documents.hpp"
-#include "cli/documents/signed_documents.hpp"
 #include "cli/frame/interruption.hpp"
 
 namespace ddssec::cli {

@@ -1,4 +1,4 @@
-#include "cli/participant/participant_places.hpp"
+#include "cli/ca/participant_places.hpp"
 
 #include <algorithm>
 #include <fcntl.h>
@@ -10,7 +10,8 @@
 #include "base/guarded_path.hpp"
 #include "cli/ca/ca_overlap.hpp"
 #include "cli/ca/logged_certificate.hpp"
-#include "cli/participant/keystore.hpp"
+#include "cli/folders/enclaves.hpp"
+#include "cli/inputs/files.hpp"
 
 namespace ddssec::cli {
 namespace {
