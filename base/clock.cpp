@@ -1,13 +1,9 @@
 #include "base/clock.hpp"
 
-#include <array>
 #include <ctime>
 
 #include <fmt/chrono.h>
 #include <sodium.h>
-
-#include "base/seeded_random.hpp"
-#include "base/writer.hpp"
 
 namespace ddssec {
 
@@ -42,16 +38,6 @@ Status SystemRandom::fill(MutableBytes out) {
   static const bool ready = sodium_init() >= 0;
   if (!ready) return fail(Code::random_failed);
   randombytes_buf(out.data(), out.size());
-  return {};
-}
-
-Status SeededRandom::fill(MutableBytes out) {
-  Writer seed;
-  seed.write(seed_);
-  seed.write(counter_++);
-  std::array<std::uint8_t, randombytes_SEEDBYTES> key{};
-  std::ranges::copy(seed.view(), key.begin());
-  randombytes_buf_deterministic(out.data(), out.size(), key.data());
   return {};
 }
 

@@ -3,10 +3,10 @@
 
 #include <set>
 
-#include "base/seeded_random.hpp"
 #include "tests/sim/insider.hpp"
 #include "tests/sim/invariants.hpp"
 #include "tests/sim/network.hpp"
+#include "tests/support/seeded_random.hpp"
 
 namespace ddssec::rtps::sim {
 

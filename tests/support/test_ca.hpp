@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "base/seeded_random.hpp"
 #include "pki/authority.hpp"
+#include "tests/support/seeded_random.hpp"
 
 namespace ddssec::test {
 

@@ -1,6 +1,6 @@
 // What somebody on the wire, or an authenticated peer gone bad, may send (T27, T28, T29, T42, T43,
 // T45 of the catalogue of attacks).
-#include "base/seeded_random.hpp"
+#include "tests/support/seeded_random.hpp"
 #include "tests/unit/cryptography/insider.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 

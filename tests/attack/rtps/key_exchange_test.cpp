@@ -1,7 +1,7 @@
 // The channel that brings keys: a peer that announces much loses none of its keys, and one that
 // acknowledges nothing takes little memory.
-#include "base/seeded_random.hpp"
 #include "tests/support/counted_memory.hpp"
+#include "tests/support/seeded_random.hpp"
 #include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps::testing {

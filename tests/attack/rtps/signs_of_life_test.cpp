@@ -1,6 +1,6 @@
 // What keeps an authenticated peer's lease alive: only what its own keys protected and what was not
 // said before, under every governance.
-#include "base/seeded_random.hpp"
+#include "tests/support/seeded_random.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/info_source.hpp"
 

@@ -14,7 +14,6 @@
 
 #include "base/documents_in_use.hpp"
 #include "base/event.hpp"
-#include "base/seeded_random.hpp"
 #include "base/writer.hpp"
 #include "pki/authority.hpp"
 #include "pki/key_agreement.hpp"
@@ -24,6 +23,7 @@
 #include "plugins/spi/property_names.hpp"
 #include "tests/support/expect_code.hpp"
 #include "tests/support/recorded_events.hpp"
+#include "tests/support/seeded_random.hpp"
 #include "tests/support/test_ca.hpp"
 
 namespace ddssec::authentication {

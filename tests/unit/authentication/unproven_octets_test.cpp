@@ -3,8 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include "base/seeded_random.hpp"
 #include "plugins/authentication/credentials.hpp"
+#include "tests/support/seeded_random.hpp"
 #include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/seeded_random.hpp"
+#include "tests/support/seeded_random.hpp"
 
 namespace ddssec {
 namespace {

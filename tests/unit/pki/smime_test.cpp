@@ -2,11 +2,11 @@
 
 #include <filesystem>
 
-#include "base/seeded_random.hpp"
 #include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
 #include "pki/self_signed.hpp"
 #include "pki_fixture.hpp"
+#include "tests/support/seeded_random.hpp"
 #include "untimed_signature.hpp"
 
 namespace ddssec::pki {

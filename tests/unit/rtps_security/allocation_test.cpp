@@ -1,5 +1,5 @@
 // Protection allocates nothing for a sample: not to write it, not on the wire, not to take it.
-#include "base/seeded_random.hpp"
+#include "tests/support/seeded_random.hpp"
 #include "tests/unit/rtps/sample_flow.hpp"
 #include "tests/unit/rtps_security/security_fixture.hpp"
 

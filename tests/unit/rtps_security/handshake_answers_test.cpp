@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "base/seeded_random.hpp"
 #include "plugins/authentication/authentication.hpp"
+#include "tests/support/seeded_random.hpp"
 #include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {

@@ -3,8 +3,8 @@
 
 #include <dirent.h>
 
-#include "base/seeded_random.hpp"
 #include "rtps/participant/shared_memory.hpp"
+#include "tests/support/seeded_random.hpp"
 #include "tests/unit/rtps_memory/hostile_sockets.hpp"
 #include "tests/unit/rtps_security/shared_memory_fixture.hpp"
 

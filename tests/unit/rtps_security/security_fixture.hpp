@@ -8,7 +8,6 @@
 #include <gmock/gmock.h>
 
 #include "base/engine_services.hpp"
-#include "base/seeded_random.hpp"
 #include "governance/write.hpp"
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/authentication/authentication.hpp"
@@ -17,6 +16,7 @@
 #include "rtps/participant/rtps_participant.hpp"
 #include "tests/support/code_of.hpp"
 #include "tests/support/recorded_events.hpp"
+#include "tests/support/seeded_random.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/pki/pki_fixture.hpp"
 
