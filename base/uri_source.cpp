@@ -68,17 +68,12 @@ Result<Uri> parse_uri(std::string_view uri) {
                                       .found = pasted ? "PEM text without data:," : start});
 }
 
-Error too_large_error(std::size_t max_octets, std::size_t found) {
-  return Error(Code::file_too_large,
-               {.expected = "at most " + std::to_string(max_octets) + " octets",
-                .found = std::to_string(found)});
-}
-
 Result<Bytes> load_file(const std::string& path, std::size_t max_octets) {
   // O_NONBLOCK keeps a FIFO in place of the file from blocking the process.
   const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   DDSSEC_ASSIGN_OR_RETURN(const std::size_t size, file_size(file, path));
-  if (size > max_octets) return std::unexpected(too_large_error(max_octets, size));
+  if (size > max_octets)
+    return std::unexpected(too_many_octets_error(Code::file_too_large, max_octets, size));
   Bytes octets(size);
   const auto read = read_up_to(file, path, octets);
   if (!read) {
@@ -95,7 +90,8 @@ Result<Bytes> load_unnamed(std::string_view text, std::size_t max_octets) {
   if (uri.scheme == Scheme::file) return load_file(std::string(uri.rest), max_octets);
   if (uri.rest.empty()) return fail(Code::item_empty);
   if (uri.rest.size() > max_octets)
-    return std::unexpected(too_large_error(max_octets, uri.rest.size()));
+    return std::unexpected(
+        too_many_octets_error(Code::file_too_large, max_octets, uri.rest.size()));
   return to_bytes(as_bytes(uri.rest));
 }
 
@@ -119,6 +115,11 @@ bool is_shown(std::string_view attribute) {
 }
 
 }  // namespace
+
+Error too_many_octets_error(Code code, std::size_t max_octets, std::size_t found) {
+  return Error(code, {.expected = "at most " + std::to_string(max_octets) + " octets",
+                      .found = std::to_string(found)});
+}
 
 Result<Bytes> load(std::string_view uri, std::string_view property, std::size_t max_octets) {
   auto octets = load_unnamed(uri, max_octets);

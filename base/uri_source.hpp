@@ -35,6 +35,9 @@ Result<S> load_secret(std::string_view uri, std::string_view property) {
   return secret;
 }
 
+/// Returns the error about a document that has too many octets: `max_octets` are accepted.
+Error too_many_octets_error(Code code, std::size_t max_octets, std::size_t found);
+
 /// True if `uri` names an object of a PKCS#11 token (RFC 7512), which pki reads.
 bool names_token(std::string_view uri);
 

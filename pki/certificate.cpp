@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 
+#include "base/uri_source.hpp"
 #include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
 #include "pki/openssl_guards.hpp"
@@ -153,9 +154,7 @@ Error no_pem_block_error(BytesView octets) {
 }
 
 Error too_large_error(std::size_t max_octets, std::size_t found) {
-  return Error(Code::certificate_too_large,
-               {.expected = "at most " + std::to_string(max_octets) + " octets",
-                .found = std::to_string(found)});
+  return too_many_octets_error(Code::certificate_too_large, max_octets, found);
 }
 
 // Reads the next certificate of a PEM text; nothing at its end.

@@ -4,6 +4,7 @@
 #include <array>
 #include <set>
 
+#include "base/uri_source.hpp"
 #include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
 
@@ -206,9 +207,8 @@ namespace {
 
 Result<std::vector<Crl>> lists_from(BytesView octets, Deltas deltas) {
   if (octets.size() > kMaxDocumentOctets)
-    return fail(Code::crl_too_large,
-                {.expected = "at most " + std::to_string(kMaxDocumentOctets) + " octets",
-                 .found = std::to_string(octets.size())});
+    return std::unexpected(
+        too_many_octets_error(Code::crl_too_large, kMaxDocumentOctets, octets.size()));
   if (octets.empty() || octets[0] != kDerSequence) return from_pem(octets, deltas);
   DDSSEC_ASSIGN_OR_RETURN(auto crl, from_der(octets, deltas));
   return std::vector<Crl>{std::move(crl)};

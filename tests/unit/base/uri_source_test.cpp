@@ -77,6 +77,13 @@ TEST_F(UriSource, EachRefusal_HasItsCodeAndNamesTheProperty) {
   check("data:text/plain;base64,aGVsbG8=", Code::unsupported_uri);
 }
 
+TEST(TooManyOctets, Error_NamesTheLimitAndTheSize) {
+  const auto error = too_many_octets_error(Code::crl_too_large, 10, 11);
+  EXPECT_EQ(error.code(), Code::crl_too_large);
+  EXPECT_EQ(error.details().expected, "at most 10 octets");
+  EXPECT_EQ(error.details().found, "11");
+}
+
 TEST_F(UriSource, Fifo_DoesNotHang) {
   const auto path = (folder_ / "fifo").string();
   ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
