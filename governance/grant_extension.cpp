@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "governance/decision.hpp"
+#include "governance/write.hpp"
 
 namespace ddssec::governance {
 namespace {
@@ -86,6 +88,19 @@ bool fits(const GrantRule& next, const GrantRule& former) {
   return matches_all_of(former, next, true) && (decides_joining(former) || !decides_joining(next));
 }
 
+std::string rights_in(Grant grant) {
+  grant.name = grant.subject_name = "X";
+  grant.subject_is_expression = grant.subject_has_line_breaks = false;
+  grant.validity = {};
+  return to_xml(Permissions{.grants = {std::move(grant)}});
+}
+
+std::vector<const GrantRule*> rules_of(const Grant& grant) {
+  std::vector<const GrantRule*> out;
+  for (const auto& rule : grant.rules) out.push_back(&rule);
+  return out;
+}
+
 }  // namespace
 
 std::vector<const GrantRule*> rules_for(const Grant& grant, DomainId domain, std::string_view tag) {
@@ -121,6 +136,24 @@ bool gives_at_least(const Decisions& next, const Decisions& former) {
     }
   }
   return next.default_allow || !former.default_allow;
+}
+
+bool give_the_same(const Grant& a, const Grant& b) {
+  return a.subject_name == b.subject_name && rights_in(a) == rights_in(b);
+}
+
+bool gives_at_least(const Grant& next, const Grant& former) {
+  if (give_the_same(next, former)) return true;
+  if (next.subject_name != former.subject_name || former.rules.empty()) return false;
+  const auto& domains = former.rules.front().domains;
+  const auto are_alike = [&](const Grant& grant) {
+    return std::ranges::all_of(grant.rules,
+                               [&](const auto& rule) { return rule.domains == domains; });
+  };
+  if (!are_alike(next) || !are_alike(former)) return false;
+  const auto next_rules = rules_of(next), former_rules = rules_of(former);
+  return gives_at_least(Decisions{next_rules, next.default_allow},
+                        Decisions{former_rules, former.default_allow});
 }
 
 }  // namespace ddssec::governance

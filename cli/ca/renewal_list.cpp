@@ -16,7 +16,6 @@
 #include "cli/inputs/files.hpp"
 #include "governance/grant_extension.hpp"
 #include "governance/read.hpp"
-#include "governance/write.hpp"
 #include "pki/key_digests.hpp"
 #include "pki/smime.hpp"
 #include "pki/smime_diagnosis.hpp"
@@ -46,39 +45,6 @@ std::optional<ListedDocument> read_unverified_entry(BytesView file) {
   return out.grants.empty() ? std::nullopt : std::optional(std::move(out));
 }
 
-std::string rights_in(Grant grant) {
-  grant.name = grant.subject_name = "X";
-  grant.subject_is_expression = grant.subject_has_line_breaks = false;
-  grant.validity = {};
-  return governance::to_xml(governance::Permissions{.grants = {std::move(grant)}});
-}
-
-bool give_the_same(const Grant& a, const Grant& b) {
-  return a.subject_name == b.subject_name && rights_in(a) == rights_in(b);
-}
-
-std::vector<const governance::GrantRule*> rules_of(const Grant& grant) {
-  std::vector<const governance::GrantRule*> out;
-  for (const auto& rule : grant.rules) out.push_back(&rule);
-  return out;
-}
-
-// True if `next` gives at least the rights of `former`, as participants judge a renewal. If the
-// rules of a grant are for different domains, only an equal grant passes.
-bool gives_at_least(const Grant& next, const Grant& former) {
-  if (give_the_same(next, former)) return true;
-  if (next.subject_name != former.subject_name || former.rules.empty()) return false;
-  const auto& domains = former.rules.front().domains;
-  const auto are_alike = [&](const Grant& grant) {
-    return std::ranges::all_of(grant.rules,
-                               [&](const auto& rule) { return rule.domains == domains; });
-  };
-  if (!are_alike(next) || !are_alike(former)) return false;
-  const auto next_rules = rules_of(next), former_rules = rules_of(former);
-  return governance::gives_at_least({next_rules, next.default_allow},
-                                    {former_rules, former.default_allow});
-}
-
 // True if `next` makes `former` superfluous. A document that begins in the future does not: the
 // former one stays until then.
 bool replaces(const ListedDocument& next, const ListedDocument& former, WallTime now) {
@@ -86,7 +52,7 @@ bool replaces(const ListedDocument& next, const ListedDocument& former, WallTime
     return std::ranges::any_of(next.grants, [&](const auto& grant) {
       return grant.validity.not_after >= old.validity.not_after &&
              grant.validity.not_before <= std::max(now, old.validity.not_before) &&
-             give_the_same(grant, old);
+             governance::give_the_same(grant, old);
     });
   });
 }
@@ -304,7 +270,8 @@ bool extends_any_grant(const governance::Permissions& next, const std::vector<Gr
   return std::ranges::none_of(next.grants, &Grant::subject_is_expression) &&
          std::ranges::any_of(next.grants, [&](const auto& grant) {
            return std::ranges::any_of(former, [&](const auto& old) {
-             return grant.validity.not_after > old.validity.not_after && gives_at_least(grant, old);
+             return grant.validity.not_after > old.validity.not_after &&
+                    governance::gives_at_least(grant, old);
            });
          });
 }

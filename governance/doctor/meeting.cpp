@@ -61,10 +61,6 @@ std::string ca_subjects_clause(Code cause_in_cas, const Error& error, std::strin
   return fmt::format("; {} of {} holds {}", file.filename().string(), party, ca_subjects(cas));
 }
 
-bool is_about_dates(Code code) {
-  return code == Code::certificate_expired || code == Code::certificate_not_yet_valid;
-}
-
 bool is_about_lists(Code code) {
   return code == Code::certificate_revoked || code == Code::crl_is_delta ||
          (Code::crl_malformed <= code && code <= Code::crl_signature_invalid);

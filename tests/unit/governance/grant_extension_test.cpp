@@ -140,6 +140,36 @@ TEST(GrantExtension, LongLists_MustBeTheSame) {
   EXPECT_FALSE(at_least({long_one}, {rule(true, {on({"T1"})})}));
 }
 
+Grant grant_of(const std::string& subject, const std::vector<GrantRule>& rules) {
+  return {.name = "of " + subject, .subject_name = subject, .rules = rules};
+}
+
+TEST(GrantExtension, GrantsThatDifferInNameAndValidity_GiveTheSame) {
+  const auto a = rule(true, {on({"A"})});
+  auto next = grant_of("CN=a", {a});
+  next.name = "another";
+  next.validity.not_after += std::chrono::hours(1);
+  EXPECT_TRUE(give_the_same(next, grant_of("CN=a", {a})));
+  EXPECT_FALSE(give_the_same(next, grant_of("CN=b", {a})));
+  EXPECT_FALSE(give_the_same(next, grant_of("CN=a", {a, a})));
+}
+
+TEST(GrantExtension, GrantWithMoreRights_GivesAtLeastTheFormerOnes) {
+  const auto a = rule(true, {on({"A"})}), ab = rule(true, {on({"B", "A"})});
+  EXPECT_TRUE(gives_at_least(grant_of("CN=a", {ab}), grant_of("CN=a", {a})));
+  EXPECT_FALSE(gives_at_least(grant_of("CN=a", {a}), grant_of("CN=a", {ab})));
+  EXPECT_FALSE(gives_at_least(grant_of("CN=b", {ab}), grant_of("CN=a", {a})));
+  EXPECT_FALSE(gives_at_least(grant_of("CN=a", {ab}), grant_of("CN=a", {})));
+}
+
+TEST(GrantExtension, RulesForDifferentDomains_PassOnlyIfTheGrantsAreEqual) {
+  const auto a = rule(true, {on({"A"})}), ab = rule(true, {on({"B", "A"})});
+  auto other = a;
+  other.domains.ranges = {{.first = 7, .last = 7}};
+  EXPECT_TRUE(gives_at_least(grant_of("CN=a", {a, other}), grant_of("CN=a", {a, other})));
+  EXPECT_FALSE(gives_at_least(grant_of("CN=a", {ab, other}), grant_of("CN=a", {a, other})));
+}
+
 // ---- by what is decided
 
 // Small random grants: each list is drawn from few names, so that many pairs are comparable.
