@@ -55,6 +55,12 @@ Status Engines::set_clock_step_grace(const spi::PropertyList& properties) {
   return {};
 }
 
+Result<rtps::SecurityOptions> Engines::security_options(const std::filesystem::path& folder) {
+  DDSSEC_ASSIGN_OR_RETURN(auto properties, folder_properties(folder));
+  DDSSEC_RETURN_IF_ERROR(set_clock_step_grace(properties));
+  return rtps::SecurityOptions{view(), std::move(properties)};
+}
+
 Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   namespace property = spi::property;
   DDSSEC_RETURN_IF_ERROR(check_is_participant(path));

@@ -28,6 +28,10 @@ class Engines {
   /// as long as this object.
   rtps::SecurityPlugins view();
 
+  /// Returns the options of a participant with the documents of this folder, and takes the clock
+  /// step grace of its properties. Errors: those of folder_properties and set_clock_step_grace.
+  Result<rtps::SecurityOptions> security_options(const std::filesystem::path& folder);
+
  private:
   struct Parts;
   std::unique_ptr<Parts> parts_;

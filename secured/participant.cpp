@@ -41,9 +41,8 @@ void StandardErrorEvents::raise(const Event& event) {
 Result<Participant> Participant::join(const std::filesystem::path& folder,
                                       rtps::DomainParticipantOptions options, EventSink* events) {
   auto state = std::make_unique<State>(events);
-  DDSSEC_ASSIGN_OR_RETURN(auto properties, folder_properties(folder));
-  DDSSEC_RETURN_IF_ERROR(state->engines.set_clock_step_grace(properties));
-  options.security.emplace(state->engines.view(), std::move(properties));
+  DDSSEC_ASSIGN_OR_RETURN(auto security, state->engines.security_options(folder));
+  options.security.emplace(std::move(security));
   DDSSEC_ASSIGN_OR_RETURN(state->participant,
                           rtps::DomainParticipant::create(
                               std::move(options), {state->clock, state->random, state->limited}));

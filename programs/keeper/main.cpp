@@ -48,9 +48,8 @@ Result<rtps::DomainParticipantOptions> participant_options(const Options& option
                                      .entity_name = "ddssec-keeper",
                                      .interfaces = options.interfaces};
   if (options.security != "off") {
-    DDSSEC_ASSIGN_OR_RETURN(auto properties, secured::folder_properties(options.security));
-    DDSSEC_RETURN_IF_ERROR(engines.set_clock_step_grace(properties));
-    out.security.emplace(engines.view(), std::move(properties));
+    DDSSEC_ASSIGN_OR_RETURN(auto security, engines.security_options(options.security));
+    out.security.emplace(std::move(security));
   }
   return out;
 }

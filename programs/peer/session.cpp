@@ -34,9 +34,8 @@ Status Session::open() {
                                         .announce_types = false};
   if (options_.security != "off") {
     engines_ = std::make_unique<secured::Engines>(services);
-    DDSSEC_ASSIGN_OR_RETURN(auto properties, secured::folder_properties(options_.security));
-    DDSSEC_RETURN_IF_ERROR(engines_->set_clock_step_grace(properties));
-    wanted.security.emplace(engines_->view(), std::move(properties));
+    DDSSEC_ASSIGN_OR_RETURN(auto security, engines_->security_options(options_.security));
+    wanted.security.emplace(std::move(security));
   }
   auto created = rtps::DomainParticipant::create(std::move(wanted), services);
   if (!created) return std::unexpected(created.error());

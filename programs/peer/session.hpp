@@ -35,7 +35,7 @@ class Session final : private EventSink {
  public:
   explicit Session(const Options& options) : options_(options) {}
 
-  /// Errors: those of secured::folder_properties and DomainParticipant::create.
+  /// Errors: those of Engines::security_options and DomainParticipant::create.
   Status open();
   const Options& options() const { return options_; }
   rtps::DomainParticipant& participant() { return *participant_; }

@@ -111,9 +111,8 @@ Status Session::open() {
                                         .interfaces = options_.interfaces};
   DDSSEC_ASSIGN_OR_RETURN(wanted.durability_store, store());
   if (options_.security != "off") {
-    DDSSEC_ASSIGN_OR_RETURN(auto properties, secured::folder_properties(options_.security));
-    DDSSEC_RETURN_IF_ERROR(engines_.set_clock_step_grace(properties));
-    wanted.security.emplace(engines_.view(), std::move(properties));
+    DDSSEC_ASSIGN_OR_RETURN(auto security, engines_.security_options(options_.security));
+    wanted.security.emplace(std::move(security));
   }
   if (options_.announcement_period)
     wanted.announcement_period = std::chrono::milliseconds(*options_.announcement_period);

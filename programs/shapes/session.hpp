@@ -56,7 +56,7 @@ class Session final : private EventSink {
   explicit Session(const Options& options) : options_(options) {}
   ~Session() override;
 
-  /// Errors: those of secured::folder_properties and DomainParticipant::create.
+  /// Errors: those of Engines::security_options and DomainParticipant::create.
   Status open();
   const Options& options() const { return options_; }
   rtps::DomainParticipant& participant() { return *participant_; }

@@ -119,6 +119,7 @@ TEST(FolderProperties, ClockStepGraceThatIsNone_IsRefused) {
   test::Silent quiet;
   Engines engines({clock, random, quiet});
   EXPECT_EQ(engines.set_clock_step_grace(*properties).error().code(), Code::invalid_property);
+  EXPECT_EQ(engines.security_options(folder.path).error().code(), Code::invalid_property);
 }
 
 TEST(ReportedCalendar, StepThatIsUndone_IsNotBelievedAndReportedTwice) {
