@@ -35,7 +35,7 @@ using Tags = DDS_Security_DataTags;
 spi::PermissionsHandle permissions(CPermissions handle) { return {handle}; }
 
 // Like is_carrier_topic, for that local participant.
-Result<bool> is_carriers(Adapter& adapter, CPermissions handle, std::string_view name) {
+Result<bool> is_carrier_topic_of(Adapter& adapter, CPermissions handle, std::string_view name) {
   if (name != kCarrierTopic) return false;
   DDSSEC_ASSIGN_OR_RETURN(const auto participant,
                           adapter.engine().participant_sec_attributes(permissions(handle)));
@@ -128,33 +128,27 @@ Status check_create_endpoint(Adapter& adapter, const LocalEndpoint& endpoint,
                                             attributes, Calls::kDirection);
 }
 
-DDS_Security_boolean check_create_datawriter(Instance* instance, const CPermissions handle,
-                                             const CDomain domain_id, const char* topic_name,
-                                             const DDS_Security_Qos* qos,
-                                             const Partition* partition, const Tags* tags,
-                                             Exception* ex) {
-  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_ASSIGN_OR_RETURN(const auto question,
-                            EndpointQuestion::from(topic_name, partition, tags));
-    return check_create_endpoint<WriterCalls>(adapter, {permissions(handle), domain_id, qos},
-                                              question.request());
-  });
+// Readers that the core itself makes, without the application, need no permission.
+Result<bool> is_reader_of_core(Adapter& adapter, CPermissions handle,
+                               const spi::EndpointRequest& request) {
+  if (reads_local_builtin_topic(request)) return true;
+  return is_carrier_topic_of(adapter, handle, request.topic_name);
 }
 
-DDS_Security_boolean check_create_datareader(Instance* instance, const CPermissions handle,
-                                             const CDomain domain_id, const char* topic_name,
-                                             const DDS_Security_Qos* qos,
-                                             const Partition* partition, const Tags* tags,
-                                             Exception* ex) {
+template <class Calls>
+DDS_Security_boolean check_create(Instance* instance, const CPermissions handle,
+                                  const CDomain domain_id, const char* topic_name,
+                                  const DDS_Security_Qos* qos, const Partition* partition,
+                                  const Tags* tags, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_ASSIGN_OR_RETURN(const auto question,
                             EndpointQuestion::from(topic_name, partition, tags));
     const auto request = question.request();
-    if (reads_local_builtin_topic(request)) return {};
-    DDSSEC_ASSIGN_OR_RETURN(const bool carriers, is_carriers(adapter, handle, request.topic_name));
-    if (carriers) return {};
-    return check_create_endpoint<ReaderCalls>(adapter, {permissions(handle), domain_id, qos},
-                                              request);
+    if constexpr (Calls::kDirection == EndpointDirection::reads) {
+      DDSSEC_ASSIGN_OR_RETURN(const bool needs_none, is_reader_of_core(adapter, handle, request));
+      if (needs_none) return {};
+    }
+    return check_create_endpoint<Calls>(adapter, {permissions(handle), domain_id, qos}, request);
   });
 }
 
@@ -164,7 +158,7 @@ DDS_Security_boolean check_create_topic(Instance* instance, const CPermissions h
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_RETURN_IF_ERROR(require(topic_name));
     if (is_local_builtin_topic(topic_name)) return {};
-    DDSSEC_ASSIGN_OR_RETURN(const auto carriers, is_carriers(adapter, handle, topic_name));
+    DDSSEC_ASSIGN_OR_RETURN(const auto carriers, is_carrier_topic_of(adapter, handle, topic_name));
     if (carriers) return {};
     DDSSEC_RETURN_IF_ERROR(adapter.facts().check(permissions(handle)));
     return adapter.engine().check_create_topic(permissions(handle), domain_id, topic_name);
@@ -388,8 +382,8 @@ constexpr dds_security_access_control kTable = {
     .validate_local_permissions = validate_local_permissions,
     .validate_remote_permissions = validate_remote_permissions,
     .check_create_participant = check_create_participant,
-    .check_create_datawriter = check_create_datawriter,
-    .check_create_datareader = check_create_datareader,
+    .check_create_datawriter = check_create<WriterCalls>,
+    .check_create_datareader = check_create<ReaderCalls>,
     .check_create_topic = check_create_topic,
     .check_local_datawriter_register_instance = allow,
     .check_local_datawriter_dispose_instance = allow,
