@@ -83,30 +83,24 @@ Result<Answer<PolicyPermissions>> from_ros_policy(const Arguments& arguments,
 }  // namespace
 
 std::vector<Command> ros_policy_commands() {
-  return {
-      {.group = "permissions",
-       .name = "from-ros-policy",
-       .summary = "Writes the permissions that result from a ROS 2 policy (sros2).",
-       .positionals = {{"FILE", "the policy; what it includes is read from below its folder"}},
-       .options = {{.name = "-o", .value = "FILE", .summary = "the new document", .required = true},
-                   kDomain,
-                   repeated("--enclave", "PATH", "this enclave only"),
-                   {"--validity-from", "CERT", "valid as long as this certificate"},
-                   days("365"),
-                   kNodeDefaults,
-                   {"--no-discovery-topic", "", "do not allow ros_discovery_info"},
-                   {"--sros2-order", "", "octet for octet as sros2 writes it"},
-                   kReplace,
-                   kSign,
-                   kSigningCa,
-                   kPassphraseFile,
-                   kPassphraseEnv,
-                   kInsecureKeyMode},
-       .examples = {"ddssec permissions from-ros-policy policy.xml --enclave /talker "
-                    "--validity-from cert.pem -o permissions.xml",
-                    "ddssec permissions from-ros-policy policy.xml --node-defaults -o "
-                    "permissions.xml"},
-       .run = from_ros_policy}};
+  return {{.group = "permissions",
+           .name = "from-ros-policy",
+           .summary = "Writes the permissions that result from a ROS 2 policy (sros2).",
+           .positionals = {{"FILE", "the policy; what it includes is read from below its folder"}},
+           .options = with_signing_options(
+               {{.name = "-o", .value = "FILE", .summary = "the new document", .required = true},
+                kDomain,
+                repeated("--enclave", "PATH", "this enclave only"),
+                {"--validity-from", "CERT", "valid as long as this certificate"},
+                days("365"),
+                kNodeDefaults,
+                {"--no-discovery-topic", "", "do not allow ros_discovery_info"},
+                {"--sros2-order", "", "octet for octet as sros2 writes it"}}),
+           .examples = {"ddssec permissions from-ros-policy policy.xml --enclave /talker "
+                        "--validity-from cert.pem -o permissions.xml",
+                        "ddssec permissions from-ros-policy policy.xml --node-defaults -o "
+                        "permissions.xml"},
+           .run = from_ros_policy}};
 }
 
 }  // namespace ddssec::cli

@@ -9,7 +9,7 @@
 
 #include "base/tool_code.hpp"
 #include "cli/commands/groups.hpp"
-#include "cli/participant/status_client.hpp"
+#include "cli/participant/status_folder.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -103,11 +103,11 @@ bool is_of_folder(const Participant& participant, const fs::path& folder) {
 
 // ---- output
 
-bool has_ended(const DocumentPart& part, const std::string& now) {
+bool has_ended(const ShownDocumentPart& part, const std::string& now) {
   return part.until && *part.until < now;
 }
 
-std::string line_of(const DocumentPart& part, const std::string& now) {
+std::string line_of(const ShownDocumentPart& part, const std::string& now) {
   auto out = part.until
                  ? fmt::format("{} {}", has_ended(part, now) ? "ENDED" : "until", *part.until)
                  : std::string("no end");

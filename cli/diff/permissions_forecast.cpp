@@ -17,7 +17,7 @@ using governance::Grant;
 using governance::Grants;
 
 // The outcomes in the order of severity.
-enum class Live : std::uint8_t {
+enum class PermissionsOutcome : std::uint8_t {
   same,
   live,
   live_later,               // the grant begins in the future
@@ -26,25 +26,24 @@ enum class Live : std::uint8_t {
   refused,
 };
 
-std::string_view live_word(Live live) {
-  switch (live) {
-    case Live::same:
-      return "same";
-    case Live::live:
-      return "live";
-    case Live::live_later:
-      return "live when it begins";
-    case Live::live_if_signer_accepted:
-      return "live if the signer is believed";
-    case Live::restart:
-      return "restart";
-    case Live::refused:
-      return "refused";
-  }
-  return "";
+constexpr OutcomeWords<PermissionsOutcome> kPermissionsWords[] = {
+    {PermissionsOutcome::same, "same", "nothing changes"},
+    {PermissionsOutcome::live, "live", "taken while they run"},
+    {PermissionsOutcome::live_later, "live when it begins", "taken while they run, when it begins"},
+    {PermissionsOutcome::live_if_signer_accepted, "live if the signer is believed",
+     "refused, unless the new signer is one of their permissions CAs"},
+    {PermissionsOutcome::restart, "restart", "restart"},
+    {PermissionsOutcome::refused, "refused",
+     "refused: the old document stays in force until a restart or its end"}};
+
+std::string_view live_word(PermissionsOutcome live) {
+  return words_of(kPermissionsWords, live).word;
+}
+std::string outcome_text(PermissionsOutcome live) {
+  return std::string(words_of(kPermissionsWords, live).text);
 }
 
-using Prediction = Forecast<Live>;
+using Prediction = Forecast<PermissionsOutcome>;
 
 const Grant* begins_after(const Grants& grants, WallTime now) {
   const auto found = std::ranges::find_if(
@@ -60,33 +59,34 @@ void add_subject(const governance::Subject& subject, WallTime now, Prediction& o
   if (in_force == nullptr) {
     const auto& old = *subject.old_grants.front();
     if (old.validity.not_after <= now)
-      out.add(Live::restart,
+      out.add(PermissionsOutcome::restart,
               fmt::format("{}: the old grant ended at {}, and so did such a participant", name,
                           to_string(old.validity.not_after)),
               0);
     return;
   }
   if (subject.new_grants.empty())
-    return out.add(Live::refused, fmt::format("there is no grant for {} any more", name), 0);
+    return out.add(PermissionsOutcome::refused,
+                   fmt::format("there is no grant for {} any more", name), 0);
   const auto* const next = governance::valid_at(subject.new_grants, now);
   if (next == nullptr) {
     if (const auto* const later = begins_after(subject.new_grants, now))
-      return out.add(Live::live_later,
+      return out.add(PermissionsOutcome::live_later,
                      fmt::format("{}: from {}", name, to_string(later->validity.not_before)),
                      later->line);
     const auto& ended = *subject.new_grants.front();
     return out.add(
-        Live::refused,
+        PermissionsOutcome::refused,
         fmt::format("{}: the new grant ended at {}", name, to_string(ended.validity.not_after)),
         ended.line);
   }
   if (next->validity.not_before < in_force->validity.not_before)
     return out.add(
-        Live::refused,
+        PermissionsOutcome::refused,
         fmt::format("as older: {}: not_before {} must be {} or later", name,
                     to_string(next->validity.not_before), to_string(in_force->validity.not_before)),
         next->line);
-  out.add(Live::live, "", 0);
+  out.add(PermissionsOutcome::live, "", 0);
 }
 
 // True if check_follows refuses the document because of its signing time.
@@ -98,7 +98,7 @@ bool is_signed_earlier(const DiffSides& sides) {
 Prediction forecast(const PermissionsChangeOver& change, const DiffSides& sides) {
   Prediction out;
   if (sides.after.octets > pki::kMaxSentPermissionsOctets)
-    out.add(Live::refused,
+    out.add(PermissionsOutcome::refused,
             fmt::format("it has {} octets, and may have {}", sides.after.octets,
                         pki::kMaxSentPermissionsOctets),
             0);
@@ -106,14 +106,14 @@ Prediction forecast(const PermissionsChangeOver& change, const DiffSides& sides)
     add_subject(subject, change.now, out);
   if (is_signed_earlier(sides)) {
     const auto& time = sides.after.signing_time;
-    out.add(Live::refused,
+    out.add(PermissionsOutcome::refused,
             fmt::format("as older: the signing time {} must be {} or later",
                         time ? to_string(*time) : "(none)", to_string(*sides.before.signing_time)),
             0);
   }
   const auto &before = sides.before.signer, &after = sides.after.signer;
   if (!before.empty() && !after.empty() && before != after)
-    out.add(Live::live_if_signer_accepted, "another CA signed the new document", 0);
+    out.add(PermissionsOutcome::live_if_signer_accepted, "another CA signed the new document", 0);
   return out;
 }
 
@@ -135,8 +135,9 @@ bool is_about_rights(const governance::PermissionChange& change,
 
 // The core of Cyclone DDS does not judge again what it has matched. If an endpoint loses rights,
 // its sessions with peers on our plugins end. Rights that it gains count from the next session on.
-std::string_view word_in_cyclonedds(Live live, const governance::PermissionsDiff& diff) {
-  if (live != Live::live) return live_word(live);
+std::string_view word_in_cyclonedds(PermissionsOutcome live,
+                                    const governance::PermissionsDiff& diff) {
+  if (live != PermissionsOutcome::live) return live_word(live);
   const auto has = [&](auto... classes) {
     return std::ranges::any_of(diff.changes, [&](const auto& change) {
       return is_about_rights(change, diff) && ((change.change == classes) || ...);
@@ -147,31 +148,13 @@ std::string_view word_in_cyclonedds(Live live, const governance::PermissionsDiff
   return has(wider) ? "live when sessions begin again" : live_word(live);
 }
 
-std::string_view outcome_text(Live live) {
-  switch (live) {
-    case Live::same:
-      return "nothing changes";
-    case Live::live:
-      return "taken while they run";
-    case Live::live_later:
-      return "taken while they run, when it begins";
-    case Live::live_if_signer_accepted:
-      return "refused, unless the new signer is one of their permissions CAs";
-    case Live::restart:
-      return "restart";
-    case Live::refused:
-      return "refused: the old document stays in force until a restart or its end";
-  }
-  return "";
-}
-
 }  // namespace
 
 PermissionsForecast forecast_of(const PermissionsChangeOver& change, const DiffSides& sides) {
   const bool is_same = sides.before.text == sides.after.text &&
                        sides.before.signer == sides.after.signer && !is_signed_earlier(sides);
   const auto ours = is_same ? Prediction() : forecast(change, sides);
-  const auto stock = is_same ? Live::same : Live::restart;
+  const auto stock = is_same ? PermissionsOutcome::same : PermissionsOutcome::restart;
   PermissionsForecast out{.embedded = live_word(ours.outcome),
                           .cyclonedds_ddssec = word_in_cyclonedds(ours.outcome, change.diff),
                           .cyclonedds = live_word(stock),
@@ -182,16 +165,17 @@ PermissionsForecast forecast_of(const PermissionsChangeOver& change, const DiffS
   constexpr std::string_view kHeading = "running participants: ";
   const std::string indentation(kHeading.size(), ' ');
   out.text += wrapped(
-      kHeading, {"on ddssec's plugins:", std::string(outcome_text(ours.outcome)),
+      kHeading, {"on ddssec's plugins:", outcome_text(ours.outcome),
                  ours.reason.empty() ? std::string() : fmt::format("({})", escaped(ours.reason))});
-  const bool is_taken = ours.outcome >= Live::live && ours.outcome <= Live::live_if_signer_accepted;
+  const bool is_taken = ours.outcome >= PermissionsOutcome::live &&
+                        ours.outcome <= PermissionsOutcome::live_if_signer_accepted;
   if (is_taken && narrows)
     out.text += wrapped(indentation,
                         {"what was taken away ends within a second between embedded participants;",
                          "in Cyclone DDS within two seconds: if an endpoint loses a right, the",
                          "sessions with peers on ddssec's plugins end and begin again"});
   out.text += wrapped(indentation,
-                      {"on those of Cyclone DDS and Fast DDS:", std::string(outcome_text(stock)),
+                      {"on those of Cyclone DDS and Fast DDS:", outcome_text(stock),
                        !is_same && narrows ? "until then what was taken away stays allowed" : ""});
   return out;
 }

@@ -1,6 +1,9 @@
 // Options that several commands share, defined once.
 #pragma once
 
+#include <string_view>
+#include <vector>
+
 #include "cli/frame/command.hpp"
 
 namespace ddssec::cli {
@@ -46,6 +49,13 @@ inline constexpr Option kSign{"--sign", "", "write the signed form (.p7s) beside
 inline constexpr Option kNoRevision{
     "--no-revision", "", "write no revision: participants of the release 0.2.0 refuse it"};
 inline constexpr Option kSigningCa{"--ca", "DIR", "the folder that ca create made, for --sign"};
+
+/// Returns these options, followed by those of a command that writes permissions and may sign them.
+inline std::vector<Option> with_signing_options(std::vector<Option> options) {
+  options.insert(options.end(),
+                 {kReplace, kSign, kSigningCa, kPassphraseFile, kPassphraseEnv, kInsecureKeyMode});
+  return options;
+}
 
 constexpr Option days(std::string_view fallback) {
   return {"--days", "N", "how long it is valid", fallback};

@@ -15,14 +15,14 @@
 namespace ddssec::cli {
 
 /// A certificate, list or document in a file.
-struct DocumentPart {
+struct ShownDocumentPart {
   static constexpr std::string_view kDef = "document part";
   std::string subject, number;
   std::optional<std::string> until;
   std::string sha256;
 
   static constexpr auto fields() {
-    using Self = DocumentPart;
+    using Self = ShownDocumentPart;
     return std::tuple(field<&Self::subject>(), field<&Self::number>(),
                       field<&Self::until>({.note = "null: no end", .def = "time"}),
                       field<&Self::sha256>());
@@ -49,9 +49,9 @@ struct StatusRefusal {
 
 struct RunningDocument {
   std::string kind, file, since;
-  std::vector<DocumentPart> in_force;
+  std::vector<ShownDocumentPart> in_force;
   unsigned more;
-  std::optional<DocumentPart> waiting;  ///< empty: ddssec 0.2 does not report it
+  std::optional<ShownDocumentPart> waiting;  ///< empty: ddssec 0.2 does not report it
   std::optional<StatusRefusal> refused;
 
   static constexpr auto fields() {

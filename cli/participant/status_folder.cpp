@@ -1,4 +1,4 @@
-#include "cli/participant/status_client.hpp"
+#include "cli/participant/status_folder.hpp"
 
 #include <algorithm>
 #include <array>
