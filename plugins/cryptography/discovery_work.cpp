@@ -5,48 +5,12 @@
 
 namespace ddssec::cryptography {
 
-void WorkDebt::charge(std::size_t units, MonotonicTime now) {
-  // More than this in one charge is as good as this, and cannot overflow.
-  constexpr std::size_t kMaxUnits = std::size_t{1} << 30;
-  until_ = std::max(until_, now) + price_ * static_cast<std::int64_t>(std::min(units, kMaxUnits));
-}
-
-void WorkAccount::charge(std::size_t units, MonotonicTime now) {
-  const std::lock_guard lock(mutex_);
-  debt_.charge(units, now);
-}
-
-bool WorkAccount::is_paid(MonotonicTime now) const {
-  const std::lock_guard lock(mutex_);
-  return debt_.is_paid(now);
-}
-
-bool WorkAccount::is_too_large(MonotonicTime now) const {
-  const std::lock_guard lock(mutex_);
-  return debt_.is_too_large(now);
-}
-
-std::shared_ptr<WorkAccount> WorkAccounts::of(std::uint64_t subject, MonotonicTime now) {
-  const std::lock_guard lock(mutex_);
-  std::erase_if(accounts_, [&](const auto& entry) {
-    return entry.second.use_count() == 1 && entry.second->is_paid(now);
-  });
-  auto& account = accounts_[subject];
-  if (!account) account = std::make_shared<WorkAccount>();
-  return account;
-}
-
-std::size_t WorkAccounts::size() const {
-  const std::lock_guard lock(mutex_);
-  return accounts_.size();
-}
-
 void DiscoveryWork::set_account(std::shared_ptr<WorkAccount> account) {
   const std::lock_guard lock(mutex_);
   account_ = std::move(account);
 }
 
-void DiscoveryWork::charge(std::size_t units, MonotonicTime now) {
+void DiscoveryWork::charge(WorkUnits units, MonotonicTime now) {
   debt_.charge(units, now);
   account_->charge(units, now);
 }

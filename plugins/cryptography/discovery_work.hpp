@@ -16,62 +16,18 @@
 
 #include "base/clock.hpp"
 #include "base/result.hpp"
+#include "plugins/cryptography/work_accounts.hpp"
 
 namespace ddssec::cryptography {
-
-/// A debt that is paid off as time passes. Not thread-safe.
-class WorkDebt {
- public:
-  /// The largest debt with which announcements pass, as the time until it is paid off.
-  static constexpr MonotonicTime kMax = std::chrono::seconds(64);
-
-  /// `price`: the time in which one unit of work is paid off.
-  explicit WorkDebt(MonotonicTime price) : price_(price) {}
-
-  void charge(std::size_t units, MonotonicTime now);
-  bool is_paid(MonotonicTime now) const { return until_ <= now; }
-  bool is_too_large(MonotonicTime now) const { return until_ > now && until_ - now > kMax; }
-
- private:
-  MonotonicTime price_;
-  MonotonicTime until_ = MonotonicTime::min();  ///< when it is paid off
-};
-
-/// The debt of the participants of one certificate. Thread-safe.
-class WorkAccount {
- public:
-  /// 500,000 units in a second, 32 million at once. A unit takes Cyclone DDS half a microsecond.
-  static constexpr MonotonicTime kPrice = std::chrono::microseconds(2);
-
-  void charge(std::size_t units, MonotonicTime now);
-  bool is_paid(MonotonicTime now) const;
-  bool is_too_large(MonotonicTime now) const;
-
- private:
-  mutable std::mutex mutex_;
-  WorkDebt debt_{kPrice};
-};
-
-/// The accounts of all subjects (subject_of in cryptography_state.hpp) that have participants or
-/// debts. A participant that leaves takes no debt with it. Thread-safe.
-class WorkAccounts {
- public:
-  std::shared_ptr<WorkAccount> of(std::uint64_t subject, MonotonicTime now);
-  std::size_t size() const;
-
- private:
-  mutable std::mutex mutex_;
-  std::unordered_map<std::uint64_t, std::shared_ptr<WorkAccount>> accounts_;
-};
 
 /// The work that one participant causes. Thread-safe.
 class DiscoveryWork {
  public:
-  /// Half of what its certificate has: one participant leaves the other half to others.
+  /// The time in which a unit is paid off. It is twice that of the certificate's account, so that
+  /// one participant leaves half of what the certificate has to others.
   static constexpr MonotonicTime kPrice = 2 * WorkAccount::kPrice;
-  /// The price of an attempt to match, in units. It is charged even if the certificate has used up
-  /// its matches.
-  static constexpr std::size_t kAttemptUnits = 16;
+  /// What an attempt to match costs. It is charged even if the certificate has used up its matches.
+  static constexpr WorkUnits kAttemptUnits = 16;
   /// The least time between two reports of one participant.
   static constexpr MonotonicTime kReportInterval = std::chrono::minutes(1);
 
@@ -79,7 +35,7 @@ class DiscoveryWork {
   /// peer's.
   enum class Cause : std::uint8_t { peer, host };
 
-  /// From now on, work counts for that account, too.
+  /// From now on, work is also charged to that account, instead of the one before.
   void set_account(std::shared_ptr<WorkAccount> account);
 
   /// Charges an attempt to match one of its endpoints with a local one, to which access control
@@ -106,7 +62,7 @@ class DiscoveryWork {
     std::size_t standing = 0;  ///< readers of the local writer at the last change
   };
   void set_crowd(std::int64_t local, std::size_t own, std::size_t standing);
-  void charge(std::size_t units, MonotonicTime now);
+  void charge(WorkUnits units, MonotonicTime now);
 
   mutable std::mutex mutex_;
   std::shared_ptr<WorkAccount> account_ = std::make_shared<WorkAccount>();

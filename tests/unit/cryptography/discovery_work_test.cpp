@@ -144,24 +144,6 @@ TEST(DiscoveryWork, Report_IsDueOnceAMinute) {
   EXPECT_TRUE(peer.work.take_report(61s));
 }
 
-TEST(WorkAccounts, ParticipantThatLeaves_TakesNoDebtWithIt) {
-  WorkAccounts accounts;
-  {
-    Peer one(accounts.of(1, 1s)), two(accounts.of(1, 1s));
-    one.churn(kMaxReaders, 30, 1s);
-    two.churn(kMaxReaders, 30, 1s);
-  }
-  EXPECT_FALSE(Peer(accounts.of(1, 1s)).passes(1s));
-  EXPECT_TRUE(Peer(accounts.of(2, 1s)).passes(1s));
-  EXPECT_TRUE(Peer(accounts.of(1, 1h)).passes(1h));
-}
-
-TEST(WorkAccounts, PaidOnesWithoutParticipants_AreForgotten) {
-  WorkAccounts accounts;
-  for (std::uint64_t subject = 0; subject < 1000; ++subject) accounts.of(subject, 1s);
-  EXPECT_EQ(accounts.size(), 1u);
-}
-
 // ---- announcements
 
 struct DelayedAnnouncements : AnnouncedEndpointsTest {
