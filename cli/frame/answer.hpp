@@ -6,6 +6,9 @@
 #include <utility>
 
 #include "cli/frame/fields.hpp"
+#include "cli/frame/fields_json.hpp"
+#include "cli/frame/fields_members.hpp"
+#include "cli/frame/fields_schema.hpp"
 #include "cli/frame/report.hpp"
 
 namespace ddssec::cli {
