@@ -64,7 +64,6 @@ Result<rtps::SecurityOptions> Engines::security_options(const std::filesystem::p
 Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   namespace property = spi::property;
   DDSSEC_RETURN_IF_ERROR(check_is_participant(path));
-  std::error_code error;
   const auto folder = pki::participant_folder(path);
   spi::PropertyList out;
   const auto add = [&](std::string_view name, const std::filesystem::path& file) {
@@ -82,12 +81,8 @@ Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   add(property::kGovernance, folder.governance);
   add(property::kPermissions, folder.permissions);
   // A dangling symbolic link counts as present: a file was meant to be there.
-  const auto is_meant = [&](const std::filesystem::path& file) {
-    return std::filesystem::symlink_status(file, error).type() >
-           std::filesystem::file_type::not_found;
-  };
-  add(is_meant(folder.crl) ? property::kCrl : property::kLaterCrl, folder.crl);
-  if (!is_meant(folder.properties)) return out;
+  add(pki::may_exist(folder.crl) ? property::kCrl : property::kLaterCrl, folder.crl);
+  if (!pki::may_exist(folder.properties)) return out;
   DDSSEC_ASSIGN_OR_RETURN(auto file_properties, spi::read_property_file(folder.properties));
   const auto without_effect = [&](const std::string& name, std::string why) {
     return fail(Code::property_without_effect,
