@@ -72,45 +72,11 @@ Result<std::vector<WrittenFile>> put_in_place(FileTransaction& out, RotationResu
 void add_unreached(const RotationResult& rotation, Report& report);
 
 /// A validity that begins now and lasts as long as that of `old`.
-pki::Validity life_like(const pki::Certificate& old, WallTime now);
+pki::Validity validity_like(const pki::Certificate& old, WallTime now);
 
 /// A new root with the same kind of key as the old CA, and the same length of validity. Errors:
 /// those of Authority::create_root.
 Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& subject,
                                 const Context& context);
-
-/// Drafts the new permissions CA and signs every document of `shared` anew, and those of the
-/// participants if the step asks for it; then writes the log. Signs only documents that the old CA
-/// signed and that its log contains, because the old key may be stolen. A participant with any
-/// other document is left unchanged. The caller holds the CA's lock (lock_records). Errors: those
-/// of document_of() for a shared document; the first of `doubtful` and `unwritten` if no
-/// participant is updated.
-Result<RotationResult> rotate_permissions_ca(FileTransaction& out, const CaRotation& change,
-                                             const std::vector<AffectedParticipant>& participants,
-                                             const std::vector<std::filesystem::path>& shared,
-                                             const Context& context);
-
-/// The participants that have a document or a certificate of another permissions CA than that of
-/// `trust_pem`, which is in place. An earlier command could not write their files.
-std::vector<AffectedParticipant> left_with_another_ca(
-    const std::vector<AffectedParticipant>& participants, std::string_view trust_pem, WallTime now);
-
-/// Like rotate_permissions_ca() for participants that an earlier command could not update:
-/// `change.ca` is in place already, and nothing is written for the CA itself or for `shared`.
-Result<RotationResult> finish_permissions_rotation(
-    FileTransaction& out, const CaRotation& change,
-    const std::vector<AffectedParticipant>& participants,
-    const std::vector<std::filesystem::path>& shared, const Context& context);
-
-/// Drafts the new identity CA with its revocation list and, if the step asks for them, the
-/// participants' certificates with the same subject, key and end; then writes the log. Issues a
-/// certificate only if the log contains the old one with this serial number and SHA-256 and for
-/// this folder, because the old key may be stolen. A revoked participant gets none. The caller
-/// holds the CA's lock (lock_records). Errors: the first of `doubtful` (issuer_unknown: a
-/// certificate that the old CA did not issue) and `unwritten` if nothing is left to issue; those of
-/// Authority::reissue.
-Result<RotationResult> rotate_identity_ca(FileTransaction& out, const CaRotation& change,
-                                          const std::vector<AffectedParticipant>& participants,
-                                          const Context& context);
 
 }  // namespace ddssec::cli

@@ -9,8 +9,9 @@
 #include "cli/ca/affected_participants.hpp"
 #include "cli/ca/ca_overlap.hpp"
 #include "cli/ca/ca_progress.hpp"
-#include "cli/ca/ca_rotation.hpp"
+#include "cli/ca/identity_ca_rotation.hpp"
 #include "cli/ca/list_dates.hpp"
+#include "cli/ca/permissions_ca_rotation.hpp"
 #include "cli/commands/ca_results.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
@@ -78,7 +79,7 @@ Result<Successor> successor_of(const pki::Certificate& old, const Arguments& arg
   DDSSEC_ASSIGN_OR_RETURN(const auto above,
                           opener.open(ca_paths(arguments.text("--issuer"), "identity")));
   DDSSEC_ASSIGN_OR_RETURN(const auto life,
-                          within_ca(life_like(old, now), above.certificate(), true));
+                          within_ca(validity_like(old, now), above.certificate(), true));
   const auto key = old.key_algorithm();
   DDSSEC_ASSIGN_OR_RETURN(auto ca, above.authority.subordinate(old.subject(), {key.kind, key.bits},
                                                                life, context.random));
