@@ -9,6 +9,7 @@
 #include "pki/mime.hpp"
 #include "pki/ocsp_address.hpp"
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 #include "pki/self_signed.hpp"
 #include "pki/subject_name.hpp"
 

@@ -5,9 +5,12 @@
 #include <mutex>
 
 #include "base/uri_source.hpp"
+#include "pki/certificate_context.hpp"
 #include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
 #include "pki/openssl_guards.hpp"
+#include "pki/pem_block.hpp"
+#include "pki/pki_access.hpp"
 
 namespace ddssec::pki {
 namespace {

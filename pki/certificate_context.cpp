@@ -1,4 +1,6 @@
 // The library context in which certificates are read.
+#include "pki/certificate_context.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <memory>
@@ -10,7 +12,7 @@
 #include <openssl/evp.h>
 #include <openssl/provider.h>
 
-#include "pki/openssl.hpp"
+#include "pki/openssl_pointers.hpp"
 
 namespace ddssec::pki {
 namespace {

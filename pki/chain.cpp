@@ -8,6 +8,7 @@
 #include <set>
 
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 
 namespace ddssec::pki {
 namespace {

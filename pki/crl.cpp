@@ -7,6 +7,8 @@
 #include "base/uri_source.hpp"
 #include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
+#include "pki/pem_block.hpp"
+#include "pki/pki_access.hpp"
 
 namespace ddssec::pki {
 namespace {
@@ -182,15 +184,6 @@ std::optional<std::set<std::string>> serials_of(const Crl& crl) {
 }
 
 }  // namespace
-
-std::optional<CrlNumber> number_of(const X509_CRL* crl) {
-  const Asn1IntegerPtr number(
-      static_cast<ASN1_INTEGER*>(X509_CRL_get_ext_d2i(crl, NID_crl_number, nullptr, nullptr)));
-  ERR_clear_error();
-  if (!number || ASN1_STRING_type(number.get()) == V_ASN1_NEG_INTEGER) return std::nullopt;
-  return CrlNumber::from_octets({ASN1_STRING_get0_data(number.get()),
-                                 static_cast<std::size_t>(ASN1_STRING_length(number.get()))});
-}
 
 std::string_view to_string(RevocationReason reason) {
   const auto found = std::ranges::find(kReasons, reason, &ReasonWord::reason);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "pki/openssl.hpp"
+#include "pki/openssl_pointers.hpp"
 
 namespace ddssec::pki {
 

@@ -13,6 +13,7 @@
 #include "base/never_destroyed.hpp"
 #include "pki/known_key.hpp"
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 
 namespace ddssec::pki {
 

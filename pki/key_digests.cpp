@@ -5,7 +5,7 @@
 #include <openssl/core_names.h>
 
 #include "base/hash.hpp"
-#include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 
 namespace ddssec::pki {
 namespace {

@@ -9,6 +9,7 @@
 #include <openssl/ocsp.h>
 
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 
 namespace ddssec::pki {
 using ddssec::to_string;

@@ -8,6 +8,7 @@
 
 #include "base/tool_code.hpp"
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 
 namespace ddssec::pki {
 namespace {

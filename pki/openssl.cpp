@@ -114,6 +114,15 @@ std::string serial_text(const ASN1_INTEGER* serial) {
   return hex ? hex.get() : "";
 }
 
+std::optional<CrlNumber> number_of(const X509_CRL* crl) {
+  const Asn1IntegerPtr number(
+      static_cast<ASN1_INTEGER*>(X509_CRL_get_ext_d2i(crl, NID_crl_number, nullptr, nullptr)));
+  ERR_clear_error();
+  if (!number || ASN1_STRING_type(number.get()) == V_ASN1_NEG_INTEGER) return std::nullopt;
+  return CrlNumber::from_octets({ASN1_STRING_get0_data(number.get()),
+                                 static_cast<std::size_t>(ASN1_STRING_length(number.get()))});
+}
+
 std::string key_id_text(const ASN1_OCTET_STRING* id) {
   if (id == nullptr) return {};
   return to_hex({ASN1_STRING_get0_data(id), static_cast<std::size_t>(ASN1_STRING_length(id))});
@@ -136,33 +145,6 @@ Result<KeyAlgorithm> judge_key(EVP_PKEY* key, std::string_view type) {
   }
   take_openssl_reason();
   return fail(Code::key_not_allowed, {.expected = kAllowed, .found = describe(key)});
-}
-
-bool is_der(BytesView octets) {
-  constexpr std::uint8_t kSequence = 0x30, kLongForm = 0x80, kMaxLengthOctets = 4;
-  constexpr std::size_t kHeader = 2;  // tag and length of a short object
-  if (octets.size() < kHeader || octets[0] != kSequence) return false;
-  const auto length = octets[1];
-  return length < kLongForm ? octets.size() == kHeader + length
-                            : length > kLongForm && length <= kLongForm + kMaxLengthOctets;
-}
-
-Result<std::optional<PemBlock>> next_pem_block(BIO* bio) {
-  char* label = nullptr;
-  char* header = nullptr;
-  unsigned char* data = nullptr;
-  long size = 0;
-  const bool read = PEM_read_bio(bio, &label, &header, &data, &size) == 1;
-  const OpensslTextPtr label_owner(label), header_owner(header);
-  const OpensslMemoryPtr data_owner(data);
-  if (!read) {
-    const bool at_end = ERR_GET_REASON(ERR_peek_last_error()) == PEM_R_NO_START_LINE;
-    if (!at_end) return openssl_failure(Code::malformed);
-    ERR_clear_error();
-    return std::nullopt;
-  }
-  if (*header != '\0') return fail(Code::malformed, {.note = "the PEM block has headers"});
-  return PemBlock{label, Bytes(data, data + size)};
 }
 
 }  // namespace ddssec::pki

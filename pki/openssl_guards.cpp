@@ -5,6 +5,8 @@
 #include <openssl/pkcs7.h>
 #include <openssl/x509v3.h>
 
+#include "pki/openssl.hpp"
+
 namespace ddssec::pki {
 namespace {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "base/result.hpp"
-#include "pki/openssl.hpp"
+#include "pki/openssl_pointers.hpp"
 
 namespace ddssec::pki {
 

@@ -5,7 +5,9 @@
 
 #include <string_view>
 
-#include "pki/openssl.hpp"
+#include "base/result.hpp"
+#include "pki/openssl_pointers.hpp"
+#include "pki/private_key.hpp"
 
 namespace ddssec::pki {
 

@@ -4,7 +4,9 @@
 
 #include "base/hash.hpp"
 #include "pki/openssl.hpp"
+#include "pki/pem_block.hpp"
 #include "pki/pkcs11.hpp"
+#include "pki/pki_access.hpp"
 #include "pki/signature.hpp"
 
 namespace ddssec::pki {
@@ -124,7 +126,7 @@ Result<KeyPem> PrivateKey::to_pem(const Passphrase* passphrase) const {
 
 KeyAlgorithm PrivateKey::algorithm() const { return impl_->algorithm; }
 
-bool PrivateKey::in_token() const { return impl_->in_token; }
+bool PrivateKey::in_token() const { return impl_->is_in_token; }
 
 Status PrivateKey::matches(const Certificate& certificate) const {
   const ErrorDetails details{.field = "private key for " + certificate.subject(),

@@ -2,6 +2,7 @@
 
 #include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
+#include "pki/pem_block.hpp"
 
 namespace ddssec::pki {
 namespace {

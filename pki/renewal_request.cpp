@@ -4,6 +4,7 @@
 
 #include "pki/authority.hpp"
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 
 namespace ddssec::pki {
 namespace {

@@ -5,7 +5,9 @@
 #include <openssl/rsa.h>
 
 #include "base/never_destroyed.hpp"
+#include "pki/certificate_context.hpp"
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 
 namespace ddssec::pki {
 namespace {

@@ -1,5 +1,7 @@
 #include "pki/signing_time.hpp"
 
+#include "pki/openssl.hpp"
+
 namespace ddssec::pki {
 
 std::optional<WallTime> signing_time_of(const CMS_SignerInfo* signer) {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "base/clock.hpp"
-#include "pki/openssl.hpp"
+#include "pki/openssl_pointers.hpp"
 
 namespace ddssec::pki {
 

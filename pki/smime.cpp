@@ -7,6 +7,7 @@
 #include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
 #include "pki/openssl_guards.hpp"
+#include "pki/pki_access.hpp"
 #include "pki/signing_time.hpp"
 #include "pki/unverified_document.hpp"
 

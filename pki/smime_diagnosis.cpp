@@ -10,6 +10,7 @@
 #include "pki/mime.hpp"
 #include "pki/openssl.hpp"
 #include "pki/openssl_guards.hpp"
+#include "pki/pki_access.hpp"
 #include "pki/signing_time.hpp"
 #include "pki/unverified_document.hpp"
 

@@ -7,6 +7,7 @@
 
 #include "base/text.hpp"
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 
 namespace ddssec::pki {
 namespace {

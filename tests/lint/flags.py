@@ -10,7 +10,7 @@ import sys
 
 FOLDERS = ("base", "wire", "pki", "governance", "plugins", "rtps", "secured", "cli")
 EXCEPTIONS = "tests/lint/flags_exceptions.txt"
-MAX_EXCEPTIONS = 107  # lower it with each name that goes
+MAX_EXCEPTIONS = 106  # lower it with each name that goes
 MEMBER = re.compile(r"^\s+(?:mutable |const )*bool (\w+(?:\s*=\s*\w+)?(?:, \w+(?:\s*=\s*\w+)?)*);")
 CONDITION = re.compile(r"(is|are|was|were|has|have|had|can|may|must|does|do|did)_")
 NO_FLAG = re.compile(r"\b(?:\w*Handle|string_view|string|Guid|Bytes|BytesView|size_t|u?int\d+_t)&? ((?:is|has)_\w+)\s*[;,)={]")

@@ -8,6 +8,7 @@
 
 #include "pki/authority.hpp"
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 
 namespace ddssec::test {
 

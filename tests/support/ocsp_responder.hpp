@@ -10,6 +10,7 @@
 #include "base/bytes.hpp"
 #include "pki/authority.hpp"
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 
 namespace ddssec::test {
 

@@ -2,6 +2,7 @@
 
 #include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 #include "pki_fixture.hpp"
 
 namespace ddssec::pki {

@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 #include "pki_fixture.hpp"
 #include "tests/support/delta_list.hpp"
 

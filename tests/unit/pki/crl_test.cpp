@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "pki/authority.hpp"
+#include "pki/pki_access.hpp"
 #include "pki/self_signed.hpp"
 #include "pki_fixture.hpp"
 #include "tests/support/delta_list.hpp"

@@ -1,6 +1,7 @@
 #include "pki/key_digests.hpp"
 
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 #include "pki_fixture.hpp"
 
 namespace ddssec::pki {

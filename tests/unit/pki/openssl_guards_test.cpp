@@ -1,6 +1,7 @@
 // Inputs that harm some patch levels of OpenSSL are refused before it reads them, on every level.
 #include "pki/openssl_guards.hpp"
 
+#include "pki/pki_access.hpp"
 #include "pki/smime.hpp"
 #include "pki/smime_diagnosis.hpp"
 #include "pki_fixture.hpp"

@@ -5,6 +5,7 @@
 #include <openssl/pkcs7.h>
 
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 #include "pki/smime.hpp"
 #include "pki_fixture.hpp"
 

@@ -4,6 +4,7 @@
 
 #include "pki/certificate_source.hpp"
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 #include "pki/self_signed.hpp"
 #include "pki_fixture.hpp"
 #include "tests/support/seeded_random.hpp"

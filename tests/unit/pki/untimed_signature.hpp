@@ -4,6 +4,7 @@
 #include <string>
 
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 #include "pki/unverified_document.hpp"
 #include "tests/unit/pki/pki_fixture.hpp"
 

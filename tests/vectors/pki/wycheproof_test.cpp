@@ -3,6 +3,7 @@
 
 #include "pki/known_key.hpp"
 #include "pki/openssl.hpp"
+#include "pki/pki_access.hpp"
 #include "pki/signature.hpp"
 #include "tests/unit/pki/pki_fixture.hpp"
 
