@@ -10,7 +10,7 @@
 
 namespace ddssec::governance {
 
-/// Every octet but NUL, the most readable first.
+/// Returns every octet but NUL, the most readable first.
 const std::string& octets_by_readability();
 
 /// Classes of octets, numbered so that classes with readable octets come first: letters, then the
@@ -21,14 +21,16 @@ class ByteClasses {
   /// The class of NUL, which occurs in no name, if it is alone in its class.
   static constexpr Class kNone = 255;
 
+  /// From now on octets inside and outside the set are in different classes.
   void tell_apart(const std::bitset<256>& set);
+  /// From now on the octet is alone in its class.
   void tell_apart(std::uint8_t octet) { single_.set(octet); }
   /// Numbers the classes. Call it after all tell_apart().
   void number();
 
   std::size_t size() const { return shown_.size(); }
   Class of(std::uint8_t octet) const { return class_[octet]; }
-  /// The most readable octet of the class.
+  /// Returns the most readable octet of the class.
   char shown(Class c) const { return static_cast<char>(shown_[c]); }
 
  private:

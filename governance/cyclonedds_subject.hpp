@@ -11,8 +11,8 @@
 
 namespace ddssec::governance {
 
-/// The parts of a subject that Cyclone DDS's own plugins compare: the texts between `,`, `/` and
-/// `|`. Views into the text.
+/// Returns the parts of a subject that Cyclone DDS's own plugins compare: the texts between `,`,
+/// `/` and `|`. They are views into the text.
 std::vector<std::string_view> pieces_for_cyclonedds(std::string_view subject);
 
 /// True if Cyclone DDS's own plugins apply a grant for the RFC 2253 subject `grant` to a
@@ -25,8 +25,8 @@ class GrantsForCyclone {
  public:
   explicit GrantsForCyclone(const Permissions& document);
 
-  /// The first grant that applies to a certificate with this RFC 2253 subject, which is the only
-  /// one that Cyclone DDS uses; null if there is none.
+  /// Returns the first grant that applies to a certificate with this RFC 2253 subject, which is the
+  /// only one that Cyclone DDS uses, or nullptr.
   const Grant* applied_grant_for(std::string_view certificate) const;
 
  private:
@@ -39,10 +39,10 @@ struct AppliedByCycloneDds {
   Permissions before, after;
 };
 
-/// Such pairs for certificates of all subjects of both documents. One subject can be written in
-/// several ways in certificates, so there can be several pairs. Empty if Cyclone DDS applies the
-/// same grants as ddssec. Subject expressions are left out, because Cyclone DDS refuses such
-/// documents.
+/// Returns such pairs for certificates of all subjects of both documents. One subject can be
+/// written in several ways in certificates, so there can be several pairs. Empty if Cyclone DDS
+/// applies the same grants as ddssec. Subject expressions are left out, because Cyclone DDS refuses
+/// such documents.
 std::vector<AppliedByCycloneDds> applied_by_cyclonedds(const Permissions& old_document,
                                                        const Permissions& new_document);
 
@@ -53,12 +53,12 @@ struct MisappliedGrant {
   bool has_own = false;     ///< the document has a grant for that subject, which is ignored
 };
 
-/// The stray grants of the document for certificates of the subjects in `subjects`, in their order.
-/// Subject expressions are left out, because Cyclone DDS refuses such documents.
+/// Returns the misapplied grants of the document for certificates of the subjects in `subjects`, in
+/// their order. Subject expressions are left out, because Cyclone DDS refuses such documents.
 std::vector<MisappliedGrant> misapplied_grants(const Permissions& document,
                                                std::span<const Permissions* const> subjects);
 
-/// A sentence that explains a stray grant.
+/// Returns a sentence that explains a misapplied grant.
 std::string to_sentence(const MisappliedGrant& stray);
 inline constexpr std::string_view kStrayGrantHint =
     "put the grants into documents of their own, or let no subject's attributes be a part of "

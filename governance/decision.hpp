@@ -1,4 +1,4 @@
-// Compiled documents: decisions in microseconds, with the rule that decided.
+// Compiles documents for decisions in microseconds, with the rule that decided.
 #pragma once
 
 #include <array>
@@ -18,12 +18,12 @@
 namespace ddssec::governance {
 
 enum class Action : std::uint8_t { publish, subscribe, relay };
-/// "domain 0", or "domain 0 with the tag "line 3"".
+/// Returns "domain 0", or "domain 0 with the tag "line 3"".
 std::string describe_domain(DomainId domain, std::string_view tag);
-/// "publish", "subscribe", "relay".
+/// Returns "publish", "subscribe" or "relay".
 std::string_view to_string(Action action);
 
-/// What an entity requests. No partition means the partition "".
+/// The request of an entity. No partition means the partition "".
 struct Request {
   std::string_view topic;
   std::span<const std::string_view> partitions = {};
@@ -40,7 +40,7 @@ struct Decision {
   /// The deciding publish, subscribe or relay element of the rule, if there is one.
   const Criteria* criteria = nullptr;
 
-  /// The line that decided; for the default, the line of the grant.
+  /// Returns the line that decided; for the default, the line of the grant.
   int line(const Grant& grant) const {
     return criteria ? criteria->line : rule ? rule->line : grant.line;
   }
@@ -76,7 +76,7 @@ class CompiledGrant {
   /// Decides whether the participant may join: by the first rule for the domain for which
   /// decides_joining is true, otherwise by the default.
   Decision judge_participant() const { return participant_; }
-  /// The elements of allow rules for the action, in document order.
+  /// Returns the elements of allow rules for the action, in document order.
   std::vector<const Criteria*> allowed(Action action) const;
 
  private:
@@ -117,9 +117,9 @@ class CompiledGovernance {
       std::shared_ptr<const Governance> governance, DomainId domain, std::string_view tag = {});
 
   const DomainRule& domain_rule() const { return rule_; }
-  /// The document's revision, or 0 if it has none.
+  /// Returns the document's revision, or 0 if it has none.
   std::uint32_t revision() const { return governance_->revision; }
-  /// The first topic rule whose expression matches, or nullptr.
+  /// Returns the first topic rule whose expression matches, or nullptr.
   const TopicRule* topic_rule(std::string_view topic) const;
 
   CompiledGovernance(std::shared_ptr<const Governance> governance, const DomainRule& rule);

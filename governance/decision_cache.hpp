@@ -1,4 +1,4 @@
-// Cache of verdicts for names, with bounded memory. For governance/ only.
+// Remembers verdicts for names, in bounded memory. For governance/ only.
 #pragma once
 
 #include <mutex>
@@ -9,8 +9,8 @@
 
 namespace ddssec::governance {
 
-/// The cache has two generations. When the younger is full it becomes the older, and the older is
-/// dropped. Names that are asked for often stay. Thread-safe.
+/// Keeps entries in two generations. When the younger is full it becomes the older, and the older
+/// is dropped. Names that are asked for often stay. Thread-safe.
 template <class Value>
 class DecisionCache {
  public:

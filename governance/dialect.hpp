@@ -1,4 +1,4 @@
-// Differences in how products read one expression.
+// Finds differences in how products read one expression.
 #pragma once
 
 #include <optional>
@@ -24,20 +24,21 @@ struct Unportable {
 
   bool is_read_differently() const { return cyclonedds || fastdds; }
 };
-/// `"a[": a "[" is never closed; Cyclone DDS does not match "a[", which ddssec does`.
+/// Returns a text such as `"a[": a "[" is never closed; Cyclone DDS does not match "a[", which
+/// ddssec does`.
 std::string to_sentence(std::string_view expression, const Unportable& found);
 
-/// Empty if every product reads the expression alike. That is the case for characters other than
-/// `*?[]\`, for `*`, `?`, and for `[...]` of letters, digits, '_' and their ranges, with or without
-/// '!' before them and not followed by '-'. Names that contain ']' are not considered: Cyclone's
-/// brackets match it, and no topic contains it. Differences are searched for as long as there is
-/// effort left.
+/// Returns what makes the expression unportable. Empty if every product reads it alike. That is the
+/// case for characters other than `*?[]\`, for `*`, `?`, and for `[...]` of letters, digits, '_'
+/// and their ranges, with or without '!' before them and not followed by '-'. Names that contain
+/// ']' are not considered: Cyclone's brackets match it, and no topic contains it. Differences are
+/// searched for as long as there is effort left.
 std::optional<Unportable> unportable(std::string_view expression, SetEffort& effort);
 
 /// True if every product reads the expression alike, as far as its text shows.
 bool is_portable(std::string_view expression);
 
-/// The names that the product matches with the expression, as an expression of the standard.
+/// Returns an expression of the standard for the names that the product matches with `expression`.
 std::string meaning_in_cyclonedds(std::string_view expression);
 std::string meaning_in_fastdds(std::string_view expression);
 

@@ -13,7 +13,7 @@ namespace ddssec::governance {
 class DomainCuts {
  public:
   void add(const DomainSet& domains);
-  /// The pieces in ascending order; together all domain ids.
+  /// Returns the pieces in ascending order; together they are all domain ids.
   std::vector<DomainRange> pieces() const;
 
  private:

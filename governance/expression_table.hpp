@@ -1,4 +1,4 @@
-// Expressions laid out for an automaton: one position for each step, with the labels of each
+// Lays expressions out for an automaton: one position for each step, with the labels of each
 // expression.
 #pragma once
 
@@ -15,7 +15,7 @@
 namespace ddssec::governance {
 
 /// The table. A position stands for the rest of an expression and the labels of that expression:
-/// equal rests of expressions with equal labels are one position. The last position of each chain
+/// equal rests of expressions with equal labels share one position. The last position of each chain
 /// is its end.
 class ExpressionTable {
  public:
@@ -29,32 +29,32 @@ class ExpressionTable {
 
   std::size_t size() const { return steps_.size(); }
   const ByteClasses& classes() const { return classes_; }
-  /// The first positions of all expressions, ascending.
+  /// Returns the first positions of all expressions, ascending.
   const std::vector<Position>& beginnings() const { return beginnings_; }
 
   Kind kind(Position p) const { return steps_[p].kind; }
   Position next(Position p) const { return steps_[p].next; }
-  /// The class of a position of Kind::octet.
+  /// Returns the class of a position of Kind::octet.
   ByteClasses::Class octet(Position p) const {
     return static_cast<ByteClasses::Class>(steps_[p].value);
   }
-  /// The classes of a position of Kind::set, ascending.
+  /// Returns the classes of a position of Kind::set, ascending.
   std::span<const std::uint32_t> set(Position p) const { return sets_[steps_[p].value]; }
   /// True for a star at the end of an expression: from there every name matches.
   bool is_final_star(Position p) const {
     return kind(p) == Kind::star && kind(next(p)) == Kind::end;
   }
-  /// The star directly before `p`, or kNone.
+  /// Returns the star directly before `p`, or kNone.
   Position star_before(Position p) const { return steps_[p].star_before; }
-  /// The first star after `p`, or kNone.
+  /// Returns the first star after `p`, or kNone.
   Position star_ahead(Position p) const { return steps_[p].star_ahead; }
 
-  /// The labels of the position's expressions: at most one for each list, ascending.
+  /// Returns the labels of the position's expressions: at most one for each list, ascending.
   std::span<const Label> labels(Position p) const { return label_sets_[steps_[p].labels]; }
   const NameAtom::Match& match(Label label) const { return labels_[label]; }
   /// Sorts the labels, and keeps only the lowest rank of every list.
   void keep_first_of_each_list(std::vector<Label>& labels) const;
-  /// The number of the label's list; lists are numbered without gaps.
+  /// Returns the number of the label's list; lists are numbered without gaps.
   std::uint32_t list_number(Label label) const { return list_numbers_[label]; }
   std::size_t lists() const { return list_numbers_.empty() ? 0 : list_numbers_.back() + 1; }
 

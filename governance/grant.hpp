@@ -11,8 +11,8 @@
 
 namespace ddssec::governance {
 
-/// The first grant for `subject` whose validity contains `now`; other grants are ignored
-/// (DDS-Security 1.2, clause 10.4.1.5.3.2). Names are compared with SubjectName::matches,
+/// Returns the first grant for `subject` whose validity contains `now`; other grants are ignored
+/// (DDS-Security 1.2, clause 10.4.1.5.3.2). Names are compared with SubjectName::matches, and
 /// expressions RDN by RDN in the same way. `shown` names the subject in errors. Errors:
 /// no_grant_for_subject; grant_expired or grant_not_yet_valid if all grants for the subject are.
 Result<const Grant*> find_grant(const Permissions& permissions, const pki::SubjectName& subject,
@@ -21,7 +21,7 @@ Result<const Grant*> find_grant(const Permissions& permissions, const pki::Subje
 /// True if the grant is for the subject, whatever its validity.
 bool is_for(const Grant& grant, const pki::SubjectName& subject);
 
-/// The first of `grants` that is valid at `time`; nullptr if none is.
+/// Returns the first of `grants` that is valid at `time`, or nullptr.
 const Grant* valid_at(std::span<const Grant* const> grants, WallTime time);
 
 /// Success while the grant is valid. Errors: grant_expired, grant_not_yet_valid.

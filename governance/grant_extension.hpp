@@ -8,13 +8,13 @@
 
 namespace ddssec::governance {
 
-/// The rules of a grant for a domain with a tag, in order.
+/// Returns the rules of a grant for a domain with a tag, in order.
 std::vector<const GrantRule*> rules_for(const Grant& grant, DomainId domain, std::string_view tag);
 
 /// True if the rules differ in nothing but their lines and domains.
 bool say_the_same(std::span<const GrantRule* const> a, std::span<const GrantRule* const> b);
 
-/// Rules and the default after them.
+/// A list of rules, and the default after them.
 struct Decisions {
   std::span<const GrantRule* const> rules;
   bool default_allow = false;

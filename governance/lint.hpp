@@ -32,10 +32,11 @@ struct PermissionsUse {
   std::size_t signed_octets = 0;  ///< length of the signed document, or a lower bound of it
 };
 
-/// The finding PERM042, for a signed document that is longer than ddssec's plugins accept.
+/// Returns the finding PERM042, for a signed document that is longer than ddssec's plugins accept.
 Finding too_long_for_peers(std::size_t signed_octets);
 
-/// Findings PERM001 to PERM042 except PERM031, by line. Errors stop `permissions sign`.
+/// Returns the findings about a permissions document (PERM... except PERM031), by line. Errors stop
+/// `permissions sign`.
 std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& use = {});
 
 /// True if one of them is an error.

@@ -1,4 +1,5 @@
-// Who may take part in a domain, and read and write its topics, for lint. For governance/ only.
+// Checks which participants may join a domain, and read and write its topics, for lint. For
+// governance/ only.
 #pragma once
 
 #include "governance/domain_place.hpp"
@@ -11,9 +12,9 @@ bool is_plain(const TopicRule& rule);
 /// True if any kind of the domain or of its topics is SIGN or more.
 bool protects_anything(const DomainRule& rule);
 
-/// GOV014: rules that take names from a later one that protects more.
+/// Checks GOV014: rules that take names from a later one that protects more.
 void check_overlaps(LintFindings& out, const DomainPlace& place);
-/// GOV021, GOV022, GOV025, GOV040, GOV041, GOV043, and GOV047 to GOV050.
+/// Checks GOV021, GOV022, GOV025, GOV040, GOV041, GOV043, and GOV047 to GOV050.
 void check_access(LintFindings& out, const DomainPlace& place);
 
 }  // namespace ddssec::governance

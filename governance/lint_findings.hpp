@@ -20,10 +20,10 @@ inline std::vector<std::string> stock_vendors() { return {kCyclone, kFastDds}; }
 /// The findings of one document, and the effort left for further checks.
 class LintFindings {
  public:
-  /// If checks are skipped because the effort ran out, the finding about that is of `rule`.
+  /// `rule` is that of the finding which reports that checks were skipped, if the effort runs out.
   explicit LintFindings(Rule rule) : if_cut_short_(rule) {}
 
-  /// The effort left for questions about sets of names.
+  /// Returns the effort left for questions about sets of names.
   SetEffort& effort() { return effort_; }
 
   /// Adds a finding unless its rule has kMaxFindingsPerRule.
@@ -39,7 +39,7 @@ class LintFindings {
   void add_if_misleading(Rule rule, std::string_view what, const Text& name,
                          const std::string& path);
 
-  /// All findings by line. If some were left out, the last one of the rule says so.
+  /// Moves out all findings, by line. If some of a rule were left out, its last finding says so.
   std::vector<Finding> take();
 
  private:
@@ -54,19 +54,19 @@ class LintFindings {
   std::map<Rule, std::size_t> count_;
 };
 
-/// For a question about two expressions, of which a document has many.
+/// Returns the limits for a question about two expressions, of which a document has many.
 SetLimits limits_of_pair(SetEffort& effort);
 
-/// `no name matches "[z-a]"`.
+/// Returns a text such as `no name matches "[z-a]"`.
 std::string matches_nothing(std::string_view expression);
 inline constexpr std::string_view kUnmatchableHint =
     "write what the expression is meant to match, or delete it";
 
-/// `"rt/a"`, cut if it is long.
+/// Returns a text such as `"rt/a"`, cut if it is long.
 std::string in_quotes(std::string_view text);
-/// The RFC 2253 text of a name; with `reverse` it begins with the root.
+/// Returns the RFC 2253 text of a name; with `reverse` it begins with the root.
 std::string rfc2253(const pki::SubjectName& name, bool reverse);
-/// "3" or "0-5", several with commas.
+/// Returns "3" or "0-5", several with commas.
 std::string to_text(const std::vector<DomainRange>& ranges);
 
 }  // namespace ddssec::governance

@@ -1,4 +1,4 @@
-// One grant for lint, with its rules as a list of expressions. For governance/ only.
+// One grant for lint, and its rules as a list of expressions. For governance/ only.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ class GrantPlace {
   const std::string& rule_path(std::size_t rule_number) const {
     return rule_paths_.at(rule_number - 1);
   }
-  /// Every expression of all publish elements, in document order.
+  /// Returns every expression of all publish elements, in document order.
   const std::vector<GrantEntry>& publish() const { return entries_[0]; }
   const std::vector<GrantEntry>& subscribe() const { return entries_[1]; }
   const std::array<std::vector<GrantEntry>, 2>& actions() const { return entries_; }
@@ -48,18 +48,18 @@ class GrantPlace {
 /// "publish", "subscribe": the names of GrantPlace::actions().
 inline constexpr std::array<std::string_view, 2> kActionNames = {"publish", "subscribe"};
 
-/// "allow_rule 2".
+/// Returns a text such as "allow_rule 2".
 std::string rule_name(const GrantEntry& entry);
 
-/// The partitions that the element lists; none if it lists none.
+/// Returns the partitions that the element lists; none if it lists none.
 const std::vector<Text>& listed_partitions(const Criteria& criteria);
 
-/// The texts of the entries that are in an allow_rule.
+/// Returns the texts of the entries that are in an allow_rule.
 std::vector<std::string_view> allowed_texts(const std::vector<GrantEntry>& entries);
 
-/// The partitions for which an allow rule's element is.
+/// Returns the partitions to which an allow rule's element applies.
 std::vector<std::string_view> allowed_partitions(const Criteria& criteria);
-/// The partitions for which a denial is: without a list, all.
+/// Returns the partitions to which a denial applies: without a list, all.
 std::vector<std::string_view> denied_partitions(const GrantEntry& denial);
 /// True if `earlier` allows, and `denial` denies, in a common domain and partition. Their topics
 /// are not compared.

@@ -34,16 +34,20 @@ struct LiveChange {
   std::vector<const TopicRule*> raised;  ///< rules of `next` that were there with less protection
 };
 
-/// Success if a running participant can take `next` in place of `former`: the same elements of the
-/// domain rule, and all its topic rules in the same order. It may have more topic rules, at any
-/// place, but none without discovery protection if `former` protects all discovery. Topic rules may
-/// have other values where that raises what they protect: metadata_protection_kind and
-/// data_protection_kind from NONE to SIGN to ENCRYPT, both access controls from false to true. Data
-/// that was not protected needs metadata_protection_kind in `next`, and data that was not encrypted
-/// needs encrypted submessages or messages there: a receiver must know for each sample which rule
-/// counts, and instances keep their key hashes. Origin authentication, discovery and liveliness
-/// stay. Other domains do not count. Error: governance_renewal_refused, with the first element that
-/// does not fit, both values, and the line in `next`.
+/// Success if a running participant can take `next` in place of `former`. Other domains do not
+/// count.
+/// - The elements of the domain rule, and all its topic rules in the same order, must stay.
+/// - Topic rules may be added at any place, but none without discovery protection if `former`
+///   protects all discovery.
+/// - A topic rule may raise metadata_protection_kind and data_protection_kind (NONE to SIGN to
+///   ENCRYPT), and both access controls (false to true). Its origin authentication and its
+///   protection of discovery and liveliness must stay.
+/// - Data that was not protected needs metadata_protection_kind in `next`, and data that was not
+///   encrypted needs encrypted submessages or messages there: a receiver must know for each sample
+///   which rule counts, and instances keep their key hashes.
+///
+/// Error: governance_renewal_refused, with the first element that does not fit, both values, and
+/// the line in `next`.
 Result<LiveChange> live_change(const DomainRule& former, const DomainRule& next);
 
 }  // namespace ddssec::governance

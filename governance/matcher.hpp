@@ -1,5 +1,5 @@
-// Expressions of governance and permissions documents: POSIX fnmatch, for one expression or tens of
-// thousands.
+// Matches names with expressions of governance and permissions documents: POSIX fnmatch, for one
+// expression or tens of thousands.
 #pragma once
 
 #include <bitset>
@@ -39,7 +39,7 @@ class Pattern {
   bool matches_no_name() const;
   /// True if it matches exactly one name, text().
   bool is_literal() const { return steps_.empty(); }
-  /// For a literal the name that it matches, otherwise the expression.
+  /// Returns the name that a literal matches, otherwise the expression.
   const std::string& text() const { return text_; }
 
   enum class Kind : std::uint8_t { character, any, star, set };
@@ -48,9 +48,9 @@ class Pattern {
     std::uint8_t character;  ///< Kind::character
     std::uint16_t set;       ///< Kind::set: index
   };
-  /// Empty for a literal.
+  /// Returns the steps; none for a literal.
   const std::vector<Step>& steps() const { return steps_; }
-  /// The octets that a step of Kind::set matches.
+  /// Returns the octets that a step of Kind::set matches.
   const std::bitset<256>& set_of(const Step& step) const { return sets_[step.set]; }
 
  private:
@@ -81,14 +81,14 @@ class PatternSet {
   Id add(std::string_view expression);
   /// Builds the index; afterwards the set is immutable and thread-safe.
   void seal();
-  /// Numbers of all matching expressions, ascending.
+  /// Sets `found` to the numbers of all matching expressions, ascending.
   void match(std::string_view name, std::vector<Id>& found) const;
   /// The same with at most `steps` steps, which are subtracted. False if they do not suffice; then
   /// some numbers may be missing.
   bool match(std::string_view name, std::vector<Id>& found, std::size_t& steps) const;
 
   static constexpr Id kNone = std::numeric_limits<Id>::max();
-  /// The lowest number of a matching expression, or kNone.
+  /// Returns the lowest number of a matching expression, or kNone.
   Id first_match(std::string_view name) const;
 
   std::size_t size() const { return count_; }

@@ -87,8 +87,8 @@ struct DomainSet {
   /// True if both the id and the tag are in the set. A set without tags contains the empty tag only
   /// (DDS-Security 1.2, clause 10.4.1.2.5.1).
   bool contains(DomainId id, std::string_view tag = {}) const;
-  /// The answer of Cyclone DDS 0.10.2 and Fast DDS 2.9.1: an open range is one id, and they do not
-  /// accept documents with tags.
+  /// Returns the answer of Cyclone DDS 0.10.2 and Fast DDS 2.9.1: an open range is one id, and they
+  /// do not accept documents with tags.
   bool contains_for_stock(DomainId id) const;
   bool operator==(const DomainSet& other) const {
     return ranges == other.ranges && tags == other.tags && tag_expressions == other.tag_expressions;
@@ -120,7 +120,7 @@ struct AllowedAlgorithms {
   int line = 0;
 };
 
-/// domain_rule of a governance document.
+/// One domain_rule of a governance document.
 struct DomainRule {
   DomainSet domains = {};
   bool allow_unauthenticated_participants = false;
@@ -144,9 +144,9 @@ struct Governance {
   std::uint32_t revision = 0;
   std::vector<Note> notes = {};
 
-  /// The first rule whose domains contain the id, or nullptr.
+  /// Returns the first rule whose domains contain the id, or nullptr.
   const DomainRule* find(DomainId id, std::string_view tag = {}) const;
-  /// The rule that Cyclone DDS 0.10.2 and Fast DDS 2.9.1 apply; see contains_for_stock.
+  /// Returns the rule that Cyclone DDS 0.10.2 and Fast DDS 2.9.1 apply; see contains_for_stock.
   const DomainRule* find_for_stock(DomainId id) const;
 };
 
@@ -167,7 +167,7 @@ struct Criteria {
   int line = 0;
 };
 
-/// allow_rule or deny_rule.
+/// One allow_rule or deny_rule.
 struct GrantRule {
   bool allow = false;
   DomainSet domains = {};
@@ -177,7 +177,7 @@ struct GrantRule {
   int line = 0;
 };
 
-/// From not_before (included) to not_after (excluded), UTC.
+/// The time from not_before (included) to not_after (excluded), UTC.
 struct Validity {
   WallTime not_before = {};
   WallTime not_after = {};

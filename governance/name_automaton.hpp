@@ -35,9 +35,9 @@ class NameAutomaton {
   /// Runs the search; may be called once. With a goal it stops at the first name, except the empty
   /// one, that meets it.
   End run();
-  /// The atoms found, shortest name first. Valid after run().
+  /// Returns the atoms found, shortest name first. Valid after run().
   std::vector<NameAtom> atoms() const;
-  /// The name that meets the goal. Valid after goal_met.
+  /// Returns the name that meets the goal. Valid after goal_met.
   std::string goal_name() const { return name_of(*goal_); }
 
  private:
@@ -104,9 +104,9 @@ class NameAutomaton {
   std::vector<Position> here_;
   std::vector<std::vector<Position>> by_class_;
   std::vector<Position> any_;
-  /// For each position: expand_count_ if it is a star before the step.
+  /// Holds for each position: expand_count_ if it is a star before the step.
   std::vector<std::uint32_t> is_star_now_;
-  /// For each position: move_count_ if it is a star after the step.
+  /// Holds for each position: move_count_ if it is a star after the step.
   std::vector<std::uint32_t> is_star_next_;
   std::uint32_t expand_count_ = 1, move_count_ = 0;
   // The state after the step.

@@ -15,14 +15,15 @@ class NumberLists {
 
   NumberLists() : begin_{0}, slots_(kFirstSlots) {}
 
-  /// The id of the list, and true if it is new. `list` must not be inside this object.
+  /// Adds the list if it is not stored yet. Returns its id, and true if it is new. `list` must not
+  /// be inside this object.
   std::pair<Id, bool> add(std::span<const std::uint32_t> list);
-  /// The list with this id. The view is valid until the next add().
+  /// Returns the list with this id. The view is valid until the next add().
   std::span<const std::uint32_t> operator[](Id id) const {
     return std::span(data_).subspan(begin_[id], begin_[id + 1] - begin_[id]);
   }
   std::size_t size() const { return hashes_.size(); }
-  /// The total length of all lists.
+  /// Returns the total length of all lists.
   std::size_t weight() const { return data_.size(); }
 
  private:

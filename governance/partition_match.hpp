@@ -1,4 +1,4 @@
-// How an allow rule is compared with the partitions of an entity.
+// The ways in which an allow rule is compared with the partitions of an entity.
 #pragma once
 
 #include <cstdint>

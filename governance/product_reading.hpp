@@ -12,39 +12,41 @@ namespace ddssec::governance {
 
 enum class StockProduct : std::uint8_t { cyclonedds, fastdds };
 inline constexpr StockProduct kStockProducts[] = {StockProduct::cyclonedds, StockProduct::fastdds};
-/// "Cyclone DDS", "Fast DDS".
+/// Returns "Cyclone DDS" or "Fast DDS".
 std::string_view to_string(StockProduct product);
 
-/// A governance document as the product reads it; empty if nothing changes. A range of domains
-/// without <max> is one domain. An expression that the product reads in its own way is one that
-/// matches the same names (dialect.hpp), and one between blanks matches none with Fast DDS.
+/// Returns a governance document as the product reads it; empty if nothing changes. A range of
+/// domains without <max> becomes one domain. An expression that the product reads in its own way
+/// becomes one that matches the same names (dialect.hpp); for Fast DDS, one between blanks becomes
+/// one that matches none.
 std::optional<Governance> rewritten_for(const Governance& document, StockProduct product);
 
-/// The validity as the product reads it. Cyclone DDS reads some ends as times long past. Fast DDS
-/// ignores zones; its local time is taken to be UTC here.
+/// Returns the validity as the product reads it. Cyclone DDS reads some ends as times long past.
+/// Fast DDS ignores zones; its local time is taken to be UTC here.
 Validity rewritten_for(const Validity& validity, StockProduct product);
 
-/// A permissions document as the product reads it; empty if nothing changes. Ranges, expressions
-/// and validities are read as above.
+/// Returns a permissions document as the product reads it; empty if nothing changes. Ranges,
+/// expressions and validities are read as above.
 /// - Cyclone DDS applies a deny_rule without partitions to the partition "" only, and ignores
 ///   <tag>.
 /// - Fast DDS denies in all partitions, and reads every <default> as DENY. A topic and its
-///   partitions may be in different elements of one rule. The first rule with the topic decides: so
-///   a deny_rule for its topics follows each allow_rule.
+///   partitions may be in different elements of one rule. The first rule with the topic decides, so
+///   each allow_rule is followed by a deny_rule for its topics.
 std::optional<Permissions> rewritten_for(const Permissions& document, StockProduct product);
 
-/// Both documents as Fast DDS applies them to the endpoints of its own process, beside what it
-/// applies to those of peers: there rules for other domains count, too (measured with 2.9.1). Each
-/// rule is for every domain that an allow_rule of the two is for. Empty if all rules of each grant
-/// are for the same domains.
+/// Two documents as Fast DDS applies them to the endpoints of its own process: there rules for
+/// other domains count too (measured with 2.9.1), so each rule is for every domain that an
+/// allow_rule of the two is for. To peers it applies them differently.
 struct PermissionsOfOwnEndpoints {
   Permissions before, after;
 };
+/// Returns the two documents as Fast DDS applies them to the endpoints of its own process. Empty if
+/// all rules of each grant are for the same domains.
 std::optional<PermissionsOfOwnEndpoints> rewritten_for_own_endpoints_of_fastdds(
     const Permissions& before, const Permissions& after);
 
-/// A part of a document with the expressions of its topics and partitions as the product reads
-/// them; all else stays. Empty if nothing changes.
+/// Returns a part of a document with the expressions of its topics and partitions as the product
+/// reads them; everything else stays. Empty if nothing changes.
 std::optional<DomainRule> rewritten_expressions(const DomainRule& rule, StockProduct product);
 std::optional<Grant> rewritten_expressions(const Grant& grant, StockProduct product);
 

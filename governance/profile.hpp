@@ -17,18 +17,18 @@ enum class Profile : std::uint8_t {
   strict,  ///< like SROS2's template: every layer encrypted, messages signed, permissions enforced
 };
 
-/// "open", "balanced", "strict".
+/// Returns "open", "balanced" or "strict".
 std::string_view to_string(Profile profile);
-/// The profile with exactly this name, in lower case; empty if there is none.
+/// Returns the profile with exactly this name, in lower case; empty if there is none.
 std::optional<Profile> profile_from(std::string_view name);
 
-/// The profile's rule for the topics of one expression.
+/// Returns the profile's rule for the topics of one expression.
 TopicRule topic_rule_of(Profile profile, std::string expression);
 
-/// The profile's domain rule, without topic rules: add at least one.
+/// Returns the profile's domain rule, without topic rules: add at least one.
 DomainRule domain_rule_of(Profile profile, std::vector<DomainRange> domains);
 
-/// A whole document: the profile for these domains, with one topic rule `*`. Write it with
+/// Returns a whole document: the profile for these domains, with one topic rule `*`. Write it with
 /// to_xml(governance).
 Governance governance_of(Profile profile, std::vector<DomainRange> domains);
 

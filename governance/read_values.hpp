@@ -1,4 +1,4 @@
-// Parsing of values that both kinds of documents contain. For governance/ only.
+// Parses values that both kinds of documents contain. For governance/ only.
 #pragma once
 
 #include <span>
@@ -38,7 +38,7 @@ void note_extensions(ReadContext& context, XmlElement element);
 void note_end_tags(ReadContext& context, BytesView xml, int first_line);
 /// Notes a byte order mark before the text.
 void note_byte_order_mark(ReadContext& context, BytesView text, XmlElement root);
-/// The only child of <dds>, which must be named `name`. Error: document_kind.
+/// Returns the only child of <dds>, which must be named `name`. Error: document_kind.
 Result<XmlElement> document_body(const XmlDocument& document, std::string_view name);
 Result<bool> read_boolean(ReadContext& context, XmlElement element);
 /// Reads a protection kind. If `basic`, the kinds with origin authentication are refused.
@@ -46,8 +46,8 @@ Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement ele
 /// Reads a set of domains. A range without <max> ends with the highest id, one without <min> begins
 /// with 0 (DDS-Security 1.2, clause 10.4.1.2.3, and its rule for all domains in 10.4.1.2.7).
 Result<DomainSet> read_domains(ReadContext& context, XmlElement element);
-/// The texts of all children of `list`. There must be at least one, and all must be named `name`.
-/// If `may_be_empty`, their text may be empty.
+/// Reads the texts of all children of `list`. There must be at least one, and all must be named
+/// `name`. If `may_be_empty`, their text may be empty.
 Result<std::vector<Text>> read_texts(ReadContext& context, XmlElement list, std::string_view name,
                                      bool may_be_empty = false);
 

@@ -13,22 +13,24 @@ struct RefusalAdvice {
   std::string hint = {};     ///< what to do; empty if the general hint fits
 };
 
-/// The partitions in which an allowing element holds, as a clause: "only in \"yard*\"", "only
-/// without a partition (or in \"\")"; empty if it holds in every partition.
+/// Returns the partitions in which an allowing element holds, as a clause: "only in \"yard*\"",
+/// "only without a partition (or in \"\")". Empty if it holds in every partition.
 std::string partitions_of(const Criteria& criteria);
 
-/// Advice for an endpoint that `decision` refuses: whether an allow_rule has its topic, and only
-/// its partitions or data tags do not match. Empty if a deny_rule refuses. Cheap, because a peer
-/// may cause many refusals.
+/// Returns advice for an endpoint that `decision` refuses: whether an allow_rule has its topic, and
+/// only its partitions or data tags do not match. Empty if a deny_rule refuses. Cheap, because a
+/// peer may cause many refusals.
 RefusalAdvice advice_on_endpoint(const CompiledGrant& grant, Action action, const Request& request,
                                  const Decision& decision);
 
-/// Advice for a topic that no rule names: whether its name is similar to one in an allow_rule, or
-/// to names that an expression of "*" and "?" there matches (a typo in either, another case, or a
-/// missing prefix of ROS 2). It compares many names, so do not call it for a peer's request.
+/// Returns advice for a topic that no rule names: whether its name is similar to one in an
+/// allow_rule, or to names that an expression of "*" and "?" there matches (a typo in either,
+/// another case, or a missing prefix of ROS 2). It compares many names, so do not call it for a
+/// peer's request.
 RefusalAdvice advice_on_name(const CompiledGrant& grant, Action action, std::string_view topic);
 
-/// The advice on the endpoint, or that on the name if the former is empty and no rule decided.
+/// Returns the advice on the endpoint, or that on the name if the former is empty and no rule
+/// decided.
 RefusalAdvice advice_on(const CompiledGrant& grant, Action action, const Request& request,
                         const Decision& decision);
 

@@ -16,14 +16,14 @@ struct Rights {
   std::vector<std::string> subscribe = {};
   std::vector<std::string> deny_publish = {};
   std::vector<std::string> deny_subscribe = {};
-  /// The partitions of what is allowed. If empty, only entities without partitions are allowed.
-  /// Denials apply in every partition.
+  /// The partitions in which the topics are allowed. If empty, only entities without partitions are
+  /// allowed. Denials apply in every partition.
   std::vector<std::string> partitions = {};
 };
 
-/// A grant for the certificate's subject, in the one spelling that every product accepts. Denials
-/// come before allow rules, because the first rule that matches decides. Before the denials comes
-/// an allow rule without topics, which lets the participant join.
+/// Returns a grant for the certificate's subject, in the one spelling that every product accepts.
+/// Denials come before allow rules, because the first rule that matches decides. An allow rule
+/// without topics comes before the denials, and lets the participant join.
 Grant grant_of(std::string name, const pki::Certificate& certificate, const Rights& rights,
                Validity validity);
 

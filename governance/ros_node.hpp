@@ -13,19 +13,19 @@
 
 namespace ddssec::governance {
 
-/// The policy with these rights added to each profile that lacks them. What the policy denies stays
-/// denied, because a grant's deny rules come first.
+/// Returns the policy with these rights added to each profile that lacks them. Rights that the
+/// policy denies stay denied, because a grant's deny rules come first.
 RosPolicy with_node_defaults(RosPolicy policy);
 
 /// True if the grant names ros_discovery_info or a topic that begins with rt/, rq/ or rr/.
 bool speaks_of_ros(const Grant& grant);
 
-/// The rights of these that the grant does not give in that domain, in words such as "publish
-/// rosout"; empty if it gives all.
+/// Returns the rights of these that the grant does not give in that domain, in words such as
+/// "publish rosout". Empty if it gives all.
 std::vector<std::string> missing_node_rights(const Grant& grant, DomainId domain);
 
-/// The finding PERM040, once for the document: which of these rights are missing in grants that
-/// concern ROS 2. Empty if none are.
+/// Returns the finding PERM040, once for the document: which of these rights are missing in grants
+/// that concern ROS 2. Empty if none are.
 std::optional<Finding> missing_node_defaults(const Permissions& permissions);
 
 }  // namespace ddssec::governance

@@ -57,7 +57,8 @@ using ReadFile = std::function<Result<Bytes>(const std::filesystem::path&)>;
 /// document_kind, element_*, attribute_unknown, policy_value, policy_include.
 Result<RosPolicy> read_ros_policy(const std::filesystem::path& file, const ReadFile& read);
 
-/// The expanded name of a ROS name, as a node of the profile uses it: absolute, `~`, or relative.
+/// Returns the expanded name of a ROS name, as a node of the profile uses it: absolute, `~`, or
+/// relative.
 std::string expanded_ros_name(const RosProfile& profile, std::string_view name);
 
 struct RosPermissionsOptions {
@@ -66,12 +67,12 @@ struct RosPermissionsOptions {
   bool discovery_topic = true;  ///< allow ros_discovery_info, as ROS 2 needs
 };
 
-/// One grant for each enclave, with CN= and the path as subject. The contents of several <profiles>
-/// are merged. Denials come first; expressions are sorted, without duplicates.
+/// Returns one grant for each enclave, with CN= and the path as subject. The contents of several
+/// <profiles> are merged. Denials come first; expressions are sorted, without duplicates.
 Permissions permissions_of(const RosPolicy& policy, const RosPermissionsOptions& options);
 
-/// The same, octet for octet as sros2 0.13 writes it: one grant for each <profiles> element, names
-/// in its order, no XML declaration, times without a zone.
+/// Returns the same as XML, octet for octet as sros2 0.13 writes it: one grant for each <profiles>
+/// element, names in its order, no XML declaration, times without a zone.
 std::string sros2_permissions(const RosPolicy& policy, const RosPermissionsOptions& options);
 
 }  // namespace ddssec::governance

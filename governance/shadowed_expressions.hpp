@@ -20,9 +20,9 @@ struct ShadowedExpression {
   std::vector<std::uint32_t> by = {};
 };
 
-/// One result for each expression. `covers(a, b)` tells whether the expression at `a` can take
-/// names from the later one at `b` at all (rules for other partitions cannot). It is called for
-/// some pairs only. An expression that cannot be decided within the limits, or with the effort
+/// Returns one result for each expression. `covers(a, b)` tells whether the expression at `a` can
+/// take names from the later one at `b` at all (rules for other partitions cannot). It is called
+/// for some pairs only. An expression that cannot be decided within the limits, or with the effort
 /// left, counts as not dead.
 std::vector<ShadowedExpression> shadows(
     std::span<const std::string_view> expressions, SetEffort& effort,

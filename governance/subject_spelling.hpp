@@ -17,8 +17,9 @@ struct SpellingProblem {
   std::vector<std::string> vendors = {};
 };
 
-/// The stock products that do not apply the grant to a certificate with this subject, once as
-/// Certificate::subject writes it and once in UTF-8. Versions: Cyclone DDS 0.10, Fast DDS 2.9.
+/// Returns the stock products that do not apply the grant to a certificate with this subject, given
+/// once as Certificate::subject writes it and once in UTF-8. Versions: Cyclone DDS 0.10, Fast DDS
+/// 2.9.
 std::vector<std::string> not_recognising(const Grant& grant, std::string_view subject,
                                          std::string_view in_utf8);
 

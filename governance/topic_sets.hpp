@@ -1,6 +1,6 @@
-// Sets of names given by fnmatch expressions: which names a list of expressions distinguishes,
-// whether one set is contained in another, whether two overlap. Exact, with the shortest name as
-// example.
+// Answers questions about sets of names given by fnmatch expressions: which names a list of
+// expressions distinguishes, whether one set is contained in another, whether two overlap. Answers
+// are exact, with the shortest name as example.
 #pragma once
 
 #include <cstdint>
@@ -71,12 +71,12 @@ struct NameAtom {
   /// name.
   std::string witness = {};
 
-  /// The lowest rank of the list that matches, if any.
+  /// Returns the lowest rank of the list that matches, if any.
   std::optional<std::uint32_t> rank_in(std::uint32_t list) const;
 };
 
-/// All atoms that are not empty: every name (any octets except NUL, including the empty name) is in
-/// exactly one. Sorted by the length of the witness. Empty if a limit was reached.
+/// Returns all atoms that are not empty: every name (any octets except NUL, including the empty
+/// name) is in exactly one. Sorted by the length of the witness. Empty if a limit was reached.
 std::optional<std::vector<NameAtom>> name_atoms(std::span<const RankedExpression> expressions,
                                                 const SetLimits& limits = {});
 

@@ -9,13 +9,14 @@
 
 namespace ddssec::governance {
 
-/// XML text that every product accepts: both ends of every range, booleans in lower case, kinds in
-/// capitals. Elements of DDS-Security 1.2 appear only if they differ from their default.
+/// Returns XML text that every product accepts: both ends of every range, booleans in lower case,
+/// kinds in capitals. Elements of DDS-Security 1.2 appear only if they differ from their default.
 std::string to_xml(const Governance& governance);
-/// The document with the processing instruction <?ddssec revision="7"?> right after its XML
+/// Returns the document with the processing instruction <?ddssec revision="7"?> right after its XML
 /// declaration. The document must have none yet.
 std::string with_revision(std::string_view xml, std::uint32_t revision);
-/// The same for permissions: times in UTC with Z, a name for every grant, and always a <default>.
+/// Returns the same for permissions: times in UTC with Z, a name for every grant, and always a
+/// <default>.
 std::string to_xml(const Permissions& permissions);
 
 }  // namespace ddssec::governance

@@ -1,5 +1,5 @@
-// The only entry for XML: a document that passed check_xml and tinyxml2, with checked access to its
-// elements.
+// The only place that parses XML: a document that passed check_xml and tinyxml2, with checked
+// access to its elements.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,7 @@ class XMLElement;
 
 namespace ddssec::governance {
 
-/// "<name>", as errors show elements.
+/// Returns "<name>", as errors show elements.
 std::string in_brackets(std::string_view name);
 
 /// One element; borrowed from its XmlDocument. A default-constructed one stands for "absent".
@@ -30,27 +30,28 @@ class XmlElement {
 
   explicit operator bool() const { return element_ != nullptr; }
   std::string_view name() const;
-  /// The line in the file, from 1.
+  /// Returns the line in the file, from 1.
   int line() const;
-  /// The value of an attribute, or nullptr.
+  /// Returns the value of an attribute, or nullptr.
   const char* attribute(const char* name) const;
   std::vector<std::string_view> attribute_names() const;
-  /// "/dds/permissions/grant[2]", counted among siblings of the same name if there are several.
+  /// Returns a path such as "/dds/permissions/grant[2]", counted among siblings of the same name if
+  /// there are several.
   std::string path() const;
-  /// The parent element; absent for the root.
+  /// Returns the parent element; absent for the root.
   XmlElement parent() const;
   XmlElement first_child() const;
   XmlElement next_sibling() const;
 
-  /// The text of an element without children, with entities resolved and surrounding white space
-  /// removed. Text in several pieces is refused, because products read it differently. Errors:
-  /// element_unknown, value_in_pieces.
+  /// Returns the text of an element without children, with entities resolved and surrounding white
+  /// space removed. Text in several pieces is refused, because products read it differently.
+  /// Errors: element_unknown, value_in_pieces.
   Result<std::string> text() const;
-  /// The same as text(), with the white space around it.
+  /// Returns the same as text(), with the white space around it.
   Result<std::string> raw_text() const;
   /// True if there is white space before or after the text.
   bool is_padded() const;
-  /// The same as text(), but not empty. Errors also: element_empty.
+  /// Returns the same as text(), but not an empty text. Errors: as text(), element_empty.
   Result<std::string> nonempty_text() const;
 
   /// Success if the element has only the attributes must_interpret, `allowed` and those of XML
@@ -75,7 +76,8 @@ class XmlDocument {
   static Result<XmlDocument> parse(BytesView octets, int first_line = 1);
 
   XmlElement root() const;
-  /// The revision of the processing instruction <?ddssec revision="7"?>, or 0 if there is none.
+  /// Returns the revision of the processing instruction <?ddssec revision="7"?>, or 0 if there is
+  /// none.
   std::uint32_t revision() const;
 
   ~XmlDocument();
@@ -102,9 +104,9 @@ class XmlChildren {
   /// (for Count::once), text_unexpected, and those of check_attributes for each child in the table.
   static Result<XmlChildren> of(XmlElement parent, std::span<const ChildSpec> specs);
 
-  /// The child of row `spec`; absent if it is optional and missing.
+  /// Returns the child of row `spec`; absent if it is optional and missing.
   XmlElement one(std::size_t spec) const;
-  /// All children of known kinds in document order, with their rows.
+  /// Returns all children of known kinds in document order, with their rows.
   const std::vector<std::pair<std::size_t, XmlElement>>& all() const { return all_; }
   /// True if the children are in the order of the table.
   bool in_order() const;

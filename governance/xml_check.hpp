@@ -29,8 +29,8 @@ inline constexpr int kMaxXmlAttributes = 64;
 /// xml_processing_instruction, xml_too_deep, xml_too_many_attributes, xml_not_well_formed.
 Status check_xml(std::string_view document);
 
-/// The revision in `ddssec revision="7"`, the inside of that processing instruction; empty if it
-/// has another form. From 1 to 2^32 - 1, without leading zeros.
+/// Returns the revision in `ddssec revision="7"`, the inside of that processing instruction: from 1
+/// to 2^32 - 1, without leading zeros. Empty if it has another form.
 std::optional<std::uint32_t> revision_in(std::string_view instruction);
 
 }  // namespace ddssec::governance

@@ -32,7 +32,7 @@ struct DomainRegion {
 /// given sets.
 class DomainSpace {
  public:
-  /// Empty if there are more tags and tag expressions than can be compared.
+  /// Makes the space. Empty if there are more tags and tag expressions than can be compared.
   static std::optional<DomainSpace> of(const std::vector<const DomainSet*>& sets);
 
   /// Calls `answer_of(id, tag)` for all cells and combines them into scopes: no cell is in two

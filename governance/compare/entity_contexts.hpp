@@ -20,7 +20,7 @@ struct RuleElement {
 };
 
 /// Entities with certain partitions and data tags, and the elements of two lists that can match
-/// them, by number, ascending. Only the topic is left to decide.
+/// them, by number, ascending. For these entities only the topic is left to decide.
 struct EntityContext {
   /// The partitions P for which an entity with the single partition P and without data tags belongs
   /// here, by kind.

@@ -27,7 +27,7 @@ SharedRule part_of(const SharedDocument& document, const DomainRule* rule) {
 // The two rules that apply in a region; nullptr if there is none.
 using DomainRules = std::pair<const DomainRule*, const DomainRule*>;
 
-// One topic rule's values as a number; 0 is kept for "no rule".
+// Returns one topic rule's values as a number; 0 is kept for "no rule".
 std::uint32_t effect_of(const TopicRule& rule) {
   std::uint32_t value = 1;
   for (const bool flag : {rule.enable_discovery_protection, rule.enable_liveliness_protection,

@@ -45,7 +45,7 @@ struct GovernanceChange {
   /// The rules that decide for the witness; nullptr if there is none.
   std::shared_ptr<const TopicRule> old_topic = {}, new_topic = {};
 
-  /// The line of the deciding rule, or of the domain rule; 0 if there is none.
+  /// Returns the line of the deciding rule, or of the domain rule; 0 if there is none.
   int old_line() const;
   int new_line() const;
 };

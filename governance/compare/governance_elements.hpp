@@ -19,7 +19,7 @@ enum class Interop : std::uint8_t {
   participant,  ///< all endpoints of the domain
   endpoint,     ///< all endpoints of the topic
 };
-/// "none", "participant", "endpoint".
+/// Returns "none", "participant" or "endpoint".
 std::string_view to_string(Interop interop);
 
 /// One element with two values.
@@ -34,10 +34,10 @@ struct ElementChange {
 /// authentication. The result is stronger, weaker, mixed or neutral.
 ChangeClass compare(ProtectionKind old_kind, ProtectionKind new_kind);
 
-/// The differences between two rules for one domain; nullptr means no rule, so that no participant
-/// can join. A missing list of algorithms means all that the standard names (DDS-Security 1.2,
-/// clause 10.4.1.2.5.9). A missing list for the trust chain means the same as the one for
-/// signatures.
+/// Returns the differences between two rules for one domain; nullptr means no rule, so that no
+/// participant can join. A missing list of algorithms means all that the standard names
+/// (DDS-Security 1.2, clause 10.4.1.2.5.9). A missing list for the trust chain means the same as
+/// the one for signatures.
 std::vector<ElementChange> compare_domain_rules(const DomainRule* old_rule,
                                                 const DomainRule* new_rule);
 

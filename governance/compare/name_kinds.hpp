@@ -1,5 +1,4 @@
-// Names sorted into kinds that given expressions distinguish, and descriptions of sets of kinds in
-// words.
+// Sorts names into kinds that given expressions distinguish, and describes sets of kinds in words.
 #pragma once
 
 #include <cstdint>
@@ -37,15 +36,15 @@ class NameKinds {
  public:
   using Kind = std::uint32_t;
 
-  /// Empty if a limit is reached.
+  /// Makes the kinds. Empty if a limit is reached.
   static std::optional<NameKinds> of(std::vector<std::string> expressions,
                                      const SetLimits& limits = {});
 
-  /// The kind of the empty name is 0.
+  /// Returns the number of kinds. The kind of the empty name is 0.
   std::size_t size() const { return examples_.size(); }
   const std::string& example(Kind kind) const { return examples_[kind]; }
   bool matches(std::size_t expression, Kind kind) const { return matched_[kind][expression]; }
-  /// The number of an expression that was given, or of "".
+  /// Returns the number of an expression that was given, or of "".
   std::size_t number_of(std::string_view expression) const;
   /// Describes `kinds`, which must be ascending and not empty.
   NameSet describe(std::span<const Kind> kinds) const;

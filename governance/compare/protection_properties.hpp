@@ -38,9 +38,9 @@ enum class Property : std::uint8_t {
 inline constexpr std::size_t kProperties = 19;
 using Properties = std::bitset<kProperties>;
 
-/// "insider.payload_secrecy".
+/// Returns a name such as "insider.payload_secrecy".
 std::string_view to_string(Property property);
-/// The consequence of its absence, such as "insiders without the right to read can read the
+/// Returns the consequence of its absence, such as "insiders without the right to read can read the
 /// payload".
 std::string_view without(Property property);
 
@@ -63,7 +63,7 @@ struct Protection {
   static Protection of(const DomainRule& domain, const TopicRule& topic);
 };
 
-/// The properties that the rules provide for a topic.
+/// Returns the properties that the rules provide for a topic.
 Properties properties(const Protection& protection);
 Properties properties(const DomainRule& domain, const TopicRule& topic);
 
@@ -72,12 +72,12 @@ struct Effect {
   Properties lost = {}, gained = {};
 };
 
-/// The lost and gained properties from `before` to `after` to which the element called `element`
-/// contributes: its change alone makes the difference, or without its change there would be none.
-/// An element that is not in Protection contributes nothing.
+/// Returns the lost and gained properties from `before` to `after` to which the element called
+/// `element` contributes: its change alone makes the difference, or without its change there would
+/// be none. An element that is not in Protection contributes nothing.
 Effect effect_of(std::string_view element, const Protection& before, const Protection& after);
 
-/// The properties in the set, in order.
+/// Returns the properties in the set, in order.
 std::vector<Property> listed(const Properties& properties);
 
 }  // namespace ddssec::governance

@@ -23,8 +23,8 @@ constexpr std::size_t kMaxTried = 1'000;
 // The constructs of one document, and the line of each one's first occurrence.
 struct Constructs {
   std::map<std::string, int> expressions = {};
-  // What identifies a note. The same words at another place, or about another value, change what a
-  // product reads.
+  // These three identify a note. The same words at another place, or about another value, change
+  // what a product reads.
   using Place = std::tuple<std::string, std::string, std::string>;  // text, path, value
   std::map<Place, int> notes = {};
   bool has_all_notes = true;

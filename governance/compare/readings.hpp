@@ -1,4 +1,4 @@
-// Constructs that only one of two documents has and that other products read differently from
+// Finds constructs that only one of two documents has and that other products read differently from
 // ddssec.
 #pragma once
 

@@ -1,4 +1,4 @@
-// The effect of a change on stock products that it does not have on ddssec.
+// Finds the effects of a change on stock products that it does not have on ddssec.
 #pragma once
 
 #include <vector>

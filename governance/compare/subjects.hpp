@@ -1,4 +1,4 @@
-// The subjects that the grants of two documents distinguish, with the grants of each.
+// Finds the subjects that the grants of two documents distinguish, with the grants of each.
 #pragma once
 
 #include <string>
@@ -27,7 +27,7 @@ struct Subjects {
 /// are left out.
 Subjects subjects_of(const Permissions& old_document, const Permissions& new_document);
 
-/// The grant with the plainest spelling of the subject.
+/// Returns the grant with the plainest spelling of the subject.
 const Grant& spelling_of(const Subject& subject);
 
 /// True if both are for exactly the same subjects, in any spelling. False if that could not be

@@ -53,7 +53,8 @@ struct TopicPairs {
   bool names_all_effects = true;
 };
 
-/// All pairs of rules that decide for some name, as far as they are found within the limits.
+/// Returns all pairs of rules that decide for some name, as far as they are found within the
+/// limits.
 TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list, const SetLimits& limits);
 
 /// Names for which `pair` decides in the two lists, and `old_preceding` and `new_preceding` in the
@@ -69,13 +70,13 @@ struct PrecededList {
   const RuleList& preceding;
 };
 
-/// All combinations of the rules that decide for some name. Empty if a limit was reached.
+/// Returns all combinations of the rules that decide for some name. Empty if a limit was reached.
 std::optional<std::vector<PrecededPair>> preceded_pairs(const PrecededList& old_list,
                                                         const PrecededList& new_list,
                                                         const SetLimits& limits);
 
-/// The pairs for these names, with the first name of each as witness. `names_all_effects` is false
-/// if not every name was looked up.
+/// Returns the pairs for these names, with the first name of each as witness. `names_all_effects`
+/// is false if not every name was looked up.
 TopicPairs pairs_of_names(const std::vector<std::string>& names, const RuleList& old_list,
                           const RuleList& new_list, const SetLimits& limits);
 

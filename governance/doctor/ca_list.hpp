@@ -18,15 +18,15 @@ struct CaList {
   std::filesystem::path file;
 };
 
-/// The newest list, signed by one of `cas`, in a CA folder beside or above the participant's
-/// folder, whatever its dates. Empty unless its number is higher than those of `own`, the
-/// participant's lists.
+/// Returns the newest list, signed by one of `cas`, in a CA folder beside or above the
+/// participant's folder, whatever its dates. Empty unless its number is higher than those of `own`,
+/// the participant's lists.
 std::optional<CaList> newer_ca_list(const pki::ParticipantFolder& folder,
                                     const std::vector<pki::Certificate>& cas,
                                     const std::vector<pki::Crl>& own);
 
-/// The newest list in such a folder whose CA signed a list of `own` with a higher number: the CA's
-/// folder was restored from a backup, or is a copy.
+/// Returns the newest list in such a folder whose CA signed a list of `own` with a higher number:
+/// the CA's folder was restored from a backup, or is a copy.
 std::optional<CaList> outdated_ca_list(const pki::ParticipantFolder& folder,
                                        const std::vector<pki::Certificate>& cas,
                                        const std::vector<pki::Crl>& own);

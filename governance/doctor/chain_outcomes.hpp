@@ -8,8 +8,9 @@
 
 namespace ddssec::governance::doctor {
 
-/// `proof` is the result of ddssec's verifier; the behaviour of stock products was measured. Wrong
-/// dates count as ok if `dates_elsewhere`, because another check reports them.
+/// Returns the outcomes. `proof` is the result of ddssec's verifier; the behaviour of stock
+/// products was measured. Wrong dates count as ok if `dates_elsewhere`, because another check
+/// reports them.
 Outcomes chain_outcomes(const pki::Certificate& certificate,
                         const std::vector<pki::Certificate>& cas,
                         const Result<pki::ChainValid>& proof, bool dates_elsewhere,

@@ -83,7 +83,7 @@ bool is_judged(const std::string& value, const fs::path& judged, const fs::path&
   return has_same_octets(path, judged);
 }
 
-// Only the beginning of a value that is not a path, because the value may be a key.
+// Returns only the beginning of a value that is not a path, because the value may be a key.
 std::string shown_value(const std::string& value) {
   const auto scheme = value.substr(0, value.find(':'));
   return scheme == "data" || scheme == "pkcs11" ? "a " + scheme + ": value" : value;

@@ -194,7 +194,7 @@ bool has_subject(const std::vector<pki::Certificate>& cas, const std::string& su
                              [&](const pki::Certificate& ca) { return ca.subject() == subject; });
 }
 
-// One sentence that names the CA that issued and the CA that is configured.
+// Returns one sentence that names the CA that issued and the CA that is configured.
 std::string chain_broken(const LoadedFolder& folder, const Error& error) {
   const auto file = name_of(folder.paths.certificate);
   const auto ca_file = name_of(folder.paths.identity_ca);

@@ -125,8 +125,8 @@ class Rights {
  private:
   static constexpr std::size_t kMaxSamples = 200;
 
-  // One name for each way in which both read the expressions. For topics the topic_rules are
-  // included, because they may leave topics open.
+  // Returns one name for each way in which both read the expressions. For topics the topic_rules
+  // are included, because they may leave topics open.
   std::vector<std::string> samples(bool partitions) {
     std::vector<RankedExpression> all{kBracket};
     std::uint32_t list = kWithBracket;

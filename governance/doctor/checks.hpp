@@ -10,11 +10,11 @@ namespace ddssec::governance::doctor {
 
 using ddssec::to_string;
 
-/// The name of a file of a participant's folder in messages.
+/// Returns the name of a file of a participant's folder in messages.
 inline std::string name_of(const std::filesystem::path& path) { return path.filename().string(); }
 
-/// The hint about the permissions of a ROS 2 enclave, which come from a policy; empty for other
-/// participants.
+/// Returns the hint about the permissions of a ROS 2 enclave, which come from a policy. Empty for
+/// other participants.
 inline std::string remedy_of_ros(const LoadedFolder& folder) {
   if (folder.paths.layout != pki::FolderLayout::sros2) return {};
   return "add it to the policy, then ddssec keystore permission KEYSTORE ENCLAVE --policy FILE "
@@ -24,8 +24,8 @@ inline std::string remedy_of_ros(const LoadedFolder& folder) {
 /// True if both files can be read and have the same content.
 bool has_same_octets(const std::filesystem::path& one, const std::filesystem::path& other);
 
-/// The outcome with a key that DDS-Security does not allow: that of the certificate or CA at
-/// `path`, which ddssec refused with `error`.
+/// Returns the outcomes with a key that DDS-Security does not allow: that of the certificate or CA
+/// at `path`, which ddssec refused with `error`.
 Outcomes outcomes_of_key(const pki::ParticipantFolder& paths, const std::filesystem::path& path,
                          const Error& error, const Lineup& lineup);
 
@@ -48,15 +48,16 @@ void check_rights(const LoadedFolder& folder, const Settings& settings, Diagnosi
 /// topic by topic (a part of check_rights).
 void check_denials(const LoadedFolder& folder, const Settings& settings, const Grant& grant,
                    Diagnosis& out);
-/// Checks what expires first.
+/// Checks which part expires first.
 void check_ends(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 
-/// The grant that ddssec's plugins would apply to the participant, or nullptr.
+/// Returns the grant that ddssec's plugins would apply to the participant, or nullptr.
 const Grant* grant_of(const LoadedFolder& folder, WallTime now);
 
-/// The hint for something that begins after `now`: the usual reason is a clock that is slow.
+/// Returns the hint for something that begins after `now`: the usual reason is a clock that is
+/// slow.
 std::string clock_hint(WallTime now);
-/// The same if `begin` is after `now`; otherwise empty, so that the rule's own hint counts.
+/// Returns the same if `begin` is after `now`; otherwise empty, so that the rule's own hint counts.
 std::string hint_if_early(WallTime begin, WallTime now);
 
 }  // namespace ddssec::governance::doctor

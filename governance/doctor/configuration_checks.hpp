@@ -29,8 +29,8 @@ inline constexpr std::string_view kIfElsewhere =
     "if this folder is for another machine, that is as it should be, and ddssec doctor judges it "
     "there";
 
-/// DOC101, DOC102: checks that a process with this configuration starts, with the documents of the
-/// folder in force. Which files it names is checked elsewhere (DOC008).
+/// Checks that a process with this configuration starts, with the documents of the folder in force
+/// (DOC101, DOC102). Which files it names is checked elsewhere (DOC008).
 void check_effective_security(const CheckedConfiguration& question, Diagnosis& out);
 
 /// A file of profiles of Fast DDS.
@@ -44,18 +44,19 @@ struct CheckedProfile {
 /// Names and values in document order, including the blanks around them.
 using ProfileProperties = std::vector<std::pair<std::string, std::string>>;
 
-/// The properties of the default participant profile; empty if there is none, or if the text is not
-/// well-formed.
+/// Returns the properties of the default participant profile; empty if there is none, or if the
+/// text is not well-formed.
 std::optional<ProfileProperties> properties_of_profile(std::string_view text);
 
 /// False if the text is well-formed and no <participant> in it has is_default_profile: it cannot
 /// change the participant that another file describes.
 bool may_set_default_participant(std::string_view text);
 
-/// DOC101, DOC102, DOC108: checks that a process that takes its default profile from the file
-/// starts, with security. Measured with Fast DDS 2.9.1: without a default participant profile, and
-/// without or with a misspelt plugin, it starts without security and says so only in its log. The
-/// same if the file has a part that is not known to be accepted (fastdds_elements.hpp).
+/// Checks that a process that takes its default profile from the file starts, with security
+/// (DOC101, DOC102, DOC108). Measured with Fast DDS 2.9.1: without a default participant profile,
+/// and without or with a misspelt plugin, it starts without security and says so only in its log. A
+/// file with a part that is not known to be accepted counts as one that may do the same
+/// (fastdds_elements.hpp).
 void check_profile(const CheckedProfile& question, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

@@ -29,10 +29,11 @@ struct Check {
 struct Settings {
   WallTime now;
   DomainId domain = 0;
-  /// The partitions of the endpoints of two participants that meet. If empty, the partition "".
+  /// The partitions of the endpoints of two participants that meet. An empty list means the
+  /// partition "".
   std::vector<std::string> partitions = {};
-  /// Which party must be able to write a topic that the other one reads. If none is set, either of
-  /// them.
+  /// The party that must be able to write a topic that the other one reads. If none is set, either
+  /// of them is enough.
   bool writes[2] = {false, false};
   /// The versions for which to predict.
   Lineup lineup = {};
@@ -45,7 +46,7 @@ struct Settings {
 class Diagnosis {
  public:
   Diagnosis() = default;
-  /// The lineup has the versions that findings name.
+  /// `lineup` has the versions that findings name.
   explicit Diagnosis(const Lineup& lineup) : lineup_(lineup) {}
 
   /// Adds a check without findings.
@@ -57,7 +58,7 @@ class Diagnosis {
   void append(Diagnosis other);
 
   const std::vector<Check>& checks() const { return checks_; }
-  /// The worst of all checks, for each product.
+  /// Returns the worst outcome of all checks, for each product.
   Outcomes outcomes() const;
 
  private:
@@ -70,8 +71,8 @@ class Diagnosis {
 /// left out; the broken part is reported.
 Diagnosis diagnose(const LoadedFolder& folder, const Settings& settings);
 
-/// DOC107, a part of diagnose(): finds topics that ddssec's reading of the expressions protects or
-/// refuses, and a stock product's does not. One finding for each product and document.
+/// Finds topics that ddssec's reading of the expressions protects or refuses, and a stock product's
+/// does not (DOC107). A part of diagnose(). Reports one finding for each product and document.
 void check_readings(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 
 /// The configuration that CYCLONEDDS_URI names.

@@ -10,8 +10,8 @@
 
 namespace ddssec::governance::doctor {
 
-/// The first domain tag that the text sets, in any <Domain>; empty if there is none. Reads as
-/// leniently as Cyclone DDS.
+/// Returns the first domain tag that the text sets, in any <Domain>; empty if there is none. Reads
+/// as leniently as Cyclone DDS.
 std::string domain_tag_setting(std::string_view configuration);
 
 /// Reports a domain tag (DOC114): rules for it do not count under Cyclone DDS, and rules for no tag

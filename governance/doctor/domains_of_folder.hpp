@@ -1,4 +1,4 @@
-// The domains that a participant's documents cover.
+// Finds the domains that a participant's documents cover.
 #pragma once
 
 #include <optional>
@@ -13,9 +13,9 @@ namespace ddssec::governance::doctor {
 /// Domains in ascending order; no two of the ranges touch.
 using Domains = std::vector<DomainRange>;
 
-/// The domains that both the governance document and the allow rules of the participant's grant
-/// cover. If they have none in common, one domain of the governance document, because all
-/// participants share that. Empty if neither can be read.
+/// Returns the domains that both the governance document and the allow rules of the participant's
+/// grant cover. If they have none in common, returns one domain of the governance document, because
+/// all participants share that. Empty if neither can be read.
 Domains domains_of(const LoadedFolder& folder, WallTime now);
 
 /// The domains of the two documents, if they have none in common: the participant can then start in
@@ -26,7 +26,8 @@ struct Contradiction {
   int line_of_governance = 0;  ///< line of the first <domains> in each document
   int line_of_permissions = 0;
 };
-/// Empty if they have a domain in common, or if either one cannot be read.
+/// Returns the contradiction. Empty if the documents have a domain in common, or if either one
+/// cannot be read.
 std::optional<Contradiction> contradiction_of(const LoadedFolder& folder, WallTime now);
 
 /// Additional texts about documents that have no domain in common. They are empty if the documents
@@ -51,12 +52,12 @@ struct DomainChoice {
 /// otherwise the lowest; 0 if no document names a domain.
 DomainChoice choose_domain(std::span<const Domains> participants);
 
-/// The same domains in ascending order, with no two ranges that touch.
+/// Returns the same domains in ascending order, with no two ranges that touch.
 Domains merged(Domains ranges);
 
 bool contains(const Domains& domains, DomainId id);
 
-/// "0-5, 7": at most 128 characters or a little more, then "...".
+/// Returns a text such as "0-5, 7": at most 128 characters or a little more, then "...".
 std::string to_text(const Domains& domains);
 
 }  // namespace ddssec::governance::doctor

@@ -17,16 +17,16 @@ struct ConfiguredText {
   int line = 0;
 };
 
-/// Authentication, Cryptographic or AccessControl.
+/// The settings of one plugin: Authentication, Cryptographic or AccessControl.
 struct ConfiguredPlugin {
   /// Attributes of <Library> by their names in lower case: path, initfunction, finalizefunction.
   std::vector<std::pair<std::string, ConfiguredText>> library = {};
   /// The other elements, by their names in lower case; values without surrounding blanks.
   std::vector<std::pair<std::string, ConfiguredText>> values = {};
 
-  /// The attribute, or nullptr if the <Library> has none of this name.
+  /// Returns the attribute, or nullptr if the <Library> has none of this name.
   const ConfiguredText* attribute(std::string_view name) const;
-  /// The element, or nullptr if there is none.
+  /// Returns the element, or nullptr if there is none.
   const ConfiguredText* value(std::string_view name) const;
 };
 
@@ -55,8 +55,8 @@ enum class ConfigurationPlace : std::uint8_t {
   variable,  ///< CYCLONEDDS_URI: also several documents, or parts of one without end tags
 };
 
-/// The text after the files' texts, from `inline_from` on, is in the variable itself. Only there
-/// end tags may be missing or have no name.
+/// Returns the settings for the domain. The text from `inline_from` on, after the texts of the
+/// files, is in the variable itself. Only there end tags may be missing or have no name.
 EffectiveSecurity effective_security(std::string_view text, DomainId domain,
                                      ConfigurationPlace place, std::size_t inline_from = 0);
 

@@ -16,7 +16,7 @@ constexpr std::size_t kMaxDoubts = 10;
 constexpr int kMaxDomain = 232;
 constexpr int kMaxNumber = 2147483647;
 
-// What an element contains.
+// The kind of content that an element has.
 enum class Form : std::uint8_t {
   group,    // elements
   list,     // elements; may be repeated

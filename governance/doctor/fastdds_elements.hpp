@@ -1,4 +1,5 @@
-// The forms of Fast DDS profiles that the product is known to accept. For governance/doctor/ only.
+// Finds forms in Fast DDS profiles that the product is not known to accept. For governance/doctor/
+// only.
 #pragma once
 
 #include <vector>
@@ -9,7 +10,7 @@
 
 namespace ddssec::governance::doctor {
 
-/// Reasons why doctor cannot tell that Fast DDS accepts the profiles below a root element:
+/// Returns reasons why doctor cannot tell that Fast DDS accepts the profiles below a root element:
 /// elements, attributes and values that are not in fastdds_elements.def, elements that are
 /// repeated, and names that are not unique. The reasons are sentences without their subject, in
 /// document order; at most ten. Not all elements of Fast DDS 3 and later are known, so there only a

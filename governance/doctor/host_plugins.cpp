@@ -274,7 +274,7 @@ void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlac
   const auto is_missing_path = [](const HostPlugin& plugin) {
     return plugin.maker == Maker::none && is_path(plugin.library);
   };
-  // DOC102 reports it, and LD_LIBRARY_PATH is not the cause
+  // DOC102 reports a missing library that is named by a path; LD_LIBRARY_PATH is not its cause.
   if (std::ranges::any_of(plugins, is_missing_path)) return;
   if (const auto one = std::ranges::find_if(plugins, &HostPlugin::is_cut_off); one != plugins.end())
     return out.report({.cyclonedds = Outcome::fail, .ours = Outcome::fail},

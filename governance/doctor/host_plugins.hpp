@@ -26,16 +26,17 @@ struct HostPlugin {
   /// A file that is no library, at which the search of the loader ended.
   std::filesystem::path obstacle = {};
 };
-/// "ddssec 0.2.0", "stock, not ddssec's", "not found".
+/// Returns "ddssec 0.2.0", "stock, not ddssec's" or "not found".
 std::string maker_of(const HostPlugin& plugin);
 
-/// The three plugins of a configuration; empty if it does not configure security, or names a
-/// library with a variable in it. Nothing is loaded.
+/// Returns the three plugins of a configuration; empty if it does not configure security, or names
+/// a library with a variable in it. Nothing is loaded.
 std::vector<HostPlugin> host_plugins(std::string_view configuration, const LoaderPlaces& places);
-/// The plugins that rmw_cyclonedds_cpp configures.
+/// Returns the plugins that rmw_cyclonedds_cpp configures.
 std::vector<HostPlugin> plugins_of_node(const LoaderPlaces& places);
 
-/// The file that Cyclone DDS would load for a library's name or path; empty if it finds none.
+/// Returns the file that Cyclone DDS would load for a library's name or path; empty if it finds
+/// none.
 std::filesystem::path library_file(const std::string& library, const LoaderPlaces& places);
 
 /// True if the file is a ddssec library, judged by its content. It is not loaded, because that

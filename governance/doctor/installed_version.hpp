@@ -1,4 +1,4 @@
-// The version of a stock product that is installed on this machine.
+// Finds the version of a stock product that is installed on this machine.
 #pragma once
 
 #include <filesystem>
@@ -10,12 +10,13 @@
 
 namespace ddssec::governance::doctor {
 
-/// The folders that the dynamic loader searches: those of LD_LIBRARY_PATH, then the system's.
+/// Returns the folders that the dynamic loader searches: those of LD_LIBRARY_PATH, then the
+/// system's.
 std::vector<std::filesystem::path> library_folders(std::string_view library_path);
 
-/// The version in the name of the product's library (libddsc.so.0.10.2, libfastrtps.so.2.9.1,
-/// libfastdds.so.3.1.2), from the first folder that has one, and the newest there. Nothing is
-/// loaded. Empty if there is none, or for ddssec.
+/// Returns the version in the name of the product's library (libddsc.so.0.10.2,
+/// libfastrtps.so.2.9.1, libfastdds.so.3.1.2), from the first folder that has one, and the newest
+/// there. Nothing is loaded. Empty if there is none, or for ddssec.
 std::optional<Version> installed_version(Vendor vendor,
                                          const std::vector<std::filesystem::path>& folders);
 

@@ -1,5 +1,5 @@
-// A document as read by products that are less strict about XML than ddssec. For governance/doctor/
-// only.
+// Reads a document as products do that are less strict about XML than ddssec. For
+// governance/doctor/ only.
 #pragma once
 
 #include <vector>
@@ -19,11 +19,11 @@ struct LenientText {
   bool is_refused_by_fastdds = false;
 };
 
-/// Replaces by blanks what ddssec refuses and is not part of the content: unknown attributes, a
-/// declaration of another encoding or with escaped quotes, a document type, processing
-/// instructions, comments that contain "--". Octets that are not UTF-8 become '?'. The pieces of a
-/// value are joined. Element names are converted to lower case if start tag and end tag agree, as
-/// Cyclone DDS wants it.
+/// Replaces by blanks the parts that ddssec refuses and that do not belong to the content: unknown
+/// attributes, a declaration of another encoding or with escaped quotes, a document type,
+/// processing instructions, comments that contain "--". Octets that are not UTF-8 become '?'. The
+/// pieces of a value are joined. Element names are converted to lower case if start tag and end tag
+/// agree, as Cyclone DDS wants it.
 LenientText lenient_text(BytesView xml);
 
 }  // namespace ddssec::governance::doctor

@@ -23,7 +23,7 @@ struct LoaderPlaces {
   /// "glibc-hwcaps/x86-64-v3" (loader_subfolders.hpp).
   std::vector<std::string> subfolders = {};
 
-  /// The places for this process: its variable, and the folders of this machine.
+  /// Returns the places for this process: its variable, and the folders of this machine.
   static LoaderPlaces here();
 };
 
@@ -42,14 +42,14 @@ struct FoundLibrary {
   LibraryState state = LibraryState::absent;
 };
 FoundLibrary found_by_loader(const std::string& name, const LoaderPlaces& places);
-/// The first library of the name in these folders and their subfolders.
+/// Returns the first library of the name in these folders and their subfolders.
 FoundLibrary found_in(const std::vector<std::filesystem::path>& folders,
                       const std::vector<std::string>& subfolders, const std::string& name);
 
-/// The folders of LD_LIBRARY_PATH or of a DT_RUNPATH; an empty one is ".".
+/// Returns the folders of LD_LIBRARY_PATH or of a DT_RUNPATH; an empty one is ".".
 std::vector<std::filesystem::path> folders_of(std::string_view library_path);
 
-/// The first 64 MiB of a file at most.
+/// Reads the first 64 MiB of a file at most.
 std::string library_octets(const std::filesystem::path& path);
 
 }  // namespace ddssec::governance::doctor

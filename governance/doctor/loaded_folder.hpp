@@ -45,7 +45,7 @@ struct LoadedDocument {
   /// True if Cyclone DDS reads the text and Fast DDS does not; see LenientText.
   bool is_refused_by_fastdds = false;
 
-  /// The reason why no model could be read.
+  /// Returns the reason why no model could be read.
   const Error& unread() const { return parsed_without ? parsed.error() : parsed_without.error(); }
   /// Success if the product can parse it; its parser may be more lenient than ddssec's. Otherwise
   /// the error is ddssec's.
@@ -91,9 +91,9 @@ struct LoadedFolder {
   bool has_usable_lists(Vendor judge) const {
     return crls || (judge != Vendor::ours && !crls_with_deltas.empty());
   }
-  /// The chain verifier with which this participant judges certificates. If its file has several
-  /// revocation lists, stock products read the first one (measured). Errors: those of the needed
-  /// parts, or of ChainVerifier::make.
+  /// Returns the chain verifier with which this participant judges certificates. If its file has
+  /// several revocation lists, stock products read the first one (measured). Errors: those of the
+  /// needed parts, or of ChainVerifier::make.
   Result<pki::ChainVerifier> chain(Vendor judge = Vendor::ours) const;
 };
 
@@ -105,7 +105,8 @@ Status verify_signature_as(Vendor judge, BytesView file,
                            const Result<std::vector<pki::Certificate>>& cas, BytesView ca_file,
                            WallTime now);
 
-/// The octets of the certificate and the signed permissions, which a handshake message holds.
+/// Returns the number of octets of the certificate and the signed permissions, which a handshake
+/// message holds.
 std::size_t handshake_octets(const LoadedFolder& folder);
 
 /// True for the error about a key on another 256-bit curve, such as secp256k1. Cyclone DDS checks

@@ -1,4 +1,4 @@
-// Markup of Cyclone DDS's configurations. For governance/doctor/ only.
+// Reads the markup of Cyclone DDS's configurations. For governance/doctor/ only.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ class Markup {
   Token next();
 
  private:
-  /// The beginning of the rest.
+  /// The kind of text at which the rest begins.
   enum class Position : std::uint8_t { between_elements, content, end_of_text };
 
   Token at(Kind kind) const;

@@ -30,14 +30,14 @@ struct KnownVersion {
   bool operator==(const KnownVersion&) const = default;
 };
 
-/// The versions of the table, ascending. Empty for ddssec.
+/// Returns the versions of the table, ascending. Empty for ddssec.
 std::vector<KnownVersion> known_versions(Vendor vendor);
 
-/// The version of the table that represents `version` of a stock product: the newest that is not
-/// newer, or the oldest of all.
+/// Returns the version of the table that represents `version` of a stock product: the newest that
+/// is not newer, or the oldest of all.
 KnownVersion stand_in(Vendor vendor, Version version);
 
-/// The outcomes for the variant with the versions that represent the lineup; ok for ddssec.
+/// Returns the outcomes for the variant with the versions that represent the lineup; ok for ddssec.
 Outcomes measured(Variant variant, const Lineup& lineup);
 
 }  // namespace ddssec::governance::doctor

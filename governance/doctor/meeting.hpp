@@ -17,7 +17,7 @@ struct Party {
   std::string name;    ///< its name in messages
   Lineup lineup = {};  ///< the version of its product
 
-  /// "Cyclone DDS 0.10.2".
+  /// Returns a name such as "Cyclone DDS 0.10.2".
   std::string product() const { return doctor::name(vendor, lineup); }
 };
 
@@ -100,17 +100,17 @@ struct Meeting {
 /// The largest number of topics that are checked if none are named.
 inline constexpr std::size_t kMaxTopics = 256;
 
-/// Predicts for both in the domain. If `topics` is empty, it checks the topic names in both
-/// documents, and one example for each other way in which their expressions match, if one of the
-/// parties has rights there.
+/// Predicts the meeting of both in the domain. If `topics` is empty, it checks the topic names in
+/// both documents. It also checks one example for each other way in which their expressions match,
+/// if one of the parties has rights there.
 Meeting meet(const Party& a, const Party& b, const Settings& settings,
              const std::vector<std::string>& topics = {});
 
-/// The first 48 bits of the GUID of every participant with this certificate's subject, with any
-/// product (DDS-Security 1.2, clause 10.3.3).
+/// Returns the first 48 bits of the GUID of every participant with this certificate's subject, with
+/// any product (DDS-Security 1.2, clause 10.3.3).
 std::uint64_t guid_start(const pki::Certificate& certificate);
 
-/// The participant that begins, by the subjects of two certificates (DDS-Security 1.2,
+/// Returns the participant that begins, by the subjects of two certificates (DDS-Security 1.2,
 /// clause 10.3.3).
 Starter starter(const pki::Certificate& a, const pki::Certificate& b);
 

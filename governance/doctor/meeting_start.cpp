@@ -1,4 +1,4 @@
-// How each of two participants starts on its own.
+// Predicts how each of two participants starts on its own.
 #include <algorithm>
 #include <filesystem>
 

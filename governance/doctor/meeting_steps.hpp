@@ -39,18 +39,19 @@ void add_finding(const MeetingScene& scene, Rule rule, const PartyDecision& judg
 /// knowing.
 void judge_start(const MeetingScene& scene, int index);
 
-/// The names to check if none are given; sets topics_complete.
+/// Returns the names to check if none are given; sets topics_complete.
 std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene);
 /// Checks both directions of one topic. If the topic was named by the caller, the result says which
 /// party refuses it.
 void meet_on_topic(const MeetingScene& scene, const TopicOfInterest& topic);
 
-/// The differences in elements that must be equal for participants.
+/// Returns the differences in elements that must be equal for participants.
 std::vector<Difference> differences(const DomainRule& a, const DomainRule& b);
-/// The differences in elements that must be equal for endpoints of a topic.
+/// Returns the differences in elements that must be equal for endpoints of a topic.
 std::vector<Difference> differences(const TopicRule& a, const TopicRule& b);
 
-/// "<rtps_protection_kind> is SIGN at talker (governance.p7s:10) and NONE at listener (...:10)".
+/// Returns "<rtps_protection_kind> is SIGN at talker (governance.p7s:10) and NONE at listener
+/// (...:10)".
 std::string sentence(const MeetingScene& scene, const Difference& difference);
 
 }  // namespace ddssec::governance::doctor

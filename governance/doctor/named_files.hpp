@@ -1,4 +1,4 @@
-// The files of a participant that a configuration names.
+// Finds the files of a participant that a configuration names.
 #pragma once
 
 #include <filesystem>
@@ -33,18 +33,19 @@ struct Named {
   std::string value;  ///< "file:/a/b", "data:,..." or "pkcs11:..."
 };
 
-/// The text with the five predefined entities of XML replaced.
+/// Returns the text with the five predefined entities of XML replaced.
 std::string without_escapes(std::string_view text);
 
-/// The values that apply to the domain. If there are none, all values that look like them.
+/// Returns the values that apply to the domain. If there are none, returns all values that look
+/// like them.
 std::vector<Named> named_by_cyclonedds(std::string_view text, const EffectiveSecurity& security,
                                        DomainId domain);
-/// The paths of those values that name files.
+/// Returns the paths of those values that name files.
 std::vector<std::filesystem::path> paths_of(const std::vector<Named>& named);
-/// All values that look like those of a property, in any profile and in a text that is not
+/// Returns all values that look like those of a property, in any profile and in a text that is not
 /// well-formed.
 std::vector<Named> named_anywhere_by_fastdds(std::string_view text);
-/// The values of the default profile, of which the last one counts.
+/// Returns the values of the default profile, of which the last one counts.
 std::vector<Named> named_by_fastdds(std::string_view text);
 
 }  // namespace ddssec::governance::doctor

@@ -1,4 +1,4 @@
-// The shared libraries that a shared library depends on.
+// Finds the shared libraries that a shared library depends on.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ struct NeededLibraries {
   std::vector<std::string> names = {};  ///< DT_NEEDED, such as libsodium.so.23
   std::string search_path = {};         ///< DT_RUNPATH or DT_RPATH; may contain $ORIGIN
 };
-/// The result is empty for octets of any other form.
+/// Reads the dynamic section. The result is empty for octets of any other form.
 NeededLibraries needed_libraries(std::string_view octets);
 
 }  // namespace ddssec::governance::doctor

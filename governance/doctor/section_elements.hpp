@@ -1,5 +1,5 @@
-// The elements of Cyclone DDS's configuration that do not concern security. For governance/doctor/
-// only.
+// Lists the elements of Cyclone DDS's configuration that do not concern security. For
+// governance/doctor/ only.
 #pragma once
 
 #include <string>
@@ -7,14 +7,15 @@
 
 namespace ddssec::governance::doctor {
 
-/// The path of a section of <Domain> whose elements are known here, such as "general"; empty for
-/// any other name. Names are in lower case. Paths are those of Cyclone DDS 0.10.2 and 0.10.5.
+/// Returns the path of a section of <Domain> whose elements are known here, such as "general";
+/// empty for any other name. Names are in lower case. Paths are those of Cyclone DDS 0.10.2 and
+/// 0.10.5.
 std::string section_path(std::string_view name);
-/// The path of an element within: "discovery/ports" of "discovery" and "ports".
+/// Returns the path of an element within: "discovery/ports" of "discovery" and "ports".
 std::string path_inside(std::string_view path, std::string_view element);
 
-/// True if Cyclone DDS knows the element directly inside the one with this path; the same for its
-/// attribute.
+/// True if Cyclone DDS knows the element directly inside the one with this path. The second
+/// function tells the same for its attribute.
 bool is_known_inside(std::string_view path, std::string_view element);
 bool is_known_attribute(std::string_view path, std::string_view attribute);
 

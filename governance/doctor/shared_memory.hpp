@@ -10,7 +10,7 @@
 
 namespace ddssec::governance::doctor {
 
-/// The setting that enables shared memory, such as "<SharedMemory><Enable>true" (0.10) or
+/// Returns the setting that enables shared memory, such as "<SharedMemory><Enable>true" (0.10) or
 /// "<PubSubMessageExchange>" (11); empty if none does. Reads as leniently as Cyclone DDS: any
 /// letter case, closing tags without names, any value except false. A single Domain element must
 /// not be given.

@@ -1,4 +1,4 @@
-// Quoting for command lines that users copy into their shell.
+// Quotes words for command lines that users copy into their shell.
 #pragma once
 
 #include <algorithm>
@@ -7,8 +7,8 @@
 
 namespace ddssec::governance::doctor {
 
-/// The text as one word of a POSIX shell: unchanged if it has no special characters, otherwise in
-/// single quotes.
+/// Returns the text as one word of a POSIX shell: unchanged if it has no special characters,
+/// otherwise in single quotes.
 inline std::string shell_word(std::string_view text) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789/._-+:=@%,";

@@ -1,5 +1,5 @@
-// Documents with which stock products start although ddssec does not parse them, so that ddssec
-// cannot tell what they allow. Measured with Cyclone DDS 0.10.2 and Fast DDS 2.9.1.
+// Recognises documents with which stock products start although ddssec does not parse them, so that
+// ddssec cannot tell what they allow. Measured with Cyclone DDS 0.10.2 and Fast DDS 2.9.1.
 #pragma once
 
 #include <string_view>
@@ -25,8 +25,8 @@ bool has_certificate_for_openssl(const std::filesystem::path& path);
 /// True for a 256-bit key with explicit curve parameters.
 bool is_key_of_explicit_curve(const Error& error);
 
-/// The file with which the product starts although ddssec cannot predict the effect; nullptr if
-/// there is none.
+/// Returns the file with which the product starts although ddssec cannot predict the effect, or
+/// nullptr.
 const std::filesystem::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor,
                                                 const Lineup& lineup = {});
 

@@ -8,8 +8,8 @@
 
 namespace ddssec::governance::doctor {
 
-/// Outcome::ok for each product that matches `text` with the certificate's subject when it reads
-/// its own permissions, otherwise fail. Measured:
+/// Returns Outcome::ok for each product that matches `text` with the certificate's subject when it
+/// reads its own permissions, otherwise fail. Measured:
 /// - Cyclone DDS searches for each attribute of the certificate in the text, in any order, in forms
 ///   with `,`, `/` or `|`. No blank may be beside `,` or `=`. A text with more attributes than the
 ///   certificate is unsafe: it matches, but belongs to another participant.

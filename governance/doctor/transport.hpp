@@ -11,8 +11,8 @@
 
 namespace ddssec::governance::doctor {
 
-/// The setting that enables TCP, such as "<TCP><Enable>true" or "<Transport>tcp"; empty if none
-/// does. Reads as leniently as Cyclone DDS. A single Domain element must not be given.
+/// Returns the setting that enables TCP, such as "<TCP><Enable>true" or "<Transport>tcp"; empty if
+/// none does. Reads as leniently as Cyclone DDS. A single Domain element must not be given.
 std::string tcp_setting(std::string_view configuration);
 
 /// Reports TCP that is enabled: two participants that were separated by one forged announcement

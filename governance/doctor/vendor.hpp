@@ -26,7 +26,7 @@ struct Version {
   int patch = 0;
   auto operator<=>(const Version&) const = default;
 };
-/// "0.10.2".
+/// Returns a text such as "0.10.2".
 std::string to_string(Version version);
 /// Reads one to three numbers separated by dots; empty for anything else.
 std::optional<Version> version_from(std::string_view text);
@@ -36,7 +36,7 @@ struct Lineup {
   Version cyclonedds = {0, 10, 2};
   Version fastdds = {2, 9, 1};
 
-  /// The version of the stock product; ddssec has none.
+  /// Returns the version of the stock product; ddssec has none.
   Version& of(Vendor vendor) { return vendor == Vendor::fastdds ? fastdds : cyclonedds; }
   const Version& of(Vendor vendor) const {
     return vendor == Vendor::fastdds ? fastdds : cyclonedds;
@@ -44,11 +44,11 @@ struct Lineup {
   bool operator==(const Lineup&) const = default;
 };
 
-/// "cyclonedds@0.10.2", "fastdds@2.9.1", "ours".
+/// Returns "cyclonedds@0.10.2", "fastdds@2.9.1" or "ours", with the versions of the lineup.
 std::string id(Vendor vendor, const Lineup& lineup = {});
-/// "Cyclone DDS 0.10.2" and so on.
+/// Returns a text such as "Cyclone DDS 0.10.2".
 std::string name(Vendor vendor, const Lineup& lineup = {});
-/// "Cyclone DDS", "Fast DDS", "ddssec's plugins".
+/// Returns "Cyclone DDS", "Fast DDS" or "ddssec's plugins".
 std::string_view family(Vendor vendor);
 
 /// How Fast DDS finds its default profiles. Fast DDS 3 renamed both; version 3.1 was not run to
@@ -68,7 +68,8 @@ constexpr ProfilePlaces profile_places(Version fastdds) {
 /// octets work, and 63,764 do not. The size of the rest of the message varies a little.
 inline constexpr std::size_t kMaxFastDdsHandshakeOctets = 63'000;
 
-/// The label of a column: the id, or "ddssec" for `ours`, whose id is part of the JSON contract.
+/// Returns the label of a column: the id, or "ddssec" for `ours`, whose id is part of the JSON
+/// contract.
 std::string label(Vendor vendor, const Lineup& lineup = {});
 
 /// A product by its name and, if given, its version.
@@ -79,7 +80,7 @@ struct NamedProduct {
 };
 /// Reads NAME or NAME@VERSION; empty for anything else. `ours` has no version.
 std::optional<NamedProduct> product_from(std::string_view text);
-/// The vendor; empty if `text` names none.
+/// Returns the vendor; empty if `text` names none.
 std::optional<Vendor> vendor_from(std::string_view text);
 
 /// The outcome with one product, from good to bad.
@@ -89,7 +90,7 @@ enum class Outcome : std::uint8_t {
   late,    ///< the participant starts, and then it or its endpoints are refused
   fail,    ///< the participant does not start
 };
-/// "ok", "unsafe", "late", "fail".
+/// Returns "ok", "unsafe", "late" or "fail".
 std::string_view to_string(Outcome outcome);
 
 /// One outcome for each product.
@@ -98,17 +99,17 @@ struct Outcomes {
   Outcome fastdds = Outcome::ok;
   Outcome ours = Outcome::ok;
 
-  /// The same outcome for all products.
+  /// Returns the same outcome for all products.
   static constexpr Outcomes all(Outcome outcome) { return {outcome, outcome, outcome}; }
   constexpr Outcome of(Vendor vendor) const {
     return vendor == Vendor::cyclonedds ? cyclonedds : vendor == Vendor::fastdds ? fastdds : ours;
   }
-  /// The worse of both, for each product.
+  /// Returns the worse of both, for each product.
   Outcomes worse(const Outcomes& other) const;
   bool all_ok() const { return *this == Outcomes{}; }
   bool operator==(const Outcomes&) const = default;
 };
-/// The participant does not start with any product.
+/// The outcomes if the participant does not start with any product.
 inline constexpr Outcomes kAllFail = Outcomes::all(Outcome::fail);
 
 }  // namespace ddssec::governance::doctor

@@ -13,17 +13,17 @@ namespace ddssec::governance::doctor {
 /// backslashes differently (dialect.hpp), and Fast DDS keeps the blanks around an expression.
 bool matches_as(Vendor vendor, const Text& expression, std::string_view name);
 
-/// The first element of the list that names the topic as `vendor` reads it, or nullptr.
+/// Returns the first element of the list that names the topic as `vendor` reads it, or nullptr.
 const Criteria* naming(Vendor vendor, const std::vector<Criteria>& list, std::string_view topic);
 
-/// The domain_rule that `vendor` applies in the domain; nullptr if there is none.
+/// Returns the domain_rule that `vendor` applies in the domain, or nullptr.
 const DomainRule* domain_rule_as(Vendor vendor, const Governance& governance, DomainId domain);
 
-/// The first topic_rule for the topic as `vendor` reads them; nullptr if there is none.
+/// Returns the first topic_rule for the topic as `vendor` reads them, or nullptr.
 const TopicRule* topic_rule_as(Vendor vendor, const DomainRule& domain, std::string_view topic);
 
-/// The rule by which Cyclone DDS 0.10 decides whether a topic may be created at all: the first one
-/// for the domain that names it in any direction. nullptr if none does.
+/// Returns the rule by which Cyclone DDS 0.10 decides whether a topic may be created at all: the
+/// first one for the domain that names it in any direction. nullptr if none does.
 const governance::GrantRule* first_rule_naming(const Grant& grant, DomainId domain,
                                                std::string_view topic);
 

@@ -30,7 +30,7 @@ class WritablePlaces {
   /// suffices that a name belongs to a trusted user.
   void add_with_way(const std::filesystem::path& path);
 
-  /// The findings in the order in which they were found, each once.
+  /// Returns the findings in the order in which they were found, each once.
   const std::vector<Finding>& findings() const { return findings_; }
   /// Adds the findings to a diagnosis, with this outcome if one of them is an error.
   void report(const Outcomes& if_error, Diagnosis& out) const;
@@ -47,8 +47,8 @@ class WritablePlaces {
   std::vector<Finding> findings_;
 };
 
-/// The owner of the key, who can do what the participant can. Without a key, the owner of the
-/// folder.
+/// Returns the owner of the key, who can do what the participant can. Without a key, returns the
+/// owner of the folder.
 uid_t user_of(const pki::ParticipantFolder& paths);
 
 /// Does the same for further files of the participant's process: libraries of plugins, properties.
