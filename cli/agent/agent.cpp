@@ -301,7 +301,7 @@ std::vector<std::string> Agent::secret_variables() const {
 // Answers the worker's questions about documents, which come first. Returns the first line that is
 // about something else. The error of a document is sent as the answer and does not end the worker.
 Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
-  // One line for each kind of document, and one with the outcome.
+  // The worker asks at most once for each of three kinds of document, and then reports the outcome.
   constexpr int kMaxLines = 4;
   for (int lines = 0;; ++lines) {
     std::string line;

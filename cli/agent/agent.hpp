@@ -61,7 +61,7 @@ class Agent {
   void end_overlap_and_report(const OverlapToEnd& overlap);
   Result<Json> try_to_renew(Folder& folder);
   AskedResponders responders_for(const Folder& folder) const;
-  /// The time by which the process for a folder must have answered.
+  /// Returns the time by which the process for a folder must have answered.
   std::chrono::steady_clock::time_point deadline_for(const Folder& folder) const;
   std::unexpected<Error> worker_ended_error(const Folder& folder, ChildProcess::End end);
   std::string renewal_list_text() const;

@@ -12,10 +12,11 @@ namespace ddssec::cli {
 
 /// Issues the certificate that follows the one in a participant's folder, by the rules of `identity
 /// renew`: the CA (--ca) issued the old one for this folder and did not revoke it. Subject and key
-/// stay; with --rekey the key is the request's. It is valid for --days, or as long as the old one.
-/// With --permissions, permissions that end before it are extended; if they cannot be, the answer
-/// says why. They must be the last that the CA signed for a file (signed.jsonl). Errors: those of
-/// CaOpener, check_issued_for, check_renewal_request, Authority::sign_request; outlives_ca.
+/// stay; with --rekey the new key is that of the request. The certificate is valid for --days, or
+/// as long as the old one. With --permissions, permissions that end before it are extended, and the
+/// answer gives the reason if they cannot be. They must be the last that the CA signed for a file
+/// (signed.jsonl). Errors: those of CaOpener, check_issued_for, check_renewal_request,
+/// Authority::sign_request; outlives_ca.
 Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request,
                                   const std::filesystem::path& folder, const Arguments& arguments,
                                   const Context& context);
@@ -26,20 +27,21 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request,
 /// read_key.
 Status check_passphrase(const Arguments& arguments);
 
-/// The revocation lists in a file. Errors: those of read_file and Crl::all_from.
+/// Reads the revocation lists in a file. Errors: those of read_file and Crl::all_from.
 Result<std::vector<pki::Crl>> read_lists(const std::filesystem::path& file);
 
-/// Returns certificate_revoked if a list of the verifier, from `file`, names the certificate.
+/// Success if no list of the verifier, from `file`, names the certificate. Error:
+/// certificate_revoked.
 Status check_not_on(const pki::ChainVerifier& verifier, const pki::Certificate& certificate,
                     const std::filesystem::path& file);
 
 /// Success if the folder of this owner may ask the CA or a hook. Another user could ask for any
 /// name, with a certificate of their own in the folder or with a copy of another participant's.
-/// Only a request that the present key signed shows who asks. Error: folder_untrusted.
+/// Only a signature by the present key proves which participant asks. Error: folder_untrusted.
 Status check_owner(const FolderOwner& owner, const Arguments& arguments,
                    const std::filesystem::path& folder);
 
-/// Which certificates an agent with a hook renews.
+/// The CAs whose certificates an agent with a hook renews, and their revocation lists.
 struct TrustedRequesters {
   std::filesystem::path trust;  ///< a file with CAs; empty: all CAs are trusted
   /// Revocation lists of these CAs; empty: crl.pem beside `trust`, if there is one.

@@ -21,7 +21,8 @@ struct DocumentsTask {
   const pki::ParticipantFolder& files;
   const pki::Certificate& certificate;  ///< the one in the folder
   const Clock& clock;
-  /// A request that the present key has signed (PKCS#10, PEM), to show who asks for permissions.
+  /// Makes a request that the present key has signed (PKCS#10, PEM). It proves which participant
+  /// asks for permissions.
   std::function<Result<std::string>()> request;
 };
 

@@ -1,5 +1,5 @@
-// What the agent reports: one JSON object for each line, as "event of agent" in cli/schema
-// describes it. No event contains a key, a request, a PIN, or what a hook wrote.
+// The agent's reports: one JSON object for each line, as "event of agent" in cli/schema describes
+// it. No event contains a key, a request, a PIN, or what a hook wrote.
 #pragma once
 
 #include <filesystem>
@@ -36,12 +36,12 @@ class AgentEvents {
   enum class To : std::uint8_t { standard_output, report };
   AgentEvents(To to, const Clock& clock) : to_(to), clock_(clock) {}
 
-  /// An event of the agent itself.
+  /// Reports an event of the agent itself.
   void report(std::string_view event, Json members = Json::object());
-  /// An event about a folder.
+  /// Reports an event about a folder.
   void report(std::string_view event, const std::filesystem::path& folder, Json members);
 
-  /// The events so far, with To::report.
+  /// Returns the events so far, with To::report.
   const std::vector<AgentEvent>& kept() const { return kept_; }
 
  private:
@@ -51,13 +51,14 @@ class AgentEvents {
   std::vector<AgentEvent> kept_;
 };
 
-/// Returns the members that the agent reports of an event, shortened, because a process with
-/// another user's rights has sent them.
+/// Returns the members that the agent reports of an event. They are shortened, because a process
+/// with another user's rights has sent them.
 Json known_members(const Json& event);
-/// The files in the event's member "files".
+/// Returns the files in the event's member "files".
 std::vector<WrittenFile> files_from(const Json& event);
 
-/// The members about an error: code, number, message and hint, and the file if the error names one.
+/// Returns the members about an error: code, number, message and hint, and the file if the error
+/// names one.
 Json event_members(const Error& error);
 
 }  // namespace ddssec::cli

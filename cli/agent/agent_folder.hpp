@@ -21,8 +21,8 @@ struct FolderOwner {
 /// write. Errors: folder_untrusted; file_unreadable.
 Result<FolderOwner> check_folder(int descriptor, const std::filesystem::path& folder);
 
-/// If root runs this process: gives up its rights for those of the owner, with the owner's groups.
-/// There is no way back. Does nothing for a folder that belongs to root. Error: internal.
+/// If root runs this process, gives up its rights for those of the owner, with the owner's groups.
+/// It cannot get them back. Does nothing for a folder that belongs to root. Error: internal.
 Status switch_to_owner(const FolderOwner& owner);
 
 /// The identity of a folder that the agent locked, for processes that open it by its path again.
@@ -42,13 +42,13 @@ struct LockedFolder {
 /// lock ends.
 class FolderLock {
  public:
-  /// Errors: those of check_folder and open_guarded; file_unreadable, file_unwritable;
-  /// agent_is_running.
+  /// Locks the folder. Errors: those of check_folder and open_guarded; file_unreadable,
+  /// file_unwritable; agent_is_running.
   static Result<FolderLock> take(const std::filesystem::path& folder);
 
   /// False after the folder or the file in it was removed or replaced, or the owner was changed.
   bool is_in_place(const std::filesystem::path& folder) const;
-  /// The open file. A process that inherits it keeps the lock.
+  /// Returns the descriptor of the open file. A process that inherits it keeps the lock.
   int descriptor() const { return file_; }
   const LockedFolder& folder() const { return locked_; }
   const FolderOwner& owner() const { return locked_.owner; }

@@ -25,9 +25,9 @@ struct Hook {
   std::chrono::seconds timeout;
 };
 
-/// The hook of an option, --hook or --documents-hook, with --hook-env and --hook-timeout. Words are
-/// separated by blanks. Characters that mean something to a shell are refused, because no shell
-/// reads the words. Error: usage.
+/// Reads the hook of an option, --hook or --documents-hook, with --hook-env and --hook-timeout.
+/// Words are separated by blanks. Characters that mean something to a shell are refused, because no
+/// shell reads the words. Error: usage.
 Result<Hook> hook_of(const Arguments& arguments, const std::string& option);
 
 /// Success if no user but this one and root can change the file of --trust. Errors: trust_unsafe,

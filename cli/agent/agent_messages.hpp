@@ -40,37 +40,38 @@ struct DocumentRequest {
   std::string certificate;  ///< the one in place, PEM
 };
 
-/// One line without its line break. json_from returns the error internal.
+/// Returns the value as one line, without a line break; json_from reads it. json_from returns the
+/// error internal.
 std::string to_line(const Json& value);
 Result<Json> json_from(std::string_view line);
 
 /// Writes one line into a pipe. Returns 0, or 1 if no process reads it.
 int send_line(int out, const Json& value);
-/// What a process sends instead of a result.
+/// Returns the line that a process sends instead of a result.
 Json error_line(const Error& error);
 
 Json to_json(const RenewalRequest& request);
 Result<RenewalRequest> request_from(const Json& json);
 Json to_json(const RenewalAnswer& answer);
-/// The answer as one line with its line break. Removes the renewal list from an answer that is too
-/// long.
+/// Returns the answer as one line with its line break. If it is too long, removes the renewal list
+/// from the answer.
 std::string answer_line(RenewalAnswer& answer);
 Result<RenewalAnswer> answer_from(const Json& json);
 
 Json to_json(const DocumentRequest& request);
 DocumentRequest document_request_from(const Json& json);
-/// A document as a line, and back. document_from returns the error that the line contains, or
-/// internal.
+/// Writes a document as a line, and reads it. document_from returns the error that the line
+/// contains, or internal.
 Json document_line(BytesView document);
 Result<Bytes> document_from(const Json& json);
 
-/// An error with all of its details. An error with an unknown code is read as `internal`.
+/// Writes an error with all of its details, and reads it. An unknown code is read as `internal`.
 Json error_to_json(const Error& error);
 Error error_from(const Json& json);
 
-/// The text of a member; empty if there is no member of that name or it is not a text.
+/// Returns the text of a member. Empty if there is no member of that name or it is not a text.
 std::string text_in(const Json& json, std::string_view name);
-/// The number of a member; 0 if there is no member of that name or it is not an integer.
+/// Returns the number of a member. 0 if there is no member of that name or it is not an integer.
 std::int64_t number_in(const Json& json, std::string_view name);
 
 }  // namespace ddssec::cli

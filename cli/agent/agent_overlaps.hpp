@@ -14,8 +14,8 @@ struct OverlapToEnd {
   std::string role;
   WallTime until;
 };
-/// The overlaps that are under way: of the identity CA and, with --permissions, of the permissions
-/// CA. An overlap whose record cannot be read is left out; `ca show` says why.
+/// Returns the overlaps that are under way: of the identity CA and, with --permissions, of the
+/// permissions CA. An overlap whose record cannot be read is left out; `ca show` gives the reason.
 std::vector<OverlapToEnd> overlaps_to_end(const Arguments& agent);
 
 /// Runs `ca rotate --end --when-due` for that role. Every folder that the CA's log knows here must

@@ -37,7 +37,7 @@ struct AgentTask {
 /// Asks the CA; the answer is not yet checked.
 using AskCa = std::function<Result<RenewalAnswer>(const RenewalRequest&)>;
 
-/// What the worker may ask of the agent.
+/// The questions that the worker may ask the agent.
 struct AgentServices {
   AskCa ask;
   FetchDocument fetch;
@@ -55,7 +55,7 @@ struct AgentServices {
 /// folder if it differs. With a locked folder, the folder of the task must be that one. The result
 /// is an event:
 ///   {"event": "current" | "due" | "renewed" | "ocsp_renewed", "subject", "not_after", "next", ...}
-/// "problem" of an event says why the participant does not start, or why the next renewal will
+/// The event's "problem" tells why the participant does not start, or why the next renewal will
 /// fail: because of the key, the identity CA, the list or (with takes_permissions) the permissions
 /// in the folder. Errors: folder_untrusted, key_in_token, key_mismatch, renewal_unfit,
 /// renewal_goes_back, those of `ask`, of ChainVerifier::verify and of FileTransaction.

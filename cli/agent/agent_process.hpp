@@ -34,7 +34,7 @@ class HeldSignals {
   bool is_stopped() const { return is_stopped_; }
   /// True once after each SIGHUP.
   bool take_reload();
-  /// The mask of signals from before, for a child.
+  /// Returns the signal mask from before, for a child.
   const sigset_t& former() const { return former_; }
 
  private:
@@ -71,7 +71,7 @@ class ChildProcess {
   End wait(Deadline deadline);
   /// Ends the process with SIGTERM and, after two seconds, its whole group with SIGKILL.
   void stop();
-  /// "exit code 3" or "signal 9"; empty for exit code 0, or if it runs.
+  /// Returns "exit code 3" or "signal 9". Empty for exit code 0, or if the process has not ended.
   std::string failure() const;
 
   ~ChildProcess();

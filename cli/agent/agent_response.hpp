@@ -1,4 +1,4 @@
-// How the agent keeps the OCSP response of a participant whose certificate names a responder.
+// Keeps the OCSP response of a participant whose certificate names a responder.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@
 
 namespace ddssec::cli {
 
-/// Which OCSP responders the agent asks. The owner of a folder chooses the certificate in it, and
-/// so the address that the certificate names.
+/// The OCSP responders that the agent asks. The owner of a folder chooses the certificate in it,
+/// and so the address that the certificate names.
 struct AskedResponders {
   /// Certificates of CAs (PEM). A responder is asked only if one of these CAs issued the
   /// certificate. Empty: every responder is asked.
@@ -30,10 +30,13 @@ struct ResponseTask {
 };
 
 /// Fetches the response if half of the life of the one in the folder is over, or if the folder has
-/// none for this certificate. Does nothing if the certificate names no responder. Members of the
-/// event: "ocsp_until"; "event" becomes "ocsp_renewed" if it was "current"; "next" becomes earlier
-/// if the response is due first, unless "event" is "renewed"; "problem", if the response could not
-/// be fetched or written; "ocsp_silent", the URL of a responder that could not be asked.
+/// none for this certificate. Does nothing if the certificate names no responder. Sets members of
+/// the event:
+/// - "ocsp_until";
+/// - "event" becomes "ocsp_renewed" if it was "current";
+/// - "next" becomes earlier if the response is due first, unless "event" is "renewed";
+/// - "problem", if the response could not be fetched or written;
+/// - "ocsp_silent", the URL of a responder that could not be asked.
 void keep_response(const ResponseTask& task, Json& event);
 
 }  // namespace ddssec::cli

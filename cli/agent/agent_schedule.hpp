@@ -8,17 +8,17 @@
 
 namespace ddssec::cli {
 
-/// The time after two thirds of the validity, plus up to a twentieth of it. That part depends on
-/// the certificate's octets, so that participants of one day are not all renewed at once, while
-/// every run of the agent computes the same time.
+/// Returns the time after two thirds of the validity, plus up to a twentieth of it. That part
+/// depends on the certificate's octets. Participants of one day are therefore not all renewed at
+/// once, and every run of the agent computes the same time.
 WallTime renewal_time(const pki::Certificate& certificate);
 
-/// The time from notBefore to notAfter; at least one second.
+/// Returns the time from notBefore to notAfter, at least one second.
 std::chrono::seconds lifetime(const pki::Certificate& certificate);
 
-/// The wait after so many failures in a row, from 1: about a sixtieth of the lifetime (1 s to 60
-/// s), then twice as long each time, and at most a twelfth of it (2 s to 1 h). `jitter`, a random
-/// octet, adds up to an eighth.
+/// Returns the wait after so many failures in a row, from 1: about a sixtieth of the lifetime (1 s
+/// to 60 s), then twice as long each time, and at most a twelfth of it (2 s to 1 h). `jitter`, a
+/// random octet, adds up to an eighth.
 std::chrono::seconds retry_after(unsigned failures, std::chrono::seconds lifetime,
                                  std::uint8_t jitter);
 

@@ -61,7 +61,7 @@ Result<std::string> receive(int in) {
   return out;
 }
 
-// What order_line() contains, as a worker reads it.
+// The content of order_line(), as a worker reads it.
 struct Order {
   AgentTask task;
   std::optional<LockedFolder> locked = {};

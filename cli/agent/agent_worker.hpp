@@ -16,22 +16,22 @@ namespace ddssec::cli {
 /// The only argument with which main() is started for this process. It is not a command for users.
 inline constexpr auto kAgentWorker = "--agent-worker";
 
-/// The environment variables of the worker, none of `secret` among them. In a folder of the agent's
-/// own user it has all others. In a folder of another user it has those of a short list that say
-/// where libraries and their settings are, a usual PATH, and a HOME that does not exist, so that no
-/// module is loaded that the owner configured.
+/// Returns the environment variables of the worker, none of `secret` among them. In a folder of the
+/// agent's own user it has all others. In a folder of another user it has a usual PATH and those of
+/// a short list that say where libraries and their settings are. Its HOME does not exist then, so
+/// that no module is loaded that the owner configured.
 std::vector<std::string> worker_variables(bool is_own, const std::vector<std::string>& secret);
 
 /// Starts this program anew with these variables. `in` and `out` are its ends of two pipes, and
 /// `lock` is a file that stays open (-1: none). Returns only if that fails, with an exit code.
 int become_worker(std::vector<std::string> variables, int in, int out, int lock);
 
-/// The first line to a worker: what it is to do. `locked` is nullptr with --dry-run. `now` is a
-/// time to use instead of the present.
+/// Returns the first line to a worker, which tells it what to do. `locked` is nullptr with
+/// --dry-run. `now` is a time to use instead of the present.
 std::string order_line(const AgentTask& task, const LockedFolder* locked,
                        std::optional<WallTime> now);
 
-/// The worker's main function.
+/// Does the worker's work, and ends the process.
 [[noreturn]] void run_agent_worker();
 
 }  // namespace ddssec::cli

@@ -48,7 +48,7 @@ class CaOpener {
   /// Opens the CA of --ca with that role. Errors as above, and those of check_signing_ca.
   Result<OpenCa> open(std::string_view role);
 
-  /// The passphrase that opened an encrypted key so far; null if none was encrypted.
+  /// Returns the passphrase that opened an encrypted key so far, or nullptr if none was encrypted.
   const pki::Passphrase* used_passphrase() const { return passphrase_ ? &*passphrase_ : nullptr; }
 
  private:
@@ -59,12 +59,12 @@ class CaOpener {
   std::optional<pki::Passphrase> passphrase_;
 };
 
-/// All certificates of a file, as PEM text without any text between them. Errors: those of
-/// read_file and Certificate::bundle_from_pem.
+/// Reads all certificates of a file. Errors: those of read_file and Certificate::bundle_from_pem.
 Result<std::vector<pki::Certificate>> read_certificates(const std::filesystem::path& path);
+/// Returns the certificates as PEM text without any text between them.
 std::string to_pem(const std::vector<pki::Certificate>& certificates);
 
-/// The log of what a CA issued; empty if it has no log. Unreadable lines become notices
+/// Reads the log of what a CA issued; empty if it has no log. Unreadable lines become notices
 /// (notice_unreadable_lines). Errors: those of read_file.
 Result<pki::IssueLog> read_issue_log(const CaPaths& paths);
 
@@ -88,8 +88,8 @@ Result<std::optional<FileLock>> lock_records(const CaPaths& paths);
 Status add_key(NewFolder& folder, const std::filesystem::path& name, const NewKey& key,
                const pki::Passphrase* passphrase = nullptr);
 
-/// The subject of a new CA, "CN=TITLE ROLE CA" (the role may be empty). Special characters in the
-/// title are escaped.
+/// Returns the subject of a new CA, "CN=TITLE ROLE CA" (the role may be empty). Special characters
+/// in the title are escaped.
 std::string ca_subject(std::string_view title, std::string_view role);
 
 /// Adds a new CA's certificate and key to a new folder.

@@ -20,34 +20,37 @@ struct CaOverlap {
   WallTime until;                        ///< the date on which the former CA should end
 
   std::string next_only() const { return to_pem(next); }
-  /// The file for a participant that has moved, and the CA's own file.
+  /// Returns the file for a participant that has moved, which is also the CA's own file.
   std::string next_first() const { return to_pem(next) + to_pem(former); }
-  /// The file for a participant that has not moved.
+  /// Returns the file for a participant that has not moved.
   std::string former_first() const { return to_pem(former) + to_pem(next); }
 };
 
-/// The overlap that begins with a successor. `former` is the former content of the CA's file.
+/// Returns the overlap that begins with a successor. `former` is the former content of the CA's
+/// file.
 CaOverlap overlap_of(std::vector<pki::Certificate> next,
                      const std::vector<pki::Certificate>& former, WallTime until);
 
-/// The file with the date and the former CA's fingerprints, beside the CA's certificate.
+/// Returns the path of the file with the date and the former CA's fingerprints, beside the CA's
+/// certificate.
 std::filesystem::path overlap_file(const CaPaths& ca);
 std::string overlap_text(const CaOverlap& overlap);
 
-/// The overlap that is under way. Empty if there is none or if the CA was replaced since. Errors:
-/// those of read_certificates and read_file; overlap_unreadable.
+/// Reads the overlap that is under way. Empty if there is none or if the CA was replaced since.
+/// Errors: those of read_certificates and read_file; overlap_unreadable.
 Result<std::optional<CaOverlap>> read_overlap(const CaPaths& ca);
 
-/// The file with the folders that the end of a rotation did not find, beside the CA's certificate.
+/// Returns the path of the file with the folders that the end of a rotation did not find, beside
+/// the CA's certificate.
 std::filesystem::path unreached_file(const CaPaths& ca);
 std::string unreached_text(const std::vector<std::string>& folders);
-/// The folders in that file. Empty if the file cannot be read.
+/// Reads the folders in that file. Empty if the file cannot be read.
 std::vector<std::string> read_unreached(const CaPaths& ca);
 
-/// The lists in the CA's file that its former key signed.
+/// Reads the lists in the CA's file that its former key signed.
 Result<std::vector<pki::Crl>> lists_of_former(const CaPaths& ca, const CaOverlap& overlap);
-/// The CA's file of lists with its next list. During an overlap it also keeps the lists of the CA's
-/// former key.
+/// Returns the CA's file of lists with its next list. During an overlap it also keeps the lists of
+/// the CA's former key.
 Result<std::string> file_of_lists(const CaPaths& ca, const pki::Crl& next);
 
 /// Success unless only the former CA of an overlap signed the document: the participant must then

@@ -1,4 +1,4 @@
-// The progress of a CA's rotation, read from the files in the participants' folders.
+// Reads the progress of a CA's rotation from the files in the participants' folders.
 #pragma once
 
 #include <filesystem>
@@ -17,28 +17,28 @@ namespace ddssec::cli {
 /// done.
 class RotationProgress {
  public:
-  /// Errors: those of read_overlap, read_certificates and read_issue_log.
+  /// Reads the CA's files. Errors: those of read_overlap, read_certificates and read_issue_log.
   static Result<RotationProgress> of(const std::filesystem::path& given, const std::string& role,
                                      WallTime now);
 
-  /// The overlap that is under way, if there is one.
+  /// Returns the overlap that is under way, if there is one.
   const std::optional<CaOverlap>& overlap() const { return overlap_; }
-  /// The CA's file after the end of the overlap; the CA's own certificate is the first.
+  /// Returns the CA's file after the end of the overlap. The CA's own certificate is the first.
   const std::vector<pki::Certificate>& next() const { return next_; }
 
-  /// The participants whose CA file lacks the CA or, during an overlap, its successor.
+  /// Returns the participants whose CA file lacks the CA or, during an overlap, its successor.
   std::vector<AffectedParticipant> without_successor(
       const std::vector<AffectedParticipant>& participants) const;
-  /// The participants with a certificate or documents that the CA's present key did not issue or
-  /// sign.
+  /// Returns the participants with a certificate or documents that the CA's present key did not
+  /// issue or sign.
   std::vector<AffectedParticipant> not_moved(
       const std::vector<AffectedParticipant>& participants) const;
-  /// The participants that trust a former CA of the same name, or that trust this one and have not
-  /// moved. A participant of a CA with another name is not among them.
+  /// Returns the participants that trust a former CA of the same name, or that trust this one and
+  /// have not moved. A participant of a CA with another name is not among them.
   std::vector<AffectedParticipant> not_ended(
       const std::vector<AffectedParticipant>& participants) const;
-  /// The participants that are revoked, and so get no certificate of the successor. Empty for a
-  /// permissions CA.
+  /// Returns the participants that are revoked, and so get no certificate of the successor. Empty
+  /// for a permissions CA.
   std::vector<AffectedParticipant> revoked(
       const std::vector<AffectedParticipant>& participants) const;
 
@@ -58,15 +58,16 @@ class RotationProgress {
   std::vector<pki::Certificate> next_;
 };
 
-/// The folders that the last end of a rotation did not find and that are still not on this machine.
+/// Returns the folders that the last end of a rotation did not find and that are still not on this
+/// machine.
 std::vector<std::string> not_reached(const CaPaths& ca, const AffectedParticipants& known);
 
-/// "1 of 4 folders has moved".
+/// Returns a text such as "1 of 4 folders has moved".
 std::string moved_words(std::size_t moved, std::size_t all);
 
-/// The command that distributes the entries that `--move` added to the renewal lists of the CAs, so
-/// that `--end` ends no session of Cyclone DDS. Empty if the CA at `given` has no revocation list,
-/// because it then cannot distribute lists.
+/// Returns the command that distributes the entries that `--move` added to the renewal lists of the
+/// CAs, so that `--end` ends no session of Cyclone DDS. Empty if the CA at `given` has no
+/// revocation list, because it then cannot distribute lists.
 std::string distribution_before_end(const std::filesystem::path& given);
 
 /// The rotation of a CA as `ca show` reports it.
@@ -93,8 +94,8 @@ struct RotationFacts {
   }
   std::string text() const;
 };
-/// Empty if no overlap is under way and no folder is left. Errors: those of RotationProgress::of
-/// and affected_participants.
+/// Returns the state of the rotation. Empty if no overlap is under way and no folder is left.
+/// Errors: those of RotationProgress::of and affected_participants.
 Result<std::optional<RotationFacts>> shown_rotation(const std::filesystem::path& given,
                                                     const std::string& role, WallTime now);
 

@@ -71,10 +71,10 @@ Result<std::vector<WrittenFile>> put_in_place(FileTransaction& out, RotationResu
 /// Reports the participants that were left unchanged.
 void add_unreached(const RotationResult& rotation, Report& report);
 
-/// A validity that begins now and lasts as long as that of `old`.
+/// Returns a validity that begins now and lasts as long as that of `old`.
 pki::Validity validity_like(const pki::Certificate& old, WallTime now);
 
-/// A new root with the same kind of key as the old CA, and the same length of validity. Errors:
+/// Creates a root with the same kind of key as the old CA, and the same length of validity. Errors:
 /// those of Authority::create_root.
 Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& subject,
                                 const Context& context);

@@ -1,4 +1,4 @@
-// What results report about certificates.
+// The facts about certificates that results report.
 #pragma once
 
 #include <filesystem>

@@ -24,9 +24,9 @@ enum class LogStatus : std::uint8_t {
   unlogged,  ///< not in the log, or the log has another certificate with this serial number
 };
 
-/// The status of a certificate; `log` is that of the CA. A folder that moved together with its CA
-/// counts as the same folder. So does an enclave of a keystore whose certificate has the enclave's
-/// name and is not in the log (sros2).
+/// Returns the status of a certificate; `log` is that of the CA. A folder that moved together with
+/// its CA counts as the same folder. So does an enclave of a keystore whose certificate has the
+/// enclave's name and is not in the log (sros2).
 LogStatus log_status_of(const pki::Certificate& certificate, const std::filesystem::path& folder,
                         const CaPaths& ca, const pki::IssueLog& log);
 
@@ -40,8 +40,8 @@ bool is_logged(const pki::Certificate& certificate, const pki::IssueLog& log);
 Status check_own(const pki::Certificate& certificate, const std::filesystem::path& folder,
                  const CaPaths& ca, const pki::IssueLog& log, const std::string& subject);
 
-/// The folder to log for the successor of a certificate. If the certificate was issued for the
-/// given folder, that is the folder in its log entry; otherwise the given folder, absolute. The
+/// Returns the folder to log for the successor of a certificate. If the certificate was issued for
+/// the given folder, that is the folder in its log entry; otherwise the given folder, absolute. The
 /// given path is not used in the first case, because it may later lead to another participant's
 /// folder.
 std::filesystem::path recorded_folder(const pki::Certificate& certificate,
@@ -58,10 +58,11 @@ Status check_alone(const pki::Certificate& certificate, const std::filesystem::p
 /// The key of a certificate that follows another one.
 enum class NextKey : std::uint8_t { same, fresh };
 
-/// The serial number of the revoked certificate because of which this one must not be renewed;
-/// empty if there is none. It is the certificate itself; a later one of its subject or folder; one
-/// that was revoked after this one had expired; or any with the same key, unless the successor gets
-/// a new key. The CA's present list counts like the log. Errors: those of listed_revocations.
+/// Returns the serial number of the revoked certificate because of which this one must not be
+/// renewed; empty if there is none. It is the certificate itself; a later one of its subject or
+/// folder; one that was revoked after this one had expired; or any with the same key, unless the
+/// successor gets a new key. The CA's present list counts like the log. Errors: those of
+/// listed_revocations.
 Result<std::string> revoked_serial(const pki::Certificate& certificate, const CaPaths& ca,
                                    const pki::IssueLog& log, NextKey next);
 /// Success if revoked_serial() is empty. Errors: certificate_revoked, with `file`; those of
@@ -74,9 +75,9 @@ Status check_not_revoked(const pki::Certificate& certificate, const std::filesys
 Status check_key_not_revoked(const pki::Certificate& certificate, const std::filesystem::path& file,
                              const CaPaths& ca, const pki::IssueLog& log);
 
-/// A line about the certificate in `file`, which is about to be replaced and stays valid although
-/// no file will hold it. Empty if it has expired or was revoked. `given` is the CA's folder as the
-/// user named it.
+/// Returns a line about the certificate in `file`, which is about to be replaced and stays valid
+/// although no file will hold it. Empty if it has expired or was revoked. `given` is the CA's
+/// folder as the user named it.
 std::string former_certificate_text(const std::filesystem::path& file,
                                     const std::filesystem::path& given, WallTime now);
 

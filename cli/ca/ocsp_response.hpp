@@ -17,7 +17,7 @@ namespace ddssec::cli {
 /// Returns the path of ocsp.der beside the certificate, where a participant looks for it.
 std::filesystem::path ocsp_file(const pki::ParticipantFolder& files);
 
-/// Which response to fetch.
+/// The response to fetch.
 struct ResponseWanted {
   const pki::ParticipantFolder& files;
   const pki::Certificate& certificate;

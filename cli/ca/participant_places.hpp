@@ -12,9 +12,9 @@
 
 namespace ddssec::cli {
 
-/// The certificate in a participant's folder, for comparison. Another user may own the folder, so
-/// only a plain file is opened, and no link that another user can change is followed. Empty if
-/// there is no certificate that can be read.
+/// Reads the certificate in a participant's folder, for comparison. Another user may own the
+/// folder, so only a plain file is opened, and no link that another user can change is followed.
+/// Empty if there is no certificate that can be read.
 std::optional<pki::Certificate> certificate_of_others(const std::filesystem::path& folder);
 
 /// Translates paths of the log to present paths.
@@ -23,8 +23,8 @@ class LoggedFolders {
   /// Both arguments must outlive it.
   LoggedFolders(const CaPaths& ca, const pki::IssueLog& log);
 
-  /// The present path of a folder in the log. It is beside the CA if the certificate that the log
-  /// has for the folder is at the same place there; otherwise it is the path in the log.
+  /// Returns the present path of a folder in the log. It is beside the CA if the certificate that
+  /// the log has for the folder is at the same place there; otherwise it is the path in the log.
   std::filesystem::path today(const std::string& logged) const;
 
   /// True if another copy of this CA is beside the folder (the keystore from which this one was
@@ -34,7 +34,7 @@ class LoggedFolders {
   /// True if the folder is in the keystore, or in the folder that contains the CA's folder.
   bool is_inside(const std::filesystem::path& folder) const;
 
-  /// The keystore of the CA; empty if it has none.
+  /// Returns the keystore of the CA; empty if it has none.
   const std::optional<std::filesystem::path>& keystore() const { return keystore_; }
 
  private:
@@ -64,16 +64,16 @@ struct ParticipantPlaces {
   }
 };
 
-/// All folders in the log. For a keystore's CA also all enclaves, whether they are in the log or
-/// not. A folder that cannot be entered counts as `here`. Errors: those of read_certificate for the
-/// CA's certificate.
+/// Finds all folders in the log. For a keystore's CA, also finds all enclaves, whether they are in
+/// the log or not. A folder that cannot be entered counts as `here`. Errors: those of
+/// read_certificate for the CA's certificate.
 Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::IssueLog& log);
 
 /// True if the log has participants with folders and all of them are revoked, so that no folder
 /// needs a revocation list.
 bool are_all_revoked(const pki::IssueLog& log);
 
-/// Lines of text about all places except `here`, and about copies of folders.
+/// Returns lines of text about all places except `here`, and about copies of folders.
 std::string places_text(const ParticipantPlaces& places, const CaPaths& ca);
 
 }  // namespace ddssec::cli

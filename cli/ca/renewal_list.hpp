@@ -37,7 +37,7 @@ class RenewalListAdditions {
   std::map<std::filesystem::path, pki::RenewalList> files_;
 };
 
-/// The grants in the CA's list that have not expired. Empty if the list cannot be read.
+/// Returns the grants in the CA's list that have not expired. Empty if the list cannot be read.
 std::vector<governance::Grant> listed_grants(const CaPaths& ca, WallTime now);
 
 /// True if all grants of `next` name their subjects, and one of them gives at least the rights of a
@@ -54,8 +54,8 @@ struct RenewalsOfCas {
   /// for a CA's list.
   std::vector<Error> problems = {};
 };
-/// The lists of both CAs at `given`, as one. Certificates that `revoked` names are left out; it is
-/// the present list of the identity CA, or nullptr if there is none.
+/// Reads the lists of both CAs at `given`, as one. `revoked` is the present revocation list of the
+/// identity CA, or nullptr if there is none; certificates that it names are left out.
 RenewalsOfCas renewals_of(const std::filesystem::path& given, const pki::Crl* revoked);
 
 /// Entries for a participant's folder.

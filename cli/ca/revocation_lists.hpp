@@ -14,15 +14,15 @@
 
 namespace ddssec::cli {
 
-/// All lists of a file, in its order; empty if the file does not exist. Errors: those of read_file
-/// and Crl::all_from; crl_malformed if the file contains no list.
+/// Reads all lists of a file, in its order; empty if the file does not exist. Errors: those of
+/// read_file and Crl::all_from; crl_malformed if the file contains no list.
 Result<std::vector<pki::Crl>> read_crls(const std::filesystem::path& path);
 
-/// The CA's present list: among the lists in its file that its key signed, the one with the highest
-/// number and the latest date. Errors: those of read_crls and read_certificate.
+/// Reads the CA's present list: among the lists in its file that its key signed, the one with the
+/// highest number and the latest date. Errors: those of read_crls and read_certificate.
 Result<std::optional<pki::Crl>> present_crl(const CaPaths& ca);
 
-/// All revocations in the lists in the CA's file, including lists that another key of the CA
+/// Reads all revocations in the lists in the CA's file, including lists that another key of the CA
 /// signed. Errors: those of read_crls, read_certificate and Crl::revoked.
 Result<std::vector<pki::Revocation>> listed_revocations(const CaPaths& ca);
 
@@ -34,26 +34,26 @@ Result<bool> lists_all(const CaPaths& ca, const pki::IssueLog& log);
 /// The validity, in days, of a list that another command makes besides its own task.
 inline constexpr int kListDays = 180;
 
-/// How the next list is dated.
+/// The way in which the next list is dated.
 enum class ListDate : std::uint8_t {
   after_former,  ///< now, but not before the former list
   now,  ///< now, even if former lists are later because they were made with a clock that was ahead
 };
 
-/// The list that follows the CA's present one. It contains all revocations in the log, in the lists
-/// in the CA's file, in newer lists of this CA in its participants' folders (the CA's folder may
-/// have been restored from a backup) and in the lists in `more`. Its number is higher than all of
-/// theirs. By default it is not dated before the one of them with the highest number, because a
+/// Makes the list that follows the CA's present one. It contains all revocations in the log, in the
+/// lists in the CA's file, in newer lists of this CA in its participants' folders (the CA's folder
+/// may have been restored from a backup) and in the lists in `more`. Its number is higher than all
+/// of theirs. By default it is not dated before the one of them with the highest number, because a
 /// running participant would not accept it. Errors: those of read_crls and Authority::make_crl;
 /// crl_signature_invalid for a list of `more` that the CA did not sign.
 Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now, int days,
                           const std::vector<std::filesystem::path>& more = {},
                           ListDate date = ListDate::after_former);
 
-/// A list's number; 0 if it has none.
+/// Returns a list's number; 0 if it has none.
 std::string number_text(const pki::Crl& list);
 
-/// The same as a field of a result.
+/// A list's number as a field of a result.
 struct ListNumber {
   static constexpr std::string_view kDef = "crl_number";
   std::string text;
@@ -69,19 +69,20 @@ struct ListNumber {
 /// CA, so it need not be renewed before a certificate is revoked.
 Result<pki::Crl> routine_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now);
 
-/// A new CA's list, without entries and valid as long as the CA. Errors: those of make_crl.
+/// Makes a new CA's list, without entries and valid as long as the CA. Errors: those of make_crl.
 Result<pki::Crl> first_crl(const pki::Authority& ca);
 
-/// Lines of text about a list that is dated after `now`. Empty if it is not. `ca` is the CA's
-/// folder as on the command line.
+/// Returns lines of text about a list that is dated after `now`. Empty if it is not. `ca` is the
+/// CA's folder as on the command line.
 std::string list_date_warning(const pki::Crl& crl, WallTime now, const std::string& ca);
 
-/// The hint for a list that was made with a clock that was ahead.
+/// Returns the hint for a list that was made with a clock that was ahead.
 std::string future_list_hint(const std::string& ca);
 
-/// The list for a new participant: the newest list of the CA, from its own folder or from those of
-/// its participants on this machine (the CA's may have been restored from a backup). Empty if there
-/// is none or it has expired. Errors: those of present_crl, read_issue_log and participant_places.
+/// Returns the list for a new participant: the newest list of the CA, from its own folder or from
+/// those of its participants on this machine (the CA's may have been restored from a backup). Empty
+/// if there is none or it has expired. Errors: those of present_crl, read_issue_log and
+/// participant_places.
 Result<std::optional<pki::Crl>> list_for_newcomers(const CaPaths& paths, WallTime now);
 
 /// A list to be put into a participant's folder.

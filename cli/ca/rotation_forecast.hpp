@@ -1,5 +1,5 @@
-// Which participants would no longer accept each other after a step of a rotation, for the dry run
-// of `ca rotate`.
+// Predicts which participants would no longer accept each other after a step of a rotation, for the
+// dry run of `ca rotate`.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
-// Documents that a permissions CA signs, and the CA's log of them. A stolen key may have signed a
-// document in a participant's folder.
+// Reads documents that a permissions CA signed, and the CA's log of them. A stolen key may have
+// signed a document in a participant's folder.
 #pragma once
 
 #include <filesystem>
@@ -12,10 +12,11 @@
 
 namespace ddssec::cli {
 
-/// The names of a file in the CA's log: as it is given, and without symbolic links in its folder.
+/// Returns the names of a file in the CA's log: as it is given, and without symbolic links in its
+/// folder.
 std::vector<std::string> logged_names(const std::filesystem::path& file);
 
-/// The line of the CA's log for a document signed for `file`, for each of logged_names.
+/// Returns the line of the CA's log for a document signed for `file`, for each of logged_names.
 std::string signed_line(const pki::Certificate& ca, BytesView text,
                         const std::filesystem::path& file, WallTime now, BytesView extended = {});
 
@@ -27,7 +28,7 @@ Status log_signed(const CaPaths& ca, std::string_view lines);
 Status log_signed(const OpenCa& ca, BytesView text, const std::filesystem::path& file, WallTime now,
                   BytesView extended = {});
 
-/// The log of what the CA signed; empty if it has no log. Unreadable lines become notices
+/// Reads the log of what the CA signed; empty if it has no log. Unreadable lines become notices
 /// (notice_unreadable_lines). Errors: those of read_file.
 Result<pki::SigningLog> read_signing_log(const CaPaths& ca);
 

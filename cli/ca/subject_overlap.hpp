@@ -18,13 +18,14 @@ namespace ddssec::cli {
 /// of every subject that has all attributes of the certificate.
 class SubjectsInUse {
  public:
-  /// The subjects in a CA's log. Certificates for `folder`, which gets a new one, are left out.
+  /// Reads the subjects in a CA's log. Certificates for `folder`, which gets a new one, are left
+  /// out.
   SubjectsInUse(const pki::IssueLog& log, const std::filesystem::path& folder, WallTime now);
 
   /// Adds a subject. `where` is the name of its certificate in messages.
   void add(const std::string& subject, std::string where);
-  /// Success unless another subject is in use that has all attributes of this one, or whose
-  /// attributes are all contained in this one. Error: subject_taken.
+  /// Success unless another subject in use has all attributes of this one, or only attributes of
+  /// this one. Error: subject_taken.
   Status check(const std::string& subject) const;
 
  private:

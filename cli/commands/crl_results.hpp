@@ -16,7 +16,7 @@
 
 namespace ddssec::cli {
 
-/// What a revocation list says about itself.
+/// The facts that a revocation list contains about itself.
 struct ListHead {
   std::string issuer;
   ListNumber number;
@@ -122,7 +122,7 @@ struct VerifiedList {
   }
 };
 
-/// How many entries a renewal list has.
+/// The numbers of entries of a renewal list.
 struct RenewalCounts {
   std::size_t certificates, permissions;
 

@@ -151,7 +151,7 @@ Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context)
                          std::move(report)};
 }
 
-// How each product judges the signature.
+// The judgement of each product about the signature.
 struct Verdicts {
   static constexpr std::string_view kDef = "signature_verdicts";
   bool ours = false, cyclonedds = false, fastdds = false;

@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What the command line requests.
+// The plan that the command line describes.
 struct Plan {
   fs::path target;
   std::string title;  // part of the CAs' names

@@ -228,7 +228,7 @@ std::size_t number_in(const std::vector<T>& all, const T& one) {
   return static_cast<std::size_t>(&one - all.data()) + 1;
 }
 
-// Without --domain, the first domain that the document covers.
+// Returns the value of --domain, or else the first domain that the document covers.
 DomainId domain_for(const Governance& document, std::optional<DomainId> wanted) {
   return wanted.value_or(document.domain_rules.front().domains.ranges.front().first);
 }

@@ -62,14 +62,14 @@ struct ShownSigners {
                       field<&T::verified>());
   }
 };
-/// Complete lines: the signers, and whether they were verified. Empty if nothing is signed.
+/// Returns complete lines: the signers, and whether they were verified. Empty if nothing is signed.
 std::string signer_text(const DiffSides& sides);
 
-/// The value of --fail-on, if given. Error: usage.
+/// Returns the value of --fail-on, if given. Error: usage.
 Result<std::optional<std::string>> fail_on(const Arguments& arguments,
                                            const std::vector<std::string>& words);
 
-/// A line for each reading, under a heading. Empty if there are no readings.
+/// Returns a line for each reading, under a heading. Empty if there are no readings.
 std::string readings_text(const governance::Readings& readings);
 
 struct ShownReading {
@@ -99,25 +99,25 @@ struct ShownReadings {
   }
 };
 
-/// The same text without control characters.
+/// Returns the text without control characters.
 std::string escaped(std::string_view name);
-/// A name from a document, short and without control characters; "(empty name)" for "".
+/// Returns a name from a document, short and without control characters; "(empty name)" for "".
 std::string name_text(std::string_view name);
-/// For example "a, b, c and 4 more", where each name is shortened.
+/// Returns a text such as "a, b, c and 4 more", where each name is shown().
 std::string names_text(const std::vector<std::string>& names);
-/// For example "domain 0" or "domains 0-4, 7".
+/// Returns a text such as "domain 0" or "domains 0-4, 7".
 std::string domains_text(const std::vector<governance::DomainRange>& domains);
-/// For example "  old:22 new:23". A line number of 0 is left out.
+/// Returns a text such as "  old:22 new:23". A line number of 0 is left out.
 std::string lines_text(int old_line, int new_line);
-/// The text, or nothing if it is empty.
+/// Returns the text, or nothing if it is empty.
 std::optional<std::string> if_any(std::string_view text);
-/// For example [[0,4],[7,7]].
+/// Returns JSON such as [[0,4],[7,7]].
 Json domains_json(const std::vector<governance::DomainRange>& domains);
-/// For example "file.xml:22". Empty without a line number.
+/// Returns a text such as "file.xml:22". Empty without a line number.
 std::optional<std::string> place(const std::filesystem::path& path, int line);
 
-/// The lines of one change: a heading and indented parts. Lines have at most 100 columns if there
-/// are blanks to break them at.
+/// Returns the lines of one change: a heading and indented parts. Lines have at most 100 columns if
+/// there are blanks to break them at.
 std::string wrapped(std::string_view heading, const std::vector<std::string>& parts);
 
 }  // namespace ddssec::cli

@@ -1,4 +1,4 @@
-// The subjects of a comparison, as text and as field lists.
+// Shows the subjects of a comparison, as text and as field lists.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace ddssec::cli {
 
-/// For example "domain 0" or "domains 2-5, every tag but the empty one".
+/// Returns a text such as "domain 0" or "domains 2-5, every tag but the empty one".
 std::string scope_text(const governance::DomainScope& scope);
-/// For example "topic rt/a" or "topics rt/a*, rt/b* but not rt/bx* (e.g. rt/a)".
+/// Returns a text such as "topic rt/a" or "topics rt/a*, rt/b* but not rt/bx* (e.g. rt/a)".
 std::string topics_text(const governance::TopicSet& topics, const std::string& witness);
-/// For example "in every partition but the default one (e.g. a)". Empty for the default partition
-/// alone.
+/// Returns a text such as "in every partition but the default one (e.g. a)". Empty for the default
+/// partition alone.
 std::string entities_text(const governance::EntityWords& entities);
 
 template <>

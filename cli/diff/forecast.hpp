@@ -1,4 +1,4 @@
-// What running participants do with a changed document.
+// Predicts what running participants do with a changed document.
 #pragma once
 
 #include <cstddef>

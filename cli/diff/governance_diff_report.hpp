@@ -7,7 +7,7 @@
 
 namespace ddssec::cli {
 
-/// A mask that discovery announces with a document. Empty if there is no rule.
+/// Returns a mask that discovery announces with a document. Empty if there is no rule.
 std::optional<std::string> announced_mask(const governance::GovernanceChange& change, bool is_new,
                                           bool is_plugin_mask);
 std::vector<std::string_view> words_of(const governance::Properties& properties);

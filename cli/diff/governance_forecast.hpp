@@ -1,4 +1,4 @@
-// What running participants do with a changed governance document.
+// Predicts what running participants do with a changed governance document.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace ddssec::cli {
 
-/// For each host: whether it accepts the new document while it runs.
+/// The outcome for each host: whether it accepts the new document while it runs.
 struct GovernanceForecast {
   std::string_view ddssec, embedded, cyclonedds, stock;
   std::string reason;
@@ -28,8 +28,8 @@ struct GovernanceForecast {
   }
 };
 
-/// Considers every domain, without a tag and with each tag that a document names. `is_same` is true
-/// if both documents have the same effect.
+/// Predicts the outcomes. Considers every domain, without a tag and with each tag that a document
+/// names. `is_same` is true if both documents have the same effect.
 GovernanceForecast forecast_of(const governance::Governance& before,
                                const governance::Governance& after, const DiffSides& sides,
                                bool is_same);

@@ -1,4 +1,4 @@
-// What running participants do with a changed permissions document.
+// Predicts what running participants do with a changed permissions document.
 #pragma once
 
 #include "base/clock.hpp"
@@ -18,7 +18,7 @@ struct PermissionsChangeOver {
   WallTime now;
 };
 
-/// For each host: whether it accepts the new document while it runs.
+/// The outcome for each host: whether it accepts the new document while it runs.
 struct PermissionsForecast {
   std::string_view embedded, cyclonedds_ddssec, cyclonedds, fastdds;
   std::string reason;
@@ -35,8 +35,8 @@ struct PermissionsForecast {
   }
 };
 
-/// ddssec's plugins refuse a document that has no valid grant for their subject, or one that begins
-/// or was signed earlier than the one in force (check_follows of
+/// Predicts the outcomes. ddssec's plugins refuse a document that has no valid grant for their
+/// subject, or one that begins or was signed earlier than the one in force (check_follows of
 /// plugins/access_control/permissions_holder.hpp).
 PermissionsForecast forecast_of(const PermissionsChangeOver& change, const DiffSides& sides);
 

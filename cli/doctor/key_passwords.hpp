@@ -1,4 +1,4 @@
-// The passwords that a participant's files give the products for an encrypted key.
+// Opens keys with the passwords that a participant's files give the products.
 #pragma once
 
 #include "governance/doctor/loaded_folder.hpp"

@@ -108,7 +108,7 @@ struct ShownDirection {
   std::vector<JudgementStep> steps() const;
   std::optional<TopicProtection> protection() const;
   std::optional<std::string> obstacle() const;
-  /// The first reason why writer and reader do not match.
+  /// Returns the first reason why writer and reader do not match.
   std::optional<std::string> reason() const;
 
   static constexpr auto fields() {
@@ -196,7 +196,7 @@ struct MeetingView {
   std::optional<ShownHandshake> handshake() const;
   std::vector<ShownTopic> topics() const;
   std::vector<std::string> vendor_notes() const;
-  /// The steps, the topics and a last line with the result.
+  /// Returns the steps, the topics and a last line with the result.
   std::string text() const;
 
   static constexpr auto fields() {
@@ -213,8 +213,9 @@ struct MeetingView {
   }
 };
 
-/// True if they meet, but something else than permissions separates them on a topic that both may
-/// use: governance documents that protect it differently, or the behaviour of a product.
+/// True if the participants communicate, but something else than permissions separates them on a
+/// topic that both may use: governance documents that protect it differently, or the behaviour of a
+/// product.
 bool has_topic_apart(const governance::doctor::Meeting& meeting);
 
 }  // namespace ddssec::cli

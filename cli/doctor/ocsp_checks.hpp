@@ -1,5 +1,5 @@
-// OCSP responses for doctor and check: whether a folder's own response can be sent, and whether a
-// participant that demands a response gets one.
+// Checks OCSP responses for doctor and check: whether a folder's own response can be sent, and
+// whether a participant that demands a response gets one.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,8 @@ namespace ddssec::cli {
 void check_ocsp(const governance::doctor::LoadedFolder& folder,
                 const governance::doctor::Settings& settings, governance::doctor::Diagnosis& out);
 
-/// DOC113 for each participant that demands a response, if the other one has none that says "good".
+/// Returns DOC113 for each participant that demands a response, if the other one has none that says
+/// "good".
 std::vector<Finding> demanded_responses(const governance::doctor::Party& a,
                                         const governance::doctor::Party& b, WallTime now);
 

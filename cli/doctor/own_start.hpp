@@ -1,4 +1,4 @@
-// Whether ddssec's own plugins start with the given properties, for doctor and check.
+// Checks whether ddssec's own plugins start with the given properties, for doctor and check.
 #pragma once
 
 #include "governance/doctor/diagnosis.hpp"

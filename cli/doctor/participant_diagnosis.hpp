@@ -1,5 +1,5 @@
-// The diagnosis of one participant for doctor, check and can: its folder, the environment of its
-// process, and what ddssec's plugins in Cyclone DDS would refuse.
+// Diagnoses one participant for doctor, check and can: its folder, the environment of its process,
+// and what ddssec's plugins in Cyclone DDS would refuse.
 #pragma once
 
 #include <optional>
@@ -10,12 +10,12 @@
 
 namespace ddssec::cli {
 
-/// Returns the result of doctor::diagnose, with pre-shared keys, limits of keys, CYCLONEDDS_URI,
-/// and DOC103.
+/// Returns the result of doctor::diagnose, to which the checks of pre-shared keys, limits of keys,
+/// CYCLONEDDS_URI and DOC103 are added.
 governance::doctor::Diagnosis diagnosis_of(const governance::doctor::LoadedFolder& folder,
                                            const governance::doctor::Settings& settings);
 
-/// The part of diagnosis_of that `doctor::meet` does not check itself.
+/// Returns the part of diagnosis_of that `doctor::meet` does not check itself.
 governance::doctor::Diagnosis diagnosis_beyond_folder(
     const governance::doctor::LoadedFolder& folder, const governance::doctor::Settings& settings);
 
@@ -35,9 +35,9 @@ void warn_of_unset_profiles_file(const governance::doctor::LoadedFolder& folder,
 /// plugins.
 bool runs_drop_in(const governance::doctor::LoadedFolder& folder);
 
-/// DOC103: the reason why ddssec's plugins in Cyclone DDS refuse to create a writer (publish) or a
-/// reader (subscribe) with this rule; empty if they do not. The embedded participant creates it
-/// anyway.
+/// Returns DOC103 with the reason why ddssec's plugins in Cyclone DDS refuse to create a writer
+/// (publish) or a reader (subscribe) with this rule; empty if they do not. The embedded participant
+/// creates it anyway.
 std::optional<Finding> refused_by_drop_in(const governance::doctor::LoadedFolder& folder,
                                           const governance::DomainRule& domain,
                                           const governance::TopicRule& rule,

@@ -16,20 +16,20 @@ struct Products {
   governance::doctor::Lineup lineup;
 };
 
-/// The products of --vendor, or all if it is not given. Versions that are not given are the
+/// Returns the products of --vendor, or all if it is not given. Versions that are not given are the
 /// installed ones. The report gets a note (DOC098) if a version was assumed, or if it stands for
 /// another one. Error: usage.
 Result<Products> products_of(const Arguments& arguments, Report& report);
 
-/// The version of one product: the named one, or else the installed one, or else the oldest known.
-/// Adds notes as products_of does.
+/// Returns the version of one product: the named one, or else the installed one, or else the oldest
+/// known. Adds notes as products_of does.
 governance::doctor::Version version_of(const governance::doctor::NamedProduct& product,
                                        Report& report);
 
-/// The installed versions, without notes.
+/// Returns the installed versions, without notes.
 governance::doctor::Lineup installed_lineup();
 
-/// The error usage for an unknown --vendor. `before` and the vendors are the valid values.
+/// Returns the error usage for an unknown --vendor. `before` and the vendors are the valid values.
 std::unexpected<Error> unknown_vendor_error(const std::string& word, std::string_view before);
 
 }  // namespace ddssec::cli

@@ -1,4 +1,4 @@
-// The renewal list of a participant's folder, for doctor, check and keystore verify.
+// Checks the renewal list of a participant's folder, for doctor, check and keystore verify.
 #pragma once
 
 #include "governance/doctor/diagnosis.hpp"

@@ -1,4 +1,4 @@
-// Properties of ddssec that reduce protection, for doctor and check.
+// Checks for properties of ddssec that reduce protection, for doctor and check.
 #pragma once
 
 #include "governance/doctor/diagnosis.hpp"

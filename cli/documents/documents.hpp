@@ -1,4 +1,4 @@
-// Reading and writing of governance and permissions documents by commands.
+// Reads and writes governance and permissions documents for commands.
 #pragma once
 
 #include <filesystem>
@@ -23,7 +23,7 @@ Result<T> named(Result<T> result, const std::filesystem::path& path) {
   return std::unexpected(result.error().in(path));
 }
 
-/// The signed document, verified at `now` with the permissions CA file `ca`.
+/// Reads the signed document and verifies it at `now` with the permissions CA file `ca`.
 Result<pki::SignedDocument> verified(const std::filesystem::path& file,
                                      const std::filesystem::path& ca, WallTime now);
 
@@ -32,7 +32,7 @@ struct DocumentText {
   Bytes xml;
   int first_line = 1;
 };
-/// The text of a document, NOT verified: only to be displayed and linted. Errors: those of
+/// Reads the text of a document, NOT verified: only to be displayed and linted. Errors: those of
 /// read_file; smime_malformed if a signed form contains no text.
 Result<DocumentText> unverified_text(const std::filesystem::path& file);
 
@@ -52,7 +52,8 @@ struct PermissionsKind {
   }
 };
 
-/// The document in a participant's folder, or `given` itself if it is not a folder.
+/// Returns the path of the document in a participant's folder, or `given` itself if it is not a
+/// folder.
 template <class Kind>
 std::filesystem::path document_path(const std::filesystem::path& given) {
   std::error_code ignored;
@@ -61,7 +62,7 @@ std::filesystem::path document_path(const std::filesystem::path& given) {
              : given;
 }
 
-/// The document in a file, plain or signed, NOT verified. Errors: those of unverified_text,
+/// Reads the document in a file, plain or signed, NOT verified. Errors: those of unverified_text,
 /// read_governance and read_permissions.
 template <class Kind>
 Result<typename Kind::Document> unverified_document(const std::filesystem::path& file) {
@@ -70,8 +71,8 @@ Result<typename Kind::Document> unverified_document(const std::filesystem::path&
   return named(Kind::read(text->xml, text->first_line), file);
 }
 
-/// The length of the signed form of a document. `octets` are the document, plain or signed. For a
-/// plain document the signature itself, of 1 to 4 KiB, is not counted.
+/// Returns the length of the signed form of a document. `octets` are the document, plain or signed.
+/// For a plain document the signature itself, of 1 to 4 KiB, is not counted.
 std::size_t signed_size(BytesView octets);
 
 /// Adds findings about this file to the report. The answer becomes "no" if one of them is an error.
@@ -86,33 +87,33 @@ struct FindingCounts {
         field<&FindingCounts::errors>(), field<&FindingCounts::warnings>(),
         field<&FindingCounts::notes>({"how many; the findings are in `diagnostics`"}));
   }
-  /// "2 errors, 1 warning, 3 notes"; "nothing found" if there are none.
+  /// Returns a text such as "2 errors, 1 warning, 3 notes"; "nothing found" if there are none.
   std::string words() const;
 };
 
-/// FindingCounts::words() of these findings.
+/// Returns FindingCounts::words() of these findings.
 std::string counts_text(const std::vector<Finding>& findings);
 
-/// The value of --profile. Error: usage.
+/// Returns the value of --profile. Error: usage.
 Result<governance::Profile> profile_option(const Arguments& arguments);
 
-/// The value of --domain, which has a default. Error: usage.
+/// Returns the value of --domain, which has a default. Error: usage.
 Result<DomainId> domain_of(const Arguments& arguments);
-/// The value of --domain, if given. Error: usage.
+/// Returns the value of --domain, if given. Error: usage.
 Result<std::optional<DomainId>> domain_option(const Arguments& arguments);
 
-/// The values of the option, each "3" or "0-5". Error: usage.
+/// Returns the values of the option, each "3" or "0-5". Error: usage.
 Result<std::vector<governance::DomainRange>> domain_ranges(const Arguments& arguments,
                                                            std::string_view option);
 
-/// The topics of a repeated option. Error: usage for a value with a comma, which would be the name
-/// of one topic that does not exist.
+/// Returns the topics of a repeated option. Error: usage for a value with a comma, which would be
+/// the name of one topic that does not exist.
 Result<std::vector<std::string>> topics_of(const Arguments& arguments, std::string_view option);
 
-/// The path of the signed form beside a document: its path with the ending p7s.
+/// Returns the path of the signed form beside a document: its path with the ending p7s.
 std::filesystem::path signed_path(const std::filesystem::path& document);
 
-/// Success if write_result() can use its target. Check it before writing a log, so that no log
+/// Success if write_result() can use its target. Call it before writing a log, so that no log
 /// contains a document that was never written. Error: would_overwrite.
 Status check_result_place(const std::filesystem::path& target, const Arguments& arguments);
 /// Writes a document for a command that has --replace. Errors: those of write_new_file and, with

@@ -1,4 +1,4 @@
-// A participant's permissions with a later end, as a renewal signs them.
+// Extends a participant's permissions to a later end, as a renewal signs them.
 #pragma once
 
 #include "base/bytes.hpp"
@@ -17,12 +17,13 @@ struct SignedPermissions {
   Bytes text;  ///< the text of the whole document
 };
 
-/// The grant for the certificate's subject. Errors: no_grant_for_subject, those of
+/// Returns the grant for the certificate's subject. Errors: no_grant_for_subject, those of
 /// governance::read_permissions.
 Result<SignedPermissions> own_permissions(const pki::SignedDocument& document,
                                           const pki::Certificate& certificate, WallTime now);
 
-/// A document with this grant until `until`, and without any other grant that its name may match.
+/// Returns a document with this grant until `until`, and without any other grant that its name may
+/// match.
 governance::Permissions extended(const SignedPermissions& old, const pki::Certificate& certificate,
                                  WallTime until);
 

@@ -14,11 +14,11 @@ struct CycloneSentence {
   std::string_view look_with;  ///< where to look next, such as a command
 };
 
-/// All sentences, in the order of the page.
+/// Returns all sentences, in the order of the page.
 std::span<const CycloneSentence> cyclone_sentences();
 
-/// The sentences that contain `text`, in any letter case, and those that are contained in `text`, a
-/// line of a log. A text of fewer than four characters is contained in none.
+/// Returns the sentences that contain `text`, in any letter case, and those that are contained in
+/// `text`, a line of a log. A text of fewer than four characters is contained in none.
 std::vector<CycloneSentence> cyclone_sentences_like(std::string_view text);
 
 }  // namespace ddssec::cli

@@ -4,7 +4,7 @@ namespace ddssec::cli {
 namespace {
 
 constexpr ExplainExample kExamples[] = {
-    // Files and their places.
+    // Examples about files and their places.
     {"openssl_known_unsafe", "ddssec version"},
     {"openssl_known_unsafe", "sudo apt install --only-upgrade libssl3"},
     {"DOC001 DOC002 file_not_found file_unreadable DOC090", "ddssec doctor demo/talker"},
@@ -20,7 +20,7 @@ constexpr ExplainExample kExamples[] = {
     {"name_unusable",
      "ddssec identity issue talker --ca demo -o demo/talker --subject 'CN=Talker of hall 2'"},
     {"confirmation_needed", "ddssec identity sign-csr device/request.pem --ca demo --yes"},
-    // Keys and certificates.
+    // Examples about keys and certificates.
     {"DOC012 key_mismatch", "ddssec identity issue talker --ca demo -o demo/talker --replace"},
     {"DOC013 passphrase_missing passphrase_wrong",
      "openssl pkey -in demo/talker/key.pem -out plain.pem"},
@@ -49,7 +49,7 @@ constexpr ExplainExample kExamples[] = {
     {"pkcs11_pin_missing",
      "ddssec identity csr talker -o talker --key "
      "'pkcs11:token=robot;object=talker?pin-source=file:/etc/robot/pin'"},
-    // Documents.
+    // Examples about documents.
     {"DOC030 smime_not_multipart DOC031 smime_signature_invalid smime_message_digest DOC032 DOC082 "
      "DOC084",
      "ddssec governance sign demo/governance.xml --ca demo -o governance.p7s"},
@@ -96,7 +96,7 @@ constexpr ExplainExample kExamples[] = {
     {"DOC082 DOC084", "ddssec governance diff demo/talker/governance.p7s governance.xml"},
     {"DOC082 DOC084 CAP004", "cp demo/talker/governance.p7s demo/listener/governance.p7s"},
     {"DOC085 GOV031", "<metadata_protection_kind>ENCRYPT</metadata_protection_kind>"},
-    // Two that should talk.
+    // Examples about two participants that should communicate.
     {"DOC080 DOC081 DOC082 DOC084 DOC085 DOC086 DOC087 DOC088 CAP001 CAP002 CAP003 CAP004 CAP011 "
      "CAP013",
      "ddssec check demo/talker demo/listener --topics rt/chatter"},
@@ -110,7 +110,7 @@ constexpr ExplainExample kExamples[] = {
     {"DOC098 DOC095", "ddssec doctor demo/talker --vendor cyclonedds@0.10.5 --domain 7"},
     {"capture_unreadable", "ddssec inspect --listen lo --for 8"},
     {"rtps_qos_incompatible", "qos.deadline = Duration::from(std::chrono::milliseconds(100));"},
-    // ROS 2.
+    // Examples about ROS 2.
     {"DOC060", "export ROS_SECURITY_ENABLE=true"},
     {"DOC061", "export ROS_SECURITY_STRATEGY=Enforce"},
     {"DOC062 DOC063", "ddssec keystore list keystore"},

@@ -13,7 +13,7 @@ struct ExplainExample {
   std::string_view line;
 };
 
-/// All examples, in the order in which they are shown.
+/// Returns all examples, in the order in which they are shown.
 std::span<const ExplainExample> explain_examples();
 
 }  // namespace ddssec::cli

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// How many entries are read: of one folder, and of all folders together.
+// The largest numbers of entries that are read: of one folder, and of all folders together.
 constexpr int kMaxInFolder = 1'000;
 constexpr int kMaxLooks = 5'000;
 constexpr std::size_t kMaxShown = 4;

@@ -14,12 +14,12 @@ namespace ddssec::cli {
 /// file_unreadable, which name participants nearby.
 Status check_participant_folder(const std::filesystem::path& given);
 
-/// The certificate in a participant's folder or in a file. Errors: those of read_certificate, which
-/// name participants nearby or report that the file contains a key.
+/// Reads the certificate in a participant's folder or in a file. Errors: those of read_certificate,
+/// which name participants nearby or report that the file contains a key.
 Result<pki::Certificate> certificate_of(const std::filesystem::path& given);
 
-/// For example "participants here: demo/talker, demo/listener", with those of the same name first.
-/// Empty if there are none.
+/// Returns a text such as "participants here: demo/talker, demo/listener". Participants of the same
+/// name come first. Empty if there are none.
 std::string participants_near(const std::filesystem::path& missing);
 
 /// Success unless `given` is the folder of a CA or of several participants: the files of another
@@ -30,7 +30,7 @@ Status check_not_above_participants(const std::filesystem::path& given, std::str
 /// file_not_found and file_unreadable, which name CAs nearby.
 Status check_ca_folder(const std::filesystem::path& given, std::string_view role);
 /// The same for a CA that will sign. Also refuses the folder of the other one of two CAs, because a
-/// signature by the wrong one is detected only when a participant starts. Error: usage.
+/// signature by the wrong one is detected only when a participant starts. Errors: as above, usage.
 Status check_signing_ca(const std::filesystem::path& given, std::string_view role);
 
 }  // namespace ddssec::cli

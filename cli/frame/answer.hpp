@@ -16,7 +16,7 @@ namespace ddssec::cli {
 class Arguments;
 struct Context;
 
-/// What a command returns whose result has the type T.
+/// The return value of a command whose result has the type T.
 template <class T>
 struct Answer {
   T result;
@@ -27,8 +27,8 @@ struct Answer {
   bool has_result = true;
 };
 
-/// The lines of a result, from its member text(). They are made from the values in the JSON, and
-/// from members that are no fields.
+/// Returns the lines of a result, from its member text(). They are made from the values in the
+/// JSON, and from members that are no fields.
 template <class T>
 std::string text_of(const T& result) {
   if constexpr (fields_detail::kIsA<T, std::variant>)
@@ -37,7 +37,7 @@ std::string text_of(const T& result) {
     return result.text();
 }
 
-/// The report of an answer. Its text and its JSON are both made from the result.
+/// Returns the report of an answer. Its text and its JSON are both made from the result.
 template <class T>
 Report report_of(Answer<T> answer) {
   auto out = std::move(answer.report);
@@ -79,7 +79,7 @@ class Runner {
   Result<Report> operator()(const Arguments& arguments, const Context& context) const {
     return run_(arguments, context);
   }
-  /// The field list of its result.
+  /// Returns the field list of its result.
   ResultShape shape() const { return shape_(); }
 
  private:

@@ -1,4 +1,4 @@
-// The possible words for an option or positional of a command, if they are few. Used for
+// Lists the possible words for an option or positional of a command, if they are few. Used for
 // completion, and for values in another letter case.
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace ddssec::cli {
 
-/// The words, separated by blanks. Empty if any value is allowed. `name` is that of an option or a
-/// positional.
+/// Returns the words, separated by blanks. Empty if any value is allowed. `name` is that of an
+/// option or a positional.
 std::string choices_of(const Command& command, std::string_view name);
 
 }  // namespace ddssec::cli

@@ -31,7 +31,7 @@ struct Option {
   bool required = false;
   std::string_view letter = {};  ///< a short form, such as "-q"
 
-  /// Every way to write it, such as "-q,--quiet".
+  /// Returns every way to write it, such as "-q,--quiet".
   std::string spellings() const;
 };
 
@@ -42,10 +42,10 @@ class Arguments {
   explicit Arguments(Values values) : values_(std::move(values)) {}
 
   bool has(std::string_view name) const { return values_.contains(name); }
-  /// The value, or the last one of several. Empty if there is none.
+  /// Returns the value, or the last one of several. Empty if there is none.
   std::string text(std::string_view name) const;
   const std::vector<std::string>& all(std::string_view name) const;
-  /// The value as an integer. Error: usage.
+  /// Returns the value as an integer. Error: usage.
   Result<int> number(std::string_view name, int lowest, int highest) const;
 
  private:
@@ -68,13 +68,13 @@ struct Command {
   std::vector<std::string_view> examples;
   Runner run;
 
-  /// For example "ca create".
+  /// Returns a text such as "ca create".
   std::string full_name() const;
 };
 
-/// Every command, by group.
+/// Returns every command, by group.
 const std::vector<Command>& commands();
-/// The options that every command accepts.
+/// Returns the options that every command accepts.
 const std::vector<Option>& common_options();
 
 }  // namespace ddssec::cli

@@ -1,5 +1,4 @@
-// The field list of a result: from it come the JSON (fields_json.hpp), its schema
-// (fields_schema.hpp) and the table of the README (fields_members.hpp).
+// The field list of a result, from which the JSON, its schema and the table of the README are made.
 //
 // A result is a plain struct with one static member:
 //
@@ -36,7 +35,7 @@ namespace ddssec::cli {
 /// JSON whose members keep their order.
 using Json = nlohmann::ordered_json;
 
-/// What is known about a field besides its type.
+/// The facts about a field besides its type.
 struct FieldOptions {
   std::string_view note = {};     ///< for the README: "null: none"
   std::string_view def = {};      ///< the entry of $defs for the value or, of a list, its elements
@@ -51,8 +50,8 @@ struct FieldOptions {
 
 namespace fields_detail {
 
-/// The name of a member, taken from the compiler's text: "... [with auto Member = &Signing::file;
-/// ...]".
+/// Returns the name of a member, taken from the compiler's text: "... [with auto Member =
+/// &Signing::file; ...]".
 template <auto Member>
 consteval std::string_view name_of() {
   std::string_view text = std::source_location::current().function_name();
@@ -99,14 +98,14 @@ constexpr ComputedField<Owner, Make> computed(std::string_view name, Make make,
   return {name, make, options};
 }
 
-/// A field that a member function makes.
+/// Returns a field that a member function makes.
 template <class Owner, class T>
 constexpr auto field(std::string_view name, T (Owner::*make)() const, FieldOptions options = {}) {
   return computed<Owner>(name, make, options);
 }
 
-/// A field that `next` makes from a member. `next` is another member of it, if it is a struct or a
-/// pointer to one, or a function of it.
+/// Returns a field that `next` makes from a member. `next` is another member of it, if it is a
+/// struct or a pointer to one, or a function of it.
 template <class Owner, class T, class Next>
 requires std::invocable<Next, const T&>
 constexpr auto field(std::string_view name, T Owner::*member, Next next,
@@ -117,7 +116,7 @@ constexpr auto field(std::string_view name, T Owner::*member, Next next,
   return computed<Owner>(name, make, options);
 }
 
-/// A field with the name of its member: field<&Signing::file>().
+/// Returns a field with the name of its member: field<&Signing::file>().
 template <auto Member>
 constexpr auto field(FieldOptions options = {}) {
   return field(fields_detail::name_of<Member>(), Member, options);
@@ -155,7 +154,7 @@ using ListOf = std::conditional_t<IsListed<T>, Listed<T>, T>;
 
 }  // namespace fields_detail
 
-/// The fields of a part, or of what it points to, for std::tuple_cat.
+/// Returns the fields of a part, or of what it points to, for std::tuple_cat.
 template <class Owner, class Part>
 constexpr auto fields_within(Part Owner::*part) {
   return std::apply(

@@ -1,4 +1,4 @@
-// Locks for which commands wait for a limited time, because another user may hold one forever.
+// Locks for which commands wait only a limited time, because another user may hold one forever.
 #pragma once
 
 #include <chrono>

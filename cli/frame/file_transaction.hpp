@@ -30,7 +30,8 @@ class FileTransaction {
  public:
   /// The reaction to a symbolic link: `replaced` replaces the link itself, never its target.
   enum class Links : std::uint8_t { refused, replaced };
-  /// Errors: would_overwrite (not a plain file), file_unwritable, interrupted.
+  /// Drafts a file for `target`. Errors: would_overwrite (not a plain file), file_unwritable,
+  /// interrupted.
   Status put(const std::filesystem::path& target, BytesView octets, unsigned mode,
              Links links = Links::refused);
   Status put_public(const std::filesystem::path& target, std::string_view text) {

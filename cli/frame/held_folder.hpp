@@ -16,16 +16,16 @@ namespace ddssec::cli {
 /// Errors: would_overwrite (a link), link_untrusted, file_unwritable.
 Status hold_folder(const std::filesystem::path& folder);
 
-/// The descriptor of a folder, by the path given to hold_folder(). A folder that is not held is
-/// opened now, following links, and kept open for writing. On error returns -1, with errno.
+/// Returns the descriptor of a folder, by the path given to hold_folder(). A folder that is not
+/// held is opened now, following links, and kept open for writing. On error returns -1, with errno.
 int folder_descriptor(const std::filesystem::path& folder);
 
 /// Opens a folder within an open folder, for listing and writing. A symbolic link is not followed.
 /// On error the descriptor is -1, with errno.
 FileDescriptor open_folder_in(int parent, const std::filesystem::path& name);
 
-/// The path for reading a file directly in a held folder, or for the folder itself. Any other path
-/// is returned unchanged. For system calls, not for messages.
+/// Returns the path for reading a file directly in a held folder, or for the folder itself. Any
+/// other path is returned unchanged. For system calls, not for messages.
 std::filesystem::path path_in_held_folder(const std::filesystem::path& path);
 
 /// Keeps the owner of a replaced file, because the participant could not start with a key that only

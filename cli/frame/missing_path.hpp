@@ -6,11 +6,11 @@
 
 namespace ddssec::cli {
 
-/// The path without a slash at its end.
+/// Returns the path without a slash at its end.
 std::filesystem::path without_slash(const std::filesystem::path& path);
 
-/// A possible error in the path of a missing file: its folder does not exist, or its name is
-/// similar to that of another file. Empty if neither.
+/// Returns a possible error in the path of a missing file: its folder does not exist, or its name
+/// is similar to that of another file. Empty if neither.
 std::string missing_path_hint(const std::filesystem::path& missing);
 
 }  // namespace ddssec::cli

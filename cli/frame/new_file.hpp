@@ -18,11 +18,11 @@ void write_nothing();
 /// True after write_nothing().
 bool writes_nothing();
 
-/// The folder of a path; "." for a bare name.
+/// Returns the folder of a path; "." for a bare name.
 std::filesystem::path folder_of(const std::filesystem::path& path);
-/// The error file_unwritable for a path, by errno; it reports a missing folder.
+/// Returns the error file_unwritable for a path, by errno; it reports a missing folder.
 std::unexpected<Error> unwritable_error(const std::filesystem::path& path, int error);
-/// The error of a rename that must not replace anything, by errno: would_overwrite or
+/// Returns the error of a rename that must not replace anything, by errno: would_overwrite or
 /// file_unwritable.
 std::unexpected<Error> rename_failed_error(const std::filesystem::path& target, int error);
 /// Success if there is nothing at the path, not even a dangling link, and its folder exists.
@@ -47,7 +47,7 @@ int write_all(int file, BytesView octets);
 Status write_and_close(FileDescriptor file, const FilePlace& at, const std::filesystem::path& meant,
                        BytesView octets, Flush flush);
 
-/// The line of the report about a file.
+/// Returns the line of the report about a file.
 WrittenFile written_file(const std::filesystem::path& path, BytesView octets, unsigned mode);
 
 }  // namespace ddssec::cli

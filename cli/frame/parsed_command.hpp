@@ -19,10 +19,12 @@ struct ParsedCommand {
 /// there is one.
 Result<ParsedCommand> parse(std::span<const std::string> words);
 
-/// The command, or the group of commands, with which these words begin. Empty if they name none.
+/// Returns the command, or the group of commands, with which these words begin. Empty if they name
+/// none.
 std::string command_named(std::span<const std::string> words);
 
-/// Help on everything, on a group ("ca") or on a command ("ca create"). Empty if it does not exist.
+/// Returns help on everything, on a group ("ca") or on a command ("ca create"). Empty if it does
+/// not exist.
 std::string help_on(std::string_view what);
 
 }  // namespace ddssec::cli

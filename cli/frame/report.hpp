@@ -20,7 +20,7 @@ enum class Exit : std::uint8_t {
   failed = 5,      ///< an internal failure, or the result could not be written
 };
 
-/// The exit code of a command that ends with this error.
+/// Returns the exit code of a command that ends with this error.
 Exit exit_of(Code code);
 
 /// A file that the command made.
@@ -44,14 +44,14 @@ struct Report {
   std::string forecast = {};  ///< for people, with --dry-run: what would follow
 };
 
-/// The word in diagnostics: "error", "warning" or "note".
+/// Returns the word in diagnostics: "error", "warning" or "note".
 std::string_view severity_word(Severity severity);
 
-/// The report of a command that failed.
+/// Returns the report of a command that failed.
 Report report_of(const Error& error);
 
-/// One object, the same members for every command and for failures: schema, command, ok, exit,
-/// result, diagnostics, files_written.
+/// Returns one object with the same members for every command and for failures: schema, command,
+/// ok, exit, result, diagnostics, files_written.
 Json envelope(const Report& report, std::string_view command);
 
 /// The parts of a report that go to standard error, and their style.
@@ -61,18 +61,18 @@ struct Style {
   bool verbose = false;  ///< every file as well
 };
 
-/// Every error and finding for people: "error[CODE]: what happened"; "  --> file:line" if there is
-/// a place; "  hint: what to do".
+/// Returns every error and finding as text for people: "error[CODE]: what happened"; "  -->
+/// file:line" if there is a place; "  hint: what to do".
 std::string diagnostics_text(const Report& report, Style style = {});
 
-/// What to do about an error, in the words of the command line, because some hints of the library
-/// mention a participant's properties. `help_on` is Report::help_on.
+/// Returns what to do about an error, in the words of the command line, because some hints of the
+/// library mention a participant's properties. `help_on` is Report::help_on.
 std::string hint_of(const Error& error, const std::string& help_on = {});
 
-/// For example "1 folder" or "3 folders".
+/// Returns a text such as "1 folder" or "3 folders".
 std::string count_text(std::size_t count, std::string_view thing);
 
-/// For example "would write 0600 path" for every file: the output of --dry-run.
+/// Returns a text such as "would write 0600 path" for every file: the output of --dry-run.
 std::string dry_run_text(const Report& report);
 
 }  // namespace ddssec::cli

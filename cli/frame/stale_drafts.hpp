@@ -7,9 +7,9 @@
 
 namespace ddssec::cli {
 
-/// "PID.NAMESPACE" in digits, a part of the name of every draft. With it another process can check
-/// whether the process that made the draft is still alive. PIDs are compared only within their
-/// namespace.
+/// Returns "PID.NAMESPACE" in digits, a part of the name of every draft. With it another process
+/// can check whether the process that made the draft is still alive. PIDs are compared only within
+/// their namespace.
 std::string process_mark();
 
 /// Removes drafts of these files ("NAME.MARK.new", "NAME.MARK.N.new") that an ended process left

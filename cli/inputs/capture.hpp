@@ -29,13 +29,14 @@ class Capture {
   ~Capture();
   Capture(Capture&&) noexcept;
 
-  /// The link type, as LINKTYPE_ of libpcap.
+  /// Returns the link type, as LINKTYPE_ of libpcap.
   int link() const;
-  /// From now on writes every frame that is read to a new pcap file, which only its owner can read.
-  /// In a dry run it only checks that the file can be created. Errors: would_overwrite,
+  /// Opens a new pcap file, which only its owner can read, and writes each frame to it that is read
+  /// from now on. A dry run only checks that the file can be created. Errors: would_overwrite,
   /// file_unwritable.
   Status save_to(const std::string& file);
-  /// Closes that file. Error: file_unwritable; then the file is removed.
+  /// Closes the file of save_to() and returns its path and hash. If it cannot be written
+  /// completely, it is removed. Error: file_unwritable.
   Result<WrittenFile> saved();
   /// Passes frames to `take` until the end of the file, for `how_long` when listening, or until
   /// interrupted. Error: capture_unreadable.

@@ -16,19 +16,19 @@ struct ConfigurationFile {
   std::string name;  ///< cyclonedds.xml, fastdds.xml
   std::string text;
 };
-/// The configuration files of all products. Every command that makes a participant's folder writes
-/// them there, except for ROS 2, which needs none. They name the files of `folder`, and the plugin
-/// libraries in `dropin`, by absolute paths. If `dropin` is empty, the loader finds the libraries
-/// by their names.
+/// Returns the configuration files of all products. Every command that makes a participant's folder
+/// writes them there, except for ROS 2, which needs none. They name the files of `folder`, and the
+/// plugin libraries in `dropin`, by absolute paths. If `dropin` is empty, the loader finds the
+/// libraries by their names.
 std::array<ConfigurationFile, 2> configuration_files(const pki::ParticipantFolder& folder,
                                                      const std::filesystem::path& dropin = {});
-/// The configuration files that a folder lacks. Existing ones stay, because the user may have
-/// changed them. With `dropin`, also returns a cyclonedds.xml that differs only in the libraries.
-/// Errors: would_overwrite if it differs in more; those of check_nameable.
+/// Returns the configuration files that a folder lacks. Existing ones stay, because the user may
+/// have changed them. With `dropin`, also returns a cyclonedds.xml that differs only in the
+/// libraries. Errors: would_overwrite if it differs in more; those of check_nameable.
 Result<std::vector<ConfigurationFile>> missing_configuration_files(
     const pki::ParticipantFolder& folder, const std::filesystem::path& dropin);
-/// Lines of text with the environment variables that name these files of `folder`, which belongs to
-/// the participant `name`.
+/// Returns lines of text with the environment variables that name these files of `folder`, which
+/// belongs to the participant `name`.
 std::string configuration_lines(std::string_view name, const std::filesystem::path& folder);
 /// True if the folder's cyclonedds.xml names libraries without a path.
 bool leaves_libraries_open(const std::filesystem::path& folder);
@@ -37,15 +37,15 @@ bool leaves_libraries_open(const std::filesystem::path& folder);
 /// no line break, no other control character and nothing that printable() replaces. Error: usage.
 Status check_nameable(const std::filesystem::path& folder);
 
-/// A Cyclone DDS configuration, for CYCLONEDDS_URI or a file that it names.
+/// Returns a Cyclone DDS configuration, for CYCLONEDDS_URI or a file that it names.
 std::string cyclonedds_snippet(const pki::ParticipantFolder& folder,
                                const std::filesystem::path& dropin = {});
 
-/// A Fast DDS profile file, for FASTRTPS_DEFAULT_PROFILES_FILE (Fast DDS 3:
+/// Returns a Fast DDS profile file, for FASTRTPS_DEFAULT_PROFILES_FILE (Fast DDS 3:
 /// FASTDDS_DEFAULT_PROFILES_FILE).
 std::string fastdds_snippet(const pki::ParticipantFolder& folder);
 
-/// Environment variables of ROS 2 for an enclave of a keystore.
+/// Returns environment variables of ROS 2 for an enclave of a keystore.
 std::string ros2_snippet(const std::filesystem::path& keystore, const std::string& enclave);
 
 }  // namespace ddssec::cli

@@ -13,15 +13,15 @@ inline constexpr Option kDropIn{
     "ddssec's plugins where the application runs: cyclonedds.xml names them by whole paths, and "
     "Cyclone DDS does not start without them"};
 
-/// The folder of --dropin as an absolute path; empty without the option. The folder need not exist
-/// here, because it may be on another machine. Errors: usage for a folder that exists without
-/// ddssec's three libraries, for a relative path without a folder, and for a path that Cyclone DDS
-/// would read differently.
+/// Returns the folder of --dropin as an absolute path; empty without the option. The folder need
+/// not exist here, because it may be on another machine. Errors: usage for a folder that exists
+/// without ddssec's three libraries, for a relative path without a folder, and for a path that
+/// Cyclone DDS would read differently.
 Result<std::filesystem::path> drop_in_of(const Arguments& arguments);
 
-/// A line of text about a configuration that names the libraries in that folder. An empty path
-/// stands for a configuration that names no folder, so that the environment decides which plugins
-/// are loaded.
+/// Returns a line of text about a configuration that names the libraries in that folder. An empty
+/// path stands for a configuration that names no folder, so that the environment decides which
+/// plugins are loaded.
 std::string drop_in_line(const std::filesystem::path& dropin);
 
 }  // namespace ddssec::cli

@@ -21,12 +21,13 @@ class EnclaveFolder {
   /// The reaction to an existing file of the enclave.
   enum class Existing : std::uint8_t { refused, replaced };
 
-  /// Errors: enclave_name_unusable if a link leads out of the keystore; those of NewFolder::at.
+  /// Begins the folder. Errors: enclave_name_unusable if a link leads out of the keystore; those of
+  /// NewFolder::at.
   static Result<EnclaveFolder> at(const std::filesystem::path& keystore,
                                   const std::filesystem::path& target, Existing existing);
 
-  /// As in NewFolder, with names inside the enclave's folder. If something else has the place of a
-  /// link, it is replaced by a copy of what the link would lead to.
+  /// These do the same as in NewFolder, with names inside the enclave's folder. If something else
+  /// has the place of a link, it is replaced by a copy of what the link would lead to.
   Status add(const std::filesystem::path& name, BytesView octets, unsigned mode);
   Status add_public(const std::filesystem::path& name, std::string_view text);
   Status link(const std::filesystem::path& name, const std::filesystem::path& to);

@@ -15,9 +15,9 @@ namespace ddssec::cli {
 /// an existing fleet lacks.
 class FleetFolder {
  public:
-  /// Removes participants from `specs` that already have a certificate there. Errors:
-  /// would_overwrite if all of them have one, or if something else has the name of one; those of
-  /// NewFolder::at and check_nameable.
+  /// Begins the output. Removes participants from `specs` that already have a certificate there.
+  /// Errors: would_overwrite if all of them have one, or if something else has the name of one;
+  /// those of NewFolder::at and check_nameable.
   static Result<FleetFolder> at(const std::filesystem::path& target,
                                 std::vector<ParticipantSpec>& specs);
 
@@ -28,7 +28,7 @@ class FleetFolder {
   /// repeat the same command to add the rest. Errors: those of NewFolder::commit.
   Result<std::vector<WrittenFile>> commit();
 
-  /// The text about the folders for the report.
+  /// Returns the text about the folders for the report.
   std::string text() const;
 
  private:

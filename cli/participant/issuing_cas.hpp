@@ -20,14 +20,14 @@ struct IssuingCas {
   std::optional<pki::Crl> list;
   std::string crl;  ///< `list` in PEM
 
-  /// The issuers for a participant with or without permissions.
+  /// Returns the issuers for a participant with or without permissions.
   Issuers issuers(bool with_permissions) const {
     return {identity, with_permissions ? &*permissions : nullptr, crl};
   }
 };
 
-/// The CAs below --ca; the permissions CA only `with_permissions`. Errors: those of CaOpener::open
-/// and list_for_newcomers.
+/// Opens the CAs below --ca; the permissions CA only `with_permissions`. Errors: those of
+/// CaOpener::open and list_for_newcomers.
 Result<IssuingCas> open_issuing_cas(const Arguments& arguments, bool with_permissions,
                                     WallTime now);
 

@@ -54,9 +54,9 @@ struct Issuers {
   std::string_view crl = {};            ///< from list_for_newcomers
 };
 
-/// The validity `wanted`, which does not begin before the CA's. An end after the CA's is cut if
-/// `clamp` is true, otherwise refused: the certificate would become invalid before its own end.
-/// Error: outlives_ca.
+/// Returns the validity `wanted`, which does not begin before the CA's. An end after the CA's is
+/// cut if `clamp` is true, otherwise refused: the certificate would become invalid before its own
+/// end. Error: outlives_ca.
 Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca, bool clamp);
 
 /// Adds lint's findings about topics and partitions of the spec that match nothing, that products
@@ -65,21 +65,21 @@ Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca
 /// none as an error, because the document is written as specified.
 void warn_of_rights(const ParticipantSpec& spec, const std::string& document, Report& report);
 
-/// The permissions document of the spec for this certificate. It is the document in the spec, if
-/// there is one: it must have a grant for the subject that is valid at `now`, and no grants for
-/// others unless the spec accepts them. Otherwise it is a document with one grant and default DENY.
-/// Its subject is the certificate's own text, which every vendor accepts. Errors: foreign_grant,
-/// those of read_permissions and find_grant.
+/// Returns the permissions document of the spec for this certificate. It is the document in the
+/// spec, if there is one: it must have a grant for the subject that is valid at `now`, and no
+/// grants for others unless the spec accepts them. Otherwise it is a document with one grant and
+/// default DENY. Its subject is the certificate's own text, which every vendor accepts. Errors:
+/// foreign_grant, those of read_permissions and find_grant.
 Result<std::string> permissions_xml(const ParticipantSpec& spec,
                                     const pki::Certificate& certificate, WallTime now);
 
-/// Key, certificate and signed permissions. Errors: those of Authority::issue and sign_document,
-/// and of permissions_xml.
+/// Makes key, certificate and signed permissions. Errors: those of Authority::issue and
+/// sign_document, and of permissions_xml.
 Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issuers& issuers,
                                         const Context& context);
 
-/// The signed document. Errors: those of sign_document; smime_too_large, because ddssec's plugins
-/// would refuse it (PERM042).
+/// Returns the signed document. Errors: those of sign_document; smime_too_large, because ddssec's
+/// plugins would refuse it (PERM042).
 Result<Bytes> sign_permissions(const pki::Authority& ca, std::string_view xml, WallTime now,
                                Random& random);
 
@@ -88,12 +88,13 @@ Result<Bytes> sign_permissions(const pki::Authority& ca, std::string_view xml, W
 Status add_flat(NewFolder& folder, const std::filesystem::path& below,
                 const NewParticipant& participant, const Issuers& issuers, BytesView governance);
 
-/// The line of the identity CA's log about the participant. It must be written before the
+/// Returns the line of the identity CA's log about the participant. It must be written before the
 /// certificate is handed out.
 std::string log_line(const NewParticipant& participant, const std::filesystem::path& folder,
                      WallTime now);
 
-/// The line of the permissions CA's log about the participant's permissions; empty if it has none.
+/// Returns the line of the permissions CA's log about the participant's permissions; empty if it
+/// has none.
 std::string signed_line(const NewParticipant& participant, const OpenCa& permissions,
                         const std::filesystem::path& folder, WallTime now);
 

@@ -93,15 +93,16 @@ class StatusFolder {
     std::string name;
   };
 
-  /// Errors: file_not_found, file_unreadable, status_of_another_user (it may not be entered),
-  /// status_folder_untrusted, link_untrusted.
+  /// Opens the folder and lists its sockets. Errors: file_not_found, file_unreadable,
+  /// status_of_another_user (it may not be entered), status_folder_untrusted, link_untrusted.
   static Result<StatusFolder> open(const std::filesystem::path& path);
 
   static constexpr std::size_t kMaxSockets = 1024;
 
-  /// The sockets ddssec-PID.sock and ddssec-PID-2.sock to -8.sock, in order; at most kMaxSockets.
+  /// Returns the sockets ddssec-PID.sock and ddssec-PID-2.sock to -8.sock, in order; at most
+  /// kMaxSockets.
   const std::vector<Socket>& sockets() const { return sockets_; }
-  /// The number of sockets that were left out.
+  /// Returns the number of sockets that were left out.
   std::size_t left_out() const { return left_out_; }
   const std::filesystem::path& path() const { return path_; }
 
@@ -109,9 +110,9 @@ class StatusFolder {
     std::vector<RunningParticipant> participants;
     std::uint64_t left_out = 0;  ///< number of participants that the answer had no room for
   };
-  /// The participants of the process. Only an answer of the folder's owner, of this user or of root
-  /// is accepted. The size of each answer is limited, and so are the size and the time of all
-  /// answers of the folder together. Errors: status_process_ended, status_of_another_user,
+  /// Asks for the participants of the process. Only an answer of the folder's owner, of this user
+  /// or of root is accepted. The size of each answer is limited, and so are the size and the time
+  /// of all answers of the folder together. Errors: status_process_ended, status_of_another_user,
   /// status_unanswered.
   Result<Answer> ask(const Socket& socket);
 
