@@ -1,4 +1,4 @@
-// CONTENT_FILTER_PROPERTY: what a reader announces of its content filter (RTPS 2.5, 8.7.3.1).
+// CONTENT_FILTER_PROPERTY, with which a reader announces its content filter (RTPS 2.5, 8.7.3.1).
 #pragma once
 
 #include <string>
@@ -21,11 +21,11 @@ struct ContentFilterProperty {
   bool operator==(const ContentFilterProperty&) const = default;
 };
 
-/// RTPS 2.5, 9.6.4.1: the digest of all strings in their order, each with its NUL.
+/// Returns the digest of all strings in their order, each with its NUL (RTPS 2.5, 9.6.4.1).
 FilterSignature signature_of(const ContentFilterProperty& property);
 
-/// Returns empty for a property that exceeds the limits of a filter, or has an empty string where
-/// none is allowed: then the reader filters by itself. Errors: those of Reader.
+/// Reads the property. Empty for one that exceeds the limits of a filter, or has an empty string
+/// where none is allowed: the reader then filters by itself. Errors: those of Reader.
 Result<std::optional<ContentFilterProperty>> read_content_filter_property(Reader& reader);
 void write_content_filter_property(SpanWriter& out, const ContentFilterProperty& property);
 

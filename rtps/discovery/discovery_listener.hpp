@@ -7,8 +7,8 @@
 
 namespace ddssec::rtps {
 
-/// Receives remote participants and their endpoints once they are accepted; in a secured
-/// participant: once they are authenticated, or admitted without authentication. Called from within
+/// Receives remote participants and their endpoints once they are accepted. A secured participant
+/// accepts those that are authenticated, or admitted without authentication. Called from within
 /// receive and tick.
 class DiscoveryListener {
  public:

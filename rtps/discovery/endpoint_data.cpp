@@ -205,11 +205,11 @@ Status read_liveliness(Reader& r, Announced& a) {
   return read_duration_into(r, a.data.qos.liveliness.lease_duration);
 }
 
-// Specific to ddssec: the minimal TypeObjects, after a mark that a parameter of another vendor with
-// the same id would not have.
+// ddssec's own parameter has the minimal TypeObjects after a mark that a parameter of another
+// vendor with the same id would not have.
 constexpr std::array<std::uint8_t, 8> kTypeObjectsMark = {'d', 'd', 's', 's', 'e', 'c', 'T', 'O'};
 
-// An announcement is not refused because its type is malformed: then the names decide.
+// An announcement with a malformed type is not refused: the names decide then.
 Status read_type_information(Reader& r, Announced& a) {
   if (r.endian() == Endian::little && r.remaining() <= kMaxTypeInformation)
     a.data.type.information = to_bytes(r.rest());
@@ -225,8 +225,8 @@ Status read_type_objects(Reader& r, Announced& a) {
   return {};
 }
 
-// The kind, then five booleans; older versions of the policy end earlier. Older OpenDDS versions
-// count the kinds from 1: their ALLOW_TYPE_COERCION is 2.
+// Reads the kind and then five booleans. Older versions of the policy end earlier. Older OpenDDS
+// versions count the kinds from 1, so that their ALLOW_TYPE_COERCION is 2.
 Status read_type_consistency(Reader& r, Announced& a) {
   auto& value = a.data.qos.type_consistency;
   DDSSEC_ASSIGN_OR_RETURN(const auto kind, r.read<std::uint16_t>());
@@ -258,7 +258,7 @@ Status read_durability_service(Reader& r, Announced& a) {
   DDSSEC_RETURN_IF_ERROR(read_duration_into(r, value.cleanup_delay));
   DDSSEC_RETURN_IF_ERROR(read_history(r, value.history));
   DDSSEC_RETURN_IF_ERROR(read_limits(r, value.limits));
-  // No writer can keep a history of 0 samples: the default counts.
+  // An inconsistent policy, such as a history of 0 samples, is replaced by the default.
   if (!check_consistency(value)) value = {};
   return {};
 }
@@ -419,7 +419,8 @@ Result<EndpointData> read_endpoint(BytesView payload, bool (*is_kind)(const Enti
   if (announced.participant && *announced.participant != owner)
     return fail(Code::rtps_parameter_invalid);
   if (!announced.has_reliability) data.qos.reliability.kind = default_reliability;
-  // A publisher belongs to the same participant; no other participant takes part in its sets.
+  // A publisher belongs to the same participant, and no other participant takes part in its sets.
+  // So the GUID of another participant's publisher is dropped.
   if (data.group_guid && data.group_guid->prefix != data.guid.prefix) data.group_guid.reset();
   // Only readers have this policy (XTypes 7.6.3.4); it is ignored in a writer's announcement.
   if (!is_reader(data.guid.entity)) data.qos.type_consistency = {};

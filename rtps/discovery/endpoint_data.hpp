@@ -23,18 +23,20 @@ struct EndpointData {
   std::optional<ContentFilterProperty> content_filter = {};  ///< readers only
   std::optional<spi::SecurityInfo> security_info = {};
   std::optional<spi::CipherMask> required_ciphers = {};
-  bool by_secure_discovery = false;  ///< how a remote endpoint was announced; not sent
+  bool by_secure_discovery = false;  ///< true if secure discovery announced a remote endpoint; not
+                                     ///< sent
   bool operator==(const EndpointData&) const = default;
 };
 
-/// The approximate memory that it uses, in octets.
+/// Returns the approximate memory that it uses, in octets.
 std::size_t octets_of(const EndpointData& data);
 
 void write_payload(SpanWriter& out, const EndpointData& data);
 
-/// ENDPOINT_GUID, TOPIC_NAME and TYPE_NAME are required. The GUID must be that of a writer (or
-/// reader, respectively), and a PARTICIPANT_GUID must be of the same participant. Absent policies
-/// have the defaults of RTPS. Errors: those of read_parameters, rtps_parameter_invalid.
+/// Read an announcement. ENDPOINT_GUID, TOPIC_NAME and TYPE_NAME are required. The GUID must be
+/// that of a writer (or reader, respectively), and a PARTICIPANT_GUID must be of the same
+/// participant. Absent policies have the defaults of RTPS. Errors: those of read_parameters,
+/// rtps_parameter_invalid.
 Result<EndpointData> read_publication_data(BytesView payload);
 Result<EndpointData> read_subscription_data(BytesView payload);
 

@@ -26,14 +26,14 @@ struct ParameterRow {
   bool required = false;
 };
 
-/// The encapsulation in front of a PL_CDR payload.
+/// Writes the encapsulation in front of a PL_CDR payload.
 void write_pl_cdr_encapsulation(SpanWriter& out);
 /// Returns the list after the encapsulation, which must be PL_CDR in either byte order. Errors:
 /// those of open_payload, rtps_encapsulation_unsupported.
 Result<SerializedPayload> open_pl_cdr(BytesView payload);
 
-/// Errors: those of ParameterReader, of SingleParameters and of the rows,
-/// rtps_parameter_not_understood, rtps_parameter_missing.
+/// Reads a list by its table. Errors: those of ParameterReader, of SingleParameters and of the
+/// rows, rtps_parameter_not_understood, rtps_parameter_missing.
 template <class T>
 Result<T> read_parameters(std::span<const ParameterRow<T>> table, BytesView list, Endian endian) {
   T value{};
@@ -70,7 +70,7 @@ void write_parameters(std::span<const ParameterRow<T>> table, SpanWriter& out, c
   write_sentinel(out);
 }
 
-// Values that occur in more than one table:
+// Functions for values that occur in more than one table.
 Result<std::string> read_bounded_string(Reader& reader, std::size_t max_length);
 Result<Bytes> read_opaque(Reader& reader);
 Status read_locator_into(Reader& reader, LocatorList& list);

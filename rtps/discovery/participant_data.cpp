@@ -32,8 +32,8 @@ void write_property_list(SpanWriter& out, const PropertyList& properties) {
   }
 }
 
-// The parameter of Cyclone DDS: a version, flags, three words, and "HOST/VERSION/OS/CPU". Any other
-// content is ignored.
+// Reads the parameter of Cyclone DDS: a version, flags, three words, and "HOST/VERSION/OS/CPU". Any
+// other content is ignored.
 Status read_vendor_version(Reader& reader, ParticipantData& data) {
   constexpr std::size_t kFixedPart = 20, kMaxText = 512, kMaxVersion = 32;
   if (!reader.skip(kFixedPart)) return {};

@@ -14,8 +14,8 @@
 
 namespace ddssec::rtps {
 
-/// The property in a participant's signed data that says that it marks payloads which end an
-/// instance (end_mark). It is not announced, because the announcement must stay short.
+/// The property in a participant's signed data that tells that the participant marks payloads which
+/// end an instance (end_mark). It is not announced, because the announcement must stay short.
 inline constexpr std::string_view kMarksEndsProperty = "org.ddssec.marks_ends";
 
 struct ParticipantData {
@@ -34,7 +34,7 @@ struct ParticipantData {
   std::string entity_name = {};
   Bytes user_data = {};
   PropertyList properties = {};
-  // Only of a secured participant:
+  // Only secured participants announce these:
   std::optional<spi::Token> identity_token = {}, permissions_token = {};
   std::optional<spi::SecurityInfo> security_info = {};
   std::optional<spi::SymmetricCipherInfo> ciphers = {};
@@ -47,15 +47,15 @@ void write_parameter_list(SpanWriter& out, const ParticipantData& data);
 /// True if the participant is in this domain. Without a domain id in its announcement, the port at
 /// which the announcement arrived determines the domain.
 bool is_of_domain(const ParticipantData& data, DomainId domain_id, std::string_view domain_tag);
-/// The payload of SPDP's DATA, with encapsulation.
+/// Writes the payload of SPDP's DATA, with encapsulation.
 void write_payload(SpanWriter& out, const ParticipantData& data);
 
-/// PARTICIPANT_GUID (of a participant) and BUILTIN_ENDPOINT_SET are required. Tokens are read
-/// within the limits of spi. Errors: those of read_parameters.
+/// Read an announcement. PARTICIPANT_GUID (of a participant) and BUILTIN_ENDPOINT_SET are required.
+/// Tokens are read within the limits of spi. Errors: those of read_parameters.
 Result<ParticipantData> read_participant_list(BytesView list, Endian endian);
 Result<ParticipantData> read_participant_data(BytesView payload);
 
-/// The key alone, which is the payload of a dispose. Errors: as above.
+/// Reads the key alone, which is the payload of a dispose. Errors: as above.
 Result<Guid> read_participant_key(BytesView payload);
 void write_participant_key(SpanWriter& out, const Guid& guid);
 

@@ -13,19 +13,20 @@ namespace ddssec::rtps {
 
 Status read_token_into(Reader& reader, std::optional<spi::Token>& token);
 void write_token(SpanWriter& out, ParameterId id, const std::optional<spi::Token>& token);
-/// Also accepts the 12-octet form of DDS-Security 1.2. Writes the 8-octet form, which all peers can
-/// read.
+/// Reads the 8-octet form, and the 12-octet form of DDS-Security 1.2. Only the 8-octet form is
+/// written, because all peers can read it.
 Status read_security_info_into(Reader& reader, std::optional<spi::SecurityInfo>& info);
 void write_security_info(SpanWriter& out, ParameterId id,
                          const std::optional<spi::SecurityInfo>& info);
 
-/// Symmetric cipher algorithm info of a participant, and of an endpoint: only the required ciphers.
+/// Read and write the symmetric cipher algorithm info of a participant, or that of an endpoint,
+/// which has only the required ciphers.
 Status read_ciphers_into(Reader& reader, std::optional<spi::SymmetricCipherInfo>& info);
 Status read_ciphers_into(Reader& reader, std::optional<spi::CipherMask>& required);
 void write_ciphers(SpanWriter& out, const std::optional<spi::SymmetricCipherInfo>& info);
 void write_ciphers(SpanWriter& out, const std::optional<spi::CipherMask>& required);
 
-/// A PL_CDR payload with one GUID: the key of a builtin topic's instance. Errors: those of
+/// Reads a PL_CDR payload with one GUID, the key of a builtin topic's instance. Errors: those of
 /// ParameterReader, rtps_parameter_missing.
 Result<Guid> read_guid_key(BytesView payload, ParameterId id);
 void write_guid_key(SpanWriter& out, ParameterId id, const Guid& guid);

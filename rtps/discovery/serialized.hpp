@@ -1,4 +1,4 @@
-// Announcements as octets, for what stores them or passes them on.
+// Turns announcements into octets, for code that stores them or passes them on.
 #pragma once
 
 #include "rtps/discovery/endpoint_data.hpp"

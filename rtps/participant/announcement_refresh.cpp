@@ -35,7 +35,8 @@ void AnnouncementRefresh::note_alive(const EntityId& endpoint) {
 
 bool AnnouncementRefresh::take_due(MonotonicTime now) {
   if (now < std::min(due_, routine_)) return false;
-  // The routine refresh may come first while a change waits: changes go on then.
+  // If the routine refresh comes first while a change waits, the pause grows as for changes that go
+  // on.
   pause_ = due_ == kNever ? kMinPause : std::min(pause_ * 2, kMaxPause);
   due_ = kNever;
   last_ = now;

@@ -1,4 +1,4 @@
-// When the plain announcements of a participant's endpoints are read once more.
+// Decides when the plain announcements of a participant's endpoints are read once more.
 #pragma once
 
 #include <deque>
@@ -14,7 +14,8 @@ namespace ddssec::rtps {
 /// Where neither discovery nor RTPS messages are protected, anyone can announce in a participant's
 /// name that an endpoint has other policies, or has ended. The participant does not notice, and so
 /// does not correct it. But its SEDP writers keep what it announced, and send it again to a reader
-/// that requests it. Of an endpoint that has in truth ended or changed, they keep only the latest.
+/// that requests it. If an endpoint has in truth ended or changed, they keep only its latest
+/// announcement.
 ///
 /// An attacker can also make us miss an announcement: by a message with the sequence number that
 /// the next one will have, or by a HEARTBEAT or GAP that skips it. Messages that contradict each
@@ -37,15 +38,15 @@ class AnnouncementRefresh {
   /// Limit for the endpoints that are remembered as having lost their keys.
   static constexpr std::size_t kMaxWithoutKeys = 1024;
 
-  /// From now on everything is read at least once in kMaxPause, first within `first`.
+  /// Begins: from now on everything is read at least once in kMaxPause, first within `first`.
   void begin(MonotonicTime now, MonotonicTime first) { routine_ = now + first; }
-  /// Something that proves nothing has changed an endpoint that was known, or contradicts what was
+  /// Notes that something that proves nothing has changed a known endpoint, or contradicts what was
   /// received before.
   void note_change(MonotonicTime now);
-  /// The same, and an endpoint that has sent its keys is said to have ended. Returns true if that
-  /// counts from now on, and the keys are kept; false if the next reading decides.
+  /// The same for a report that an endpoint which has sent its keys has ended. Returns true if the
+  /// end counts from now on, and the keys are kept; false if the next reading decides.
   bool note_end(const EntityId& endpoint, MonotonicTime now);
-  /// An endpoint that is known is announced: it has not ended.
+  /// Notes that a known endpoint is announced: it has not ended.
   void note_alive(const EntityId& endpoint);
   /// Returns true if all announcements are to be read again now.
   bool take_due(MonotonicTime now);
@@ -53,34 +54,34 @@ class AnnouncementRefresh {
   bool take_over(MonotonicTime now);
   struct Ended {
     EntityId endpoint;
-    bool counts;  ///< its end counted from the beginning
+    bool counts;  ///< true if its end counted from the beginning
   };
-  /// The latest reading was complete. Returns the endpoints that were said to have ended before it,
-  /// and were not announced since while they were known.
+  /// Ends a reading that was complete. Returns the endpoints that were said to have ended before
+  /// it, and were not announced since while they were known.
   std::vector<Ended> take_read();
-  /// The reading has confirmed the end. Returns the endpoint whose keys are not kept any longer in
-  /// exchange: the one that ended first. It is remembered (without_keys).
+  /// Notes that the reading has confirmed the end. Returns the endpoint whose keys are not kept any
+  /// longer in exchange: the one that ended first. It is remembered (without_keys).
   std::optional<EntityId> note_gone(const EntityId& endpoint);
 
   /// True from a request until its answer must have arrived.
   bool is_under_way() const { return over_ != kNever; }
   MonotonicTime due() const { return due_; }
-  /// Nothing is to be taken before this time.
+  /// Returns the time before which nothing is to be taken.
   MonotonicTime next() const;
-  /// The endpoints whose keys are not kept, and whether they were requested since.
+  /// Returns the endpoints whose keys are not kept, and whether they were requested since.
   std::map<EntityId, bool>& without_keys() { return without_keys_; }
 
  private:
   struct State {
     bool counts;
-    bool is_read = false;  ///< a reading has begun since
+    bool is_read = false;  ///< true if a reading has begun since
   };
 
   MonotonicTime due_ = kNever, over_ = kNever, routine_ = kNever;
   MonotonicTime last_{};
   MonotonicTime pause_ = kMinPause;
   std::map<EntityId, State> ended_;
-  std::size_t counting_ = 0;  ///< of these
+  std::size_t counting_ = 0;  ///< the number of those that count
   std::deque<EntityId> gone_;
   std::map<EntityId, bool> without_keys_;
 };

@@ -20,7 +20,7 @@ class Announcer {
 
   Announcer(ParticipantCore& core, BuiltinEndpoints& builtin);
 
-  /// The data that SPDP announces of the local participant.
+  /// Returns the data that SPDP announces of the local participant.
   ParticipantData own_data() const;
   /// Announces the local participant to a participant that was heard for the first time, as far as
   /// AmplificationLimit allows sending to it.

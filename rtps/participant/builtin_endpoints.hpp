@@ -74,7 +74,7 @@ class BuiltinEndpoints {
   /// Both return nullptr if `id` is not one of the builtin endpoints.
   StatefulWriter* find_writer(const EntityId& id);
   StatefulReader* find_reader(const EntityId& id);
-  /// The one reader of the writer's topic; empty if there is none.
+  /// Returns the one reader of the writer's topic; empty if there is none.
   std::span<StatefulReader* const> readers_of(const EntityId& writer) const;
   /// Calls `f(const BuiltinTopicInfo&, StatefulWriter&, StatefulReader&)` for each topic whose
   /// endpoints exist.
@@ -104,7 +104,7 @@ class BuiltinEndpoints {
   TimerQueue& timers_;
   Deliver deliver_;
   std::array<Endpoint, kBuiltinTopics.size()> endpoints_;
-  /// The readers again, in the form that readers_of() returns.
+  /// The same readers, in the form that readers_of() returns.
   std::array<StatefulReader*, kBuiltinTopics.size()> readers_ = {};
 };
 

@@ -12,8 +12,8 @@ class BuiltinMatcher {
  public:
   BuiltinMatcher(ParticipantCore& core, BuiltinEndpoints& builtin);
 
-  /// Called when messages of plain discovery in a participant's name contradict each other. For
-  /// participants that match from now on.
+  /// Sets the function to call when messages of plain discovery in a participant's name contradict
+  /// each other. It is for participants that match from now on.
   void on_contradiction(std::function<void(const Guid& writer)> contradicted) {
     contradicted_ = std::move(contradicted);
   }

@@ -75,7 +75,8 @@ void ClearAnnouncements::note_change(AnnouncementRefresh& reading) {
   call_at(reading.due());
 }
 
-// The participant sends the keys of an endpoint only once, as long as nothing ends for it.
+// The keys are kept, because the participant sends those of an endpoint only once, as long as
+// nothing ends for it.
 bool ClearAnnouncements::remove(RemoteParticipant& remote, const EntityId& endpoint, bool secure) {
   bool may_return = false;
   if (remote.endpoints.contains(endpoint) && is_doubtful(remote, endpoint, secure)) {
@@ -117,7 +118,8 @@ bool ClearAnnouncements::has_keys(const Guid& endpoint) const {
          });
 }
 
-// A participant that has the keys of one of ours does not send its own ones again without need.
+// A participant that has the keys of one of our endpoints does not send its own ones again by
+// itself, so they are requested.
 void ClearAnnouncements::look_for_keys(RemoteParticipant& remote) {
   auto& reading = remote.announcement_refresh;
   auto& without = reading.without_keys();

@@ -1,4 +1,4 @@
-// What limits the harm of endpoint announcements that anyone can have sent.
+// Limits the harm of endpoint announcements that anyone can have sent.
 #pragma once
 
 #include "rtps/participant/builtin_matcher.hpp"
@@ -18,18 +18,20 @@ class ClearAnnouncements final : private Timed {
   ClearAnnouncements(const ClearAnnouncements&) = delete;
   ClearAnnouncements& operator=(const ClearAnnouncements&) = delete;
 
-  /// The participant was accepted. If anyone can send announcements in its name, both sides compare
-  /// from time to time what is announced.
+  /// Begins with a participant that was accepted. If anyone can send announcements in its name,
+  /// both sides compare from time to time what is announced.
   void begin(RemoteParticipant& remote);
 
   /// Removes the unprotected announcement of an endpoint that is announced securely. Any host may
   /// have sent it.
   void give_way_to(RemoteParticipant& remote, const EndpointData& secure);
-  /// The participant's endpoint is announced. If anyone can have said so and it changes what is
-  /// known, the participant's announcements are read again later (AnnouncementRefresh). Returns
-  /// false if it changes nothing, or not before that.
+  /// Notes that the participant's endpoint is announced. If anyone can have announced it and it
+  /// changes what is known, the participant's announcements are read again later
+  /// (AnnouncementRefresh). Returns false if it changes nothing, or not before that.
   bool note_announced(RemoteParticipant& remote, const EndpointData& endpoint);
-  /// The endpoint is said to have ended, and is removed. The same; its keys are kept meanwhile.
+  /// Removes an endpoint that is said to have ended. If anyone can have said so, its keys are kept,
+  /// and the participant's announcements are read again later. Returns false if the endpoint is not
+  /// removed, or not before that.
   bool remove(RemoteParticipant& remote, const EntityId& endpoint, bool secure);
 
  private:
@@ -37,16 +39,16 @@ class ClearAnnouncements final : private Timed {
   bool is_doubtful(const RemoteParticipant& remote, const EntityId& endpoint, bool secure) const;
   void note_change(AnnouncementRefresh& reading);
   void note_contradiction(const GuidPrefix& participant);
-  /// The local endpoints of the other kind.
+  /// Returns the local endpoints of the other kind.
   std::vector<EntityId> counterparts(const EntityId& endpoint) const;
-  /// True if keys that the endpoint sent for a local one are there.
+  /// True if there are keys that the endpoint sent for a local one.
   bool has_keys(const Guid& endpoint) const;
-  /// The answer to a reading must have arrived by now.
+  /// Ends a reading whose answer must have arrived by now.
   void on_refreshed(RemoteParticipant& remote);
   /// Requests the keys of endpoints that came back after their keys were given up. Raises an event
   /// if they do not arrive.
   void look_for_keys(RemoteParticipant& remote);
-  /// Returns true if they were missing. `again`: they were requested before.
+  /// Returns true if they were missing. `again` is true if they were requested before.
   bool request_keys(const Guid& endpoint, bool again);
 
   ParticipantCore& core_;

@@ -33,7 +33,7 @@ void leave_out_loopback(const ParticipantCore& core, LocatorList& announced) {
     std::erase_if(announced, [](const Locator& locator) { return locator.is_loopback(); });
 }
 
-// The addresses that this participant can use; `fallback` if none was announced.
+// Returns the addresses that this participant can use, or `fallback` if none was announced.
 LocatorList usable(const ParticipantCore& core, LocatorList announced,
                    const LocatorList& fallback = {}) {
   leave_out_loopback(core, announced);
@@ -92,7 +92,7 @@ void raise_unreadable(ParticipantCore& core, const Error& error, const GuidPrefi
              core.origin_of_announcement(some, is_secure(topic)));
 }
 
-// Another host of the participant is proven, so that other addresses may be used.
+// Uses other addresses if necessary, because another host of the participant is proven.
 void readdress(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& builtin,
                RemoteParticipant& remote) {
   if (has_proven_address(core, remote)) core.sender.amplification_limit().end(remote.prefix());
@@ -106,7 +106,7 @@ void unmatch(EndpointMatcher& matcher, BuiltinMatcher& builtin, RemoteParticipan
   builtin.unmatch(remote);
 }
 
-// What a participant announces under its keys counts as what it signed in a handshake.
+// Data that a participant announces under its keys counts like data that it signed in a handshake.
 void follow(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& builtin,
             RemoteParticipant& remote, ParticipantData announced) {
   auto& metatraffic = announced.metatraffic_unicast;
@@ -310,7 +310,7 @@ void Discovery::remove(const GuidPrefix& prefix) {
   if (remote == nullptr) return;
   unmatch(parts_.matcher, builtin_, *remote);
   const auto reset = core_.security ? core_.security->lost(prefix) : std::nullopt;
-  // Not if the application ignores it: its host would begin all its sessions with us anew.
+  // An ignored participant gets none: its host would begin all its sessions with us anew.
   if (reset && !core_.ignored.contains(prefix))
     core_.sender.send_alone(*reset, remote->metatraffic);
   core_.sender.flush_now();  // before the limit is lifted, because waiting messages count for it
@@ -336,7 +336,7 @@ void Discovery::on_builtin(BuiltinTopic topic, const Change& change) {
 }
 
 // A participant may announce only its own endpoints. An unprotected message cannot change what was
-// announced securely, but makes our writers ask a reader that it says has ended. A secure
+// announced securely, but makes our writers query a reader that it reports as ended. A secure
 // announcement replaces what an attacker may have announced before.
 void Discovery::on_endpoint(BuiltinTopic topic, const Change& change) {
   const bool secure = is_secure(topic);
@@ -430,7 +430,7 @@ void Discovery::on_builtin_heartbeat(const Guid& writer) {
   if (core_.security) note_heard(parts_.remotes, builtin_, writer);
 }
 
-// It may have been unregistered because too many waited for keys.
+// The pair may have been unregistered because too many pairs waited for keys.
 void Discovery::on_early_keys(const EntityId& local, const Guid& remote) {
   note_heard(parts_.remotes, builtin_, remote);
   if (!is_builtin(local) && core_.security->keyring().keys_for(local, remote).may_be_dropped)

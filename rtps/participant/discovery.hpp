@@ -28,8 +28,9 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_builtin(BuiltinTopic topic, const Change& change);
   /// Removes a participant, as if it had never been found.
   void remove(const GuidPrefix& prefix);
-  /// The addresses of this machine have changed, so that other addresses of the participants may be
-  /// nearest. `all`: none of them can reach this participant any more, so they are removed.
+  /// Chooses addresses again, because those of this machine have changed and other addresses of the
+  /// participants may be nearest. With `all`, removes the participants, because none of them can
+  /// reach this one any more.
   void on_addresses_changed(bool all);
   /// Removes participants that left, when none of their data is being processed any more.
   void remove_gone();
@@ -58,13 +59,13 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_ended(const GuidPrefix& peer) override { gone_.push_back(peer); }
 
  private:
-  /// `octets`: size of the announcement.
+  /// Adds a participant. `octets` is the size of its announcement.
   void add(ParticipantData data, std::size_t octets);
   void on_announced_again(RemoteParticipant& remote, ParticipantData data, std::size_t octets);
   void on_dispose(const GuidPrefix& prefix);
   bool make_room(std::size_t octets);
-  /// The participant authenticated, or is admitted without authentication. From now on its builtin
-  /// endpoints may match.
+  /// Accepts a participant that authenticated, or is admitted without authentication. From now on
+  /// its builtin endpoints may match.
   void accept(RemoteParticipant& remote);
   void on_endpoint(BuiltinTopic topic, const Change& change);
   void on_secure_participant(const Change& change);

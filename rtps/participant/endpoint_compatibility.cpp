@@ -8,7 +8,8 @@
 namespace ddssec::rtps {
 namespace {
 
-// Names the reader's policy, because it is the reason. XTypes calls this an inconsistent topic.
+// The refusal names the reader's policy, because it is the reason. XTypes calls this an
+// inconsistent topic.
 std::optional<QosMismatch> refusal(const TypeJudgement& types, const EndpointData& writer,
                                    const EndpointData& reader) {
   return QosMismatch{

@@ -22,7 +22,8 @@ class EndpointListener {
   virtual void on_matched(const EndpointData& remote) = 0;
   virtual void on_unmatched(const Guid& remote) = 0;
   virtual void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) = 0;
-  /// The remote endpoint has the same topic name but another type, or only one side has keys.
+  /// Called if the remote endpoint has the same topic name but another type, or if only one side
+  /// has keys.
   virtual void on_inconsistent_topic(const EndpointData& remote) = 0;
   /// Readers only: takes the change or refuses it for now (see StatefulReader::Deliver).
   virtual bool on_change(Change&) { return true; }
@@ -42,11 +43,11 @@ class EndpointListener {
   virtual void on_group(const Guid&, SequenceNumber) {}
   /// Writers only: there may be room again.
   virtual void on_acknowledged() {}
-  /// The payloads and the keys in them are encrypted (DDS-Security 1.2, clause 7.4.4). Called
+  /// Called if the payloads and the keys in them are encrypted (DDS-Security 1.2, clause 7.4.4),
   /// before any other notification.
   virtual void on_key_protected() {}
-  /// The payloads are protected, so their contents are proven, but the key hash next to them is
-  /// not. Called before any other notification.
+  /// Called if the payloads are protected, so that their contents are proven, but the key hash next
+  /// to them is not. Called before any other notification.
   virtual void on_payload_protected() {}
   /// Writers only: returns the filter for the samples that are sent to a matching reader, or
   /// nullptr if it has none. Called before on_matched, and again whenever the reader announces

@@ -12,7 +12,8 @@ namespace ddssec::rtps {
 class EndpointLookup {
  public:
   virtual ~EndpointLookup() = default;
-  /// The local readers that this remote writer may have matched. Valid until endpoints change.
+  /// Returns the local readers that this remote writer may have matched. Valid until endpoints
+  /// change.
   virtual std::span<StatefulReader* const> readers_of(const Guid& writer) = 0;
   /// Returns the local writer with this id, for a reader of that participant, or nullptr if there
   /// is none.
@@ -36,21 +37,22 @@ struct SignsOfLife {
 class MessageListener {
  public:
   virtual ~MessageListener() = default;
-  /// A DATA of the SPDP writer (RTPS 8.5.3). Errors: those of reading it.
+  /// Receives a DATA of the SPDP writer (RTPS 8.5.3). Errors: those of reading it.
   virtual Status on_announcement(const GuidPrefix& source, const Data& data) = 0;
-  /// A message to the stateless endpoint, before authentication (DDS-Security 1.2, clause 7.5.3).
-  /// It is not proven.
+  /// Receives a message to the stateless endpoint, before authentication (DDS-Security 1.2,
+  /// clause 7.5.3). It is not proven.
   virtual void on_stateless(const GuidPrefix& source, BytesView payload) = 0;
   virtual void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) = 0;
-  /// A HEARTBEAT of a builtin writer, whether it matched a local reader or not.
+  /// Receives a HEARTBEAT of a builtin writer, whether it matched a local reader or not.
   virtual void on_builtin_heartbeat(const Guid& writer) = 0;
-  /// A writer that matched a local reader asserted its liveliness, by a sample or by a HEARTBEAT
-  /// with the liveliness flag.
+  /// Called when a writer that matched a local reader asserted its liveliness, by a sample or by a
+  /// HEARTBEAT with the liveliness flag.
   virtual void on_alive(const Guid& writer) = 0;
-  /// An ACKNACK of a reader of `source`, for a local writer that it matched. `is_protected` means
-  /// that keys of `source` protect it.
+  /// Receives an ACKNACK of a reader of `source`, for a local writer that it matched.
+  /// `is_protected` means that keys of `source` protect it.
   virtual void on_acknack(const GuidPrefix& source, const AckNack& acknack, bool is_protected) = 0;
-  /// A submessage that only the peer can have protected arrived on the volatile secure channel.
+  /// Called when a submessage that only the peer can have protected arrived on the volatile secure
+  /// channel.
   virtual void on_key_exchange(const GuidPrefix& source) = 0;
   /// Called after the last submessage of each source.
   virtual void on_message(const GuidPrefix& source, const SignsOfLife& signs) = 0;

@@ -20,8 +20,8 @@ bool contains(const auto& list, const auto& value) {
   return std::ranges::find(list, value) != list.end();
 }
 
-// Access control is checked first, so that a participant that may not use the topic cannot change
-// a local status. Empty: they do not match.
+// Access control is checked first, so that a participant that may not use the topic cannot change a
+// local status. Returns nothing if the two do not match.
 std::optional<Admission::Permission> judge(ParticipantCore& core, const EndpointData& local,
                                            EndpointListener& listener, const EndpointData& remote) {
   const bool is_secured = core.security && remote.guid.prefix != core.config.prefix;
@@ -43,7 +43,7 @@ AfterMatch after_match(bool may_return) {
   return may_return ? AfterMatch::may_return : AfterMatch::gone;
 }
 
-// The pair may have been registered while there was a place.
+// Suspends the pair if it is registered, because there was a place for it once.
 void suspend_pair(ParticipantCore& core, const EntityId& local, const Guid& remote) {
   if (core.security)
     core.security->keyring().unregister_pair(local, remote, AfterMatch::may_return);
@@ -194,7 +194,7 @@ bool EndpointMatcher::match_all(RemoteParticipant& remote) {
   const auto match_again = [&](auto& local, const EndpointData& data) {
     const auto& own = local.data.guid.entity;
     if (is_writer(own) == is_writer(data.guid.entity)) return;
-    // One that withholds its own keys has ours, though it is not matched.
+    // An endpoint that withholds its own keys has ours, although it is not matched.
     auto& keyring = core_.security->keyring();
     const bool is_matched = local.matched.contains(data.guid);
     if (is_matched || keyring.is_pair_registered(own, data.guid)) {

@@ -8,8 +8,8 @@
 
 namespace ddssec::rtps {
 
-/// Endpoints are in its index from `add` to `remove`. Two endpoints match if they have the same
-/// topic, are compatible, neither is ignored, and security permits it.
+/// Keeps an index of the endpoints from `add` to `remove`. Two endpoints match if they have the
+/// same topic, are compatible, neither is ignored, and security permits it.
 class EndpointMatcher {
  public:
   EndpointMatcher(ParticipantCore& core, LocalEndpoints& local, RemoteParticipants& remotes);
@@ -30,15 +30,16 @@ class EndpointMatcher {
   // Remote endpoints:
   /// Stores what was announced, if there is room, and matches it.
   void add(RemoteParticipant& remote, EndpointData data);
-  /// `may_return`: the keys that its participant has sent for it are kept.
+  /// Removes the endpoint. With `may_return`, the keys that its participant has sent for it are
+  /// kept.
   void remove(RemoteParticipant& remote, const EntityId& id, bool may_return = false);
-  /// Something that proves nothing says that the endpoint has ended. Counts only for readers
-  /// (ReaderPresence).
+  /// Called if something that proves nothing says that the endpoint has ended. Counts only for
+  /// readers (ReaderPresence).
   void check_end(RemoteParticipant& remote, const EntityId& id);
   /// Matches all its endpoints again, after permissions changed. Returns true if any no longer
   /// match.
   bool match_all(RemoteParticipant& remote);
-  /// The addresses that are used for the participant may have changed.
+  /// Must be called when the addresses that are used for the participant may have changed.
   void readdress(RemoteParticipant& remote);
   /// Removes all endpoints of the participant.
   void remove_all(RemoteParticipant& remote);
@@ -71,7 +72,7 @@ class EndpointMatcher {
   void match_own(LocalWriter& writer, LocalReader& reader);
   template <class Local>
   void match_remotes(Local& local);
-  /// `stays`: the remote endpoint still exists, and may match again.
+  /// `stays` is true if the remote endpoint still exists, and may match again.
   void forget(LocalWriter& writer, const Guid& remote, bool stays = false);
   void forget(LocalReader& reader, const Guid& remote, bool stays = false);
   /// Called before a local endpoint is removed: `others` on its topic no longer match it.

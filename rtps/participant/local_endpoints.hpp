@@ -19,8 +19,8 @@ struct LocalWriter {
   std::unique_ptr<StatefulWriter> protocol;
   MatchTable matched = {};
   std::set<Guid> unready = {};  ///< matched, but not yet reported to the owner (ReadinessQueue)
-  /// Not matched any more because they stayed silent (ReaderEndChecks), with their answers until
-  /// then. They match again when they are heard.
+  /// Readers that are not matched any more because they stayed silent (ReaderEndChecks), with their
+  /// answers until then. They match again when they are heard.
   std::map<Guid, RecentMessages<AckNack>> silent = {};
   WaitingMatches waiting = {};
 };
@@ -60,7 +60,7 @@ class LocalEndpoints final : public ProcessPeer {
   std::map<EntityId, LocalWriter>& writers() { return writers_; }
   std::map<EntityId, LocalReader>& readers() { return readers_; }
   BuiltinEndpoints& builtin() { return builtin_; }
-  /// The remote endpoints that match a local one.
+  /// Returns the remote endpoints that match a local one.
   std::vector<Guid> matched(const Guid& endpoint) const;
 
   // ProcessPeer:

@@ -191,7 +191,7 @@ bool MessageReceiver::is_marked(const EntityId& reader, const Guid& writer,
          endpoints_.marks_ends(writer.prefix);
 }
 
-// The end of a coherent set has no payload, and is no more than a GAP could report.
+// The end of a coherent set has no payload. It counts, because it reports no more than a GAP could.
 bool MessageReceiver::is_refused(const EntityId& reader, const Guid& writer, const Data& plain,
                                  const Context& context) {
   const auto& status = plain.inline_qos.status;

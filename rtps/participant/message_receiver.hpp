@@ -90,9 +90,9 @@ class MessageReceiver {
                   const Context& context);
   /// True if only the payload is proven, and says by its mark whether it ends an instance.
   bool is_marked(const EntityId& reader, const Guid& writer, const Context& context);
-  /// The time at which a sample with this inline QoS was written.
+  /// Returns the time at which a sample with this inline QoS was written.
   std::optional<Time> source_time(const Context& context, const InlineQos& inline_qos) const;
-  /// The payload without its protection; empty if it cannot be opened.
+  /// Returns the payload without its protection; empty if it cannot be opened.
   std::optional<BytesView> opened(const StatefulReader& reader, const Guid& writer,
                                   BytesView payload, const ReceivedProtection& opened_by);
   /// Does the same for a payload from shared memory.

@@ -53,15 +53,16 @@ struct ParticipantCore {
   bool is_authenticated(const GuidPrefix& peer) const {
     return security && security->is_authenticated(peer);
   }
-  /// The identity whose share of a limit a participant uses. For an authenticated participant, the
-  /// first half of the prefix is bound to the subject of its certificate (DDS-Security 1.2, clause
-  /// 10.3.3). The participant may choose the rest, so the rest is ignored.
+  /// Returns the identity whose share of a limit a participant uses. For an authenticated
+  /// participant, the first half of the prefix is bound to the subject of its certificate
+  /// (DDS-Security 1.2, clause 10.3.3). The participant may choose the rest, so the rest is
+  /// ignored.
   GuidPrefix identity_of(const GuidPrefix& peer) const {
     auto out = peer;
     if (is_authenticated(peer)) std::ranges::fill(std::span(out.octets).subspan(6), 0);
     return out;
   }
-  /// The address without its port. All addresses of this machine are one host.
+  /// Returns the address without its port. All addresses of this machine are one host.
   Locator host_of(const Locator& address) const;
   /// Returns the digest of the keys (see Keyring); empty without security.
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const {
@@ -96,7 +97,7 @@ struct ParticipantCore {
     return origin_of_announcement(announced.guid, announced.by_secure_discovery) ==
            EventOrigin::its_keys;
   }
-  /// The governance's attributes of the domain. Without security, nothing is protected.
+  /// Returns the governance's attributes of the domain. Without security, nothing is protected.
   const spi::ParticipantSecurityAttributes& attributes() const {
     static const spi::ParticipantSecurityAttributes kNone;
     return security ? security->own().attributes() : kNone;
@@ -110,7 +111,8 @@ struct ParticipantCore {
   IgnoredEntities ignored;
   MonotonicTime now{};             ///< time of the current call
   SourceAddress source{};          ///< source of the datagram that is being received
-  LocatorList own_addresses{};     ///< of this machine, when a peer last authenticated; no ports
+  LocatorList own_addresses{};     ///< addresses of this machine when a peer last authenticated,
+                                   ///< without ports
   Locator source_host{};           ///< host_of(source); invalid while no datagram is received
   bool is_from_elsewhere = false;  ///< true if the datagram came from another machine's address
   std::unique_ptr<Security> security;  ///< nullptr without security

@@ -1,4 +1,4 @@
-// Remote readers that are said to have ended, but by a message that proves nothing.
+// Checks remote readers that have ended according to a message that proves nothing.
 #pragma once
 
 #include <map>
@@ -19,7 +19,8 @@ namespace ddssec::rtps {
 class ReaderEndChecks {
  public:
   static constexpr MonotonicTime kAnswerTimeout = std::chrono::seconds(4);
-  /// How often it is asked: until it counts as ended, and at least afterwards.
+  /// The pause between two queries of a reader until it counts as ended, and the longest one
+  /// afterwards.
   static constexpr MonotonicTime kInterval = std::chrono::seconds(1);
   static constexpr MonotonicTime kMaxInterval = std::chrono::seconds(32);
 
@@ -30,16 +31,16 @@ class ReaderEndChecks {
   class Host {
    public:
     virtual ~Host() = default;
-    /// How often the reader has answered. Empty: it neither matches nor counts as ended.
+    /// Returns how often the reader has answered. Empty if it neither matches nor counts as ended.
     virtual std::optional<std::uint64_t> answers(const Pair& pair) = 0;
     virtual void request_sign_of_life(const Pair& pair) = 0;
-    /// From now on the reader counts as ended.
+    /// Called when the reader counts as ended from now on.
     virtual void on_no_answer(const Pair& pair) = 0;
   };
   /// `host` must outlive this object.
   explicit ReaderEndChecks(Host& host) : host_(host) {}
 
-  /// From now on the reader is doubted. It is asked in the next `tick`.
+  /// Begins to doubt the reader. It is asked in the next `tick`.
   void add(const Pair& pair, MonotonicTime now);
   /// Asks all readers for which that is due, and reports those that stayed silent.
   void tick(MonotonicTime now);
@@ -47,9 +48,9 @@ class ReaderEndChecks {
 
  private:
   struct PendingCheck {
-    std::uint64_t answers;  ///< before
+    std::uint64_t answers;  ///< the number of answers before
     MonotonicTime due;      ///< when it is asked next
-    MonotonicTime end;      ///< of kAnswerTimeout
+    MonotonicTime end;      ///< the end of kAnswerTimeout
     MonotonicTime interval = kInterval;
     bool is_answered = false, has_ended = false;
   };

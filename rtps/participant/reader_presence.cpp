@@ -76,7 +76,7 @@ void ReaderPresence::request_sign_of_life(const ReaderEndChecks::Pair& pair) {
   writer->protocol->ask(pair.reader, addresses_of(core_, *remote, *data));
 }
 
-// It keeps its keys, so that its answer can be read.
+// The keys of the reader are kept, so that its answer can be read.
 void ReaderPresence::on_no_answer(const ReaderEndChecks::Pair& pair) {
   auto* writer = local_.find_writer(pair.writer.entity);
   const auto* data = remotes_.endpoint(pair.reader);

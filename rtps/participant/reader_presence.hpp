@@ -1,4 +1,5 @@
-// Whether the remote readers that match are there: not ready yet, or said to have ended.
+// Tracks whether the remote readers that match are present: they may not be ready yet, or be said
+// to have ended.
 #pragma once
 
 #include <functional>
@@ -9,10 +10,11 @@
 
 namespace ddssec::rtps {
 
-/// EndpointMatcher reports each match of a writer and its end, and Discovery what it hears.
+/// EndpointMatcher reports each match of a writer and its end to this class, and Discovery reports
+/// the messages that it hears.
 class ReaderPresence final : private ReaderEndChecks::Host {
  public:
-  /// `match_again`: called when a reader that counted as ended is heard.
+  /// `match_again` is called when a reader that counted as ended is heard.
   ReaderPresence(ParticipantCore& core, LocalEndpoints& local, RemoteParticipants& remotes,
                  MatchPlaces& places,
                  std::function<void(const EntityId& writer, const Guid& reader)> match_again)
@@ -22,14 +24,15 @@ class ReaderPresence final : private ReaderEndChecks::Host {
         places_(places),
         match_again_(std::move(match_again)) {}
 
-  /// The reader matches from now on. Returns true if that is not yet to be reported to the writer's
-  /// owner (ReadinessQueue).
+  /// Notes that the reader matches from now on. Returns true if that is not yet to be reported to
+  /// the writer's owner (ReadinessQueue).
   bool awaits(LocalWriter& writer, const EndpointData& reader);
-  /// The reader does not match any more.
+  /// Notes that the reader does not match any more.
   void forget(LocalWriter& writer, const Guid& reader);
-  /// Something that proves nothing says that the reader has ended (ReaderEndChecks).
+  /// Called if something that proves nothing says that the reader has ended (ReaderEndChecks).
   void check_end(LocalWriter& writer, const Guid& reader);
-  /// A reader of `source` sent an ACKNACK to the local writer. `is_protected`: by keys of `source`.
+  /// Notes that a reader of `source` sent an ACKNACK to the local writer. `is_protected` means that
+  /// keys of `source` protect it.
   void note_heard(LocalWriter& writer, const GuidPrefix& source, const AckNack& acknack,
                   bool is_protected);
 

@@ -26,7 +26,7 @@ LocatorList only_proven(const ParticipantCore& core, const RemoteParticipant& re
   return out;
 }
 
-// The participant's ports at the hosts from which it was heard. They are needed because a
+// Returns the participant's ports at the hosts from which it was heard. They are needed because a
 // participant behind a router, or with a second address that it never sends from, signs none of
 // these addresses.
 LocatorList at_hosts(const RemoteParticipant& remote, const LocatorList& announced) {
@@ -40,14 +40,14 @@ LocatorList at_hosts(const RemoteParticipant& remote, const LocatorList& announc
   return out;
 }
 
-// The addresses at proven hosts, or, if there are none, the same ports at these hosts.
+// Returns the addresses at proven hosts. If there are none, returns the same ports at these hosts.
 LocatorList proven_of(const ParticipantCore& core, const RemoteParticipant& remote,
                       const LocatorList& announced) {
   auto out = only_proven(core, remote, announced);
   return out.empty() ? at_hosts(remote, announced) : out;
 }
 
-// The host of all addresses to which anything was sent; invalid if it was not one host.
+// Returns the host of all addresses to which anything was sent; invalid if it was not one host.
 Locator only_host(const ParticipantCore& core, const RemoteParticipant& remote) {
   const auto& addresses = remote.metatraffic;
   if (addresses.empty() || remote.has_displaced_addresses) return {};
@@ -82,7 +82,7 @@ std::string text_of(const LocatorList& locators) {
   return out.empty() ? "none" : out;
 }
 
-// The text shows the hosts without their ports.
+// Returns the hosts as text, without their ports.
 std::string text_of_hosts(const ParticipantCore& core, const RemoteParticipant& remote) {
   std::string out;
   for (const auto& host : has_signed(remote) ? remote.hosts.all() : remote.metatraffic) {
@@ -129,7 +129,7 @@ bool is_own(const RemoteParticipant& remote, const Locator& address) {
          has(remote.signed_metatraffic);
 }
 
-// The addresses that the endpoint may use, although anyone can have announced it.
+// Returns the addresses that the endpoint may use, although anyone can have announced it.
 LocatorList within_limit(ParticipantCore& core, RemoteParticipant& remote,
                          const EndpointData& endpoint, const LocatorList& addresses) {
   LocatorList out;

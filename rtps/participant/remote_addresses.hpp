@@ -28,7 +28,7 @@ bool exchange_hosts(const ParticipantCore& core, RemoteParticipant& remote);
 /// Returns true if the choice is different.
 bool choose_addresses_of(const ParticipantCore& core, RemoteParticipant& remote);
 
-/// False if the participant signed its addresses and none of them is proven.
+/// True unless the participant signed its addresses and none of them is proven.
 bool has_proven_address(const ParticipantCore& core, const RemoteParticipant& remote);
 
 /// Returns the addresses that are used for an endpoint: its own ones at hosts of its participant,

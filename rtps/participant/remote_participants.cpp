@@ -13,7 +13,7 @@ std::size_t price_of(const EndpointData& data) {
   return RemoteParticipants::kPricePerEndpoint + octets_of(data);
 }
 
-// The endpoint does not count any more as it is stored.
+// Takes the endpoint out of the shares in which it counts as it is stored.
 void discount(std::array<AnnouncedShares, 2>& all, RemoteParticipant& remote,
               const RemoteEndpoint& endpoint) {
   const AnnouncedShares::Amount less{endpoint.price, 1};
@@ -29,7 +29,7 @@ MonotonicTime lease_of(const ParticipantCore& core, const ParticipantData& data)
                        : announced;
 }
 
-// Of a participant that is heard now.
+// Returns the end of the lease of a participant that is heard now.
 MonotonicTime lease_end(const ParticipantCore& core, const ParticipantData& data) {
   const auto lease = lease_of(core, data);
   return lease == kNever ? kNever : core.now + lease;

@@ -1,4 +1,4 @@
-// What is known of remote participants and their endpoints, and the limits on it.
+// The known remote participants and their endpoints, and the limits for them.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct RemoteEndpoint {
   EndpointData data;
   std::vector<StatefulReader*> readers = {};  ///< the local readers that this writer matched
   std::size_t price = 0;
-  bool is_proven = false;  ///< it counts for what its participant alone can have announced
+  bool is_proven = false;  ///< true if only its participant can have announced it
 };
 
 struct RemoteParticipant {
@@ -34,41 +34,43 @@ struct RemoteParticipant {
   MonotonicTime next_question = kNever;  ///< when it is next queried whether it is alive
   MonotonicTime doubted_until{};
   std::map<EntityId, RemoteEndpoint> endpoints = {};
-  /// For its matched writers with a finite lease, of kind AUTOMATIC and MANUAL_BY_PARTICIPANT.
+  /// The signals for its matched writers with a finite lease, of kind AUTOMATIC and
+  /// MANUAL_BY_PARTICIPANT.
   std::array<std::shared_ptr<LivelinessSignal>, 2> signals = {};
-  /// For its MANUAL_BY_TOPIC writers with a finite lease: the listeners of the local readers.
+  /// The listeners of the local readers of its MANUAL_BY_TOPIC writers with a finite lease.
   std::map<EntityId, std::vector<EndpointListener*>> watches = {};
   bool accepted = false;              ///< authenticated, or admitted without authentication
   bool has_signed_addresses = false;  ///< its addresses come from its latest handshake
-  /// After a handshake: the addresses that it has there, and those of its hosts that are proven.
+  /// The addresses that it has after a handshake, and its hosts that are proven.
   LocatorList signed_metatraffic = {}, signed_user = {};
   ProvenHosts hosts = {};
   ProvenHosts doubted_hosts = {};        ///< see exchange_hosts
   bool has_displaced_addresses = false;  ///< messages also went to addresses that are not known now
   bool heard_participants_secure = false;
   bool marks_ends = false;  ///< it signed kMarksEndsProperty
-  /// Its endpoints and their prices: that anyone can have announced, and that are proven.
+  /// Its endpoints and their prices: those that anyone can have announced, then those that are
+  /// proven.
   std::array<AnnouncedShares::Amount, 2> announced = {};
   GuidPrefix account = {};  ///< the identity that its endpoints count for
-  /// It announced more than the limit, and the event was raised. The same order.
+  /// True if it announced more than the limit, and the event was raised. In the same order.
   std::array<bool, 2> exceeds = {};
   /// The sources that announced these locators.
   std::vector<SourceAddress> metatraffic_sources = {}, user_sources = {};
   SourceAddress source = {};                 ///< the source that announced the participant first
   std::optional<std::size_t> unproven = {};  ///< octets it counts for while nothing is proven
-  /// It exceeded the limit of matches with one endpoint, and the event was raised.
+  /// True if it exceeded the limit of matches with one endpoint, and the event was raised.
   bool exceeds_matches = false;
-  /// It announced an endpoint at hosts that are not proven, and the event was raised.
+  /// True if it announced an endpoint at hosts that are not proven, and the event was raised.
   bool has_unproven_endpoints = false;
   AnnouncementRefresh announcement_refresh = {};
   MonotonicTime next_offer = kNever;  ///< when our plain announcements are next offered to it
-  /// What its clear announcements add to its own addresses.
+  /// The addresses that its clear announcements add to its own ones.
   ClearAddresses clear_addresses = {};
-  /// They would have added more, and the event was raised.
+  /// True if these would have been more than the limit, and the event was raised.
   bool exceeds_addresses = false;
 
   const GuidPrefix& prefix() const { return data.guid.prefix; }
-  /// nullptr: none of its writers of this kind with a finite lease is matched. Not for
+  /// Returns nullptr if none of its writers of this kind with a finite lease is matched. Not for
   /// MANUAL_BY_TOPIC.
   std::shared_ptr<LivelinessSignal>& signal(LivelinessKind kind) {
     return signals[kind == LivelinessKind::automatic ? 0 : 1];
@@ -90,14 +92,14 @@ class RemoteParticipants {
   static constexpr std::size_t kMaxEndpointsPerParticipant = 16384;
   /// Limit for all participants together. One identity gets no more than is free.
   static constexpr std::size_t kMaxEndpoints = 65536;
-  /// Limits for the memory of announcements, including a fixed price for each endpoint; the same.
+  /// The same limits for the memory of announcements, including a fixed price for each endpoint.
   static constexpr std::size_t kMaxEndpointOctetsPerParticipant = std::size_t{64} << 20;
   static constexpr std::size_t kMaxEndpointOctets = std::size_t{256} << 20;
   static constexpr std::size_t kPricePerEndpoint = 1024;
-  /// This much of each participant is kept whatever the others announce.
+  /// The octets of each participant that are kept whatever the others announce.
   static constexpr std::size_t kEndpointOctetsOfEach = std::size_t{256} << 10;
-  /// A secured participant gives no longer lease, whatever is announced: a peer that is alive
-  /// answers the queries, and one that is gone does not stay for good.
+  /// The longest lease that a secured participant gives, whatever is announced: a peer that is
+  /// alive answers the queries, and one that is gone does not stay for good.
   static constexpr MonotonicTime kMaxLease = std::chrono::minutes(5);
   /// The shortest lease of a peer that is authenticating, whatever is announced in its name.
   static constexpr MonotonicTime kMinLease = std::chrono::seconds(10);
@@ -112,7 +114,8 @@ class RemoteParticipants {
   static constexpr MonotonicTime kDoubtInterval = std::chrono::milliseconds(500);
   /// The shortest time between two queries of a peer, however short a lease is announced.
   static constexpr MonotonicTime kMinPause = std::chrono::milliseconds(100);
-  /// How often a participant that is not queried is looked at: it may have authenticated.
+  /// The pause before a participant that is not queried is checked again: it may have
+  /// authenticated.
   static constexpr MonotonicTime kPauseOfUnproven = std::chrono::seconds(1);
 
   explicit RemoteParticipants(ParticipantCore& core);
@@ -123,46 +126,48 @@ class RemoteParticipants {
   const std::map<GuidPrefix, RemoteParticipant>& all() const { return remotes_; }
   /// Returns nullptr if the participant is not known.
   RemoteParticipant* find(const GuidPrefix& prefix);
-  /// The local participant, as the remote side of its own endpoints.
+  /// Returns the local participant, as the remote side of its own endpoints.
   RemoteParticipant& self() { return self_; }
   /// Also finds the local participant. Returns nullptr if the participant is not known.
   RemoteParticipant* find_or_self(const GuidPrefix& prefix);
   RemoteEndpoint* find_endpoint(const Guid& guid);
-  /// For checking which participants authenticated, and what they may do.
+  /// Returns the core, to check which participants authenticated, and what they may do.
   const ParticipantCore& core() const { return core_; }
 
   // Participants:
   /// Adds an unknown participant, from the source of the datagram that is being received. Its lease
-  /// begins now. `octets`: size of its announcement.
+  /// begins now. `octets` is the size of its announcement.
   RemoteParticipant& add(ParticipantData data, LocatorList metatraffic, LocatorList user,
                          std::size_t octets);
-  /// Its announcement has grown by this many octets. Returns false if there is no room for them.
+  /// Notes that its announcement has grown by this many octets. Returns false if there is no room
+  /// for them.
   bool grow(RemoteParticipant& remote, std::size_t octets);
-  /// Its endpoints must have been removed before.
+  /// Removes a participant. Its endpoints must have been removed before.
   void remove(const GuidPrefix& prefix);
   /// Returns the participant to remove when there is no room. Candidates are not authenticated and
   /// came from the source that holds the most. First choice: the one that announced itself longest
   /// ago and sent no handshake message. Second choice: the one that has been authenticating for the
   /// longest time. Empty: none is removed.
   std::optional<GuidPrefix> next_to_evict();
-  /// The participant authenticated, or is admitted without authentication. Reports it to the
-  /// DiscoveryListener.
+  /// Accepts a participant that authenticated, or is admitted without authentication. Reports it to
+  /// the DiscoveryListener.
   void accept(RemoteParticipant& remote);
-  /// Its announced data changed.
+  /// Reports that its announced data changed.
   void on_changed(const RemoteParticipant& remote);
 
   // Leases:
-  /// The participant was heard now; `data` contains its lease duration.
+  /// Notes that the participant was heard now; `data` contains its lease duration.
   void renew_lease(RemoteParticipant& remote, const ParticipantData& data);
-  /// An unprotected message says that the participant leaves. It is queried at once, and its lease
-  /// ends after kDoubt unless it is heard before. Until then, further such messages do nothing.
+  /// Handles an unprotected message that says that the participant leaves. The participant is
+  /// queried at once, and its lease ends after kDoubt unless it is heard before. Until then,
+  /// further such messages do nothing.
   void check_end(RemoteParticipant& remote);
-  /// The participants whose leases have ended.
+  /// Returns the participants whose leases have ended.
   std::vector<GuidPrefix> ended();
-  /// The authenticated participants that were silent for a third of their lease and must be
+  /// Returns the authenticated participants that were silent for a third of their lease and must be
   /// queried. Each is returned at kQuestionsPerLease per lease from then on.
   std::vector<GuidPrefix> to_ask();
-  /// No lease ends, and no query is due, before this time.
+  /// Returns a time before which no lease ends and no query is due.
   MonotonicTime next_end() const { return std::min(next_end_, next_question_); }
 
   /// Raises an event about what a remote endpoint sent to a local one.
@@ -173,24 +178,25 @@ class RemoteParticipants {
   /// once.
   bool has_room(RemoteParticipant& remote, const EndpointData& endpoint);
   RemoteEndpoint& store(RemoteParticipant& remote, EndpointData data);
-  /// It must not be matched any more.
+  /// Removes an endpoint. It must not be matched any more.
   void remove(RemoteParticipant& remote, const EntityId& id);
 
   // For the application:
-  /// Reports to `listener` what is already known and from now on; nullptr: stops reporting.
+  /// Reports to `listener` what is already known, and everything from now on. With nullptr, stops
+  /// reporting.
   void set_discovery_listener(DiscoveryListener* listener);
-  /// The participants that were accepted (see DiscoveryListener).
+  /// Returns the participants that were accepted (see DiscoveryListener).
   std::vector<ParticipantData> participants() const;
   std::vector<EndpointData> endpoints() const;
-  /// What a remote or local endpoint announced; nullptr if it is not known (any more). Local
-  /// endpoints are known only if they match another local endpoint.
+  /// Returns the announcement of a remote or local endpoint; nullptr if it is not known (any more).
+  /// Local endpoints are known only if they match another local endpoint.
   const EndpointData* endpoint(const Guid& guid) const;
 
  private:
-  /// The time after this share of the lease, or after kMinPause if that is later; kNever if the
-  /// lease does not end.
+  /// Returns the time after this share of the lease, or after kMinPause if that is later; kNever if
+  /// the lease does not end.
   MonotonicTime next_time(const ParticipantData& data, int share) const;
-  /// From now on the participant does not count as unproven.
+  /// Stops counting the participant as unproven.
   void discharge(RemoteParticipant& remote);
 
   ParticipantCore& core_;
@@ -198,7 +204,7 @@ class RemoteParticipants {
   RemoteParticipant self_;
   DiscoveryListener* discovery_ = nullptr;
   static constexpr AnnouncedShares::Amount kMaxAnnounced{kMaxEndpointOctets, kMaxEndpoints};
-  /// In the order of RemoteParticipant::announced.
+  /// Both are in the order of RemoteParticipant::announced.
   std::array<AnnouncedShares, 2> announced_{AnnouncedShares(kMaxAnnounced),
                                             AnnouncedShares(kMaxAnnounced)};
   UnprovenParticipants unproven_;  ///< only used by a secured participant

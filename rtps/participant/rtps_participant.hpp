@@ -9,7 +9,7 @@
 //   EndpointMatcher    matches user endpoints; BuiltinMatcher matches builtin ones
 //   LocalEndpoints     the local writers and readers, and their announcements
 //   RemoteParticipants what is known of remote participants, and the limits on it
-//   ParticipantCore    what all of them use
+//   ParticipantCore    is used by all of them
 //
 // Each part calls only those below it. MessageReceiver and Security call Discovery through
 // interfaces.
@@ -26,7 +26,7 @@ namespace ddssec::rtps {
 /// One participant of the protocol. Not thread-safe: the caller serializes calls.
 class RtpsParticipant {
  public:
-  /// Number of batches that are read before due work is done.
+  /// The number of batches that are read before due work is done.
   static constexpr unsigned kMaxBacklog = 16;
 
   /// `transport` and `events` are borrowed and must outlive the participant.

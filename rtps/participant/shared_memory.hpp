@@ -10,8 +10,8 @@ namespace ddssec::rtps {
 MemoryExchange* memory_of(const ParticipantCore& core);
 /// See MemoryExchange.
 void start_memory(const ParticipantCore& core);
-/// The descriptor is readable when `serve_memory` must be called. Empty if there is no shared
-/// memory.
+/// Returns a descriptor that is readable when `serve_memory` must be called. Empty if there is no
+/// shared memory.
 std::optional<int> memory_descriptor(const ParticipantCore& core);
 void serve_memory(const ParticipantCore& core, MonotonicTime now);
 

@@ -90,8 +90,8 @@ Status Admission::check_proven(const ParticipantData& proven) const {
   return check_domain(proven);
 }
 
-// An announcement may have been changed on its way; this data is signed. Other vendors do not
-// include the domain tag in it.
+// Checks the signed data, because an announcement may have been changed on its way. Other vendors
+// do not include the domain tag in this data, so their tag is not compared.
 Status Admission::check_domain(const ParticipantData& proven) const {
   const bool says_no_tag = proven.domain_tag.empty() && proven.vendor != kVendorDdssec;
   const auto& tag = says_no_tag ? proven.domain_tag : core_.own->domain_tag();
@@ -109,8 +109,8 @@ Status Admission::check_domain(const ParticipantData& proven) const {
   return std::unexpected(std::move(error));
 }
 
-// A vendor-specific bit has a meaning only for that vendor. Which local ciphers the peer supports,
-// cryptography learns from the handshake.
+// A vendor-specific bit has a meaning only for that vendor. Cryptography learns from the handshake
+// which local ciphers the peer supports.
 Status Admission::check_ciphers(VendorId vendor, spi::CipherMask required) const {
   auto supported = core_.own->ciphers().supported;
   if (vendor != kVendorDdssec) supported &= spi::kStandardCiphers;
@@ -142,7 +142,7 @@ Status Admission::check_own(const EntityId& id, const NewEndpoint& endpoint) {
              : plugin.check_create_datareader(permissions, core_.own->domain_id(), request);
 }
 
-// Matched endpoints stay as they are, unless the governance has changed; peers judge us by the
+// Endpoints that are matched stay matched, unless the governance has changed. Peers judge us by the
 // renewed permissions from their next handshake with us on.
 bool Admission::may_still(const EntityId& id) {
   const auto asked = own_.find(id);
@@ -225,8 +225,8 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
   return permission;
 }
 
-// Whether the remote endpoint may do the same when the document that waits is in force. Otherwise
-// it gets no keys of the protection that this document demands.
+// True if the remote endpoint may do the same once the waiting document is in force. Otherwise it
+// gets no keys for the protection that this document demands.
 bool Admission::permits_under_pending_governance(bool reads, const Permission& permission,
                                                  const Endpoint& remote) {
   auto& plugin = core_.own->plugins().access_control;
@@ -282,7 +282,8 @@ Status Admission::check_open(const spi::EndpointSecurityAttributes& attributes,
               {.expected = "an authenticated participant", .found = remote.guid.to_string()});
 }
 
-// While the governance changes, a peer that accepts both protections, as we do, announces either.
+// While the governance changes, a peer that accepts both protections, as we do, may announce either
+// of them.
 Status Admission::check_protection(const Local& local, const Endpoint& remote,
                                    const Peer& peer) const {
   const auto& attributes = local.attributes;

@@ -12,7 +12,7 @@
 
 namespace ddssec::rtps {
 
-/// Asks access control, and remembers what the local endpoints were created with.
+/// Asks access control, and remembers the parameters with which the local endpoints were created.
 class Admission {
  public:
   explicit Admission(SecurityCore& core) : core_(core) {}
@@ -23,14 +23,15 @@ class Admission {
   /// True if the participant announces that it can authenticate, with attributes that the local
   /// governance accepts.
   bool may_authenticate(const ParticipantData& data) const;
-  /// True if participants may join without authentication: only where nothing at all is protected.
+  /// True if participants may join without authentication: the governance allows it, and messages
+  /// are not protected.
   bool admits_unauthenticated() const;
   /// Checks the data that the participant signed in the way that `judge` checks announcements, and
   /// also its domain. Errors: rtps_key_revision_mismatch, rtps_security_info_mismatch,
   /// rtps_cipher_unsupported, rtps_domain_differs (which raises an event).
   Status check_proven(const ParticipantData& proven) const;
 
-  /// A remote endpoint. `is_secure`: it was announced by secure SEDP.
+  /// A remote endpoint. `is_secure` is true if secure SEDP announced it.
   struct Endpoint {
     Guid guid;
     std::string_view topic;
@@ -39,17 +40,17 @@ class Admission {
     spi::SecurityInfo info;
     bool is_secure = false;
     std::optional<spi::CipherMask> required_ciphers = {};
-    /// The endpoint as it was announced.
+    /// Returns the endpoint as it was announced.
     static Endpoint of(const EndpointData& announced);
   };
   struct Permission {
     bool is_relay_only = false;
   };
-  /// Returns whether the remote endpoint may match the local one. Empty: no, and an event reports
-  /// why.
+  /// Returns the permission of the remote endpoint to match the local one. Without it, returns
+  /// nothing, and an event reports the reason.
   std::optional<Permission> admit(const EntityId& local, const Endpoint& remote);
-  /// The same for a remote writer and a local reader that could be created for it. False: no, and
-  /// an event reports why.
+  /// True if the remote writer may match a local reader that could be created for it. If not, an
+  /// event reports the reason.
   bool may_write(const Endpoint& writer);
 
   struct NewEndpoint {
@@ -58,7 +59,7 @@ class Admission {
     const spi::PropertyList& data_tags;
     const spi::PropertyList& properties;
   };
-  /// What discovery announces of a local endpoint.
+  /// The security data with which discovery announces a local endpoint.
   struct Announced {
     std::optional<spi::SecurityInfo> info;
     std::optional<spi::CipherMask> required_ciphers;
@@ -70,33 +71,36 @@ class Admission {
   /// Success if our permissions allow the local endpoint in these partitions. Errors: those of
   /// access control.
   Status check_partitions(const EntityId& id, const std::vector<std::string>& partitions);
-  /// It is in these partitions from now on.
+  /// Notes that the endpoint is in these partitions from now on.
   void set_partitions(const EntityId& id, const std::vector<std::string>& partitions);
-  /// The local endpoints of the application and their topics.
+  /// Returns the local endpoints of the application and their topics.
   std::vector<std::pair<EntityId, std::string>> own_topics() const;
-  /// While the governance changes: gives the endpoint the protection of the other document, too, if
-  /// it has none yet and differs. Error: that of cryptography.
+  /// Gives the endpoint the protection of the other document too, while the governance changes.
+  /// Does nothing if the endpoint has a second protection already, or if the two are equal. Error:
+  /// that of cryptography.
   Status add_other_protection(const EntityId& id, std::string_view topic);
-  /// Called when local endpoints have another protection, which is to be announced.
+  /// Sets the function to call when the protection of local endpoints has changed and is to be
+  /// announced.
   void on_protection(std::function<void()> announce) { announce_ = std::move(announce); }
   void announce_protection() const {
     if (announce_) announce_();
   }
-  /// What discovery announces of a local endpoint now. Error: that of cryptography.
+  /// Returns the data with which discovery announces a local endpoint now. Error: that of
+  /// cryptography.
   Result<Announced> announced(const EntityId& id);
-  /// It is gone.
+  /// Forgets an endpoint that is gone.
   void forget_endpoint(const EntityId& id) { own_.erase(id); }
 
  private:
-  /// What an endpoint of ours asked for when it was made.
+  /// The parameters with which a local endpoint was created.
   struct Asked {
     std::string topic;
     std::vector<std::string> partitions;
     spi::PropertyList data_tags;
   };
   Status check_own(const EntityId& id, const NewEndpoint& endpoint);
-  /// False: our own permissions were renewed, or the governance changed, and they do not allow it
-  /// any more. An event says so.
+  /// True unless our own permissions were renewed, or the governance changed, and they no longer
+  /// allow the endpoint. An event reports that.
   bool may_still(const EntityId& id);
   bool permits_under_pending_governance(bool reads, const Permission& permission,
                                         const Endpoint& remote);
@@ -107,7 +111,7 @@ class Admission {
   struct Local {
     const spi::EndpointSecurityAttributes& attributes;
     bool reads;
-    /// Its second protection (Keyring); nullptr: none.
+    /// The second protection of the endpoint (Keyring), or nullptr.
     const spi::EndpointSecurityAttributes* other = nullptr;
   };
   std::optional<Permission> admit(const Local& local, const Endpoint& remote);

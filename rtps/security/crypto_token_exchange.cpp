@@ -21,7 +21,7 @@ bool is_for_writers(const GenericMessage& message) {
          message.message_class == message_class::kDatareaderTokensOfOne;
 }
 
-// The protection that the keys of an endpoint are for; 0: the message names none.
+// Returns the protection that the keys of an endpoint are for; 0 if the message names none.
 ProtectionId protection_in(const GenericMessage& message) {
   const bool names_one = message.message_class == message_class::kDatawriterTokensOfOne ||
                          message.message_class == message_class::kDatareaderTokensOfOne;
@@ -94,7 +94,7 @@ void CryptoTokenExchange::send(Peer& peer, GenericMessage message) {
   association->volatile_writer->write(std::move(change), core_.now);
 }
 
-// The peer has never acknowledged this message before, so a recorded acknowledgment does not answer
+// The peer has never acknowledged this new message, so a recorded acknowledgment does not answer
 // it. If other messages to the peer are still unacknowledged, a query is as good and leaves nothing
 // stored.
 void CryptoTokenExchange::probe(Peer& peer) {
@@ -125,7 +125,7 @@ void CryptoTokenExchange::send_token(Peer& peer, std::string_view message_class,
   send_tokens(peer, message_class, {}, {}, std::move(tokens));
 }
 
-// Other vendors would ignore it.
+// Only ddssec peers are asked, because other vendors would ignore the message.
 void CryptoTokenExchange::request_tokens(const EntityId& local, const Guid& remote) {
   auto* peer = core_.find(remote.prefix);
   if (peer == nullptr || peer->data.vendor != kVendorDdssec || !has_room(*peer)) return;
@@ -136,7 +136,7 @@ void CryptoTokenExchange::request_tokens(const EntityId& local, const Guid& remo
   send(*peer, std::move(message));
 }
 
-// A peer that accepts both protections, too, is told which one the keys are for.
+// If the peer accepts both protections too, the message tells which one the keys are for.
 void CryptoTokenExchange::send_endpoint_tokens(Peer& peer, const EntityId& local,
                                                const Guid& remote, std::vector<spi::Token> tokens,
                                                ProtectionId protection) {
@@ -247,7 +247,7 @@ void CryptoTokenExchange::send_waiting(Peer& peer) {
   }
 }
 
-// Otherwise a refused message would wait for the peer's next HEARTBEAT.
+// Without this, a refused message would wait for the peer's next HEARTBEAT.
 void CryptoTokenExchange::tick() {
   for (const auto& prefix : std::exchange(have_room_, {}))
     if (auto* reader = volatile_reader(prefix)) reader->offer_again();
@@ -255,7 +255,8 @@ void CryptoTokenExchange::tick() {
 
 // ---- receiving
 
-// The key of this pair of participants protected the message. Its content is still checked.
+// Only the peer can have sent the message, because the key of this pair of participants protected
+// it. Its content is still checked.
 bool CryptoTokenExchange::on_message(const GuidPrefix& prefix, const Change& change) {
   auto* peer = core_.find(prefix);
   if (peer == nullptr || peer->state.association() == nullptr) return true;
@@ -298,14 +299,15 @@ bool CryptoTokenExchange::on_message(const GuidPrefix& prefix, const Change& cha
 void CryptoTokenExchange::on_participant_tokens(Peer& peer, const GenericMessage& message) {
   const auto status = core_.keyring.set_participant_tokens(peer.prefix(), message.data);
   if (!status) return core_.raise(status.error(), peer, EventOrigin::its_keys);
-  // The peer can read the local messages now: what it could not read before is offered again at
-  // once.
+  // The peer can read the local messages now. Messages that it could not read before are offered
+  // again at once.
   if (auto* association = peer.state.association(); association->volatile_writer)
     association->volatile_writer->ask_for_acknowledgments();
   join(peer);
 }
 
-// A peer gets no more in answer than it acknowledges, and each pair at most once meanwhile.
+// A peer gets no more answers than it acknowledges. Until then, repeated requests for one pair
+// cause one answer.
 void CryptoTokenExchange::on_tokens_wanted(Peer& peer, const GenericMessage& message) {
   const auto local = message.destination_endpoint;
   const auto remote = message.source_endpoint;
@@ -316,7 +318,7 @@ void CryptoTokenExchange::on_tokens_wanted(Peer& peer, const GenericMessage& mes
   send_waiting(peer);
 }
 
-// Discovery and keys may arrive in any order.
+// Keys may arrive before discovery announces the remote endpoint. They are kept until then.
 bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
                                              std::size_t octets) {
   const Guid local = message.destination_endpoint;
@@ -324,7 +326,7 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
   const bool to_reader = is_for_readers(message);
   const bool fits = local.prefix == core_.own->guid().prefix && remote.prefix == peer.prefix() &&
                     is_reader(local.entity) == to_reader && is_writer(remote.entity) == to_reader;
-  // Local endpoints exist before they are announced to others.
+  // Local endpoints exist before they are announced, so keys for an unknown one are dropped.
   if (!fits || core_.keyring.attributes(local.entity) == nullptr) return true;
   const auto protection = protection_in(message);
   if (protection != 0 && !core_.keyring.second_protections().has(local.entity, protection))
@@ -339,7 +341,7 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
   return true;
 }
 
-// The peer may find the pair first.
+// The peer may find a pair first that lacks a protection. The pair then gets it here.
 bool CryptoTokenExchange::apply_tokens(Peer& peer, const GenericMessage& message) {
   const auto protection = protection_in(message);
   if (protection != 0) complete(peer, message.destination_endpoint.entity, message.source_endpoint);
@@ -375,7 +377,8 @@ bool CryptoTokenExchange::register_pair(const EntityId& local, const Guid& remot
       [&](const auto& early) { is_ready = apply_tokens(*peer, early) || is_ready; });
   if (any && (have_room_.empty() || have_room_.back() != remote.prefix))
     have_room_.push_back(remote.prefix);
-  // It may have sent its keys before the pair gave them up.
+  // The remote endpoint may have sent its keys before this pair dropped them, so they are requested
+  // again.
   if (!any && !is_ready && core_.keyring.keys_for(local, remote).may_be_dropped)
     request_tokens(local, remote);
   return is_ready;

@@ -27,11 +27,12 @@ class CryptoTokenExchange {
   /// Opens the channel to a peer that has just authenticated, and sends the local participant key.
   /// Errors: those of creating its tokens.
   Status open(Peer& peer);
-  /// The endpoints for a peer; nullptr before it has authenticated.
+  /// Returns the peer's writer, as volatile_reader() returns its reader; nullptr before the peer
+  /// has authenticated.
   StatefulWriter* volatile_writer(const GuidPrefix& prefix);
   void readdress(Peer& peer, const LocatorList& addresses);
   StatefulReader* volatile_reader(const GuidPrefix& prefix);
-  /// Both sides have all keys that they need of the other.
+  /// Joins the peer: both sides have all keys that they need from each other.
   void join(Peer& peer);
   /// Sends a message that only the peer itself can acknowledge.
   void probe(Peer& peer);
@@ -42,7 +43,7 @@ class CryptoTokenExchange {
   bool has_room(const Peer& peer) const;
   /// Sends a message with one token.
   void send_token(Peer& peer, std::string_view message_class, spi::Token token);
-  /// Where messages with renewed documents, and answers to them, are passed on to.
+  /// Receives messages with renewed documents, and answers to them.
   using RenewalListener = std::function<void(Peer&, const GenericMessage&)>;
   void on_renewal(RenewalListener listener) { renewal_listener_ = std::move(listener); }
   /// The same for messages about governance documents.
@@ -51,7 +52,7 @@ class CryptoTokenExchange {
   /// The same for messages about shared memory.
   void on_memory(RenewalListener listener) { memory_listener_ = std::move(listener); }
 
-  /// The peer acknowledged something: sends messages that waited for that.
+  /// Sends messages that waited until the peer acknowledged something.
   void note_acknowledged(Peer& peer);
   /// Offers again the messages for which there was no room among the early tokens.
   void tick();
@@ -69,7 +70,8 @@ class CryptoTokenExchange {
   bool complete_pairs(Peer& peer);
 
   // Key revision:
-  /// While a revision is under way, new peers and endpoints also get the revised keys.
+  /// Notes whether a revision is under way. While one is, new peers and endpoints also get the
+  /// revised keys.
   void set_revising(bool revising);
   void send_revised(Peer& peer);
   /// True if the peer has the local keys and gets the next ones.
@@ -81,7 +83,7 @@ class CryptoTokenExchange {
   void send(Peer& peer, GenericMessage message);
   void send_tokens(Peer& peer, std::string_view message_class, const Guid& from, const Guid& to,
                    std::vector<spi::Token> tokens);
-  /// `protection`: see Keyring::set_endpoint_tokens.
+  /// For `protection` see Keyring::set_endpoint_tokens.
   void send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,
                             std::vector<spi::Token> tokens, ProtectionId protection = 0);
   void complete(Peer& peer, const EntityId& local, const Guid& remote);
@@ -101,7 +103,8 @@ class CryptoTokenExchange {
   std::int64_t last_number_ = 0;
   bool is_revising_ = false;
   RenewalListener renewal_listener_, governance_listener_, memory_listener_;
-  /// Peers of which early tokens were taken since the last tick.
+  /// Peers for whose messages there is room, because early tokens of theirs were taken since the
+  /// last tick.
   std::vector<GuidPrefix> have_room_;
 };
 

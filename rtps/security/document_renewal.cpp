@@ -26,7 +26,7 @@ void DocumentRenewal::offer() {
     if (peer.state.joined() != nullptr && peer.data.vendor == kVendorDdssec) offer(peer);
 }
 
-// The errors have their events.
+// Does nothing if the plugin cannot make the offer; the next try follows in a second.
 void DocumentRenewal::offer(Peer& peer) {
   auto& next_offer = peer.state.association()->renewal.next_offer;
   if (core_.now < next_offer || !exchange_.has_room(peer)) return;
@@ -71,7 +71,7 @@ void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
     judge_endpoints_of(GuidPrefix(peer.prefix()));
 }
 
-// A reader that no longer matches has the keys of its writers.
+// A reader that no longer matches still has the keys of its writers, so the keys are revised.
 void DocumentRenewal::judge_endpoints_of(const GuidPrefix& prefix) {
   if (core_.host.on_rights_changed(prefix))
     revision_.request(KeyReviser::RevisionReason::right_lost);

@@ -1,6 +1,6 @@
-// Shows the peers documents that were renewed while a session runs, and takes theirs, so that the
-// session goes on. DDS-Security has no such thing: other vendors' participants ignore the messages,
-// and their sessions end with the documents of the handshake.
+// Shows the peers documents that were renewed during a session, and accepts theirs, so that the
+// session goes on. DDS-Security defines no such messages: participants of other vendors ignore
+// them, and their sessions end with the documents of the handshake.
 #pragma once
 
 #include "rtps/security/key_reviser.hpp"
@@ -15,11 +15,12 @@ class DocumentRenewal {
 
   DocumentRenewal(SecurityCore& core, CryptoTokenExchange& exchange, KeyReviser& revision);
 
-  /// Must be called once a second: shows the peers what was renewed.
+  /// Shows the peers the documents that were renewed. Must be called once a second.
   void offer();
-  /// The local permissions were renewed.
+  /// Judges all endpoints again, because the local permissions were renewed.
   void on_own_rights_changed();
-  /// Peers whose renewed permissions do not let them take part any more, since the last call.
+  /// Returns the peers whose renewed permissions do not let them take part any more, since the last
+  /// call.
   std::vector<GuidPrefix> take_excluded() { return std::exchange(excluded_, {}); }
 
  private:

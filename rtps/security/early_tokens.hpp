@@ -20,7 +20,7 @@ class EarlyTokens {
   static constexpr std::size_t kMaxOfPair = 2;
   static constexpr MonotonicTime kMinKept = std::chrono::seconds(30);
 
-  /// `octets`: size of the message as received. Returns false if there is no room now.
+  /// Keeps a message; `octets` is its size as received. Returns false if there is no room now.
   bool keep(GenericMessage message, std::size_t octets, MonotonicTime now);
   /// Calls `use` with each message of that pair, oldest first, and removes it. Returns true if
   /// there was any.

@@ -58,7 +58,8 @@ void LocalKeys::unlist(const EntityId& id, PairKeys& pair) {
     remove(writers);
 }
 
-// A pair with a reader that sends no keys has nothing that only the reader could send again.
+// A pair with a reader that sends no keys counts as keys_awaited: if it is given up, nothing is
+// lost that only the reader could send again.
 std::optional<Guid> LocalKeys::note_idle(const Guid& remote, const PairKeys& pair) {
   if (pair.handle == 0 || pair.place || is_volatile) return std::nullopt;
   const bool have_come = pair.keys != Sha256Digest{};
@@ -158,7 +159,6 @@ std::optional<Guid> EndpointKeys::unregister_pair(Locals& from, const EntityId& 
   if (at == from.end()) return std::nullopt;
   const auto pair = at->second.pairs.find(remote);
   if (pair == at->second.pairs.end()) return std::nullopt;
-  // The remote endpoint is of the other kind.
   const auto handle = pair->second.handle;
   at->second.unlist(id, pair->second);
   const bool stays = after != AfterMatch::gone && handle != 0 && !at->second.is_volatile;
@@ -169,6 +169,7 @@ std::optional<Guid> EndpointKeys::unregister_pair(Locals& from, const EntityId& 
   at->second.pairs.erase(pair);
   endpoint_of_.erase(handle);
   if (handle == 0) return std::nullopt;
+  // The remote endpoint is of the other kind.
   if (is_writer(id))
     static_cast<void>(factory().unregister_datareader({handle}));
   else

@@ -63,7 +63,7 @@ void FragmentStore::make_room(const SourceAddress& newcomer) {
     return std::pair(std::ranges::count(senders_, sender.source, &Sender::source),
                      sender.source == newcomer);
   };
-  // Of equal senders, the first sent its latest fragment longest ago.
+  // max_element returns the first of equal senders, which sent its latest fragment longest ago.
   senders_.erase(std::ranges::max_element(senders_, {}, held));
 }
 

@@ -43,7 +43,7 @@ class FragmentStore {
   std::vector<Bytes> add(const GuidPrefix& sender, const DataFrag& frag, MonotonicTime now,
                          const SourceAddress& source = {});
   void forget(const GuidPrefix& sender);
-  /// Number of fragments that are kept.
+  /// Returns the number of fragments that are kept.
   std::size_t size() const;
 
  private:

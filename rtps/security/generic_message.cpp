@@ -43,7 +43,8 @@ std::size_t max_size_of(const GenericMessage& message) {
 }  // namespace
 
 Bytes write_generic_message(const GenericMessage& message) {
-  // Reserved at once, so that no reallocation leaves an unwiped block with keys behind.
+  // The memory is reserved at once, so that no reallocation leaves an unwiped block with keys
+  // behind.
   Writer out(Endian::little, max_size_of(message));
   write(out, message.identity);
   write(out, message.related);

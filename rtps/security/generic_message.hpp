@@ -21,7 +21,7 @@ struct MessageIdentity {
 /// GenericMessageClassId.
 namespace message_class {
 using namespace spi::message_class;
-/// Specific to ddssec and without meaning to others: it only has to be acknowledged.
+/// Specific to ddssec: a message without content, which the peer only has to acknowledge.
 inline constexpr std::string_view kQuestion = "org.ddssec.are_you_there";
 /// Specific to ddssec: documents that were renewed (DocumentRenewal), and the answer.
 inline constexpr std::string_view kRenewal = "org.ddssec.renewed_documents";
@@ -55,8 +55,8 @@ struct GenericMessage {
 /// DDS write it.
 Bytes write_generic_message(const GenericMessage& message);
 
-/// Padding after the last token is allowed. Errors: truncated, malformed, length_out_of_range (more
-/// than spi::kMaxTokensPerMessage), rtps_encapsulation_unsupported.
+/// Reads a message. Padding after the last token is allowed. Errors: truncated, malformed,
+/// length_out_of_range (more than spi::kMaxTokensPerMessage), rtps_encapsulation_unsupported.
 Result<GenericMessage> read_generic_message(BytesView payload);
 
 }  // namespace ddssec::rtps

@@ -56,7 +56,8 @@ void GovernanceTransition::each_joined(F&& f) {
 void GovernanceTransition::tick() {
   if (phase_ != Phase::draining) check();
   if (phase_ == Phase::none) return send_to_all();
-  // Peers send keys for the second protection as soon as they hear of it.
+  // The protections are added before the reports are sent, because peers that receive a report send
+  // keys for the second protection at once.
   if (phase_ == Phase::accepting && !add_protections()) return;
   send_to_all();
   const bool is_complete = complete_pairs();
@@ -79,21 +80,23 @@ void GovernanceTransition::tick() {
 void GovernanceTransition::check() {
   const auto next =
       core_.own->plugins().access_control.pending_governance(core_.own->permissions());
-  if (phase_ == Phase::accepting && next != target_) end();  // its CA has left; another may wait
+  if (phase_ == Phase::accepting && next != target_)
+    end();  // the CA of the document has left;
+            // another document may wait
   core_.governance_waits = next.has_value();
   if (!next) waits_since_.reset();
   if (phase_ == Phase::none && next && may_begin()) begin(*next);
 }
 
-// The keys of a revision that is under way count for the first protection. Revisions without end,
-// which an insider may cause, delay the change for no longer than its own time.
+// A change waits for a revision that is under way, because its keys are for the first protection.
+// An insider may cause revisions without end, so it waits no longer than its own time.
 bool GovernanceTransition::may_begin() {
   if (!waits_since_) waits_since_ = core_.now;
   return !revision_.is_busy() || core_.now >= *waits_since_ + core_.own->governance_change_time();
 }
 
-// Keys of the second protection are not revised. They are not used to send from here on, and
-// accepted for no longer than former keys are.
+// Keys of the second protection are not revised. From now on they are not used to send, and they
+// are accepted no longer than former keys.
 void GovernanceTransition::finish() {
   if (phase_ == Phase::accepting && add_protections()) change();
   if (phase_ == Phase::draining)
@@ -112,7 +115,7 @@ void GovernanceTransition::begin(const Version& next) {
   judge_matches();
 }
 
-// The document may have been dropped since, because its CA has left.
+// Fails if the document was dropped meanwhile, because its CA has left.
 void GovernanceTransition::change() {
   auto& access = core_.own->plugins().access_control;
   if (!access.apply_pending_governance(core_.own->permissions(), *target_)) return end();
@@ -166,7 +169,7 @@ bool GovernanceTransition::has_changed(const Peer& peer) const {
          association->governance.received->version == own().version;
 }
 
-// One that is not joined gets its keys later.
+// A peer that has not joined gets its keys later, so nothing waits for it.
 bool GovernanceTransition::is_ready(const Peer& peer) const {
   if (peer.state.joined() == nullptr || !core_.keyring.second_protections().any_with(peer.prefix()))
     return true;
@@ -223,7 +226,7 @@ void GovernanceTransition::send_report(Peer& peer, bool wants_answer) {
   exchange_.send_token(peer, message_class::kGovernance, token_of(report, wants_answer));
 }
 
-// Without a change nothing is said, unless it was said before or a peer asks.
+// Without a change, a peer gets a report only if it had one before or asks for one.
 void GovernanceTransition::send_to_all() {
   each_joined([&](Peer& peer) {
     const auto& governance = peer.state.association()->governance;

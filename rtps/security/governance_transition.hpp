@@ -1,13 +1,14 @@
 // Puts a governance document that protects topics more into force while participants run, in two
 // phases: first both protections are accepted, then the new one alone.
 //
-// A participant that has taken the document says so to its authenticated peers, in their protected
-// channel. Those that have it, too, exchange keys for the new protection. A participant goes on to
-// send with the former one until all peers that it shares changed topics with have its new keys, or
-// until its time is over; then it sends with the new one. It accepts the former protection until
-// all peers have said that they send with the new one, or until that time is over once more. What
-// peers say decides when that happens within this time, and nothing else: the document comes from
-// the own file, and the protection of what is sent never becomes less.
+// A participant that has accepted the document reports that to its authenticated peers, in their
+// protected channel. Peers that have the document too exchange keys for the new protection. A
+// participant sends with the former protection until all peers with which it shares changed topics
+// have its new keys, or until its time is over. After that it sends with the new one. It accepts
+// the former protection until all peers have reported that they send with the new one, or until
+// that time is over once more. Reports of peers only decide when that happens within this time: the
+// document comes from the participant's own file, and the protection of sent messages never becomes
+// less.
 #pragma once
 
 #include "rtps/security/admission.hpp"
@@ -18,7 +19,7 @@ namespace ddssec::rtps {
 /// Leads one local participant from the former protection to that of a new document.
 class GovernanceTransition {
  public:
-  /// Added to the second phase: messages take time, and what was lost is sent again.
+  /// Added to the second phase, because messages take time and lost ones are sent again.
   static constexpr MonotonicTime kMargin = std::chrono::seconds(5);
 
   GovernanceTransition(SecurityCore& core, Admission& admission, CryptoTokenExchange& exchange,
@@ -26,7 +27,7 @@ class GovernanceTransition {
 
   /// Must be called once a second.
   void tick();
-  /// Keys are to be revised: the second phase begins now, and does not last long.
+  /// Begins the second phase now and shortens it, because keys are to be revised.
   void finish();
 
  private:
@@ -43,15 +44,16 @@ class GovernanceTransition {
   void begin(const Version& next);
   void change();
   void end();
-  /// Gives endpoints on topics that change their second protection. False: one has none. An event
-  /// says so, once; nothing changes before that succeeds, so that no endpoint sends with less.
+  /// Gives endpoints on changed topics their second protection. Returns false if one of them has
+  /// none; an event reports that once. Nothing changes before this succeeds, so that no endpoint
+  /// sends with less.
   bool add_protections();
   bool complete_pairs();
   /// True if the peer has all that it needs for the new protection, or shares no changed topic.
   bool is_ready(const Peer& peer) const;
   bool has_changed(const Peer& peer) const;
   void refresh(Peer& peer) const;
-  /// What this participant says of itself.
+  /// Returns this participant's report about itself.
   GovernanceOfPeer::GovernanceReport own() const;
   void send_report(Peer& peer, bool wants_answer);
   void send_to_all();
@@ -66,8 +68,10 @@ class GovernanceTransition {
   CryptoTokenExchange& exchange_;
   KeyReviser& revision_;
   Phase phase_ = Phase::none;
-  std::optional<Version> target_;             ///< of the change under way, or of the last one
-  std::optional<MonotonicTime> waits_since_;  ///< a document waits, and its change has not begun
+  std::optional<Version> target_;             ///< the document of the change under way, or of the
+                                              ///< last one
+  std::optional<MonotonicTime> waits_since_;  ///< set while a document waits whose change has not
+                                              ///< begun
   MonotonicTime deadline_ = kNever;
   bool has_failed_ = false;
   bool has_lost_any_ = false;  ///< an endpoint of a peer that matched lost its right

@@ -8,7 +8,7 @@
 
 namespace ddssec::rtps {
 
-/// A reply, and what of the request is needed when the peer's final message arrives.
+/// A reply, and the parts of the request that are needed when the peer's final message arrives.
 struct HandshakeAnswer {
   spi::HandshakeHandle handle;
   GenericMessage reply;
@@ -32,10 +32,11 @@ class HandshakeAnswers {
   static constexpr MonotonicTime kLife = std::chrono::seconds(5);
   /// The number of answers that are repeated at once.
   static constexpr std::size_t kMaxRepeated = 4;
-  /// What an answer counts besides its request, in octets.
+  /// The octets that an answer counts in addition to its request.
   static constexpr std::size_t kPrice = 4096;
 
-  /// Both are borrowed and must outlive this object. `account`: octets of the answers to all peers.
+  /// Both arguments are borrowed and must outlive this object. `account` counts the octets of the
+  /// answers to all peers.
   HandshakeAnswers(spi::Authentication& plugin, std::size_t& account)
       : plugin_(plugin), account_(account) {}
   /// The plugin releases the handshakes together with the identity.
@@ -46,10 +47,10 @@ class HandshakeAnswers {
   bool empty() const { return answers_.empty(); }
   std::size_t octets() const { return octets_; }
   const std::vector<HandshakeAnswer>& all() const { return answers_; }
-  /// Return nullptr if there is none.
+  /// Both functions return nullptr if there is no such answer.
   HandshakeAnswer* to(const Sha256Digest& request);
   HandshakeAnswer* with(spi::HandshakeHandle handle);
-  /// Those of which `final` repeats both challenges.
+  /// Returns the answers whose two challenges `final` repeats.
   std::vector<const HandshakeAnswer*> answered_by(const spi::Authentication::Outline& final) const;
 
   /// Makes room for an answer to a request with that challenge. Returns false if the others are too
@@ -60,7 +61,7 @@ class HandshakeAnswers {
   void expire(MonotonicTime now);
   /// Removes the oldest answer, if there is one.
   void evict_largest();
-  /// The handshake of this answer is finished: removes all others.
+  /// Finishes with this answer, whose handshake has succeeded: removes all others.
   void finish(spi::HandshakeHandle handle);
   /// Appends a few answers to `out`, different ones each time.
   void repeat(std::vector<GenericMessage>& out);

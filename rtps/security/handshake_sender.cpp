@@ -53,8 +53,8 @@ std::size_t HandshakeSender::send_auth_request(const Peer& peer, const GenericMe
 }
 
 // Cyclone DDS answers queries of builtin readers before it has authenticated their participant. The
-// answers have a few octets more than the queries, and allow sending three times as much. Count 0
-// leaves no trace in its writers.
+// answers are a few octets longer than the queries, and allow sending three times their own length.
+// A count of 0 leaves no trace in its writers.
 void HandshakeSender::add_credit(Peer& peer, const LocatorList& addresses) {
   static constexpr std::pair<EntityId, EntityId> kPairs[] = {
       {kPublicationsReader, kPublicationsWriter},

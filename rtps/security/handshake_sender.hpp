@@ -7,7 +7,7 @@
 
 namespace ddssec::rtps {
 
-/// Each message is sent at once, in a datagram of its own.
+/// Sends each message at once, in a datagram of its own.
 class HandshakeSender {
  public:
   explicit HandshakeSender(MessageSender& sender) : sender_(sender) {}
@@ -15,11 +15,12 @@ class HandshakeSender {
   /// Returns 0 if the message was sent. Otherwise returns the message's octets, which may not be
   /// sent yet.
   std::size_t send(const Peer& peer, const GenericMessage& message, const LocatorList& addresses);
-  /// The same, with a challenge, for a peer that also runs ddssec.
+  /// The same for an authentication request to a peer that also runs ddssec. It has a challenge for
+  /// each host.
   std::size_t send_auth_request(const Peer& peer, const GenericMessage& message,
                                 LocatorList addresses);
-  /// Queries a Cyclone DDS peer, whose answers increase what may be sent, as long as
-  /// Peer::held_back is more than that.
+  /// Queries a Cyclone DDS peer as long as Peer::deferred_octets is more than what may be sent. Its
+  /// answers increase what may be sent.
   void add_credit(Peer& peer, const LocatorList& addresses);
 
  private:

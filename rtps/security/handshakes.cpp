@@ -145,7 +145,8 @@ void Handshakes::note_credit(Peer& peer, std::size_t octets) {
 void Handshakes::on_stateless(const GuidPrefix& source, BytesView payload) {
   auto* peer = core_.find(source);
   if (peer == nullptr) return;
-  // It asks because its documents are new, or by habit.
+  // The sender may have new documents, or may only repeat itself. So the refused peer gets another
+  // try, but not sooner than after a pause.
   const auto pause =
       std::max<MonotonicTime>(kRefusedPause, (peer->again_at - peer->refused_at) / 4);
   if (core_.now >= peer->refused_at + pause) try_again(*peer);
@@ -174,8 +175,8 @@ void Handshakes::on_stateless_frag(const GuidPrefix& source, const DataFrag& fra
 }
 
 // The peer waits for a handshake request. If its handshake is already finished, the peer may have
-// lost its state. Or an attacker sent this in its name, and the peer still answers with its present
-// keys.
+// lost its state. But an attacker may also have sent this in its name, while the peer still answers
+// with its present keys.
 void Handshakes::on_auth_request(Peer& peer, const GenericMessage& message) {
   auto& handshake = *peer.state.handshake();
   PeerHandshake::Messages out;
@@ -216,7 +217,8 @@ bool Handshakes::may_spend(Peer& peer, Effort effort) {
   return budgets_.may_process(effort, is_low_rate, core_.now);
 }
 
-// The peer's next message may be processed, so it is made to send it soon.
+// A message of the peer was dropped. If the local message is repeated soon, the peer sends the
+// dropped one again, which may then be processed.
 void Handshakes::request_resend(const Peer& peer) {
   if (budgets_.may_request_resend(core_.now)) peer.state.handshake()->shorten_delays(core_.now);
 }
@@ -244,7 +246,7 @@ bool Handshakes::advance(Peer& peer) {
       refuse(peer);
     return false;
   }
-  // Until here it took part as before: a refusal interrupts nothing.
+  // Until here the peer took part as before, so a refusal interrupts nothing.
   if (was_admitted) core_.host.on_replaced(GuidPrefix(peer.prefix()));
   // The peer has returned and knows earlier keys: from here on it is watched like any other.
   revision_.drop_absent(peer.prefix());
@@ -273,7 +275,7 @@ bool Handshakes::has_place(const Peer& peer) const {
   return peer.state.association() != nullptr || subjects_.has_place(peer.prefix());
 }
 
-// Raised before the peer counts as failed, so once for each peer.
+// The event is raised before the peer counts as failed, and so once for each peer.
 Error Handshakes::no_place_error(const Peer& peer) {
   Error error(Code::too_many_identities_of_subject,
               {.document = "the certificate of participant " + peer.name(),
@@ -312,7 +314,7 @@ Status Handshakes::register_keys(const Peer& peer, Association& association) {
   const auto prefix = peer.prefix();
   DDSSEC_ASSIGN_OR_RETURN(auto secret,
                           core_.own->plugins().authentication.shared_secret(handshake.handle()));
-  // Only our plugins know resets, and they announce this cipher.
+  // Resets are specific to our plugins, and only these announce this cipher.
   if ((secret->peer_ciphers & spi::kChaCha20Poly1305Bit) != 0)
     association.reset = spi::derive_reset_token(*secret, core_.own->guid().prefix);
   auto& keyring = core_.keyring;
@@ -330,11 +332,11 @@ Status Handshakes::register_keys(const Peer& peer, Association& association) {
   return {};
 }
 
-// Unprotected announcements can be forged; both sides have signed this data.
+// Both sides have signed this data, whereas unprotected announcements can be forged.
 Status Handshakes::adopt_proven_data(Peer& peer) {
   const auto proven = read_participant_list(peer.state.handshake()->peer_data(), Endian::big);
   if (!proven || proven->guid != peer.data.guid)
-    return {};  // without it, the announced data counts
+    return {};  // without signed data, the announced data counts
   DDSSEC_RETURN_IF_ERROR(admission_.check_proven(*proven));
   if (proven->vendor != VendorId{}) peer.data.vendor = proven->vendor;
   if (proven->permissions_token) peer.data.permissions_token = proven->permissions_token;
@@ -369,7 +371,7 @@ void Handshakes::note_key_exchange(Peer& peer) {
 
 // ---- time
 
-// Handling what is due may remove peers. In a flood of announcements, few of them are due.
+// A due peer may be removed here. In a flood of announcements, only few peers are due.
 void Handshakes::tick() {
   if (core_.now < next_) return;
   next_ = kNever;

@@ -15,7 +15,7 @@ namespace ddssec::rtps {
 struct AnnouncedAddresses {
   const LocatorList& metatraffic;
   std::span<const SourceAddress> sources;  ///< the sources that announced each address
-  const SourceAddress& source;             ///< of the current announcement
+  const SourceAddress& source;             ///< the source of the current announcement
 };
 
 /// Drives the handshakes of one local participant with all of its peers.
@@ -46,7 +46,8 @@ class Handshakes {
   /// handshake may be forged.
   static constexpr MonotonicTime kProbeTimeout = std::chrono::seconds(2);
 
-  /// How long a refused peer waits for another try: first, and at most. Each time twice as long.
+  /// The first and the longest time for which a refused peer waits for another try. The time
+  /// doubles with each refusal.
   static constexpr MonotonicTime kRefusedPause = std::chrono::seconds(5);
   static constexpr MonotonicTime kMaxRefusedPause = std::chrono::seconds(60);
 
@@ -54,22 +55,23 @@ class Handshakes {
              KeyReviser& revision)
       : core_(core), admission_(admission), exchange_(exchange), revision_(revision) {}
 
-  /// A participant that can authenticate announced itself for the first time.
+  /// Adds a participant that can authenticate, and that announced itself for the first time.
   void add(const ParticipantData& data, const AnnouncedAddresses& addresses);
-  /// A different announcement arrived for a peer that has not authenticated yet. It may be the
+  /// Handles a different announcement for a peer that has not authenticated yet. It may be the
   /// genuine one.
   void announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses);
-  /// Any announcement arrived: the peer may be able to receive messages.
+  /// Notes that any announcement arrived: the peer may be able to receive messages.
   void note_announced(Peer& peer) { peer.was_announced = true; }
-  /// This many more octets may be sent to the peer (AmplificationLimit).
+  /// Notes that this many more octets may be sent to the peer (AmplificationLimit).
   void note_credit(Peer& peer, std::size_t octets);
   void remove(const GuidPrefix& prefix) { fragments_.forget(prefix); }
-  /// The local documents were renewed: refused peers get another try at once.
+  /// Gives refused peers another try at once, because the local documents were renewed.
   void try_all_again();
 
   void on_stateless(const GuidPrefix& source, BytesView payload);
   void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag, const SourceAddress& from);
-  /// A message that only the peer can have protected arrived on the volatile secure channel.
+  /// Notes that a message arrived on the volatile secure channel that only the peer can have
+  /// protected.
   void note_key_exchange(Peer& peer);
 
   void tick();
@@ -98,7 +100,7 @@ class Handshakes {
   void try_later(Peer& peer);
   void refuse(Peer& peer);
   void note_failure(Peer& peer);
-  /// Of a refused peer; does nothing if too many handshakes begin.
+  /// Gives a refused peer another try. Does nothing if too many handshakes begin.
   void try_again(Peer& peer);
 
   void tick(Peer& peer);
@@ -106,14 +108,14 @@ class Handshakes {
   void tick_association(Peer& peer);
   void note_overdue(Peer& peer);
   void end_probe(Peer& peer);
-  /// When the peer is to be admitted without authentication; kNever if it is not.
+  /// Returns when the peer is to be admitted without authentication; kNever if it is not.
   MonotonicTime next_admission(const Peer& peer) const;
   void admit_meanwhile(Peer& peer);
-  /// When the association next has work.
+  /// Returns when the association next has work.
   MonotonicTime next_of_association(const Peer& peer) const;
   /// Moves the next tick forward if this peer has work earlier.
   void schedule(const Peer& peer) { next_ = std::min(next_, next_of(peer)); }
-  /// When this peer next has work.
+  /// Returns when this peer next has work.
   MonotonicTime next_of(const Peer& peer) const;
 
   SecurityCore& core_;

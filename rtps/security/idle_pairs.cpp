@@ -26,7 +26,8 @@ void IdlePairs::remove(const Guid& remote) {
   auto& queues = share->second.queues;
   queues[static_cast<std::size_t>(known->second.why)].erase(known->second.at);
   places_.erase(known);
-  // A pair that gave up its keys may match later, also when no other pair of its subject is idle.
+  // A share that has displaced pairs is kept: such a pair may match later, even if no other pair of
+  // its subject is idle then.
   if (!share->second.has_displaced && std::ranges::all_of(queues, &Queue::empty))
     shares_.erase(share);
 }

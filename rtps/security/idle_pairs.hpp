@@ -26,14 +26,14 @@ class IdlePairs {
   /// Limit for the pairs of one subject and one reason.
   static constexpr std::size_t kMaxOfOne = 1024;
 
-  /// From now on the pair is idle, for that reason only. Returns the pair whose keys must be given
-  /// up in exchange, which is no longer in here; empty if there is room.
+  /// Notes that the pair is idle from now on, for that reason only. Returns the pair whose keys
+  /// must be given up in exchange, which is removed from here. Empty if there is room.
   std::optional<Guid> add(const Guid& remote, Why why);
-  /// The pair is matched, or is gone. No effect if it is not idle.
+  /// Removes the pair, because it is matched or gone. No effect if it is not idle.
   void remove(const Guid& remote);
   /// True if pairs of that subject had to give up their keys.
   bool has_displaced(const GuidPrefix& subject) const;
-  /// Number of idle pairs.
+  /// Returns the number of idle pairs.
   std::size_t size() const { return places_.size(); }
 
  private:

@@ -13,17 +13,18 @@
 
 namespace ddssec::rtps {
 
-/// How payloads stand in a segment.
+/// The form of the payloads in a segment.
 enum class MemoryForm : std::uint8_t { none, plain, authenticated, encrypted };
 
-/// Memory that a peer has mapped lasts for as long as the peer wants, also after its participant
-/// has gone. So a segment is counted until the system says that it is gone. It is kept as long as
-/// others seem to have it (Segment::is_with_others): its writer uses it again when all that may
-/// have it may read. Then it is closed here, and still counts until it is closed everywhere
-/// (MemoryEnd): a descriptor that is only a path (O_PATH) is not seen before. No clock or lock.
+/// Memory that a peer has mapped lasts as long as the peer wants, even after its participant has
+/// gone. A segment is therefore counted until the system reports that it is gone. It is kept open
+/// as long as other processes seem to have it (Segment::is_with_others), and its writer may use it
+/// again when all participants that may have it may read. After that it is closed here. It still
+/// counts until it is closed everywhere (MemoryEnd), because is_with_others does not notice a
+/// descriptor that is only a path (O_PATH). No clock or lock.
 class KeptMemory {
  public:
-  /// Segments that were given up because participants of one identity left.
+  /// Limit for segments that were given up because participants of one identity left.
   static constexpr std::size_t kMaxOfOne = 4;
 
   /// Participants that may have a segment.
@@ -35,21 +36,23 @@ class KeptMemory {
     std::string leaver = {};  ///< set by `take`: the identity for which it counted
   };
 
-  /// `leaver`: the identity whose leaving was the reason; empty: there was another one.
+  /// Keeps a segment. `leaver` is the identity whose leaving was the reason; empty for any other
+  /// reason.
   void keep(const EntityId& writer, Segment segment, std::string leaver);
-  /// A segment that is not used again.
+  /// Keeps a segment that is not used again.
   void keep_over(memory::SampleSlots slots);
   /// Returns the segment of the writer that has the most holders, if they are more than `others`
-  /// and each of them may read. `needed`: payload in octets.
+  /// and each of them may read. `needed` is the payload in octets.
   std::optional<Segment> take(const EntityId& writer, MemoryForm form, std::size_t needed,
                               std::size_t others,
                               const std::function<bool(const GuidPrefix&)>& may_read);
-  /// The writer is removed, or writes in another form. Its segments are not used again.
+  /// Notes that the writer is removed, or writes in another form. Its segments are not used again.
   void remove_writer(const EntityId& writer);
-  /// Closes what others seem to have returned, and forgets what is gone.
+  /// Closes segments that the other processes seem to have returned, and forgets those that are
+  /// gone.
   void forget_returned();
 
-  /// So much was not returned that the identity gets no more.
+  /// True if so much was not returned that the identity gets no more.
   bool is_full(const std::string& identity) const;
   std::size_t octets() const;
   std::size_t segments() const { return kept_.size(); }

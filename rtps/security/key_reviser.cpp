@@ -10,8 +10,9 @@ void KeyReviser::request(RevisionReason reason) {
   due_by_ = std::min(due_by_.value_or(kNever), by);
 }
 
-// A peer that loses its trust meanwhile may have the keys that are being sent. Then these are still
-// put to use, and another revision follows, which excludes all peers that lost trust until then.
+// A peer that loses its trust during a revision may have the keys that are being sent. These are
+// still put to use, and another revision follows, which excludes all peers that lost trust until
+// then.
 void KeyReviser::tick() {
   if (under_way_ && (core_.now >= under_way_->deadline || all_are_up_to_date())) finish();
   const bool is_due = due_by_ && (!core_.governance_waits || is_urgent());

@@ -6,15 +6,16 @@
 
 namespace ddssec::rtps {
 
-/// One revision runs at a time. Without `enable_key_revision` in the governance nothing happens.
+/// Revises keys, one revision at a time. Does nothing without `enable_key_revision` in the
+/// governance.
 class KeyReviser {
  public:
-  /// Revised keys are used this long after they were sent, at the latest. Receivers accept the
-  /// former keys for twice as long.
+  /// The longest time between sending revised keys and using them. Receivers accept the former keys
+  /// for twice as long.
   static constexpr MonotonicTime kTimeout = std::chrono::seconds(5);
   /// Time until the next attempt after creating revised keys failed.
   static constexpr MonotonicTime kRetry = std::chrono::seconds(1);
-  /// How long a revision that can wait does so at most, while the governance changes.
+  /// The longest time for which a revision that can wait does so while the governance changes.
   static constexpr MonotonicTime kMaxDelay = std::chrono::seconds(60);
   /// Limit for peers that left with the local keys and whose trust is still watched. If there is
   /// one more, keys are revised.
@@ -27,7 +28,7 @@ class KeyReviser {
   /// True if a revision is under way, or requested and does not wait.
   bool is_busy() const { return under_way_ || is_urgent(); }
   enum class RevisionReason : std::uint8_t {
-    trust_lost,  ///< or asked for by the application: as soon as possible
+    trust_lost,  ///< trust was lost, or the application asked for it: as soon as possible
     right_lost,  ///< a peer may do less than before: when the governance does not change
   };
   void request(RevisionReason reason = RevisionReason::trust_lost);
@@ -36,13 +37,13 @@ class KeyReviser {
   /// Must be called once a second: checks whether the lifetime of the keys has ended.
   void check_key_life();
 
-  // Peers that left while they were trusted. Their knowledge of the local keys is acceptable as
-  // long as they are trusted.
+  // Functions for peers that left while they were trusted. Their knowledge of the local keys is
+  // acceptable as long as they are trusted.
   /// Takes over the identity and the permissions of a peer that leaves.
   void note_absent(Peer& peer);
   /// Returns nullptr if the peer did not leave, or is forgotten.
   std::shared_ptr<const PeerIdentity> identity_of_absent(const GuidPrefix& prefix) const;
-  /// This participant is no longer watched from here on, so a key revision must make its keys
+  /// Stops watching the participant. If it was watched, requests a revision that makes its keys
   /// useless.
   void drop_absent(const GuidPrefix& prefix);
   /// Requests a revision if `ended(identity, permissions)` is true for any of them.
@@ -72,7 +73,7 @@ class KeyReviser {
   SecurityCore& core_;
   CryptoTokenExchange& exchange_;
   std::vector<Absent> absent_;
-  std::optional<MonotonicTime> due_by_;  ///< one is requested, and must begin then
+  std::optional<MonotonicTime> due_by_;  ///< a revision is requested, and must begin by then
   std::optional<UnderWay> under_way_;
   MonotonicTime retry_{};
 };

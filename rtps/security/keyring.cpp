@@ -127,7 +127,8 @@ Result<PairRegistration> Keyring::register_pair(const EntityId& id, const Guid& 
   return registered;
 }
 
-// A suspended pair gets its second protection again when it returns.
+// The second protection of the pair is always dropped. A suspended pair gets it again when it
+// returns.
 std::optional<Guid> Keyring::unregister_pair(const EntityId& id, const Guid& remote,
                                              AfterMatch after) {
   second_protections_.unregister_pair(id, remote);
@@ -162,7 +163,7 @@ Keyring::PairKeys Keyring::keys_for(const EntityId& id, const Guid& remote) cons
   return out;
 }
 
-// If only payloads are protected, an attacker can change their sequence numbers.
+// There is no digest if only payloads are protected: an attacker can change their sequence numbers.
 std::optional<Sha256Digest> Keyring::keys_of(const EntityId& id, const Guid& remote) const {
   const auto* local = find(id);
   const auto peer = remotes_.find(remote.prefix);

@@ -12,7 +12,7 @@
 
 namespace ddssec::rtps {
 
-/// What protected a received submessage.
+/// The protection with which a submessage arrived.
 struct ReceivedProtection {
   bool message = false;         ///< it arrived inside a protected message of its sender
   Guid submessage = {};         ///< the endpoint whose key protected it; zero: none
@@ -23,14 +23,15 @@ struct ReceivedProtection {
 /// protected messages, Fast DDS inside.
 bool is_plain_builtin(const EntityId& id);
 
-/// No I/O, clock or lock. The functions that protect and open messages allocate nothing.
+/// Keeps the crypto handles, and protects and opens messages with them. No I/O, clock or lock. The
+/// functions that protect and open messages allocate nothing.
 class Keyring final : public SendProtection {
  public:
   Keyring(OwnSecurity& own, EventSink& events) : own_(own), events_(events) {}
   ~Keyring() override;
 
   // Local endpoints:
-  /// `properties`: those of the endpoint. `builtin_name` marks the volatile secure endpoints.
+  /// Adds a local endpoint with its properties. `builtin_name` marks the volatile secure endpoints.
   Status add_local(const EntityId& id, const spi::EndpointSecurityAttributes& attributes,
                    std::string_view builtin_name = {}, spi::PropertyList properties = {});
   void remove_local(const EntityId& id);
@@ -47,7 +48,8 @@ class Keyring final : public SendProtection {
     spi::IdentityHandle identity;
     spi::PermissionsHandle permissions;
     std::shared_ptr<const spi::SharedSecret> secret;
-    /// Plain SEDP and liveliness also arrive inside protected messages. false for Cyclone DDS.
+    /// True if plain SEDP and liveliness also arrive inside protected messages. False for Cyclone
+    /// DDS.
     bool wraps_plain_builtin = true;
   };
   Status add_remote(const GuidPrefix& prefix, RemoteParticipant remote);
@@ -60,30 +62,30 @@ class Keyring final : public SendProtection {
   /// Registers a pair, or finds it.
   Result<PairRegistration> register_pair(const EntityId& local, const Guid& remote,
                                          bool is_relay_only = false);
-  /// A pair whose keys stay may be registered again, and the remote endpoint, which need not know
-  /// of that, does not send its keys again then. Returns the pair whose keys were dropped in
-  /// exchange (IdlePairs), if any.
+  /// Unregisters a pair. A pair whose keys stay may be registered again. The remote endpoint need
+  /// not know of that, and does not send its keys again then. Returns the pair whose keys were
+  /// dropped in exchange (IdlePairs), if any.
   std::optional<Guid> unregister_pair(const EntityId& local, const Guid& remote,
                                       AfterMatch after = AfterMatch::gone);
   enum class PairKind : std::uint8_t { unknown, ordinary, relay_only, suspended };
   PairKind kind_of(const EntityId& local, const Guid& remote) const;
-  /// False for a pair that is suspended.
+  /// True if the pair is registered and not suspended.
   bool is_pair_registered(const EntityId& local, const Guid& remote) const;
-  /// The keys of the remote endpoint for a pair.
+  /// The state of the remote endpoint's keys for a pair.
   struct PairKeys {
     bool have_come = false;    ///< also if the pair is suspended
     bool are_awaited = false;  ///< the pair is registered, and waits for them
-    /// There were too many pairs of the local endpoint with the subject of the remote one, so some
-    /// were unregistered (IdlePairs).
+    /// True if there were too many pairs of the local endpoint with the subject of the remote one,
+    /// so that some were unregistered (IdlePairs).
     bool may_be_dropped = false;
   };
   PairKeys keys_for(const EntityId& local, const Guid& remote) const;
-  /// A digest of the keys that protect messages from the remote to the local endpoint. It stays the
-  /// same as long as the keys do. Empty: the content is not authenticated.
+  /// Returns a digest of the keys that protect messages from the remote to the local endpoint. It
+  /// stays the same as long as the keys do. Empty if the content is not authenticated.
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const;
-  /// Returns true if the pair has become ready. A suspended one stays so.
-  /// `protection`: the one that has these keys; 0: the first one. A pair of the second one becomes
-  /// ready silently: false.
+  /// Sets the keys of the remote endpoint. `protection` is the one that has these keys; 0 means the
+  /// first one. Returns true if the pair has become ready. Returns false for a suspended pair,
+  /// which stays suspended, and for a pair that is ready under the second protection.
   Result<bool> set_endpoint_tokens(const EntityId& local, const Guid& remote,
                                    std::span<const spi::Token> tokens, ProtectionId protection = 0);
 
@@ -95,23 +97,24 @@ class Keyring final : public SendProtection {
     factory().forget_former_keys();
     return factory().is_key_revision_due(own_.crypto());
   }
-  /// The pairs of local endpoints with endpoints of that peer that have keys of their own, without
-  /// suspended ones.
+  /// Returns the pairs of local endpoints with endpoints of that peer that have keys of their own,
+  /// without suspended ones.
   std::vector<std::pair<EntityId, Guid>> pairs_with_keys(const GuidPrefix& prefix) const;
-  /// The tokens that the remote endpoint of such a pair needs: those in use, or those of the
-  /// revision under way.
+  /// Returns the tokens that the remote endpoint of such a pair needs: those in use, or those of
+  /// the revision under way.
   Result<std::vector<spi::Token>> endpoint_tokens(const EntityId& local, const Guid& remote,
                                                   spi::KeyStage stage);
 
   // Receiving. Each call writes to `scratch`, which must have at least the size of the input.
-  /// Opens a whole message. An unprotected message is returned unchanged, if it need not be
-  /// protected. Errors: those of the plugin, rtps_protection_missing (a pre-shared key is required
-  /// but was not used), secure_flags_unsupported (a pre-shared key was used where there is none).
-  /// Errors are counted, and raise an event if they deserve one.
+  /// An open message.
   struct OpenMessage {
     BytesView plain;
     bool is_by_participant = false;  ///< protected by its sender's own key
   };
+  /// Opens a whole message. An unprotected message is returned unchanged, if it need not be
+  /// protected. Errors: those of the plugin, rtps_protection_missing (a pre-shared key is required
+  /// but was not used), secure_flags_unsupported (a pre-shared key was used where there is none).
+  /// Errors are counted, and raise an event if they deserve one.
   Result<OpenMessage> open_message(const Header& header, BytesView message, MutableBytes scratch,
                                    MonotonicTime now);
   struct OpenSubmessage {
@@ -121,14 +124,15 @@ class Keyring final : public SendProtection {
   };
   Result<OpenSubmessage> open_submessage(const GuidPrefix& sender, BytesView group,
                                          MutableBytes scratch);
-  /// `reader` and `writer` must be a ready pair. An unprotected payload is returned unchanged.
+  /// Opens a payload. `reader` and `writer` must be a ready pair. An unprotected payload is
+  /// returned unchanged.
   Result<BytesView> open_payload(const EntityId& reader, const Guid& writer, BytesView payload,
                                  const ReceivedProtection& opened_by, MutableBytes scratch);
   /// True if the submessage was protected as the governance requires. Refused submessages are
   /// counted.
   bool accepts(const EntityId& local, const Guid& remote, const ReceivedProtection& opened_by);
-  /// Only the payload is protected, and does not show that it ends an instance, as the message
-  /// says, or that it does not. This is counted, and raises an event. `found`: for the event.
+  /// Counts a message of which only the payload is protected, and whose payload does not confirm
+  /// that the message ends an instance, or that it does not. Raises an event with `found`.
   void note_unproven_end(const EntityId& local, const Guid& remote, std::string found);
   const ProtectionCounters& counters() const { return counters_; }
 

@@ -25,8 +25,8 @@ Result<Keyring::OpenMessage> Keyring::open_message(const Header& header, BytesVi
     DDSSEC_ASSIGN_OR_RETURN(auto opened, pre_shared_.open(header, message, scratch, now));
     return OpenMessage{std::move(opened)};
   }
-  // Sent by a peer that has ended the session: with ddssec's plugins in Cyclone DDS it answers
-  // every message in this way after a revocation or an expiry. It is not a damaged message.
+  // The peer has ended the session. With ddssec's plugins in Cyclone DDS it answers every message
+  // in this way after a revocation or an expiry. This is not a damaged message.
   if (const auto reset = spi::read_reset(message)) {
     own_.session_ends().received(header.prefix, *reset, now);
     return fail(Code::session_reset_by_peer);

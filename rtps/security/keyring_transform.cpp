@@ -6,7 +6,8 @@
 namespace ddssec::rtps {
 namespace {
 
-// A message that arrives too early or is meant for others raises no event.
+// True for the errors of a message that arrives too early or is meant for others. They raise no
+// event.
 bool is_expected(Code code) {
   return code == Code::key_material_not_received || code == Code::unknown_key_id ||
          code == Code::key_revision_unknown || code == Code::receiver_specific_mac_missing ||
@@ -14,8 +15,9 @@ bool is_expected(Code code) {
          code == Code::message_from_before || code == Code::message_repeated;
 }
 
-// The two volatile endpoints of a participant share one key, which only this pair has. Its other
-// keys are given to many: with one of them, an insider could send key tokens in its name.
+// The two volatile endpoints of a participant share one key, which only this pair of participants
+// has. Many participants have its other keys: with one of them, an insider could send key tokens in
+// its name.
 bool lacks_submessage_key(const LocalKeys& local, const Guid& remote,
                           const ReceivedProtection& opened_by) {
   const auto& [prefix, entity] = opened_by.submessage;
@@ -144,9 +146,10 @@ void Keyring::note_unproven_end(const EntityId& id, const Guid& remote, std::str
 
 Keyring::Levels Keyring::levels(const EntityId& sender) const {
   constexpr std::size_t kHeaderAndFooter = 128, kReceiverMac = 20;
-  constexpr std::size_t kMorePeers = 16;  // that may be added before the message is finished
+  constexpr std::size_t kMorePeers = 16;  // peers that may be added before the message is finished
   const auto* local = find(sender);
-  // SPDP and the stateless endpoint: peers must be able to read them before authentication.
+  // SPDP and the stateless endpoint are not in the keyring, because peers must be able to read them
+  // before authentication.
   if (local == nullptr) return {.message = pre_shared_.wrap(), .message_room = kHeaderAndFooter};
   const auto& participant = own_.attributes();
   const bool is_by_participant = participant.is_rtps_protected() && !local->is_volatile;

@@ -10,7 +10,8 @@ void MappedMemory::add_reader(const Guid& writer, const EntityId& reader, bool i
   if (is_new) at->second.expects_offer = is_here;
 }
 
-// A writer offers its memory when it writes the first large sample.
+// A writer offers its memory when it writes the first large sample. If large samples arrive in
+// messages for too long, the missing offer is reported.
 void MappedMemory::note_message(const Guid& writer, std::size_t octets, MonotonicTime now) {
   if (octets < kMinLarge) return;
   const auto at = writers_.find(writer);
@@ -92,7 +93,7 @@ std::shared_ptr<MappedMemory::Copies> MappedMemory::copies_for(const GuidPrefix&
   return out;
 }
 
-// What is beyond this has not arrived, and a reliable reader gets it in messages.
+// A sample beyond this limit counts as not arrived. A reliable reader then gets it in a message.
 bool MappedMemory::may_copy(const GuidPrefix& from, std::size_t octets, MonotonicTime now) {
   auto& shared = copies_[from];
   if (!shared) shared = copies_for(from, now);
@@ -114,7 +115,8 @@ void MappedMemory::end_request(OfWriter& it) {
   it.request.reset();
 }
 
-// Passing goes on with it, and has room for few: so it counts until its result is there.
+// DescriptorPassing goes on with the request, and has room for few. So the request counts until its
+// result is there.
 void MappedMemory::abandon_request(const GuidPrefix& from, OfWriter& it) {
   if (it.request) abandoned_.emplace(it.request->id, from);
   end_request(it);
@@ -131,7 +133,7 @@ void MappedMemory::serve(MonotonicTime now) {
   }
 }
 
-// What no request waits for any longer is unmapped.
+// A segment for which no request waits any longer is unmapped.
 void MappedMemory::on_fetched(memory::DescriptorPassing::Fetched fetched, MonotonicTime now) {
   if (abandoned_.erase(fetched.id) > 0) return;
   const auto at = std::ranges::find_if(writers_, [&](const auto& entry) {

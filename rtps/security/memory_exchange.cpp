@@ -51,7 +51,8 @@ void MemoryExchange::serve(MonotonicTime now) {
   look_after_kept(now);
 }
 
-// Memory that was wiped to be used again, and that no writer wants by now, is with others still.
+// Memory that was wiped for further use, but that no writer wants by now, is still mapped by
+// others, so it is kept.
 void MemoryExchange::take_prepared(MonotonicTime now) {
   for (auto& [id, slots] : core_.passing->take_prepared()) {
     const auto at = std::ranges::find_if(

@@ -1,6 +1,6 @@
 // Shared memory between this participant and authenticated peers on the same machine: the memory of
-// local writers (WrittenMemory), that of remote writers (MappedMemory), and what both sides say to
-// each other over the protected channel.
+// local writers (WrittenMemory), that of remote writers (MappedMemory), and the messages of both
+// sides over the protected channel.
 //
 // The writer's participant offers memory to one peer that has a matched reader. The offer has a
 // token with which the peer fetches the descriptor over a local socket. If any step fails, or the
@@ -12,34 +12,34 @@
 
 namespace ddssec::rtps {
 
-/// Never blocks. No clock or lock.
+/// The shared memory of one local participant. Never blocks. No clock or lock.
 class MemoryExchange {
  public:
-  /// Both must outlive it. Errors: those of the local socket.
+  /// Both arguments must outlive it. Errors: those of the local socket.
   static memory::MemoryResult<std::unique_ptr<MemoryExchange>> make(
       SecurityCore& core, CryptoTokenExchange& exchange, const spi::SharedMemory& settings);
 
-  /// From now on a thread of its own does what other processes could hold up. Must be called before
-  /// the participant is served, unless by a test. If there is no thread, an event says so.
+  /// Starts a thread for work that other processes could delay. Must be called before the
+  /// participant is served, except in tests. If no thread can be started, an event reports that.
   void start();
-  /// Readable when `serve` must be called.
+  /// Returns a descriptor that is readable when `serve` must be called.
   int descriptor() const { return core_.passing->descriptor(); }
   void serve(MonotonicTime now);
-  /// When `serve` must be called even if the descriptor is not readable.
+  /// Returns when `serve` must be called even if the descriptor is not readable.
   MonotonicTime next_tick() const;
 
   // Local writers:
-  /// A reader of a peer on this machine has matched the writer, or no longer does.
+  /// Note that a reader of a peer on this machine has matched the writer, or no longer does.
   void add_reader(StatefulWriter& writer, const Guid& reader);
   void remove_reader(const EntityId& writer, const Guid& reader);
   /// Must be called before the writer is destroyed.
   void remove_writer(const EntityId& writer);
-  /// How many peers may still fetch a descriptor.
+  /// Returns how many peers may still fetch a descriptor.
   std::size_t offers() const { return core_.passing->offers().size(); }
 
   const KeptMemory& kept() const { return core_.kept; }
 
-  /// See MappedMemory.
+  /// Returns the memory of remote writers.
   MappedMemory& mapped() { return mapped_; }
 
  private:
@@ -49,7 +49,7 @@ class MemoryExchange {
   void take_prepared(MonotonicTime now);
   void look_after_kept(MonotonicTime now);
   void on_message(Peer& peer, const spi::Token& token);
-  /// Participants of its identity passed a descriptor that was not of memory.
+  /// True if participants of the peer's identity passed a descriptor that was not one of memory.
   bool is_barred(const Peer& peer) const;
   void answer(const GuidPrefix& to, const MemoryAnswer& answer);
 
@@ -63,7 +63,7 @@ class MemoryExchange {
 
   MemoryCore core_;
   std::set<std::string> barred_;
-  MonotonicTime next_look_ = kNever;  ///< whether kept memory was returned
+  MonotonicTime next_look_ = kNever;  ///< when to check whether kept memory was returned
   std::map<EntityId, OfWriter> writers_;
   MappedMemory mapped_;
 };

@@ -19,7 +19,7 @@ spi::Token token_with(std::string_view class_id, Writer content) {
   return out;
 }
 
-// nullptr: it is of another class.
+// Returns nullptr for a token of another class.
 const Bytes* content_of(const spi::Token& token, std::string_view class_id) {
   return token.class_id == class_id ? spi::find_binary_property(token, kContent) : nullptr;
 }

@@ -1,4 +1,4 @@
-// What two participants say to each other about shared memory, over their protected channel.
+// The messages of two participants about shared memory, over their protected channel.
 #pragma once
 
 #include <optional>
@@ -9,23 +9,24 @@
 
 namespace ddssec::rtps {
 
-/// A writer's participant offers the writer's memory to one that has a matched reader.
+/// The offer of a writer's memory, from the writer's participant to one that has a matched reader.
 struct MemoryOffer {
   EntityId writer = {};
   memory::DescriptorOffer offer = {};
 };
 
-/// The reader's participant has mapped it, or says why it cannot be read.
+/// The answer of the reader's participant: it has mapped the memory, or cannot read it.
 struct MemoryAnswer {
   EntityId writer = {};
   std::uint64_t segment = 0;
-  std::optional<memory::MemoryRefusal> refusal = {};  ///< empty: mapped
+  std::optional<memory::MemoryRefusal> refusal = {};  ///< the reason why it cannot be read; empty:
+                                                      ///< mapped
   bool operator==(const MemoryAnswer&) const = default;
 };
 
 spi::Token token_of(const MemoryOffer& offer);
 spi::Token token_of(const MemoryAnswer& answer);
-/// Empty: it is not one that this version understands.
+/// Both functions return nothing for a token that this version does not understand.
 std::optional<MemoryOffer> offer_in(const spi::Token& token);
 std::optional<MemoryAnswer> answer_in(const spi::Token& token);
 

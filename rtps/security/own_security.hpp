@@ -17,7 +17,8 @@ namespace ddssec::rtps {
 /// A local participant that was authenticated and authorized. Its destructor returns the handles.
 class OwnSecurity {
  public:
-  /// Errors: those of the plugins, which have already raised their events.
+  /// Authenticates and authorizes the local participant. Errors: those of the plugins, which have
+  /// already raised their events.
   static Result<std::unique_ptr<OwnSecurity>> create(const SecurityOptions& options,
                                                      DomainId domain_id,
                                                      const GuidPrefix& candidate,
@@ -35,23 +36,25 @@ class OwnSecurity {
   SessionEnds& session_ends() { return session_ends_; }
   DomainId domain_id() const { return domain_id_; }
   const std::string& domain_tag() const { return domain_tag_; }
-  /// Bound to the certificate's subject (DDS-Security 1.2, clause 10.3.3).
+  /// Returns the GUID, which is bound to the certificate's subject (DDS-Security 1.2,
+  /// clause 10.3.3).
   const Guid& guid() const { return guid_; }
   spi::IdentityHandle identity() const { return identity_; }
   spi::PermissionsHandle permissions() const { return permissions_; }
   spi::ParticipantCryptoHandle crypto() const { return crypto_; }
   const spi::ParticipantSecurityAttributes& attributes() const { return attributes_; }
   const spi::SymmetricCipherInfo& ciphers() const { return ciphers_; }
-  /// nullptr: the governance requires none.
+  /// Returns nullptr if the governance requires no pre-shared keys.
   spi::PreSharedKeys* pre_shared_keys() const { return pre_shared_keys_.get(); }
   const spi::Token& identity_token() const { return identity_token_; }
   const spi::Token& permissions_token() const { return permissions_token_; }
 
-  /// From now on handshakes present permissions that access control has renewed. A refusal has its
-  /// event. Returns true if there are any.
+  /// Makes handshakes present permissions that access control has renewed, from now on. An event
+  /// reports a refusal. Returns true if there are any.
   bool present_renewed_permissions();
 
-  /// The governance's attributes for one of the builtin topics of DDS-Security 1.2, clause 7.5.13.
+  /// Returns the governance's attributes for one of the builtin topics of DDS-Security 1.2,
+  /// clause 7.5.13.
   Result<spi::EndpointSecurityAttributes> builtin_attributes(std::string_view topic);
 
  private:
@@ -67,7 +70,7 @@ class OwnSecurity {
   Guid guid_;
   spi::IdentityHandle identity_;
   spi::PermissionsHandle permissions_;
-  std::uint64_t renewals_ = 0;  ///< of the permissions that authentication has
+  std::uint64_t renewals_ = 0;  ///< number of renewals of the permissions that authentication has
   spi::ParticipantCryptoHandle crypto_;
   spi::ParticipantSecurityAttributes attributes_;
   spi::SymmetricCipherInfo ciphers_;

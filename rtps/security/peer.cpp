@@ -131,7 +131,7 @@ Announced on(Refused& state, AnotherAnnouncement& event) {
   return {{std::move(event.handshake), state.admits}};
 }
 
-// From now on nothing is sent to the peer, or accepted from it.
+// Closes the channel: from now on nothing is sent to the peer, or accepted from it.
 Distrusted without_channel(Association& association) {
   association.volatile_writer.reset();
   association.volatile_reader.reset();

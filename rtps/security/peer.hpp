@@ -42,7 +42,7 @@ struct PeerPermissions {
   Cleanup give_back = {};
 };
 
-/// What a peer says about its governance document; see GovernanceTransition.
+/// The reports of a peer about its governance document; see GovernanceTransition.
 struct GovernanceOfPeer {
   enum class State : std::uint8_t {
     changing,  ///< accepts the former protection and that of the document; sends by the former
@@ -55,17 +55,18 @@ struct GovernanceOfPeer {
     bool operator==(const GovernanceReport&) const = default;
   };
   std::optional<GovernanceReport> received = {};  ///< the latest
-  std::optional<GovernanceReport> sent = {};      ///< the latest that we said to the peer
-  /// It has taken the document that is in force here, or comes into force: it is told which
-  /// protection keys are for, and its endpoints match with either.
+  std::optional<GovernanceReport> sent = {};      ///< the latest that we sent to the peer
+  /// True if the peer has accepted the document that is in force here or comes into force. The peer
+  /// is then told which protection keys are for, and its endpoints match with either.
   bool takes_part = false;
   WorkBudget answers{3, std::chrono::seconds(5), {}};
 };
 
-/// What is shared with a peer that proved its identity. The members are destroyed in reverse order:
-/// the keys first, then the permissions and the identity that the keys were created for.
+/// The state that is shared with a peer that proved its identity. The members are destroyed in
+/// reverse order: the keys first, then the permissions and the identity that the keys were created
+/// for.
 struct Association {
-  /// Finished; another one may run at the same time.
+  /// The finished handshake; another one may run at the same time.
   std::unique_ptr<PeerHandshake> handshake = {};
   PeerPermissions permissions = {};
   std::string subject = {};  ///< of its certificate
@@ -80,7 +81,7 @@ struct Association {
   WaitingTokens waiting = {};
   std::unique_ptr<StatefulReader> volatile_reader = {};
   std::unique_ptr<StatefulWriter> volatile_writer = {};
-  /// Makes the peer begin a new session, should it keep this one. Empty: another product's.
+  /// Makes the peer begin a new session if it keeps this one. Empty for a peer of another product.
   std::optional<spi::ResetToken> reset = {};
   Cleanup keys = {};  ///< removes them from the keyring
 };
@@ -88,8 +89,8 @@ struct Association {
 /// Each state owns what it needs; leaving a state releases it.
 namespace peer {
 
-/// Nothing is proven. `is_admitted`: the peer takes part without authentication until it succeeds
-/// and is permitted.
+/// Nothing is proven. If `is_admitted`, the peer takes part without authentication until it
+/// succeeds and is permitted.
 struct Unproven {
   std::unique_ptr<PeerHandshake> handshake;
   bool is_admitted = false;
@@ -115,7 +116,7 @@ struct Joined {
 };
 /// A signed document forbids it to join, or its identity token is invalid. It gets another try with
 /// a different announcement, and after a pause: documents of both sides are renewed while they run,
-/// and nothing announces that. `admits`: it takes part without authentication, also while it is
+/// and nothing announces that. If `admits`, it takes part without authentication, also while it is
 /// tried again.
 struct Refused {
   bool admits = false;
@@ -128,7 +129,8 @@ struct Distrusted {
 
 }  // namespace peer
 
-/// A transition that is not legal in the current state returns false and changes nothing.
+/// The state of a peer. A transition that is not legal in the current state returns false and
+/// changes nothing.
 class PeerState {
  public:
   explicit PeerState(std::unique_ptr<PeerHandshake> handshake);
@@ -137,17 +139,17 @@ class PeerState {
   bool begin();
   bool time_out();
   bool admit_unauthenticated();
-  /// A handshake was finished: what was agreed on by an earlier one ends here.
+  /// Ends everything that an earlier handshake agreed on, because another one was finished.
   bool replace();
-  /// `association`: without its handshake, which is taken from the state that is left.
+  /// `association` comes without its handshake, which is taken from the state that is left.
   bool associate(Association association, MonotonicTime now);
   bool note_key_exchange();
-  /// The keys did not arrive: another handshake was requested.
+  /// Notes that another handshake was requested, because the keys did not arrive.
   bool ask_again(MonotonicTime now);
   bool join();
   bool probe(MonotonicTime deadline, MonotonicTime next);
   bool end_probe();
-  /// `admits`: it takes part without authentication from now on, or goes on so.
+  /// If `admits`, the peer takes part without authentication from now on, or goes on to do so.
   bool refuse(bool admits);
   bool announce_again(std::unique_ptr<PeerHandshake> handshake);
   bool distrust();

@@ -132,7 +132,7 @@ void PeerHandshake::tick(MonotonicTime now, Messages& out) {
 }
 
 // All messages may have been lost, or replaced by messages of a third party; neither proves
-// anything about the peer. The plugin may have dropped the local request.
+// anything about the peer. The plugin may have dropped the local request, so it is created again.
 void PeerHandshake::become_overdue(MonotonicTime now) {
   is_overdue_ = true;
   overdue_at_ = now + kOverdue;
@@ -204,7 +204,7 @@ PeerHandshake::Assessment PeerHandshake::assess_reply(
 
 PeerHandshake::Assessment PeerHandshake::assess_request(const spi::Token& token) const {
   const auto digest = digest_of(token);
-  if (finished_ && finished_->last == digest) return {};  // it arrives late
+  if (finished_ && finished_->last == digest) return {};  // the request arrives late
   const bool known = std::ranges::count(answers_.all(), digest, &HandshakeAnswer::request) > 0;
   return {known ? Effort::memory : Effort::request, digest};
 }
@@ -228,7 +228,8 @@ bool PeerHandshake::receive(const GenericMessage& message, const Assessment& ass
   return true;
 }
 
-// Cyclone DDS assigns new numbers to its repetitions.
+// Cyclone DDS assigns new numbers to its repetitions, so the answer refers to the number of this
+// one.
 void PeerHandshake::repeat_known(const GenericMessage& message, const Sha256Digest& digest,
                                  Messages& out) {
   if (begins()) {

@@ -12,14 +12,14 @@
 
 namespace ddssec::rtps {
 
-/// What the handshakes of a participant with all its peers share.
+/// The values that the handshakes of a participant with all its peers share.
 struct HandshakeAccount {
   std::int64_t last_number = 0;   ///< of the local stateless messages
   std::size_t answer_octets = 0;  ///< see HandshakeAnswers
 };
 
-/// The plugin's handle for a peer. Returned when nothing refers to it any more: neither a handshake
-/// nor a peer that left while it was trusted.
+/// The plugin's handle for a peer. It is returned when nothing refers to it any more: neither a
+/// handshake nor a peer that left while it was trusted.
 class PeerIdentity {
  public:
   PeerIdentity(spi::Authentication& plugin, spi::IdentityHandle handle)
@@ -42,9 +42,9 @@ enum class Effort : std::uint8_t {
   echo,     ///< public-key work for a sender that received the last local message
 };
 
-/// A refused message changes nothing. Requests of either side are processed next to a finished
-/// handshake: a side that lost its state may authenticate again, and only a new proof replaces the
-/// old one.
+/// The handshakes with one peer. A refused message changes nothing. Requests of either side are
+/// processed next to a finished handshake: a side that lost its state may authenticate again, and
+/// only a new proof replaces the old one.
 class PeerHandshake {
  public:
   struct Sides {
@@ -53,12 +53,12 @@ class PeerHandshake {
     spi::Token peer_identity_token;
     /// false for Fast DDS, which does not know auth_request.
     bool send_auth_request = true;
-    /// The peer claims to run ddssec: it repeats the challenge in the local auth_request.
+    /// True if the peer claims to run ddssec: it repeats the challenge in the local auth_request.
     bool repeats_challenges = false;
     /// Set if the peer left and is still known: the plugin has one handle for all its handshakes.
     std::shared_ptr<const PeerIdentity> known_identity = {};
   };
-  /// `own_data`: the local c.pdata, a big-endian parameter list.
+  /// `own_data` is the local c.pdata, a big-endian parameter list.
   PeerHandshake(spi::Authentication& plugin, Sides sides, std::shared_ptr<const Bytes> own_data,
                 HandshakeAccount& account, MonotonicTime now);
   PeerHandshake(const PeerHandshake&) = delete;
@@ -67,7 +67,7 @@ class PeerHandshake {
   using Messages = std::vector<GenericMessage>;
   /// Appends the messages that are due to `out`.
   void tick(MonotonicTime now, Messages& out);
-  /// What is known of a message before any work is done for it.
+  /// The facts about a message that are known before any work is done for it.
   struct Assessment {
     Effort effort = Effort::none;
     Sha256Digest digest = {};  ///< digest of the peer's request or reply, unless the effort is none
@@ -81,49 +81,49 @@ class PeerHandshake {
                Messages& out);
   /// Processes an auth_request of the peer. Returns the challenge that it repeats, or empty.
   Bytes receive_auth_request(const GenericMessage& message, Messages& out);
-  /// Called if the peer's later announcement claims that it runs ddssec: the first announcement may
-  /// be forged.
+  /// Notes that the peer's later announcement claims that it runs ddssec: the first announcement
+  /// may be forged.
   void note_repeats_challenges() { repeats_challenges_ = true; }
   bool repeats_challenges() const { return sides_.repeats_challenges || repeats_challenges_; }
-  /// The local auth_request, without a challenge; empty if there is none to send.
+  /// Returns the local auth_request, without a challenge; empty if there is none to send.
   std::optional<GenericMessage> auth_request() const;
   MonotonicTime next_tick() const { return next_; }
   bool started() const { return is_started_; }
-  /// How often its messages were sent, not counting answers.
+  /// Returns how often its messages were sent, not counting answers.
   int repetitions() const { return repetitions_; }
-  /// The time of the start; empty before it.
+  /// Returns the time of the start; empty before it.
   std::optional<MonotonicTime> began() const {
     return is_started_ ? std::optional(began_) : std::nullopt;
   }
   /// Sets the time of the start or of the next repetition.
   void start_at(MonotonicTime time) { next_ = time; }
-  /// The peer sent something, so repetitions need not become rare.
+  /// Notes that the peer sent something, so that repetitions need not become rare.
   void note_heard() { was_heard_ = true; }
-  /// A message of the peer had to be dropped: repeats at once what waits for an answer, if there
-  /// was time for an answer.
+  /// Repeats messages that wait for an answer at once, if there was time for an answer, because a
+  /// message of the peer had to be dropped.
   void shorten_delays(MonotonicTime now);
   /// Begins a new handshake next to the finished one, if the local side is the one that begins.
   void begin_again(MonotonicTime now);
   /// True if the local GUID is the lower one (DDS-Security 1.2, clause 10.3.3).
   bool begins() const { return sides_.own_guid < sides_.peer_guid; }
-  /// Number of the peer's messages that the plugin refused.
+  /// Returns the number of the peer's messages that the plugin refused.
   std::uint64_t refusals() const { return refusals_; }
 
   bool finished() const { return finished_.has_value(); }
   /// Returns true if a handshake was finished since the last call.
   bool take_proof() { return std::exchange(has_new_proof_, false); }
-  /// The reason why the handshake can never succeed, if there is one. No message of a third party,
-  /// and no missing message, can cause it.
+  /// Returns the reason why the handshake can never succeed, if there is one. No message of a third
+  /// party, and no missing message, can cause it.
   const std::optional<Error>& failure() const { return failure_; }
   /// True if the handshake took too long. It continues at a slow pace as long as the peer is
   /// announced.
   bool is_overdue() const { return is_overdue_; }
-  /// Valid when finished.
+  /// Returns the handle, which is valid when finished.
   spi::HandshakeHandle handle() const;
-  /// The peer's identity once it was validated; nullptr before.
+  /// Returns the peer's identity once it was validated; nullptr before.
   const std::shared_ptr<const PeerIdentity>& identity() const { return identity_; }
   HandshakeAnswers& answers() { return answers_; }
-  /// The peer's c.pdata, proven when finished; empty before.
+  /// Returns the peer's c.pdata, proven when finished; empty before.
   BytesView peer_data() const { return peer_data_; }
 
   static constexpr MonotonicTime kDelay = std::chrono::milliseconds(10);

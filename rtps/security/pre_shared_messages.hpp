@@ -10,7 +10,8 @@
 
 namespace ddssec::rtps {
 
-/// Does nothing if the governance has no rtps_psk_protection_kind.
+/// Protects and opens messages with the pre-shared key. Does nothing if the governance has no
+/// rtps_psk_protection_kind.
 class PreSharedMessages {
  public:
   /// Limits for key derivations, which each new sender causes: a burst, then one per period.
@@ -20,12 +21,12 @@ class PreSharedMessages {
   static constexpr int kMaxComplaints = 16;
   static constexpr MonotonicTime kComplaintPeriod = std::chrono::milliseconds(250);
 
-  /// Everything is borrowed and must outlive this object.
+  /// All arguments are borrowed and must outlive this object.
   PreSharedMessages(OwnSecurity& own, EventSink& events, ProtectionCounters& counters)
       : own_(own), events_(events), counters_(counters) {}
 
   bool are_due() const { return own_.pre_shared_keys() != nullptr; }
-  /// The protection of what no participant's own key protects.
+  /// Returns the protection of messages that no participant's own key protects.
   SendProtection::Wrap wrap() const {
     return are_due() ? SendProtection::Wrap::pre_shared_key : SendProtection::Wrap::none;
   }
@@ -36,7 +37,7 @@ class PreSharedMessages {
   /// Refuses an unprotected message where protection is required. Returns the error
   /// rtps_protection_missing.
   std::unexpected<Error> refuse_bare(const Header& header, MonotonicTime now);
-  /// Errors: not_protected if there is no key.
+  /// Protects a message. Error: not_protected if there is no key.
   Result<std::size_t> protect(BytesView plain, MutableBytes out);
 
  private:

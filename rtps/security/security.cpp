@@ -13,8 +13,8 @@ struct BuiltinEndpoint {
   std::string_view writer_name = {}, reader_name = {};
 };
 
-// DDS-Security 1.2, clause 7.5.8: all builtin endpoints except the two pairs that must be readable
-// before any peer is authenticated.
+// All builtin endpoints except the two pairs that must be readable before any peer is authenticated
+// (DDS-Security 1.2, clause 7.5.8).
 constexpr BuiltinEndpoint kBuiltin[] = {
     {kPublicationsWriter, kPublicationsReader, "DCPSPublication"},
     {kSubscriptionsWriter, kSubscriptionsReader, "DCPSSubscription"},
@@ -37,7 +37,7 @@ Security::Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, Time
                    SecurityHost& host, EventSink& events)
     : core_(std::move(own), sender, timers, host, events) {}
 
-// One after the other, because each flushes the messages that need its keys.
+// Peers are removed one after the other, because each one flushes the messages that need its keys.
 Security::~Security() {
   while (!core_.peers.empty()) core_.peers.erase(core_.peers.begin());
 }
@@ -84,7 +84,8 @@ void Security::announced_again(const ParticipantData& data, const AnnouncedAddre
   handshakes_.announced_again(data, addresses);
 }
 
-// A peer that has left does not announce itself. Announcements can be forged, but the end cannot.
+// A peer that has left does not announce itself. So one that has proven the end of the session and
+// still announces itself did not resume it. Announcements can be forged, but the end cannot.
 void Security::note_announced(const GuidPrefix& prefix, MonotonicTime now) {
   constexpr auto kPatience = std::chrono::seconds(6);
   core_.now = now;
@@ -175,8 +176,8 @@ void Security::tick(MonotonicTime now) {
   core_.now = now;
   handshakes_.tick();
   exchange_.tick();
-  // Before expire(): a revision that expire() requests begins in the next tick, when the peers that
-  // have ended are removed.
+  // This comes before expire(). A revision that expire() requests begins in the next tick, when the
+  // peers that have ended are removed.
   if (revision_.is_busy()) change_.finish();
   revision_.tick();
   if (memory_) memory_->serve(now);

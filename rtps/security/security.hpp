@@ -7,9 +7,9 @@
 //   Handshakes            authenticates the peers, and limits what that costs
 //   KeyReviser            creates new keys for all others when a peer loses its trust
 //   CryptoTokenExchange   exchanges key tokens through the volatile secure endpoints
-//   Admission             decides who may try to authenticate, and which endpoints may match
-//   SecurityCore          what all of them use: the peers (see peer.hpp), the keyring, the local
-//   identity
+//   Admission             decides which participants may authenticate, and which endpoints match
+//   SecurityCore          is used by all of them: has the peers (see peer.hpp), the keyring, the
+//                         local identity
 //
 // Each part calls only those below it.
 #pragma once
@@ -53,7 +53,7 @@ class Security {
     return admission_.create_endpoint(id, endpoint);
   }
 
-  /// For the partitions of local endpoints, and their announcement.
+  /// Returns the part that decides about the partitions of local endpoints, and their announcement.
   Admission& admission() { return admission_; }
   void forget_endpoint(const EntityId& id) {
     admission_.forget_endpoint(id);
@@ -65,10 +65,10 @@ class Security {
                   MonotonicTime now);
   void announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses,
                        MonotonicTime now);
-  /// A participant announces itself. Raises session_not_resumed, once, if it is authenticated and
-  /// has ended the session a while ago.
+  /// Notes that a participant announces itself. Raises session_not_resumed, once, if it is
+  /// authenticated and has ended the session a while ago.
   void note_announced(const GuidPrefix& prefix, MonotonicTime now);
-  /// This many more octets may be sent to the peer.
+  /// Notes that this many more octets may be sent to the peer.
   void note_credit(const GuidPrefix& prefix, std::size_t octets) {
     if (auto* peer = core_.find(prefix)) handshakes_.note_credit(*peer, octets);
   }
@@ -76,14 +76,14 @@ class Security {
   void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag, const SourceAddress& from,
                          MonotonicTime now);
   void note_key_exchange(const GuidPrefix& prefix);
-  /// The peer acknowledged messages of the key exchange.
+  /// Notes that the peer acknowledged messages of the key exchange.
   void note_keys_acknowledged(const GuidPrefix& prefix);
 
-  /// For events about peers.
+  /// Returns the core, for events about peers.
   SecurityCore& core() { return core_; }
 
-  /// Removes a participant and its keys. Returns a message for one that is no longer trusted and
-  /// may keep the session: in Cyclone DDS, a renewal list may let it.
+  /// Removes a participant and its keys. Returns a message to send to a participant that is no
+  /// longer trusted and may keep the session: in Cyclone DDS, a renewal list may let it.
   std::optional<Bytes> lost(const GuidPrefix& prefix);
   bool is_authenticated(const GuidPrefix& prefix) const;
   /// True if the participant was discovered as one that authenticates, and was not removed since.
@@ -101,7 +101,7 @@ class Security {
     if (auto* peer = core_.find(prefix)) exchange_.ask_for_sign_of_life(*peer);
   }
 
-  /// From now on the peer is sent to at these addresses.
+  /// Sends to the peer at these addresses from now on.
   void readdress(const GuidPrefix& prefix, const LocatorList& addresses) {
     if (auto* peer = core_.find(prefix)) exchange_.readdress(*peer, addresses);
   }
@@ -119,7 +119,7 @@ class Security {
     exchange_.request_tokens(local, remote);
   }
 
-  /// The application no longer trusts the participant. Must be called before `lost`.
+  /// Notes that the application no longer trusts the participant. Must be called before `lost`.
   void distrust(const GuidPrefix& prefix);
   /// Creates new keys for the peers that are trusted now. Errors: rtps_key_revision_disabled.
   Status revise_keys();
@@ -129,7 +129,7 @@ class Security {
 
  private:
   void expire();
-  /// The peers for which `ended(identity, permissions)` is true.
+  /// Returns the peers for which `ended(identity, permissions)` is true.
   template <class F>
   std::vector<GuidPrefix> peers_if(F&& ended) const;
 

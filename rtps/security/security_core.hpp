@@ -1,5 +1,5 @@
-// What the parts of one participant's security share, and the interface through which they call the
-// participant.
+// The state that the parts of one participant's security share, and the interface through which
+// they call the participant.
 #pragma once
 
 #include <map>
@@ -10,36 +10,38 @@
 
 namespace ddssec::rtps {
 
-/// The participant. Called from within receive, tick and register_pair.
+/// The participant, as the parts of its security call it. Called from within receive, tick and
+/// register_pair.
 class SecurityHost {
  public:
   virtual ~SecurityHost() = default;
-  /// The peer's keys have arrived: builtin endpoints may be matched.
+  /// Called when the peer's keys have arrived: builtin endpoints may be matched.
   virtual void on_authenticated(const GuidPrefix& peer) = 0;
-  /// The peer did not authenticate, has not authenticated yet, or is not allowed to join.
+  /// Called if the peer did not authenticate, has not authenticated yet, or is not allowed to join.
   virtual void on_unauthenticated(const GuidPrefix& peer) = 0;
-  /// The peer authenticated, and `proven` is the data that it signed. Returns the addresses at
-  /// which it can be reached.
+  /// Called when the peer has authenticated. `proven` is the data that it signed. Returns the
+  /// addresses at which it can be reached.
   virtual LocatorList on_proven(const GuidPrefix& peer, const ParticipantData& proven) = 0;
-  /// The peer authenticated, but its keys have not arrived for some time. It may have to be reached
-  /// at other addresses.
+  /// Called if the keys of a peer that authenticated have not arrived for some time. It may have to
+  /// be reached at other addresses.
   virtual void on_unconfirmed(const GuidPrefix& peer) = 0;
-  /// The peer authenticated again: everything that was agreed on before has ended.
+  /// Called when the peer has authenticated again: everything that was agreed on before has ended.
   virtual void on_replaced(const GuidPrefix& peer) = 0;
-  /// The keys of a pair that is registered have arrived.
+  /// Called when the keys of a registered pair have arrived.
   virtual void on_keys(const EntityId& local, const Guid& remote) = 0;
-  /// Keys of the remote endpoint arrived, and are kept, for a pair that is not registered.
+  /// Called when keys of the remote endpoint arrived, and are kept, for a pair that is not
+  /// registered.
   virtual void on_early_keys(const EntityId& local, const Guid& remote) = 0;
-  /// The peer's permissions, or the local ones, were renewed: endpoints may match that did not, or
-  /// no longer match. Returns true if any no longer match.
+  /// Called when the peer's permissions, or the local ones, were renewed: endpoints may match that
+  /// did not, or no longer match. Returns true if any no longer match.
   virtual bool on_rights_changed(const GuidPrefix& peer) = 0;
-  /// The peer's identity or permissions, or the local ones, expired or were revoked.
+  /// Called when the peer's identity or permissions, or the local ones, expired or were revoked.
   virtual void on_ended(const GuidPrefix& peer) = 0;
 };
 
 class MemoryExchange;
 
-/// All parts borrow it; it knows none of them.
+/// The shared state. All parts borrow it; it knows none of them.
 struct SecurityCore {
   SecurityCore(std::unique_ptr<OwnSecurity> identity, MessageSender& message_sender,
                TimerQueue& timer_queue, SecurityHost& security_host, EventSink& sink)
@@ -59,7 +61,8 @@ struct SecurityCore {
     const auto at = peers.find(prefix);
     return at == peers.end() ? nullptr : &at->second;
   }
-  /// Who can have sent a message that a local endpoint accepts as one of the remote endpoint.
+  /// Returns the possible senders of a message that a local endpoint accepts as one of the remote
+  /// endpoint.
   EventOrigin origin(const EntityId& local, const Guid& remote) const {
     const auto* attributes = keyring.attributes(local);
     if (attributes == nullptr) return EventOrigin::anyone;
@@ -69,7 +72,7 @@ struct SecurityCore {
                             (!is_plain_builtin(local) || peer->data.vendor != kVendorCyclone);
     return is_wrapped ? EventOrigin::its_keys : EventOrigin::anyone;
   }
-  /// Who can have sent the announcement of a remote endpoint.
+  /// Returns the possible senders of the announcement of a remote endpoint.
   EventOrigin origin_of_announcement(const Guid& endpoint, bool by_secure_discovery) const {
     const bool writes = is_writer(endpoint.entity);
     const auto& plain = writes ? kPublicationsReader : kSubscriptionsReader;
@@ -80,8 +83,8 @@ struct SecurityCore {
   void raise(Error error, const Peer& peer, EventOrigin origin) {
     raise(std::move(error), peer.prefix(), peer.name(), origin);
   }
-  /// The same about a participant that may be unknown, or about one of its endpoints. `guid`: of
-  /// the participant or endpoint.
+  /// The same about a participant that may be unknown, or about one of its endpoints. `guid` is
+  /// that of the participant or endpoint.
   void raise(Error error, const Guid& guid, EventOrigin origin) {
     raise(std::move(error), guid.prefix, guid.to_string(), origin);
   }
@@ -90,7 +93,8 @@ struct SecurityCore {
     auto subject = peer == nullptr ? std::nullopt : proven_subject(*peer);
     events.raise(peer_event(std::move(error), std::move(guid), std::move(subject)));
   }
-  /// Empty: the peer has not authenticated, or is no longer trusted.
+  /// Returns the subject of the peer's certificate. Empty if the peer has not authenticated, or is
+  /// no longer trusted.
   std::optional<std::string> proven_subject(const Peer& peer) const {
     if (const auto* association = peer.state.association()) return association->subject;
     const auto* handshake = peer.state.handshake();
@@ -111,7 +115,8 @@ struct SecurityCore {
   MonotonicTime now{};              ///< time of the current call
   bool governance_changes = false;  ///< endpoints have two protections (GovernanceTransition)
   bool governance_has_changed = false;
-  bool governance_waits = false;     ///< they have, or will as soon as no keys are being revised
+  bool governance_waits = false;     ///< endpoints have two protections, or will as soon as no keys
+                                     ///< are being revised
   MemoryExchange* memory = nullptr;  ///< nullptr: shared memory is off
 };
 

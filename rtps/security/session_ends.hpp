@@ -10,21 +10,22 @@
 
 namespace ddssec::rtps {
 
-/// The sessions stay until a handshake proves other ones: a peer that comes back begins it.
+/// The sessions whose end peers may prove. A session stays until a handshake proves another one: a
+/// peer that comes back begins it.
 class SessionEnds {
  public:
-  /// A session with the peer begins; a former one no longer counts.
+  /// Notes that a session with the peer begins; a former one no longer counts.
   void expect(const GuidPrefix& peer, const spi::SharedSecret& secret);
   void forget(const GuidPrefix& peer) { sessions_.erase(peer); }
-  /// A message in the name of the peer says that the session has ended. Without a proof it has no
-  /// effect.
+  /// Handles a message in the name of the peer that says that the session has ended. Without a
+  /// proof it has no effect.
   void received(const GuidPrefix& peer, const spi::Reset& reset, MonotonicTime now);
   /// True, once for each session, if its end was proven before `time`.
   bool take_before(const GuidPrefix& peer, MonotonicTime time);
 
  private:
   struct Session {
-    spi::ResetToken expected;  ///< by which the peer proves the end
+    spi::ResetToken expected;  ///< the token by which the peer proves the end
     std::optional<MonotonicTime> ended = {};
     bool was_taken = false;
   };

@@ -10,7 +10,7 @@
 
 namespace ddssec::rtps {
 
-/// The pairs of one peer, without their tokens and each pair once. So a peer that acknowledges
+/// The pairs of one peer, each pair once and without its tokens. So a peer that acknowledges
 /// nothing costs little memory for each pair, and none for pairs that no longer exist.
 class WaitingTokens {
  public:
@@ -36,12 +36,13 @@ class WaitingTokens {
     pairs_.erase(at);
     return out;
   }
-  /// The revision's keys are in use from now on.
+  /// Notes that the revision's keys are in use from now on.
   void end_revision() {
     for (auto& [pair, due] : pairs_)
       if (std::exchange(due.revised, false)) due.in_use = true;
   }
-  /// Checks all pairs only if there are twice as many as remained after the last check.
+  /// Forgets pairs that are not kept. Checks all pairs only if there are twice as many as remained
+  /// after the last check.
   template <class F>
   void forget_unless(F&& is_kept) {
     if (pairs_.size() < look_at_) return;

@@ -6,7 +6,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// Until something is tried again that other participants must free first.
+// The pause before another try at something that other participants must free first.
 constexpr MonotonicTime kLongPause = std::chrono::seconds(10);
 
 }  // namespace
@@ -34,7 +34,7 @@ void WrittenMemory::end() {
   core_.kept.remove_writer(id());
 }
 
-// What others may have of it is not known to this writer any longer (MemoryExchange).
+// If others may have the memory, MemoryExchange keeps it once it is prepared (orphans).
 void WrittenMemory::stop_waiting() {
   if (!awaited_) return;
   core_.octets -= awaited_->octets;
@@ -121,7 +121,7 @@ void WrittenMemory::report_all(std::string_view why) {
   for (const auto& [prefix, reading] : readings_) core_.report(prefix, why);
 }
 
-// What a participant has mapped stays as it is: nothing is written there until reuse().
+// Memory that a participant has mapped stays as it is: nothing is written there until reuse().
 void WrittenMemory::give_up(std::string leaver) {
   if (!slots_) return;
   core_.passing->offers().withdraw(slots_->segment().id());
@@ -141,7 +141,7 @@ bool WrittenMemory::may_all_read(const KeptMemory::Holders& holders) const {
   return std::ranges::all_of(holders, [&](const auto& one) { return readings_.contains(one); });
 }
 
-// Participants that come later may not see what was in it.
+// The former segment is wiped first, because participants that come later may not see its content.
 bool WrittenMemory::reuse(std::size_t needed) {
   if (!may_reuse_ || !core_.passing->accepts_work()) return false;
   may_reuse_ = false;
@@ -178,12 +178,12 @@ bool WrittenMemory::prepare(std::size_t payload_size, MonotonicTime now) {
   const bool fits = slots_ && slots_->segment().largest_payload() >= needed;
   if (awaited_ || reuse(needed) || fits) return fits;
   if (now < next_segment_ || !segments_.try_spend(now)) return false;
-  // Doubled, so that growing samples need few segments.
+  // The size is doubled, so that growing samples need few segments.
   const auto largest = needed <= largest_
                            ? largest_
                            : std::max(needed, std::min(2 * largest_, kMax + kProtectionRoom));
   if (const auto asked = request_segment(largest); !asked) {
-    // Smaller samples still go through the segment that there is.
+    // Smaller samples still go through the present segment.
     next_segment_ = now + kLongPause;
     report_all(memory::to_string(asked.error()));
   }
