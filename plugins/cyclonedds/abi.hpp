@@ -20,13 +20,13 @@ namespace ddssec::cyclonedds {
 
 using Exception = DDS_Security_SecurityException;
 
-/// Exported by libddssec_cryptography for libddssec_authentication: the spi::CipherMask of the
-/// ciphers that it can decrypt.
+/// libddssec_cryptography exports this for libddssec_authentication: it returns the spi::CipherMask
+/// of the ciphers that it can decrypt.
 using SupportedCiphers = std::uint32_t();
 inline constexpr const char* kSupportedCiphersSymbol = "ddssec_supported_ciphers";
 
-/// Exported by libddssec_cryptography for libddssec_authentication, as are the next five. True if
-/// that remote participant has sent its keys.
+/// libddssec_cryptography exports this and the next five for libddssec_authentication. True if that
+/// remote participant has sent its keys.
 using HasKeysOf = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kHasKeysOfSymbol = "ddssec_has_keys_of";
 
@@ -34,8 +34,8 @@ inline constexpr const char* kHasKeysOfSymbol = "ddssec_has_keys_of";
 using HasKeysFor = bool(DDS_Security_IdentityHandle, DDS_Security_IdentityHandle);
 inline constexpr const char* kHasKeysForSymbol = "ddssec_has_keys_for";
 
-/// The time of the last decrypted message that only the holder of the shared secret can produce, in
-/// nanoseconds of the monotonic clock; 0 for never.
+/// Returns the time of the last decrypted message that only the holder of the shared secret can
+/// produce, in nanoseconds of the monotonic clock; 0 for never.
 using LastHeardOf = std::int64_t(DDS_Security_IdentityHandle);
 inline constexpr const char* kLastHeardOfSymbol = "ddssec_last_heard_of";
 
@@ -48,7 +48,7 @@ inline constexpr const char* kIsMatchedWithSymbol = "ddssec_is_matched_with";
 enum class SessionReset : std::uint8_t {
   none = 0,
   of_session = 1,
-  of_unused_session = 2,  ///< its keys never came, while those for another local participant did
+  of_unused_session = 2,  ///< its keys never arrived, while those for another local participant did
 };
 using TakeSessionReset = SessionReset(DDS_Security_IdentityHandle);
 inline constexpr const char* kTakeSessionResetSymbol = "ddssec_take_session_reset";
@@ -65,12 +65,12 @@ using CutOff = void(DDS_Security_IdentityHandle);
 inline constexpr const char* kCutOffCryptographySymbol = "ddssec_cut_off_cryptography";
 inline constexpr const char* kCutOffAccessControlSymbol = "ddssec_cut_off_access_control";
 
-/// Called by libddssec_access_control for libddssec_cryptography when the host forgets a reader of
+/// libddssec_access_control calls this for libddssec_cryptography when the host forgets a reader of
 /// this process.
 using LookForEndedReaders = void();
 inline constexpr const char* kLookForEndedReadersSymbol = "ddssec_look_for_ended_readers";
 
-/// Exported by each ddssec library, for the log line that reports the versions in use.
+/// Each ddssec library exports this, for the log line that reports the versions in use.
 using PluginVersion = const char*();
 
 /// The question that libddssec_cryptography asks libddssec_access_control before it hands out the
@@ -90,28 +90,28 @@ enum class MatchVerdict : std::int32_t {
   unknown_access_control = -1,
   out_of_memory = -2,
 };
-/// Exported by libddssec_access_control. May be called by any thread.
+/// libddssec_access_control exports this. Any thread may call it.
 using JudgeMatch = MatchVerdict(const MatchQuestion*);
 inline constexpr const char* kJudgeMatchSymbol = "ddssec_judge_match_of_peer";
 
-/// Exported by libddssec_access_control for libddssec_authentication: facts about the governance of
-/// that local participant, as a mask of GovernanceFact (governance_facts.hpp).
+/// libddssec_access_control exports this for libddssec_authentication. It returns facts about the
+/// governance of that local participant, as a mask of GovernanceFact (governance_facts.hpp).
 using GovernanceFactsOf = std::uint32_t(DDS_Security_IdentityHandle);
 inline constexpr const char* kGovernanceFactsOfSymbol = "ddssec_governance_facts_of";
 
-/// Exported by libddssec_access_control for libddssec_authentication: the number of times that the
-/// permissions of that local participant were renewed since it was created. If that is more than
-/// `known`, `take` is called once, before the function returns, with the signed document that is in
-/// force. So a document that access control refused is never presented.
+/// libddssec_access_control exports this for libddssec_authentication. It returns the number of
+/// times that the permissions of that local participant were renewed since it was created. If that
+/// is more than `known`, `take` is called once, before the function returns, with the signed
+/// document that is in force. So a document that access control refused is never presented.
 using TakePermissions = void(void* context, const DDS_Security_octet* octets, std::size_t size);
 using RenewedPermissions = std::uint64_t(DDS_Security_IdentityHandle, std::uint64_t known,
                                          TakePermissions* take, void* context);
 inline constexpr const char* kRenewedPermissionsSymbol = "ddssec_renewed_permissions";
-/// Exported in the same way: the number of times that renewed permissions of that local participant
-/// removed a right from one of its endpoints.
+/// libddssec_access_control exports this in the same way. It returns the number of times that
+/// renewed permissions of that local participant removed a right from one of its endpoints.
 using RightsLost = std::uint64_t(DDS_Security_IdentityHandle);
 inline constexpr const char* kRightsLostSymbol = "ddssec_rights_lost";
-/// Exported by libddssec_authentication, as one PluginVersion.
+/// libddssec_authentication exports a PluginVersion under this name.
 inline constexpr const char* kAuthenticationVersionSymbol = "ddssec_authentication_version";
 
 /// The memory behind a DDS_Security_SharedSecretHandle. Cyclone's cryptography plugin reads it and
@@ -130,13 +130,13 @@ struct SharedSecretLayout {
 struct ExtendedSharedSecret {
   SharedSecretLayout layout;
   std::uint32_t peer_ciphers;  ///< spi::CipherMask
-  /// BuiltinEndpointSet_t that the peer signed; 0 if unknown
+  /// the BuiltinEndpointSet_t that the peer signed; 0 if unknown
   std::uint32_t peer_builtin_endpoints;
   DDS_Security_octet peer_prefix[12];  ///< the authenticated GUID prefix of the peer, or zeros
   DDS_Security_octet own_guid[16];     ///< GUID of the local participant, or zeros
   DDS_Security_octet octets[64];
 
-  /// The whole object that contains `layout`; nullptr if another plugin made the layout.
+  /// Returns the whole object that contains `layout`; nullptr if another plugin made the layout.
   static const ExtendedSharedSecret* of(const SharedSecretLayout& layout);
 };
 static_assert(offsetof(ExtendedSharedSecret, octets) % alignof(std::max_align_t) == 4);

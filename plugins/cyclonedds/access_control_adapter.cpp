@@ -34,7 +34,7 @@ using Tags = DDS_Security_DataTags;
 
 spi::PermissionsHandle permissions(CPermissions handle) { return {handle}; }
 
-// Like is_carrier_topic, for that local participant.
+// True for the topic of a carrier of that local participant, as is_carrier_topic judges it.
 Result<bool> is_carrier_topic_of(Adapter& adapter, CPermissions handle, std::string_view name) {
   if (name != kCarrierTopic) return false;
   DDSSEC_ASSIGN_OR_RETURN(const auto participant,
@@ -359,7 +359,7 @@ DDS_Security_boolean return_datawriter_sec_attributes(
   });
 }
 
-// The host calls it once a reader is gone.
+// The host calls this when a reader is gone.
 DDS_Security_boolean return_datareader_sec_attributes(
     Instance* instance, const DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
   look_for_ended_readers();

@@ -37,8 +37,8 @@ class AccessControlAdapter final : public dds_security_access_control {
     std::uint64_t times;
     std::string text;  ///< the signed document
   };
-  /// Answers authentication's question: the permissions of a local participant of any domain, if
-  /// they were renewed more than `known` times.
+  /// Answers authentication's question: returns the permissions of a local participant of any
+  /// domain, if they were renewed more than `known` times.
   static std::optional<Renewed> renewed_permissions(spi::IdentityHandle local,
                                                     std::uint64_t known) noexcept;
 
@@ -59,10 +59,10 @@ class AccessControlAdapter final : public dds_security_access_control {
   OwnEndpoints& endpoints() { return endpoints_; }
   /// Notes that a property demands that the host asks peers for types.
   void trust_type_information() { trusts_type_information_ = true; }
-  /// Tells whether the readers of type lookup stay open. They also stay open with a stock
+  /// Returns whether the readers of type lookup stay open. They also stay open with a stock
   /// cryptography plugin, which shows peers' types to the host, so that the host asks for them.
   TypeLookup type_lookup() const;
-  /// The id of this adapter, unique within the process.
+  /// Returns the id of this adapter, unique within the process.
   std::uint64_t id() const { return id_; }
 
   /// Sets the listener. nullptr stops the timer; the call returns when no revocation is running any

@@ -63,7 +63,7 @@ MatchVerdict AccessControlAdapter::judge(const MatchQuestion* question) noexcept
     if (found == adapters().by_id.end()) return MatchVerdict::unknown_access_control;
     return judge_in(*found->second, *scope, *question);
   } catch (...) {
-    // This does not allow the match, and cryptography reports it.
+    // This verdict does not allow the match, and cryptography reports it.
     return MatchVerdict::out_of_memory;
   }
 }

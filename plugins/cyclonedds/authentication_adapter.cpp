@@ -52,7 +52,7 @@ CResult validate(Instance* instance, Exception* ex, F&& f) noexcept {
   return done ? result : DDS_SECURITY_VALIDATION_FAILED;
 }
 
-// Copies a token for the host; nil if there is none.
+// Copies a token for the host. The copy is nil if there is no token.
 Status hand_out(const std::optional<spi::Token>& token, CToken& out) {
   out = {};
   return token ? copy_token(*token, out) : Status{};
@@ -269,7 +269,7 @@ CResult process_handshake(Instance* instance, CToken* message_out, const CToken*
 }
 
 // Remembers the session, so that a reset can be sent if the host drops the peer while the peer
-// keeps the session. Only ddssec peers understand that, and they announce ChaCha20-Poly1305. For
+// keeps the session. Only ddssec peers understand a reset, and they announce ChaCha20-Poly1305. For
 // other peers the watch waits.
 void note_session(Adapter& adapter, spi::HandshakeHandle handshake,
                   const spi::SharedSecret& secret) {

@@ -85,7 +85,8 @@ class AuthenticationAdapter final : public dds_security_authentication {
   /// The number of times that renewed permissions removed a right from them; for the timer's
   /// thread.
   std::map<spi::IdentityHandle, std::uint64_t> losses_;
-  /// A session that presented permissions with such a right, or a handshake that does.
+  /// A session that presented permissions with a right that was lost, or a handshake that presents
+  /// them.
   struct Ending {
     spi::IdentityHandle local;
     Guid remote;
@@ -93,14 +94,14 @@ class AuthenticationAdapter final : public dds_security_authentication {
     std::chrono::nanoseconds until;
   };
   std::vector<Ending> endings_;  ///< for the timer's thread
-  /// A remote participant that has proven the end of its session, and what came after.
+  /// A remote participant that has proven the end of its session, and what happened after that.
   struct EndedByPeer {
     std::chrono::nanoseconds at;
     bool is_dropped = false;                           ///< the host has dropped it, too
     std::optional<std::chrono::nanoseconds> met = {};  ///< when the host met it again
   };
   std::map<Guid, EndedByPeer> ended_by_peer_;  ///< for the timer's thread
-  /// Reports it, if it is time. Returns true if there is nothing more to report.
+  /// Reports such a participant, if it is time. Returns true if there is nothing more to report.
   bool is_settled(const Guid& guid, EndedByPeer& end);
   ExpiryTimer timer_;  ///< last member: destroyed before the objects that it uses
 };

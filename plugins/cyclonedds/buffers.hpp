@@ -36,9 +36,9 @@ Status write_block(DDS_Security_OctetSeq& out, std::size_t bound, Write&& write)
   return {};
 }
 
-/// The host's list of receivers as handles, without the nil handles of unprotected endpoints. If
-/// there are such handles, the result points into `kept`; otherwise into the list. Error:
-/// null_argument.
+/// Returns the host's list of receivers as handles, without the nil handles of unprotected
+/// endpoints. If there are such handles, the result points into `kept`; otherwise into the list.
+/// Error: null_argument.
 template <class Handle>
 Result<std::span<const Handle>> receivers_from(const DDS_Security_LongLongSeq* list,
                                                std::vector<Handle>& kept) {

@@ -28,14 +28,14 @@ struct FailureReport {
   Severity severity;
   bool raises_event = true;
 };
-/// The default: number and severity of the Code. For keys_not_permitted access control raises the
-/// event, and for announcements_delayed cryptography, once in a while.
+/// Returns the default report: number and severity of the Code. For keys_not_permitted access
+/// control raises the event, and for announcements_delayed cryptography does, once in a while.
 inline FailureReport default_report(const Error& error) {
   return {static_cast<DDS_Security_long>(error.code()), info(error.code()).severity,
           error.code() != Code::keys_not_permitted && error.code() != Code::announcements_delayed};
 }
 
-/// The Error for an exception. Never throws.
+/// Returns the Error for an exception. Never throws.
 Error error_from(const std::exception* thrown) noexcept;
 
 /// Runs `f`, which returns a Result, catches all exceptions, and reports a failure as `tell(error)`
@@ -50,7 +50,7 @@ auto at_c_boundary(Host& host, Exception* ex, F&& f, Tell&& tell) noexcept
     } catch (const std::bad_alloc&) {
       return fail(Code::out_of_memory);
     } catch (const std::system_error& thrown) {
-      // For example, no further thread can be created.
+      // For example, no further thread can be created here.
       if (thrown.code() == std::errc::resource_unavailable_try_again)
         return fail(Code::out_of_memory);
       return std::unexpected(error_from(&thrown));
@@ -75,13 +75,13 @@ auto at_c_boundary(Host& host, Exception* ex, F&& f) noexcept -> decltype(std::f
   return at_c_boundary(host, ex, std::forward<F>(f), default_report);
 }
 
-/// The outcome as C boolean: 1 for success, otherwise 0.
+/// Returns the outcome as C boolean: 1 for success, otherwise 0.
 template <class F>
 DDS_Security_boolean allowed_at_c_boundary(Host& host, Exception* ex, F&& f) noexcept {
   return at_c_boundary(host, ex, std::forward<F>(f)) ? 1 : 0;
 }
 
-/// The outcome as C handle: nil unless it is a success.
+/// Returns the outcome as C handle: nil unless it is a success.
 template <class F>
 DDS_Security_long_long handle_at_c_boundary(Host& host, Exception* ex, F&& f) noexcept {
   const auto handle = at_c_boundary(host, ex, std::forward<F>(f));

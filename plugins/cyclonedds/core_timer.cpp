@@ -22,8 +22,8 @@ CoreGuid core_guid(const DDS_Security_GUID_t& guid) {
   return out;
 }
 
-// The value at an address; empty if it cannot be read. The kernel reads it, and returns an error
-// where a read by the process would end the process.
+// Returns the value at an address; empty if it cannot be read. The kernel reads it, and returns an
+// error where a read by the process would end the process.
 template <class T>
 std::optional<T> read_memory(const void* from) {
   int ends[2];

@@ -30,7 +30,7 @@ class CryptographyAdapter final : public dds_security_cryptography {
     return entered(*static_cast<Table<dds_security_crypto_transform>&>(instance).owner);
   }
 
-  /// spi::CryptoKeyFactory::take_stranded_keys for all domains of the process.
+  /// Calls spi::CryptoKeyFactory::take_stranded_keys for all domains of the process.
   static bool take_stranded_keys(spi::IdentityHandle remote);
 
   /// Cuts off a local participant of any domain (process_questions.hpp).

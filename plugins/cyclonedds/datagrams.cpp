@@ -20,7 +20,8 @@ namespace {
 
 constexpr std::size_t kMaxGroups = 64, kMaxPorts = 16, kMaxInterfaces = 16;
 
-// The address for the kernel, with its length. `scope` is the interface of a link-local address.
+// Returns the address for the kernel, with its length. `scope` is the interface of a link-local
+// address.
 std::pair<sockaddr_storage, socklen_t> kernel_address(const spi::UdpAddress& address, int scope) {
   sockaddr_storage out{};
   if (address.is_ipv6) {
@@ -54,7 +55,8 @@ bool goes_over(int socket, bool is_ipv6, int interface) {
   return ::setsockopt(socket, IPPROTO_IP, IP_MULTICAST_IF, &over, sizeof over) == 0;
 }
 
-// `interface` is an index, for multicast and link-local addresses; with 0 the system chooses.
+// Sends one datagram. `interface` is an index, for multicast and link-local addresses; with 0 the
+// system chooses.
 void send_one(BytesView datagram, const spi::UdpAddress& to, int interface) noexcept {
   const int socket =
       ::socket(to.is_ipv6 ? AF_INET6 : AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
@@ -130,7 +132,7 @@ void add_ipv6(std::vector<JoinedGroup>& out, std::string_view igmp6) {
   }
 }
 
-// The port of a UDP socket; empty for other descriptors.
+// Returns the port of a UDP socket; empty for other descriptors.
 std::optional<std::uint16_t> bound_port(int socket) {
   int type = 0;
   socklen_t length = sizeof type;
@@ -147,7 +149,7 @@ std::optional<std::uint16_t> bound_port(int socket) {
   return port == 0 ? std::nullopt : std::optional(port);
 }
 
-// The port of a UDP socket that other processes may bind too.
+// Returns the port of a UDP socket that other processes may bind too.
 std::optional<std::uint16_t> shared_port(int socket) {
   int reuses_address = 0, reuses_port = 0;
   socklen_t length = sizeof reuses_port;

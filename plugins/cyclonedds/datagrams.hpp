@@ -26,19 +26,20 @@ struct JoinedGroup {
   bool operator==(const JoinedGroup&) const = default;
 };
 
-/// The groups in the contents of /proc/net/igmp and /proc/net/igmp6, at most 64. Groups that every
-/// machine joins, or that belong to a local protocol (224.0.0.0/24, ff02::1 and the like), are left
-/// out.
+/// Returns the groups in the contents of /proc/net/igmp and /proc/net/igmp6, at most 64. Groups
+/// that every machine joins, or that belong to a local protocol (224.0.0.0/24, ff02::1 and the
+/// like), are left out.
 std::vector<JoinedGroup> joined_groups(std::string_view igmp, std::string_view igmp6);
 
-/// The ports of this process's UDP sockets that other processes may share, as is usual for
+/// Returns the ports of this process's UDP sockets that other processes may share, as is usual for
 /// multicast; at most 16.
 std::vector<std::uint16_t> shared_ports();
 
 /// True if any UDP socket of this process is bound; empty if /proc does not list its sockets.
 std::optional<bool> has_bound_udp();
 
-/// The interfaces with a link-local address in the contents of /proc/net/if_inet6; at most 16.
+/// Returns the interfaces with a link-local address in the contents of /proc/net/if_inet6; at most
+/// 16.
 std::vector<int> link_local_interfaces(std::string_view if_inet6);
 
 /// Sends one datagram to every multicast address on which this process may receive discovery: the

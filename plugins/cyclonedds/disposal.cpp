@@ -7,7 +7,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-// A payload that contains only the key.
+// Returns a payload that contains only the key.
 std::array<std::uint8_t, 28> payload_of(const Disposal& disposal) {
   constexpr std::array<std::uint8_t, 4> kPlCdrLittleEndian{0, 3, 0, 0};
   std::array<std::uint8_t, 28> octets{};

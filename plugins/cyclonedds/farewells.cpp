@@ -10,7 +10,7 @@ namespace ddssec::cyclonedds {
 Bytes write_farewell(const GuidPrefix& own, const GuidPrefix& peer) {
   Bytes octets(128);
   rtps::SpanWriter out(octets);
-  // The same vendor as the host.
+  // The header names the same vendor as the host does.
   write(out, rtps::Header{.vendor = rtps::kVendorCyclone, .prefix = own});
   write(out, rtps::InfoDestination{peer});
   write(out, Disposal{.reader = rtps::kSpdpReader,

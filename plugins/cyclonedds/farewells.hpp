@@ -1,7 +1,7 @@
 // A farewell in the local participant's name, for a peer that does not answer. An attacker may have
-// forged an announcement without security in the local participant's name. If the peer's core
-// trusted it, that core asks no plugin and ignores the handshake, and the honest announcements only
-// renew its wrong state. It also trusts an unprotected farewell, but only of unauthenticated
+// forged an announcement without security in the local participant's name. A peer's core that
+// trusted it asks no plugin and ignores the handshake, and the honest announcements only renew its
+// wrong state. The core also trusts an unprotected farewell, but only of unauthenticated
 // participants. After the farewell it discovers the local participant anew.
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace ddssec::cyclonedds {
 
-/// A whole RTPS message for participant `peer` only (INFO_DST). It disposes and unregisters
+/// Returns a whole RTPS message for participant `peer` only (INFO_DST). It disposes and unregisters
 /// participant `own` (RTPS 8.5.3.3).
 Bytes write_farewell(const GuidPrefix& own, const GuidPrefix& peer);
 

@@ -40,21 +40,21 @@ class GovernanceFacts {
     const std::lock_guard lock(mutex_);
     locals_.erase(permissions);
   }
-  /// The permissions handle of a local participant.
+  /// Returns the permissions handle of a local participant.
   std::optional<spi::PermissionsHandle> permissions_of(spi::IdentityHandle local) const {
     const std::lock_guard lock(mutex_);
     for (const auto& [permissions, known] : locals_)
       if (known.local == local) return permissions;
     return std::nullopt;
   }
-  /// The permissions handles of all local participants.
+  /// Returns the permissions handles of all local participants.
   std::vector<spi::PermissionsHandle> locals() const {
     const std::lock_guard lock(mutex_);
     std::vector<spi::PermissionsHandle> out;
     for (const auto& [permissions, known] : locals_) out.push_back(permissions);
     return out;
   }
-  /// The facts of a local participant; 0 if they are unknown, or if there are none.
+  /// Returns the facts of a local participant; 0 if they are unknown, or if there are none.
   std::uint32_t of(spi::IdentityHandle local) const {
     const std::lock_guard lock(mutex_);
     for (const auto& [permissions, known] : locals_)
@@ -63,7 +63,7 @@ class GovernanceFacts {
                (known.cut_off ? static_cast<std::uint32_t>(GovernanceFact::cut_off) : 0);
     return 0;
   }
-  /// The local identity with these permissions; empty if they belong to a peer.
+  /// Returns the local identity with these permissions; empty if they belong to a peer.
   std::optional<spi::IdentityHandle> identity_of(spi::PermissionsHandle permissions) const {
     const std::lock_guard lock(mutex_);
     const auto known = locals_.find(permissions);

@@ -112,7 +112,8 @@ HandshakeWatch::Duration HandshakeWatch::timeout(const Remote& remote) const {
   return std::min(wait, kMaxWait);
 }
 
-// A peer can lack endpoints only after its handshake has ended.
+// A peer can lack endpoints only after its handshake has ended. The time since it was met does not
+// count then.
 bool HandshakeWatch::is_stuck(const Remote& remote, Duration now) const {
   if (remote.is_settled) return false;
   if (!remote.lacks_endpoints && now - remote.met >= kMaxWait) return true;
@@ -152,8 +153,8 @@ bool HandshakeWatch::is_settled(IdentityHandle handle, Remote& remote, const Que
   return !remote.lacks_endpoints;
 }
 
-// True if the handshake of one pair must begin again. It always must if the core's timer runs for
-// it.
+// True if the handshake of one pair must begin again. It must in any case if the core's timer runs
+// for it.
 bool HandshakeWatch::begin_pair_again(const Half& half, const Remote& remote) {
   constexpr auto kAsksNoMore = std::chrono::seconds(10);  // the host asks once a second
   const auto now = clock_.monotonic();

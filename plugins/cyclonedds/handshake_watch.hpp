@@ -28,7 +28,7 @@ class HandshakeWatch {
   /// only be slow. A peer that has answered, or has finished its half, does not notice that the
   /// local side begins again.
   static constexpr Duration kTimeout = std::chrono::seconds(20);
-  /// Each further time the wait doubles, up to this value. It is shorter than that of the core's
+  /// The wait doubles each further time, up to this value. It is shorter than that of the core's
   /// own timer (CoreTimer).
   static constexpr Duration kMaxWait = std::chrono::seconds(80);
   /// A peer that was not given up for this long starts with the shortest wait again.
@@ -104,7 +104,7 @@ class HandshakeWatch {
     /// local side begins anew is not given up.
     std::function<Duration(spi::IdentityHandle)> last_heard = {};
   };
-  /// The remote participants to revoke now, each once.
+  /// Returns the remote participants to revoke now, each once.
   std::vector<Stuck> give_up(const Questions& ask);
   std::vector<Stuck> give_up() { return give_up({}); }
 

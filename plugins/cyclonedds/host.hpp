@@ -20,13 +20,13 @@ class Host {
   /// or null.
   explicit Host(std::unique_ptr<EventSink> log, const void* code = nullptr)
       : code_(code), log_(std::move(log)), limited_(*log_, clock_), counted_(limited_) {}
-  /// The services with the record of DDSSEC_STATUS_DIR; call it before the engine is made. If
-  /// `reports`, an event gives the reason if there is none although the variable requests it.
+  /// Returns the services with the record of DDSSEC_STATUS_DIR; call it before the engine is made.
+  /// If `reports`, an event gives the reason if there is none although the variable requests it.
   const EngineServices& services_with_record(bool reports);
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
-  /// The services for the engine; owned by this object.
+  /// Returns the services for the engine, which this object owns.
   const EngineServices& services() const { return services_; }
   const Clock& clock() const { return calendar_; }
   SteadyCalendar& calendar() { return calendar_; }
@@ -39,7 +39,8 @@ class Host {
   /// under way.
   void notice(const Event& event) noexcept;
 
-  /// The number of events that the calling thread has raised so far, by any plugin of this library.
+  /// Returns the number of events that the calling thread has raised so far, by any plugin of this
+  /// library.
   static unsigned raised_by_this_thread() noexcept;
 
  private:

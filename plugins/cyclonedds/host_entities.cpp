@@ -13,7 +13,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-// The functions of the host that are used.
+// The functions of the host that this file uses.
 struct Functions {
   decltype(&dds_get_children) get_children = nullptr;
   decltype(&dds_get_guid) get_guid = nullptr;
@@ -66,7 +66,7 @@ bool find_all(Functions& host, const void* code) {
          find(host.delete_entity, code, "dds_delete");
 }
 
-// A type of one octet, because a topic needs a type. No sample is ever written.
+// Returns a type of one octet, because a topic needs a type. No sample is ever written.
 const dds_topic_descriptor_t& carrier_type() {
   static constexpr std::uint32_t kOperations[] = {
       static_cast<std::uint32_t>(DDS_OP_ADR) | static_cast<std::uint32_t>(DDS_OP_TYPE_1BY), 0,
@@ -86,8 +86,8 @@ const dds_topic_descriptor_t& carrier_type() {
   return type;
 }
 
-// The partition's name. It contains a wildcard, so it matches only names without one, and no peer
-// can guess it.
+// Returns the partition's name. It contains a wildcard, so it matches only names without one, and
+// no peer can guess it.
 std::string partition_of_carrier() {
   std::array<std::uint8_t, 16> random{};
   if (::getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size()))
@@ -106,8 +106,8 @@ void ignore(void (*set)(dds_listener_t*, Callback), dds_listener_t* listener) {
   set(listener, &Nothing<Callback>::call);
 }
 
-// Without this, an entity inherits the listener of its participant, which knows nothing about
-// carriers.
+// Sets listeners that do nothing. Without them, an entity inherits the listener of its participant,
+// which knows nothing about carriers.
 void ignore_all(const Functions& host, dds_listener_t* listener) {
   ignore(host.set_data_available, listener);
   ignore(host.set_data_on_readers, listener);

@@ -12,8 +12,8 @@
 
 namespace ddssec::cyclonedds {
 
-/// A function that the host's library or any other library of the process exports; nullptr if there
-/// is none. `code` is an address in the host's code, or null.
+/// Finds a function that the host's library or any other library of the process exports; nullptr if
+/// there is none. `code` is an address in the host's code, or null.
 void* find_host_symbol(const void* code, const char* name) noexcept;
 
 /// The host's entities. The functions take locks of entities, so only threads that are not inside a
@@ -27,8 +27,8 @@ class HostEntities {
     Guid guid = {};
     std::set<Guid> entities = {};  ///< all entities below it; some may be just being deleted
   };
-  /// All participants of the process. Waits for entities that are being created, together with
-  /// their parents.
+  /// Returns all participants of the process. Waits for entities that are being created, together
+  /// with their parents.
   virtual std::vector<Participant> participants() const = 0;
 
   /// Makes the host announce a reader of kCarrierTopic whose USER_DATA is the GUID `ended`, then
@@ -36,7 +36,7 @@ class HostEntities {
   virtual bool carry_end(const Participant& participant, const Guid& ended) const = 0;
 };
 
-/// Access to the host; nullptr if the host lacks a needed function.
+/// Returns access to the host; nullptr if the host lacks a needed function.
 std::unique_ptr<HostEntities> find_host_entities(const void* code);
 
 }  // namespace ddssec::cyclonedds

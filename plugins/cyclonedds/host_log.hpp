@@ -13,12 +13,12 @@ namespace ddssec::cyclonedds {
 using LogFunction = void (*)(std::uint32_t, const char*, std::uint32_t, const char*, const char*,
                              ...);
 
-/// The dds_log of the library or program that contains `caller` (an address in its code); otherwise
-/// any in the process; otherwise nullptr. The plugin is not linked with Cyclone, so that it works
-/// with all its versions.
+/// Returns the dds_log of the library or program that contains `caller` (an address in its code);
+/// otherwise any in the process; otherwise nullptr. The plugin is not linked with Cyclone, so that
+/// it works with all its versions.
 LogFunction find_host_log(const void* caller) noexcept;
 
-/// Cyclone's log category for a severity; 0 if it is not logged there.
+/// Returns Cyclone's log category for a severity; 0 if it is not logged there.
 std::uint32_t log_category(Severity severity);
 /// The same for an event. Cyclone DDS shows no informational lines by default. So three of them are
 /// logged as warnings: which plugins are in use, that there is no revocation list, and that a newer

@@ -48,9 +48,10 @@ DynamicSection dynamic_section(const dl_phdr_info& library) {
   return out;
 }
 
-// The number of symbols. The table does not contain its length; it follows from the hash tables. A
-// GNU hash table holds four numbers (buckets, first hashed symbol, bloom words, shift), the bloom
-// filter, the buckets, and for each hashed symbol one word whose lowest bit ends a bucket's chain.
+// Returns the number of symbols. The table does not contain its length; it follows from the hash
+// tables. A GNU hash table holds four numbers (buckets, first hashed symbol, bloom words, shift),
+// the bloom filter, the buckets, and for each hashed symbol one word whose lowest bit ends a
+// bucket's chain.
 std::size_t symbol_count(const DynamicSection& section) {
   if (section.gnu_hash == nullptr) return section.hash != nullptr ? section.hash[1] : 0;
   const auto bucket_count = section.gnu_hash[0];

@@ -12,8 +12,8 @@ struct LoadedSymbol {
   std::string name;
 };
 
-/// A symbol that a loaded library or the program defines and whose name ends with `suffix` (and is
-/// longer); empty if there is none. Searches every dynamic symbol table, which takes some
+/// Finds a symbol that a loaded library or the program defines and whose name ends with `suffix`
+/// (and is longer); empty if there is none. Searches every dynamic symbol table, which takes some
 /// milliseconds in a large process.
 std::optional<LoadedSymbol> find_loaded_symbol(std::string_view suffix);
 

@@ -84,7 +84,7 @@ class LostSessions {
   /// True if the two have a session that was not lost.
   bool has_session(spi::IdentityHandle local, const Guid& remote) const;
 
-  /// The addresses of a peer; empty if there is no session with it.
+  /// Returns the addresses of a peer; empty if there is no session with it.
   std::vector<spi::UdpAddress> addresses_of(const Guid& remote);
 
   struct Due {
@@ -95,9 +95,9 @@ class LostSessions {
     Bytes message;
     std::vector<spi::UdpAddress> to;
   };
-  /// Tells whether the host is meeting this pair again.
+  /// Returns whether the host is meeting this pair again.
   using IsMeeting = std::function<bool(spi::IdentityHandle local, const Guid& remote)>;
-  /// The resets to send now.
+  /// Returns the resets to send now.
   std::vector<Due> due(const IsMeeting& is_meeting);
 
  private:
@@ -110,7 +110,8 @@ class LostSessions {
     Duration next{};
     unsigned sent = 0;
     unsigned sent_unmet = 0;
-    Duration first_unmet = kFirstUnmet;  ///< time until the first reset for a peer that is not met
+    Duration first_unmet = kFirstUnmet;  ///< the time until the first reset for a peer that is not
+                                         ///< met
   };
   using Key = std::pair<Guid, spi::IdentityHandle>;  ///< remote, local
   /// The first half of a proven prefix, which is bound to the subject of the remote participant's

@@ -13,8 +13,8 @@ namespace ddssec::cyclonedds {
 /// Asks access control in the other library whether a pair may match.
 class MatchGate final : public spi::MatchGate {
  public:
-  /// The gate of an endpoint with these ac_endpoint_properties; nullptr with a stock access control
-  /// plugin, which cannot be asked. Errors: null_argument, length_out_of_range.
+  /// Returns the gate of an endpoint with these ac_endpoint_properties; nullptr with a stock access
+  /// control plugin, which cannot be asked. Errors: null_argument, length_out_of_range.
   static Result<std::shared_ptr<const MatchGate>> of(const DDS_Security_PropertySeq& properties);
 
   /// If `judge` is null, it is looked up in the process for each question.

@@ -31,7 +31,7 @@ class OwnEndpoints {
   /// the last call. Returns own_rights_lost if they no longer allow an endpoint that was allowed
   /// before.
   std::optional<Error> judge(spi::PermissionsHandle local, spi::AccessControl& engine);
-  /// The number of times that `judge` has returned an error for that participant.
+  /// Returns the number of times that `judge` has returned an error for that participant.
   std::uint64_t losses(spi::PermissionsHandle local) const;
 
  private:

@@ -32,7 +32,7 @@ std::size_t key_of(const EntityId& entity) {
          entity.octets[2];
 }
 
-// The content of a string or a sequence of octets, after its length.
+// Returns the content of a string or a sequence of octets, after its length.
 BytesView counted(const rtps::Parameter& parameter) {
   auto in = parameter.reader();
   const auto length = in.read<std::uint32_t>();

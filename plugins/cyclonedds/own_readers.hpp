@@ -29,8 +29,8 @@ namespace ddssec::cyclonedds {
 /// The topic of carriers. Peers never receive it.
 inline constexpr std::string_view kCarrierTopic = "ddssec_end_of_reader";
 
-/// Entities of one participant, by their keys, in one bit each: at most 2 MiB. The host gives keys
-/// in ascending order, to entities of every kind.
+/// The entities of one participant, by their keys, in one bit each: at most 2 MiB. The host gives
+/// keys in ascending order, to entities of every kind.
 class EntityKeys {
  public:
   void insert(const EntityId& entity);
@@ -47,13 +47,13 @@ class OwnReaders {
   /// Buffer for a replacement submessage.
   using Room = std::array<std::uint8_t, 128>;
 
-  /// The submessage to send in place of `submessage` of a local writer, before protection: either
-  /// the same, or one that was written into `room`. `sender` is the writer's handle.
+  /// Returns the submessage to send in place of `submessage` of a local writer, before protection:
+  /// either the same, or one that was written into `room`. `sender` is the writer's handle.
   BytesView said(std::int64_t sender, BytesView submessage, Room& room);
 
-  /// The readers whose end was not announced yet.
+  /// Returns the readers whose end was not announced yet.
   std::vector<Guid> announced() const;
-  /// The number of readers announced so far, each counted once.
+  /// Returns the number of readers announced so far, each counted once.
   std::uint64_t count() const;
   /// Notes that a carrier was created for that reader.
   void ended(const Guid& reader);

@@ -32,7 +32,7 @@ void PeersWithKeys::note_met(spi::ParticipantCryptoHandle peer, spi::IdentityHan
     known->second.locals.insert(local.value);
     by_identity_[identity.value] = peer.value;
   } catch (...) {
-    // The registration itself stands.
+    // The registration itself stands if memory runs out.
   }
 }
 

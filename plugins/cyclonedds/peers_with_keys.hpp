@@ -48,13 +48,13 @@ class PeersWithKeys {
   bool awaits_keys() const noexcept { return awaited_.load(std::memory_order_relaxed) > 0; }
 
   bool contains(spi::IdentityHandle identity) const;
-  /// True if its keys came for that local participant.
+  /// True if its keys arrived for that local participant.
   bool has_sent_keys(spi::IdentityHandle identity, spi::IdentityHandle local) const;
   bool has_keys_for(spi::ParticipantCryptoHandle peer, spi::ParticipantCryptoHandle local) const;
   /// True if each protected local builtin endpoint is matched. Also true for a peer that does not
   /// have all kSecureEndpoints, because it is not known here which ones it lacks.
   bool is_matched(spi::IdentityHandle identity) const;
-  /// The time when the peer was last heard, by the monotonic clock; 0 for never.
+  /// Returns the time when the peer was last heard, by the monotonic clock; 0 for never.
   std::chrono::nanoseconds last_heard(spi::IdentityHandle identity) const;
 
  private:

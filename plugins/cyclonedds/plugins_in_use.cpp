@@ -26,14 +26,14 @@ constexpr std::array<Library, 3> kLibraries = {{
 constexpr std::string_view kVersionName = "ddssec plugin version ";
 constexpr char kVersionMark[] = "ddssec plugin version " DDSSEC_VERSION;
 
-// The version of the ddssec library of that kind; nullptr if it is not loaded, for example because
-// a stock one is used.
+// Returns the version of the ddssec library of that kind; nullptr if it is not loaded, for example
+// because a stock one is used.
 const char* version_of(std::size_t kind) noexcept {
   void* const symbol = dlsym(RTLD_DEFAULT, kLibraries[kind].version_symbol);
   return symbol == nullptr ? nullptr : reinterpret_cast<PluginVersion*>(symbol)();
 }
 
-// "a", "a and b", "a, b and c"
+// Returns "a", "a and b" or "a, b and c".
 std::string listed(const std::vector<std::string_view>& names) {
   std::string list;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -43,7 +43,7 @@ std::string listed(const std::vector<std::string_view>& names) {
   return list;
 }
 
-// The names of the plugins from ddssec, or of the others.
+// Returns the names of the plugins from ddssec, or of the others.
 std::vector<std::string_view> named(const PluginVersions& found, bool are_ours) {
   std::vector<std::string_view> names;
   for (std::size_t i = 0; i < found.size(); ++i)

@@ -13,7 +13,7 @@ namespace ddssec::cyclonedds {
 /// The plugins, in the order in which Cyclone DDS loads them.
 enum class PluginKind { authentication, access_control, cryptography };
 
-/// The project's version, which each library exports as a symbol.
+/// Returns the project's version, which each library exports as a symbol.
 const char* version() noexcept;
 
 /// True if no other ddssec library in this process comes before this one. That library reports on
@@ -28,8 +28,8 @@ bool reports_for_all(PluginKind own) noexcept;
 void report_plugins_in_use(Host& host, PluginKind own,
                            std::string (*openssl)() = openssl_version) noexcept;
 
-/// The event transport_without_resets if the process has no UDP socket; otherwise empty. `has_udp`
-/// is empty if that is not known.
+/// Returns the event transport_without_resets if the process has no UDP socket; otherwise empty.
+/// `has_udp` is empty if that is not known.
 std::optional<Event> transport_warning(std::optional<bool> has_udp);
 
 /// Raises an event if the calendar was set, and about the outcome. Only the library that reports
@@ -39,11 +39,11 @@ void report_clock_steps(Host& host, PluginKind own) noexcept;
 /// The version of the ddssec plugin of each kind; nullptr if a stock plugin or another vendor's is
 /// loaded.
 using PluginVersions = std::array<const char*, 3>;
-/// The event plugins_in_use. `openssl` is the result of openssl_version().
+/// Returns the event plugins_in_use. `openssl` is the result of openssl_version().
 Event plugins_in_use(const PluginVersions& found, const std::string& openssl);
-/// The event plugins_mixed; empty if all three plugins are from ddssec.
+/// Returns the event plugins_mixed; empty if all three plugins are from ddssec.
 std::optional<Event> mixture_warning(const PluginVersions& found);
-/// The event openssl_known_unsafe; empty if no flaw is certain.
+/// Returns the event openssl_known_unsafe; empty if no flaw is certain.
 std::optional<Event> openssl_warning(const std::string& openssl);
 
 }  // namespace ddssec::cyclonedds

@@ -17,26 +17,26 @@ bool has_our_cryptography();
 /// True if the process uses libddssec_authentication.
 bool has_our_authentication();
 
-/// The signed permissions of a local participant, if they were renewed more than `known` times;
-/// `known` is then set to that number. Empty without libddssec_access_control.
+/// Returns the signed permissions of a local participant, if they were renewed more than `known`
+/// times; `known` is then set to that number. Empty without libddssec_access_control.
 std::optional<std::string> renewed_permissions(spi::IdentityHandle local, std::uint64_t& known);
 
-/// The number of times that renewed permissions removed a right from an endpoint of a local
+/// Returns the number of times that renewed permissions removed a right from an endpoint of a local
 /// participant. 0 without libddssec_access_control.
 std::uint64_t rights_lost(spi::IdentityHandle local);
 
-/// The ciphers that libddssec_cryptography in this process can decrypt; the standard's ciphers if
-/// it is not loaded.
+/// Returns the ciphers that libddssec_cryptography in this process can decrypt; the standard's
+/// ciphers if it is not loaded.
 spi::CipherMask ciphers_of_process();
 
-/// The questions; empty functions without libddssec_cryptography.
+/// Returns the questions; empty functions without libddssec_cryptography.
 HandshakeWatch::Questions questions_to_cryptography();
 
 /// Notes that a reader of this process may have ended: libddssec_cryptography announces that to the
 /// peers (reader_ends.hpp). Without this library nothing happens.
 void look_for_ended_readers() noexcept;
 
-/// The certificate or the permissions of a local participant have expired. Cyclone's core would
+/// Cut off a local participant whose certificate or permissions have expired. Cyclone's core would
 /// delete the participant although the application still uses its entities, and the process would
 /// crash at the next call that needs it. So the core is not informed, and the other ddssec plugins
 /// refuse the participant everything, as far as they are loaded.

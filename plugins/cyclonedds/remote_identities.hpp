@@ -24,22 +24,23 @@ class RemoteIdentities {
   /// participant: that of the first pair, as long as the host keeps it.
   spi::IdentityHandle note(spi::IdentityHandle local, const Guid& remote, spi::IdentityHandle pair);
 
-  /// The host's handle for a remote participant that the engine did not admit. It is the one that
-  /// the host has, or a new one that is unique in the process and has no identity yet.
+  /// Returns the host's handle for a remote participant that the engine did not admit. It is the
+  /// one that the host has, or a new one that is unique in the process and has no identity yet.
   spi::IdentityHandle note_refused(const Guid& remote);
 
-  /// The engine's handle for the host's. An unknown handle is returned unchanged; the engine
-  /// decides whether there is such an identity.
+  /// Returns the engine's handle for the host's. An unknown handle is returned unchanged; the
+  /// engine decides whether there is such an identity.
   spi::IdentityHandle pair(spi::IdentityHandle local, spi::IdentityHandle remote) const;
 
-  /// The GUID for the host's handle of a remote participant; empty for any other handle.
+  /// Returns the GUID for the host's handle of a remote participant; empty for any other handle.
   std::optional<Guid> guid(spi::IdentityHandle of_host) const;
   /// True if the local participant has met the remote one, and the host has not returned it since.
   bool has_met(spi::IdentityHandle local, const Guid& remote) const;
-  /// The host's handle and the GUID of each remote participant.
+  /// Returns the host's handle and the GUID of each remote participant.
   std::vector<std::pair<spi::IdentityHandle, Guid>> all() const;
 
-  /// The host returns a remote or a local identity. Returns the handles to return to the engine.
+  /// Removes a remote or a local identity that the host returns. Returns the handles to return to
+  /// the engine.
   std::vector<spi::IdentityHandle> take(spi::IdentityHandle identity);
 
   /// True if `expire` has reported this local participant.

@@ -33,8 +33,8 @@ class SessionResets {
   void forget(spi::ParticipantCryptoHandle participant);
   /// Checks a received reset. False if it is not the token of an existing session.
   bool received(const spi::Reset& reset);
-  /// Tells whether that remote participant has requested a reset since the last call. `peers` has
-  /// those whose keys have come.
+  /// Returns whether that remote participant has requested a reset since the last call. `peers` has
+  /// those whose keys have arrived.
   SessionReset take(spi::IdentityHandle identity, const PeersWithKeys& peers);
 
  private:

@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view kIceoryxSetting = "<SharedMemory><Enable>";
 constexpr std::string_view kPsmxSetting = "<PubSubMessageExchange>";
 
-// The path in the last column; only that column contains slashes.
+// Returns the path in the last column; only that column contains slashes.
 std::string_view path_of(std::string_view mapping) {
   const auto slash = mapping.find('/');
   return slash == std::string_view::npos ? std::string_view() : mapping.substr(slash);

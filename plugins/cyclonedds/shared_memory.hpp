@@ -21,21 +21,21 @@ struct Bypass {
   std::string seen;          ///< the evidence that it is active
 };
 
-/// The path of an iceoryx segment among the mappings of a process, in the format of /proc/PID/maps;
-/// empty if there is none.
+/// Returns the path of an iceoryx segment among the mappings of a process, in the format of
+/// /proc/PID/maps; empty if there is none.
 std::optional<std::string> iceoryx_segment(std::string_view mappings);
 
-/// The way in which samples of Cyclone DDS would bypass the plugins in this process; empty if they
-/// cannot. In 0.10, the process maps iceoryx's management segment once a domain enables shared
-/// memory. In 11, the library of a PSMX instance is loaded and exports TYPE_create_psmx. Error:
-/// shared_memory_undecidable, if /proc/self/maps (or the given file) cannot be read.
+/// Returns the way in which samples of Cyclone DDS would bypass the plugins in this process; empty
+/// if they cannot. In 0.10, the process maps iceoryx's management segment once a domain enables
+/// shared memory. In 11, the library of a PSMX instance is loaded and exports TYPE_create_psmx.
+/// Error: shared_memory_undecidable, if /proc/self/maps (or the given file) cannot be read.
 Result<std::optional<Bypass>> find_bypass(const char* mappings_file = "/proc/self/maps");
 
 /// The direction of a local endpoint. The access control of the opposite direction counts.
 enum class EndpointDirection : std::uint8_t { writes, reads };
 
-/// The protection of the endpoint's samples that governance demands and shared memory would not
-/// provide, such as "data_protection_kind ENCRYPT"; empty if there is none.
+/// Returns the protection of the endpoint's samples that governance demands and shared memory would
+/// not provide, such as "data_protection_kind ENCRYPT"; empty if there is none.
 std::string promise_for_samples(const spi::ParticipantSecurityAttributes& participant,
                                 const spi::EndpointSecurityAttributes& endpoint,
                                 EndpointDirection direction);
@@ -47,7 +47,7 @@ class SharedMemoryGuard {
   using Probe = std::function<Result<std::optional<Bypass>>()>;
   explicit SharedMemoryGuard(Probe probe) : probe_(std::move(probe)) {}
 
-  /// The value of org.ddssec.access.allow_shared_memory; false if it is missing. Error:
+  /// Returns the value of org.ddssec.access.allow_shared_memory; false if it is missing. Error:
   /// invalid_property.
   static Result<bool> is_allowed_by(const spi::PropertyList& properties);
 

@@ -27,11 +27,11 @@ class SharedSecrets {
   /// Remembers the two identities of a handshake.
   void note(spi::HandshakeHandle handshake, spi::IdentityHandle initiator,
             spi::IdentityHandle replier);
-  /// The pointer for that handshake, the same each time. Error: foreign_shared_secret for an
-  /// unknown handshake.
+  /// Returns the pointer for that handshake, the same each time. Error: foreign_shared_secret for
+  /// an unknown handshake.
   Result<DDS_Security_SharedSecretHandle> hand_out(spi::HandshakeHandle handshake,
                                                    const spi::SharedSecret& secret);
-  /// The two identities of a handshake, initiator first; empty for an unknown handshake.
+  /// Returns the two identities of a handshake, initiator first; empty for an unknown handshake.
   std::optional<std::pair<spi::IdentityHandle, spi::IdentityHandle>> pair_of(
       spi::HandshakeHandle handshake) const;
   /// Wipes and frees the secrets of this identity's handshakes.

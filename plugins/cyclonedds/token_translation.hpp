@@ -1,4 +1,4 @@
-// Conversion between Cyclone's DataHolder and spi::Token.
+// Converts between Cyclone's DataHolder and spi::Token.
 #pragma once
 
 #include <span>
@@ -23,7 +23,7 @@ inline bool is_nil(const DDS_Security_DataHolder* token) {
   return token == nullptr || token->class_id == nullptr;
 }
 
-/// A copy of a token from the host. Errors: null_argument, length_out_of_range
+/// Copies a token from the host. Errors: null_argument, length_out_of_range
 /// (kMaxPropertiesPerToken).
 Result<spi::Token> token_from(const DDS_Security_DataHolder* token);
 
@@ -48,9 +48,9 @@ class CryptoTokens {
   std::vector<spi::Token> tokens_;
 };
 
-/// The token with its binary properties converted to text properties, in their order: Cyclone's
-/// access control looks for c.id and c.perm there. Errors: text_holds_nul, length_out_of_range
-/// (more than token_from accepts).
+/// Returns the token with its binary properties converted to text properties, in their order:
+/// Cyclone's access control looks for c.id and c.perm there. Errors: text_holds_nul,
+/// length_out_of_range (more than token_from accepts).
 Result<spi::Token> with_text_properties(spi::Token token);
 
 /// Fills `out` with a copy in malloc blocks. Errors: out_of_memory, text_holds_nul; `out` is empty
@@ -59,7 +59,8 @@ Status copy_properties(const spi::PropertyList& list, DDS_Security_PropertySeq& 
 /// Frees a copy of copy_properties and makes it empty.
 void free_properties(DDS_Security_PropertySeq& properties) noexcept;
 
-/// The text properties of a QoS; a null QoS has none. Errors: null_argument, length_out_of_range.
+/// Return the text properties of a QoS; a null QoS has none. Errors: null_argument,
+/// length_out_of_range.
 Result<spi::PropertyList> properties_from(const DDS_Security_PropertySeq& properties);
 Result<spi::PropertyList> properties_from(const DDS_Security_Qos* qos);
 

@@ -131,8 +131,8 @@ Status decode_submessage(Octets* plain, const Octets* encoded, Decode&& decode) 
   return {};
 }
 
-// Before its keys have come, only messages of the key exchange, protected by the shared secret,
-// show that a peer is alive.
+// Before a peer's keys have arrived, only messages of the key exchange, which the shared secret
+// protects, show that the peer is alive.
 void note_heard(Adapter& adapter, CHandle sender) {
   auto& peers = PeersWithKeys::of_process();
   if (peers.awaits_keys()) peers.note_heard(sender, adapter.host().clock().monotonic());
@@ -142,7 +142,7 @@ void note_heard(Adapter& adapter, CHandle sender) {
 constexpr DDS_Security_long kAskNext = DDS_SECURITY_ERR_INVALID_CRYPTO_RECEIVER_SIGN_CODE;
 
 // Cyclone asks for each local participant in turn. A message may be for the next participant if it
-// has no MAC for this one, if the sender's keys have not come yet, or if it is older than they
+// has no MAC for this one, if the sender's keys have not arrived yet, or if it is older than they
 // are. Such errors are no reason for an alarm.
 FailureReport as_one_of_several_receivers(const Error& error) {
   auto report = default_report(error);

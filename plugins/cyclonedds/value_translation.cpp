@@ -8,14 +8,15 @@ namespace {
 
 bool has(std::uint32_t mask, std::uint32_t flag) { return (mask & flag) != 0; }
 
-// A mask without its valid bit adds nothing to the booleans (DDS-Security 1.2, clause 10.4.2.4).
+// Returns 0 for a mask without its valid bit, which adds nothing to the booleans (DDS-Security 1.2,
+// clause 10.4.2.4).
 std::uint32_t valid_or_nothing(std::uint32_t mask) {
   return has(mask, spi::kMaskIsValid) ? mask : 0;
 }
 
-// Data about an entity that libddssec_access_control passes to libddssec_cryptography. The host
-// passes the attributes from one to the other without reading their properties; other cryptography
-// plugins ignore them.
+// The names of data about an entity that libddssec_access_control passes to libddssec_cryptography.
+// The host passes the attributes from one to the other without reading their properties; other
+// cryptography plugins ignore them.
 using NoProperties = DDS_Security_PropertySeq;
 constexpr std::string_view kBuiltinEndpoint = "org.ddssec.builtin_endpoint";
 constexpr std::string_view kClosedReader = "org.ddssec.closed_reader";

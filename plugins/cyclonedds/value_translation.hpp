@@ -1,4 +1,4 @@
-// Conversion of small values between Cyclone's C types and those of spi: octets, GUIDs, attributes,
+// Converts small values between Cyclone's C types and those of spi: octets, GUIDs, attributes,
 // endpoint requests.
 #pragma once
 
@@ -15,7 +15,8 @@
 
 namespace ddssec::cyclonedds {
 
-/// The elements of a sequence, borrowed. Error: null_argument for a length without a buffer.
+/// Returns the elements of a sequence, borrowed. Error: null_argument for a length without a
+/// buffer.
 template <class Sequence>
 auto elements_of(const Sequence& sequence)
     -> Result<std::span<const std::remove_pointer_t<decltype(sequence._buffer)>>> {
@@ -24,7 +25,7 @@ auto elements_of(const Sequence& sequence)
       sequence._buffer, sequence._buffer != nullptr ? sequence._length : 0);
 }
 
-/// The octets, borrowed. Error: null_argument.
+/// Returns the octets, borrowed. Error: null_argument.
 Result<BytesView> octets_from(const DDS_Security_OctetSeq* octets);
 
 /// GUIDs are in network byte order on both sides.
@@ -36,7 +37,7 @@ DDS_Security_ParticipantSecurityAttributes to_c(
 DDS_Security_TopicSecurityAttributes to_c(const spi::TopicSecurityAttributes& attributes);
 DDS_Security_EndpointSecurityAttributes to_c(const spi::EndpointSecurityAttributes& attributes);
 
-/// The attributes of a reader that must not match any remote writer (closed_readers.hpp).
+/// Returns the attributes of a reader that must not match any remote writer (closed_readers.hpp).
 /// libddssec_cryptography makes no keys for it and accepts none.
 DDS_Security_EndpointSecurityAttributes closed_reader_attributes();
 
