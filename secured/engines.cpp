@@ -28,7 +28,7 @@ struct Engines::Parts {
                                                             .host_changes_protection = true})),
         cryptography(cryptography::make_cryptography(services)) {}
 
-  // The services for the plugins that judge documents.
+  // Returns the services for the plugins that judge documents.
   EngineServices judging(const EngineServices& services) const {
     EngineServices out{calendar, services.random, services.events};
     out.documents = documents.get();

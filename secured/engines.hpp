@@ -20,12 +20,12 @@ class Engines {
   explicit Engines(const EngineServices& services);
   ~Engines();
 
-  /// Takes the property org.ddssec.clock_step_grace: how long a changed system clock is not
+  /// Sets the grace period of org.ddssec.clock_step_grace: how long a changed system clock is not
   /// believed. Without a call, SteadyCalendar::kDefaultGrace applies. Error: invalid_property.
   Status set_clock_step_grace(const spi::PropertyList& properties);
 
-  /// The plugins for the options of a participant (DomainParticipantOptions::security). They live
-  /// as long as this object.
+  /// Returns the plugins for the options of a participant (DomainParticipantOptions::security).
+  /// They live as long as this object.
   rtps::SecurityPlugins view();
 
   /// Returns the options of a participant with the documents of this folder, and takes the clock

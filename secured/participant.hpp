@@ -45,9 +45,9 @@ class Participant {
                                   rtps::DomainParticipantOptions options = {},
                                   EventSink* events = nullptr);
 
-  /// RELIABILITY is RELIABLE; all other policies have the defaults of DDS. To change a policy,
-  /// start from one of these: in a default-constructed Qos, RELIABILITY is BEST_EFFORT, the DDS
-  /// default for readers.
+  /// Return policies with which RELIABILITY is RELIABLE; all other policies have the defaults of
+  /// DDS. To change a policy, start from one of these: in a default-constructed Qos, RELIABILITY is
+  /// BEST_EFFORT, the DDS default for readers.
   static rtps::Qos writer_qos();
   static rtps::Qos reader_qos();
 
@@ -75,8 +75,8 @@ class Participant {
   /// rtps::DomainParticipant::revise_keys. Errors: rtps_key_revision_disabled.
   Status revise_keys() { return dds().revise_keys(); }
 
-  /// The participant for everything else of DDS: listeners, further publishers and subscribers,
-  /// conditions, discovered participants. Lives as long as this object.
+  /// Returns the participant for everything else of DDS: listeners, further publishers and
+  /// subscribers, conditions, discovered participants. It lives as long as this object.
   rtps::DomainParticipant& dds();
 
  private:

@@ -27,7 +27,7 @@ struct Options {
 class Log final : public EventSink {
  public:
   void raise(const Event& event) override {
-    // print_refusal() prints that error.
+    // print_refusal() prints an error that is also returned.
     if (!event.is_returned) std::fprintf(stderr, "%s\n", event.to_line().c_str());
   }
 };

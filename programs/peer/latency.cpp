@@ -67,7 +67,7 @@ class Ping {
         reader_(reader),
         sent_{0, 0, 0, Bytes(session.options().size, 0x5a)} {}
 
-  // Returns nanoseconds. Empty if the session ended before.
+  // Returns the time of a round trip in nanoseconds. Empty if the session ended before.
   std::optional<std::int64_t> round_trip() {
     const auto begin = session_.nanoseconds();
     sent_.t_ns = static_cast<std::uint64_t>(begin);

@@ -1,4 +1,4 @@
-// What all roles of ddssec-peer share: the participant, the clock, JSON lines and termination.
+// The participant, the clock, JSON lines and termination, which all roles of ddssec-peer share.
 #pragma once
 
 #include <functional>
@@ -35,7 +35,8 @@ class Session final : private EventSink {
  public:
   explicit Session(const Options& options) : options_(options) {}
 
-  /// Errors: those of Engines::security_options and DomainParticipant::create.
+  /// Creates the participant. Errors: those of Engines::security_options and
+  /// DomainParticipant::create.
   Status open();
   const Options& options() const { return options_; }
   rtps::DomainParticipant& participant() { return *participant_; }
@@ -107,7 +108,7 @@ int run_pong(Session& session);
 int run_tput_pub(Session& session);
 int run_tput_sub(Session& session);
 
-/// The number of remote endpoints that are matched now.
+/// Returns the number of remote endpoints that are matched now.
 template <class T>
 std::int32_t matched_count(rtps::DataWriter<T>& writer) {
   return writer.publication_matched_status().current_count;

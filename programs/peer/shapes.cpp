@@ -33,7 +33,7 @@ int run_pub(Session& session) {
     session.note_matched("reader", current);
     return current > 0;
   };
-  // Ends when all shapes are written and the reader has left.
+  // The loop ends when all shapes are written and the reader has left.
   while (!session.is_over()) {
     const bool reader = has_reader();
     if (counts.written >= options.count && !reader) break;

@@ -59,7 +59,7 @@ struct Options {
   }
 };
 
-/// The options. Empty after usage or --help was printed; then `exit_code` applies.
+/// The parsed options. Empty after usage or --help was printed; then `exit_code` applies.
 struct Parsed {
   std::optional<Options> options;
   int exit_code = kBadArguments;

@@ -13,7 +13,7 @@ std::int32_t below(Random& random, std::int32_t end) {
   return (octets[0] << 8 | octets[1]) % end;
 }
 
-// One coordinate: moves, and turns at 0 and at `limit`.
+// One coordinate of a shape. It moves, and turns at 0 and at `limit`.
 class Coordinate {
  public:
   Coordinate(Random& random, std::int32_t limit)

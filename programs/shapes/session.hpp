@@ -1,5 +1,5 @@
-// What publisher and subscriber share: the participant, printing of its statuses, policies and
-// termination.
+// The participant, printing of its statuses, policies and termination, which publisher and
+// subscriber share.
 #pragma once
 
 #include <memory>
@@ -56,7 +56,8 @@ class Session final : private EventSink {
   explicit Session(const Options& options) : options_(options) {}
   ~Session() override;
 
-  /// Errors: those of Engines::security_options and DomainParticipant::create.
+  /// Creates the participant. Errors: those of Engines::security_options and
+  /// DomainParticipant::create.
   Status open();
   const Options& options() const { return options_; }
   rtps::DomainParticipant& participant() { return *participant_; }
@@ -74,7 +75,7 @@ class Session final : private EventSink {
     }
     return out;
   }
-  /// The filter that -c of a subscriber or --cft requests; empty if there is none.
+  /// Returns the filter that -c of a subscriber or --cft requests; empty if there is none.
   std::optional<rtps::FilterText> filter() const;
   rtps::GroupQos group_qos() const;
   rtps::Qos writer_qos() const;

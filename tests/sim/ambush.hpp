@@ -1,4 +1,4 @@
-// What an outsider forges against participants that have just begun: other endpoints of theirs
+// An outsider's forgeries against participants that have just begun: other endpoints of theirs
 // before the protected announcements arrive, other addresses between handshake and keys.
 #pragma once
 
@@ -10,15 +10,15 @@ namespace ddssec::rtps::sim {
 
 class Ambush {
  public:
-  /// A participant is attacked for so long.
+  /// How long a participant is attacked after its start.
   static constexpr MonotonicTime kYouth = seconds(5);
 
   Ambush(const Ledger& ledger, const Invariants& invariants, std::span<const Datagram> recorded,
          Dice& dice)
       : ledger_(ledger), invariants_(invariants), recorded_(recorded), dice_(dice) {}
 
-  /// Clear announcements in the name of an honest participant. Empty: none is that young, or it
-  /// was not heard in the clear.
+  /// Returns clear announcements in the name of an honest participant. Empty if none is that young,
+  /// or if it was not heard in the clear.
   Bytes operator()(MonotonicTime now);
 
  private:

@@ -1,4 +1,4 @@
-// Who takes part, what each may do, and what protects the domain.
+// The participants of a simulation, their rights, and the protection of the domain.
 #pragma once
 
 #include <array>
@@ -11,24 +11,25 @@ namespace ddssec::rtps::sim {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// Of equal length, so that a hostile announcement can exchange one for another in place.
+/// The topics have names of equal length, so that a hostile announcement can exchange one for
+/// another in place.
 inline constexpr std::array<std::string_view, 3> kTopics = {"Square", "Circle", "Sphere"};
 
 inline constexpr std::array<std::string_view, 2> kTags = {"north", "south"};
 
 enum class Role : std::uint8_t {
   honest,
-  insider,    ///< a certificate and some permissions; a modified product
-  forger,     ///< a certificate, and permissions for everything that it signed itself
-  impostor,   ///< a certificate, and the GUID of an honest participant
-  borrower,   ///< a certificate, and the signed permissions of an honest participant
-  foreign,    ///< a certificate of another CA of the same name, with an honest subject
+  insider,    ///< has a certificate and some permissions; a modified product
+  forger,     ///< has a certificate, and permissions for everything that it signed itself
+  impostor,   ///< has a certificate, and the GUID of an honest participant
+  borrower,   ///< has a certificate, and the signed permissions of an honest participant
+  foreign,    ///< has a certificate of another CA of the same name, with an honest subject
   elsewhere,  ///< honest, with all permissions, in another domain tag
   sibling,    ///< one of many participants with one certificate, without endpoints
 };
 
 struct Subject {
-  std::string name;  ///< of the common name
+  std::string name;  ///< the name in the common name
   Role role = Role::honest;
   std::vector<std::string> publishes = {}, subscribes = {};
 
@@ -45,19 +46,20 @@ struct Subject {
 struct Protection {
   std::string_view name;
   testing::Rules rules;
-  bool hides = true;             ///< nobody without a key reads samples
-  bool covers_headers = true;    ///< nobody without a key removes samples, by HEARTBEAT or GAP
-  bool covers_times = false;     ///< or changes source timestamps
-  bool separates_topics = true;  ///< who takes part reads no topic that it may not read
+  bool hides = true;             ///< only holders of a key read samples
+  bool covers_headers = true;    ///< only holders of a key remove samples, by HEARTBEAT or GAP
+  bool covers_times = false;     ///< only holders of a key change source timestamps
+  bool separates_topics = true;  ///< no participant reads a topic that it may not read
   bool dates_readers = true;     ///< a reader that is made later gets nothing recorded before
   bool tells_readers_from_writers = false;  ///< origin authentication of samples
   bool hides_strangers = false;             ///< a pre-shared key protects the rest
 };
 std::span<const Protection> protections();
 
-/// Makes certificates and documents once for each subject and governance.
+/// Returns the properties of a participant. Its certificate and documents are made once for each
+/// subject and governance.
 spi::PropertyList properties_of(const Subject& subject, const Protection& protection);
-/// The signed permissions of an honest participant, as a handshake carries them.
+/// Returns the signed permissions of an honest participant, as a handshake carries them.
 std::string honest_permissions(const Protection& protection);
 
 }  // namespace ddssec::rtps::sim

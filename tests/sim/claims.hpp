@@ -8,8 +8,8 @@
 
 namespace ddssec::rtps::sim {
 
-/// In submessages that announce an endpoint, its name becomes what `other` returns, which is asked
-/// with true for that of a writer. Otherwise the announcement stays as it is.
+/// Replaces the name of the endpoint, in submessages that announce one, by what `other` returns.
+/// `other` gets true for the name of a writer. The rest of the announcement stays as it is.
 void claim(Bytes& submessages, const std::function<Guid(bool)>& other);
 
 }  // namespace ddssec::rtps::sim

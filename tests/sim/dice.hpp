@@ -1,4 +1,4 @@
-// All that is random in a simulation, from one seed.
+// Everything that is random in a simulation, from one seed.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,12 @@
 
 namespace ddssec::rtps::sim {
 
-/// splitmix64. No std distribution: their results differ between libraries.
+/// The generator splitmix64. No distribution of std is used, because their results differ between
+/// libraries.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : state_(seed) {}
-  /// An independent stream for one purpose: draws elsewhere do not change it.
+  /// Returns an independent stream for one purpose: draws elsewhere do not change it.
   Dice fork(std::string_view purpose) const {
     auto seed = state_ ^ 0x5851f42d4c957f2d;
     for (const auto letter : purpose) seed = mix(seed + static_cast<unsigned char>(letter));
@@ -20,7 +21,7 @@ class Dice {
   }
 
   std::uint64_t next() { return mix(state_ += 0x9e3779b97f4a7c15); }
-  /// 0 to `limit` - 1; 0 if there is nothing to choose from.
+  /// Returns 0 to `limit` - 1; 0 if there is nothing to choose from.
   std::size_t below(std::size_t limit) { return limit == 0 ? 0 : next() % limit; }
   bool chance(unsigned in_thousand) { return below(1000) < in_thousand; }
   std::uint8_t octet() { return static_cast<std::uint8_t>(next()); }
@@ -29,7 +30,7 @@ class Dice {
     for (auto& one : out) one = octet();
     return out;
   }
-  /// `list` is not empty.
+  /// Returns an element of `list`, which must not be empty.
   template <class List>
   auto& of(List&& list) {
     return list[below(list.size())];

@@ -1,4 +1,5 @@
-// What somebody without keys can make of octets it has heard, and of names it knows.
+// Forgeries that an attacker without keys can make of octets that it has heard, and of names that
+// it knows.
 #pragma once
 
 #include "tests/sim/invariants.hpp"
@@ -7,9 +8,9 @@
 
 namespace ddssec::rtps::sim {
 
-/// The submessages of a datagram, as far as it can be read. Owned by `datagram`.
+/// Returns the submessages of a datagram, as far as it can be read. `datagram` owns them.
 std::vector<BytesView> submessages_of(BytesView datagram);
-/// Header of one datagram, and submessages of both in some order.
+/// Returns the header of one datagram, and submessages of both in some order.
 Bytes splice(BytesView one, BytesView other, Dice& dice);
 
 /// Makes bursts of forgeries, each of one kind.
@@ -21,25 +22,25 @@ class Forger {
   };
   Forger(const Ledger& ledger, const Invariants& invariants, std::span<const Datagram> recorded,
          Dice& dice);
-  /// `nodes`: how many addresses there are.
+  /// Returns one burst. `nodes` is the number of addresses.
   std::vector<Forgery> burst(std::size_t nodes);
-  /// Submessages of another participant, for a message that somebody protects.
+  /// Returns submessages of another participant, for a message that an attacker protects.
   Bytes in_the_name_of_another();
-  /// Announcements of kinds that were added later, so that `burst` draws what it did before: with
-  /// loopback addresses, or with a parameter that comes twice.
+  /// Returns announcements of kinds that were added later, so that `burst` draws what it did
+  /// before: with loopback addresses, or with a parameter that comes twice.
   std::vector<Forgery> announcements(std::size_t nodes);
-  /// Announcements of participants that have the longest lease, all from one machine.
+  /// Returns announcements of participants that have the longest lease, all from one machine.
   std::vector<Forgery> crowd();
-  /// Clear DATA of a user's writer of that participant.
+  /// Returns clear DATA of a user's writer of that participant.
   Bytes sample_by(const GuidPrefix& writer);
-  /// Of a user's endpoint that was there once, of that participant if it had one.
+  /// Returns the GUID of a user's endpoint that existed once, of that participant if it had one.
   Guid endpoint_guid(bool writes, const std::optional<GuidPrefix>& whose = {});
 
  private:
   using Make = Bytes (Forger::*)();
   struct Kind {
     Make make;
-    std::size_t most;  ///< in one burst
+    std::size_t most;  ///< the largest number in one burst
   };
   static std::span<const Kind> kinds();
   std::vector<Forgery> burst_of(const Kind& kind, std::size_t nodes);
@@ -53,7 +54,7 @@ class Forger {
   Bytes endpoint_end();
   Bytes sample() { return sample_of(endpoint_guid(true)); }  ///< clear DATA of a user's writer
   Bytes sample_of(const Guid& writer);
-  Bytes fragment();         ///< clear DATA_FRAG of it
+  Bytes fragment();         ///< a clear DATA_FRAG of it
   Bytes acknowledgement();  ///< clear ACKNACK or NACK_FRAG
   Bytes horizon();          ///< clear HEARTBEAT or GAP
   Bytes handshake();        ///< a recorded handshake message, changed
@@ -61,14 +62,14 @@ class Forger {
   Bytes handshake_fragment();
   Bytes keys();  ///< a clear message of the key exchange
   Bytes liveliness();
-  Bytes other_time();         ///< a recorded datagram behind INFO_TS
-  Bytes other_destination();  ///< a recorded datagram behind INFO_DST
+  Bytes other_time();         ///< a recorded datagram after INFO_TS
+  Bytes other_destination();  ///< a recorded datagram after INFO_DST
   Bytes garbage();
   Bytes local_address();       ///< an announcement of addresses of the machine that hears it
-  Bytes repeated_parameter();  ///< a recorded announcement
+  Bytes repeated_parameter();  ///< a recorded announcement with a parameter that comes twice
 
   GuidPrefix name();
-  /// The payload of a recorded submessage of that writer; empty: none was heard.
+  /// Returns the payload of a recorded submessage of that writer; empty if none was heard.
   Bytes heard(const EntityId& writer);
   Bytes changed_announcement(const std::function<void(ParticipantData&)>& change);
   Bytes behind(const std::function<void(SpanWriter&)>& what);
@@ -76,7 +77,7 @@ class Forger {
   const Ledger& ledger_;
   const Invariants& invariants_;
   std::span<const Datagram> recorded_;
-  std::optional<ParticipantData> member_;  ///< what strangers look like
+  std::optional<ParticipantData> member_;  ///< the data that strangers imitate
   Dice& dice_;
 };
 

@@ -1,4 +1,4 @@
-// What must always hold. The first violation ends a run.
+// The properties that must always hold. The first violation ends a run.
 #pragma once
 
 #include <set>
@@ -24,7 +24,7 @@ struct End {
   bool is_reliable = true;
 };
 
-// The names that failures print.
+// The names of the invariants, which failures print.
 namespace invariant {
 inline constexpr std::string_view kPermission = "nobody reads or writes without permission";
 inline constexpr std::string_view kForged = "nothing forged is delivered or believed";
@@ -46,33 +46,35 @@ inline constexpr std::string_view kLoss = "a matched reliable reader gets every 
 
 class Invariants {
  public:
-  /// Memory of one participant, whatever others do: the sum of the product's own bounds on what
-  /// this cast can reach, and some room.
+  /// Limit for the memory of one participant, whatever others do: the sum of the product's own
+  /// bounds on what this cast can reach, and some room.
   static constexpr std::int64_t kMaxOctets = std::int64_t{24} << 20;
-  /// The same for each sibling more.
+  /// The same for each further sibling.
   static constexpr std::int64_t kMaxOctetsOfSibling = std::int64_t{128} << 10;
-  /// Branches for one call, and for each octet of a datagram. Most of seeds 1 to 400 were 660'642,
-  /// by seed 324; this is half as many more. Which code takes them was not measured yet.
+  /// Limits for the branches of one call, and for each octet of a datagram. The largest number of
+  /// seeds 1 to 400 was 660'642, with seed 324; this is half as many more. Which code takes them
+  /// was not measured yet.
   static constexpr std::uint64_t kMaxBranches = 990'000;
   static constexpr std::uint64_t kMaxBranchesPerOctet = 400;
-  /// Handshakes that one call begins: each costs public-key work.
+  /// Limit for the handshakes that one call begins: each costs public-key work.
   static constexpr std::size_t kMaxHandshakes = 100;
-  /// After a writer's end, messages of it may still be under way for so long.
+  /// How long messages of a writer may still be under way after its end.
   static constexpr MonotonicTime kMaxAfterlife = seconds(20);
-  /// The same if all that was sent did arrive.
+  /// The same if everything that was sent did arrive.
   static constexpr MonotonicTime kMaxLastWords = seconds(1);
-  /// Moments at which one dead writer is heard after that: messages that were lost on the way to
-  /// one reader and heard by another are news when an attacker brings them.
+  /// Limit for the moments at which one dead writer is heard after that: messages that were lost on
+  /// the way to one reader and heard by another are new when an attacker brings them.
   static constexpr std::size_t kMaxLateSigns = 40;
-  /// From the moment that the network is fair.
+  /// How long honest pairs may take to match, from the moment that the network is fair.
   static constexpr MonotonicTime kMaxReunion = seconds(150);
   /// The same while strangers fill the tables and nothing else is attacked.
   static constexpr MonotonicTime kMaxInCrowd = seconds(10);
   static constexpr MonotonicTime kMaxExchange = seconds(20);
-  /// A dead participant is forgotten so long after the network was fair: its lease, and what an
-  /// attacker kept back of it, which is news.
+  /// How long a dead participant may be remembered after the network was fair: its lease, and what
+  /// an attacker kept back of it, which is new.
   static constexpr MonotonicTime kMaxMemory = seconds(60);
-  /// Octets to addresses where nobody is, beyond three for each octet that arrives.
+  /// Limit for the octets to addresses where no participant is, beyond three for each octet that
+  /// arrives.
   static constexpr std::size_t kMaxReflected = std::size_t{256} << 10;
 
   Invariants(const Ledger& ledger, const Protection& protection, const MonotonicTime& now)
@@ -90,8 +92,8 @@ class Invariants {
   void on_call(const Subject& whose, const Cost& before, const Cost& after, std::size_t octets);
   void on_handshakes(const Subject& whose, std::size_t begun);
 
-  /// From now on, or no longer: all that honest participants send arrives, none of them ends, and
-  /// neither do their endpoints.
+  /// Begins or ends a time in which everything that honest participants send arrives, none of them
+  /// ends, and neither do their endpoints.
   void set_besieged(bool besieged) {
     if (besieged) besieged_since_ = now_;
     besieged_ = besieged;
@@ -100,7 +102,7 @@ class Invariants {
   void fail(std::string_view invariant, std::string detail) {
     if (!violation_) violation_ = {invariant, std::move(detail)};
   }
-  /// For one call of an honest participant, less those for each octet.
+  /// Returns the largest number for one call of an honest participant, less those for each octet.
   std::uint64_t most_branches() const { return most_branches_; }
   std::size_t most_handshakes() const { return most_handshakes_; }
   const std::optional<Violation>& violation() const { return violation_; }
@@ -115,7 +117,8 @@ class Invariants {
   const MonotonicTime& now_;
   std::map<Guid, End> ends_;
   std::map<std::pair<Guid, Guid>, SequenceNumber> latest_;  ///< by reader and writer
-  std::map<Guid, std::set<MonotonicTime>> late_signs_;      ///< of a writer: when
+  std::map<Guid, std::set<MonotonicTime>> late_signs_;      ///< for each writer, when it was heard
+                                                            ///< late
   std::int64_t max_octets_ = kMaxOctets;
   std::uint64_t most_branches_ = 0;
   std::size_t most_handshakes_ = 0;

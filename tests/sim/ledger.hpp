@@ -1,4 +1,4 @@
-// The truth: who is who, and what honest writers have written.
+// The truth: which participants exist, and what honest writers have written.
 #pragma once
 
 #include <map>
@@ -16,7 +16,7 @@ struct Life {
   MonotonicTime died = kNever;
 };
 
-/// What an honest writer wrote as one sequence number.
+/// The data that an honest writer wrote as one sequence number.
 struct Written {
   std::string_view topic;
   Bytes payload;
@@ -29,26 +29,27 @@ class Ledger {
  public:
   void enter(const GuidPrefix& prefix, const Life& life) { lives_[prefix] = life; }
   void leave(const GuidPrefix& prefix, MonotonicTime when) { lives_[prefix].died = when; }
-  /// nullptr: nobody ever had that name.
+  /// Returns nullptr if no participant ever had that name.
   const Life* life(const GuidPrefix& prefix) const {
     const auto at = lives_.find(prefix);
     return at == lives_.end() ? nullptr : &at->second;
   }
   const std::map<GuidPrefix, Life>& lives() const { return lives_; }
 
-  /// Numbers begin at 1 and have no holes.
+  /// Records what a writer wrote. Numbers begin at 1 and have no holes.
   void write(const Guid& writer, Written what) { written_[writer].push_back(std::move(what)); }
-  /// A durable writer, which does not `write`, still holds that number; the last call has its last.
+  /// Records that a durable writer, which does not `write`, still holds that number. The last call
+  /// has its last number.
   void hold(const Guid& writer, SequenceNumber number, Written what) {
     held_[writer].insert_or_assign(number, std::move(what));
   }
-  /// What a durable writer holds; others hold nothing.
+  /// Returns what a durable writer holds; others hold nothing.
   const std::map<SequenceNumber, Written>& held(const Guid& writer) const {
     static const std::map<SequenceNumber, Written> nothing;
     const auto at = held_.find(writer);
     return at == held_.end() ? nothing : at->second;
   }
-  /// nullptr: it never wrote that many, or holds it no longer.
+  /// Returns nullptr if it never wrote that many, or holds the number no longer.
   const Written* written(const Guid& writer, SequenceNumber number) const {
     const auto& durable = held(writer);
     if (const auto one = durable.find(number); one != durable.end()) return &one->second;
@@ -68,7 +69,7 @@ class Ledger {
   std::map<Guid, std::map<SequenceNumber, Written>> held_;
 };
 
-/// Stands in every sample, so that it is found wherever it should not be readable.
+/// Part of every sample, so that it is found wherever it should not be readable.
 inline constexpr std::string_view kMark = "ddssec sample that nobody else may read";
 
 }  // namespace ddssec::rtps::sim

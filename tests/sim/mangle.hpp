@@ -8,10 +8,10 @@
 
 namespace ddssec::rtps::sim {
 
-/// One to three changes in place: a bit, an octet, an aligned word, a name for another name, a
-/// topic for another topic. The length stays.
+/// Makes one to three changes in place: a bit, an octet, an aligned word, a name for another name,
+/// a topic for another topic. The length stays.
 void mangle(Bytes& octets, Dice& dice, std::span<const GuidPrefix> names);
-/// Each occurrence of `from` becomes `to`, which is as long.
+/// Replaces each occurrence of `from` by `to`, which is as long.
 bool exchange(Bytes& octets, BytesView from, BytesView to);
 
 }  // namespace ddssec::rtps::sim

@@ -1,6 +1,6 @@
-// What each participant costs: memory that its calls allocate and do not free, and branches that
-// its protocol takes. The product's sources are compiled once more for this, with a call at each
-// branch (see CMakeLists.txt).
+// Measures what each participant costs: memory that its calls allocate and do not free, and
+// branches that its protocol takes. The product's sources are compiled once more for this, with a
+// call at each branch (see CMakeLists.txt).
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@ namespace ddssec::rtps::sim {
 
 struct Cost {
   std::int64_t octets = 0;       ///< held now
-  std::uint64_t branches = 0;    ///< ever
-  std::int64_t most_octets = 0;  ///< held at most at the end of a call
+  std::uint64_t branches = 0;    ///< taken so far
+  std::int64_t most_octets = 0;  ///< the most that was held at the end of a call
 };
 
 /// While it lives, allocations and branches are charged to `cost`; another one inside it interrupts
@@ -35,7 +35,8 @@ class Charge {
   std::uint64_t branches_ = 0;
 };
 
-/// While it lives, nobody is charged: the simulation's own work inside a participant's call.
+/// While it lives, no participant is charged: for the simulation's own work inside a participant's
+/// call.
 class FreeOfCharge : private Charge {
  public:
   FreeOfCharge() : Charge(nullptr) {}

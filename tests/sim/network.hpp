@@ -15,7 +15,7 @@ struct Datagram {
   Bytes octets;
 };
 
-/// Where everybody announces itself.
+/// The address to which all participants announce themselves.
 inline const Locator kGroup = Locator::udp_v4({239, 255, 0, 1}, 7400);
 inline Locator address_of(std::size_t node) {
   constexpr std::size_t kOfNetwork = 250;
@@ -29,7 +29,7 @@ class Network {
   static constexpr MonotonicTime kLatency = std::chrono::milliseconds(1);
 
   void post(Datagram datagram, MonotonicTime due) { under_way_.emplace(due, std::move(datagram)); }
-  /// What arrives until `now`, in order.
+  /// Returns the datagrams that arrive until `now`, in order.
   std::vector<Datagram> arrived(MonotonicTime now) {
     std::vector<Datagram> out;
     const auto end = under_way_.upper_bound(now);
@@ -43,11 +43,12 @@ class Network {
   std::multimap<MonotonicTime, Datagram> under_way_;
 };
 
-/// What participants send into.
+/// The interface through which participants send.
 class Wire {
  public:
   virtual ~Wire() = default;
-  /// `for_honest`: sent as a sample is written whose readers are all honest.
+  /// Sends a datagram. `for_honest` is true if it is sent as a sample is written whose readers are
+  /// all honest.
   virtual void carry(const Subject& from, Datagram datagram, bool for_honest) = 0;
 };
 

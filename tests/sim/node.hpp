@@ -10,7 +10,7 @@
 
 namespace ddssec::rtps::sim {
 
-/// What a node needs of its world.
+/// The parts of its world that a node needs.
 struct Surroundings {
   const Protection& protection;
   const MonotonicTime& now;
@@ -28,7 +28,7 @@ class Endpoint final : public EndpointListener {
   const End& end() const { return end_; }
   void is_known_as(const Guid& guid);
   bool has_honest_peers_only() const;
-  /// Since when; kNever: not.
+  /// Returns the time since when they match; kNever if they do not.
   MonotonicTime matched_since(const Guid& remote) const;
   bool has(const Guid& writer, SequenceNumber number) const {
     return got_.contains({writer, number});
@@ -68,22 +68,22 @@ class Node final : private Transport, private EventSink {
   const Locator& address() const { return address_; }
   const std::map<Code, std::uint64_t>& events() const { return events_; }
 
-  /// `name`: whose GUID an impostor takes.
+  /// Starts the participant. `name` is the one whose GUID an impostor takes.
   void start(const GuidPrefix& name = {});
-  /// `says_so`: it disposes itself first.
+  /// Ends the participant. If `says_so`, it disposes itself first.
   void stop(bool says_so);
   void receive(const Datagram& datagram);
   void advance(MonotonicTime by);
-  /// Somebody sets its calendar.
+  /// Sets its calendar.
   void set_calendar(seconds by) { clock_.set(clock_.now() + by); }
-  /// It does nothing until then, and what arrives waits in its socket.
+  /// Makes it do nothing until then. Datagrams that arrive wait in its socket.
   void sleep_until(MonotonicTime when) { asleep_until_ = when; }
   void write(Endpoint& endpoint);
-  /// A writer or reader of any topic.
+  /// Adds a writer or reader of any topic.
   void add_endpoint(std::string_view topic, bool writes);
   void remove_endpoint(std::size_t index);
-  /// A durable writer that has used up `numbers` and holds the first and the last of them. It takes
-  /// the place of the node's readers of the topic, which would get each sample at once.
+  /// Adds a durable writer that has used up `numbers` and holds the first and the last of them. It
+  /// takes the place of the node's readers of the topic, which would get each sample at once.
   void add_sparse_writer(std::string_view topic, std::int64_t numbers);
   void add_durable_reader(std::string_view topic, bool reliable);
 
@@ -117,8 +117,8 @@ class Node final : private Transport, private EventSink {
   MonotonicTime asleep_until_{};
   std::vector<Datagram> in_socket_;
   std::map<Code, std::uint64_t> events_;
-  bool writes_for_honest_ = false;  ///< now
-  std::size_t handshakes_ = 0;      ///< begun by the present call
+  bool writes_for_honest_ = false;  ///< true while it writes a sample whose readers are all honest
+  std::size_t handshakes_ = 0;      ///< the number that the present call has begun
 };
 
 }  // namespace ddssec::rtps::sim

@@ -1,5 +1,4 @@
-// The attacker on the path: it sees every datagram, and decides what becomes of it. It holds no
-// key.
+// The attacker on the path: it sees every datagram, and decides what happens to it. It has no key.
 #pragma once
 
 #include "tests/sim/invariants.hpp"
@@ -8,7 +7,8 @@
 
 namespace ddssec::rtps::sim {
 
-/// How often it does what: in a thousand datagrams, or in a thousand steps for what it adds.
+/// How often it makes each attack: in a thousand datagrams, or in a thousand steps for attacks that
+/// it adds.
 struct Temper {
   unsigned drop = 0, duplicate = 0, delay = 0, mangle = 0, cut_short = 0, splice = 0;  // datagrams
   unsigned bridge = 0;    ///< exchanges the domain tags
@@ -18,7 +18,7 @@ struct Temper {
   unsigned forge = 0;     ///< a burst of forgeries of one kind
   unsigned announce = 0;  ///< a burst of Forger::announcements
   unsigned crowd = 0;     ///< a burst of Forger::crowd
-  unsigned ambush = 0;    ///< one of Ambush
+  unsigned ambush = 0;    ///< a burst of Ambush
 };
 
 class Outsider {
@@ -31,11 +31,11 @@ class Outsider {
         further_(dice.fork("further")),
         ambush_(dice.fork("ambush")) {}
 
-  /// What becomes of a datagram.
+  /// Decides what happens to a datagram.
   void carry(Datagram datagram, MonotonicTime now);
-  /// One step of its own; `nodes`: how many addresses there are.
+  /// Makes one step of its own. `nodes` is the number of addresses.
   void act(MonotonicTime now, std::size_t nodes);
-  /// From now on no participant is cut off any longer.
+  /// Changes the temper. From now on no participant is cut off any longer.
   void behave(const Temper& temper) {
     temper_ = temper;
     silenced_.clear();

@@ -1,4 +1,4 @@
-// OpenSSL with a generator that repeats itself, so that a seed makes the same octets again.
+// Gives OpenSSL a generator that repeats itself, so that a seed makes the same octets again.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The cast, the network and the attackers together, and time.
+// The cast, the network, the attackers and the time of a simulation.
 #pragma once
 
 #include "tests/sim/node.hpp"
@@ -10,15 +10,15 @@ class World final : private Wire {
  public:
   static constexpr MonotonicTime kStep = milliseconds(10);
 
-  /// `has_interfaces`: see Surroundings.
+  /// For `has_interfaces` see Surroundings.
   World(const Protection& protection, std::span<const Subject> cast, Dice dice,
         bool has_interfaces);
 
-  /// The outsider takes the network, or the network is fair.
+  /// Makes the outsider take the network, or the network fair.
   void set_hostile(bool hostile);
-  /// No honest participant knows one that died long ago.
+  /// Checks that no honest participant knows one that died long ago.
   void check_dead();
-  /// kStep passes: what is due arrives and happens.
+  /// Lets kStep pass: datagrams and events that are due arrive and happen.
   void step();
 
   MonotonicTime now() const { return now_; }
@@ -29,28 +29,30 @@ class World final : private Wire {
   const Ledger& ledger() const { return ledger_; }
   std::vector<std::unique_ptr<Node>>& nodes() { return nodes_; }
   void start(Node& node);
-  /// Of everything that was sent, to see that a seed repeats a run bit by bit.
+  /// Returns a fingerprint of everything that was sent, to see that a seed repeats a run bit by
+  /// bit.
   std::uint64_t fingerprint() const { return fingerprint_; }
   std::uint64_t delivered() const { return delivered_; }
 
  private:
   void carry(const Subject& from, Datagram datagram, bool for_honest) override;
   void deliver(const Datagram& datagram);
-  /// nullptr: none is there.
+  /// Returns nullptr if no node is there.
   Node* node_at(const Locator& address) const;
-  /// An insider forges with a key that it was given.
+  /// Makes an insider forge with a key that it was given.
   void use_stolen_key();
-  /// Of any honest participant that runs.
+  /// Returns an endpoint of any honest participant that runs.
   Guid endpoint_to_claim(bool writes);
-  /// It sends keys of its own in the name of the key's owner.
+  /// Makes an insider send keys of its own in the name of the key's owner.
   void send_false_keys();
-  /// They come last.
+  /// True if the cast has siblings, which come last.
   bool has_siblings() const { return nodes_.back()->is_sibling(); }
   void check_tables();
   void check_shares(const Node& node);
   void note(BytesView octets);
 
-  /// Octets that arrived at a node, and that it sent to addresses where nobody is.
+  /// The octets that arrived at a node, and those that it sent to addresses where no participant
+  /// is.
   struct Flow {
     std::size_t in = 0, lost = 0;
   };
