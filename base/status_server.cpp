@@ -108,7 +108,7 @@ Status StatusServer::check_folder() const {
       fmt::format("user {}, mode {:04o}", status.st_uid, status.st_mode & 07777));
 }
 
-// ---- the socket
+// ---- functions that make and bind the socket
 
 // The path goes through the open folder's descriptor: it always fits into a sockaddr_un, and the
 // folder cannot be exchanged for another one.
@@ -177,7 +177,7 @@ Status StatusServer::start_thread() {
   }
 }
 
-// ---- in the thread
+// ---- functions that run in the server's thread
 
 void StatusServer::serve() noexcept {
   while (true) {

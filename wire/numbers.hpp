@@ -126,6 +126,7 @@ Result<SequenceNumber> read_sequence_number(Reader& reader);
 /// `min_base` is 0 where a pre-emptive ACKNACK is allowed, otherwise 1. Errors: truncated,
 /// rtps_number_invalid, rtps_set_invalid.
 Result<SequenceNumberSet> read_sequence_number_set(Reader& reader, std::int64_t min_base);
+/// The base is at least 1. Errors: truncated, rtps_number_invalid, rtps_set_invalid.
 Result<FragmentNumberSet> read_fragment_number_set(Reader& reader);
 
 template <class Out>

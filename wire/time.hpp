@@ -44,6 +44,7 @@ inline bool Duration::is_infinite() const { return *this == kDurationInfinite; }
 /// A moment, counted from 1970-01-01 00:00 UTC.
 struct Time : detail::SecondsAndFraction {
   auto operator<=>(const Time&) const = default;
+  /// Rounds up to a multiple of 2^-32 s, and is limited like Duration::from.
   static Time from(std::chrono::nanoseconds since_epoch);
   bool is_valid() const;
 };
