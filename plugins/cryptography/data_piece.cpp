@@ -13,7 +13,7 @@ constexpr std::uint8_t kKeyFlag = 0x08;      // a flag of DATA
 constexpr std::uint8_t kFragKeyFlag = 0x04;  // a flag of DATA_FRAG
 constexpr std::uint16_t kSentinel = 1;
 constexpr std::size_t kWriterAt = 12;
-// The position of the reader and writer ids in GAP, HEARTBEAT and ACKNACK.
+// The position of the reader and writer ids in GAP, HEARTBEAT, ACKNACK and NACK_FRAG.
 constexpr std::size_t kEntitiesAt = kSubmessageHeaderSize,
                       kEntitiesEnd = kEntitiesAt + 2 * EntityId::size;
 
@@ -107,6 +107,20 @@ std::optional<Acknowledgment> read_acknowledgment(BytesView submessage) {
   const auto next = read_number(in);
   if (!next) return std::nullopt;
   return Acknowledgment{EntityId::from(submessage.subspan(kEntitiesAt + EntityId::size)), *next};
+}
+
+std::optional<std::uint64_t> read_fragment_request(BytesView submessage) {
+  if (submessage.size() < kEntitiesEnd || submessage[0] != submessage_id::kNackFrag)
+    return std::nullopt;
+  Reader in(submessage.subspan(kEntitiesEnd), endian_of(submessage));
+  const auto number = read_number(in);
+  return number ? std::optional(*number) : std::nullopt;
+}
+
+bool is_plain_cdr(BytesView payload) {
+  constexpr std::size_t kEncapsulationSize = 4;
+  return payload.size() >= kEncapsulationSize && payload[0] == 0 &&
+         (payload[1] <= 1 || payload[1] == 6 || payload[1] == 7);
 }
 
 Result<DataPiece> read_data_piece(BytesView submessage) {

@@ -54,6 +54,12 @@ struct Acknowledgment {
 /// Reads an ACKNACK; empty for any other submessage.
 std::optional<Acknowledgment> read_acknowledgment(BytesView submessage);
 
+/// The writerSN of a NACK_FRAG; empty for any other submessage, and if it ends too early.
+std::optional<std::uint64_t> read_fragment_request(BytesView submessage);
+
+/// True for a payload that begins with the encapsulation of plain CDR 1 or 2 in either byte order.
+bool is_plain_cdr(BytesView payload);
+
 /// One parameter of a parameter list (RTPS 9.4.2.11).
 struct Parameter {
   std::uint16_t id;

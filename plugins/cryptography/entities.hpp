@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "plugins/cryptography/fragment_walks.hpp"
+#include "plugins/cryptography/fragmented_tokens.hpp"
 #include "plugins/cryptography/key_life.hpp"
 #include "plugins/cryptography/key_owner.hpp"
 #include "plugins/cryptography/match_shares.hpp"
@@ -120,7 +121,8 @@ struct Pair final : Retirable {
   std::unique_ptr<SendKey> key_exchange_send;
   std::unique_ptr<ReceiveKey> key_exchange_receive;
   Published<RemoteKeys> remote_keys;
-  NamesSpoken names_spoken;  ///< names of other authenticated peers
+  NamesSpoken names_spoken;            ///< names of other authenticated peers
+  FragmentedTokens fragmented_tokens;  ///< key token messages that went to the peer in fragments
 
   /// True if the peer uses ddssec: of all products, only ddssec announces ChaCha20-Poly1305.
   bool is_with_ours() const { return (peer_ciphers & spi::kChaCha20Poly1305Bit) != 0; }

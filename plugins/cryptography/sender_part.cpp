@@ -94,11 +94,6 @@ bool is_of_closed_writer(BytesView submessage, const DiscoveryOfPeers& peers) {
 
 // ---- key tokens
 
-// True for plain CDR 1 or 2 in either byte order.
-bool is_plain_cdr(BytesView payload) {
-  return payload[0] == 0 && (payload[1] <= 1 || payload[1] == 6 || payload[1] == 7);
-}
-
 std::unexpected<Error> unreadable_token_error(std::string_view why) {
   return fail(Code::token_source_unreadable,
               {.document = "a key token message", .note = std::string(why)});

@@ -6,6 +6,7 @@
 #include "plugins/cryptography/kept_tokens.hpp"
 #include "plugins/cryptography/key_revision.hpp"
 #include "plugins/cryptography/message.hpp"
+#include "plugins/cryptography/token_destination.hpp"
 #include "plugins/cryptography/transform.hpp"
 
 namespace ddssec::cryptography {
@@ -170,6 +171,17 @@ bool is_reported(const CryptographyState& state, const RemoteEndpoint& sender, c
          error.code() != Code::builtin_fragment_early;
 }
 
+// Success unless a peer asks for fragments of key tokens that it was not sent.
+Status check_requested(const CryptographyState& state, const RemoteEndpoint& sender,
+                       BytesView plain) {
+  if (!sender.local.is_volatile) return {};
+  const auto* const pair = sender.participant.pair(sender.local.participant.handle());
+  if (pair == nullptr) return fail(Code::crypto_not_matched);
+  auto status = check_fragment_request(plain, pair->fragmented_tokens);
+  if (!status) state.report(status.error(), pair->peer_prefix);
+  return status;
+}
+
 // Makes all source checks, for a host that would trust any source and endpoint that the submessage
 // names.
 Status check_source_named(CryptographyState& state, const RemoteEndpoint& sender,
@@ -225,7 +237,8 @@ Result<std::size_t> decode_submessage(CryptographyState& state, Local receiver, 
   if (!status) [[unlikely]]
     report_form(state, remote, status.error());
   else
-    status = check_source_named(state, remote, plain);
+    status = check_requested(state, remote, plain);
+  if (status) status = check_source_named(state, remote, plain);
   if (!status) {
     wipe(plain);
     return std::unexpected(std::move(status).error());

@@ -6,6 +6,7 @@
 #include "plugins/cryptography/data_piece.hpp"
 #include "plugins/cryptography/kept_tokens.hpp"
 #include "plugins/cryptography/message.hpp"
+#include "plugins/cryptography/token_destination.hpp"
 #include "plugins/cryptography/transform.hpp"
 
 namespace ddssec::cryptography {
@@ -155,6 +156,20 @@ Status check_receivers(spi::ProtectionKind kind, std::size_t count) {
   return {};
 }
 
+// Raises an event if the peer of the pair would get key tokens that are not for it. The host sends
+// them only if the peer asked for them.
+Status check_volatile(const CryptographyState& state, Pair& pair, BytesView submessage) {
+  // Such a host has one volatile writer for each peer, which can send to no other one. Its
+  // fragments may be too small to name the destination.
+  if (state.host_checks_sources) {
+    note_fragment(submessage, pair.fragmented_tokens);
+    return {};
+  }
+  auto status = check_token_destination(submessage, pair.peer_prefix, pair.fragmented_tokens);
+  if (!status) state.report(status.error(), pair.peer_prefix);
+  return status;
+}
+
 // Encodes a submessage of a volatile endpoint, which goes to one participant under the key of the
 // pair.
 template <class Remote>
@@ -164,8 +179,9 @@ Result<std::size_t> encode_volatile(const CryptographyState& state, const LocalE
   if (receivers.size() != 1) return fail(Code::receiver_count);
   DDSSEC_ASSIGN_OR_RETURN(const auto* const remote,
                           state.remote_endpoint(receivers.front(), remote_kind(Remote{})));
-  const auto* const pair = remote->participant.pair(sender.participant.handle());
+  auto* const pair = remote->participant.pair(sender.participant.handle());
   if (&remote->local != &sender || pair == nullptr) return fail(Code::crypto_not_matched);
+  DDSSEC_RETURN_IF_ERROR(check_volatile(state, *pair, request.body));
   if (const auto acknowledged = read_acknowledgment(request.body);
       acknowledged && !state.host_checks_sources)
     state.ledger.acknowledged(pair->number, acknowledged->next, state.services.clock.monotonic());

@@ -256,6 +256,21 @@ def tokens(world, tamper):
         check("the insider's samples came", not samples(subscriber, FORGED))
 
 
+def token_requests(world):
+    """NACK_FRAGs for the key tokens that the publisher sends to others: the core answers each of them."""
+    world.honest("publish", True)
+    insider = world.insider("subscribe", "requests", ELSEWHERE)
+    world.until("the requests", lambda: said(insider, "tampered"))
+    subscriber = world.honest("subscribe", False)
+    world.until("the honest pair talking", lambda: len(samples(subscriber, HONEST)) >= 3)
+    if world.kind == "ours-ac":  # the control: a stock cryptography gives the keys away
+        return world.until("the keys of others", lambda: said(insider, "got key tokens for another"))
+    one_event_each(world, "token_fragment_not_sent", insider)
+    world.passes(3)
+    check("the insider got key tokens for another", not said(insider, "got key tokens for another"))
+    go_on(world, subscriber)
+
+
 def without_data(world, tamper):
     """Tokens that are a key, or the hash of one: Cyclone DDS reads what is not there. Or a fragment: it keeps each
     until all have come."""
@@ -365,6 +380,7 @@ def cases():
         yield f"decoy-alone/{kind}", kind, EVERYTHING, decoy_alone
         for tamper in ("participant", "endpoint"):
             yield f"tokens-{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: tokens(world, t)
+        yield f"requests/{kind}", kind, EVERYTHING, token_requests
         if kind != "ours-ac":
             for tamper in ("key-only", "key-hash", "fragment"):
                 yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: without_data(world, t)

@@ -93,7 +93,7 @@ TEST_P(Nonces, BothVolatileEndpoints_NeverRepeatANonce) {
       a.factory().register_matched_remote_datawriter(reader, a.remote, shared_secret()).value();
   const auto all = nonces_of_four_threads(kMessages, [&](std::size_t i) {
     Bytes out(200);
-    const auto plain = data_submessage(20, i % 2 == 0 ? 0x15 : 0x06);
+    const auto plain = data_submessage(20, i % 2 == 0 ? 0x07 : 0x06);
     const auto size = i % 2 == 0 ? a.transform().encode_datawriter_submessage(
                                        writing.writer, {&writing.remote_reader, 1}, plain, out)
                                  : a.transform().encode_datareader_submessage(

@@ -29,6 +29,8 @@
 //   address      its endpoints announce an address in the form of RTPS 1, for which the host frees
 //                memory that it never wrote
 //   address-qos  its samples come with such an address in their inline QoS
+//   requests     its volatile secure reader acknowledges nothing, and requests fragments of all key
+//                tokens; those for others are said on stderr (token_requests.hpp)
 //   keys         nothing; but the keys that it is given are said on stderr (../keys_test.py)
 // INSIDER_VICTIM is how the victim's GUID begins, in hexadecimal digits. What it did is said on
 // stderr.
@@ -42,6 +44,7 @@
 
 #include "plugins/cyclonedds/abi.hpp"
 #include "tests/interop/insider/tampering.hpp"
+#include "tests/interop/insider/token_requests.hpp"
 
 namespace {
 
@@ -109,22 +112,16 @@ DDS_Security_boolean allow_topic(dds_security_access_control*, const DDS_Securit
 decltype(dds_security_crypto_transform::encode_datawriter_submessage) encode_submessage;
 decltype(dds_security_crypto_transform::encode_rtps_message) encode_message;
 
-// All of them in one.
-DDS_Security_boolean encode_each(dds_security_crypto_transform* instance, Octets* encoded,
-                                 const std::vector<Bytes>& plains,
-                                 const DDS_Security_DatawriterCryptoHandle sender,
-                                 const DDS_Security_DatareaderCryptoHandleSeq* receivers,
-                                 DDS_Security_long* index, Exception* ex) {
+// All of them in one; `encode(&encoded, &plain)` encodes one.
+template <class Encode>
+DDS_Security_boolean encode_all(Octets* encoded, const std::vector<Bytes>& plains,
+                                Encode&& encode) {
   Bytes all;
-  const auto count = static_cast<DDS_Security_long>(receivers->_length);
   for (auto plain : plains) {
     const auto size = static_cast<DDS_Security_unsigned_long>(plain.size());
-    const Octets mine{size, size, plain.data()}, none{};
+    const Octets mine{size, size, plain.data()};
     Octets one{};
-    for (*index = 0; *index < count;)
-      if (!encode_submessage(instance, &one, one._buffer == nullptr ? &mine : &none, sender,
-                             receivers, index, ex))
-        return 0;
+    if (!encode(&one, &mine)) return 0;
     all.insert(all.end(), one._buffer, one._buffer + one._length);
     std::free(one._buffer);
   }
@@ -133,6 +130,22 @@ DDS_Security_boolean encode_each(dds_security_crypto_transform* instance, Octets
   encoded->_length = encoded->_maximum = static_cast<DDS_Security_unsigned_long>(all.size());
   say_tampered();
   return 1;
+}
+
+DDS_Security_boolean encode_each(dds_security_crypto_transform* instance, Octets* encoded,
+                                 const std::vector<Bytes>& plains,
+                                 const DDS_Security_DatawriterCryptoHandle sender,
+                                 const DDS_Security_DatareaderCryptoHandleSeq* receivers,
+                                 DDS_Security_long* index, Exception* ex) {
+  const auto count = static_cast<DDS_Security_long>(receivers->_length);
+  return encode_all(encoded, plains, [&](Octets* one, const Octets* mine) {
+    const Octets none{};
+    for (*index = 0; *index < count;)
+      if (!encode_submessage(instance, one, one->_buffer == nullptr ? mine : &none, sender,
+                             receivers, index, ex))
+        return false;
+    return true;
+  });
 }
 
 DDS_Security_boolean my_encode_submessage(dds_security_crypto_transform* instance, Octets* encoded,
@@ -171,6 +184,34 @@ DDS_Security_boolean my_encode_message(dds_security_crypto_transform* instance, 
   const auto size = static_cast<DDS_Security_unsigned_long>(octets.size());
   const Octets mine{size, size, octets.data()};
   return encode_message(instance, encoded, &mine, sender, receivers, index, ex);
+}
+
+decltype(dds_security_crypto_transform::encode_datareader_submessage) encode_reader_submessage;
+decltype(dds_security_crypto_transform::decode_datawriter_submessage) decode_submessage;
+
+DDS_Security_boolean my_encode_reader_submessage(
+    dds_security_crypto_transform* instance, Octets* encoded, const Octets* plain,
+    const DDS_Security_DatareaderCryptoHandle sender,
+    const DDS_Security_DatawriterCryptoHandleSeq* receivers, Exception* ex) {
+  const Bytes octets(plain->_buffer, plain->_buffer + plain->_length);
+  if (!tampers("requests") || !token_requests::is_acknowledgment(octets))
+    return encode_reader_submessage(instance, encoded, plain, sender, receivers, ex);
+  return encode_all(encoded, token_requests::instead_of_acknowledgment(),
+                    [&](Octets* one, const Octets* mine) {
+                      return encode_reader_submessage(instance, one, mine, sender, receivers, ex);
+                    });
+}
+
+DDS_Security_boolean my_decode_submessage(dds_security_crypto_transform* instance, Octets* plain,
+                                          const Octets* encoded,
+                                          const DDS_Security_DatareaderCryptoHandle receiver,
+                                          const DDS_Security_DatawriterCryptoHandle sender,
+                                          Exception* ex) {
+  const auto done = decode_submessage(instance, plain, encoded, receiver, sender, ex);
+  if (done && tampers("requests") &&
+      token_requests::is_for_another(plain->_buffer, plain->_length, own_prefix))
+    std::fprintf(stderr, "insider: got key tokens for another\n");
+  return done;
 }
 
 // ---- key exchange: what others give it
@@ -236,6 +277,9 @@ DDSSEC_EXPORT int init_crypto(const char* argument, void** context, ddsi_domaing
   auto& transform = *plugin->crypto_transform;
   encode_submessage = std::exchange(transform.encode_datawriter_submessage, my_encode_submessage);
   encode_message = std::exchange(transform.encode_rtps_message, my_encode_message);
+  encode_reader_submessage =
+      std::exchange(transform.encode_datareader_submessage, my_encode_reader_submessage);
+  decode_submessage = std::exchange(transform.decode_datawriter_submessage, my_decode_submessage);
   auto& exchange = *plugin->crypto_key_exchange;
   set_writer_tokens =
       std::exchange(exchange.set_remote_datawriter_crypto_tokens, my_set_writer_tokens);

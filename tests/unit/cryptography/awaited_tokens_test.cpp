@@ -174,11 +174,13 @@ struct Engine {
   explicit Engine(spi::CipherMask peer_ciphers = spi::kAllCiphers)
       : two(ProtectionKind::none, {}, {.host_checks_sources = false}) {
     auto secret = shared_secret(5, peer_ciphers);
-    secret.peer_prefix = kPeer;
-    for (auto* side : {&two.a, &two.b})
+    for (auto* side : {&two.a, &two.b}) {
+      // A hostile sender does not look for whom its key tokens are.
+      if (side == &two.b) secret.peer_prefix = kPeer;
       side->remote = side->factory()
                          .register_matched_remote_participant(side->participant, {8}, {7}, secret)
                          .value();
+    }
     to_b = two.volatile_endpoints();
     own = writer(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none),
                  builtin_endpoint(kVolatileWriter));

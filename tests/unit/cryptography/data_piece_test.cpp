@@ -1,4 +1,4 @@
-// What is read of DATA, DATA_FRAG, GAP, HEARTBEAT and ACKNACK, and where reading ends.
+// What is read of DATA, DATA_FRAG, GAP, HEARTBEAT, ACKNACK and NACK_FRAG, and where reading ends.
 #include "plugins/cryptography/data_piece.hpp"
 
 #include <gtest/gtest.h>
@@ -79,6 +79,25 @@ TEST(DataPiece, Acknack_SaysWhatItsReaderHas) {
   EXPECT_EQ(acknowledged->writer, kTokenWriter);
   EXPECT_EQ(acknowledged->next, 8u);
   EXPECT_FALSE(read_acknowledgment(submessage(submessage_id::kGap, {0, 3, 0, 6, 0})));
+}
+
+TEST(DataPiece, NackFrag_NamesTheMessageWhoseFragmentsAreMissing) {
+  const auto request = submessage(submessage_id::kNackFrag, {1, 8, 1, 1, 0x80000000, 1});
+  EXPECT_EQ(read_fragment_request(request), (std::uint64_t{1} << 32) + 8);
+  for (std::size_t size = 4; size < 20; ++size)
+    EXPECT_EQ(read_fragment_request(BytesView(request).first(size)), std::nullopt) << size;
+  EXPECT_FALSE(read_fragment_request(submessage(submessage_id::kAckNack, {0, 8, 0, 1})));
+}
+
+TEST(DataPiece, PlainCdr_IsOneOrTwoInEitherByteOrder) {
+  for (int encoding = 0; encoding < 256; ++encoding) {
+    const Bytes payload = {0, static_cast<std::uint8_t>(encoding), 0, 0};
+    const bool is_plain = encoding == 0 || encoding == 1 || encoding == 6 || encoding == 7;
+    EXPECT_EQ(is_plain_cdr(payload), is_plain) << encoding;
+  }
+  EXPECT_FALSE(is_plain_cdr(Bytes{1, 1, 0, 0}));
+  EXPECT_FALSE(is_plain_cdr(Bytes{0, 1, 0}));
+  EXPECT_FALSE(is_plain_cdr({}));
 }
 
 }  // namespace

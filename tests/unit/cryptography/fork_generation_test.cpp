@@ -71,7 +71,7 @@ struct Speaker {
       case 1:
         return encode_submessage(two, user, data);
       case 2:
-        return encode_submessage(two, exchange, data);
+        return encode_submessage(two, exchange, data_submessage(60, 0x07));
       case 3:
         return encode_message(two, message);
       default:

@@ -28,11 +28,13 @@ struct Gate final : spi::MatchGate {
 struct Gated {
   Gated() : two({.discovery = ProtectionKind::encrypt}, {}, {.host_checks_sources = false}) {
     auto secret = shared_secret(5);
-    secret.peer_prefix = kPeer;
-    for (auto* side : {&two.a, &two.b})
+    for (auto* side : {&two.a, &two.b}) {
+      // A hostile sender does not look for whom its key tokens are.
+      if (side == &two.b) secret.peer_prefix = kPeer;
       side->remote = side->factory()
                          .register_matched_remote_participant(side->participant, {8}, {7}, secret)
                          .value();
+    }
     auto builtin = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none);
     builtin.is_builtin = true;
     discovery = two.endpoints(builtin);

@@ -176,7 +176,7 @@ TEST(KeyRevision, KeyExchange_IsLeftAlone) {
   Revising r;
   const auto volatiles = r.two.volatile_endpoints();
   ASSERT_TRUE(r.activate(r.begin()));
-  const auto sent = encode_submessage(r.two, volatiles, data_submessage(32)).value();
+  const auto sent = encode_submessage(r.two, volatiles, data_submessage(32, 0x07)).value();
   EXPECT_EQ(sent[6], 0);
   EXPECT_TRUE(decode_submessage(r.two, volatiles, sent));
 }

@@ -334,11 +334,13 @@ TEST(TrustingHost, AnotherRegistration_HasOtherKeys) {
 TEST(TrustingHost, TokensOfThePeer_PassAndOfOthersDoNot) {
   TwoSides two(ProtectionKind::none, {}, kTrustingHost);
   auto secret = shared_secret(5);
-  secret.peer_prefix = kPeer;
-  for (auto* side : {&two.a, &two.b})
+  for (auto* side : {&two.a, &two.b}) {
+    // A hostile sender does not look for whom its key tokens are.
+    if (side == &two.b) secret.peer_prefix = kPeer;
     side->remote = side->factory()
                        .register_matched_remote_participant(side->participant, {8}, {7}, secret)
                        .value();
+  }
   const auto ends = two.volatile_endpoints();
   const auto passes = [&](const Bytes& submessage) {
     return decode_submessage(two, ends, encode_submessage(two, ends, submessage).value());

@@ -25,12 +25,14 @@ struct TokenSender {
   void authenticate(std::uint8_t number) {
     prefix.octets.back() = number;
     auto secret = shared_secret(number);
-    secret.peer_prefix = prefix;
-    for (auto* side : {&two.a, &two.b})
+    for (auto* side : {&two.a, &two.b}) {
+      // A hostile sender does not look for whom its key tokens are.
+      if (side == &two.b) secret.peer_prefix = prefix;
       side->remote =
           side->factory()
               .register_matched_remote_participant(side->participant, {number + 10}, {7}, secret)
               .value();
+    }
     exchange = two.volatile_endpoints();
   }
   // Tokens of the n-th writer that `b` never hears of otherwise. True if they were kept.

@@ -87,7 +87,7 @@ TEST(Message, WhatFollowsThePostfix_IsLost) {
 TEST(Volatile, BeforeAnyToken_ComesBackBothWays) {
   TwoSides two;
   const auto e = two.volatile_endpoints();
-  const auto data = data_submessage(60), ack = data_submessage(24, 0x06);
+  const auto data = data_submessage(60, 0x07), ack = data_submessage(24, 0x06);
   const auto encoded = encode_submessage(two, e, data).value();
   EXPECT_EQ(to_hex(BytesView(encoded).subspan(4, 8)), "0000000400000000");
   EXPECT_EQ(decode_submessage(two, e, encoded).value(), data);
@@ -102,7 +102,7 @@ TEST(Volatile, OwnMessageSentBack_IsNotTheOthers) {
   const auto e = two.volatile_endpoints();
   std::vector<Bytes> said;
   for (int i = 0; i < 20; ++i)  // several sessions
-    said.push_back(encode_submessage(two, e, data_submessage(60)).value());
+    said.push_back(encode_submessage(two, e, data_submessage(60, 0x07)).value());
   for (const auto& own : said) {
     EXPECT_EQ(code_of(decode_reply(two, e, own)), Code::key_exchange_reflected);
     EXPECT_TRUE(decode_submessage(two, e, own));
@@ -128,11 +128,12 @@ TEST(Volatile, NoneOrTwoReceivers_AreRefused) {
 TEST(Volatile, AnotherSecret_IsAnotherKey) {
   TwoSides two;
   const auto e = two.volatile_endpoints();
-  const auto before = encode_submessage(two, e, data_submessage(8)).value();
+  const auto before = encode_submessage(two, e, data_submessage(8, 0x07)).value();
   TwoSides::match(two.b, 77);  // authenticated anew
   EXPECT_EQ(code_of(decode_submessage(two, e, before)), Code::tag_mismatch);
   TwoSides::match(two.a, 77);
-  EXPECT_TRUE(decode_submessage(two, e, encode_submessage(two, e, data_submessage(8)).value()));
+  EXPECT_TRUE(
+      decode_submessage(two, e, encode_submessage(two, e, data_submessage(8, 0x07)).value()));
 }
 
 TEST(FailClosed, WithoutTokens_NothingOpens) {

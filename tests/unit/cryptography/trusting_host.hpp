@@ -23,12 +23,14 @@ struct Engine {
   }
   void authenticate(std::uint8_t seed) {
     auto secret = shared_secret(seed);
-    secret.peer_prefix = kPeer;
     secret.own_prefix = own;
-    for (auto* side : {&two.a, &two.b})
+    for (auto* side : {&two.a, &two.b}) {
+      // A hostile sender does not look for whom its key tokens are.
+      if (side == &two.b) secret.peer_prefix = kPeer;
       side->remote = side->factory()
                          .register_matched_remote_participant(side->participant, {8}, {7}, secret)
                          .value();
+    }
     ends = two.volatile_endpoints();
   }
   /// What the host gets of a message with these tokens.
