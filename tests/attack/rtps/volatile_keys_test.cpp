@@ -31,18 +31,17 @@ KeyMaterial made_up(ProtectionKind kind, std::uint8_t number) {
 // Alice writes, bob reads. Mallory may use another topic only, and keeps all keys that it is
 // given.
 struct Outsider {
-  explicit Outsider(const Rules& rules)
+  explicit Outsider(const Rules& rules) : Outsider(rules, KeyThief::into(stolen)) {}
+  Outsider(const Rules& rules, const Node::Wrap& wrap)
       : rules(rules),
         alice(1, properties_of("CN=alice,O=Example", rules), 4),
         bob(2, properties_of("CN=bob,O=Example", rules), 4),
-        mallory(3, properties_of("CN=mallory,O=Example", rules, {"Other"}), 4,
-                KeyThief::into(stolen)) {
+        mallory(3, properties_of("CN=mallory,O=Example", rules, {"Other"}), 4, wrap) {
     world.nodes = {&alice, &bob, &mallory};
     EXPECT_TRUE(world.run_until([&] {
       return alice.knows(mallory) && bob.knows(mallory) && alice.knows(bob) && bob.knows(alice);
     }));
     world.run(200);
-    EXPECT_FALSE(stolen.all.empty());
   }
 
   bool match() {
@@ -63,6 +62,7 @@ struct Outsider {
   template <class Submessage>
   void forge(const std::vector<Submessage>& all) {
     std::uint32_t session = 0x40000000;
+    EXPECT_FALSE(stolen.all.empty());
     for (const auto& token : stolen.all) {
       auto material = cryptography::read_crypto_token(token);
       if (!material || material->is_none()) continue;
@@ -160,6 +160,130 @@ TEST(VolatileKeys, HeartbeatAndGapUnderAnotherKeyOfThePeer_HoldNoKeysUp) {
                               .list = SequenceNumberSet{SequenceNumber{kFar}}}});
     EXPECT_TRUE(all.match()) << all.bob.events.text();
   }
+}
+
+// ---- requests for the tokens of others
+
+struct Requests {
+  std::size_t sent = 0;
+  std::size_t answers = 0;     ///< messages of volatile writers
+  std::size_t for_others = 0;  ///< those that name another destination
+  std::optional<GuidPrefix> own = {};
+};
+
+// Does what the plugin it stands before does, but never acknowledges key tokens. Instead, it
+// requests a fragment of each message of the volatile writer.
+class Requester final : public spi::Cryptography, spi::CryptoTransform {
+ public:
+  Requester(std::unique_ptr<spi::Cryptography> engine, Requests& requests)
+      : engine_(std::move(engine)), requests_(requests) {}
+  static Node::Wrap into(Requests& requests) {
+    return [&requests](std::unique_ptr<spi::Cryptography> engine) {
+      return std::make_unique<Requester>(std::move(engine), requests);
+    };
+  }
+  spi::CryptoKeyFactory& key_factory() override { return engine_->key_factory(); }
+  spi::CryptoKeyExchange& key_exchange() override { return engine_->key_exchange(); }
+  spi::CryptoTransform& transform() override { return *this; }
+
+ private:
+  using Participant = spi::ParticipantCryptoHandle;
+  using DataWriter = spi::DatawriterCryptoHandle;
+  using DataReader = spi::DatareaderCryptoHandle;
+  using Size = Result<std::size_t>;
+
+  Size encode_serialized_payload(DataWriter sender, BytesView plain, MutableBytes out) override {
+    return engine().encode_serialized_payload(sender, plain, out);
+  }
+  Size encode_datawriter_submessage(DataWriter sender, std::span<const DataReader> receivers,
+                                    BytesView plain, MutableBytes out) override {
+    return engine().encode_datawriter_submessage(sender, receivers, plain, out);
+  }
+  Size encode_datareader_submessage(DataReader sender, std::span<const DataWriter> receivers,
+                                    BytesView plain, MutableBytes out) override {
+    constexpr std::uint8_t kAckNack = 0x06;
+    const bool acknowledges =
+        plain[0] == kAckNack && EntityId::from(plain.subspan(4)) == kVolatileMessageReader;
+    return engine().encode_datareader_submessage(sender, receivers,
+                                                 acknowledges ? request() : plain, out);
+  }
+  Size encode_rtps_message(Participant sender, std::span<const Participant> receivers,
+                           BytesView plain, MutableBytes out) override {
+    return engine().encode_rtps_message(sender, receivers, plain, out);
+  }
+  Size decode_rtps_message(Participant receiver, Participant sender, BytesView encoded,
+                           MutableBytes out) override {
+    return engine().decode_rtps_message(receiver, sender, encoded, out);
+  }
+  Result<spi::SecureSubmessage> preprocess_secure_submessage(Participant receiver,
+                                                             Participant sender,
+                                                             BytesView encoded) override {
+    return engine().preprocess_secure_submessage(receiver, sender, encoded);
+  }
+  Size decode_datawriter_submessage(DataReader receiver, DataWriter sender, BytesView encoded,
+                                    MutableBytes out) override {
+    const auto size = engine().decode_datawriter_submessage(receiver, sender, encoded, out);
+    if (size) note(out.first(*size));
+    return size;
+  }
+  Size decode_datareader_submessage(DataWriter receiver, DataReader sender, BytesView encoded,
+                                    MutableBytes out) override {
+    return engine().decode_datareader_submessage(receiver, sender, encoded, out);
+  }
+  Size decode_serialized_payload(DataReader receiver, DataWriter sender, BytesView encoded,
+                                 MutableBytes out) override {
+    return engine().decode_serialized_payload(receiver, sender, encoded, out);
+  }
+
+  spi::CryptoTransform& engine() { return engine_->transform(); }
+
+  // A NACK_FRAG of the volatile reader for another message each time.
+  BytesView request() {
+    constexpr std::size_t kMessages = 40;
+    FragmentNumberSet missing(FragmentNumber{1});
+    missing.insert(FragmentNumber{1});
+    const NackFrag nack{kVolatileMessageReader,
+                        kVolatileMessageWriter,
+                        {static_cast<std::int64_t>(requests_.sent % kMessages + 1)},
+                        missing,
+                        static_cast<std::int32_t>(++requests_.sent)};
+    const auto whole = forged({}, nack);
+    request_.assign(whole.begin() + kHeaderSize, whole.end());
+    return request_;
+  }
+  void note(BytesView plain) {
+    constexpr std::uint8_t kData = 0x15;
+    constexpr std::size_t kDestinationAt = 24 + 52;
+    if (plain[0] != kData || EntityId::from(plain.subspan(12)) != kVolatileMessageWriter) return;
+    ++requests_.answers;
+    const auto to = GuidPrefix::from(plain.subspan(kDestinationAt, GuidPrefix::size));
+    if (to != requests_.own.value_or(to)) ++requests_.for_others;
+    requests_.own = requests_.own.value_or(to);  // the first comes before any request
+  }
+
+  std::unique_ptr<spi::Cryptography> engine_;
+  Requests& requests_;
+  Bytes request_;
+};
+
+// Alice has one volatile writer for each peer, so that no request reaches the tokens for another.
+TEST(VolatileKeys, RequestedByNackFrag_AreThoseForThePeerAlone) {
+  Requests requests;
+  const Rules rules{.rtps = kSign,
+                    .discovery = kEncrypt,
+                    .liveliness = kEncrypt,
+                    .metadata = kEncryptOa,
+                    .data = kEncrypt};
+  Outsider all(rules, Requester::into(requests));
+  ASSERT_TRUE(all.match()) << all.alice.events.text();
+  all.world.run(1000);
+  for (int i = 0; i < 10; ++i) all.write();
+  EXPECT_EQ(all.bob.listener.changes.size(), 10u) << all.bob.events.text();
+  EXPECT_GT(requests.sent, 10u);
+  EXPECT_GT(requests.answers, 0u);
+  EXPECT_EQ(requests.own, all.mallory->prefix());
+  EXPECT_EQ(requests.for_others, 0u);
+  EXPECT_TRUE(all.alice.events.has(Code::token_fragment_not_sent)) << all.alice.events.text();
 }
 
 }  // namespace
