@@ -23,8 +23,10 @@ root=$at/debian/root
 { grep -rlZ '"/usr' "$root"/usr/lib/*/cmake/{fastcdr,fastrtps,foonathan_memory} || true; } | xargs -0r sed -i "s|\"/usr|\"$root/usr|g"
 
 # The IDL compiler runs here.
-cmake -S . -B "$at/host" -G Ninja -DCMAKE_BUILD_TYPE=Release -DDDSSEC_BUILD_TESTS=OFF -DDDSSEC_BUILD_BENCH=OFF >/dev/null &&
-  cmake --build "$at/host" --target ddssec_idlc ddssec-idl-explain >/dev/null || die "the IDL compiler for this machine failed"
+{
+  cmake -S . -B "$at/host" -G Ninja -DCMAKE_BUILD_TYPE=Release -DDDSSEC_BUILD_TESTS=OFF -DDDSSEC_BUILD_BENCH=OFF &&
+    cmake --build "$at/host" --target ddssec_idlc ddssec-idl-explain
+} >/dev/null || die "the IDL compiler for this machine failed"
 cmake -S . -B "$at/build" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$PWD/cmake/aarch64.cmake" -DDDSSEC_SYSROOT="$root" \
       -DCMAKE_BUILD_TYPE=Release -DDDSSEC_BUILD_TESTS=ON -DDDSSEC_BUILD_BENCH=OFF -DDDSSEC_BUILD_PEERS=OFF \
       -DDDSSEC_IDLC_PLUGIN="$at/host/lib/libddssec_idlc.so" -DDDSSEC_IDL_EXPLAIN="$at/host/lib/ddssec-idl-explain" >/dev/null ||

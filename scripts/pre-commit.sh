@@ -22,10 +22,10 @@ if [ ${#code[@]} -gt 0 ]; then
   fi
 fi
 
-mapfile -t scripts < <(git diff --cached --name-only --diff-filter=ACMR -- '*.sh')
-if [ ${#scripts[@]} -gt 0 ]; then
+mapfile -t changed < <(git diff --cached --name-only --diff-filter=ACMR)
+if [ ${#changed[@]} -gt 0 ]; then
   if command -v shellcheck >/dev/null; then
-    shellcheck "${scripts[@]}" || fails shellcheck
+    scripts/shellcheck.sh "${changed[@]}" || fails shellcheck
   else
     skip shellcheck "shell scripts are not checked"
   fi

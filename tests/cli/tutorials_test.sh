@@ -29,6 +29,7 @@ if grep -q '^```bash$' "$tutorial"; then
   else
     blocks='\(sh\|bash\)'
     # `ros2 run demo_nodes_cpp NODE ...`, as an installed ROS 2 has it.
+    # shellcheck disable=SC2016
     printf '#!/bin/sh\n[ "$1 $2" = "run demo_nodes_cpp" ] || exit 2\nshift 2\nexec "%s/run.sh" "$@"\n' \
       "$ROS2_NODES" > "$folder/path/ros2"
     chmod +x "$folder/path/ros2"
@@ -38,6 +39,7 @@ fi
 {
   # shellcheck disable=SC2016
   echo 'trap '\''kill $(jobs -p) 2> /dev/null || true'\'' EXIT'
+  # shellcheck disable=SC2016
   sed -n '/^```'"$blocks"'$/,/^```$/{/^```/d;p}' "$tutorial"
 } > "$folder/commands.sh"
 [ "$(wc -l < "$folder/commands.sh")" -gt 1 ] || { echo "$tutorial has no commands"; exit 1; }

@@ -85,6 +85,7 @@ once "$not_allowed" "$add_topic" "$scratch/examples/publisher" "$scratch/demo/el
 # README's program, as it stands there, between the examples: its one sample arrives.
 mkdir "$scratch/readme"
 cp "$examples/CMakeLists.txt" "$examples"/*.idl "$examples/subscriber.cpp" "$scratch/readme"
+# shellcheck disable=SC2016
 sed -n '/^```cpp$/,/^```$/{/^```/d;p}' "$source/README.md" >"$scratch/readme/publisher.cpp"
 cmake -G Ninja -S "$scratch/readme" -B "$scratch/readme/build" -DCMAKE_PREFIX_PATH="$installed" >"$scratch/configure.log"
 cmake --build "$scratch/readme/build" >"$scratch/build.log" || { cat "$scratch/build.log"; die "README's program"; }

@@ -12,11 +12,16 @@ import tempfile
 GOOD = [
     "pki: read delta lists\n\nA list without them is out of date.\n",
     "rtps, wire: read delta lists\n\nWhy.\n\n# A comment of git.\n",
+    "rtps/security, access_control: read delta lists\n\nThe path and the name of a folder.\n",
+    "all: read delta lists\n\nThe whole tree.\n",
     "fixup! pki: read delta lists\n",
 ]
 BAD = [
     "",
     "read delta lists\n\nThe area is missing.\n",
+    "pkii: read delta lists\n\nThe area is no folder.\n",
+    "pki, lists: read delta lists\n\nThe second area is no folder.\n",
+    "security/tls: read delta lists\n\nThe area is no folder.\n",
     "pki: read delta lists.\n\nThe subject ends with a full stop.\n",
     "pki: " + "x" * 68 + "\n\nThe subject has 73 columns.\n",
     "pki: read delta lists\nThe second line is not empty.\n",
