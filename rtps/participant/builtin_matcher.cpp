@@ -9,6 +9,11 @@ bool is_plain_sedp(const BuiltinTopicInfo& info) {
   return info.topic == BuiltinTopic::publications || info.topic == BuiltinTopic::subscriptions;
 }
 
+bool is_secure_sedp(const BuiltinTopicInfo& info) {
+  return info.topic == BuiltinTopic::publications_secure ||
+         info.topic == BuiltinTopic::subscriptions_secure;
+}
+
 }  // namespace
 
 BuiltinMatcher::BuiltinMatcher(ParticipantCore& core, BuiltinEndpoints& builtin)
@@ -71,7 +76,7 @@ void BuiltinMatcher::offer_again(const RemoteParticipant& remote) {
   for (const auto& info : kBuiltinTopics) {
     const Guid reader{remote.prefix(), info.reader};
     auto& writer = builtin_.writer(info.topic);
-    if (is_plain_sedp(info) && writer.readers().contains(reader))
+    if ((is_plain_sedp(info) || is_secure_sedp(info)) && writer.readers().contains(reader))
       writer.ask(reader, remote.metatraffic);
   }
 }

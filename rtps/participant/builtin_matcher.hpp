@@ -25,8 +25,8 @@ class BuiltinMatcher {
   void unmatch(const RemoteParticipant& remote);
   /// Requests all plain announcements of the participant's endpoints again.
   void refresh_announcements(RemoteParticipant& remote);
-  /// Tells the participant which plain announcements of ours there are: it requests those that it
-  /// has not received, whatever was acknowledged in its name.
+  /// Tells the participant which announcements of ours there are: it requests those that it has not
+  /// received, whatever was acknowledged in its name.
   void offer_again(const RemoteParticipant& remote);
   /// Returns true if all announcements of the participant have arrived, as far as is known.
   bool has_read(const RemoteParticipant& remote) const;

@@ -10,6 +10,16 @@ bool differ_in_what_a_match_keeps(const Qos& before, const Qos& after) {
   return before.reliability.kind != after.reliability.kind || before.durability != after.durability;
 }
 
+// True if an ACKNACK that the participant's reader of announcements sent to another participant
+// may count here as well (Keyring::shows_receiver).
+bool may_be_redirected(const ParticipantCore& core, const RemoteParticipant& remote) {
+  if (!core.is_authenticated(remote.prefix())) return false;
+  const auto* attributes = core.security->keyring().attributes(kPublicationsSecureWriter);
+  return attributes != nullptr && attributes->is_submessage_protected() &&
+         !spi::is_origin_authenticated(attributes->submessage) &&
+         !core.attributes().is_rtps_protected();
+}
+
 }  // namespace
 
 ClearAnnouncements::ClearAnnouncements(ParticipantCore& core, LocalEndpoints& local,
@@ -26,10 +36,11 @@ ClearAnnouncements::ClearAnnouncements(ParticipantCore& core, LocalEndpoints& lo
 
 // Participants that were found at the same time are not all read at the same time.
 void ClearAnnouncements::begin(RemoteParticipant& remote) {
-  if (!is_doubtful(remote, kPublicationsWriter, false)) return;
+  const bool is_clear = is_doubtful(remote, kPublicationsWriter, false);
+  if (!is_clear && !may_be_redirected(core_, remote)) return;
   const auto digest = sha256({core_.config.prefix.octets, remote.prefix().octets});
   const auto share = AnnouncementRefresh::kMaxPause / 256 * (1 + digest[0]);
-  remote.announcement_refresh.begin(core_.now, share);
+  if (is_clear) remote.announcement_refresh.begin(core_.now, share);
   remote.next_offer = core_.now + kOfferPeriod;
   call_at(std::min(remote.announcement_refresh.next(), remote.next_offer));
 }

@@ -10,7 +10,7 @@ namespace ddssec::rtps {
 /// announces.
 class ClearAnnouncements final : private Timed {
  public:
-  /// How often a participant is told which plain announcements of ours there are.
+  /// How often a participant is told which announcements of ours there are.
   static constexpr MonotonicTime kOfferPeriod = std::chrono::seconds(32);
 
   ClearAnnouncements(ParticipantCore& core, LocalEndpoints& local, RemoteParticipants& remotes,
@@ -19,7 +19,8 @@ class ClearAnnouncements final : private Timed {
   ClearAnnouncements& operator=(const ClearAnnouncements&) = delete;
 
   /// Begins with a participant that was accepted. If anyone can send announcements in its name,
-  /// both sides compare from time to time what is announced.
+  /// both sides compare from time to time what is announced. If anyone can redirect to us what it
+  /// acknowledged to others, it is told from time to time what we announced.
   void begin(RemoteParticipant& remote);
 
   /// Removes the unprotected announcement of an endpoint that is announced securely. Any host may

@@ -184,6 +184,14 @@ bool MessageReceiver::accepts(const EntityId& local, const Guid& remote, const C
   return true;
 }
 
+// What a reader said to another participant has counts that may be far ahead of those that it sends
+// to this one. HEARTBEATs need no such check: the counts of a writer are the same for all readers.
+bool MessageReceiver::is_for(const EntityId& writer, const EntityId& reader,
+                             const Context& context) const {
+  return context.is_protected() &&
+         keyring_->shows_receiver(writer, {context.source, reader}, context.opened_by);
+}
+
 bool MessageReceiver::is_marked(const EntityId& reader, const Guid& writer,
                                 const Context& context) {
   return keyring_ != nullptr &&
@@ -341,8 +349,9 @@ Status MessageReceiver::on_acknack(const SubmessageView& view, Context& context)
   DDSSEC_ASSIGN_OR_RETURN(const auto acknack, read_acknack(view));
   auto* writer = addressed(acknack.writer, acknack.reader, context);
   if (writer == nullptr) return {};
-  const bool is_protected = context.is_protected();
-  context.note_told(writer->on_acknack(context.source, acknack, context.now, is_protected));
+  const bool is_protected = is_for(acknack.writer, acknack.reader, context);
+  context.note_told(writer->on_acknack(context.source, acknack, context.now, is_protected),
+                    is_protected);
   listener_.on_acknack(context.source, acknack, is_protected);
   return {};
 }
@@ -351,8 +360,9 @@ Status MessageReceiver::on_nack_frag(const SubmessageView& view, Context& contex
   DDSSEC_ASSIGN_OR_RETURN(const auto nack, read_nack_frag(view));
   auto* writer = addressed(nack.writer, nack.reader, context);
   if (writer == nullptr) return {};
-  context.note_told(
-      writer->on_nack_frag(context.source, nack, context.now, context.is_protected()));
+  const bool is_protected = is_for(nack.writer, nack.reader, context);
+  context.note_told(writer->on_nack_frag(context.source, nack, context.now, is_protected),
+                    is_protected);
   return {};
 }
 

@@ -54,9 +54,11 @@ class MessageReceiver {
     bool is_protected() const { return opened_by.message || opened_by.submessage.prefix == source; }
     /// Notes that an endpoint received a submessage. `is_new` means that it had not received it
     /// before.
-    void note_told(bool is_new) {
+    void note_told(bool is_new) { note_told(is_new, is_protected()); }
+    /// `is_proof` means that only the source can have sent it, and not before.
+    void note_told(bool is_new, bool is_proof) {
       signs.is_news |= is_new;
-      signs.is_proof |= is_new && is_protected();
+      signs.is_proof |= is_new && is_proof;
     }
   };
 
@@ -84,6 +86,9 @@ class MessageReceiver {
   /// submessage is not protected as the writer requires.
   StatefulWriter* addressed(const EntityId& writer, const EntityId& reader, const Context& context);
   bool accepts(const EntityId& local, const Guid& remote, const Context& context);
+  /// True if keys of the reader's participant protect what the reader sent, and show that it was
+  /// meant for this writer.
+  bool is_for(const EntityId& writer, const EntityId& reader, const Context& context) const;
   /// True for a dispose or unregister without a payload, if its writer would have sent one, and for
   /// a payload that lacks the mark of its change (end_mark).
   bool is_refused(const EntityId& reader, const Guid& writer, const Data& plain,

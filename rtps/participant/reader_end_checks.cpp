@@ -21,8 +21,21 @@ void ReaderEndChecks::tick(MonotonicTime now) {
     auto& [pair, check] = *at;
     const bool stays = now < check.due || check_answer(pair, check, now);
     if (stays) next_ = std::min(next_, check.due);
-    at = stays ? std::next(at) : pending_.erase(at);
+    at = stays ? std::next(at) : remove(at);
   }
+}
+
+ReaderEndChecks::Pending::iterator ReaderEndChecks::remove(Pending::iterator at) {
+  const auto& [pair, check] = *at;
+  const auto& participant = pair.reader.prefix;
+  if (check.has_ended && --silent_[participant] == 0) silent_.erase(participant);
+  return pending_.erase(at);
+}
+
+MonotonicTime ReaderEndChecks::longest_interval(const GuidPrefix& readers) const {
+  const auto silent = silent_.find(readers);
+  const auto pairs = silent == silent_.end() ? 0 : silent->second;
+  return kMaxInterval * (1 + static_cast<std::int64_t>(pairs / kMaxQuestions));
 }
 
 bool ReaderEndChecks::check_answer(const Pair& pair, PendingCheck& check, MonotonicTime now) {
@@ -34,8 +47,11 @@ bool ReaderEndChecks::check_answer(const Pair& pair, PendingCheck& check, Monoto
     return now < check.end;
   }
   if (now >= check.end) {
-    if (!std::exchange(check.has_ended, true)) host_.on_no_answer(pair);
-    check.interval = std::min(check.interval * 2, kMaxInterval);
+    if (!std::exchange(check.has_ended, true)) {
+      ++silent_[pair.reader.prefix];
+      host_.on_no_answer(pair);
+    }
+    check.interval = std::min(check.interval * 2, longest_interval(pair.reader.prefix));
   }
   host_.request_sign_of_life(pair);
   check.due = now + check.interval;

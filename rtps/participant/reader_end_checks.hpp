@@ -12,7 +12,9 @@ namespace ddssec::rtps {
 /// Where discovery is protected, Cyclone DDS still reports the end of a reader without protection.
 /// Anyone can send such a report. So a reliable writer asks the reader, whose answers its keys
 /// protect. If no answer comes within kAnswerTimeout, the reader counts as ended. It may only have
-/// been out of reach, so it is still asked, less and less often.
+/// been out of reach, so it is still asked as long as its participant is there: an attacker who
+/// keeps its answers away for a while gains no more than kMaxInterval. Readers of one participant
+/// that are silent for long share kMaxQuestions.
 ///
 /// However many reports arrive, a pair is doubted at most once within kAnswerTimeout. No I/O, clock
 /// or lock.
@@ -22,7 +24,9 @@ class ReaderEndChecks {
   /// The pause between two queries of a reader until it counts as ended, and the longest one
   /// afterwards.
   static constexpr MonotonicTime kInterval = std::chrono::seconds(1);
-  static constexpr MonotonicTime kMaxInterval = std::chrono::seconds(32);
+  static constexpr MonotonicTime kMaxInterval = std::chrono::seconds(4);
+  /// How many pairs with silent readers of one participant are asked in kMaxInterval.
+  static constexpr std::size_t kMaxQuestions = 64;
 
   struct Pair {
     Guid writer, reader;
@@ -55,12 +59,18 @@ class ReaderEndChecks {
     bool is_answered = false, has_ended = false;
   };
 
+  using Pending = std::map<Pair, PendingCheck>;
+
   /// Returns false if the pair is no longer doubted.
   bool check_answer(const Pair& pair, PendingCheck& check, MonotonicTime now);
+  /// The longest time between two questions to a silent reader of that participant.
+  MonotonicTime longest_interval(const GuidPrefix& readers) const;
+  Pending::iterator remove(Pending::iterator at);
 
   Host& host_;
-  std::map<Pair, PendingCheck> pending_;
-  MonotonicTime next_ = kNever;  ///< not later than the first that is due
+  Pending pending_;
+  std::map<GuidPrefix, std::size_t> silent_;  ///< the pairs that have ended, by reader
+  MonotonicTime next_ = kNever;               ///< not later than the first that is due
 };
 
 }  // namespace ddssec::rtps

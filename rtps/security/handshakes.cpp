@@ -71,15 +71,20 @@ void Handshakes::add(const ParticipantData& data, const AnnouncedAddresses& addr
 
 // An attacker can send announcements in any name, and may have sent the first one. So a handshake
 // that failed begins again with the current announcement, and one that is running continues at both
-// addresses.
+// addresses, at once: all that was sent until now may have gone to a forged one.
 void Handshakes::announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses) {
   auto* peer = core_.find(data.guid.prefix);
   if (peer == nullptr || peer->state.association() != nullptr) return;
+  const bool moves = peer->metatraffic != addresses.metatraffic;
   peer->metatraffic = addresses.metatraffic;
   peer->announced_by.assign(addresses.sources.begin(), addresses.sources.end());
   peer->source = addresses.source;
-  if (auto* handshake = peer->state.handshake(); handshake && data.vendor == kVendorDdssec)
-    handshake->note_repeats_challenges();
+  if (auto* handshake = peer->state.handshake()) {
+    if (data.vendor == kVendorDdssec) handshake->note_repeats_challenges();
+    if (moves && budgets_.may_repeat_unasked(peer->source, core_.now))
+      handshake->repeat_by(core_.now);
+    schedule(*peer);
+  }
   if (!peer->state.is<peer::Refused>()) return;
   peer->data = data;
   try_again(*peer);
@@ -359,10 +364,6 @@ void Handshakes::refuse(Peer& peer) {
   ++peer.refusals;
   schedule(peer);
   if (!was_admitted) core_.host.on_unauthenticated(GuidPrefix(peer.prefix()));
-}
-
-void Handshakes::note_failure(Peer& peer) {
-  if (!std::exchange(peer.has_failed, true)) ++core_.counters.failed;
 }
 
 void Handshakes::note_key_exchange(Peer& peer) {

@@ -99,7 +99,9 @@ class Handshakes {
   Error no_place_error(const Peer& peer);
   void try_later(Peer& peer);
   void refuse(Peer& peer);
-  void note_failure(Peer& peer);
+  void note_failure(Peer& peer) {
+    if (!std::exchange(peer.has_failed, true)) ++core_.counters.failed;
+  }
   /// Gives a refused peer another try. Does nothing if too many handshakes begin.
   void try_again(Peer& peer);
 

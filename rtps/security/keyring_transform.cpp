@@ -124,6 +124,17 @@ bool Keyring::accepts(const EntityId& id, const Guid& remote, const ReceivedProt
   return false;
 }
 
+bool Keyring::shows_receiver(const EntityId& writer, const Guid& reader,
+                             const ReceivedProtection& opened_by) const {
+  if (opened_by.message) return true;
+  const auto* local = find(writer);
+  if (local == nullptr || opened_by.submessage == Guid{}) return false;
+  if (local->is_volatile || !is_builtin(writer)) return true;
+  if (local->protection != opened_by.protection) local = second_protections_.of(writer, reader);
+  return local != nullptr && local->protection == opened_by.protection &&
+         spi::is_origin_authenticated(local->attributes.submessage);
+}
+
 bool is_only_payload_proven(const Keyring& keyring, const EntityId& local, const Guid& remote,
                             const ReceivedProtection& opened_by) {
   if (opened_by.message || opened_by.submessage == remote) return false;

@@ -142,6 +142,10 @@ void PeerHandshake::become_overdue(MonotonicTime now) {
   make_request(kNever);
 }
 
+void PeerHandshake::repeat_by(MonotonicTime time) {
+  if (is_started_ && !finished_ && !failure_) next_ = std::min(next_, time);
+}
+
 void PeerHandshake::shorten_delays(MonotonicTime now) {
   if (!is_started_ || failure_) return;
   has_shorter_delays_ = true;

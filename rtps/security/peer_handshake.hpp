@@ -97,6 +97,9 @@ class PeerHandshake {
   }
   /// Sets the time of the start or of the next repetition.
   void start_at(MonotonicTime time) { next_ = time; }
+  /// Repeats messages that wait for an answer not later than this, however rare repetitions have
+  /// become, because the peer was announced with another address.
+  void repeat_by(MonotonicTime time);
   /// Notes that the peer sent something, so that repetitions need not become rare.
   void note_heard() { was_heard_ = true; }
   /// Repeats messages that wait for an answer at once, if there was time for an answer, because a

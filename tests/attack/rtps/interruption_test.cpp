@@ -61,6 +61,28 @@ TEST(Interruption, ALeaseThatEndsInTheMiddleOfAHandshake_IsNoEnd) {
     for (int step = 2; step <= 7; ++step) expect_recovery(a_is_unheard, step);
 }
 
+// All addresses were changed on the way, and then no longer.
+TEST(Interruption, AnAnnouncementWithTheTrueAddress_IsAnsweredAtOnce) {
+  Pair pair({});
+  pair.world.attack = [&](World::Traffic& traffic) {
+    for (auto& [port, datagram] : traffic)
+      for (const auto& [from, elsewhere] : {std::pair(7001u, 7901u), std::pair(7002u, 7902u)}) {
+        Bytes is(4), becomes(4);
+        for (std::size_t i = 0; i < 4; ++i) {
+          is[i] = static_cast<std::uint8_t>(from >> (8 * i));
+          becomes[i] = static_cast<std::uint8_t>(elsewhere >> (8 * i));
+        }
+        const auto at = std::ranges::search(datagram, is);
+        for (auto found = at; !found.empty(); found = std::ranges::search(datagram, is))
+          std::ranges::copy(becomes, found.begin());
+      }
+  };
+  pair.world.run(7000);
+  ASSERT_FALSE(pair.a.knows(pair.b));
+  pair.world.attack = {};
+  EXPECT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 550));
+}
+
 // In either's name, again and again: who it is said of still has its keys.
 TEST(Interruption, AForgedQuestionForAHandshake_LeadsToNone) {
   Pair pair(everything(ProtectionKind::encrypt));

@@ -1,6 +1,8 @@
 // How often a reader that is said to have ended is asked.
 #include "rtps/participant/reader_end_checks.hpp"
 
+#include <map>
+
 #include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -8,21 +10,52 @@ namespace {
 
 using namespace testing;
 
-TEST(DoubtedReader, SilentReader_IsAskedLessAndLess) {
-  struct Count final : ReaderEndChecks::Host {
-    std::optional<std::uint64_t> answers(const ReaderEndChecks::Pair&) override { return 7; }
-    void request_sign_of_life(const ReaderEndChecks::Pair&) override { ++asked; }
-    void on_no_answer(const ReaderEndChecks::Pair&) override { ++silent; }
-    int asked = 0, silent = 0;
-  } host;
+struct Count final : ReaderEndChecks::Host {
+  std::optional<std::uint64_t> answers(const ReaderEndChecks::Pair&) override {
+    return matches ? std::optional<std::uint64_t>(7) : std::nullopt;
+  }
+  void request_sign_of_life(const ReaderEndChecks::Pair& pair) override {
+    ++asked[pair.reader.prefix.octets[0]];
+  }
+  void on_no_answer(const ReaderEndChecks::Pair&) override { ++silent; }
+  std::map<std::uint8_t, int> asked;
+  int silent = 0;
+  bool matches = true;
+};
+
+ReaderEndChecks::Pair pair_with(std::uint8_t participant, std::uint32_t reader = 0) {
+  ReaderEndChecks::Pair pair;
+  pair.reader.prefix.octets[0] = participant;
+  pair.reader.entity.octets = {static_cast<std::uint8_t>(reader >> 8),
+                               static_cast<std::uint8_t>(reader), 0, 7};
+  return pair;
+}
+
+TEST(DoubtedReader, SilentReader_IsAskedAtMostEachFourSecondsAndAtLeast) {
+  Count host;
   ReaderEndChecks checks(host);
   for (int i = 0; i < 3600; ++i) {
-    checks.add({}, seconds(i));
+    checks.add(pair_with(0), seconds(i));
     checks.tick(seconds(i));
   }
   EXPECT_EQ(host.silent, 1);
-  EXPECT_LE(host.asked, 4 + 5 + 3600 / 32);
-  EXPECT_GE(host.asked, 3500 / 32);
+  EXPECT_LE(host.asked[0], 4 + 5 + 3600 / 4);
+  EXPECT_GE(host.asked[0], 3500 / 4);
+}
+
+// Cyclone DDS reports the ends of readers in this way: they stay silent for good.
+TEST(DoubtedReader, ManySilentReadersOfOneParticipant_ShareTheQuestions) {
+  Count host;
+  ReaderEndChecks checks(host);
+  constexpr int kReaders = 1000, kSeconds = 3600;
+  for (std::uint32_t i = 0; i < kReaders; ++i) checks.add(pair_with(1, i), seconds(0));
+  checks.add(pair_with(2), seconds(0));
+  for (int i = 0; i < kSeconds; ++i) checks.tick(seconds(i));
+  EXPECT_LE(host.asked[1], 8 * kReaders + 16 * kSeconds);
+  EXPECT_GE(host.asked[2], (kSeconds - 100) / 4) << "another one does not wait for them";
+  host.matches = false;
+  checks.tick(seconds(2 * kSeconds));
+  EXPECT_EQ(checks.next(), kNever);
 }
 
 }  // namespace
