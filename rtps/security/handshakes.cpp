@@ -253,8 +253,9 @@ bool Handshakes::advance(Peer& peer) {
   }
   // Until here the peer took part as before, so a refusal interrupts nothing.
   if (was_admitted) core_.host.on_replaced(GuidPrefix(peer.prefix()));
-  // The peer has returned and knows earlier keys: from here on it is watched like any other.
-  revision_.drop_absent(peer.prefix());
+  // The peer has returned and knows earlier keys: from here on it is watched like any other. It may
+  // have fewer rights than before, but no peer has lost trust: a governance change goes on.
+  revision_.drop_absent(peer.prefix(), KeyReviser::RevisionReason::right_lost);
   fragments_.forget(peer.prefix());
   core_.sender.amplification_limit().end(peer.prefix());
   return peer.state.associate(std::move(*association), core_.now);

@@ -67,7 +67,7 @@ void KeyReviser::check_key_life() {
 
 void KeyReviser::note_absent(Peer& peer) {
   if (!is_enabled() || !CryptoTokenExchange::is_trusted(peer)) return;
-  if (absent_.size() >= kMaxAbsent) return request();
+  if (absent_.size() >= kMaxAbsent) return request(RevisionReason::right_lost);
   auto& association = *peer.state.association();
   absent_.push_back({peer.prefix(), std::exchange(association.permissions, {}),
                      association.handshake->identity()});
@@ -78,9 +78,9 @@ std::shared_ptr<const PeerIdentity> KeyReviser::identity_of_absent(const GuidPre
   return at == absent_.end() ? nullptr : at->identity;
 }
 
-void KeyReviser::drop_absent(const GuidPrefix& prefix) {
+void KeyReviser::drop_absent(const GuidPrefix& prefix, RevisionReason reason) {
   if (std::erase_if(absent_, [&](const auto& absent) { return absent.prefix == prefix; }) > 0)
-    request();
+    request(reason);
 }
 
 }  // namespace ddssec::rtps

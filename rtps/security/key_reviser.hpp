@@ -18,7 +18,7 @@ class KeyReviser {
   /// The longest time for which a revision that can wait does so while the governance changes.
   static constexpr MonotonicTime kMaxDelay = std::chrono::seconds(60);
   /// Limit for peers that left with the local keys and whose trust is still watched. If there is
-  /// one more, keys are revised.
+  /// one more, keys are revised, as for right_lost: it was trusted when it left.
   static constexpr std::size_t kMaxAbsent = 256;
 
   KeyReviser(SecurityCore& core, CryptoTokenExchange& exchange)
@@ -44,8 +44,8 @@ class KeyReviser {
   /// Returns nullptr if the peer did not leave, or is forgotten.
   std::shared_ptr<const PeerIdentity> identity_of_absent(const GuidPrefix& prefix) const;
   /// Stops watching the participant. If it was watched, requests a revision that makes its keys
-  /// useless.
-  void drop_absent(const GuidPrefix& prefix);
+  /// useless. `reason`: right_lost if it has returned, and so is watched like any other peer.
+  void drop_absent(const GuidPrefix& prefix, RevisionReason reason);
   /// Requests a revision if `ended(identity, permissions)` is true for any of them.
   template <class F>
   void check_absent(F&& ended) {

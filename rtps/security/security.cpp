@@ -159,7 +159,7 @@ void Security::note_key_exchange(const GuidPrefix& prefix) {
 // ---- trust
 
 void Security::distrust(const GuidPrefix& prefix) {
-  revision_.drop_absent(prefix);
+  revision_.drop_absent(prefix, KeyReviser::RevisionReason::trust_lost);
   auto* peer = core_.find(prefix);
   if (peer == nullptr) return;
   if (peer->state.association() != nullptr) revision_.request();
