@@ -284,8 +284,8 @@ void RemoteParticipants::remove(RemoteParticipant& remote, const EntityId& id) {
   if (known == remote.endpoints.end()) return;
   if (discovery_ != nullptr) discovery_->on_endpoint_gone(known->second.data);
   discount(announced_, remote, known->second);
-  remote.endpoints.erase(known);
   remote.clear_addresses.release(id);
+  remote.endpoints.erase(known);  // `id` may be the key of this entry
 }
 
 void RemoteParticipants::set_discovery_listener(DiscoveryListener* listener) {
