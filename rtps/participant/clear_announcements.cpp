@@ -11,7 +11,7 @@ bool differ_in_what_a_match_keeps(const Qos& before, const Qos& after) {
 }
 
 // True if an ACKNACK that the participant's reader of announcements sent to another participant
-// may count here as well (Keyring::shows_receiver).
+// may count here as well (shows_receiver).
 bool may_be_redirected(const ParticipantCore& core, const RemoteParticipant& remote) {
   if (!core.is_authenticated(remote.prefix())) return false;
   const auto* attributes = core.security->keyring().attributes(kPublicationsSecureWriter);

@@ -189,7 +189,7 @@ bool MessageReceiver::accepts(const EntityId& local, const Guid& remote, const C
 bool MessageReceiver::is_for(const EntityId& writer, const EntityId& reader,
                              const Context& context) const {
   return context.is_protected() &&
-         keyring_->shows_receiver(writer, {context.source, reader}, context.opened_by);
+         shows_receiver(*keyring_, writer, {context.source, reader}, context.opened_by);
 }
 
 bool MessageReceiver::is_marked(const EntityId& reader, const Guid& writer,

@@ -13,8 +13,8 @@ namespace ddssec::rtps {
 /// The messages of one kind from one sender. Their counts increase, so a message whose count is not
 /// later than the last one was repeated, by the network or by an attacker.
 ///
-/// That holds for messages that keys of the sender protect, if the protection shows for whom they
-/// are: otherwise they may have been redirected. Without such protection, an attacker can send any
+/// That holds for messages that keys of the sender protect, if the protection shows which
+/// participant they are for: otherwise they may have been redirected. Without such protection, an attacker can send any
 /// count. One that is far ahead would make all later messages of the sender count as
 /// repetitions. So an unprotected message is a repetition only if it equals one of the last
 /// kRemembered. The attacker gains nothing by repeating older ones, because it could invent new
@@ -25,7 +25,7 @@ class RecentMessages {
   static constexpr std::size_t kRemembered = 2;
 
   /// Returns false for a repetition. `is_protected` means that keys of the sender protect the
-  /// message and show for whom it is.
+  /// message, and show which participant it is for.
   bool accept(const Message& message, bool is_protected) {
     const auto& last = is_protected ? last_protected_ : last_;
     const bool is_new = !last || is_later(message.count, *last) ||

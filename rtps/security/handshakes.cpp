@@ -70,8 +70,7 @@ void Handshakes::add(const ParticipantData& data, const AnnouncedAddresses& addr
 }
 
 // An attacker can send announcements in any name, and may have sent the first one. So a handshake
-// that failed begins again with the current announcement, and one that is running continues at both
-// addresses, at once: all that was sent until now may have gone to a forged one.
+// that failed begins again with the current one, and a running one goes on at both addresses.
 void Handshakes::announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses) {
   auto* peer = core_.find(data.guid.prefix);
   if (peer == nullptr || peer->state.association() != nullptr) return;
@@ -253,8 +252,7 @@ bool Handshakes::advance(Peer& peer) {
   }
   // Until here the peer took part as before, so a refusal interrupts nothing.
   if (was_admitted) core_.host.on_replaced(GuidPrefix(peer.prefix()));
-  // The peer has returned and knows earlier keys: from here on it is watched like any other. It may
-  // have fewer rights than before, but no peer has lost trust: a governance change goes on.
+  // The peer has returned with earlier keys. It may have fewer rights, but no peer has lost trust.
   revision_.drop_absent(peer.prefix(), KeyReviser::RevisionReason::right_lost);
   fragments_.forget(peer.prefix());
   core_.sender.amplification_limit().end(peer.prefix());

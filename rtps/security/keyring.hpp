@@ -131,12 +131,6 @@ class Keyring final : public SendProtection {
   /// True if the submessage was protected as the governance requires. Refused submessages are
   /// counted.
   bool accepts(const EntityId& local, const Guid& remote, const ReceivedProtection& opened_by);
-  /// True if the protection also shows that a submessage of a remote reader was meant for the local
-  /// writer: INFO_DST is outside of a protected submessage, and a reader of another vendor has one
-  /// key for the writers of all participants. Writers of topics have random entity ids, which the
-  /// submessage contains; those of builtin writers are the same everywhere.
-  bool shows_receiver(const EntityId& writer, const Guid& reader,
-                      const ReceivedProtection& opened_by) const;
   /// Counts a message of which only the payload is protected, and whose payload does not confirm
   /// that the message ends an instance, or that it does not. Raises an event with `found`.
   void note_unproven_end(const EntityId& local, const Guid& remote, std::string found);
@@ -153,6 +147,8 @@ class Keyring final : public SendProtection {
   void on_unprotectable(const Error& error) override;
 
  private:
+  friend bool shows_receiver(const Keyring& keyring, const EntityId& writer, const Guid& reader,
+                             const ReceivedProtection& opened_by);
   const LocalKeys* find(const EntityId& id) const { return rtps::find(locals_, id); }
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }
   spi::CryptoKeyExchange& exchange() { return own_.plugins().cryptography.key_exchange(); }
@@ -169,6 +165,13 @@ class Keyring final : public SendProtection {
   ProtectionCounters counters_;
   PreSharedMessages pre_shared_{own_, events_, counters_};
 };
+
+/// True if the protection also shows that a submessage of a remote reader was meant for the local
+/// writer. INFO_DST is outside of a protected submessage, and a reader of another vendor has one
+/// key for the writers of all participants. Writers of topics have random entity ids, which the
+/// submessage contains. Those of builtin writers are the same everywhere.
+bool shows_receiver(const Keyring& keyring, const EntityId& writer, const Guid& reader,
+                    const ReceivedProtection& opened_by);
 
 /// True if nothing but the payload of a submessage shows that it comes from the remote endpoint.
 bool is_only_payload_proven(const Keyring& keyring, const EntityId& local, const Guid& remote,

@@ -124,13 +124,14 @@ bool Keyring::accepts(const EntityId& id, const Guid& remote, const ReceivedProt
   return false;
 }
 
-bool Keyring::shows_receiver(const EntityId& writer, const Guid& reader,
-                             const ReceivedProtection& opened_by) const {
+bool shows_receiver(const Keyring& keyring, const EntityId& writer, const Guid& reader,
+                    const ReceivedProtection& opened_by) {
   if (opened_by.message) return true;
-  const auto* local = find(writer);
+  const auto* local = keyring.find(writer);
   if (local == nullptr || opened_by.submessage == Guid{}) return false;
   if (local->is_volatile || !is_builtin(writer)) return true;
-  if (local->protection != opened_by.protection) local = second_protections_.of(writer, reader);
+  if (local->protection != opened_by.protection)
+    local = keyring.second_protections().of(writer, reader);
   return local != nullptr && local->protection == opened_by.protection &&
          spi::is_origin_authenticated(local->attributes.submessage);
 }

@@ -94,7 +94,7 @@ FAULTS = [
     ("the binding of a GUID to its certificate", "plugins/authentication/judged_peer.cpp",
      "if (is_bound_to(", "if (FAULT || is_bound_to("),
     ("that only news is a sign of life", "rtps/participant/message_receiver.hpp",
-     "signs.is_proof |= is_new && is_protected();", "signs.is_proof |= (is_new || FAULT) && is_protected();"),
+     "signs.is_proof |= is_new && is_proof;", "signs.is_proof |= (is_new || FAULT) && is_proof;"),
     ("that only what is protected is a sign of life", "rtps/participant/discovery.cpp",
      "  if (anything_counts || signs.is_proof || (signs.is_news",
      "  if (FAULT || anything_counts || signs.is_proof || (signs.is_news"),
