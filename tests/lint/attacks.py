@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds docs/attacks.md to the tests: each test named there exists and runs against the host of its line."""
+"""Holds the pages docs/attacks/*.md to the tests: each test named there exists and runs against the host of its line."""
 
 import pathlib
 import re
@@ -40,14 +40,23 @@ def ctest_entries(root):
 
 def lines_by_host(text):
     """Each bullet with its continuation lines: (host, text)."""
-    for bullet in re.findall(r"^- (.+(?:\n  .+)*)", text.split("\n## ", 1)[1], re.MULTILINE):
+    for bullet in re.findall(r"^- (.+(?:\n  .+)*)", text, re.MULTILINE):
         host = re.match(r"(Engine|Cyclone DDS|Embedded|Tool|Open)[:,]", bullet)
         yield (host.group(1) if host else None), bullet
 
 
 def faults(root):
     tests, entries = tests_by_folder(root), ctest_entries(root)
-    for host, bullet in lines_by_host((root / "docs/attacks.md").read_text(encoding="utf-8")):
+    pages = sorted((root / "docs/attacks").glob("*.md"))
+    if not pages:
+        yield "there are no pages"
+    index = (root / "docs/attacks.md").read_text(encoding="utf-8")
+    for page in pages:
+        for heading in re.findall(r"^## (.+)$", page.read_text(encoding="utf-8"), re.MULTILINE):
+            if f"[{heading}](attacks/{page.name}#" not in index:
+                yield f"docs/attacks.md does not name {heading!r} of {page.name}"
+    text = "\n".join(page.read_text(encoding="utf-8") for page in pages)
+    for host, bullet in lines_by_host(text):
         if host is None:
             yield f"a line names no host: {bullet[:60]}"
             continue
@@ -66,7 +75,7 @@ def faults(root):
 def main():
     found = list(faults(pathlib.Path(sys.argv[1])))
     for fault in found:
-        print(f"docs/attacks.md: {fault}")
+        print(f"docs/attacks/: {fault}")
     print(f"{len(found)} faults")
     return 1 if found else 0
 
