@@ -19,8 +19,8 @@ class EventFile {
 
   /// False if the path is no such output or cannot be written, for example a FIFO without a reader.
   bool is_open() const { return file_ >= 0; }
-  /// Returns the reason why the file could not be opened: what is at the path, or the system's
-  /// error.
+  /// Returns the reason why the file could not be opened: either the kind of file that is at the
+  /// path, or the error of the system.
   const std::string& why_not() const { return why_not_; }
 
   /// Appends a line and its end in one write, so that several processes may share a file. The line

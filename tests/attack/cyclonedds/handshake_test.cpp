@@ -72,7 +72,7 @@ class Node {
   // Takes a message from a peer; what to answer. Refused messages have no answer.
   std::vector<Message> take(Node& other, const Message& message) {
     const auto known = peers_.find(&other);
-    if (known == peers_.end()) return {};  // as the host does for whom it has not discovered
+    if (known == peers_.end()) return {};  // as the host does for a peer that it has not discovered
     auto& peer = known->second;
     Token in;
     EXPECT_TRUE(cyclonedds::copy_token(message, in));

@@ -1,5 +1,5 @@
 // Requests for the key tokens that a peer sent to others. A host may answer a NACK_FRAG of the
-// volatile secure reader without looking for whom the message is.
+// volatile secure reader without checking which participant the message is for.
 #pragma once
 
 #include <algorithm>

@@ -175,7 +175,7 @@ struct Engine {
       : two(ProtectionKind::none, {}, {.host_checks_sources = false}) {
     auto secret = shared_secret(5, peer_ciphers);
     for (auto* side : {&two.a, &two.b}) {
-      // A hostile sender does not look for whom its key tokens are.
+      // A hostile sender does not check which participant its key tokens are for.
       if (side == &two.b) secret.peer_prefix = kPeer;
       side->remote = side->factory()
                          .register_matched_remote_participant(side->participant, {8}, {7}, secret)

@@ -335,7 +335,7 @@ TEST(TrustingHost, TokensOfThePeer_PassAndOfOthersDoNot) {
   TwoSides two(ProtectionKind::none, {}, kTrustingHost);
   auto secret = shared_secret(5);
   for (auto* side : {&two.a, &two.b}) {
-    // A hostile sender does not look for whom its key tokens are.
+    // A hostile sender does not check which participant its key tokens are for.
     if (side == &two.b) secret.peer_prefix = kPeer;
     side->remote = side->factory()
                        .register_matched_remote_participant(side->participant, {8}, {7}, secret)

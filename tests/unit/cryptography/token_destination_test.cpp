@@ -193,33 +193,30 @@ TEST(KeyTokens, AskedForByNackFrag_DoNotReachTheHost) {
   }
 }
 
-// A host with small fragments, and an honest peer that misses one of them.
-TEST(KeyTokens, InFragments_AreSentAgainToTheirReceiver) {
-  Host host(false);
+// An honest peer misses the first fragment, of that many octets, and requests it again.
+void expect_sent_again(Host& host, std::uint16_t fragment_size) {
   auto payload = tokens_to(kPeer);
   const auto whole = static_cast<std::uint32_t>(payload.size());
-  payload.resize(100);
-  const DataMessage first{
-      .flags = 0, .payload = std::move(payload), .fragment = Fragment{.size = 100, .whole = whole}};
+  payload.resize(fragment_size);
+  const DataMessage first{.flags = 0,
+                          .payload = std::move(payload),
+                          .fragment = Fragment{.size = fragment_size, .whole = whole}};
   ASSERT_TRUE(encode_submessage(host.two, host.ends, first.octets()));
   const auto asked = encode_reply(host.two, host.ends, nack_frag(1)).value();
   EXPECT_TRUE(decode_reply(host.two, host.ends, asked));
   EXPECT_EQ(host.two.a.events.codes(), std::vector<Code>());
 }
 
+TEST(KeyTokens, InFragments_AreSentAgainToTheirReceiver) {
+  Host host(false);
+  expect_sent_again(host, 100);
+}
+
 // An embedded participant may have fragments that end before the destination. It has a volatile
 // writer for each peer, so that none can reach another one.
 TEST(KeyTokens, OfAnEmbeddedHostInTinyFragments_AreSent) {
   Host host(true);
-  auto payload = tokens_to(kPeer);
-  const auto whole = static_cast<std::uint32_t>(payload.size());
-  payload.resize(20);
-  const DataMessage first{
-      .flags = 0, .payload = std::move(payload), .fragment = Fragment{.size = 20, .whole = whole}};
-  ASSERT_TRUE(encode_submessage(host.two, host.ends, first.octets()));
-  const auto asked = encode_reply(host.two, host.ends, nack_frag(1)).value();
-  EXPECT_TRUE(decode_reply(host.two, host.ends, asked));
-  EXPECT_EQ(host.two.a.events.codes(), std::vector<Code>());
+  expect_sent_again(host, 20);
 }
 
 }  // namespace

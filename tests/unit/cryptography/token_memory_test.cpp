@@ -26,7 +26,7 @@ struct TokenSender {
     prefix.octets.back() = number;
     auto secret = shared_secret(number);
     for (auto* side : {&two.a, &two.b}) {
-      // A hostile sender does not look for whom its key tokens are.
+      // A hostile sender does not check which participant its key tokens are for.
       if (side == &two.b) secret.peer_prefix = prefix;
       side->remote =
           side->factory()
