@@ -7,10 +7,10 @@
 namespace ddssec::governance {
 namespace {
 
-std::string shown(bool value) { return value ? "true" : "false"; }
-std::string shown(ProtectionKind kind) { return std::string(to_string(kind)); }
+std::string value_text(bool value) { return value ? "true" : "false"; }
+std::string value_text(ProtectionKind kind) { return std::string(to_string(kind)); }
 
-std::string shown(const std::vector<Text>& names) {
+std::string value_text(const std::vector<Text>& names) {
   std::string out;
   for (const auto& name : names) out += (out.empty() ? "" : ", ") + name.text;
   return out.empty() ? "not limited" : out;
@@ -27,7 +27,7 @@ template <class GrantRule, class Value>
 Status check_same(std::string_view element, const GrantRule& former, const GrantRule& next,
                   Value GrantRule::*value) {
   if (former.*value == next.*value) return {};
-  return differs(element, shown(former.*value), shown(next.*value), next.line);
+  return differs(element, value_text(former.*value), value_text(next.*value), next.line);
 }
 
 Status check_algorithms(const DomainRule& former, const DomainRule& next) {
@@ -40,8 +40,8 @@ Status check_algorithms(const DomainRule& former, const DomainRule& next) {
       {"symmetric_cipher", &AllowedAlgorithms::symmetric_cipher},
   }};
   if (former.allowed_algorithms.has_value() != next.allowed_algorithms.has_value())
-    return differs("allowed_crypto_algorithms", shown(former.allowed_algorithms.has_value()),
-                   shown(next.allowed_algorithms.has_value()), next.line);
+    return differs("allowed_crypto_algorithms", value_text(former.allowed_algorithms.has_value()),
+                   value_text(next.allowed_algorithms.has_value()), next.line);
   if (!former.allowed_algorithms) return {};
   for (const auto& [element, list] : kLists)
     DDSSEC_RETURN_IF_ERROR(
@@ -86,7 +86,7 @@ Status check_kind(std::string_view element, const TopicRule& former, const Topic
   if (strength(before) <= strength(after) &&
       is_origin_authenticated(before) == is_origin_authenticated(after))
     return {};
-  return differs(element, shown(before), shown(after), next.line);
+  return differs(element, value_text(before), value_text(after), next.line);
 }
 
 Status check_control(std::string_view element, const TopicRule& former, const TopicRule& next,
@@ -104,7 +104,7 @@ Status check_data(const TopicRule& former, const DomainRule& domain, const Topic
     return fail(Code::governance_renewal_refused, {.line = next.line,
                                                    .field = std::string(element),
                                                    .expected = std::move(expected),
-                                                   .found = shown(found),
+                                                   .found = value_text(found),
                                                    .note = std::move(note)});
   };
   if (before == after) return {};

@@ -108,7 +108,7 @@ Result<InlineQos> read_inline_qos(BytesView list, Endian endian) {
 
     const auto place = std::ranges::find(kKnown, parameter->id);
     if (place != kKnown.end() && !is_of_another_vendor(*parameter)) {
-      DDSSEC_RETURN_IF_ERROR(single.take(static_cast<std::size_t>(place - kKnown.begin())));
+      DDSSEC_RETURN_IF_ERROR(single.note(static_cast<std::size_t>(place - kKnown.begin())));
       DDSSEC_RETURN_IF_ERROR(take(*parameter, qos));
     } else if (must_be_understood(parameter->id)) {
       return fail(Code::rtps_parameter_not_understood);

@@ -46,15 +46,15 @@ class SingleParameters {
 
   /// Notes that a list has a parameter with one value. `index` is the position of its id in a table
   /// of at most kMax. Error: rtps_parameter_invalid (the list already had the parameter).
-  Status take(std::size_t index) {
+  Status note(std::size_t index) {
     if (has(index)) return fail(Code::rtps_parameter_invalid);
-    taken_.set(index);
+    noted_.set(index);
     return {};
   }
-  bool has(std::size_t index) const { return taken_[index]; }
+  bool has(std::size_t index) const { return noted_[index]; }
 
  private:
-  std::bitset<kMax> taken_;
+  std::bitset<kMax> noted_;
 };
 
 /// Returns the list at the beginning of `octets`, including its sentinel. The length of every

@@ -54,7 +54,7 @@ Result<T> read_parameters(std::span<const ParameterRow<T>> table, BytesView list
     const auto index = static_cast<std::size_t>(row - table.begin());
     seen.set(index);
     if (!row->repeatable)
-      if (auto status = single.take(index); !status) return std::unexpected(status.error());
+      if (auto status = single.note(index); !status) return std::unexpected(status.error());
     auto reader = (*parameter)->reader();
     if (auto status = row->read(reader, value); !status) return std::unexpected(status.error());
   }

@@ -72,7 +72,7 @@ Result<Guid> read_guid_key(BytesView payload, ParameterId id) {
     if (!parameter && !found) return std::unexpected(parameter.error());
     if (!parameter || !*parameter) break;  // a key may lack its sentinel
     if ((*parameter)->id != id) continue;
-    DDSSEC_RETURN_IF_ERROR(single.take(0));
+    DDSSEC_RETURN_IF_ERROR(single.note(0));
     auto reader = (*parameter)->reader();
     DDSSEC_ASSIGN_OR_RETURN(found, read_guid(reader));
   }

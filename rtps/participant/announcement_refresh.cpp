@@ -33,7 +33,7 @@ void AnnouncementRefresh::note_alive(const EntityId& endpoint) {
   ended_.erase(at);
 }
 
-bool AnnouncementRefresh::take_due(MonotonicTime now) {
+bool AnnouncementRefresh::begin_reading_if_due(MonotonicTime now) {
   if (now < std::min(due_, routine_)) return false;
   // If the routine refresh comes first while a change waits, the pause grows as for changes that go
   // on.
@@ -46,13 +46,13 @@ bool AnnouncementRefresh::take_due(MonotonicTime now) {
   return true;
 }
 
-bool AnnouncementRefresh::take_over(MonotonicTime now) {
+bool AnnouncementRefresh::end_reading_if_over(MonotonicTime now) {
   if (now < over_) return false;
   over_ = kNever;
   return true;
 }
 
-std::vector<AnnouncementRefresh::Ended> AnnouncementRefresh::take_read() {
+std::vector<AnnouncementRefresh::Ended> AnnouncementRefresh::take_confirmed_ends() {
   std::vector<Ended> out;
   std::erase_if(ended_, [&](const auto& ended) {
     const auto& [endpoint, state] = ended;

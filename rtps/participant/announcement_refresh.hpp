@@ -24,6 +24,12 @@ namespace ddssec::rtps {
 ///
 /// The pause grows, so that a participant with many short-lived endpoints does not send all of them
 /// again each time.
+///
+/// The legal transitions are
+///   idle -> due                 note_change, note_end, or kMaxPause after the last reading
+///   due -> being read           begin_reading_if_due, when the pause is over
+///   being read -> idle          end_reading_if_over, kAnswerTimeout later
+///   being read -> due           note_change, note_end: what changes meanwhile is read once more
 class AnnouncementRefresh {
  public:
   static constexpr MonotonicTime kMinPause = std::chrono::seconds(4);
@@ -49,16 +55,16 @@ class AnnouncementRefresh {
   /// Notes that a known endpoint is announced: it has not ended.
   void note_alive(const EntityId& endpoint);
   /// Returns true if all announcements are to be read again now.
-  bool take_due(MonotonicTime now);
+  bool begin_reading_if_due(MonotonicTime now);
   /// Returns true once, after the time by which the answer must have arrived.
-  bool take_over(MonotonicTime now);
+  bool end_reading_if_over(MonotonicTime now);
   struct Ended {
     EntityId endpoint;
     bool counts;  ///< true if its end counted from the beginning
   };
   /// Ends a reading that was complete. Returns the endpoints that were said to have ended before
   /// it, and were not announced since while they were known.
-  std::vector<Ended> take_read();
+  std::vector<Ended> take_confirmed_ends();
   /// Notes that the reading has confirmed the end. Returns the endpoint whose keys are not kept any
   /// longer in exchange: the one that ended first. It is remembered (without_keys).
   std::optional<EntityId> note_gone(const EntityId& endpoint);

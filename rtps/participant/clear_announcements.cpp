@@ -166,7 +166,7 @@ bool ClearAnnouncements::request_keys(const Guid& endpoint, bool again) {
 void ClearAnnouncements::on_refreshed(RemoteParticipant& remote) {
   auto& reading = remote.announcement_refresh;
   if (!builtin_.has_read(remote)) return note_change(reading);
-  for (const auto& [endpoint, counts] : reading.take_read()) {
+  for (const auto& [endpoint, counts] : reading.take_confirmed_ends()) {
     const bool is_known = remote.endpoints.contains(endpoint);
     if (is_known && counts) continue;
     if (is_known) matcher_.remove(remote, endpoint, true);
@@ -183,8 +183,8 @@ void ClearAnnouncements::on_time(MonotonicTime now) {
   for (const auto& [prefix, known] : remotes_.all()) {
     auto& remote = *remotes_.find(prefix);
     auto& reading = remote.announcement_refresh;
-    if (reading.take_over(now)) on_refreshed(remote);
-    if (reading.take_due(now)) builtin_.refresh_announcements(remote);
+    if (reading.end_reading_if_over(now)) on_refreshed(remote);
+    if (reading.begin_reading_if_due(now)) builtin_.refresh_announcements(remote);
     if (now >= remote.next_offer) {
       builtin_.offer_again(remote);
       remote.next_offer = now + kOfferPeriod;
