@@ -41,7 +41,7 @@ class Error {
   std::string hint() const;
 
   /// Returns the same error, with `document` filled in if it had none.
-  Error in(std::string document) const;
+  Error with_document(std::string document) const;
 
   /// Tells what happened, with the expected and the found value; without place and hint.
   std::string message() const;
@@ -65,6 +65,13 @@ using Status = Result<void>;
 inline std::unexpected<Error> fail(Code code) { return std::unexpected(Error(code)); }
 inline std::unexpected<Error> fail(Code code, ErrorDetails details) {
   return std::unexpected(Error(code, std::move(details)));
+}
+
+/// Returns the result; an error without a document gets this one.
+template <class T>
+Result<T> with_document(Result<T> result, std::string document) {
+  if (result) return result;
+  return std::unexpected(result.error().with_document(std::move(document)));
 }
 
 }  // namespace ddssec

@@ -97,9 +97,7 @@ Result<PrivateKey> PrivateKey::from_pem(const KeyPem& pem, const Passphrase* pas
 
 Result<PrivateKey> PrivateKey::load(std::string_view uri, std::string_view property,
                                     const Passphrase* passphrase) {
-  auto key = from_uri(uri, passphrase);
-  if (key) return key;
-  return std::unexpected(key.error().in(std::string(property)));
+  return with_document(from_uri(uri, passphrase), std::string(property));
 }
 
 Result<PrivateKey> PrivateKey::generate(KeyKind kind, int bits) {

@@ -42,9 +42,10 @@ Result<Rights> rights_in(const DocumentsTask& task, BytesView octets) {
   DDSSEC_ASSIGN_OR_RETURN(auto cas, read_certificates(task.files.permissions_ca));
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, pki::DocumentVerifier::make(std::move(cas)));
   DDSSEC_ASSIGN_OR_RETURN(const auto document,
-                          named(verifier.verify(octets, task.clock.now()), file));
+                          with_document(verifier.verify(octets, task.clock.now()), file));
   DDSSEC_ASSIGN_OR_RETURN(
-      const auto own, named(own_permissions(document, task.certificate, task.clock.now()), file));
+      const auto own,
+      with_document(own_permissions(document, task.certificate, task.clock.now()), file));
   std::string text(as_text(document.content()));
   std::erase(text, '\r');
   return Rights{own.grant.validity, own.has_ended, document.signing_time(), std::move(text)};
@@ -217,7 +218,7 @@ class Fetching {
     DDSSEC_ASSIGN_OR_RETURN(const auto octets, fetch("crl"));
     const auto& file = task_.files.crl;
     if (octets.empty()) return {};
-    DDSSEC_ASSIGN_OR_RETURN(auto lists, named(pki::Crl::all_from(octets), file));
+    DDSSEC_ASSIGN_OR_RETURN(auto lists, with_document(pki::Crl::all_from(octets), file));
     if (lists.empty())
       return fail(Code::crl_malformed, {.document = file, .note = "the hook wrote no list"});
     DDSSEC_ASSIGN_OR_RETURN(auto cas, read_certificates(task_.files.identity_ca));
@@ -229,7 +230,7 @@ class Fetching {
                     {.document = file,
                      .expected = "lists that an identity CA of the folder has signed",
                      .found = "one of " + list.issuer()});
-      DDSSEC_RETURN_IF_ERROR(named(list.check(*ca, task_.clock.now()), file));
+      DDSSEC_RETURN_IF_ERROR(with_document(list.check(*ca, task_.clock.now()), file));
       DDSSEC_RETURN_IF_ERROR(check_no_older(list, in_place, cas));
     }
     const auto is_there_already = [&](const pki::Crl& list) {

@@ -77,9 +77,10 @@ Result<Permissions> verified_permissions(const Participant& self, BytesView octe
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
                           pki::DocumentVerifier::make(std::move(certificates)));
   DDSSEC_ASSIGN_OR_RETURN(const auto document,
-                          named(verifier.verify(octets, self.now()), files.permissions));
+                          with_document(verifier.verify(octets, self.now()), files.permissions));
   DDSSEC_ASSIGN_OR_RETURN(
-      auto own, named(own_permissions(document, self.certificate, self.now()), files.permissions));
+      auto own,
+      with_document(own_permissions(document, self.certificate, self.now()), files.permissions));
   std::string text(as_text(document.content()));
   std::erase(text, '\r');
   return Permissions{std::move(own.grant), std::move(text)};
@@ -155,7 +156,7 @@ Result<pki::PrivateKey> present_key(const Participant& self) {
     return fail(Code::pkcs11_pin_wrong,
                 {.document = files.key, .note = "not tried: a token has refused a PIN before"});
   DDSSEC_ASSIGN_OR_RETURN(auto key, read_key(files.key, nullptr));
-  DDSSEC_RETURN_IF_ERROR(named(key.matches(self.certificate), files.key));
+  DDSSEC_RETURN_IF_ERROR(with_document(key.matches(self.certificate), files.key));
   return key;
 }
 
@@ -164,7 +165,7 @@ Result<pki::PrivateKey> key_for_request(const Participant& self) {
   if (self.task.is_rekeying) {
     if (files.key.extension() == ".p11") return fail(Code::key_in_token, {.document = files.key});
     DDSSEC_ASSIGN_OR_RETURN(const auto present, read_key(files.key, nullptr));
-    DDSSEC_RETURN_IF_ERROR(named(present.matches(self.certificate), files.key));
+    DDSSEC_RETURN_IF_ERROR(with_document(present.matches(self.certificate), files.key));
     const auto kind = self.certificate.key_algorithm();
     return pki::PrivateKey::generate(kind.kind, kind.bits);
   }
@@ -208,14 +209,15 @@ Result<pki::ChainVerifier> verifier_of(const Participant& self) {
   if (path_exists(files.crl)) {
     DDSSEC_ASSIGN_OR_RETURN(lists, read_lists(files.crl));
   }
-  return named(
+  return with_document(
       pki::ChainVerifier::make(std::move(anchors), std::move(lists), pki::CrlPolicy::soft_fail),
       files.identity_ca);
 }
 
 Status check_chain(const Participant& self, const pki::Certificate& renewed) {
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self));
-  DDSSEC_RETURN_IF_ERROR(named(verifier.verify(renewed, self.now()), self.files.certificate));
+  DDSSEC_RETURN_IF_ERROR(
+      with_document(verifier.verify(renewed, self.now()), self.files.certificate));
   // The certificate in place must not be revoked either: the issuer of the new one may not know of
   // the list.
   DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, self.certificate, self.files.crl));
@@ -226,7 +228,7 @@ Result<pki::Certificate> checked(const Participant& self, const std::string& pem
                                  const pki::PrivateKey& key) {
   const auto& file = self.files.certificate;
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed,
-                          named(pki::Certificate::from_pem(as_bytes(pem)), file));
+                          with_document(pki::Certificate::from_pem(as_bytes(pem)), file));
   if (renewed.subject_digest() != self.certificate.subject_digest())
     return unfit_renewal_error(self, self.certificate.subject(),
                                renewed.subject() == self.certificate.subject()
@@ -234,7 +236,7 @@ Result<pki::Certificate> checked(const Participant& self, const std::string& pem
                                    : renewed.subject());
   if (renewed.is_ca())
     return unfit_renewal_error(self, "the certificate of a participant", "one of a CA");
-  DDSSEC_RETURN_IF_ERROR(named(key.matches(renewed), file));
+  DDSSEC_RETURN_IF_ERROR(with_document(key.matches(renewed), file));
   DDSSEC_RETURN_IF_ERROR(check_chain(self, renewed));
   DDSSEC_RETURN_IF_ERROR(check_dates(self, renewed));
   return renewed;
@@ -331,7 +333,7 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
 Status check_key(const Participant& self) {
   if (self.files.key.extension() == ".p11") return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto key, read_key(self.files.key, nullptr));
-  return named(key.matches(self.certificate), self.files.key);
+  return with_document(key.matches(self.certificate), self.files.key);
 }
 
 Status check_permissions(const Participant& self) {

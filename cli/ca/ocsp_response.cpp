@@ -50,13 +50,15 @@ Result<FetchedResponse> fetch_response(const ResponseWanted& wanted, WallTime no
   auto url = given.empty() ? pki::ocsp_responder_of(certificate) : given;
   if (url.empty()) return fail(tool_code::ocsp_no_responder, {.document = files.certificate});
   const auto& issuer = *ca;
-  DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
-                          named(pki::ChainVerifier::make(std::move(anchors)), files.identity_ca));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto verifier,
+      with_document(pki::ChainVerifier::make(std::move(anchors)), files.identity_ca));
   DDSSEC_ASSIGN_OR_RETURN(auto octets, pki::fetch_ocsp({certificate, issuer}, url, longest));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto good,
-      named(pki::judge_ocsp(octets, certificate, verifier, now), "answer of " + url));
-  DDSSEC_RETURN_IF_ERROR(named(check_later(good, wanted, verifier, now), "answer of " + url));
+      with_document(pki::judge_ocsp(octets, certificate, verifier, now), "answer of " + url));
+  DDSSEC_RETURN_IF_ERROR(
+      with_document(check_later(good, wanted, verifier, now), "answer of " + url));
   return FetchedResponse{std::move(octets), good, std::move(url)};
 }
 

@@ -107,7 +107,7 @@ Result<Answer<ShownLists>> crl_show(const Arguments& arguments, const Context&) 
   DDSSEC_ASSIGN_OR_RETURN(const auto lists, lists_in(path));
   std::vector<ShownList> shown;
   for (const auto& list : lists) {
-    DDSSEC_ASSIGN_OR_RETURN(auto entries, named(list.revoked(), path));
+    DDSSEC_ASSIGN_OR_RETURN(auto entries, with_document(list.revoked(), path));
     shown.push_back({ListHead::of(list), std::move(entries)});
   }
   auto first = std::move(shown.front());
@@ -157,7 +157,7 @@ Result<Answer<VerifiedList>> crl_verify(const Arguments& arguments, const Contex
     const bool is_other = !is_of_ca(crl) && &crl != &first;
     answer.result.all.push_back({ListHead::of(crl), is_other});
     if (is_other) continue;
-    DDSSEC_RETURN_IF_ERROR(named(crl.check(ca, context.clock.now()), path));
+    DDSSEC_RETURN_IF_ERROR(with_document(crl.check(ca, context.clock.now()), path));
     DDSSEC_RETURN_IF_ERROR(check_whole(crl, path));
     DDSSEC_RETURN_IF_ERROR(check_not_ahead(crl, path, arguments.text("--ca")));
   }
@@ -281,7 +281,7 @@ Result<pki::Crl> list_to_distribute(const CaPaths& paths, const pki::Certificate
   DDSSEC_ASSIGN_OR_RETURN(const auto lists, lists_in(paths.crl));
   DDSSEC_ASSIGN_OR_RETURN(const auto crl, present_crl(paths));
   const auto present = crl.value_or(lists.front());
-  DDSSEC_RETURN_IF_ERROR(with_hint_for_ca(named(present.check(ca, now), paths.crl), given));
+  DDSSEC_RETURN_IF_ERROR(with_hint_for_ca(with_document(present.check(ca, now), paths.crl), given));
   DDSSEC_ASSIGN_OR_RETURN(const auto issue_log, read_issue_log(paths));
   DDSSEC_ASSIGN_OR_RETURN(const auto is_complete, lists_all(paths, issue_log));
   if (!is_complete) return fail(Code::crl_incomplete, {.document = paths.crl});

@@ -119,7 +119,7 @@ Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context)
   if (pki::examine_document(octets).wrapping == pki::DocumentWrapping::multipart)
     return fail(Code::usage,
                 {.document = from, .field = "FILE", .note = "it is signed already; give the XML"});
-  DDSSEC_ASSIGN_OR_RETURN(const auto document, named(Kind::read(octets), from));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, with_document(Kind::read(octets), from));
   Report report;
   if (!arguments.has("--no-lint")) {
     auto findings = lint_before_signing(document, signed_size(octets), context.clock.now());
@@ -129,10 +129,11 @@ Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context)
   for (auto& finding : uncovered(document, to, from)) report.findings.push_back(std::move(finding));
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(arguments).open("permissions"));
   DDSSEC_ASSIGN_OR_RETURN(const auto text,
-                          named(text_to_sign(document, octets, to, ca, arguments), from));
+                          with_document(text_to_sign(document, octets, to, ca, arguments), from));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto signed_octets,
-      named(ca.authority.sign_document(text.octets, context.clock.now(), context.random), from));
+      with_document(ca.authority.sign_document(text.octets, context.clock.now(), context.random),
+                    from));
   if (const auto size = signed_octets.size(); std::is_same_v<Kind, PermissionsKind> &&
                                               size > pki::kMaxSentPermissionsOctets &&
                                               !arguments.has("--no-lint"))
@@ -220,9 +221,9 @@ Result<SignatureVerdicts> signature_verdicts(const fs::path& file, const fs::pat
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxDocumentOctets));
   DDSSEC_ASSIGN_OR_RETURN(const auto file_octets, read_file(ca, pki::kMaxBundleOctets));
   DDSSEC_ASSIGN_OR_RETURN(const Result<std::vector<pki::Certificate>> anchors,
-                          named(pki::Certificate::bundle_from_pem(file_octets), ca));
-  const auto verifier = named(pki::DocumentVerifier::make(*anchors), ca);
-  SignatureVerdicts out{.ours = verifier ? named(verifier->verify(octets, now), file)
+                          with_document(pki::Certificate::bundle_from_pem(file_octets), ca));
+  const auto verifier = with_document(pki::DocumentVerifier::make(*anchors), ca);
+  SignatureVerdicts out{.ours = verifier ? with_document(verifier->verify(octets, now), file)
                                          : std::unexpected(verifier.error())};
   // From version 11 on, Cyclone DDS accepts only the CA itself as signer, like ddssec.
   auto& verdicts = out.verdicts;
@@ -281,7 +282,7 @@ Result<Verified> verify(const Arguments& arguments, const Context& context) {
   if (!all.ours) return Verified{Refusal{all.verdicts}, report_of(all.ours.error())};
   const auto& proof = all.ours;
   DDSSEC_ASSIGN_OR_RETURN(const auto document,
-                          named(Kind::read(proof->content(), proof->first_line()), file));
+                          with_document(Kind::read(proof->content(), proof->first_line()), file));
   const auto& signer = proof->signer();
   Verified out{Verification{file, signer.subject(), to_hex(signer.fingerprint()),
                             proof->signer_not_after(), all.verdicts}};

@@ -335,8 +335,8 @@ Result<Answer<Inspection>> inspect(const Arguments& arguments, const Context&) {
   const auto saved = arguments.text("--save");
   if (!saved.empty()) DDSSEC_RETURN_IF_ERROR(capture.save_to(saved));
   Answer<Inspection> answer{{source, {}}};
-  if (auto status = watch(capture, seconds, is_live, answer.result.watched); !status)
-    return std::unexpected(status.error().in(source));
+  DDSSEC_RETURN_IF_ERROR(
+      with_document(watch(capture, seconds, is_live, answer.result.watched), source));
   add_findings(answer.result, answer.report);
   if (!saved.empty()) {
     DDSSEC_ASSIGN_OR_RETURN(auto saved_file, capture.saved());

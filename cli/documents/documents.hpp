@@ -16,13 +16,6 @@
 
 namespace ddssec::cli {
 
-/// Returns the result. An error without a document gets the path as its document.
-template <class T>
-Result<T> named(Result<T> result, const std::filesystem::path& path) {
-  if (result) return result;
-  return std::unexpected(result.error().in(path));
-}
-
 /// Reads the signed document and verifies it at `now` with the permissions CA file `ca`.
 Result<pki::SignedDocument> verified(const std::filesystem::path& file,
                                      const std::filesystem::path& ca, WallTime now);
@@ -68,7 +61,7 @@ template <class Kind>
 Result<typename Kind::Document> unverified_document(const std::filesystem::path& file) {
   auto text = unverified_text(file);
   if (!text) return std::unexpected(text.error());
-  return named(Kind::read(text->xml, text->first_line), file);
+  return with_document(Kind::read(text->xml, text->first_line), file);
 }
 
 /// Returns the length of the signed form of a document. `octets` are the document, plain or signed.

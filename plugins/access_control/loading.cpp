@@ -26,13 +26,6 @@ std::string document_name(std::string_view property, std::string_view uri) {
   return std::string(property);
 }
 
-// Returns `result`, or its error with the name of the document.
-template <class T>
-Result<T> in_document(Result<T> result, const std::string& name) {
-  if (result) return result;
-  return std::unexpected(result.error().in(name));
-}
-
 // The places of the three documents and of the identity CA.
 Result<DocumentPlaces> places_of(const spi::PropertyList& properties) {
   constexpr std::array kNames = {spi::property::kPermissionsCa, spi::property::kGovernance,
@@ -66,7 +59,7 @@ auto certificates_of(const spi::PropertyList& properties, std::string_view prope
   const auto* uri = spi::find_property(properties, property);
   if (!uri || uri->empty()) return fail(Code::missing_property, {.field = std::string(property)});
   DDSSEC_ASSIGN_OR_RETURN(const auto file, pki::load_certificates(*uri, property, max_octets));
-  return in_document(read(file), document_name(property, *uri));
+  return with_document(read(file), document_name(property, *uri));
 }
 
 Result<pki::Certificate> local_certificate(const spi::PropertyList& properties) {
@@ -96,12 +89,12 @@ Status check_own_algorithms(Basis& basis, const pki::Certificate& certificate,
 Result<Basis> first_basis(const LoadContext& context, const LocalParticipant& participant,
                           const DocumentPlaces& places, BytesView governance_file) {
   Basis out;
-  DDSSEC_ASSIGN_OR_RETURN(
-      out.ca, in_document(PermissionsCa::load(places.permissions_ca), places.permissions_ca_name));
+  DDSSEC_ASSIGN_OR_RETURN(out.ca, with_document(PermissionsCa::load(places.permissions_ca),
+                                                places.permissions_ca_name));
   DDSSEC_ASSIGN_OR_RETURN(auto verified,
-                          in_document(compile_governance({*out.ca, participant, context.options},
-                                                         governance_file, context.now),
-                                      places.governance_name));
+                          with_document(compile_governance({*out.ca, participant, context.options},
+                                                           governance_file, context.now),
+                                        places.governance_name));
   out.governance = std::move(verified.rules);
   out.governance_digest = verified.digest;
   return out;
@@ -177,16 +170,16 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
       auto governance_file,
       pki::load(places.governance, spi::property::kGovernance, pki::kMaxDocumentOctets));
   DDSSEC_ASSIGN_OR_RETURN(auto basis, first_basis(context, *participant, places, governance_file));
-  DDSSEC_RETURN_IF_ERROR(in_document(check_own_algorithms(basis, certificate, properties),
-                                     participant->governance_name));
+  DDSSEC_RETURN_IF_ERROR(with_document(check_own_algorithms(basis, certificate, properties),
+                                       participant->governance_name));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto file,
       pki::load(places.permissions, spi::property::kPermissions, pki::kMaxDocumentOctets));
   DDSSEC_RETURN_IF_ERROR(check_own_size(places, file));
   own->note_read(std::move(governance_file), file);
   DDSSEC_ASSIGN_OR_RETURN(auto document,
-                          in_document(context.documents.permissions(*basis.ca, file, context.now),
-                                      places.permissions_name));
+                          with_document(context.documents.permissions(*basis.ca, file, context.now),
+                                        places.permissions_name));
   DDSSEC_RETURN_IF_ERROR(participant->set_basis(std::move(basis)));
   auto holder =
       std::make_shared<PermissionsHolder>(std::move(participant), std::nullopt, std::move(subject),

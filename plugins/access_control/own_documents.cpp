@@ -180,7 +180,8 @@ void OwnDocuments::renew_authorities(const Renewal& now, std::vector<Error>& eve
                                    .found = pki::describe(ca->verifier().permissions_cas())});
   if (const auto what = changed(basis->governance->domain_rule(),
                                 now.participant.basis()->governance->domain_rule()))
-    events.emplace_back(Code::governance_renewed, what->in(governance_.name()).details());
+    events.emplace_back(Code::governance_renewed,
+                        what->with_document(governance_.name()).details());
   if (const auto dropped = drop_withdrawn(now)) events.push_back(*dropped);
 }
 
@@ -195,7 +196,8 @@ std::optional<Error> OwnDocuments::drop_withdrawn(const Renewal& now) {
   details.note =
       "it waited to come into force, and its CA has left the permissions CA file; the "
       "document read before stays in force";
-  return Error(Code::governance_renewal_refused, std::move(details)).in(governance_.name());
+  return Error(Code::governance_renewal_refused, std::move(details))
+      .with_document(governance_.name());
 }
 
 Status OwnDocuments::take_authorities(const Renewal& now,
@@ -303,7 +305,8 @@ void OwnDocuments::renew_governance(const Renewal& now, std::vector<Error>& even
   }
   if (const auto what = changed(former->governance->domain_rule(),
                                 now.participant.basis()->governance->domain_rule()))
-    events.emplace_back(Code::governance_renewed, what->in(governance_.name()).details());
+    events.emplace_back(Code::governance_renewed,
+                        what->with_document(governance_.name()).details());
 }
 
 // ---- permissions

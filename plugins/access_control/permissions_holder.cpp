@@ -102,15 +102,14 @@ Result<SharedGrant> PermissionsHolder::presented_grant(WallTime now) {
     accepted_by_ = ca;
   }
   if (grant_ && !is_over(grant_, *document_, now)) return grant_;
-  auto found = grant_in(*document_, now);
-  if (!found) return std::unexpected(found.error().in(document_name_));
+  DDSSEC_ASSIGN_OR_RETURN(auto found, with_document(grant_in(*document_, now), document_name_));
   // Hosts do not judge their existing matches again.
   if (remote_ && grant_ &&
-      !give_the_same(grant_->grant(), (*found)->grant(), participant_->domain,
+      !give_the_same(grant_->grant(), found->grant(), participant_->domain,
                      participant_->domain_tag))
-    if (auto ended = governance::check_validity(grant_->grant(), now); !ended)
-      return std::unexpected(ended.error().in(document_name_));
-  grant_ = *found;
+    DDSSEC_RETURN_IF_ERROR(
+        with_document(governance::check_validity(grant_->grant(), now), document_name_));
+  grant_ = std::move(found);
   return grant_;
 }
 
@@ -128,7 +127,7 @@ Result<SharedGrant> PermissionsHolder::valid_grant(WallTime now) {
   const auto status = check_extension(now);
   if (status) return grant_;
   if (auto presented = presented_grant(now)) return presented;
-  return std::unexpected(status.error().in(document_name_));
+  return std::unexpected(status.error().with_document(document_name_));
 }
 
 Result<SharedGrant> PermissionsHolder::grant(WallTime now) {

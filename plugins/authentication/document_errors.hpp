@@ -9,18 +9,19 @@
 namespace ddssec::authentication {
 
 /// Makes an error in a document an error about the property that names the document.
-inline Error in(const Error& error, std::string_view document) {
+inline Error with_property(const Error& error, std::string_view property) {
   auto details = error.details();
-  if (!details.document.empty() && details.document != document)
+  if (!details.document.empty() && details.document != property)
     details.note += (details.note.empty() ? "" : "; ") + details.document;
-  details.document = document;
+  details.document = property;
   return {error.code(), std::move(details)};
 }
 
+/// The same for the error of a result.
 template <class T>
-Result<T> in(Result<T> result, std::string_view document) {
+Result<T> with_property(Result<T> result, std::string_view property) {
   if (result) return result;
-  return std::unexpected(in(result.error(), document));
+  return std::unexpected(with_property(result.error(), property));
 }
 
 }  // namespace ddssec::authentication

@@ -43,7 +43,7 @@ Result<T> locate(Result<T> result, const spi::PropertyList& properties,
 Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::string_view name) {
   DDSSEC_ASSIGN_OR_RETURN(const Bytes octets,
                           pki::load_certificates(uri, name, pki::kMaxBundleOctets));
-  return in(pki::Certificate::bundle_from_pem(octets), name);
+  return with_property(pki::Certificate::bundle_from_pem(octets), name);
 }
 
 // Certificate authorities among the readable PEM files of a folder. The other files are skipped.
@@ -95,7 +95,7 @@ Result<std::shared_ptr<const TrustStore>> load_peer_trust(
       return fail(
           Code::own_ca_not_trusted,
           {.document = std::string(kName), .expected = ca.subject(), .found = std::string(folder)});
-  return in(stores.open(std::move(anchors), {}), kName);
+  return with_property(stores.open(std::move(anchors), {}), kName);
 }
 
 Result<pki::AuthorityWatch> watch_authorities(const spi::PropertyList& properties) {
@@ -111,7 +111,7 @@ Result<pki::AuthorityWatch> watch_authorities(const spi::PropertyList& propertie
 }
 
 Status check_belongs(const pki::PrivateKey& key, const pki::Certificate& certificate) {
-  return in(key.matches(certificate), property::kPrivateKey);
+  return with_property(key.matches(certificate), property::kPrivateKey);
 }
 
 }  // namespace
@@ -129,14 +129,15 @@ Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, T
   DDSSEC_ASSIGN_OR_RETURN(auto anchors, locate(load_anchors(properties), properties, {kCa}));
   DDSSEC_ASSIGN_OR_RETURN(auto lists, RevocationLists::load(properties, anchors, now));
   DDSSEC_ASSIGN_OR_RETURN(
-      auto own,
-      locate(in(stores.open(std::move(anchors), lists.in_force()), kCa), properties, {kCa}));
+      auto own, locate(with_property(stores.open(std::move(anchors), lists.in_force()), kCa),
+                       properties, {kCa}));
   DDSSEC_ASSIGN_OR_RETURN(auto peers, load_peer_trust(properties, lists, own, stores));
   DDSSEC_ASSIGN_OR_RETURN(auto certificate,
                           locate(load_identity_certificate(properties), properties, {kOwn}));
   DDSSEC_ASSIGN_OR_RETURN(auto key, locate(load_identity_key(properties), properties, {kKey}));
   DDSSEC_RETURN_IF_ERROR(locate(check_belongs(key, certificate), properties, {kKey, kOwn}));
-  DDSSEC_RETURN_IF_ERROR(locate(in(own->verify(certificate, now), kOwn), properties, {kOwn, kCa}));
+  DDSSEC_RETURN_IF_ERROR(
+      locate(with_property(own->verify(certificate, now), kOwn), properties, {kOwn, kCa}));
   DDSSEC_RETURN_IF_ERROR(ocsp_response.read_first({certificate, *own, now}));
   return IdentityFiles{
       .certificate = std::move(certificate),

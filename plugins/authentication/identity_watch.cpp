@@ -17,7 +17,7 @@ Result<Bytes> load_octets(std::string_view uri) {
 
 Result<pki::PrivateKey> load_key(std::string_view uri, const OwnPassphrase& passphrase) {
   constexpr auto kName = property::kPrivateKey;
-  return in(pki::PrivateKey::load(uri, kName, passphrase.get()), kName);
+  return with_property(pki::PrivateKey::load(uri, kName, passphrase.get()), kName);
 }
 
 std::string uri_of(const std::string& path) { return path.empty() ? "" : "file:" + path; }
@@ -32,7 +32,7 @@ std::string path_in(const spi::PropertyList& properties, std::string_view name) 
 Result<pki::Certificate> load_identity_certificate(const spi::PropertyList& properties) {
   constexpr auto kName = property::kIdentityCertificate;
   DDSSEC_ASSIGN_OR_RETURN(const Bytes octets, load_octets(spi::property_value(properties, kName)));
-  return in(pki::Certificate::from_pem(octets), kName);
+  return with_property(pki::Certificate::from_pem(octets), kName);
 }
 
 Result<pki::PrivateKey> load_identity_key(const spi::PropertyList& properties) {
@@ -111,8 +111,8 @@ Result<pki::PrivateKey> IdentityWatch::key(const Found& in_force) const {
 Result<IdentityWatch::Found> IdentityWatch::read(const Found& in_force) const {
   if (path_.empty()) return in_force;
   DDSSEC_ASSIGN_OR_RETURN(const Bytes octets, load_octets(uri_of(path_)));
-  DDSSEC_ASSIGN_OR_RETURN(auto certificate,
-                          in(pki::Certificate::from_pem(octets), property::kIdentityCertificate));
+  DDSSEC_ASSIGN_OR_RETURN(auto certificate, with_property(pki::Certificate::from_pem(octets),
+                                                          property::kIdentityCertificate));
   DDSSEC_ASSIGN_OR_RETURN(auto own_key, key(in_force));
   return Found{std::move(certificate), std::move(own_key)};
 }
@@ -122,14 +122,14 @@ Result<std::optional<IdentityWatch::Found>> IdentityWatch::judge(const Found& in
                                                                  Sha256Digest& content) const {
   DDSSEC_ASSIGN_OR_RETURN(const Bytes octets, load_octets(uri_of(path_)));
   content = sha256(octets);
-  DDSSEC_ASSIGN_OR_RETURN(auto certificate,
-                          in(pki::Certificate::from_pem(octets), property::kIdentityCertificate));
+  DDSSEC_ASSIGN_OR_RETURN(auto certificate, with_property(pki::Certificate::from_pem(octets),
+                                                          property::kIdentityCertificate));
   if (certificate == in_force.certificate && key_path_.empty()) return std::nullopt;
   DDSSEC_ASSIGN_OR_RETURN(auto own_key, key(in_force));
   if (certificate == in_force.certificate) {
     // The file may hold the key of a certificate that has not come yet, or the old key in another
     // form.
-    DDSSEC_RETURN_IF_ERROR(in(own_key.matches(certificate), property::kPrivateKey));
+    DDSSEC_RETURN_IF_ERROR(with_property(own_key.matches(certificate), property::kPrivateKey));
     return std::nullopt;
   }
   Found found{std::move(certificate), std::move(own_key)};

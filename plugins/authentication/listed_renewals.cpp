@@ -45,7 +45,7 @@ Status ListedRenewals::adopt(const pki::RenewalList& list, const TrustStore& tru
       continue;
     }
     ++foreign;
-    if (!first) first = verdict.error().in(certificate.subject());
+    if (!first) first = verdict.error().with_document(certificate.subject());
   }
   if (usable.empty() && first)
     return fail(Code::renewal_list_refused,

@@ -44,7 +44,7 @@ spi::Token LocalIdentity::identity_token(spi::CipherMask ciphers) const {
 }
 
 Result<pki::ChainValid> LocalIdentity::verify(const pki::Certificate& own, WallTime now) const {
-  return in(own_trust()->verify(own, now), property::kIdentityCertificate);
+  return with_property(own_trust()->verify(own, now), property::kIdentityCertificate);
 }
 
 std::vector<Error> LocalIdentity::ends_soon(WallTime now) {
@@ -180,8 +180,8 @@ Status LocalIdentity::check_renewed(const IdentityWatch::Found& found, const Tru
                    to_string(renewed.not_after()),
                    "it ends before the one in force: renew it with more --days, or start the "
                    "participant again to use it");
-  DDSSEC_RETURN_IF_ERROR(in(found.key.matches(renewed), property::kPrivateKey));
-  DDSSEC_RETURN_IF_ERROR(in(trust.verify(renewed, now), property::kIdentityCertificate));
+  DDSSEC_RETURN_IF_ERROR(with_property(found.key.matches(renewed), property::kPrivateKey));
+  DDSSEC_RETURN_IF_ERROR(with_property(trust.verify(renewed, now), property::kIdentityCertificate));
   return {};
 }
 
@@ -269,7 +269,8 @@ Result<bool> LocalIdentity::take_authorities(const std::vector<pki::Certificate>
   DDSSEC_RETURN_IF_ERROR(check_in_trusted_folder(next));
   DDSSEC_ASSIGN_OR_RETURN(auto store, stores.open(next, revocation_lists_.in_force()));
   const auto former = presented();
-  const auto own = in(store->verify(former->certificate, now), property::kIdentityCertificate);
+  const auto own =
+      with_property(store->verify(former->certificate, now), property::kIdentityCertificate);
   if (own) {
     const std::scoped_lock lock(mutex_);
     trust(std::move(store));

@@ -65,7 +65,8 @@ Result<bool> OwnOcspResponse::read(const Judge& judge) {
   if (!file) return refuse(file.error());
   const auto good = judge.trust.ocsp(*file, judge.certificate, judge.now);
   revoked_.reset();
-  if (!good && good.error().code() == Code::ocsp_revoked) revoked_ = good.error().in(path_);
+  if (!good && good.error().code() == Code::ocsp_revoked)
+    revoked_ = good.error().with_document(path_);
   if (revoked_) return std::unexpected(*revoked_);
   if (!good) return refuse(good.error());
   // A recorded answer of the responder must not replace a later one.

@@ -69,7 +69,7 @@ Result<JudgedOffer> PkiDh::judge_peer_offer(const Pair& pair, const Established&
   auto judged = judge_offer(session, offer, pair.remote_guid,
                             {*trust, pair.local->ocsp_policy(), services_.clock.now()});
   if (judged) return judged;
-  return reported(Result<JudgedOffer>(std::unexpected(judged.error().in(
+  return reported(Result<JudgedOffer>(std::unexpected(judged.error().with_document(
                       "renewed documents of " + session.peer.certificate().subject()))),
                   table_.name_of(pair.remote_handle));
 }
@@ -113,7 +113,8 @@ Result<spi::SessionFacts> PkiDh::note_renewal_taken(HandshakeHandle handle, cons
   return reported(with_session(
       handle, [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Facts {
         if (const auto fits = check_answer(handshake.offer, answer); !fits)
-          return std::unexpected(fits.error().in("answer of " + done.peer.certificate().subject()));
+          return std::unexpected(
+              fits.error().with_document("answer of " + done.peer.certificate().subject()));
         const auto former = std::exchange(done.own, handshake.offer->documents);
         if (auto noted = note_authenticated(pair, done); !noted) {
           done.own = former;

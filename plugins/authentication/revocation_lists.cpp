@@ -158,9 +158,8 @@ Status RevocationLists::read_first(Place& place, std::string_view name, bool may
   const auto octets = ddssec::load(place.watch.uri(), name, pki::kMaxDocumentOctets);
   if (!octets && may_come_later && octets.error().code() == Code::file_not_found) return {};
   if (!octets) return std::unexpected(octets.error());
-  auto lists = parse(*octets, place.watch.uri());
-  if (!lists) return std::unexpected(lists.error().in(std::string(name)));
-  place.lists = *std::move(lists);
+  DDSSEC_ASSIGN_OR_RETURN(place.lists,
+                          with_document(parse(*octets, place.watch.uri()), std::string(name)));
   place.content = sha256(*octets);
   return {};
 }

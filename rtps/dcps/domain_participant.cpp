@@ -46,7 +46,7 @@ Status announce_by_multicast(ParticipantSockets& sockets, ParticipantConfig& con
     if (joined) continue;
     // If there are peers to announce to, other participants can still be found.
     if (sockets.interfaces().size() == 1 && config.announce_to.empty()) return joined;
-    events.raise(Event(joined.error().in(to_string({&interface, 1}))));
+    events.raise(Event(joined.error().with_document(to_string({&interface, 1}))));
   }
   if (!sockets.has_joined()) return {};
   config.metatraffic_multicast = {group};

@@ -148,7 +148,7 @@ bool GovernanceTransition::add_protections() {
     const auto status = admission_.add_other_protection(id, topic);
     if (status) continue;
     if (!std::exchange(has_failed_, true))
-      core_.events.raise(Event(status.error().in("topic " + topic)));
+      core_.events.raise(Event(status.error().with_document("topic " + topic)));
     return false;
   }
   return true;

@@ -26,8 +26,9 @@ TEST(Error, OwnHint_ReplacesTheCodesHint) {
 
 TEST(Error, FirstDocumentNamed_IsKept) {
   const Error inner(Code::truncated, {.document = "c.id"});
-  EXPECT_EQ(inner.in("handshake request").details().document, "c.id");
-  EXPECT_EQ(Error(Code::truncated).in("handshake request").details().document, "handshake request");
+  EXPECT_EQ(inner.with_document("handshake request").details().document, "c.id");
+  EXPECT_EQ(Error(Code::truncated).with_document("handshake request").details().document,
+            "handshake request");
 }
 
 TEST(Error, ValueThatIsKnown_IsNamed) {
