@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <filesystem>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -13,6 +14,8 @@
 
 namespace ddssec::rtps {
 namespace {
+
+namespace fs = std::filesystem;
 
 std::unexpected<Error> refuse_file(const std::string& path, std::string expected,
                                    std::string found) {
@@ -51,9 +54,45 @@ Status check_companions(const std::string& path) {
   return {};
 }
 
+// A user who can write to the folder, or to one above it, can replace the store after the check, or
+// a file that SQLite makes next to it.
+Status check_folder(const fs::path& folder, bool is_last) {
+  struct stat status {};
+  if (::lstat(folder.c_str(), &status) != 0)
+    return refuse_file(folder, "a folder", errno_text(errno));
+  const bool is_sticky = (status.st_mode & S_ISVTX) != 0;
+  const bool is_ours = status.st_uid == 0 || status.st_uid == ::geteuid();
+  const bool is_closed = (status.st_mode & 022) == 0 || (is_sticky && !is_last);
+  if (is_ours && is_closed) return {};
+  return fail(
+      Code::rtps_store_unusable,
+      {.document = folder,
+       .field = is_ours ? "mode" : "owner",
+       .expected = is_ours ? "a folder in which only its owner makes files"
+                           : fmt::format("root or user {}, who runs this process", ::geteuid()),
+       .found = is_ours ? fmt::format("{:04o}", status.st_mode & 07777)
+                        : "user " + std::to_string(status.st_uid),
+       .hint = "put the store into a folder that only this user can write to (chmod go-w FOLDER); "
+               "others could put their own file in its place"});
+}
+
+// The path of the store without links, so that no link is changed after the check.
+Result<fs::path> guarded_path(const std::string& path) {
+  std::error_code error;
+  const auto folder = fs::canonical(fs::absolute(path, error).parent_path(), error);
+  if (error) return refuse_file(path, "a file in a folder that exists", error.message());
+  auto above = folder;
+  for (bool is_last = true;; is_last = false, above = above.parent_path()) {
+    DDSSEC_RETURN_IF_ERROR(check_folder(above, is_last));
+    if (above == above.root_path()) break;
+  }
+  return folder / fs::path(path).filename();
+}
+
 }  // namespace
 
-Status make_store_file(const std::string& path) {
+Result<std::string> make_store_file(const std::string& given) {
+  DDSSEC_ASSIGN_OR_RETURN(const std::string path, guarded_path(given));
   constexpr std::string_view kMagic("SQLite format 3\0", 16);
   const int file =
       ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
@@ -68,7 +107,7 @@ Status make_store_file(const std::string& path) {
   DDSSEC_RETURN_IF_ERROR(check_companions(path));
   const bool ours = size == static_cast<ssize_t>(head.size()) &&
                     std::string_view(head.data(), kMagic.size()) == kMagic;
-  if (size == 0 || ours) return {};
+  if (size == 0 || ours) return path;
   return refuse_file(path, "a store of samples, or an empty file", "neither");
 }
 

@@ -102,6 +102,47 @@ TEST_F(SampleStoreTest, AFile_OfAnotherUser_IsRefusedAndNamed) {
   EXPECT_EQ(opened.error().details().found, "user 1");
 }
 
+// Before: another user could make `samples-wal` there between the check and SQLite's open, and got
+// every sample of secured topics in it.
+TEST_F(SampleStoreTest, AFolder_InWhichOthersCanMakeFiles_IsRefusedAndNamed) {
+  const auto expect_refused = [&](const std::filesystem::path& named, const char* mode) {
+    const auto opened = IndexedStore::open(path);
+    ASSERT_EQ(code_of(opened), Code::rtps_store_unusable) << mode;
+    EXPECT_EQ(opened.error().details().document, std::filesystem::canonical(named));
+    EXPECT_EQ(opened.error().details().field, "mode");
+    EXPECT_EQ(opened.error().details().found, mode);
+    EXPECT_FALSE(std::filesystem::exists(path));
+  };
+  for (const auto& [mode, text] :
+       {std::pair(0777u, "0777"), std::pair(0770u, "0770"), std::pair(01777u, "1777")}) {
+    set_mode(folder, mode);
+    expect_refused(folder, text);
+  }
+  set_mode(folder, 0700);
+  EXPECT_TRUE(IndexedStore::open(path));
+}
+
+TEST_F(SampleStoreTest, AFolderAbove_InWhichOthersCanMakeFiles_IsRefusedUnlessItIsSticky) {
+  const auto inner = folder / "inner";
+  std::filesystem::create_directory(inner);
+  set_mode(folder, 0777);
+  const auto opened = IndexedStore::open(inner / "samples");
+  ASSERT_EQ(code_of(opened), Code::rtps_store_unusable);
+  EXPECT_EQ(opened.error().details().document, std::filesystem::canonical(folder));
+  set_mode(folder, 01777);
+  EXPECT_TRUE(IndexedStore::open(inner / "samples"));
+  set_mode(folder, 0700);
+}
+
+TEST_F(SampleStoreTest, AFolder_OfAnotherUser_IsRefusedAndNamed) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a folder away";
+  ASSERT_EQ(::chown(folder.c_str(), 1, 1), 0);
+  const auto opened = IndexedStore::open(path);
+  ASSERT_EQ(code_of(opened), Code::rtps_store_unusable);
+  EXPECT_EQ(opened.error().details().field, "owner");
+  EXPECT_EQ(opened.error().details().found, "user 1");
+}
+
 TEST_F(SampleStoreTest, APipe_InPlaceOfAFile_IsRefusedAtOnce) {
   ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
   const auto opened = IndexedStore::open(path);
