@@ -19,14 +19,14 @@ struct AccessControlOptions {
   /// The "legacy" mode of DDS-Security 1.2, clause 10.4.1.5.3.4.1.4: an allow rule must list one of
   /// an entity's partitions, not all of them.
   bool one_partition_suffices = false;
-  /// Answer relay_only to a reader that only a relay element lets in. Set it only if the
+  /// True to answer relay_only to a reader that only a relay element lets in. Set it only if the
   /// cryptography then keeps the payload key to itself; otherwise such a reader could read.
   bool accept_relays = false;
-  /// Take a governance that enables key revision, because the host revises keys. Otherwise such a
-  /// document is refused, because it would exclude no participant.
+  /// True to take a governance that enables key revision, because the host revises keys. Otherwise
+  /// such a document is refused, because it would exclude no participant.
   bool host_revises_keys = false;
-  /// Take a governance that demands pre-shared keys, because the host protects messages by them.
-  /// Otherwise such a document is refused, because nothing would be protected.
+  /// True to take a governance that demands pre-shared keys, because the host protects messages by
+  /// them. Otherwise such a document is refused, because nothing would be protected.
   bool host_has_pre_shared_keys = false;
   /// True if the host gives existing endpoints the protection of a pending governance document, and
   /// then applies the document. Otherwise a document that changes the protection of topics in use

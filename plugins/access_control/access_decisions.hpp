@@ -29,7 +29,8 @@ class AccessDecisions {
   /// do the action.
   bool may_as_announced(PermissionsHolder& holder, governance::Action action,
                         const spi::EndpointRequest& local) const;
-  /// The same as `endpoint` for a reader, which may only relay if it may not read.
+  /// Decides as `endpoint` does, about a reader. One that may not read may still be allowed to
+  /// relay.
   Result<spi::AccessControl::RemoteDatareader> reader(PermissionsHolder& holder,
                                                       const spi::EndpointRequest& request) const;
   /// Decides under the document that waits. Empty if the endpoint may not match, or if no document

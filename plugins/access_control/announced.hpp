@@ -37,7 +37,7 @@ class PartitionNames {
   bool meet(const PartitionNames& others) const;
   std::vector<std::string_view> views() const;
   bool operator==(const PartitionNames& others) const;
-  /// The octets of memory that it needs.
+  /// Returns the octets of memory that it needs.
   std::size_t octets() const;
 
  private:
@@ -65,7 +65,7 @@ class AnnouncedEndpoints {
   struct Announced {
     Announced(Action action, const spi::EndpointRequest& request);
     bool operator==(const Announced&) const = default;
-    /// The octets of memory that it needs.
+    /// Returns the octets of memory that it needs.
     std::size_t octets() const;
 
     Action action;
@@ -77,9 +77,9 @@ class AnnouncedEndpoints {
 
   /// Remembers an allowed announcement.
   void note(Action action, const spi::EndpointRequest& request);
-  /// All announcements, newest first.
+  /// Returns all announcements, newest first.
   std::vector<One> all() const;
-  /// The announcements of that topic, newest first.
+  /// Returns the announcements of that topic, newest first.
   std::vector<One> of_topic(Action action, std::string_view topic) const;
 
  private:

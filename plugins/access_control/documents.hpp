@@ -31,7 +31,7 @@ class PermissionsCa {
   const pki::DocumentVerifier& verifier() const { return verifier_; }
   /// True if the certificate is one of those in the file.
   bool holds(const pki::Certificate& signer) const;
-  /// SHA-256 over the file's certificates.
+  /// Returns SHA-256 over the file's certificates.
   const Sha256Digest& digest() const { return digest_; }
 
   PermissionsCa(pki::DocumentVerifier verifier, const Sha256Digest& digest)
@@ -50,8 +50,8 @@ class PermissionsDocument {
  public:
   PermissionsDocument(governance::Permissions permissions, const pki::SignedDocument& document);
 
-  /// The grant of the subject that is valid at `now`. Compiled at most once for each domain and
-  /// domain tag. Errors: those of governance::find_grant, and certificate_expired or
+  /// Returns the grant of the subject that is valid at `now`. It is compiled at most once for each
+  /// domain and domain tag. Errors: those of governance::find_grant, and certificate_expired or
   /// certificate_not_yet_valid for the CA certificate that signed.
   Result<SharedGrant> grant_for(const pki::SubjectName& subject, std::string_view shown,
                                 DomainId domain, const std::string& tag, WallTime now);
@@ -62,7 +62,7 @@ class PermissionsDocument {
   Status check_signer(WallTime now) const;
   WallTime signer_not_after() const { return signer_not_after_; }
   const pki::Certificate& signer() const { return signer_; }
-  /// The same as in pki::SignedDocument.
+  /// Returns the time at which the document was signed, as pki::SignedDocument does.
   std::optional<WallTime> signing_time() const { return signing_time_; }
 
   void set_partition_match(governance::PartitionMatch match) { partition_match_ = match; }

@@ -52,7 +52,7 @@ class HandleTable {
     return holders_.erase(handle.value) == 1;
   }
 
-  /// All entries, in the order of their handles.
+  /// Returns all entries, in the order of their handles.
   Entries all() const {
     const std::shared_lock lock(mutex_);
     Entries out;

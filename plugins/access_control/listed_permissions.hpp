@@ -19,7 +19,7 @@ struct GrantOfDocument {
   SharedGrant grant;
 };
 
-/// The end of the grant, or of the signer's certificate if that ends before.
+/// Returns the end of the grant, or of the signer's certificate if that ends before.
 WallTime end_of(const GrantOfDocument& one);
 
 /// Documents whose signatures were verified. Thread-safe; only the cache changes.
@@ -38,10 +38,10 @@ class ListedPermissions {
     const governance::Grant& grant;
     bool only_by_the_same = false;  ///< permissions that give more do not extend them
   };
-  /// The document that extends them. It is signed by the CA, has a grant for the subject's name
-  /// (not for an expression) that is valid now, and gives the same in the domain with the tag; or
-  /// it gives more and was not signed earlier. If there are several such documents, it is the one
-  /// that ends last. Documents that give less have no effect.
+  /// Returns the document that extends the presented permissions. It is signed by the CA, has a
+  /// grant for the subject's name (not for an expression) that is valid now, and gives the same in
+  /// the domain with the tag; or it gives more and was not signed earlier. If there are several
+  /// such documents, it is the one that ends last. Documents that give less have no effect.
   std::optional<GrantOfDocument> extension_of(const Presented& presented, const PermissionsCa& ca,
                                               WallTime now) const;
 

@@ -26,7 +26,7 @@ struct VerifiedGovernance {
   std::shared_ptr<const governance::CompiledGovernance> rules;
   Sha256Digest digest;  ///< digest of the signed text
 };
-/// The rule for the participant's domain, from a signed file. Errors: those of
+/// Returns the rule for the participant's domain, from a signed file. Errors: those of
 /// pki::DocumentVerifier::verify, governance::read_governance and CompiledGovernance::make,
 /// governance_not_enforceable.
 Result<VerifiedGovernance> compile_governance(const GovernanceContext& context, BytesView file,
@@ -41,8 +41,8 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
                                                       const spi::PropertyList& properties,
                                                       std::string_view domain_tag);
 
-/// A peer's document as `local` judges it. `subject` is set as soon as it is known, for the event
-/// about an error. No data of the peer is kept unless the document is verified. Errors:
+/// Returns a peer's document as `local` judges it. `subject` is set as soon as it is known, for the
+/// event about an error. No data of the peer is kept unless the document is verified. Errors:
 /// permissions_token_class, peer_certificate_missing, permissions_missing, permissions_too_large,
 /// and those of certificate and document.
 Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& context,

@@ -25,7 +25,7 @@ struct Basis {
   /// identity_ca, if the governance restricts algorithms
   std::vector<pki::Certificate> identity_authorities = {};
 
-  /// The lists of the governance, or nullptr if all algorithms are allowed.
+  /// Returns the lists of the governance, or nullptr if all algorithms are allowed.
   const governance::AllowedAlgorithms* allowed_algorithms() const {
     const auto& allowed = governance->domain_rule().allowed_algorithms;
     return allowed ? &*allowed : nullptr;
@@ -45,9 +45,9 @@ class LocalParticipant {
   spi::WarningDays warn_before_end = {};
 
   std::shared_ptr<const Basis> basis() const;
-  /// The same for a host that asks how a topic is protected, and keeps the answer. Error:
-  /// governance_change_under_way, if the topic comes into use while a document waits that cannot be
-  /// applied to it.
+  /// Returns the basis for a host that asks how the topic is protected, and keeps the answer.
+  /// Error: governance_change_under_way, if the topic comes into use while a document waits that
+  /// cannot be applied to it.
   Result<std::shared_ptr<const Basis>> basis_for(std::string_view topic) const;
   /// The way in which a governance document may replace the one in force.
   enum class Change : std::uint8_t {
@@ -62,7 +62,7 @@ class LocalParticipant {
   /// check_governance, if the governance differs from the former one.
   Status set_basis(Basis basis);
 
-  /// The permissions in the renewal list; nullptr if there are none.
+  /// Returns the permissions in the renewal list; nullptr if there are none.
   std::shared_ptr<const ListedPermissions> listed() const;
   void set_listed(std::shared_ptr<const ListedPermissions> listed);
 
@@ -74,8 +74,8 @@ class LocalParticipant {
   std::shared_ptr<const Pending> pending() const;
   void set_pending(Pending pending);
   void drop_pending();
-  /// The rules of the document that waits, or else of the document before the last one that waited;
-  /// nullptr if there is neither.
+  /// Returns the rules of the document that waits, or else of the document before the last one that
+  /// waited; nullptr if there is neither.
   std::shared_ptr<const governance::CompiledGovernance> other_governance() const;
   /// Puts the document with that digest, which waited, into force. Returns false if it does not
   /// wait.

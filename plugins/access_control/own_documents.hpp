@@ -42,8 +42,8 @@ class OwnDocuments {
   /// Notes that these octets are in force.
   void note_read(Bytes governance, BytesView permissions);
 
-  /// The CAs, permissions and governance in force, and the refused ones. `permissions` is the part
-  /// that is in force.
+  /// Returns the CAs, permissions and governance in force, and the refused ones. `permissions` is
+  /// the part that is in force.
   std::vector<DocumentState> states(const LocalParticipant& participant,
                                     DocumentPart permissions) const;
 
@@ -89,7 +89,8 @@ class OwnDocuments {
   };
   Result<Judged> judge_governance(const Renewal& now, const Basis& basis, BytesView file) const;
   std::optional<Error> drop_withdrawn(const Renewal& now);
-  /// Empty if the document that waited still waits, or if none does.
+  /// Notes that the document that waited was applied, and returns the event about it. Empty if it
+  /// still waits, or if none does.
   std::optional<Error> note_applied(const LocalParticipant& participant);
   /// Takes the document in the file, into force or as pending.
   Status take_governance(const Renewal& now, const Basis& former, BytesView file);

@@ -40,7 +40,7 @@ class PermissionsHolder {
 
   const std::shared_ptr<LocalParticipant>& participant() const { return participant_; }
   const std::optional<spi::IdentityHandle>& remote() const { return remote_; }
-  /// Subject of a peer, for events; empty for a local participant.
+  /// Returns the subject of a peer, for events; empty for a local participant.
   std::string peer_subject() const { return remote_ ? subject_.shown : std::string(); }
   bool has_document() const { return document() != nullptr; }
 
@@ -51,9 +51,10 @@ class PermissionsHolder {
   /// For a local participant: takes the documents that have replaced those in force. Returns
   /// events, as OwnDocuments::renew does.
   std::vector<Error> renew(DocumentCache& documents, const Clock& clock);
-  /// For a local participant: the documents in force, and the refused ones.
+  /// For a local participant: returns the documents in force, and the refused ones.
   std::vector<DocumentState> documents() const;
-  /// For a local participant: the permissions in force, including their end if that was reported.
+  /// For a local participant: returns the permissions in force, including their end if that was
+  /// reported.
   DocumentPart permissions_part() const;
   const std::string& subject() const { return subject_.shown; }
   /// For a local participant: makes the next renew() read the files, whatever the poll interval is.
@@ -72,38 +73,38 @@ class PermissionsHolder {
   /// For a peer: lets permissions of the participant's renewal list extend those that the peer
   /// presented. They do if they give the same or more and end later, or if the CA of the presented
   /// ones was removed from its file (ListedPermissions::extension_of). They count until their own
-  /// end, whatever the list contains then. The peer does not get additional rights from them. The
-  /// event: peer_permissions_listed.
+  /// end, whatever the list contains then. The peer does not get additional rights from them.
+  /// Returns the event peer_permissions_listed if they begin to do so.
   std::optional<Error> follow_list(WallTime now);
   /// For a peer: notes that the permissions that it presented do not allow this. Permissions that
   /// do allow it will not extend them, so that the session ends and the peer presents the others.
   void note_denied(governance::Action action, const spi::EndpointRequest& asked);
-  /// The number of times that permissions were taken.
+  /// Returns the number of times that renewed permissions were taken.
   std::uint64_t renewals() const;
 
   /// For a peer: notes that it has seen the document of `own` with the digest in `facts`. Without a
   /// digest it is the first document, which another vendor's authentication continues to present.
   void note_seen(std::shared_ptr<const PermissionsHolder> own, const spi::SessionFacts& facts);
-  /// For a peer: the endpoints that it announced.
+  /// For a peer: returns the endpoints that it announced.
   AnnouncedEndpoints& announced() { return announced_; }
   const std::string& document_name() const { return document_name_; }
 
-  /// The grant that is valid at `now`. The wall clock is compared at every call, so that neither a
-  /// host that forgets to call expire nor a clock that jumps lets a peer in. A grant that was valid
-  /// does not end because the clock goes back to a time before it began. When a grant ends, another
-  /// one of the same document replaces it. For a peer, it must give the same: otherwise the peer
-  /// ends, and its rights are judged when it comes again. Errors: those of
+  /// Returns the grant that is valid at `now`. The wall clock is compared at every call, so that
+  /// neither a host that forgets to call expire nor a clock that jumps lets a peer in. A grant that
+  /// was valid does not end because the clock goes back to a time before it began. When a grant
+  /// ends, another one of the same document replaces it. For a peer, it must give the same:
+  /// otherwise the peer ends, and its rights are judged when it comes again. Errors: those of
   /// PermissionsDocument::grant_for, peer_has_no_permissions, permissions_ca_withdrawn.
   Result<SharedGrant> grant(WallTime now);
 
-  /// The time when the last grant that was found ends, if that was not reported.
+  /// Returns the time when the last grant that was found ends, if that was not reported.
   std::optional<WallTime> ends() const;
-  /// The reason why nothing is valid now, if that was not reported. For a peer also
-  /// session_outlived_documents: our documents that it has seen have ended and were renewed since,
-  /// so it ends the session, too. A clock that goes back to a time before the beginning ends
+  /// Returns the reason why nothing is valid now, if that was not reported. For a peer this may
+  /// also be session_outlived_documents: our documents that it has seen have ended and were renewed
+  /// since, so it ends the session, too. A clock that goes back to a time before the beginning ends
   /// nothing.
   std::optional<Error> newly_ended(WallTime now);
-  /// The warning permissions_end_soon, once for each time that the participant's properties
+  /// Returns the warning permissions_end_soon, once for each time that the participant's properties
   /// request. Empty if another grant of the document replaces this one.
   std::optional<Error> ends_soon(WallTime now);
   /// Notes that nothing more is to be reported. Needs no memory.

@@ -11,12 +11,12 @@
 
 namespace ddssec::access_control {
 
-/// The participant's attributes (DDS-Security 1.2, clause 9.4.2.4).
+/// Returns the participant's attributes (DDS-Security 1.2, clause 9.4.2.4).
 spi::ParticipantSecurityAttributes participant_attributes(const governance::DomainRule& rule);
-/// The attributes of an endpoint whose topic matches the rule (DDS-Security 1.2,
+/// Returns the attributes of an endpoint whose topic matches the rule (DDS-Security 1.2,
 /// clause 10.4.1.2.6).
 spi::EndpointSecurityAttributes endpoint_attributes(const governance::TopicRule& rule);
-/// The attributes of an endpoint of a builtin topic (DDS-Security 1.2, clauses 7.5.13
+/// Returns the attributes of an endpoint of a builtin topic (DDS-Security 1.2, clauses 7.5.13
 /// and 9.4.2.9.24); empty if `topic` is not one of these.
 std::optional<spi::EndpointSecurityAttributes> builtin_attributes(
     const governance::DomainRule& rule, std::string_view topic);

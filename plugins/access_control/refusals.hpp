@@ -10,31 +10,32 @@
 
 namespace ddssec::access_control {
 
-/// The event about a refusal. Hosts ask for a peer's permissions after it has authenticated. If
-/// `peer_subject` is empty, the event is about us.
+/// Returns the event about a refusal. Hosts ask for a peer's permissions after it has
+/// authenticated. If `peer_subject` is empty, the event is about us.
 inline Event event_about(const std::string& peer_subject, const Error& error,
                          const std::string& peer_guid = {}) {
   return Event(error, peer_subject, peer_guid,
                peer_subject.empty() ? PeerProof::not_a_peer : PeerProof::authenticated);
 }
 
-/// No topic_rule matches. The code is topic_not_covered.
+/// Returns the error for a topic that no topic_rule matches: topic_not_covered.
 Error topic_not_covered(const LocalParticipant& participant, std::string_view topic);
-/// A rule or the default of the grant denies. Codes: publish_not_allowed, subscribe_not_allowed;
-/// for an endpoint announced in a peer's name, announced_writer_not_allowed,
-/// announced_reader_not_allowed.
+/// Returns the error for an endpoint that a rule or the default of the grant denies. Codes:
+/// publish_not_allowed, subscribe_not_allowed; for an endpoint announced in a peer's name,
+/// announced_writer_not_allowed, announced_reader_not_allowed.
 Error endpoint_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
                       const governance::Decision& decision, governance::Action action,
                       const spi::EndpointRequest& request);
-/// The peer's permissions do not allow the keys of a match, for the reason `why`. The code is
-/// match_not_permitted.
+/// Returns the error for a match whose keys the peer's permissions do not allow, for the reason
+/// `why`. The code is match_not_permitted.
 Error match_denied(const Error& why, governance::Action action,
                    const spi::AccessControl::Match& match);
-/// The grant allows neither to publish nor to subscribe to the topic. The code is
-/// topic_not_allowed.
+/// Returns the error for a topic to which the grant allows neither to publish nor to subscribe. The
+/// code is topic_not_allowed.
 Error topic_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
                    const governance::Decision& decision, std::string_view topic);
-/// The grant does not let the participant join the domain. The code is participant_not_allowed.
+/// Returns the error for a participant that the grant does not let join the domain. The code is
+/// participant_not_allowed.
 Error participant_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
                          const governance::Decision& decision);
 
