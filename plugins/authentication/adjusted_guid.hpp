@@ -7,9 +7,9 @@
 
 namespace ddssec::authentication {
 
-/// The adjusted GUID: a 1 bit, the first 47 bits of `subject_digest` (SHA-256 of the DER subject
-/// name), the first 48 bits of SHA-256 over the candidate's 16 octets, and the candidate's entity
-/// id.
+/// Returns the adjusted GUID: a 1 bit, the first 47 bits of `subject_digest` (SHA-256 of the DER
+/// subject name), the first 48 bits of SHA-256 over the candidate's 16 octets, and the candidate's
+/// entity id.
 Guid adjusted_guid(const Sha256Digest& subject_digest, const Guid& candidate);
 
 /// True if the first 48 bits of `guid` are those of an adjusted GUID of that subject.

@@ -7,10 +7,10 @@
 
 namespace ddssec::authentication {
 
-/// The token to send.
+/// Returns the token to send.
 spi::Token write_auth_request(const spi::Challenge& future_challenge);
 
-/// The future_challenge in a peer's token. Errors: token_class_wrong, token_too_large,
+/// Returns the future_challenge in a peer's token. Errors: token_class_wrong, token_too_large,
 /// token_field_missing, token_field_repeated, token_field_length.
 Result<spi::Challenge> read_auth_request(const spi::Token& token);
 

@@ -33,7 +33,7 @@ struct AuthenticationOptions {
 inline constexpr std::size_t kMaxPendingPerPair = 40;
 inline constexpr std::chrono::seconds kPendingAge{5};
 
-/// Every refusal raises one event and changes nothing.
+/// Makes the plugin. Every refusal raises one event and changes nothing.
 ///
 /// What a host should know:
 /// - An error of begin_handshake_reply or process_handshake is about that one message. The host

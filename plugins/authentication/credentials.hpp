@@ -38,7 +38,7 @@ struct Credentials {
   /// Appends the fields to `token`.
   void write(spi::Token& token) const;
 
-  /// hash_c1 or hash_c2 (DDS-Security 1.2, clause 10.3.2.5): SHA-256 over the fields in the
+  /// Returns hash_c1 or hash_c2 (DDS-Security 1.2, clause 10.3.2.5): SHA-256 over the fields in the
   /// standard's order; c.perm is included only if present.
   Sha256Digest hash() const;
 };

@@ -90,8 +90,9 @@ Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi:
 Result<HandshakeOutcome> process(const HandshakeState& state, const HandshakeContext& context,
                                  const spi::Token& message);
 
-/// A request or reply with the OCSP response that counts at `now`, if there is one. The response is
-/// not signed, so a message that waits for its answer gets the newest one each time it is sent.
+/// Returns a request or reply with the OCSP response that counts at `now`, if there is one. The
+/// response is not signed, so a message that waits for its answer gets the newest one each time it
+/// is sent.
 spi::Token with_ocsp_response(spi::Token message, const LocalIdentity& local, const Presented& own,
                               WallTime now);
 

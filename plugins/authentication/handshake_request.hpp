@@ -17,8 +17,8 @@ struct HandshakeRequest {
   /// Checks the form. Errors: those of TokenFields and Credentials::read.
   static Result<HandshakeRequest> read(const spi::Token& token);
 
-  /// The replier's transcript up to this message. Error: token_field_differs if the message has a
-  /// hash_c1 that is not the hash of its credentials.
+  /// Returns the replier's transcript up to this message. Error: token_field_differs if the message
+  /// has a hash_c1 that is not the hash of its credentials.
   Result<Transcript> verify() const;
 
   /// Writes the message with the optional hash, which Fast DDS requires.

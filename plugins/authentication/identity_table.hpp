@@ -71,7 +71,8 @@ class IdentityTable {
   /// Adds a local identity that expires with `chain`. Error: too_many_local_identities.
   Result<spi::IdentityHandle> add_local(std::shared_ptr<LocalIdentity> identity,
                                         const pki::ChainValid& chain);
-  /// A local identity. Errors: unknown_identity, identity_ended, or the reason of its revocation.
+  /// Returns a local identity. Errors: unknown_identity, identity_ended, or the reason of its
+  /// revocation.
   Result<std::shared_ptr<LocalIdentity>> local(spi::IdentityHandle handle) const;
 
   struct RemoteClaim {
@@ -79,23 +80,23 @@ class IdentityTable {
     spi::Token identity_token;
     std::string subject;  ///< as claimed; from the certificate once the remote has authenticated
   };
-  /// The pair; created with `own_challenge` if it is new. If it exists, a different identity token
-  /// replaces the first, unless the remote has authenticated. Errors: unknown_identity,
-  /// identity_ended, too_many_remote_identities, too_many_identities_of_subject,
+  /// Returns the pair; created with `own_challenge` if it is new. If it exists, a different
+  /// identity token replaces the first, unless the remote has authenticated. Errors:
+  /// unknown_identity, identity_ended, too_many_remote_identities, too_many_identities_of_subject,
   /// identity_token_changed.
   Result<std::shared_ptr<Pair>> admit_remote(spi::IdentityHandle local, RemoteClaim claim,
                                              const spi::Challenge& own_challenge);
-  /// An existing pair. Errors: unknown_identity (also if the remote identity belongs to another
-  /// local one), identity_ended.
+  /// Returns an existing pair. Errors: unknown_identity (also if the remote identity belongs to
+  /// another local one), identity_ended.
   Result<std::shared_ptr<Pair>> pair(spi::IdentityHandle local, spi::IdentityHandle remote) const;
-  /// The pair of a remote identity, expired or not; nullptr if there is none.
+  /// Returns the pair of a remote identity, expired or not; nullptr if there is none.
   std::shared_ptr<Pair> pair_of(spi::IdentityHandle remote) const;
-  /// The pair of a handshake. Errors: unknown_handshake, identity_ended.
+  /// Returns the pair of a handshake. Errors: unknown_handshake, identity_ended.
   Result<std::shared_ptr<Pair>> pair_of(spi::HandshakeHandle handle) const;
 
-  /// A new handle for a handshake of the pair.
+  /// Adds a handshake of the pair, and returns its new handle.
   spi::HandshakeHandle add_handshake(const std::shared_ptr<Pair>& pair);
-  /// False if there is no such handshake.
+  /// Removes a handshake. False if there is no such handshake.
   bool remove_handshake(spi::HandshakeHandle handle);
 
   /// Notes that a local identity has a renewed certificate: it then expires with `chain`. Its
@@ -125,7 +126,7 @@ class IdentityTable {
   /// Removes an identity, and with a local one its remote ones. False if there is no such identity.
   bool remove(spi::IdentityHandle handle);
 
-  /// The earliest expiry of all identities; empty if none will expire.
+  /// Returns the earliest expiry of all identities; empty if none will expire.
   std::optional<WallTime> next_end() const;
 
   struct Ended {
@@ -136,7 +137,7 @@ class IdentityTable {
     bool with_ours = false;  ///< true for a remote one whose session our certificate ended
     std::string note = {};   ///< the reason why the renewal list does not help
   };
-  /// Identities that expired at `now` or earlier and are not marked yet: those of one local
+  /// Returns identities that expired at `now` or earlier and are not marked yet: those of one local
   /// identity and its remote ones, or of all (nil).
   std::vector<Ended> ended_by(WallTime now, spi::IdentityHandle local) const;
   /// Marks these identities: from now on they are refused. Allocates no memory.
@@ -146,9 +147,9 @@ class IdentityTable {
     spi::IdentityHandle handle;
     std::shared_ptr<LocalIdentity> identity;
   };
-  /// One local identity, or all (nil). Expired ones are left out.
+  /// Returns one local identity, or all (nil). Expired ones are left out.
   std::vector<OurOwn> locals(spi::IdentityHandle local) const;
-  /// All pairs of a local identity.
+  /// Returns all pairs of a local identity.
   std::vector<std::shared_ptr<Pair>> pairs_of(spi::IdentityHandle local) const;
   struct Authenticated {
     spi::IdentityHandle handle;
@@ -157,12 +158,12 @@ class IdentityTable {
     std::optional<pki::Certificate> listed;  ///< the later one on the renewal list
     pki::Certificate own;                    ///< our certificate that the peer has seen
     bool reads_lists;                        ///< see JudgedPeer::reads_lists
-    /// The certificate with which the session ends.
+    /// Returns the certificate with which the session ends.
     const pki::Certificate& latest() const { return listed ? *listed : certificate; }
   };
-  /// The remote identities of a local one that have authenticated and have not expired.
+  /// Returns the remote identities of a local one that have authenticated and have not expired.
   std::vector<Authenticated> authenticated_with(spi::IdentityHandle local) const;
-  /// A remote identity that has authenticated; empty if it has not, or has expired.
+  /// Returns a remote identity that has authenticated; empty if it has not, or has expired.
   std::optional<Authenticated> authenticated(spi::IdentityHandle remote) const;
 
   struct Revoked {
@@ -173,10 +174,10 @@ class IdentityTable {
   /// Marks these identities: from now on they are refused with their reason. Allocates no memory.
   void mark_revoked(std::span<const Revoked> revoked);
 
-  /// The unexpired remote identities of a local one; empty for a remote one.
+  /// Returns the unexpired remote identities of a local one; empty for a remote one.
   std::vector<spi::IdentityHandle> peers_of(spi::IdentityHandle local) const;
 
-  /// The name of a remote identity for events; empty fields if it is unknown.
+  /// Returns the name of a remote identity for events; empty fields if it is unknown.
   PeerName name_of(spi::IdentityHandle remote) const;
 
  private:
@@ -209,8 +210,8 @@ class IdentityTable {
   };
   using Remotes = std::unordered_map<std::int64_t, Remote>;
 
-  /// The next handle. It is unique within the process, because a host may have one table for each
-  /// domain.
+  /// Returns the next handle. It is unique within the process, because a host may have one table
+  /// for each domain.
   static std::int64_t next_handle();
   Status renew_claim(spi::IdentityHandle remote, RemoteClaim claim);
   void forget(Remotes::iterator remote);

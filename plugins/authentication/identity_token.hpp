@@ -7,12 +7,12 @@
 
 namespace ddssec::authentication {
 
-/// The token with all four properties, in the spelling that Cyclone DDS uses (DDS-Security 1.1). A
-/// fifth, private property lists the ciphers if there are more than the standard ones.
+/// Returns the token with all four properties, in the spelling that Cyclone DDS uses (DDS-Security
+/// 1.1). A fifth, private property lists the ciphers if there are more than the standard ones.
 spi::Token write_identity_token(const pki::Certificate& certificate, const pki::Certificate& ca,
                                 spi::CipherMask ciphers);
 
-/// The ciphers that a token announces; always includes the standard ones.
+/// Returns the ciphers that a token announces; always includes the standard ones.
 spi::CipherMask announced_ciphers(const spi::Token& identity_token);
 
 /// An unproven claim of a peer. No decision depends on it.

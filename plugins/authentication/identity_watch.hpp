@@ -14,12 +14,12 @@
 
 namespace ddssec::authentication {
 
-/// nullptr if the key has none.
+/// The passphrase of the key; nullptr if the key has none.
 using OwnPassphrase = std::shared_ptr<const pki::Passphrase>;
-/// The passphrase of the key. Error: invalid_property.
+/// Reads the passphrase of the key. Error: invalid_property.
 Result<OwnPassphrase> own_passphrase(const spi::PropertyList& properties);
-/// The certificate and the key that the properties name. Errors name the property: those of pki,
-/// invalid_property.
+/// Reads the certificate (and the next function the key) that the properties name. Errors name the
+/// property: those of pki, invalid_property.
 Result<pki::Certificate> load_identity_certificate(const spi::PropertyList& properties);
 Result<pki::PrivateKey> load_identity_key(const spi::PropertyList& properties);
 
@@ -52,15 +52,15 @@ class IdentityWatch {
     key_.force_poll();
   }
 
-  /// The files as they are now, whether they have changed or not. Errors: those of pki.
+  /// Reads the files as they are now, whether they have changed or not. Errors: those of pki.
   Result<Found> read(const Found& in_force) const;
 
-  /// The last error of poll(), as long as the files have not been good since.
+  /// Returns the last error of poll(), as long as the files have not been good since.
   const std::optional<Error>& refused() const { return refusals_.refused(); }
   /// See RenewalRefusals.
   bool begins_later() const { return refusals_.begins_later(); }
 
-  /// The path of the certificate; empty if it is not in a file.
+  /// Returns the path of the certificate; empty if it is not in a file.
   const std::string& path() const { return path_; }
 
  private:

@@ -31,22 +31,22 @@ class JudgedPeer {
   /// Judges the OCSP response that came with the credentials. Errors: those of check_ocsp_status.
   Status check_ocsp(const std::optional<BytesView>& response, const TrustStore& trust,
                     OcspPolicy policy, WallTime now);
-  /// The reason why the peer's response counts as none, if it sent one that cannot be used.
+  /// Returns the reason why the peer's response counts as none, if it sent one that cannot be used.
   const std::optional<Error>& ocsp_unused() const { return ocsp_unused_; }
 
   const pki::ChainValid& chain() const { return chain_; }
   const pki::Certificate& certificate() const { return chain_.certificate(); }
 
-  /// AuthenticatedPeerCredentialToken: binary c.id and c.perm (DDS-Security 1.2, clause 10.3.2.3).
-  /// c.perm comes without the NUL that Cyclone DDS appends, and is empty if the peer has no
-  /// permissions. The token also has c.kagree_algo, for access control, which knows what the
-  /// governance allows. It is empty after drop_credential.
+  /// Returns the AuthenticatedPeerCredentialToken: binary c.id and c.perm (DDS-Security 1.2,
+  /// clause 10.3.2.3). c.perm comes without the NUL that Cyclone DDS appends, and is empty if the
+  /// peer has no permissions. The token also has c.kagree_algo, for access control, which knows
+  /// what the governance allows. It is empty after drop_credential.
   const std::optional<spi::Token>& credential() const { return credential_; }
   /// Frees the credential when it is no longer needed, because the peer chose its size.
   void drop_credential() { credential_.reset(); }
 
-  /// The ciphers that the peer's participant data announces. They are proven once a signature has
-  /// been verified. The same applies to the next four.
+  /// Returns the ciphers that the peer's participant data announces. They are proven once a
+  /// signature has been verified. The same applies to the next four.
   spi::CipherMask ciphers() const { return ciphers_; }
   std::uint32_t builtin_endpoints() const { return builtin_endpoints_; }
   /// True if the peer's product judges documents only during the handshake: Fast DDS (measured with
@@ -55,7 +55,7 @@ class JudgedPeer {
   /// True if the peer runs ddssec, which alone announces this cipher. It may then have a renewal
   /// list.
   bool reads_lists() const { return (ciphers_ & spi::kChaCha20Poly1305Bit) != 0; }
-  /// The addresses at which the peer receives discovery traffic.
+  /// Returns the addresses at which the peer receives discovery traffic.
   const std::vector<spi::UdpAddress>& addresses() const { return addresses_; }
   const SignedDomain& domain() const { return domain_; }
 

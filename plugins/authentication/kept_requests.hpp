@@ -38,7 +38,7 @@ class KeptRequests {
   /// unless a handshake of the pair was established. The pair must already be removed from all
   /// tables. `now` is Clock::monotonic.
   void keep(Pair& pair, MonotonicTime now);
-  /// The stored challenge; empty if there is none or it is older than kLife.
+  /// Returns the stored challenge; empty if there is none or it is older than kLife.
   std::optional<spi::Challenge> challenge(spi::IdentityHandle local, const Guid& remote,
                                           MonotonicTime now);
   struct Taken {

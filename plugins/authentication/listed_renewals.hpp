@@ -48,7 +48,7 @@ class ListedRenewals {
   /// True if this certificate is on the list.
   bool holds(const pki::Certificate& certificate) const;
 
-  /// The list in force, and what was refused; empty if there is neither.
+  /// Returns the list in force, and what was refused; empty if there is neither.
   std::optional<DocumentState> state() const;
 
  private:

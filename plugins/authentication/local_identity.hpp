@@ -29,19 +29,19 @@ class LocalIdentity {
   LocalIdentity(IdentityFiles files, const Guid& candidate);
 
   const Guid& guid() const { return guid_; }
-  /// The documents for handshakes that begin now.
+  /// Returns the documents for handshakes that begin now.
   std::shared_ptr<const Presented> presented() const;
   pki::Certificate certificate() const { return presented()->certificate; }
-  /// The certificates that are trusted now.
+  /// Returns the certificates that are trusted now.
   std::shared_ptr<const TrustStore> peer_trust() const;
   spi::Token identity_token(spi::CipherMask ciphers) const;
 
   /// Judges our own certificate again. Errors of ChainVerifier::verify.
   Result<pki::ChainValid> verify(WallTime now) const { return verify(certificate(), now); }
-  /// The same for a certificate that a handshake presents.
+  /// Returns the same for a certificate that a handshake presents.
   Result<pki::ChainValid> verify(const pki::Certificate& own, WallTime now) const;
 
-  /// The warnings that are due now, each once: identity_ends_soon, crl_ends_soon.
+  /// Returns the warnings that are due now, each once: identity_ends_soon, crl_ends_soon.
   std::vector<Error> ends_soon(WallTime now);
 
   /// Puts newer revocation lists into force if their file contains any; from then on they are used
@@ -49,9 +49,9 @@ class LocalIdentity {
   /// check_renewal, trusted_ca_dir_with_crl. Those of ChainVerifier::verify if our own certificate
   /// would no longer be accepted, unless it is revoked.
   Result<bool> renew_revocation_lists(TrustStores& stores, const Clock& clock);
-  /// The paths of the files of revocation lists, if there are any.
+  /// Returns the paths of the files of revocation lists, if there are any.
   std::string revocation_list_path() const;
-  /// Number and date of each revocation list, for a person.
+  /// Returns the number and the date of each revocation list, for a person.
   std::string revocation_lists() const;
 
   /// Takes a renewed certificate, with its key, if their files contain one; from then on handshakes
@@ -62,20 +62,20 @@ class LocalIdentity {
   /// Takes another OCSP response about our certificate, if its file contains one; from then on
   /// handshakes show it. Returns true if it did. Errors: those of OwnOcspResponse::poll.
   Result<bool> renew_ocsp_response(const Clock& clock);
-  /// The response by which our `certificate` is good at `now`; nullptr if there is none.
+  /// Returns the response by which our `certificate` is good at `now`; nullptr if there is none.
   std::shared_ptr<const OcspInForce> ocsp_response_for(const pki::Certificate& certificate,
                                                        WallTime now) const;
-  /// The meaning of peers' responses.
+  /// Returns the rule by which peers' responses are judged.
   OcspPolicy ocsp_policy() const { return ocsp_policy_; }
-  /// The path of the file of our response; empty if there is none.
+  /// Returns the path of the file of our response; empty if there is none.
   const std::string& ocsp_response_path() const { return ocsp_response_.path(); }
-  /// Set if our own response says that our certificate is revoked.
+  /// Returns the reason if our own response says that our certificate is revoked.
   std::optional<Error> ocsp_revoked() const;
 
-  /// The path of the certificate; empty if it is not in a file.
+  /// Returns the path of the certificate; empty if it is not in a file.
   const std::string& identity_path() const { return watch_.path(); }
 
-  /// The renewal list, with renewed certificates of peers.
+  /// Returns the renewal list, with renewed certificates of peers.
   ListedRenewals& listed() const { return *listed_; }
 
   struct AuthoritiesTaken {
@@ -87,12 +87,12 @@ class LocalIdentity {
   /// its file. The latter then comes into force, together with the revocation lists in their file.
   /// Errors: those of AuthorityWatch::poll.
   Result<AuthoritiesTaken> renew_authorities(TrustStores& stores, const Clock& clock);
-  /// The path of the identity CAs; the property's name if they are not in a file.
+  /// Returns the path of the identity CAs; the property's name if they are not in a file.
   const std::string& authorities_path() const { return authorities_.name(); }
-  /// The subjects of the identity CAs, for a person.
+  /// Returns the subjects of the identity CAs, for a person.
   std::string authorities() const { return pki::describe(own_trust()->anchors()); }
 
-  /// The certificate, CAs and revocation lists in force, and the refused ones.
+  /// Returns the certificate, CAs and revocation lists in force, and the refused ones.
   std::vector<DocumentState> documents() const;
 
   /// Makes the next renew_... calls read the files, whatever the poll interval is.

@@ -24,8 +24,9 @@ struct OcspInForce {
 /// Watches the file of the response. Not thread-safe.
 class OwnOcspResponse {
  public:
-  /// The file that org.ddssec.auth.ocsp_response names, or ocsp.der beside the identity
-  /// certificate. Error: invalid_property (it names no file; the poll interval).
+  /// Makes the watch of the file that org.ddssec.auth.ocsp_response names, or else of ocsp.der
+  /// beside the identity certificate. Error: invalid_property (it names no file; the poll
+  /// interval).
   static Result<OwnOcspResponse> of(const spi::PropertyList& properties);
 
   /// The data by which a response is judged.
@@ -45,9 +46,9 @@ class OwnOcspResponse {
   /// Makes the next poll read the file, whatever the interval is.
   void force_poll() { watch_.force_poll(); }
 
-  /// The response in force; nullptr if there is none.
+  /// Returns the response in force; nullptr if there is none.
   const std::shared_ptr<const OcspInForce>& in_force() const { return in_force_; }
-  /// The path of the file; empty if none is named and the certificate is not in a file.
+  /// Returns the path of the file; empty if none is named and the certificate is not in a file.
   const std::string& path() const { return path_; }
   /// For a person: the response in force for our certificate `own`, and the reason why the file is
   /// refused. Empty if there is neither.

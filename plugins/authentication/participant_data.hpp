@@ -18,17 +18,17 @@ namespace ddssec::authentication {
 /// The longest ParticipantBuiltinTopicData in a handshake, in octets.
 inline constexpr std::size_t kMaxParticipantDataOctets = 64 * 1024;
 
-/// PID_PARTICIPANT_GUID of a big-endian parameter list without encapsulation header. Any number of
-/// unknown parameters is skipped, and a missing sentinel is tolerated. Errors:
+/// Returns PID_PARTICIPANT_GUID of a big-endian parameter list without encapsulation header. Any
+/// number of unknown parameters is skipped, and a missing sentinel is tolerated. Errors:
 /// participant_data_malformed, participant_guid_missing.
 Result<Guid> participant_guid_in(BytesView participant_data);
 
-/// The ciphers in the IdentityToken of such a list. If the list has no token, two tokens or an
-/// unreadable one, these are the standard ciphers. Unlike the token in discovery, this one is
+/// Returns the ciphers in the IdentityToken of such a list. If the list has no token, two tokens or
+/// an unreadable one, these are the standard ciphers. Unlike the token in discovery, this one is
 /// covered by the handshake's signatures.
 spi::CipherMask ciphers_in_participant_data(BytesView participant_data);
 
-/// PID_BUILTIN_ENDPOINT_SET of such a list; 0 if it is missing, repeated or unreadable.
+/// Returns PID_BUILTIN_ENDPOINT_SET of such a list; 0 if it is missing, repeated or unreadable.
 std::uint32_t builtin_endpoints_in_participant_data(BytesView participant_data);
 
 /// True if such a list has exactly one PID_VENDORID, that of Fast DDS.

@@ -19,7 +19,8 @@ using spi::IdentityHandle;
 using spi::Token;
 using spi::ValidationResult;
 
-/// DDS-Security 1.2, clause 10.3.3: the lower GUID, octet by octet, begins.
+/// True if the local participant begins the handshake, because its GUID is the lower one, compared
+/// octet by octet (DDS-Security 1.2, clause 10.3.3).
 inline bool initiates(const Guid& local, const Guid& remote) { return local < remote; }
 
 struct Revocations;  // revocations.hpp

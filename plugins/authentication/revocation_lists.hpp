@@ -35,14 +35,15 @@ class RevocationLists {
                                       const std::vector<pki::Certificate>& anchors, WallTime now);
 
   const std::vector<pki::Crl>& in_force() const { return lists_; }
-  /// The list in force whose nextUpdate is `end`; nullptr if there is none.
+  /// Returns the list in force whose nextUpdate is `end`; nullptr if there is none.
   const pki::Crl* first_to_end(std::optional<WallTime> end) const;
-  /// Number and date of each list, for a person.
+  /// Returns the number and the date of each list, for a person.
   std::string description() const;
-  /// The paths of the lists' files, or of the file that may come; empty if there is neither.
+  /// Returns the paths of the lists' files, or of the file that may come; empty if there is
+  /// neither.
   std::string path() const;
-  /// For a participant without any list: no_revocation_list, with the places where a list is looked
-  /// for. Empty if there is a list, or no folder to look in.
+  /// Returns no_revocation_list for a participant without any list, with the places where a list is
+  /// looked for. Empty if there is a list, or no folder to look in.
   std::optional<Error> absence() const;
 
   /// Judges lists that would replace those in force, and uses them if they are good.
@@ -56,7 +57,7 @@ class RevocationLists {
   Result<bool> poll(const Clock& clock, const std::vector<pki::Certificate>& anchors,
                     const Accept& accept);
 
-  /// The error of poll() about a file that has not been good since; empty if there is none.
+  /// Returns the error of poll() about a file that has not been good since; empty if there is none.
   std::optional<Error> refused() const;
 
   /// True if each file that was refused was refused only because its list begins in the future. The
@@ -68,9 +69,9 @@ class RevocationLists {
     for (auto& place : places_) place.watch.force_poll();
   }
 
-  /// The lists as they are in the files now, whether these have changed or not. It is for a caller
-  /// that takes the lists together with CAs, which are `anchors`. Errors: those of ddssec::load and
-  /// Crl::all_from, crl_file_empty.
+  /// Reads the lists as they are in the files now, whether these have changed or not. It is for a
+  /// caller that takes the lists together with CAs, which are `anchors`. Errors: those of
+  /// ddssec::load and Crl::all_from, crl_file_empty.
   Result<RevocationLists> read(const std::vector<pki::Certificate>& anchors, WallTime now) const;
 
  private:

@@ -30,8 +30,8 @@ struct OfferRules {
   OcspPolicy ocsp;
   WallTime now;
 };
-/// `guid` is the peer's. Errors: those of TokenFields, those of JudgedPeer::renewed, those of
-/// check_ocsp_status, signature_invalid.
+/// Judges the offer of the peer with that `guid`. Errors: those of TokenFields, those of
+/// JudgedPeer::renewed, those of check_ocsp_status, signature_invalid.
 Result<JudgedOffer> judge_offer(const Established& session, const spi::Token& offer,
                                 const Guid& guid, const OfferRules& rules);
 

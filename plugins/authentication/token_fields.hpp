@@ -22,16 +22,16 @@ enum class TokenClass : std::uint8_t {
   renewal_taken,
 };
 
-/// The class id to send, such as "DDS:Auth:PKI-DH:1.0+Req".
+/// Returns the class id to send, such as "DDS:Auth:PKI-DH:1.0+Req".
 std::string_view class_id_of(TokenClass token_class);
 
-/// The kind of token; empty for an unknown class id. Plugin name and major version must be those of
-/// this plugin, and the suffix a known one. The minor version does not matter (DDS-Security 1.2,
-/// clause 10.3.2.1).
+/// Returns the kind of token; empty for an unknown class id. Plugin name and major version must be
+/// those of this plugin, and the suffix a known one. The minor version does not matter
+/// (DDS-Security 1.2, clause 10.3.2.1).
 std::optional<TokenClass> token_class_of(std::string_view class_id);
 
-/// The kind according to the end of the class id alone, whatever is before it. It is the kind that
-/// a token of another plugin or version is meant to be. Empty for an unknown end.
+/// Returns the kind according to the end of the class id alone, whatever is before it. It is the
+/// kind that a token of another plugin or version is meant to be. Empty for an unknown end.
 std::optional<TokenClass> claimed_class_of(std::string_view class_id);
 
 /// The longest class id, property name or text property, in octets.
@@ -49,18 +49,18 @@ struct FieldRule {
 /// Checked access to a token of a known class. Everything is borrowed from the token.
 class TokenFields {
  public:
-  /// Access to `token`, which must outlive it. Errors: token_class_wrong, token_too_large (too many
-  /// properties, or an unknown or text property is too long).
+  /// Gives access to `token`, which must outlive the returned object. Errors: token_class_wrong,
+  /// token_too_large (too many properties, or an unknown or text property is too long).
   static Result<TokenFields> of(const spi::Token& token, TokenClass expected);
 
-  /// A field that must be present. Errors: token_field_missing, token_field_repeated,
+  /// Returns a field that must be present. Errors: token_field_missing, token_field_repeated,
   /// token_field_length.
   Result<BytesView> required(const FieldRule& rule) const;
-  /// A field that may be absent. Errors: token_field_repeated, token_field_length.
+  /// Returns a field that may be absent. Errors: token_field_repeated, token_field_length.
   Result<std::optional<BytesView>> optional(const FieldRule& rule) const;
-  /// A required field of exactly 32 octets. Errors as of `required`.
+  /// Returns a required field of exactly 32 octets. Errors as of `required`.
   Result<spi::Challenge> challenge(std::string_view name) const;
-  /// An optional field of exactly 32 octets. Errors as of `optional`.
+  /// Returns an optional field of exactly 32 octets. Errors as of `optional`.
   Result<std::optional<Sha256Digest>> optional_hash(std::string_view name) const;
 
  private:
@@ -82,7 +82,7 @@ inline constexpr std::string_view kHashC1 = "hash_c1";
 inline constexpr std::string_view kHashC2 = "hash_c2";
 inline constexpr std::string_view kFutureChallenge = "future_challenge";
 
-/// The name of the token as the document of an error, such as "handshake request".
+/// Returns the name of the token as the document of an error, such as "handshake request".
 std::string_view document_name(TokenClass token_class);
 
 /// Success if an optional field is absent or equals `known`. Error: token_field_differs.

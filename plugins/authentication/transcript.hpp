@@ -16,9 +16,9 @@ struct Transcript {
   spi::Challenge challenge2{};
   Bytes dh2 = {};
 
-  /// The octets that the replier signs.
+  /// Returns the octets that the replier signs.
   Bytes reply_input() const;
-  /// The octets that the initiator signs.
+  /// Returns the octets that the initiator signs.
   Bytes final_input() const;
 };
 

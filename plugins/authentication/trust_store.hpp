@@ -66,7 +66,7 @@ class TrustStores {
  public:
   explicit TrustStores(pki::CrlPolicy policy) : policy_(policy) {}
 
-  /// The store for these authorities and lists. Errors: those of ChainVerifier::make.
+  /// Returns the store for these authorities and lists. Errors: those of ChainVerifier::make.
   Result<std::shared_ptr<const TrustStore>> open(std::vector<pki::Certificate> anchors,
                                                  std::vector<pki::Crl> crls);
 

@@ -27,7 +27,8 @@ class UnprovenOctets {
   /// The octets of one peer that are not counted, so that its handshakes are never dropped to make
   /// room.
   static constexpr std::size_t kFreeOfAPeer = 64 * 1024;
-  /// Several requests of the largest size that is accepted (about 1.2 MiB).
+  /// Limit for the peers of one subject: several requests of the largest size that is accepted
+  /// (about 1.2 MiB).
   static constexpr std::size_t kMaxOfASubject = 8 * 1024 * 1024;
   static constexpr std::size_t kMax = 16 * 1024 * 1024;
 
@@ -45,9 +46,10 @@ class UnprovenOctets {
       if (of_ != nullptr) of_->release(id_);
     }
 
-    /// The octets of this share that are not counted.
+    /// Returns the octets of this share that are not counted.
     std::size_t free_octets() const { return of_ == nullptr ? octets_ : 0; }
-    /// The handshake that holds the octets. Before it is set, the share counts, but is not dropped.
+    /// Names the handshake that holds the octets. Before it is named, the share counts, but is not
+    /// dropped.
     void belongs_to(spi::HandshakeHandle handshake) const noexcept {
       if (of_ != nullptr) of_->note_owner(id_, handshake);
     }
