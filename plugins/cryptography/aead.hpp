@@ -15,10 +15,11 @@
 namespace ddssec::cryptography {
 
 enum class Cipher : std::uint8_t { aes128_gcm, aes256_gcm, chacha20_poly1305 };
-/// The key size in octets.
+/// Returns the key size in octets.
 constexpr std::size_t key_size_of(Cipher cipher) { return cipher == Cipher::aes128_gcm ? 16 : 32; }
 
-/// 96 bits: session id, then suffix (DDS-Security 1.2, clause 10.5.3.3.4).
+/// The initialization vector, 96 bits: session id, then suffix (DDS-Security 1.2,
+/// clause 10.5.3.3.4).
 using Iv = std::array<std::uint8_t, 12>;
 inline constexpr std::size_t kTagSize = 16;
 using TagView = std::span<const std::uint8_t, kTagSize>;
@@ -65,10 +66,10 @@ class AeadBackend {
   virtual void destroy(KeyStorage storage) const noexcept = 0;
 };
 
-/// The implementations that this build contains and this processor can run, best first; never
-/// empty.
+/// Returns the implementations that this build contains and this processor can run, best first;
+/// never empty.
 std::span<const AeadBackend* const> aead_backends();
-/// The requested implementation; nullptr if it is not available.
+/// Returns the requested implementation; nullptr if it is not available.
 const AeadBackend* aead_backend(AeadChoice choice);
 
 /// A cipher's key, expanded in its final place and wiped at destruction. Many threads may use it at

@@ -5,11 +5,12 @@
 
 namespace ddssec::cryptography {
 
-/// OpenSSL's EVP interface. Available everywhere, and the choice if FIPS is required. nullptr if no
-/// provider has AES-GCM.
+/// Returns OpenSSL's EVP interface. It is available everywhere, and is the choice if FIPS is
+/// required. nullptr if no provider has AES-GCM.
 const AeadBackend* openssl_backend();
 
-/// Intel's multi-buffer library, called directly. It needs x86-64 with AES-NI; nullptr elsewhere.
+/// Returns Intel's multi-buffer library, called directly. It needs x86-64 with AES-NI; nullptr
+/// elsewhere.
 const AeadBackend* ipsec_mb_backend();
 
 }  // namespace ddssec::cryptography

@@ -22,7 +22,7 @@ struct BuiltinTopic {
   /// The id of the parameter with the key; 0 for ParticipantMessageData, which has none.
   std::uint16_t key;
 };
-/// The topic of a writer; nullptr if the writer does not belong to discovery or liveliness.
+/// Returns the topic of a writer; nullptr if the writer does not belong to discovery or liveliness.
 const BuiltinTopic* builtin_topic_of(const EntityId& writer);
 
 /// The builtin writers of discovery that a local participant does not hear in the clear.
@@ -81,10 +81,10 @@ class ParameterWalk {
   Status read(const BuiltinTopic& topic, const Owner& owner, BytesView octets);
   /// Success if the list has ended and has named its subject. Error: builtin_source_unreadable.
   Status check_end(const BuiltinTopic& topic) const;
-  /// The place of the type information, counted from the encapsulation. Its octets came in one
-  /// piece.
+  /// Returns the place of the type information, counted from the encapsulation. Its octets came in
+  /// one piece.
   const TypeInformationAt& type_information() const { return type_information_; }
-  /// The cost of a list of that many octets in the account of announcements.
+  /// Returns the cost of a list of that many octets in the account of announcements.
   std::size_t cost(std::size_t octets) const;
   /// True if the list has nothing but names, none of them twice. The end of an endpoint needs
   /// nothing else, and the host might refuse an end with more.
@@ -92,7 +92,7 @@ class ParameterWalk {
   /// True if the list says by a valid PID_ENDPOINT_SECURITY_INFO (DDS-Security 1.2, clause
   /// 7.5.1.7) how its endpoint is protected. Hosts ask access control about such endpoints only.
   bool says_protection() const { return security_infos_ == 1 && is_security_info_valid_; }
-  /// The entity id of the list's subject, from the topic's key.
+  /// Returns the entity id of the list's subject, from the topic's key.
   const EntityId& entity() const { return entity_; }
 
  private:
@@ -103,9 +103,9 @@ class ParameterWalk {
   Status count_locator(const BuiltinTopic& topic);
   bool begin_security_info();
   Status begin_partitions(const BuiltinTopic& topic);
-  /// The number of octets that belong to the partitions.
+  /// Reads the partitions in the next octets. Returns the number of octets that belong to them.
   Result<std::size_t> read_partitions(const BuiltinTopic& topic, BytesView octets);
-  /// `header` is the position of the parameter's first octet.
+  /// Notes the place of type information. `header` is the position of the parameter's first octet.
   Status note_type_information(const BuiltinTopic& topic, std::uint32_t header);
   std::uint16_t word(std::size_t at) const;
 

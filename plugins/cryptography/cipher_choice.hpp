@@ -9,25 +9,25 @@
 
 namespace ddssec::cryptography {
 
-/// The bit of a cipher.
+/// Returns the bit of a cipher.
 spi::CipherMask bit_of(Cipher cipher);
-/// The ciphers that an implementation has.
+/// Returns the ciphers that an implementation has.
 spi::CipherMask ciphers_of(const AeadBackend& backend);
 
-/// The cipher that the properties of an endpoint request, by name or by key size. Empty for AUTO,
-/// and if there is neither. It is an error if the two name different sizes of AES. With
+/// Returns the cipher that the properties of an endpoint request, by name or by key size. Empty for
+/// AUTO, and if there is neither. It is an error if the two name different sizes of AES. With
 /// ChaCha20-Poly1305 the key size applies to those keys that stay AES. Error: invalid_property.
 Result<std::optional<Cipher>> cipher_asked(const spi::PropertyList& properties);
 
 /// The cipher of a participant's messages and builtin endpoints, and the default for the
-/// application's endpoints. Error: invalid_property.
+/// application's endpoints. Error of participant_ciphers: invalid_property.
 struct ParticipantCiphers {
   Cipher message;
   Cipher endpoint;
 };
 Result<ParticipantCiphers> participant_ciphers(const spi::PropertyList& properties);
 
-/// The cipher of a domain's pre-shared keys; AES-256 by default. Error: invalid_property.
+/// Returns the cipher of a domain's pre-shared keys; AES-256 by default. Error: invalid_property.
 Result<Cipher> pre_shared_cipher(const spi::PropertyList& properties);
 
 /// Success if a peer that supports `peer` can decrypt `cipher`. Error:

@@ -37,7 +37,7 @@ struct CryptographyOptions {
   std::uint64_t max_sessions_per_key = std::uint64_t{1} << 32;
 };
 
-/// The ciphers that an engine made with `choice` can decrypt.
+/// Returns the ciphers that an engine made with `choice` can decrypt.
 spi::CipherMask supported_ciphers(AeadChoice choice = AeadChoice::automatic);
 
 /// Creates the plugin; never nullptr. `services` must outlive it. Events are raised only for a

@@ -44,7 +44,8 @@ struct CryptographyState {
   /// Raises an event about the peer that owns `prefix`.
   void report(const Error& error, const std::optional<GuidPrefix>& prefix) const;
 
-  /// Call it when a remote entity has got new keys. The caller holds the mutex.
+  /// Notes when the former keys of a remote entity end. Call it when the entity has got new keys.
+  /// The caller holds the mutex.
   void note_former(std::int64_t handle, const RemoteKeys& remote_keys);
 
   const EngineServices services;
@@ -62,19 +63,19 @@ struct CryptographyState {
   WorkAccounts work = {};
 };
 
-/// The subject whose participants share places: the octets of the prefix that are bound to the
-/// certificate's subject (DDS-Security 1.2, clause 10.3.3). A participant without a proven prefix
-/// has its own places. It is identified by its identity handle, with a bit set that six octets
-/// cannot have.
+/// Returns the subject whose participants share places: the octets of the prefix that are bound to
+/// the certificate's subject (DDS-Security 1.2, clause 10.3.3). A participant without a proven
+/// prefix has its own places. It is identified by its identity handle, with a bit set that six
+/// octets cannot have.
 std::uint64_t subject_of(std::int64_t identity, const Pair& pair);
 
-/// The peer with that prefix that has authenticated with the local participant; nullptr if there is
-/// none. Empty while another thread changes the peers.
+/// Returns the peer with that prefix that has authenticated with the local participant; nullptr if
+/// there is none. Empty while another thread changes the peers.
 std::optional<const RemoteParticipant*> find_peer(const CryptographyState& state,
                                                   const LocalParticipant& local,
                                                   const GuidPrefix& prefix);
 
-/// The entity kinds that belong to a handle type, on the local and on the remote side.
+/// Returns the entity kind that belongs to a handle type, on the local or on the remote side.
 inline constexpr EntityKind local_kind(spi::DatawriterCryptoHandle) {
   return EntityKind::local_writer;
 }

@@ -29,10 +29,11 @@ struct DataPiece {
   BytesView payload;     ///< the payload of this piece, from the encapsulation on
 };
 
-/// The writer of a DATA or DATA_FRAG; empty for other submessages, and if it ends too early.
+/// Returns the writer of a DATA or DATA_FRAG; empty for other submessages, and for one that ends
+/// too early.
 std::optional<EntityId> writer_of_data(BytesView submessage);
 
-/// The reader that a DATA or DATA_FRAG names; zero for all readers.
+/// Returns the reader that a DATA or DATA_FRAG names; zero for all readers.
 EntityId reader_of_data(BytesView submessage);
 
 /// Parses a submessage for which writer_of_data is not empty. Errors: truncated, malformed.
@@ -54,7 +55,8 @@ struct Acknowledgment {
 /// Reads an ACKNACK; empty for any other submessage.
 std::optional<Acknowledgment> read_acknowledgment(BytesView submessage);
 
-/// The writerSN of a NACK_FRAG; empty for any other submessage, and if it ends too early.
+/// Returns the writerSN of a NACK_FRAG; empty for any other submessage, and for one that ends too
+/// early.
 std::optional<std::uint64_t> read_fragment_request(BytesView submessage);
 
 /// True for a payload that begins with the encapsulation of plain CDR 1 or 2 in either byte order.

@@ -10,14 +10,15 @@ namespace ddssec::cryptography {
 using SessionKey = Secret<struct SessionKeyTag, 32>;
 using SessionReceiverKey = Secret<struct SessionReceiverKeyTag, 32>;
 
-/// HMAC-SHA256(sender key, "SessionKey" | salt | session id), cut to the size of the key.
+/// Returns HMAC-SHA256(sender key, "SessionKey" | salt | session id), cut to the size of the key.
 SessionKey derive_session_key(const MasterKey& key, const MasterSalt& salt, SessionId session);
 
-/// The same for a receiver-specific key, with "SessionReceiverKey". `salt` is the sender's.
+/// Returns the same for a receiver-specific key, with "SessionReceiverKey". `salt` is the sender's.
 SessionReceiverKey derive_session_receiver_key(const MasterReceiverKey& key, const MasterSalt& salt,
                                                SessionId session);
 
-/// The key material of the volatile secure endpoints of two participants: AES256-GCM, key id 0.
+/// Returns the key material of the volatile secure endpoints of two participants: AES256-GCM, key
+/// id 0.
 KeyMaterial derive_key_exchange_material(const spi::SharedSecret& shared);
 
 }  // namespace ddssec::cryptography

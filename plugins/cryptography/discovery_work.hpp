@@ -26,29 +26,31 @@ class DiscoveryWork {
   /// The time in which a unit is paid off. It is twice that of the certificate's account, so that
   /// one participant leaves half of what the certificate has to others.
   static constexpr MonotonicTime kPrice = 2 * WorkAccount::kPrice;
-  /// What an attempt to match costs. It is charged even if the certificate has used up its matches.
+  /// The price of an attempt to match, in units. It is charged also if the certificate has used up
+  /// its matches.
   static constexpr WorkUnits kAttemptUnits = 16;
   /// The least time between two reports of one participant.
   static constexpr MonotonicTime kReportInterval = std::chrono::minutes(1);
 
-  /// What the host does for a local endpoint that its application has just made is no work of the
-  /// peer's.
+  /// The cause of work. What the host does for a local endpoint that its application has just made
+  /// is not the peer's work.
   enum class Cause : std::uint8_t { peer, host };
 
-  /// From now on, work is also charged to that account, instead of the one before.
+  /// Charges later work also to that account, instead of to the one before.
   void set_account(std::shared_ptr<WorkAccount> account);
 
-  /// Charges an attempt to match one of its endpoints with a local one, to which access control
-  /// has agreed. One that it refuses may come from an announcement that an attacker forged.
+  /// Charges an attempt to match one of its endpoints with a local one, to which access control has
+  /// agreed. An attempt that access control refuses may come from an announcement that an attacker
+  /// forged.
   void note_attempt(Cause cause, MonotonicTime now);
-  /// One of its readers matches a local writer, which matches `standing` others already. Charges
-  /// this and, in advance, the end of the match.
+  /// Notes that one of its readers matches a local writer, which matches `standing` others already.
+  /// Charges this and, in advance, the end of the match.
   void note_match(std::int64_t local, std::size_t standing, Cause cause, MonotonicTime now);
-  /// The match has ended.
+  /// Notes that the match has ended.
   void note_end_of_match(std::int64_t local, std::size_t standing);
   /// Charges a change of an announced endpoint. If its addresses have changed, the host walks the
-  /// readers of all local writers that it matches. Which these are is not known here, so all that
-  /// any reader of the participant matches count.
+  /// readers of all local writers that it matches. Which writers these are is not known here, so
+  /// all that any reader of the participant matches count.
   void note_change(MonotonicTime now);
 
   /// Success if an announcement may pass. Error: announcements_delayed.

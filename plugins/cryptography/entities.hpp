@@ -149,7 +149,7 @@ struct RemoteParticipant final : Entity {
   PayloadPositions payload_positions = {};  ///< positions of its writers that protect payloads only
   mutable PeerDiscovery discovery = {};
 
-  /// The pair with that local participant, or nullptr. Call it under a ReadGuard.
+  /// Returns the pair with that local participant, or nullptr. Call it under a ReadGuard.
   Pair* pair(std::int64_t local) const {
     const auto* const table = pair_table.read();
     if (table == nullptr) return nullptr;

@@ -20,13 +20,13 @@ class ForkGeneration {
   explicit ForkGeneration(Detection means);
   ForkGeneration(const ForkGeneration&) = delete;
   ForkGeneration& operator=(const ForkGeneration&) = delete;
-  /// The instance that all keys of the process share.
+  /// Returns the instance that all keys of the process share.
   static ForkGeneration& of_process();
 
-  /// The number for the message path; 0 in a child that has not called `current` yet.
+  /// Returns the number for the message path; 0 in a child that has not called `current` yet.
   std::uint64_t peek() const noexcept { return place_->load(std::memory_order_relaxed); }
-  /// The present number. Takes no lock: the forking thread is the only one in the child, and locks
-  /// of other threads may stay locked there forever.
+  /// Returns the present number. It takes no lock: the forking thread is the only one in the child,
+  /// and locks of other threads may stay locked there forever.
   std::uint64_t current() noexcept;
 
  private:

@@ -34,8 +34,9 @@ namespace ddssec::cryptography {
 /// The checks for one participant. Thread-safe.
 class FragmentWalks {
  public:
-  static constexpr std::size_t kMaxOfSample = 384;      ///< in fragments: 516 kB with Cyclone DDS
-  static constexpr std::uint32_t kMaxOctets = 1 << 20;  ///< limit for a sample
+  static constexpr std::size_t kMaxOfSample = 384;      ///< limit for a sample, in fragments: 516
+                                                        ///< kB with Cyclone DDS
+  static constexpr std::uint32_t kMaxOctets = 1 << 20;  ///< limit for a sample, in octets
   static constexpr std::size_t kMaxFragments = 2048;    ///< limit for a writer: 64 kB of digests
   /// Limit for a writer: two windows of an ACKNACK.
   static constexpr std::size_t kMaxSamples = 512;
@@ -102,7 +103,7 @@ struct PeerDiscovery {
 class DiscoveryOfPeers {
  public:
   virtual ~DiscoveryOfPeers() = default;
-  /// The announcements of that participant; nullptr if it is not known now.
+  /// Returns the announcements of that participant; nullptr if it is not known now.
   virtual PeerDiscovery* of(const GuidPrefix& owner) = 0;
   virtual MonotonicTime now() const = 0;
   /// True for a writer whose samples are not heard in the clear: no honest participant sends them.

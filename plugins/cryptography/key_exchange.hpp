@@ -45,7 +45,7 @@ class KeyExchange final : public spi::CryptoKeyExchange {
                            const Pair* from) const;
   Result<std::unique_ptr<RemoteKeys>> endpoint_keys(const RemoteEndpoint& remote,
                                                     std::vector<KeyMaterial> materials) const;
-  /// The keys of tokens that may replace the present ones. Errors: those of read_all,
+  /// Returns the keys of tokens that may replace the present ones. Errors: those of read_all,
   /// endpoint_keys, check_owner and check_replacement.
   Result<std::unique_ptr<RemoteKeys>> checked_keys(RemoteEndpoint& endpoint, const Pair& pair,
                                                    std::span<const spi::Token> tokens,

@@ -59,7 +59,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<KeyMaterial> fresh_material(TransformKind kind, KeyId id);
   Result<std::unique_ptr<SendKey>> send_key(KeyMaterial material);
   Result<std::unique_ptr<ReceiverKey>> receiver_key(Cipher cipher);
-  /// A key of the next revision for `key`; nullptr if there is no such key.
+  /// Makes a key of the next revision for `key`; nullptr if there is no such key.
   Result<std::unique_ptr<SendKey>> revised(const Published<SendKey>& key);
   Status revise(LocalEndpoint& endpoint);
   static void take_back_revision(LocalEndpoint& endpoint) noexcept;
@@ -69,7 +69,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   /// those of the random source.
   Status limit_keys(LocalParticipant& participant, const spi::PropertyList& properties);
   Status begin_life(LocalParticipant& participant);
-  /// The number of blocks under the most used key of the participant and its endpoints.
+  /// Returns the number of blocks under the most used key of the participant and its endpoints.
   std::uint64_t blocks_used(const LocalParticipant& participant);
   template <class F>
   void each_endpoint(const LocalParticipant& participant, F&& f);
@@ -79,7 +79,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<std::unique_ptr<Pair>> make_pair(const LocalParticipant& local,
                                           const spi::SharedSecret& shared_secret);
   Result<RemoteParticipant*> remote_with_identity(spi::IdentityHandle identity);
-  /// The pair of the two participants; nullptr if there is none.
+  /// Returns the pair of the two participants; nullptr if there is none.
   Pair* known_pair(std::int64_t local, spi::IdentityHandle remote) const;
   void publish_pairs(RemoteParticipant& remote, std::int64_t without = 0);
   Result<std::int64_t> register_local_endpoint(EntityKind kind,

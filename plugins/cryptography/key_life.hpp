@@ -21,9 +21,8 @@ class KeyLife {
   /// revise their keys together.
   void begin(std::chrono::nanoseconds now, std::uint64_t chance);
   bool has_ended(std::chrono::nanoseconds now) const;
-  /// True if it is time to check the volume. It is not checked earlier after the keys were made
-  /// than former keys stay valid, so that few revisions are valid at a time, however low the limit
-  /// is.
+  /// True if it is time to check the volume. New keys are not checked before they are older than
+  /// former keys may be, so that few revisions are valid at a time, however low the limit is.
   bool counts_blocks(std::chrono::nanoseconds now) const;
   bool is_used_up(std::uint64_t blocks) const { return blocks >= last_block_; }
 

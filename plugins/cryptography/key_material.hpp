@@ -29,13 +29,13 @@ struct KindTraits {
   Cipher cipher;
   bool encrypts;  ///< false for a MAC only
 
-  /// Size of salt and keys in octets: 16 or 32.
+  /// Returns the size of salt and keys in octets: 16 or 32.
   std::size_t key_size() const { return key_size_of(cipher); }
 };
-/// The traits of a kind; the key revision in its first three octets does not matter (DDS-Security
-/// 1.2, clause 7.3.17). Empty for NONE and for unknown kinds.
+/// Returns the traits of a kind; the key revision in its first three octets does not matter
+/// (DDS-Security 1.2, clause 7.3.17). Empty for NONE and for unknown kinds.
 std::optional<KindTraits> traits_of(TransformKind kind);
-/// The kind of key revision 0 for a cipher.
+/// Returns the kind of key revision 0 for a cipher.
 TransformKind kind_for(Cipher cipher, bool encrypts);
 
 using MasterSalt = Secret<struct MasterSaltTag, 32>;
@@ -62,16 +62,16 @@ struct KeyMaterial {
   bool operator==(const KeyMaterial& other) const;
 };
 
-/// A token to send. It contains keys, so it must go through the volatile secure channel only.
+/// Makes a token to send. It contains keys, so it must go through the volatile secure channel only.
 spi::Token crypto_token(const KeyMaterial& material);
-/// The same token, made from the octets of serialize_key_material.
+/// Makes the same token from the octets of serialize_key_material.
 spi::Token token_of_material(BytesView octets);
 
 /// Reads a peer's token and checks everything that does not depend on its use. Errors:
 /// crypto_token_class, crypto_token_form, and those of parse_key_material.
 Result<KeyMaterial> read_crypto_token(const spi::Token& token);
 
-/// The value of `dds.cryp.keymat`: big-endian CDR without encapsulation header.
+/// Returns the value of `dds.cryp.keymat`: big-endian CDR without encapsulation header.
 Bytes serialize_key_material(const KeyMaterial& material);
 /// Parses the value of `dds.cryp.keymat`. Errors: key_material_length (a wrong length, a length
 /// that does not fit the kind, trailing octets), key_material_kind_unknown, key_material_key_id

@@ -13,10 +13,10 @@ using spi::KeyRevision;
 
 inline constexpr KeyRevision kLastKeyRevision = 0xffffff;
 
-/// The key revision of a kind: its first three octets.
+/// Returns the key revision of a kind: its first three octets.
 KeyRevision revision_of(TransformKind kind);
 TransformKind with_revision(TransformKind kind, KeyRevision revision);
-/// The revision after this one. Revision 0 never comes again.
+/// Returns the revision after this one. Revision 0 never comes again.
 constexpr KeyRevision next_revision(KeyRevision revision) {
   return revision == kLastKeyRevision ? 1 : revision + 1;
 }
@@ -38,10 +38,11 @@ Status inherit(RemoteKeys& next, const RemoteKeys* present, std::chrono::nanosec
 /// True if `next` is a later revision of the present keys.
 bool is_later_revision(const RemoteKeys& next, const RemoteKeys& present);
 
-/// A copy of the keys without former ones that are no longer valid.
+/// Returns a copy of the keys without former ones that are no longer valid.
 std::unique_ptr<RemoteKeys> without_ended(const RemoteKeys& keys, std::chrono::nanoseconds now);
 
-/// The former key of that kind that is still valid; nullptr if there is none. Under a ReadGuard.
+/// The former key of that kind that is still valid; nullptr if there is none. Call it under a
+/// ReadGuard.
 ReceiveKey* former_key(const RemoteKeys& keys, KeyLevel level, TransformKind kind,
                        std::chrono::nanoseconds now);
 

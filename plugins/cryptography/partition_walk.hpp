@@ -33,7 +33,7 @@ class PartitionWalk {
   /// Reads the next octets of the value, at most rest(). Error: builtin_source_unreadable.
   Status read(const BuiltinTopic& topic, BytesView octets);
   std::size_t rest() const { return rest_; }
-  /// The number of names in the value, according to its count.
+  /// Returns the number of names in the value, according to its count.
   std::size_t names() const { return names_; }
 
  private:

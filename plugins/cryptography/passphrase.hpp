@@ -12,11 +12,11 @@
 namespace ddssec::cryptography {
 
 struct Passphrase {
-  /// Printable ASCII.
+  /// The passphrase: printable ASCII.
   using Text = Secret<struct PassphraseTag, 512>;
   std::uint32_t id = 0;
   Text text = {};
-  /// Takes constant time for a given length of the text.
+  /// The comparison takes constant time for a given length of the text.
   bool operator==(const Passphrase&) const = default;
 };
 
@@ -39,8 +39,8 @@ class PassphraseFiles {
   /// See FileWatch.
   bool may_have_changed(std::chrono::nanoseconds now);
   void force_change();
-  /// The place named by the property, for messages: it shows where a passphrase is, but not the
-  /// passphrase.
+  /// Returns the place named by the property, for messages: it shows where a passphrase is, but not
+  /// the passphrase.
   std::string place_of(std::string_view property) const;
 
  private:

@@ -17,14 +17,15 @@ namespace ddssec::cryptography {
 /// Version, vendor and GUID prefix, as in an RTPS header.
 using MessageSource = std::array<std::uint8_t, 16>;
 
-/// SenderKeyId: three octets that depend on the domain, and the low octet of the passphrase's id.
+/// Returns the SenderKeyId: three octets that depend on the domain, and the low octet of the
+/// passphrase's id.
 KeyId pre_shared_key_id(std::uint32_t passphrase_id, DomainId domain_id,
                         std::string_view domain_tag);
 
-/// `algorithm` with the other three octets of the passphrase's id as its key revision.
+/// Returns `algorithm` with the other three octets of the passphrase's id as its key revision.
 TransformKind pre_shared_kind(TransformKind algorithm, std::uint32_t passphrase_id);
 
-/// The keys of one sender. `kind` and `key_id` come from the two functions above.
+/// Returns the keys of one sender. `kind` and `key_id` come from the two functions above.
 KeyMaterial derive_pre_shared_material(const Passphrase& passphrase, TransformKind kind,
                                        KeyId key_id, const MessageSource& source);
 
@@ -49,7 +50,7 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
   bool remembers(BytesView encoded) const override;
   Result<std::size_t> decode(BytesView encoded, MutableBytes out) override;
   void refresh() override;
-  /// The number of remembered senders.
+  /// Returns the number of remembered senders.
   std::size_t senders() const { return senders_.size(); }
 
  private:

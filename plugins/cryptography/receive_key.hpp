@@ -80,7 +80,7 @@ class ReceiveKey final : public Retirable {
     const ReceiveSession* session_ = nullptr;
     std::unique_ptr<ReceiveSession> fresh_;
   };
-  /// The session with that id, expanded now if it is not remembered. Error: internal.
+  /// Returns the session with that id. It is expanded now if it is not remembered. Error: internal.
   Result<Candidate> session(SessionId id);
   /// Remembers the session. Call it after the tags were right.
   void remember(Candidate candidate);
@@ -107,7 +107,7 @@ class ReceiveKey final : public Retirable {
   void share_window(const ReceiveKey& other) {
     if (window_ && other.window_) window_ = other.window_;
   }
-  /// The sender's position; nullptr if the sender did not send it.
+  /// Returns the sender's position; nullptr if the sender did not send it.
   const std::shared_ptr<NewestPosition>& position() const { return position_; }
 
  private:

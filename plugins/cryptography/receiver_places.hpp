@@ -24,8 +24,8 @@ class ReceiverPlaces {
   /// authentication. A message may then carry MACs of both levels, and both together leave 5,500
   /// octets for the rest.
   static constexpr std::size_t kMaxOfEach = 1500;
-  /// The limit for one certificate. Each of its participants has a reader for every secure builtin
-  /// topic.
+  /// Returns the limit for one certificate. Each of its participants has a reader for every secure
+  /// builtin topic.
   static constexpr std::size_t share_of(std::size_t limit) { return limit / 5; }
 
   /// `of` names the receivers in events.

@@ -53,7 +53,7 @@ class Retirable {
   std::uint64_t epoch_ = 0;
 };
 
-/// A stamp for an object that was just unlinked: it may be destroyed, or used again, once
+/// Returns a stamp for an object that was just unlinked: it may be destroyed, or used again, once
 /// `is_safe`.
 std::uint64_t retirement_epoch() noexcept;
 /// True if no thread can still hold an object with that stamp.
@@ -71,7 +71,7 @@ class RetiredObjects {
   /// Takes ownership of an unlinked object (or null), and frees objects that have become safe.
   /// Allocates no memory, so an unlinked object can always be kept for its readers.
   void retire(std::unique_ptr<Retirable> object) noexcept;
-  /// The number of objects that still wait.
+  /// Returns the number of objects that still wait.
   std::size_t size() const;
 
  private:
@@ -96,7 +96,7 @@ class Published {
   /// Call it under a ReadGuard, or as the only writer.
   T* read() const noexcept { return pointer_.load(); }
 
-  /// Publishes `next`; the former object goes to the graveyard.
+  /// Publishes `next`; the former object is retired.
   void replace(std::unique_ptr<T> next, RetiredObjects& retired_objects) {
     std::unique_ptr<T> former(pointer_.exchange(next.release()));
     if (former) retired_objects.retire(std::move(former));

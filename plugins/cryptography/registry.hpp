@@ -57,8 +57,8 @@ class Registry {
   /// entity. Allocates no memory. One caller at a time.
   std::unique_ptr<Entity> remove(const Entity& entity) noexcept;
 
-  /// The entity with that handle and kind. Under a ReadGuard, or by the one caller of `add`.
-  /// Errors: crypto_handle_nil, crypto_handle_unknown (never given out, or returned),
+  /// Returns the entity with that handle and kind. Under a ReadGuard, or by the one caller of
+  /// `add`. Errors: crypto_handle_nil, crypto_handle_unknown (never given out, or returned),
   /// crypto_handle_wrong_kind.
   template <class T>
   Result<T*> find(std::int64_t handle, EntityKind kind) const {
@@ -81,7 +81,7 @@ class Registry {
   };
   using Chunk = std::array<Place, kChunkSize>;
 
-  /// The live entity of exactly this handle, or nullptr.
+  /// Returns the live entity of exactly this handle, or nullptr.
   Entity* at(std::int64_t handle) const noexcept {
     const auto index = static_cast<std::uint64_t>(handle) & kIndexMask;
     if (handle <= 0 || index >= kChunkSize * kMaxChunks) return nullptr;

@@ -37,7 +37,7 @@ class ReplayWindow {
     bool accept(IvParts message);
 
    private:
-    /// The remembered message at index `at`, counted from the oldest.
+    /// Returns the remembered message at index `at`, counted from the oldest.
     IvParts& place(std::size_t at) { return newest_[(first_ + at) % kMaxLate]; }
 
     std::vector<IvParts> newest_;  ///< a ring, in the order in which they were protected

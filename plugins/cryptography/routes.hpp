@@ -46,16 +46,16 @@ class Routes {
   /// Call it after a route has ceased to lead to its endpoint. One caller at a time.
   void note_gone() noexcept { ++gone_; }
 
-  /// The endpoint that sent a SEC_ group under the key `key`, as matched with the local participant
-  /// `receiver` (0 for any). Several endpoints may have one key, for example a remote writer that
-  /// is matched with several local readers. Then the result is the one for which the group has a
-  /// MAC, or else the first. nullptr if there is none. Under a ReadGuard.
+  /// Returns the endpoint that sent a SEC_ group under the key `key`, as matched with the local
+  /// participant `receiver` (0 for any). Several endpoints may have one key, for example a remote
+  /// writer that is matched with several local readers. Then the result is the one for which the
+  /// group has a MAC, or else the first. nullptr if there is none. Under a ReadGuard.
   RemoteEndpoint* find(KeyId key, std::int64_t receiver, BytesView group) const;
-  /// The id of an endpoint other than `owner` that has that key; zero if none is known. Only the
-  /// caller of `add` may call it.
+  /// Returns the id of an endpoint other than `owner` that has that key; zero if none is known.
+  /// Only the caller of `add` may call it.
   EntityId other_owner(KeyId key, const EntityId& owner) const;
-  /// A key of the same sender that an endpoint has, whatever the receiver-specific part; nullptr if
-  /// there is none. Only the caller of `add` may call it.
+  /// Returns a key of the same sender that an endpoint has, whatever the receiver-specific part;
+  /// nullptr if there is none. Only the caller of `add` may call it.
   const ReceiveKey* same_sender_key(const KeyMaterial& material) const;
 
  private:

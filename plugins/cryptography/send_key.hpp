@@ -85,10 +85,11 @@ class SendKey final : public Retirable {
   /// Sessions start at random, so a session of another sender with the same master key gives true
   /// with a probability of 2^-32 only. Under a ReadGuard.
   bool has_begun(SessionId session) const;
-  /// The position of the next message. Messages that other threads protect meanwhile may count as
-  /// passed. Under a ReadGuard.
+  /// Returns the position of the next message. Messages that other threads protect meanwhile may
+  /// count as passed. Under a ReadGuard.
   SendPosition position() const;
-  /// AES blocks reserved so far, counting finished sessions as full. Under a ReadGuard.
+  /// Returns the number of AES blocks reserved so far, counting finished sessions as full. Under a
+  /// ReadGuard.
   std::uint64_t blocks_used() const;
 
  private:

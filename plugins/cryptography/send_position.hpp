@@ -45,9 +45,9 @@ struct SendPosition {
   bool operator==(const SendPosition&) const = default;
 };
 
-/// The octets that follow a key in its token: suffix, session and ranges, big-endian.
+/// Returns the octets that follow a key in its token: suffix, session and ranges, big-endian.
 Bytes serialize(const SendPosition& position);
-/// The position in such octets; empty if they have another form.
+/// Returns the position in such octets; empty if they have another form.
 std::optional<SendPosition> parse_send_position(BytesView octets);
 
 }  // namespace ddssec::cryptography

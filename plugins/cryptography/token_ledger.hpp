@@ -143,15 +143,15 @@ class TokenLedger {
     Guid remote;                     ///< the sender of the tokens
     std::vector<spi::Token> tokens;  ///< empty if they came before the user's exchange
   };
-  /// The newest tokens for the two endpoints of the ticket that the host presents and then no
-  /// longer has. Empty if `tokens` has no ticket that is still valid. The caller wipes the result.
-  /// The host may present a ticket of a session that has ended, and takes no other afterwards. So
-  /// the tokens of the present session go to `user` as soon as they come.
+  /// Returns the newest tokens for the two endpoints of the ticket that the host presents and then
+  /// no longer has. Empty if `tokens` has no ticket that is still valid. The caller wipes the
+  /// result. The host may present a ticket of a session that has ended, and takes no other
+  /// afterwards. So the tokens of the present session go to `user` as soon as they come.
   std::optional<Held> redeem(std::span<const spi::Token> tokens, const TicketUser& user);
 
-  /// The number of all entries, for tests.
+  /// Returns the number of all entries, for tests.
   std::size_t size() const;
-  /// The number of entries for which the host may hold tickets, for tests.
+  /// Returns the number of entries for which the host may hold tickets, for tests.
   std::size_t pending() const;
 
  private:
@@ -213,7 +213,7 @@ class TokenLedger {
   /// Drops tokens of an exchange, in messages below `next`, that the host never used.
   void forget_unused(std::uint64_t exchange, std::uint64_t next);
   void forget_used(const Key& key, const TokenSender& sender);
-  /// The first entry of an exchange; the end if there is none.
+  /// Returns the first entry of an exchange; the end if there is none.
   Entries::iterator first_of(std::uint64_t exchange);
   /// The state of tokens that the host waits for.
   enum class Fate : std::uint8_t { lost, undecided, not_here };

@@ -19,7 +19,7 @@ namespace ddssec::cryptography {
 
 inline constexpr std::size_t kCryptoHeaderSize = 20;
 inline constexpr std::size_t kReceiverMacSize = 20;
-inline constexpr std::size_t kFooterSize = 20;  ///< without receiver-specific MACs
+inline constexpr std::size_t kFooterSize = 20;  ///< size without receiver-specific MACs
 inline constexpr std::size_t kSubmessageHeaderSize = 4;
 inline constexpr std::size_t kRtpsHeaderSize = 20;
 inline constexpr std::size_t kInfoSourceSize = 24;
@@ -54,7 +54,7 @@ inline constexpr Frame kMessageFrame{submessage_id::kSrtpsPrefix, submessage_id:
 inline constexpr Frame kPreSharedKeyFrame{submessage_id::kSrtpsPrefix, submessage_id::kSrtpsPostfix,
                                           kPreSharedKeyFlag};
 
-/// CryptoHeader.
+/// The fields of a CryptoHeader.
 struct CryptoHeader {
   TransformKind kind;
   KeyId key_id;
@@ -62,13 +62,13 @@ struct CryptoHeader {
   Iv iv;  ///< session id and suffix, as in the header
 };
 
-/// CryptoFooter; borrowed.
+/// The fields of a CryptoFooter; borrowed.
 struct CryptoFooter {
   BytesView common_mac;     ///< kTagSize octets
   BytesView receiver_macs;  ///< a multiple of kReceiverMacSize
 
   TagView tag() const { return TagView(common_mac.data(), kTagSize); }
-  /// The MAC for a receiver-specific key; empty if there is none.
+  /// Returns the MAC for a receiver-specific key; empty if there is none.
   std::optional<TagView> receiver_mac(KeyId id) const;
 };
 
@@ -102,9 +102,9 @@ inline SubmessageHeader read_submessage_header(BytesView octets) {
   return {octets[0], octets[1], length};
 }
 
-/// The size of the first submessage in octets, including its header, as Cyclone DDS reads it; empty
-/// if Cyclone DDS stops reading there. Length 0 means "to the end" (RTPS 9.4.5.1.3). For INFO_TS
-/// and PAD it means empty, and more submessages can follow.
+/// Returns the size of the first submessage in octets, including its header, as Cyclone DDS reads
+/// it; empty if Cyclone DDS stops reading there. Length 0 means "to the end" (RTPS 9.4.5.1.3). For
+/// INFO_TS and PAD it means empty, and more submessages can follow.
 inline std::optional<std::size_t> size_of_first_submessage(BytesView octets) {
   constexpr std::uint8_t kPad = 0x01;
   if (octets.size() < kSubmessageHeaderSize) return std::nullopt;
@@ -119,7 +119,7 @@ inline std::optional<std::size_t> size_of_first_submessage(BytesView octets) {
   return size;
 }
 
-/// The number in big-endian byte order.
+/// Returns the number in big-endian byte order.
 template <class T>
 T big_endian(T value) {
   return std::endian::native == std::endian::little ? std::byteswap(value) : value;

@@ -17,7 +17,7 @@ class WorkDebt {
   /// The largest debt with which announcements pass, as the time until it is paid off.
   static constexpr MonotonicTime kMax = std::chrono::seconds(64);
 
-  /// `price`: the time in which one unit of work is paid off.
+  /// `price` is the time in which one unit of work is paid off.
   explicit WorkDebt(MonotonicTime price) : price_(price) {}
 
   void charge(WorkUnits units, MonotonicTime now);
