@@ -84,8 +84,9 @@ class AccessControl {
   /// above.
   virtual Status check_create_datawriter(PermissionsHandle local, DomainId domain_id,
                                          const EndpointRequest& request) = 0;
-  /// The same for a reader (DDS-Security 1.2, clause 9.4.2.9.5). Error instead:
-  /// subscribe_not_allowed.
+  /// Checks whether the local participant may have such a reader (DDS-Security 1.2,
+  /// clause 9.4.2.9.5). Errors as for a writer, with subscribe_not_allowed instead of
+  /// publish_not_allowed.
   virtual Status check_create_datareader(PermissionsHandle local, DomainId domain_id,
                                          const EndpointRequest& request) = 0;
   /// Checks whether the local participant may create the topic (DDS-Security 1.2,
@@ -107,9 +108,10 @@ class AccessControl {
   struct RemoteDatareader {
     bool is_relay_only = false;
   };
-  /// The same for a reader (DDS-Security 1.2, clause 9.4.2.9.11). `is_relay_only` is true if only a
-  /// <relay> element allows the reader, so it must not get the payload key. Error instead:
-  /// announced_reader_not_allowed.
+  /// Checks whether a peer may have the announced reader (DDS-Security 1.2, clause 9.4.2.9.11).
+  /// `is_relay_only` is true if only a <relay> element allows the reader, so it must not get the
+  /// payload key. Errors as for a writer, with announced_reader_not_allowed instead of
+  /// announced_writer_not_allowed.
   virtual Result<RemoteDatareader> check_remote_datareader(PermissionsHandle remote,
                                                            DomainId domain_id,
                                                            const EndpointRequest& request) = 0;
@@ -135,15 +137,15 @@ class AccessControl {
   virtual Status check_remote_topic(PermissionsHandle remote, DomainId domain_id,
                                     std::string_view topic_name) = 0;
 
-  /// The PermissionsToken that discovery announces (DDS-Security 1.2, clause 9.4.2.9.17).
+  /// Returns the PermissionsToken that discovery announces (DDS-Security 1.2, clause 9.4.2.9.17).
   virtual Result<Token> permissions_token(PermissionsHandle local) = 0;
-  /// The signed permissions document in property dds.perm.cert, for
+  /// Returns the signed permissions document in property dds.perm.cert, for
   /// Authentication::set_permissions_credential_and_token (DDS-Security 1.2, clause 9.4.2.9.18).
   virtual Result<Token> permissions_credential_token(PermissionsHandle local) = 0;
 
-  /// The number of times that `expire` has taken renewed permissions of a local participant. When
-  /// it grows, the host passes the new permissions_credential_token to authentication. 0 for any
-  /// other handle.
+  /// Returns the number of times that `expire` has taken renewed permissions of a local
+  /// participant. When it grows, the host passes the new permissions_credential_token to
+  /// authentication. 0 for any other handle.
   virtual std::uint64_t renewals(PermissionsHandle) { return 0; }
   /// Checks an endpoint that exists, as check_create_datawriter (`writes`) or
   /// check_create_datareader does. No event is raised.
@@ -157,21 +159,21 @@ class AccessControl {
     Sha256Digest digest{};
     bool operator==(const GovernanceVersion&) const = default;
   };
-  /// The version in force. Empty for an unknown handle.
+  /// Returns the version in force. Empty for an unknown handle.
   virtual std::optional<GovernanceVersion> governance_version(PermissionsHandle) { return {}; }
-  /// The version of a document that `expire` has taken, and that protects topics in use more. It
-  /// waits until the host has changed the endpoints of these topics. Until then the document in
-  /// force decides everything. Empty if none waits.
+  /// Returns the version of a document that `expire` has taken, and that protects topics in use
+  /// more. It waits until the host has changed the endpoints of these topics. Until then the
+  /// document in force decides everything. Empty if none waits.
   virtual std::optional<GovernanceVersion> pending_governance(PermissionsHandle) { return {}; }
-  /// The attributes of an endpoint of the topic under the pending document; if none waits, under
-  /// the document before the last one that waited. Empty if there is no such document, or if it has
-  /// no rule for the topic.
+  /// Returns the attributes of an endpoint of the topic under the pending document; if none waits,
+  /// under the document before the last one that waited. Empty if there is no such document, or if
+  /// it has no rule for the topic.
   virtual std::optional<EndpointSecurityAttributes> other_attributes(PermissionsHandle,
                                                                      std::string_view) {
     return {};
   }
-  /// The rights of an endpoint of the peer under the pending document. `writes` is true for a
-  /// DataWriter. Empty if it may not match, or if no document waits.
+  /// Returns the rights of an endpoint of the peer under the pending document. `writes` is true for
+  /// a DataWriter. Empty if it may not match, or if no document waits.
   virtual std::optional<RemoteDatareader> pending_permission(PermissionsHandle, bool /*writes*/,
                                                              const EndpointRequest&) {
     return {};
@@ -182,26 +184,29 @@ class AccessControl {
     return false;
   }
 
-  /// The demands of the governance for the participant (DDS-Security 1.2, clause 9.4.2.9.22).
+  /// Returns the demands of the governance for the participant (DDS-Security 1.2,
+  /// clause 9.4.2.9.22).
   virtual Result<ParticipantSecurityAttributes> participant_sec_attributes(
       PermissionsHandle local) = 0;
-  /// The demands of the governance for a topic (DDS-Security 1.2, clause 9.4.2.9.23). Error:
-  /// topic_not_covered.
+  /// Returns the demands of the governance for a topic (DDS-Security 1.2, clause 9.4.2.9.23).
+  /// Error: topic_not_covered.
   virtual Result<TopicSecurityAttributes> topic_sec_attributes(PermissionsHandle local,
                                                                std::string_view topic_name) = 0;
-  /// The demands of the governance for a writer (DDS-Security 1.2, clause 9.4.2.9.24). Also answers
-  /// for the builtin secure topics (DDS-Security 1.2, clause 7.5.13). Error: topic_not_covered.
+  /// Returns the demands of the governance for a writer (DDS-Security 1.2, clause 9.4.2.9.24). Also
+  /// answers for the builtin secure topics (DDS-Security 1.2, clause 7.5.13). Error:
+  /// topic_not_covered.
   virtual Result<EndpointSecurityAttributes> datawriter_sec_attributes(
       PermissionsHandle local, const EndpointRequest& request) = 0;
-  /// The same for a reader (DDS-Security 1.2, clause 9.4.2.9.25).
+  /// Returns the demands of the governance for a reader (DDS-Security 1.2, clause 9.4.2.9.25).
+  /// Otherwise as for a writer.
   virtual Result<EndpointSecurityAttributes> datareader_sec_attributes(
       PermissionsHandle local, const EndpointRequest& request) = 0;
 
   /// Drops a handle. Error, without an event: unknown_permissions_handle.
   virtual Status return_permissions_handle(PermissionsHandle permissions) = 0;
 
-  /// The time when the next grant in use ends, or the certificate that signed it; empty if none
-  /// does.
+  /// Returns the time when the next grant in use ends, or the certificate that signed it; empty if
+  /// none does.
   virtual std::optional<WallTime> next_expiry() = 0;
   /// First takes other permissions CAs, a changed governance and renewed permissions of local
   /// participants from the files that their properties name, if these have changed. No other call

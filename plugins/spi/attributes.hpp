@@ -65,12 +65,12 @@ struct EndpointSecurityAttributes {
   ProtectionKind payload = ProtectionKind::none;
   /// True for an endpoint of the middleware itself, not of the application.
   bool is_builtin = false;
-  /// Asked before a remote participant gets keys. If it is null, there is no check here, because
-  /// the host has asked.
+  /// This is asked before a remote participant gets keys. If it is null, there is no check here,
+  /// because the host has asked.
   std::shared_ptr<const MatchGate> gate = {};
   bool operator==(const EndpointSecurityAttributes&) const = default;
 
-  /// The masks' bits of the same names (DDS-Security 1.2, clause 7.3.24).
+  /// Returns the masks' bit of the same name, as do the next two (DDS-Security 1.2, clause 7.3.24).
   bool is_submessage_protected() const { return is_protected(submessage); }
   bool is_payload_protected() const { return is_protected(payload); }
   bool is_key_protected() const { return is_encrypted(payload); }
@@ -88,16 +88,17 @@ inline constexpr std::uint32_t kMaskIsValid = 1u << 31;
 /// is_key_revision_enabled in a participant's `mask`.
 inline constexpr std::uint32_t kKeyRevisionBit = 1u << 3;
 
-/// The masks that discovery announces for a participant or an endpoint, with the valid bits set.
+/// Returns the masks that discovery announces for a participant or an endpoint, with the valid bits
+/// set.
 SecurityInfo security_info(const ParticipantSecurityAttributes& attributes);
 SecurityInfo security_info(const EndpointSecurityAttributes& attributes);
 
-/// The attributes that a participant's masks state: the kinds of RTPS, discovery, liveliness and
-/// pre-shared key protection, and key revision. All other fields keep their defaults. Empty if
-/// either mask lacks the valid bit.
+/// Returns the attributes that a participant's masks state: the kinds of RTPS, discovery,
+/// liveliness and pre-shared key protection, and key revision. All other fields keep their
+/// defaults. Empty if either mask lacks the valid bit.
 std::optional<ParticipantSecurityAttributes> attributes_in(const SecurityInfo& info);
 
-/// The plugin mask alone, including the valid bit (what a host asks for).
+/// Returns the plugin mask alone, including the valid bit (what a host asks for).
 std::uint32_t plugin_mask(const ParticipantSecurityAttributes& attributes);
 std::uint32_t plugin_mask(const EndpointSecurityAttributes& attributes);
 
@@ -109,7 +110,7 @@ struct ProtectionFlags {
   bool is_origin_authenticated = false;
 };
 
-/// The kind from a host's attributes. A mask without the valid bit means plain signing
+/// Returns the kind from a host's attributes. A mask without the valid bit means plain signing
 /// (DDS-Security 1.2, clause 10.4.2.4).
 ProtectionKind protection_kind(ProtectionFlags flags);
 

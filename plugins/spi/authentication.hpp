@@ -92,12 +92,13 @@ class Authentication {
   virtual Result<LocalIdentity> validate_local_identity(DomainId domain_id,
                                                         const PropertyList& properties,
                                                         const Guid& candidate_guid) = 0;
-  /// The token that discovery announces for the local identity (DDS-Security 1.2,
+  /// Returns the token that discovery announces for the local identity (DDS-Security 1.2,
   /// clause 9.3.2.11.9). `ciphers` are those that the cryptography plugin of the same participant
   /// can decrypt.
   virtual Result<Token> identity_token(IdentityHandle local,
                                        CipherMask ciphers = kStandardCiphers) = 0;
-  /// A token of the identity class without properties (DDS-Security 1.2, clause 9.3.2.11.10).
+  /// Returns a token of the identity class without properties (DDS-Security 1.2,
+  /// clause 9.3.2.11.10).
   virtual Result<Token> identity_status_token(IdentityHandle local) = 0;
   /// Sets the signed permissions that later handshakes send as c.perm (DDS-Security 1.2,
   /// clause 9.3.2.11.12). Errors: permissions_credential_wrong, token_field_length (the document is
@@ -144,19 +145,19 @@ class Authentication {
   virtual Result<HandshakeStep> process_handshake(HandshakeHandle handshake,
                                                   const Token& message) = 0;
 
-  /// The outline of a handshake message, so that hosts need not know its form. It works on messages
-  /// of either side, raises no event and takes no lock.
+  /// Returns the outline of a handshake message, so that hosts need not know its form. It works on
+  /// messages of either side, raises no event and takes no lock.
   virtual Outline outline(const Token& message) const = 0;
 
-  /// The result of the key agreement (DDS-Security 1.2, clause 9.3.2.11.7). It may outlive the
-  /// handshake. Error: handshake_not_finished before ok or ok_final_message.
+  /// Returns the result of the key agreement (DDS-Security 1.2, clause 9.3.2.11.7). It may outlive
+  /// the handshake. Error: handshake_not_finished before ok or ok_final_message.
   virtual Result<std::shared_ptr<const SharedSecret>> shared_secret(HandshakeHandle handshake) = 0;
-  /// The peer's c.id and c.perm as binary properties (DDS-Security 1.2, clauses 9.3.2.11.8
+  /// Returns the peer's c.id and c.perm as binary properties (DDS-Security 1.2, clauses 9.3.2.11.8
   /// and 10.3.2.3). The first `expire` after this call drops them, because peers choose how large
   /// they are. Errors: handshake_not_finished, credential_given_out (already dropped).
   virtual Result<Token> authenticated_peer_credential_token(HandshakeHandle handshake) = 0;
 
-  /// The subject name of the peer's certificate, for log messages. Empty before ok or
+  /// Returns the subject name of the peer's certificate, for log messages. Empty before ok or
   /// ok_final_message, and for an unknown handle.
   virtual std::string authenticated_subject(HandshakeHandle) { return {}; }
 
@@ -164,10 +165,10 @@ class Authentication {
   // session ends with the documents of its handshake. The host carries the two tokens over the
   // protected channel of the pair. All errors leave the session as it was.
 
-  /// A token that shows the peer of a finished handshake the certificate and the permissions that
-  /// the local identity presents now, signed with that certificate's key for this session alone.
-  /// Empty if the peer has them, or if they were offered kMaxOffers times. Errors, without an
-  /// event: handshake_not_finished, those of pki::sign.
+  /// Returns a token that shows the peer of a finished handshake the certificate and the
+  /// permissions that the local identity presents now, signed with that certificate's key for this
+  /// session alone. Empty if the peer has them, or if they were offered kMaxOffers times. Errors,
+  /// without an event: handshake_not_finished, those of pki::sign.
   virtual Result<std::optional<Token>> offer_renewal(HandshakeHandle) { return std::nullopt; }
   /// Judges such a token of the peer and changes nothing. Returns the credential for
   /// AccessControl::renew_remote_permissions. Errors: handshake_not_finished, those of the token's
@@ -194,9 +195,9 @@ class Authentication {
   /// all its remote ones. The caller need not return these any more. Error: unknown_identity.
   virtual Status return_identity_handle(IdentityHandle identity) = 0;
 
-  /// The time when the next certificate in use expires; empty if none does. The host calls `expire`
-  /// at that time, and also once a second, because the clock may be set, or a certificate may be
-  /// revoked or renewed.
+  /// Returns the time when the next certificate in use expires; empty if none does. The host calls
+  /// `expire` at that time, and also once a second, because the clock may be set, or a certificate
+  /// may be revoked or renewed.
   virtual std::optional<WallTime> next_expiry() = 0;
   /// First takes other identity CAs of a local identity, and a renewed certificate. Handshakes that
   /// begin later use these. A peer whose CA was removed from the file is revoked. Raises the events

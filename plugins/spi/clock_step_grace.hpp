@@ -7,7 +7,7 @@
 
 namespace ddssec::spi {
 
-/// The value of `org.ddssec.clock_step_grace` in seconds, at most one hour;
+/// Returns the value of `org.ddssec.clock_step_grace` in seconds, at most one hour;
 /// SteadyCalendar::kDefaultGrace if the property is missing. With 0 a new calendar time counts at
 /// once. Error: invalid_property.
 Result<std::chrono::seconds> clock_step_grace(const PropertyList& properties);

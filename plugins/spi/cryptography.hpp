@@ -77,12 +77,12 @@ class CryptoKeyFactory {
       DatareaderCryptoHandle local_datareader, ParticipantCryptoHandle remote_participant,
       const SharedSecret& shared_secret) = 0;
 
-  /// The ciphers that this plugin can decrypt, for discovery to announce.
+  /// Returns the ciphers that this plugin can decrypt, for discovery to announce.
   virtual CipherMask supported_ciphers() const = 0;
-  /// The ciphers that discovery announces for the participant: those that it can decrypt, and those
-  /// that a peer must be able to decrypt to understand it.
+  /// Returns the ciphers that discovery announces for the participant: those that it can decrypt,
+  /// and those that a peer must be able to decrypt to understand it.
   virtual Result<SymmetricCipherInfo> cipher_info(ParticipantCryptoHandle local) = 0;
-  /// The cipher of a local endpoint's keys.
+  /// Returns the cipher of a local endpoint's keys.
   virtual Result<CipherMask> required_ciphers(DatawriterCryptoHandle local) = 0;
   virtual Result<CipherMask> required_ciphers(DatareaderCryptoHandle local) = 0;
 
@@ -144,8 +144,8 @@ class CryptoKeyExchange {
  public:
   virtual ~CryptoKeyExchange() = default;
 
-  /// The tokens of a participant (DDS-Security 1.2, clause 9.5.1.9.1). With stage `in_use` there is
-  /// always exactly one token.
+  /// Returns the tokens of a participant (DDS-Security 1.2, clause 9.5.1.9.1). With stage `in_use`
+  /// there is always exactly one token.
   virtual Result<std::vector<Token>> create_local_participant_crypto_tokens(
       ParticipantCryptoHandle local, ParticipantCryptoHandle remote,
       KeyStage stage = KeyStage::in_use) = 0;
@@ -153,8 +153,8 @@ class CryptoKeyExchange {
   virtual Status set_remote_participant_crypto_tokens(ParticipantCryptoHandle local,
                                                       ParticipantCryptoHandle remote,
                                                       std::span<const Token> tokens) = 0;
-  /// The tokens of a writer (DDS-Security 1.2, clause 9.5.1.9.3). The token for submessages comes
-  /// before the one for payloads.
+  /// Returns the tokens of a writer (DDS-Security 1.2, clause 9.5.1.9.3). The token for submessages
+  /// comes before the one for payloads.
   virtual Result<std::vector<Token>> create_local_datawriter_crypto_tokens(
       DatawriterCryptoHandle local, DatareaderCryptoHandle remote,
       KeyStage stage = KeyStage::in_use) = 0;
@@ -162,7 +162,7 @@ class CryptoKeyExchange {
   virtual Status set_remote_datawriter_crypto_tokens(DatareaderCryptoHandle local,
                                                      DatawriterCryptoHandle remote,
                                                      std::span<const Token> tokens) = 0;
-  /// The tokens of a reader (DDS-Security 1.2, clause 9.5.1.9.5).
+  /// Returns the tokens of a reader (DDS-Security 1.2, clause 9.5.1.9.5).
   virtual Result<std::vector<Token>> create_local_datareader_crypto_tokens(
       DatareaderCryptoHandle local, DatawriterCryptoHandle remote,
       KeyStage stage = KeyStage::in_use) = 0;
@@ -183,8 +183,9 @@ struct SecureSubmessage {
   DatareaderCryptoHandle datareader;
 };
 
-/// The largest number of octets that protection adds to a payload, a submessage or a message:
-/// prefix, length, padding, footer, INFO_SRC. `receivers` is 0 without origin authentication.
+/// Returns the largest number of octets that protection adds to a payload, a submessage or a
+/// message: prefix, length, padding, footer, INFO_SRC. `receivers` is 0 without origin
+/// authentication.
 constexpr std::size_t protection_overhead(std::size_t receivers) { return 112 + 20 * receivers; }
 
 /// Encodes and decodes (DDS-Security 1.2, clause 9.5.1.10). Thread-safe. Threads do not wait for
@@ -269,11 +270,11 @@ class CryptoTransform {
 class Cryptography {
  public:
   virtual ~Cryptography() = default;
-  /// The part that has the keys. Lives as long as this object, as do the others.
+  /// Returns the part that has the keys. It lives as long as this object, as do the others.
   virtual CryptoKeyFactory& key_factory() = 0;
-  /// The part that gives keys to peers and takes theirs.
+  /// Returns the part that gives keys to peers and takes theirs.
   virtual CryptoKeyExchange& key_exchange() = 0;
-  /// The part that protects and checks messages.
+  /// Returns the part that protects and checks messages.
   virtual CryptoTransform& transform() = 0;
 };
 

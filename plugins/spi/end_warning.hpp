@@ -14,8 +14,9 @@ namespace ddssec::spi {
 /// The numbers of days before an end at which to warn, the largest first; empty for no warnings.
 using WarningDays = std::vector<std::chrono::days>;
 
-/// The value of `org.ddssec.warn_before_end`: up to eight numbers of days from 1 to 3650, separated
-/// by commas, or 0 for no warnings. Without the property: 30, 7 and 1. Error: invalid_property.
+/// Returns the value of `org.ddssec.warn_before_end`: up to eight numbers of days from 1 to 3650,
+/// separated by commas, or 0 for no warnings. Without the property: 30, 7 and 1. Error:
+/// invalid_property.
 Result<WarningDays> warning_days(const PropertyList& properties);
 
 /// Tells when a warning about one thing that ends is due. Not thread-safe.
@@ -36,8 +37,8 @@ class EndWarning {
   std::optional<std::chrono::days> last_day_;  ///< the last day for which a warning was due
 };
 
-/// The text for the "found" of a warning: "2026-12-04T03:00:00Z, in 6 days"; in hours, minutes or
-/// seconds if there is no whole day left.
+/// Returns the text for the "found" of a warning: "2026-12-04T03:00:00Z, in 6 days"; in hours,
+/// minutes or seconds if there is no whole day left.
 std::string in_time(WallTime end, WallTime now);
 
 }  // namespace ddssec::spi

@@ -7,8 +7,8 @@
 
 namespace ddssec::spi {
 
-/// The value of the property; false if it is missing. Error: invalid_property (neither "true" nor
-/// "false").
+/// Returns the value of the property; false if it is missing. Error: invalid_property (neither
+/// "true" nor "false").
 Result<bool> flag_property(const PropertyList& properties, std::string_view name);
 
 }  // namespace ddssec::spi

@@ -20,7 +20,7 @@ struct KeyLimits {
   bool any() const { return lifetime.count() != 0 || blocks != 0; }
 };
 
-/// The values of `org.ddssec.crypto.key_lifetime` (seconds, kMinKeyLifetime to
+/// Returns the values of `org.ddssec.crypto.key_lifetime` (seconds, kMinKeyLifetime to
 /// kMaxKeyLifetime) and `org.ddssec.crypto.max_blocks_per_key`. A missing property is no limit.
 /// Limits need a governance that enables key revision; this function does not check that. Error:
 /// invalid_property.

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-/// GenericMessageClassId.
+/// The values of GenericMessageClassId.
 namespace ddssec::spi::message_class {
 
 inline constexpr std::string_view kAuthRequest = "dds.sec.auth_request";

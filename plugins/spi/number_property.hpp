@@ -15,8 +15,8 @@ struct NumberRange {
   std::uint64_t min = 1, max = 0;
 };
 
-/// The value of the property, or `otherwise` if it is missing. Error: invalid_property (not a
-/// decimal number, or out of range).
+/// Returns the value of the property, or `otherwise` if it is missing. Error: invalid_property (not
+/// a decimal number, or out of range).
 Result<std::uint64_t> number_property(const PropertyList& properties, std::string_view name,
                                       const NumberRange& range, std::uint64_t otherwise);
 

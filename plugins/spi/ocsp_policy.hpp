@@ -13,7 +13,7 @@ enum class OcspPolicy : std::uint8_t {
   hard,    ///< the peer must send a response with the status "good"
 };
 
-/// The value of `org.ddssec.auth.ocsp`; soft without it. Error: invalid_property.
+/// Returns the value of `org.ddssec.auth.ocsp`; soft without it. Error: invalid_property.
 Result<OcspPolicy> ocsp_policy(const PropertyList& properties);
 
 }  // namespace ddssec::spi

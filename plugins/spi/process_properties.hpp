@@ -14,10 +14,10 @@ inline constexpr const char* kCipherVariable = "DDSSEC_SYMMETRIC_CIPHER_ALGORITH
 /// The variable with the path of a properties file.
 inline constexpr const char* kPropertiesVariable = "DDSSEC_PROPERTIES";
 
-/// The properties from the host, completed by those from the two environment variables for names
-/// that the host does not set. An empty value of the host and an empty variable count as not set.
-/// Errors: those of read_property_file, and property_without_effect for a property that Cyclone DDS
-/// cannot support.
+/// Returns the properties from the host, completed by those from the two environment variables for
+/// names that the host does not set. An empty value of the host and an empty variable count as not
+/// set. Errors: those of read_property_file, and property_without_effect for a property that
+/// Cyclone DDS cannot support.
 Result<PropertyList> with_process_properties(PropertyList of_host);
 
 /// Success if the values that the adapters to Cyclone DDS read themselves are good. The plugins

@@ -8,7 +8,7 @@
 
 namespace ddssec::spi {
 
-/// The URIs of the file that the property names, or else of renewed.pem beside the identity
+/// Returns the URIs of the file that the property names, or else of renewed.pem beside the identity
 /// certificate and beside the identity CA, as far as these are files. None of them need exist.
 /// Error: invalid_property (it names no file).
 Result<std::vector<std::string>> renewal_list_places(const PropertyList& properties);

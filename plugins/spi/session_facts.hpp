@@ -25,7 +25,8 @@ struct SessionFacts {
 /// Adds the facts to a token as properties that do not propagate. Their values are text, because
 /// Cyclone DDS supports only text in this token.
 void add_session_facts(Token& credential, const SessionFacts& facts);
-/// The facts in a token. Missing or malformed ones have the values of a default SessionFacts.
+/// Returns the facts in a token. Missing or malformed ones have the values of a default
+/// SessionFacts.
 SessionFacts session_facts_in(const Token& credential);
 
 }  // namespace ddssec::spi

@@ -28,12 +28,12 @@ struct ResetToken {
   ResetProof proof;
 };
 
-/// The token with which the participant with the prefix `sender` resets the session of `shared`.
-/// Both parts are HMAC-SHA256 under the shared secret over a label, both challenges and the prefix;
-/// the name is the first 16 octets of its HMAC.
+/// Returns the token with which the participant with the prefix `sender` resets the session of
+/// `shared`. Both parts are HMAC-SHA256 under the shared secret over a label, both challenges and
+/// the prefix; the name is the first 16 octets of its HMAC.
 ResetToken derive_reset_token(const SharedSecret& shared, const GuidPrefix& sender);
 
-/// A complete RTPS message that carries `token`. It has the form of a protected message
+/// Returns a complete RTPS message that carries `token`. It has the form of a protected message
 /// (SRTPS_PREFIX, SRTPS_BODY, SRTPS_POSTFIX) with a private CryptoTransformKind. So a host passes
 /// it to its cryptography plugin, and every other plugin refuses it.
 Bytes write_reset(const GuidPrefix& sender, const ResetToken& token);
@@ -43,8 +43,8 @@ struct Reset {
   BytesView name;   ///< as long as ResetName
   BytesView proof;  ///< 32 octets, not yet compared
 };
-/// The parts of a reset message; empty for any other message. Compares the size and four octets
-/// only, because it is called for every protected message.
+/// Returns the parts of a reset message; empty for any other message. Compares the size and four
+/// octets only, because it is called for every protected message.
 std::optional<Reset> read_reset(BytesView message);
 
 }  // namespace ddssec::spi

@@ -17,7 +17,7 @@ struct SharedMemory {
   bool operator==(const SharedMemory&) const = default;
 };
 
-/// The values of `org.ddssec.shm` ("on" or "off"), `org.ddssec.shm.trust_kernel` and
+/// Returns the values of `org.ddssec.shm` ("on" or "off"), `org.ddssec.shm.trust_kernel` and
 /// `org.ddssec.shm.other_users` ("true" or "false"), and `org.ddssec.shm.max_octets` (at most 1
 /// TiB); off, false and 256 MiB if they are missing. Error: invalid_property.
 Result<SharedMemory> shared_memory(const PropertyList& properties);

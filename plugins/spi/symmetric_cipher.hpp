@@ -26,12 +26,12 @@ inline constexpr std::string_view kAes128Name = "AES128+GCM";
 inline constexpr std::string_view kAes256Name = "AES256+GCM";
 inline constexpr std::string_view kChaCha20Poly1305Name = "org.ddssec.ChaCha20-Poly1305";
 
-/// The bit of the cipher with that name; empty if the name is unknown.
+/// Returns the bit of the cipher with that name; empty if the name is unknown.
 std::optional<CipherMask> cipher_of(std::string_view name);
 
-/// The names of the known ciphers in `mask`, separated by commas; "none" if there are none.
+/// Returns the names of the known ciphers in `mask`, separated by commas; "none" if there are none.
 std::string names_of(CipherMask mask);
-/// The ciphers named in such a list; unknown names are skipped.
+/// Returns the ciphers named in such a list; unknown names are skipped.
 CipherMask ciphers_in(std::string_view names);
 
 /// The announcement of a participant about its symmetric ciphers

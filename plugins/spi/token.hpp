@@ -42,7 +42,8 @@ struct Token {
   bool operator==(const Token&) const = default;
 };
 
-/// The value of the first binary property with that name, or nullptr. It is owned by `token`.
+/// Returns the value of the first binary property with that name, or nullptr. It is owned by
+/// `token`.
 const Bytes* find_binary_property(const Token& token, std::string_view name);
 
 /// Limits for tokens that a peer sends. A larger number is refused before anything is allocated.
@@ -61,8 +62,8 @@ struct NamedOctets {
   std::string_view name;
   BytesView value;
 };
-/// BinaryPropertySeq in big-endian XCDR1 without encapsulation: the input of hash_c1, hash_c2 and
-/// of the handshake's signatures (DDS-Security 1.2, clause 10.3.2.5.1).
+/// Returns BinaryPropertySeq in big-endian XCDR1 without encapsulation: the input of hash_c1,
+/// hash_c2 and of the handshake's signatures (DDS-Security 1.2, clause 10.3.2.5.1).
 Bytes serialize_binary_properties(std::span<const NamedOctets> properties);
 
 }  // namespace ddssec::spi
