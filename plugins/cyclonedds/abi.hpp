@@ -58,8 +58,8 @@ inline constexpr const char* kTakeSessionResetSymbol = "ddssec_take_session_rese
 using TakeStrandedKeys = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kTakeStrandedKeysSymbol = "ddssec_take_stranded_keys";
 
-/// Tells a ddssec library that a local participant is cut off. Called by libddssec_authentication
-/// and libddssec_access_control for cryptography, and by libddssec_authentication for access
+/// Tells a ddssec library that a local participant is cut off. libddssec_authentication and
+/// libddssec_access_control call it for cryptography, and libddssec_authentication for access
 /// control.
 using CutOff = void(DDS_Security_IdentityHandle);
 inline constexpr const char* kCutOffCryptographySymbol = "ddssec_cut_off_cryptography";

@@ -46,7 +46,7 @@ class AccessControlAdapter final : public dds_security_access_control {
   /// participant of any domain removed a right from one of its endpoints.
   static std::uint64_t rights_lost(spi::IdentityHandle local) noexcept;
 
-  /// Called by authentication when a local participant of any domain is cut off.
+  /// Cuts off a local participant of any domain. Authentication calls this.
   static void cut_off(spi::IdentityHandle local);
 
   static AccessControlAdapter& of(dds_security_access_control& instance) {

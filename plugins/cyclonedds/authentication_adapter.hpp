@@ -90,7 +90,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   struct Ending {
     spi::IdentityHandle local;
     Guid remote;
-    /// After this no handshake with these permissions is under way.
+    /// The time after which no handshake with these permissions is under way.
     std::chrono::nanoseconds until;
   };
   std::vector<Ending> endings_;  ///< for the timer's thread

@@ -16,7 +16,7 @@ class CoreTimer {
   using SetTimeout = void(void* machine, void* action, std::int64_t timeout);
   /// If `set_timeout` is null, no timer is stopped.
   explicit CoreTimer(SetTimeout* set_timeout) : set_timeout_(set_timeout) {}
-  /// `code` is an address in the host's code, or null.
+  /// Finds the function in the host's library. `code` is an address in the host's code, or null.
   static CoreTimer of_host(const void* code) noexcept;
 
   /// The arguments of a call of validate_remote_identity.

@@ -20,16 +20,16 @@ LogFunction find_host_log(const void* caller) noexcept;
 
 /// Returns Cyclone's log category for a severity; 0 if it is not logged there.
 std::uint32_t log_category(Severity severity);
-/// The same for an event. Cyclone DDS shows no informational lines by default. So three of them are
-/// logged as warnings: which plugins are in use, that there is no revocation list, and that a newer
-/// one is in force.
+/// Returns the same for an event. Cyclone DDS shows no informational lines by default. So three of
+/// them are logged as warnings: which plugins are in use, that there is no revocation list, and
+/// that a newer one is in force.
 std::uint32_t log_category(const Event& event);
 
-/// Writes one line per event to `log` (stderr if null), and appends one JSON object per line to the
-/// file `json_path` unless that is null or empty.
+/// Makes an output that writes one line per event to `log` (stderr if null), and appends one JSON
+/// object per line to the file `json_path` unless that is null or empty.
 std::unique_ptr<EventSink> make_host_log(LogFunction log, const char* json_path);
 
-/// The same with the host's own log and the file that DDSSEC_EVENT_LOG names.
+/// Makes the same output with the host's own log and the file that DDSSEC_EVENT_LOG names.
 std::unique_ptr<EventSink> make_host_log_for(const void* caller);
 
 }  // namespace ddssec::cyclonedds

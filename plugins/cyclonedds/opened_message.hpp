@@ -33,7 +33,8 @@ class OpenedMessage {
   bool was_opened_for_another(const MessageCall& call) const noexcept;
 
  private:
-  /// RTPS header, submessage header and CryptoHeader; common MAC, count and the like.
+  /// The size of RTPS header, submessage header and CryptoHeader, and that of common MAC, count and
+  /// the like.
   static constexpr std::size_t kHeadSize = 44, kTailSize = 36;
 
   const void* plugin_ = nullptr;

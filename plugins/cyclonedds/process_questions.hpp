@@ -36,7 +36,7 @@ HandshakeWatch::Questions questions_to_cryptography();
 /// peers (reader_ends.hpp). Without this library nothing happens.
 void look_for_ended_readers() noexcept;
 
-/// Cut off a local participant whose certificate or permissions have expired. Cyclone's core would
+/// Cuts off a local participant whose certificate or permissions have expired. Cyclone's core would
 /// delete the participant although the application still uses its entities, and the process would
 /// crash at the next call that needs it. So the core is not informed, and the other ddssec plugins
 /// refuse the participant everything, as far as they are loaded.

@@ -27,7 +27,7 @@ inline bool is_nil(const DDS_Security_DataHolder* token) {
 /// (kMaxPropertiesPerToken).
 Result<spi::Token> token_from(const DDS_Security_DataHolder* token);
 
-/// The same for sequences of crypto tokens.
+/// Does the same for sequences of crypto tokens.
 Status copy_tokens(std::span<const spi::Token> tokens, DDS_Security_DataHolderSeq& out);
 void free_tokens(DDS_Security_DataHolderSeq& tokens) noexcept;
 
@@ -59,7 +59,7 @@ Status copy_properties(const spi::PropertyList& list, DDS_Security_PropertySeq& 
 /// Frees a copy of copy_properties and makes it empty.
 void free_properties(DDS_Security_PropertySeq& properties) noexcept;
 
-/// Return the text properties of a QoS; a null QoS has none. Errors: null_argument,
+/// Returns the text properties of a QoS; a null QoS has none. Errors: null_argument,
 /// length_out_of_range.
 Result<spi::PropertyList> properties_from(const DDS_Security_PropertySeq& properties);
 Result<spi::PropertyList> properties_from(const DDS_Security_Qos* qos);

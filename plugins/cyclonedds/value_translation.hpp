@@ -28,7 +28,7 @@ auto elements_of(const Sequence& sequence)
 /// Returns the octets, borrowed. Error: null_argument.
 Result<BytesView> octets_from(const DDS_Security_OctetSeq* octets);
 
-/// GUIDs are in network byte order on both sides.
+/// These convert GUIDs, which are in network byte order on both sides.
 Guid guid_from(const DDS_Security_GUID_t& guid);
 DDS_Security_GUID_t to_c(const Guid& guid);
 
