@@ -28,7 +28,7 @@ struct SubscriptionBuiltinTopicData : EndpointData {};
 struct TopicBuiltinTopicData {
   std::string name = {};
   std::string type_name = {};
-  Qos qos = {};  ///< those of the first endpoint that was found
+  Qos qos = {};  ///< the policies of the first endpoint that was found
   bool with_key = true;
 };
 

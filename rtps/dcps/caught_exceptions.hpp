@@ -30,7 +30,7 @@ class CaughtExceptions {
     }
     return false;
   }
-  /// Any thread may call it.
+  /// Returns the number of exceptions that were caught. Any thread may call it.
   std::uint64_t count() const { return count_; }
 
  private:

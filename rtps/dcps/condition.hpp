@@ -59,7 +59,7 @@ class GuardCondition final : public Condition {
 class StatusCondition final : public Condition {
  public:
   Entity& entity() const { return entity_; }
-  /// The statuses that trigger it.
+  /// Returns the statuses that trigger it.
   StatusMask enabled_statuses() const { return StatusMask::from(enabled_); }
   /// Sets the statuses that trigger it. Statuses that have already changed count as well.
   void set_enabled_statuses(StatusMask statuses);
@@ -101,7 +101,7 @@ class ReadCondition : public Condition {
 class QueryCondition final : public ReadCondition {
  public:
   const std::string& query_expression() const { return text_.expression; }
-  /// The values of %0, %1 and so on in the expression.
+  /// Returns the values of %0, %1 and so on in the expression.
   std::vector<std::string> query_parameters() const;
   /// Sets the values of the parameters. They apply at once, also to the samples that the reader
   /// holds. Errors: rtps_filter_invalid; then nothing has changed.

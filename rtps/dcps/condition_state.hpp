@@ -54,7 +54,7 @@ struct WaitSetState : std::enable_shared_from_this<WaitSetState> {
 
   /// Makes the waiting thread check its conditions. The caller does not hold the mutex.
   void notify();
-  /// The triggered conditions. The caller holds the mutex.
+  /// Returns the triggered conditions. The caller holds the mutex.
   std::vector<Condition*> triggered() const;
   /// Waits until a condition is triggered or the time is over. `lock` holds the mutex.
   void wait_until(std::unique_lock<std::mutex>& lock, TimePoint end);

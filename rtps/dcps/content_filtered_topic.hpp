@@ -24,10 +24,10 @@ class ContentFilteredTopic {
   const std::string& name() const { return name_; }
   Topic& related_topic() const { return related_; }
   const std::string& filter_expression() const { return text_.expression; }
-  /// The values of %0, %1 and so on in the expression.
+  /// Returns the values of %0, %1 and so on in the expression.
   std::vector<std::string> expression_parameters() const;
-  /// Applies to all its readers, from the next sample on. Errors: rtps_filter_invalid; then nothing
-  /// has changed.
+  /// Sets the values of the parameters. They apply to all its readers, from the next sample on.
+  /// Errors: rtps_filter_invalid; then nothing has changed.
   Status set_expression_parameters(std::vector<std::string> parameters);
 
  private:

@@ -27,7 +27,7 @@ class AnyDataReader : public Endpoint {
  public:
   ~AnyDataReader() override;
 
-  /// The subscriber that owns it.
+  /// Returns the subscriber that owns it.
   Subscriber& subscriber() const;
   /// Returns nullptr if the reader receives all samples of its topic.
   ContentFilteredTopic* content_filtered_topic() const { return filter_.topic(); }
@@ -65,7 +65,7 @@ class AnyDataReader : public Endpoint {
   /// sockets meanwhile.
   bool wait_for_unread(std::chrono::nanoseconds timeout);
 
-  /// The statuses of DDS 1.4, 2.2.4.1. Reading one resets its change counts.
+  /// Each returns a status of DDS 1.4, 2.2.4.1, and resets its change counts.
   DeadlineMissedStatus requested_deadline_missed_status() { return read_deadline_status(); }
   IncompatibleQosStatus requested_incompatible_qos_status() { return read_incompatible_status(); }
   LivelinessChangedStatus liveliness_changed_status();
@@ -78,7 +78,7 @@ class AnyDataReader : public Endpoint {
   Result<EndpointData> matched_publication_data(const Guid& writer) const {
     return matched_data(writer);
   }
-  /// Number of samples that could not be deserialized; never reset.
+  /// Returns the number of samples that could not be deserialized; never reset.
   std::uint64_t malformed() const { return reception_.samples().malformed(); }
 
  protected:

@@ -27,8 +27,9 @@ struct OctetWrite {
   BytesView payload = {};                           ///< with its encapsulation
   std::optional<KeyHash> key = {};                  ///< required for types with keys
   std::function<Bytes()> serialized_key = nullptr;  ///< called only for a new instance
-  InstanceHandle handle = {};                       ///< HANDLE_NIL: the instance that the key names
-  std::optional<Time> source_timestamp = {};        ///< empty: now
+  InstanceHandle handle = {};                       ///< HANDLE_NIL means the instance that the key
+                                                    ///< names
+  std::optional<Time> source_timestamp = {};        ///< if it is empty, the source time is now
 };
 
 /// A writer of serialized samples; the base class of DataWriter<T>. Created and deleted by its
@@ -37,7 +38,7 @@ class AnyDataWriter : public Endpoint, private Timed {
  public:
   ~AnyDataWriter() override;
 
-  /// The publisher that owns it.
+  /// Returns the publisher that owns it.
   Publisher& publisher() const;
   /// Replaces the listener, which the caller owns; nullptr removes it. `mask` has the statuses that
   /// it handles; the others go to the listeners of its publisher and participant. Waits until
@@ -77,7 +78,7 @@ class AnyDataWriter : public Endpoint, private Timed {
   /// or MANUAL_BY_TOPIC. A write does so too. Errors: rtps_not_enabled.
   Status assert_liveliness();
 
-  /// The statuses of DDS 1.4, 2.2.4.1. Reading one resets its change counts.
+  /// Each returns a status of DDS 1.4, 2.2.4.1, and resets its change counts.
   DeadlineMissedStatus offered_deadline_missed_status() { return read_deadline_status(); }
   IncompatibleQosStatus offered_incompatible_qos_status() { return read_incompatible_status(); }
   LivelinessLostStatus liveliness_lost_status();
@@ -111,7 +112,7 @@ class AnyDataWriter : public Endpoint, private Timed {
   Result<InstanceHandle> instance_of(const OctetWrite& change);
   Status wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change);
   void after_write(const KeyHash& key, StatusInfo status, SequenceNumber number, MonotonicTime now);
-  /// The time at which on_time has something to do.
+  /// Returns the time at which on_time has something to do.
   MonotonicTime next_work(MonotonicTime now) const;
   void end_set(CoherentSetInfo marker, MonotonicTime now);
   StatefulWriter& protocol() const;

@@ -17,8 +17,8 @@ class DiscoveredEntities {
   std::vector<Guid> participants() const;
   /// Returns what a participant announced. Errors: rtps_bad_parameter (no such participant).
   Result<ParticipantBuiltinTopicData> participant_data(const Guid& participant) const;
-  /// The topics on which at least one remote endpoint is known. Each pair of name and type is
-  /// listed once.
+  /// Returns the topics on which at least one remote endpoint is known. Each pair of name and type
+  /// is listed once.
   std::vector<TopicBuiltinTopicData> topics() const;
 
   // Ignores the entity permanently. Errors: those of `check`.

@@ -38,9 +38,10 @@ struct DomainParticipantOptions {
   /// authenticated participants receive them.
   std::string entity_name = {};
   Bytes user_data = {};
-  /// Names or addresses of the network interfaces to use; {"lo"} stays on this machine. Empty:
-  /// every IPv4 interface that is up and supports multicast, or the loopback interface if there is
-  /// none. The participant follows their changes while it runs (rtps_interfaces_changed).
+  /// Names or addresses of the network interfaces to use; {"lo"} stays on this machine. If this is
+  /// empty, the participant uses every IPv4 interface that is up and supports multicast, or the
+  /// loopback interface if there is none. The participant follows their changes while it runs
+  /// (rtps_interfaces_changed).
   std::vector<std::string> interfaces = {};
   bool multicast = true;  ///< join 239.255.0.1 on each interface and announce to it
   /// IP addresses to which the participant announces itself by unicast, at the ports of participant
@@ -49,8 +50,8 @@ struct DomainParticipantOptions {
   std::vector<std::string> peers = {"127.0.0.1"};
   /// Others remove this participant if they hear nothing of it for this long.
   Duration lease_duration{{10, 0}};
-  /// Time between announcements of the participant, after the first few. 0: derived from the lease
-  /// duration.
+  /// Time between announcements of the participant, after the first few. If it is 0, it is derived
+  /// from the lease duration.
   std::chrono::nanoseconds announcement_period{};
   /// Samples with a larger payload are sent in fragments of this size. In octets, 1 to
   /// kMaxFragment; other values count as the nearest of these.
@@ -66,14 +67,15 @@ struct DomainParticipantOptions {
   /// but saves the time that a sleeping thread takes to wake up. At most kMaxBusyWait.
   std::chrono::nanoseconds busy_wait{};
   static constexpr std::chrono::nanoseconds kMaxBusyWait = std::chrono::milliseconds(1);
-  bool own_thread = true;  ///< false: the application calls poll()
+  bool own_thread = true;  ///< if false, the application calls poll()
   /// Delivers samples to participants of the same process directly, in the writer's thread, unless
   /// the topic is protected. If false, samples always go over the network.
   bool is_in_process = true;
-  bool enabled = true;  ///< false: sends nothing until enable()
+  bool enabled = true;  ///< if false, it sends nothing until enable()
   /// Path of the file that stores the samples of writers with DURABILITY PERSISTENT. It is created
   /// if it does not exist. Only one participant at a time can use it, and no other user may be able
-  /// to make files in its folder. Empty: the samples last as long as the participant.
+  /// to make files in its folder. If the path is
+  /// empty, the samples last as long as the participant.
   std::string durability_store = {};
   /// Limit for the size of the store, in octets.
   std::size_t durability_store_octets = std::size_t{4} << 30;
@@ -132,14 +134,14 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
 
   Guid guid() const { return guid_; }
   DomainId domain_id() const { return options_.domain_id; }
-  /// The participant index, which determines the ports (RTPS 9.6.2.3).
+  /// Returns the participant index, which determines the ports (RTPS 9.6.2.3).
   int index() const;
-  /// A copy of the counters now.
+  /// Returns a copy of the counters now.
   DomainParticipantCounters counters() const;
-  /// The calendar time that its samples get as source time (DDS 1.4, 2.2.2.2.1.26).
+  /// Returns the calendar time that its samples get as source time (DDS 1.4, 2.2.2.2.1.26).
   Time current_time() const { return context_.moment().wall; }
 
-  /// The policies that are in force.
+  /// Returns the policies that are in force.
   DomainParticipantQos qos() const;
   /// Sets the policies. Changed user data is announced soon. Always succeeds.
   Status set_qos(const DomainParticipantQos& qos);
@@ -208,7 +210,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   Status delete_contained_entities();
   /// True if it contains topics, publishers or subscribers, not counting builtin ones.
   bool contains_entities() const;
-  /// The policies of topics that are created without any.
+  /// Returns the policies of topics that are created without any.
   Qos default_topic_qos() const;
   /// Sets the policies of topics that are created without any. Errors: rtps_qos_inconsistent.
   Status set_default_topic_qos(const Qos& qos);
@@ -230,14 +232,14 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
     return static_cast<BuiltinDataReader<T>*>(
         topics.subscriber().lookup_datareader(BuiltinTopicOf<T>::topic));
   }
-  /// The remote participants that were accepted. A secured participant accepts those that are
-  /// authenticated, or admitted without authentication.
+  /// Returns the remote participants that were accepted. A secured participant accepts those that
+  /// are authenticated, or admitted without authentication.
   std::vector<Guid> discovered_participants() const { return discovered_.participants(); }
   /// Returns what a participant announced. Errors: rtps_bad_parameter (no such participant).
   Result<ParticipantBuiltinTopicData> discovered_participant_data(const Guid& participant) const {
     return discovered_.participant_data(participant);
   }
-  /// The topics on which at least one remote endpoint is known.
+  /// Returns the topics on which at least one remote endpoint is known.
   std::vector<TopicBuiltinTopicData> discovered_topics() const { return discovered_.topics(); }
   /// Creates new keys and switches to them when all trusted peers have received them, after 5 s at
   /// the latest. Only for secured participants whose governance enables key revision. Key revision

@@ -1,5 +1,5 @@
-// DomainParticipantFactory of DDS 1.4, 2.2.2.2.2. Not a singleton, because it receives its clock,
-// random source and event sink from the caller.
+// DomainParticipantFactory of DDS 1.4, 2.2.2.2.2. It is no singleton, because it receives its
+// clock, random source and event sink from the caller.
 #pragma once
 
 #include <atomic>

@@ -18,7 +18,7 @@ class Endpoint : public Entity, protected EndpointListener {
   ~Endpoint() override = default;
 
   Topic& topic() const { return topic_; }
-  /// The endpoint's GUID; zero until it is enabled.
+  /// Returns the endpoint's GUID; zero until it is enabled.
   Guid guid() const;
   Qos qos() const;
   /// Changes the policies. Errors: rtps_qos_inconsistent, rtps_immutable_policy.
@@ -74,7 +74,8 @@ class Endpoint : public Entity, protected EndpointListener {
     return read_status(side_.deadline_missed, deadline_missed_);
   }
   std::vector<Guid> matched_remotes() const;
-  /// Errors: rtps_bad_parameter (the remote endpoint is not matched).
+  /// Returns what a matched remote endpoint announced. Errors: rtps_bad_parameter (it is not
+  /// matched).
   Result<EndpointData> matched_data(const Guid& remote) const;
 
   /// Checks that regroup would succeed.

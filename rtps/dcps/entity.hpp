@@ -19,9 +19,10 @@ class Entity {
   Entity(const Entity&) = delete;
   Entity& operator=(const Entity&) = delete;
 
-  /// The condition for a WaitSet, owned by the entity.
+  /// Returns the condition for a WaitSet, owned by the entity.
   StatusCondition& status_condition() { return changes_.condition(); }
-  /// The statuses that changed since the application read them or a listener was called for them.
+  /// Returns the statuses that changed since the application read them or a listener was called for
+  /// them.
   StatusMask status_changes() const;
   /// True after enable().
   bool is_enabled() const;
@@ -75,7 +76,7 @@ class Entity {
 /// rtps_precondition_not_met.
 Status check_not_in_callback(const ParticipantContext& context);
 
-/// The error for a call that is not allowed in the entity's current state.
+/// Returns the error for a call that is not allowed in the entity's current state.
 inline std::unexpected<Error> precondition_not_met_error(std::string document, std::string expected,
                                                          std::string found) {
   return fail(Code::rtps_precondition_not_met, {.document = std::move(document),

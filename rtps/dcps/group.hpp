@@ -43,7 +43,7 @@ class Group : public Entity {
   ~Group() override;
 
   DomainParticipant& participant() const { return participant_; }
-  /// The policies that are in force.
+  /// Returns the policies that are in force.
   GroupQos qos() const;
   /// Changes the policies and announces them for all its writers or readers. Errors:
   /// rtps_immutable_policy (PRESENTATION, once it is enabled), rtps_qos_inconsistent; for a secured
@@ -60,7 +60,7 @@ class Group : public Entity {
   Group(DomainParticipant& participant, ParticipantContext& context, GroupQos qos,
         const Qos& default_endpoint_qos, std::string_view name);
 
-  /// The caller holds the lock.
+  /// Returns the PRESENTATION of its members. The caller holds the lock.
   const Presentation& presentation_of_members() const { return qos_.presentation; }
   Qos default_endpoint_qos() const;
   Status set_default_endpoint_qos(const Qos& qos);

@@ -31,7 +31,7 @@ class Groups {
   Status announce_again(const Topic& topic);
   /// Removes all writers and reports their end to peers; waits as Group::conclude does.
   void conclude_writers();
-  /// The caller holds the lock.
+  /// True if there is no group. The caller holds the lock.
   bool empty() const { return publishers_.all().empty() && subscribers_.all().empty(); }
   /// All groups, released from the participant.
   struct Released {

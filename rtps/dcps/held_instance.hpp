@@ -38,7 +38,7 @@ struct SourceOrder {
   auto operator<=>(const SourceOrder&) const = default;
 };
 
-/// A sample's place among those of its instance.
+/// Returns a sample's place among those of its instance.
 inline SourceOrder place_in_instance(const HeldSample& sample) {
   if (!sample.by_source) return {std::nullopt, {}, sample.place};
   return {sample.change.source_time, sample.change.writer, sample.place};

@@ -51,7 +51,7 @@ class HeldInstances {
   HeldInstance* find(InstanceHandle handle);
   const std::map<InstanceHandle, HeldInstance>& all() const { return instances_; }
   std::map<InstanceHandle, HeldInstance>& all() { return instances_; }
-  /// The instances with samples. An instance may be removed while the list is iterated.
+  /// Returns the instances with samples. An instance may be removed while the list is iterated.
   const LinkedList<HeldInstance>& ready() const { return ready_; }
 
   struct Rejection {
@@ -68,10 +68,11 @@ class HeldInstances {
   /// Returns whether these samples of an identity can be stored beside those that are held: now,
   /// later or never. The octets of new keys and the places of InstanceWriters are not counted.
   Room room_for(const WantedRoom& wanted, const HeldShareOf& share) const;
-  /// Must be called only if `rejects` found room. May remove the oldest idle instance to make room.
+  /// Creates an instance. Must be called only if `rejects` found room. May remove the oldest idle
+  /// instance to make room.
   HeldInstance& create(const KeyHash& key, Payload key_value, const HeldShareOf& share);
-  /// Must be called after a change to the instance. Moves it to the lists where it belongs, or
-  /// forgets it.
+  /// Moves the instance to the lists where it belongs, or forgets it. Must be called after a change
+  /// to the instance.
   void settle(HeldInstance& instance);
   /// Removes the instance, which must not have samples. A change that it holds back is dropped.
   void forget(HeldInstance& instance);
@@ -107,7 +108,7 @@ class HeldInstances {
   /// writer. If none of these has room for it, they leave as well, and a change that the instance
   /// holds back is dropped.
   bool leave(HeldInstance& instance, const Guid& writer);
-  /// The instances that the writer has joined.
+  /// Returns the instances that the writer has joined.
   std::vector<InstanceHandle> joined_by(const Guid& writer) const {
     return joined_.instances_of(writer);
   }
@@ -117,12 +118,13 @@ class HeldInstances {
   /// may share.
   void order_by_arrival(std::uint64_t& arrivals) { arrivals_ = &arrivals; }
   bool is_ordered() const { return arrivals_ != nullptr; }
-  /// The samples in this order; empty unless they are ordered.
+  /// Returns the samples in this order; empty unless they are ordered.
   const ArrivalOrder& order() const { return order_; }
   /// True if any sample is in these states.
   bool any(const States& states) const { return counts_.any(states); }
   std::size_t samples() const { return samples_; }
-  /// The most samples and octets that one identity can have, if no other has any.
+  /// Returns the most samples that one identity can have if no other has any; kMaxOctetsOfOne is
+  /// the same for octets.
   std::size_t max_samples_of_one() const {
     return shares_samples_ ? max_samples_ / 2 : max_samples_;
   }
@@ -151,7 +153,8 @@ class HeldInstances {
   /// True if the instance can count for this identity, or already counts for another one that has
   /// it. nullptr means a new instance, whose key is not counted.
   bool can_pay(const HeldInstance* instance, const HeldShareOf& share) const;
-  /// `octets` are released at the same time; `own` are those of them that belong to the same share.
+  /// What is released at the same time: `octets` in all, and of these `own` that belong to the same
+  /// share.
   struct Freed {
     std::size_t octets = 0, own = 0;
   };

@@ -24,7 +24,7 @@ class InstanceWriters {
   /// Notes that the writer no longer has the instance. Returns false if it did not have it.
   bool remove(const Guid& writer, InstanceHandle instance);
   std::vector<InstanceHandle> instances_of(const Guid& writer) const;
-  /// The share of a writer that has an instance.
+  /// Returns the share of a writer that has an instance.
   const HeldShareOf& share_of(const Guid& writer) const { return writers_.at(writer).share; }
   std::size_t size() const { return size_; }
 

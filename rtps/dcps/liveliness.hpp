@@ -51,7 +51,7 @@ class LivelinessMonitor {
   /// Calls `ended` for each writer whose lease ran out, with its signal, or nullptr if it has none.
   using Ended = std::function<void(const Guid&, LivelinessSignal*)>;
   void check(MonotonicTime now, const Ended& ended);
-  /// No lease ends before this time.
+  /// Returns a time before which no lease ends.
   MonotonicTime next_tick() const { return ends_.empty() ? kNever : ends_.begin()->first; }
 
   bool is_alive(const Guid& writer) const;

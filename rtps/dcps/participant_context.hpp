@@ -129,8 +129,8 @@ class ParticipantContext {
   void await_callbacks() {
     if (hold_callbacks(CallbackLock::Wait::while_it_ends)) resume_callbacks();
   }
-  /// The lock of members. While it is held, no entity is added or removed. It is never held while a
-  /// listener is called, so that listeners of all participants may create entities.
+  /// Returns the lock of members. While it is held, no entity is added or removed. It is never held
+  /// while a listener is called, so that listeners of all participants may create entities.
   std::recursive_mutex& members() const { return members_; }
 
  private:

@@ -39,7 +39,7 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
   /// Begins to serve timers and listeners; starts the thread, if there is to be one. Errors:
   /// rtps_thread_failed.
   Status start();
-  /// Number of exceptions that were caught; never reset.
+  /// Returns the number of exceptions that were caught; never reset.
   std::uint64_t exceptions() const { return caught_.count(); }
   /// Ends the thread. Work that becomes due later is not done.
   void stop();

@@ -22,7 +22,8 @@ class PresentedReader {
   };
 
   virtual ~PresentedReader() = default;
-  /// The instance of a change; the default value if it has no key, or a key that cannot be read.
+  /// Returns the instance of a change; the default value if it has no key, or a key that cannot be
+  /// read.
   virtual KeyHash instance_of(const Change& change) const = 0;
   /// Returns whether all of this can be stored. `writer` is one of the writers, which all have the
   /// same identity.
@@ -82,10 +83,11 @@ class Presenter {
                    MonotonicTime now);
   /// Pauses or resumes. While paused, nothing is presented (begin_access).
   void pause(bool paused, MonotonicTime now);
-  /// Must be called when readers may have room again (`freed`), and at `next_tick`.
+  /// Presents what has room now. Must be called when readers may have room again (`freed`), and at
+  /// `next_tick`.
   void present_ready(MonotonicTime now, bool freed = true);
   MonotonicTime next_tick() const;
-  /// The price of everything that is held.
+  /// Returns the price of everything that is held.
   std::size_t octets() const { return octets_; }
 
  private:
@@ -97,8 +99,8 @@ class Presenter {
   };
   /// The changes that one writer sends to one reader.
   struct Stream {
-    SequenceNumber last;      ///< number of the last change; 0: none yet
-    SequenceNumber set;       ///< the open set; 0: none
+    SequenceNumber last;      ///< number of the last change; 0 if there is none yet
+    SequenceNumber set;       ///< the open set; 0 if there is none
     SequenceNumber progress;  ///< group sequence number
   };
   /// The room that one reader needs for its items of a batch.
@@ -128,7 +130,7 @@ class Presenter {
     std::map<StreamKey, Stream> streams;
     std::map<SequenceNumber, Set> sets;
     std::multimap<SequenceNumber, Batch> ready;
-    SequenceNumber presented;  ///< group sequence number; 0: none yet
+    SequenceNumber presented;  ///< group sequence number; 0 if there is none yet
     /// Removed writers, with the number of their items in `ready`. The source is removed after the
     /// last of them.
     std::map<StreamKey, std::size_t> leaving;

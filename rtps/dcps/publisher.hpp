@@ -93,7 +93,7 @@ class Publisher final : public Group {
   bool is_by_group_ = false;
   std::optional<Guid> guid_;
   WriterGroup group_;
-  SequenceNumber set_begin_;  ///< group sequence number of the open set; 0: none
+  SequenceNumber set_begin_;  ///< group sequence number of the open set; 0 if there is none
   int depth_ = 0;             ///< nesting depth of begin_coherent_changes
   bool is_suspended_ = false;
 };

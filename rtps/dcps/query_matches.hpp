@@ -35,14 +35,14 @@ class QueryMatches {
   };
   /// True if any sample that passes is in these states.
   bool any(const States& states) const { return counts_.any(states); }
-  /// The instances, in the order in which the first sample of each passed. An instance may leave
-  /// the list while it is iterated.
+  /// Returns the instances, in the order in which the first sample of each passed. An instance may
+  /// leave the list while it is iterated.
   const std::list<Passing>& instances() const { return passing_; }
   /// Returns nullptr if none of its samples passes.
   const Passing* of(InstanceHandle instance) const;
   /// Returns the next instance by handle, or nullptr if there is none.
   const Passing* after(InstanceHandle instance) const;
-  /// The samples in the order of arrival; empty unless the reader keeps this order.
+  /// Returns the samples in the order of arrival; empty unless the reader keeps this order.
   const ArrivalOrder& order() const { return order_; }
 
  private:

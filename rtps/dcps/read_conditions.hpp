@@ -23,7 +23,7 @@ class ReadConditions {
   Status erase(const ReadCondition& condition);
   void clear();
   std::size_t size() const { return conditions_.size(); }
-  /// The queries of the QueryConditions. HeldInstances keeps them up to date.
+  /// Returns the queries of the QueryConditions. HeldInstances keeps them up to date.
   const Queries& queries() const { return queries_; }
 
   /// Triggers the conditions that find a sample in the cache.

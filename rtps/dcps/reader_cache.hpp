@@ -34,7 +34,7 @@ class ReaderCache {
   /// if any state changed.
   bool lose_writer(const Guid& writer, bool unmatched, MonotonicTime now);
 
-  /// The time at which the LIFESPAN of its writer ends the change, or kNever.
+  /// Returns the time at which the LIFESPAN of its writer ends the change, or kNever.
   MonotonicTime expiry_of(const Change& change, const Moment& at) const;
 
   enum class StoreResult : std::uint8_t { stored, dropped, rejected };
@@ -76,7 +76,7 @@ class ReaderCache {
   bool expire(MonotonicTime now);
   /// Calls `missed` for each instance whose DEADLINE passed, and removes its owner.
   void check_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
-  /// The next time at which expire or check_deadlines has work.
+  /// Returns the next time at which expire or check_deadlines has work.
   MonotonicTime next_tick() const;
   void set_deadline(Duration period, MonotonicTime now);
   /// Sets the policy for instances that end from now on.
@@ -97,12 +97,12 @@ class ReaderCache {
   /// Removes samples that were selected before, if they are still held. Looks once at each sample
   /// of their instances. Returns how many it removed.
   std::size_t discard(std::span<const OctetSample> samples);
-  /// The octets that the reader holds of one instance.
+  /// Returns the octets that the reader holds of one instance.
   std::size_t octets_of(const KeyHash& key) const;
   /// Removes everything about the instance, if it has ended.
   void forget_ended(const KeyHash& key);
 
-  /// Number of changes whose source time was more than kMaxAhead ahead; never reset.
+  /// Returns the number of changes whose source time was more than kMaxAhead ahead; never reset.
   std::uint64_t times_ahead() const { return times_ahead_; }
   const HeldInstances& held() const { return held_; }
 

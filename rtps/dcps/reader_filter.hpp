@@ -20,17 +20,17 @@ class ReaderFilter {
   /// Applies the topic's filter from now on. The topic calls update() when its filter changes.
   /// Errors: rtps_filter_invalid.
   Status attach(ContentFilteredTopic& topic);
-  /// Must be called before destruction.
+  /// Unregisters from the topic. Must be called before destruction.
   void detach();
   /// Applies the topic's changed parameters. Errors: rtps_filter_invalid.
   Status update();
 
-  /// The topic; nullptr if all samples pass.
+  /// Returns the topic; nullptr if all samples pass.
   ContentFilteredTopic* topic() const { return topic_; }
   BoundFilter* filter() { return filter_ ? &*filter_ : nullptr; }
-  /// The filter as discovery announces it.
+  /// Returns the filter as discovery announces it.
   std::optional<ContentFilterProperty> property() const;
-  /// The reader's GUID, once it is enabled. From then on, changed parameters must also be
+  /// Returns the reader's GUID, once it is enabled. From then on, changed parameters must also be
   /// announced.
   const std::optional<Guid>& reader() const { return reader_; }
   void announce_for(const Guid& reader) { reader_ = reader; }

@@ -36,13 +36,14 @@ class ReceivedSamples {
   /// Takes a change. `filter` is the reader's content filter, or nullptr if it has none.
   Received take(Change& change, BoundFilter* filter, const KeyProtection& keys, const Moment& at);
 
-  /// The instance that `take` would find. The default value if the type has no key, or if the key
-  /// of this change cannot be read.
+  /// Returns the instance that `take` would find. The default value if the type has no key, or if
+  /// the key of this change cannot be read.
   KeyHash instance_of(const Change& change, const KeyProtection& keys) const;
 
   ReaderCache& cache() { return *cache_; }
   const ReaderCache& cache() const { return *cache_; }
-  /// Number of samples that could not be deserialized; never reset. Any thread may read and count.
+  /// Returns the number of samples that could not be deserialized; never reset. Any thread may read
+  /// and count.
   std::uint64_t malformed() const { return malformed_; }
   void count_malformed() { ++malformed_; }
 

@@ -15,7 +15,7 @@ struct SampleQuery {
   enum class Scope : std::uint8_t { all, instance, next_instance } scope = Scope::all;
   /// The instance; for `next_instance` the one before the wanted instance.
   InstanceHandle instance = {};
-  /// Only samples that pass this query, or all if it is nullptr.
+  /// The query that samples must pass; nullptr selects all.
   const QueryMatches* matching = nullptr;
 };
 
@@ -28,7 +28,7 @@ void select(HeldInstances& instances, const SampleQuery& query, std::vector<Octe
 /// ranks, and the view state of an instance, which is the one before the first selection.
 void join_selections(std::span<SampleInfo* const> infos);
 
-/// The arrival numbers of the samples in these states.
+/// Returns the arrival numbers of the samples in these states.
 std::vector<std::uint64_t> arrivals(const HeldInstances& instances, const States& states);
 
 }  // namespace ddssec::rtps

@@ -109,7 +109,7 @@ class ServingTurn {
   // For the participant's thread:
   /// Waits for the turn. Returns false after `close`.
   bool await();
-  /// How long it may wait for sockets and timers.
+  /// Returns how long it may wait for sockets and timers.
   std::chrono::nanoseconds longest_own() const;
   /// Gives the turn to a thread that waits, or to none after `close`. Returns false if the
   /// participant's thread keeps it.

@@ -23,8 +23,8 @@ class StateCounts {
   bool any(const States& states) const;
 
  private:
-  /// The index of the counter for the instance's unread samples. The counter for its read samples
-  /// follows.
+  /// Returns the index of the counter for the instance's unread samples. The counter for its read
+  /// samples follows.
   static std::size_t index_of(const HeldInstance& instance) {
     const std::size_t state = instance.state == InstanceState::alive                ? 0
                               : instance.state == InstanceState::not_alive_disposed ? 1

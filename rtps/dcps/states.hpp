@@ -14,13 +14,13 @@ template <class E>
 struct Mask {
   std::uint32_t bits = 0;
 
-  /// The empty set.
+  /// Makes the empty set.
   constexpr Mask() = default;
-  /// The set of one value.
+  /// Makes the set of one value.
   constexpr Mask(E value) : bits(static_cast<std::uint32_t>(value)) {}
-  /// The set of all values.
+  /// Returns the set of all values.
   static constexpr Mask any() { return from(~0u); }
-  /// The set of the values whose bits are set.
+  /// Returns the set of the values whose bits are set.
   static constexpr Mask from(std::uint32_t bits) {
     Mask mask;
     mask.bits = bits;
@@ -82,12 +82,12 @@ struct SampleInfo {
   std::optional<Time> source_timestamp;
   InstanceHandle instance_handle;
   Guid publication_handle;  ///< the writer
-  bool valid_data = true;   ///< false: only the key and the instance state are meaningful
+  bool valid_data = true;   ///< if false, only the key and the instance state are meaningful
 };
 
 /// A serialized sample. Its payload is shared and never changed, so there is no loan to return.
 struct OctetSample {
-  Payload payload;           ///< with its encapsulation
+  Payload payload;           ///< the payload with its encapsulation
   bool is_key_only = false;  ///< the payload is a serialized key; empty if the key was not sent
   SampleInfo info;
   SequenceNumber number = {};  ///< number that its writer gave it; 0 if it has none

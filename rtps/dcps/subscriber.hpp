@@ -72,9 +72,9 @@ class Subscriber final : public Group {
   Status begin_access();
   /// Ends the access. Errors: rtps_not_enabled, rtps_precondition_not_met (no begin_access before).
   Status end_access();
-  /// The readers that hold samples in these states. With ordered access of GROUP scope the list has
-  /// one entry for each sample, in the order in which the samples should be read or taken one by
-  /// one.
+  /// Returns the readers that hold samples in these states. With ordered access of GROUP scope the
+  /// list has one entry for each sample, in the order in which the samples should be read or taken
+  /// one by one.
   std::vector<AnyDataReader*> datareaders(const States& states = {}) const;
   /// Calls on_data_available for the readers that have unread data, as if there were no listener
   /// for DATA_ON_READERS. Calls none if a callback of this participant waits for the caller.

@@ -20,7 +20,7 @@ class Topic final : public Entity {
   const TypeSupport& type() const { return type_; }
   DomainParticipant& participant() const { return participant_; }
 
-  /// The policies that are in force.
+  /// Returns the policies that are in force.
   Qos qos() const;
   /// Changes the policies. Writers and readers on the topic keep theirs, and announce its
   /// TOPIC_DATA. Errors: rtps_qos_inconsistent, rtps_immutable_policy (once it is enabled).

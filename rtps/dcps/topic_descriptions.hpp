@@ -42,7 +42,7 @@ class TopicDescriptions {
 
   /// Enables all topics. The caller holds the callback lock. Errors: those of Topic::enable.
   Status enable();
-  /// The caller holds the lock.
+  /// True if there is no topic. The caller holds the lock.
   bool empty() const { return topics_.all().empty() && filtered_.all().empty(); }
   /// All topics, released from the participant. Content-filtered topics refer to the others and are
   /// destroyed first.

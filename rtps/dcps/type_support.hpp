@@ -39,7 +39,7 @@ struct TypeSupport {
   TypeDescription description = {};
 };
 
-/// The encoding of a writer's samples, and the one that a reader requests first.
+/// Returns the encoding of a writer's samples, and the one that a reader requests first.
 inline XcdrVersion version_of(const Qos& qos) {
   const auto& list = qos.data_representation;
   return list.empty() || list.front() != DataRepresentation::xcdr2 ? XcdrVersion::xcdr1
@@ -56,7 +56,7 @@ Result<T> deserialize_change(const Change& change) {
 
 }  // namespace detail
 
-/// The functions for T, which the code generator or the application has given TypeTraits.
+/// Returns the functions for T, which the code generator or the application has given TypeTraits.
 template <DdsType T>
 TypeSupport type_support() {
   TypeSupport support{.name = std::string(TypeTraits<T>::type_name), .with_key = has_key<T>()};

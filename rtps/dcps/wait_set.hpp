@@ -28,7 +28,7 @@ class WaitSet {
   /// Removes the condition from those that the wait set waits for. Errors:
   /// rtps_precondition_not_met (it is not attached).
   Status detach_condition(Condition& condition);
-  /// The attached conditions. The wait set does not own them.
+  /// Returns the attached conditions. The wait set does not own them.
   std::vector<Condition*> conditions() const;
 
   /// Waits until a condition is triggered, for at most `timeout`. Returns the triggered conditions,

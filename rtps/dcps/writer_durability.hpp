@@ -44,7 +44,7 @@ class WriterDurability {
   void append(Change& change, const Guid& writer, SequenceNumber number, const Moment& now);
   /// Removes expired samples from the store. Never waits.
   void clean_up(const Moment& now);
-  /// The time at which clean_up is to be called next; kNever if there is nothing to remove.
+  /// Returns the time at which clean_up is to be called next; kNever if there is nothing to remove.
   MonotonicTime next_clean_up(MonotonicTime now) const;
   /// If too much is waiting to be stored, releases `lock` and waits. Errors: those of
   /// DurableStore::status and DurableStore::wait_for_room.

@@ -29,7 +29,7 @@ class WriterInstances {
   const Bytes* key_value(InstanceHandle instance) const;
   void remove(const KeyHash& key);
   std::size_t size() const { return by_key_.size(); }
-  /// The key hash and the serialized key of each instance.
+  /// Returns the key hash and the serialized key of each instance.
   std::vector<std::pair<KeyHash, Bytes>> keys() const;
 
   /// Notes that the instance was written at `now`: its DEADLINE period starts again.
