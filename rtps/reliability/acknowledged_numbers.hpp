@@ -33,7 +33,7 @@ class AcknowledgedNumbers {
     if (place.at_) numbers_.erase(*place.at_);
     place.at_.reset();
   }
-  /// The lowest number that a reader has acknowledged; empty if there is no reader.
+  /// Returns the lowest number that a reader has acknowledged; empty if there is no reader.
   std::optional<SequenceNumber> lowest() const {
     return numbers_.empty() ? std::nullopt : std::optional(*numbers_.begin());
   }

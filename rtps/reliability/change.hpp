@@ -28,7 +28,7 @@ struct Change {
   bool is_examined = false;
   std::uint32_t key_octets = 0;  ///< length of the key that would be stored, if it is examined
 
-  /// The original writer and its sequence number, even if another writer sent the change.
+  /// Returns the original writer and its sequence number, even if another writer sent the change.
   OriginalWriterInfo origin() const {
     return original.number.value > 0 ? original : OriginalWriterInfo{writer, sequence_number};
   }

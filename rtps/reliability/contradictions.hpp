@@ -1,4 +1,5 @@
-// Whether the messages of a writer, in whose name anyone can send, contradict each other.
+// Notices when messages in the name of one writer contradict each other, because anyone can send
+// them.
 #pragma once
 
 #include <map>
@@ -10,9 +11,10 @@
 
 namespace ddssec::rtps {
 
-/// A reader takes each sequence number once. So what a forged message says about a number, the
-/// writer's own message cannot correct. But that message arrives, too, and differs. Nothing
-/// shows which of the two is forged. So the reader can only request everything again.
+/// Remembers what the messages in the name of one writer say. A reader takes each sequence number
+/// once. So the writer's own message cannot correct what a forged one says about a number. But both
+/// arrive, and they differ. Nothing shows which of the two is forged, so the reader can only
+/// request everything again.
 ///
 /// Messages that the network reorders may look like a contradiction, too.
 class Contradictions {
@@ -21,7 +23,7 @@ class Contradictions {
   static constexpr std::size_t kMaxRemembered = 256;
 
   // All but the last return true if the message contradicts an earlier one.
-  /// `next`: the reader has taken or given up everything below this number.
+  /// `next` is the number below which the reader has taken or given up everything.
   bool note(const Data& data, SequenceNumber next);
   bool note(const DataFrag& frag, SequenceNumber next);
   bool note(const Heartbeat& heartbeat);

@@ -29,16 +29,17 @@ class EarlyChanges {
   bool empty() const { return changes_.empty(); }
   std::size_t size() const { return changes_.size(); }
   bool contains(SequenceNumber number) const { return changes_.contains(number); }
-  /// Number of changes with lower sequence numbers.
+  /// Returns the number of changes with lower sequence numbers.
   std::int64_t count_below(SequenceNumber number) const;
 
   /// Inserts a change; an empty one means that the number is irrelevant. Returns false if the
   /// number already exists.
   bool insert(SequenceNumber number, std::optional<Change> change);
-  /// The lowest and the highest sequence number. Must not be called if there is none.
+  /// first() returns the lowest sequence number, last() the highest. Must not be called if there is
+  /// none.
   SequenceNumber first() const { return changes_.begin()->first; }
   SequenceNumber last() const { return changes_.rbegin()->first; }
-  /// The change with the lowest sequence number; empty if that number is irrelevant.
+  /// Returns the change with the lowest sequence number; empty if that number is irrelevant.
   std::optional<Change>& front() { return changes_.begin()->second.change; }
   void erase_first() { erase(changes_.begin()); }
   void erase_last() { erase(std::prev(changes_.end())); }

@@ -6,13 +6,11 @@
 
 namespace ddssec::rtps {
 
-/// The inline QoS says whether a change ends an instance, and a flag says whether its payload is a
-/// key. Where only payloads are protected, anyone can change both, and so let a sample that was
-/// overheard end its instance. So our writers repeat them in the options of the encapsulation,
-/// which are part of the payload (XTypes 1.3, clause 7.6.3.1.2). Readers of all vendors ignore
-/// these bits.
-///
-/// Returns 0 if the instance does not end.
+/// Returns the mark of a change, or 0 if the change does not end its instance. The inline QoS says
+/// whether a change ends an instance, and a flag says whether its payload is a key. Where only
+/// payloads are protected, anyone can change both, and so let a sample that was overheard end its
+/// instance. So our writers repeat them in the options of the encapsulation, which are part of the
+/// payload (XTypes 1.3, clause 7.6.3.1.2). Readers of all vendors ignore these bits.
 std::uint8_t end_mark(const StatusInfo& status, bool is_key_only);
 /// True if the payload has this mark.
 bool has_end_mark(BytesView payload, std::uint8_t mark);

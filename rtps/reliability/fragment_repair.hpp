@@ -31,8 +31,8 @@ class FragmentRepair {
     begun_ = now;
   }
   SequenceNumber sample() const { return sample_; }
-  /// The time at which the next portion is due; kNever if nothing is left, or if the portion that
-  /// was due has been sent.
+  /// Returns the time at which the next portion is due; kNever if nothing is left, or if the
+  /// portion that was due has been sent.
   MonotonicTime due() const { return due_; }
   /// Ends the request: nothing more of it is sent.
   void end() { due_ = kNever; }

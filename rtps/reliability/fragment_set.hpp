@@ -24,11 +24,11 @@ class FragmentSet {
   bool insert(FragmentNumber first, std::uint32_t count);
   bool contains(FragmentNumber number) const;
   bool is_complete() const { return missing_ == 0; }
-  /// The first missing fragment; total + 1 if none is missing.
+  /// Returns the first missing fragment; total + 1 if none is missing.
   FragmentNumber first_missing() const { return first_missing_; }
-  /// The missing fragments within 256 of the first missing one.
+  /// Returns the missing fragments within 256 of the first missing one.
   FragmentNumberSet missing() const;
-  /// The memory of its pages, in octets.
+  /// Returns the memory of its pages, in octets.
   std::size_t octets() const;
 
  private:

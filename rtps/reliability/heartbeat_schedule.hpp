@@ -14,7 +14,7 @@ class HeartbeatSchedule {
   static constexpr MonotonicTime kMaxPeriod = std::chrono::milliseconds(1000);
   static constexpr int kMaxUnanswered = 5;  ///< after these, the period becomes longer
 
-  /// The time of the next HEARTBEAT; kNever if none is due.
+  /// Returns the time of the next HEARTBEAT; kNever if none is due.
   MonotonicTime due() const { return due_; }
   /// Schedules the next one after one period.
   void restart(MonotonicTime now) {

@@ -50,8 +50,8 @@ class HeldOctets {
   /// For readers that share this object: true if the identity holds more than its limit, or more
   /// than is free. So it leaves room for another identity in each of them.
   bool exceeds_share(const GuidPrefix& identity) const;
-  /// The identity that must give something up, because it holds the most. Empty if everything is
-  /// within the limits.
+  /// Returns the identity that must give something up, because it holds the most. Empty if
+  /// everything is within the limits.
   std::optional<GuidPrefix> over_limit() const;
 
  private:

@@ -35,10 +35,10 @@ class MatchedReaders {
   Proxies& all() { return proxies_; }
   const Proxies& all() const { return proxies_; }
 
-  /// Number of readers that do not get everything.
+  /// Returns the number of readers that do not get everything.
   std::size_t filtered() const { return filtered_; }
   void set_filter(ReaderProxy& proxy, std::shared_ptr<ChangeFilter> filter);
-  /// The form of keys that all readers can read.
+  /// Returns the form of keys that all readers can read.
   KeyReading key_reading() const { return {bare_only_ > 0, short_is_hash_ > 0}; }
 
   void readdress(ReaderProxy& proxy, LocatorList locators);
@@ -49,7 +49,7 @@ class MatchedReaders {
   /// Finds out which readers acknowledge in time (Timeliness). Costs time for each reader, so it
   /// does nothing if it was called less than kCheckPeriod ago.
   void check_timeliness(SequenceNumber written, MonotonicTime now);
-  /// The acknowledged numbers of the readers that acknowledge in time.
+  /// Returns the acknowledged numbers of the readers that acknowledge in time.
   const AcknowledgedNumbers& acknowledged_in_time() const { return in_time_; }
 
   /// Sets the DSCP of messages to the readers.
@@ -65,7 +65,7 @@ class MatchedReaders {
   Receiver one(const Guid& reader, const LocatorList& at) const {
     return {{reader.prefix, at, dscp_}, reader.entity};
   }
-  /// The receiver that stands for all readers.
+  /// Returns the receiver that stands for all readers.
   Receiver all_readers() const {
     return is_pairwise() ? one(proxies_.begin()->second)
                          : Receiver{{{}, locators_.all(), dscp_}, kEntityIdUnknown};

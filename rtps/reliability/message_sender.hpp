@@ -78,8 +78,8 @@ class MessageSender {
   void add_unauthenticated(const Destination& to, const S& submessage) {
     put(to, nullptr, submessage, kStatelessMessageWriter);
   }
-  /// The limits on the octets that are sent to unproven participants. A message above the limit is
-  /// not sent.
+  /// Returns the limits on the octets that are sent to unproven participants. A message above the
+  /// limit is not sent.
   AmplificationLimit& amplification_limit() { return limit_; }
   /// Sends everything that was added. While a Gathering exists, this happens at its end.
   void flush();
@@ -87,7 +87,8 @@ class MessageSender {
   void send_alone(BytesView message, std::span<const Locator> to) {
     transport_.send_all({{&message, 1}, to});
   }
-  /// Sends at once. For messages whose keys are about to be removed, or that must not be shared.
+  /// Sends at once. It is for messages whose keys are about to be removed, or that must not be
+  /// shared.
   void flush_now();
   /// Does the same in a destructor, which must not throw.
   void flush_at_end() noexcept;
@@ -114,7 +115,8 @@ class MessageSender {
   bool leaves_time_unprotected(const EntityId& writer) const;
   /// True if the writer's payloads are protected, so that they may be all that is.
   bool protects_payload(const EntityId& writer) const;
-  /// The number of octets at which the waiting message, or the last one that waited, is full.
+  /// Returns the number of octets at which the waiting message, or the last one that waited, is
+  /// full.
   std::size_t full_size() const { return full_size_; }
 
   /// Allows that submessages wait for more. The owner must then call flush at the time that
@@ -123,7 +125,7 @@ class MessageSender {
   bool may_delay_flush() const { return may_delay_flush_; }
   /// Requests a flush at `deadline` at the latest, instead of now.
   void delay_flush(MonotonicTime deadline) { flush_by_ = std::min(flush_by_, deadline); }
-  /// The time at which flush must be called; kNever if nothing waits.
+  /// Returns the time at which flush must be called; kNever if nothing waits.
   MonotonicTime flush_by() const { return flush_by_; }
 
   /// Notes that a sample arrived: the next write may be an answer that a peer waits for.
@@ -215,7 +217,8 @@ class MessageSender {
   std::size_t interface_ = kEveryInterface;
   GuidPrefix destination_;  ///< destination of the last submessage
   GuidPrefix receiver_;     ///< receiver of all submessages in the message; zero if they differ
-  GuidPrefix limited_;      ///< participant whose limit is charged for what waits; zero: none
+  GuidPrefix limited_;      ///< participant whose limit is charged for what waits; zero if there is
+                            ///< none
   AmplificationLimit limit_;
   SendProtection::Wrap wrap_ = SendProtection::Wrap::none;
   bool may_delay_flush_ = false;

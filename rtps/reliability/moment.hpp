@@ -15,9 +15,9 @@ struct Moment {
   Time wall{};
 };
 
-/// The time at which the LIFESPAN of a sample ends (DDS 1.4, 2.2.3.16). It counts from the source
-/// time. If the writer's clock is ahead of the local one, its samples still get no more than the
-/// lifespan.
+/// Returns the time at which the LIFESPAN of a sample ends (DDS 1.4, 2.2.3.16). It counts from the
+/// source time. If the writer's clock is ahead of the local one, its samples still get no more than
+/// the lifespan.
 inline MonotonicTime end_of_life(const std::optional<Time>& source, Duration lifespan,
                                  const Moment& at) {
   if (lifespan.is_infinite()) return kNever;

@@ -30,7 +30,7 @@ class PartialSamples {
   bool contains(SequenceNumber number) const { return find(number) != samples_.end(); }
   SequenceNumber first() const { return samples_.front().number(); }
   SequenceNumber last() const { return samples_.back().number(); }
-  /// The missing fragments of the first sample, within 256 of the first missing one.
+  /// Returns the missing fragments of the first sample, within 256 of the first missing one.
   FragmentNumberSet missing_of_first() const { return samples_.front().have.missing(); }
 
   /// Returns false if the fragment contradicts earlier fragments of its sample, or belongs to a

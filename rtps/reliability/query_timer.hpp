@@ -13,7 +13,7 @@ class QueryTimer {
   static constexpr MonotonicTime kFirstWait = std::chrono::milliseconds(50);
   static constexpr MonotonicTime kMaxWait = std::chrono::seconds(5);
 
-  /// The time of the next query; kNever if none is due.
+  /// Returns the time of the next query; kNever if none is due.
   MonotonicTime due() const { return due_; }
   void note_query(MonotonicTime now) {
     due_ = now + wait_;

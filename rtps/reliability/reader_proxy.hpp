@@ -59,7 +59,7 @@ class ReaderProxy {
   /// The changes that the reader gets.
   struct Range {
     SequenceNumber first;       ///< a late joiner gets no changes below this number
-    SequenceNumber until = {};  ///< the reader gets no changes from here on; 0: no limit
+    SequenceNumber until = {};  ///< the reader gets no changes from here on; 0 if there is no limit
   };
 
   /// If `writer_is_reliable` is false, a reliable reader acknowledges nothing.
@@ -76,7 +76,7 @@ class ReaderProxy {
   /// True if both sides are reliable.
   bool acknowledges() const { return acknowledges_; }
   SequenceNumber first_relevant() const { return range_.first; }
-  /// Every change up to this number has arrived. Set by MatchedReaders.
+  /// Returns the number up to which every change has arrived. MatchedReaders sets it.
   SequenceNumber acknowledged() const { return acknowledged_; }
   void set_acknowledged(SequenceNumber through) { acknowledged_ = through; }
 
@@ -88,7 +88,7 @@ class ReaderProxy {
   bool ends_before(SequenceNumber number) const {
     return range_.until.value != 0 && number >= range_.until;
   }
-  /// The result of its filter. Empty if it has no filter, or must decide itself.
+  /// Returns the result of the reader's filter. Empty if it has no filter, or must decide itself.
   std::optional<bool> filter_result(const Change& change) const {
     if (!reader_.filter || !change.is_alive()) return std::nullopt;
     return reader_.filter->passes(change);

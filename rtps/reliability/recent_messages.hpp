@@ -14,11 +14,11 @@ namespace ddssec::rtps {
 /// later than the last one was repeated, by the network or by an attacker.
 ///
 /// That holds for messages that keys of the sender protect, if the protection shows which
-/// participant they are for: otherwise they may have been redirected. Without such protection, an attacker can send any
-/// count. One that is far ahead would make all later messages of the sender count as
-/// repetitions. So an unprotected message is a repetition only if it equals one of the last
-/// kRemembered. The attacker gains nothing by repeating older ones, because it could invent new
-/// ones. Nor do unprotected messages affect which protected ones are repetitions.
+/// participant they are for: otherwise they may have been redirected. Without such protection, an
+/// attacker can send any count. One that is far ahead would make all later messages of the sender
+/// count as repetitions. So an unprotected message is a repetition only if it equals one of the
+/// last kRemembered. The attacker gains nothing by repeating older ones, because it could invent
+/// new ones. Nor do unprotected messages affect which protected ones are repetitions.
 template <class Message>
 class RecentMessages {
  public:
@@ -38,10 +38,10 @@ class RecentMessages {
   }
   /// Restores the last count of a sender that was known before.
   void resume(std::int32_t last) { last_protected_ = last_ = last; }
-  /// The count of the last protected message, or of the last one if none was protected; 0 if there
-  /// is none.
+  /// Returns the count of the last protected message, or of the last one if none was protected; 0
+  /// if there is none.
   std::int32_t last() const { return last_protected_.value_or(last_.value_or(0)); }
-  /// The number of messages that were accepted.
+  /// Returns the number of messages that were accepted.
   std::uint64_t taken() const { return taken_; }
 
  private:

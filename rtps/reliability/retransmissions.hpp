@@ -19,7 +19,7 @@ class Retransmissions {
                   EvaluationAllowance& evaluations)
       : history_(history), messages_(messages), evaluations_(evaluations) {}
 
-  /// The lowest change that the reader may get.
+  /// Returns the lowest change that the reader may get.
   SequenceNumber lowest_for(const ReaderProxy& proxy) const {
     return std::max(history_.first(), proxy.first_relevant());
   }

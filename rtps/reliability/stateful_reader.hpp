@@ -80,14 +80,16 @@ class StatefulReader final : private Timed {
 
   // All return whether the message was new. Only a new message is a sign of life, because old
   // messages can be repeated.
-  /// `elsewhere` is a payload that is not in the submessage; empty if the submessage has it.
+  /// Handles a DATA. `elsewhere` is a payload that is not in the submessage; empty if the
+  /// submessage has it.
   bool on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time,
                Payload elsewhere = {});
-  /// `is_marked` means that only the payload is proven, and that it has the mark of its change
-  /// (end_mark).
+  /// Handles a DATA_FRAG. `is_marked` means that only the payload is proven, and that it has the
+  /// mark of its change (end_mark).
   bool on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time,
                     bool is_marked = false);
-  /// `is_protected` means that keys of the writer's participant protect the message.
+  /// Handles a HEARTBEAT. `is_protected` means that keys of the writer's participant protect the
+  /// message.
   bool on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat, bool is_protected = true);
   bool on_gap(const GuidPrefix& from, const Gap& gap);
 
@@ -106,8 +108,8 @@ class StatefulReader final : private Timed {
     if (alive_) alive_(writer);
   }
 
-  /// Must be called when there is room again. Offers changes that were refused for now, and
-  /// acknowledges them if they are taken.
+  /// Offers changes that were refused for now, and acknowledges them if they are taken. Must be
+  /// called when there is room again.
   void offer_again();
   /// Requests again what was refused for now, because that writer may have replaced it. Returns the
   /// octets of the samples that will be sent again if it has not.
@@ -116,7 +118,8 @@ class StatefulReader final : private Timed {
     std::uint64_t waiting = 0;    ///< changes that wait behind one that was refused for now
     std::uint64_t abandoned = 0;  ///< changes that waited when their writers left; never reset
   };
-  /// The numbers of refused changes. A writer that comes back offers again what was abandoned.
+  /// Returns the numbers of refused changes. A writer that comes back offers again what was
+  /// abandoned.
   Refused refused() const;
   /// True once everything has arrived that the matched reliable writers held when they were first
   /// heard.

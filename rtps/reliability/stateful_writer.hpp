@@ -93,7 +93,7 @@ class StatefulWriter final : private Timed {
   /// True if every reliable reader has received everything.
   bool all_acknowledged() const { return readers_.acknowledged().reach(history_.last()); }
 
-  /// The memory for readers of other processes on this machine. Flushes the sender.
+  /// Returns the memory for readers of other processes on this machine. Flushes the sender.
   MemoryWriting& memory();
 
   // Readers of this process (see LocalDelivery):

@@ -6,7 +6,7 @@
 namespace ddssec::rtps {
 
 struct WriterGroup {
-  SequenceNumber current;  ///< the last group sequence number that was assigned; 0: none
+  SequenceNumber current;  ///< the last group sequence number that was assigned; 0 if none was
   GroupDigest writers = {};
 };
 

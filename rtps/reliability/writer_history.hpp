@@ -35,21 +35,22 @@ class WriterHistory {
 
   /// Returns nullptr if the change was dropped, or is not yet written.
   const Change* find(SequenceNumber number) const;
-  /// The first number from `number` on that is held; one after the last if there is none. The cost
-  /// does not depend on how many numbers in between are not held. The same holds for previous_held.
+  /// Returns the first number from `number` on that is held; one after the last if there is none.
+  /// The cost does not depend on how many numbers in between are not held. The same holds for
+  /// previous_held.
   SequenceNumber next_held(SequenceNumber number) const;
-  /// The last number below `number` that is held; 0 if there is none.
+  /// Returns the last number below `number` that is held; 0 if there is none.
   SequenceNumber previous_held(SequenceNumber number) const;
-  /// The lowest number that is held, or next_ if there is none.
+  /// Returns the lowest number that is held, or next_ if there is none.
   SequenceNumber first() const;
-  /// The last number that was written; 0 if there is none.
+  /// Returns the last number that was written; 0 if there is none.
   SequenceNumber last() const { return {next_.value - 1}; }
   std::size_t size() const { return count_; }
   std::size_t octets() const { return octets_; }
-  /// The octets of the changes after `number`, or more than `enough` if there are more.
+  /// Returns the octets of the changes after `number`, or more than `enough` if there are more.
   std::size_t octets_after(SequenceNumber number, std::size_t enough) const;
-  /// The number of changes that are held or were dropped and are not forgotten yet: at most about
-  /// twice as many as are held.
+  /// Returns the number of changes that are held or were dropped and are not forgotten yet: at most
+  /// about twice as many as are held.
   std::size_t places() const { return changes_.size(); }
 
  private:
@@ -66,10 +67,10 @@ class WriterHistory {
   };
   using Instances = std::map<KeyHash, Instance>;
 
-  /// The index of the first change from `number` on that is held, or was dropped and is not
+  /// Returns the index of the first change from `number` on that is held, or was dropped and is not
   /// forgotten yet.
   std::size_t place_from(SequenceNumber number) const;
-  /// The index of a change that is held, or was dropped and is not forgotten yet.
+  /// Returns the index of a change that is held, or was dropped and is not forgotten yet.
   std::optional<std::size_t> place_of(SequenceNumber number) const;
   Slot& slot(SequenceNumber number) { return changes_[*place_of(number)]; }
   void join_instance(Slot& added);

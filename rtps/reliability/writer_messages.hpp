@@ -29,7 +29,7 @@ class WriterMessages {
   /// this object.
   void join(const WriterGroup& group) { group_ = &group; }
 
-  /// The size of the fragments that are sent, in octets.
+  /// Returns the size of the fragments that are sent, in octets.
   std::uint16_t fragment_size() const { return sender_.fragment_size(); }
 
   /// Sends a change in DATA or, if it is too large, its first `max_fragments` fragments in
@@ -50,9 +50,9 @@ class WriterMessages {
                  bool asserts_liveliness = false);
 
  private:
-  /// The payload of a change as it is sent, without the mark of its end.
+  /// Returns the payload of a change as it is sent, without the mark of its end.
   BytesView payload_of(const Change& change);
-  /// The beginning of such a payload, with the mark if it needs one (end_mark).
+  /// Returns the beginning of such a payload, with the mark if it needs one (end_mark).
   BytesView marked(const Change& change, BytesView beginning);
   InlineQos inline_qos_of(const Change& change, std::span<const FilterResult> filters) const;
   std::optional<HeartbeatGroupInfo> group_state() const;

@@ -33,8 +33,8 @@ struct MatchedWriter {
   /// True if the writer repeats the changes that it keeps only for a reader that begins with number
   /// 0.
   bool begins_at_zero = false;
-  /// Called when messages in the writer's name contradict each other (Contradictions). Empty: that
-  /// is not looked for.
+  /// Called when messages in the writer's name contradict each other (Contradictions). If it is
+  /// empty, contradictions are not looked for.
   std::function<void(const Guid& writer)> contradicted = {};
   GuidPrefix owner() const { return identity.value_or(guid.prefix); }
 };
@@ -68,9 +68,9 @@ class WriterProxy {
   void set_locators(LocatorList locators) { writer_.locators = std::move(locators); }
   /// True if missing changes are requested.
   bool is_reliable() const { return is_reliable_; }
-  /// The next number: every change below was delivered or given up.
+  /// Returns the next number: every change below was delivered or given up.
   SequenceNumber next() const { return next_; }
-  /// The last change that a HEARTBEAT announced.
+  /// Returns the last change that a HEARTBEAT announced.
   SequenceNumber announced() const { return announced_; }
   /// True if everything that it has announced was delivered or given up.
   bool has_caught_up() const { return next_ > announced_; }
@@ -110,13 +110,13 @@ class WriterProxy {
 
   /// True if samples or fragments of them are missing up to `last`.
   bool misses_any(SequenceNumber last) const;
-  /// The samples from `base` up to `last` of which no fragment has arrived, as far as a set
+  /// Returns the samples from `base` up to `last` of which no fragment has arrived, as far as a set
   /// reaches.
   SequenceNumberSet missing(SequenceNumber base, SequenceNumber last) const;
 
   std::size_t early() const { return early_.size(); }
-  /// The number of changes that the writer has for this reader, if the next one was refused for
-  /// now.
+  /// Returns the number of changes that the writer has for this reader, if the next one was refused
+  /// for now.
   std::uint64_t refused() const;
   const HeldOctets::Account& held() const { return held_; }
   /// Gives up the latest change or sample that is held; it is requested again. Does nothing if
@@ -124,7 +124,7 @@ class WriterProxy {
   void forget_latest();
 
   // In this process:
-  /// The writer, if it is in this process; nullptr if its changes arrive in messages.
+  /// Returns the writer, if it is in this process; nullptr if its changes arrive in messages.
   StatefulWriter* local() const { return local_; }
   /// `last` is the last change that the writer has written until now.
   void attach(StatefulWriter& writer, SequenceNumber last);
@@ -133,7 +133,7 @@ class WriterProxy {
   void set_next(SequenceNumber next) { next_ = next; }
 
   QueryTimer query;
-  std::unique_ptr<Contradictions> contradictions;  ///< nullptr: they are not looked for
+  std::unique_ptr<Contradictions> contradictions;  ///< nullptr if they are not looked for
 
  private:
   void advance();
