@@ -30,7 +30,7 @@ class SqlStatement {
 
   std::int64_t number(int column) const;
   std::string text(int column) const;
-  /// Valid until the next step.
+  /// Returns the octets of a column. They are valid until the next step.
   BytesView octets(int column) const;
 
  private:
@@ -45,8 +45,8 @@ class SqlStatement {
 /// One connection, for one thread at a time.
 class Database {
  public:
-  /// An empty path opens a database in memory. The file must exist; symbolic links are not
-  /// followed. Errors: rtps_store_unusable.
+  /// Opens a database; an empty path means one in memory. The file must exist; symbolic links are
+  /// not followed. Errors: rtps_store_unusable.
   static Result<Database> open(const std::string& path);
 
   /// Prepares a statement. Errors: rtps_store_failed (no room), rtps_store_unusable (anything
@@ -58,7 +58,7 @@ class Database {
   /// row).
   Result<std::int64_t> number(std::string_view sql);
   std::int64_t last_row() const;
-  /// The number of rows that the last statement changed.
+  /// Returns the number of rows that the last statement changed.
   std::int64_t changes() const;
 
   /// A transaction, which the destructor rolls back unless it was committed.

@@ -21,11 +21,11 @@ class DurableStore {
   /// Limits for changes that are appended but not committed. Above them, writers should wait.
   static constexpr std::size_t kMaxPending = 65536;
   static constexpr std::size_t kMaxPendingOctets = std::size_t{16} << 20;
-  /// The limit for one identity, whose changes wait above it. One change is always accepted.
+  /// The limit for one identity, whose further changes have to wait. One change is always accepted.
   static constexpr std::size_t kMaxPendingOctetsOfOne = std::size_t{4} << 20;
 
-  /// `events` must outlive the store. Samples that have expired at `now`, a calendar time, are
-  /// removed. Errors: those of SampleStore::open, rtps_thread_failed.
+  /// Opens a store. `events` must outlive it. Samples that have expired at `now`, a calendar time,
+  /// are removed. Errors: those of SampleStore::open, rtps_thread_failed.
   static Result<std::unique_ptr<DurableStore>> open(
       const std::string& path, EventSink& events,
       std::size_t max_octets = SampleStore::kDefaultOctets, Time now = {});
@@ -37,7 +37,7 @@ class DurableStore {
     std::vector<Change> history;
     std::vector<std::int64_t> rows;  ///< the rows of the samples in `history`
     std::vector<HeardWriter> heard = {};
-    /// When each of `history` expires; kNever: it does not.
+    /// The time when each of `history` expires; kNever if it does not.
     std::vector<MonotonicTime> expires = {};
   };
   /// Opens the first stream of `key` that no other writer has open; its ordinal is chosen here. A
@@ -72,16 +72,16 @@ class DurableStore {
   std::vector<std::int64_t> clean_up(StreamId stream, const Moment& now);
   /// See SampleIndex::next_due.
   MonotonicTime next_due(StreamId stream) const;
-  /// The number of appended changes that are stored, in the order of append.
+  /// Returns the number of appended changes that are stored, in the order of append.
   std::uint64_t committed() const;
-  /// The number of appended changes that are not stored yet.
+  /// Returns the number of appended changes that are not stored yet.
   std::uint64_t pending() const;
-  /// The number of changes that were left out because of the limits of DURABILITY_SERVICE; never
-  /// reset.
+  /// Returns the number of changes that were left out because of the limits of DURABILITY_SERVICE;
+  /// never reset.
   std::uint64_t left_out() const;
   /// True if the queue has reached its limit.
   bool is_behind() const;
-  /// The result of the last group. An error lasts until a group is committed again.
+  /// Returns the result of the last group. An error lasts until a group is committed again.
   Status status() const;
   /// Waits until everything that was appended before is committed. Errors: rtps_timeout,
   /// out_of_memory, those of SampleStore::commit.
@@ -93,7 +93,7 @@ class DurableStore {
   Result<bool> is_empty();
   const std::string& path() const { return store_.path(); }
 
-  /// The number of groups that were committed; never reset.
+  /// Returns the number of groups that were committed; never reset.
   std::uint64_t groups() const;
 
  private:
@@ -104,7 +104,7 @@ class DurableStore {
   /// Returns what clean_up removes, for a group that failed. It is removed first, because the group
   /// may need its room. Removed changes of the group itself are not stored any more.
   std::vector<StoredChange> removals_before(std::vector<StoredChange>& group) const noexcept;
-  /// The caller holds the mutex.
+  /// Does the work of clean_up. The caller holds the mutex.
   std::vector<std::int64_t> clean_up(StreamId stream, const Moment& now, std::size_t max_samples);
   void commit(std::unique_lock<std::mutex>& held);
   /// Returns false if the identity has enough changes that are not committed yet.

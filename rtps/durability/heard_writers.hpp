@@ -17,7 +17,7 @@ class HeardWriters {
   /// too many, those that were used longest ago are forgotten.
   static constexpr std::size_t kMax = 1 << 18;
 
-  /// `max_octets` is the size limit of the store.
+  /// Opens the table. `max_octets` is the size limit of the store.
   Status open(Database& database, std::size_t max_octets);
   /// Remembers what the changes say about a stream.
   Status remember(Database& database, std::span<const StoredChange* const> changes);

@@ -62,15 +62,15 @@ class SampleIndex {
   /// calendar clock have no effect. An exception (std::bad_alloc) changes nothing.
   std::vector<std::int64_t> clean_up(StoredChange& entry, MonotonicTime now,
                                      std::size_t max_samples = kMaxRemoved);
-  /// The time at which clean_up has work next; kNever if nothing is due by itself.
+  /// Returns the time at which clean_up has work next; kNever if nothing is due by itself.
   MonotonicTime next_due(StreamId stream) const;
 
   StoreShares& shares() { return shares_; }
   /// Sets the number of octets that are free in the store, as long as nothing is added.
   void set_free(std::size_t octets) { free_ = octets; }
-  /// The number of samples that are held of the stream.
+  /// Returns the number of samples that are held of the stream.
   std::size_t size(StreamId stream) const;
-  /// The number of changes that did not fit the limits of DURABILITY_SERVICE; never reset.
+  /// Returns the number of changes that did not fit the limits of DURABILITY_SERVICE; never reset.
   std::uint64_t left_out() const { return left_out_; }
   /// Sets another limit than kMaxSamples, for tests.
   void limit_samples(std::size_t max_samples) { max_samples_ = max_samples; }
@@ -101,7 +101,7 @@ class SampleIndex {
     void add(const KeyHash& key, MonotonicTime due);
     void remove(const KeyHash& key);
     bool contains(const KeyHash& key) const { return by_key_.contains(key); }
-    /// The instances that are due at `now`; the first ones if there are too many.
+    /// Returns the instances that are due at `now`; the first ones if there are too many.
     std::vector<KeyHash> due(MonotonicTime now, std::size_t max_samples) const;
     MonotonicTime next_due() const { return by_time_.empty() ? kNever : by_time_.begin()->first; }
 
@@ -154,7 +154,7 @@ class SampleIndex {
     KeyHash key;
     Row row;
     Place place;
-    MonotonicTime left{};      ///< time until it expires; kNever: it does not
+    MonotonicTime left{};      ///< time until it expires; kNever if it does not
     std::size_t replaced = 0;  ///< rows of its instance that it replaces (KEEP_LAST)
   };
 
@@ -166,7 +166,7 @@ class SampleIndex {
   /// Handles an end that is not stored itself.
   AddResult end_instance(Stream& stream, StoredChange& entry, const Candidate& candidate);
   static Account account_of(StoreShares& shares, const std::optional<GuidPrefix>& identity);
-  /// The number of an instance's rows that the next one replaces (KEEP_LAST).
+  /// Returns the number of an instance's rows that the next one replaces (KEEP_LAST).
   static std::size_t replaced(const Stream& stream, const Rows& rows);
   static std::vector<std::int64_t> oldest(const Rows& rows, std::size_t count);
   static bool is_overtaken(const Stream& stream, const KeyHash& key, Time time, Account account);
@@ -174,7 +174,7 @@ class SampleIndex {
   /// its place.
   static bool is_outdated(const Stream& stream, const StoredChange& entry, Time time,
                           const Place& place);
-  /// The place of the row that is stored next.
+  /// Returns the place of the row that is stored next.
   static Place place_of(const Stream& stream, const KeyHash& key, const Row& row);
   bool has_share(const Stream& stream, const KeyHash& key, Account account,
                  std::size_t octets) const;

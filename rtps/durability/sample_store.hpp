@@ -20,12 +20,12 @@ class SampleStore {
   static constexpr std::size_t kMaxStreams = 1024;
   static constexpr std::size_t kDefaultOctets = std::size_t{4} << 30;
 
-  /// An empty path opens a store in memory. A file that is missing or empty becomes a store that
-  /// only its owner can read. Any other file is checked: it must be a store of this version,
-  /// undamaged, not in use by another process, and readable only by the user of this one, as must
-  /// be SQLite's files next to it. A file that fails the check is not changed. Samples that have
-  /// expired at `now`, a calendar time, are removed.
-  /// Errors: rtps_store_unusable, rtps_store_failed.
+  /// Opens a store; an empty path means one in memory. A file that is missing or empty becomes a
+  /// store that only its owner can read. Any other file is checked: it must be a store of this
+  /// version, undamaged, not in use by another process, and readable only by the user of this one,
+  /// as must be SQLite's files next to it. A file that fails the check is not changed. Samples that
+  /// have expired at `now`, a calendar time, are removed. Errors: rtps_store_unusable,
+  /// rtps_store_failed.
   static Result<SampleStore> open(const std::string& path, std::size_t max_octets = kDefaultOctets,
                                   Time now = {});
   SampleStore(SampleStore&&) noexcept = default;
@@ -50,12 +50,12 @@ class SampleStore {
 
   /// Adds the samples of all streams to the shares. Errors: rtps_store_failed, rtps_store_unusable.
   Status read_shares(StoreShares& shares);
-  /// The number of octets that are free, in the store and on its disk. Errors: rtps_store_failed,
-  /// rtps_store_unusable.
+  /// Returns the number of octets that are free, in the store and on its disk. Errors:
+  /// rtps_store_failed, rtps_store_unusable.
   Result<std::size_t> room();
-  /// The last row that was used.
+  /// Returns the number of the last row that was used.
   std::int64_t last_row() const { return last_row_; }
-  /// The number of streams that have samples or remembered writers, or will have: at most
+  /// Returns the number of streams that have samples or remembered writers, or will have: at most
   /// kMaxStreams.
   Result<std::size_t> streams();
   const std::string& path() const { return path_; }

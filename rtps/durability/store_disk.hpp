@@ -6,7 +6,7 @@
 
 namespace ddssec::rtps {
 
-/// The number of octets that a store may still write. A part of the disk is kept free for
+/// Returns the number of octets that a store may still write. A part of the disk is kept free for
 /// operations that make room: removals and checkpoints write before they free anything. `pages` are
 /// the octets of committed pages; those that the file does not have yet are counted as written. If
 /// the room cannot be determined, all octets are free.

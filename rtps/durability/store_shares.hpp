@@ -20,7 +20,8 @@ class StoreShares {
   using Account = std::uint32_t;
   static constexpr Account kNone = 0;
 
-  /// The approximate number of octets that a sample uses in the file. Small samples share a page.
+  /// Returns the approximate number of octets that a sample uses in the file. Small samples share a
+  /// page.
   static std::size_t cost(std::size_t payload) {
     constexpr std::size_t kRest = 160, kPage = 4096;
     const auto octets = payload + kRest;
@@ -42,7 +43,7 @@ class StoreShares {
   };
   /// Counts a sample that had no room.
   void refuse(const GuidPrefix& identity);
-  /// The identities whose refusals have doubled since the last report.
+  /// Returns the identities whose refusals have doubled since the last report.
   std::vector<Refusals> take_unreported() { return std::exchange(unreported_, {}); }
   bool has_unreported() const { return !unreported_.empty(); }
 

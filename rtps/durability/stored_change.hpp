@@ -69,7 +69,7 @@ struct StoredChange {
   RelayOrder relay_order = RelayOrder::direct;
   /// The LIFESPAN of its writer. A sample that has expired is not stored.
   Duration lifespan = kDurationInfinite;
-  std::int64_t row = 0;                     ///< the row in which it is stored; 0: none
+  std::int64_t row = 0;                     ///< the row in which it is stored; 0 if there is none
   std::optional<StoredExpiry> expiry = {};  ///< follows from its source timestamp and lifespan
   std::vector<std::int64_t> removed = {};   ///< rows that are removed
   /// The changes to the entries of instances that have ended.
