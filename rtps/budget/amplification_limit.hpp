@@ -56,7 +56,7 @@ class AmplificationLimit {
   /// address proves no other one, although both pay for what is sent to either.
   bool is_proven(const GuidPrefix& participant, const Locator& address);
 
-  /// The number of octets that may be sent to at least one of the addresses.
+  /// Returns the number of octets that may be sent to at least one of the addresses.
   std::size_t left(const GuidPrefix& participant, std::span<const Locator> to);
   /// Returns the addresses to which a message of this many octets may be sent, in the order of
   /// `to`, and charges them for it.

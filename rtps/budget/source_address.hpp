@@ -17,7 +17,7 @@ class SourceAddress {
     if (kind_ == LocatorKind::udp_v6) std::fill(octets_.begin() + 8, octets_.end(), 0);
   }
   auto operator<=>(const SourceAddress&) const = default;
-  /// The octets of the address; an IPv4 address follows 12 zeros.
+  /// Returns the octets of the address; an IPv4 address follows 12 zeros.
   BytesView octets() const { return octets_; }
 
  private:

@@ -27,7 +27,7 @@ class SubjectShares {
 
   /// True if there is a place for one more participant of that subject.
   bool has_place(const GuidPrefix& prefix) const { return count(prefix) < places_ - taken_; }
-  /// Number of participants of that subject.
+  /// Returns the number of participants of that subject.
   std::size_t count(const GuidPrefix& prefix) const {
     const auto at = of_subject_.find(subject_of(prefix));
     return at == of_subject_.end() ? 0 : at->second;

@@ -12,8 +12,8 @@ namespace ddssec::rtps {
 
 namespace detail {
 
-/// The smallest number of octets that a value of T takes. Counts are checked against it before
-/// anything is allocated.
+/// Returns the smallest number of octets that a value of T takes. Counts are checked against it
+/// before anything is allocated.
 template <class T>
 std::size_t min_size() {
   if constexpr (Primitive<T>) {
@@ -48,7 +48,7 @@ class CdrReader {
   CdrReader(BytesView octets, XcdrVersion version, Endian endian)
       : reader_(octets, endian), end_(octets.size()), version_(version) {}
 
-  /// The first error, if any: truncated, malformed, length_out_of_range.
+  /// Returns the first error, if any: truncated, malformed, length_out_of_range.
   const Status& status() const { return status_; }
   /// True if members were absent, and so keep their former values.
   bool ended_early() const { return has_ended_early_; }

@@ -9,7 +9,7 @@ namespace ddssec::rtps {
 
 namespace detail {
 
-/// The largest position after the key of T if it begins at `offset`, or kUnbounded.
+/// Returns the largest position after the key of T if it begins at `offset`, or kUnbounded.
 template <class T, XcdrVersion version>
 std::size_t max_key_size(std::size_t offset, std::size_t bound, bool keys_only) {
   const auto aligned = [](std::size_t at, std::size_t size) {

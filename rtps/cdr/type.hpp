@@ -44,30 +44,31 @@ concept DdsType = requires {
 
 inline constexpr std::size_t kUnbounded = std::numeric_limits<std::size_t>::max();
 
-/// A member, with properties that C++ cannot express.
+/// The description of a member, with properties that C++ cannot express.
 template <class T>
 struct Member {
   T& value;
   bool is_key = false;
   std::size_t bound = kUnbounded;          ///< the largest number of characters or elements
-  std::string_view name = {};              ///< in the IDL; empty: filters cannot use the member
+  std::string_view name = {};              ///< the name in the IDL; if it is empty, filters cannot
+                                           ///< use the member
   std::size_t element_bound = kUnbounded;  ///< the bound of a sequence's elements
 };
 
 // In the traits of a type, each of these describes a member; they can be nested. `value` is
 // referenced, not copied.
 
-/// A member that belongs to the key (@key).
+/// Describes a member that belongs to the key (@key).
 template <class T>
 constexpr Member<T> key(T& value, std::size_t bound = kUnbounded) {
   return {value, true, bound};
 }
-/// A string or sequence of at most `bound` characters or elements.
+/// Describes a string or sequence of at most `bound` characters or elements.
 template <class T>
 constexpr Member<T> bounded(T& value, std::size_t bound) {
   return {value, false, bound};
 }
-/// A member with its name in the IDL, by which filters refer to it.
+/// Describes a member with its name in the IDL, by which filters refer to it.
 template <class T>
 constexpr Member<T> named(std::string_view name, T& value) {
   return {value, false, kUnbounded, name};
@@ -79,7 +80,7 @@ constexpr Member<T> named(std::string_view name, Member<T> member) {
   return member;
 }
 
-/// A sequence whose elements, strings or sequences, are at most `bound` long.
+/// Describes a sequence whose elements, strings or sequences, are at most `bound` long.
 template <class T>
 constexpr Member<T> with_element_bound(T& value, std::size_t bound) {
   return {value, false, kUnbounded, {}, bound};

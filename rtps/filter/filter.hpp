@@ -41,7 +41,7 @@ class Filter {
   /// Does the same with at most this many steps. A comparison takes one step, one for each eight
   /// octets of text, and one for each character that LIKE examines. Empty if more steps are needed.
   std::optional<bool> passes_within(std::size_t max_steps, const SampleView& view) const;
-  /// The number of members that SampleView::decode must decode.
+  /// Returns the number of members that SampleView::decode must decode.
   std::size_t members() const { return members_; }
 
  private:

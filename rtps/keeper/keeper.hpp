@@ -50,23 +50,25 @@ class Keeper final : private DataReaderListener {
                                                 const EngineServices& services);
   ~Keeper() override;
 
-  /// Number of topics (of different types and partitions) that are kept.
+  /// Returns the number of topics (of different types and partitions) that are kept.
   std::size_t topics() const;
-  /// Number of samples that were not kept because their type has keys and they have no key hash.
+  /// Returns the number of samples that were not kept because their type has keys and they have no
+  /// key hash.
   std::uint64_t without_key() const;
-  /// Number of samples that were not kept: dropped() because they were larger than readers accept,
-  /// left_out() because of the limits of DURABILITY_SERVICE.
+  /// Returns the number of samples that were not kept: dropped() because they were larger than
+  /// readers accept, left_out() because of the limits of DURABILITY_SERVICE.
   std::uint64_t dropped() const;
   std::uint64_t left_out() const;
-  /// The number of samples that late joiners get, and the octets of their payloads. At most what
-  /// the store holds.
+  /// Returns the number of samples that late joiners get, and served_octets() the octets of their
+  /// payloads. These are at most what the store holds.
   std::uint64_t served() const;
   std::uint64_t served_octets() const;
-  /// Number of samples that still waited for room when their writers left. They are not kept and
-  /// were never acknowledged. A writer that comes back offers them again.
+  /// Returns the number of samples that still waited for room when their writers left. They are not
+  /// kept and were never acknowledged. A writer that comes back offers them again.
   std::uint64_t abandoned() const;
-  /// Number of samples that are not in the store yet, and so were not acknowledged. Those that wait
-  /// for room in the share of their identity count, even if only their writers have them.
+  /// Returns the number of samples that are not in the store yet, and so were not acknowledged.
+  /// Those that wait for room in the share of their identity count, even if only their writers have
+  /// them.
   std::uint64_t unstored() const;
   /// Waits until everything that arrived before is stored. Errors: those of DurableStore::flush.
   Status flush(std::chrono::nanoseconds timeout) { return store_->flush(timeout); }

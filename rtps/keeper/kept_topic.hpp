@@ -17,13 +17,12 @@
 namespace ddssec::rtps {
 
 /// Keeps the samples of the writers with exactly the same partitions and data tags. So the samples
-/// reach no reader that the original writer does not match.
-/// A sample is acknowledged only when it is stored, because a writer may leave once its samples are
-/// acknowledged. Late joiners get the samples that are stored or are being stored: the limits of
-/// the store, with the shares of all identities, are those of the memory as well. A sample above
-/// the share of its identity stays with its writer until there is room. With OWNERSHIP EXCLUSIVE it
-/// keeps what a reader would have seen: the samples of the owner of each instance. Called by the
-/// participant, with its lock held.
+/// reach no reader that the original writer does not match. A sample is acknowledged only when it
+/// is stored, because a writer may leave once its samples are acknowledged. Late joiners get the
+/// samples that are stored or are being stored: the limits of the store, with the shares of all
+/// identities, are those of the memory as well. A sample above the share of its identity stays with
+/// its writer until there is room. With OWNERSHIP EXCLUSIVE it keeps what a reader would have seen:
+/// the samples of the owner of each instance. The participant calls it with its lock held.
 class KeptTopic final : private EndpointListener, private Timed {
  public:
   /// How long the writers that own stored instances have to come back after the topic was opened.
@@ -39,14 +38,16 @@ class KeptTopic final : private EndpointListener, private Timed {
   /// Opens the stream, and creates the writer and the reader. The caller does not hold the lock.
   /// Errors: those of DurableStore::open_stream, RtpsParticipant::create_writer and create_reader.
   Status open(DomainId domain, const std::string& domain_tag);
-  /// The caller holds the lock:
+  /// Returns what the keeper's functions of these names return, for this topic. The caller holds
+  /// the lock.
   std::uint64_t without_key() const { return without_key_; }
   std::uint64_t dropped() const { return dropped_; }
-  /// Number of samples that wait for room, or until it is known who owns their instance.
+  /// Returns the number of samples that wait for room, or until it is known who owns their
+  /// instance.
   std::uint64_t waiting() const;
-  /// Number of the samples that waited when their writers left.
+  /// Returns the number of the samples that waited when their writers left.
   std::uint64_t abandoned() const;
-  /// The number of samples that late joiners get, and the octets of their payloads.
+  /// Returns the number of samples that late joiners get, and the octets of their payloads.
   std::uint64_t served() const;
   std::uint64_t served_octets() const;
   bool has_samples() const { return has_samples_; }
@@ -91,7 +92,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   bool was_heard(const Change& change) const;
   /// False if the writer reaches other readers, or needs other permissions.
   bool has_scope_of(const EndpointData& writer) const;
-  /// The identity whose share of the store a sample uses.
+  /// Returns the identity whose share of the store a sample uses.
   std::optional<GuidPrefix> identity_of(const GuidPrefix& sender) const;
 
   ParticipantContext& context_;

@@ -55,7 +55,7 @@ class DescriptorPassing {
   const OpenOffers& offers() const;
 
   bool accepts_work() const;
-  // Each returns the id of the result. Error: held_up, unless accepts_work().
+  // Each returns the id of its result. Error: held_up, unless accepts_work().
   MemoryResult<std::uint64_t> fetch(DescriptorOffer offer);
   /// See SampleSlots::make; also no_room.
   MemoryResult<std::uint64_t> make_slots(std::uint64_t segment, std::size_t largest);

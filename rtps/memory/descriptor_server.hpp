@@ -55,13 +55,13 @@ class DescriptorServer {
   /// octets).
   MemoryResult<DescriptorOffer> offer(const Segment& segment, Random& random, MonotonicTime now,
                                       std::string identity = {});
-  /// May be used while another thread is in `serve`.
+  /// Returns the offers. May be used while another thread is in `serve`.
   OpenOffers& offers() { return *offers_; }
   const OpenOffers& offers() const { return *offers_; }
 
   /// Adds the descriptors to wait for.
   void watch(std::vector<pollfd>& out) const;
-  /// The time at which `serve` must be called even if nothing arrives.
+  /// Returns the time at which `serve` must be called even if nothing arrives.
   std::optional<MonotonicTime> deadline() const;
   void serve(MonotonicTime now);
 
@@ -97,7 +97,7 @@ class DescriptorRequest {
   static MemoryResult<DescriptorRequest> send(const DescriptorOffer& offer,
                                               Users users = Users::own);
 
-  /// The socket, which is readable when the answer has arrived.
+  /// Returns the socket, which is readable when the answer has arrived.
   int descriptor() const { return socket_.number(); }
   /// Returns the mapped segment, or nothing if the answer has not arrived yet. Errors: no_answer,
   /// those of MappedSegment::map.

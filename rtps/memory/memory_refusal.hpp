@@ -37,7 +37,7 @@ inline constexpr std::uint32_t kRefusals = 1 + static_cast<std::uint32_t>(Memory
 /// strangers fill the socket.
 bool may_pass_by(MemoryRefusal why);
 
-/// The reason for people: "the token was refused, ...".
+/// Returns the reason as text, such as "the token was refused, ...".
 std::string_view to_string(MemoryRefusal why);
 
 template <class T>

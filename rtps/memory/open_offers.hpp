@@ -36,7 +36,7 @@ class OpenOffers {
   MemoryResult<void> add(Offer offer);
   void withdraw(std::uint64_t segment);
   void forget_late(MonotonicTime now);
-  /// The time at which the next offer is late.
+  /// Returns the time at which the next offer is late.
   std::optional<MonotonicTime> next_end() const;
   /// Removes the offer of this token, so that the token does not work again, and returns its
   /// descriptor. The descriptor is empty if there is no such offer. All tokens are compared, so

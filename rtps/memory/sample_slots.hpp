@@ -20,7 +20,7 @@ class SampleSlots {
   static constexpr std::size_t kOctets = std::size_t{16} << 20;
   static constexpr std::size_t kMin = 4, kMax = 64;
 
-  /// The approximate memory that `make` takes, in octets.
+  /// Returns the approximate memory that `make` takes, in octets.
   static std::size_t size_for(std::size_t largest);
   /// Creates slots for payloads of up to `largest` octets, or somewhat more. Errors: those of
   /// Segment::make.

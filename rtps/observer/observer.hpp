@@ -62,7 +62,7 @@ struct ObservedParticipant {
   /// Its latest announcement; empty if it never announced itself.
   std::optional<ParticipantData> data;
   VendorId vendor;
-  DomainId domain = -1;             ///< -1: not known from an announcement
+  DomainId domain = -1;             ///< -1 if no announcement names it
   std::set<std::string> addresses;  ///< addresses from which it was heard
   Seen messages;
   std::uint64_t protected_messages = 0;
@@ -109,11 +109,11 @@ class Observer {
 
   using Participants = std::map<GuidPrefix, ObservedParticipant>;
   const Participants& participants() const { return participants_; }
-  /// The messages from the first participant to the second.
+  /// Returns the messages from the first participant to the second.
   const HandshakeFlow& flow(const GuidPrefix& from, const GuidPrefix& to) const;
   const Seen& datagrams() const { return datagrams_; }
   std::uint64_t rtps_messages() const { return rtps_messages_; }
-  /// The number of messages of participants, and of topics, for which there was no room.
+  /// Returns the number of messages of participants, and of topics, for which there was no room.
   std::uint64_t left_out() const { return left_out_; }
 
  private:

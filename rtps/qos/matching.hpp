@@ -37,7 +37,7 @@ struct QosMismatch {
 /// its id.
 std::optional<QosMismatch> mismatch(const Qos& offered, const Qos& requested);
 
-/// A text that describes what to change on which side so that they match.
+/// Returns a text that describes what to change on which side so that they match.
 std::string remedy(const QosMismatch& mismatch);
 
 /// True if any partition of one side matches any of the other. An empty list stands for the

@@ -17,10 +17,10 @@ struct QosPreset {
   ReliabilityKind reliability;
   DurabilityKind durability;
   std::int32_t depth;         ///< the depth of HISTORY
-  std::int32_t lifespan = 0;  ///< seconds; 0: infinite
+  std::int32_t lifespan = 0;  ///< seconds; 0 means infinite
 };
 
-/// All presets.
+/// Returns all presets.
 std::span<const QosPreset> qos_presets();
 
 /// Returns the policies for writers and readers; all other policies have the defaults of DDS. Empty

@@ -108,7 +108,7 @@ struct Qos {
   Duration time_based_filter = kDurationZero;
   std::int32_t transport_priority = 0;
   std::vector<DataRepresentation> data_representation = {DataRepresentation::xcdr1};
-  TypeConsistency type_consistency;  ///< readers only
+  TypeConsistency type_consistency;  ///< for readers only
   Bytes user_data, topic_data, group_data;
   /// PROPERTY (DDS-Security 1.2, clause 7.3.21), for the plugins of ddssec; not announced.
   PropertyList properties;
@@ -124,9 +124,9 @@ struct Qos {
   bool is_reliable() const { return reliability.kind == ReliabilityKind::reliable; }
 };
 
-/// The defaults of DDS 1.4 for readers: RELIABILITY is BEST_EFFORT.
+/// Returns the defaults of DDS 1.4 for readers: RELIABILITY is BEST_EFFORT.
 inline Qos default_reader_qos() { return {}; }
-/// The defaults of DDS 1.4 for writers: RELIABILITY is RELIABLE.
+/// Returns the defaults of DDS 1.4 for writers: RELIABILITY is RELIABLE.
 inline Qos default_writer_qos() {
   Qos qos;
   qos.reliability.kind = ReliabilityKind::reliable;

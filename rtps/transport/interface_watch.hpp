@@ -12,7 +12,7 @@ class InterfaceWatch {
   /// Opens the socket. Errors: rtps_socket_failed, for example if a sandbox forbids such sockets.
   static Result<InterfaceWatch> open();
 
-  /// The socket, which is readable after a change.
+  /// Returns the socket, which is readable after a change.
   int fd() const { return socket_.number(); }
   /// Returns true if anything has changed since the last call.
   bool drain() const;

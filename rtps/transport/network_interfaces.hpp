@@ -24,11 +24,11 @@ struct NetworkInterface {
 /// (igmp_max_memberships).
 inline constexpr std::size_t kMaxInterfaces = 16;
 
-/// Every interface that is up, with its first IPv4 address or, if it has none, its first IPv6
-/// address.
+/// Returns every interface that is up, with its first IPv4 address or, if it has none, its first
+/// IPv6 address.
 std::vector<NetworkInterface> interfaces_of_this_machine();
 
-/// All addresses of this machine, without ports.
+/// Returns all addresses of this machine, without ports.
 LocatorList addresses_of_this_machine();
 
 /// Returns the interfaces in `wanted`, given by name or address. If `wanted` is empty, returns the

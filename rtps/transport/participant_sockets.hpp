@@ -31,10 +31,10 @@ class ParticipantSockets final : public Transport {
                                                           std::vector<NetworkInterface> interfaces,
                                                           const Options& options);
 
-  /// The participant index.
+  /// Returns the participant index.
   int index() const { return index_; }
   const std::vector<NetworkInterface>& interfaces() const { return interfaces_; }
-  /// The addresses at which the sockets can be reached, on all interfaces.
+  /// Returns the addresses at which the sockets can be reached, on all interfaces.
   LocatorList metatraffic() const { return everywhere(sockets_[0].local().port); }
   LocatorList user() const { return everywhere(sockets_[1].local().port); }
   /// See UdpSocket.

@@ -40,7 +40,8 @@ class UdpSocket {
   /// Creates a socket bound to the port of `group` and joins the group on the interface with
   /// address `interface`. Errors: those of bind, and rtps_no_multicast.
   static Result<UdpSocket> join(const Locator& group, const Locator& interface);
-  /// Also receives messages to `group` that arrive on another interface. Errors: rtps_no_multicast.
+  /// Makes the socket also receive messages to `group` that arrive on another interface. Errors:
+  /// rtps_no_multicast.
   Status join_also(const Locator& group, const Locator& interface);
   /// Leaves the group on that interface, even if the interface is gone.
   void leave(const Locator& group, const Locator& interface) const;
@@ -53,7 +54,7 @@ class UdpSocket {
 
   int fd() const { return fd_.number(); }
   const Locator& local() const { return local_; }
-  /// The buffer that the system granted, in octets.
+  /// Returns the buffer that the system granted, in octets.
   std::size_t receive_buffer_size() const;
   /// Checks that the buffer is large enough for large samples. Errors: rtps_receive_buffer_small.
   Status check_receive_buffer() const;
@@ -71,7 +72,7 @@ class UdpSocket {
   /// the next call.
   std::size_t fetch();
   BytesView datagram(std::size_t index) const;
-  /// The address that the datagram came from.
+  /// Returns the address that the datagram came from.
   Locator source(std::size_t index) const;
 
   /// Takes a datagram for which the send buffer had no room.
