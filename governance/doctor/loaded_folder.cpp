@@ -105,6 +105,17 @@ LoadedDocument<Model> load_document(const fs::path& path, const Trust& trust,
   return out;
 }
 
+// Returns the verdict of a stock product. OpenSSL has one reason for a changed document and for one
+// that another CA signed; ddssec's verifier tells them apart.
+Status with_signer_named(Status verdict, BytesView file, std::vector<pki::Certificate> cas,
+                         WallTime now) {
+  if (verdict || verdict.error().code() != Code::smime_signature_invalid) return verdict;
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, pki::DocumentVerifier::make(std::move(cas)));
+  const auto proof = verifier.verify(file, now);
+  const bool is_foreign = !proof && proof.error().code() == Code::smime_signer_not_permissions_ca;
+  return is_foreign ? std::unexpected(proof.error()) : verdict;
+}
+
 }  // namespace
 
 Status verify_signature_as(Vendor judge, BytesView file, const Certificates& cas, BytesView ca_file,
@@ -113,8 +124,10 @@ Status verify_signature_as(Vendor judge, BytesView file, const Certificates& cas
     return pki::verify_as_stock_products(
         file, ca_file, judge == Vendor::cyclonedds ? 1 : pki::kMaxCertificatesInBundle, now);
   if (!cas) return std::unexpected(cas.error());
-  if (judge == Vendor::cyclonedds) return pki::verify_as_stock_products(file, {cas->front()}, now);
-  if (judge == Vendor::fastdds) return pki::verify_as_stock_products(file, *cas, now);
+  if (judge != Vendor::ours) {
+    const auto read = judge == Vendor::cyclonedds ? std::vector{cas->front()} : *cas;
+    return with_signer_named(pki::verify_as_stock_products(file, read, now), file, read, now);
+  }
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, pki::DocumentVerifier::make(*cas));
   const auto proof = verifier.verify(file, now);
   return proof ? Status() : std::unexpected(proof.error());

@@ -75,8 +75,9 @@ class Trust(CheckTest):
         self.listener.put("permissions_ca.pem", ca / "cert.pem")
         self.listener.own_permissions(signer=signer)
         self.listener.sign("governance", GOVERNANCE, signer=signer)
-        self.apart("DOC081", "listener's permissions", "CN=foreign CA", '"CN=permissions CA"',
-                   document="permissions.p7s")
+        for words in ((), ("--vendor", "A=cyclonedds"), ("--vendor", "A=fastdds")):
+            self.apart("DOC081", "listener's permissions", "the signer is not one of", "CN=foreign CA", '"CN=permissions CA"',
+                       document="permissions.p7s", words=words)
 
     def test_a_folder_of_participants_is_no_participant(self):
         for words in (("check", "talker", "."), ("doctor", ".")):
