@@ -214,10 +214,26 @@ Result<pki::ChainVerifier> verifier_of(const Participant& self) {
       files.identity_ca);
 }
 
+// Says that the error is about the certificate that the CA or the hook answered, not about the file
+// that it was for.
+template <class T>
+Result<T> about_answer(Result<T> result, const fs::path& file) {
+  if (result) return result;
+  auto details = result.error().details();
+  details.document = file;
+  details.note += details.note.empty() ? "" : "; ";
+  details.note += "this is about the certificate that the CA or the hook answered; the file stays";
+  if (result.error().code() == Code::issuer_unknown)
+    details.hint =
+        "let the CA or the hook answer with a certificate of a CA in identity_ca.pem; to change "
+        "to another CA, put its certificate into identity_ca.pem first";
+  return fail(result.error().code(), std::move(details));
+}
+
 Status check_chain(const Participant& self, const pki::Certificate& renewed) {
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self));
   DDSSEC_RETURN_IF_ERROR(
-      with_document(verifier.verify(renewed, self.now()), self.files.certificate));
+      about_answer(verifier.verify(renewed, self.now()), self.files.certificate));
   // The certificate in place must not be revoked either: the issuer of the new one may not know of
   // the list.
   DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, self.certificate, self.files.crl));
@@ -228,7 +244,7 @@ Result<pki::Certificate> checked(const Participant& self, const std::string& pem
                                  const pki::PrivateKey& key) {
   const auto& file = self.files.certificate;
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed,
-                          with_document(pki::Certificate::from_pem(as_bytes(pem)), file));
+                          about_answer(pki::Certificate::from_pem(as_bytes(pem)), file));
   if (renewed.subject_digest() != self.certificate.subject_digest())
     return unfit_renewal_error(self, self.certificate.subject(),
                                renewed.subject() == self.certificate.subject()
@@ -236,7 +252,7 @@ Result<pki::Certificate> checked(const Participant& self, const std::string& pem
                                    : renewed.subject());
   if (renewed.is_ca())
     return unfit_renewal_error(self, "the certificate of a participant", "one of a CA");
-  DDSSEC_RETURN_IF_ERROR(with_document(key.matches(renewed), file));
+  DDSSEC_RETURN_IF_ERROR(about_answer(key.matches(renewed), file));
   DDSSEC_RETURN_IF_ERROR(check_chain(self, renewed));
   DDSSEC_RETURN_IF_ERROR(check_dates(self, renewed));
   return renewed;

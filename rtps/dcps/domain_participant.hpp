@@ -74,8 +74,8 @@ struct DomainParticipantOptions {
   bool enabled = true;  ///< if false, it sends nothing until enable()
   /// Path of the file that stores the samples of writers with DURABILITY PERSISTENT. It is created
   /// if it does not exist. Only one participant at a time can use it, and no other user may be able
-  /// to make files in its folder. If the path is
-  /// empty, the samples last as long as the participant.
+  /// to make files in its folder. If the path is empty, the samples last as long as the
+  /// participant.
   std::string durability_store = {};
   /// Limit for the size of the store, in octets.
   std::size_t durability_store_octets = std::size_t{4} << 30;

@@ -95,7 +95,8 @@ class Hooks(AgentTest):
     def test_another_issuer(self):
         self.run_program("ca", "create", "other", "--role", "identity", "--no-passphrase")
         self.ca = self.at / "other"
-        self.refused("issuer_unknown", "--hook", self.signing_hook(), *self.LATER)
+        event = self.refused("issuer_unknown", "--hook", self.signing_hook(), *self.LATER)
+        self.assertIn("about the certificate that the CA or the hook answered", event["message"])
 
     def test_a_revoked_one(self):
         """By a list that has expired, too."""
