@@ -135,6 +135,8 @@ bool is_about_rights(const governance::PermissionChange& change,
 
 // The core of Cyclone DDS does not judge again what it has matched. If an endpoint loses rights,
 // its sessions with peers on our plugins end. Rights that it gains count from the next session on.
+constexpr std::string_view kWithTheSessions = "live when sessions begin again";
+
 std::string_view word_in_cyclonedds(PermissionsOutcome live,
                                     const governance::PermissionsDiff& diff) {
   if (live != PermissionsOutcome::live) return live_word(live);
@@ -145,7 +147,7 @@ std::string_view word_in_cyclonedds(PermissionsOutcome live,
   };
   using enum ChangeClass;
   if (!diff.is_exact || has(narrower, mixed, unknown)) return "live, sessions begin again";
-  return has(wider) ? "live when sessions begin again" : live_word(live);
+  return has(wider) ? kWithTheSessions : live_word(live);
 }
 
 }  // namespace
@@ -174,6 +176,10 @@ PermissionsForecast forecast_of(const PermissionsChangeOver& change, const DiffS
                         {"what was taken away ends within a second between embedded participants;",
                          "in Cyclone DDS within two seconds: if an endpoint loses a right, the",
                          "sessions with peers on ddssec's plugins end and begin again"});
+  if (out.cyclonedds_ddssec == kWithTheSessions)
+    out.text += wrapped(indentation, {"rights that are new count at once between embedded",
+                                      "participants; in Cyclone DDS when two participants begin a",
+                                      "new session: restart one of the two"});
   out.text += wrapped(indentation,
                       {"on those of Cyclone DDS and Fast DDS:", outcome_text(stock),
                        !is_same && narrows ? "until then what was taken away stays allowed" : ""});

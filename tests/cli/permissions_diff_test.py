@@ -224,6 +224,7 @@ class PermissionsDifferences(Differences):
             self.write(old, new)
             out = self.diff(*NOW)["takes_effect"]
             self.assertEqual((out["embedded"], out["cyclonedds_ddssec"]), ("live", word))
+            self.assertEqual("restart one of the two" in self.text(*NOW), word == "live when sessions begin again")
 
     def test_a_participant_that_only_one_document_knows_decides_nothing_while_it_runs(self):
         other = grant(JOIN, subject="CN=listener", name="listener")
