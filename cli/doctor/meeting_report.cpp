@@ -239,16 +239,19 @@ std::string result_line(const MeetingView& view) {
       meeting.topics, [](const TopicMeeting& topic) { return protection_differs(topic); });
   const bool is_partial =
       std::ranges::find(meeting.notes, Rule::DOC099, &Finding::rule) != meeting.notes.end();
+  const bool is_all_idle = std::ranges::all_of(meeting.topics, is_idle);
   const auto verdict =
-      differs                    ? "they match, but the protection of a topic differs"
-      : has_topic_apart(meeting) ? "they match, but a product keeps them apart on a topic"
-      : is_partial               ? "they match, but on some topics without partitions only"
-      : std::ranges::all_of(meeting.topics, is_idle)
-          ? (view.topics_named ? "they authenticate, but share none of these topics"
-             : !meeting.topics_complete
-                 ? "they authenticate; whether they share a topic is not known"
-                 : "they authenticate, but share no topic")
-          : "they match";
+      differs ? (is_all_idle ? "they authenticate, but no topic works: the protection differs"
+                             : "they match, but the protection of a topic differs")
+      : has_topic_apart(meeting)
+          ? (is_all_idle ? "they authenticate, but no topic works: a product keeps them apart"
+                         : "they match, but a product keeps them apart on a topic")
+      : is_partial  ? "they match, but on some topics without partitions only"
+      : is_all_idle ? (view.topics_named ? "they authenticate, but share none of these topics"
+                       : !meeting.topics_complete
+                           ? "they authenticate; whether they share a topic is not known"
+                           : "they authenticate, but share no topic")
+                    : "they match";
   return fmt::format("result: {}\n  {}\n  {}\n{}{}", verdict, working_topics(view, 0),
                      working_topics(view, 1), topics_apart(view),
                      meeting.topics_complete ? "" : "  (not every topic was looked at)\n");

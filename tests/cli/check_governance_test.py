@@ -114,6 +114,8 @@ class Governance(CheckTest):
                                                             "<data_protection_kind>SIGN"))
         self.apart("DOC084", '"Square"', "<data_protection_kind> is ENCRYPT at talker",
                    "SIGN at listener", document="governance.p7s")
+        self.assertIn("result: they authenticate, but no topic works: the protection differs\n",
+                      self.run_program("check", "talker", "listener", exit=1).stdout)
         # The permissions allow it: nothing else is to be done than what DOC084 says.
         self.assertEqual({d["id"] for d in self.check(exit=1)["diagnostics"]}, {"DOC084"})
 
