@@ -74,6 +74,14 @@ constexpr std::array kSentences = {
                     "the participants meet, and protect this topic differently: there is no match "
                     "for it",
                     "ddssec governance diff OWN OTHER"},
+    CycloneSentence{"Failed to register remote writer ... with reader ...",
+                    "access control or cryptography refused this match, for example because the "
+                    "permissions no longer allow the topic",
+                    "ddssec's own line before it; ddssec check OWN OTHER"},
+    CycloneSentence{"Failed to register remote reader ... with writer ...",
+                    "access control or cryptography refused this match, for example because the "
+                    "permissions no longer allow the topic",
+                    "ddssec's own line before it; ddssec check OWN OTHER"},
     CycloneSentence{"failed to match in ...",
                     "from ddsperf: no endpoints of another ddsperf were found; the line \"new\" "
                     "before it comes before security, so it does not mean that keys were exchanged",
