@@ -1,6 +1,8 @@
 #include "pki/participant_folder.hpp"
 
+#include <sys/stat.h>
 #include <system_error>
+#include <unistd.h>
 
 namespace ddssec::pki {
 namespace fs = std::filesystem;
@@ -17,6 +19,13 @@ bool may_exist(const fs::path& path) {
   std::error_code error;
   const auto type = fs::symlink_status(path, error).type();
   return type != fs::file_type::not_found && error != std::errc::filename_too_long;
+}
+
+bool may_be_changed_by_others(const fs::path& folder) {
+  struct stat status {};
+  if (::stat(folder.c_str(), &status) != 0) return true;
+  const bool is_ours = status.st_uid == 0 || status.st_uid == ::geteuid();
+  return !is_ours || (status.st_mode & 022) != 0;
 }
 
 bool is_participant_folder(const fs::path& folder) {

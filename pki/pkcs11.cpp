@@ -68,7 +68,10 @@ UI_METHOD* pin_method() {
 std::atomic<bool> one_wrong_pin_is_all = false;
 std::atomic<bool> pin_was_refused = false;
 
+std::atomic<int> forbidding = 0;  // how many LoginsForbidden apply
+
 Status check_may_log_in(std::string_view uri) {
+  if (forbidding > 0) return fail(Code::pkcs11_not_tried, {.found = without_pin(uri)});
   if (!one_wrong_pin_is_all || !pin_was_refused) return {};
   return fail(Code::pkcs11_pin_wrong,
               {.found = without_pin(uri), .note = "not tried: a token has refused a PIN before"});
@@ -204,6 +207,14 @@ Result<SplitUri> read_pin_source(std::string_view text) {
 }  // namespace
 
 void stop_at_first_wrong_pin() { one_wrong_pin_is_all = true; }
+
+LoginsForbidden::LoginsForbidden(bool applies) : applies_(applies) {
+  if (applies_) ++forbidding;
+}
+
+LoginsForbidden::~LoginsForbidden() {
+  if (applies_) --forbidding;
+}
 
 Result<PkeyPtr> token_private_key(std::string_view uri, const Passphrase* pin) {
   DDSSEC_RETURN_IF_ERROR(check_may_log_in(uri));

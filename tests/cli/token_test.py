@@ -122,20 +122,31 @@ class Token(Transcript):
         renewed = self.json("identity", "renew", "talker", "--ca", "ca", "--days", "700", *NOW)
         self.assertEqual([pathlib.Path(file["path"]).name for file in renewed["files_written"]], ["cert.pem"])
 
+    def logins(self, name, *words):
+        """How often the command logs in to a token, and what it prints."""
+        log = self.at / f"{name}.log"
+        done = subprocess.run([PROGRAM, *words, *NOW], cwd=self.at, text=True, capture_output=True, timeout=60, check=False,
+                              env={**os.environ, "PKCS11_MODULE_PATH": str(SPY), "PKCS11SPY": str(SOFTHSM),
+                                   "PKCS11SPY_OUTPUT": str(log)})
+        text = log.read_text() if log.exists() else ""
+        return len(re.findall(r"(?m)^\d+: C_Login$", text)), done.stdout + done.stderr
+
     @unittest.skipUnless(SPY.exists(), "no pkcs11-spy (opensc-pkcs11)")
-    def test_a_folder_of_another_costs_one_wrong_pin_at_most(self):
+    def test_a_folder_costs_one_wrong_pin_at_most_and_none_if_others_can_change_it(self):
         self.put("k")
         self.run_program("init", "demo", *NOW)
         for number, name in enumerate(("cert", "key", "identity_ca", "permissions_ca")):
             (self.at / "demo/talker" / f"{name}.pem").unlink()
             (self.at / "demo/talker" / f"{name}.p11").write_text(f"pkcs11:token=robot;object=k?pin-value=000{number}\n")
-        for words in (("doctor", "demo/talker"), ("check", "demo/talker", "demo/listener"),
-                      ("can", "demo/talker", "publish", "x")):
-            log = self.at / f"{words[0]}.log"
-            subprocess.run([PROGRAM, *words, *NOW], cwd=self.at, capture_output=True, timeout=60, check=False,
-                           env={**os.environ, "PKCS11_MODULE_PATH": str(SPY), "PKCS11SPY": str(SOFTHSM),
-                                "PKCS11SPY_OUTPUT": str(log)})
-            self.assertEqual(len(re.findall(r"(?m)^\d+: C_Login$", log.read_text())), 1, words)
+        commands = (("doctor", "demo/talker"), ("check", "demo/talker", "demo/listener"),
+                    ("can", "demo/talker", "publish", "x"))
+        for words in commands:
+            self.assertEqual(self.logins(words[0], *words)[0], 1, words)
+        (self.at / "demo/talker").chmod(0o777)
+        for words in commands:
+            logins, text = self.logins(words[0] + "-open", *words)
+            self.assertEqual(logins, 0, words)
+            self.assertIn("not looked at, because another user can change the folder", " ".join(text.split()), words)
 
     def test_the_agent_renews_with_keys_in_tokens_and_tries_a_wrong_pin_once(self):
         self.make_cas()

@@ -69,6 +69,17 @@ TEST_F(Folder, ACertificateOrAKeyOfACa_TellsACasFolder) {
   EXPECT_FALSE(is_ca_folder(at_));
 }
 
+TEST_F(Folder, ModeOrOwner_TellsWhetherOthersCanChangeIt) {
+  for (const auto& [mode, open] : {std::pair(0700, false), std::pair(0755, false),
+                                   std::pair(0775, true), std::pair(01777, true)}) {
+    fs::permissions(at_, static_cast<fs::perms>(mode));
+    EXPECT_EQ(may_be_changed_by_others(at_), open) << std::oct << mode;
+  }
+  fs::permissions(at_, fs::perms::owner_all);
+  EXPECT_TRUE(may_be_changed_by_others(at_ / "nowhere"));
+  EXPECT_FALSE(may_be_changed_by_others("/")) << "root's";
+}
+
 // A document that cannot be reached must not count as one that was never put there.
 TEST_F(Folder, FileThatCannotBeReached_IsNotAbsent) {
   touch("crl.pem");

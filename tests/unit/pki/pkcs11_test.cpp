@@ -7,6 +7,7 @@
 
 #include "pki/signature.hpp"
 #include "pki/smime.hpp"
+#include "pki/token_logins.hpp"
 #include "pki_fixture.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -76,6 +77,18 @@ TEST_F(Token, MissingOrWrongPin_IsRefused) {
   EXPECT_CODE(refused, pkcs11_pin_wrong);
   EXPECT_EQ(refused.error().to_sentence().find("4712"), std::string::npos);
   const auto right = pin();
+  ASSERT_OK(PrivateKey::load(uri("ec"), kProperty, &right));
+}
+
+TEST_F(Token, WhereLoginsAreForbidden_NothingIsTried) {
+  const auto right = pin();
+  {
+    const LoginsForbidden forbidden(true);
+    EXPECT_CODE(PrivateKey::load(uri("ec"), kProperty, &right), pkcs11_not_tried);
+    const LoginsForbidden of_another_folder(false);
+    EXPECT_CODE(PrivateKey::load(uri("ec"), kProperty, &right), pkcs11_not_tried);
+  }
+  const LoginsForbidden allowed(false);
   ASSERT_OK(PrivateKey::load(uri("ec"), kProperty, &right));
 }
 
