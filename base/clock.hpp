@@ -82,7 +82,8 @@ class Random {
   virtual Status fill(MutableBytes out) = 0;
 };
 
-/// The operating system's generator. Thread-safe.
+/// The operating system's generator, through libsodium. It fails with random_failed if libsodium
+/// cannot start. If the generator fails later, libsodium ends the process. Thread-safe.
 class SystemRandom final : public Random {
  public:
   Status fill(MutableBytes out) override;

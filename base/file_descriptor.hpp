@@ -15,7 +15,7 @@ class FileDescriptor {
   }
   FileDescriptor(FileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
   FileDescriptor& operator=(FileDescriptor&& other) noexcept {
-    std::swap(number_, other.number_);
+    const FileDescriptor former(std::exchange(number_, std::exchange(other.number_, -1)));
     return *this;
   }
   explicit operator bool() const { return number_ >= 0; }

@@ -130,8 +130,6 @@ std::string key_id_text(const ASN1_OCTET_STRING* id) {
 
 Result<KeyAlgorithm> judge_key(EVP_PKEY* key, std::string_view type) {
   constexpr const char* kAllowed = "RSA of 2048 bits or more, EC P-256 or EC P-384";
-  constexpr int kMinRsaBits = 2048;
-  constexpr int kMaxRsaBits = 16384;
   if (key == nullptr)
     return openssl_failure(Code::key_not_allowed,
                            {.expected = kAllowed, .found = "a key of " + std::string(type)});

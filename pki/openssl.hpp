@@ -53,6 +53,10 @@ std::string serial_text(const ASN1_INTEGER* serial);
 /// Returns a UTF-8 copy of an attribute's value; empty if it is not text or contains a NUL.
 std::optional<std::string> to_utf8(const ASN1_STRING* value);
 
+/// The limits for the size of an RSA key, in bits.
+inline constexpr int kMinRsaBits = 2048;
+inline constexpr int kMaxRsaBits = 16384;
+
 /// Returns the kind of an allowed public key: RSA of 2048 to 16384 bits, EC P-256 and P-384 with a
 /// named curve. Error: key_not_allowed with algorithm and size, or with `type` if `key` is nullptr
 /// because OpenSSL could not decode it.

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include <fmt/format.h>
+
 #include "base/hash.hpp"
 #include "pki/openssl.hpp"
 #include "pki/pem_block.hpp"
@@ -102,6 +104,10 @@ Result<PrivateKey> PrivateKey::load(std::string_view uri, std::string_view prope
 
 Result<PrivateKey> PrivateKey::generate(KeyKind kind, int bits) {
   const char* group = kind == KeyKind::ec_p384 ? "P-384" : "P-256";
+  if (kind == KeyKind::rsa && (bits < kMinRsaBits || bits > kMaxRsaBits))
+    return fail(Code::key_not_allowed,
+                {.expected = fmt::format("RSA of {} to {} bits", kMinRsaBits, kMaxRsaBits),
+                 .found = fmt::format("RSA of {} bits", bits)});
   PkeyPtr pkey(kind == KeyKind::rsa
                    ? EVP_PKEY_Q_keygen(nullptr, nullptr, "RSA", static_cast<std::size_t>(bits))
                    : EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", group));

@@ -30,7 +30,8 @@ class SignatureValid {
 Result<Bytes> sign(const PrivateKey& key, BytesView message);
 
 /// Verifies by the type of the certificate's key, whatever the peer announced. For RSA, any salt
-/// length is accepted (Cyclone signs with the longest). Error: signature_invalid.
+/// length is accepted (Cyclone signs with the longest). Errors: signature_invalid; internal if
+/// OpenSSL cannot check it, which says nothing about the signature.
 Result<SignatureValid> verify(const Certificate& signer, BytesView message, BytesView signature);
 
 }  // namespace ddssec::pki

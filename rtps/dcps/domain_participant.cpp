@@ -41,13 +41,14 @@ Status announce_by_multicast(ParticipantSockets& sockets, ParticipantConfig& con
                              EventSink& events) {
   const auto group =
       Locator::udp_v4({239, 255, 0, 1}, static_cast<std::uint16_t>(ports::base(config.domain_id)));
-  for (const auto& interface : sockets.interfaces()) {
-    const auto joined = sockets.join(group, interface);
-    if (joined) continue;
-    // If there are peers to announce to, other participants can still be found.
-    if (sockets.interfaces().size() == 1 && config.announce_to.empty()) return joined;
-    events.raise(Event(joined.error().with_document(to_string({&interface, 1}))));
-  }
+  std::vector<Error> errors;
+  for (const auto& interface : sockets.interfaces())
+    if (const auto joined = sockets.join(group, interface); !joined)
+      errors.push_back(joined.error().with_document(to_string({&interface, 1})));
+  // If there are peers to announce to, other participants can still be found.
+  if (!errors.empty() && !sockets.has_joined() && config.announce_to.empty())
+    return std::unexpected(errors.front());
+  for (const auto& error : errors) events.raise(Event(error));
   if (!sockets.has_joined()) return {};
   config.metatraffic_multicast = {group};
   config.announce_to.push_back(group);

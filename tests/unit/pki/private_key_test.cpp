@@ -49,6 +49,14 @@ TEST_P(OwnKeys, WrittenKey_ReadsBack) {
   }));
 }
 
+TEST(PrivateKey, RsaOfARefusedSize_IsNotMade) {
+  for (const int bits : {-1, 0, 2047, 16385}) {
+    const auto key = PrivateKey::generate(KeyKind::rsa, bits);
+    EXPECT_CODE(key, key_not_allowed);
+    EXPECT_EQ(key.error().details().found, "RSA of " + std::to_string(bits) + " bits");
+  }
+}
+
 TEST(PrivateKey, DerFile_IsNamedWithTheCommandThatConverts) {
   // The head of a PKCS #8 key of P-256, and of a SEC 1 key of 119 octets.
   Bytes pkcs8(138), sec1(121);
