@@ -11,7 +11,7 @@ DocumentWatch::DocumentWatch(WatchedDocument what, std::chrono::seconds interval
 }
 
 Result<Bytes> DocumentWatch::read() const {
-  return load(watch_.uri(), what_.name, what_.max_octets);
+  return load_uri(watch_.uri(), what_.name, what_.max_octets);
 }
 
 Result<bool> DocumentWatch::poll(std::chrono::nanoseconds now, const Adopt& adopt) {
@@ -29,7 +29,7 @@ Result<bool> DocumentWatch::poll(std::chrono::nanoseconds now, const Adopt& adop
     again.release();
     return is_other;
   }
-  if (!refusals_.is_due(status.error().code(), content)) return false;
+  if (!refusals_.note_refusal(status.error().code(), content)) return false;
   const auto& why = status.error();
   auto report = renewal_refused_error(what_.refused, why, what_.name, what_.stays);
   const bool is_about_folder = report.code() == Code::folder_unreadable;

@@ -10,7 +10,7 @@ namespace ddssec {
 EventLog::EventLog(const char* path) : lost_(std::make_unique<std::atomic<std::uint64_t>>(0)) {
   if (path == nullptr || *path == '\0') return;
   path_ = path;
-  file_ = std::make_unique<EventFile>(path);
+  file_ = std::make_unique<LineFile>(path);
   if (file_->is_open()) return;
   write_failure_ = about_the_file("a file, a FIFO with a reader, or a terminal", file_->why_not());
   file_.reset();

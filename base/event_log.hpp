@@ -8,7 +8,7 @@
 #include <string>
 
 #include "base/event.hpp"
-#include "base/event_file.hpp"
+#include "base/line_file.hpp"
 
 namespace ddssec {
 
@@ -32,7 +32,7 @@ class EventLog {
   Event about_the_file(std::string expected, std::string found) const;
 
   std::string path_;
-  std::unique_ptr<EventFile> file_;  ///< null if no events are written
+  std::unique_ptr<LineFile> file_;  ///< null if no events are written
   std::optional<Event> write_failure_;
   std::unique_ptr<std::atomic<std::uint64_t>> lost_;  ///< lost since the last line
 };

@@ -114,7 +114,7 @@ std::string to_text(const Version& version) {
 // True if the version number proves the flaw. It often does not, because a distribution's security
 // update can contain the fix under the previous number: Debian 12 has the fixes of 3.0.19, 3.0.21
 // and 3.0.23 in 3.0.18-1~deb12u2, 3.0.20-1~deb12u2 and 3.0.22-1~deb12u2.
-bool says_number(const Version& version, const Version& fix) {
+bool is_proven_by_number(const Version& version, const Version& fix) {
   return (fix.patch == kNotFixed || version.patch + 1 < fix.patch) &&
          std::ranges::find(kKeptNumbers, version) == kKeptNumbers.end();
 }
@@ -127,7 +127,7 @@ std::optional<OpensslFlaw> judge(const Row& row, const Version& version) {
   if (fix->patch != kNotFixed && version >= *fix) return std::nullopt;
   return OpensslFlaw{row.id, row.summary, row.guard,
                      fix->patch == kNotFixed ? std::string() : to_text(*fix),
-                     says_number(version, *fix)};
+                     is_proven_by_number(version, *fix)};
 }
 
 // Returns "OpenSSL 3.0.19" for "OpenSSL 3.0.19 27 Jan 2026".

@@ -18,13 +18,13 @@ class RenewalRefusals {
  public:
   /// Notes that the file was wrong at this poll. Returns true if that must be reported. `content`
   /// is the digest of the octets that could be read.
-  bool is_due(Code why, const Sha256Digest& content) {
+  bool note_refusal(Code why, const Sha256Digest& content) {
     const bool is_lasting = std::exchange(was_refused_, true);
     if (!is_lasting || last_reported_ == std::pair{why, content}) return false;
     last_reported_ = {why, content};
     return true;
   }
-  /// Keeps the report of the refusal that is due, for refused(), and returns it.
+  /// Keeps the report of the refusal, for refused(), and returns it.
   Error note(Error report) {
     refused_ = std::move(report);
     return *refused_;

@@ -121,13 +121,13 @@ Error too_many_octets_error(Code code, std::size_t max_octets, std::size_t found
                       .found = std::to_string(found)});
 }
 
-Result<Bytes> load(std::string_view uri, std::string_view property, std::size_t max_octets) {
+Result<Bytes> load_uri(std::string_view uri, std::string_view property, std::size_t max_octets) {
   return with_document(load_unnamed(uri, max_octets), std::string(property));
 }
 
 Result<Bytes> load_secret_octets(std::string_view uri, std::string_view property,
                                  std::size_t max_octets) {
-  auto octets = load(uri, property, max_octets);
+  auto octets = load_uri(uri, property, max_octets);
   // A secret pasted without "data:," must not reach a log.
   if (octets || octets.error().code() != Code::unsupported_uri) return octets;
   return fail(Code::unsupported_uri, {.document = std::string(property),

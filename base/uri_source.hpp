@@ -18,7 +18,7 @@ namespace ddssec {
 /// `property` as their document. No copy of the octets remains besides the result. Errors:
 /// missing_property (empty URI), unsupported_uri, pkcs11_unsupported, file_not_found,
 /// file_unreadable, file_too_large (more than `max_octets` octets), item_empty.
-Result<Bytes> load(std::string_view uri, std::string_view property, std::size_t max_octets);
+Result<Bytes> load_uri(std::string_view uri, std::string_view property, std::size_t max_octets);
 
 /// Does the same for secret octets, which the caller must wipe. No error repeats a part of `uri`
 /// that may be a secret.

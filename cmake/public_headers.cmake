@@ -89,7 +89,7 @@ set(DDSSEC_CARRIED_HEADERS
   base/codes/pki.def
   base/codes/rtps.def
   # cursors, and values of documents, that types above have as members or parameters
-  base/event_file.hpp
+  base/line_file.hpp
   base/parameter_ids.hpp
   base/protection_kind.hpp
   base/reader.hpp

@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
 
   auto participant =
       or_exit(Participant::join(folder, {.domain_id = domain, .interfaces = interfaces}));
-  auto* readings = or_exit(participant.writer<Reading>("Temperature"));
+  auto* readings = or_exit(participant.create_writer<Reading>("Temperature"));
 
   for (int i = 0;; ++i) {
     or_exit(readings->write({.sensor = "kitchen", .celsius = 21 + std::sin(0.1 * i)}));

@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
 
   auto participant =
       or_exit(Participant::join(folder, {.domain_id = domain, .interfaces = interfaces}));
-  auto* readings = or_exit(participant.reader<Reading>("Temperature"));
+  auto* readings = or_exit(participant.create_reader<Reading>("Temperature"));
 
   while (readings->wait_for_unread(std::chrono::seconds(10)))
     while (const auto reading = readings->take_next_sample())

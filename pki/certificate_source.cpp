@@ -7,7 +7,7 @@ namespace ddssec::pki {
 
 Result<Bytes> load_certificates(std::string_view uri, std::string_view property,
                                 std::size_t max_octets) {
-  if (!names_token(uri)) return load(uri, property, max_octets);
+  if (!names_token(uri)) return load_uri(uri, property, max_octets);
   DDSSEC_ASSIGN_OR_RETURN(const auto held,
                           with_document(token_certificate(uri), std::string(property)));
   const BioPtr bio(BIO_new(BIO_s_mem()));
@@ -20,7 +20,7 @@ Result<std::string> uri_of(const std::filesystem::path& path) {
   const auto file = "file://" + path.string();
   if (path.extension() != ".p11") return file;
   constexpr std::size_t kMax = 4096;
-  DDSSEC_ASSIGN_OR_RETURN(const auto octets, load(file, path.string(), kMax));
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, load_uri(file, path.string(), kMax));
   const auto text = as_text(octets);
   auto uri = std::string(text.substr(0, text.find_first_of("\r\n")));
   if (names_token(uri)) return uri;

@@ -27,7 +27,7 @@ class PrivateKey {
 
   /// Loads the key that `uri` names: in a file, in the text or, with `pkcs11:` (RFC 7512), in a
   /// token, which keeps it and signs. For a token `passphrase` is its PIN, unless the URI names
-  /// one. `property` is the document that an error names. Errors: those of load() and from_pem;
+  /// one. `property` is the document that an error names. Errors: those of load_uri() and from_pem;
   /// pkcs11_unavailable, pkcs11_not_found, pkcs11_pin_missing, pkcs11_pin_wrong.
   static Result<PrivateKey> load(std::string_view uri, std::string_view property,
                                  const Passphrase* passphrase = nullptr);

@@ -38,7 +38,7 @@ Status RenewalListWatch::judge(Place& place, BytesView file, const Adopt& adopt)
 
 Result<bool> RenewalListWatch::read_place(Place& place, const Adopt& adopt) {
   Rollback again([&] { place.watch.force_change(); });
-  const auto file = load(place.watch.uri(), place.path, kMaxRenewalListOctets);
+  const auto file = load_uri(place.watch.uri(), place.path, kMaxRenewalListOctets);
   const bool not_yet = !place.content && !file && file.error().code() == Code::file_not_found;
   const auto content = file ? sha256(*file) : Sha256Digest{};
   const bool is_other = file && place.content != content;
@@ -51,7 +51,7 @@ Result<bool> RenewalListWatch::read_place(Place& place, const Adopt& adopt) {
     again.release();
     return is_other;
   }
-  if (!place.refusals.is_due(status.error().code(), content)) return false;
+  if (!place.refusals.note_refusal(status.error().code(), content)) return false;
   return std::unexpected(place.refusals.note(
       renewal_refused_error(refused_, status.error(), place.path,
                             place.content ? "the list read before stays in force" : "")));

@@ -52,20 +52,22 @@ class Participant {
   static rtps::Qos reader_qos();
 
   /// Creates a writer with `qos`, or with writer_qos() if none is given; creates the topic if
-  /// needed. The participant owns the writer. Errors: those of access control (the permissions do
-  /// not allow it), rtps_bad_parameter (the topic exists with another type, or its name is empty or
-  /// longer than 256 characters), rtps_precondition_not_met (a content-filtered topic has the
-  /// name), rtps_qos_inconsistent.
+  /// needed. Each call creates another writer, which lives as long as the participant. Errors:
+  /// those of access control (the permissions do not allow it), rtps_bad_parameter (the topic
+  /// exists with another type, or its name is empty or longer than 256 characters),
+  /// rtps_precondition_not_met (a content-filtered topic has the name), rtps_qos_inconsistent.
   template <rtps::DdsType T>
-  Result<rtps::DataWriter<T>*> writer(const std::string& topic, std::optional<rtps::Qos> qos = {}) {
+  Result<rtps::DataWriter<T>*> create_writer(const std::string& topic,
+                                             std::optional<rtps::Qos> qos = {}) {
     const auto on = topic_of<T>(topic);
     if (!on) return std::unexpected(on.error());
     return publisher().create_datawriter<T>(**on, std::move(qos).value_or(writer_qos()));
   }
   /// Creates a reader with `qos`, or with reader_qos() if none is given. Ownership and errors as
-  /// for writer().
+  /// for create_writer().
   template <rtps::DdsType T>
-  Result<rtps::DataReader<T>*> reader(const std::string& topic, std::optional<rtps::Qos> qos = {}) {
+  Result<rtps::DataReader<T>*> create_reader(const std::string& topic,
+                                             std::optional<rtps::Qos> qos = {}) {
     const auto on = topic_of<T>(topic);
     if (!on) return std::unexpected(on.error());
     return subscriber().create_datareader<T>(**on, std::move(qos).value_or(reader_qos()));

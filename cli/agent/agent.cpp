@@ -96,7 +96,7 @@ Answer<AgentRun> Agent::run_once() {
   if (const auto proven = check_ca_opens(); !proven) return {{}, report_of(proven.error())};
   end_overlaps();
   for (auto& folder : folders_)
-    if (!signals_.is_stopped()) renew(folder);
+    if (!signals_.is_stopped()) visit(folder);
   complete_lists();
   if (signals_.is_stopped()) errors_.emplace_back(Code::interrupted);
   Report out{.exit = errors_.empty() ? Exit::done : exit_of(errors_.front().code()), .text = {}};
@@ -117,7 +117,7 @@ Answer<AgentRun> Agent::run() {
     const auto now = context_.clock.since_boot();
     const auto rest = std::min(folder.next, next_end_) - now;
     if (folder.next <= now)
-      renew(folder);
+      visit(folder);
     else
       signals_.wait(-1, 0, steady_clock::now() + std::min<Moment>(rest, seconds(60)), true);
     errors_.clear();
@@ -192,22 +192,22 @@ void Agent::complete_lists() {
     if (signals_.is_stopped()) return;
     if (!folder.lock || folder.task.renewals == list) continue;
     folder.task.is_only_for_list = true;
-    auto event = try_to_renew(folder);
+    auto event = run_worker(folder);
     folder.task.is_only_for_list = false;
     const bool is_known = folder.failures > 0 || folder.has_problem;
-    if (!is_known && (!event || event->contains("problem"))) note(folder, std::move(event));
+    if (!is_known && (!event || event->contains("problem"))) note_outcome(folder, std::move(event));
   }
 }
 
-void Agent::renew(Folder& folder) { note(folder, try_to_renew(folder)); }
+void Agent::visit(Folder& folder) { note_outcome(folder, run_worker(folder)); }
 
-void Agent::note(Folder& folder, Result<Json> event) {
+void Agent::note_outcome(Folder& folder, Result<Json> event) {
   if (event) return note_success(folder, *std::move(event));
   if (event.error().code() != Code::interrupted || !signals_.is_stopped())
     note_failure(folder, event.error());
 }
 
-Result<Json> Agent::try_to_renew(Folder& folder) {
+Result<Json> Agent::run_worker(Folder& folder) {
   const auto& path = folder.task.folder;
   if (folder.lock && !folder.lock->is_in_place(path)) folder.lock.reset();
   if (!folder.lock && !folder.task.is_dry_run) {
@@ -257,7 +257,7 @@ AskedResponders Agent::responders_for(const Folder& folder) const {
   AskedResponders out{.cas_source = hooks_.certificates ? "--trust" : "--ca"};
   if (!folder.lock) return out;  // with --dry-run no responder is asked
   const auto owner = folder.lock->owner().user;
-  out.silent_urls = silent_responders_.of(owner, context_.clock.since_boot());
+  out.silent_urls = silent_responders_.silent_for(owner, context_.clock.since_boot());
   if (hooks_.certificates && !arguments_.has("--trust")) {
     out.asks_none = owner != ::geteuid();
     return out;

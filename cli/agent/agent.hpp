@@ -54,12 +54,12 @@ class Agent {
     bool has_problem = false;  ///< true if the last event had a "problem"
   };
 
-  void renew(Folder& folder);
-  void note(Folder& folder, Result<Json> event);
+  void visit(Folder& folder);
+  void note_outcome(Folder& folder, Result<Json> event);
   void complete_lists();
   void end_overlaps();
   void end_overlap_and_report(const OverlapToEnd& overlap);
-  Result<Json> try_to_renew(Folder& folder);
+  Result<Json> run_worker(Folder& folder);
   AskedResponders responders_for(const Folder& folder) const;
   /// Returns the time by which the process for a folder must have answered.
   std::chrono::steady_clock::time_point deadline_for(const Folder& folder) const;

@@ -12,7 +12,7 @@ void SilentResponders::note(uid_t owner, std::string url, Moment now) {
   if (urls.size() < kMaxUrls || urls.contains(url)) urls[std::move(url)] = now + kLeftAlone;
 }
 
-std::vector<std::string> SilentResponders::of(uid_t owner, Moment now) const {
+std::vector<std::string> SilentResponders::silent_for(uid_t owner, Moment now) const {
   std::vector<std::string> out;
   const auto found = silent_.find(owner);
   if (found == silent_.end()) return out;

@@ -23,7 +23,7 @@ class SilentResponders {
   /// Notes that the responder did not answer. Does nothing above the limits.
   void note(uid_t owner, std::string url, Moment now);
   /// Returns the responders that are not to be asked for this owner's folders.
-  std::vector<std::string> of(uid_t owner, Moment now) const;
+  std::vector<std::string> silent_for(uid_t owner, Moment now) const;
   void clear() { silent_.clear(); }
 
  private:

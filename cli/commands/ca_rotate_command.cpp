@@ -256,7 +256,8 @@ struct RotationWork {
 };
 
 // The participants in the log that the command line does not name.
-Result<std::vector<AffectedParticipant>> unnamed(const Arguments& arguments, WallTime now) {
+Result<std::vector<AffectedParticipant>> participants_not_named(const Arguments& arguments,
+                                                                WallTime now) {
   const fs::path given = arguments.text("DIR");
   if (arguments.all("DIRS").empty()) return std::vector<AffectedParticipant>();
   DDSSEC_ASSIGN_OR_RETURN(auto known, affected_participants(given, now));
@@ -277,7 +278,7 @@ Result<std::vector<Error>> warnings_of(RotationStep step, const std::string& rol
   std::vector<Error> out;
   if (step == RotationStep::begin) return out;
   const fs::path given = arguments.text("DIR");
-  DDSSEC_ASSIGN_OR_RETURN(auto others, unnamed(arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto others, participants_not_named(arguments, now));
   if (step == RotationStep::replace) {
     for (const auto& one : others)
       out.emplace_back(tool_code::rotation_unfinished, ErrorDetails{.document = one.files.folder});
@@ -321,8 +322,8 @@ void remove_file(const fs::path& file) {
   if (!writes_nothing()) fs::remove(file, ignored);
 }
 
-Result<Answer<RotatedCa>> follow(const std::string& role, const RotationWork& work,
-                                 const Arguments& arguments, const Context& context) {
+Result<Answer<RotatedCa>> carry_out_step(const std::string& role, const RotationWork& work,
+                                         const Arguments& arguments, const Context& context) {
   const fs::path given = arguments.text("DIR");
   const auto& change = work.change;
   FileTransaction out;
@@ -437,7 +438,7 @@ Result<Answer<RotatedCa>> ca_rotate(const Arguments& arguments, const Context& c
     work.change.unwritten_hint = unwritten_hint(role, step, given.string());
     DDSSEC_ASSIGN_OR_RETURN(work.warnings,
                             warnings_of(step, role, work.known.here, arguments, now));
-    return follow(role, work, arguments, context);
+    return carry_out_step(role, work, arguments, context);
   };
   if (step == RotationStep::move && !overlap)
     return fail(tool_code::no_overlap, {.document = old.paths.certificate});

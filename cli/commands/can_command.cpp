@@ -157,14 +157,15 @@ std::optional<Ruling> by_revocation(const pki::ParticipantFolder& folder) {
                   fmt::format("the certificate is revoked by list {} of the CA", number_text(list)),
                   file, 0};
   };
-  if (newer && governance::doctor::names(newer->list, *certificate)) {
+  if (newer && governance::doctor::lists_certificate(newer->list, *certificate)) {
     auto out = answer(newer->list, newer->file);
     out.because += ", which crl.pem here lacks: participants without that list still accept it";
     out.hint = "give the participants the list, and they refuse it: ddssec crl distribute --ca CA";
     return out;
   }
   for (const auto& list : *own)
-    if (!is_superseded(list, *own, *cas) && governance::doctor::names(list, *certificate))
+    if (!is_superseded(list, *own, *cas) &&
+        governance::doctor::lists_certificate(list, *certificate))
       return answer(list, folder.crl);
   return std::nullopt;
 }
@@ -175,7 +176,9 @@ void note_stock_products(const doctor::LoadedFolder& folder, Report& report) {
   if (!folder.crls || !folder.certificate || !folder.identity_cas || folder.crls->size() < 2)
     return;
   const auto& lists = *folder.crls;
-  const auto names = [&](const pki::Crl& list) { return doctor::names(list, *folder.certificate); };
+  const auto names = [&](const pki::Crl& list) {
+    return doctor::lists_certificate(list, *folder.certificate);
+  };
   const bool ours = std::ranges::any_of(lists, [&](const pki::Crl& list) {
     return !is_superseded(list, lists, *folder.identity_cas) && names(list);
   });

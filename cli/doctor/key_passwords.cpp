@@ -39,7 +39,7 @@ std::string password_for_cyclonedds(const LoadedFolder& folder) {
 
 std::string password_for_fastdds(const LoadedFolder& folder) {
   const auto file = folder.paths.folder / "fastdds.xml";
-  const auto octets = ddssec::load("file://" + file.string(), "", pki::kMaxDocumentOctets);
+  const auto octets = ddssec::load_uri("file://" + file.string(), "", pki::kMaxDocumentOctets);
   if (!octets) return {};
   const auto properties = doctor::properties_of_profile(as_text(*octets));
   if (!properties) return {};

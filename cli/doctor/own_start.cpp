@@ -176,11 +176,11 @@ std::optional<HostConfiguration> configuration_for(const doctor::LoadedFolder& f
 
 // False if the environment is that of another participant.
 bool is_of(const pki::ParticipantFolder& files, const spi::PropertyList& properties) {
-  const auto named = pki::load(spi::property_value(properties, property::kIdentityCertificate), "",
-                               pki::kMaxCertificateOctets);
+  const auto named = pki::load_uri(spi::property_value(properties, property::kIdentityCertificate),
+                                   "", pki::kMaxCertificateOctets);
   const auto own = pki::uri_of(files.certificate);
   if (!named || !own) return false;
-  const auto octets = pki::load(*own, "", pki::kMaxCertificateOctets);
+  const auto octets = pki::load_uri(*own, "", pki::kMaxCertificateOctets);
   return octets && *octets == *named;
 }
 

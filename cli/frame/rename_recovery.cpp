@@ -87,7 +87,7 @@ std::string_view next_part(std::string_view& rest) {
 }
 
 // Only drafts are moved, and only to the place beside them, whatever a list contains.
-bool is_ending(std::string_view ending) {
+bool is_draft_suffix(std::string_view ending) {
   return ending.starts_with('.') && ending.ends_with(".new") &&
          ending.substr(0, ending.size() - 3).find_first_not_of(".0123456789") == ending.npos;
 }
@@ -106,7 +106,8 @@ std::vector<Entry> entries_of(std::string_view text) {
   while (!text.empty()) {
     const fs::path target = next_part(text);
     const auto ending = next_part(text);
-    if (target.has_filename() && is_ending(ending)) out.push_back({target, std::string(ending)});
+    if (target.has_filename() && is_draft_suffix(ending))
+      out.push_back({target, std::string(ending)});
   }
   return out;
 }

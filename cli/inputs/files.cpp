@@ -21,7 +21,7 @@ std::unexpected<Error> error_in_file(const Error& error, const fs::path& path) {
 }
 
 Result<Bytes> read_file(const fs::path& path, std::size_t max_octets) {
-  auto octets = pki::load(uri(path_in_held_folder(path)), "", max_octets);
+  auto octets = pki::load_uri(uri(path_in_held_folder(path)), "", max_octets);
   if (!octets) return error_in_file(octets.error(), path);
   return octets;
 }

@@ -32,7 +32,7 @@ class Changes {
                 Interop interop) {
     if (old_kind == new_kind) return;
     add({element, std::string(ddssec::to_string(old_kind)),
-         std::string(ddssec::to_string(new_kind)), compare(old_kind, new_kind), interop});
+         std::string(ddssec::to_string(new_kind)), compare_kinds(old_kind, new_kind), interop});
   }
   void add_flag(std::string_view element, bool old_value, bool new_value, ChangeClass if_true,
                 ChangeClass if_false, Interop interop) {
@@ -121,7 +121,7 @@ std::string_view to_string(Interop interop) {
   return kNames.at(static_cast<std::size_t>(interop));
 }
 
-ChangeClass compare(ProtectionKind old_kind, ProtectionKind new_kind) {
+ChangeClass compare_kinds(ProtectionKind old_kind, ProtectionKind new_kind) {
   const int levels = level(new_kind) - level(old_kind);
   const int origin = is_origin_authenticated(new_kind) - is_origin_authenticated(old_kind);
   return moved(levels > 0 || origin > 0, levels < 0 || origin < 0);

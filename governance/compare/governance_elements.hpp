@@ -32,7 +32,7 @@ struct ElementChange {
 
 /// Compares protection kinds by two orders: NONE < SIGN < ENCRYPT, and without < with origin
 /// authentication. The result is stronger, weaker, mixed or neutral.
-ChangeClass compare(ProtectionKind old_kind, ProtectionKind new_kind);
+ChangeClass compare_kinds(ProtectionKind old_kind, ProtectionKind new_kind);
 
 /// Returns the differences between two rules for one domain; nullptr means no rule, so that no
 /// participant can join. A missing list of algorithms means all that the standard names

@@ -34,7 +34,8 @@ std::vector<fs::path> places(const pki::ParticipantFolder& folder) {
 std::vector<pki::Crl> lists_in(const fs::path& file) {
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) return {};
-  const auto octets = pki::load("file://" + file.string(), file.string(), pki::kMaxDocumentOctets);
+  const auto octets =
+      pki::load_uri("file://" + file.string(), file.string(), pki::kMaxDocumentOctets);
   if (!octets) return {};
   auto lists = pki::Crl::all_from(*octets);
   return lists ? *std::move(lists) : std::vector<pki::Crl>();
@@ -82,7 +83,7 @@ std::optional<CaList> outdated_ca_list(const pki::ParticipantFolder& folder,
   return std::nullopt;
 }
 
-bool names(const pki::Crl& list, const pki::Certificate& certificate) {
+bool lists_certificate(const pki::Crl& list, const pki::Certificate& certificate) {
   const auto entries = list.revoked();
   return list.issuer() == certificate.issuer() && entries &&
          std::ranges::find(*entries, certificate.serial(), &pki::Revocation::serial) !=

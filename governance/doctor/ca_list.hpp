@@ -33,7 +33,7 @@ std::optional<CaList> outdated_ca_list(const pki::ParticipantFolder& folder,
 
 /// True if the list has the certificate's issuer and serial number. During the overlap of two CAs
 /// of one name that does not suffice: see is_of_its_ca().
-bool names(const pki::Crl& list, const pki::Certificate& certificate);
+bool lists_certificate(const pki::Crl& list, const pki::Certificate& certificate);
 /// True if one of `cas` signed the list and issued the certificate.
 bool is_of_its_ca(const pki::Crl& list, const pki::Certificate& certificate,
                   const std::vector<pki::Certificate>& cas);

@@ -59,7 +59,7 @@ std::optional<fs::path> other_folder(std::string_view text, const pki::Participa
 }
 
 Result<Bytes> octets_of(const fs::path& path) {
-  return ddssec::load("file://" + path.string(), "", pki::kMaxDocumentOctets);
+  return ddssec::load_uri("file://" + path.string(), "", pki::kMaxDocumentOctets);
 }
 
 // True if the value names the judged file. A relative path depends on where the application starts:
@@ -135,7 +135,7 @@ bool is_missing(const Named& named) {
   if (!is_path(named)) return false;
   const auto path = path_of(named);
   return path.is_absolute() &&
-         !ddssec::load("file://" + path.string(), "", pki::kMaxDocumentOctets);
+         !ddssec::load_uri("file://" + path.string(), "", pki::kMaxDocumentOctets);
 }
 
 std::string sentence(const Configuration& configuration, const Named& named,
@@ -330,7 +330,7 @@ void check_profile_in_force(const LoadedFolder& folder, const fs::path& file,
   const auto version = settings.lineup.fastdds;
   const auto variable = profile_places(version).variable;
   const auto octets =
-      ddssec::load("file://" + fs::absolute(file, ignored).string(), "", kMaxOctets);
+      ddssec::load_uri("file://" + fs::absolute(file, ignored).string(), "", kMaxOctets);
   const auto own = folder.paths.folder / "fastdds.xml";
   if (octets && fs::equivalent(file, own, ignored)) return;  // check_configurations has checked it
   if (octets) {
@@ -362,7 +362,7 @@ void check_profile_of_working_directory(const LoadedFolder& folder, const Settin
   const bool is_skipped = skip != nullptr && *skip == '1';
   if (is_skipped || !fs::exists(file, ignored) || fs::equivalent(file, own, ignored)) return;
   const auto octets =
-      ddssec::load("file://" + fs::absolute(file, ignored).string(), "", kMaxOctets);
+      ddssec::load_uri("file://" + fs::absolute(file, ignored).string(), "", kMaxOctets);
   if (octets && !may_set_default_participant(as_text(*octets))) return;
   const CheckedProfile question{fmt::format("{} in the working directory", file.string()), file,
                                 octets ? as_text(*octets) : std::string_view(), version};
@@ -407,7 +407,7 @@ void check_configurations(const LoadedFolder& folder, const Settings& settings, 
     const bool is_cyclonedds = name == std::string_view("cyclonedds.xml");
     const auto uri = "file://" + file.string();
     const auto octets =
-        is_cyclonedds ? load_or_empty(uri, "", kMaxOctets) : ddssec::load(uri, "", kMaxOctets);
+        is_cyclonedds ? load_or_empty(uri, "", kMaxOctets) : ddssec::load_uri(uri, "", kMaxOctets);
     std::error_code ignored;
     if (!octets && fs::exists(file, ignored)) report_unreadable(name, file, octets.error(), out);
     if (!octets) continue;

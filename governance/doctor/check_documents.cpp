@@ -386,7 +386,7 @@ void check_plain_text(const Subject& subject, Diagnosis& out) {
   auto plain = fs::canonical(subject.path, failed).replace_extension("xml");
   if (failed || !fs::is_regular_file(plain, failed)) return;
   const auto octets =
-      pki::load("file://" + plain.string(), plain.string(), pki::kMaxDocumentOctets);
+      pki::load_uri("file://" + plain.string(), plain.string(), pki::kMaxDocumentOctets);
   if (!octets || without_revision(plain_lines(*octets)) ==
                      without_revision(plain_lines(subject.form.unverified_text)))
     return;

@@ -86,7 +86,7 @@ void check_password(const LoadedFolder& folder, const Settings& settings, Diagno
   Outcomes outcomes;
   std::string who;
   const auto look_at = [&](Vendor vendor, Outcome& outcome) {
-    if (folder.password->to(vendor)) return;
+    if (folder.password->is_given_to(vendor)) return;
     outcome = Outcome::fail;
     who += (who.empty() ? "" : " and ") + name(vendor, settings.lineup);
   };
@@ -191,7 +191,7 @@ void check_configuration_modes(const LoadedFolder& folder, const Settings& setti
   const auto& paths = folder.paths;
   for (const auto& path :
        {paths.folder / "cyclonedds.xml", paths.folder / "fastdds.xml", paths.properties}) {
-    const auto text = ddssec::load("file:" + path.string(), "", pki::kMaxDocumentOctets);
+    const auto text = ddssec::load_uri("file:" + path.string(), "", pki::kMaxDocumentOctets);
     if (!text) continue;
     const auto secrets = secrets_in(as_text(*text));
     if (secrets.are_there)
@@ -343,7 +343,7 @@ bool has_same_octets(const fs::path& one, const fs::path& other) {
   std::error_code ignored;
   if (fs::equivalent(one, other, ignored)) return true;
   const auto load = [](const fs::path& path) {
-    return ddssec::load("file://" + path.string(), "", pki::kMaxDocumentOctets);
+    return ddssec::load_uri("file://" + path.string(), "", pki::kMaxDocumentOctets);
   };
   const auto a = load(one), b = load(other);
   return a && b && *a == *b;

@@ -311,7 +311,8 @@ void check_ca_list(const LoadedFolder& folder, Diagnosis& out) {
   if (!folder.crls || !folder.certificate || !folder.identity_cas) return;
   const auto newer = newer_ca_list(folder.paths, *folder.identity_cas, *folder.crls);
   if (!newer) return;
-  if (names(newer->list, *folder.certificate)) return report_revoked(folder, *newer, out);
+  if (lists_certificate(newer->list, *folder.certificate))
+    return report_revoked(folder, *newer, out);
   if (!folder.has_crl_file) return;  // check_revocation reports it
   out.report({}, {.rule = Rule::DOC023,
                   .message = fmt::format("the CA has list {}, {}; {}",

@@ -47,7 +47,7 @@ bool is_folder(std::string_view name) {
 }  // namespace
 
 Result<Bytes> load_or_empty(std::string_view uri, std::string_view name, std::size_t max_octets) {
-  auto octets = ddssec::load(uri, name, max_octets);
+  auto octets = ddssec::load_uri(uri, name, max_octets);
   if (!octets && octets.error().code() == Code::item_empty) return Bytes();
   return octets;
 }

@@ -60,7 +60,7 @@ std::vector<pki::Crl> load_with_deltas(const fs::path& path,
 
 // A list in DER begins with a SEQUENCE.
 bool begins_like_der(const fs::path& path) {
-  const auto octets = ddssec::load(uri(path), "", pki::kMaxDocumentOctets);
+  const auto octets = ddssec::load_uri(uri(path), "", pki::kMaxDocumentOctets);
   return octets && octets->front() == 0x30;
 }
 
@@ -78,7 +78,7 @@ template <class Model>
 LoadedDocument<Model> load_document(const fs::path& path, const Trust& trust,
                                     Result<Model> (*read)(BytesView, int), WallTime now) {
   LoadedDocument<Model> out;
-  auto file = pki::load(uri(path), path.string(), pki::kMaxDocumentOctets);
+  auto file = pki::load_uri(uri(path), path.string(), pki::kMaxDocumentOctets);
   if (!file) {
     out.readable = error_in_file(file.error(), path);
     out.parsed = out.readable;
@@ -158,8 +158,9 @@ LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now) {
   const auto bundle = [](const fs::path& path) {
     return load_with(path, pki::kMaxBundleOctets, &pki::Certificate::bundle_from_pem);
   };
-  Trust trust{bundle(paths.permissions_ca),
-              ddssec::load(uri(paths.permissions_ca), "", pki::kMaxBundleOctets).value_or(Bytes())};
+  Trust trust{
+      bundle(paths.permissions_ca),
+      ddssec::load_uri(uri(paths.permissions_ca), "", pki::kMaxBundleOctets).value_or(Bytes())};
   auto governance = load_document(paths.governance, trust, &read_governance, now);
   auto permissions = load_document(paths.permissions, trust, &read_permissions, now);
   auto crls = load_crls(paths.crl);

@@ -58,7 +58,7 @@ struct LoadedDocument {
 struct PasswordGiven {
   bool cyclonedds = false, fastdds = false, ours = false;
 
-  bool to(Vendor vendor) const {
+  bool is_given_to(Vendor vendor) const {
     return vendor == Vendor::cyclonedds ? cyclonedds : vendor == Vendor::fastdds ? fastdds : ours;
   }
 };

@@ -168,13 +168,13 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   auto own = std::make_unique<OwnDocuments>(places, context.options, interval);
   DDSSEC_ASSIGN_OR_RETURN(
       auto governance_file,
-      pki::load(places.governance, spi::property::kGovernance, pki::kMaxDocumentOctets));
+      pki::load_uri(places.governance, spi::property::kGovernance, pki::kMaxDocumentOctets));
   DDSSEC_ASSIGN_OR_RETURN(auto basis, first_basis(context, *participant, places, governance_file));
   DDSSEC_RETURN_IF_ERROR(with_document(check_own_algorithms(basis, certificate, properties),
                                        participant->governance_name));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto file,
-      pki::load(places.permissions, spi::property::kPermissions, pki::kMaxDocumentOctets));
+      pki::load_uri(places.permissions, spi::property::kPermissions, pki::kMaxDocumentOctets));
   DDSSEC_RETURN_IF_ERROR(check_own_size(places, file));
   own->note_read(std::move(governance_file), file);
   DDSSEC_ASSIGN_OR_RETURN(auto document,

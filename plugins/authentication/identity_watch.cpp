@@ -90,7 +90,7 @@ Result<std::optional<IdentityWatch::Found>> IdentityWatch::poll(std::chrono::nan
     again.release();
     return found;
   }
-  if (!refusals_.is_due(found.error().code(), content)) return std::nullopt;
+  if (!refusals_.note_refusal(found.error().code(), content)) return std::nullopt;
   auto refused =
       renewal_refused_error(Code::identity_renewal_refused, found.error(), path_of(found.error()),
                             "the certificate read before stays in force");

@@ -59,7 +59,7 @@ Result<bool> OwnOcspResponse::poll(std::chrono::nanoseconds monotonic, const Jud
 Result<bool> OwnOcspResponse::read(const Judge& judge) {
   judged_for_ = judge.certificate;
   if (path_.empty()) return false;
-  auto file = load(watch_.uri(), path_, pki::kMaxOcspOctets);
+  auto file = load_uri(watch_.uri(), path_, pki::kMaxOcspOctets);
   if (!file && file.error().code() == Code::file_not_found) return false;
   content_ = file ? sha256(*file) : Sha256Digest{};
   if (!file) return refuse(file.error());
@@ -87,7 +87,7 @@ Result<bool> OwnOcspResponse::read(const Judge& judge) {
 
 Result<bool> OwnOcspResponse::refuse(const Error& why) {
   watch_.force_change();
-  if (!refusals_.is_due(why.code(), content_)) return false;
+  if (!refusals_.note_refusal(why.code(), content_)) return false;
   return std::unexpected(refusals_.note(
       renewal_refused_error(Code::ocsp_response_refused, why, path_,
                             in_force_ ? "the response read before is sent until its end" : "")));

@@ -155,7 +155,7 @@ Result<RevocationLists> RevocationLists::load(const spi::PropertyList& propertie
 
 // `name` is the name of the file in errors.
 Status RevocationLists::read_first(Place& place, std::string_view name, bool may_come_later) {
-  const auto octets = ddssec::load(place.watch.uri(), name, pki::kMaxDocumentOctets);
+  const auto octets = ddssec::load_uri(place.watch.uri(), name, pki::kMaxDocumentOctets);
   if (!octets && may_come_later && octets.error().code() == Code::file_not_found) return {};
   if (!octets) return std::unexpected(octets.error());
   DDSSEC_ASSIGN_OR_RETURN(place.lists,
@@ -234,7 +234,7 @@ Result<bool> RevocationLists::poll(const Clock& clock, const std::vector<pki::Ce
 
 Result<bool> RevocationLists::look_at(Place& place, const Question& question) {
   Rollback again([&] { place.watch.force_change(); });
-  const auto octets = ddssec::load(place.watch.uri(), place.path, pki::kMaxDocumentOctets);
+  const auto octets = ddssec::load_uri(place.watch.uri(), place.path, pki::kMaxDocumentOctets);
   const bool not_yet =
       place.lists.empty() && !octets && octets.error().code() == Code::file_not_found;
   const auto content = octets ? sha256(*octets) : Sha256Digest{};

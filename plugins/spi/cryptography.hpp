@@ -87,7 +87,7 @@ class CryptoKeyFactory {
   virtual Result<CipherMask> required_ciphers(DatareaderCryptoHandle local) = 0;
 
   /// Reads the passphrases that the properties name and makes the keys of one participant. Destroy
-  /// them before the factory. Errors: missing_property, invalid_property, those of load(),
+  /// them before the factory. Errors: missing_property, invalid_property, those of load_uri(),
   /// cipher_not_allowed, not_protected (the governance demands none).
   virtual Result<std::unique_ptr<PreSharedKeys>> pre_shared_keys(
       const PreSharedKeyRequest& request) = 0;

@@ -13,8 +13,8 @@ namespace ddssec::rtps {
 class SourceBudget {
  public:
   /// A source with at most this many units in a burst, and one per period, has few requests.
-  static constexpr int kLittle = 8;
-  static constexpr MonotonicTime kLittlePeriod = std::chrono::seconds(1);
+  static constexpr int kMaxQuietBurst = 8;
+  static constexpr MonotonicTime kQuietPeriod = std::chrono::seconds(1);
   /// Above this number of sources, all are forgotten: each then counts again as one with few
   /// requests.
   static constexpr std::size_t kMaxSources = 256;
@@ -27,7 +27,7 @@ class SourceBudget {
     auto at = sources_.find(source);
     if (at == sources_.end()) {
       if (sources_.size() >= kMaxSources) sources_.clear();
-      at = sources_.emplace(source, WorkBudget(kLittle, kLittlePeriod, now)).first;
+      at = sources_.emplace(source, WorkBudget(kMaxQuietBurst, kQuietPeriod, now)).first;
     }
     return (at->second.try_spend(now) ? few_ : many_).try_spend(now);
   }

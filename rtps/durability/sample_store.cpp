@@ -57,7 +57,9 @@ std::unexpected<Error> unusable_store_error(const std::string& path, std::string
 
 Result<SampleStore> SampleStore::open(const std::string& path, std::size_t max_octets, Time now) {
   std::string guarded;
-  if (!path.empty()) DDSSEC_ASSIGN_OR_RETURN(guarded, make_store_file(path));
+  if (!path.empty()) {
+    DDSSEC_ASSIGN_OR_RETURN(guarded, make_store_file(path));
+  }
   DDSSEC_ASSIGN_OR_RETURN(auto database, Database::open(guarded));
   SampleStore store(std::move(database), path);
   DDSSEC_RETURN_IF_ERROR(store.prepare(max_octets, now));

@@ -19,24 +19,25 @@ constexpr Sha256Digest kOne{1}, kOther{2};
 
 TEST(RenewalRefusals, FileThatIsWrongOnce_IsNotReported) {
   RenewalRefusals refusals;
-  EXPECT_FALSE(refusals.is_due(Code::malformed, kOne)) << "it may be in the middle of a write";
+  EXPECT_FALSE(refusals.note_refusal(Code::malformed, kOne))
+      << "it may be in the middle of a write";
   refusals.clear();
-  EXPECT_FALSE(refusals.is_due(Code::malformed, kOne)) << "it was good in between";
+  EXPECT_FALSE(refusals.note_refusal(Code::malformed, kOne)) << "it was good in between";
 }
 
 TEST(RenewalRefusals, FileThatStaysWrong_IsReportedOnce) {
   RenewalRefusals refusals;
-  refusals.is_due(Code::malformed, kOne);
-  EXPECT_TRUE(refusals.is_due(Code::malformed, kOne));
-  EXPECT_FALSE(refusals.is_due(Code::malformed, kOne));
+  refusals.note_refusal(Code::malformed, kOne);
+  EXPECT_TRUE(refusals.note_refusal(Code::malformed, kOne));
+  EXPECT_FALSE(refusals.note_refusal(Code::malformed, kOne));
 }
 
 TEST(RenewalRefusals, OtherContentOrOtherReason_IsReportedAgain) {
   RenewalRefusals refusals;
-  refusals.is_due(Code::malformed, kOne);
-  EXPECT_TRUE(refusals.is_due(Code::malformed, kOne));
-  EXPECT_TRUE(refusals.is_due(Code::malformed, kOther));
-  EXPECT_TRUE(refusals.is_due(Code::truncated, kOther));
+  refusals.note_refusal(Code::malformed, kOne);
+  EXPECT_TRUE(refusals.note_refusal(Code::malformed, kOne));
+  EXPECT_TRUE(refusals.note_refusal(Code::malformed, kOther));
+  EXPECT_TRUE(refusals.note_refusal(Code::truncated, kOther));
 }
 
 TEST(RenewalRefusals, LastReport_StandsUntilTheFileIsGood) {
@@ -107,7 +108,7 @@ struct ClosedFolder : testing::Test {
 TEST_F(ClosedFolder, OfAnUnreadableFile_IsReportedInItsPlace) {
   EXPECT_TRUE(as_another_user([&] {
     const auto path = closed + "/a.pem";
-    const auto file = load("file:" + path, "a property", 100);
+    const auto file = load_uri("file:" + path, "a property", 100);
     if (file || file.error().code() != Code::file_unreadable) return false;
     const auto told =
         renewal_refused_error(Code::identity_renewal_refused, file.error(), path, "stays");
@@ -140,7 +141,7 @@ TEST_F(ClosedFolder, FileThatIsUnreadableItself_IsNotItsFault) {
   const auto path = folder.path() + "/a.pem";
   std::filesystem::permissions(path, std::filesystem::perms::none);
   EXPECT_TRUE(as_another_user([&] {
-    const auto file = load("file:" + path, "a property", 100);
+    const auto file = load_uri("file:" + path, "a property", 100);
     return !file && !folder_refused(file.error(), path);
   }));
 }

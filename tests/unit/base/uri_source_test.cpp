@@ -39,9 +39,9 @@ class UriSource : public testing::Test {
 TEST_F(UriSource, FilesAndTexts_AreRead) {
   const auto path = write("a", "hello");
   for (const auto& uri : {"file:" + path, "file://" + path, "  \t file:" + path})
-    EXPECT_EQ(load(uri, kProperty, 10), bytes("hello")) << uri;
-  EXPECT_EQ(load("data:,a%20b\n", kProperty, 10), bytes("a%20b\n"));
-  EXPECT_EQ(load(" data:,x", kProperty, 1), bytes("x"));
+    EXPECT_EQ(load_uri(uri, kProperty, 10), bytes("hello")) << uri;
+  EXPECT_EQ(load_uri("data:,a%20b\n", kProperty, 10), bytes("a%20b\n"));
+  EXPECT_EQ(load_uri(" data:,x", kProperty, 1), bytes("x"));
   const auto key = load_secret<KeyPem>("file:" + path, kProperty);
   ASSERT_TRUE(key);
   EXPECT_TRUE(key->expose([](BytesView octets) { return as_text(octets) == "hello"; }));
@@ -53,7 +53,7 @@ TEST_F(UriSource, EachRefusal_HasItsCodeAndNamesTheProperty) {
   const auto empty = write("empty", "");
   const auto large = write("large", std::string(20000, 'x'));
   const auto check = [](const std::string& uri, Code code, std::size_t most = 16 * 1024) {
-    const auto item = load(uri, kProperty, most);
+    const auto item = load_uri(uri, kProperty, most);
     const auto key = load_secret<KeyPem>(uri, kProperty);
     ASSERT_FALSE(item);
     EXPECT_EQ(item.error().code(), code) << item.error().to_sentence();
@@ -87,7 +87,7 @@ TEST(TooManyOctets, Error_NamesTheLimitAndTheSize) {
 TEST_F(UriSource, Fifo_DoesNotHang) {
   const auto path = (folder_ / "fifo").string();
   ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
-  EXPECT_CODE(load("file:" + path, kProperty, 10), file_unreadable);
+  EXPECT_CODE(load_uri("file:" + path, kProperty, 10), file_unreadable);
 }
 
 TEST_F(UriSource, APastedKey_DoesNotReachTheError) {

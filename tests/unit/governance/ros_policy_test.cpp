@@ -19,7 +19,7 @@ std::string data_text(const std::string& name) {
 }
 
 Result<Bytes> from_data(const std::filesystem::path& file) {
-  return pki::load("file://" + file.string(), "", 1 << 20);
+  return pki::load_uri("file://" + file.string(), "", 1 << 20);
 }
 
 Result<RosPolicy> policy_of(const std::string& name) {

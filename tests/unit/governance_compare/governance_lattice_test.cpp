@@ -110,17 +110,17 @@ INSTANTIATE_TEST_SUITE_P(
             cover_all}));
 
 TEST(Lattice, Kinds_AreOrderedByLevelAndOrigin) {
-  EXPECT_EQ(compare(Kind::none, Kind::sign), stronger);
-  EXPECT_EQ(compare(Kind::sign, Kind::encrypt), stronger);
-  EXPECT_EQ(compare(Kind::sign, Kind::sign_with_origin_authentication), stronger);
-  EXPECT_EQ(compare(Kind::encrypt, Kind::encrypt_with_origin_authentication), stronger);
-  EXPECT_EQ(compare(Kind::none, Kind::encrypt_with_origin_authentication), stronger);
+  EXPECT_EQ(compare_kinds(Kind::none, Kind::sign), stronger);
+  EXPECT_EQ(compare_kinds(Kind::sign, Kind::encrypt), stronger);
+  EXPECT_EQ(compare_kinds(Kind::sign, Kind::sign_with_origin_authentication), stronger);
+  EXPECT_EQ(compare_kinds(Kind::encrypt, Kind::encrypt_with_origin_authentication), stronger);
+  EXPECT_EQ(compare_kinds(Kind::none, Kind::encrypt_with_origin_authentication), stronger);
   EXPECT_EQ(
-      compare(Kind::encrypt_with_origin_authentication, Kind::sign_with_origin_authentication),
+      compare_kinds(Kind::encrypt_with_origin_authentication, Kind::sign_with_origin_authentication),
       weaker);
-  EXPECT_EQ(compare(Kind::encrypt, Kind::sign_with_origin_authentication), mixed);
-  EXPECT_EQ(compare(Kind::sign_with_origin_authentication, Kind::encrypt), mixed);
-  EXPECT_EQ(compare(Kind::encrypt, Kind::encrypt), neutral);
+  EXPECT_EQ(compare_kinds(Kind::encrypt, Kind::sign_with_origin_authentication), mixed);
+  EXPECT_EQ(compare_kinds(Kind::sign_with_origin_authentication, Kind::encrypt), mixed);
+  EXPECT_EQ(compare_kinds(Kind::encrypt, Kind::encrypt), neutral);
 }
 
 }  // namespace

@@ -198,7 +198,7 @@ TEST(SecuredParticipant, TopicThatTwoThreadsUseFirst_IsCreatedOnce) {
       ++arrived;
       while (arrived < 2 * (i + 1)) {
       }
-      const auto writer = participant->writer<rtps::Text>("Topic" + std::to_string(i));
+      const auto writer = participant->create_writer<rtps::Text>("Topic" + std::to_string(i));
       refusals += !writer && writer.error().code() == Code::rtps_precondition_not_met;
     }
   };

@@ -1,5 +1,5 @@
 // An output for lines that must never stop the caller.
-#include "base/event_file.hpp"
+#include "base/line_file.hpp"
 
 #include <csignal>
 #include <fcntl.h>
@@ -17,7 +17,7 @@
 namespace ddssec {
 namespace {
 
-class EventFileTest : public testing::Test {
+class LineFileTest : public testing::Test {
  protected:
   std::string text() const {
     std::ostringstream out;
@@ -28,9 +28,9 @@ class EventFileTest : public testing::Test {
   const std::string path_ = folder_.path() + "/events";
 };
 
-TEST_F(EventFileTest, NewFile_IsNotReadableByOthers) {
+TEST_F(LineFileTest, NewFile_IsNotReadableByOthers) {
   const auto before = ::umask(0);
-  EventFile file(path_.c_str());
+  LineFile file(path_.c_str());
   ::umask(before);
   ASSERT_TRUE(file.is_open());
   struct stat found {};
@@ -38,29 +38,29 @@ TEST_F(EventFileTest, NewFile_IsNotReadableByOthers) {
   EXPECT_EQ(found.st_mode & 0777, 0640u);
 }
 
-TEST_F(EventFileTest, LinesOfSeveralWriters_AreAppended) {
+TEST_F(LineFileTest, LinesOfSeveralWriters_AreAppended) {
   folder_.write("events", "before\n");
-  EventFile one(path_.c_str()), other(path_.c_str());
+  LineFile one(path_.c_str()), other(path_.c_str());
   EXPECT_TRUE(one.append("first"));
   EXPECT_TRUE(other.append("second"));
   EXPECT_TRUE(one.append(""));
   EXPECT_EQ(text(), "before\nfirst\nsecond\n\n");
 }
 
-TEST_F(EventFileTest, WhatIsNoOutput_IsNotOpenedAndSaysWhy) {
-  EXPECT_FALSE(EventFile(folder_.path().c_str()).is_open());
-  EXPECT_EQ(EventFile((folder_.path() + "/no/such/folder").c_str()).why_not(),
+TEST_F(LineFileTest, WhatIsNoOutput_IsNotOpenedAndSaysWhy) {
+  EXPECT_FALSE(LineFile(folder_.path().c_str()).is_open());
+  EXPECT_EQ(LineFile((folder_.path() + "/no/such/folder").c_str()).why_not(),
             "No such file or directory");
   ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
-  const EventFile fifo(path_.c_str());
+  const LineFile fifo(path_.c_str());
   EXPECT_FALSE(fifo.is_open());
   EXPECT_EQ(fifo.why_not(), "a FIFO without a reader");
 }
 
-TEST_F(EventFileTest, SlowReaderOfAFifo_LosesLinesAndBlocksNobody) {
+TEST_F(LineFileTest, SlowReaderOfAFifo_LosesLinesAndBlocksNobody) {
   ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
   const FileDescriptor reader(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
-  EventFile file(path_.c_str());
+  LineFile file(path_.c_str());
   ASSERT_TRUE(file.is_open());
   const std::string line(4095, 'x');  // with its end, as much as is written at once or not at all
   int written = 0;
@@ -71,10 +71,10 @@ TEST_F(EventFileTest, SlowReaderOfAFifo_LosesLinesAndBlocksNobody) {
   EXPECT_TRUE(file.append(line)) << "there is room again";
 }
 
-TEST_F(EventFileTest, ReaderThatHasLeft_EndsNoProcess) {
+TEST_F(LineFileTest, ReaderThatHasLeft_EndsNoProcess) {
   ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
   FileDescriptor reader(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
-  EventFile file(path_.c_str());
+  LineFile file(path_.c_str());
   reader = FileDescriptor();
   EXPECT_FALSE(file.append("lost"));  // without the guard, SIGPIPE ends this test
   sigset_t pending;
@@ -103,8 +103,8 @@ class SizeLimit {
 };
 
 // As on a full disk: a part of the line is written, then nothing.
-TEST_F(EventFileTest, LineAfterOneThatWasCut_BeginsOnALineOfItsOwn) {
-  EventFile file(path_.c_str());
+TEST_F(LineFileTest, LineAfterOneThatWasCut_BeginsOnALineOfItsOwn) {
+  LineFile file(path_.c_str());
   {
     const SizeLimit limit(4);
     EXPECT_FALSE(file.append("longer than four"));

@@ -9,13 +9,13 @@ namespace ddssec {
 
 /// An output for lines: a regular file, a FIFO with a reader, a terminal or another character
 /// device. Neither opening nor writing ever blocks. Thread-safe.
-class EventFile {
+class LineFile {
  public:
   /// Opens `path`; creates a regular file if it does not exist. See is_open().
-  explicit EventFile(const char* path);
-  ~EventFile();
-  EventFile(const EventFile&) = delete;
-  EventFile& operator=(const EventFile&) = delete;
+  explicit LineFile(const char* path);
+  ~LineFile();
+  LineFile(const LineFile&) = delete;
+  LineFile& operator=(const LineFile&) = delete;
 
   /// False if the path is no such output or cannot be written, for example a FIFO without a reader.
   bool is_open() const { return file_ >= 0; }

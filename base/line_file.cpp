@@ -1,4 +1,4 @@
-#include "base/event_file.hpp"
+#include "base/line_file.hpp"
 
 #include <cerrno>
 #include <csignal>
@@ -64,15 +64,15 @@ class WithoutSigpipe {
 
 }  // namespace
 
-EventFile::EventFile(const char* path) : file_(open_suitable(path)) {
+LineFile::LineFile(const char* path) : file_(open_suitable(path)) {
   if (file_ < 0) why_not_ = reason();
 }
 
-EventFile::~EventFile() {
+LineFile::~LineFile() {
   if (is_open()) close(file_);
 }
 
-bool EventFile::append(std::string_view line) {
+bool LineFile::append(std::string_view line) {
   const bool was_torn = is_torn_.exchange(false);
   const auto text = std::string(was_torn ? "\n" : "").append(line) + "\n";
   const WithoutSigpipe guard;
